@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * converter.h - every stage of the converter, in the order in which data flows:
+ *
+ *     read -> features -> samples -> candidates and selection -> splats -> .glb -> verify
+ *
+ * One file = one stage, named by its noun. Stages return psplat_result and describe failures in a
+ * psplat_error; nothing prints but the command line (main.c and command_*.c). Lengths are in the units of
+ * the input, angles in radians unless a name says degrees. Structs are plain: whoever fills
+ * one owns it, and *_free accepts a zero-initialised struct.
+ */
+#ifndef PHONGSPLAT_CONVERTER_H
+#define PHONGSPLAT_CONVERTER_H
+
+#include <phongsplat/splat.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- mesh.c: triangles as they were read ------------------------------------------------- */
+
+/* Attributes live on corners (3 per triangle), so that a hard edge or a colour seam of the file
+ * survives welding. Positions are relative to origin, which is subtracted in double. */
+typedef struct psplat_mesh {
+    double *positions;        /* vertex_count x 3 */
+    uint32_t *triangles;      /* triangle_count x 3 vertex indices */
+    float *corner_normals;    /* triangle_count x 3 x 3 unit normals, or NULL: none in the file */
+    float *corner_colors;     /* triangle_count x 3 x 4 linear RGBA, or NULL: uniform */
+    uint32_t *groups;         /* triangle_count ids; edges between groups are creases; or NULL */
+    size_t vertex_count;
+    size_t triangle_count;
+    double origin[3];
+    psplat_material material; /* factors common to all triangles */
+    size_t dropped;           /* triangles dropped as degenerate */
+} psplat_mesh;
+
+/* Reads any supported file, chosen by its content first and its extension second (.obj .ply .off .stl
+ * .gltf .glb). Checks indices and that every used coordinate is finite, welds vertices of equal
+ * position, drops triangles without area, recentres. Errors name the place; READ, FORMAT, RANGE,
+ * UNSUPPORTED, NO_SPLATS (no triangle with area), MEMORY. */
+psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error *error);
+void psplat_mesh_free(psplat_mesh *mesh);
+
+/* adapter_openmesh.cpp (OBJ, PLY, OFF, STL) and adapter_tinygltf.cpp (glTF, GLB) fill a raw mesh:
+ * unwelded, not recentred, nothing dropped, every index already in range. */
+psplat_result psplat_mesh_read_openmesh(const char *path, const char *format, psplat_mesh *mesh,
+                                        psplat_error *error);
+psplat_result psplat_mesh_read_tinygltf(const char *path, psplat_mesh *mesh, psplat_error *error);
+
+/* ---- convert.c: the whole conversion ------------------------------------------------------ */
+
+/* Zeros are the defaults. */
+typedef struct psplat_convert_desc {
+    double tolerance_percent;    /* epsilon in % of the bounding-box diagonal; 0 means 0.5 */
+    double crease_angle_degrees; /* dihedral angle from which an edge is a crease; 0 means 30 */
+    uint64_t seed;               /* of the sampling */
+    /* Called now and then with the stage's name and its fraction done 0 ... 1; a return other than 0
+     * stops with INTERRUPTED. May be NULL. */
+    int (*progress)(void *user, const char *stage, double fraction);
+    void *user;
+} psplat_convert_desc;
+
+/* The splats of one model, sorted by clip_count, each class in spatial order. */
+typedef struct psplat_splats {
+    psplat_splat *splats;
+    size_t count;
+    size_t count_by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1];
+    psplat_kernel kernel;
+    float depth_tolerance;
+    int has_color;            /* 0: color is 1 1 1 1 in every splat */
+    double origin[3];         /* goes into the node's translation */
+    psplat_material material;
+} psplat_splats;
+
+void psplat_splats_free(psplat_splats *splats);
+
+/* What the converter measured, on samples other than those it fitted. */
+typedef struct psplat_report {
+    size_t splats;
+    size_t splats_by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1];
+    size_t triangles, patches, crease_edges, border_edges;
+    size_t samples;                 /* fitted */
+    size_t verification_samples;    /* measured */
+    size_t bytes;                   /* of the file written */
+    double seconds;                 /* wall clock, reading and writing included */
+    size_t peak_memory_bytes;       /* of the process */
+    double diagonal;                /* of the bounding box */
+    double tolerance_percent;
+    double max_distance_percent;         /* two-sided */
+    double max_distance_surface_percent; /* surface to splats */
+    double max_distance_splats_percent;  /* splats to surface */
+    double rms_distance_percent;         /* surface to splats */
+    double rms_normal_degrees;           /* blended linear field against the surface's normal */
+    double p95_normal_degrees;
+    double rms_normal_constant_degrees;  /* the same with gradients set to 0 */
+    size_t uncovered_samples;            /* of verification_samples */
+} psplat_report;
+
+/* Mesh to splats. Deterministic: equal input and desc give equal splats. report may be NULL. */
+psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                             psplat_splats *splats, psplat_report *report, psplat_error *error);
+
+/* ---- glb.c: splats to a file -------------------------------------------------------------- */
+
+/* Serialises splats as a complete GLB (spec 3) into *data, allocated with malloc and owned by the
+ * caller. Pure: no file is touched. name (may be NULL) becomes the node's and the mesh's name. */
+psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, uint8_t **data,
+                               size_t *size, psplat_error *error);
+
+/* ---- output.c: files that are whole or absent --------------------------------------------- */
+
+/* Writes size bytes to path through a temporary file beside it, fsync and rename, so that path
+ * holds the old content or the new one and never a part. overwrite 0 refuses an existing path. path "-" is standard
+ * output. Errors: WRITE, its text naming path and cause. */
+psplat_result psplat_output_write(const char *path, const void *data, size_t size, int overwrite,
+                                  psplat_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * phongsplat/phongsplat.h - the runtime: open an asset, upload it, draw it.
+ *
+ * The runtime has no globals, prints nothing, never exits, opens no window and links no GL: the
+ * host hands in an allocator, file access and the GL loader. An asset may be opened on any thread;
+ * a renderer and its models belong to the thread whose GL context was current at their creation.
+ * Matrices are column-major (m[column * 4 + row]) and act on column vectors, as in GL and glTF.
+ *
+ *     psplat_asset *asset = NULL;
+ *     psplat_error error;
+ *     if (psplat_asset_open("part.glb", NULL, &asset, &error)) return fail(error.text);
+ *     psplat_renderer *renderer = NULL;
+ *     psplat_renderer_desc desc = {.get_proc = my_get_proc};
+ *     psplat_renderer_create(&desc, &renderer, &error);
+ *     psplat_model *model = NULL;
+ *     psplat_model_create(renderer, asset, &model, &error);
+ *     // every frame, with the host's framebuffer bound and cleared:
+ *     psplat_draw(renderer, &view, &(psplat_item){.model = model}, 1, &error);
+ */
+#ifndef PHONGSPLAT_PHONGSPLAT_H
+#define PHONGSPLAT_PHONGSPLAT_H
+
+#include "splat.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PSPLAT_VERSION_MAJOR 0
+#define PSPLAT_VERSION_MINOR 1
+#define PSPLAT_VERSION_PATCH 0
+
+/* ---- memory and files ------------------------------------------------------------------- */
+
+/* Zero-initialised: the C library. resize(NULL, 0, n) allocates n bytes, resize(p, old, 0) frees
+ * and returns NULL, otherwise reallocates; it returns NULL when out of memory (p stays valid). */
+typedef struct psplat_allocator {
+    void *(*resize)(void *user, void *memory, size_t old_size, size_t new_size);
+    void *user;
+} psplat_allocator;
+
+/* Zero-initialised: stdio. read() loads a whole file into memory taken from allocator, stores the
+ * block and its size (the block is exactly *size bytes; NULL where *size is 0) and returns
+ * PSPLAT_OK, or returns PSPLAT_ERROR_READ, _MEMORY or _RANGE and leaves the outputs alone. The
+ * caller of read() owns the block. Files larger than max_size are refused with _RANGE. */
+typedef struct psplat_files {
+    psplat_result (*read)(void *user, const psplat_allocator *allocator, const char *path,
+                          size_t max_size, void **data, size_t *size);
+    void *user;
+} psplat_files;
+
+/* ---- asset ------------------------------------------------------------------------------ */
+
+typedef struct psplat_asset psplat_asset;
+
+/* Zeros are the defaults. */
+typedef struct psplat_asset_desc {
+    psplat_allocator allocator;
+    psplat_files files;
+    const char *base_path; /* memory input only: directory of external buffers; NULL refuses them */
+    size_t max_file_size;  /* bytes; 0 means 2 GiB */
+} psplat_asset_desc;
+
+/* Splats of one clip class of one mesh as one node of the default scene places them (spec 3.1). */
+typedef struct psplat_batch {
+    const psplat_splat *splats; /* splat_count of them; shared between instances of a mesh */
+    size_t splat_count;         /* >= 1 */
+    uint32_t clip_count;        /* clip lines of every splat in this batch, 0 ... 4 */
+    uint32_t primitive;         /* batches with the same number share their splats */
+    double model[16];           /* affine: the node's transform to the scene, composed in double */
+    psplat_kernel kernel;
+    float depth_tolerance; /* epsilon of the visibility pass (spec 5.3), in the units of center */
+    psplat_material material;
+    float bounds_min[3]; /* box around the unclipped ellipses, object space */
+    float bounds_max[3];
+    int has_color; /* 0: color is 1 1 1 1 in every splat */
+} psplat_batch;
+
+/* Opens a .glb, or a .gltf with .bin files beside it or data URIs. desc may be NULL. Checks every
+ * count, offset, stride, type and range of what it uses. On success *asset is owned by the caller;
+ * on failure *asset is NULL and error (may be NULL) says what and where. The bytes of _memory are
+ * not needed after it returns. */
+psplat_result psplat_asset_open(const char *path, const psplat_asset_desc *desc,
+                                psplat_asset **asset, psplat_error *error);
+psplat_result psplat_asset_open_memory(const void *data, size_t size,
+                                       const psplat_asset_desc *desc, psplat_asset **asset,
+                                       psplat_error *error);
+void psplat_asset_destroy(psplat_asset *asset); /* NULL is accepted */
+
+/* Batches in drawing order: unclipped first (BSK04 section 4.1). Valid until the asset is
+ * destroyed. batch() returns NULL when index >= count. */
+size_t psplat_asset_batch_count(const psplat_asset *asset);
+const psplat_batch *psplat_asset_batch(const psplat_asset *asset, size_t index);
+
+/* Box of all batches in scene space. */
+void psplat_asset_bounds(const psplat_asset *asset, double min[3], double max[3]);
+
+/* ---- renderer --------------------------------------------------------------------------- */
+
+typedef struct psplat_renderer psplat_renderer;
+typedef struct psplat_model psplat_model;
+
+/* get_proc is required: eglGetProcAddress, glfwGetProcAddress or the engine's own. The context
+ * must be GL >= 3.3 core or GLES >= 3.0 and current during every call below. */
+typedef struct psplat_renderer_desc {
+    void *(*get_proc)(void *user, const char *name);
+    void *user;
+    psplat_allocator allocator;
+} psplat_renderer_desc;
+
+psplat_result psplat_renderer_create(const psplat_renderer_desc *desc, psplat_renderer **renderer,
+                                     psplat_error *error);
+/* Destroy models first. NULL is accepted. */
+void psplat_renderer_destroy(psplat_renderer *renderer);
+
+/* Uploads an asset; the asset may be destroyed afterwards. */
+psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset *asset,
+                                  psplat_model **model, psplat_error *error);
+void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model);
+
+typedef enum psplat_mode {
+    PSPLAT_MODE_PHONG = 0,  /* linear normal fields blended, lit once per pixel */
+    PSPLAT_MODE_GAUSSIAN,   /* splats lit with their centre normal, colours blended */
+    PSPLAT_MODE_FLAT,       /* splats lit with their centre normal, nearest one wins */
+    PSPLAT_MODE_PARAMETERS, /* debug: nearest splat's (u, v, index in draw order, 1), unencoded */
+    PSPLAT_MODE_COUNT
+} psplat_mode;
+
+typedef enum psplat_culling {
+    PSPLAT_CULL_BY_MATERIAL = 0, /* as the material's doubleSided says */
+    PSPLAT_CULL_NEVER,
+    PSPLAT_CULL_ALWAYS
+} psplat_culling;
+
+/* One directional light and a constant ambient term (spec 5.6). */
+typedef struct psplat_light {
+    float direction[3]; /* towards the light, scene space, any length > 0 */
+    float color[3];     /* irradiance on a facing surface, linear; pi lights white to 1 */
+    float ambient[3];   /* radiance from everywhere, linear */
+} psplat_light;
+
+/* A camera and what to draw. All matrices are double: they are composed in double and only
+ * their product becomes float, so that models far from the origin do not tremble. */
+typedef struct psplat_view {
+    double view[16];       /* scene to eye; rigid */
+    double projection[16]; /* eye to clip, GL conventions (z from -w to w) */
+    int x, y;              /* lower left corner in the bound framebuffer, pixels */
+    int width, height;     /* pixels, >= 1 */
+    psplat_mode mode;
+    psplat_culling culling;
+    psplat_light light;
+    int linear_output; /* 0: sRGB-encode colours; 1: the framebuffer is float or encodes itself */
+} psplat_view;
+
+/* One model to draw. transform is applied after the asset's own node transforms; all zeros mean
+ * the identity. It may be any invertible affine matrix. */
+typedef struct psplat_item {
+    psplat_model *model;
+    double transform[16];
+} psplat_item;
+
+/* Draws into the framebuffer bound for drawing: colour and depth of covered pixels are written
+ * where the depth test against what is already there passes (GL_LEQUAL), other pixels are left as
+ * they are; the host clears. GL state it touches is restored. No allocation after the first frame of
+ * a size. */
+psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
+                          const psplat_item *items, size_t item_count, psplat_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

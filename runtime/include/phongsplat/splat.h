@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * phongsplat/splat.h - the vocabulary: what a splat is, and how errors are reported.
+ *
+ * Everything else (asset, renderer, reference rasteriser, converter) includes this header; this
+ * header includes nothing of ours. The normative text is schema/README.md, whose section numbers
+ * are cited as "spec 4.2".
+ */
+#ifndef PHONGSPLAT_SPLAT_H
+#define PHONGSPLAT_SPLAT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A splat has at most this many clip lines (spec 3.6). */
+#define PSPLAT_MAX_CLIP_LINES 4
+
+/* One Phong splat (Botsch, Spornat, Kobbelt 2004, "BSK04"): an ellipse in object space with a
+ * linear field of normals, cut by up to four lines.
+ *
+ * The unit axes U, V, N are the rotated x, y and z axes. A point q of the splat's plane has
+ *
+ *     u = U.(q - center) / radius[0]       v = V.(q - center) / radius[1]      (BSK04 eq. 1)
+ *
+ * and belongs to the splat where u*u + v*v <= 1 and, for each clip line (a, b, c),
+ * a*u + b*v + c >= 0. Its normal there, of any length, is
+ *
+ *     n(u, v) = N + (x + gradient[0]*u) U + (y + gradient[1]*v) V              (BSK04 eq. 2)
+ *
+ * where x = normal.U / normal.N and y = normal.V / normal.N. */
+typedef struct psplat_splat {
+    float center[3];   /* in the units of the asset's POSITION */
+    float rotation[4]; /* unit quaternion x, y, z, w */
+    float radius[2];   /* radius[0] >= radius[1] > 0, in the units of center */
+    float normal[3];   /* unit normal at u = v = 0; normal.N > 0 */
+    float gradient[2]; /* alpha, beta of BSK04: change of (x, y) per unit of u and of v */
+    float color[4];    /* linear RGBA, multiplies the material's base colour; 1 where unstored */
+    float clip[PSPLAT_MAX_CLIP_LINES][3]; /* a, b, c; rows from clip_count on are 0 */
+    uint32_t clip_count;                  /* 0 ... PSPLAT_MAX_CLIP_LINES */
+} psplat_splat;
+
+/* Blending kernel psi(r) = exp(-sharpness * r^exponent) for r = sqrt(u*u + v*v) in 0 ... 1, and 0
+ * beyond (Pajarola, Sainz, Guidotti 2003, section 4.2, with the support radius b at 1). */
+typedef struct psplat_kernel {
+    float sharpness; /* a > 0 */
+    float exponent;  /* n > 0; 2 is a Gaussian */
+} psplat_kernel;
+
+/* The kernel of an asset that states none (spec 3.7): a Gaussian with psi(1) = exp(-2) = 0.135. */
+#define PSPLAT_DEFAULT_KERNEL_SHARPNESS 2.0f
+#define PSPLAT_DEFAULT_KERNEL_EXPONENT 2.0f
+
+/* The part of a glTF material that splats use; factors as in glTF 2.0, all linear. */
+typedef struct psplat_material {
+    float base_color[4]; /* 0 ... 1; glTF default 1 1 1 1 */
+    float emissive[3];   /* >= 0 */
+    float metallic;      /* 0 ... 1 */
+    float roughness;     /* 0 ... 1 */
+    int double_sided;    /* 0: splats seen from behind are culled */
+    int unlit;           /* KHR_materials_unlit */
+} psplat_material;
+
+/* Result of every function that can fail. 0 is success; the text of each is psplat_result_text. */
+typedef enum psplat_result {
+    PSPLAT_OK = 0,
+    PSPLAT_ERROR_ARGUMENT,    /* the caller broke the contract: NULL, zero size, unknown enum */
+    PSPLAT_ERROR_MEMORY,      /* an allocation failed */
+    PSPLAT_ERROR_READ,        /* a file cannot be opened or read */
+    PSPLAT_ERROR_WRITE,       /* a file cannot be created or written, or already exists */
+    PSPLAT_ERROR_FORMAT,      /* bytes are not what the format demands: magic, chunk, JSON, syntax */
+    PSPLAT_ERROR_RANGE,       /* a count, offset, index, length or value is outside its range */
+    PSPLAT_ERROR_UNSUPPORTED, /* well-formed, but not something this version reads */
+    PSPLAT_ERROR_NO_SPLATS,   /* a valid glTF without splats, or a mesh without area */
+    PSPLAT_ERROR_RESCALED,    /* another tool changed POSITION but not SCALE (spec 6.2) */
+    PSPLAT_ERROR_GRAPHICS,    /* GL or EGL: function missing, shader refused, context unusable */
+    PSPLAT_ERROR_INTERRUPTED, /* the caller asked a long operation to stop */
+    PSPLAT_RESULT_COUNT
+} psplat_result;
+
+/* What went wrong, for people. Filled only on failure; every function accepts NULL for it. */
+typedef struct psplat_error {
+    psplat_result code;
+    size_t offset;  /* byte offset in the input the text speaks of; 0 where none applies */
+    char text[240]; /* one English sentence without a newline, always terminated */
+} psplat_error;
+
+/* A short constant description of a result ("out of memory"); never NULL. */
+const char *psplat_result_text(psplat_result result);
+
+/* Fills error (which may be NULL) in printf style and returns code, so that a failing function
+ * can `return psplat_fail(error, PSPLAT_ERROR_RANGE, offset, "...")`. */
+psplat_result psplat_fail(psplat_error *error, psplat_result code, size_t offset,
+                          const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 4, 5)))
+#endif
+    ;
+
+#ifdef __cplusplus
+}
+#endif
+#endif
