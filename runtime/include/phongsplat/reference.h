@@ -14,21 +14,31 @@ extern "C" {
 #endif
 
 /* Per-pixel results; each array holds width * height entries, row 0 at the bottom as in GL. The
- * caller provides the arrays; a NULL array is not computed. */
+ * caller provides the arrays; a NULL array is not computed.
+ *
+ * The three ties say how near a pixel is to a different decision, so that tests can skip pixels
+ * that float32 cannot decide. They are 1 where nothing is near, and count only splats that would
+ * show: those not hidden by the pixel's visibility limit t_min + epsilon of spec 5.3 (in flat and
+ * parameters mode: by the nearest splat). */
 typedef struct psplat_reference_image {
     float *color;    /* 4 per pixel: RGB as psplat_view.linear_output asks, A = 1 where covered */
     double *depth;   /* window depth 0 ... 1 of spec 5.5; 1 where uncovered */
-    double *uv;      /* 2 per pixel: (u, v) of the nearest splat */
+    double *uv;      /* 2 per pixel: (u, v) of the nearest splat; 0 where uncovered */
     int32_t *splat;  /* index of the nearest splat, counted over all batches in draw order; -1 */
-    uint32_t *count; /* splats blended into the pixel (1 at most in flat mode) */
-    double *tie; /* how far the pixel is from a different decision (>= 0): least of |1 - r| and
-                    |clip distance| * least radius in pixels over the splats near the pixel, and of
-                    |depth difference - epsilon| / epsilon over the splats covering it; tests skip
-                    pixels whose tie is below what float32 can decide */
+    uint32_t *count; /* splats blended into the pixel (1 at most in flat and parameters mode) */
+    double *tie;     /* least distance to an edge (|1 - r|, or to a clip line with a, b normalised),
+                        in (u, v) or in pixels, whichever is less; least |cosine| between a splat's
+                        normal and the ray, which decides front or back */
+    double *depth_tie;   /* least difference of window depth to the near and far plane and to the
+                            visibility limit */
+    double *epsilon_tie; /* least |t - limit| / epsilon; always 1 in flat and parameters mode */
 } psplat_reference_image;
 
 /* Draws the asset's batches with the given transform (NULL: identity) and view; view.x and view.y
- * are ignored. image describes view.width x view.height pixels. Errors: ARGUMENT, MEMORY. */
+ * are ignored; the projection may be any invertible matrix. image describes view.width x
+ * view.height pixels. Takes some 300 bytes a pixel from the C library while it runs. Where the
+ * materials of several batches meet in a pixel, their factors are blended as COLOR_0 is (spec 5.4).
+ * Errors: ARGUMENT, MEMORY. */
 psplat_result psplat_reference_draw(const psplat_asset *asset, const double transform[16],
                                     const psplat_view *view, psplat_reference_image *image,
                                     psplat_error *error);

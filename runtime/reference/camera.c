@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT
+ * Spec 5: rays through pixels, from nothing but the projection matrix, and the pixels that a
+ * splat may touch.
+ *
+ * In clip space the ray through normalised device coordinates (X, Y) holds the points
+ * w (X, Y, 0, 1) + z (0, 0, 1, 0). The images of both under the inverse projection are a point of
+ * the pixel and the eye; the eye is at infinity in parallel views. */
+#include "oracle.h"
+
+#include <math.h>
+#include <string.h>
+
+int psplat_oracle_camera_set(psplat_oracle_camera *camera, const psplat_view *view) {
+    double inverse[16];
+    for (int i = 0; i < 16; ++i)
+        if (!isfinite(view->projection[i]) || !isfinite(view->view[i])) return 0;
+    if (!psplat_oracle_invert(view->projection, inverse)) return 0;
+    memcpy(camera->projection, view->projection, sizeof camera->projection);
+    camera->width = view->width;
+    camera->height = view->height;
+    double step_x = 2.0 / view->width, step_y = 2.0 / view->height;
+    for (int i = 0; i < 4; ++i) {
+        camera->eye[i] = inverse[8 + i];
+        camera->pixel[0][i] = inverse[12 + i] - inverse[i] - inverse[4 + i];
+        camera->pixel[1][i] = step_x * inverse[i];
+        camera->pixel[2][i] = step_y * inverse[4 + i];
+    }
+    camera->parallel = camera->eye[3] == 0;
+    return 1;
+}
+
+void psplat_oracle_camera_ray(const psplat_oracle_camera *camera, double x, double y,
+                              psplat_oracle_ray *ray) {
+    const double(*pixel)[4] = camera->pixel;
+    double at[4];
+    for (int i = 0; i < 4; ++i) at[i] = pixel[0][i] + x * pixel[1][i] + y * pixel[2][i];
+    for (int i = 0; i < 3; ++i) {
+        double eye = camera->parallel ? camera->eye[i] / at[3] : camera->eye[i] / camera->eye[3];
+        ray->origin[i] = camera->parallel ? at[i] / at[3] : eye;
+        ray->direction[i] = camera->parallel ? eye : at[i] - at[3] * eye;
+        for (int k = 0; k < 2; ++k) {
+            double step = pixel[k + 1][i], step_w = pixel[k + 1][3];
+            ray->origin_by[k][i] = camera->parallel ? (step - step_w * ray->origin[i]) / at[3] : 0;
+            ray->direction_by[k][i] =
+                camera->parallel ? -step_w * eye / at[3] : step - step_w * eye;
+        }
+    }
+    ray->length = psplat_oracle_length(ray->direction);
+}
+
+double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const double point[3],
+                                  double *w) {
+    double clip[4];
+    psplat_oracle_transform(camera->projection, point, 1, clip);
+    *w = clip[3];
+    return 0.5 + 0.5 * clip[2] / clip[3];
+}
+
+/* ---- bounds --------------------------------------------------------------------------------- */
+
+#define CORNERS 8
+#define MAX_CORNERS 18 /* rounding may make every edge cross a plane: 8, 8 / 2 * 3, 12 / 2 * 3 */
+
+typedef struct polygon {
+    double corner[MAX_CORNERS][4]; /* clip space */
+    int count;
+} polygon;
+
+/* The octagon around the ellipse: bounds that need no case distinction, at 8 % more width. */
+static void octagon(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                    polygon *out) {
+    const double pi = 3.14159265358979323846;
+    double center[4], u[4], v[4], radius = 1 / cos(pi / CORNERS);
+    psplat_oracle_transform(camera->projection, splat->center, 1, center);
+    psplat_oracle_transform(camera->projection, splat->axis[0], 0, u);
+    psplat_oracle_transform(camera->projection, splat->axis[1], 0, v);
+    for (int k = 0; k < CORNERS; ++k) {
+        double angle = 2 * pi * k / CORNERS;
+        double x = radius * cos(angle), y = radius * sin(angle);
+        for (int i = 0; i < 4; ++i) out->corner[k][i] = center[i] + x * u[i] + y * v[i];
+    }
+    out->count = CORNERS;
+}
+
+/* Keeps sign * z <= w (1 + slack), by Sutherland and Hodgman. The slack keeps the fragments whose
+ * depth_margin is near 0. */
+static void clip_depth(polygon *shape, double sign) {
+    const double slack = 1.0 / 65536;
+    polygon kept = {.count = 0};
+    for (int k = 0; k < shape->count; ++k) {
+        const double *a = shape->corner[k], *b = shape->corner[(k + 1) % shape->count];
+        double inside_a = a[3] * (1 + slack) - sign * a[2];
+        double inside_b = b[3] * (1 + slack) - sign * b[2];
+        if (inside_a >= 0) memcpy(kept.corner[kept.count++], a, sizeof kept.corner[0]);
+        if ((inside_a >= 0) == (inside_b >= 0)) continue;
+        double s = inside_a / (inside_a - inside_b);
+        for (int i = 0; i < 4; ++i) kept.corner[kept.count][i] = a[i] + s * (b[i] - a[i]);
+        ++kept.count;
+    }
+    *shape = kept;
+}
+
+static int pixel_of(double window, int size) {
+    return (int)fmin(fmax(window, 0), size);
+}
+
+psplat_oracle_box psplat_oracle_camera_bounds(const psplat_oracle_camera *camera,
+                                              const psplat_oracle_splat *splat) {
+    const double margin = 1;
+    int size[2] = {camera->width, camera->height};
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    polygon shape;
+    octagon(camera, splat, &shape);
+    clip_depth(&shape, -1);
+    if (shape.count) clip_depth(&shape, 1);
+    if (!shape.count) return (psplat_oracle_box){0, 0, 0, 0};
+    for (int k = 0; k < shape.count; ++k)
+        for (int i = 0; i < 2; ++i) {
+            const double *corner = shape.corner[k];
+            /* w is 0 only at the eye: every pixel may see it. */
+            double at = (0.5 + 0.5 * corner[i] / corner[3]) * size[i];
+            int known = corner[3] > 0 && isfinite(at);
+            low[i] = fmin(low[i], known ? at : 0);
+            high[i] = fmax(high[i], known ? at : size[i]);
+        }
+    return (psplat_oracle_box){
+        pixel_of(floor(low[0] - margin), size[0]), pixel_of(ceil(high[0] + margin), size[0]),
+        pixel_of(floor(low[1] - margin), size[1]), pixel_of(ceil(high[1] + margin), size[1])};
+}

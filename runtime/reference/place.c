@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ * Spec 3 and 4: what a stored splat is, and what a node's transform makes of it. */
+#include "oracle.h"
+
+#include <math.h>
+
+/* |det M3|^(1/3) M3^-T. The columns of M3^-T are the cross products of M3's columns over det M3,
+ * so a mirroring transform keeps outward normals outward (spec 4). */
+static int normal_matrix(const double m[16], double out[3][3], double *scale) {
+    double columns[3][3];
+    for (int i = 0; i < 3; ++i)
+        psplat_oracle_cross(m + 4 * ((i + 1) % 3), m + 4 * ((i + 2) % 3), columns[i]);
+    double determinant = psplat_oracle_dot(m, columns[0]);
+    if (determinant == 0 || !isfinite(determinant)) return 0;
+    *scale = cbrt(fabs(determinant));
+    for (int row = 0; row < 3; ++row)
+        for (int i = 0; i < 3; ++i) out[row][i] = *scale * columns[i][row] / determinant;
+    return 1;
+}
+
+int psplat_oracle_place_batch(const psplat_batch *batch, const double transform[16],
+                              const double view[16], psplat_oracle_space *space) {
+    double placed[16], scale = 0;
+    psplat_oracle_multiply(transform, batch->model, placed);
+    psplat_oracle_multiply(view, placed, space->model_view);
+    if (!normal_matrix(space->model_view, space->normal_matrix, &scale)) return 0;
+    space->epsilon = scale * (double)batch->depth_tolerance;
+    return 1;
+}
+
+/* Spec 3.3: U, V, N are the columns of the quaternion's rotation, which need not be stored with
+ * length 1 exactly. */
+static void axes_of(const float rotation[4], double axes[3][3]) {
+    double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
+    double s = 2 / (x * x + y * y + z * z + w * w);
+    double rows[3][3] = {
+        {1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
+        {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
+        {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)},
+    };
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) axes[i][k] = rows[i][k];
+}
+
+/* Spec 3.4: the rows that take q - c to (u, v). They are the dual basis of the two axes, which
+ * stays right where a transform makes the axes conjugate diameters (spec 4). */
+static void parameter_rows(psplat_oracle_splat *placed) {
+    psplat_oracle_cross(placed->axis[0], placed->axis[1], placed->plane);
+    double area2 = psplat_oracle_dot(placed->plane, placed->plane);
+    psplat_oracle_cross(placed->axis[1], placed->plane, placed->parameter[0]);
+    psplat_oracle_cross(placed->plane, placed->axis[0], placed->parameter[1]);
+    for (int i = 0; i < 3; ++i) {
+        placed->parameter[0][i] /= area2;
+        placed->parameter[1][i] /= area2;
+    }
+}
+
+static void apply(const double matrix[3][3], const double v[3], double out[3]) {
+    for (int row = 0; row < 3; ++row) out[row] = psplat_oracle_dot(matrix[row], v);
+}
+
+/* Spec 3.5: eq. (2) and (3), transformed as normals. */
+static void normal_field(const psplat_splat *splat, double axes[3][3], const double matrix[3][3],
+                         psplat_oracle_splat *placed) {
+    double stored[3] = {splat->normal[0], splat->normal[1], splat->normal[2]};
+    double along = psplat_oracle_dot(stored, axes[2]);
+    double x = psplat_oracle_dot(stored, axes[0]) / along;
+    double y = psplat_oracle_dot(stored, axes[1]) / along;
+    double u[3], v[3];
+    apply(matrix, axes[0], u);
+    apply(matrix, axes[1], v);
+    apply(matrix, axes[2], placed->side);
+    for (int i = 0; i < 3; ++i) {
+        placed->normal[0][i] = placed->side[i] + x * u[i] + y * v[i];
+        placed->normal[1][i] = (double)splat->gradient[0] * u[i];
+        placed->normal[2][i] = (double)splat->gradient[1] * v[i];
+    }
+}
+
+void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
+                               const psplat_oracle_space *space, psplat_oracle_splat *placed) {
+    double axes[3][3], moved[4];
+    double center[3] = {splat->center[0], splat->center[1], splat->center[2]};
+    axes_of(splat->rotation, axes);
+    psplat_oracle_transform(space->model_view, center, 1, moved);
+    for (int i = 0; i < 3; ++i) placed->center[i] = moved[i];
+    for (int axis = 0; axis < 2; ++axis) {
+        psplat_oracle_transform(space->model_view, axes[axis], 0, moved);
+        for (int i = 0; i < 3; ++i) placed->axis[axis][i] = (double)splat->radius[axis] * moved[i];
+    }
+    parameter_rows(placed);
+    normal_field(splat, axes, space->normal_matrix, placed);
+    placed->clip_count = clip_count;
+    for (uint32_t k = 0; k < clip_count; ++k)
+        for (int i = 0; i < 3; ++i) placed->clip[k][i] = splat->clip[k][i];
+}
