@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * adapter_cgal.cpp - what CGAL does for the converter: random points of triangles and distances to
+ * a mesh. No exception and no C++ type leaves this file.
+ */
+#include "stages.h"
+
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/AABB_triangle_primitive.h>
+#include <CGAL/Random.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/point_generators_3.h>
+
+#include <cmath>
+#include <new>
+#include <vector>
+
+namespace {
+
+using Kernel = CGAL::Simple_cartesian<double>;
+using Point = Kernel::Point_3;
+using Triangle = Kernel::Triangle_3;
+using Iterator = std::vector<Triangle>::const_iterator;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, Iterator>;
+using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+
+Point point(const double *p) {
+    return Point(p[0], p[1], p[2]);
+}
+
+} // namespace
+
+struct psplat_distance {
+    std::vector<Triangle> triangles;
+    Tree tree;
+};
+
+extern "C" psplat_result psplat_cgal_triangle_points(const double a[3], const double b[3],
+                                                     const double c[3], size_t count, uint32_t seed,
+                                                     double *points) try {
+    CGAL::Random random(seed);
+    CGAL::Random_points_in_triangle_3<Point> generator(point(a), point(b), point(c), random);
+    for (size_t i = 0; i < count; ++i, ++generator)
+        for (int k = 0; k < 3; ++k) points[3 * i + static_cast<size_t>(k)] = (*generator)[k];
+    return PSPLAT_OK;
+} catch (...) {
+    return PSPLAT_ERROR_MEMORY;
+}
+
+extern "C" psplat_distance *psplat_distance_create(const psplat_mesh *mesh) try {
+    auto *distance = new psplat_distance;
+    try {
+        distance->triangles.reserve(mesh->triangle_count);
+        for (size_t t = 0; t < mesh->triangle_count; ++t) {
+            const uint32_t *corner = mesh->triangles + 3 * t;
+            distance->triangles.emplace_back(point(mesh->positions + 3 * size_t{corner[0]}),
+                                             point(mesh->positions + 3 * size_t{corner[1]}),
+                                             point(mesh->positions + 3 * size_t{corner[2]}));
+        }
+        distance->tree.insert(distance->triangles.begin(), distance->triangles.end());
+        distance->tree.accelerate_distance_queries();
+        return distance;
+    } catch (...) {
+        delete distance;
+        throw;
+    }
+} catch (...) {
+    return nullptr;
+}
+
+extern "C" psplat_result psplat_distance_query(const psplat_distance *distance,
+                                               const double *points, size_t count,
+                                               double *result) try {
+    for (size_t i = 0; i < count; ++i)
+        result[i] = std::sqrt(distance->tree.squared_distance(point(points + 3 * i)));
+    return PSPLAT_OK;
+} catch (...) {
+    return PSPLAT_ERROR_MEMORY;
+}
+
+extern "C" void psplat_distance_destroy(psplat_distance *distance) {
+    delete distance;
+}

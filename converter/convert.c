@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * convert.c - the whole conversion: surface, samples, selection, repair, report.
+ */
+#include "stages.h"
+#include "vector.h"
+
+#include <stdlib.h>
+
+static const double default_tolerance_percent = 0.5;
+static const double default_crease_angle_degrees = 30;
+
+/* Part of the tolerance that fitting may use; the rest is for single precision. */
+static const double fitted_part = 0.98;
+/* Creases are the lines that the eye follows: what they may leave the surface by, and how far a
+ * splat may reach over them, in parts of the tolerance. */
+static const double crease_part = 0.35;
+static const double crease_slack_part = 0.15;
+/* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
+ * are about sqrt(R tolerance) wide, and some ten samples across describe one. */
+static const double spacing_percent = 1.0;
+/* Overlap of splats beyond the samples that they cover, in spacings. */
+static const double margin_spacings = 0.9;
+
+enum { REPAIRS = 4 };
+
+static const uint64_t repair_seed = 0x7265706169720000u;
+static const uint64_t verify_seed = 0x7665726966790000u;
+
+typedef struct conversion {
+    const psplat_convert_desc *desc;
+    psplat_surface surface;
+    psplat_samples samples;
+    psplat_limits limits;
+    psplat_selection selection;
+    psplat_splats *splats;
+    double tolerance;
+} conversion;
+
+static double tolerance_percent(const psplat_convert_desc *desc) {
+    return desc->tolerance_percent > 0 ? desc->tolerance_percent : default_tolerance_percent;
+}
+
+static int interrupted(const psplat_convert_desc *desc, const char *stage, double fraction) {
+    return desc->progress && desc->progress(desc->user, stage, fraction);
+}
+
+static void set_limits(conversion *c) {
+    double percent = tolerance_percent(c->desc), diagonal = c->surface.diagonal;
+    double spacing = spacing_percent / 100 * diagonal * sqrt(percent);
+    c->tolerance = percent / 100 * diagonal;
+    c->samples.spacing = spacing;
+    c->limits = (psplat_limits){.tolerance = fitted_part * c->tolerance,
+                                .crease_tolerance = crease_part * c->tolerance,
+                                .crease_slack = crease_slack_part * c->tolerance,
+                                .margin = margin_spacings * spacing};
+}
+
+/* Greatest distance between two overlapping splats of one surface, along their normal. */
+static float depth_tolerance(const conversion *c) {
+    double deviation = 0;
+    for (size_t i = 0; i < c->selection.count; ++i)
+        deviation = fmax(deviation, c->selection.candidates[i].deviation);
+    return (float)fmin(fmax(2 * deviation, 0.25 * c->tolerance), 2 * c->tolerance);
+}
+
+/* Finds holes on fresh samples and makes them samples to cover. Stores how many it found. */
+static psplat_result find_holes(conversion *c, int round, size_t *holes, psplat_error *error) {
+    psplat_samples fresh;
+    size_t triangles = c->surface.mesh->triangle_count, count = 2 * c->samples.count;
+    uint64_t seed = c->desc->seed + repair_seed + (uint64_t)round;
+    psplat_result result = psplat_samples_draw_uniform(&c->surface, count, seed, &fresh, error);
+    if (result) return result;
+    uint8_t *open = malloc(fresh.count + 1);
+    uint32_t *chosen = malloc((fresh.count + 1) * sizeof *chosen);
+    result = open && chosen ? psplat_verify_coverage(&fresh, c->splats, c->tolerance, open, holes)
+                            : PSPLAT_ERROR_MEMORY;
+    if (!result && *holes) {
+        size_t found = 0;
+        for (uint32_t i = 0; i < fresh.count; ++i)
+            if (open[i]) chosen[found++] = i;
+        result = psplat_samples_append(&c->samples, &fresh, chosen, found, triangles, error);
+    } else if (result) {
+        psplat_fail(error, result, 0, "out of memory while looking for holes");
+    }
+    free(open);
+    free(chosen);
+    psplat_samples_free(&fresh);
+    return result;
+}
+
+static psplat_result select_and_store(conversion *c, psplat_error *error) {
+    psplat_result result =
+        psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, error);
+    if (result) return result;
+    result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
+    if (result) return psplat_fail(error, result, 0, "out of memory while storing splats");
+    return PSPLAT_OK;
+}
+
+static psplat_result select_splats(conversion *c, psplat_error *error) {
+    psplat_result result = select_and_store(c, error);
+    size_t holes = 1;
+    for (int round = 0; round < REPAIRS && !result && holes; ++round) {
+        if (interrupted(c->desc, "closing holes", (double)round / REPAIRS))
+            return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+        result = find_holes(c, round, &holes, error);
+        if (result || !holes) break;
+        result = psplat_selection_refresh(&c->surface, &c->samples, &c->limits, &c->selection);
+        if (result) return psplat_fail(error, result, 0, "out of memory while closing holes");
+        result = select_and_store(c, error);
+    }
+    return result;
+}
+
+static void fill_splats(const conversion *c, const psplat_mesh *mesh) {
+    c->splats->kernel =
+        (psplat_kernel){PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT};
+    c->splats->depth_tolerance = depth_tolerance(c);
+    c->splats->material = mesh->material;
+    for (int k = 0; k < 3; ++k) c->splats->origin[k] = mesh->origin[k];
+}
+
+static psplat_result fill_report(const conversion *c, psplat_report *report, psplat_error *error) {
+    if (interrupted(c->desc, "verifying", 0))
+        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+    report->splats = c->splats->count;
+    for (int k = 0; k <= PSPLAT_MAX_CLIP_LINES; ++k)
+        report->splats_by_clip_lines[k] = c->splats->count_by_clip_lines[k];
+    report->triangles = c->surface.mesh->triangle_count;
+    report->patches = c->surface.patch_count;
+    report->crease_edges = c->surface.crease_edges;
+    report->border_edges = c->surface.border_edges;
+    report->samples = c->samples.count;
+    report->diagonal = c->surface.diagonal;
+    report->tolerance_percent = tolerance_percent(c->desc);
+    return psplat_verify(&c->surface, c->splats, c->tolerance, c->desc->seed + verify_seed, report,
+                         error);
+}
+
+static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *report,
+                         psplat_error *error) {
+    const psplat_convert_desc *desc = c->desc;
+    double degrees =
+        desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
+    if (interrupted(desc, "finding creases", 0))
+        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+    psplat_result result =
+        psplat_surface_build(mesh, degrees * (3.141592653589793 / 180), &c->surface, error);
+    if (result) return result;
+    set_limits(c);
+    if (interrupted(desc, "sampling", 0))
+        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+    result = psplat_samples_draw(&c->surface, c->samples.spacing, desc->seed, &c->samples, error);
+    if (!result) result = select_splats(c, error);
+    if (result) return result;
+    fill_splats(c, mesh);
+    return report ? fill_report(c, report, error) : PSPLAT_OK;
+}
+
+psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                             psplat_splats *splats, psplat_report *report, psplat_error *error) {
+    static const psplat_convert_desc defaults;
+    if (!mesh || !splats)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "mesh and splats must not be NULL");
+    *splats = (psplat_splats){0};
+    conversion c = {.desc = desc ? desc : &defaults, .splats = splats};
+    psplat_result result = run(&c, mesh, report, error);
+    psplat_selection_free(&c.selection);
+    psplat_samples_free(&c.samples);
+    psplat_surface_free(&c.surface);
+    if (result) psplat_splats_free(splats);
+    return result;
+}

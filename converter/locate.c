@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * locate.c - which splats are near a point: a tree of boxes, split at the median of the longer
+ * side.
+ */
+#include "stages.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { LEAF = 4, DEPTH = 64 };
+
+typedef struct box {
+    double low[3], high[3];
+} box;
+
+/* Inner nodes have their children at child and child + 1; leaves hold order[begin ... end). */
+typedef struct node {
+    box bounds;
+    uint32_t begin, end, child;
+} node;
+
+struct psplat_locator {
+    box *boxes;
+    uint32_t *order;
+    node *nodes;
+    uint32_t node_count;
+};
+
+/* Half extents of an ellipse along the axes: sqrt((r_u U_k)^2 + (r_v V_k)^2). */
+static box splat_box(const psplat_splat *splat, double reach) {
+    psplat_region region;
+    box result;
+    psplat_splat_region(splat, &region);
+    for (int k = 0; k < 3; ++k) {
+        double half = hypot(region.radius[0] * region.u[k], region.radius[1] * region.v[k]) + reach;
+        result.low[k] = region.center[k] - half;
+        result.high[k] = region.center[k] + half;
+    }
+    return result;
+}
+
+static box bounds_of(const psplat_locator *l, uint32_t begin, uint32_t end) {
+    box result = l->boxes[l->order[begin]];
+    for (uint32_t i = begin + 1; i < end; ++i)
+        for (int k = 0; k < 3; ++k) {
+            result.low[k] = fmin(result.low[k], l->boxes[l->order[i]].low[k]);
+            result.high[k] = fmax(result.high[k], l->boxes[l->order[i]].high[k]);
+        }
+    return result;
+}
+
+static double middle(const psplat_locator *l, uint32_t i, int axis) {
+    return l->boxes[l->order[i]].low[axis] + l->boxes[l->order[i]].high[axis];
+}
+
+/* Hoare's selection: the entry that sorting would put at `at` is there, lesser ones before it. */
+static void select_median(psplat_locator *l, uint32_t begin, uint32_t end, uint32_t at, int axis) {
+    while (end - begin > 1) {
+        double pivot = middle(l, begin + (end - 1 - begin) / 2, axis);
+        uint32_t i = begin, j = end - 1;
+        for (;;) {
+            while (middle(l, i, axis) < pivot) ++i;
+            while (middle(l, j, axis) > pivot) --j;
+            if (i >= j) break;
+            uint32_t swap = l->order[i];
+            l->order[i++] = l->order[j];
+            l->order[j--] = swap;
+        }
+        if (at <= j)
+            end = j + 1;
+        else
+            begin = j + 1;
+    }
+}
+
+static void build(psplat_locator *l, uint32_t index, uint32_t begin, uint32_t end) {
+    node *n = &l->nodes[index];
+    *n = (node){bounds_of(l, begin, end), begin, end, 0};
+    if (end - begin <= LEAF) return;
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
+        if (n->bounds.high[k] - n->bounds.low[k] > n->bounds.high[axis] - n->bounds.low[axis])
+            axis = k;
+    uint32_t split = begin + (end - begin) / 2;
+    select_median(l, begin, end, split, axis);
+    n->child = l->node_count;
+    l->node_count += 2;
+    uint32_t child = n->child;
+    build(l, child, begin, split);
+    build(l, child + 1, split, end);
+}
+
+psplat_locator *psplat_locator_create(const psplat_splat *splats, size_t count, double reach) {
+    psplat_locator *l = calloc(1, sizeof *l);
+    if (!l) return NULL;
+    l->boxes = malloc((count + 1) * sizeof *l->boxes);
+    l->order = malloc((count + 1) * sizeof *l->order);
+    l->nodes = malloc((2 * count + 1) * sizeof *l->nodes);
+    if (!l->boxes || !l->order || !l->nodes) {
+        psplat_locator_destroy(l);
+        return NULL;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        l->boxes[i] = splat_box(&splats[i], reach);
+        l->order[i] = i;
+    }
+    if (!count) return l;
+    l->node_count = 1;
+    build(l, 0, 0, (uint32_t)count);
+    return l;
+}
+
+static int holds(const box *b, const double p[3]) {
+    for (int k = 0; k < 3; ++k)
+        if (p[k] < b->low[k] || p[k] > b->high[k]) return 0;
+    return 1;
+}
+
+void psplat_locator_visit(const psplat_locator *l, const double point[3],
+                          void (*visit)(void *user, uint32_t splat), void *user) {
+    uint32_t stack[DEPTH], depth = 0;
+    if (l->node_count) stack[depth++] = 0;
+    while (depth) {
+        const node *n = &l->nodes[stack[--depth]];
+        if (!holds(&n->bounds, point)) continue;
+        if (n->child) {
+            stack[depth++] = n->child + 1;
+            stack[depth++] = n->child;
+            continue;
+        }
+        for (uint32_t i = n->begin; i < n->end; ++i)
+            if (holds(&l->boxes[l->order[i]], point)) visit(user, l->order[i]);
+    }
+}
+
+void psplat_locator_destroy(psplat_locator *l) {
+    if (!l) return;
+    free(l->boxes);
+    free(l->order);
+    free(l->nodes);
+    free(l);
+}

@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * region.c - a convex part of a plane, and a walk over the surface above it.
+ *
+ * The walk is what makes the tolerance a statement about the surface rather than about samples: it
+ * meets every triangle that the region's column holds and that can be reached without crossing a
+ * crease, and clips each exactly, so that greatest heights are those of the surface itself.
+ */
+#include "stages.h"
+#include "vector.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Sides of the polygon around the unit circle (2 % larger in area), and room for one clipped by a
+ * region: a triangle gains at most a corner for each side and line. */
+enum { SIDES = 16, POLYGON_CAPACITY = 3 + SIDES + PSPLAT_MAX_CLIP_LINES };
+
+void psplat_region_local(const psplat_region *region, const double point[3], double uvh[3]) {
+    double d[3];
+    sub3(d, point, region->center);
+    uvh[0] = dot3(d, region->u) / region->radius[0];
+    uvh[1] = dot3(d, region->v) / region->radius[1];
+    uvh[2] = dot3(d, region->n);
+}
+
+int psplat_region_contains(const psplat_region *region, const double uv[2], double scale,
+                           double slack) {
+    if (uv[0] * uv[0] + uv[1] * uv[1] > scale * scale) return 0;
+    for (uint32_t i = 0; i < region->line_count; ++i) {
+        const double *line = region->lines[i];
+        if (line[0] * uv[0] + line[1] * uv[1] + line[2] < -slack) return 0;
+    }
+    return 1;
+}
+
+/* ---- polygons ------------------------------------------------------------------------------ */
+
+typedef double corner[3]; /* u, v, height */
+
+static double line_distance(const double line[3], const double p[2]) {
+    return line[0] * p[0] + line[1] * p[1] + line[2];
+}
+
+/* Keeps the part of a polygon with line >= 0 (Sutherland, Hodgman 1974). Returns its corners. */
+static size_t clip_polygon(const double line[3], corner *in, size_t count, corner *out) {
+    size_t result = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double *a = in[i], *b = in[i + 1 < count ? i + 1 : 0];
+        double da = line_distance(line, a), db = line_distance(line, b);
+        if (da >= 0) memcpy(out[result++], a, sizeof(corner));
+        if ((da >= 0) == (db >= 0)) continue;
+        double t = da / (da - db);
+        for (int k = 0; k < 3; ++k) out[result][k] = a[k] + t * (b[k] - a[k]);
+        ++result;
+    }
+    return result;
+}
+
+/* How a polygon's corners lie to a line: 1 all kept, -1 none, 0 both. */
+static int line_side(const double line[3], corner *polygon, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) kept += line_distance(line, polygon[i]) >= 0;
+    return kept == count ? 1 : kept ? 0 : -1;
+}
+
+static size_t clip_step(const double line[3], corner *polygon, size_t count) {
+    int side = line_side(line, polygon, count);
+    if (side) return side > 0 ? count : 0;
+    corner clipped[POLYGON_CAPACITY + 1];
+    count = clip_polygon(line, polygon, count, clipped);
+    memcpy(polygon, clipped, count * sizeof(corner));
+    return count;
+}
+
+static void circle_side(size_t i, double line[3]) {
+    double angle = (double)i * (6.283185307179586 / SIDES);
+    line[0] = -cos(angle), line[1] = -sin(angle), line[2] = 1;
+}
+
+static size_t clip_circle(corner *polygon, size_t count) {
+    int inside = 1;
+    for (size_t i = 0; i < count; ++i)
+        inside &= polygon[i][0] * polygon[i][0] + polygon[i][1] * polygon[i][1] <= 1;
+    for (size_t i = 0; i < SIDES && count && !inside; ++i) {
+        double line[3];
+        circle_side(i, line);
+        count = clip_step(line, polygon, count);
+    }
+    return count;
+}
+
+static size_t clip_region(const psplat_region *region, corner *polygon, size_t count) {
+    for (uint32_t i = 0; i < region->line_count && count; ++i)
+        count = clip_step(region->lines[i], polygon, count);
+    return count ? clip_circle(polygon, count) : 0;
+}
+
+static double polygon_area(corner *polygon, size_t count) {
+    double twice = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double *a = polygon[i], *b = polygon[i + 1 < count ? i + 1 : 0];
+        twice += a[0] * b[1] - a[1] * b[0];
+    }
+    return 0.5 * twice;
+}
+
+size_t psplat_region_polygon(const psplat_region *region, int inscribed, double (*polygon)[2],
+                             size_t capacity) {
+    corner corners[64 + PSPLAT_MAX_CLIP_LINES + 1], clipped[64 + PSPLAT_MAX_CLIP_LINES + 1];
+    size_t count = capacity - PSPLAT_MAX_CLIP_LINES;
+    if (count > 64) count = 64;
+    double radius = inscribed ? 1 : 1 / cos(3.141592653589793 / (double)count);
+    for (size_t i = 0; i < count; ++i) {
+        double angle = 6.283185307179586 * (double)i / (double)count;
+        corners[i][0] = radius * cos(angle), corners[i][1] = radius * sin(angle), corners[i][2] = 0;
+    }
+    for (uint32_t i = 0; i < region->line_count && count; ++i) {
+        count = clip_polygon(region->lines[i], corners, count, clipped);
+        memcpy(corners, clipped, count * sizeof(corner));
+    }
+    for (size_t i = 0; i < count; ++i) polygon[i][0] = corners[i][0], polygon[i][1] = corners[i][1];
+    return count;
+}
+
+/* ---- walk ---------------------------------------------------------------------------------- */
+
+void psplat_walk_free(psplat_walk *walk) {
+    free(walk->stamps);
+    free(walk->triangles);
+    free(walk->segments);
+    *walk = (psplat_walk){0};
+}
+
+static void extend(double range[2], corner *polygon, size_t count) {
+    for (size_t i = 0; i < count; ++i) {
+        range[0] = fmin(range[0], polygon[i][2]);
+        range[1] = fmax(range[1], polygon[i][2]);
+    }
+}
+
+static int push_triangle(psplat_walk *walk, uint32_t triangle) {
+    if (walk->triangle_count == walk->triangle_capacity) {
+        size_t capacity = 2 * walk->triangle_capacity + 256;
+        uint32_t *triangles = realloc(walk->triangles, capacity * sizeof *triangles);
+        if (!triangles) return 0;
+        walk->triangles = triangles;
+        walk->triangle_capacity = capacity;
+    }
+    walk->triangles[walk->triangle_count++] = triangle;
+    return 1;
+}
+
+static int push_segment(psplat_walk *walk, const psplat_segment *segment) {
+    if (walk->segment_count == walk->segment_capacity) {
+        size_t capacity = 2 * walk->segment_capacity + 64;
+        psplat_segment *segments = realloc(walk->segments, capacity * sizeof *segments);
+        if (!segments) return 0;
+        walk->segments = segments;
+        walk->segment_capacity = capacity;
+    }
+    walk->segments[walk->segment_count++] = *segment;
+    return 1;
+}
+
+static int walk_begin(psplat_walk *walk, const psplat_surface *surface, uint32_t seed) {
+    if (!walk->stamps) walk->stamps = calloc(surface->mesh->triangle_count, sizeof(uint32_t));
+    if (!walk->stamps) return 0;
+    if (++walk->stamp == 0) { /* wrapped around: forget all */
+        memset(walk->stamps, 0, surface->mesh->triangle_count * sizeof(uint32_t));
+        walk->stamp = 1;
+    }
+    walk->triangle_count = walk->segment_count = 0;
+    walk->height[0] = walk->crease_height[0] = HUGE_VAL;
+    walk->height[1] = walk->crease_height[1] = -HUGE_VAL;
+    walk->area = 0;
+    walk->stamps[seed] = walk->stamp;
+    return push_triangle(walk, seed);
+}
+
+/* The part of crease edge k inside the region becomes a segment. */
+static int meet_crease(psplat_walk *walk, const psplat_surface *surface,
+                       const psplat_region *region, uint32_t triangle, uint32_t k,
+                       corner corners[3]) {
+    uint32_t next = (k + 1) % 3;
+    corner edge[POLYGON_CAPACITY + 1];
+    memcpy(edge[0], corners[k], sizeof(corner));
+    memcpy(edge[1], corners[next], sizeof(corner));
+    /* A polygon of two corners clips like any other. */
+    size_t count = clip_region(region, edge, 2);
+    if (count < 2) return 1;
+    extend(walk->crease_height, edge, count);
+    double along[2] = {corners[next][0] - corners[k][0], corners[next][1] - corners[k][1]};
+    size_t first = 0, last = 0;
+    for (size_t i = 1; i < count; ++i) {
+        double t = along[0] * edge[i][0] + along[1] * edge[i][1];
+        if (t < along[0] * edge[first][0] + along[1] * edge[first][1]) first = i;
+        if (t > along[0] * edge[last][0] + along[1] * edge[last][1]) last = i;
+    }
+    const uint32_t *vertices = surface->mesh->triangles + 3 * (size_t)triangle;
+    psplat_segment segment = {.a = {edge[first][0], edge[first][1]},
+                              .b = {edge[last][0], edge[last][1]},
+                              .vertex = {vertices[k], vertices[next]}};
+    return push_segment(walk, &segment);
+}
+
+/* Measures one triangle and queues the neighbours that its part inside the region may touch. */
+static int walk_triangle(psplat_walk *walk, const psplat_surface *surface,
+                         const psplat_region *region, uint32_t triangle) {
+    corner corners[3], polygon[POLYGON_CAPACITY + 1];
+    for (uint32_t k = 0; k < 3; ++k) {
+        uint32_t v = surface->mesh->triangles[3 * (size_t)triangle + k];
+        psplat_region_local(region, surface->mesh->positions + 3 * (size_t)v, corners[k]);
+    }
+    memcpy(polygon, corners, sizeof corners);
+    size_t count = clip_region(region, polygon, 3);
+    if (!count) return 0;
+    extend(walk->height, polygon, count);
+    walk->area += polygon_area(polygon, count);
+    for (uint32_t k = 0; k < 3; ++k) {
+        uint32_t edge = 3 * triangle + k, next = surface->neighbors[edge];
+        if (surface->creases[edge]) {
+            if (!meet_crease(walk, surface, region, triangle, k, corners)) walk->failed = 1;
+        } else if (walk->stamps[next] != walk->stamp) {
+            walk->stamps[next] = walk->stamp;
+            if (!push_triangle(walk, next)) walk->failed = 1;
+        }
+    }
+    return 1;
+}
+
+void psplat_walk_surface(psplat_walk *walk, const psplat_surface *surface,
+                         const psplat_region *region, uint32_t seed_triangle) {
+    if (!walk_begin(walk, surface, seed_triangle)) {
+        walk->failed = 1;
+        return;
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < walk->triangle_count && !walk->failed; ++i)
+        if (walk_triangle(walk, surface, region, walk->triangles[i]))
+            walk->triangles[kept++] = walk->triangles[i];
+    walk->triangle_count = kept;
+}

@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * stages.h - what the stages of psplat_convert hand to each other, in flow order. Internal: the
+ * command line includes converter.h only.
+ *
+ *     mesh -> surface -> samples -> region (walked) -> candidate -> selection -> splats -> report
+ */
+#ifndef PHONGSPLAT_STAGES_H
+#define PHONGSPLAT_STAGES_H
+
+#include "converter.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PSPLAT_NONE UINT32_MAX
+
+/* ---- random.c ----------------------------------------------------------------------------- */
+
+/* splitmix64 (Steele, Lea, Flood 2014): any seed is good, streams differ by their seed. */
+uint64_t psplat_random_next(uint64_t *state);
+double psplat_random_unit(uint64_t *state); /* 0 <= x < 1 */
+
+/* ---- surface.c, crease.c: connectivity, creases and smooth patches -------------------------- */
+
+/* Edge k of a triangle runs from its corner k to its corner (k + 1) % 3. A crease edge bounds a
+ * smooth patch: sharp, border, non-manifold, inconsistently oriented, or between two groups. */
+typedef struct psplat_surface {
+    const psplat_mesh *mesh;
+    double *face_normals;  /* triangle_count x 3, unit */
+    double *face_areas;    /* triangle_count */
+    uint32_t *neighbors;   /* triangle_count x 3: triangle across the edge, or PSPLAT_NONE */
+    uint8_t *creases;      /* triangle_count x 3 flags */
+    uint32_t *patches;     /* triangle_count ids 0 ... patch_count - 1 */
+    float *corner_normals; /* triangle_count x 9: the file's, or averaged within creases */
+    size_t patch_count;
+    size_t crease_edges; /* half-edges counted once, borders not included */
+    size_t border_edges;
+    double area;
+    double diagonal; /* of the bounding box of used vertices */
+} psplat_surface;
+
+psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
+                                   psplat_surface *surface, psplat_error *error);
+void psplat_surface_free(psplat_surface *surface);
+
+/* Fills creases, patches and their counts of a surface whose neighbours are known. */
+psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle);
+
+/* Interpolated unit normal and linear colour at barycentric coordinates of a triangle. */
+void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,
+                           const double barycentric[3], float normal[3]);
+void psplat_surface_color(const psplat_surface *surface, uint32_t triangle,
+                          const double barycentric[3], float color[4]);
+
+/* ---- samples.c ---------------------------------------------------------------------------- */
+
+/* Oriented points of a surface, grouped by triangle: those of triangle t are first[t] ...
+ * first[t + 1] - 1. */
+typedef struct psplat_samples {
+    double *positions; /* count x 3 */
+    float *normals;    /* count x 3, unit */
+    float *colors;     /* count x 4, or NULL where the mesh has none */
+    uint32_t *triangles;
+    uint32_t *first; /* triangle_count + 1 */
+    size_t count;
+    double spacing; /* distance between neighbours, about */
+} psplat_samples;
+
+/* Blue-noise samples about spacing apart, and samples at half of that along creases, for each
+ * side of its own. */
+psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing, uint64_t seed,
+                                  psplat_samples *samples, psplat_error *error);
+/* count independent uniform samples: for measuring. */
+psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t count,
+                                          uint64_t seed, psplat_samples *samples,
+                                          psplat_error *error);
+/* Appends samples (given as in psplat_samples, without first and spacing) and regroups. */
+psplat_result psplat_samples_append(psplat_samples *samples, const psplat_samples *extra,
+                                    const uint32_t *chosen, size_t chosen_count,
+                                    size_t triangle_count, psplat_error *error);
+void psplat_samples_free(psplat_samples *samples);
+
+/* ---- adapter_cgal.cpp --------------------------------------------------------------------- */
+
+/* count uniform random points of a triangle (CGAL::Random_points_in_triangle_3), deterministic in
+ * seed. points: count x 3. */
+psplat_result psplat_cgal_triangle_points(const double a[3], const double b[3], const double c[3],
+                                          size_t count, uint32_t seed, double *points);
+
+/* Distance queries against a mesh (CGAL::AABB_tree). NULL when out of memory. */
+typedef struct psplat_distance psplat_distance;
+psplat_distance *psplat_distance_create(const psplat_mesh *mesh);
+/* Distances of count points (x 3) to the mesh. */
+psplat_result psplat_distance_query(const psplat_distance *distance, const double *points,
+                                    size_t count, double *result);
+void psplat_distance_destroy(psplat_distance *distance);
+
+/* ---- ellipse.c, fit.c: the numerics --------------------------------------------------------- */
+
+typedef struct psplat_ellipse {
+    double center[2];
+    double axis[2];   /* unit vector of the larger radius */
+    double radius[2]; /* radius[0] >= radius[1] >= 0 */
+} psplat_ellipse;
+
+/* Smallest ellipse around count 2D points, at most 1 % larger in area than the true one and
+ * always around all of them (Khachiyan's algorithm on their convex hull). Sets of no extent give
+ * radii of 0. points is reordered. */
+void psplat_ellipse_enclose(double (*points)[2], size_t count, psplat_ellipse *ellipse);
+
+/* Eigenvalues (ascending) and unit eigenvectors (rows) of the symmetric matrix
+ * xx xy xz yy yz zz, by Jacobi rotations. */
+void psplat_fit_eigen(const double matrix[6], double values[3], double vectors[3][3]);
+
+/* Unit normal of the least-squares plane through count samples, on the side of the mean normal; the
+ * mean normal itself where the samples do not span a plane. mean: their centroid. */
+void psplat_fit_plane(const psplat_samples *samples, const uint32_t *chosen, size_t count,
+                      double mean[3], double normal[3]);
+
+/* Linear normal field by the two 2x2 systems of BSK04 eq. 3 and 4, least-norm where they are
+ * underdetermined. uv: count x 2 parameters, xy: count x 2 local normals with third coordinate 1.
+ * field: x, y, alpha, beta. */
+void psplat_fit_normals(const double (*uv)[2], const double (*xy)[2], size_t count,
+                        double field[4]);
+
+/* Directions and sizes of principal curvature from the full gradient of normals over the plane's
+ * physical coordinates: direction (unit, of curvature[0]), |curvature[0]| >= |curvature[1]|. */
+void psplat_fit_curvature(const double (*st)[2], const double (*xy)[2], size_t count,
+                          double direction[2], double curvature[2]);
+
+/* ---- region.c: a convex part of a plane and the surface above it ---------------------------- */
+
+/* An ellipse of a plane cut by lines, as a splat is; lines in (u, v) as in spec 3.6. */
+typedef struct psplat_region {
+    double center[3];
+    double u[3], v[3], n[3];
+    double radius[2];
+    double lines[PSPLAT_MAX_CLIP_LINES][3];
+    uint32_t line_count;
+} psplat_region;
+
+/* Part of a crease inside a region, in (u, v), the surface to its left. */
+typedef struct psplat_segment {
+    double a[2], b[2];
+    uint32_t vertex[2]; /* the crease edge's ends, before clipping */
+} psplat_segment;
+
+/* Scratch of one thread, and the result of the last walk. Zero-initialise; grows on demand. */
+typedef struct psplat_walk {
+    uint32_t *stamps; /* per triangle: walk that met it last */
+    uint32_t stamp;
+    uint32_t *triangles; /* met and inside, in order of discovery */
+    size_t triangle_count, triangle_capacity;
+    psplat_segment *segments;
+    size_t segment_count, segment_capacity;
+    double height[2];        /* least and greatest height over the plane */
+    double crease_height[2]; /* the same along creases; empty (least > greatest) without */
+    double area;             /* of the surface projected into the region, in (u, v) */
+    int failed;              /* out of memory */
+} psplat_walk;
+
+void psplat_walk_free(psplat_walk *walk);
+
+/* Parameters (u, v) and height of a point. */
+void psplat_region_local(const psplat_region *region, const double point[3], double uvh[3]);
+/* Whether (u, v) lies in the region, its ellipse scaled by scale, its lines moved out by slack. */
+int psplat_region_contains(const psplat_region *region, const double uv[2], double scale,
+                           double slack);
+/* Vertices (u, v) of the region as a polygon of at most capacity corners around the unit circle
+ * (inscribed: on the circle; else circumscribed), cut by the lines. Returns their number. */
+size_t psplat_region_polygon(const psplat_region *region, int inscribed, double (*polygon)[2],
+                             size_t capacity);
+
+/* Walks the surface from a seed triangle over all triangles that meet the region without crossing
+ * a crease. Heights are exact for the circumscribed polygon, hence bounds for the region. */
+void psplat_walk_surface(psplat_walk *walk, const psplat_surface *surface,
+                         const psplat_region *region, uint32_t seed_triangle);
+
+/* ---- clip.c -------------------------------------------------------------------------------- */
+
+/* Chooses up to four lines that keep the seed (u, v) and cut away every crease segment, letting
+ * the region reach over a crease by at most slack (in the plane's units; radius scales (u, v) to
+ * them). 1 on success, 0 where four lines do not suffice. */
+int psplat_clip_choose(psplat_region *region, const psplat_segment *segments, size_t count,
+                       const double seed[2], double slack);
+
+/* ---- candidate.c --------------------------------------------------------------------------- */
+
+/* What a splat must keep. Lengths in the mesh's units. */
+typedef struct psplat_limits {
+    double tolerance;        /* splat to surface, along the splat's normal */
+    double crease_tolerance; /* the same along creases, so that crease lines stay lines */
+    double crease_slack;     /* reach over a crease, within the plane */
+    double margin;           /* overlap beyond the covered samples */
+} psplat_limits;
+
+/* A possible splat and the samples that it covers. */
+typedef struct psplat_candidate {
+    psplat_region region;
+    double field[4];  /* x, y, alpha, beta */
+    double deviation; /* greatest distance from the surface */
+    float color[4];
+    uint32_t triangle; /* that the candidate grew from */
+    uint32_t *covered; /* sample indices, covered_count; the seed among them */
+    size_t covered_count;
+} psplat_candidate;
+
+/* Scratch of one thread. Zero-initialise. */
+typedef struct psplat_growth {
+    psplat_walk walk;
+    uint32_t *chosen;
+    double (*plane)[2];
+    double (*local)[2];
+    size_t capacity;
+} psplat_growth;
+
+void psplat_growth_free(psplat_growth *growth);
+
+/* Grows the largest candidate around a sample that keeps the limits: first in a round metric,
+ * then in that of the curvature found (WK04). A candidate always exists: in the worst case it
+ * covers the seed alone. MEMORY is the only failure. */
+psplat_result psplat_candidate_grow(const psplat_surface *surface, const psplat_samples *samples,
+                                    const psplat_limits *limits, uint32_t seed,
+                                    psplat_growth *growth, psplat_candidate *candidate);
+/* Finds the samples that an existing candidate covers, after samples were appended. */
+psplat_result psplat_candidate_cover(const psplat_surface *surface, const psplat_samples *samples,
+                                     const psplat_limits *limits, psplat_growth *growth,
+                                     psplat_candidate *candidate);
+void psplat_candidate_free(psplat_candidate *candidate);
+
+/* ---- select.c ------------------------------------------------------------------------------ */
+
+typedef struct psplat_selection {
+    psplat_candidate *candidates;
+    size_t count, capacity;
+} psplat_selection;
+
+/* Adds candidates until every sample is covered (greedy cover over a growing pool, WK04
+ * section 4), then drops those that no sample needs. Existing candidates of selection stay in
+ * the game. */
+psplat_result psplat_select_cover(const psplat_surface *surface, const psplat_samples *samples,
+                                  const psplat_limits *limits, const psplat_convert_desc *desc,
+                                  psplat_selection *selection, psplat_error *error);
+/* Finds again what each selected candidate covers, after samples were appended. */
+psplat_result psplat_selection_refresh(const psplat_surface *surface, const psplat_samples *samples,
+                                       const psplat_limits *limits, psplat_selection *selection);
+void psplat_selection_free(psplat_selection *selection);
+
+/* ---- store.c ------------------------------------------------------------------------------- */
+
+/* The selection in its stored form: single precision, sorted by clip lines and then along a
+ * Morton curve. Fills splats, counts and has_color. */
+psplat_result psplat_store_splats(const psplat_selection *selection, int has_color,
+                                  psplat_splats *splats);
+
+/* ---- locate.c: which splats are near a point ------------------------------------------------ */
+
+typedef struct psplat_locator psplat_locator;
+/* splats must outlive the locator. reach: distance around each splat at which it is found. */
+psplat_locator *psplat_locator_create(const psplat_splat *splats, size_t count, double reach);
+/* Calls visit for each splat whose box, grown by reach, holds the point. */
+void psplat_locator_visit(const psplat_locator *locator, const double point[3],
+                          void (*visit)(void *user, uint32_t splat), void *user);
+void psplat_locator_destroy(psplat_locator *locator);
+
+/* ---- verify.c ------------------------------------------------------------------------------ */
+
+/* The plane region of a stored splat, in double. */
+void psplat_splat_region(const psplat_splat *splat, psplat_region *region);
+
+/* Marks (1) the samples that no splat covers within tolerance. */
+psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
+                                     double tolerance, uint8_t *uncovered, size_t *count);
+
+/* Measures the splats against the surface on samples of its own, and fills the error fields of
+ * report. */
+psplat_result psplat_verify(const psplat_surface *surface, const psplat_splats *splats,
+                            double tolerance, uint64_t seed, psplat_report *report,
+                            psplat_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

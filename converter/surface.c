@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * surface.c - connectivity of a welded mesh, and normals averaged within creases.
+ *
+ * Tolerant of everything a file may hold: edges of more than two triangles, or of two that
+ * disagree about their orientation, have no neighbour across and bound a patch.
+ */
+#include "stages.h"
+#include "vector.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct half_edge {
+    uint32_t other; /* the edge's greater vertex; the lesser one is the bucket */
+    uint32_t index; /* triangle * 3 + k */
+} half_edge;
+
+static const double *corner_position(const psplat_mesh *mesh, uint32_t triangle, int corner) {
+    return mesh->positions + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)corner];
+}
+
+static void measure_faces(psplat_surface *surface) {
+    const psplat_mesh *mesh = surface->mesh;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
+        double ab[3], ac[3], *normal = surface->face_normals + 3 * (size_t)t;
+        const double *a = corner_position(mesh, t, 0);
+        sub3(ab, corner_position(mesh, t, 1), a);
+        sub3(ac, corner_position(mesh, t, 2), a);
+        cross3(normal, ab, ac);
+        surface->face_areas[t] = 0.5 * normalize3(normal);
+        surface->area += surface->face_areas[t];
+        for (int corner = 0; corner < 3; ++corner) {
+            const double *p = corner_position(mesh, t, corner);
+            for (int k = 0; k < 3; ++k) {
+                if (p[k] < low[k]) low[k] = p[k];
+                if (p[k] > high[k]) high[k] = p[k];
+            }
+        }
+    }
+    double extent[3];
+    sub3(extent, high, low);
+    surface->diagonal = length3(extent);
+}
+
+static int compare_half_edges(const void *left, const void *right) {
+    const half_edge *a = left, *b = right;
+    if (a->other != b->other) return a->other < b->other ? -1 : 1;
+    return a->index < b->index ? -1 : a->index > b->index;
+}
+
+static int same_direction(const psplat_mesh *mesh, uint32_t a, uint32_t b) {
+    return mesh->triangles[a] == mesh->triangles[b];
+}
+
+/* Joins the half-edges of one undirected edge: exactly two of opposite direction are neighbours. */
+static void join_edge(psplat_surface *surface, const half_edge *edges, size_t count) {
+    if (count == 1) surface->border_edges++;
+    if (count != 2 || same_direction(surface->mesh, edges[0].index, edges[1].index)) return;
+    surface->neighbors[edges[0].index] = edges[1].index / 3;
+    surface->neighbors[edges[1].index] = edges[0].index / 3;
+}
+
+static void join_bucket(psplat_surface *surface, half_edge *edges, size_t count) {
+    qsort(edges, count, sizeof *edges, compare_half_edges);
+    for (size_t begin = 0, end; begin < count; begin = end) {
+        for (end = begin + 1; end < count && edges[end].other == edges[begin].other;) ++end;
+        join_edge(surface, edges + begin, end - begin);
+    }
+}
+
+/* Buckets half-edges by their lesser vertex, so that sorting stays local and linear in all. */
+static psplat_result find_neighbors(psplat_surface *surface) {
+    const psplat_mesh *mesh = surface->mesh;
+    size_t edge_count = 3 * mesh->triangle_count;
+    size_t *starts = calloc(mesh->vertex_count + 1, sizeof *starts);
+    half_edge *edges = malloc(edge_count * sizeof *edges);
+    if (!starts || !edges) return free(starts), free(edges), PSPLAT_ERROR_MEMORY;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (uint32_t e = 0; e < edge_count; ++e) {
+            uint32_t a = mesh->triangles[e], b = mesh->triangles[e % 3 == 2 ? e - 2 : e + 1];
+            uint32_t low = a < b ? a : b;
+            if (pass == 0)
+                starts[low + 1]++;
+            else
+                edges[starts[low]++] = (half_edge){a < b ? b : a, e};
+        }
+        if (pass == 0)
+            for (size_t v = 0; v < mesh->vertex_count; ++v) starts[v + 1] += starts[v];
+    }
+    /* Filling moved every start to its bucket's end. */
+    for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        size_t begin = v ? starts[v - 1] : 0;
+        join_bucket(surface, edges + begin, starts[v] - begin);
+    }
+    free(starts);
+    free(edges);
+    return PSPLAT_OK;
+}
+
+static double corner_angle(const psplat_mesh *mesh, uint32_t corner) {
+    uint32_t triangle = corner / 3;
+    int k = (int)(corner % 3);
+    double a[3], b[3], c[3];
+    sub3(a, corner_position(mesh, triangle, (k + 1) % 3), corner_position(mesh, triangle, k));
+    sub3(b, corner_position(mesh, triangle, (k + 2) % 3), corner_position(mesh, triangle, k));
+    cross3(c, a, b);
+    return atan2(length3(c), dot3(a, b));
+}
+
+/* The corner at the same vertex in the triangle across edge `edge` of corner's triangle, or
+ * PSPLAT_NONE at a crease. */
+static uint32_t corner_across(const psplat_surface *surface, uint32_t corner, uint32_t edge) {
+    if (surface->creases[edge]) return PSPLAT_NONE;
+    uint32_t other = surface->neighbors[edge], vertex = surface->mesh->triangles[corner];
+    for (uint32_t k = 0; k < 3; ++k)
+        if (surface->mesh->triangles[3 * other + k] == vertex) return 3 * other + k;
+    return PSPLAT_NONE;
+}
+
+static uint32_t corner_before(const psplat_surface *surface, uint32_t corner) {
+    return corner_across(surface, corner, corner);
+}
+
+static uint32_t corner_after(const psplat_surface *surface, uint32_t corner) {
+    return corner_across(surface, corner, corner % 3 ? corner - 1 : corner + 2);
+}
+
+/* Averages the normals of the fan of triangles around one vertex, from crease to crease, weighted
+ * by their angles there (Thuermer, Wuethrich 1998). */
+static void average_fan(psplat_surface *surface, uint8_t *done, uint32_t corner) {
+    const psplat_mesh *mesh = surface->mesh;
+    uint32_t begin = corner, before;
+    while ((before = corner_before(surface, begin)) != PSPLAT_NONE && before != corner)
+        begin = before;
+    double sum[3] = {0, 0, 0};
+    uint32_t c = begin;
+    do {
+        mad3(sum, corner_angle(mesh, c), surface->face_normals + 3 * (size_t)(c / 3));
+        c = corner_after(surface, c);
+    } while (c != PSPLAT_NONE && c != begin);
+    int folded = normalize3(sum) < 1e-9;
+    c = begin;
+    do {
+        const double *n = folded ? surface->face_normals + 3 * (size_t)(c / 3) : sum;
+        for (int k = 0; k < 3; ++k)
+            surface->corner_normals[3 * (size_t)c + (size_t)k] = (float)n[k];
+        done[c] = 1;
+        c = corner_after(surface, c);
+    } while (c != PSPLAT_NONE && c != begin);
+}
+
+static psplat_result set_normals(psplat_surface *surface) {
+    const psplat_mesh *mesh = surface->mesh;
+    size_t corners = 3 * mesh->triangle_count;
+    if (mesh->corner_normals) {
+        memcpy(surface->corner_normals, mesh->corner_normals, corners * 3 * sizeof(float));
+        return PSPLAT_OK;
+    }
+    uint8_t *done = calloc(corners, 1);
+    if (!done) return PSPLAT_ERROR_MEMORY;
+    for (uint32_t corner = 0; corner < corners; ++corner)
+        if (!done[corner]) average_fan(surface, done, corner);
+    free(done);
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
+                                   psplat_surface *surface, psplat_error *error) {
+    size_t count = mesh->triangle_count;
+    *surface = (psplat_surface){.mesh = mesh};
+    surface->face_normals = malloc(count * 3 * sizeof(double));
+    surface->face_areas = malloc(count * sizeof(double));
+    surface->neighbors = malloc(count * 3 * sizeof(uint32_t));
+    surface->creases = calloc(count, 3);
+    surface->patches = malloc(count * sizeof(uint32_t));
+    surface->corner_normals = malloc(count * 9 * sizeof(float));
+    int allocated = surface->face_normals && surface->face_areas && surface->neighbors &&
+                    surface->creases && surface->patches && surface->corner_normals;
+    psplat_result result = allocated ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    if (!result) {
+        memset(surface->neighbors, 0xff, count * 3 * sizeof(uint32_t));
+        measure_faces(surface);
+        result = find_neighbors(surface);
+    }
+    if (!result) result = psplat_crease_find(surface, crease_angle);
+    if (!result) result = set_normals(surface);
+    if (!result) return PSPLAT_OK;
+    psplat_surface_free(surface);
+    return psplat_fail(error, result, 0, "the surface of %zu triangles does not fit into memory",
+                       count);
+}
+
+void psplat_surface_free(psplat_surface *surface) {
+    free(surface->face_normals);
+    free(surface->face_areas);
+    free(surface->neighbors);
+    free(surface->creases);
+    free(surface->patches);
+    free(surface->corner_normals);
+    *surface = (psplat_surface){0};
+}
+
+static void interpolate(const float *corners, size_t components, const double weights[3],
+                        double *result) {
+    for (size_t k = 0; k < components; ++k) {
+        result[k] = 0;
+        for (size_t corner = 0; corner < 3; ++corner)
+            result[k] += weights[corner] * (double)corners[corner * components + k];
+    }
+}
+
+void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,
+                           const double barycentric[3], float normal[3]) {
+    double sum[3];
+    interpolate(surface->corner_normals + 9 * (size_t)triangle, 3, barycentric, sum);
+    const double *n = normalize3(sum) > 1e-9 ? sum : surface->face_normals + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
+}
+
+void psplat_surface_color(const psplat_surface *surface, uint32_t triangle,
+                          const double barycentric[3], float color[4]) {
+    double sum[4];
+    interpolate(surface->mesh->corner_colors + 12 * (size_t)triangle, 4, barycentric, sum);
+    for (int k = 0; k < 4; ++k) color[k] = (float)sum[k];
+}

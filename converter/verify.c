@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * verify.c - the splats as stored, measured against the surface on samples of its own: two-sided
+ * distance, coverage, and the normals that blending gives.
+ */
+#include "stages.h"
+#include "vector.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { SAMPLES_PER_SPLAT = 200, LEAST_SAMPLES = 20000, MOST_SAMPLES = 1000000, CORNERS = 68 };
+
+/* Single precision may cut this much of a unit ellipse. */
+static const double float_slack = 2e-6;
+
+void psplat_splat_region(const psplat_splat *splat, psplat_region *region) {
+    double q[4], length = 0;
+    for (int k = 0; k < 4; ++k) length += (double)splat->rotation[k] * (double)splat->rotation[k];
+    for (int k = 0; k < 4; ++k) q[k] = (double)splat->rotation[k] / sqrt(length);
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    *region = (psplat_region){
+        .center = {(double)splat->center[0], (double)splat->center[1], (double)splat->center[2]},
+        .u = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
+        .v = {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
+        .n = {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
+        .radius = {(double)splat->radius[0], (double)splat->radius[1]},
+        .line_count = splat->clip_count};
+    for (uint32_t i = 0; i < splat->clip_count; ++i)
+        for (int k = 0; k < 3; ++k) region->lines[i][k] = (double)splat->clip[i][k];
+}
+
+/* Distance in the plane from a point outside a convex polygon, in units of length. */
+static double polygon_distance(const psplat_region *region, double (*polygon)[2], size_t count,
+                               const double uv[2]) {
+    double least = HUGE_VAL, p[2] = {uv[0] * region->radius[0], uv[1] * region->radius[1]};
+    for (size_t i = 0; i < count; ++i) {
+        const double *from = polygon[i], *to = polygon[i + 1 < count ? i + 1 : 0];
+        double a[2] = {from[0] * region->radius[0], from[1] * region->radius[1]};
+        double d[2] = {to[0] * region->radius[0] - a[0], to[1] * region->radius[1] - a[1]};
+        double length = d[0] * d[0] + d[1] * d[1];
+        double t = length > 0 ? ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / length : 0;
+        t = fmin(fmax(t, 0), 1);
+        least = fmin(least, hypot(p[0] - a[0] - t * d[0], p[1] - a[1] - t * d[1]));
+    }
+    return least;
+}
+
+static double splat_distance(const psplat_region *region, const double point[3]) {
+    double uvh[3], polygon[CORNERS][2];
+    psplat_region_local(region, point, uvh);
+    if (psplat_region_contains(region, uvh, 1 + float_slack, float_slack)) return fabs(uvh[2]);
+    size_t count = psplat_region_polygon(region, 1, polygon, CORNERS);
+    return count ? hypot(uvh[2], polygon_distance(region, polygon, count, uvh)) : HUGE_VAL;
+}
+
+/* ---- one sample ---------------------------------------------------------------------------- */
+
+/* What the splats near one surface point make of it. */
+typedef struct probe {
+    const psplat_splats *splats;
+    double point[3], normal[3];
+    double tolerance;
+    double distance; /* to the nearest splat */
+    int covered;
+    double blended[3], constant[3]; /* weighted normals, with and without gradients */
+} probe;
+
+static void blend_normal(probe *p, const psplat_splat *splat, const psplat_region *region,
+                         const double uv[2]) {
+    double r = hypot(uv[0], uv[1]);
+    double weight =
+        exp(-(double)p->splats->kernel.sharpness * pow(r, (double)p->splats->kernel.exponent));
+    double center[3] = {(double)splat->normal[0], (double)splat->normal[1],
+                        (double)splat->normal[2]};
+    mad3(p->constant, weight / dot3(center, region->n), center);
+    mad3(p->blended, weight / dot3(center, region->n), center);
+    mad3(p->blended, weight * (double)splat->gradient[0] * uv[0], region->u);
+    mad3(p->blended, weight * (double)splat->gradient[1] * uv[1], region->v);
+}
+
+static void visit_splat(void *user, uint32_t index) {
+    probe *p = user;
+    const psplat_splat *splat = &p->splats->splats[index];
+    psplat_region region;
+    double uvh[3];
+    psplat_splat_region(splat, &region);
+    p->distance = fmin(p->distance, splat_distance(&region, p->point));
+    psplat_region_local(&region, p->point, uvh);
+    if (!psplat_region_contains(&region, uvh, 1 + float_slack, float_slack)) return;
+    /* A splat of the other side of a thin part does not cover this one. */
+    if (fabs(uvh[2]) > p->tolerance || dot3(p->normal, region.n) <= 0) return;
+    p->covered = 1;
+    blend_normal(p, splat, &region, uvh);
+}
+
+static void probe_sample(const psplat_samples *samples, size_t i, const psplat_splats *splats,
+                         const psplat_locator *locator, double tolerance, probe *p) {
+    *p = (probe){.splats = splats, .tolerance = tolerance * (1 + 1e-6), .distance = HUGE_VAL};
+    memcpy(p->point, samples->positions + 3 * i, sizeof p->point);
+    for (int k = 0; k < 3; ++k) p->normal[k] = (double)samples->normals[3 * i + (size_t)k];
+    psplat_locator_visit(locator, p->point, visit_splat, p);
+    if (p->distance <= tolerance) return;
+    /* Nothing within reach: the sample is a hole, and its distance wants the whole set. */
+    for (size_t s = 0; s < splats->count; ++s) {
+        psplat_region region;
+        psplat_splat_region(&splats->splats[s], &region);
+        p->distance = fmin(p->distance, splat_distance(&region, p->point));
+    }
+}
+
+psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
+                                     double tolerance, uint8_t *uncovered, size_t *count) {
+    psplat_locator *locator = psplat_locator_create(splats->splats, splats->count, tolerance);
+    if (!locator) return PSPLAT_ERROR_MEMORY;
+    size_t total = 0;
+    long samples_count = (long)samples->count;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(static) reduction(+ : total)
+#endif
+    for (long i = 0; i < samples_count; ++i) {
+        probe p;
+        probe_sample(samples, (size_t)i, splats, locator, tolerance, &p);
+        uncovered[i] = !p.covered;
+        total += !p.covered;
+    }
+    psplat_locator_destroy(locator);
+    *count = total;
+    return PSPLAT_OK;
+}
+
+/* ---- surface to splats ---------------------------------------------------------------------- */
+
+static double angle_degrees(const double a[3], const double b[3]) {
+    double c[3];
+    cross3(c, a, b);
+    return atan2(length3(c), dot3(a, b)) * (180 / 3.141592653589793);
+}
+
+/* Per-sample results, filled in parallel and summed in order, so that sums do not depend on the
+ * number of threads. */
+typedef struct measurements {
+    double *distances, *angles, *constant_angles;
+    uint8_t *covered;
+} measurements;
+
+static void measure_sample(const psplat_samples *samples, size_t i, const psplat_splats *splats,
+                           const psplat_locator *locator, double tolerance, measurements *m) {
+    probe p;
+    probe_sample(samples, i, splats, locator, tolerance, &p);
+    m->distances[i] = p.distance;
+    m->covered[i] = (uint8_t)p.covered;
+    m->angles[i] = p.covered ? angle_degrees(p.blended, p.normal) : 0;
+    m->constant_angles[i] = p.covered ? angle_degrees(p.constant, p.normal) : 0;
+}
+
+static int compare_doubles(const void *left, const void *right) {
+    const double *a = left, *b = right;
+    return *a < *b ? -1 : *a > *b;
+}
+
+static void summarise(measurements *m, size_t count, double diagonal, psplat_report *report) {
+    double squares = 0, greatest = 0, angles = 0, constant_angles = 0;
+    size_t covered = 0;
+    for (size_t i = 0; i < count; ++i) {
+        squares += m->distances[i] * m->distances[i];
+        greatest = fmax(greatest, m->distances[i]);
+        if (!m->covered[i]) continue;
+        angles += m->angles[i] * m->angles[i];
+        constant_angles += m->constant_angles[i] * m->constant_angles[i];
+        m->angles[covered++] = m->angles[i];
+    }
+    qsort(m->angles, covered, sizeof(double), compare_doubles);
+    double some = covered ? (double)covered : 1;
+    report->verification_samples = count;
+    report->uncovered_samples = count - covered;
+    report->max_distance_surface_percent = 100 * greatest / diagonal;
+    report->rms_distance_percent = 100 * sqrt(squares / (double)count) / diagonal;
+    report->rms_normal_degrees = sqrt(angles / some);
+    report->rms_normal_constant_degrees = sqrt(constant_angles / some);
+    report->p95_normal_degrees = covered ? m->angles[(covered - 1) * 95 / 100] : 0;
+}
+
+static psplat_result measure_surface(const psplat_samples *samples, const psplat_splats *splats,
+                                     double tolerance, double diagonal, psplat_report *report) {
+    size_t count = samples->count;
+    measurements m = {malloc(count * sizeof(double)), malloc(count * sizeof(double)),
+                      malloc(count * sizeof(double)), malloc(count)};
+    psplat_locator *locator = psplat_locator_create(splats->splats, splats->count, tolerance);
+    psplat_result result = PSPLAT_ERROR_MEMORY;
+    if (m.distances && m.angles && m.constant_angles && m.covered && locator) {
+        long end = (long)count;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(static)
+#endif
+        for (long i = 0; i < end; ++i)
+            measure_sample(samples, (size_t)i, splats, locator, tolerance, &m);
+        summarise(&m, count, diagonal, report);
+        result = PSPLAT_OK;
+    }
+    psplat_locator_destroy(locator);
+    free(m.distances);
+    free(m.angles);
+    free(m.constant_angles);
+    free(m.covered);
+    return result;
+}
+
+/* ---- splats to surface ---------------------------------------------------------------------- */
+
+/* Points of a splat: the corners of its outline, the same halfway in, and its middle. */
+static size_t splat_points(const psplat_splat *splat, double (*points)[3]) {
+    psplat_region region;
+    double polygon[CORNERS][2], middle[2] = {0, 0};
+    psplat_splat_region(splat, &region);
+    size_t count = psplat_region_polygon(&region, 1, polygon, CORNERS);
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)count;
+    for (size_t i = 0; i < 2 * count + 1; ++i) {
+        double t = i < count ? 1 : i < 2 * count ? 0.5 : 0;
+        const double *corner = polygon[i % count];
+        memcpy(points[i], region.center, sizeof points[i]);
+        mad3(points[i], (middle[0] + t * (corner[0] - middle[0])) * region.radius[0], region.u);
+        mad3(points[i], (middle[1] + t * (corner[1] - middle[1])) * region.radius[1], region.v);
+    }
+    return count ? 2 * count + 1 : 0;
+}
+
+static psplat_result measure_splats(const psplat_mesh *mesh, const psplat_splats *splats,
+                                    double *greatest) {
+    psplat_distance *distance = psplat_distance_create(mesh);
+    if (!distance) return PSPLAT_ERROR_MEMORY;
+    long end = (long)splats->count;
+    double most = 0;
+    int failed = 0;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(dynamic, 16) reduction(max : most) reduction(| : failed)
+#endif
+    for (long i = 0; i < end; ++i) {
+        double points[2 * CORNERS + 1][3], distances[2 * CORNERS + 1];
+        size_t count = splat_points(&splats->splats[i], points);
+        failed |= psplat_distance_query(distance, &points[0][0], count, distances) != PSPLAT_OK;
+        for (size_t k = 0; k < count && !failed; ++k) most = fmax(most, distances[k]);
+    }
+    psplat_distance_destroy(distance);
+    *greatest = most;
+    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+}
+
+psplat_result psplat_verify(const psplat_surface *surface, const psplat_splats *splats,
+                            double tolerance, uint64_t seed, psplat_report *report,
+                            psplat_error *error) {
+    size_t wanted = splats->count * SAMPLES_PER_SPLAT;
+    if (wanted < LEAST_SAMPLES) wanted = LEAST_SAMPLES;
+    if (wanted > MOST_SAMPLES) wanted = MOST_SAMPLES;
+    psplat_samples samples;
+    psplat_result result = psplat_samples_draw_uniform(surface, wanted, seed, &samples, error);
+    if (result) return result;
+    double greatest = 0;
+    result = measure_surface(&samples, splats, tolerance, surface->diagonal, report);
+    if (!result) result = measure_splats(surface->mesh, splats, &greatest);
+    psplat_samples_free(&samples);
+    if (result) return psplat_fail(error, result, 0, "out of memory while verifying");
+    report->max_distance_splats_percent = 100 * greatest / surface->diagonal;
+    report->max_distance_percent =
+        fmax(report->max_distance_surface_percent, report->max_distance_splats_percent);
+    return PSPLAT_OK;
+}
