@@ -42,12 +42,6 @@ typedef struct psplat_mesh {
 psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error *error);
 void psplat_mesh_free(psplat_mesh *mesh);
 
-/* adapter_openmesh.cpp (OBJ, PLY, OFF, STL) and adapter_tinygltf.cpp (glTF, GLB) fill a raw mesh:
- * unwelded, not recentred, nothing dropped, every index already in range. */
-psplat_result psplat_mesh_read_openmesh(const char *path, const char *format, psplat_mesh *mesh,
-                                        psplat_error *error);
-psplat_result psplat_mesh_read_tinygltf(const char *path, psplat_mesh *mesh, psplat_error *error);
-
 /* ---- convert.c: the whole conversion ------------------------------------------------------ */
 
 /* Zeros are the defaults. */
@@ -107,6 +101,13 @@ psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc 
  * caller. Pure: no file is touched. name (may be NULL) becomes the node's and the mesh's name. */
 psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, uint8_t **data,
                                size_t *size, psplat_error *error);
+
+/* ---- report.c: the report as JSON --------------------------------------------------------- */
+
+/* One object with the fields of psplat_report as keys, in *text, allocated with malloc and owned
+ * by the caller; *size bytes, not terminated. */
+psplat_result psplat_report_json(const psplat_report *report, char **text, size_t *size,
+                                 psplat_error *error);
 
 /* ---- output.c: files that are whole or absent --------------------------------------------- */
 

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * check_obj.c - the strict pass over an OBJ before OpenMesh reads it.
+ *
+ * Blanks what would mislead the library: material statements (it would open whatever file they
+ * name), line continuations, and faces with fewer than three different vertices.
+ */
+#include "source.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Elements seen so far; faces may refer backwards to them with negative numbers. */
+typedef struct obj_state {
+    psplat_lines lines;
+    size_t texcoords, normals, colored;
+    size_t all_vertices, all_texcoords, all_normals; /* of the whole file */
+} obj_state;
+
+/* "a \<newline> b" is one line to the format; OpenMesh does not know. */
+static void join_continued_lines(psplat_source *source) {
+    for (char *c = source->data; (c = strchr(c, '\\')) != NULL; ++c) {
+        char *end = c + 1 + (c[1] == '\r');
+        if (*end == '\n') memset(c, ' ', (size_t)(end - c) + 1);
+    }
+}
+
+static int is_word(const char *token, size_t length, const char *word) {
+    return token && strlen(word) == length && memcmp(token, word, length) == 0;
+}
+
+/* Indices may point forward, so the totals are needed before the first face. */
+static void count_elements(psplat_source *source, obj_state *state) {
+    psplat_lines lines = psplat_lines_begin(source);
+    while (psplat_lines_next(&lines)) {
+        size_t length;
+        char *word = psplat_lines_token(&lines, &length);
+        state->all_vertices += (size_t)is_word(word, length, "v");
+        state->all_texcoords += (size_t)is_word(word, length, "vt");
+        state->all_normals += (size_t)is_word(word, length, "vn");
+    }
+}
+
+static psplat_result check_vertex(psplat_source *source, obj_state *state, psplat_error *error) {
+    static const char *const names[] = {"the x coordinate", "the y coordinate", "the z coordinate"};
+    double *position = source->positions + source->vertices++ * 3;
+    for (int axis = 0; axis < 3; ++axis) {
+        psplat_result result =
+            psplat_lines_number(&state->lines, names[axis], &position[axis], error);
+        if (result) return result;
+    }
+    size_t length, more = 0;
+    while (psplat_lines_token(&state->lines, &length)) ++more;
+    state->colored += more >= 3; /* x y z r g b; with one number more than three it is a weight */
+    return PSPLAT_OK;
+}
+
+static psplat_result check_values(obj_state *state, const char *what, int count,
+                                  psplat_error *error) {
+    double value;
+    psplat_result result = PSPLAT_OK;
+    for (int i = 0; i < count && !result; ++i)
+        result = psplat_lines_number(&state->lines, what, &value, error);
+    return result;
+}
+
+/* One reference: positive from the start of the file, negative from the latest element. */
+static psplat_result check_index(const obj_state *state, const char *what, const char *text,
+                                 size_t so_far, size_t total, size_t *index, psplat_error *error) {
+    long long number = strtoll(text, NULL, 10);
+    if (number < 0 && (unsigned long long)-number <= so_far) number += (long long)so_far + 1;
+    if (number < 1 || (unsigned long long)number > total)
+        return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_RANGE,
+                                 "%s %lld does not exist (%zu in the file)", what, number, total);
+    *index = (size_t)number - 1;
+    return PSPLAT_OK;
+}
+
+/* v, v/t, v//n or v/t/n. */
+static psplat_result check_corner(const psplat_source *source, const obj_state *state, char *token,
+                                  size_t length, size_t *vertex, psplat_error *error) {
+    if (strspn(token, "0123456789-/") < length || token[0] == '/')
+        return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_FORMAT,
+                                 "'%.*s' is not a corner of a face",
+                                 (int)(length < 40 ? length : 40), token);
+    size_t index;
+    char *end = token + length;
+    char *slash = memchr(token, '/', length);
+    char *second = slash ? memchr(slash + 1, '/', (size_t)(end - slash - 1)) : NULL;
+    psplat_result result =
+        check_index(state, "vertex", token, source->vertices, state->all_vertices, vertex, error);
+    if (!result && slash && slash + 1 < end && slash[1] != '/')
+        result = check_index(state, "texture coordinate", slash + 1, state->texcoords,
+                             state->all_texcoords, &index, error);
+    if (!result && second && second + 1 < end)
+        result = check_index(state, "normal", second + 1, state->normals, state->all_normals,
+                             &index, error);
+    return result;
+}
+
+static psplat_result check_face(psplat_source *source, obj_state *state, psplat_error *error) {
+    char *line = state->lines.line;
+    size_t length, corners = 0, distinct = 0, seen[3] = {0};
+    char *token;
+    while ((token = psplat_lines_token(&state->lines, &length)) != NULL) {
+        size_t vertex = 0;
+        psplat_result result = check_corner(source, state, token, length, &vertex, error);
+        if (result) return result;
+        int known = 0;
+        for (size_t i = 0; i < distinct; ++i) known |= seen[i] == vertex;
+        if (!known && distinct < 3) seen[distinct++] = vertex;
+        if (++corners > PSPLAT_MAX_CORNERS)
+            return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_RANGE,
+                                     "the face has more than %u corners", PSPLAT_MAX_CORNERS);
+    }
+    if (corners < 3)
+        return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_FORMAT,
+                                 "the face has %zu corners", corners);
+    if (distinct < 3) {
+        ++source->dropped;
+        *line = '#';
+    } else {
+        ++source->faces;
+    }
+    return PSPLAT_OK;
+}
+
+static psplat_result check_line(psplat_source *source, obj_state *state, psplat_error *error) {
+    size_t length;
+    char *word = psplat_lines_token(&state->lines, &length);
+    if (is_word(word, length, "v")) return check_vertex(source, state, error);
+    if (is_word(word, length, "vn")) {
+        ++state->normals;
+        return check_values(state, "a component of the normal", 3, error);
+    }
+    if (is_word(word, length, "vt")) {
+        ++state->texcoords;
+        return check_values(state, "the texture coordinate", 1, error);
+    }
+    if (is_word(word, length, "f")) {
+        state->lines.line = word;
+        return check_face(source, state, error);
+    }
+    if (is_word(word, length, "mtllib") || is_word(word, length, "usemtl")) *word = '#';
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_check_obj(psplat_source *source, psplat_error *error) {
+    if (strlen(source->data) < source->size)
+        return psplat_fail(error, PSPLAT_ERROR_FORMAT, strlen(source->data),
+                           "%s: byte %zu: a zero byte in an OBJ text", source->path,
+                           strlen(source->data));
+    join_continued_lines(source);
+    obj_state state = {0};
+    count_elements(source, &state);
+    source->positions = malloc((state.all_vertices + 1) * 3 * sizeof(double));
+    if (!source->positions)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "%s: out of memory", source->path);
+    psplat_result result = PSPLAT_OK;
+    state.lines = psplat_lines_begin(source);
+    while (!result && psplat_lines_next(&state.lines)) result = check_line(source, &state, error);
+    psplat_lines_end(&state.lines);
+    source->has_colors = source->vertices > 0 && state.colored == source->vertices;
+    if (!result && source->faces == 0)
+        result = psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0,
+                             "%s: end of file: no face with an area (%zu vertices)", source->path,
+                             source->vertices);
+    return result;
+}

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * mesh.c - from a file of any supported format to a clean mesh: checked, welded, without flat
+ * triangles, centred at the origin of its own coordinates.
+ */
+#include "source.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Formats without materials get a light grey with a soft highlight; coloured ones their colours. */
+#define DEFAULT_GREY 0.8f
+#define DEFAULT_ROUGHNESS 0.5f
+
+psplat_result psplat_mesh_allocate(psplat_mesh *mesh, size_t vertex_count, size_t triangle_count,
+                                   int normals, int colors, int groups, psplat_error *error) {
+    *mesh = (psplat_mesh){.vertex_count = vertex_count, .triangle_count = triangle_count};
+    if (vertex_count > PSPLAT_MAX_VERTICES || triangle_count > PSPLAT_MAX_TRIANGLES)
+        return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                           "%zu vertices and %zu triangles; at most %u and %u are read",
+                           vertex_count, triangle_count, PSPLAT_MAX_VERTICES, PSPLAT_MAX_TRIANGLES);
+    mesh->positions = calloc(vertex_count + 1, 3 * sizeof(double));
+    mesh->triangles = calloc(triangle_count + 1, 3 * sizeof(uint32_t));
+    if (normals) mesh->corner_normals = calloc(triangle_count + 1, 9 * sizeof(float));
+    if (colors) mesh->corner_colors = calloc(triangle_count + 1, 12 * sizeof(float));
+    if (groups) mesh->groups = calloc(triangle_count + 1, sizeof(uint32_t));
+    if (mesh->positions && mesh->triangles && (!normals || mesh->corner_normals) &&
+        (!colors || mesh->corner_colors) && (!groups || mesh->groups))
+        return PSPLAT_OK;
+    psplat_mesh_free(mesh);
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for %zu triangles",
+                       triangle_count);
+}
+
+void psplat_mesh_free(psplat_mesh *mesh) {
+    if (!mesh) return;
+    free(mesh->positions);
+    free(mesh->triangles);
+    free(mesh->corner_normals);
+    free(mesh->corner_colors);
+    free(mesh->groups);
+    *mesh = (psplat_mesh){0};
+}
+
+static psplat_result check(psplat_source *source, psplat_error *error) {
+    switch (source->format) {
+    case PSPLAT_SOURCE_OBJ:
+        return psplat_check_obj(source, error);
+    case PSPLAT_SOURCE_OFF:
+        return psplat_check_off(source, error);
+    case PSPLAT_SOURCE_PLY:
+        return psplat_check_ply(source, error);
+    case PSPLAT_SOURCE_STL_TEXT:
+    case PSPLAT_SOURCE_STL_BINARY:
+        return psplat_check_stl(source, error);
+    default:
+        return PSPLAT_OK; /* tinygltf's adapter checks as it reads */
+    }
+}
+
+static int is_gltf(const psplat_source *source) {
+    return source->format == PSPLAT_SOURCE_GLTF || source->format == PSPLAT_SOURCE_GLB;
+}
+
+/* The last line of defence behind the adapters: nothing after this checks an index again. */
+static psplat_result check_raw(const psplat_mesh *mesh, const char *path, psplat_error *error) {
+    for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
+        uint32_t vertex = mesh->triangles[i];
+        if (vertex >= mesh->vertex_count)
+            return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                               "%s: triangle %zu: vertex %u of %zu does not exist", path, i / 3,
+                               vertex, mesh->vertex_count);
+        const double *p = mesh->positions + (size_t)vertex * 3;
+        if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
+            return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                               "%s: vertex %u: a coordinate is not finite", path, vertex);
+    }
+    return PSPLAT_OK;
+}
+
+static void recentre(psplat_mesh *mesh) {
+    double low[3], high[3];
+    memcpy(low, mesh->positions, sizeof low);
+    memcpy(high, mesh->positions, sizeof high);
+    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
+        double value = mesh->positions[i];
+        if (value < low[i % 3]) low[i % 3] = value;
+        if (value > high[i % 3]) high[i % 3] = value;
+    }
+    for (int axis = 0; axis < 3; ++axis) mesh->origin[axis] = low[axis] / 2 + high[axis] / 2;
+    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) mesh->positions[i] -= mesh->origin[i % 3];
+}
+
+static void face_normal(const psplat_mesh *mesh, size_t triangle, double normal[3]) {
+    const uint32_t *t = mesh->triangles + triangle * 3;
+    const double *a = mesh->positions + (size_t)t[0] * 3;
+    double e[3], f[3];
+    for (int k = 0; k < 3; ++k) {
+        e[k] = mesh->positions[(size_t)t[1] * 3 + (size_t)k] - a[k];
+        f[k] = mesh->positions[(size_t)t[2] * 3 + (size_t)k] - a[k];
+    }
+    double n[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int k = 0; k < 3; ++k) normal[k] = n[k] / length;
+}
+
+/* A normal of no length or no number is not an opinion: the face's own takes its place. */
+static void normalise_normals(psplat_mesh *mesh) {
+    for (size_t corner = 0; mesh->corner_normals && corner < mesh->triangle_count * 3; ++corner) {
+        float *normal = mesh->corner_normals + corner * 3;
+        double n[3] = {normal[0], normal[1], normal[2]};
+        double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        if (isfinite(length) && length > 0) {
+            for (int k = 0; k < 3; ++k) n[k] /= length;
+        } else {
+            face_normal(mesh, corner / 3, n);
+        }
+        for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
+    }
+}
+
+/* One colour on every corner is not worth a colour per splat: it joins the base colour. */
+static void fold_uniform_color(psplat_mesh *mesh) {
+    float *colors = mesh->corner_colors;
+    if (!colors) return;
+    for (size_t corner = 1; corner < mesh->triangle_count * 3; ++corner)
+        if (memcmp(colors, colors + corner * 4, 4 * sizeof(float)) != 0) return;
+    for (int k = 0; k < 4; ++k) mesh->material.base_color[k] *= colors[k];
+    free(colors);
+    mesh->corner_colors = NULL;
+}
+
+static void default_material(psplat_mesh *mesh, int closed) {
+    float grey = mesh->corner_colors ? 1.0f : DEFAULT_GREY;
+    mesh->material = (psplat_material){.base_color = {grey, grey, grey, 1.0f},
+                                       .roughness = DEFAULT_ROUGHNESS,
+                                       .double_sided = !closed};
+}
+
+static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, psplat_error *error) {
+    int closed = 0;
+    psplat_result result = check_raw(mesh, source->path, error);
+    if (!result) result = psplat_mesh_weld(mesh, error);
+    /* Closed or not is asked before flat triangles go: they may be all that closes a T-junction. */
+    if (!result) result = psplat_mesh_is_closed(mesh, &closed, error);
+    if (result) return result;
+    psplat_mesh_drop_flat(mesh);
+    if (mesh->triangle_count == 0)
+        return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area",
+                           source->path);
+    recentre(mesh);
+    normalise_normals(mesh);
+    if (!is_gltf(source)) default_material(mesh, closed);
+    fold_uniform_color(mesh);
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error *error) {
+    if (!path || !mesh)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "psplat_mesh_read: path or mesh is NULL");
+    *mesh = (psplat_mesh){0};
+    psplat_source source;
+    psplat_result result = psplat_source_load(path, &source, error);
+    if (result) return result;
+    result = check(&source, error);
+    if (!result)
+        result = is_gltf(&source) ? psplat_mesh_read_tinygltf(&source, mesh, error)
+                                  : psplat_mesh_read_openmesh(&source, mesh, error);
+    if (!result) result = clean(mesh, &source, error);
+    if (result) psplat_mesh_free(mesh);
+    psplat_source_free(&source);
+    return result;
+}

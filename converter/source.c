@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * source.c - a file in memory, and which format it is.
+ */
+#include "source.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Binary STL: 80 bytes of header, the number of triangles, 50 bytes a triangle. */
+#define STL_HEADER 84
+#define STL_TRIANGLE 50
+
+/* Reads on until the end or the limit, so that pipes work too. */
+static psplat_result read_stream(FILE *file, const char *path, char **data, size_t *size,
+                                 psplat_error *error) {
+    size_t capacity = 1 << 16;
+    size_t used = 0;
+    char *bytes = malloc(capacity + 1);
+    while (bytes) {
+        used += fread(bytes + used, 1, capacity - used, file);
+        if (used < capacity || used > PSPLAT_MAX_SOURCE_BYTES) break;
+        capacity *= 2;
+        char *larger = realloc(bytes, capacity + 1);
+        if (!larger) free(bytes);
+        bytes = larger;
+    }
+    if (!bytes) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "%s: out of memory", path);
+    if (ferror(file) || used > PSPLAT_MAX_SOURCE_BYTES) {
+        int large = used > PSPLAT_MAX_SOURCE_BYTES;
+        free(bytes);
+        if (large) return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "%s: over 4 GiB", path);
+        return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s: %s", path, strerror(errno));
+    }
+    bytes[used] = 0;
+    *data = bytes;
+    *size = used;
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_source_read_file(const char *path, char **data, size_t *size,
+                                      psplat_error *error) {
+    FILE *file = fopen(path, "rb");
+    if (!file) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s: %s", path, strerror(errno));
+    psplat_result result = PSPLAT_OK;
+    /* Refuse early what has a size; what has none (a pipe) is caught while reading. */
+    if (fseek(file, 0, SEEK_END) == 0) {
+        long end = ftell(file);
+        if (end > 0 && end != LONG_MAX && (unsigned long)end > PSPLAT_MAX_SOURCE_BYTES)
+            result = psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                                 "%s: %ld bytes; at most 4 GiB are read", path, end);
+        rewind(file);
+    }
+    if (!result) result = read_stream(file, path, data, size, error);
+    fclose(file);
+    return result;
+}
+
+static const char *skip_blanks(const char *text) {
+    while (*text && isspace((unsigned char)*text)) ++text;
+    return text;
+}
+
+static int starts_with(const char *text, const char *word) {
+    return strncmp(text, word, strlen(word)) == 0;
+}
+
+/* [ST][C][N][4][n]OFF, as geomview defines the first word. */
+static int is_off(const char *text) {
+    if (starts_with(text, "ST")) text += 2;
+    text += *text == 'C';
+    text += *text == 'N';
+    text += *text == '4';
+    text += *text == 'n';
+    return starts_with(text, "OFF") && !isalnum((unsigned char)text[3]);
+}
+
+static int is_binary_stl(const psplat_source *source) {
+    if (source->size < STL_HEADER) return 0;
+    const unsigned char *count = (const unsigned char *)source->data + STL_HEADER - 4;
+    uint64_t triangles = (uint64_t)count[0] | (uint64_t)count[1] << 8 | (uint64_t)count[2] << 16 |
+                         (uint64_t)count[3] << 24;
+    return source->size == STL_HEADER + STL_TRIANGLE * triangles;
+}
+
+/* OBJ has no magic: its first line that is neither empty nor a comment must be a statement. */
+static int is_obj(const char *text) {
+    static const char *const statements[] = {"v ", "v\t", "vn ",     "vt ",     "o ",
+                                             "g ", "f ",  "mtllib ", "usemtl ", "s "};
+    text = skip_blanks(text);
+    while (*text == '#') {
+        text += strcspn(text, "\n");
+        text = skip_blanks(text);
+    }
+    for (size_t i = 0; i < sizeof statements / sizeof *statements; ++i)
+        if (starts_with(text, statements[i])) return 1;
+    return 0;
+}
+
+static psplat_source_format format_of_content(const psplat_source *source) {
+    const char *text = source->data;
+    if (starts_with(text, "glTF")) return PSPLAT_SOURCE_GLB;
+    if (starts_with(text, "\xef\xbb\xbf")) text += 3;
+    if (*skip_blanks(text) == '{') return PSPLAT_SOURCE_GLTF;
+    if ((starts_with(text, "ply") || starts_with(text, "PLY")) && isspace((unsigned char)text[3]))
+        return PSPLAT_SOURCE_PLY;
+    if (is_off(text)) return PSPLAT_SOURCE_OFF;
+    /* Before "solid": some binary files begin with that word. */
+    if (is_binary_stl(source)) return PSPLAT_SOURCE_STL_BINARY;
+    if (starts_with(skip_blanks(text), "solid")) return PSPLAT_SOURCE_STL_TEXT;
+    if (is_obj(text)) return PSPLAT_SOURCE_OBJ;
+    return PSPLAT_SOURCE_UNKNOWN;
+}
+
+static int has_extension(const char *path, const char *extension) {
+    size_t length = strlen(path);
+    size_t wanted = strlen(extension);
+    if (length < wanted) return 0;
+    for (size_t i = 0; i < wanted; ++i)
+        if (tolower((unsigned char)path[length - wanted + i]) != extension[i]) return 0;
+    return 1;
+}
+
+/* Of the extensions only these help where the content does not speak: the others have a magic. */
+static psplat_result recognise(psplat_source *source, psplat_error *error) {
+    static const char *const magics[][2] = {
+        {".ply", "ply"}, {".off", "OFF"}, {".glb", "glTF"}, {".gltf", "{"}};
+    source->format = format_of_content(source);
+    if (source->format) return PSPLAT_OK;
+    if (has_extension(source->path, ".obj")) source->format = PSPLAT_SOURCE_OBJ;
+    if (has_extension(source->path, ".stl")) source->format = PSPLAT_SOURCE_STL_BINARY;
+    if (source->format) return PSPLAT_OK;
+    for (size_t i = 0; i < sizeof magics / sizeof *magics; ++i)
+        if (has_extension(source->path, magics[i][0]))
+            return psplat_fail(error, PSPLAT_ERROR_FORMAT, 0,
+                               "%s: byte 0: does not begin with '%s'", source->path, magics[i][1]);
+    return psplat_fail(error, PSPLAT_ERROR_UNSUPPORTED, 0,
+                       "%s: not a mesh this program reads (OBJ, PLY, OFF, STL, glTF, GLB)",
+                       source->path);
+}
+
+psplat_result psplat_source_load(const char *path, psplat_source *source, psplat_error *error) {
+    *source = (psplat_source){.path = path};
+    psplat_result result = psplat_source_read_file(path, &source->data, &source->size, error);
+    if (result) return result;
+    if (source->size == 0)
+        result = psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: the file is empty", path);
+    if (!result) result = recognise(source, error);
+    if (result) psplat_source_free(source);
+    return result;
+}
+
+void psplat_source_free(psplat_source *source) {
+    if (!source) return;
+    free(source->data);
+    free(source->positions);
+    source->data = NULL;
+    source->positions = NULL;
+    source->size = 0;
+}

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * source.h - what mesh.c and its readers share: a file in memory, the checks that run over it
+ * before a library parses it, and the raw mesh that comes out.
+ *
+ * OpenMesh reads leniently: a missing number repeats the one before, a header that promises too
+ * much is believed, some broken headers never end. So each of its formats has a strict pass of our
+ * own first (check_*), which names line or byte of what is wrong, counts what a complete reading
+ * must yield, and blanks what OpenMesh would stumble over. The library then reads the same bytes.
+ */
+#ifndef PHONGSPLAT_SOURCE_H
+#define PHONGSPLAT_SOURCE_H
+
+#include "converter.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Limits of what is read: an index and two bits fit into 32 bits, a byte offset into 32. */
+#define PSPLAT_MAX_SOURCE_BYTES 0xffffffffu
+#define PSPLAT_MAX_TRIANGLES 0x3fffffffu
+#define PSPLAT_MAX_VERTICES 0x7ffffffeu
+#define PSPLAT_MAX_CORNERS 4096u /* of one polygon */
+
+typedef enum psplat_source_format {
+    PSPLAT_SOURCE_UNKNOWN = 0,
+    PSPLAT_SOURCE_OBJ,
+    PSPLAT_SOURCE_PLY,
+    PSPLAT_SOURCE_OFF,
+    PSPLAT_SOURCE_STL_TEXT,
+    PSPLAT_SOURCE_STL_BINARY,
+    PSPLAT_SOURCE_GLTF,
+    PSPLAT_SOURCE_GLB
+} psplat_source_format;
+
+/* A file and what the checks found out about it. Zero-initialise; psplat_source_free releases. */
+typedef struct psplat_source {
+    const char *path; /* as the caller gave it, for messages */
+    char *data;       /* the whole file with a 0 byte after it */
+    size_t size;
+    psplat_source_format format;
+    size_t vertices;   /* in the file */
+    size_t faces;      /* in the file, less the dropped ones */
+    size_t dropped;    /* faces with fewer than three different vertices */
+    int has_colors;    /* every vertex has a colour */
+    double *positions; /* vertices x 3, where the file says more than single precision; or NULL */
+} psplat_source;
+
+/* source.c: loads the whole file (READ, RANGE, MEMORY; FORMAT where it is empty) and recognises its
+ * format by content, then by extension (UNSUPPORTED). */
+psplat_result psplat_source_load(const char *path, psplat_source *source, psplat_error *error);
+void psplat_source_free(psplat_source *source);
+
+/* Loads a file next to the source: used for the external buffers of a .gltf. *data is malloc'ed. */
+psplat_result psplat_source_read_file(const char *path, char **data, size_t *size,
+                                      psplat_error *error);
+
+/* check_obj.c, check_off.c, check_ply.c, check_stl.c: fill the counts of source, or fail with the
+ * line (text) or byte (binary) of what is wrong. */
+psplat_result psplat_check_obj(psplat_source *source, psplat_error *error);
+psplat_result psplat_check_off(psplat_source *source, psplat_error *error);
+psplat_result psplat_check_ply(psplat_source *source, psplat_error *error);
+psplat_result psplat_check_stl(psplat_source *source, psplat_error *error);
+
+/* lines.c: a cursor over the text of a source, one line at a time. Lines end with a newline, which
+ * is replaced by 0 while the line is the current one. */
+typedef struct psplat_lines {
+    psplat_source *source;
+    char *line;    /* the current line */
+    char *cursor;  /* where the next token of it starts */
+    char *next;    /* the line after it */
+    size_t number; /* of the current line, from 1 */
+    char ended_by; /* the byte that 0 replaced */
+} psplat_lines;
+
+psplat_lines psplat_lines_begin(psplat_source *source);
+/* Moves to the next line; returns 0 at the end. */
+int psplat_lines_next(psplat_lines *lines);
+/* Gives the current line its newline back; call it once before the text goes to somebody else. */
+void psplat_lines_end(psplat_lines *lines);
+/* Next token of the line, its length in *length, or NULL. Tokens are separated by blanks. */
+char *psplat_lines_token(psplat_lines *lines, size_t *length);
+/* Next token as a finite number that single precision can hold, or as a count. what names it in the
+ * error: "path: line 7: the y coordinate ..." */
+psplat_result psplat_lines_number(psplat_lines *lines, const char *what, double *value,
+                                  psplat_error *error);
+psplat_result psplat_lines_count(psplat_lines *lines, const char *what, size_t *value,
+                                 psplat_error *error);
+/* "path: line 7: " and the printf-style rest. */
+psplat_result psplat_lines_fail(const psplat_lines *lines, psplat_error *error, psplat_result code,
+                                const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 4, 5)))
+#endif
+    ;
+
+/* rewrite.c: text or bytes that replace the content of a source. Zero-initialise; after a failure
+ * free data. */
+typedef struct psplat_rewrite {
+    char *data;
+    size_t size, capacity;
+} psplat_rewrite;
+
+psplat_result psplat_rewrite_bytes(psplat_rewrite *rewrite, const void *bytes, size_t size,
+                                   psplat_error *error);
+/* printf into it; at most 255 bytes a call. */
+psplat_result psplat_rewrite_text(psplat_rewrite *rewrite, psplat_error *error, const char *format,
+                                  ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+/* Puts it in the place of the source's content. */
+void psplat_rewrite_replace(psplat_rewrite *rewrite, psplat_source *source);
+
+/* polygon.c: splits the polygon with corners at points (count x 3) into count - 2 triangles of
+ * corner numbers by clipping ears, so that concave polygons stay right. triangles holds (count - 2)
+ * x 3. */
+psplat_result psplat_polygon_triangulate(const double *points, size_t count, uint32_t *triangles,
+                                         psplat_error *error);
+
+/* mesh.c: allocates the arrays of a mesh; normals, colors, groups say which of the optional ones.
+ */
+psplat_result psplat_mesh_allocate(psplat_mesh *mesh, size_t vertex_count, size_t triangle_count,
+                                   int normals, int colors, int groups, psplat_error *error);
+
+/* weld.c: the steps between a raw mesh and what psplat_mesh_read promises, in order. */
+psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error);
+/* 1 if every edge has exactly one triangle on each side. */
+psplat_result psplat_mesh_is_closed(const psplat_mesh *mesh, int *closed, psplat_error *error);
+void psplat_mesh_drop_flat(psplat_mesh *mesh);
+
+/* adapter_openmesh.cpp (OBJ, PLY, OFF, STL) and adapter_tinygltf.cpp (glTF, GLB) fill a raw mesh:
+ * unwelded, not recentred, every index in range. Faces that the checks dropped are counted. */
+psplat_result psplat_mesh_read_openmesh(const psplat_source *source, psplat_mesh *mesh,
+                                        psplat_error *error);
+psplat_result psplat_mesh_read_tinygltf(const psplat_source *source, psplat_mesh *mesh,
+                                        psplat_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * weld.c - vertices of equal position become one; triangles without area go.
+ */
+#include "source.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define EMPTY UINT32_MAX
+
+/* A triangle is flat where twice its area is within the rounding error of the products that make
+ * it: some 2^-50 of its longest edge squared. */
+#define FLATNESS 1e-15
+
+static uint64_t hash_position(const double p[3]) {
+    uint64_t hash = 0;
+    for (int k = 0; k < 3; ++k) {
+        uint64_t bits;
+        memcpy(&bits, &p[k], sizeof bits);
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u; /* Fibonacci hashing, Knuth TAOCP 3, 6.4 */
+        hash ^= hash >> 32;
+    }
+    return hash;
+}
+
+static size_t table_size(size_t entries) {
+    size_t size = 16;
+    while (size < entries * 2) size *= 2;
+    return size;
+}
+
+/* Finds the new number of position p, or gives it the next one. Open addressing, linear probing. */
+static uint32_t number_of(uint32_t *table, size_t size, double *positions, size_t *count,
+                          const double p[3]) {
+    size_t slot = hash_position(p) & (size - 1);
+    while (table[slot] != EMPTY) {
+        const double *q = positions + (size_t)table[slot] * 3;
+        if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) return table[slot];
+        slot = (slot + 1) & (size - 1);
+    }
+    table[slot] = (uint32_t)*count;
+    memcpy(positions + *count * 3, p, 3 * sizeof(double));
+    return (uint32_t)(*count)++;
+}
+
+static void move_triangle(psplat_mesh *mesh, size_t to, size_t from) {
+    if (to == from) return;
+    memcpy(mesh->triangles + to * 3, mesh->triangles + from * 3, 3 * sizeof(uint32_t));
+    if (mesh->corner_normals)
+        memcpy(mesh->corner_normals + to * 9, mesh->corner_normals + from * 9, 9 * sizeof(float));
+    if (mesh->corner_colors)
+        memcpy(mesh->corner_colors + to * 12, mesh->corner_colors + from * 12, 12 * sizeof(float));
+    if (mesh->groups) mesh->groups[to] = mesh->groups[from];
+}
+
+/* Keeps the triangles for which keep says so, in order, and counts the others. */
+static void filter(psplat_mesh *mesh, int (*keep)(const psplat_mesh *mesh, size_t triangle)) {
+    size_t kept = 0;
+    for (size_t t = 0; t < mesh->triangle_count; ++t)
+        if (keep(mesh, t)) move_triangle(mesh, kept++, t);
+    mesh->dropped += mesh->triangle_count - kept;
+    mesh->triangle_count = kept;
+}
+
+static int has_three_vertices(const psplat_mesh *mesh, size_t triangle) {
+    const uint32_t *t = mesh->triangles + triangle * 3;
+    return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+}
+
+static int has_area(const psplat_mesh *mesh, size_t triangle) {
+    const uint32_t *t = mesh->triangles + triangle * 3;
+    double e[3][3], longest = 0;
+    for (size_t i = 0; i < 3; ++i) {
+        const double *a = mesh->positions + (size_t)t[i] * 3;
+        const double *b = mesh->positions + (size_t)t[(i + 1) % 3] * 3;
+        for (int k = 0; k < 3; ++k) e[i][k] = b[k] - a[k];
+        longest = fmax(longest, hypot(hypot(e[i][0], e[i][1]), e[i][2]));
+    }
+    if (!(longest > 0)) return 0;
+    /* Scaled by the longest edge, so that no size of model under- or overflows. */
+    for (size_t i = 0; i < 2; ++i)
+        for (int k = 0; k < 3; ++k) e[i][k] /= longest;
+    double x = e[0][1] * e[1][2] - e[0][2] * e[1][1];
+    double y = e[0][2] * e[1][0] - e[0][0] * e[1][2];
+    double z = e[0][0] * e[1][1] - e[0][1] * e[1][0];
+    return sqrt(x * x + y * y + z * z) > FLATNESS;
+}
+
+psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error) {
+    size_t size = table_size(mesh->vertex_count);
+    uint32_t *table = malloc(size * sizeof *table);
+    double *positions = malloc((mesh->vertex_count + 1) * 3 * sizeof *positions);
+    if (!table || !positions) {
+        free(table);
+        free(positions);
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while welding");
+    }
+    memset(table, 0xff, size * sizeof *table);
+    size_t count = 0;
+    /* Numbered in the order of first use, which drops vertices that no triangle uses. */
+    for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
+        const double *raw = mesh->positions + (size_t)mesh->triangles[i] * 3;
+        double p[3] = {raw[0] + 0.0, raw[1] + 0.0, raw[2] + 0.0}; /* -0 becomes 0 */
+        mesh->triangles[i] = number_of(table, size, positions, &count, p);
+    }
+    free(table);
+    free(mesh->positions);
+    mesh->positions = positions;
+    mesh->vertex_count = count;
+    filter(mesh, has_three_vertices);
+    return PSPLAT_OK;
+}
+
+void psplat_mesh_drop_flat(psplat_mesh *mesh) {
+    filter(mesh, has_area);
+}
+
+static int compare_u32(const void *a, const void *b) {
+    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Each edge belongs to the bucket of its lesser vertex, as (greater vertex) * 2 + direction. */
+static void fill_buckets(const psplat_mesh *mesh, uint32_t *starts, uint32_t *edges) {
+    for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
+        uint32_t a = mesh->triangles[i], b = mesh->triangles[i - i % 3 + (i + 1) % 3];
+        uint32_t low = a < b ? a : b, high = a < b ? b : a;
+        edges[starts[low]++] = high * 2 + (a < b);
+    }
+}
+
+static int bucket_is_closed(uint32_t *edges, size_t count) {
+    if (count % 2) return 0;
+    qsort(edges, count, sizeof *edges, compare_u32);
+    for (size_t i = 0; i < count; i += 2) {
+        if (edges[i] % 2 != 0 || edges[i + 1] != edges[i] + 1) return 0;
+        if (i + 2 < count && edges[i + 2] <= edges[i + 1]) return 0;
+    }
+    return 1;
+}
+
+psplat_result psplat_mesh_is_closed(const psplat_mesh *mesh, int *closed, psplat_error *error) {
+    uint32_t *starts = calloc(mesh->vertex_count + 2, sizeof *starts);
+    uint32_t *edges = malloc((mesh->triangle_count + 1) * 3 * sizeof *edges);
+    *closed = mesh->triangle_count > 0;
+    if (!starts || !edges) {
+        free(starts);
+        free(edges);
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for edges");
+    }
+    for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
+        uint32_t a = mesh->triangles[i], b = mesh->triangles[i - i % 3 + (i + 1) % 3];
+        ++starts[(a < b ? a : b) + 1];
+    }
+    for (size_t v = 0; v < mesh->vertex_count; ++v) starts[v + 1] += starts[v];
+    fill_buckets(mesh, starts, edges); /* moves each start to the end of its bucket */
+    for (size_t v = 0; v < mesh->vertex_count && *closed; ++v) {
+        size_t begin = v ? starts[v - 1] : 0;
+        *closed = bucket_is_closed(edges + begin, starts[v] - begin);
+    }
+    free(starts);
+    free(edges);
+    return PSPLAT_OK;
+}
