@@ -9,7 +9,7 @@
 
 #include <phongsplat/reference.h>
 
-/* ---- vector.c ----------------------------------------------------------------------------- */
+/* ---- algebra.c ----------------------------------------------------------------------------- */
 
 double psplat_oracle_dot(const double a[3], const double b[3]);
 double psplat_oracle_length(const double a[3]);
@@ -53,7 +53,7 @@ typedef struct psplat_oracle_splat {
 void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
                                const psplat_oracle_space *space, psplat_oracle_splat *placed);
 
-/* ---- camera.c: rays and bounds ------------------------------------------------------------ */
+/* ---- ray.c: rays and bounds ------------------------------------------------------------ */
 
 typedef struct psplat_oracle_camera {
     double projection[16];

@@ -1,0 +1,439 @@
+/* SPDX-License-Identifier: MIT
+ * The reference rasteriser against closed forms: visibility, blending, culling and modes (spec 5.2
+ * to 5.7). Unlit materials make colours readable: L = B. */
+#include "camera.h"
+#include "scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "near.h"
+
+#define WIDTH 64
+#define HEIGHT 48
+#define FOCAL 100.0
+#define DISTANCE 5.0
+#define FLOAT_STEP 1.2e-7 /* colours are returned as float, at most 1 here */
+
+static psplat_view front_view(void) {
+    psplat_view view = camera_view(WIDTH, HEIGHT);
+    camera_look(&view, (double[]){0, 0, DISTANCE}, (double[]){0, 0, 0});
+    camera_perspective(&view, FOCAL, 1, 10);
+    return view;
+}
+
+static double ray_x(int x) {
+    return (x + 0.5 - WIDTH / 2.0) / FOCAL;
+}
+
+static double ray_y(int y) {
+    return (y + 0.5 - HEIGHT / 2.0) / FOCAL;
+}
+
+static picture draw_scene(const scene *s, const double transform[16], const psplat_view *view) {
+    psplat_asset *asset = scene_open(s);
+    picture p = picture_draw(asset, transform, view);
+    psplat_asset_destroy(asset);
+    return p;
+}
+
+static size_t covered_count(const picture *p) {
+    size_t count = 0;
+    for (int i = 0; i < p->width * p->height; ++i) count += p->image.count[i] > 0;
+    return count;
+}
+
+static void assert_pictures_near(const picture *a, const picture *b, double tolerance) {
+    assert_true(covered_count(a) > 100);
+    for (int i = 0; i < a->width * a->height; ++i) {
+        assert_int_equal(a->image.count[i], b->image.count[i]);
+        assert_near(a->image.depth[i], b->image.depth[i], tolerance);
+        for (int c = 0; c < 4; ++c)
+            assert_near((double)a->image.color[4 * i + c], (double)b->image.color[4 * i + c],
+                        tolerance);
+    }
+}
+
+/* ---- two discs of radius 1: red at z = 0, green at x = 0.5 and z = -gap -------------------- */
+
+static scene two_discs(double gap, double epsilon) {
+    scene s = scene_blank(2);
+    s.material.unlit = 1;
+    s.has_color = 1;
+    s.depth_tolerance = (float)epsilon;
+    s.splats[1].center[0] = 0.5f;
+    s.splats[1].center[2] = (float)-gap;
+    for (int i = 0; i < 2; ++i)
+        for (int c = 0; c < 3; ++c) s.splats[i].color[c] = c == i;
+    return s;
+}
+
+/* One of the two on the ray of a pixel. */
+typedef struct hit {
+    double r, t, depth;
+} hit;
+
+static hit hit_disc(const scene *s, int i, int x, int y) {
+    double z = s->splats[i].center[2], distance = DISTANCE - z;
+    double dx = ray_x(x), dy = ray_y(y);
+    return (hit){.r = hypot(dx * distance - (double)s->splats[i].center[0], dy * distance),
+                 .t = distance * sqrt(1 + dx * dx + dy * dy),
+                 .depth = 0.5 + 0.5 * (11.0 / 9 - 20.0 / (9 * distance))};
+}
+
+static void check_two_discs(const scene *s, const picture *p) {
+    size_t blended = 0, hidden = 0;
+    for (int y = 0; y < HEIGHT; ++y)
+        for (int x = 0; x < WIDTH; ++x) {
+            double weight[2] = {0, 0}, depth = 0;
+            hit hits[2] = {hit_disc(s, 0, x, y), hit_disc(s, 1, x, y)};
+            double limit = HUGE_VAL;
+            for (int i = 0; i < 2; ++i)
+                if (hits[i].r <= 1) limit = fmin(limit, hits[i].t + (double)s->depth_tolerance);
+            for (int i = 0; i < 2; ++i)
+                if (hits[i].r <= 1 && hits[i].t <= limit)
+                    weight[i] = exp(-(double)s->kernel.sharpness *
+                                    pow(hits[i].r, (double)s->kernel.exponent));
+            double sum = weight[0] + weight[1];
+            for (int i = 0; i < 2; ++i) depth += sum > 0 ? weight[i] * hits[i].depth / sum : 0.5;
+            int at = y * WIDTH + x;
+            assert_int_equal(p->image.count[at], (weight[0] > 0) + (weight[1] > 0));
+            assert_near(p->image.depth[at], depth, 1e-12);
+            for (int i = 0; i < 2 && sum > 0; ++i)
+                assert_near((double)p->image.color[4 * at + i], weight[i] / sum, FLOAT_STEP);
+            blended += p->image.count[at] == 2;
+            hidden += p->image.count[at] == 1 && hits[0].r <= 1 && hits[1].r <= 1;
+        }
+    assert_true(blended > 100 || hidden > 100);
+}
+
+static void test_two_discs(void **state) {
+    (void)state;
+    /* Gap 0.1 is less than, about and more than epsilon: along slanted rays the gap is longer, so
+     * that 0.1005 blends some pixels and hides others. */
+    const double epsilons[] = {0.2, 0.1005, 0.05, 0};
+    const float kernels[][2] = {{2, 2}, {5, 1}, {0.5f, 4}};
+    for (int e = 0; e < 4; ++e)
+        for (int k = 0; k < 3; ++k) {
+            scene s = two_discs(0.1, epsilons[e]);
+            s.kernel = (psplat_kernel){kernels[k][0], kernels[k][1]};
+            psplat_view view = front_view();
+            picture p = draw_scene(&s, NULL, &view);
+            check_two_discs(&s, &p);
+            picture_free(&p);
+            scene_free(&s);
+        }
+}
+
+/* A transform that scales by 2 doubles epsilon (spec 4): gap 0.2, epsilon 2 x 0.15. */
+static void test_epsilon_scales(void **state) {
+    (void)state;
+    const double twice[16] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1};
+    const double epsilons[] = {0.15, 0.08};
+    for (int e = 0; e < 2; ++e) {
+        scene s = two_discs(0.1, epsilons[e]);
+        psplat_view view = front_view();
+        picture p = draw_scene(&s, twice, &view);
+        int middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
+        assert_int_equal(p.image.count[middle], e == 0 ? 2 : 1);
+        picture_free(&p);
+        scene_free(&s);
+    }
+}
+
+static void test_epsilon_tie(void **state) {
+    (void)state;
+    scene s = two_discs(0.1, 0.1);
+    psplat_view view = front_view();
+    picture p = draw_scene(&s, NULL, &view);
+    int middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
+    double slant = sqrt(1 + ray_x(WIDTH / 2) * ray_x(WIDTH / 2) * 2) - 1;
+    assert_near(p.image.epsilon_tie[middle], slant, 1e-6); /* 0.1 is not a float: 1.5e-8 / 0.1 */
+    assert_int_equal(p.image.count[middle], 1);
+    picture_free(&p);
+    scene_free(&s);
+}
+
+/* ---- modes ----------------------------------------------------------------------------------- */
+
+/* The nearest splat alone, whatever epsilon: the red disc hides the green one behind it. */
+static void test_nearest_modes(void **state) {
+    (void)state;
+    scene s = two_discs(0.01, 10);
+    psplat_view view = front_view();
+    view.mode = PSPLAT_MODE_FLAT;
+    picture flat = draw_scene(&s, NULL, &view);
+    view.mode = PSPLAT_MODE_PARAMETERS;
+    picture parameters = draw_scene(&s, NULL, &view);
+    for (int y = 0; y < HEIGHT; ++y)
+        for (int x = 0; x < WIDTH; ++x) {
+            hit hits[2] = {hit_disc(&s, 0, x, y), hit_disc(&s, 1, x, y)};
+            int nearest = hits[0].r <= 1 ? 0 : hits[1].r <= 1 ? 1 : -1, at = y * WIDTH + x;
+            assert_int_equal(flat.image.splat[at], nearest);
+            assert_int_equal(flat.image.count[at], nearest >= 0);
+            if (nearest < 0) continue;
+            assert_near((double)flat.image.color[4 * at + nearest], 1, 0);
+            assert_near((double)flat.image.color[4 * at + 1 - nearest], 0, 0);
+            assert_near(flat.image.depth[at], hits[nearest].depth, 1e-12);
+            const float *uv = &parameters.image.color[4 * at];
+            assert_near(hypot((double)uv[0], (double)uv[1]), hits[nearest].r, FLOAT_STEP);
+            assert_near((double)uv[2], nearest, 0);
+            assert_near((double)uv[3], 1, 0);
+        }
+    picture_free(&flat);
+    picture_free(&parameters);
+    scene_free(&s);
+}
+
+/* A perfectly rough white surface under light from +z: the diffuse term and the rest, whose only
+ * use here is to grow with n.l. */
+static double brightness(const picture *p, int x, int y) {
+    return (double)p->image.color[4 * (y * p->width + x)];
+}
+
+/* One splat curved like a sphere: only Phong shading varies over it. */
+static void test_curved_splat(void **state) {
+    (void)state;
+    scene s = scene_disc(1);
+    s.splats[0].gradient[0] = s.splats[0].gradient[1] = 0.6f;
+    psplat_view view = front_view();
+    view.width = view.height = 49;
+    camera_parallel(&view, 1.2, 1, 10);
+    for (int mode = PSPLAT_MODE_PHONG; mode <= PSPLAT_MODE_FLAT; ++mode) {
+        view.mode = (psplat_mode)mode;
+        picture p = draw_scene(&s, NULL, &view);
+        double middle = brightness(&p, 24, 24), aside = brightness(&p, 40, 24);
+        if (mode == PSPLAT_MODE_PHONG)
+            assert_true(aside < 0.95 * middle);
+        else
+            assert_near(aside, middle, 0);
+        assert_near(brightness(&p, 8, 24), aside, FLOAT_STEP);
+        picture_free(&p);
+    }
+    scene_free(&s);
+}
+
+/* The blended normal is the sum of unnormalised ones: two coplanar splats tilted to +x and -x with
+ * equal weights look straight up in Phong mode; in Gaussian mode they stay darker. */
+static void test_blended_normals(void **state) {
+    (void)state;
+    scene s = scene_blank(2);
+    scene straight = scene_blank(1);
+    for (int i = 0; i < 2; ++i) {
+        s.splats[i].normal[0] = i ? 0.6f : -0.6f;
+        s.splats[i].normal[2] = 0.8f;
+    }
+    psplat_view view = front_view();
+    picture expected = draw_scene(&straight, NULL, &view), phong = draw_scene(&s, NULL, &view);
+    view.mode = PSPLAT_MODE_GAUSSIAN;
+    picture gaussian = draw_scene(&s, NULL, &view);
+    for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+        assert_near((double)phong.image.color[4 * i], (double)expected.image.color[4 * i],
+                    FLOAT_STEP);
+        if (phong.image.count[i])
+            assert_true(gaussian.image.color[4 * i] < 0.9f * phong.image.color[4 * i]);
+    }
+    picture_free(&expected);
+    picture_free(&phong);
+    picture_free(&gaussian);
+    scene_free(&s);
+    scene_free(&straight);
+}
+
+/* ---- sides ----------------------------------------------------------------------------------- */
+
+static void test_culling(void **state) {
+    (void)state;
+    static const struct {
+        int from_behind, double_sided;
+        psplat_culling culling;
+        int seen;
+    } cases[] = {
+        {0, 0, PSPLAT_CULL_BY_MATERIAL, 1}, {1, 0, PSPLAT_CULL_BY_MATERIAL, 0},
+        {1, 1, PSPLAT_CULL_BY_MATERIAL, 1}, {1, 0, PSPLAT_CULL_NEVER, 1},
+        {1, 1, PSPLAT_CULL_ALWAYS, 0},      {0, 1, PSPLAT_CULL_ALWAYS, 1},
+    };
+    scene s = scene_disc(1);
+    psplat_view view = front_view();
+    picture front = draw_scene(&s, NULL, &view);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const double normal = cases[i].from_behind ? -1 : 1;
+        s.material.double_sided = cases[i].double_sided;
+        scene_set_axes(&s.splats[0], (double[]){normal, 0, 0}, (double[]){0, 1, 0});
+        s.splats[0].normal[2] = (float)normal;
+        view.culling = cases[i].culling;
+        picture p = draw_scene(&s, NULL, &view);
+        /* From behind the normal is negated: lit as from the front. */
+        if (cases[i].seen)
+            assert_pictures_near(&p, &front, FLOAT_STEP);
+        else
+            assert_int_equal(covered_count(&p), 0);
+        picture_free(&p);
+    }
+    picture_free(&front);
+    scene_free(&s);
+}
+
+/* ---- transforms ------------------------------------------------------------------------------ */
+
+/* A disc under diag(2, 1, 1) is an ellipse of radii 2 and 1. */
+static void test_scaled_disc(void **state) {
+    (void)state;
+    const double stretch[16] = {2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    scene disc = scene_disc(0.5f), ellipse = scene_disc(1);
+    ellipse.splats[0].radius[1] = 0.5f;
+    psplat_view view = front_view();
+    picture a = draw_scene(&disc, stretch, &view), b = draw_scene(&ellipse, NULL, &view);
+    assert_pictures_near(&a, &b, FLOAT_STEP);
+    picture_free(&a);
+    picture_free(&b);
+    scene_free(&disc);
+    scene_free(&ellipse);
+}
+
+/* A tilted splat under diag(1, 3, 1): its plane's normal (0, -sin, cos) becomes that divided by
+ * (1, 3, 1), and its second axis grows to length L while staying in the plane. */
+static void test_scaled_tilted_disc(void **state) {
+    (void)state;
+    const double stretch[16] = {1, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    const double c = cos(0.5), t = sin(0.5), length = hypot(3 * c, t);
+    scene before = scene_disc(0.5f), after = scene_disc(0.5f);
+    scene_set_axes(&before.splats[0], (double[]){1, 0, 0}, (double[]){0, c, t});
+    before.splats[0].normal[1] = (float)-t;
+    before.splats[0].normal[2] = (float)c;
+    /* radius[0] is the larger: U becomes the stretched axis. */
+    scene_set_axes(&after.splats[0], (double[]){0, 3 * c / length, t / length},
+                   (double[]){-1, 0, 0});
+    double normal[3] = {0, -t / 3, c}, norm = hypot(normal[1], normal[2]);
+    for (int i = 0; i < 3; ++i) after.splats[0].normal[i] = (float)(normal[i] / norm);
+    after.splats[0].radius[0] = (float)(0.5 * length);
+    psplat_view view = front_view();
+    picture a = draw_scene(&before, stretch, &view), b = draw_scene(&after, NULL, &view);
+    /* Stored normals and axes are floats: 1e-7 each, and the lobe's slope is below 10. */
+    assert_pictures_near(&a, &b, 1e-6);
+    picture_free(&a);
+    picture_free(&b);
+    scene_free(&before);
+    scene_free(&after);
+}
+
+/* A mirror shows the mirrored image, from the same side, also of a shape with clip lines. */
+static void test_mirror(void **state) {
+    (void)state;
+    const double mirror[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    scene s = scene_ellipses(150, 4, 3);
+    psplat_view view = front_view();
+    camera_look(&view, (double[]){0, 0.5, 3}, (double[]){0, 0.5, 0});
+    view.light.direction[0] = 0;
+    picture plain = draw_scene(&s, NULL, &view), mirrored = draw_scene(&s, mirror, &view);
+    assert_true(covered_count(&plain) > 300);
+    for (int y = 0; y < HEIGHT; ++y)
+        for (int x = 0; x < WIDTH; ++x) {
+            int a = y * WIDTH + x, b = y * WIDTH + WIDTH - 1 - x;
+            assert_int_equal(plain.image.count[a], mirrored.image.count[b]);
+            assert_near(plain.image.depth[a], mirrored.image.depth[b], 1e-12);
+            for (int c = 0; c < 3; ++c)
+                assert_near((double)plain.image.color[4 * a + c],
+                            (double)mirrored.image.color[4 * b + c], FLOAT_STEP);
+        }
+    picture_free(&plain);
+    picture_free(&mirrored);
+    scene_free(&s);
+}
+
+static void test_singular_transform(void **state) {
+    (void)state;
+    const double flat[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+    scene s = scene_disc(1);
+    psplat_view view = front_view();
+    picture p = draw_scene(&s, flat, &view);
+    assert_int_equal(covered_count(&p), 0);
+    picture_free(&p);
+    scene_free(&s);
+}
+
+/* ---- many splats ----------------------------------------------------------------------------- */
+
+/* Where the analytic unit sphere is hit, or how far the ray passes its centre. */
+static double sphere_depth(int x, int y, double *passes) {
+    double d[3] = {ray_x(x), ray_y(y), -1}, length = sqrt(d[0] * d[0] + d[1] * d[1] + 1);
+    double along = DISTANCE / length, miss2 = DISTANCE * DISTANCE - along * along;
+    *passes = sqrt(miss2);
+    return miss2 < 1 ? (along - sqrt(1 - miss2)) / length : 0;
+}
+
+/* 2000 splats on a unit sphere lie within sagitta = 1 - cos(angular radius) of it. */
+static void test_sphere(void **state) {
+    (void)state;
+    scene s = scene_sphere(2000, 1);
+    double radius = s.splats[0].radius[0];
+    double sagitta = sqrt(1 + radius * radius) - 1;
+    assert_true(radius < 0.12);
+    psplat_view view = front_view();
+    picture p = draw_scene(&s, NULL, &view);
+    size_t inside = 0;
+    for (int y = 0; y < HEIGHT; ++y)
+        for (int x = 0; x < WIDTH; ++x) {
+            double passes = 0, distance = sphere_depth(x, y, &passes);
+            uint32_t count = p.image.count[y * WIDTH + x];
+            if (passes < 1 - sagitta) assert_true(count > 0);
+            if (passes > 1 + sagitta) assert_int_equal(count, 0);
+            if (passes > 0.9) continue;
+            ++inside;
+            /* Both along the ray: a plane at most sagitta outside, blended over epsilon. */
+            double depth = p.image.depth[y * WIDTH + x];
+            double found = 20.0 / (9 * (11.0 / 9 - 2 * (depth - 0.5)));
+            double slant = 1 / sqrt(1 - passes * passes);
+            assert_near(found, distance, sagitta * slant + (double)s.depth_tolerance);
+        }
+    assert_true(inside > 400);
+    picture_free(&p);
+    scene_free(&s);
+}
+
+/* Its normals are those of the sphere: lit as one splat that has the analytic normal. */
+static void test_sphere_normals(void **state) {
+    (void)state;
+    scene s = scene_sphere(2000, 1);
+    psplat_view view = front_view();
+    picture p = draw_scene(&s, NULL, &view);
+    for (int y = 4; y < HEIGHT; y += 5)
+        for (int x = 3; x < WIDTH; x += 7) {
+            double passes = 0, distance = sphere_depth(x, y, &passes);
+            if (passes > 0.8) continue;
+            double n[3] = {ray_x(x) * distance, ray_y(y) * distance, DISTANCE - distance};
+            scene one = scene_disc(5);
+            for (int i = 0; i < 3; ++i) one.splats[0].normal[i] = (float)n[i];
+            picture lit = draw_scene(&one, NULL, &view);
+            /* The blend errs by the square of the angular radius: 0.1 rad gives 0.01 rad. */
+            assert_near(brightness(&p, x, y), brightness(&lit, x, y), 0.01);
+            picture_free(&lit);
+            scene_free(&one);
+        }
+    picture_free(&p);
+    scene_free(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_two_discs),
+        cmocka_unit_test(test_epsilon_scales),
+        cmocka_unit_test(test_epsilon_tie),
+        cmocka_unit_test(test_nearest_modes),
+        cmocka_unit_test(test_curved_splat),
+        cmocka_unit_test(test_blended_normals),
+        cmocka_unit_test(test_culling),
+        cmocka_unit_test(test_scaled_disc),
+        cmocka_unit_test(test_scaled_tilted_disc),
+        cmocka_unit_test(test_mirror),
+        cmocka_unit_test(test_singular_transform),
+        cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_sphere_normals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
