@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Views and placements.
+ */
+#include "camera.h"
+#include "matrix.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The ray of the pixel whose centre is at (x, y) in the viewport. The far point of the pixel,
+ * P^-1 (ndc x, ndc y, 1, 1), is linear in x and y, and seen from the eye at 0 its first three
+ * coordinates are the ray, also where the far plane is at infinity. Orthographic rays are all the
+ * image of the z axis. */
+static void find_rays(psplat_camera *camera, const double inverse[16], int width, int height) {
+    for (int i = 0; i < 3; ++i) {
+        double x = camera->is_perspective ? inverse[i] : 0.0;
+        double y = camera->is_perspective ? inverse[4 + i] : 0.0;
+        double center = inverse[8 + i] + (camera->is_perspective ? inverse[12 + i] : 0.0);
+        camera->ray[i] = (float)(x * 2.0 / width);
+        camera->ray[3 + i] = (float)(y * 2.0 / height);
+        camera->ray[6 + i] = (float)(center - x - y);
+    }
+}
+
+static void find_light(psplat_camera *camera, const psplat_light *light) {
+    double eye[3], length2 = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        eye[i] = 0.0;
+        for (int k = 0; k < 3; ++k) eye[i] += camera->view[k * 4 + i] * light->direction[k];
+        length2 += eye[i] * eye[i];
+    }
+    double scale = length2 > 0.0 ? 1.0 / sqrt(length2) : 0.0;
+    for (int i = 0; i < 3; ++i) camera->light_direction[i] = (float)(eye[i] * scale);
+}
+
+psplat_result psplat_camera_from_view(psplat_camera *camera, const psplat_view *view,
+                                      psplat_error *error) {
+    double inverse[16];
+    const double *p = view->projection;
+    if (!psplat_matrix_invert(p, inverse))
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "the projection has no inverse");
+    memcpy(camera->view, view->view, sizeof camera->view);
+    memcpy(camera->projection, p, sizeof camera->projection);
+    psplat_matrix_to_float(p, 16, camera->projection_float);
+    camera->is_perspective = p[3] != 0.0 || p[7] != 0.0 || p[11] != 0.0;
+    camera->is_mirrored = p[0] * p[5] - p[4] * p[1] < 0.0;
+    find_rays(camera, inverse, view->width, view->height);
+    find_light(camera, &view->light);
+    return PSPLAT_OK;
+}
+
+static int crosses_near(const double clip[16], const float min[3], const float max[3]) {
+    for (int corner = 0; corner < 8; ++corner) {
+        double x = corner & 1 ? max[0] : min[0];
+        double y = corner & 2 ? max[1] : min[1];
+        double z = corner & 4 ? max[2] : min[2];
+        double clip_z = clip[2] * x + clip[6] * y + clip[10] * z + clip[14];
+        double clip_w = clip[3] * x + clip[7] * y + clip[11] * z + clip[15];
+        if (!(clip_z + clip_w > 0.0)) return 1;
+    }
+    return 0;
+}
+
+/* Numerator, factor of the distance and offset of what splat.vert adds to gl_Position.z. */
+static void find_shift(const psplat_camera *camera, double epsilon, float shift[3]) {
+    const double *p = camera->projection;
+    shift[0] = (float)((camera->is_perspective ? -p[14] : -p[10]) * epsilon);
+    shift[1] = camera->is_perspective ? 1.0f : 0.0f;
+    /* Keeps 0 / 0 away from an eye on a corner. */
+    shift[2] = camera->is_perspective ? fmaxf((float)epsilon, 1e-30f) : 1.0f;
+}
+
+static int is_zero(const double m[16]) {
+    for (int i = 0; i < 16; ++i)
+        if (m[i] != 0.0) return 0;
+    return 1;
+}
+
+int psplat_camera_place(const psplat_camera *camera, const double transform[16],
+                        const double model[16], double depth_tolerance, const float bounds_min[3],
+                        const float bounds_max[3], psplat_placement *placement) {
+    double scene[16], modelview[16], clip[16], normal[9];
+    if (is_zero(transform))
+        memcpy(scene, model, sizeof scene);
+    else
+        psplat_matrix_multiply(transform, model, scene);
+    psplat_matrix_multiply(camera->view, scene, modelview);
+    psplat_matrix_multiply(camera->projection, modelview, clip);
+    double det = psplat_matrix_determinant3(modelview);
+    if (det == 0.0 || !isfinite(det)) return 0;
+
+    psplat_matrix_normal(modelview, det, normal);
+    psplat_matrix_to_float(modelview, 16, placement->modelview);
+    psplat_matrix_to_float(normal, 9, placement->normal);
+    find_shift(camera, depth_tolerance * cbrt(fabs(det)), placement->shift);
+    placement->is_mirrored = (det < 0.0) != camera->is_mirrored;
+    placement->is_near = crosses_near(clip, bounds_min, bounds_max);
+    return 1;
+}

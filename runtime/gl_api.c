@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * GL by injection: the host's loader gives every function; a context that lacks something is
+ * refused here, by name, and never crashes later.
+ */
+#include "gl_api.h"
+
+#include <string.h>
+
+/* ISO C has no cast from object to function pointers; every platform with such a loader has both
+ * in the same representation. */
+static int load(void *function, size_t size, void *(*get_proc)(void *user, const char *name),
+                void *user, const char *name) {
+    void *address = get_proc(user, name);
+    memcpy(function, &address, size);
+    return address != NULL;
+}
+
+static psplat_result load_functions(psplat_gl *gl, void *(*get_proc)(void *, const char *),
+                                    void *user, psplat_error *error) {
+#define PSPLAT_GL_LOAD(type, name, parameters)                                                     \
+    if (!load(&gl->name, sizeof gl->name, get_proc, user, "gl" #name))                             \
+        return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the loader has no GL function gl%s",  \
+                           #name);
+    PSPLAT_GL_FUNCTIONS(PSPLAT_GL_LOAD)
+#undef PSPLAT_GL_LOAD
+    return PSPLAT_OK;
+}
+
+int psplat_gl_has_extension(const psplat_gl *gl, const char *name) {
+    GLint count = 0;
+    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; ++i) {
+        const GLubyte *extension = gl->GetStringi(GL_EXTENSIONS, (GLuint)i);
+        if (extension && strcmp((const char *)extension, name) == 0) return 1;
+    }
+    return 0;
+}
+
+static psplat_result check_version(psplat_gl *gl, psplat_error *error) {
+    const char *version = (const char *)gl->GetString(GL_VERSION);
+    if (!version)
+        return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "no GL context is current");
+    /* "OpenGL ES 3.2 ..." on GLES and WebGL, "3.3 ..." on GL. */
+    gl->is_es = strncmp(version, "OpenGL ES", 9) == 0;
+    gl->GetIntegerv(GL_MAJOR_VERSION, &gl->major);
+    gl->GetIntegerv(GL_MINOR_VERSION, &gl->minor);
+    int have = gl->major * 10 + gl->minor;
+    if (have < (gl->is_es ? 30 : 33))
+        return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "GL 3.3 or GLES 3.0 is needed, not %s",
+                           version);
+    return PSPLAT_OK;
+}
+
+/* GL 3.3 draws to and blends 32-bit floats; GLES needs two extensions for it, one for 16 bits. */
+static psplat_result check_targets(psplat_gl *gl, psplat_error *error) {
+    if (!gl->is_es) return PSPLAT_OK;
+    int full = gl->major * 10 + gl->minor >= 32 || psplat_gl_has_extension(gl, "GL_EXT_color_buffer_float");
+    int half = full || psplat_gl_has_extension(gl, "GL_EXT_color_buffer_half_float");
+    if (!half)
+        return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0,
+                           "float targets are needed: neither GL_EXT_color_buffer_float nor "
+                           "GL_EXT_color_buffer_half_float");
+    gl->half_targets = !full || !psplat_gl_has_extension(gl, "GL_EXT_float_blend");
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const char *name),
+                             void *user, psplat_error *error) {
+    memset(gl, 0, sizeof *gl);
+    psplat_result result = load_functions(gl, get_proc, user, error);
+    if (result == PSPLAT_OK) result = check_version(gl, error);
+    if (result == PSPLAT_OK) result = check_targets(gl, error);
+    if (result != PSPLAT_OK) return result;
+    if (!gl->is_es && !load(&gl->PolygonMode, sizeof gl->PolygonMode, get_proc, user, "glPolygonMode"))
+        return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0,
+                           "the loader has no GL function glPolygonMode");
+    gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);
+    return PSPLAT_OK;
+}

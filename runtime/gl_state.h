@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * gl_state.h - the host's GL state that drawing and uploading change, to be put back afterwards.
+ *
+ * State per draw buffer (glEnablei, glColorMaski, glBlendFunci) is read and put back through
+ * buffer 0. The depth range is not touched: depth is written in the host's own range.
+ */
+#ifndef PHONGSPLAT_GL_STATE_H
+#define PHONGSPLAT_GL_STATE_H
+
+#include "gl_api.h"
+#include "layout.h"
+
+#define PSPLAT_GL_CAPABILITY_COUNT 21
+
+typedef struct psplat_gl_state {
+    GLboolean capabilities[PSPLAT_GL_CAPABILITY_COUNT];
+    GLboolean color_mask[4], depth_mask;
+    GLint draw_framebuffer, program, vertex_array;
+    GLint viewport[4];
+    GLint blend_func[4], blend_equation[2];
+    GLint depth_func, cull_face, front_face, polygon_mode[2];
+    GLint active_texture, textures[PSPLAT_UNIT_COUNT], samplers[PSPLAT_UNIT_COUNT];
+    GLint unpack_buffer, unpack[4];
+} psplat_gl_state;
+
+/* Reads the state, then sets what every pass and upload starts from: all capabilities off, filled
+ * polygons, no samplers, tight unpacking from client memory. */
+void psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl);
+
+/* Puts the host's framebuffer, viewport offset aside, and its scissor test back, for the resolve. */
+void psplat_gl_state_bind_host(const psplat_gl_state *state, const psplat_gl *gl);
+
+void psplat_gl_state_restore(const psplat_gl_state *state, const psplat_gl *gl);
+
+#endif

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * layout.h - the numbers that the shaders and the runtime share. Preprocessor lines and comments
+ * only, so that it is both valid C and valid GLSL.
+ */
+#ifndef PHONGSPLAT_LAYOUT_H
+#define PHONGSPLAT_LAYOUT_H
+
+/* What the splat shaders compute; the resolve shaders use all but the first. */
+#define PSPLAT_PASS_VISIBILITY 0
+#define PSPLAT_PASS_PHONG 1
+#define PSPLAT_PASS_GAUSSIAN 2
+#define PSPLAT_PASS_FLAT 3
+#define PSPLAT_PASS_PARAMETERS 4
+#define PSPLAT_PASS_COUNT 5
+
+/* Splats lie in rows of an RGBA32F texture. A row of 512 times the 4 texels of a coloured splat is
+ * 2048 texels wide, the least size that GLES 3.0 guarantees.
+ *
+ *     texel 0: center x y z, ratio of radii r_v / r_u
+ *     texel 1: quaternion x y z w times sqrt(r_u): a rotation matrix is quadratic in its
+ *              quaternion, so the matrix of this one is r_u times the axes
+ *     texel 2: normal field at the center and its gradient (x, y, alpha, beta of spec 3.5)
+ *     texel 3: linear colour, in batches that have one
+ *
+ * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. */
+#define PSPLAT_ROW_SPLATS 512
+#define PSPLAT_SPLAT_TEXELS 3
+
+/* Texture units of the splat passes and of the resolve pass. */
+#define PSPLAT_UNIT_SPLATS 0
+#define PSPLAT_UNIT_CLIPS 1
+#define PSPLAT_UNIT_DEPTH 4
+#define PSPLAT_UNIT_COUNT 5
+
+/* Colour attachments of the attribute pass; in the resolve pass, their texture units.
+ *
+ *     0: sum of w n (phong), of w L (gaussian), L (flat) or (u, v, index); sum of w
+ *     1: sum of w colour; sum of w z
+ *     2: sum of w emissive; sum of w metallic          2 and 3 only where materials differ
+ *     3: sum of w roughness; sum of w unlit */
+#define PSPLAT_TARGET_COUNT 2
+#define PSPLAT_TARGET_COUNT_MATERIALS 4
+
+#endif

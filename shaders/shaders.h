@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * shaders.h - the GLSL files of this directory as strings of the library.
+ */
+#ifndef PHONGSPLAT_SHADERS_H
+#define PHONGSPLAT_SHADERS_H
+
+extern const char psplat_shader_layout_h[];
+extern const char psplat_shader_shading_glsl[];
+extern const char psplat_shader_splat_vert[];
+extern const char psplat_shader_splat_frag[];
+extern const char psplat_shader_resolve_vert[];
+extern const char psplat_shader_resolve_frag[];
+extern const char psplat_shader_depth_frag[]; /* of the headless host */
+
+#endif
