@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT
+ * A list of blocks; see arena.h. */
+#include "arena.h"
+
+#include "memory.h"
+
+#include <stddef.h>
+#include <string.h>
+
+/* Precedes the memory handed out, or stands alone and names an adopted block. */
+struct psplat_block {
+    psplat_block *next;
+    size_t size;   /* of this block, header included */
+    void *adopted; /* or NULL */
+    size_t adopted_size;
+};
+
+/* The header rounded up, so that what follows it is aligned for any type. */
+enum {
+    ALIGNMENT = _Alignof(max_align_t),
+    HEADER = (sizeof(psplat_block) + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT
+};
+
+static void *resize_with_libc(void *user, void *memory, size_t old_size, size_t new_size) {
+    (void)user;
+    return psplat_resize(&(psplat_allocator){0}, memory, old_size, new_size);
+}
+
+psplat_allocator psplat_allocator_default(const psplat_allocator *allocator) {
+    if (allocator && allocator->resize) return *allocator;
+    return (psplat_allocator){.resize = resize_with_libc};
+}
+
+void *psplat_arena_take(psplat_arena *arena, size_t count, size_t size) {
+    if (size && count > (SIZE_MAX - HEADER) / size) return NULL;
+    size_t total = HEADER + count * size;
+    psplat_block *block = arena->allocator.resize(arena->allocator.user, NULL, 0, total);
+    if (!block) return NULL;
+    memset(block, 0, total);
+    block->next = arena->blocks;
+    block->size = total;
+    arena->blocks = block;
+    return (char *)block + HEADER;
+}
+
+psplat_result psplat_arena_adopt(psplat_arena *arena, void *memory, size_t size) {
+    if (!memory) return PSPLAT_OK;
+    if (!psplat_arena_take(arena, 0, 0)) {
+        arena->allocator.resize(arena->allocator.user, memory, size, 0);
+        return PSPLAT_ERROR_MEMORY;
+    }
+    arena->blocks->adopted = memory;
+    arena->blocks->adopted_size = size;
+    return PSPLAT_OK;
+}
+
+void psplat_arena_release(psplat_arena *arena) {
+    psplat_allocator allocator = arena->allocator;
+    while (arena->blocks) {
+        psplat_block *block = arena->blocks;
+        arena->blocks = block->next;
+        if (block->adopted)
+            allocator.resize(allocator.user, block->adopted, block->adopted_size, 0);
+        allocator.resize(allocator.user, block, block->size, 0);
+    }
+}

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * gltf.h - what the reader knows of a glTF 2.0 document, in the order in which it is found out:
+ *
+ *     gltf.c       the document: versions, extensions, buffers, views, accessors
+ *     buffer.c     a buffer's bytes: BIN chunk, data URI or file
+ *     accessor.c   checked access to an accessor's elements as floats
+ *     material.c   materials
+ *     primitive.c  meshes: which of their primitives are splats
+ *     attributes.c one primitive of splats, decoded and checked
+ *     node.c       the node tree and its transforms
+ *     asset.c      the public asset made of all that
+ *
+ * Every table is filled once, so that the work is linear in the size of the file; indices and
+ * integers in the tables are checked, ranges of bytes are checked where they are used.
+ */
+#ifndef PHONGSPLAT_GLTF_H
+#define PHONGSPLAT_GLTF_H
+
+#include "json.h"
+
+#define PSPLAT_EXTENSION "PSPLAT_surface_splats"
+#define PSPLAT_NONE SIZE_MAX
+
+typedef struct psplat_buffer {
+    psplat_json_value json, uri;
+    size_t length;
+    const uint8_t *data; /* NULL: not loaded yet */
+    size_t origin;       /* offset of data[0] in the file, or of its base64 digit */
+    int is_base64;
+    const char *path; /* of an external file, whose offsets begin at its start; or NULL */
+} psplat_buffer;
+
+typedef struct psplat_view_range {
+    psplat_json_value json;
+    size_t buffer, offset, length, stride; /* stride 0: tightly packed */
+} psplat_view_range;
+
+typedef struct psplat_accessor {
+    psplat_json_value json, sparse;
+    size_t view; /* or PSPLAT_NONE */
+    size_t offset, count, components, component_type;
+    int normalized;
+} psplat_accessor;
+
+/* The splats of one primitive. */
+typedef struct psplat_set {
+    psplat_splat *splats;
+    size_t count;
+    uint32_t clip_count;
+    psplat_kernel kernel;
+    float depth_tolerance;
+    psplat_material material;
+    float bounds_min[3], bounds_max[3];
+    int has_color;
+} psplat_set;
+
+typedef struct psplat_mesh_sets {
+    size_t first_set, set_count;
+} psplat_mesh_sets;
+
+typedef struct psplat_node {
+    psplat_json_value json, children; /* children: 0 where there are none */
+    size_t mesh, parent;              /* or PSPLAT_NONE */
+    double world[16];
+    int in_scene;
+} psplat_node;
+
+typedef struct psplat_gltf {
+    psplat_error *error;
+    psplat_arena *scratch; /* lives until the asset is open */
+    psplat_arena *kept;    /* lives as long as the asset */
+    psplat_json json;
+
+    psplat_files files;
+    const char *base_path; /* or NULL: external buffers are refused */
+    size_t file_budget;    /* bytes that external buffers may still take */
+    const uint8_t *bin;    /* BIN chunk, or NULL */
+    size_t bin_size, bin_offset;
+    size_t loaded_bytes; /* of all buffers loaded so far */
+    size_t splat_total;  /* of all sets decoded so far */
+
+    /* Members of the document, or 0. */
+    psplat_json_value json_materials, json_meshes, json_nodes, json_scenes, json_scene;
+    psplat_json_value
+        json_stripped; /* first attribute of ours outside a primitive of splats, or 0 */
+    int is_listed;     /* whether extensionsUsed names our extension */
+
+    psplat_buffer *buffers;
+    psplat_view_range *views;
+    psplat_accessor *accessors;
+    psplat_material *materials;
+    psplat_mesh_sets *meshes;
+    psplat_set *sets;
+    psplat_node *nodes;
+    size_t buffer_count, view_count, accessor_count, material_count, mesh_count, set_count,
+        node_count;
+} psplat_gltf;
+
+/* Offset in the file of a value, for psplat_fail. */
+size_t psplat_gltf_offset(const psplat_gltf *gltf, psplat_json_value value);
+
+/* Fills everything up to and including accessors. */
+psplat_result psplat_gltf_parse(psplat_gltf *gltf);
+
+/* Zeroed table with an entry for each element of array, which may be 0. MEMORY, FORMAT. */
+psplat_result psplat_gltf_table(psplat_gltf *gltf, psplat_json_value array, const char *what,
+                                size_t entry_size, void **table, size_t *count);
+
+/* An optional index into a table of count entries; PSPLAT_NONE where value is absent. RANGE. */
+psplat_result psplat_gltf_index(const psplat_gltf *gltf, psplat_json_value value, const char *what,
+                                size_t count, size_t *index);
+
+/* Makes buffer->data hold at least buffer->length bytes. */
+psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer);
+
+/* Offset in the file (or in the external one) of byte position of a loaded buffer. */
+size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position);
+
+/* Component types of glTF 2.0 section 3.6.2.2. */
+enum {
+    PSPLAT_BYTE = 5120,
+    PSPLAT_UNSIGNED_BYTE = 5121,
+    PSPLAT_SHORT = 5122,
+    PSPLAT_UNSIGNED_SHORT = 5123,
+    PSPLAT_UNSIGNED_INT = 5125,
+    PSPLAT_FLOAT = 5126
+};
+
+/* What an attribute may be (spec 3.2). */
+typedef struct psplat_attribute_type {
+    const char *name;
+    size_t min_components, max_components;
+    unsigned component_types; /* bit t - PSPLAT_BYTE; integers must be normalized */
+} psplat_attribute_type;
+
+/* An accessor whose bytes are all inside its buffer. */
+typedef struct psplat_reader {
+    const psplat_buffer *buffer;
+    size_t start, stride, components, component_type, count;
+} psplat_reader;
+
+/* Checks accessor (a JSON index) against type and count (PSPLAT_NONE: any) and loads its buffer. */
+psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value accessor,
+                                 const psplat_attribute_type *type, size_t count,
+                                 psplat_reader *reader);
+
+/* Element index as floats; signed normalized integers as max(c / 127, -1) and so on. */
+void psplat_reader_get(const psplat_reader *reader, size_t index, float *values);
+
+psplat_result psplat_materials_parse(psplat_gltf *gltf);
+
+/* The material of an index, glTF's default one where value is absent. */
+psplat_result psplat_material_get(const psplat_gltf *gltf, psplat_json_value value,
+                                  psplat_material *material);
+
+/* Decodes every primitive of splats into gltf->sets. NO_SPLATS where there is none. */
+psplat_result psplat_meshes_parse(psplat_gltf *gltf);
+
+/* The splats of one primitive, whose members attributes and extension are; material is given. */
+psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
+                               psplat_json_value extension, psplat_set *set);
+
+/* Nodes, their world transforms, and which of them the default scene shows. */
+psplat_result psplat_nodes_parse(psplat_gltf *gltf);
+
+#endif
