@@ -280,15 +280,23 @@ static void add_node(text *t, const psplat_splats *splats, const char *name) {
     text_add(t, "}],");
 }
 
-static float emissive_strength(const psplat_material *material) {
-    return fmaxf(1.0f,
-                 fmaxf(fmaxf(material->emissive[0], material->emissive[1]), material->emissive[2]));
+static int is_emissive(const psplat_material *m) {
+    /* Unlit materials show their base colour alone (spec 5.6). */
+    return !m->unlit &&
+           (m->emissive[0] != 0.0f || m->emissive[1] != 0.0f || m->emissive[2] != 0.0f);
+}
+
+/* glTF's factor ends at 1; KHR_materials_emissive_strength carries the rest. */
+static float emissive_strength(const psplat_material *m) {
+    if (!is_emissive(m)) return 1.0f;
+    return fmaxf(1.0f, fmaxf(fmaxf(m->emissive[0], m->emissive[1]), m->emissive[2]));
 }
 
 static int is_default_material(const psplat_material *m) {
     for (size_t i = 0; i < 4; ++i)
-        if (m->base_color[i] != 1.0f || (i < 3 && m->emissive[i] != 0.0f)) return 0;
-    return m->metallic == 1.0f && m->roughness == 1.0f && !m->double_sided && !m->unlit;
+        if (m->base_color[i] != 1.0f) return 0;
+    return m->metallic == 1.0f && m->roughness == 1.0f && !is_emissive(m) && !m->double_sided &&
+           !m->unlit;
 }
 
 static void add_metallic_roughness(text *t, const psplat_material *m) {
@@ -315,22 +323,18 @@ static void add_material(text *t, const psplat_material *m) {
     float strength = emissive_strength(m);
     text_add(t, "\"materials\":[{");
     add_metallic_roughness(t, m);
-    if (m->emissive[0] != 0.0f || m->emissive[1] != 0.0f || m->emissive[2] != 0.0f) {
+    if (is_emissive(m)) {
         float factor[3];
         for (size_t i = 0; i < 3; ++i) factor[i] = m->emissive[i] / strength;
         text_add(t, ",");
         text_add_floats(t, "emissiveFactor", factor, 3);
     }
     if (m->double_sided) text_add(t, ",\"doubleSided\":true");
-    if (m->unlit || strength > 1.0f) {
-        text_add(t, ",\"extensions\":{");
-        if (m->unlit) text_add(t, "\"KHR_materials_unlit\":{}%s", strength > 1.0f ? "," : "");
-        if (strength > 1.0f) {
-            text_add(t, "\"KHR_materials_emissive_strength\":{\"emissiveStrength\":");
-            text_add_number(t, (double)strength, 1);
-            text_add(t, "}");
-        }
-        text_add(t, "}");
+    if (m->unlit) text_add(t, ",\"extensions\":{\"KHR_materials_unlit\":{}}");
+    if (strength > 1.0f) {
+        text_add(t, ",\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":");
+        text_add_number(t, (double)strength, 1);
+        text_add(t, "}}");
     }
     text_add(t, "}],");
 }

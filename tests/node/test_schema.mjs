@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Every file conforms to our JSON Schemas, and the schemas refuse what the specification forbids.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import test from 'node:test';
+import Ajv2020 from 'ajv/dist/2020.js';
+import { assetPaths, extensionName, readAsset, schemaDirectory, splatPrimitives } from './assets.mjs';
+
+const load = (name) => JSON.parse(readFileSync(join(schemaDirectory, name), 'utf8'));
+const ajv = new Ajv2020({ allErrors: true, strictTypes: false });
+ajv.addSchema(load(`mesh.primitive.${extensionName}.schema.json`));
+const validate = ajv.compile(load(`glTF.${extensionName}.schema.json`));
+
+for (const path of assetPaths()) {
+  test(`schema: ${path}`, () => {
+    const { json } = readAsset(path);
+    assert.ok(splatPrimitives(json).length > 0);
+    assert.ok(validate(json), ajv.errorsText(validate.errors));
+  });
+}
+
+const extension = (json, index) => splatPrimitives(json)[index].extensions[extensionName];
+const faults = {
+  'version is missing': (json) => delete extension(json, 0).version,
+  'version is of the future': (json) => (extension(json, 0).version = 2),
+  'five clip lines': (json) => (extension(json, 0).clipLines = 5),
+  'a fraction of a clip line': (json) => (extension(json, 0).clipLines = 0.5),
+  'a negative depth tolerance': (json) => (extension(json, 0).depthTolerance = -1),
+  'no extent': (json) => delete extension(json, 0).positionExtent,
+  'a flat extent': (json) => extension(json, 0).positionExtent.pop(),
+  'a kernel without sharpness': (json) => (extension(json, 0).kernel = { sharpness: 0 }),
+  'triangles': (json) => (splatPrimitives(json)[0].mode = 4),
+  'the default mode': (json) => delete splatPrimitives(json)[0].mode,
+  'indices': (json) => (splatPrimitives(json)[0].indices = 0),
+  'morph targets': (json) => (splatPrimitives(json)[0].targets = [{ POSITION: 0 }]),
+  'no rotation': (json) => delete splatPrimitives(json)[0].attributes[`_${extensionName}:ROTATION`],
+  'a clip line too few': (json) => delete splatPrimitives(json)[2].attributes[`_${extensionName}:CLIP_1`],
+  'a clip line too many': (json) => (splatPrimitives(json)[1].attributes[`_${extensionName}:CLIP_1`] = 0),
+  'not listed as used': (json) => (json.extensionsUsed = []),
+  'listed as required': (json) => (json.extensionsRequired = [extensionName]),
+};
+
+for (const [what, breakIt] of Object.entries(faults)) {
+  test(`schema refuses: ${what}`, () => {
+    const { json } = readAsset(join(schemaDirectory, 'minimal.gltf'));
+    assert.ok(validate(json));
+    breakIt(json);
+    assert.equal(validate(json), false);
+  });
+}
