@@ -130,6 +130,10 @@ static float component_value(const uint8_t *bytes, size_t type) {
     }
 }
 
+size_t psplat_reader_bytes(const psplat_reader *reader) {
+    return reader->count * reader->components * component_size(reader->component_type);
+}
+
 void psplat_reader_get(const psplat_reader *reader, size_t index, float *values) {
     const uint8_t *bytes = reader->buffer->data + reader->start + index * reader->stride;
     size_t size = component_size(reader->component_type);

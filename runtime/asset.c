@@ -45,7 +45,9 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, siz
                             .kernel = set->kernel,
                             .depth_tolerance = set->depth_tolerance,
                             .material = set->material,
-                            .has_color = set->has_color};
+                            .has_color = set->has_color,
+                            .attributes = set->attributes,
+                            .attribute_count = set->attribute_count};
     memcpy(batch->model, node->world, sizeof batch->model);
     memcpy(batch->bounds_min, set->bounds_min, sizeof batch->bounds_min);
     memcpy(batch->bounds_max, set->bounds_max, sizeof batch->bounds_max);

@@ -323,6 +323,22 @@ static psplat_result check_total(psplat_gltf *gltf, psplat_json_value attributes
                        gltf->loaded_bytes);
 }
 
+static psplat_result describe(const decoder *d, psplat_set *set) {
+    set->attributes = psplat_arena_take(d->gltf->kept, ATTRIBUTES, sizeof *set->attributes);
+    if (!set->attributes)
+        return psplat_fail(d->gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for attributes");
+    for (size_t i = 0; i < ATTRIBUTES; ++i) {
+        const psplat_reader *reader = &d->readers[i];
+        if (!d->is_present[i]) continue;
+        set->attributes[set->attribute_count++] =
+            (psplat_attribute){.name = types[i].name,
+                               .component_type = (uint32_t)reader->component_type,
+                               .components = (uint32_t)reader->components,
+                               .bytes = psplat_reader_bytes(reader)};
+    }
+    return PSPLAT_OK;
+}
+
 psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
                                psplat_json_value extension, psplat_set *set) {
     psplat_json_value extent = 0;
@@ -338,7 +354,8 @@ psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
     if (!set->splats)
         return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, psplat_gltf_offset(gltf, attributes),
                            "no memory for %zu splats", set->count);
-    result = decode_splats(&d, set);
+    result = describe(&d, set);
+    if (!result) result = decode_splats(&d, set);
     if (!result) result = check_extent(gltf, extent, set);
     return result;
 }

@@ -53,6 +53,8 @@ typedef struct psplat_set {
     psplat_material material;
     float bounds_min[3], bounds_max[3];
     int has_color;
+    psplat_attribute *attributes; /* attribute_count of them, in the asset's arena */
+    size_t attribute_count;
 } psplat_set;
 
 typedef struct psplat_mesh_sets {
@@ -144,6 +146,9 @@ typedef struct psplat_reader {
 psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value accessor,
                                  const psplat_attribute_type *type, size_t count,
                                  psplat_reader *reader);
+
+/* Bytes of all elements without what lies between them. */
+size_t psplat_reader_bytes(const psplat_reader *reader);
 
 /* Element index as floats; signed normalized integers as max(c / 127, -1) and so on. */
 void psplat_reader_get(const psplat_reader *reader, size_t index, float *values);

@@ -62,6 +62,14 @@ typedef struct psplat_asset_desc {
     size_t max_file_size;  /* bytes; 0 means 2 GiB */
 } psplat_asset_desc;
 
+/* How a file stores one attribute of a batch (spec 3.2), for tools that show it. */
+typedef struct psplat_attribute {
+    const char *name;        /* without a leading underscore; constant */
+    uint32_t component_type; /* as in glTF: 5126 is float, 5123 unsigned short, ... */
+    uint32_t components;     /* of each splat, 2 ... 4 */
+    size_t bytes;            /* of all splats, without padding between them */
+} psplat_attribute;
+
 /* Splats of one clip class of one mesh as one node of the default scene places them (spec 3.1). */
 typedef struct psplat_batch {
     const psplat_splat *splats; /* splat_count of them; shared between instances of a mesh */
@@ -75,6 +83,8 @@ typedef struct psplat_batch {
     float bounds_min[3]; /* box around the unclipped ellipses, object space */
     float bounds_max[3];
     int has_color; /* 0: color is 1 1 1 1 in every splat */
+    const psplat_attribute *attributes; /* attribute_count of them, in the order of spec 3.2 */
+    size_t attribute_count;
 } psplat_batch;
 
 /* Opens a .glb, or a .gltf with .bin files beside it or data URIs. desc may be NULL. Checks every

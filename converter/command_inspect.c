@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * command_inspect.c - phongsplat inspect: what an asset holds, for people or as JSON.
+ *
+ * Splats and bytes are counted once for each primitive, however often nodes place it.
+ */
+#include "command.h"
+#include "json_writer.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Attributes differ by name, type and components: 6 ways to store COLOR_0, 3 for ROTATION, one for
+ * each of the other eight. */
+enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1, MAX_ATTRIBUTES = 17 };
+
+/* The sum over an asset. */
+typedef struct summary {
+    size_t splats;
+    size_t splats_by_clip_lines[CLASSES];
+    size_t attribute_bytes;
+    psplat_attribute attributes[MAX_ATTRIBUTES];
+    size_t attribute_count;
+    double min[3], max[3];
+} summary;
+
+enum { FORMAT_PRETTY, FORMAT_JSON };
+
+static psplat_parse parse(int argc, char **argv, const char **input, int *format) {
+    static const char *const formats[] = {"pretty", "json", NULL};
+    const psplat_option options[] = {
+        {0, "format", PSPLAT_OPTION_CHOICE, format, "pretty|json", "(default pretty)", 0, 0,
+         formats},
+    };
+    const char **const slots[] = {input};
+    const psplat_syntax syntax = {
+        .command = "inspect",
+        .operands = "A.glb",
+        .summary =
+            "Shows what an asset (.glb or .gltf) holds: splats by number of clip lines, bytes\n"
+            "by attribute, bounds, materials.",
+        .options = options,
+        .option_count = 1,
+        .slots = slots,
+        .slot_count = 1,
+    };
+    return psplat_options_parse(&syntax, argc, argv);
+}
+
+static const char *component_name(uint32_t type) {
+    switch (type) {
+    case 5120:
+        return "byte";
+    case 5121:
+        return "unsigned byte";
+    case 5122:
+        return "short";
+    case 5123:
+        return "unsigned short";
+    default:
+        return "float";
+    }
+}
+
+/* Attributes of equal name and type are one line, whichever primitives they come from. */
+static void add_attribute(summary *s, const psplat_attribute *attribute) {
+    s->attribute_bytes += attribute->bytes;
+    for (size_t i = 0; i < s->attribute_count; ++i) {
+        psplat_attribute *known = &s->attributes[i];
+        if (strcmp(known->name, attribute->name) != 0 ||
+            known->components != attribute->components ||
+            known->component_type != attribute->component_type)
+            continue;
+        known->bytes += attribute->bytes;
+        return;
+    }
+    if (s->attribute_count < MAX_ATTRIBUTES) s->attributes[s->attribute_count++] = *attribute;
+}
+
+/* Returns 0 where memory ran out. */
+static int summarise(const psplat_asset *asset, summary *s) {
+    size_t count = psplat_asset_batch_count(asset), highest = 0;
+    for (size_t i = 0; i < count; ++i)
+        if (psplat_asset_batch(asset, i)->primitive > highest)
+            highest = psplat_asset_batch(asset, i)->primitive;
+    unsigned char *is_seen = calloc(highest + 1, 1);
+    if (!is_seen) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_batch *batch = psplat_asset_batch(asset, i);
+        if (is_seen[batch->primitive]) continue;
+        is_seen[batch->primitive] = 1;
+        s->splats += batch->splat_count;
+        s->splats_by_clip_lines[batch->clip_count] += batch->splat_count;
+        for (size_t k = 0; k < batch->attribute_count; ++k) add_attribute(s, &batch->attributes[k]);
+    }
+    free(is_seen);
+    psplat_asset_bounds(asset, s->min, s->max);
+    return 1;
+}
+
+static void print_batch(const psplat_batch *b, size_t index) {
+    const psplat_material *m = &b->material;
+    printf("batch %zu: primitive %u, %zu splats with %u clip lines, depth tolerance %.6g\n", index,
+           b->primitive, b->splat_count, b->clip_count, (double)b->depth_tolerance);
+    printf(
+        "  kernel exp(-%g r^%g), base colour %.3g %.3g %.3g %.3g%s, metallic %.3g, roughness %.3g"
+        "%s%s\n",
+        (double)b->kernel.sharpness, (double)b->kernel.exponent, (double)m->base_color[0],
+        (double)m->base_color[1], (double)m->base_color[2], (double)m->base_color[3],
+        b->has_color ? " times colours" : "", (double)m->metallic, (double)m->roughness,
+        m->double_sided ? ", double-sided" : "", m->unlit ? ", unlit" : "");
+}
+
+static void print_pretty(const char *path, const psplat_asset *asset, const summary *s) {
+    printf("%s: %zu splats, %zu bytes of attributes\n\nclip lines      splats\n", path, s->splats,
+           s->attribute_bytes);
+    for (int i = 0; i < CLASSES; ++i)
+        if (s->splats_by_clip_lines[i]) printf("%10d  %10zu\n", i, s->splats_by_clip_lines[i]);
+    printf("\n%-36s %-16s %10s\n", "attribute", "type", "bytes");
+    for (size_t i = 0; i < s->attribute_count; ++i) {
+        const psplat_attribute *a = &s->attributes[i];
+        char type[32];
+        snprintf(type, sizeof type, "%u %s", a->components, component_name(a->component_type));
+        printf("%-36s %-16s %10zu\n", a->name, type, a->bytes);
+    }
+    printf("\nbounds  %.6g %.6g %.6g  to  %.6g %.6g %.6g\n\n", s->min[0], s->min[1], s->min[2],
+           s->max[0], s->max[1], s->max[2]);
+    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
+        print_batch(psplat_asset_batch(asset, i), i);
+}
+
+static void write_attributes(psplat_json *json, const summary *s) {
+    psplat_json_open(json, "attributes", '[');
+    for (size_t i = 0; i < s->attribute_count; ++i) {
+        const psplat_attribute *a = &s->attributes[i];
+        psplat_json_open(json, NULL, '{');
+        psplat_json_string(json, "name", a->name);
+        psplat_json_string(json, "component_type", component_name(a->component_type));
+        psplat_json_count(json, "components", a->components);
+        psplat_json_count(json, "bytes", a->bytes);
+        psplat_json_close(json, '}');
+    }
+    psplat_json_close(json, ']');
+}
+
+static void write_floats(psplat_json *json, const char *key, const float *values, size_t count) {
+    double numbers[4];
+    for (size_t i = 0; i < count; ++i) numbers[i] = (double)values[i];
+    psplat_json_numbers(json, key, numbers, count);
+}
+
+static void write_material(psplat_json *json, const psplat_material *material) {
+    psplat_json_open(json, "material", '{');
+    write_floats(json, "base_color", material->base_color, 4);
+    write_floats(json, "emissive", material->emissive, 3);
+    psplat_json_number(json, "metallic", (double)material->metallic);
+    psplat_json_number(json, "roughness", (double)material->roughness);
+    psplat_json_boolean(json, "double_sided", material->double_sided);
+    psplat_json_boolean(json, "unlit", material->unlit);
+    psplat_json_close(json, '}');
+}
+
+static void write_batches(psplat_json *json, const psplat_asset *asset) {
+    psplat_json_open(json, "batches", '[');
+    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i) {
+        const psplat_batch *batch = psplat_asset_batch(asset, i);
+        psplat_json_open(json, NULL, '{');
+        psplat_json_count(json, "primitive", batch->primitive);
+        psplat_json_count(json, "splats", batch->splat_count);
+        psplat_json_count(json, "clip_lines", batch->clip_count);
+        psplat_json_number(json, "depth_tolerance", (double)batch->depth_tolerance);
+        psplat_json_number(json, "kernel_sharpness", (double)batch->kernel.sharpness);
+        psplat_json_number(json, "kernel_exponent", (double)batch->kernel.exponent);
+        psplat_json_boolean(json, "has_color", batch->has_color);
+        psplat_json_numbers(json, "model", batch->model, 16);
+        write_material(json, &batch->material);
+        psplat_json_close(json, '}');
+    }
+    psplat_json_close(json, ']');
+}
+
+/* Returns 0 where memory ran out. */
+static int print_json(const char *path, const psplat_asset *asset, const summary *s) {
+    psplat_json json = {0};
+    double by_clip_lines[CLASSES];
+    for (int i = 0; i < CLASSES; ++i) by_clip_lines[i] = (double)s->splats_by_clip_lines[i];
+    psplat_json_open(&json, NULL, '{');
+    psplat_json_string(&json, "file", path);
+    psplat_json_count(&json, "splats", s->splats);
+    psplat_json_numbers(&json, "splats_by_clip_lines", by_clip_lines, CLASSES);
+    psplat_json_count(&json, "attribute_bytes", s->attribute_bytes);
+    write_attributes(&json, s);
+    psplat_json_numbers(&json, "bounds_min", s->min, 3);
+    psplat_json_numbers(&json, "bounds_max", s->max, 3);
+    write_batches(&json, asset);
+    psplat_json_close(&json, '}');
+    int is_whole = psplat_json_finish(&json);
+    if (is_whole) fwrite(json.text, 1, json.size, stdout);
+    free(json.text);
+    return is_whole;
+}
+
+int psplat_command_inspect(int argc, char **argv) {
+    const char *input = NULL;
+    int format = FORMAT_PRETTY;
+    psplat_parse parsed = parse(argc, argv, &input, &format);
+    if (parsed != PSPLAT_PARSE_OK)
+        return parsed == PSPLAT_PARSE_HELP ? PSPLAT_EXIT_SUCCESS : PSPLAT_EXIT_USAGE;
+    psplat_asset *asset = NULL;
+    psplat_error error = {0};
+    summary s = {0};
+    if (psplat_asset_open(input, NULL, &asset, &error)) return psplat_command_fail(input, &error);
+    int is_whole = summarise(asset, &s);
+    if (is_whole && format == FORMAT_PRETTY) print_pretty(input, asset, &s);
+    if (is_whole && format == FORMAT_JSON) is_whole = print_json(input, asset, &s);
+    psplat_asset_destroy(asset);
+    if (is_whole) return PSPLAT_EXIT_SUCCESS;
+    psplat_fail(&error, PSPLAT_ERROR_MEMORY, 0, "no memory for the description");
+    return psplat_command_fail(input, &error);
+}

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * command_render.c - phongsplat render: an asset becomes a picture.
+ *
+ * The picture is drawn larger than asked for into a float framebuffer and averaged in linear light:
+ * splat edges are decided per pixel, so that alone smooths silhouettes and creases.
+ */
+#include "command.h"
+
+#include <phongsplat/host.h>
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { MAX_SIDE = 16384 };
+
+typedef struct arguments {
+    const char *input;
+    const char *output;
+    int size[2];
+    psplat_viewpoint viewpoint;
+    int mode;
+    float background[4]; /* sRGB-encoded */
+    int supersample;
+    int software;
+    int overwrite;
+} arguments;
+
+/* What drawing needs at once; everything is freed by free_scene. */
+typedef struct scene {
+    psplat_asset *asset;
+    psplat_host *host;
+    psplat_renderer *renderer;
+    psplat_model *model;
+} scene;
+
+static const char *const mode_names[] = {"phong", "gaussian", "flat", NULL};
+static const psplat_mode modes[] = {PSPLAT_MODE_PHONG, PSPLAT_MODE_GAUSSIAN, PSPLAT_MODE_FLAT};
+
+static psplat_parse parse_options(const psplat_option *options, size_t count, arguments *a,
+                                  int argc, char **argv) {
+    const char **const slots[] = {&a->input, &a->output};
+    const psplat_syntax syntax = {
+        .command = "render",
+        .operands = "A.glb OUT.png",
+        .summary = "Draws an asset (.glb or .gltf) into a PNG, seen whole and lit from behind the\n"
+                   "camera. The scene's y axis points up.",
+        .notes = "OUT.png is written whole or not at all; - is standard output.",
+        .options = options,
+        .option_count = count,
+        .slots = slots,
+        .slot_count = 2,
+    };
+    return psplat_options_parse(&syntax, argc, argv);
+}
+
+static psplat_parse parse(int argc, char **argv, arguments *a) {
+    const psplat_option options[] = {
+        {0, "size", PSPLAT_OPTION_SIZE, a->size, "WxH", "pixels of the picture (default 1024x768)",
+         1, MAX_SIDE, NULL},
+        {0, "azimuth", PSPLAT_OPTION_NUMBER, &a->viewpoint.azimuth_degrees, "DEG",
+         "direction to look from, about +y: 0 is +z, 90 is +x\n(default 30)", -3600, 3600, NULL},
+        {0, "elevation", PSPLAT_OPTION_NUMBER, &a->viewpoint.elevation_degrees, "DEG",
+         "height to look from: 0 is level, 90 straight down\n(default 20)", -90, 90, NULL},
+        {0, "distance", PSPLAT_OPTION_NUMBER, &a->viewpoint.distance, "F",
+         "distance in multiples of the one at which the bounding\nsphere fits (default 1)", 1e-3,
+         1e3, NULL},
+        {0, "mode", PSPLAT_OPTION_CHOICE, &a->mode, "phong|gaussian|flat",
+         "how normals are made (default phong)", 0, 0, mode_names},
+        {0, "background", PSPLAT_OPTION_COLOR, a->background, "COLOR",
+         "RRGGBB, R,G,B or transparent (default FFFFFF)", 0, 0, NULL},
+        {0, "supersample", PSPLAT_OPTION_COUNT, &a->supersample, "N",
+         "draw N times as wide and high and average in linear\nlight (default 3)", 1, 8, NULL},
+        {0, "software", PSPLAT_OPTION_FLAG, &a->software, NULL,
+         "draw with Mesa's software rasteriser", 0, 0, NULL},
+        {'w', "overwrite", PSPLAT_OPTION_FLAG, &a->overwrite, NULL,
+         "replace OUT.png where it exists", 0, 0, NULL},
+    };
+    return parse_options(options, sizeof options / sizeof *options, a, argc, argv);
+}
+
+/* GL where there is one, GLES where that is all. */
+static psplat_result create_host(int software, psplat_host **host, psplat_error *error) {
+    psplat_result result = psplat_host_create(PSPLAT_API_GL, software, host, error);
+    if (result != PSPLAT_ERROR_GRAPHICS) return result;
+    return psplat_host_create(PSPLAT_API_GLES, software, host, NULL);
+}
+
+static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) {
+    psplat_result result = create_host(a->software, &s->host, error);
+    if (result) return result;
+    psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = s->host};
+    result = psplat_renderer_create(&desc, &s->renderer, error);
+    if (result) return result;
+    return psplat_model_create(s->renderer, s->asset, &s->model, error);
+}
+
+static float decode_srgb(float encoded) {
+    return encoded <= 0.04045f ? encoded / 12.92f : powf((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
+/* rgba holds (supersample * width) x (supersample * height) pixels. */
+static psplat_result draw(const arguments *a, scene *s, float *rgba, psplat_error *error) {
+    double min[3], max[3];
+    psplat_view view = {
+        .width = a->size[0] * a->supersample,
+        .height = a->size[1] * a->supersample,
+        .mode = modes[a->mode],
+        .linear_output = 1,
+    };
+    float clear[4] = {0, 0, 0, a->background[3]};
+    for (int i = 0; i < 3; ++i) clear[i] = decode_srgb(a->background[i]);
+    psplat_asset_bounds(s->asset, min, max);
+    psplat_viewpoint_fit(&a->viewpoint, min, max, &view);
+    psplat_item item = {.model = s->model};
+    psplat_result result = psplat_host_begin(s->host, view.width, view.height, 1, clear, error);
+    if (!result) result = psplat_draw(s->renderer, &view, &item, 1, error);
+    return result ? result : psplat_host_read_float(s->host, rgba, error);
+}
+
+static psplat_result write_picture(const arguments *a, const float *rgba, uint8_t *pixels,
+                                   psplat_error *error) {
+    int channels = a->background[3] < 1 ? 4 : 3;
+    uint8_t *png = NULL;
+    size_t size = 0;
+    psplat_picture_reduce(rgba, a->size[0], a->size[1], a->supersample, channels, pixels);
+    psplat_result result =
+        psplat_png_encode(pixels, a->size[0], a->size[1], channels, &png, &size, error);
+    if (!result) result = psplat_output_write(a->output, png, size, a->overwrite, error);
+    free(png);
+    return result;
+}
+
+static psplat_result render(const arguments *a, scene *s, psplat_error *error) {
+    size_t pixel_count = (size_t)a->size[0] * (size_t)a->size[1];
+    size_t samples = pixel_count * (size_t)(a->supersample * a->supersample);
+    float *rgba = malloc(samples * 4 * sizeof *rgba);
+    uint8_t *pixels = malloc(pixel_count * 4);
+    psplat_result result = rgba && pixels ? PSPLAT_OK
+                                          : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0,
+                                                        "no memory for %zu pixels", samples);
+    if (!result) result = prepare(a, s, error);
+    if (!result) result = draw(a, s, rgba, error);
+    if (!result) result = write_picture(a, rgba, pixels, error);
+    free(rgba);
+    free(pixels);
+    return result;
+}
+
+static void free_scene(scene *s) {
+    if (s->renderer) psplat_model_destroy(s->renderer, s->model);
+    psplat_renderer_destroy(s->renderer);
+    psplat_host_destroy(s->host);
+    psplat_asset_destroy(s->asset);
+}
+
+int psplat_command_render(int argc, char **argv) {
+    arguments a = {
+        .size = {1024, 768},
+        .viewpoint = {.azimuth_degrees = 30, .elevation_degrees = 20},
+        .background = {1, 1, 1, 1},
+        .supersample = 3,
+    };
+    psplat_parse parsed = parse(argc, argv, &a);
+    if (parsed != PSPLAT_PARSE_OK)
+        return parsed == PSPLAT_PARSE_HELP ? PSPLAT_EXIT_SUCCESS : PSPLAT_EXIT_USAGE;
+    scene s = {0};
+    psplat_error error = {0};
+    psplat_result result = psplat_output_check(a.input, a.output, a.overwrite, &error);
+    if (result) return psplat_command_fail(NULL, &error);
+    if (psplat_asset_open(a.input, NULL, &s.asset, &error))
+        return psplat_command_fail(a.input, &error);
+    result = render(&a, &s, &error);
+    free_scene(&s);
+    return result ? psplat_command_fail(result == PSPLAT_ERROR_WRITE ? NULL : a.input, &error)
+                  : PSPLAT_EXIT_SUCCESS;
+}

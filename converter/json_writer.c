@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ * json_writer.c - writing JSON (RFC 8259). */
+#include "json_writer.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void add(psplat_json *json, const char *bytes, size_t size) {
+    if (json->failed) return;
+    if (json->capacity - json->size < size) {
+        size_t capacity = 2 * json->capacity + size + 256;
+        char *text = realloc(json->text, capacity);
+        if (!text) {
+            json->failed = 1;
+            return;
+        }
+        json->text = text;
+        json->capacity = capacity;
+    }
+    memcpy(json->text + json->size, bytes, size);
+    json->size += size;
+}
+
+static void add_text(psplat_json *json, const char *text) {
+    add(json, text, strlen(text));
+}
+
+static void add_line(psplat_json *json) {
+    add_text(json, "\n");
+    for (int i = 0; i < json->depth; ++i) add_text(json, "  ");
+}
+
+/* Length of the well-formed UTF-8 sequence at s, or 0 (Unicode 15, table 3-7). */
+static size_t sequence_length(const unsigned char *s) {
+    size_t length = *s < 0x80   ? 1
+                    : *s < 0xc2 ? 0
+                    : *s < 0xe0 ? 2
+                    : *s < 0xf0 ? 3
+                    : *s < 0xf5 ? 4
+                                : 0;
+    for (size_t i = 1; i < length; ++i)
+        if ((s[i] & 0xc0) != 0x80) return 0;
+    int overlong = (*s == 0xe0 && s[1] < 0xa0) || (*s == 0xf0 && s[1] < 0x90);
+    int outside = (*s == 0xed && s[1] > 0x9f) || (*s == 0xf4 && s[1] > 0x8f);
+    return overlong || outside ? 0 : length;
+}
+
+static void add_quoted(psplat_json *json, const char *string) {
+    add_text(json, "\"");
+    for (const unsigned char *s = (const unsigned char *)string; *s;) {
+        size_t length = sequence_length(s);
+        char escape[8];
+        snprintf(escape, sizeof escape, "\\u%04x", *s);
+        if (!length)
+            add_text(json, "\xef\xbf\xbd");
+        else if (*s < 0x20 || *s == '"' || *s == '\\')
+            add_text(json, escape);
+        else
+            add(json, (const char *)s, length);
+        s += length ? length : 1;
+    }
+    add_text(json, "\"");
+}
+
+static void begin_member(psplat_json *json, const char *key) {
+    if (json->has_member) add_text(json, ",");
+    if (json->depth) add_line(json);
+    json->has_member = 1;
+    if (!key) return;
+    add_quoted(json, key);
+    add_text(json, ": ");
+}
+
+void psplat_json_open(psplat_json *json, const char *key, char bracket) {
+    begin_member(json, key);
+    add(json, &bracket, 1);
+    ++json->depth;
+    json->has_member = 0;
+}
+
+void psplat_json_close(psplat_json *json, char bracket) {
+    --json->depth;
+    if (json->has_member) add_line(json);
+    add(json, &bracket, 1);
+    json->has_member = 1;
+}
+
+void psplat_json_count(psplat_json *json, const char *key, size_t count) {
+    char digits[32];
+    snprintf(digits, sizeof digits, "%zu", count);
+    begin_member(json, key);
+    add_text(json, digits);
+}
+
+static void add_number(psplat_json *json, double number) {
+    char digits[32] = "null";
+    for (int precision = 1; precision <= 17 && isfinite(number); ++precision) {
+        snprintf(digits, sizeof digits, "%.*g", precision, number);
+        if (strtod(digits, NULL) == number) break;
+    }
+    add_text(json, digits);
+}
+
+void psplat_json_number(psplat_json *json, const char *key, double number) {
+    begin_member(json, key);
+    add_number(json, number);
+}
+
+void psplat_json_numbers(psplat_json *json, const char *key, const double *numbers, size_t count) {
+    begin_member(json, key);
+    add_text(json, "[");
+    for (size_t i = 0; i < count; ++i) {
+        if (i) add_text(json, ", ");
+        add_number(json, numbers[i]);
+    }
+    add_text(json, "]");
+}
+
+void psplat_json_boolean(psplat_json *json, const char *key, int value) {
+    begin_member(json, key);
+    add_text(json, value ? "true" : "false");
+}
+
+void psplat_json_string(psplat_json *json, const char *key, const char *string) {
+    begin_member(json, key);
+    add_quoted(json, string);
+}
+
+int psplat_json_finish(psplat_json *json) {
+    add_text(json, "\n");
+    if (!json->failed) return 1;
+    free(json->text);
+    json->text = NULL;
+    json->size = 0;
+    return 0;
+}

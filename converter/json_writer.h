@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * json_writer.h - writing JSON for people and programs: indented, keys in the order of the calls.
+ *
+ *     psplat_json json = {0};
+ *     psplat_json_open(&json, NULL, '{');
+ *     psplat_json_count(&json, "splats", 12);
+ *     psplat_json_close(&json, '}');
+ *     if (!psplat_json_finish(&json)) ... out of memory ...
+ *     fwrite(json.text, 1, json.size, file);
+ *     free(json.text);
+ */
+#ifndef PHONGSPLAT_JSON_WRITER_H
+#define PHONGSPLAT_JSON_WRITER_H
+
+#include <stddef.h>
+
+/* Zero-initialised. After a failed allocation further calls do nothing. */
+typedef struct psplat_json {
+    char *text; /* from malloc, owned by the caller */
+    size_t size, capacity;
+    int depth;
+    int has_member; /* something precedes in the innermost object or array */
+    int failed;
+} psplat_json;
+
+/* key is NULL inside arrays and at the root. Bracket is '{' or '[', '}' or ']'. */
+void psplat_json_open(psplat_json *json, const char *key, char bracket);
+void psplat_json_close(psplat_json *json, char bracket);
+void psplat_json_count(psplat_json *json, const char *key, size_t count);
+/* The shortest decimal that reads back as the same number; null where not finite, for JSON has
+ * no other word for it. */
+void psplat_json_number(psplat_json *json, const char *key, double number);
+void psplat_json_numbers(psplat_json *json, const char *key, const double *numbers, size_t count);
+void psplat_json_boolean(psplat_json *json, const char *key, int value);
+/* Bytes that are not UTF-8 become U+FFFD: names of files may hold any. */
+void psplat_json_string(psplat_json *json, const char *key, const char *string);
+
+/* Ends the text with a newline. Returns 0 where memory ran out; text is then NULL. */
+int psplat_json_finish(psplat_json *json);
+
+#endif

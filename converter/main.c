@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * main.c - phongsplat: chooses the command.
+ */
+#define _XOPEN_SOURCE 700
+
+#include "command.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct command {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *summary;
+} command;
+
+static const command commands[] = {
+    {"convert", psplat_command_convert, "a mesh becomes Phong splats in a GLB"},
+    {"render", psplat_command_render, "an asset becomes a PNG"},
+    {"inspect", psplat_command_inspect, "what an asset holds"},
+    {"validate", psplat_command_validate, "whether an asset keeps the rules"},
+};
+
+enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
+
+static void print_help(void) {
+    printf("usage: phongsplat COMMAND [options] ...\n\n");
+    for (int i = 0; i < COMMAND_COUNT; ++i)
+        printf("  %-10s %s\n", commands[i].name, commands[i].summary);
+    printf(
+        "\nphongsplat COMMAND --help lists a command's options, phongsplat --version prints the\n"
+        "version.\n\n%s",
+        psplat_exit_help);
+}
+
+/* Nothing unfinished is ever on disk while this can run (output.c), so it may end the process. */
+static void on_signal(int number) {
+    static const char line[] = "phongsplat: interrupted\n";
+    (void)number;
+    if (isatty(STDERR_FILENO) && write(STDERR_FILENO, "\r\033[K", 4) < 0)
+        _exit(PSPLAT_EXIT_INTERRUPTED);
+    ssize_t written = write(STDERR_FILENO, line, sizeof line - 1);
+    (void)written;
+    _exit(PSPLAT_EXIT_INTERRUPTED);
+}
+
+/* A signal that the parent ignores, as nohup does, stays ignored. */
+static void set_signals(void) {
+    const int ending[] = {SIGINT, SIGTERM, SIGHUP};
+    struct sigaction action = {.sa_handler = on_signal}, before;
+    sigemptyset(&action.sa_mask);
+    for (size_t i = 0; i < sizeof ending / sizeof *ending; ++i)
+        if (!sigaction(ending[i], NULL, &before) && before.sa_handler != SIG_IGN)
+            sigaction(ending[i], &action, NULL);
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error of write() */
+}
+
+/* What printf promised may fail only when it reaches the disk. */
+static int close_output(int code) {
+    if (!fflush(stdout) && !ferror(stdout)) return code;
+    fprintf(stderr, "phongsplat: standard output: cannot be written\n");
+    return code ? code : PSPLAT_EXIT_WRITE;
+}
+
+static int run(int argc, char **argv) {
+    const char *name = argc > 1 ? argv[1] : "";
+    for (int i = 0; i < COMMAND_COUNT; ++i)
+        if (!strcmp(commands[i].name, name)) return commands[i].run(argc - 2, argv + 2);
+    if (!strcmp(name, "--version")) {
+        printf("phongsplat %d.%d.%d\n", PSPLAT_VERSION_MAJOR, PSPLAT_VERSION_MINOR,
+               PSPLAT_VERSION_PATCH);
+        return PSPLAT_EXIT_SUCCESS;
+    }
+    if (!strcmp(name, "--help") || !strcmp(name, "-h")) {
+        print_help();
+        return PSPLAT_EXIT_SUCCESS;
+    }
+    fprintf(stderr, "phongsplat: %s: unknown command (phongsplat --help lists them)\n",
+            *name ? name : "no command");
+    return PSPLAT_EXIT_USAGE;
+}
+
+int main(int argc, char **argv) {
+    set_signals();
+    return close_output(run(argc, argv));
+}

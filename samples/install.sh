@@ -1,0 +1,38 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Installs what building and testing phongsplat needs from Debian's packages (Debian 12). Needs root
+# or sudo. Where everything is there already it asks neither and uses no network.
+set -eu
+
+# compilers and build
+packages="gcc g++ clang libc6-dev cmake ninja-build pkg-config"
+# converter: geometry, mesh files, PNG
+packages="$packages libcgal-dev libeigen3-dev libopenmesh-dev libtinygltf-dev libpng-dev"
+# runtime: JSON; host: EGL with Mesa's software rasteriser
+packages="$packages libjsmn-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
+# tests
+packages="$packages libcmocka-dev"
+
+missing=""
+for package in $packages; do
+    case "$(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null || true)" in
+    ii*) ;;
+    *) missing="$missing $package" ;;
+    esac
+done
+# A Node.js from elsewhere brings its npm along and conflicts with Debian's.
+command -v node >/dev/null || missing="$missing nodejs"
+command -v npm >/dev/null || missing="$missing npm"
+
+[ -n "$missing" ] || exit 0
+if [ "$(id -u)" -eq 0 ]; then
+    as_root=""
+elif command -v sudo >/dev/null; then
+    as_root="sudo"
+else
+    echo "install.sh: needs root or sudo to install:$missing" >&2
+    exit 1
+fi
+$as_root apt-get update -q
+# shellcheck disable=SC2086  # the list is meant to be split
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: MIT
+# convert on good input: what it writes, prints and promises.
+. "$SOURCE_DIR/tests/support/cli.sh"
+mkdir out
+write_cube cube.obj
+
+run "$PHONGSPLAT" convert cube.obj out/cube.glb -t 2% --report out/cube.json
+expect_success
+expect_files cube.glb cube.json
+expect_output '^out/cube.glb: [0-9]+ splats, [0-9]+ bytes, '
+[ "$(wc -l <stdout.txt)" -eq 1 ] || fail "the summary is not one line"
+
+# The report is JSON, has the promised keys, and agrees with the file.
+node - out/cube.json out/cube.glb <<'JS' || fail "report"
+const fs = require('fs'), [, , json, glb] = process.argv;
+const r = JSON.parse(fs.readFileSync(json, 'utf8'));
+const keys = ['splats', 'splats_by_clip_lines', 'bytes', 'seconds', 'peak_memory_bytes', 'tolerance_percent',
+              'max_distance_percent', 'rms_normal_degrees', 'uncovered_samples'];
+for (const key of keys) if (!(key in r)) throw Error('no ' + key);
+if (r.bytes !== fs.statSync(glb).size) throw Error('bytes');
+if (r.splats_by_clip_lines.length !== 5) throw Error('classes');
+if (r.splats_by_clip_lines.reduce((a, b) => a + b) !== r.splats) throw Error('sum of classes');
+if (r.tolerance_percent !== 2) throw Error('tolerance');
+if (r.triangles !== 12 || r.patches !== 6 || r.crease_edges !== 12) throw Error('a cube has 6 faces and 12 edges');
+if (r.uncovered_samples !== 0) throw Error('uncovered');
+if (!(r.max_distance_percent >= 0 && r.max_distance_percent <= 2)) throw Error('distance');
+if (!(r.seconds > 0 && r.peak_memory_bytes > 1e6)) throw Error('measures');
+JS
+
+run "$PHONGSPLAT" validate out/cube.glb
+expect_success
+
+# The same bytes again, whichever way the options are written, and nothing printed when quiet.
+run "$PHONGSPLAT" convert -q --tolerance=2 -i cube.obj -o out/again.glb
+expect_success
+[ ! -s stdout.txt ] || fail "quiet: $(cat stdout.txt)"
+cmp out/cube.glb out/again.glb || fail "two conversions differ"
+run "$PHONGSPLAT" convert cube.obj -t2 -wq -o out/again.glb
+expect_success
+cmp out/cube.glb out/again.glb || fail "overwriting differs"
+
+# Standard output carries the asset, or the report, alone.
+run "$PHONGSPLAT" convert cube.obj - -t 2
+expect_success
+cmp out/cube.glb stdout.txt || fail "standard output differs"
+run "$PHONGSPLAT" convert cube.obj out/third.glb -t 2 --report -
+expect_success
+node -e 'JSON.parse(require("fs").readFileSync("stdout.txt"))' || fail "report on standard output"
+rm out/third.glb
+
+# A tighter tolerance is kept as well, names may hold spaces and look like options behind --.
+mv cube.obj '-a cube.obj'
+run "$PHONGSPLAT" convert --tolerance 0.5% -- '-a cube.obj' 'out/a b.glb'
+expect_success
+expect_files 'a b.glb' again.glb cube.glb cube.json
+echo "$checks checks passed"

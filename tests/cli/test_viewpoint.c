@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT
+ * The default camera sees all of a box, wherever it looks from and however the picture is shaped.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <command.h>
+
+#include <math.h>
+
+static void transform(const double m[16], const double in[4], double out[4]) {
+    for (int row = 0; row < 4; ++row) {
+        out[row] = 0;
+        for (int column = 0; column < 4; ++column) out[row] += m[column * 4 + row] * in[column];
+    }
+}
+
+/* Normalised device coordinates of a point of the scene. */
+static void project(const psplat_view *view, const double point[3], double ndc[3]) {
+    double in[4] = {point[0], point[1], point[2], 1}, eye[4], clip[4];
+    transform(view->view, in, eye);
+    transform(view->projection, eye, clip);
+    for (int i = 0; i < 3; ++i) ndc[i] = clip[i] / clip[3];
+}
+
+static void assert_box_inside(const psplat_view *view, const double min[3], const double max[3]) {
+    for (int corner = 0; corner < 8; ++corner) {
+        double point[3], ndc[3];
+        for (int i = 0; i < 3; ++i) point[i] = corner >> i & 1 ? max[i] : min[i];
+        project(view, point, ndc);
+        for (int i = 0; i < 3; ++i) assert_true(fabs(ndc[i]) < 1);
+    }
+}
+
+static void test_box_is_seen_from_everywhere(void **state) {
+    (void)state;
+    const double boxes[][2][3] = {{{-1, -1, -1}, {1, 1, 1}},
+                                  {{1e6, 0, 0}, {1e6 + 1, 2, 3}},
+                                  {{0, 0, 0}, {1e-6, 1e-6, 0}},
+                                  {{-1, -1, 5}, {100, -0.5, 5}}};
+    const int sizes[][2] = {{640, 480}, {480, 640}, {1000, 10}, {64, 64}};
+    for (size_t b = 0; b < 4; ++b)
+        for (size_t s = 0; s < 4; ++s)
+            for (int azimuth = -180; azimuth <= 180; azimuth += 45)
+                for (int elevation = -90; elevation <= 90; elevation += 30) {
+                    psplat_view view = {.width = sizes[s][0], .height = sizes[s][1]};
+                    psplat_viewpoint at = {.azimuth_degrees = azimuth,
+                                           .elevation_degrees = elevation};
+                    psplat_viewpoint_fit(&at, boxes[b][0], boxes[b][1], &view);
+                    assert_box_inside(&view, boxes[b][0], boxes[b][1]);
+                }
+}
+
+static void test_sphere_touches_the_shorter_side(void **state) {
+    (void)state;
+    const double min[3] = {-1, -1, -1}, max[3] = {1, 1, 1};
+    const int sizes[][2] = {{640, 480}, {480, 640}};
+    for (size_t s = 0; s < 2; ++s) {
+        psplat_view view = {.width = sizes[s][0], .height = sizes[s][1]};
+        psplat_viewpoint at = {0};
+        psplat_viewpoint_fit(&at, min, max, &view);
+        /* The silhouette of a sphere of radius r seen from distance d: a cone of half angle
+         * asin(r / d), which must be the half angle of view of the shorter side. */
+        int shorter = view.width < view.height ? 0 : 5;
+        double distance = -view.view[14];
+        assert_true(fabs(tan(asin(sqrt(3) / distance)) * view.projection[shorter] - 1) < 1e-12);
+    }
+}
+
+static void test_directions(void **state) {
+    (void)state;
+    const double min[3] = {-1, -1, -1}, max[3] = {1, 1, 1}, right[3] = {1, 0, 0}, up[3] = {0, 1, 0},
+                 front[3] = {0, 0, 1};
+    double ndc[3];
+    psplat_view view = {.width = 64, .height = 64};
+    psplat_viewpoint_fit(&(psplat_viewpoint){0}, min, max, &view);
+    project(&view, right, ndc);
+    assert_true(ndc[0] > 0.1 && fabs(ndc[1]) < 1e-12); /* +x is on the right from +z */
+    project(&view, up, ndc);
+    assert_true(ndc[1] > 0.1 && fabs(ndc[0]) < 1e-12); /* +y is up */
+    psplat_viewpoint_fit(&(psplat_viewpoint){.azimuth_degrees = 90}, min, max, &view);
+    project(&view, front, ndc);
+    assert_true(ndc[0] < -0.1); /* from +x, +z is on the left */
+    psplat_viewpoint_fit(&(psplat_viewpoint){.elevation_degrees = 90}, min, max, &view);
+    project(&view, front, ndc);
+    assert_true(ndc[1] < -0.1 && fabs(ndc[0]) < 1e-12); /* from above, the front is below */
+}
+
+static void test_near_plane_stays_in_front_of_the_eye(void **state) {
+    (void)state;
+    const double min[3] = {-1, -1, -1}, max[3] = {1, 1, 1};
+    const double distances[] = {1e-3, 0.1, 0.25, 1, 1000};
+    for (size_t i = 0; i < 5; ++i) {
+        psplat_view view = {.width = 64, .height = 64};
+        psplat_viewpoint_fit(&(psplat_viewpoint){.distance = distances[i]}, min, max, &view);
+        /* near and far from m[10] and m[14] of a perspective matrix */
+        double near = view.projection[14] / (view.projection[10] - 1);
+        double far = view.projection[14] / (view.projection[10] + 1);
+        assert_true(near > 0);
+        assert_true(far > near && far / near < 1001);
+    }
+}
+
+static void test_light_comes_from_the_camera_s_side(void **state) {
+    (void)state;
+    const double min[3] = {-1, -1, -1}, max[3] = {1, 1, 1};
+    psplat_view view = {.width = 64, .height = 64};
+    psplat_viewpoint at = {.azimuth_degrees = 200, .elevation_degrees = -35};
+    psplat_viewpoint_fit(&at, min, max, &view);
+    double direction[4] = {view.light.direction[0], view.light.direction[1],
+                           view.light.direction[2], 0};
+    double eye[4];
+    transform(view.view, direction, eye);
+    assert_true(eye[2] > 0 && eye[1] > 0 && eye[0] < 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_box_is_seen_from_everywhere),
+        cmocka_unit_test(test_sphere_touches_the_shorter_side),
+        cmocka_unit_test(test_directions),
+        cmocka_unit_test(test_near_plane_stays_in_front_of_the_eye),
+        cmocka_unit_test(test_light_comes_from_the_camera_s_side),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,14 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Installs what is needed, builds with sanitizers, checks that clang has nothing to say either, and
+# runs every test. ctest's summary comes last.
+set -eu
+cd "$(dirname "$0")/.."
+samples/install.sh
+npm ci --prefix tests/node --no-audit --no-fund --loglevel=error
+
+cmake --preset dev
+cmake --build --preset dev
+cmake --preset clang
+cmake --build --preset clang
+ctest --preset dev -j "$(nproc)"
