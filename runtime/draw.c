@@ -91,9 +91,9 @@ static void set_placement(const frame *f, const psplat_program *program,
 
 static unsigned options_of(const frame *f, const psplat_model_batch *batch,
                            const psplat_placement *placement, int pass) {
-    unsigned options = 0;
-    if (pass == PSPLAT_PASS_VISIBILITY) return placement->is_near ? PSPLAT_OPTION_NEAR : 0;
-    if (batch->has_color) options |= PSPLAT_OPTION_COLOR;
+    /* In the visibility pass a colour is only a texel to step over. */
+    unsigned options = batch->has_color ? PSPLAT_OPTION_COLOR : 0;
+    if (pass == PSPLAT_PASS_VISIBILITY && placement->is_near) options |= PSPLAT_OPTION_NEAR;
     if (pass == PSPLAT_PASS_PHONG) options |= f->options;
     if (has_blending(pass) && batch->kernel.exponent != 2.0f) options |= PSPLAT_OPTION_POWER;
     return options;
