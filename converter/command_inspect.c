@@ -130,72 +130,72 @@ static void print_pretty(const char *path, const psplat_asset *asset, const summ
         print_batch(psplat_asset_batch(asset, i), i);
 }
 
-static void write_attributes(psplat_json *json, const summary *s) {
-    psplat_json_open(json, "attributes", '[');
+static void write_attributes(psplat_writer *json, const summary *s) {
+    psplat_writer_open(json, "attributes", '[');
     for (size_t i = 0; i < s->attribute_count; ++i) {
         const psplat_attribute *a = &s->attributes[i];
-        psplat_json_open(json, NULL, '{');
-        psplat_json_string(json, "name", a->name);
-        psplat_json_string(json, "component_type", component_name(a->component_type));
-        psplat_json_count(json, "components", a->components);
-        psplat_json_count(json, "bytes", a->bytes);
-        psplat_json_close(json, '}');
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_string(json, "name", a->name);
+        psplat_writer_string(json, "component_type", component_name(a->component_type));
+        psplat_writer_count(json, "components", a->components);
+        psplat_writer_count(json, "bytes", a->bytes);
+        psplat_writer_close(json, '}');
     }
-    psplat_json_close(json, ']');
+    psplat_writer_close(json, ']');
 }
 
-static void write_floats(psplat_json *json, const char *key, const float *values, size_t count) {
+static void write_floats(psplat_writer *json, const char *key, const float *values, size_t count) {
     double numbers[4];
     for (size_t i = 0; i < count; ++i) numbers[i] = (double)values[i];
-    psplat_json_numbers(json, key, numbers, count);
+    psplat_writer_numbers(json, key, numbers, count);
 }
 
-static void write_material(psplat_json *json, const psplat_material *material) {
-    psplat_json_open(json, "material", '{');
+static void write_material(psplat_writer *json, const psplat_material *material) {
+    psplat_writer_open(json, "material", '{');
     write_floats(json, "base_color", material->base_color, 4);
     write_floats(json, "emissive", material->emissive, 3);
-    psplat_json_number(json, "metallic", (double)material->metallic);
-    psplat_json_number(json, "roughness", (double)material->roughness);
-    psplat_json_boolean(json, "double_sided", material->double_sided);
-    psplat_json_boolean(json, "unlit", material->unlit);
-    psplat_json_close(json, '}');
+    psplat_writer_number(json, "metallic", (double)material->metallic);
+    psplat_writer_number(json, "roughness", (double)material->roughness);
+    psplat_writer_boolean(json, "double_sided", material->double_sided);
+    psplat_writer_boolean(json, "unlit", material->unlit);
+    psplat_writer_close(json, '}');
 }
 
-static void write_batches(psplat_json *json, const psplat_asset *asset) {
-    psplat_json_open(json, "batches", '[');
+static void write_batches(psplat_writer *json, const psplat_asset *asset) {
+    psplat_writer_open(json, "batches", '[');
     for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i) {
         const psplat_batch *batch = psplat_asset_batch(asset, i);
-        psplat_json_open(json, NULL, '{');
-        psplat_json_count(json, "primitive", batch->primitive);
-        psplat_json_count(json, "splats", batch->splat_count);
-        psplat_json_count(json, "clip_lines", batch->clip_count);
-        psplat_json_number(json, "depth_tolerance", (double)batch->depth_tolerance);
-        psplat_json_number(json, "kernel_sharpness", (double)batch->kernel.sharpness);
-        psplat_json_number(json, "kernel_exponent", (double)batch->kernel.exponent);
-        psplat_json_boolean(json, "has_color", batch->has_color);
-        psplat_json_numbers(json, "model", batch->model, 16);
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_count(json, "primitive", batch->primitive);
+        psplat_writer_count(json, "splats", batch->splat_count);
+        psplat_writer_count(json, "clip_lines", batch->clip_count);
+        psplat_writer_number(json, "depth_tolerance", (double)batch->depth_tolerance);
+        psplat_writer_number(json, "kernel_sharpness", (double)batch->kernel.sharpness);
+        psplat_writer_number(json, "kernel_exponent", (double)batch->kernel.exponent);
+        psplat_writer_boolean(json, "has_color", batch->has_color);
+        psplat_writer_numbers(json, "model", batch->model, 16);
         write_material(json, &batch->material);
-        psplat_json_close(json, '}');
+        psplat_writer_close(json, '}');
     }
-    psplat_json_close(json, ']');
+    psplat_writer_close(json, ']');
 }
 
 /* Returns 0 where memory ran out. */
 static int print_json(const char *path, const psplat_asset *asset, const summary *s) {
-    psplat_json json = {0};
+    psplat_writer json = {0};
     double by_clip_lines[CLASSES];
     for (int i = 0; i < CLASSES; ++i) by_clip_lines[i] = (double)s->splats_by_clip_lines[i];
-    psplat_json_open(&json, NULL, '{');
-    psplat_json_string(&json, "file", path);
-    psplat_json_count(&json, "splats", s->splats);
-    psplat_json_numbers(&json, "splats_by_clip_lines", by_clip_lines, CLASSES);
-    psplat_json_count(&json, "attribute_bytes", s->attribute_bytes);
+    psplat_writer_open(&json, NULL, '{');
+    psplat_writer_string(&json, "file", path);
+    psplat_writer_count(&json, "splats", s->splats);
+    psplat_writer_numbers(&json, "splats_by_clip_lines", by_clip_lines, CLASSES);
+    psplat_writer_count(&json, "attribute_bytes", s->attribute_bytes);
     write_attributes(&json, s);
-    psplat_json_numbers(&json, "bounds_min", s->min, 3);
-    psplat_json_numbers(&json, "bounds_max", s->max, 3);
+    psplat_writer_numbers(&json, "bounds_min", s->min, 3);
+    psplat_writer_numbers(&json, "bounds_max", s->max, 3);
     write_batches(&json, asset);
-    psplat_json_close(&json, '}');
-    int is_whole = psplat_json_finish(&json);
+    psplat_writer_close(&json, '}');
+    int is_whole = psplat_writer_finish(&json);
     if (is_whole) fwrite(json.text, 1, json.size, stdout);
     free(json.text);
     return is_whole;

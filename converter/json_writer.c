@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void add(psplat_json *json, const char *bytes, size_t size) {
+static void add(psplat_writer *json, const char *bytes, size_t size) {
     if (json->failed) return;
     if (json->capacity - json->size < size) {
         size_t capacity = 2 * json->capacity + size + 256;
@@ -23,11 +23,11 @@ static void add(psplat_json *json, const char *bytes, size_t size) {
     json->size += size;
 }
 
-static void add_text(psplat_json *json, const char *text) {
+static void add_text(psplat_writer *json, const char *text) {
     add(json, text, strlen(text));
 }
 
-static void add_line(psplat_json *json) {
+static void add_line(psplat_writer *json) {
     add_text(json, "\n");
     for (int i = 0; i < json->depth; ++i) add_text(json, "  ");
 }
@@ -47,7 +47,7 @@ static size_t sequence_length(const unsigned char *s) {
     return overlong || outside ? 0 : length;
 }
 
-static void add_quoted(psplat_json *json, const char *string) {
+static void add_quoted(psplat_writer *json, const char *string) {
     add_text(json, "\"");
     for (const unsigned char *s = (const unsigned char *)string; *s;) {
         size_t length = sequence_length(s);
@@ -64,7 +64,7 @@ static void add_quoted(psplat_json *json, const char *string) {
     add_text(json, "\"");
 }
 
-static void begin_member(psplat_json *json, const char *key) {
+static void begin_member(psplat_writer *json, const char *key) {
     if (json->has_member) add_text(json, ",");
     if (json->depth) add_line(json);
     json->has_member = 1;
@@ -73,28 +73,28 @@ static void begin_member(psplat_json *json, const char *key) {
     add_text(json, ": ");
 }
 
-void psplat_json_open(psplat_json *json, const char *key, char bracket) {
+void psplat_writer_open(psplat_writer *json, const char *key, char bracket) {
     begin_member(json, key);
     add(json, &bracket, 1);
     ++json->depth;
     json->has_member = 0;
 }
 
-void psplat_json_close(psplat_json *json, char bracket) {
+void psplat_writer_close(psplat_writer *json, char bracket) {
     --json->depth;
     if (json->has_member) add_line(json);
     add(json, &bracket, 1);
     json->has_member = 1;
 }
 
-void psplat_json_count(psplat_json *json, const char *key, size_t count) {
+void psplat_writer_count(psplat_writer *json, const char *key, size_t count) {
     char digits[32];
     snprintf(digits, sizeof digits, "%zu", count);
     begin_member(json, key);
     add_text(json, digits);
 }
 
-static void add_number(psplat_json *json, double number) {
+static void add_number(psplat_writer *json, double number) {
     char digits[32] = "null";
     for (int precision = 1; precision <= 17 && isfinite(number); ++precision) {
         snprintf(digits, sizeof digits, "%.*g", precision, number);
@@ -103,12 +103,13 @@ static void add_number(psplat_json *json, double number) {
     add_text(json, digits);
 }
 
-void psplat_json_number(psplat_json *json, const char *key, double number) {
+void psplat_writer_number(psplat_writer *json, const char *key, double number) {
     begin_member(json, key);
     add_number(json, number);
 }
 
-void psplat_json_numbers(psplat_json *json, const char *key, const double *numbers, size_t count) {
+void psplat_writer_numbers(psplat_writer *json, const char *key, const double *numbers,
+                           size_t count) {
     begin_member(json, key);
     add_text(json, "[");
     for (size_t i = 0; i < count; ++i) {
@@ -118,17 +119,17 @@ void psplat_json_numbers(psplat_json *json, const char *key, const double *numbe
     add_text(json, "]");
 }
 
-void psplat_json_boolean(psplat_json *json, const char *key, int value) {
+void psplat_writer_boolean(psplat_writer *json, const char *key, int value) {
     begin_member(json, key);
     add_text(json, value ? "true" : "false");
 }
 
-void psplat_json_string(psplat_json *json, const char *key, const char *string) {
+void psplat_writer_string(psplat_writer *json, const char *key, const char *string) {
     begin_member(json, key);
     add_quoted(json, string);
 }
 
-int psplat_json_finish(psplat_json *json) {
+int psplat_writer_finish(psplat_writer *json) {
     add_text(json, "\n");
     if (!json->failed) return 1;
     free(json->text);

@@ -2,11 +2,11 @@
  *
  * json_writer.h - writing JSON for people and programs: indented, keys in the order of the calls.
  *
- *     psplat_json json = {0};
- *     psplat_json_open(&json, NULL, '{');
- *     psplat_json_count(&json, "splats", 12);
- *     psplat_json_close(&json, '}');
- *     if (!psplat_json_finish(&json)) ... out of memory ...
+ *     psplat_writer json = {0};
+ *     psplat_writer_open(&json, NULL, '{');
+ *     psplat_writer_count(&json, "splats", 12);
+ *     psplat_writer_close(&json, '}');
+ *     if (!psplat_writer_finish(&json)) ... out of memory ...
  *     fwrite(json.text, 1, json.size, file);
  *     free(json.text);
  */
@@ -16,27 +16,28 @@
 #include <stddef.h>
 
 /* Zero-initialised. After a failed allocation further calls do nothing. */
-typedef struct psplat_json {
+typedef struct psplat_writer {
     char *text; /* from malloc, owned by the caller */
     size_t size, capacity;
     int depth;
     int has_member; /* something precedes in the innermost object or array */
     int failed;
-} psplat_json;
+} psplat_writer;
 
 /* key is NULL inside arrays and at the root. Bracket is '{' or '[', '}' or ']'. */
-void psplat_json_open(psplat_json *json, const char *key, char bracket);
-void psplat_json_close(psplat_json *json, char bracket);
-void psplat_json_count(psplat_json *json, const char *key, size_t count);
+void psplat_writer_open(psplat_writer *json, const char *key, char bracket);
+void psplat_writer_close(psplat_writer *json, char bracket);
+void psplat_writer_count(psplat_writer *json, const char *key, size_t count);
 /* The shortest decimal that reads back as the same number; null where not finite, for JSON has
  * no other word for it. */
-void psplat_json_number(psplat_json *json, const char *key, double number);
-void psplat_json_numbers(psplat_json *json, const char *key, const double *numbers, size_t count);
-void psplat_json_boolean(psplat_json *json, const char *key, int value);
+void psplat_writer_number(psplat_writer *json, const char *key, double number);
+void psplat_writer_numbers(psplat_writer *json, const char *key, const double *numbers,
+                           size_t count);
+void psplat_writer_boolean(psplat_writer *json, const char *key, int value);
 /* Bytes that are not UTF-8 become U+FFFD: names of files may hold any. */
-void psplat_json_string(psplat_json *json, const char *key, const char *string);
+void psplat_writer_string(psplat_writer *json, const char *key, const char *string);
 
 /* Ends the text with a newline. Returns 0 where memory ran out; text is then NULL. */
-int psplat_json_finish(psplat_json *json);
+int psplat_writer_finish(psplat_writer *json);
 
 #endif

@@ -6,48 +6,49 @@
 #include "converter.h"
 #include "json_writer.h"
 
-static void add_splats(psplat_json *json, const psplat_report *report) {
+static void add_splats(psplat_writer *json, const psplat_report *report) {
     double by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1];
     for (int i = 0; i <= PSPLAT_MAX_CLIP_LINES; ++i)
         by_clip_lines[i] = (double)report->splats_by_clip_lines[i];
-    psplat_json_count(json, "splats", report->splats);
-    psplat_json_numbers(json, "splats_by_clip_lines", by_clip_lines, PSPLAT_MAX_CLIP_LINES + 1);
-    psplat_json_count(json, "bytes", report->bytes);
-    psplat_json_number(json, "seconds", report->seconds);
-    psplat_json_count(json, "peak_memory_bytes", report->peak_memory_bytes);
+    psplat_writer_count(json, "splats", report->splats);
+    psplat_writer_numbers(json, "splats_by_clip_lines", by_clip_lines, PSPLAT_MAX_CLIP_LINES + 1);
+    psplat_writer_count(json, "bytes", report->bytes);
+    psplat_writer_number(json, "seconds", report->seconds);
+    psplat_writer_count(json, "peak_memory_bytes", report->peak_memory_bytes);
 }
 
-static void add_surface(psplat_json *json, const psplat_report *report) {
-    psplat_json_count(json, "triangles", report->triangles);
-    psplat_json_count(json, "patches", report->patches);
-    psplat_json_count(json, "crease_edges", report->crease_edges);
-    psplat_json_count(json, "border_edges", report->border_edges);
-    psplat_json_count(json, "samples", report->samples);
-    psplat_json_count(json, "verification_samples", report->verification_samples);
-    psplat_json_number(json, "diagonal", report->diagonal);
+static void add_surface(psplat_writer *json, const psplat_report *report) {
+    psplat_writer_count(json, "triangles", report->triangles);
+    psplat_writer_count(json, "patches", report->patches);
+    psplat_writer_count(json, "crease_edges", report->crease_edges);
+    psplat_writer_count(json, "border_edges", report->border_edges);
+    psplat_writer_count(json, "samples", report->samples);
+    psplat_writer_count(json, "verification_samples", report->verification_samples);
+    psplat_writer_number(json, "diagonal", report->diagonal);
 }
 
-static void add_errors(psplat_json *json, const psplat_report *report) {
-    psplat_json_number(json, "tolerance_percent", report->tolerance_percent);
-    psplat_json_number(json, "max_distance_percent", report->max_distance_percent);
-    psplat_json_number(json, "max_distance_surface_percent", report->max_distance_surface_percent);
-    psplat_json_number(json, "max_distance_splats_percent", report->max_distance_splats_percent);
-    psplat_json_number(json, "rms_distance_percent", report->rms_distance_percent);
-    psplat_json_number(json, "rms_normal_degrees", report->rms_normal_degrees);
-    psplat_json_number(json, "p95_normal_degrees", report->p95_normal_degrees);
-    psplat_json_number(json, "rms_normal_constant_degrees", report->rms_normal_constant_degrees);
-    psplat_json_count(json, "uncovered_samples", report->uncovered_samples);
+static void add_errors(psplat_writer *json, const psplat_report *report) {
+    psplat_writer_number(json, "tolerance_percent", report->tolerance_percent);
+    psplat_writer_number(json, "max_distance_percent", report->max_distance_percent);
+    psplat_writer_number(json, "max_distance_surface_percent",
+                         report->max_distance_surface_percent);
+    psplat_writer_number(json, "max_distance_splats_percent", report->max_distance_splats_percent);
+    psplat_writer_number(json, "rms_distance_percent", report->rms_distance_percent);
+    psplat_writer_number(json, "rms_normal_degrees", report->rms_normal_degrees);
+    psplat_writer_number(json, "p95_normal_degrees", report->p95_normal_degrees);
+    psplat_writer_number(json, "rms_normal_constant_degrees", report->rms_normal_constant_degrees);
+    psplat_writer_count(json, "uncovered_samples", report->uncovered_samples);
 }
 
 psplat_result psplat_report_json(const psplat_report *report, char **text, size_t *size,
                                  psplat_error *error) {
-    psplat_json json = {0};
-    psplat_json_open(&json, NULL, '{');
+    psplat_writer json = {0};
+    psplat_writer_open(&json, NULL, '{');
     add_splats(&json, report);
     add_surface(&json, report);
     add_errors(&json, report);
-    psplat_json_close(&json, '}');
-    if (!psplat_json_finish(&json))
+    psplat_writer_close(&json, '}');
+    if (!psplat_writer_finish(&json))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the report");
     *text = json.text;
     *size = json.size;

@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void assert_json(psplat_json *json, const char *expected) {
-    assert_true(psplat_json_finish(json));
+static void assert_json(psplat_writer *json, const char *expected) {
+    assert_true(psplat_writer_finish(json));
     assert_int_equal(json->size, strlen(expected));
     assert_memory_equal(json->text, expected, json->size);
     free(json->text);
@@ -23,38 +23,38 @@ static void assert_json(psplat_json *json, const char *expected) {
 
 static void test_layout(void **state) {
     (void)state;
-    psplat_json json = {0};
-    psplat_json_open(&json, NULL, '{');
-    psplat_json_count(&json, "a", 1);
-    psplat_json_open(&json, "b", '[');
-    psplat_json_open(&json, NULL, '{');
-    psplat_json_boolean(&json, "c", 1);
-    psplat_json_close(&json, '}');
-    psplat_json_close(&json, ']');
-    psplat_json_open(&json, "d", '[');
-    psplat_json_close(&json, ']');
-    psplat_json_close(&json, '}');
+    psplat_writer json = {0};
+    psplat_writer_open(&json, NULL, '{');
+    psplat_writer_count(&json, "a", 1);
+    psplat_writer_open(&json, "b", '[');
+    psplat_writer_open(&json, NULL, '{');
+    psplat_writer_boolean(&json, "c", 1);
+    psplat_writer_close(&json, '}');
+    psplat_writer_close(&json, ']');
+    psplat_writer_open(&json, "d", '[');
+    psplat_writer_close(&json, ']');
+    psplat_writer_close(&json, '}');
     assert_json(&json, "{\n  \"a\": 1,\n  \"b\": [\n    {\n      \"c\": true\n    }\n  ],\n"
                        "  \"d\": []\n}\n");
 }
 
 static void test_numbers_read_back_exactly(void **state) {
     (void)state;
-    psplat_json json = {0};
+    psplat_writer json = {0};
     const double numbers[] = {0.1, 1e300, -2.5, 1.0 / 3, 4};
-    psplat_json_numbers(&json, NULL, numbers, 5);
+    psplat_writer_numbers(&json, NULL, numbers, 5);
     assert_json(&json, "[0.1, 1e+300, -2.5, 0.3333333333333333, 4]\n");
-    json = (psplat_json){0};
+    json = (psplat_writer){0};
     const double none[] = {NAN, INFINITY, -INFINITY};
-    psplat_json_numbers(&json, NULL, none, 3);
+    psplat_writer_numbers(&json, NULL, none, 3);
     assert_json(&json, "[null, null, null]\n");
 }
 
 /* Names of files hold any bytes; JSON holds UTF-8. */
 static void test_strings(void **state) {
     (void)state;
-    psplat_json json = {0};
-    psplat_json_string(&json, NULL, "a\"b\\c\n\xc3\xa9\xff\xe2\x82\xac\xed\xa0\x80\xc3");
+    psplat_writer json = {0};
+    psplat_writer_string(&json, NULL, "a\"b\\c\n\xc3\xa9\xff\xe2\x82\xac\xed\xa0\x80\xc3");
     assert_json(&json, "\"a\\u0022b\\u005cc\\u000a\xc3\xa9\xef\xbf\xbd\xe2\x82\xac"
                        "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\"\n");
 }
