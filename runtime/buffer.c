@@ -30,8 +30,8 @@ static psplat_result load_base64(psplat_gltf *gltf, psplat_buffer *buffer, const
                            "its data URI is not encoded as base64");
     uint8_t *data = psplat_arena_take(gltf->scratch, (uri_size - start) / 4 * 3 + 2, 1);
     if (!data) return fail_buffer(gltf, buffer, PSPLAT_ERROR_MEMORY, "out of memory");
-    /* Exact unless the URI holds JSON escapes, of which nobody writes any but \/. */
-    buffer->origin = psplat_gltf_offset(gltf, buffer->uri) + start;
+    /* Beyond the quote. Exact unless the URI holds JSON escapes, of which some tools write \/. */
+    buffer->origin = psplat_gltf_offset(gltf, buffer->uri) + 1 + start;
     buffer->is_base64 = 1;
     buffer->data = data;
     *size = psplat_uri_decode_base64(uri + start, uri_size - start, data, &wrong);

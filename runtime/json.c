@@ -60,7 +60,8 @@ psplat_result psplat_json_parse(psplat_json *json, psplat_arena *arena) {
 }
 
 size_t psplat_json_offset(const psplat_json *json, psplat_json_value value) {
-    return json->base + (size_t)token(json, value)->start;
+    const jsmntok_t *t = token(json, value);
+    return json->base + (size_t)(t->type == JSMN_STRING ? t->start - 1 : t->start);
 }
 
 psplat_json_type psplat_json_type_of(const psplat_json *json, psplat_json_value value) {

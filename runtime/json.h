@@ -38,7 +38,7 @@ psplat_result psplat_json_check(const psplat_json *json, size_t *token_count);
 /* Parses json->text; tokens come from the arena. FORMAT, UNSUPPORTED, MEMORY. */
 psplat_result psplat_json_parse(psplat_json *json, psplat_arena *arena);
 
-/* Offset of a value's first byte in the file (of strings: of the byte after the quote). */
+/* Offset of a value's first byte in the file. */
 size_t psplat_json_offset(const psplat_json *json, psplat_json_value value);
 psplat_json_type psplat_json_type_of(const psplat_json *json, psplat_json_value value);
 
