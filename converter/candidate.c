@@ -35,6 +35,7 @@ typedef struct seedling {
     double point[3];
     double u[3], v[3], n[3]; /* axes of the metric */
     double stretch[2];       /* lengths of its unit along u and v */
+    double gathered;         /* reach up to which growth->near is known in this metric */
     int failed;              /* out of memory */
 } seedling;
 
@@ -43,6 +44,8 @@ void psplat_growth_free(psplat_growth *growth) {
     free(growth->chosen);
     free(growth->plane);
     free(growth->local);
+    free(growth->near);
+    free(growth->distances);
     *growth = (psplat_growth){0};
 }
 
@@ -60,7 +63,11 @@ static int growth_reserve(psplat_growth *growth, size_t count) {
     if (plane) growth->plane = plane;
     void *local = realloc(growth->local, capacity * sizeof *growth->local);
     if (local) growth->local = local;
-    if (!chosen || !plane || !local) return 0;
+    void *near = realloc(growth->near, capacity * sizeof *growth->near);
+    if (near) growth->near = near;
+    void *distances = realloc(growth->distances, capacity * sizeof *growth->distances);
+    if (distances) growth->distances = distances;
+    if (!chosen || !plane || !local || !near || !distances) return 0;
     growth->capacity = capacity;
     return 1;
 }
@@ -71,7 +78,7 @@ static double metric_distance(const seedling *s, const double p[3]) {
     double d[3];
     sub3(d, p, s->point);
     double u = dot3(d, s->u) / s->stretch[0], v = dot3(d, s->v) / s->stretch[1];
-    double n = dot3(d, s->n) / fmin(s->stretch[0], s->stretch[1]);
+    double n = dot3(d, s->n) / min2(s->stretch[0], s->stretch[1]);
     return sqrt(u * u + v * v + n * n);
 }
 
@@ -85,24 +92,43 @@ static int reserve_walked(const seedling *s) {
     return growth_reserve(s->growth, total);
 }
 
-/* Samples connected with the seed and within reach of it, into growth->chosen. */
-static size_t gather(seedling *s, double reach) {
+/* Collects the samples connected with the seed and within reach of it, with their distances. */
+static void gather(seedling *s, double reach) {
+    psplat_growth *g = s->growth;
     psplat_region ball = {.radius = {reach * s->stretch[0], reach * s->stretch[1]}};
     memcpy(ball.center, s->point, sizeof ball.center);
     memcpy(ball.u, s->u, sizeof ball.u);
     memcpy(ball.v, s->v, sizeof ball.v);
     memcpy(ball.n, s->n, sizeof ball.n);
-    psplat_walk *walk = &s->growth->walk;
-    psplat_walk_surface(walk, s->surface, &ball, s->triangle);
-    if (walk->failed || !reserve_walked(s)) return s->failed = 1, 0;
-    size_t count = 0;
-    for (size_t i = 0; i < walk->triangle_count; ++i) {
-        uint32_t t = walk->triangles[i];
-        for (uint32_t k = s->samples->first[t]; k < s->samples->first[t + 1]; ++k)
-            if (k == s->seed || metric_distance(s, s->samples->positions + 3 * (size_t)k) <= reach)
-                s->growth->chosen[count++] = k;
+    psplat_walk_surface(&g->walk, s->surface, &ball, s->triangle, HUGE_VAL);
+    g->near_count = 0;
+    if (g->walk.failed || !reserve_walked(s)) {
+        s->failed = 1;
+        return;
     }
-    if (!count) s->growth->chosen[count++] = s->seed;
+    for (size_t i = 0; i < g->walk.triangle_count; ++i) {
+        uint32_t t = g->walk.triangles[i];
+        for (uint32_t k = s->samples->first[t]; k < s->samples->first[t + 1]; ++k) {
+            double distance = metric_distance(s, s->samples->positions + 3 * (size_t)k);
+            if (distance > reach && k != s->seed) continue;
+            g->distances[g->near_count] = distance;
+            g->near[g->near_count++] = k;
+        }
+    }
+}
+
+/* Samples within reach, into growth->chosen; gathers anew only beyond the reach gathered last. */
+static size_t choose_near(seedling *s, double reach) {
+    psplat_growth *g = s->growth;
+    if (reach > s->gathered) {
+        gather(s, reach);
+        s->gathered = reach;
+    }
+    size_t count = 0;
+    if (s->failed || !growth_reserve(g, g->near_count + 1)) return s->failed = 1, 0;
+    for (size_t i = 0; i < g->near_count; ++i)
+        if (g->distances[i] <= reach) g->chosen[count++] = g->near[i];
+    if (!count) g->chosen[count++] = s->seed;
     return count;
 }
 
@@ -132,7 +158,7 @@ static void fit_region(const seedling *s, size_t count, psplat_region *region) {
 
 /* Small sets get a small margin, so that a splat between close creases can shrink. */
 static void limit_margin(const seedling *s, double reach, psplat_region *region) {
-    double margin = fmin(s->limits->margin, 0.5 * reach);
+    double margin = min2(s->limits->margin, 0.5 * reach);
     for (int k = 0; k < 2; ++k) region->radius[k] += margin - s->limits->margin;
 }
 
@@ -147,13 +173,13 @@ static int settle_height(const seedling *s, psplat_region *region, double *devia
     if (walk->crease_height[0] <= walk->crease_height[1]) {
         double low = walk->height[1] - tolerance, high = walk->height[0] + tolerance;
         double wish = (walk->crease_height[0] + walk->crease_height[1]) / 2;
-        shift = fmin(fmax(wish, low), high);
+        shift = min2(max2(wish, low), high);
         if (walk->crease_height[1] - shift > s->limits->crease_tolerance ||
             shift - walk->crease_height[0] > s->limits->crease_tolerance)
             return 0;
     }
     mad3(region->center, shift, region->n);
-    *deviation = fmax(walk->height[1] - shift, shift - walk->height[0]);
+    *deviation = max2(walk->height[1] - shift, shift - walk->height[0]);
     return 1;
 }
 
@@ -173,13 +199,15 @@ static int area_fits(const seedling *s, const psplat_region *region) {
 static trial_result find_lines(const seedling *s, psplat_region *region) {
     psplat_walk *walk = &s->growth->walk;
     double seed[3];
-    psplat_walk_surface(walk, s->surface, region, s->triangle);
+    double range = 2 * s->limits->tolerance;
+    psplat_walk_surface(walk, s->surface, region, s->triangle, range);
+    if (walk->aborted) return TRIAL_TOO_FAR;
     psplat_region_local(region, s->point, seed);
     int chosen = psplat_clip_choose(region, walk->segments, walk->segment_count, seed,
                                     s->limits->crease_slack);
     if (!chosen) return TRIAL_TOO_MANY_LINES;
-    if (region->line_count) psplat_walk_surface(walk, s->surface, region, s->triangle);
-    return TRIAL_KEPT;
+    if (region->line_count) psplat_walk_surface(walk, s->surface, region, s->triangle, range);
+    return walk->aborted ? TRIAL_TOO_FAR : TRIAL_KEPT;
 }
 
 /* ---- coverage ------------------------------------------------------------------------------ */
@@ -189,7 +217,7 @@ static trial_result find_lines(const seedling *s, psplat_region *region) {
 static size_t cover(seedling *s, const psplat_region *region) {
     psplat_growth *g = s->growth;
     if (!reserve_walked(s)) return s->failed = 1, 0;
-    double scale = fmax(1 - 0.5 * s->limits->margin / region->radius[1], 0.6);
+    double scale = max2(1 - 0.5 * s->limits->margin / region->radius[1], 0.6);
     size_t count = 0;
     int seed_met = s->seed == PSPLAT_NONE;
     for (size_t i = 0; i < g->walk.triangle_count; ++i) {
@@ -215,7 +243,7 @@ static void local_normals(const seedling *s, const psplat_region *region, size_t
     for (size_t i = 0; i < count; ++i) {
         const float *f = s->samples->normals + 3 * (size_t)g->chosen[i];
         double n[3] = {(double)f[0], (double)f[1], (double)f[2]};
-        double height = fmax(dot3(n, region->n), least_cosine);
+        double height = max2(dot3(n, region->n), least_cosine);
         g->plane[i][0] = dot3(n, region->u) / height;
         g->plane[i][1] = dot3(n, region->v) / height;
     }
@@ -259,7 +287,7 @@ static trial_result try_reach(seedling *s, double reach, psplat_candidate *candi
                               size_t *gathered) {
     psplat_region region;
     double deviation;
-    size_t count = gather(s, reach);
+    size_t count = choose_near(s, reach);
     *gathered = count;
     for (int round = 0; round < 2 && !s->failed; ++round) {
         fit_region(s, count, &region);
@@ -331,12 +359,13 @@ static int adapt_metric(seedling *s, const psplat_candidate *candidate) {
     psplat_fit_curvature((const double(*)[2])g->local, (const double(*)[2])g->plane, count,
                          direction, curvature);
     if (!(curvature[0] > 0)) return 0;
-    double ratio = sqrt(curvature[0] / fmax(curvature[1], 1e-12 * curvature[0]));
-    ratio = fmin(ratio, greatest_stretch);
+    double ratio = sqrt(curvature[0] / max2(curvature[1], 1e-12 * curvature[0]));
+    ratio = min2(ratio, greatest_stretch);
     for (int k = 0; k < 3; ++k) s->u[k] = direction[0] * region->u[k] + direction[1] * region->v[k];
     memcpy(s->n, region->n, sizeof s->n);
     cross3(s->v, s->n, s->u);
     s->stretch[0] = 1, s->stretch[1] = ratio;
+    s->gathered = 0;
     return ratio > 1.25;
 }
 
@@ -390,7 +419,7 @@ psplat_result psplat_candidate_cover(const psplat_surface *surface, const psplat
                   .growth = growth,
                   .seed = PSPLAT_NONE,
                   .triangle = candidate->triangle};
-    psplat_walk_surface(&growth->walk, surface, &candidate->region, candidate->triangle);
+    psplat_walk_surface(&growth->walk, surface, &candidate->region, candidate->triangle, HUGE_VAL);
     size_t count = growth->walk.failed ? 0 : cover(&s, &candidate->region);
     if (growth->walk.failed || s.failed) return PSPLAT_ERROR_MEMORY;
     candidate->covered_count = 0; /* a forced candidate may cover nothing by this measure */

@@ -6,6 +6,7 @@
 #include "vector.h"
 
 #include <stdlib.h>
+#include <stdio.h>
 
 static const double default_tolerance_percent = 0.5;
 static const double default_crease_angle_degrees = 30;
@@ -18,11 +19,11 @@ static const double crease_part = 0.35;
 static const double crease_slack_part = 0.15;
 /* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
  * are about sqrt(R tolerance) wide, and some ten samples across describe one. */
-static const double spacing_percent = 1.0;
+static const double spacing_percent = 0.85;
 /* Overlap of splats beyond the samples that they cover, in spacings. */
-static const double margin_spacings = 0.9;
+static const double margin_spacings = 0.6;
 
-enum { REPAIRS = 4 };
+enum { REPAIRS = 10 };
 
 static const uint64_t repair_seed = 0x7265706169720000u;
 static const uint64_t verify_seed = 0x7665726966790000u;
@@ -67,7 +68,7 @@ static float depth_tolerance(const conversion *c) {
 /* Finds holes on fresh samples and makes them samples to cover. Stores how many it found. */
 static psplat_result find_holes(conversion *c, int round, size_t *holes, psplat_error *error) {
     psplat_samples fresh;
-    size_t triangles = c->surface.mesh->triangle_count, count = 2 * c->samples.count;
+    size_t triangles = c->surface.mesh->triangle_count, count = 8 * c->samples.count;
     uint64_t seed = c->desc->seed + repair_seed + (uint64_t)round;
     psplat_result result = psplat_samples_draw_uniform(&c->surface, count, seed, &fresh, error);
     if (result) return result;
@@ -104,7 +105,7 @@ static psplat_result select_splats(conversion *c, psplat_error *error) {
     for (int round = 0; round < REPAIRS && !result && holes; ++round) {
         if (interrupted(c->desc, "closing holes", (double)round / REPAIRS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-        result = find_holes(c, round, &holes, error);
+        result = find_holes(c, round, &holes, error); if(getenv("DBG")) fprintf(stderr,"round %d splats %zu holes %zu\n",round,c->splats->count,holes);
         if (result || !holes) break;
         result = psplat_selection_refresh(&c->surface, &c->samples, &c->limits, &c->selection);
         if (result) return psplat_fail(error, result, 0, "out of memory while closing holes");

@@ -20,6 +20,7 @@ enum { SIDE_TRIANGLES = 12 };
 static const double side_part = 0.6;
 static const double weak_part = 1.0 / 3.0;
 static const double prominence = 3.0;
+static const double sharp_prominence = 1.6;
 static const double least_length = 0.02;
 
 static double angle_between(const double a[3], const double b[3]) {
@@ -92,7 +93,8 @@ static int classify(const psplat_surface *surface, uint32_t edge, double crease_
     edge_sides sides;
     find_sides(surface, edge, angle < crease_angle ? angle : crease_angle, &sides);
     double mean_angle = side_angle(surface, &sides);
-    if (angle >= crease_angle && mean_angle >= side_part * crease_angle) return EDGE_SHARP;
+    int calm = angle >= 2 * crease_angle || sides.roughness * sharp_prominence <= angle;
+    if (angle >= crease_angle && mean_angle >= side_part * crease_angle && calm) return EDGE_SHARP;
     int stands_out =
         sides.roughness * prominence <= angle && mean_angle >= weak_part * crease_angle;
     return stands_out ? EDGE_WEAK : EDGE_SMOOTH;

@@ -8,7 +8,7 @@
  */
 #include "stages.h"
 
-#include <math.h>
+#include "vector.h"
 #include <stdlib.h>
 
 enum { HULL_CAPACITY = 192, ITERATIONS = 400 };
@@ -66,8 +66,8 @@ static void find_frame(double (*points)[2], size_t count, frame *f) {
         double along[2] = {points[i][0] * f->axis[0] + points[i][1] * f->axis[1],
                            points[i][1] * f->axis[0] - points[i][0] * f->axis[1]};
         for (int k = 0; k < 2; ++k) {
-            low[k] = fmin(low[k], along[k]);
-            high[k] = fmax(high[k], along[k]);
+            low[k] = min2(low[k], along[k]);
+            high[k] = max2(high[k], along[k]);
         }
     }
     double mid[2] = {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2};
@@ -127,7 +127,7 @@ static int khachiyan_step(double (*points)[2], double *weights, size_t count) {
     if (fabs(d - 3) <= 3 * precision) return 0;
     double step = (d - 3) / (3 * (d - 1));
     size_t moved = away ? near : far;
-    if (away) step = fmax(step, -weights[moved] / (1 - weights[moved]));
+    if (away) step = max2(step, -weights[moved] / (1 - weights[moved]));
     for (size_t i = 0; i < count; ++i) weights[i] *= 1 - step;
     weights[moved] += step;
     return 1;
@@ -156,7 +156,7 @@ static double covering_scale(double (*points)[2], size_t count, const double cen
     for (size_t i = 0; i < count; ++i) {
         double x = points[i][0] - center[0], y = points[i][1] - center[1];
         greatest =
-            fmax(greatest, (shape[2] * x * x - 2 * shape[1] * x * y + shape[0] * y * y) / det);
+            max2(greatest, (shape[2] * x * x - 2 * shape[1] * x * y + shape[0] * y * y) / det);
     }
     return sqrt(greatest) * (1 + 1e-12);
 }
@@ -174,7 +174,7 @@ static void from_frame(const frame *f, const double center[2], const double shap
     ellipse->axis[0] = c * f->axis[0] - s * f->axis[1];
     ellipse->axis[1] = c * f->axis[1] + s * f->axis[0];
     ellipse->radius[0] = scale * sqrt(middle + spread);
-    ellipse->radius[1] = scale * sqrt(fmax((xx * yy - xy * xy) / (middle + spread), 0));
+    ellipse->radius[1] = scale * sqrt(max2((xx * yy - xy * xy) / (middle + spread), 0));
 }
 
 /* Hulls too large for the iteration's arrays (they come from thousands of points on a circle) are

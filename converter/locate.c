@@ -5,7 +5,7 @@
  */
 #include "stages.h"
 
-#include <math.h>
+#include "vector.h"
 #include <stdlib.h>
 
 enum { LEAF = 4, DEPTH = 64 };
@@ -21,6 +21,7 @@ typedef struct node {
 } node;
 
 struct psplat_locator {
+    psplat_region *regions;
     box *boxes;
     uint32_t *order;
     node *nodes;
@@ -28,14 +29,13 @@ struct psplat_locator {
 };
 
 /* Half extents of an ellipse along the axes: sqrt((r_u U_k)^2 + (r_v V_k)^2). */
-static box splat_box(const psplat_splat *splat, double reach) {
-    psplat_region region;
+static box region_box(const psplat_region *region, double reach) {
     box result;
-    psplat_splat_region(splat, &region);
     for (int k = 0; k < 3; ++k) {
-        double half = hypot(region.radius[0] * region.u[k], region.radius[1] * region.v[k]) + reach;
-        result.low[k] = region.center[k] - half;
-        result.high[k] = region.center[k] + half;
+        double half =
+            hypot(region->radius[0] * region->u[k], region->radius[1] * region->v[k]) + reach;
+        result.low[k] = region->center[k] - half;
+        result.high[k] = region->center[k] + half;
     }
     return result;
 }
@@ -44,8 +44,8 @@ static box bounds_of(const psplat_locator *l, uint32_t begin, uint32_t end) {
     box result = l->boxes[l->order[begin]];
     for (uint32_t i = begin + 1; i < end; ++i)
         for (int k = 0; k < 3; ++k) {
-            result.low[k] = fmin(result.low[k], l->boxes[l->order[i]].low[k]);
-            result.high[k] = fmax(result.high[k], l->boxes[l->order[i]].high[k]);
+            result.low[k] = min2(result.low[k], l->boxes[l->order[i]].low[k]);
+            result.high[k] = max2(result.high[k], l->boxes[l->order[i]].high[k]);
         }
     return result;
 }
@@ -94,15 +94,17 @@ static void build(psplat_locator *l, uint32_t index, uint32_t begin, uint32_t en
 psplat_locator *psplat_locator_create(const psplat_splat *splats, size_t count, double reach) {
     psplat_locator *l = calloc(1, sizeof *l);
     if (!l) return NULL;
+    l->regions = malloc((count + 1) * sizeof *l->regions);
     l->boxes = malloc((count + 1) * sizeof *l->boxes);
     l->order = malloc((count + 1) * sizeof *l->order);
     l->nodes = malloc((2 * count + 1) * sizeof *l->nodes);
-    if (!l->boxes || !l->order || !l->nodes) {
+    if (!l->regions || !l->boxes || !l->order || !l->nodes) {
         psplat_locator_destroy(l);
         return NULL;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        l->boxes[i] = splat_box(&splats[i], reach);
+        psplat_splat_region(&splats[i], &l->regions[i]);
+        l->boxes[i] = region_box(&l->regions[i], reach);
         l->order[i] = i;
     }
     if (!count) return l;
@@ -118,7 +120,7 @@ static int holds(const box *b, const double p[3]) {
 }
 
 void psplat_locator_visit(const psplat_locator *l, const double point[3],
-                          void (*visit)(void *user, uint32_t splat), void *user) {
+                          int (*visit)(void *user, uint32_t splat), void *user) {
     uint32_t stack[DEPTH], depth = 0;
     if (l->node_count) stack[depth++] = 0;
     while (depth) {
@@ -130,12 +132,17 @@ void psplat_locator_visit(const psplat_locator *l, const double point[3],
             continue;
         }
         for (uint32_t i = n->begin; i < n->end; ++i)
-            if (holds(&l->boxes[l->order[i]], point)) visit(user, l->order[i]);
+            if (holds(&l->boxes[l->order[i]], point) && visit(user, l->order[i])) return;
     }
+}
+
+const psplat_region *psplat_locator_regions(const psplat_locator *l) {
+    return l->regions;
 }
 
 void psplat_locator_destroy(psplat_locator *l) {
     if (!l) return;
+    free(l->regions);
     free(l->boxes);
     free(l->order);
     free(l->nodes);

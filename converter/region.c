@@ -73,18 +73,30 @@ static size_t clip_step(const double line[3], corner *polygon, size_t count) {
     return count;
 }
 
-static void circle_side(size_t i, double line[3]) {
-    double angle = (double)i * (6.283185307179586 / SIDES);
-    line[0] = -cos(angle), line[1] = -sin(angle), line[2] = 1;
-}
+/* Outward directions of the polygon's sides: multiples of 22.5 degrees. */
+#define C1 0.92387953251128674
+#define C2 0.70710678118654752
+#define C3 0.38268343236508977
+static const double circle_sides[SIDES][2] = {
+    {1, 0},  {C1, C3},   {C2, C2},   {C3, C1},   {0, 1},  {-C3, C1}, {-C2, C2}, {-C1, C3},
+    {-1, 0}, {-C1, -C3}, {-C2, -C2}, {-C3, -C1}, {0, -1}, {C3, -C1}, {C2, -C2}, {C1, -C3}};
+#undef C1
+#undef C2
+#undef C3
 
 static size_t clip_circle(corner *polygon, size_t count) {
     int inside = 1;
-    for (size_t i = 0; i < count; ++i)
+    double low[2] = {2, 2}, high[2] = {-2, -2};
+    for (size_t i = 0; i < count; ++i) {
         inside &= polygon[i][0] * polygon[i][0] + polygon[i][1] * polygon[i][1] <= 1;
+        for (int k = 0; k < 2; ++k) {
+            low[k] = min2(low[k], polygon[i][k]);
+            high[k] = max2(high[k], polygon[i][k]);
+        }
+    }
+    if (low[0] > 1 || low[1] > 1 || high[0] < -1 || high[1] < -1) return 0;
     for (size_t i = 0; i < SIDES && count && !inside; ++i) {
-        double line[3];
-        circle_side(i, line);
+        const double line[3] = {-circle_sides[i][0], -circle_sides[i][1], 1};
         count = clip_step(line, polygon, count);
     }
     return count;
@@ -134,8 +146,8 @@ void psplat_walk_free(psplat_walk *walk) {
 
 static void extend(double range[2], corner *polygon, size_t count) {
     for (size_t i = 0; i < count; ++i) {
-        range[0] = fmin(range[0], polygon[i][2]);
-        range[1] = fmax(range[1], polygon[i][2]);
+        range[0] = min2(range[0], polygon[i][2]);
+        range[1] = max2(range[1], polygon[i][2]);
     }
 }
 
@@ -174,6 +186,7 @@ static int walk_begin(psplat_walk *walk, const psplat_surface *surface, uint32_t
     walk->height[0] = walk->crease_height[0] = HUGE_VAL;
     walk->height[1] = walk->crease_height[1] = -HUGE_VAL;
     walk->area = 0;
+    walk->aborted = 0;
     walk->stamps[seed] = walk->stamp;
     return push_triangle(walk, seed);
 }
@@ -230,14 +243,17 @@ static int walk_triangle(psplat_walk *walk, const psplat_surface *surface,
 }
 
 void psplat_walk_surface(psplat_walk *walk, const psplat_surface *surface,
-                         const psplat_region *region, uint32_t seed_triangle) {
+                         const psplat_region *region, uint32_t seed_triangle, double range) {
     if (!walk_begin(walk, surface, seed_triangle)) {
         walk->failed = 1;
         return;
     }
     size_t kept = 0;
-    for (size_t i = 0; i < walk->triangle_count && !walk->failed; ++i)
+    for (size_t i = 0; i < walk->triangle_count && !walk->failed && !walk->aborted; ++i) {
         if (walk_triangle(walk, surface, region, walk->triangles[i]))
             walk->triangles[kept++] = walk->triangles[i];
+        walk->aborted = walk->height[1] - walk->height[0] > range &&
+                        (region->line_count || !walk->segment_count);
+    }
     walk->triangle_count = kept;
 }

@@ -16,7 +16,7 @@
 enum { ROUND = 96 };
 
 /* A candidate is taken while it gains this part of the round's best. */
-static const double worth_taking = 0.7;
+static const double worth_taking = 0.8;
 
 typedef struct pool_entry {
     psplat_candidate candidate;

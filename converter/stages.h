@@ -158,6 +158,7 @@ typedef struct psplat_walk {
     double height[2];        /* least and greatest height over the plane */
     double crease_height[2]; /* the same along creases; empty (least > greatest) without */
     double area;             /* of the surface projected into the region, in (u, v) */
+    int aborted;             /* heights went out of range */
     int failed;              /* out of memory */
 } psplat_walk;
 
@@ -174,9 +175,11 @@ size_t psplat_region_polygon(const psplat_region *region, int inscribed, double 
                              size_t capacity);
 
 /* Walks the surface from a seed triangle over all triangles that meet the region without crossing
- * a crease. Heights are exact for the circumscribed polygon, hence bounds for the region. */
+ * a crease. Heights are exact for the circumscribed polygon, hence bounds for the region. The walk
+ * stops early (aborted) where greatest and least height differ by more than range, unless lines yet to
+ * be chosen might cut that away: a region without lines has met a crease. */
 void psplat_walk_surface(psplat_walk *walk, const psplat_surface *surface,
-                         const psplat_region *region, uint32_t seed_triangle);
+                         const psplat_region *region, uint32_t seed_triangle, double range);
 
 /* ---- clip.c -------------------------------------------------------------------------------- */
 
@@ -213,6 +216,9 @@ typedef struct psplat_growth {
     uint32_t *chosen;
     double (*plane)[2];
     double (*local)[2];
+    uint32_t *near; /* samples gathered around the seed, near_count, */
+    double *distances; /* and how far they are in the metric */
+    size_t near_count;
     size_t capacity;
 } psplat_growth;
 
@@ -250,6 +256,9 @@ void psplat_selection_free(psplat_selection *selection);
 
 /* ---- store.c ------------------------------------------------------------------------------- */
 
+/* The plane region of a stored splat, in double. */
+void psplat_splat_region(const psplat_splat *splat, psplat_region *region);
+
 /* The selection in its stored form: single precision, sorted by clip lines and then along a
  * Morton curve. Fills splats, counts and has_color. */
 psplat_result psplat_store_splats(const psplat_selection *selection, int has_color,
@@ -258,17 +267,17 @@ psplat_result psplat_store_splats(const psplat_selection *selection, int has_col
 /* ---- locate.c: which splats are near a point ------------------------------------------------ */
 
 typedef struct psplat_locator psplat_locator;
-/* splats must outlive the locator. reach: distance around each splat at which it is found. */
+/* reach: distance around each splat at which it is found. NULL when out of memory. */
 psplat_locator *psplat_locator_create(const psplat_splat *splats, size_t count, double reach);
-/* Calls visit for each splat whose box, grown by reach, holds the point. */
+/* Calls visit for each splat whose box, grown by reach, holds the point, until visit returns
+ * other than 0. */
 void psplat_locator_visit(const psplat_locator *locator, const double point[3],
-                          void (*visit)(void *user, uint32_t splat), void *user);
+                          int (*visit)(void *user, uint32_t splat), void *user);
+/* The plane regions of all splats, in double. */
+const psplat_region *psplat_locator_regions(const psplat_locator *locator);
 void psplat_locator_destroy(psplat_locator *locator);
 
 /* ---- verify.c ------------------------------------------------------------------------------ */
-
-/* The plane region of a stored splat, in double. */
-void psplat_splat_region(const psplat_splat *splat, psplat_region *region);
 
 /* Marks (1) the samples that no splat covers within tolerance. */
 psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,

@@ -49,6 +49,22 @@ static void candidate_to_splat(const psplat_candidate *candidate, psplat_splat *
     splat->clip_count = region->line_count;
 }
 
+void psplat_splat_region(const psplat_splat *splat, psplat_region *region) {
+    double q[4], length = 0;
+    for (int k = 0; k < 4; ++k) length += (double)splat->rotation[k] * (double)splat->rotation[k];
+    for (int k = 0; k < 4; ++k) q[k] = (double)splat->rotation[k] / sqrt(length);
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    *region = (psplat_region){
+        .center = {(double)splat->center[0], (double)splat->center[1], (double)splat->center[2]},
+        .u = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
+        .v = {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
+        .n = {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
+        .radius = {(double)splat->radius[0], (double)splat->radius[1]},
+        .line_count = splat->clip_count};
+    for (uint32_t i = 0; i < splat->clip_count; ++i)
+        for (int k = 0; k < 3; ++k) region->lines[i][k] = (double)splat->clip[i][k];
+}
+
 typedef struct order_entry {
     uint32_t clip_count, index;
     uint64_t code;

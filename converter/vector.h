@@ -7,6 +7,15 @@
 
 #include <math.h>
 
+/* Of numbers only: fmin and fmax are calls, since they must look for NaN. */
+static inline double min2(double a, double b) {
+    return b < a ? b : a;
+}
+
+static inline double max2(double a, double b) {
+    return b > a ? b : a;
+}
+
 static inline double dot3(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }

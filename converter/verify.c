@@ -14,22 +14,6 @@ enum { SAMPLES_PER_SPLAT = 200, LEAST_SAMPLES = 20000, MOST_SAMPLES = 1000000, C
 /* Single precision may cut this much of a unit ellipse. */
 static const double float_slack = 2e-6;
 
-void psplat_splat_region(const psplat_splat *splat, psplat_region *region) {
-    double q[4], length = 0;
-    for (int k = 0; k < 4; ++k) length += (double)splat->rotation[k] * (double)splat->rotation[k];
-    for (int k = 0; k < 4; ++k) q[k] = (double)splat->rotation[k] / sqrt(length);
-    double x = q[0], y = q[1], z = q[2], w = q[3];
-    *region = (psplat_region){
-        .center = {(double)splat->center[0], (double)splat->center[1], (double)splat->center[2]},
-        .u = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
-        .v = {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
-        .n = {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
-        .radius = {(double)splat->radius[0], (double)splat->radius[1]},
-        .line_count = splat->clip_count};
-    for (uint32_t i = 0; i < splat->clip_count; ++i)
-        for (int k = 0; k < 3; ++k) region->lines[i][k] = (double)splat->clip[i][k];
-}
-
 /* Distance in the plane from a point outside a convex polygon, in units of length. */
 static double polygon_distance(const psplat_region *region, double (*polygon)[2], size_t count,
                                const double uv[2]) {
@@ -40,18 +24,20 @@ static double polygon_distance(const psplat_region *region, double (*polygon)[2]
         double d[2] = {to[0] * region->radius[0] - a[0], to[1] * region->radius[1] - a[1]};
         double length = d[0] * d[0] + d[1] * d[1];
         double t = length > 0 ? ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / length : 0;
-        t = fmin(fmax(t, 0), 1);
-        least = fmin(least, hypot(p[0] - a[0] - t * d[0], p[1] - a[1] - t * d[1]));
+        t = min2(max2(t, 0), 1);
+        least = min2(least, hypot(p[0] - a[0] - t * d[0], p[1] - a[1] - t * d[1]));
     }
     return least;
 }
 
-static double splat_distance(const psplat_region *region, const double point[3]) {
-    double uvh[3], polygon[CORNERS][2];
-    psplat_region_local(region, point, uvh);
+/* The lesser of `distance` and that from the point to the splat; uvh: the point's parameters. */
+static double nearer_distance(const psplat_region *region, const double uvh[3], double distance) {
+    if (fabs(uvh[2]) >= distance) return distance;
     if (psplat_region_contains(region, uvh, 1 + float_slack, float_slack)) return fabs(uvh[2]);
+    double polygon[CORNERS][2];
     size_t count = psplat_region_polygon(region, 1, polygon, CORNERS);
-    return count ? hypot(uvh[2], polygon_distance(region, polygon, count, uvh)) : HUGE_VAL;
+    if (!count) return distance;
+    return min2(distance, hypot(uvh[2], polygon_distance(region, polygon, count, uvh)));
 }
 
 /* ---- one sample ---------------------------------------------------------------------------- */
@@ -59,6 +45,7 @@ static double splat_distance(const psplat_region *region, const double point[3])
 /* What the splats near one surface point make of it. */
 typedef struct probe {
     const psplat_splats *splats;
+    const psplat_region *regions;
     double point[3], normal[3];
     double tolerance;
     double distance; /* to the nearest splat */
@@ -66,11 +53,35 @@ typedef struct probe {
     double blended[3], constant[3]; /* weighted normals, with and without gradients */
 } probe;
 
+static probe probe_at(const psplat_samples *samples, size_t i, const psplat_splats *splats,
+                      const psplat_locator *locator, double tolerance) {
+    probe p = {.splats = splats,
+               .regions = psplat_locator_regions(locator),
+               .tolerance = tolerance * (1 + 1e-6),
+               .distance = HUGE_VAL};
+    memcpy(p.point, samples->positions + 3 * i, sizeof p.point);
+    for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)samples->normals[3 * i + k];
+    return p;
+}
+
+/* A splat of the other side of a thin part does not cover this one. */
+static int covers(const probe *p, const psplat_region *region, const double uvh[3]) {
+    return fabs(uvh[2]) <= p->tolerance && dot3(p->normal, region->n) > 0 &&
+           psplat_region_contains(region, uvh, 1 + float_slack, float_slack);
+}
+
+static int visit_cover(void *user, uint32_t index) {
+    probe *p = user;
+    double uvh[3];
+    psplat_region_local(&p->regions[index], p->point, uvh);
+    return p->covered = covers(p, &p->regions[index], uvh);
+}
+
 static void blend_normal(probe *p, const psplat_splat *splat, const psplat_region *region,
                          const double uv[2]) {
     double r = hypot(uv[0], uv[1]);
-    double weight =
-        exp(-(double)p->splats->kernel.sharpness * pow(r, (double)p->splats->kernel.exponent));
+    double weight = exp(-(double)p->splats->kernel.sharpness *
+                        pow(r, (double)p->splats->kernel.exponent));
     double center[3] = {(double)splat->normal[0], (double)splat->normal[1],
                         (double)splat->normal[2]};
     mad3(p->constant, weight / dot3(center, region->n), center);
@@ -79,33 +90,26 @@ static void blend_normal(probe *p, const psplat_splat *splat, const psplat_regio
     mad3(p->blended, weight * (double)splat->gradient[1] * uv[1], region->v);
 }
 
-static void visit_splat(void *user, uint32_t index) {
+static int visit_splat(void *user, uint32_t index) {
     probe *p = user;
-    const psplat_splat *splat = &p->splats->splats[index];
-    psplat_region region;
+    const psplat_region *region = &p->regions[index];
     double uvh[3];
-    psplat_splat_region(splat, &region);
-    p->distance = fmin(p->distance, splat_distance(&region, p->point));
-    psplat_region_local(&region, p->point, uvh);
-    if (!psplat_region_contains(&region, uvh, 1 + float_slack, float_slack)) return;
-    /* A splat of the other side of a thin part does not cover this one. */
-    if (fabs(uvh[2]) > p->tolerance || dot3(p->normal, region.n) <= 0) return;
+    psplat_region_local(region, p->point, uvh);
+    p->distance = nearer_distance(region, uvh, p->distance);
+    if (!covers(p, region, uvh)) return 0;
     p->covered = 1;
-    blend_normal(p, splat, &region, uvh);
+    blend_normal(p, &p->splats->splats[index], region, uvh);
+    return 0;
 }
 
-static void probe_sample(const psplat_samples *samples, size_t i, const psplat_splats *splats,
-                         const psplat_locator *locator, double tolerance, probe *p) {
-    *p = (probe){.splats = splats, .tolerance = tolerance * (1 + 1e-6), .distance = HUGE_VAL};
-    memcpy(p->point, samples->positions + 3 * i, sizeof p->point);
-    for (int k = 0; k < 3; ++k) p->normal[k] = (double)samples->normals[3 * i + (size_t)k];
+static void probe_sample(probe *p, const psplat_locator *locator) {
     psplat_locator_visit(locator, p->point, visit_splat, p);
-    if (p->distance <= tolerance) return;
+    if (p->distance <= p->tolerance) return;
     /* Nothing within reach: the sample is a hole, and its distance wants the whole set. */
-    for (size_t s = 0; s < splats->count; ++s) {
-        psplat_region region;
-        psplat_splat_region(&splats->splats[s], &region);
-        p->distance = fmin(p->distance, splat_distance(&region, p->point));
+    for (size_t s = 0; s < p->splats->count; ++s) {
+        double uvh[3];
+        psplat_region_local(&p->regions[s], p->point, uvh);
+        p->distance = nearer_distance(&p->regions[s], uvh, p->distance);
     }
 }
 
@@ -119,8 +123,8 @@ psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat
 #pragma omp parallel for schedule(static) reduction(+ : total)
 #endif
     for (long i = 0; i < samples_count; ++i) {
-        probe p;
-        probe_sample(samples, (size_t)i, splats, locator, tolerance, &p);
+        probe p = probe_at(samples, (size_t)i, splats, locator, tolerance);
+        psplat_locator_visit(locator, p.point, visit_cover, &p);
         uncovered[i] = !p.covered;
         total += !p.covered;
     }
@@ -146,8 +150,8 @@ typedef struct measurements {
 
 static void measure_sample(const psplat_samples *samples, size_t i, const psplat_splats *splats,
                            const psplat_locator *locator, double tolerance, measurements *m) {
-    probe p;
-    probe_sample(samples, i, splats, locator, tolerance, &p);
+    probe p = probe_at(samples, i, splats, locator, tolerance);
+    probe_sample(&p, locator);
     m->distances[i] = p.distance;
     m->covered[i] = (uint8_t)p.covered;
     m->angles[i] = p.covered ? angle_degrees(p.blended, p.normal) : 0;
@@ -164,7 +168,7 @@ static void summarise(measurements *m, size_t count, double diagonal, psplat_rep
     size_t covered = 0;
     for (size_t i = 0; i < count; ++i) {
         squares += m->distances[i] * m->distances[i];
-        greatest = fmax(greatest, m->distances[i]);
+        greatest = max2(greatest, m->distances[i]);
         if (!m->covered[i]) continue;
         angles += m->angles[i] * m->angles[i];
         constant_angles += m->constant_angles[i] * m->constant_angles[i];
@@ -240,7 +244,7 @@ static psplat_result measure_splats(const psplat_mesh *mesh, const psplat_splats
         double points[2 * CORNERS + 1][3], distances[2 * CORNERS + 1];
         size_t count = splat_points(&splats->splats[i], points);
         failed |= psplat_distance_query(distance, &points[0][0], count, distances) != PSPLAT_OK;
-        for (size_t k = 0; k < count && !failed; ++k) most = fmax(most, distances[k]);
+        for (size_t k = 0; k < count && !failed; ++k) most = max2(most, distances[k]);
     }
     psplat_distance_destroy(distance);
     *greatest = most;
@@ -263,6 +267,6 @@ psplat_result psplat_verify(const psplat_surface *surface, const psplat_splats *
     if (result) return psplat_fail(error, result, 0, "out of memory while verifying");
     report->max_distance_splats_percent = 100 * greatest / surface->diagonal;
     report->max_distance_percent =
-        fmax(report->max_distance_surface_percent, report->max_distance_splats_percent);
+        max2(report->max_distance_surface_percent, report->max_distance_splats_percent);
     return PSPLAT_OK;
 }
