@@ -21,7 +21,7 @@ void psplat_oracle_light_set(psplat_oracle_light *light, const psplat_view *view
 static double distribution(double normal_half, double alpha) {
     double a2 = alpha * alpha;
     double k = normal_half * normal_half * (a2 - 1) + 1;
-    return normal_half > 0 ? a2 / (3.14159265358979323846 * k * k) : 0;
+    return a2 / (3.14159265358979323846 * k * k);
 }
 
 /* Height-correlated Smith masking and shadowing, divided by 4 (n.l) (n.e). */
@@ -44,8 +44,9 @@ void psplat_oracle_shade(const psplat_oracle_surface *surface, const psplat_orac
     double normal_light = fmax(psplat_oracle_dot(normal, light->direction), 0);
     double normal_eye = fmax(psplat_oracle_dot(normal, to_eye), 1e-4);
     double alpha = fmax(surface->roughness * surface->roughness, 0.002);
+    double normal_half = fmax(psplat_oracle_dot(normal, half), 0);
     double specular = normal_light > 0 ? visibility(normal_light, normal_eye, alpha) *
-                                             distribution(psplat_oracle_dot(normal, half), alpha)
+                                             distribution(normal_half, alpha)
                                        : 0;
     double grazing = pow(1 - fmax(psplat_oracle_dot(to_eye, half), 0), 5);
     for (int i = 0; i < 3; ++i) {

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT
+ * The renderer against the reference rasteriser; see agreement.h. */
+#include "agreement.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void check(psplat_result result, const psplat_error *error) {
+    if (!result) return;
+    fprintf(stderr, "agreement: %s\n", error->text);
+    abort();
+}
+
+gpu gpu_open(psplat_api api) {
+    gpu g;
+    psplat_error error;
+    check(psplat_host_create(api, 0, &g.host, &error), &error);
+    psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = g.host};
+    check(psplat_renderer_create(&desc, &g.renderer, &error), &error);
+    return g;
+}
+
+void gpu_close(gpu *g) {
+    psplat_renderer_destroy(g->renderer);
+    psplat_host_destroy(g->host);
+}
+
+/* What the renderer made of a view, as floats. */
+typedef struct drawn {
+    float *color, *depth;
+} drawn;
+
+static void read_bytes(gpu *g, float *color, size_t count) {
+    psplat_error error;
+    uint8_t *bytes = malloc(count);
+    check(psplat_host_read_rgba8(g->host, bytes, &error), &error);
+    for (size_t i = 0; i < count; ++i) color[i] = (float)bytes[i] / 255;
+    free(bytes);
+}
+
+static drawn draw(gpu *g, const psplat_asset *asset, const double transform[16],
+                  const psplat_view *view, int is_float) {
+    const float clear[4] = {0, 0, 0, 0};
+    size_t pixels = (size_t)view->width * (size_t)view->height;
+    drawn d = {malloc(pixels * 4 * sizeof(float)), malloc(pixels * sizeof(float))};
+    psplat_item item = {.model = NULL};
+    psplat_error error;
+    if (transform) memcpy(item.transform, transform, sizeof item.transform);
+    check(psplat_model_create(g->renderer, asset, &item.model, &error), &error);
+    check(psplat_host_begin(g->host, view->width, view->height, is_float, clear, &error), &error);
+    check(psplat_draw(g->renderer, view, &item, 1, &error), &error);
+    if (is_float)
+        check(psplat_host_read_float(g->host, d.color, &error), &error);
+    else
+        read_bytes(g, d.color, pixels * 4);
+    check(psplat_host_read_depth(g->host, d.depth, &error), &error);
+    psplat_model_destroy(g->renderer, item.model);
+    return d;
+}
+
+static double difference(const float *a, const float *b, int count) {
+    double most = 0;
+    for (int i = 0; i < count; ++i) {
+        double d = fabs((double)a[i] - (double)b[i]);
+        most = d <= most ? most : d; /* NaN wins */
+    }
+    return most;
+}
+
+static int shows(const picture *p, int x, int y, int32_t splat) {
+    return x >= 0 && y >= 0 && x < p->width && y < p->height &&
+           p->image.splat[y * p->width + x] == splat;
+}
+
+/* See agreement.thin_uv. */
+static int is_thin(const picture *p, int x, int y) {
+    int32_t splat = p->image.splat[y * p->width + x];
+    return !((shows(p, x - 1, y, splat) || shows(p, x + 1, y, splat)) &&
+             (shows(p, x, y - 1, splat) || shows(p, x, y + 1, splat)));
+}
+
+static void compare_pixel(const drawn *d, const picture *p, int x, int y, psplat_mode mode,
+                          agreement *result) {
+    size_t at = (size_t)y * (size_t)p->width + (size_t)x;
+    const float *ours = d->color + 4 * at, *theirs = p->image.color + 4 * at;
+    int covered = p->image.count[at] > 0, thin = is_thin(p, x, y);
+    if ((ours[3] > 0) != covered) {
+        ++result->mismatches;
+        return;
+    }
+    if (!covered) return;
+    agreement here = {.color = 0};
+    *(thin ? &here.thin_depth : &here.depth) = fabs((double)d->depth[at] - p->image.depth[at]);
+    if (mode != PSPLAT_MODE_PARAMETERS)
+        here.color = difference(ours, theirs, 3);
+    else if (difference(ours + 2, theirs + 2, 1) < 0.5)
+        *(thin ? &here.thin_uv : &here.uv) = difference(ours, theirs, 2);
+    else
+        here.other = 1;
+    agreement_add(result, &here);
+}
+
+agreement agreement_measure(gpu *g, const psplat_asset *asset, const double transform[16],
+                            const psplat_view *view, int is_float, const agreement_ties *ties) {
+    agreement result = {0};
+    picture p = picture_draw(asset, transform, view);
+    drawn d = draw(g, asset, transform, view, is_float);
+    for (int y = 0; y < p.height; ++y)
+        for (int x = 0; x < p.width; ++x) {
+            int at = y * p.width + x;
+            result.covered += p.image.count[at] > 0;
+            if (p.image.tie[at] < ties->edge || p.image.depth_tie[at] < ties->depth ||
+                p.image.epsilon_tie[at] < ties->epsilon)
+                ++result.skipped;
+            else
+                compare_pixel(&d, &p, x, y, view->mode, &result);
+        }
+    picture_free(&p);
+    free(d.color);
+    free(d.depth);
+    return result;
+}
+
+static double larger(double a, double b) {
+    return b <= a ? a : b;
+}
+
+void agreement_add(agreement *total, const agreement *a) {
+    total->covered += a->covered;
+    total->skipped += a->skipped;
+    total->mismatches += a->mismatches;
+    total->other += a->other;
+    total->color = larger(total->color, a->color);
+    total->uv = larger(total->uv, a->uv);
+    total->depth = larger(total->depth, a->depth);
+    total->thin_uv = larger(total->thin_uv, a->thin_uv);
+    total->thin_depth = larger(total->thin_depth, a->thin_depth);
+}
