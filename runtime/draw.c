@@ -72,7 +72,6 @@ static void set_material(const psplat_gl *gl, const psplat_program *program,
 
 static void set_light(const frame *f, const psplat_program *program) {
     const psplat_gl *gl = &f->renderer->gl;
-    gl->UniformMatrix3fv(program->ray, 1, GL_FALSE, f->camera.ray);
     gl->Uniform3fv(program->light_direction, 1, f->camera.light_direction);
     gl->Uniform3fv(program->light_color, 1, f->view->light.color);
     gl->Uniform3fv(program->ambient, 1, f->view->light.ambient);
@@ -85,6 +84,7 @@ static void set_placement(const frame *f, const psplat_program *program,
     gl->UniformMatrix4fv(program->projection, 1, GL_FALSE, f->camera.projection_float);
     gl->UniformMatrix3fv(program->normal_matrix, 1, GL_FALSE, placement->normal);
     gl->Uniform3fv(program->shift, 1, placement->shift);
+    gl->UniformMatrix3fv(program->ray, 1, GL_FALSE, f->camera.ray);
 }
 
 /* ---- batches ----------------------------------------------------------------------------- */
@@ -99,15 +99,9 @@ static unsigned options_of(const frame *f, const psplat_model_batch *batch,
     return options;
 }
 
-static void set_culling(const frame *f, const psplat_model_batch *batch, int is_mirrored) {
-    const psplat_gl *gl = &f->renderer->gl;
-    int culled = f->view->culling == PSPLAT_CULL_ALWAYS ||
-                 (f->view->culling == PSPLAT_CULL_BY_MATERIAL && !batch->material.double_sided);
-    gl->FrontFace(is_mirrored ? GL_CW : GL_CCW);
-    if (culled)
-        gl->Enable(GL_CULL_FACE);
-    else
-        gl->Disable(GL_CULL_FACE);
+static int is_culled(const frame *f, const psplat_model_batch *batch) {
+    return f->view->culling == PSPLAT_CULL_ALWAYS ||
+           (f->view->culling == PSPLAT_CULL_BY_MATERIAL && !batch->material.double_sided);
 }
 
 static void bind_texture(const psplat_gl *gl, GLenum unit, GLuint texture) {
@@ -120,8 +114,8 @@ static psplat_result draw_batch(const frame *f, const psplat_model_batch *batch,
     psplat_renderer *renderer = f->renderer;
     const psplat_gl *gl = &renderer->gl;
     unsigned options = options_of(f, batch, placement, pass);
-    const psplat_program *program = psplat_programs_splat(&renderer->programs, gl, pass,
-                                                          batch->clip_count, options, f->error);
+    const psplat_program *program =
+        psplat_programs_splat(&renderer->programs, gl, pass, batch->clip_count, options, f->error);
     if (!program) return PSPLAT_ERROR_GRAPHICS;
     gl->UseProgram(program->id);
     set_placement(f, program, placement);
@@ -131,7 +125,7 @@ static psplat_result draw_batch(const frame *f, const psplat_model_batch *batch,
         gl->Uniform1i(program->first_index, first_index);
         gl->Uniform2f(program->kernel, -batch->kernel.sharpness, 0.5f * batch->kernel.exponent);
     }
-    set_culling(f, batch, placement->is_mirrored);
+    gl->Uniform1i(program->culled, is_culled(f, batch));
     bind_texture(gl, PSPLAT_UNIT_SPLATS, batch->splats);
     bind_texture(gl, PSPLAT_UNIT_CLIPS, batch->clips);
     gl->DrawArrays(GL_TRIANGLES, 0, 3 * batch->splat_count);
@@ -169,14 +163,13 @@ static psplat_result bind_target(const frame *f) {
     psplat_renderer *renderer = f->renderer;
     const psplat_gl *gl = &renderer->gl;
     static const float zeros[4] = {0}, one = 1.0f;
-    int colors = f->options & PSPLAT_OPTION_MATERIALS ? PSPLAT_TARGET_COUNT_MATERIALS
-                                                      : PSPLAT_TARGET_COUNT;
+    int colors =
+        f->options & PSPLAT_OPTION_MATERIALS ? PSPLAT_TARGET_COUNT_MATERIALS : PSPLAT_TARGET_COUNT;
     psplat_result result = psplat_target_bind(&renderer->target, gl, f->view->width,
                                               f->view->height, colors, f->error);
     if (result != PSPLAT_OK) return result;
     gl->Viewport(0, 0, f->view->width, f->view->height);
     gl->BindVertexArray(renderer->vertex_array);
-    gl->CullFace(GL_BACK);
     set_writes(gl, GL_TRUE, GL_TRUE, GL_LESS);
     for (int i = 0; i < colors; ++i) gl->ClearBufferfv(GL_COLOR, i, zeros);
     gl->ClearBufferfv(GL_DEPTH, 0, &one);
@@ -208,9 +201,9 @@ static psplat_result resolve(const frame *f, const psplat_gl_state *state) {
     psplat_gl_state_bind_host(state, gl);
     gl->Viewport(view->x, view->y, view->width, view->height);
     gl->Disable(GL_BLEND);
-    gl->Disable(GL_CULL_FACE);
     set_writes(gl, GL_TRUE, GL_TRUE, GL_LEQUAL);
     gl->UseProgram(program->id);
+    gl->UniformMatrix3fv(program->ray, 1, GL_FALSE, f->camera.ray);
     set_light(f, program);
     if (first_material(f)) set_material(gl, program, first_material(f));
     gl->Uniform2i(program->origin, view->x, view->y);

@@ -39,8 +39,7 @@ int psplat_gl_has_extension(const psplat_gl *gl, const char *name) {
 
 static psplat_result check_version(psplat_gl *gl, psplat_error *error) {
     const char *version = (const char *)gl->GetString(GL_VERSION);
-    if (!version)
-        return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "no GL context is current");
+    if (!version) return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "no GL context is current");
     /* "OpenGL ES 3.2 ..." on GLES and WebGL, "3.3 ..." on GL. */
     gl->is_es = strncmp(version, "OpenGL ES", 9) == 0;
     gl->GetIntegerv(GL_MAJOR_VERSION, &gl->major);
@@ -55,7 +54,8 @@ static psplat_result check_version(psplat_gl *gl, psplat_error *error) {
 /* GL 3.3 draws to and blends 32-bit floats; GLES needs two extensions for it, one for 16 bits. */
 static psplat_result check_targets(psplat_gl *gl, psplat_error *error) {
     if (!gl->is_es) return PSPLAT_OK;
-    int full = gl->major * 10 + gl->minor >= 32 || psplat_gl_has_extension(gl, "GL_EXT_color_buffer_float");
+    int full = gl->major * 10 + gl->minor >= 32 ||
+               psplat_gl_has_extension(gl, "GL_EXT_color_buffer_float");
     int half = full || psplat_gl_has_extension(gl, "GL_EXT_color_buffer_half_float");
     if (!half)
         return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0,
@@ -72,7 +72,8 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
     if (result == PSPLAT_OK) result = check_version(gl, error);
     if (result == PSPLAT_OK) result = check_targets(gl, error);
     if (result != PSPLAT_OK) return result;
-    if (!gl->is_es && !load(&gl->PolygonMode, sizeof gl->PolygonMode, get_proc, user, "glPolygonMode"))
+    if (!gl->is_es &&
+        !load(&gl->PolygonMode, sizeof gl->PolygonMode, get_proc, user, "glPolygonMode"))
         return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0,
                            "the loader has no GL function glPolygonMode");
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);

@@ -30,20 +30,14 @@ enum {
     GL_TRUE = 1,
     GL_NONE = 0,
     GL_NO_ERROR = 0,
-    GL_ZERO = 0,
     GL_ONE = 1,
     GL_TRIANGLES = 0x0004,
     GL_LESS = 0x0201,
     GL_LEQUAL = 0x0203,
-    GL_BACK = 0x0405,
     GL_FRONT_AND_BACK = 0x0408,
     GL_OUT_OF_MEMORY = 0x0505,
-    GL_CW = 0x0900,
-    GL_CCW = 0x0901,
     GL_POLYGON_MODE = 0x0B40,
     GL_CULL_FACE = 0x0B44,
-    GL_CULL_FACE_MODE = 0x0B45,
-    GL_FRONT_FACE = 0x0B46,
     GL_DEPTH_TEST = 0x0B71,
     GL_DEPTH_WRITEMASK = 0x0B72,
     GL_DEPTH_FUNC = 0x0B74,
@@ -60,10 +54,8 @@ enum {
     GL_UNPACK_ALIGNMENT = 0x0CF5,
     GL_PACK_ALIGNMENT = 0x0D05,
     GL_MAX_TEXTURE_SIZE = 0x0D33,
-    GL_MAX_VIEWPORT_DIMS = 0x0D3A,
     GL_TEXTURE_2D = 0x0DE1,
     GL_UNSIGNED_BYTE = 0x1401,
-    GL_UNSIGNED_INT = 0x1405,
     GL_FLOAT = 0x1406,
     GL_HALF_FLOAT = 0x140B,
     GL_COLOR = 0x1800,
@@ -72,7 +64,6 @@ enum {
     GL_RGB = 0x1907,
     GL_RGBA = 0x1908,
     GL_FILL = 0x1B02,
-    GL_VENDOR = 0x1F00,
     GL_RENDERER = 0x1F01,
     GL_VERSION = 0x1F02,
     GL_EXTENSIONS = 0x1F03,
@@ -141,7 +132,6 @@ enum {
     X(void, CompileShader, (GLuint shader))                                                        \
     X(GLuint, CreateProgram, (void))                                                               \
     X(GLuint, CreateShader, (GLenum type))                                                         \
-    X(void, CullFace, (GLenum mode))                                                               \
     X(void, DeleteFramebuffers, (GLsizei count, const GLuint *framebuffers))                       \
     X(void, DeleteProgram, (GLuint program))                                                       \
     X(void, DeleteShader, (GLuint shader))                                                         \
@@ -155,17 +145,16 @@ enum {
     X(void, Enable, (GLenum capability))                                                           \
     X(void, FramebufferTexture2D,                                                                  \
       (GLenum target, GLenum attachment, GLenum texture_target, GLuint texture, GLint level))      \
-    X(void, FrontFace, (GLenum mode))                                                              \
-    X(void, GenFramebuffers, (GLsizei count, GLuint *framebuffers))                                \
-    X(void, GenTextures, (GLsizei count, GLuint *textures))                                        \
-    X(void, GenVertexArrays, (GLsizei count, GLuint *arrays))                                      \
-    X(void, GetBooleanv, (GLenum name, GLboolean *values))                                         \
+    X(void, GenFramebuffers, (GLsizei count, GLuint * framebuffers))                               \
+    X(void, GenTextures, (GLsizei count, GLuint * textures))                                       \
+    X(void, GenVertexArrays, (GLsizei count, GLuint * arrays))                                     \
+    X(void, GetBooleanv, (GLenum name, GLboolean * values))                                        \
     X(GLenum, GetError, (void))                                                                    \
-    X(void, GetIntegerv, (GLenum name, GLint *values))                                             \
-    X(void, GetProgramInfoLog, (GLuint program, GLsizei size, GLsizei *length, GLchar *log))       \
-    X(void, GetProgramiv, (GLuint program, GLenum name, GLint *value))                             \
-    X(void, GetShaderInfoLog, (GLuint shader, GLsizei size, GLsizei *length, GLchar *log))         \
-    X(void, GetShaderiv, (GLuint shader, GLenum name, GLint *value))                               \
+    X(void, GetIntegerv, (GLenum name, GLint * values))                                            \
+    X(void, GetProgramInfoLog, (GLuint program, GLsizei size, GLsizei * length, GLchar * log))     \
+    X(void, GetProgramiv, (GLuint program, GLenum name, GLint * value))                            \
+    X(void, GetShaderInfoLog, (GLuint shader, GLsizei size, GLsizei * length, GLchar * log))       \
+    X(void, GetShaderiv, (GLuint shader, GLenum name, GLint * value))                              \
     X(const GLubyte *, GetString, (GLenum name))                                                   \
     X(const GLubyte *, GetStringi, (GLenum name, GLuint index))                                    \
     X(GLint, GetUniformLocation, (GLuint program, const GLchar *name))                             \

@@ -104,8 +104,7 @@ static void upload_batch(const psplat_gl *gl, psplat_model *model, size_t index,
     }
     out->owns_textures = 1;
     out->splats = upload(gl, batch, 4 * (PSPLAT_SPLAT_TEXELS + !!batch->has_color), 4, staging);
-    if (batch->clip_count)
-        out->clips = upload(gl, batch, 3 * (int)batch->clip_count, 3, staging);
+    if (batch->clip_count) out->clips = upload(gl, batch, 3 * (int)batch->clip_count, 3, staging);
 }
 
 /* Errors of the host that nobody has read yet are read here too; they are not ours to report. */

@@ -94,8 +94,8 @@ static const psplat_program *build(psplat_program *program, const psplat_gl *gl,
              !!(options & PSPLAT_OPTION_MATERIALS), !!(options & PSPLAT_OPTION_NEAR),
              !!(options & PSPLAT_OPTION_POWER), gl->half_targets ? "1e-3" : "1e-30",
              gl->half_targets);
-    program->id = psplat_program_build(gl, defines, vertex, psplat_shader_shading_glsl, fragment,
-                                       error);
+    program->id =
+        psplat_program_build(gl, defines, vertex, psplat_shader_shading_glsl, fragment, error);
     if (!program->id) return NULL;
     find_uniforms(gl, program);
     return program;
@@ -114,8 +114,8 @@ const psplat_program *psplat_programs_resolve(psplat_programs *programs, const p
                                               int pass, unsigned options, psplat_error *error) {
     psplat_program *program = &programs->resolve[pass][!!(options & PSPLAT_OPTION_MATERIALS)];
     if (program->id) return program;
-    return build(program, gl, pass, 0, options & PSPLAT_OPTION_MATERIALS, psplat_shader_resolve_vert,
-                 psplat_shader_resolve_frag, error);
+    return build(program, gl, pass, 0, options & PSPLAT_OPTION_MATERIALS,
+                 psplat_shader_resolve_vert, psplat_shader_resolve_frag, error);
 }
 
 void psplat_programs_destroy(psplat_programs *programs, const psplat_gl *gl) {

@@ -22,6 +22,7 @@ enum {
     X(projection)                                                                                  \
     X(normal_matrix)                                                                               \
     X(shift)                                                                                       \
+    X(culled)                                                                                      \
     X(first_index)                                                                                 \
     X(kernel)                                                                                      \
     X(base_color)                                                                                  \

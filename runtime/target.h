@@ -17,7 +17,8 @@ typedef struct psplat_target {
 } psplat_target;
 
 /* Gives the target the size and at least color_count colour textures, keeps what fits already, and
- * leaves its framebuffer bound for drawing, its first color_count buffers enabled. Errors: GRAPHICS. */
+ * leaves its framebuffer bound for drawing, its first color_count buffers enabled. Errors:
+ * GRAPHICS. */
 psplat_result psplat_target_bind(psplat_target *target, const psplat_gl *gl, int width, int height,
                                  int color_count, psplat_error *error);
 void psplat_target_destroy(psplat_target *target, const psplat_gl *gl);

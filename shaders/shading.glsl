@@ -14,8 +14,8 @@ const float PI = 3.14159265358979;
 float specular_lobe(vec3 n, vec3 h, float nl, float nv, float alpha) {
     float a2 = alpha * alpha;
     vec3 c = cross(n, h);
-    float nh = max(dot(n, h), 0.0);
-    float d = dot(c, c) + nh * nh * a2;
+    float nh = dot(n, h);
+    float d = nh > 0.0 ? dot(c, c) + nh * nh * a2 : 1.0;
     float smith = nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2);
     return a2 / (PI * d * d) * 0.5 / max(smith, 1e-7);
 }

@@ -70,17 +70,16 @@ void main() {
     o_target0 = vec4(v_uv, v_index, 1.0);
     o_target1 = vec4(0.0, 0.0, 0.0, gl_FragCoord.z);
 #elif PASS != PSPLAT_PASS_VISIBILITY
-    vec3 normal = gl_FrontFacing ? v_normal : -v_normal;
     vec3 color = u_base_color;
 #if COLOR
     color *= v_color;
 #endif
     float weight = weight_of(r2);
 #if PASS == PSPLAT_PASS_PHONG
-    o_target0 = weight * vec4(normal, 1.0);
+    o_target0 = weight * vec4(v_normal, 1.0);
 #else
     vec3 view = -normalize(u_ray * vec3(gl_FragCoord.xy, 1.0));
-    o_target0 = weight * vec4(shade(normal, view, color, u_emissive, u_surface), 1.0);
+    o_target0 = weight * vec4(shade(v_normal, view, color, u_emissive, u_surface), 1.0);
 #endif
     o_target1 = weight * vec4(color, gl_FragCoord.z);
 #if MATERIALS

@@ -22,8 +22,8 @@ struct psplat_host {
     EGLContext context;
     EGLSurface surface; /* EGL_NO_SURFACE where the context needs none */
     psplat_gl gl;
-    void(PSPLAT_GL_CALL *ReadPixels)(GLint x, GLint y, GLsizei width, GLsizei height,
-                                     GLenum format, GLenum type, void *pixels);
+    void(PSPLAT_GL_CALL *ReadPixels)(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format,
+                                     GLenum type, void *pixels);
     psplat_host_framebuffer target; /* of begin */
     psplat_host_framebuffer bytes;  /* receives depth as bytes */
     GLuint depth_program, vertex_array;

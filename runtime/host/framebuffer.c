@@ -26,9 +26,9 @@ static void make_framebuffer(psplat_host_framebuffer *framebuffer, const psplat_
     int width = framebuffer->width, height = framebuffer->height;
     gl->GenFramebuffers(1, &framebuffer->framebuffer);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer->framebuffer);
-    framebuffer->color = attach_texture(
-        gl, GL_COLOR_ATTACHMENT0, framebuffer->is_float ? GL_RGBA32F : GL_RGBA8, width, height,
-        GL_RGBA, framebuffer->is_float ? GL_FLOAT : GL_UNSIGNED_BYTE);
+    framebuffer->color =
+        attach_texture(gl, GL_COLOR_ATTACHMENT0, framebuffer->is_float ? GL_RGBA32F : GL_RGBA8,
+                       width, height, GL_RGBA, framebuffer->is_float ? GL_FLOAT : GL_UNSIGNED_BYTE);
     if (has_depth)
         framebuffer->depth = attach_texture(gl, GL_DEPTH_ATTACHMENT, GL_DEPTH_COMPONENT32F, width,
                                             height, GL_DEPTH_COMPONENT, GL_FLOAT);
