@@ -117,19 +117,23 @@ psplat_progress psplat_progress_begin(int quiet);
 int psplat_progress_show(void *user, const char *stage, double fraction);
 void psplat_progress_end(psplat_progress *progress); /* clears the line */
 
-/* ---- viewpoint.c: where render looks from ---------------------------------------------------- */
+/* ---- viewpoint.c: where render looks from ------------------------------------------------- */
 
 /* Zeros are a view from the front at the fitting distance. */
 typedef struct psplat_viewpoint {
     double azimuth_degrees;   /* about +y; 0 looks along -z from the front, 90 from +x */
     double elevation_degrees; /* -90 ... 90, positive looks down */
-    double distance;          /* in units of the distance at which the bounds' sphere fits */
+    double distance;          /* in units of the distance at which the sphere fits */
 } psplat_viewpoint;
 
-/* Fills view's matrices and light so that the sphere around the box fills width x height (which
- * must be set), with near and far planes around the sphere. */
-void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double min[3],
-                          const double max[3], psplat_view *view);
+/* A sphere around what an asset's splats show: unlike psplat_asset_bounds it leaves out what
+ * their clip lines cut away. */
+void psplat_viewpoint_sphere(const psplat_asset *asset, double center[3], double *radius);
+
+/* Fills view's matrices and light so that the sphere fills width x height (which must be set), with
+ * near and far planes around the sphere. */
+void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double center[3], double radius,
+                          psplat_view *view);
 
 /* ---- png.c -------------------------------------------------------------------------------- */
 

@@ -101,7 +101,7 @@ static float decode_srgb(float encoded) {
 
 /* rgba holds (supersample * width) x (supersample * height) pixels. */
 static psplat_result draw(const arguments *a, scene *s, float *rgba, psplat_error *error) {
-    double min[3], max[3];
+    double center[3], radius;
     psplat_view view = {
         .width = a->size[0] * a->supersample,
         .height = a->size[1] * a->supersample,
@@ -110,8 +110,8 @@ static psplat_result draw(const arguments *a, scene *s, float *rgba, psplat_erro
     };
     float clear[4] = {0, 0, 0, a->background[3]};
     for (int i = 0; i < 3; ++i) clear[i] = decode_srgb(a->background[i]);
-    psplat_asset_bounds(s->asset, min, max);
-    psplat_viewpoint_fit(&a->viewpoint, min, max, &view);
+    psplat_viewpoint_sphere(s->asset, center, &radius);
+    psplat_viewpoint_fit(&a->viewpoint, center, radius, &view);
     psplat_item item = {.model = s->model};
     psplat_result result = psplat_host_begin(s->host, view.width, view.height, 1, clear, error);
     if (!result) result = psplat_draw(s->renderer, &view, &item, 1, error);

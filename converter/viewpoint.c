@@ -57,15 +57,10 @@ static void set_light(const frame *f, psplat_light *light) {
     }
 }
 
-void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double min[3],
-                          const double max[3], psplat_view *view) {
-    double center[3], eye[3], radius = 0;
-    for (int i = 0; i < 3; ++i) {
-        center[i] = 0.5 * (min[i] + max[i]);
-        radius += 0.25 * (max[i] - min[i]) * (max[i] - min[i]);
-    }
-    radius = sqrt(radius);
-    double half = vertical_field_degrees * pi / 360, aspect = (double)view->width / view->height;
+void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double center[3], double radius,
+                          psplat_view *view) {
+    double eye[3], half = vertical_field_degrees * pi / 360;
+    double aspect = (double)view->width / view->height;
     double narrow = atan(tan(half) * fmin(aspect, 1));
     double distance = (viewpoint->distance > 0 ? viewpoint->distance : 1) * radius / sin(narrow);
     frame f = look(viewpoint->azimuth_degrees * pi / 180, viewpoint->elevation_degrees * pi / 180);
@@ -76,4 +71,102 @@ void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double min[3]
     set_view(&f, eye, view->view);
     set_projection(tan(half), aspect, near, far, view->projection);
     set_light(&f, &view->light);
+}
+
+/* ---- the sphere --------------------------------------------------------------------------- */
+
+enum { SIDES = 16, MAX_CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES };
+
+typedef struct outline {
+    double corners[MAX_CORNERS][2]; /* (u, v) */
+    int count;
+} outline;
+
+/* A polygon around the unit circle: around, so that the ellipse cannot leave the sphere. */
+static outline circle(void) {
+    outline o = {.count = SIDES};
+    for (int i = 0; i < SIDES; ++i) {
+        double angle = 2 * pi * i / SIDES;
+        o.corners[i][0] = cos(angle) / cos(pi / SIDES);
+        o.corners[i][1] = sin(angle) / cos(pi / SIDES);
+    }
+    return o;
+}
+
+/* Sutherland and Hodgman 1974 for one line; a convex outline gains one corner at most. */
+static outline cut(const outline *o, const float line[3]) {
+    outline kept = {.count = 0};
+    for (int i = 0; i < o->count; ++i) {
+        const double *a = o->corners[i], *b = o->corners[(i + 1) % o->count];
+        double da = (double)line[0] * a[0] + (double)line[1] * a[1] + (double)line[2];
+        double db = (double)line[0] * b[0] + (double)line[1] * b[1] + (double)line[2];
+        if (da >= 0 && kept.count < MAX_CORNERS)
+            memcpy(kept.corners[kept.count++], a, sizeof *kept.corners);
+        if ((da >= 0) == (db >= 0) || kept.count == MAX_CORNERS) continue;
+        double t = da / (da - db);
+        for (int k = 0; k < 2; ++k) kept.corners[kept.count][k] = a[k] + t * (b[k] - a[k]);
+        ++kept.count;
+    }
+    return kept;
+}
+
+/* Image of a vector under the rotation by unit quaternion q. */
+static void rotate(const float q[4], const double v[3], double out[3]) {
+    double x = (double)q[0], y = (double)q[1], z = (double)q[2], w = (double)q[3];
+    double t[3] = {2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])};
+    out[0] = v[0] + w * t[0] + y * t[2] - z * t[1];
+    out[1] = v[1] + w * t[1] + z * t[0] - x * t[2];
+    out[2] = v[2] + w * t[2] + x * t[1] - y * t[0];
+}
+
+/* Calls visit with the corners of every splat's outline in the scene. */
+static void visit_corners(const psplat_asset *asset, void (*visit)(void *user, const double p[3]),
+                          void *user) {
+    for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
+        const psplat_batch *batch = psplat_asset_batch(asset, b);
+        const double *m = batch->model;
+        for (size_t i = 0; i < batch->splat_count; ++i) {
+            const psplat_splat *s = &batch->splats[i];
+            outline o = circle();
+            for (uint32_t k = 0; k < s->clip_count; ++k) o = cut(&o, s->clip[k]);
+            for (int k = 0; k < o.count; ++k) {
+                double flat[3] = {o.corners[k][0] * (double)s->radius[0],
+                                  o.corners[k][1] * (double)s->radius[1], 0};
+                double p[3], q[3];
+                rotate(s->rotation, flat, p);
+                for (int r = 0; r < 3; ++r) p[r] += (double)s->center[r];
+                for (int r = 0; r < 3; ++r)
+                    q[r] = m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
+                visit(user, q);
+            }
+        }
+    }
+}
+
+typedef struct extent {
+    double min[3], max[3], center[3], radius;
+} extent;
+
+static void grow_box(void *user, const double p[3]) {
+    extent *e = user;
+    for (int i = 0; i < 3; ++i) {
+        e->min[i] = fmin(e->min[i], p[i]);
+        e->max[i] = fmax(e->max[i], p[i]);
+    }
+}
+
+static void grow_sphere(void *user, const double p[3]) {
+    extent *e = user;
+    double d[3] = {p[0] - e->center[0], p[1] - e->center[1], p[2] - e->center[2]};
+    e->radius = fmax(e->radius, sqrt(dot(d, d)));
+}
+
+void psplat_viewpoint_sphere(const psplat_asset *asset, double center[3], double *radius) {
+    extent e = {.min = {INFINITY, INFINITY, INFINITY}, .max = {-INFINITY, -INFINITY, -INFINITY}};
+    visit_corners(asset, grow_box, &e);
+    /* Clip lines may leave nothing of any splat; there is nothing to see then. */
+    if (!(e.min[0] <= e.max[0])) psplat_asset_bounds(asset, e.min, e.max);
+    for (int i = 0; i < 3; ++i) e.center[i] = center[i] = 0.5 * (e.min[i] + e.max[i]);
+    visit_corners(asset, grow_sphere, &e);
+    *radius = e.radius > 0 ? e.radius : 1;
 }

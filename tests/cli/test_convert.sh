@@ -49,7 +49,7 @@ node -e 'JSON.parse(require("fs").readFileSync("stdout.txt"))' || fail "report o
 rm out/third.glb
 
 # A tighter tolerance is kept as well, names may hold spaces and look like options behind --.
-mv cube.obj '-a cube.obj'
+mv cube.obj './-a cube.obj'
 run "$PHONGSPLAT" convert --tolerance 0.5% -- '-a cube.obj' 'out/a b.glb'
 expect_success
 expect_files 'a b.glb' again.glb cube.glb cube.json

@@ -10,6 +10,8 @@
 #include <command.h>
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 static void transform(const double m[16], const double in[4], double out[4]) {
     for (int row = 0; row < 4; ++row) {
@@ -35,6 +37,16 @@ static void assert_box_inside(const psplat_view *view, const double min[3], cons
     }
 }
 
+static void fit(const psplat_viewpoint *at, const double min[3], const double max[3],
+                psplat_view *view) {
+    double center[3], square = 0;
+    for (int i = 0; i < 3; ++i) {
+        center[i] = (min[i] + max[i]) / 2;
+        square += (max[i] - min[i]) * (max[i] - min[i]) / 4;
+    }
+    psplat_viewpoint_fit(at, center, sqrt(square), view);
+}
+
 static void test_box_is_seen_from_everywhere(void **state) {
     (void)state;
     const double boxes[][2][3] = {{{-1, -1, -1}, {1, 1, 1}},
@@ -49,7 +61,7 @@ static void test_box_is_seen_from_everywhere(void **state) {
                     psplat_view view = {.width = sizes[s][0], .height = sizes[s][1]};
                     psplat_viewpoint at = {.azimuth_degrees = azimuth,
                                            .elevation_degrees = elevation};
-                    psplat_viewpoint_fit(&at, boxes[b][0], boxes[b][1], &view);
+                    fit(&at, boxes[b][0], boxes[b][1], &view);
                     assert_box_inside(&view, boxes[b][0], boxes[b][1]);
                 }
 }
@@ -61,7 +73,7 @@ static void test_sphere_touches_the_shorter_side(void **state) {
     for (size_t s = 0; s < 2; ++s) {
         psplat_view view = {.width = sizes[s][0], .height = sizes[s][1]};
         psplat_viewpoint at = {0};
-        psplat_viewpoint_fit(&at, min, max, &view);
+        fit(&at, min, max, &view);
         /* The silhouette of a sphere of radius r seen from distance d: a cone of half angle
          * asin(r / d), which must be the half angle of view of the shorter side. */
         int shorter = view.width < view.height ? 0 : 5;
@@ -76,15 +88,15 @@ static void test_directions(void **state) {
                  front[3] = {0, 0, 1};
     double ndc[3];
     psplat_view view = {.width = 64, .height = 64};
-    psplat_viewpoint_fit(&(psplat_viewpoint){0}, min, max, &view);
+    fit(&(psplat_viewpoint){0}, min, max, &view);
     project(&view, right, ndc);
     assert_true(ndc[0] > 0.1 && fabs(ndc[1]) < 1e-12); /* +x is on the right from +z */
     project(&view, up, ndc);
     assert_true(ndc[1] > 0.1 && fabs(ndc[0]) < 1e-12); /* +y is up */
-    psplat_viewpoint_fit(&(psplat_viewpoint){.azimuth_degrees = 90}, min, max, &view);
+    fit(&(psplat_viewpoint){.azimuth_degrees = 90}, min, max, &view);
     project(&view, front, ndc);
     assert_true(ndc[0] < -0.1); /* from +x, +z is on the left */
-    psplat_viewpoint_fit(&(psplat_viewpoint){.elevation_degrees = 90}, min, max, &view);
+    fit(&(psplat_viewpoint){.elevation_degrees = 90}, min, max, &view);
     project(&view, front, ndc);
     assert_true(ndc[1] < -0.1 && fabs(ndc[0]) < 1e-12); /* from above, the front is below */
 }
@@ -95,7 +107,7 @@ static void test_near_plane_stays_in_front_of_the_eye(void **state) {
     const double distances[] = {1e-3, 0.1, 0.25, 1, 1000};
     for (size_t i = 0; i < 5; ++i) {
         psplat_view view = {.width = 64, .height = 64};
-        psplat_viewpoint_fit(&(psplat_viewpoint){.distance = distances[i]}, min, max, &view);
+        fit(&(psplat_viewpoint){.distance = distances[i]}, min, max, &view);
         /* near and far from m[10] and m[14] of a perspective matrix */
         double near = view.projection[14] / (view.projection[10] - 1);
         double far = view.projection[14] / (view.projection[10] + 1);
@@ -104,12 +116,43 @@ static void test_near_plane_stays_in_front_of_the_eye(void **state) {
     }
 }
 
+/* Half a disc and a disc, clipped so that the sphere must be smaller than the unclipped box's. */
+static void test_sphere_leaves_out_what_is_clipped(void **state) {
+    (void)state;
+    psplat_splat splats[2] = {
+        {.center = {0, 0, 0}, .rotation = {0, 0, 0, 1}, .radius = {4, 1}, .normal = {0, 0, 1}},
+        {.center = {1, 0, 0}, .rotation = {0, 0, 0, 1}, .radius = {1, 1}, .normal = {0, 0, 1}}};
+    const float line[3] = {-1, 0, 0.25f}; /* keeps x <= 1 of the first splat */
+    memcpy(splats[0].clip[0], line, sizeof line);
+    const float other[3] = {1, 0, 0}; /* keeps x >= 0 of it */
+    memcpy(splats[0].clip[1], other, sizeof other);
+    for (int i = 0; i < 2; ++i) splats[i].clip_count = 2;
+    memcpy(splats[1].clip[0], other, sizeof other); /* keeps x >= 1 of the second */
+    memcpy(splats[1].clip[1], other, sizeof other);
+    psplat_splats set = {.splats = splats, .count = 2, .count_by_clip_lines = {0, 0, 2}};
+    set.kernel = (psplat_kernel){2, 2};
+    set.origin[1] = 100;
+    uint8_t *data = NULL;
+    size_t size = 0;
+    psplat_asset *asset = NULL;
+    assert_int_equal(psplat_glb_write(&set, NULL, &data, &size, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, NULL), PSPLAT_OK);
+    double center[3], radius = 0;
+    psplat_viewpoint_sphere(asset, center, &radius);
+    /* x 0 ... 2, y 99 ... 101. The outline of 16 sides reaches 2 % beyond a circle; the farthest
+     * corners are those of the first splat at (0, +-1). */
+    assert_true(fabs(center[0] - 1) < 0.02 && fabs(center[1] - 100) < 1e-6);
+    assert_true(radius > sqrt(2) - 0.02 && radius < 1.03 * sqrt(2));
+    psplat_asset_destroy(asset);
+    free(data);
+}
+
 static void test_light_comes_from_the_camera_s_side(void **state) {
     (void)state;
     const double min[3] = {-1, -1, -1}, max[3] = {1, 1, 1};
     psplat_view view = {.width = 64, .height = 64};
     psplat_viewpoint at = {.azimuth_degrees = 200, .elevation_degrees = -35};
-    psplat_viewpoint_fit(&at, min, max, &view);
+    fit(&at, min, max, &view);
     double direction[4] = {view.light.direction[0], view.light.direction[1],
                            view.light.direction[2], 0};
     double eye[4];
@@ -123,6 +166,7 @@ int main(void) {
         cmocka_unit_test(test_sphere_touches_the_shorter_side),
         cmocka_unit_test(test_directions),
         cmocka_unit_test(test_near_plane_stays_in_front_of_the_eye),
+        cmocka_unit_test(test_sphere_leaves_out_what_is_clipped),
         cmocka_unit_test(test_light_comes_from_the_camera_s_side),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
