@@ -88,7 +88,8 @@ static psplat_result read_property(ply_state *state, ply_element *element, pspla
     *property = (ply_property){{0}, INT8, 0, INT8};
     size_t length;
     char *before = state->lines.cursor;
-    property->is_list = is_word(psplat_lines_token(&state->lines, &length), length, "list");
+    char *word = psplat_lines_token(&state->lines, &length);
+    property->is_list = is_word(word, length, "list");
     if (!property->is_list) state->lines.cursor = before;
     psplat_result result = PSPLAT_OK;
     if (property->is_list) result = read_type(state, &property->count_type, error);

@@ -143,9 +143,12 @@ static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, pspla
     psplat_result result = check_raw(mesh, source->path, error);
     if (!result) result = psplat_mesh_weld(mesh, error);
     /* Closed or not is asked before flat triangles go: they may be all that closes a T-junction. */
-    if (!result) result = psplat_mesh_is_closed(mesh, &closed, error);
+    if (!result) result = psplat_mesh_close_seams(mesh, &closed, error);
     if (result) return result;
+    size_t dropped = mesh->dropped;
     psplat_mesh_drop_flat(mesh);
+    if (mesh->dropped > dropped) result = psplat_mesh_weld(mesh, error); /* drops their vertices */
+    if (result) return result;
     if (mesh->triangle_count == 0)
         return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area",
                            source->path);

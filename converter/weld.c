@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * weld.c - vertices of equal position become one; triangles without area go.
+ * weld.c - vertices of equal position become one; triangles without area go. Hashing as in Knuth,
+ * The Art of Computer Programming 3, section 6.4: open addressing, linear probing.
  */
 #include "source.h"
 
@@ -19,7 +20,7 @@ static uint64_t hash_position(const double p[3]) {
     for (int k = 0; k < 3; ++k) {
         uint64_t bits;
         memcpy(&bits, &p[k], sizeof bits);
-        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u; /* Fibonacci hashing, Knuth TAOCP 3, 6.4 */
+        hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
         hash ^= hash >> 32;
     }
     return hash;
@@ -31,7 +32,7 @@ static size_t table_size(size_t entries) {
     return size;
 }
 
-/* Finds the new number of position p, or gives it the next one. Open addressing, linear probing. */
+/* Finds the new number of position p, or gives it the next one. */
 static uint32_t number_of(uint32_t *table, size_t size, double *positions, size_t *count,
                           const double p[3]) {
     size_t slot = hash_position(p) & (size - 1);
@@ -115,52 +116,4 @@ psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error) {
 
 void psplat_mesh_drop_flat(psplat_mesh *mesh) {
     filter(mesh, has_area);
-}
-
-static int compare_u32(const void *a, const void *b) {
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
-/* Each edge belongs to the bucket of its lesser vertex, as (greater vertex) * 2 + direction. */
-static void fill_buckets(const psplat_mesh *mesh, uint32_t *starts, uint32_t *edges) {
-    for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
-        uint32_t a = mesh->triangles[i], b = mesh->triangles[i - i % 3 + (i + 1) % 3];
-        uint32_t low = a < b ? a : b, high = a < b ? b : a;
-        edges[starts[low]++] = high * 2 + (a < b);
-    }
-}
-
-static int bucket_is_closed(uint32_t *edges, size_t count) {
-    if (count % 2) return 0;
-    qsort(edges, count, sizeof *edges, compare_u32);
-    for (size_t i = 0; i < count; i += 2) {
-        if (edges[i] % 2 != 0 || edges[i + 1] != edges[i] + 1) return 0;
-        if (i + 2 < count && edges[i + 2] <= edges[i + 1]) return 0;
-    }
-    return 1;
-}
-
-psplat_result psplat_mesh_is_closed(const psplat_mesh *mesh, int *closed, psplat_error *error) {
-    uint32_t *starts = calloc(mesh->vertex_count + 2, sizeof *starts);
-    uint32_t *edges = malloc((mesh->triangle_count + 1) * 3 * sizeof *edges);
-    *closed = mesh->triangle_count > 0;
-    if (!starts || !edges) {
-        free(starts);
-        free(edges);
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for edges");
-    }
-    for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
-        uint32_t a = mesh->triangles[i], b = mesh->triangles[i - i % 3 + (i + 1) % 3];
-        ++starts[(a < b ? a : b) + 1];
-    }
-    for (size_t v = 0; v < mesh->vertex_count; ++v) starts[v + 1] += starts[v];
-    fill_buckets(mesh, starts, edges); /* moves each start to the end of its bucket */
-    for (size_t v = 0; v < mesh->vertex_count && *closed; ++v) {
-        size_t begin = v ? starts[v - 1] : 0;
-        *closed = bucket_is_closed(edges + begin, starts[v] - begin);
-    }
-    free(starts);
-    free(edges);
-    return PSPLAT_OK;
 }
