@@ -18,10 +18,9 @@ static psplat_result find_extension(const psplat_gltf *gltf, psplat_json_value e
 
 /* Remembers the first primitive whose attributes are the extension's but which lost its object. */
 static void note_stripped(psplat_gltf *gltf, psplat_json_value attributes) {
-    if (gltf->json_stripped || psplat_json_type_of(&gltf->json, attributes) != PSPLAT_JSON_OBJECT)
-        return;
+    if (psplat_json_type_of(&gltf->json, attributes) != PSPLAT_JSON_OBJECT) return;
     psplat_json_value key = psplat_json_first(&gltf->json, attributes);
-    for (; key; key = psplat_json_next(&gltf->json, attributes, key))
+    for (; key && !gltf->json_stripped; key = psplat_json_next(&gltf->json, attributes, key))
         if (psplat_json_begins(&gltf->json, key, "_" PSPLAT_EXTENSION ":") ||
             psplat_json_begins(&gltf->json, key, PSPLAT_EXTENSION ":"))
             gltf->json_stripped = key;
