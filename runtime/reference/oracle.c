@@ -10,7 +10,7 @@ typedef struct pixel {
     double limit;   /* fragments with t up to here contribute (5.3) */
     double nearest; /* least t, its splat and its fragment */
     int32_t nearest_splat;
-    double u, v, nearest_depth;
+    double u, v;
     uint32_t count;
     double edge_tie, depth_tie, epsilon_tie;
     /* The sums of eq. (5); radiance is that of the comparison modes (5.7). */
@@ -25,6 +25,7 @@ typedef struct drawing {
     psplat_oracle_camera camera;
     psplat_oracle_light light;
     int blends; /* 0 in the modes that show the nearest splat alone */
+    int ties;   /* somebody asked for them */
     pixel *pixels;
 } drawing;
 
@@ -38,16 +39,19 @@ typedef struct visit {
     int cull;
 } visit;
 
-typedef void (*visitor)(drawing *d, const visit *at, const psplat_oracle_ray *ray, pixel *p);
+/* A visitor is shown the splat's plane at each pixel that the splat may touch. */
+typedef void (*visitor)(drawing *d, const visit *at, const psplat_oracle_ray *ray,
+                        const psplat_oracle_fragment *f, pixel *p);
 
-/* Calls visitor for every pixel that the splat may touch. */
 static void visit_pixels(drawing *d, const visit *at, visitor call) {
     psplat_oracle_box box = psplat_oracle_camera_bounds(&d->camera, &at->placed);
     for (int y = box.y0; y < box.y1; ++y)
         for (int x = box.x0; x < box.x1; ++x) {
             psplat_oracle_ray ray;
+            psplat_oracle_fragment f;
             psplat_oracle_camera_ray(&d->camera, x + 0.5, y + 0.5, &ray);
-            call(d, at, &ray, &d->pixels[(size_t)y * (size_t)d->view->width + (size_t)x]);
+            if (psplat_oracle_fragment_find(&d->camera, &at->placed, &ray, &f))
+                call(d, at, &ray, &f, &d->pixels[(size_t)y * (size_t)d->view->width + (size_t)x]);
         }
 }
 
@@ -75,16 +79,16 @@ static void visit_splats(drawing *d, visitor call) {
 
 /* The least t + epsilon rather than the least t: both readings of 5.3 agree where all batches
  * have the same epsilon, and this one is what a shifted depth buffer computes where they do not. */
-static void find_visible(drawing *d, const visit *at, const psplat_oracle_ray *ray, pixel *p) {
-    psplat_oracle_fragment f;
-    if (!psplat_oracle_fragment_find(&d->camera, &at->placed, ray, at->cull, &f)) return;
-    p->limit = fmin(p->limit, f.t + (d->blends ? at->space->epsilon : 0));
-    if (!(f.t < p->nearest)) return;
-    p->nearest = f.t;
+static void find_visible(drawing *d, const visit *at, const psplat_oracle_ray *ray,
+                         const psplat_oracle_fragment *f, pixel *p) {
+    (void)ray;
+    if (!psplat_oracle_fragment_exists(&at->placed, f, at->cull)) return;
+    p->limit = fmin(p->limit, f->t + (d->blends ? at->space->epsilon : 0));
+    if (!(f->t < p->nearest)) return;
+    p->nearest = f->t;
     p->nearest_splat = at->index;
-    p->nearest_depth = f.depth;
-    p->u = f.u;
-    p->v = f.v;
+    p->u = f->u;
+    p->v = f->v;
 }
 
 /* ---- 5.4 and 5.7: blending ------------------------------------------------------------------ */
@@ -124,7 +128,7 @@ static void to_eye_of(const psplat_oracle_ray *ray, double to_eye[3]) {
 static void contribute(drawing *d, const visit *at, const psplat_oracle_ray *ray,
                        const psplat_oracle_fragment *f, pixel *p) {
     double weight = d->blends ? kernel_weight(&at->batch->kernel, f->r) : 1;
-    double sign = f->front ? 1 : -1, normal[3], to_eye[3], radiance[3];
+    double sign = f->cosine > 0 ? 1 : -1, normal[3], to_eye[3], radiance[3];
     psplat_oracle_surface surface = surface_of(at->splat, &at->batch->material);
     p->weight += weight;
     p->depth += weight * f->depth;
@@ -158,16 +162,18 @@ static void note_ties(drawing *d, const visit *at, const psplat_oracle_ray *ray,
             p->epsilon_tie = fmin(p->epsilon_tie, fabs(behind) / at->space->epsilon);
     }
     if (behind > 0) return; /* hidden: its edges do not show */
-    if (f->depth_margin > -close) p->edge_tie = fmin(p->edge_tie, fabs(f->edge_margin));
-    if (f->edge_margin > -close) p->depth_tie = fmin(p->depth_tie, fabs(f->depth_margin));
+    psplat_oracle_margins margins =
+        psplat_oracle_fragment_margins(&d->camera, &at->placed, ray, f, at->cull);
+    if (margins.depth > -close) p->edge_tie = fmin(p->edge_tie, fabs(margins.edge));
+    if (margins.edge > -close) p->depth_tie = fmin(p->depth_tie, fabs(margins.depth));
 }
 
-static void blend_visible(drawing *d, const visit *at, const psplat_oracle_ray *ray, pixel *p) {
-    psplat_oracle_fragment f;
-    int exists = psplat_oracle_fragment_find(&d->camera, &at->placed, ray, at->cull, &f);
-    note_ties(d, at, ray, &f, exists, p);
-    int chosen = d->blends ? f.t <= p->limit : at->index == p->nearest_splat;
-    if (exists && chosen) contribute(d, at, ray, &f, p);
+static void blend_visible(drawing *d, const visit *at, const psplat_oracle_ray *ray,
+                          const psplat_oracle_fragment *f, pixel *p) {
+    int exists = psplat_oracle_fragment_exists(&at->placed, f, at->cull);
+    if (d->ties) note_ties(d, at, ray, f, exists, p);
+    int chosen = d->blends ? f->t <= p->limit : at->index == p->nearest_splat;
+    if (exists && chosen) contribute(d, at, ray, f, p);
 }
 
 /* ---- 5.5 and 5.6: the image ----------------------------------------------------------------- */
@@ -266,6 +272,7 @@ psplat_result psplat_reference_draw(const psplat_asset *asset, const double tran
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "asset, view or image is NULL");
     psplat_result result = prepare(&d, transform, error);
     if (result) return result;
+    d.ties = image->tie || image->depth_tie || image->epsilon_tie;
     clear(&d);
     visit_splats(&d, find_visible);
     visit_splats(&d, blend_visible);

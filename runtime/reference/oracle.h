@@ -44,7 +44,7 @@ typedef struct psplat_oracle_splat {
     double axis[2][3];      /* images of r_u U and r_v V: conjugate radii of the ellipse */
     double plane[3];        /* axis[0] x axis[1], not normalised */
     double parameter[2][3]; /* u = parameter[0].(q - c), v = parameter[1].(q - c): eq. (1) */
-    double side[3];         /* image of N as a normal: the front */
+    double side[3];         /* unit image of N as a normal: the front */
     double normal[3][3];    /* n(u, v) = normal[0] + u normal[1] + v normal[2]: eq. (2) */
     double clip[PSPLAT_MAX_CLIP_LINES][3];
     uint32_t clip_count;
@@ -66,16 +66,23 @@ typedef struct psplat_oracle_camera {
 /* Returns 0 where the projection has no inverse. */
 int psplat_oracle_camera_set(psplat_oracle_camera *camera, const psplat_view *view);
 
-/* The ray through (x, y) in pixels, and its derivatives by x and by y. Points are
- * origin + s * direction; s grows away from the eye. */
+/* The ray through (x, y) in pixels: points origin + s * direction; s grows away from the eye. */
 typedef struct psplat_oracle_ray {
+    double x, y;
     double origin[3], direction[3];
-    double origin_by[2][3], direction_by[2][3];
     double length; /* |direction|: s * length is the distance t of section 5.3 */
 } psplat_oracle_ray;
 
 void psplat_oracle_camera_ray(const psplat_oracle_camera *camera, double x, double y,
                               psplat_oracle_ray *ray);
+
+/* Derivatives of a ray's origin and direction by x and by y. */
+typedef struct psplat_oracle_ray_steps {
+    double origin[2][3], direction[2][3];
+} psplat_oracle_ray_steps;
+
+void psplat_oracle_camera_ray_steps(const psplat_oracle_camera *camera,
+                                    const psplat_oracle_ray *ray, psplat_oracle_ray_steps *steps);
 
 /* Window depth 0 ... 1 and clip w of a point. */
 double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const double point[3],
@@ -92,18 +99,30 @@ psplat_oracle_box psplat_oracle_camera_bounds(const psplat_oracle_camera *camera
 /* ---- fragment.c: sections 5.1 and 5.2 ----------------------------------------------------- */
 
 typedef struct psplat_oracle_fragment {
-    double t, depth, u, v, r;
-    int front;
-    /* How far it is from being there (negative) or from not being there (positive): by its edges
-     * and its side, and by the near and far plane. See psplat_reference_image.tie. */
-    double edge_margin, depth_margin;
+    double s, t, depth, u, v, r; /* s and t along the ray */
+    double cosine;               /* of N' and the direction to the eye: > 0 seen from the front */
 } psplat_oracle_fragment;
 
-/* Returns 1 where the ray meets the splat in a fragment. Where it does not, fragment still holds
- * its margins, t and depth unless the ray is parallel to the plane (margins -1). */
+/* Finds where the ray meets the splat's plane in front of the eye; returns 0 where it does not. */
 int psplat_oracle_fragment_find(const psplat_oracle_camera *camera,
                                 const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
-                                int cull, psplat_oracle_fragment *fragment);
+                                psplat_oracle_fragment *fragment);
+
+/* Whether that point is a fragment: inside, kept, between near and far, on a visible side. */
+int psplat_oracle_fragment_exists(const psplat_oracle_splat *splat,
+                                  const psplat_oracle_fragment *fragment, int cull);
+
+/* How far it is from being there (negative) or from not being there (positive): by its edges and
+ * its side, and by the near and far plane. See psplat_reference_image.tie. */
+typedef struct psplat_oracle_margins {
+    double edge, depth;
+} psplat_oracle_margins;
+
+psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera *camera,
+                                                     const psplat_oracle_splat *splat,
+                                                     const psplat_oracle_ray *ray,
+                                                     const psplat_oracle_fragment *fragment,
+                                                     int cull);
 
 /* ---- shade.c: section 5.6 ----------------------------------------------------------------- */
 

@@ -75,6 +75,7 @@ static void normal_field(const psplat_splat *splat, double axes[3][3], const dou
         placed->normal[1][i] = (double)splat->gradient[0] * u[i];
         placed->normal[2][i] = (double)splat->gradient[1] * v[i];
     }
+    psplat_oracle_normalise(placed->side);
 }
 
 void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,

@@ -29,23 +29,37 @@ int psplat_oracle_camera_set(psplat_oracle_camera *camera, const psplat_view *vi
     return 1;
 }
 
+static void pixel_point(const psplat_oracle_camera *camera, double x, double y, double at[4]) {
+    for (int i = 0; i < 4; ++i)
+        at[i] = camera->pixel[0][i] + x * camera->pixel[1][i] + y * camera->pixel[2][i];
+}
+
 void psplat_oracle_camera_ray(const psplat_oracle_camera *camera, double x, double y,
                               psplat_oracle_ray *ray) {
-    const double(*pixel)[4] = camera->pixel;
-    double at[4];
-    for (int i = 0; i < 4; ++i) at[i] = pixel[0][i] + x * pixel[1][i] + y * pixel[2][i];
+    double at[4], scale = 0;
+    pixel_point(camera, x, y, at);
+    scale = 1 / (camera->parallel ? at[3] : camera->eye[3]);
     for (int i = 0; i < 3; ++i) {
-        double eye = camera->parallel ? camera->eye[i] / at[3] : camera->eye[i] / camera->eye[3];
-        ray->origin[i] = camera->parallel ? at[i] / at[3] : eye;
+        double eye = camera->eye[i] * scale;
+        ray->origin[i] = camera->parallel ? at[i] * scale : eye;
         ray->direction[i] = camera->parallel ? eye : at[i] - at[3] * eye;
-        for (int k = 0; k < 2; ++k) {
-            double step = pixel[k + 1][i], step_w = pixel[k + 1][3];
-            ray->origin_by[k][i] = camera->parallel ? (step - step_w * ray->origin[i]) / at[3] : 0;
-            ray->direction_by[k][i] =
-                camera->parallel ? -step_w * eye / at[3] : step - step_w * eye;
-        }
     }
+    ray->x = x;
+    ray->y = y;
     ray->length = psplat_oracle_length(ray->direction);
+}
+
+void psplat_oracle_camera_ray_steps(const psplat_oracle_camera *camera,
+                                    const psplat_oracle_ray *ray, psplat_oracle_ray_steps *steps) {
+    double at[4];
+    pixel_point(camera, ray->x, ray->y, at);
+    for (int k = 0; k < 2; ++k)
+        for (int i = 0; i < 3; ++i) {
+            double step = camera->pixel[k + 1][i], w = camera->pixel[k + 1][3];
+            steps->origin[k][i] = camera->parallel ? (step - w * ray->origin[i]) / at[3] : 0;
+            steps->direction[k][i] =
+                camera->parallel ? -w * ray->direction[i] / at[3] : step - w * ray->origin[i];
+        }
 }
 
 double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const double point[3],

@@ -39,6 +39,14 @@ static double ray_y(int y) {
     return (y + 0.5 - HEIGHT / 2.0) / FOCAL;
 }
 
+/* Sets the axes, and the normal to theirs. */
+static void turn(psplat_splat *splat, const double u[3], const double v[3]) {
+    scene_set_axes(splat, u, v);
+    for (int i = 0; i < 3; ++i)
+        splat->normal[i] =
+            (float)(u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
+}
+
 /* Window depth of a point s in front of the eye. */
 static double depth_of(double s) {
     return 0.5 + 0.5 * ((FAR + NEAR) / (FAR - NEAR) - 2 * FAR * NEAR / ((FAR - NEAR) * s));
@@ -100,7 +108,7 @@ static void test_tilted_disc(void **state) {
         double angle = angles[i] * CAMERA_PI / 180;
         scene s = scene_disc(1);
         s.material.double_sided = 1;
-        scene_set_axes(&s.splats[0], (double[]){1, 0, 0}, (double[]){0, cos(angle), sin(angle)});
+        turn(&s.splats[0], (double[]){1, 0, 0}, (double[]){0, cos(angle), sin(angle)});
         /* The axes are stored in float: take those, not the angle. */
         double stored = 2 * atan2(s.splats[0].rotation[0], s.splats[0].rotation[3]);
         psplat_view view = front_view();
@@ -124,7 +132,7 @@ static void test_edge_on(void **state) {
     (void)state;
     scene s = scene_disc(1);
     s.material.double_sided = 1;
-    scene_set_axes(&s.splats[0], (double[]){0, 0, -1}, (double[]){1, 0, 0});
+    turn(&s.splats[0], (double[]){0, 0, -1}, (double[]){1, 0, 0});
     psplat_view view = front_view();
     view.height = 91; /* the middle row's rays lie in the plane */
     camera_perspective(&view, FOCAL, NEAR, FAR);
@@ -180,7 +188,7 @@ static void test_eye_inside(void **state) {
     const double under = 0.01, radius = 10;
     scene s = scene_disc((float)radius);
     s.material.double_sided = 1;
-    scene_set_axes(&s.splats[0], (double[]){1, 0, 0}, (double[]){0, 0, -1});
+    turn(&s.splats[0], (double[]){1, 0, 0}, (double[]){0, 0, -1});
     s.splats[0].center[2] = (float)DISTANCE;
     double transform[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -under, 0, 1};
     psplat_view view = front_view();
@@ -205,7 +213,7 @@ static void test_near_crossing(void **state) {
     const double aside = 0.5, behind = 1;
     scene s = scene_disc(4);
     s.material.double_sided = 1;
-    scene_set_axes(&s.splats[0], (double[]){0, 0, -1}, (double[]){0, 1, 0});
+    turn(&s.splats[0], (double[]){0, 0, -1}, (double[]){0, 1, 0});
     s.splats[0].center[0] = (float)aside;
     s.splats[0].center[2] = (float)(DISTANCE + behind);
     psplat_view view = front_view();
