@@ -121,7 +121,7 @@ static void test_primitive(void **state) {
         {"\"NORMAL\": 1", "\"NORMAL\": 3", "{ \"bufferView\": 0, \"byteOffset\": 40", UNSUPPORTED},
         {"\"NORMAL\": 1", "\"NORMAL\": 6", "{ \"bufferView\": 1, \"byteOffset\": 12", RANGE},
         {"\"NORMAL\": 1", "\"NORMAL\": 1, \"NORMAL\": 1", "\"NORMAL\": 1,\n", FORMAT},
-        {"\"NORMAL\": 1", "\"NORMAL\": 1, \"PSPLAT_surface_splats:SCALE\": 3", "3,\n", FORMAT},
+        {"\"NORMAL\": 1", "\"NORMAL\": 1, \"PSPLAT_surface_splats:SCALE\": 77", "3,\n", FORMAT},
         {"\"metallicFactor\": 0.0", "\"metallicFactor\": 1.5", "1.5,\n", RANGE},
         {"\"metallicFactor\": 0.0", "\"metallicFactor\": \"0\"", "\"0\",\n", FORMAT},
         {"[0.8, 0.4, 0.1, 1.0]", "[0.8, 0.4, 0.1]", "[0.8, 0.4, 0.1]", RANGE},
@@ -355,7 +355,7 @@ static void test_reach(void **state) {
 static void test_color_range(void **state) {
     (void)state;
     char *text = document_minimal(PSPLAT_SOURCE_DIR);
-    /* NORMAL_FIELD's view read as colours: VEC3 of 0.25, 0.125 and the next splat's 0, then 1.5. */
+    /* Positions read as colours: the second is 0, 1.5, 0. */
     document_replace(&text, "\"NORMAL\": 1", "\"NORMAL\": 1, \"COLOR_0\": 0");
     size_t base64 = document_find(text, "base64,") + 7;
     psplat_asset *asset = NULL;
