@@ -22,6 +22,7 @@ struct psplat_host {
     EGLContext context;
     EGLSurface surface; /* EGL_NO_SURFACE where the context needs none */
     psplat_gl gl;
+    const char *renderer, *version; /* of the context, which keeps them */
     void(PSPLAT_GL_CALL *ReadPixels)(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format,
                                      GLenum type, void *pixels);
     psplat_host_framebuffer target; /* of begin */

@@ -73,6 +73,8 @@ static psplat_result load_functions(psplat_host *host, psplat_error *error) {
     if (!read_pixels)
         return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "EGL has no GL function glReadPixels");
     memcpy(&host->ReadPixels, &read_pixels, sizeof read_pixels);
+    host->renderer = (const char *)host->gl.GetString(GL_RENDERER);
+    host->version = (const char *)host->gl.GetString(GL_VERSION);
     return PSPLAT_OK;
 }
 
@@ -97,15 +99,24 @@ psplat_result psplat_host_create(psplat_api api, int software, psplat_host **hos
     return PSPLAT_OK;
 }
 
+static void destroy_objects(psplat_host *host) {
+    if (psplat_host_make_current(host, NULL) != PSPLAT_OK) return;
+    psplat_host_framebuffer_destroy(&host->target, &host->gl);
+    psplat_host_framebuffer_destroy(&host->bytes, &host->gl);
+    host->gl.DeleteProgram(host->depth_program);
+    host->gl.DeleteVertexArrays(1, &host->vertex_array);
+}
+
+/* The context that was current stays so, unless it is the one that goes. */
 void psplat_host_destroy(psplat_host *host) {
     if (!host) return;
-    if (host->gl.GetString && psplat_host_make_current(host, NULL) == PSPLAT_OK) {
-        psplat_host_framebuffer_destroy(&host->target, &host->gl);
-        psplat_host_framebuffer_destroy(&host->bytes, &host->gl);
-        host->gl.DeleteProgram(host->depth_program);
-        host->gl.DeleteVertexArrays(1, &host->vertex_array);
-    }
+    EGLContext context = eglGetCurrentContext();
+    EGLDisplay display = eglGetCurrentDisplay();
+    EGLSurface draw = eglGetCurrentSurface(EGL_DRAW), read = eglGetCurrentSurface(EGL_READ);
+    int is_current = context == host->context;
+    destroy_objects(host);
     destroy_context(host);
+    if (!is_current && context != EGL_NO_CONTEXT) eglMakeCurrent(display, draw, read, context);
     free(host);
 }
 
@@ -119,9 +130,9 @@ psplat_result psplat_host_make_current(psplat_host *host, psplat_error *error) {
 }
 
 const char *psplat_host_renderer(const psplat_host *host) {
-    return host ? (const char *)host->gl.GetString(GL_RENDERER) : "";
+    return host ? host->renderer : "";
 }
 
 const char *psplat_host_version(const psplat_host *host) {
-    return host ? (const char *)host->gl.GetString(GL_VERSION) : "";
+    return host ? host->version : "";
 }
