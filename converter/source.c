@@ -69,6 +69,11 @@ static int starts_with(const char *text, const char *word) {
     return strncmp(text, word, strlen(word)) == 0;
 }
 
+static int starts_with_any_case(const char *text, const char *word) {
+    while (*word && tolower((unsigned char)*text) == *word) ++text, ++word;
+    return !*word;
+}
+
 /* [ST][C][N][4][n]OFF, as geomview defines the first word. */
 static int is_off(const char *text) {
     if (starts_with(text, "ST")) text += 2;
@@ -111,7 +116,7 @@ static psplat_source_format format_of_content(const psplat_source *source) {
     if (is_off(text)) return PSPLAT_SOURCE_OFF;
     /* Before "solid": some binary files begin with that word. */
     if (is_binary_stl(source)) return PSPLAT_SOURCE_STL_BINARY;
-    if (starts_with(skip_blanks(text), "solid")) return PSPLAT_SOURCE_STL_TEXT;
+    if (starts_with_any_case(skip_blanks(text), "solid")) return PSPLAT_SOURCE_STL_TEXT;
     if (is_obj(text)) return PSPLAT_SOURCE_OBJ;
     return PSPLAT_SOURCE_UNKNOWN;
 }
