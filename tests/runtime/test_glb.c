@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT
+ * The writer: what it refuses, what it leaves out, and that nothing outside the splats shows. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "converter.h"
+#include "scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* One splat in the given class, with a default material. */
+static psplat_splats one(psplat_splat *splat, uint32_t clip_lines) {
+    *splat = (psplat_splat){.rotation = {0, 0, 0, 1},
+                            .radius = {1, 1},
+                            .normal = {0, 0, 1},
+                            .color = {1, 1, 1, 1},
+                            .clip_count = clip_lines};
+    for (uint32_t k = 0; k < clip_lines; ++k) splat->clip[k][0] = 1;
+    psplat_splats splats = {.splats = splat, .count = 1, .kernel = {2, 2}};
+    splats.count_by_clip_lines[clip_lines] = 1;
+    splats.material = (psplat_material){.base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
+    return splats;
+}
+
+/* The JSON of a written file, terminated; freed by the caller. */
+static char *write_json(const psplat_splats *splats, const char *name) {
+    uint8_t *data = NULL;
+    size_t size = 0;
+    psplat_error error;
+    if (psplat_glb_write(splats, name, &data, &size, &error)) fail_msg("%s", error.text);
+    size_t json_size = (size_t)data[12] | (size_t)data[13] << 8 | (size_t)data[14] << 16;
+    char *json = malloc(json_size + 1);
+    assert_non_null(json);
+    memcpy(json, data + 20, json_size);
+    json[json_size] = 0;
+    psplat_asset *asset = NULL;
+    if (psplat_asset_open_memory(data, size, NULL, &asset, &error)) fail_msg("%s", error.text);
+    psplat_asset_destroy(asset);
+    free(data);
+    return json;
+}
+
+static void assert_holds(const psplat_splats *splats, const char *name, const char *word,
+                         int expected) {
+    char *json = write_json(splats, name);
+    if ((strstr(json, word) != NULL) != expected)
+        fail_msg("%s %s: %s", word, expected ? "is missing" : "is there", json);
+    free(json);
+}
+
+static void test_refuses(void **state) {
+    (void)state;
+    psplat_splat splat;
+    psplat_splats splats = one(&splat, 1);
+    uint8_t *data = (uint8_t *)1;
+    size_t size = 1;
+    assert_int_equal(psplat_glb_write(NULL, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
+    assert_int_equal(psplat_glb_write(&splats, NULL, NULL, &size, NULL), PSPLAT_ERROR_ARGUMENT);
+    psplat_splats empty = {0};
+    assert_int_equal(psplat_glb_write(&empty, NULL, &data, &size, NULL), PSPLAT_ERROR_NO_SPLATS);
+    assert_null(data);
+    splat.clip_count = 0; /* not the class it is counted in */
+    assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
+    splat.clip_count = 1;
+    splats.count_by_clip_lines[2] = 1; /* one more than there are */
+    assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
+    splats.count_by_clip_lines[2] = 0;
+    splats.count = 2; /* one less */
+    assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
+    splats.count = 1;
+    splat.clip[0][2] = NAN;
+    assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_RANGE);
+    splat.clip[0][2] = 0;
+    splat.center[1] = INFINITY;
+    psplat_error error;
+    assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, &error), PSPLAT_ERROR_RANGE);
+    assert_non_null(strstr(error.text, "POSITION"));
+    assert_null(data);
+}
+
+/* Only what the model needs is in the file. */
+static void test_leaves_out_defaults(void **state) {
+    (void)state;
+    static const char *const words[] = {"COLOR_0",   "NORMAL_FIELD", "CLIP_",
+                                        "materials", "kernel",       "translation",
+                                        "name",      "KHR_",         "\"material\""};
+    psplat_splat splat;
+    psplat_splats splats = one(&splat, 0);
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
+        assert_holds(&splats, NULL, words[i], 0);
+    splat.gradient[1] = 1e-30f;
+    splats.has_color = 1;
+    splats.kernel.sharpness = 3;
+    splats.origin[2] = 5;
+    splats.material.unlit = 1;
+    for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
+        if (strcmp(words[i], "CLIP_")) assert_holds(&splats, "x", words[i], 1);
+}
+
+/* The shortest decimals that read back exactly. */
+static void test_numbers(void **state) {
+    (void)state;
+    psplat_splat splat;
+    psplat_splats splats = one(&splat, 0);
+    splats.depth_tolerance = 0.1f;
+    splats.origin[0] = 0.1;
+    splats.origin[1] = 1.0 / 3;
+    splats.origin[2] = -1e21;
+    splat.center[0] = 16777216;
+    splat.center[1] = 3.4028235e38f;
+    splat.center[2] = 1e-45f;
+    assert_holds(&splats, NULL, "\"depthTolerance\":0.1,", 1);
+    assert_holds(&splats, NULL, "\"translation\":[0.1,0.3333333333333333,-1e+21]", 1);
+    assert_holds(&splats, NULL, "\"min\":[16777216,3.4028235e+38,1e-45]", 1);
+    assert_holds(&splats, NULL, "\"positionExtent\":[0,0,0]", 1);
+}
+
+static void test_names(void **state) {
+    (void)state;
+    psplat_splat splat;
+    psplat_splats splats = one(&splat, 0);
+    assert_holds(&splats, "a \"b\" \\ \n", "\"a \\u0022b\\u0022 \\u005c \\u000a\"", 1);
+    assert_holds(&splats, "\xc3\xa9 \xf0\x9f\x98\x80", "\"\xc3\xa9 \xf0\x9f\x98\x80\"", 1);
+    /* Not UTF-8: a Latin-1 letter, a cut sequence, a surrogate, an overlong slash. */
+    assert_holds(&splats, "\xe9t", "\"\xef\xbf\xbdt\"", 1);
+    assert_holds(&splats, "x\xe2\x82", "\"x\xef\xbf\xbd\xef\xbf\xbd\"", 1);
+    assert_holds(&splats, "\xed\xa0\x80", "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\"", 1);
+    assert_holds(&splats, "\xc0\xaf", "\"\xef\xbf\xbd\xef\xbf\xbd\"", 1);
+}
+
+/* glTF ends emissive factors at 1; the rest goes into an extension, and unlit drops it all. */
+static void test_emissive(void **state) {
+    (void)state;
+    psplat_splat splat;
+    psplat_splats splats = one(&splat, 0);
+    splats.material.emissive[1] = 0.5f;
+    assert_holds(&splats, NULL, "\"emissiveFactor\":[0,0.5,0]", 1);
+    assert_holds(&splats, NULL, "emissive_strength", 0);
+    splats.material.emissive[1] = 8;
+    assert_holds(&splats, NULL, "\"emissiveFactor\":[0,1,0]", 1);
+    assert_holds(&splats, NULL, "\"emissiveStrength\":8", 1);
+    splats.material.unlit = 1;
+    assert_holds(&splats, NULL, "emissive", 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_refuses),  cmocka_unit_test(test_leaves_out_defaults),
+        cmocka_unit_test(test_numbers),  cmocka_unit_test(test_names),
+        cmocka_unit_test(test_emissive),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
