@@ -52,19 +52,6 @@ static double depth_of(double s) {
     return 0.5 + 0.5 * ((FAR + NEAR) / (FAR - NEAR) - 2 * FAR * NEAR / ((FAR - NEAR) * s));
 }
 
-static picture draw_scene(scene *s, const double transform[16], const psplat_view *view) {
-    psplat_asset *asset = scene_open(s);
-    picture p = picture_draw(asset, transform, view);
-    psplat_asset_destroy(asset);
-    return p;
-}
-
-static size_t covered_count(const picture *p) {
-    size_t count = 0;
-    for (int i = 0; i < p->width * p->height; ++i) count += p->image.count[i] > 0;
-    return count;
-}
-
 /* Asserts that pixel (x, y) shows the splat at (u, v), s in front of the eye, if it is inside. */
 static void assert_pixel_near(const picture *p, int x, int y, double u, double v, double s,
                               double tolerance) {
@@ -88,13 +75,13 @@ static void test_facing_disc(void **state) {
     (void)state;
     scene s = scene_disc(1.5f);
     psplat_view view = front_view();
-    picture p = draw_scene(&s, NULL, &view);
+    picture p = picture_of(&s, NULL, &view);
     for (int y = 0; y < HEIGHT; ++y)
         for (int x = 0; x < WIDTH; ++x)
             assert_pixel(&p, x, y, ray_x(x) * DISTANCE / 1.5, ray_y(y) * DISTANCE / 1.5, DISTANCE);
     /* A convex shape's pixel count differs from its area by at most its perimeter in pixels. */
     double radius = 1.5 * FOCAL / DISTANCE;
-    assert_near((double)covered_count(&p), CAMERA_PI * radius * radius, 2 * CAMERA_PI * radius);
+    assert_near((double)picture_covered(&p), CAMERA_PI * radius * radius, 2 * CAMERA_PI * radius);
     picture_free(&p);
     scene_free(&s);
 }
@@ -112,7 +99,7 @@ static void test_tilted_disc(void **state) {
         /* The axes are stored in float: take those, not the angle. */
         double stored = 2 * atan2(s.splats[0].rotation[0], s.splats[0].rotation[3]);
         psplat_view view = front_view();
-        picture p = draw_scene(&s, NULL, &view);
+        picture p = picture_of(&s, NULL, &view);
         for (int y = 0; y < HEIGHT; ++y)
             for (int x = 0; x < WIDTH; ++x) {
                 double distance = DISTANCE / (1 + ray_y(y) * tan(stored));
@@ -121,7 +108,7 @@ static void test_tilted_disc(void **state) {
                 assert_pixel_near(&p, x, y, ray_x(x) * distance, v, distance,
                                   i == 2 ? 1e3 * ROUNDING : ROUNDING);
             }
-        assert_true(i == 2 || covered_count(&p) > 300);
+        assert_true(i == 2 || picture_covered(&p) > 300);
         picture_free(&p);
         scene_free(&s);
     }
@@ -136,12 +123,12 @@ static void test_edge_on(void **state) {
     psplat_view view = front_view();
     view.height = 91; /* the middle row's rays lie in the plane */
     camera_perspective(&view, FOCAL, NEAR, FAR);
-    picture p = draw_scene(&s, NULL, &view);
+    picture p = picture_of(&s, NULL, &view);
     for (int i = 0; i < p.width * p.height; ++i) {
         assert_true(isfinite(p.image.color[4 * i]) && isfinite(p.image.depth[i]));
         assert_true(p.image.tie[i] >= 0 && p.image.tie[i] <= 1);
     }
-    assert_true(covered_count(&p) <= WIDTH);
+    assert_true(picture_covered(&p) <= WIDTH);
     picture_free(&p);
     scene_free(&s);
 }
@@ -151,8 +138,8 @@ static size_t count_clipped(uint32_t clip_count, const float clip[4][3]) {
     s.splats[0].clip_count = clip_count;
     if (clip_count) memcpy(s.splats[0].clip, clip, clip_count * sizeof clip[0]);
     psplat_view view = front_view();
-    picture p = draw_scene(&s, NULL, &view);
-    size_t count = covered_count(&p);
+    picture p = picture_of(&s, NULL, &view);
+    size_t count = picture_covered(&p);
     for (int i = 0; i < p.width * p.height; ++i)
         for (uint32_t k = 0; k < clip_count && p.image.count[i]; ++k)
             assert_true((double)clip[k][0] * p.image.uv[2 * i] +
@@ -192,7 +179,7 @@ static void test_eye_inside(void **state) {
     s.splats[0].center[2] = (float)DISTANCE;
     double transform[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -under, 0, 1};
     psplat_view view = front_view();
-    picture p = draw_scene(&s, transform, &view);
+    picture p = picture_of(&s, transform, &view);
     size_t covered = 0;
     for (int y = 0; y < HEIGHT; ++y)
         for (int x = 0; x < WIDTH; ++x) {
@@ -217,14 +204,14 @@ static void test_near_crossing(void **state) {
     s.splats[0].center[0] = (float)aside;
     s.splats[0].center[2] = (float)(DISTANCE + behind);
     psplat_view view = front_view();
-    picture p = draw_scene(&s, NULL, &view);
+    picture p = picture_of(&s, NULL, &view);
     for (int y = 0; y < HEIGHT; ++y)
         for (int x = 0; x < WIDTH; ++x) {
             double distance = aside / ray_x(x);
             double u = (distance + behind) / 4, v = ray_y(y) * distance / 4;
             assert_pixel(&p, x, y, u, v, distance);
         }
-    assert_true(covered_count(&p) > 1000);
+    assert_true(picture_covered(&p) > 1000);
     picture_free(&p);
     scene_free(&s);
 }
@@ -239,8 +226,8 @@ static void test_near_and_far(void **state) {
         scene s = scene_disc(0.25f);
         double transform[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, heights[i], 1};
         psplat_view view = front_view();
-        picture p = draw_scene(&s, transform, &view);
-        assert_int_equal(covered_count(&p) > 0, seen[i]);
+        picture p = picture_of(&s, transform, &view);
+        assert_int_equal(picture_covered(&p) > 0, seen[i]);
         /* The depth tie knows: 1e-9 of distance is 2.05e-9 of window depth at the near plane. */
         assert_true(p.image.depth_tie[HEIGHT / 2 * WIDTH + WIDTH / 2] < 3e-9);
         picture_free(&p);
@@ -255,7 +242,7 @@ static void test_parallel_view(void **state) {
     s.splats[0].radius[1] = 1;
     psplat_view view = front_view();
     camera_parallel(&view, half, NEAR, FAR);
-    picture p = draw_scene(&s, NULL, &view);
+    picture p = picture_of(&s, NULL, &view);
     for (int y = 0; y < HEIGHT; ++y)
         for (int x = 0; x < WIDTH; ++x) {
             int at = y * WIDTH + x;
@@ -277,11 +264,11 @@ static void test_unusual_projection(void **state) {
     const int shift = 7;
     scene s = scene_disc(1.5f);
     psplat_view view = front_view();
-    picture plain = draw_scene(&s, NULL, &view);
+    picture plain = picture_of(&s, NULL, &view);
     view.projection[8] = -2.0 * shift / WIDTH;
     view.projection[2] = 0.01;
     for (int i = 0; i < 16; ++i) view.projection[i] *= 3;
-    picture moved = draw_scene(&s, NULL, &view);
+    picture moved = picture_of(&s, NULL, &view);
     for (int y = 0; y < HEIGHT; ++y)
         for (int x = shift; x < WIDTH; ++x) {
             int from = y * WIDTH + x - shift, to = y * WIDTH + x;
@@ -290,6 +277,32 @@ static void test_unusual_projection(void **state) {
         }
     picture_free(&plain);
     picture_free(&moved);
+    scene_free(&s);
+}
+
+/* A projection that exchanges x and y, whose matrix has zeros on its diagonal, transposes the
+ * image. */
+static void test_transposing_projection(void **state) {
+    (void)state;
+    scene s = scene_disc(1.5f);
+    s.splats[0].radius[1] = 0.75f;
+    psplat_view view = front_view();
+    view.width = view.height = 80;
+    camera_perspective(&view, FOCAL, NEAR, FAR);
+    picture plain = picture_of(&s, NULL, &view);
+    view.projection[1] = view.projection[0];
+    view.projection[4] = view.projection[5];
+    view.projection[0] = view.projection[5] = 0;
+    picture transposed = picture_of(&s, NULL, &view);
+    assert_true(picture_covered(&plain) > 1000);
+    for (int y = 0; y < 80; ++y)
+        for (int x = 0; x < 80; ++x) {
+            int from = y * 80 + x, to = x * 80 + y;
+            assert_int_equal(transposed.image.count[to], plain.image.count[from]);
+            assert_near(transposed.image.uv[2 * to], plain.image.uv[2 * from], ROUNDING);
+        }
+    picture_free(&plain);
+    picture_free(&transposed);
     scene_free(&s);
 }
 
@@ -302,7 +315,7 @@ static void test_ties(void **state) {
         psplat_view view = front_view();
         view.width = WIDTH + 1; /* a pixel centre in the middle */
         camera_perspective(&view, FOCAL, NEAR, FAR);
-        picture p = draw_scene(&s, NULL, &view);
+        picture p = picture_of(&s, NULL, &view);
         double pixels = (double)radii[i] * FOCAL / DISTANCE;
         for (int y = HEIGHT / 2 - 35; y < HEIGHT / 2 + 35; ++y)
             for (int x = WIDTH / 2 - 35; x <= WIDTH / 2 + 35; ++x) {
@@ -358,6 +371,7 @@ int main(void) {
         cmocka_unit_test(test_near_and_far),
         cmocka_unit_test(test_parallel_view),
         cmocka_unit_test(test_unusual_projection),
+        cmocka_unit_test(test_transposing_projection),
         cmocka_unit_test(test_ties),
         cmocka_unit_test(test_bad_arguments),
     };

@@ -181,8 +181,13 @@ static void test_unlit(void **state) {
 /* IEC 61966-2-1 by its published pairs, and the clamp. */
 static void test_encoding(void **state) {
     (void)state;
-    static const double pairs[][2] = {{0, 0},           {0.001, 0.01292}, {0.0031308, 0.0404499},
-                                      {0.2140411, 0.5}, {0.5, 0.7353570}, {1, 1}};
+    static const double pairs[][2] = {{0, 0},
+                                      {0.001, 0.01292},
+                                      {0.0031308, 0.0404499},
+                                      {0.004, 0.0507087},
+                                      {0.2140411, 0.5},
+                                      {0.5, 0.7353570},
+                                      {1, 1}};
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
         float x = (float)pairs[i][0];
         psplat_material material = material_of((const float[]){x, x, x}, 0, 1);

@@ -90,6 +90,19 @@ picture picture_draw(const psplat_asset *asset, const double transform[16],
     return p;
 }
 
+picture picture_of(const scene *s, const double transform[16], const psplat_view *view) {
+    psplat_asset *asset = scene_open(s);
+    picture p = picture_draw(asset, transform, view);
+    psplat_asset_destroy(asset);
+    return p;
+}
+
+size_t picture_covered(const picture *p) {
+    size_t count = 0;
+    for (int i = 0; i < p->width * p->height; ++i) count += p->image.count[i] > 0;
+    return count;
+}
+
 void picture_free(picture *p) {
     free(p->image.color);
     free(p->image.uv);

@@ -6,6 +6,8 @@
 #ifndef PHONGSPLAT_TEST_CAMERA_H
 #define PHONGSPLAT_TEST_CAMERA_H
 
+#include "scene.h"
+
 #include <phongsplat/reference.h>
 
 #define CAMERA_PI 3.14159265358979323846
@@ -30,6 +32,9 @@ typedef struct picture {
 /* Ends the program with a message where drawing fails: a test cannot go on. */
 picture picture_draw(const psplat_asset *asset, const double transform[16],
                      const psplat_view *view);
+picture picture_of(const scene *s, const double transform[16], const psplat_view *view);
 void picture_free(picture *p);
+
+size_t picture_covered(const picture *p); /* pixels */
 
 #endif
