@@ -249,6 +249,25 @@ static void local_normals(const seedling *s, const psplat_region *region, size_t
     }
 }
 
+/* Fits the normal field to growth->chosen and returns the root mean square of its error, radians.
+ */
+static double fit_field(const seedling *s, const psplat_region *region, size_t count,
+                        double field[4]) {
+    psplat_growth *g = s->growth;
+    double squares = 0;
+    local_normals(s, region, count);
+    psplat_fit_normals((const double(*)[2])g->local, (const double(*)[2])g->plane, count, field);
+    for (size_t i = 0; i < count; ++i) {
+        double a[3] = {g->plane[i][0], g->plane[i][1], 1}, c[3];
+        double b[3] = {field[0] + field[2] * g->local[i][0], field[1] + field[3] * g->local[i][1],
+                       1};
+        cross3(c, a, b);
+        double angle = atan2(length3(c), dot3(a, b));
+        squares += angle * angle;
+    }
+    return sqrt(squares / (double)count);
+}
+
 static void mean_color(const seedling *s, size_t count, float color[4]) {
     double sum[4] = {0};
     for (size_t i = 0; i < count; ++i)
@@ -258,8 +277,8 @@ static void mean_color(const seedling *s, size_t count, float color[4]) {
 }
 
 /* Makes growth->chosen (count of them, inside region) the candidate's own. */
-static void adopt(seedling *s, const psplat_region *region, double deviation, size_t count,
-                  psplat_candidate *candidate) {
+static void adopt(seedling *s, const psplat_region *region, const double field[4], double deviation,
+                  size_t count, psplat_candidate *candidate) {
     psplat_growth *g = s->growth;
     uint32_t *covered = realloc(candidate->covered, count * sizeof *covered);
     if (!covered) {
@@ -272,9 +291,7 @@ static void adopt(seedling *s, const psplat_region *region, double deviation, si
     candidate->region = *region;
     candidate->triangle = s->triangle;
     candidate->deviation = deviation;
-    local_normals(s, region, count);
-    psplat_fit_normals((const double(*)[2])g->local, (const double(*)[2])g->plane, count,
-                       candidate->field);
+    memcpy(candidate->field, field, sizeof candidate->field);
     for (int k = 0; k < 4; ++k) candidate->color[k] = 1;
     if (s->samples->colors) mean_color(s, count, candidate->color);
 }
@@ -286,7 +303,7 @@ static void adopt(seedling *s, const psplat_region *region, double deviation, si
 static trial_result try_reach(seedling *s, double reach, psplat_candidate *candidate,
                               size_t *gathered) {
     psplat_region region;
-    double deviation;
+    double deviation, field[4];
     size_t count = choose_near(s, reach);
     *gathered = count;
     for (int round = 0; round < 2 && !s->failed; ++round) {
@@ -298,7 +315,9 @@ static trial_result try_reach(seedling *s, double reach, psplat_candidate *candi
         if (!settle_height(s, &region, &deviation) || !area_fits(s, &region)) return TRIAL_TOO_FAR;
         size_t covered = cover(s, &region);
         if (!covered) return TRIAL_TOO_FAR;
-        if (covered > candidate->covered_count) adopt(s, &region, deviation, covered, candidate);
+        if (fit_field(s, &region, covered, field) > s->limits->normal_error) return TRIAL_TOO_FAR;
+        if (covered > candidate->covered_count)
+            adopt(s, &region, field, deviation, covered, candidate);
         if (!region.line_count || covered >= count) break;
         count = covered;
     }
@@ -383,7 +402,9 @@ static void force(seedling *s, double radius, psplat_candidate *candidate) {
     }
     s->growth->chosen[0] = s->seed;
     s->growth->local[0][0] = s->growth->local[0][1] = 0;
-    adopt(s, &region, radius, 1, candidate);
+    double field[4];
+    fit_field(s, &region, 1, field);
+    adopt(s, &region, field, radius, 1, candidate);
 }
 
 psplat_result psplat_candidate_grow(const psplat_surface *surface, const psplat_samples *samples,

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <stdio.h>
 
+static const double degree = 3.141592653589793 / 180;
 static const double default_tolerance_percent = 0.5;
 static const double default_crease_angle_degrees = 30;
 
@@ -15,8 +16,13 @@ static const double default_crease_angle_degrees = 30;
 static const double fitted_part = 0.98;
 /* Creases are the lines that the eye follows: what they may leave the surface by, and how far a
  * splat may reach over them, in parts of the tolerance. */
-static const double crease_part = 0.35;
-static const double crease_slack_part = 0.15;
+static const double crease_part = 0.15;
+static const double crease_slack_part = 0.1;
+/* A small distance says nothing about normals: a fillet lower than the tolerance would be smeared
+ * over the faces beside it. Their error is bounded by what the mesh itself leaves open, its
+ * roughness, but not below the first nor above the last of these. */
+static const double normal_error_degrees[2] = {3, 20};
+static const double normal_error_roughness = 1.5;
 /* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
  * are about sqrt(R tolerance) wide, and some ten samples across describe one. */
 static const double spacing_percent = 0.85;
@@ -46,6 +52,11 @@ static int interrupted(const psplat_convert_desc *desc, const char *stage, doubl
     return desc->progress && desc->progress(desc->user, stage, fraction);
 }
 
+static double normal_error(const psplat_surface *surface) {
+    double low = normal_error_degrees[0] * degree, high = normal_error_degrees[1] * degree;
+    return fmin(fmax(normal_error_roughness * surface->roughness, low), high);
+}
+
 static void set_limits(conversion *c) {
     double percent = tolerance_percent(c->desc), diagonal = c->surface.diagonal;
     double spacing = spacing_percent / 100 * diagonal * sqrt(percent);
@@ -54,7 +65,8 @@ static void set_limits(conversion *c) {
     c->limits = (psplat_limits){.tolerance = fitted_part * c->tolerance,
                                 .crease_tolerance = crease_part * c->tolerance,
                                 .crease_slack = crease_slack_part * c->tolerance,
-                                .margin = margin_spacings * spacing};
+                                .margin = margin_spacings * spacing,
+                                .normal_error = normal_error(&c->surface)};
 }
 
 /* Greatest distance between two overlapping splats of one surface, along their normal. */
@@ -62,7 +74,7 @@ static float depth_tolerance(const conversion *c) {
     double deviation = 0;
     for (size_t i = 0; i < c->selection.count; ++i)
         deviation = fmax(deviation, c->selection.candidates[i].deviation);
-    return (float)fmin(fmax(2 * deviation, 0.25 * c->tolerance), 2 * c->tolerance);
+    return (float)fmax(2 * deviation, 0.25 * c->tolerance);
 }
 
 /* Finds holes on fresh samples and makes them samples to cover. Stores how many it found. */
@@ -105,12 +117,18 @@ static psplat_result select_splats(conversion *c, psplat_error *error) {
     for (int round = 0; round < REPAIRS && !result && holes; ++round) {
         if (interrupted(c->desc, "closing holes", (double)round / REPAIRS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-        result = find_holes(c, round, &holes, error); if(getenv("DBG")) fprintf(stderr,"round %d splats %zu holes %zu\n",round,c->splats->count,holes);
+        result = find_holes(c, round, &holes, error);
+        if (getenv("DBG"))
+            fprintf(stderr, "round %d splats %zu holes %zu\n", round, c->splats->count, holes);
         if (result || !holes) break;
         result = psplat_selection_refresh(&c->surface, &c->samples, &c->limits, &c->selection);
         if (result) return psplat_fail(error, result, 0, "out of memory while closing holes");
         result = select_and_store(c, error);
     }
+    if (!result) result = psplat_join_lines(&c->surface, &c->limits, &c->selection);
+    if (!result) result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
+    if (result == PSPLAT_ERROR_MEMORY)
+        psplat_fail(error, result, 0, "out of memory while joining splats");
     return result;
 }
 
@@ -146,8 +164,7 @@ static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *
         desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
     if (interrupted(desc, "finding creases", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-    psplat_result result =
-        psplat_surface_build(mesh, degrees * (3.141592653589793 / 180), &c->surface, error);
+    psplat_result result = psplat_surface_build(mesh, degrees * degree, &c->surface, error);
     if (result) return result;
     set_limits(c);
     if (interrupted(desc, "sampling", 0))

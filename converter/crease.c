@@ -211,11 +211,20 @@ static void number_patches(psplat_surface *surface, uint32_t *stack) {
     }
 }
 
-static void count_creases(psplat_surface *surface) {
-    size_t halves = 0;
-    for (uint32_t e = 0; e < 3 * surface->mesh->triangle_count; ++e)
-        halves += surface->creases[e] && surface->neighbors[e] != PSPLAT_NONE;
+static void measure_edges(psplat_surface *surface) {
+    size_t halves = 0, smooth = 0;
+    double squares = 0;
+    for (uint32_t e = 0; e < 3 * surface->mesh->triangle_count; ++e) {
+        if (surface->creases[e]) {
+            halves += surface->neighbors[e] != PSPLAT_NONE;
+        } else if (e / 3 < surface->neighbors[e]) {
+            double angle = edge_angle(surface, e);
+            squares += angle * angle;
+            ++smooth;
+        }
+    }
     surface->crease_edges = halves / 2;
+    surface->roughness = smooth ? sqrt(squares / (double)smooth) : 0;
 }
 
 psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle) {
@@ -232,7 +241,7 @@ psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle) {
             if (surface->creases[e]) reached[edge_end(surface, e, 0)] = 1;
         follow_weak(surface, edges, weak_count, reached);
         number_patches(surface, edges);
-        count_creases(surface);
+        measure_edges(surface);
         result = PSPLAT_OK;
     }
     free(edges);

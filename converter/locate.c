@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * locate.c - which splats are near a point: a tree of boxes, split at the median of the longer
+ * locate.c - which regions are near a point: a tree of boxes, split at the median of the longer
  * side.
  */
 #include "stages.h"
@@ -21,7 +21,6 @@ typedef struct node {
 } node;
 
 struct psplat_locator {
-    psplat_region *regions;
     box *boxes;
     uint32_t *order;
     node *nodes;
@@ -91,20 +90,18 @@ static void build(psplat_locator *l, uint32_t index, uint32_t begin, uint32_t en
     build(l, child + 1, split, end);
 }
 
-psplat_locator *psplat_locator_create(const psplat_splat *splats, size_t count, double reach) {
+psplat_locator *psplat_locator_create(const psplat_region *regions, size_t count, double reach) {
     psplat_locator *l = calloc(1, sizeof *l);
     if (!l) return NULL;
-    l->regions = malloc((count + 1) * sizeof *l->regions);
     l->boxes = malloc((count + 1) * sizeof *l->boxes);
     l->order = malloc((count + 1) * sizeof *l->order);
     l->nodes = malloc((2 * count + 1) * sizeof *l->nodes);
-    if (!l->regions || !l->boxes || !l->order || !l->nodes) {
+    if (!l->boxes || !l->order || !l->nodes) {
         psplat_locator_destroy(l);
         return NULL;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        psplat_splat_region(&splats[i], &l->regions[i]);
-        l->boxes[i] = region_box(&l->regions[i], reach);
+        l->boxes[i] = region_box(&regions[i], reach);
         l->order[i] = i;
     }
     if (!count) return l;
@@ -120,7 +117,7 @@ static int holds(const box *b, const double p[3]) {
 }
 
 void psplat_locator_visit(const psplat_locator *l, const double point[3],
-                          int (*visit)(void *user, uint32_t splat), void *user) {
+                          int (*visit)(void *user, uint32_t region), void *user) {
     uint32_t stack[DEPTH], depth = 0;
     if (l->node_count) stack[depth++] = 0;
     while (depth) {
@@ -136,13 +133,8 @@ void psplat_locator_visit(const psplat_locator *l, const double point[3],
     }
 }
 
-const psplat_region *psplat_locator_regions(const psplat_locator *l) {
-    return l->regions;
-}
-
 void psplat_locator_destroy(psplat_locator *l) {
     if (!l) return;
-    free(l->regions);
     free(l->boxes);
     free(l->order);
     free(l->nodes);

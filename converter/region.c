@@ -211,9 +211,10 @@ static int meet_crease(psplat_walk *walk, const psplat_surface *surface,
         if (t > along[0] * edge[last][0] + along[1] * edge[last][1]) last = i;
     }
     const uint32_t *vertices = surface->mesh->triangles + 3 * (size_t)triangle;
-    psplat_segment segment = {.a = {edge[first][0], edge[first][1]},
-                              .b = {edge[last][0], edge[last][1]},
-                              .vertex = {vertices[k], vertices[next]}};
+    psplat_segment segment = {.vertex = {vertices[k], vertices[next]},
+                              .across = surface->neighbors[3 * triangle + k]};
+    memcpy(segment.a, edge[first], sizeof segment.a);
+    memcpy(segment.b, edge[last], sizeof segment.b);
     return push_segment(walk, &segment);
 }
 

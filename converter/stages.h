@@ -37,6 +37,7 @@ typedef struct psplat_surface {
     size_t patch_count;
     size_t crease_edges; /* half-edges counted once, borders not included */
     size_t border_edges;
+    double roughness; /* root mean square of the dihedral angles inside patches */
     double area;
     double diagonal; /* of the bounding box of used vertices */
 } psplat_surface;
@@ -141,10 +142,11 @@ typedef struct psplat_region {
     uint32_t line_count;
 } psplat_region;
 
-/* Part of a crease inside a region, in (u, v), the surface to its left. */
+/* Part of a crease inside a region: its ends as (u, v, height), the surface to its left. */
 typedef struct psplat_segment {
-    double a[2], b[2];
+    double a[3], b[3];
     uint32_t vertex[2]; /* the crease edge's ends, before clipping */
+    uint32_t across;    /* triangle on the other side, or PSPLAT_NONE */
 } psplat_segment;
 
 /* Scratch of one thread, and the result of the last walk. Zero-initialise; grows on demand. */
@@ -176,8 +178,8 @@ size_t psplat_region_polygon(const psplat_region *region, int inscribed, double 
 
 /* Walks the surface from a seed triangle over all triangles that meet the region without crossing
  * a crease. Heights are exact for the circumscribed polygon, hence bounds for the region. The walk
- * stops early (aborted) where greatest and least height differ by more than range, unless lines yet to
- * be chosen might cut that away: a region without lines has met a crease. */
+ * stops early (aborted) where greatest and least height differ by more than range, unless lines yet
+ * to be chosen might cut that away: a region without lines has met a crease. */
 void psplat_walk_surface(psplat_walk *walk, const psplat_surface *surface,
                          const psplat_region *region, uint32_t seed_triangle, double range);
 
@@ -197,6 +199,7 @@ typedef struct psplat_limits {
     double crease_tolerance; /* the same along creases, so that crease lines stay lines */
     double crease_slack;     /* reach over a crease, within the plane */
     double margin;           /* overlap beyond the covered samples */
+    double normal_error;     /* root mean square of the normal field's, radians */
 } psplat_limits;
 
 /* A possible splat and the samples that it covers. */
@@ -216,7 +219,7 @@ typedef struct psplat_growth {
     uint32_t *chosen;
     double (*plane)[2];
     double (*local)[2];
-    uint32_t *near; /* samples gathered around the seed, near_count, */
+    uint32_t *near;    /* samples gathered around the seed, near_count, */
     double *distances; /* and how far they are in the metric */
     size_t near_count;
     size_t capacity;
@@ -256,26 +259,32 @@ void psplat_selection_free(psplat_selection *selection);
 
 /* ---- store.c ------------------------------------------------------------------------------- */
 
-/* The plane region of a stored splat, in double. */
-void psplat_splat_region(const psplat_splat *splat, psplat_region *region);
+/* The plane regions of stored splats, in double; malloc'ed, NULL when out of memory. */
+psplat_region *psplat_splat_regions(const psplat_splats *splats);
 
 /* The selection in its stored form: single precision, sorted by clip lines and then along a
  * Morton curve. Fills splats, counts and has_color. */
 psplat_result psplat_store_splats(const psplat_selection *selection, int has_color,
                                   psplat_splats *splats);
 
-/* ---- locate.c: which splats are near a point ------------------------------------------------ */
+/* ---- locate.c: which regions are near a point ------------------------------------------------ */
 
 typedef struct psplat_locator psplat_locator;
-/* reach: distance around each splat at which it is found. NULL when out of memory. */
-psplat_locator *psplat_locator_create(const psplat_splat *splats, size_t count, double reach);
-/* Calls visit for each splat whose box, grown by reach, holds the point, until visit returns
- * other than 0. */
+/* reach: distance around each region at which it is found. The regions are not kept. NULL when out
+ * of memory. */
+psplat_locator *psplat_locator_create(const psplat_region *regions, size_t count, double reach);
+/* Calls visit with the index of each region whose box, grown by reach, holds the point, until visit
+ * returns other than 0. */
 void psplat_locator_visit(const psplat_locator *locator, const double point[3],
-                          int (*visit)(void *user, uint32_t splat), void *user);
-/* The plane regions of all splats, in double. */
-const psplat_region *psplat_locator_regions(const psplat_locator *locator);
+                          int (*visit)(void *user, uint32_t region), void *user);
 void psplat_locator_destroy(psplat_locator *locator);
+
+/* ---- join.c -------------------------------------------------------------------------------- */
+
+/* Moves clip lines out to where the plane meets those of the candidates across the crease, so that
+ * neighbouring faces close. */
+psplat_result psplat_join_lines(const psplat_surface *surface, const psplat_limits *limits,
+                                psplat_selection *selection);
 
 /* ---- verify.c ------------------------------------------------------------------------------ */
 

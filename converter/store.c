@@ -49,7 +49,7 @@ static void candidate_to_splat(const psplat_candidate *candidate, psplat_splat *
     splat->clip_count = region->line_count;
 }
 
-void psplat_splat_region(const psplat_splat *splat, psplat_region *region) {
+static void splat_to_region(const psplat_splat *splat, psplat_region *region) {
     double q[4], length = 0;
     for (int k = 0; k < 4; ++k) length += (double)splat->rotation[k] * (double)splat->rotation[k];
     for (int k = 0; k < 4; ++k) q[k] = (double)splat->rotation[k] / sqrt(length);
@@ -63,6 +63,13 @@ void psplat_splat_region(const psplat_splat *splat, psplat_region *region) {
         .line_count = splat->clip_count};
     for (uint32_t i = 0; i < splat->clip_count; ++i)
         for (int k = 0; k < 3; ++k) region->lines[i][k] = (double)splat->clip[i][k];
+}
+
+psplat_region *psplat_splat_regions(const psplat_splats *splats) {
+    psplat_region *regions = malloc((splats->count + 1) * sizeof *regions);
+    for (size_t i = 0; regions && i < splats->count; ++i)
+        splat_to_region(&splats->splats[i], &regions[i]);
+    return regions;
 }
 
 typedef struct order_entry {

@@ -13,6 +13,8 @@ enum { SAMPLES_PER_SPLAT = 200, LEAST_SAMPLES = 20000, MOST_SAMPLES = 1000000, C
 
 /* Single precision may cut this much of a unit ellipse. */
 static const double float_slack = 2e-6;
+/* Splats seen more edge-on than this do not show. */
+static const double least_cosine = 0.1;
 
 /* Distance in the plane from a point outside a convex polygon, in units of length. */
 static double polygon_distance(const psplat_region *region, double (*polygon)[2], size_t count,
@@ -40,25 +42,45 @@ static double nearer_distance(const psplat_region *region, const double uvh[3], 
     return min2(distance, hypot(uvh[2], polygon_distance(region, polygon, count, uvh)));
 }
 
+/* ---- splats, ready to be measured --------------------------------------------------------- */
+
+typedef struct measured_splats {
+    const psplat_splats *splats;
+    psplat_region *regions;
+    psplat_locator *locator;
+    double tolerance;
+} measured_splats;
+
+static void measured_free(measured_splats *measured) {
+    psplat_locator_destroy(measured->locator);
+    free(measured->regions);
+    *measured = (measured_splats){0};
+}
+
+static int measured_create(measured_splats *measured, const psplat_splats *splats,
+                           double tolerance) {
+    *measured = (measured_splats){.splats = splats, .tolerance = tolerance * (1 + 1e-6)};
+    measured->regions = psplat_splat_regions(splats);
+    if (measured->regions)
+        measured->locator = psplat_locator_create(measured->regions, splats->count, tolerance);
+    if (measured->locator) return 1;
+    measured_free(measured);
+    return 0;
+}
+
 /* ---- one sample ---------------------------------------------------------------------------- */
 
 /* What the splats near one surface point make of it. */
 typedef struct probe {
-    const psplat_splats *splats;
-    const psplat_region *regions;
+    const measured_splats *measured;
     double point[3], normal[3];
-    double tolerance;
     double distance; /* to the nearest splat */
     int covered;
     double blended[3], constant[3]; /* weighted normals, with and without gradients */
 } probe;
 
-static probe probe_at(const psplat_samples *samples, size_t i, const psplat_splats *splats,
-                      const psplat_locator *locator, double tolerance) {
-    probe p = {.splats = splats,
-               .regions = psplat_locator_regions(locator),
-               .tolerance = tolerance * (1 + 1e-6),
-               .distance = HUGE_VAL};
+static probe probe_at(const psplat_samples *samples, size_t i, const measured_splats *measured) {
+    probe p = {.measured = measured, .distance = HUGE_VAL};
     memcpy(p.point, samples->positions + 3 * i, sizeof p.point);
     for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)samples->normals[3 * i + k];
     return p;
@@ -66,69 +88,80 @@ static probe probe_at(const psplat_samples *samples, size_t i, const psplat_spla
 
 /* A splat of the other side of a thin part does not cover this one. */
 static int covers(const probe *p, const psplat_region *region, const double uvh[3]) {
-    return fabs(uvh[2]) <= p->tolerance && dot3(p->normal, region->n) > 0 &&
+    return fabs(uvh[2]) <= p->measured->tolerance && dot3(p->normal, region->n) > 0 &&
            psplat_region_contains(region, uvh, 1 + float_slack, float_slack);
 }
 
 static int visit_cover(void *user, uint32_t index) {
     probe *p = user;
     double uvh[3];
-    psplat_region_local(&p->regions[index], p->point, uvh);
-    return p->covered = covers(p, &p->regions[index], uvh);
+    const psplat_region *region = &p->measured->regions[index];
+    psplat_region_local(region, p->point, uvh);
+    return p->covered = covers(p, region, uvh);
 }
 
-static void blend_normal(probe *p, const psplat_splat *splat, const psplat_region *region,
-                         const double uv[2]) {
-    double r = hypot(uv[0], uv[1]);
-    double weight = exp(-(double)p->splats->kernel.sharpness *
-                        pow(r, (double)p->splats->kernel.exponent));
+/* Adds a splat's normal as seen along the surface's own normal, which is what a viewer facing the
+ * surface there gets (spec 5.4). */
+static void blend_normal(probe *p, const psplat_splat *splat, const psplat_region *region) {
+    double cosine = dot3(p->normal, region->n), d[3], q[3], uvh[3];
+    if (cosine < least_cosine) return;
+    sub3(d, region->center, p->point);
+    double t = dot3(d, region->n) / cosine;
+    if (fabs(t) > 2 * p->measured->tolerance) return;
+    memcpy(q, p->point, sizeof q);
+    mad3(q, t, p->normal);
+    psplat_region_local(region, q, uvh);
+    if (!psplat_region_contains(region, uvh, 1, 0)) return;
+    const psplat_kernel *kernel = &p->measured->splats->kernel;
+    double r = hypot(uvh[0], uvh[1]);
+    double weight = exp(-(double)kernel->sharpness * pow(r, (double)kernel->exponent));
     double center[3] = {(double)splat->normal[0], (double)splat->normal[1],
                         (double)splat->normal[2]};
     mad3(p->constant, weight / dot3(center, region->n), center);
     mad3(p->blended, weight / dot3(center, region->n), center);
-    mad3(p->blended, weight * (double)splat->gradient[0] * uv[0], region->u);
-    mad3(p->blended, weight * (double)splat->gradient[1] * uv[1], region->v);
+    mad3(p->blended, weight * (double)splat->gradient[0] * uvh[0], region->u);
+    mad3(p->blended, weight * (double)splat->gradient[1] * uvh[1], region->v);
 }
 
 static int visit_splat(void *user, uint32_t index) {
     probe *p = user;
-    const psplat_region *region = &p->regions[index];
+    const psplat_region *region = &p->measured->regions[index];
     double uvh[3];
     psplat_region_local(region, p->point, uvh);
     p->distance = nearer_distance(region, uvh, p->distance);
-    if (!covers(p, region, uvh)) return 0;
-    p->covered = 1;
-    blend_normal(p, &p->splats->splats[index], region, uvh);
+    p->covered |= covers(p, region, uvh);
+    blend_normal(p, &p->measured->splats->splats[index], region);
     return 0;
 }
 
-static void probe_sample(probe *p, const psplat_locator *locator) {
-    psplat_locator_visit(locator, p->point, visit_splat, p);
-    if (p->distance <= p->tolerance) return;
+static void probe_sample(probe *p) {
+    const measured_splats *m = p->measured;
+    psplat_locator_visit(m->locator, p->point, visit_splat, p);
+    if (p->distance <= m->tolerance) return;
     /* Nothing within reach: the sample is a hole, and its distance wants the whole set. */
-    for (size_t s = 0; s < p->splats->count; ++s) {
+    for (size_t s = 0; s < m->splats->count; ++s) {
         double uvh[3];
-        psplat_region_local(&p->regions[s], p->point, uvh);
-        p->distance = nearer_distance(&p->regions[s], uvh, p->distance);
+        psplat_region_local(&m->regions[s], p->point, uvh);
+        p->distance = nearer_distance(&m->regions[s], uvh, p->distance);
     }
 }
 
 psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
                                      double tolerance, uint8_t *uncovered, size_t *count) {
-    psplat_locator *locator = psplat_locator_create(splats->splats, splats->count, tolerance);
-    if (!locator) return PSPLAT_ERROR_MEMORY;
+    measured_splats measured;
+    if (!measured_create(&measured, splats, tolerance)) return PSPLAT_ERROR_MEMORY;
     size_t total = 0;
     long samples_count = (long)samples->count;
 #if defined(_OPENMP)
 #pragma omp parallel for schedule(static) reduction(+ : total)
 #endif
     for (long i = 0; i < samples_count; ++i) {
-        probe p = probe_at(samples, (size_t)i, splats, locator, tolerance);
-        psplat_locator_visit(locator, p.point, visit_cover, &p);
+        probe p = probe_at(samples, (size_t)i, &measured);
+        psplat_locator_visit(measured.locator, p.point, visit_cover, &p);
         uncovered[i] = !p.covered;
         total += !p.covered;
     }
-    psplat_locator_destroy(locator);
+    measured_free(&measured);
     *count = total;
     return PSPLAT_OK;
 }
@@ -146,16 +179,18 @@ static double angle_degrees(const double a[3], const double b[3]) {
 typedef struct measurements {
     double *distances, *angles, *constant_angles;
     uint8_t *covered;
+    uint8_t *blended; /* whether a splat shows along the normal */
 } measurements;
 
-static void measure_sample(const psplat_samples *samples, size_t i, const psplat_splats *splats,
-                           const psplat_locator *locator, double tolerance, measurements *m) {
-    probe p = probe_at(samples, i, splats, locator, tolerance);
-    probe_sample(&p, locator);
+static void measure_sample(const psplat_samples *samples, size_t i, const measured_splats *measured,
+                           measurements *m) {
+    probe p = probe_at(samples, i, measured);
+    probe_sample(&p);
     m->distances[i] = p.distance;
     m->covered[i] = (uint8_t)p.covered;
-    m->angles[i] = p.covered ? angle_degrees(p.blended, p.normal) : 0;
-    m->constant_angles[i] = p.covered ? angle_degrees(p.constant, p.normal) : 0;
+    m->blended[i] = dot3(p.blended, p.blended) > 0;
+    m->angles[i] = angle_degrees(p.blended, p.normal);
+    m->constant_angles[i] = angle_degrees(p.constant, p.normal);
 }
 
 static int compare_doubles(const void *left, const void *right) {
@@ -165,76 +200,73 @@ static int compare_doubles(const void *left, const void *right) {
 
 static void summarise(measurements *m, size_t count, double diagonal, psplat_report *report) {
     double squares = 0, greatest = 0, angles = 0, constant_angles = 0;
-    size_t covered = 0;
+    size_t covered = 0, blended = 0;
     for (size_t i = 0; i < count; ++i) {
         squares += m->distances[i] * m->distances[i];
         greatest = max2(greatest, m->distances[i]);
-        if (!m->covered[i]) continue;
+        covered += m->covered[i];
+        if (!m->blended[i]) continue;
         angles += m->angles[i] * m->angles[i];
         constant_angles += m->constant_angles[i] * m->constant_angles[i];
-        m->angles[covered++] = m->angles[i];
+        m->angles[blended++] = m->angles[i];
     }
-    qsort(m->angles, covered, sizeof(double), compare_doubles);
-    double some = covered ? (double)covered : 1;
+    qsort(m->angles, blended, sizeof(double), compare_doubles);
+    double some = blended ? (double)blended : 1;
     report->verification_samples = count;
     report->uncovered_samples = count - covered;
     report->max_distance_surface_percent = 100 * greatest / diagonal;
     report->rms_distance_percent = 100 * sqrt(squares / (double)count) / diagonal;
     report->rms_normal_degrees = sqrt(angles / some);
     report->rms_normal_constant_degrees = sqrt(constant_angles / some);
-    report->p95_normal_degrees = covered ? m->angles[(covered - 1) * 95 / 100] : 0;
+    report->p95_normal_degrees = blended ? m->angles[(blended - 1) * 95 / 100] : 0;
 }
 
-static psplat_result measure_surface(const psplat_samples *samples, const psplat_splats *splats,
-                                     double tolerance, double diagonal, psplat_report *report) {
+static psplat_result measure_surface(const psplat_samples *samples, const measured_splats *measured,
+                                     double diagonal, psplat_report *report) {
     size_t count = samples->count;
     measurements m = {malloc(count * sizeof(double)), malloc(count * sizeof(double)),
-                      malloc(count * sizeof(double)), malloc(count)};
-    psplat_locator *locator = psplat_locator_create(splats->splats, splats->count, tolerance);
+                      malloc(count * sizeof(double)), malloc(count), malloc(count)};
     psplat_result result = PSPLAT_ERROR_MEMORY;
-    if (m.distances && m.angles && m.constant_angles && m.covered && locator) {
+    if (m.distances && m.angles && m.constant_angles && m.covered && m.blended) {
         long end = (long)count;
 #if defined(_OPENMP)
 #pragma omp parallel for schedule(static)
 #endif
-        for (long i = 0; i < end; ++i)
-            measure_sample(samples, (size_t)i, splats, locator, tolerance, &m);
+        for (long i = 0; i < end; ++i) measure_sample(samples, (size_t)i, measured, &m);
         summarise(&m, count, diagonal, report);
         result = PSPLAT_OK;
     }
-    psplat_locator_destroy(locator);
     free(m.distances);
     free(m.angles);
     free(m.constant_angles);
     free(m.covered);
+    free(m.blended);
     return result;
 }
 
 /* ---- splats to surface ---------------------------------------------------------------------- */
 
 /* Points of a splat: the corners of its outline, the same halfway in, and its middle. */
-static size_t splat_points(const psplat_splat *splat, double (*points)[3]) {
-    psplat_region region;
+static size_t region_points(const psplat_region *region, double (*points)[3]) {
     double polygon[CORNERS][2], middle[2] = {0, 0};
-    psplat_splat_region(splat, &region);
-    size_t count = psplat_region_polygon(&region, 1, polygon, CORNERS);
+    size_t count = psplat_region_polygon(region, 1, polygon, CORNERS);
     for (size_t i = 0; i < count; ++i)
         for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)count;
     for (size_t i = 0; i < 2 * count + 1; ++i) {
         double t = i < count ? 1 : i < 2 * count ? 0.5 : 0;
         const double *corner = polygon[i % count];
-        memcpy(points[i], region.center, sizeof points[i]);
-        mad3(points[i], (middle[0] + t * (corner[0] - middle[0])) * region.radius[0], region.u);
-        mad3(points[i], (middle[1] + t * (corner[1] - middle[1])) * region.radius[1], region.v);
+        memcpy(points[i], region->center, sizeof points[i]);
+        mad3(points[i], (middle[0] + t * (corner[0] - middle[0])) * region->radius[0], region->u);
+        mad3(points[i], (middle[1] + t * (corner[1] - middle[1])) * region->radius[1], region->v);
     }
     return count ? 2 * count + 1 : 0;
 }
 
-static psplat_result measure_splats(const psplat_mesh *mesh, const psplat_splats *splats,
+static psplat_result measure_splats(const psplat_mesh *mesh, const measured_splats *measured,
                                     double *greatest) {
     psplat_distance *distance = psplat_distance_create(mesh);
     if (!distance) return PSPLAT_ERROR_MEMORY;
-    long end = (long)splats->count;
+    long end = (long)measured->splats->count;
     double most = 0;
     int failed = 0;
 #if defined(_OPENMP)
@@ -242,7 +274,7 @@ static psplat_result measure_splats(const psplat_mesh *mesh, const psplat_splats
 #endif
     for (long i = 0; i < end; ++i) {
         double points[2 * CORNERS + 1][3], distances[2 * CORNERS + 1];
-        size_t count = splat_points(&splats->splats[i], points);
+        size_t count = region_points(&measured->regions[i], points);
         failed |= psplat_distance_query(distance, &points[0][0], count, distances) != PSPLAT_OK;
         for (size_t k = 0; k < count && !failed; ++k) most = max2(most, distances[k]);
     }
@@ -261,8 +293,11 @@ psplat_result psplat_verify(const psplat_surface *surface, const psplat_splats *
     psplat_result result = psplat_samples_draw_uniform(surface, wanted, seed, &samples, error);
     if (result) return result;
     double greatest = 0;
-    result = measure_surface(&samples, splats, tolerance, surface->diagonal, report);
-    if (!result) result = measure_splats(surface->mesh, splats, &greatest);
+    measured_splats measured = {0};
+    if (!measured_create(&measured, splats, tolerance)) result = PSPLAT_ERROR_MEMORY;
+    if (!result) result = measure_surface(&samples, &measured, surface->diagonal, report);
+    if (!result) result = measure_splats(surface->mesh, &measured, &greatest);
+    measured_free(&measured);
     psplat_samples_free(&samples);
     if (result) return psplat_fail(error, result, 0, "out of memory while verifying");
     report->max_distance_splats_percent = 100 * greatest / surface->diagonal;
