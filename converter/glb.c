@@ -6,10 +6,9 @@
  * default. Equal splats give equal bytes, whatever the locale and the machine's byte order.
  */
 #include "converter.h"
+#include "json_writer.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,13 +46,6 @@ static const column columns[COLUMNS] = {
     CLIP_COLUMN(3),
 };
 
-/* A growing string; after a failed allocation further additions do nothing. */
-typedef struct text {
-    char *data;
-    size_t size, capacity;
-    int failed;
-} text;
-
 /* A run of splats with the same number of clip lines: one primitive. */
 typedef struct run {
     const psplat_splat *splats;
@@ -63,93 +55,6 @@ typedef struct run {
     size_t column_count;
     float min[3], max[3];
 } run;
-
-static void text_add_bytes(text *t, const char *bytes, size_t size) {
-    if (t->failed) return;
-    if (t->capacity - t->size < size) {
-        size_t capacity = 2 * t->capacity + size + 1024;
-        char *data = realloc(t->data, capacity);
-        if (!data) {
-            t->failed = 1;
-            return;
-        }
-        t->data = data;
-        t->capacity = capacity;
-    }
-    memcpy(t->data + t->size, bytes, size);
-    t->size += size;
-}
-
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
-static void
-text_add(text *t, const char *format, ...) {
-    char piece[256];
-    va_list arguments;
-    va_start(arguments, format);
-    int size = vsnprintf(piece, sizeof piece, format, arguments);
-    va_end(arguments);
-    if (size > 0) text_add_bytes(t, piece, (size_t)size);
-}
-
-/* The shortest decimal that reads back as the same number. printf writes the decimal separator of
- * the locale, which may be several bytes; whatever is neither digit, sign nor exponent becomes '.'.
- */
-static void text_add_number(text *t, double value, int is_float) {
-    char number[40];
-    for (int precision = 1; precision <= 17; ++precision) {
-        snprintf(number, sizeof number, "%.*g", precision, value);
-        double back = is_float ? (double)strtof(number, NULL) : strtod(number, NULL);
-        if (back == value) break;
-    }
-    char *end = number;
-    int in_separator = 0;
-    for (const char *c = number; *c; ++c) {
-        int is_separator = !strchr("0123456789+-e", *c);
-        if (!is_separator) *end++ = *c;
-        if (is_separator && !in_separator) *end++ = '.';
-        in_separator = is_separator;
-    }
-    text_add_bytes(t, number, (size_t)(end - number));
-}
-
-static void text_add_floats(text *t, const char *key, const float *values, size_t count) {
-    text_add(t, "\"%s\":[", key);
-    for (size_t i = 0; i < count; ++i) {
-        if (i) text_add(t, ",");
-        text_add_number(t, (double)values[i], 1);
-    }
-    text_add(t, "]");
-}
-
-/* Length of the well-formed UTF-8 sequence at s, or 0 (Unicode 15, table 3-7). */
-static size_t utf8_length(const unsigned char *s) {
-    size_t length = s[0] < 0x80 ? 1 : s[0] < 0xc2 ? 0 : s[0] < 0xe0 ? 2 : s[0] < 0xf0 ? 3 : 4;
-    if (length == 0 || s[0] > 0xf4) return 0;
-    for (size_t i = 1; i < length; ++i)
-        if ((s[i] & 0xc0) != 0x80) return 0;
-    if ((s[0] == 0xe0 && s[1] < 0xa0) || (s[0] == 0xed && s[1] > 0x9f)) return 0;
-    if ((s[0] == 0xf0 && s[1] < 0x90) || (s[0] == 0xf4 && s[1] > 0x8f)) return 0;
-    return length;
-}
-
-/* Names come from file names, which may hold any bytes: what is not UTF-8 becomes U+FFFD. */
-static void text_add_string(text *t, const char *string) {
-    const unsigned char *s = (const unsigned char *)string;
-    text_add(t, "\"");
-    while (*s) {
-        size_t length = utf8_length(s);
-        if (length == 0)
-            text_add(t, "\xef\xbf\xbd");
-        else if (*s < 0x20 || *s == '"' || *s == '\\')
-            text_add(t, "\\u%04x", *s);
-        else
-            text_add_bytes(t, (const char *)s, length);
-        s += length ? length : 1;
-    }
-    text_add(t, "\"");
-}
 
 /* ---- runs --------------------------------------------------------------------------------- */
 
@@ -223,61 +128,76 @@ static psplat_result check_splats(const psplat_splats *splats, psplat_error *err
 
 /* ---- JSON --------------------------------------------------------------------------------- */
 
-static void add_attributes(text *t, const run *r, size_t accessor) {
-    const char *separator = "";
-    text_add(t, "\"attributes\":{");
-    for (size_t i = 0; i < COLUMNS; ++i) {
-        if (!r->has_column[i]) continue;
-        text_add(t, "%s\"%s\":%zu", separator, columns[i].name, accessor++);
-        separator = ",";
-    }
-    text_add(t, "}");
+static void add_attributes(psplat_writer *json, const run *r, size_t accessor) {
+    psplat_writer_open(json, "attributes", '{');
+    for (size_t i = 0; i < COLUMNS; ++i)
+        if (r->has_column[i]) psplat_writer_count(json, columns[i].name, accessor++);
+    psplat_writer_close(json, '}');
 }
 
-static void add_kernel(text *t, const psplat_kernel *kernel) {
+static void add_kernel(psplat_writer *json, const psplat_kernel *kernel) {
     if (kernel->sharpness == PSPLAT_DEFAULT_KERNEL_SHARPNESS &&
         kernel->exponent == PSPLAT_DEFAULT_KERNEL_EXPONENT)
         return;
-    text_add(t, ",\"kernel\":{\"sharpness\":");
-    text_add_number(t, (double)kernel->sharpness, 1);
-    text_add(t, ",\"exponent\":");
-    text_add_number(t, (double)kernel->exponent, 1);
-    text_add(t, "}");
+    psplat_writer_open(json, "kernel", '{');
+    psplat_writer_float(json, "sharpness", kernel->sharpness);
+    psplat_writer_float(json, "exponent", kernel->exponent);
+    psplat_writer_close(json, '}');
 }
 
-static void add_primitive(text *t, const run *r, size_t accessor, const psplat_splats *splats,
-                          int has_material) {
+static void add_primitive(psplat_writer *json, const run *r, size_t accessor,
+                          const psplat_splats *splats, int has_material) {
     float extent[3];
     for (size_t i = 0; i < 3; ++i) extent[i] = (float)((double)r->max[i] - (double)r->min[i]);
-    text_add(t, "{\"mode\":0,");
-    add_attributes(t, r, accessor);
-    if (has_material) text_add(t, ",\"material\":0");
-    text_add(t, ",\"extensions\":{\"PSPLAT_surface_splats\":{\"version\":1,\"clipLines\":%zu,",
-             r->clip_lines);
-    text_add(t, "\"depthTolerance\":");
-    text_add_number(t, (double)splats->depth_tolerance, 1);
-    text_add(t, ",");
-    text_add_floats(t, "positionExtent", extent, 3);
-    add_kernel(t, &splats->kernel);
-    text_add(t, "}}}");
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_count(json, "mode", 0);
+    add_attributes(json, r, accessor);
+    if (has_material) psplat_writer_count(json, "material", 0);
+    psplat_writer_open(json, "extensions", '{');
+    psplat_writer_open(json, "PSPLAT_surface_splats", '{');
+    psplat_writer_count(json, "version", 1);
+    psplat_writer_count(json, "clipLines", r->clip_lines);
+    psplat_writer_float(json, "depthTolerance", splats->depth_tolerance);
+    psplat_writer_floats(json, "positionExtent", extent, 3);
+    add_kernel(json, &splats->kernel);
+    psplat_writer_close(json, '}');
+    psplat_writer_close(json, '}');
+    psplat_writer_close(json, '}');
 }
 
-static void add_node(text *t, const psplat_splats *splats, const char *name) {
+static void add_scene(psplat_writer *json, const psplat_splats *splats, const char *name) {
     const double *origin = splats->origin;
-    text_add(t, "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0");
-    if (name && *name) {
-        text_add(t, ",\"name\":");
-        text_add_string(t, name);
+    const double root = 0;
+    psplat_writer_count(json, "scene", 0);
+    psplat_writer_open(json, "scenes", '[');
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_numbers(json, "nodes", &root, 1);
+    psplat_writer_close(json, '}');
+    psplat_writer_close(json, ']');
+    psplat_writer_open(json, "nodes", '[');
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_count(json, "mesh", 0);
+    if (name && *name) psplat_writer_string(json, "name", name);
+    if (origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0)
+        psplat_writer_numbers(json, "translation", origin, 3);
+    psplat_writer_close(json, '}');
+    psplat_writer_close(json, ']');
+}
+
+static void add_mesh(psplat_writer *json, const psplat_splats *splats, const char *name,
+                     const run *runs, size_t run_count, int has_material) {
+    size_t accessor = 0;
+    psplat_writer_open(json, "meshes", '[');
+    psplat_writer_open(json, NULL, '{');
+    if (name && *name) psplat_writer_string(json, "name", name);
+    psplat_writer_open(json, "primitives", '[');
+    for (size_t i = 0; i < run_count; ++i) {
+        add_primitive(json, &runs[i], accessor, splats, has_material);
+        accessor += runs[i].column_count;
     }
-    if (origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0) {
-        text_add(t, ",\"translation\":[");
-        for (size_t i = 0; i < 3; ++i) {
-            if (i) text_add(t, ",");
-            text_add_number(t, origin[i], 0);
-        }
-        text_add(t, "]");
-    }
-    text_add(t, "}],");
+    psplat_writer_close(json, ']');
+    psplat_writer_close(json, '}');
+    psplat_writer_close(json, ']');
 }
 
 static int is_emissive(const psplat_material *m) {
@@ -292,118 +212,116 @@ static float emissive_strength(const psplat_material *m) {
     return fmaxf(1.0f, fmaxf(fmaxf(m->emissive[0], m->emissive[1]), m->emissive[2]));
 }
 
+static int is_white(const float color[4]) {
+    return color[0] == 1.0f && color[1] == 1.0f && color[2] == 1.0f && color[3] == 1.0f;
+}
+
 static int is_default_material(const psplat_material *m) {
-    for (size_t i = 0; i < 4; ++i)
-        if (m->base_color[i] != 1.0f) return 0;
-    return m->metallic == 1.0f && m->roughness == 1.0f && !is_emissive(m) && !m->double_sided &&
-           !m->unlit;
+    return is_white(m->base_color) && m->metallic == 1.0f && m->roughness == 1.0f &&
+           !is_emissive(m) && !m->double_sided && !m->unlit;
 }
 
-static void add_metallic_roughness(text *t, const psplat_material *m) {
-    const float *base = m->base_color;
-    const char *separator = "";
-    text_add(t, "\"pbrMetallicRoughness\":{");
-    if (base[0] != 1.0f || base[1] != 1.0f || base[2] != 1.0f || base[3] != 1.0f) {
-        text_add_floats(t, "baseColorFactor", base, 4);
-        separator = ",";
-    }
-    if (m->metallic != 1.0f) {
-        text_add(t, "%s\"metallicFactor\":", separator);
-        text_add_number(t, (double)m->metallic, 1);
-        separator = ",";
-    }
-    if (m->roughness != 1.0f) {
-        text_add(t, "%s\"roughnessFactor\":", separator);
-        text_add_number(t, (double)m->roughness, 1);
-    }
-    text_add(t, "}");
+static void add_emissive(psplat_writer *json, const psplat_material *m) {
+    float strength = emissive_strength(m), factor[3];
+    for (size_t i = 0; i < 3; ++i) factor[i] = m->emissive[i] / strength;
+    psplat_writer_floats(json, "emissiveFactor", factor, 3);
+    if (strength <= 1.0f) return;
+    psplat_writer_open(json, "extensions", '{');
+    psplat_writer_open(json, "KHR_materials_emissive_strength", '{');
+    psplat_writer_float(json, "emissiveStrength", strength);
+    psplat_writer_close(json, '}');
+    psplat_writer_close(json, '}');
 }
 
-static void add_material(text *t, const psplat_material *m) {
-    float strength = emissive_strength(m);
-    text_add(t, "\"materials\":[{");
-    add_metallic_roughness(t, m);
-    if (is_emissive(m)) {
-        float factor[3];
-        for (size_t i = 0; i < 3; ++i) factor[i] = m->emissive[i] / strength;
-        text_add(t, ",");
-        text_add_floats(t, "emissiveFactor", factor, 3);
+static void add_material(psplat_writer *json, const psplat_material *m) {
+    psplat_writer_open(json, "materials", '[');
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_open(json, "pbrMetallicRoughness", '{');
+    if (!is_white(m->base_color)) psplat_writer_floats(json, "baseColorFactor", m->base_color, 4);
+    if (m->metallic != 1.0f) psplat_writer_float(json, "metallicFactor", m->metallic);
+    if (m->roughness != 1.0f) psplat_writer_float(json, "roughnessFactor", m->roughness);
+    psplat_writer_close(json, '}');
+    if (m->double_sided) psplat_writer_boolean(json, "doubleSided", 1);
+    if (is_emissive(m)) add_emissive(json, m);
+    if (m->unlit) {
+        psplat_writer_open(json, "extensions", '{');
+        psplat_writer_open(json, "KHR_materials_unlit", '{');
+        psplat_writer_close(json, '}');
+        psplat_writer_close(json, '}');
     }
-    if (m->double_sided) text_add(t, ",\"doubleSided\":true");
-    if (m->unlit) text_add(t, ",\"extensions\":{\"KHR_materials_unlit\":{}}");
-    if (strength > 1.0f) {
-        text_add(t, ",\"extensions\":{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":");
-        text_add_number(t, (double)strength, 1);
-        text_add(t, "}}");
-    }
-    text_add(t, "}],");
+    psplat_writer_close(json, '}');
+    psplat_writer_close(json, ']');
 }
 
-static void add_accessors(text *t, const run *runs, size_t run_count) {
+static void add_accessor(psplat_writer *json, const run *r, size_t index, size_t view) {
     static const char *const types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
-    size_t view = 0;
-    text_add(t, "\"accessors\":[");
-    for (size_t i = 0; i < run_count; ++i)
-        for (size_t c = 0; c < COLUMNS; ++c) {
-            if (!runs[i].has_column[c]) continue;
-            text_add(t,
-                     "%s{\"bufferView\":%zu,\"componentType\":%d,%s\"count\":%zu,\"type\":\"%s\"",
-                     view ? "," : "", view, columns[c].type,
-                     columns[c].type == FLOAT ? "" : "\"normalized\":true,", runs[i].count,
-                     types[columns[c].components]);
-            if (c == POSITION_COLUMN) {
-                text_add(t, ",");
-                text_add_floats(t, "min", runs[i].min, 3);
-                text_add(t, ",");
-                text_add_floats(t, "max", runs[i].max, 3);
-            }
-            text_add(t, "}");
-            ++view;
-        }
-    text_add(t, "],");
+    const column *c = &columns[index];
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_count(json, "bufferView", view);
+    psplat_writer_count(json, "componentType", (size_t)c->type);
+    if (c->type != FLOAT) psplat_writer_boolean(json, "normalized", 1);
+    psplat_writer_count(json, "count", r->count);
+    psplat_writer_string(json, "type", types[c->components]);
+    if (index == POSITION_COLUMN) {
+        psplat_writer_floats(json, "min", r->min, 3);
+        psplat_writer_floats(json, "max", r->max, 3);
+    }
+    psplat_writer_close(json, '}');
 }
 
-static void add_views(text *t, const run *runs, size_t run_count) {
-    size_t offset = 0;
-    text_add(t, "\"bufferViews\":[");
+static void add_view(psplat_writer *json, size_t offset, size_t bytes) {
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_count(json, "buffer", 0);
+    psplat_writer_count(json, "byteOffset", offset);
+    psplat_writer_count(json, "byteLength", bytes);
+    psplat_writer_count(json, "target", 34962); /* ARRAY_BUFFER */
+    psplat_writer_close(json, '}');
+}
+
+/* One accessor with a view of its own for each column of each run. */
+static void add_data(psplat_writer *json, const run *runs, size_t run_count) {
+    size_t view = 0, offset = 0;
+    psplat_writer_open(json, "accessors", '[');
+    for (size_t i = 0; i < run_count; ++i)
+        for (size_t c = 0; c < COLUMNS; ++c)
+            if (runs[i].has_column[c]) add_accessor(json, &runs[i], c, view++);
+    psplat_writer_close(json, ']');
+    psplat_writer_open(json, "bufferViews", '[');
     for (size_t i = 0; i < run_count; ++i)
         for (size_t c = 0; c < COLUMNS; ++c) {
             if (!runs[i].has_column[c]) continue;
             size_t bytes = runs[i].count * element_size(&columns[c]);
-            text_add(t, "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"target\":34962}",
-                     offset ? "," : "", offset, bytes);
+            add_view(json, offset, bytes);
             offset += bytes;
         }
-    text_add(t, "],\"buffers\":[{\"byteLength\":%zu}]}", offset);
+    psplat_writer_close(json, ']');
+    psplat_writer_open(json, "buffers", '[');
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_count(json, "byteLength", offset);
+    psplat_writer_close(json, '}');
+    psplat_writer_close(json, ']');
 }
 
-static void add_document(text *t, const psplat_splats *splats, const char *name, const run *runs,
-                         size_t run_count) {
-    int has_material = !is_default_material(&splats->material);
-    text_add(t, "{\"asset\":{\"version\":\"2.0\",\"generator\":\"phongsplat 0.1.0\"},");
-    text_add(t, "\"extensionsUsed\":[\"PSPLAT_surface_splats\"%s%s],",
-             splats->material.unlit ? ",\"KHR_materials_unlit\"" : "",
-             emissive_strength(&splats->material) > 1.0f ? ",\"KHR_materials_emissive_strength\""
-                                                         : "");
-    add_node(t, splats, name);
-    text_add(t, "\"meshes\":[{");
-    if (name && *name) {
-        text_add(t, "\"name\":");
-        text_add_string(t, name);
-        text_add(t, ",");
-    }
-    text_add(t, "\"primitives\":[");
-    size_t accessor = 0;
-    for (size_t i = 0; i < run_count; ++i) {
-        if (i) text_add(t, ",");
-        add_primitive(t, &runs[i], accessor, splats, has_material);
-        accessor += runs[i].column_count;
-    }
-    text_add(t, "]}],");
-    if (has_material) add_material(t, &splats->material);
-    add_accessors(t, runs, run_count);
-    add_views(t, runs, run_count);
-    while (t->size % 4) text_add(t, " ");
+static void add_document(psplat_writer *json, const psplat_splats *splats, const char *name,
+                         const run *runs, size_t run_count) {
+    const psplat_material *material = &splats->material;
+    int has_material = !is_default_material(material);
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_open(json, "asset", '{');
+    psplat_writer_string(json, "version", "2.0");
+    psplat_writer_string(json, "generator", "phongsplat 0.1.0");
+    psplat_writer_close(json, '}');
+    psplat_writer_open(json, "extensionsUsed", '[');
+    psplat_writer_string(json, NULL, "PSPLAT_surface_splats");
+    if (material->unlit) psplat_writer_string(json, NULL, "KHR_materials_unlit");
+    if (emissive_strength(material) > 1.0f)
+        psplat_writer_string(json, NULL, "KHR_materials_emissive_strength");
+    psplat_writer_close(json, ']');
+    add_scene(json, splats, name);
+    add_mesh(json, splats, name, runs, run_count, has_material);
+    if (has_material) add_material(json, material);
+    add_data(json, runs, run_count);
+    psplat_writer_close(json, '}');
 }
 
 /* ---- bytes -------------------------------------------------------------------------------- */
@@ -439,13 +357,13 @@ static uint8_t *put_run(uint8_t *out, const run *r) {
     return out;
 }
 
-/* glTF 2.0 section 4.4: header, JSON chunk, BIN chunk. */
-static psplat_result pack(const text *json, const run *runs, size_t run_count, uint8_t **data,
-                          size_t *size, psplat_error *error) {
+/* glTF 2.0 section 4.4: header, JSON chunk padded with spaces, BIN chunk. */
+static psplat_result pack(const psplat_writer *json, const run *runs, size_t run_count,
+                          uint8_t **data, size_t *size, psplat_error *error) {
     enum { HEADERS = 12 + 8 + 8, MAGIC = 0x46546c67, JSON = 0x4e4f534a, BIN = 0x004e4942 };
-    size_t bytes = 0;
+    size_t bytes = 0, json_size = (json->size + 3) / 4 * 4;
     for (size_t i = 0; i < run_count; ++i) bytes += run_bytes(&runs[i]);
-    size_t total = HEADERS + json->size + bytes;
+    size_t total = HEADERS + json_size + bytes;
     if (total > UINT32_MAX)
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
                            "%zu bytes are more than the 4 GiB that a GLB can hold", total);
@@ -454,11 +372,27 @@ static psplat_result pack(const text *json, const run *runs, size_t run_count, u
     *data = out;
     *size = total;
     out = put_u32(put_u32(put_u32(out, MAGIC), 2), (uint32_t)total);
-    out = put_u32(put_u32(out, (uint32_t)json->size), JSON);
-    memcpy(out, json->data, json->size);
-    out = put_u32(put_u32(out + json->size, (uint32_t)bytes), BIN);
+    out = put_u32(put_u32(out, (uint32_t)json_size), JSON);
+    memset(out, ' ', json_size);
+    memcpy(out, json->text, json->size);
+    out = put_u32(put_u32(out + json_size, (uint32_t)bytes), BIN);
     for (size_t i = 0; i < run_count; ++i) out = put_run(out, &runs[i]);
     return PSPLAT_OK;
+}
+
+/* Returns the number of runs: classes that have splats. */
+static size_t make_runs(const psplat_splats *splats, run runs[CLASSES]) {
+    size_t run_count = 0;
+    const psplat_splat *next = splats->splats;
+    for (size_t clip_lines = 0; clip_lines < CLASSES; ++clip_lines) {
+        size_t count = splats->count_by_clip_lines[clip_lines];
+        if (!count) continue;
+        run *r = &runs[run_count++];
+        *r = (run){.splats = next, .count = count, .clip_lines = clip_lines};
+        run_measure(r, splats);
+        next += count;
+    }
+    return run_count;
 }
 
 psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, uint8_t **data,
@@ -470,21 +404,13 @@ psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, ui
     psplat_result result = check_splats(splats, error);
     if (result) return result;
 
-    run runs[CLASSES] = {0};
-    size_t run_count = 0;
-    const psplat_splat *next = splats->splats;
-    for (size_t clip_lines = 0; clip_lines < CLASSES; ++clip_lines) {
-        size_t count = splats->count_by_clip_lines[clip_lines];
-        if (!count) continue;
-        run *r = &runs[run_count++];
-        *r = (run){.splats = next, .count = count, .clip_lines = clip_lines};
-        run_measure(r, splats);
-        next += count;
-    }
-    text json = {0};
+    run runs[CLASSES];
+    size_t run_count = make_runs(splats, runs);
+    psplat_writer json = {.compact = 1};
     add_document(&json, splats, name, runs, run_count);
-    result = json.failed ? psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the JSON")
-                         : pack(&json, runs, run_count, data, size, error);
-    free(json.data);
+    if (!psplat_writer_finish(&json))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the JSON");
+    result = pack(&json, runs, run_count, data, size, error);
+    free(json.text);
     return result;
 }

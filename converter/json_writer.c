@@ -28,6 +28,7 @@ static void add_text(psplat_writer *json, const char *text) {
 }
 
 static void add_line(psplat_writer *json) {
+    if (json->compact) return;
     add_text(json, "\n");
     for (int i = 0; i < json->depth; ++i) add_text(json, "  ");
 }
@@ -70,7 +71,7 @@ static void begin_member(psplat_writer *json, const char *key) {
     json->has_member = 1;
     if (!key) return;
     add_quoted(json, key);
-    add_text(json, ": ");
+    add_text(json, json->compact ? ":" : ": ");
 }
 
 void psplat_writer_open(psplat_writer *json, const char *key, char bracket) {
@@ -94,18 +95,40 @@ void psplat_writer_count(psplat_writer *json, const char *key, size_t count) {
     add_text(json, digits);
 }
 
-static void add_number(psplat_writer *json, double number) {
-    char digits[32] = "null";
-    for (int precision = 1; precision <= 17 && isfinite(number); ++precision) {
-        snprintf(digits, sizeof digits, "%.*g", precision, number);
-        if (strtod(digits, NULL) == number) break;
+/* printf writes the decimal separator of the locale, which may be several bytes: whatever is
+ * neither digit, sign nor exponent becomes one point. */
+static void add_digits(psplat_writer *json, const char *digits) {
+    while (*digits) {
+        size_t plain = strspn(digits, "0123456789+-e");
+        add(json, digits, plain);
+        digits += plain;
+        size_t separator = strcspn(digits, "0123456789+-e");
+        if (separator) add_text(json, ".");
+        digits += separator;
     }
-    add_text(json, digits);
+}
+
+static void add_number(psplat_writer *json, double number, int is_float) {
+    char digits[40];
+    if (!isfinite(number)) {
+        add_text(json, "null");
+        return;
+    }
+    for (int precision = 1; precision <= 17; ++precision) {
+        snprintf(digits, sizeof digits, "%.*g", precision, number);
+        double back = is_float ? (double)strtof(digits, NULL) : strtod(digits, NULL);
+        if (back == number) break;
+    }
+    add_digits(json, digits);
+}
+
+static void add_separator(psplat_writer *json, size_t index) {
+    if (index) add_text(json, json->compact ? "," : ", ");
 }
 
 void psplat_writer_number(psplat_writer *json, const char *key, double number) {
     begin_member(json, key);
-    add_number(json, number);
+    add_number(json, number, 0);
 }
 
 void psplat_writer_numbers(psplat_writer *json, const char *key, const double *numbers,
@@ -113,8 +136,24 @@ void psplat_writer_numbers(psplat_writer *json, const char *key, const double *n
     begin_member(json, key);
     add_text(json, "[");
     for (size_t i = 0; i < count; ++i) {
-        if (i) add_text(json, ", ");
-        add_number(json, numbers[i]);
+        add_separator(json, i);
+        add_number(json, numbers[i], 0);
+    }
+    add_text(json, "]");
+}
+
+void psplat_writer_float(psplat_writer *json, const char *key, float number) {
+    begin_member(json, key);
+    add_number(json, (double)number, 1);
+}
+
+void psplat_writer_floats(psplat_writer *json, const char *key, const float *numbers,
+                          size_t count) {
+    begin_member(json, key);
+    add_text(json, "[");
+    for (size_t i = 0; i < count; ++i) {
+        add_separator(json, i);
+        add_number(json, (double)numbers[i], 1);
     }
     add_text(json, "]");
 }
@@ -130,7 +169,7 @@ void psplat_writer_string(psplat_writer *json, const char *key, const char *stri
 }
 
 int psplat_writer_finish(psplat_writer *json) {
-    add_text(json, "\n");
+    if (!json->compact) add_text(json, "\n");
     if (!json->failed) return 1;
     free(json->text);
     json->text = NULL;
