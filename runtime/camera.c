@@ -44,6 +44,7 @@ psplat_result psplat_camera_from_view(psplat_camera *camera, const psplat_view *
     memcpy(camera->projection, p, sizeof camera->projection);
     psplat_matrix_to_float(p, 16, camera->projection_float);
     camera->is_perspective = p[3] != 0.0 || p[7] != 0.0 || p[11] != 0.0;
+    camera->is_mirrored = p[0] * p[5] - p[4] * p[1] < 0.0;
     find_rays(camera, inverse, view->width, view->height);
     find_light(camera, &view->light);
     return PSPLAT_OK;
@@ -93,6 +94,7 @@ int psplat_camera_place(const psplat_camera *camera, const double transform[16],
     psplat_matrix_to_float(modelview, 16, placement->modelview);
     psplat_matrix_to_float(normal, 9, placement->normal);
     find_shift(camera, depth_tolerance * cbrt(fabs(det)), placement->shift);
+    placement->is_mirrored = (det < 0.0) != camera->is_mirrored;
     placement->is_near = crosses_near(clip, bounds_min, bounds_max);
     return 1;
 }

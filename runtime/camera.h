@@ -15,14 +15,16 @@ typedef struct psplat_camera {
     float ray[9]; /* times (pixel x, pixel y, 1): the view ray of a pixel, eye space, any length */
     float light_direction[3]; /* unit, eye space; 0 where the view has no direction */
     int is_perspective;
+    int is_mirrored; /* the projection turns counter-clockwise into clockwise */
 } psplat_camera;
 
 /* A model matrix in a camera. */
 typedef struct psplat_placement {
     float modelview[16];
     float normal[9];
-    float shift[3]; /* of shift_of() in splat.vert */
-    int is_near;    /* the near plane may cut the box */
+    float shift[3];  /* of shift_of() in splat.vert */
+    int is_mirrored; /* front faces are clockwise in the window */
+    int is_near;     /* the near plane may cut the box */
 } psplat_placement;
 
 /* Errors: ARGUMENT where the projection has no inverse. */

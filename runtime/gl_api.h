@@ -34,10 +34,15 @@ enum {
     GL_TRIANGLES = 0x0004,
     GL_LESS = 0x0201,
     GL_LEQUAL = 0x0203,
+    GL_BACK = 0x0405,
     GL_FRONT_AND_BACK = 0x0408,
     GL_OUT_OF_MEMORY = 0x0505,
+    GL_CW = 0x0900,
+    GL_CCW = 0x0901,
     GL_POLYGON_MODE = 0x0B40,
     GL_CULL_FACE = 0x0B44,
+    GL_CULL_FACE_MODE = 0x0B45,
+    GL_FRONT_FACE = 0x0B46,
     GL_DEPTH_TEST = 0x0B71,
     GL_DEPTH_WRITEMASK = 0x0B72,
     GL_DEPTH_FUNC = 0x0B74,
@@ -132,6 +137,7 @@ enum {
     X(void, CompileShader, (GLuint shader))                                                        \
     X(GLuint, CreateProgram, (void))                                                               \
     X(GLuint, CreateShader, (GLenum type))                                                         \
+    X(void, CullFace, (GLenum mode))                                                               \
     X(void, DeleteFramebuffers, (GLsizei count, const GLuint *framebuffers))                       \
     X(void, DeleteProgram, (GLuint program))                                                       \
     X(void, DeleteShader, (GLuint shader))                                                         \
@@ -145,6 +151,7 @@ enum {
     X(void, Enable, (GLenum capability))                                                           \
     X(void, FramebufferTexture2D,                                                                  \
       (GLenum target, GLenum attachment, GLenum texture_target, GLuint texture, GLint level))      \
+    X(void, FrontFace, (GLenum mode))                                                              \
     X(void, GenFramebuffers, (GLsizei count, GLuint * framebuffers))                               \
     X(void, GenTextures, (GLsizei count, GLuint * textures))                                       \
     X(void, GenVertexArrays, (GLsizei count, GLuint * arrays))                                     \

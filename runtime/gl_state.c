@@ -51,6 +51,8 @@ static const struct {
     {GL_BLEND_EQUATION_RGB, offsetof(psplat_gl_state, blend_equation[0])},
     {GL_BLEND_EQUATION_ALPHA, offsetof(psplat_gl_state, blend_equation[1])},
     {GL_DEPTH_FUNC, offsetof(psplat_gl_state, depth_func)},
+    {GL_CULL_FACE_MODE, offsetof(psplat_gl_state, cull_face)},
+    {GL_FRONT_FACE, offsetof(psplat_gl_state, front_face)},
     {GL_ACTIVE_TEXTURE, offsetof(psplat_gl_state, active_texture)},
     {GL_PIXEL_UNPACK_BUFFER_BINDING, offsetof(psplat_gl_state, unpack_buffer)},
     {GL_UNPACK_ALIGNMENT, offsetof(psplat_gl_state, unpack[0])},
@@ -116,6 +118,8 @@ void psplat_gl_state_restore(const psplat_gl_state *state, const psplat_gl *gl) 
                   state->color_mask[3]);
     gl->DepthMask(state->depth_mask);
     gl->DepthFunc((GLenum)state->depth_func);
+    gl->CullFace((GLenum)state->cull_face);
+    gl->FrontFace((GLenum)state->front_face);
     if (gl->PolygonMode) gl->PolygonMode(GL_FRONT_AND_BACK, (GLenum)state->polygon_mode[0]);
     for (GLuint unit = 0; unit < PSPLAT_UNIT_COUNT; ++unit) {
         gl->ActiveTexture(GL_TEXTURE0 + unit);

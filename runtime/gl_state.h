@@ -19,7 +19,7 @@ typedef struct psplat_gl_state {
     GLint draw_framebuffer, program, vertex_array;
     GLint viewport[4];
     GLint blend_func[4], blend_equation[2];
-    GLint depth_func, polygon_mode[2];
+    GLint depth_func, cull_face, front_face, polygon_mode[2];
     GLint active_texture, textures[PSPLAT_UNIT_COUNT], samplers[PSPLAT_UNIT_COUNT];
     GLint unpack_buffer, unpack[4];
 } psplat_gl_state;

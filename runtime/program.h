@@ -22,7 +22,7 @@ enum {
     X(projection)                                                                                  \
     X(normal_matrix)                                                                               \
     X(shift)                                                                                       \
-    X(culled)                                                                                      \
+    X(two_sided)                                                                                   \
     X(first_index)                                                                                 \
     X(kernel)                                                                                      \
     X(base_color)                                                                                  \

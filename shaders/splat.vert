@@ -15,7 +15,7 @@ uniform mat4 u_projection;
 uniform mat3 u_normal_matrix;
 uniform vec3 u_shift;
 uniform mat3 u_ray;
-uniform int u_culled;
+uniform int u_two_sided;
 uniform int u_first_index;
 
 out vec2 v_uv;
@@ -86,13 +86,15 @@ CLIP_TYPE clip_distances(int column, int row, vec2 uv) {
 }
 #endif
 
-/* Whether the eye is behind the splat's plane (spec 5.2). Decided here, once a splat and in floats,
- * because the hardware decides on corners it has snapped to a fraction of a pixel, which turns
- * splats seen almost from the edge around. */
+#if PASS != PSPLAT_PASS_VISIBILITY && PASS != PSPLAT_PASS_PARAMETERS
+/* Whether the eye is behind the splat's plane (spec 5.2). gl_FrontFacing would come from corners
+ * that the hardware may have snapped to a fraction of a pixel, and turn normals of splats seen
+ * almost from the edge around. */
 bool is_behind(vec3 normal, vec3 eye_center) {
     vec3 ray = u_shift.y > 0.0 ? eye_center : u_ray[2];
     return dot(normal, ray) > 0.0;
 }
+#endif
 
 void main() {
     int splat = gl_VertexID / 3;
@@ -105,12 +107,6 @@ void main() {
     mat3 axes = axes_of(rotation);
 
     vec3 eye_center = (u_modelview * vec4(center.xyz, 1.0)).xyz;
-    bool behind = is_behind(u_normal_matrix * axes[2], eye_center);
-    if (behind && u_culled != 0) {
-        gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-        return;
-    }
-
     vec3 offset = axes[0] * uv.x + axes[1] * (center.w * uv.y);
     vec3 eye = eye_center + mat3(u_modelview) * offset;
     gl_Position = u_projection * vec4(eye, 1.0);
@@ -132,7 +128,7 @@ void main() {
     field.xy += field.zw * uv;
 #endif
     v_normal = u_normal_matrix * (axes * vec3(field.xy, 1.0) / dot(rotation, rotation));
-    if (behind) v_normal = -v_normal;
+    if (u_two_sided != 0 && is_behind(u_normal_matrix * axes[2], eye_center)) v_normal = -v_normal;
 #if COLOR
     v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
 #endif
