@@ -18,8 +18,9 @@ extern "C" {
  *
  * The three ties say how near a pixel is to a different decision, so that tests can skip pixels
  * that float32 cannot decide. They are 1 where nothing is near, and count only splats that would
- * show: those not hidden by the pixel's visibility limit t_min + epsilon of spec 5.3 (in flat and
- * parameters mode: by the nearest splat). */
+ * show: those not hidden by the pixel's visibility limit t_min + epsilon of spec 5.3. In flat and
+ * parameters mode the limit is the nearest splat; in the others they do not say whether the nearest
+ * splat is nearest by far. */
 typedef struct psplat_reference_image {
     float *color;    /* 4 per pixel: RGB as psplat_view.linear_output asks, A = 1 where covered */
     double *depth;   /* window depth 0 ... 1 of spec 5.5; 1 where uncovered */
