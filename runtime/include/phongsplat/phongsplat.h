@@ -112,7 +112,10 @@ typedef struct psplat_renderer psplat_renderer;
 typedef struct psplat_model psplat_model;
 
 /* get_proc is required: eglGetProcAddress, glfwGetProcAddress or the engine's own. The context
- * must be GL >= 3.3 core or GLES >= 3.0 and current during every call below. */
+ * must be GL >= 3.3 core or GLES >= 3.0 and current during every call below. GLES and WebGL 2 need
+ * EXT_color_buffer_float (GLES before 3.2) and EXT_float_blend; without the second, or with only
+ * EXT_color_buffer_half_float, sums are kept in 16 bits: colours lose precision where many splats
+ * meet, and depth is that of the nearest splat plus its tolerance. */
 typedef struct psplat_renderer_desc {
     void *(*get_proc)(void *user, const char *name);
     void *user;
@@ -172,7 +175,8 @@ typedef struct psplat_item {
 
 /* Draws into the framebuffer bound for drawing: colour and depth of covered pixels are written
  * where the depth test against what is already there passes (GL_LEQUAL), other pixels are left as
- * they are; the host clears. GL state it touches is restored. No allocation after the first frame of
+ * they are; the host clears. The host's scissor test and depth range apply. GL state it touches is
+ * restored (per draw buffer: as that of buffer 0). No allocation after the first frame of
  * a size. */
 psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
                           const psplat_item *items, size_t item_count, psplat_error *error);
