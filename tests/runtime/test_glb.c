@@ -11,6 +11,7 @@
 #include "converter.h"
 #include "scene.h"
 
+#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -121,6 +122,13 @@ static void test_numbers(void **state) {
     assert_holds(&splats, NULL, "\"positionExtent\":[0,0,0]", 1);
 }
 
+/* Where printf writes 0,1 the file must still say 0.1. */
+static void test_numbers_with_comma(void **state) {
+    if (!setlocale(LC_NUMERIC, "de_DE.UTF-8")) skip();
+    test_numbers(state);
+    setlocale(LC_NUMERIC, "C");
+}
+
 static void test_names(void **state) {
     (void)state;
     psplat_splat splat;
@@ -151,9 +159,9 @@ static void test_emissive(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refuses),  cmocka_unit_test(test_leaves_out_defaults),
-        cmocka_unit_test(test_numbers),  cmocka_unit_test(test_names),
-        cmocka_unit_test(test_emissive),
+        cmocka_unit_test(test_refuses), cmocka_unit_test(test_leaves_out_defaults),
+        cmocka_unit_test(test_numbers), cmocka_unit_test(test_numbers_with_comma),
+        cmocka_unit_test(test_names),   cmocka_unit_test(test_emissive),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
