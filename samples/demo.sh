@@ -15,12 +15,16 @@ $phongsplat convert samples/models/part.obj build/demo/part.glb --tolerance 0.5%
     --report build/demo/part.json --overwrite --quiet
 $phongsplat render build/demo/part.glb build/demo/part.png --overwrite
 
+# field NAME: its value in the report; rounded NAME: the same with three digits
 field() {
     sed -n "s/^ *\"$1\": \(.*[^,]\),*\$/\1/p" build/demo/part.json
 }
+rounded() {
+    printf '%.3g' "$(field "$1")"
+}
 echo
 echo "samples/models/part.obj, $(field triangles) triangles, became build/demo/part.glb:"
-echo "  $(field splats) splats, by number of clip lines $(field splats_by_clip_lines), $(field bytes) bytes, $(field seconds) s"
-echo "  greatest distance $(field max_distance_percent) % of the diagonal (tolerance $(field tolerance_percent) %)"
-echo "  normals off by $(field rms_normal_degrees) degrees (root mean square), $(field uncovered_samples) samples uncovered"
+echo "  $(field splats) splats, by number of clip lines $(field splats_by_clip_lines), $(field bytes) bytes, $(rounded seconds) s"
+echo "  greatest distance $(rounded max_distance_percent) % of the diagonal (tolerance $(field tolerance_percent) %)"
+echo "  normals off by $(rounded rms_normal_degrees) degrees (root mean square), $(field uncovered_samples) samples uncovered"
 echo "All figures: build/demo/part.json. The picture: $PWD/build/demo/part.png"
