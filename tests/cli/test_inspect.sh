@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+# inspect and validate: what they say about an asset agrees with the file.
+. "$SOURCE_DIR/tests/support/cli.sh"
+write_cube cube.obj
+run "$PHONGSPLAT" convert cube.obj cube.glb -t 2 --report cube.json
+expect_success
+
+run "$PHONGSPLAT" inspect cube.glb --format json
+expect_success
+node - stdout.txt cube.json cube.glb <<'JS' || fail "inspect disagrees with the file"
+const fs = require('fs'), [, , text, report, file] = process.argv;
+const shown = JSON.parse(fs.readFileSync(text, 'utf8')), measured = JSON.parse(fs.readFileSync(report, 'utf8'));
+const bytes = fs.readFileSync(file), gltf = JSON.parse(bytes.toString('utf8', 20, 20 + bytes.readUInt32LE(12)));
+const equal = (a, b, what) => {
+    if (JSON.stringify(a) !== JSON.stringify(b)) throw Error(`${what}: ${JSON.stringify(a)} is not ${JSON.stringify(b)}`);
+};
+equal(shown.splats, measured.splats, 'splats');
+equal(shown.splats_by_clip_lines, measured.splats_by_clip_lines, 'classes');
+// Bytes by attribute, counted from the accessors of the file itself.
+const size = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5126: 4}, width = {VEC2: 2, VEC3: 3, VEC4: 4}, stored = {};
+for (const primitive of gltf.meshes.flatMap(mesh => mesh.primitives))
+    for (const [name, index] of Object.entries(primitive.attributes)) {
+        const a = gltf.accessors[index], key = name.replace(/^_/, '');
+        stored[key] = (stored[key] || 0) + a.count * size[a.componentType] * width[a.type];
+    }
+const sorted = object => Object.fromEntries(Object.entries(object).sort());
+equal(sorted(Object.fromEntries(shown.attributes.map(a => [a.name, a.bytes]))), sorted(stored), 'bytes');
+equal(shown.attribute_bytes, Object.values(stored).reduce((a, b) => a + b), 'sum of bytes');
+// The splats reach around the unit cube.
+for (let i = 0; i < 3; ++i)
+    if (shown.bounds_min[i] > 0.02 || shown.bounds_max[i] < 0.98) throw Error('bounds');
+equal(shown.batches.map(b => b.splats), measured.splats_by_clip_lines.filter(n => n), 'batches');
+JS
+
+run "$PHONGSPLAT" inspect cube.glb
+expect_success
+expect_output '^cube.glb: [0-9]+ splats, [0-9]+ bytes of attributes$'
+expect_output '^PSPLAT_surface_splats:ROTATION +4 float +[0-9]+$'
+expect_output '^bounds '
+expect_output '^batch 0: '
+
+# A mesh placed twice is stored once.
+node - "$SOURCE_DIR/schema/minimal.gltf" <<'JS'
+const fs = require('fs'), gltf = JSON.parse(fs.readFileSync(process.argv[2], 'utf8'));
+fs.writeFileSync('once.gltf', JSON.stringify(gltf));
+const node = gltf.nodes.findIndex(n => 'mesh' in n);
+gltf.nodes.push({mesh: gltf.nodes[node].mesh, translation: [10, 0, 0]});
+gltf.scenes[gltf.scene || 0].nodes.push(gltf.nodes.length - 1);
+fs.writeFileSync('twice.gltf', JSON.stringify(gltf));
+JS
+for name in once twice; do
+    run "$PHONGSPLAT" inspect $name.gltf
+    expect_success
+    sed -n '/^clip lines/,/^bounds/p' stdout.txt | grep -v '^bounds' >$name.txt
+    run "$PHONGSPLAT" validate $name.gltf
+    expect_success
+    expect_output "^$name.gltf: valid, "
+done
+cmp once.txt twice.txt || fail "splats placed twice are counted twice"
+echo "$checks checks passed"
