@@ -9,17 +9,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Makes room for size bytes and the 0 behind them. */
+static psplat_result reserve(psplat_rewrite *rewrite, size_t size, psplat_error *error) {
+    if (rewrite->size + size < rewrite->capacity) return PSPLAT_OK;
+    size_t capacity = (rewrite->size + size + 4096) * 2;
+    char *larger = realloc(rewrite->data, capacity);
+    if (!larger)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for %zu bytes", capacity);
+    rewrite->data = larger;
+    rewrite->capacity = capacity;
+    return PSPLAT_OK;
+}
+
 psplat_result psplat_rewrite_bytes(psplat_rewrite *rewrite, const void *bytes, size_t size,
                                    psplat_error *error) {
-    if (rewrite->size + size >= rewrite->capacity) {
-        size_t capacity = (rewrite->size + size + 4096) * 2;
-        char *larger = realloc(rewrite->data, capacity);
-        if (!larger)
-            return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for %zu bytes",
-                               capacity);
-        rewrite->data = larger;
-        rewrite->capacity = capacity;
-    }
+    psplat_result result = reserve(rewrite, size, error);
+    if (result) return result;
     memcpy(rewrite->data + rewrite->size, bytes, size);
     rewrite->size += size;
     rewrite->data[rewrite->size] = 0;
@@ -28,12 +33,17 @@ psplat_result psplat_rewrite_bytes(psplat_rewrite *rewrite, const void *bytes, s
 
 psplat_result psplat_rewrite_text(psplat_rewrite *rewrite, psplat_error *error, const char *format,
                                   ...) {
-    char text[256];
     va_list arguments;
     va_start(arguments, format);
-    int length = vsnprintf(text, sizeof text, format, arguments);
+    int length = vsnprintf(NULL, 0, format, arguments);
     va_end(arguments);
-    return psplat_rewrite_bytes(rewrite, text, (size_t)length, error);
+    psplat_result result = reserve(rewrite, (size_t)length, error);
+    if (result) return result;
+    va_start(arguments, format);
+    vsnprintf(rewrite->data + rewrite->size, (size_t)length + 1, format, arguments);
+    va_end(arguments);
+    rewrite->size += (size_t)length;
+    return PSPLAT_OK;
 }
 
 void psplat_rewrite_replace(psplat_rewrite *rewrite, psplat_source *source) {

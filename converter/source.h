@@ -104,7 +104,7 @@ typedef struct psplat_rewrite {
 
 psplat_result psplat_rewrite_bytes(psplat_rewrite *rewrite, const void *bytes, size_t size,
                                    psplat_error *error);
-/* printf into it; at most 255 bytes a call. */
+/* printf into it. */
 psplat_result psplat_rewrite_text(psplat_rewrite *rewrite, psplat_error *error, const char *format,
                                   ...)
 #if defined(__GNUC__)

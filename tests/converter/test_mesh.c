@@ -279,6 +279,20 @@ static void test_colors(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+static void test_off_with_everything(void **state) {
+    (void)state;
+    psplat_mesh mesh =
+        read_text("e.off", "STCNOFF\n3 1 0\n0 0 0 0 0 2 1.0 0.0 0.0 0 0\n"
+                           "1 0 0 0 0 2 1.0 0.0 0.0 1 0\n0 1 0 3 0 4 0.0 1.0 0.0 0 1\n"
+                           "3 0 1 2\n");
+    assert_non_null(mesh.corner_normals);
+    assert_near((double)mesh.corner_normals[6], 0.6, 1e-6);
+    assert_non_null(mesh.corner_colors);
+    assert_near((double)mesh.corner_colors[8], 0, 0);
+    assert_near((double)mesh.corner_colors[9], 1, 0);
+    psplat_mesh_free(&mesh);
+}
+
 static void test_far_from_the_origin(void **state) {
     (void)state;
     /* At ten million times its size a text still has the digits, and the mesh keeps them. */
@@ -307,6 +321,7 @@ int main(void) {
         cmocka_unit_test(test_concave_polygons),
         cmocka_unit_test(test_normals_per_corner),
         cmocka_unit_test(test_colors),
+        cmocka_unit_test(test_off_with_everything),
         cmocka_unit_test(test_far_from_the_origin),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
