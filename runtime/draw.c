@@ -104,7 +104,8 @@ static int is_culled(const frame *f, const psplat_model_batch *batch) {
            (f->view->culling == PSPLAT_CULL_BY_MATERIAL && !batch->material.double_sided);
 }
 
-/* By the hardware: the fastest, 12 % to 25 % less time than dropping splats in the vertex stage. */
+/* By the hardware: on llvmpipe 5 % (10k splats) to 20 % (100k) less CPU time than dropping splats
+ * in the vertex stage. */
 static void set_culling(const psplat_gl *gl, int is_culled, int is_mirrored) {
     gl->FrontFace(is_mirrored ? GL_CW : GL_CCW);
     if (is_culled)
