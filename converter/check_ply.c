@@ -288,6 +288,28 @@ static psplat_result next_row(ply_state *state, const char *row, size_t index,
                              "the file ends before %s %zu", row, index);
 }
 
+/* A text row ends with its last value: OpenMesh reads on and would take the rest for the next row.
+ */
+static psplat_result end_row(ply_state *state, const char *row, size_t index, psplat_error *error) {
+    size_t length;
+    if (state->encoding != TEXT) return PSPLAT_OK;
+    if (psplat_lines_token(&state->lines, &length))
+        return fail_row(state, row, index, PSPLAT_ERROR_FORMAT, "more values than properties",
+                        error);
+    return psplat_rewrite_bytes(&state->out, "\n", 1, error);
+}
+
+/* Written anew, since a "1.5" where an integer belongs would be two tokens to OpenMesh. */
+static psplat_result write_value(ply_state *state, const ply_property *property, double value,
+                                 size_t index, psplat_error *error) {
+    if (state->encoding != TEXT) return PSPLAT_OK;
+    if (property->type >= FLOAT32) return psplat_rewrite_text(&state->out, error, "%.9g ", value);
+    if (value != floor(value) || fabs(value) > 4294967295.0)
+        return fail_row(state, "vertex", index, PSPLAT_ERROR_FORMAT,
+                        "an integer property has another value", error);
+    return psplat_rewrite_text(&state->out, error, "%.0f ", value);
+}
+
 static psplat_result check_vertex(ply_state *state, size_t index, psplat_error *error) {
     size_t begin = state->offset;
     psplat_result result = next_row(state, "vertex", index, error);
@@ -295,6 +317,7 @@ static psplat_result check_vertex(ply_state *state, size_t index, psplat_error *
         const ply_property *property = &state->vertex.properties[i];
         double value;
         result = read_value(state, property->type, &value, error);
+        if (!result) result = write_value(state, property, value, index, error);
         char name = property->name[1] ? 0 : property->name[0];
         if (result || name < 'x' || name > 'z') continue;
         if (!isfinite(value) || fabs(value) > (double)FLT_MAX)
@@ -306,8 +329,7 @@ static psplat_result check_vertex(ply_state *state, size_t index, psplat_error *
     if (state->encoding != TEXT)
         return psplat_rewrite_bytes(&state->out, state->source->data + begin, state->offset - begin,
                                     error);
-    result = psplat_rewrite_bytes(&state->out, state->lines.line, strlen(state->lines.line), error);
-    return result ? result : psplat_rewrite_bytes(&state->out, "\n", 1, error);
+    return end_row(state, "vertex", index, error);
 }
 
 static psplat_result write_integer(ply_state *state, uint32_t value, psplat_error *error) {
@@ -320,7 +342,7 @@ static psplat_result write_integer(ply_state *state, uint32_t value, psplat_erro
 
 static psplat_result check_corners(ply_state *state, const ply_property *property, size_t index,
                                    double count, psplat_error *error) {
-    if (count < 3 || count > (double)PSPLAT_MAX_CORNERS)
+    if (!(count >= 3) || count > (double)PSPLAT_MAX_CORNERS || count != floor(count))
         return fail_row(state, "face", index, PSPLAT_ERROR_RANGE,
                         "fewer than 3 or more than 4096 corners", error);
     psplat_result result = write_integer(state, (uint32_t)count, error);
@@ -349,9 +371,7 @@ static psplat_result check_face(ply_state *state, size_t index, psplat_error *er
         for (double k = 0; k < count && !result; ++k)
             result = read_value(state, property->type, &value, error);
     }
-    if (!result && state->encoding == TEXT)
-        result = psplat_rewrite_bytes(&state->out, "\n", 1, error);
-    return result;
+    return result ? result : end_row(state, "face", index, error);
 }
 
 static psplat_result check_rows(ply_state *state, psplat_error *error) {

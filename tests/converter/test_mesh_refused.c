@@ -148,6 +148,13 @@ static void test_ply(void **state) {
          "line 13: a value is missing"},
         {PLY_TEXT PLY_XYZ PLY_FACE PLY_ROWS "2 0 1\n", PSPLAT_ERROR_RANGE,
          "line 13: face 0: fewer than 3"},
+        {PLY_TEXT PLY_XYZ PLY_FACE "0 0 0 9\n1 0 0\n0 1 0\n3 0 1 2\n", PSPLAT_ERROR_FORMAT,
+         "line 10: vertex 0: more values than properties"},
+        {PLY_TEXT PLY_XYZ PLY_FACE PLY_ROWS "3 0 1 2 0\n", PSPLAT_ERROR_FORMAT,
+         "line 13: face 0: more values"},
+        {PLY_TEXT PLY_XYZ PLY_FACE PLY_ROWS "3.5 0 1 2 0\n", PSPLAT_ERROR_RANGE, "line 13: face 0"},
+        {PLY_TEXT PLY_XYZ "property uchar red\n" PLY_FACE "0 0 0 1.5\n", PSPLAT_ERROR_FORMAT,
+         "line 11: vertex 0: an integer property has another value"},
         {"ply\nformat ascii 1.0\nelement vertex 4000000000\n" PLY_XYZ PLY_FACE, PSPLAT_ERROR_RANGE,
          "4000000000 vertices"},
     };
