@@ -412,8 +412,7 @@ void add_normals(Scene &scene, const View *view, const std::vector<uint32_t> &li
     }
 }
 
-/* The vertex colour times the base colour of the material, which is divided out where all share it.
- */
+/* Linear as stored (glTF 2.0 section 3.7.2.1); white where the primitive has none. */
 void add_colors(Scene &scene, const View *view, const std::vector<uint32_t> &list) {
     for (uint32_t vertex : list)
         for (size_t k = 0; k < 4; ++k) {
