@@ -106,6 +106,7 @@ static int grow_run(const clipper *c, size_t start, border *line) {
             run longer = r;
             size_t next = end ? c->pieces[r.last].next : c->pieces[r.first].previous;
             if (next == SIZE_MAX || next == r.first || next == r.last) continue;
+            if (c->pieces[next].done) continue;
             if (end)
                 longer.last = next;
             else
