@@ -135,7 +135,7 @@ static size_t choose_near(seedling *s, double reach) {
 /* ---- fitting ------------------------------------------------------------------------------- */
 
 /* The plane and the enclosing ellipse of growth->chosen, grown by the margin. */
-static void fit_region(const seedling *s, size_t count, psplat_region *region) {
+static void fit_region(const seedling *s, size_t count, double margin, psplat_region *region) {
     psplat_growth *g = s->growth;
     double u[3], v[3];
     psplat_fit_plane(s->samples, g->chosen, count, region->center, region->n);
@@ -153,13 +153,7 @@ static void fit_region(const seedling *s, size_t count, psplat_region *region) {
     for (int k = 0; k < 3; ++k) region->u[k] = e.axis[0] * u[k] + e.axis[1] * v[k];
     cross3(region->v, region->n, region->u);
     region->line_count = 0;
-    for (int k = 0; k < 2; ++k) region->radius[k] = e.radius[k] + s->limits->margin;
-}
-
-/* Small sets get a small margin, so that a splat between close creases can shrink. */
-static void limit_margin(const seedling *s, double reach, psplat_region *region) {
-    double margin = min2(s->limits->margin, 0.5 * reach);
-    for (int k = 0; k < 2; ++k) region->radius[k] += margin - s->limits->margin;
+    for (int k = 0; k < 2; ++k) region->radius[k] = e.radius[k] + margin;
 }
 
 /* Moves the plane along its normal to halve the greatest distance, as near to the creases' own
@@ -217,7 +211,9 @@ static trial_result find_lines(const seedling *s, psplat_region *region) {
 static size_t cover(seedling *s, const psplat_region *region) {
     psplat_growth *g = s->growth;
     if (!reserve_walked(s)) return s->failed = 1, 0;
-    double scale = max2(1 - 0.5 * s->limits->margin / region->radius[1], 0.6);
+    /* The ellipse less half the margin, as a region of its own: lines stay where they are. */
+    double inset = min2(0.5 * s->limits->margin, 0.25 * region->radius[1]), inner[2];
+    for (int k = 0; k < 2; ++k) inner[k] = region->radius[k] / (region->radius[k] - inset);
     size_t count = 0;
     int seed_met = s->seed == PSPLAT_NONE;
     for (size_t i = 0; i < g->walk.triangle_count; ++i) {
@@ -225,7 +221,8 @@ static size_t cover(seedling *s, const psplat_region *region) {
         for (uint32_t k = s->samples->first[t]; k < s->samples->first[t + 1]; ++k) {
             double uvh[3];
             psplat_region_local(region, s->samples->positions + 3 * (size_t)k, uvh);
-            if (!psplat_region_contains(region, uvh, scale, 1e-7)) continue;
+            if (hypot(uvh[0] * inner[0], uvh[1] * inner[1]) > 1) continue;
+            if (!psplat_region_contains(region, uvh, 1, 1e-7)) continue;
             const float *f = s->samples->normals + 3 * (size_t)k;
             double n[3] = {(double)f[0], (double)f[1], (double)f[2]};
             if (dot3(n, region->n) < least_cosine) return 0;
@@ -304,11 +301,12 @@ static trial_result try_reach(seedling *s, double reach, psplat_candidate *candi
                               size_t *gathered) {
     psplat_region region;
     double deviation, field[4];
+    /* Small sets get a small margin, so that a splat between close creases can shrink. */
+    double margin = min2(s->limits->margin, 0.5 * reach);
     size_t count = choose_near(s, reach);
     *gathered = count;
     for (int round = 0; round < 2 && !s->failed; ++round) {
-        fit_region(s, count, &region);
-        limit_margin(s, reach, &region);
+        fit_region(s, count, margin, &region);
         trial_result result = find_lines(s, &region);
         if (s->growth->walk.failed) s->failed = 1;
         if (result || s->failed) return result;

@@ -29,7 +29,9 @@ static const double spacing_percent = 0.85;
 /* Overlap of splats beyond the samples that they cover, in spacings. */
 static const double margin_spacings = 0.6;
 
-enum { REPAIRS = 10 };
+/* Rounds of looking for holes, and fresh samples in each, as a multiple of those fitted and at
+ * least. */
+enum { REPAIRS = 12, FRESH = 16, LEAST_FRESH = 200000 };
 
 static const uint64_t repair_seed = 0x7265706169720000u;
 static const uint64_t verify_seed = 0x7665726966790000u;
@@ -80,7 +82,8 @@ static float depth_tolerance(const conversion *c) {
 /* Finds holes on fresh samples and makes them samples to cover. Stores how many it found. */
 static psplat_result find_holes(conversion *c, int round, size_t *holes, psplat_error *error) {
     psplat_samples fresh;
-    size_t triangles = c->surface.mesh->triangle_count, count = 8 * c->samples.count;
+    size_t triangles = c->surface.mesh->triangle_count, count = FRESH * c->samples.count;
+    if (count < LEAST_FRESH) count = LEAST_FRESH;
     uint64_t seed = c->desc->seed + repair_seed + (uint64_t)round;
     psplat_result result = psplat_samples_draw_uniform(&c->surface, count, seed, &fresh, error);
     if (result) return result;
@@ -111,25 +114,32 @@ static psplat_result select_and_store(conversion *c, psplat_error *error) {
     return PSPLAT_OK;
 }
 
-static psplat_result select_splats(conversion *c, psplat_error *error) {
-    psplat_result result = select_and_store(c, error);
-    size_t holes = 1;
-    for (int round = 0; round < REPAIRS && !result && holes; ++round) {
+/* Looks for holes until two rounds in a row find none. */
+static psplat_result close_holes(conversion *c, psplat_error *error) {
+    for (int round = 0, clean = 0; round < REPAIRS && clean < 2; ++round) {
+        size_t holes;
         if (interrupted(c->desc, "closing holes", (double)round / REPAIRS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-        result = find_holes(c, round, &holes, error);
-        if (getenv("DBG"))
-            fprintf(stderr, "round %d splats %zu holes %zu\n", round, c->splats->count, holes);
-        if (result || !holes) break;
+        psplat_result result = find_holes(c, round, &holes, error);
+        if (result) return result;
+        clean = holes ? 0 : clean + 1;
+        if (!holes) continue;
         result = psplat_selection_refresh(&c->surface, &c->samples, &c->limits, &c->selection);
         if (result) return psplat_fail(error, result, 0, "out of memory while closing holes");
         result = select_and_store(c, error);
+        if (result) return result;
     }
-    if (!result) result = psplat_join_lines(&c->surface, &c->limits, &c->selection);
+    return PSPLAT_OK;
+}
+
+static psplat_result select_splats(conversion *c, psplat_error *error) {
+    psplat_result result = select_and_store(c, error);
+    if (!result) result = close_holes(c, error);
+    if (result) return result;
+    result = psplat_join_lines(&c->surface, &c->limits, &c->selection);
     if (!result) result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
-    if (result == PSPLAT_ERROR_MEMORY)
-        psplat_fail(error, result, 0, "out of memory while joining splats");
-    return result;
+    if (result) return psplat_fail(error, result, 0, "out of memory while joining splats");
+    return PSPLAT_OK;
 }
 
 static void fill_splats(const conversion *c, const psplat_mesh *mesh) {

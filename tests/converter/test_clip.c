@@ -13,8 +13,8 @@
 static const double pi = 3.14159265358979323846;
 
 /* A chain of creases through the given points, the surface to its left, joined by vertex ids. */
-static size_t chain(psplat_segment *segments, size_t begin, const double (*points)[2],
-                    size_t count, int closed) {
+static size_t chain(psplat_segment *segments, size_t begin, const double (*points)[2], size_t count,
+                    int closed) {
     size_t edges = closed ? count : count - 1;
     for (size_t i = 0; i < edges; ++i) {
         size_t next = (i + 1) % count;
@@ -140,9 +140,9 @@ static void test_too_many(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_no_creases),   cmocka_unit_test(test_straight_chain),
+        cmocka_unit_test(test_no_creases),    cmocka_unit_test(test_straight_chain),
         cmocka_unit_test(test_convex_corner), cmocka_unit_test(test_reflex_corner),
-        cmocka_unit_test(test_curved_chain), cmocka_unit_test(test_too_many),
+        cmocka_unit_test(test_curved_chain),  cmocka_unit_test(test_too_many),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

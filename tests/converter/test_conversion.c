@@ -36,7 +36,7 @@ static psplat_splats convert(const psplat_mesh *mesh, double percent, psplat_rep
 /* Both distances within the tolerance, no sample open, on every bundled model. */
 static void test_promise(void **state) {
     (void)state;
-    const char *names[] = {"part.obj",  "cube.off",  "sphere.ply",   "torus.off",  "cone.stl",
+    const char *names[] = {"part.obj",  "cube.off", "sphere.ply",   "torus.off",  "cone.stl",
                            "plate.stl", "slab.ply", "bracket.gltf", "painted.glb"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
         psplat_mesh mesh = read_model(names[i]);
@@ -161,8 +161,8 @@ static void test_triangle(void **state) {
     (void)state;
     double positions[] = {0, 0, 0, 3, 0, 0, 0, 1, 0};
     uint32_t triangles[] = {0, 1, 2};
-    psplat_mesh mesh = {.positions = positions, .triangles = triangles, .vertex_count = 3,
-                        .triangle_count = 1};
+    psplat_mesh mesh = {
+        .positions = positions, .triangles = triangles, .vertex_count = 3, .triangle_count = 1};
     psplat_report r = {0};
     psplat_splats splats = convert(&mesh, 0.5, &r);
     assert_int_equal(splats.count, 1);
@@ -175,11 +175,11 @@ static void test_triangle(void **state) {
 /* Two sheets closer than the tolerance, facing apart, are covered each by its own splats. */
 static void test_double_sheet(void **state) {
     (void)state;
-    double positions[] = {0, 0, 0, 4, 0, 0, 4, 3, 0, 0, 3, 0,
+    double positions[] = {0, 0, 0,     4, 0, 0,     4, 3, 0,     0, 3, 0,
                           0, 0, -1e-3, 4, 0, -1e-3, 4, 3, -1e-3, 0, 3, -1e-3};
     uint32_t triangles[] = {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6};
-    psplat_mesh mesh = {.positions = positions, .triangles = triangles, .vertex_count = 8,
-                        .triangle_count = 4};
+    psplat_mesh mesh = {
+        .positions = positions, .triangles = triangles, .vertex_count = 8, .triangle_count = 4};
     psplat_report r = {0};
     psplat_splats splats = convert(&mesh, 0.5, &r);
     assert_int_equal(splats.count, 2);

@@ -94,7 +94,8 @@ static void test_random_sets(void **state) {
 
 static void test_degenerate(void **state) {
     (void)state;
-    double line[5][2] = {{0, 0}, {1, 2}, {2, 4}, {3, 6}, {4, 8}}, same[3][2] = {{5, 6}, {5, 6}, {5, 6}};
+    double line[5][2] = {{0, 0}, {1, 2}, {2, 4}, {3, 6}, {4, 8}},
+           same[3][2] = {{5, 6}, {5, 6}, {5, 6}};
     psplat_ellipse e = enclose(line, 5);
     assert_near(e.radius[0], hypot(4, 8) / 2, 1e-12);
     assert_near(e.radius[1], 0, 1e-9);

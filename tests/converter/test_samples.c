@@ -26,8 +26,7 @@ static void draw(fixture *f, const char *path, double spacing, uint64_t seed) {
     if (psplat_mesh_read(path, &f->mesh, &error)) fail_msg("%s", error.text);
     assert_int_equal(psplat_surface_build(&f->mesh, 0.5, &f->surface, NULL), PSPLAT_OK);
     spacing *= f->surface.diagonal;
-    assert_int_equal(psplat_samples_draw(&f->surface, spacing, seed, &f->samples, NULL),
-                     PSPLAT_OK);
+    assert_int_equal(psplat_samples_draw(&f->surface, spacing, seed, &f->samples, NULL), PSPLAT_OK);
 }
 
 static void release(fixture *f) {
@@ -131,9 +130,9 @@ static void test_append(void **state) {
     uint32_t chosen[3] = {7, 2, 5};
     size_t before = f.samples.count;
     assert_int_equal(psplat_samples_draw_uniform(&f.surface, 20, 9, &extra, NULL), PSPLAT_OK);
-    assert_int_equal(psplat_samples_append(&f.samples, &extra, chosen, 3, f.mesh.triangle_count,
-                                           NULL),
-                     PSPLAT_OK);
+    assert_int_equal(
+        psplat_samples_append(&f.samples, &extra, chosen, 3, f.mesh.triangle_count, NULL),
+        PSPLAT_OK);
     assert_int_equal(f.samples.count, before + 3);
     for (int c = 0; c < 3; ++c) {
         uint32_t t = extra.triangles[chosen[c]];
@@ -149,7 +148,7 @@ static void test_append(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_on_triangles), cmocka_unit_test(test_blue_noise),
+        cmocka_unit_test(test_on_triangles),  cmocka_unit_test(test_blue_noise),
         cmocka_unit_test(test_creases_lined), cmocka_unit_test(test_deterministic),
         cmocka_unit_test(test_append),
     };

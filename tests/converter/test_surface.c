@@ -128,8 +128,8 @@ static void test_broken(void **state) {
     (void)state;
     double positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0, 0.5, 0, 1, 2, 1, 0};
     uint32_t triangles[] = {0, 1, 2, 1, 0, 3, 0, 1, 4, 1, 2, 5, 1, 2, 5};
-    psplat_mesh mesh = {.positions = positions, .triangles = triangles, .vertex_count = 6,
-                        .triangle_count = 5};
+    psplat_mesh mesh = {
+        .positions = positions, .triangles = triangles, .vertex_count = 6, .triangle_count = 5};
     psplat_surface s = build(&mesh);
     for (uint32_t e = 0; e < 15; ++e) {
         assert_int_equal(s.neighbors[e], PSPLAT_NONE);
