@@ -26,8 +26,9 @@ static const double normal_error_roughness = 1.5;
 /* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
  * are about sqrt(R tolerance) wide, and some ten samples across describe one. */
 static const double spacing_percent = 0.85;
-/* Overlap of splats beyond the samples that they cover, in spacings. */
-static const double margin_spacings = 0.6;
+/* Overlap of splats beyond the samples that they cover, in spacings: neighbours lie at different
+ * heights, and a slanted view must not see between them. */
+static const double margin_spacings = 2.0;
 
 /* Rounds of looking for holes, and fresh samples in each, as a multiple of those fitted and at
  * least. */

@@ -52,15 +52,28 @@ mat3 axes_of(vec4 q) {
                 vec3(2.0 * (p.z + w.y), 2.0 * (p.y - w.x), d - s.x - s.y + s.z));
 }
 
+/* Along the ray of a splat's centre, away from the eye; any length. */
+vec3 view_ray(vec3 eye_center) {
+    return u_shift.y > 0.0 ? eye_center : u_ray[2];
+}
+
 #if PASS == PSPLAT_PASS_VISIBILITY
+/* 1 / max(|cos|, 1/2) of eq. (5), of the angle between the splat's normal and the view ray. */
+float grazing_of(vec3 normal, vec3 eye_center) {
+    vec3 ray = view_ray(eye_center);
+    float cosine = abs(dot(normal, ray)) * inversesqrt(dot(normal, normal) * dot(ray, ray));
+    return 1.0 / max(cosine, 0.5);
+}
+
 /* What to add to gl_Position.z so that the point lies epsilon further along its own view ray
  * (spec 5.3). With p the point and s = 1 + epsilon / |p| the shifted point is s p, and
  * z'/w' = (z_row.xyz * s p + z_row.w) / (s w); written over the old w that is
  * z - z_row.w * epsilon / (|p| + epsilon). x, y and w stay: both passes rasterise the same
- * pixels. Never less than 2^-20 of w, eight steps of a 24-bit depth buffer. */
-float shift_of(vec3 eye, float w) {
-    float shift = u_shift.x / (u_shift.y * length(eye) + u_shift.z);
-    return max(shift, abs(w) * 9.5367431640625e-7);
+ * pixels. u_shift holds the terms for a facing splat; grazing multiplies epsilon. Never less than
+ * 2^-20 of w, eight steps of a 24-bit depth buffer. */
+float shift_of(vec3 eye, float w, float grazing) {
+    float bottom = u_shift.y * length(eye) + u_shift.z * (u_shift.y > 0.0 ? grazing : 1.0);
+    return max(u_shift.x * grazing / bottom, abs(w) * 9.5367431640625e-7);
 }
 #endif
 
@@ -87,12 +100,11 @@ CLIP_TYPE clip_distances(int column, int row, vec2 uv) {
 #endif
 
 #if PASS != PSPLAT_PASS_VISIBILITY && PASS != PSPLAT_PASS_PARAMETERS
-/* Whether the eye is behind the splat's plane (spec 5.2). gl_FrontFacing would come from corners
- * that the hardware may have snapped to a fraction of a pixel, and turn normals of splats seen
- * almost from the edge around. */
+/* Whether the splat clearly turns its back to the eye (spec 5.2), which gl_FrontFacing cannot
+ * tell. */
 bool is_behind(vec3 normal, vec3 eye_center) {
-    vec3 ray = u_shift.y > 0.0 ? eye_center : u_ray[2];
-    return dot(normal, ray) > 0.0;
+    vec3 ray = view_ray(eye_center);
+    return dot(normal, ray) >= 0.5 * sqrt(dot(normal, normal) * dot(ray, ray));
 }
 #endif
 
@@ -119,7 +131,8 @@ void main() {
 #if NEAR
     v_near = gl_Position.z + gl_Position.w;
 #endif
-    gl_Position.z += shift_of(eye, gl_Position.w);
+    float grazing = grazing_of(u_normal_matrix * axes[2], eye_center);
+    gl_Position.z += shift_of(eye, gl_Position.w, grazing);
 #elif PASS == PSPLAT_PASS_PARAMETERS
     v_index = float(u_first_index + splat);
 #else

@@ -13,7 +13,7 @@ typedef struct pixel {
     double u, v;
     uint32_t count;
     double edge_tie, depth_tie, epsilon_tie;
-    /* The sums of eq. (5); radiance is that of the comparison modes (5.7). */
+    /* The sums of eq. (6); radiance is that of the comparison modes (5.7). */
     double weight, depth, normal[3], radiance[3];
     psplat_oracle_surface surface;
 } pixel;
@@ -69,6 +69,7 @@ static void visit_splats(drawing *d, visitor call) {
             at.splat = &batch->splats[i];
             at.index = first + (int32_t)i;
             psplat_oracle_place_splat(at.splat, batch->clip_count, &space, &at.placed);
+            psplat_oracle_camera_face(&d->camera, &space, &at.placed);
             visit_pixels(d, &at, call);
         }
         first += (int32_t)batch->splat_count;
@@ -77,13 +78,11 @@ static void visit_splats(drawing *d, visitor call) {
 
 /* ---- 5.3: visibility ------------------------------------------------------------------------ */
 
-/* The least t + epsilon rather than the least t: both readings of 5.3 agree where all batches
- * have the same epsilon, and this one is what a shifted depth buffer computes where they do not. */
 static void find_visible(drawing *d, const visit *at, const psplat_oracle_ray *ray,
                          const psplat_oracle_fragment *f, pixel *p) {
     (void)ray;
     if (!psplat_oracle_fragment_exists(&at->placed, f, at->cull)) return;
-    p->limit = fmin(p->limit, f->t + (d->blends ? at->space->epsilon : 0));
+    p->limit = fmin(p->limit, f->t + (d->blends ? at->placed.epsilon : 0));
     if (!(f->t < p->nearest)) return;
     p->nearest = f->t;
     p->nearest_splat = at->index;
@@ -128,7 +127,7 @@ static void to_eye_of(const psplat_oracle_ray *ray, double to_eye[3]) {
 static void contribute(drawing *d, const visit *at, const psplat_oracle_ray *ray,
                        const psplat_oracle_fragment *f, pixel *p) {
     double weight = d->blends ? kernel_weight(&at->batch->kernel, f->r) : 1;
-    double sign = f->cosine > 0 ? 1 : -1, normal[3], to_eye[3], radiance[3];
+    double sign = at->placed.cosine > -0.5 ? 1 : -1, normal[3], to_eye[3], radiance[3];
     psplat_oracle_surface surface = surface_of(at->splat, &at->batch->material);
     p->weight += weight;
     p->depth += weight * f->depth;
@@ -159,7 +158,7 @@ static void note_ties(drawing *d, const visit *at, const psplat_oracle_ray *ray,
         double difference = psplat_oracle_camera_depth(&d->camera, limit, &w) - f->depth;
         p->depth_tie = fmin(p->depth_tie, fabs(difference));
         if (d->blends && at->space->epsilon > 0)
-            p->epsilon_tie = fmin(p->epsilon_tie, fabs(behind) / at->space->epsilon);
+            p->epsilon_tie = fmin(p->epsilon_tie, fabs(behind) / (2 * at->space->epsilon));
     }
     if (behind > 0) return; /* hidden: its edges do not show */
     psplat_oracle_margins margins =

@@ -48,6 +48,7 @@ typedef struct psplat_oracle_splat {
     double normal[3][3];    /* n(u, v) = normal[0] + u normal[1] + v normal[2]: eq. (2) */
     double clip[PSPLAT_MAX_CLIP_LINES][3];
     uint32_t clip_count;
+    double cosine, epsilon; /* eq. (5); set by psplat_oracle_camera_face */
 } psplat_oracle_splat;
 
 void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
@@ -87,6 +88,10 @@ void psplat_oracle_camera_ray_steps(const psplat_oracle_camera *camera,
 /* Window depth 0 ... 1 and clip w of a point. */
 double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const double point[3],
                                   double *w);
+
+/* How the splat faces this camera, and its tolerance along the camera's rays: eq. (5). */
+void psplat_oracle_camera_face(const psplat_oracle_camera *camera, const psplat_oracle_space *space,
+                               psplat_oracle_splat *splat);
 
 /* Pixels x0 <= x < x1, y0 <= y < y1 hold every fragment of the splat and one pixel around. */
 typedef struct psplat_oracle_box {
@@ -140,7 +145,7 @@ typedef struct psplat_oracle_light {
 
 void psplat_oracle_light_set(psplat_oracle_light *light, const psplat_view *view);
 
-/* Eq. (6); normal and to_eye are unit vectors. */
+/* Eq. (7); normal and to_eye are unit vectors. */
 void psplat_oracle_shade(const psplat_oracle_surface *surface, const psplat_oracle_light *light,
                          const double normal[3], const double to_eye[3], double radiance[3]);
 

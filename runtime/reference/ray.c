@@ -62,6 +62,19 @@ void psplat_oracle_camera_ray_steps(const psplat_oracle_camera *camera,
         }
 }
 
+void psplat_oracle_camera_face(const psplat_oracle_camera *camera, const psplat_oracle_space *space,
+                               psplat_oracle_splat *splat) {
+    psplat_oracle_ray ray;
+    double to_eye[3];
+    psplat_oracle_camera_ray(camera, 0, 0, &ray); /* all are alike in parallel views */
+    for (int i = 0; i < 3; ++i)
+        to_eye[i] = camera->parallel ? -ray.direction[i]
+                                     : camera->eye[i] / camera->eye[3] - splat->center[i];
+    psplat_oracle_normalise(to_eye);
+    splat->cosine = psplat_oracle_dot(splat->side, to_eye);
+    splat->epsilon = space->epsilon / fmax(fabs(splat->cosine), 0.5);
+}
+
 double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const double point[3],
                                   double *w) {
     double clip[4];

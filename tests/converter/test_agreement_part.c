@@ -75,7 +75,8 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     /* Splats of the part's narrow fillets are seen within a degree of edge-on and blend with
      * others: 1e-5 of a pixel there moves the blended depth by 1e-5. */
     assert_true(parameters.depth <= 1e-6 && a.depth <= 2e-5 && a.thin_depth <= 2e-5);
-    assert_true(a.color <= 1e-4);
+    /* And their normals, which turn by up to 1 per unit of u, follow the error of thin (u, v). */
+    assert_true(a.color <= 5e-4);
 }
 
 static void test_part(void **state) {

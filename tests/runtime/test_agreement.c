@@ -26,6 +26,9 @@ static const agreement_ties ordinary = {2e-4, 2e-6, 0.015}, close_up = {2e-4, 2e
  * single pixels, the position error of a pixel counts, times (u, v) or depth a pixel. */
 #define BAR_UV 5e-5
 #define BAR_DEPTH 1e-6
+/* In near views splats at all angles blend, the slanted ones over twice epsilon (spec 5.3), and the
+ * depth of those changes most with a pixel's position error. */
+#define BAR_CLOSE_DEPTH 2e-6
 #define BAR_THIN_UV 5e-4
 #define BAR_THIN_DEPTH 2e-5
 #define BAR_FLOAT 1e-4
@@ -38,14 +41,14 @@ static void report(const char *name, const agreement *a) {
                   a->color);
 }
 
-static void assert_agrees(const char *name, const agreement *a, double color) {
+static void assert_agrees(const char *name, const agreement *a, double depth, double color) {
     report(name, a);
     assert_true(a->covered > 1000);
     assert_true(a->skipped * 10 < a->covered); /* or the test would see little */
     assert_int_equal(a->mismatches, 0);
     assert_int_equal(a->other, 0);
     assert_true(a->uv <= BAR_UV);
-    assert_true(a->depth <= BAR_DEPTH);
+    assert_true(a->depth <= depth);
     assert_true(a->thin_uv <= BAR_THIN_UV);
     assert_true(a->thin_depth <= BAR_THIN_DEPTH);
     assert_true(a->color <= color);
@@ -73,7 +76,7 @@ static void check_view(gpu *g, const char *name, const scene *s, const double tr
     agreement parameters = agreement_measure(g, asset, transform, &view, 1, ties);
     agreement_add(&all, &parameters);
     psplat_asset_destroy(asset);
-    assert_agrees(name, &all, BAR_FLOAT);
+    assert_agrees(name, &all, ties == &close_up ? BAR_CLOSE_DEPTH : BAR_DEPTH, BAR_FLOAT);
 }
 
 /* The other modes, and RGBA8 with sRGB encoding. */
@@ -89,8 +92,8 @@ static void check_modes(gpu *g, const char *name, const scene *s, psplat_view vi
     view.linear_output = 0;
     agreement bytes = agreement_measure(g, asset, NULL, &view, 0, &ordinary);
     psplat_asset_destroy(asset);
-    assert_agrees(name, &modes, BAR_FLOAT);
-    assert_agrees(" as sRGB bytes", &bytes, BAR_BYTE);
+    assert_agrees(name, &modes, BAR_DEPTH, BAR_FLOAT);
+    assert_agrees(" as sRGB bytes", &bytes, BAR_DEPTH, BAR_BYTE);
 }
 
 /* ---- scenes x views -------------------------------------------------------------------------- */

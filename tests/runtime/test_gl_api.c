@@ -139,7 +139,8 @@ static void *get_proc_without_blending(void *user, const char *name) {
 }
 
 /* GLES without GL_EXT_float_blend draws into RGBA16F: the picture is that of RGBA32F to half
- * precision and the depth lies epsilon behind. */
+ * precision and the depth lies epsilon behind, which is twice the tolerance where the view grazes.
+ */
 static void test_half_targets(void **state) {
     (void)state;
     canvas *c = canvas_create(PSPLAT_API_GLES);
@@ -164,7 +165,7 @@ static void test_half_targets(void **state) {
         if (c->color[4 * i + 3] == 0) continue;
         /* Half keeps 11 bits of normals that the light multiplies by up to about 2. */
         assert_near(c->color[4 * i], half->color[4 * i], 4e-3);
-        assert_near(c->depth[i], half->depth[i], s.depth_tolerance);
+        assert_near(c->depth[i], half->depth[i], 2 * s.depth_tolerance); /* eq. (5) */
         assert_true(half->depth[i] > c->depth[i] - 1e-6f);
     }
     psplat_model_destroy(half->renderer, half_item.model);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * Eq. (6) of the specification as the reference rasteriser computes it, through one-pixel images of
+ * Eq. (7) of the specification as the reference rasteriser computes it, through one-pixel images of
  * a splat that fills them, against the material written down independently: distribution and
  * masking by tangents as in Walter et al. 2007 and Heitz 2014, radiance by Schlick 1994. */
 #include "camera.h"

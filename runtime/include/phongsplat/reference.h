@@ -18,7 +18,7 @@ extern "C" {
  *
  * The three ties say how near a pixel is to a different decision, so that tests can skip pixels
  * that float32 cannot decide. They are 1 where nothing is near, and count only splats that would
- * show: those not hidden by the pixel's visibility limit t_min + epsilon of spec 5.3. In flat and
+ * show: those not hidden by the pixel's visibility limit min(t + epsilon) of spec 5.3. In flat and
  * parameters mode the limit is the nearest splat; in the others they do not say whether the nearest
  * splat is nearest by far. */
 typedef struct psplat_reference_image {
@@ -32,7 +32,8 @@ typedef struct psplat_reference_image {
                         normal and the ray, which decides front or back */
     double *depth_tie;   /* least difference of window depth to the near and far plane and to the
                             visibility limit */
-    double *epsilon_tie; /* least |t - limit| / epsilon; always 1 in flat and parameters mode */
+    double *epsilon_tie; /* least |t - limit| over the greatest epsilon of eq. (5); always 1 in flat
+                            and parameters mode */
 } psplat_reference_image;
 
 /* Draws the asset's batches with the given transform (NULL: identity) and view; view.x and view.y
