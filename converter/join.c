@@ -19,9 +19,9 @@ enum { STEPS = 4 };
 /* Planes closer than this (sine) are one smooth surface, not two sides of a crease. */
 static const double least_sine = 0.1;
 /* Farthest move in parts of the tolerance, so that shallow creases grow no fins. */
-static const double greatest_move = 1.5;
+static const double greatest_move = 1;
 /* How far outside its own region a splat still counts as lying at a crease point. */
-static const double region_slack = 1e-6;
+static const double region_slack = 0.005;
 
 /* One point of a crease, seen from a candidate whose line runs there. */
 typedef struct crease_point {
@@ -82,7 +82,7 @@ static void consider_point(const joiner *j, const psplat_region *region, const d
     crease_point c = {.surface = j->surface,
                       .candidates = j->selection->candidates,
                       .patch = j->surface->patches[across],
-                      .tolerance = 1.5 * j->limits->crease_tolerance};
+                      .tolerance = 3 * j->limits->crease_tolerance};
     uint32_t i = nearest_line(region, uvh);
     const double *line = region->lines[i];
     double rate = line_outward(region, line, c.outward);

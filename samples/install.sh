@@ -7,7 +7,7 @@ set -eu
 # compilers and build
 packages="gcc g++ clang libc6-dev cmake ninja-build pkg-config"
 # converter: geometry, mesh files, PNG
-packages="$packages libcgal-dev libeigen3-dev libopenmesh-dev libtinygltf-dev libpng-dev"
+packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev libpng-dev"
 # runtime: JSON; host: EGL with Mesa's software rasteriser
 packages="$packages libjsmn-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
 # tests
