@@ -22,6 +22,8 @@ static const double least_cosine = 0.25;
 static const double area_error = 0.03;
 
 enum { BISECTIONS = 4, STEPS_PAST_FAILURE = 3, STEPS_DOWN = 8 };
+/* Corners of an outline: as many as a walk clips by, and those of the lines. */
+enum { OUTLINE = 16 + PSPLAT_MAX_CLIP_LINES };
 
 typedef enum trial_result { TRIAL_KEPT, TRIAL_TOO_FAR, TRIAL_TOO_MANY_LINES } trial_result;
 
@@ -162,7 +164,7 @@ static int settle_height(const seedling *s, psplat_region *region, double *devia
     const psplat_walk *walk = &s->growth->walk;
     double tolerance = s->limits->tolerance;
     double half = (walk->height[1] - walk->height[0]) / 2;
-    if (!(half <= tolerance)) return 0;
+    if (!walk->triangle_count || half > tolerance) return 0;
     double shift = (walk->height[0] + walk->height[1]) / 2;
     if (walk->crease_height[0] <= walk->crease_height[1]) {
         double low = walk->height[1] - tolerance, high = walk->height[0] + tolerance;
@@ -177,17 +179,36 @@ static int settle_height(const seedling *s, psplat_region *region, double *devia
     return 1;
 }
 
-/* Whether the surface covers the region once: a fold or a loose end shows as area. */
-static int area_fits(const seedling *s, const psplat_region *region) {
-    double polygon[24][2], twice = 0;
-    size_t count = psplat_region_polygon(region, 0, polygon, 16 + PSPLAT_MAX_CLIP_LINES);
+/* Whether all corners of an outline lie within the tolerance of the mesh. */
+static int outline_near(seedling *s, const psplat_region *region, double (*polygon)[2],
+                        size_t count) {
+    double points[OUTLINE][3], distances[OUTLINE];
+    if (!s->limits->distance) return 1;
+    for (size_t i = 0; i < count; ++i) {
+        memcpy(points[i], region->center, sizeof points[i]);
+        mad3(points[i], polygon[i][0] * region->radius[0], region->u);
+        mad3(points[i], polygon[i][1] * region->radius[1], region->v);
+    }
+    if (psplat_distance_query(s->limits->distance, &points[0][0], count, distances))
+        return s->failed = 1, 0;
+    for (size_t i = 0; i < count; ++i)
+        if (distances[i] > s->limits->tolerance) return 0;
+    return 1;
+}
+
+/* Whether the surface covers the region once: a fold or a loose end shows as area. What the slack of
+ * the lines may leave open is more than a sliver's whole area, so there distances decide. */
+static int area_fits(seedling *s, const psplat_region *region) {
+    double polygon[OUTLINE][2], twice = 0;
+    size_t count = psplat_region_polygon(region, 0, polygon, OUTLINE);
     for (size_t i = 0; i < count; ++i) {
         const double *a = polygon[i], *b = polygon[i + 1 < count ? i + 1 : 0];
         twice += a[0] * b[1] - a[1] * b[0];
     }
-    double area = twice / 2, error = area_error * area;
+    double area = twice / 2, error = area_error * area, met = s->growth->walk.area;
     double over = 2 * s->limits->crease_slack / region->radius[1] * region->line_count;
-    return s->growth->walk.area >= area - error - over && s->growth->walk.area <= area + error;
+    if (met > area + error || met < area - error - over) return 0;
+    return met >= area - error || outline_near(s, region, polygon, count);
 }
 
 static trial_result find_lines(const seedling *s, psplat_region *region) {

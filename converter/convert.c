@@ -42,6 +42,7 @@ typedef struct conversion {
     psplat_surface surface;
     psplat_samples samples;
     psplat_limits limits;
+    psplat_distance *distance;
     psplat_selection selection;
     psplat_splats *splats;
     double tolerance;
@@ -60,7 +61,7 @@ static double normal_error(const psplat_surface *surface) {
     return fmin(fmax(normal_error_roughness * surface->roughness, low), high);
 }
 
-static void set_limits(conversion *c) {
+static psplat_result set_limits(conversion *c, psplat_error *error) {
     double percent = tolerance_percent(c->desc), diagonal = c->surface.diagonal;
     double spacing = spacing_percent / 100 * diagonal * sqrt(percent);
     c->tolerance = percent / 100 * diagonal;
@@ -70,6 +71,9 @@ static void set_limits(conversion *c) {
                                 .crease_slack = crease_slack_part * c->tolerance,
                                 .margin = margin_spacings * spacing,
                                 .normal_error = normal_error(&c->surface)};
+    c->limits.distance = c->distance = psplat_distance_create(c->surface.mesh);
+    if (c->distance) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the mesh's tree does not fit into memory");
 }
 
 /* Greatest distance between two overlapping splats of one surface, along their normal. */
@@ -176,8 +180,8 @@ static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *
     if (interrupted(desc, "finding creases", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     psplat_result result = psplat_surface_build(mesh, degrees * degree, &c->surface, error);
+    if (!result) result = set_limits(c, error);
     if (result) return result;
-    set_limits(c);
     if (interrupted(desc, "sampling", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     result = psplat_samples_draw(&c->surface, c->samples.spacing, desc->seed, &c->samples, error);
@@ -197,6 +201,7 @@ psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc 
     psplat_result result = run(&c, mesh, report, error);
     psplat_selection_free(&c.selection);
     psplat_samples_free(&c.samples);
+    psplat_distance_destroy(c.distance);
     psplat_surface_free(&c.surface);
     if (result) psplat_splats_free(splats);
     return result;

@@ -200,6 +200,7 @@ typedef struct psplat_limits {
     double crease_slack;     /* reach over a crease, within the plane */
     double margin;           /* overlap beyond the covered samples */
     double normal_error;     /* root mean square of the normal field's, radians */
+    const psplat_distance *distance; /* to the mesh, for reaches that a walk cannot judge; or NULL */
 } psplat_limits;
 
 /* A possible splat and the samples that it covers. */
