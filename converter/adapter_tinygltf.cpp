@@ -136,7 +136,7 @@ void parse(const psplat_source &source, tinygltf::Model &model) {
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(ignore_image, nullptr);
     loader.SetFsCallbacks({file_exists, same_path, read_whole_file, nullptr, nullptr});
-    std::string path = source.path;
+    std::string path = source.file;
     size_t slash = path.rfind('/');
     std::string directory = slash == std::string::npos ? "." : path.substr(0, slash + 1);
     std::string error, warning;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * command.c - exit codes, the error line, and the check of an output before the work begins.
+ * command.c - exit codes, the error line, and the checks of files before the work begins.
  */
 #define _XOPEN_SOURCE 700
 
 #include "command.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,19 +45,57 @@ int psplat_exit_code(psplat_result result) {
     return (unsigned)result < PSPLAT_RESULT_COUNT ? codes[result] : PSPLAT_EXIT_USAGE;
 }
 
+void psplat_command_error(const char *format, ...) {
+    char line[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    for (char *c = line; *c; ++c)
+        if ((unsigned char)*c < 0x20 || *c == 0x7f) *c = '?';
+    fprintf(stderr, "phongsplat: %s\n", line);
+}
+
 /* Texts of the mesh readers begin with the file and the line already; those of the runtime, which
  * knows only bytes, do not. */
 int psplat_command_fail(const char *path, const psplat_error *error) {
     const char *text = *error->text ? error->text : psplat_result_text(error->code);
-    size_t length = path ? strlen(path) : 0;
-    int is_named = !path || (!strncmp(text, path, length) && !strncmp(text + length, ": ", 2));
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(path ? path : "", shown);
+    size_t length = strlen(shown);
+    int is_named = !path || (!strncmp(text, shown, length) && !strncmp(text + length, ": ", 2));
     if (is_named)
-        fprintf(stderr, "phongsplat: %s\n", text);
+        psplat_command_error("%s", text);
     else if (error->offset)
-        fprintf(stderr, "phongsplat: %s: byte %zu: %s\n", path, error->offset, text);
+        psplat_command_error("%s: byte %zu: %s", shown, error->offset, text);
     else
-        fprintf(stderr, "phongsplat: %s: %s\n", path, text);
+        psplat_command_error("%s: %s", shown, text);
     return psplat_exit_code(error->code);
+}
+
+/* The runtime reads through callbacks, which cannot say why a file is not readable. */
+static int check_input(const char *path) {
+    struct stat status;
+    if (stat(path, &status) || access(path, R_OK)) return errno;
+    return S_ISDIR(status.st_mode) ? EISDIR : 0;
+}
+
+psplat_result psplat_command_open(const char *path, psplat_asset **asset, psplat_error *error) {
+    int cause = check_input(path);
+    if (cause) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s", strerror(cause));
+    return psplat_asset_open(path, NULL, asset, error);
+}
+
+static psplat_result refuse(psplat_error *error, const char *path, const char *cause) {
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(path, shown);
+    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: %s", shown, cause);
+}
+
+static psplat_result refuse_creation(psplat_error *error, const char *path, int cause) {
+    char text[128];
+    snprintf(text, sizeof text, "cannot be created: %s", strerror(cause));
+    return refuse(error, path, text);
 }
 
 static int is_same_file(const char *first, const char *second) {
@@ -64,10 +103,30 @@ static int is_same_file(const char *first, const char *second) {
     return !stat(first, &a) && !stat(second, &b) && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
 }
 
+/* The directory part of path, which the caller frees; NULL where memory ran out. */
+static char *directory_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+}
+
+static const char *base_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+int psplat_output_is_same(const char *first, const char *second) {
+    struct stat status;
+    if (!stat(first, &status)) return S_ISREG(status.st_mode) && is_same_file(first, second);
+    char *a = directory_of(first), *b = directory_of(second);
+    int is_same = a && b && is_same_file(a, b) && !strcmp(base_of(first), base_of(second));
+    free(a);
+    free(b);
+    return is_same || !strcmp(first, second);
+}
+
 /* Whether a file can be created where path says; 0 or an errno. */
 static int check_directory(const char *path) {
-    const char *slash = strrchr(path, '/');
-    char *directory = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+    char *directory = directory_of(path);
     if (!directory) return ENOMEM;
     struct stat status;
     int cause = stat(directory, &status) ? errno : 0;
@@ -81,17 +140,15 @@ psplat_result psplat_output_check(const char *input, const char *output, int ove
                                   psplat_error *error) {
     struct stat status;
     if (!strcmp(output, "-")) return PSPLAT_OK;
-    if (input && is_same_file(input, output))
-        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.160s: is the input", output);
-    int exists = !stat(output, &status);
-    if (exists && S_ISDIR(status.st_mode))
-        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.160s: is a directory", output);
-    if (exists && !overwrite)
-        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0,
-                           "%.160s: exists already; --overwrite replaces it", output);
-    if (exists && !S_ISREG(status.st_mode)) return PSPLAT_OK; /* written in place */
-    int cause = check_directory(output);
-    if (!cause) return PSPLAT_OK;
-    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.160s: cannot be created: %s", output,
-                       strerror(cause));
+    if (input && is_same_file(input, output)) return refuse(error, output, "is the input");
+    int cause = stat(output, &status) ? errno : 0;
+    if (!cause && S_ISDIR(status.st_mode)) return refuse(error, output, "is a directory");
+    if (!cause && !overwrite)
+        return refuse(error, output, "exists already; --overwrite replaces it");
+    if (!cause && !S_ISREG(status.st_mode)) return PSPLAT_OK; /* written in place */
+    if (cause && cause != ENOENT) return refuse_creation(error, output, cause);
+    if (cause && !lstat(output, &status))
+        return refuse(error, output, "is a symbolic link to nothing");
+    cause = check_directory(output);
+    return cause ? refuse_creation(error, output, cause) : PSPLAT_OK;
 }

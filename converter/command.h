@@ -33,14 +33,27 @@ extern const char psplat_exit_help[];
 
 int psplat_exit_code(psplat_result result);
 
+/* Prints one error line, whatever control characters its parts hold. */
+void psplat_command_error(const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 1, 2)))
+#endif
+    ;
+
 /* Prints the error line of a failure that concerns path (NULL where the text names its subject)
  * and returns its exit code. */
 int psplat_command_fail(const char *path, const psplat_error *error);
+
+/* psplat_asset_open that says why a file cannot be read. */
+psplat_result psplat_command_open(const char *path, psplat_asset **asset, psplat_error *error);
 
 /* Refuses an output before any work is done for it: one that exists without overwrite, is the
  * input, is a directory or lies in a directory that cannot be written. "-" is always accepted. */
 psplat_result psplat_output_check(const char *input, const char *output, int overwrite,
                                   psplat_error *error);
+
+/* Whether two outputs would be one file. */
+int psplat_output_is_same(const char *first, const char *second);
 
 /* ---- command_options.c: table-driven parsing ---------------------------------------------- */
 

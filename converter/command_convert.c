@@ -89,8 +89,11 @@ static size_t peak_memory(void) {
 static psplat_result check_outputs(const arguments *a, psplat_error *error) {
     psplat_result result = psplat_output_check(a->input, a->output, a->overwrite, error);
     if (result || !a->report) return result;
-    if (!strcmp(a->report, a->output))
-        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.160s: is also the asset", a->report);
+    if (psplat_output_is_same(a->report, a->output)) {
+        char shown[PSPLAT_SHOWN_PATH];
+        psplat_path_shorten(a->report, shown);
+        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: is also the asset", shown);
+    }
     return psplat_output_check(a->input, a->report, a->overwrite, error);
 }
 

@@ -210,7 +210,7 @@ int psplat_command_inspect(int argc, char **argv) {
     psplat_asset *asset = NULL;
     psplat_error error = {0};
     summary s = {0};
-    if (psplat_asset_open(input, NULL, &asset, &error)) return psplat_command_fail(input, &error);
+    if (psplat_command_open(input, &asset, &error)) return psplat_command_fail(input, &error);
     int is_whole = summarise(asset, &s);
     if (is_whole && format == FORMAT_PRETTY) print_pretty(input, asset, &s);
     if (is_whole && format == FORMAT_JSON) is_whole = print_json(input, asset, &s);

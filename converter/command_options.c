@@ -11,8 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Decimal alone: strtod takes blanks, hexadecimal, and words as well. */
 static int read_number(const psplat_option *option, const char *text, const char *suffix) {
     char *end = NULL;
+    size_t length = strspn(text, "0123456789+-.eE");
+    if (strcmp(text + length, suffix) != 0 && text[length]) return 0;
     double number = strtod(text, &end);
     if (end == text) return 0;
     if (*end && strcmp(end, suffix) != 0) return 0;
@@ -103,7 +106,7 @@ int psplat_option_read(const psplat_option *option, const char *text, const char
         *expected = "no value";
         return 0;
     case PSPLAT_OPTION_TEXT:
-        *expected = "a text that is not empty";
+        *expected = "a name";
         if (*text) *(const char **)option->value = text;
         return *text != 0;
     case PSPLAT_OPTION_NUMBER:
@@ -131,10 +134,13 @@ int psplat_option_read(const psplat_option *option, const char *text, const char
     return 0;
 }
 
+enum { MAX_SUBJECT = 160 }; /* bytes of an argument that an error shows */
+
 static psplat_parse usage_error(const psplat_syntax *syntax, const char *subject, size_t length,
                                 const char *cause) {
-    fprintf(stderr, "phongsplat: %s: %.*s: %s (phongsplat %s --help lists what it takes)\n",
-            syntax->command, (int)length, subject, cause, syntax->command);
+    int shown = length < MAX_SUBJECT ? (int)length : MAX_SUBJECT;
+    psplat_command_error("%s: %.*s: %s (phongsplat %s --help lists what it takes)", syntax->command,
+                         shown, subject, cause, syntax->command);
     return PSPLAT_PARSE_ERROR;
 }
 

@@ -18,6 +18,14 @@
 extern "C" {
 #endif
 
+/* ---- path.c: paths in messages ------------------------------------------------------------ */
+
+#define PSPLAT_SHOWN_PATH 112
+
+/* path as messages show it: control characters become question marks, and a long path loses its
+ * middle, so that the cause behind it fits into a psplat_error. */
+void psplat_path_shorten(const char *path, char shown[PSPLAT_SHOWN_PATH]);
+
 /* ---- mesh.c: triangles as they were read ------------------------------------------------- */
 
 /* Attributes live on corners (3 per triangle), so that a hard edge or a colour seam of the file

@@ -114,7 +114,10 @@ static void add_number(psplat_writer *json, double number, int is_float) {
         add_text(json, "null");
         return;
     }
-    for (int precision = 1; precision <= 17; ++precision) {
+    /* %g writes 60 as 6e+01 where one digit is enough to tell it. */
+    int is_integer = number == floor(number) && fabs(number) < 1e15;
+    if (is_integer) snprintf(digits, sizeof digits, "%.0f", number);
+    for (int precision = 1; !is_integer && precision <= 17; ++precision) {
         snprintf(digits, sizeof digits, "%.*g", precision, number);
         double back = is_float ? (double)strtof(digits, NULL) : strtod(digits, NULL);
         if (back == number) break;

@@ -6,6 +6,7 @@
 
 #include "command.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -58,10 +59,18 @@ static void set_signals(void) {
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error of write() */
 }
 
+/* Were a standard stream closed, the next file opened would take its number and its output. What
+ * takes it instead refuses to be written, so that nothing printed is lost in silence. */
+static void hold_standard_streams(void) {
+    int file = 0;
+    while (file >= 0 && file <= STDERR_FILENO) file = open("/dev/null", O_RDONLY);
+    if (file > STDERR_FILENO) close(file);
+}
+
 /* What printf promised may fail only when it reaches the disk. */
 static int close_output(int code) {
     if (!fflush(stdout) && !ferror(stdout)) return code;
-    fprintf(stderr, "phongsplat: standard output: cannot be written\n");
+    psplat_command_error("standard output: cannot be written");
     return code ? code : PSPLAT_EXIT_WRITE;
 }
 
@@ -78,12 +87,13 @@ static int run(int argc, char **argv) {
         print_help();
         return PSPLAT_EXIT_SUCCESS;
     }
-    fprintf(stderr, "phongsplat: %s: unknown command (phongsplat --help lists them)\n",
-            *name ? name : "no command");
+    psplat_command_error("%.160s: unknown command (phongsplat --help lists them)",
+                         *name ? name : "no command");
     return PSPLAT_EXIT_USAGE;
 }
 
 int main(int argc, char **argv) {
+    hold_standard_streams();
     set_signals();
     return close_output(run(argc, argv));
 }

@@ -28,7 +28,15 @@ enum { TEMPORARY_NAMES = 100 };
 
 static psplat_result fail(psplat_error *error, const char *path, const char *what, int cause) {
     psplat_result code = cause == ENOMEM ? PSPLAT_ERROR_MEMORY : PSPLAT_ERROR_WRITE;
-    return psplat_fail(error, code, 0, "%.160s: %s: %s", path, what, strerror(cause));
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(path, shown);
+    return psplat_fail(error, code, 0, "%s: %s: %s", shown, what, strerror(cause));
+}
+
+static psplat_result fail_existing(psplat_error *error, const char *path) {
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(path, shown);
+    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: exists already", shown);
 }
 
 /* 0 or an errno. */
@@ -154,16 +162,14 @@ static psplat_result write_file(const char *path, const void *data, size_t size,
     struct stat old;
     int exists = !stat(path, &old);
     if (exists && S_ISDIR(old.st_mode)) return fail(error, path, "cannot be written", EISDIR);
-    if (exists && !overwrite)
-        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.160s: exists already", path);
+    if (exists && !overwrite) return fail_existing(error, path);
     if (exists && !S_ISREG(old.st_mode)) return write_in_place(path, data, size, error);
     const char *what = NULL;
     sigset_t before;
     hold_signals(&before);
     int cause = write_beside(path, exists ? &old : NULL, data, size, &what);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (cause == EEXIST)
-        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.160s: exists already", path);
+    if (cause == EEXIST) return fail_existing(error, path);
     return cause ? fail(error, path, what, cause) : PSPLAT_OK;
 }
 

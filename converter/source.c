@@ -44,18 +44,20 @@ static psplat_result read_stream(FILE *file, const char *path, char **data, size
 
 psplat_result psplat_source_read_file(const char *path, char **data, size_t *size,
                                       psplat_error *error) {
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(path, shown);
     FILE *file = fopen(path, "rb");
-    if (!file) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s: %s", path, strerror(errno));
+    if (!file) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s: %s", shown, strerror(errno));
     psplat_result result = PSPLAT_OK;
     /* Refuse early what has a size; what has none (a pipe) is caught while reading. */
     if (fseek(file, 0, SEEK_END) == 0) {
         long end = ftell(file);
         if (end > 0 && end != LONG_MAX && (unsigned long)end > PSPLAT_MAX_SOURCE_BYTES)
             result = psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
-                                 "%s: %ld bytes; at most 4 GiB are read", path, end);
+                                 "%s: %ld bytes; at most 4 GiB are read", shown, end);
         rewind(file);
     }
-    if (!result) result = read_stream(file, path, data, size, error);
+    if (!result) result = read_stream(file, shown, data, size, error);
     fclose(file);
     return result;
 }
@@ -136,11 +138,11 @@ static psplat_result recognise(psplat_source *source, psplat_error *error) {
         {".ply", "ply"}, {".off", "OFF"}, {".glb", "glTF"}, {".gltf", "{"}};
     source->format = format_of_content(source);
     if (source->format) return PSPLAT_OK;
-    if (has_extension(source->path, ".obj")) source->format = PSPLAT_SOURCE_OBJ;
-    if (has_extension(source->path, ".stl")) source->format = PSPLAT_SOURCE_STL_BINARY;
+    if (has_extension(source->file, ".obj")) source->format = PSPLAT_SOURCE_OBJ;
+    if (has_extension(source->file, ".stl")) source->format = PSPLAT_SOURCE_STL_BINARY;
     if (source->format) return PSPLAT_OK;
     for (size_t i = 0; i < sizeof magics / sizeof *magics; ++i)
-        if (has_extension(source->path, magics[i][0]))
+        if (has_extension(source->file, magics[i][0]))
             return psplat_fail(error, PSPLAT_ERROR_FORMAT, 0,
                                "%s: byte 0: does not begin with '%s'", source->path, magics[i][1]);
     return psplat_fail(error, PSPLAT_ERROR_UNSUPPORTED, 0,
@@ -149,11 +151,12 @@ static psplat_result recognise(psplat_source *source, psplat_error *error) {
 }
 
 psplat_result psplat_source_load(const char *path, psplat_source *source, psplat_error *error) {
-    *source = (psplat_source){.path = path};
+    *source = (psplat_source){.file = path};
+    psplat_path_shorten(path, source->path);
     psplat_result result = psplat_source_read_file(path, &source->data, &source->size, error);
     if (result) return result;
     if (source->size == 0)
-        result = psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: the file is empty", path);
+        result = psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: the file is empty", source->path);
     if (!result) result = recognise(source, error);
     if (result) psplat_source_free(source);
     return result;

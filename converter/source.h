@@ -36,8 +36,9 @@ typedef enum psplat_source_format {
 
 /* A file and what the checks found out about it. Zero-initialise; psplat_source_free releases. */
 typedef struct psplat_source {
-    const char *path; /* as the caller gave it, for messages */
-    char *data;       /* the whole file with a 0 byte after it */
+    const char *file;             /* its path as the caller gave it */
+    char path[PSPLAT_SHOWN_PATH]; /* the same for messages */
+    char *data;                   /* the whole file with a 0 byte after it */
     size_t size;
     psplat_source_format format;
     size_t vertices;   /* in the file */

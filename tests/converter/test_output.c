@@ -23,7 +23,7 @@
 static char directory[64];
 
 static const char *inside(const char *name) {
-    static char path[128];
+    static char path[sizeof directory + 256]; /* the longest entry of a directory, and more */
     snprintf(path, sizeof path, "%s/%s", directory, name);
     return path;
 }

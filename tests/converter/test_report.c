@@ -45,6 +45,11 @@ static void test_numbers_read_back_exactly(void **state) {
     psplat_writer_numbers(&json, NULL, numbers, 5);
     assert_json(&json, "[0.1, 1e+300, -2.5, 0.3333333333333333, 4]\n");
     json = (psplat_writer){0};
+    /* Integers look like integers as long as a double holds each of them. */
+    const double integers[] = {0, 10, 60, -700, 123456789012, 1e15};
+    psplat_writer_numbers(&json, NULL, integers, 6);
+    assert_json(&json, "[0, 10, 60, -700, 123456789012, 1e+15]\n");
+    json = (psplat_writer){0};
     const double none[] = {NAN, INFINITY, -INFINITY};
     psplat_writer_numbers(&json, NULL, none, 3);
     assert_json(&json, "[null, null, null]\n");
