@@ -26,6 +26,43 @@ static double turn(const double a[2], const double b[2], const double c[2]) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
+/* Directions whose farthest points make the octagon below, counter-clockwise. */
+static const double octagon_directions[8][2] = {{1, 0},  {1, 1},   {0, 1},  {-1, 1},
+                                                {-1, 0}, {-1, -1}, {0, -1}, {1, -1}};
+
+static int inside_octagon(const double octagon[8][2], const double p[2]) {
+    for (int i = 0; i < 8; ++i) {
+        const double *a = octagon[i], *b = octagon[(i + 1) % 8];
+        int same = a[0] == b[0] && a[1] == b[1]; /* farthest in both directions: no side */
+        if (!same && turn(a, b, p) <= 0) return 0;
+    }
+    return 1;
+}
+
+/* Moves points that cannot be on the hull behind the others and returns how many remain: what lies
+ * inside the octagon of the farthest points is inside the hull (Akl, Toussaint 1978). Points on a
+ * side of it remain. */
+static size_t drop_inner(double (*points)[2], size_t count) {
+    double octagon[8][2], farthest[8];
+    for (int k = 0; k < 8; ++k) farthest[k] = -HUGE_VAL;
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 8; ++k) {
+            double along =
+                points[i][0] * octagon_directions[k][0] + points[i][1] * octagon_directions[k][1];
+            if (along <= farthest[k]) continue;
+            farthest[k] = along;
+            octagon[k][0] = points[i][0], octagon[k][1] = points[i][1];
+        }
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (inside_octagon((const double(*)[2])octagon, points[i])) continue;
+        double outer[2] = {points[i][0], points[i][1]};
+        points[i][0] = points[kept][0], points[i][1] = points[kept][1];
+        points[kept][0] = outer[0], points[kept++][1] = outer[1];
+    }
+    return kept ? kept : 1; /* all in one place */
+}
+
 /* Andrew's monotone chain: moves the hull of sorted points into hull (capacity count + 1). */
 static size_t convex_hull(double (*points)[2], size_t count, double (*hull)[2]) {
     qsort(points, count, sizeof *points, compare_points);
@@ -198,6 +235,7 @@ void psplat_ellipse_enclose(double (*points)[2], size_t count, psplat_ellipse *e
     double small[2 * HULL_CAPACITY][2], (*hull)[2] = small;
     *ellipse = (psplat_ellipse){.axis = {1, 0}};
     if (!count) return;
+    count = drop_inner(points, count);
     /* Without memory for a hull the first points stand in for it; scaling keeps the promise. */
     size_t used = count;
     if (2 * count + 2 > 2 * HULL_CAPACITY) {
