@@ -43,7 +43,7 @@ static int inside_octagon(const double octagon[8][2], const double p[2]) {
  * inside the octagon of the farthest points is inside the hull (Akl, Toussaint 1978). Points on a
  * side of it remain. */
 static size_t drop_inner(double (*points)[2], size_t count) {
-    double octagon[8][2], farthest[8];
+    double octagon[8][2] = {{0}}, farthest[8];
     for (int k = 0; k < 8; ++k) farthest[k] = -HUGE_VAL;
     for (size_t i = 0; i < count; ++i)
         for (int k = 0; k < 8; ++k) {
