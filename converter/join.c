@@ -22,6 +22,9 @@ static const double least_sine = 0.1;
 static const double greatest_move = 1;
 /* How far outside its own region a splat still counts as lying at a crease point. */
 static const double region_slack = 0.005;
+/* By how much the walk looks beyond a line (of the unit ellipse): the crease lies on the line, and
+ * rounding puts it on either side. */
+static const double line_slack = 1e-6;
 
 /* One point of a crease, seen from a candidate whose line runs there. */
 typedef struct crease_point {
@@ -99,7 +102,9 @@ static void consider_point(const joiner *j, const psplat_region *region, const d
 
 static void join_candidate(joiner *j, const psplat_candidate *candidate, double moves[]) {
     const psplat_region *region = &candidate->region;
-    psplat_walk_surface(&j->walk, j->surface, region, candidate->triangle, HUGE_VAL);
+    psplat_region wider = *region;
+    for (uint32_t i = 0; i < wider.line_count; ++i) wider.lines[i][2] += line_slack;
+    psplat_walk_surface(&j->walk, j->surface, &wider, candidate->triangle, HUGE_VAL);
     for (size_t i = 0; i < j->walk.segment_count; ++i) {
         const psplat_segment *s = &j->walk.segments[i];
         if (s->across == PSPLAT_NONE) continue;

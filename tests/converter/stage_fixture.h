@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * stage_fixture.h - meshes for tests of single stages: bent grids, models from files, turned and
+ * moved at will. Include after cmocka.h.
+ */
+#ifndef PHONGSPLAT_TESTS_STAGE_FIXTURE_H
+#define PHONGSPLAT_TESTS_STAGE_FIXTURE_H
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "near.h"
+#include "stages.h"
+#include "vector.h"
+
+static const double fixture_pi = 3.14159265358979323846;
+static const double fixture_crease_angle = 30 * 3.14159265358979323846 / 180;
+
+typedef struct fixture {
+    psplat_mesh mesh;
+    psplat_surface surface;
+    psplat_samples samples; /* empty until fixture_sample */
+} fixture;
+
+static inline void fixture_free(fixture *f) {
+    psplat_samples_free(&f->samples);
+    psplat_surface_free(&f->surface);
+    psplat_mesh_free(&f->mesh);
+}
+
+static inline void fixture_build(fixture *f) {
+    assert_int_equal(psplat_surface_build(&f->mesh, fixture_crease_angle, &f->surface, NULL),
+                     PSPLAT_OK);
+}
+
+static inline void fixture_model(fixture *f, const char *name) {
+    psplat_error error;
+    char path[512];
+    *f = (fixture){0};
+    snprintf(path, sizeof path, PSPLAT_SOURCE_DIR "/samples/models/%s", name);
+    if (psplat_mesh_read(path, &f->mesh, &error)) fail_msg("%s", error.text);
+    fixture_build(f);
+}
+
+/* columns x rows squares of two triangles each; place gives the point at s, t of 0 ... 1. The
+ * surface is not built yet. */
+static inline void fixture_grid(fixture *f, uint32_t columns, uint32_t rows,
+                                void (*place)(double s, double t, double p[3])) {
+    *f = (fixture){0};
+    f->mesh.vertex_count = (size_t)(columns + 1) * (rows + 1);
+    f->mesh.triangle_count = (size_t)2 * columns * rows;
+    f->mesh.positions = malloc(f->mesh.vertex_count * 3 * sizeof(double));
+    f->mesh.triangles = malloc(f->mesh.triangle_count * 3 * sizeof(uint32_t));
+    assert_non_null(f->mesh.positions);
+    assert_non_null(f->mesh.triangles);
+    double *p = f->mesh.positions;
+    for (uint32_t y = 0; y <= rows; ++y)
+        for (uint32_t x = 0; x <= columns; ++x, p += 3)
+            place((double)x / (double)columns, (double)y / (double)rows, p);
+    uint32_t *t = f->mesh.triangles;
+    for (uint32_t y = 0; y < rows; ++y)
+        for (uint32_t x = 0; x < columns; ++x, t += 6) {
+            uint32_t a = y * (columns + 1) + x, c = a + columns + 1;
+            uint32_t two[6] = {a, a + 1, c + 1, a, c + 1, c};
+            memcpy(t, two, sizeof two);
+        }
+}
+
+/* spacing in diagonals. */
+static inline void fixture_sample(fixture *f, double spacing) {
+    assert_int_equal(
+        psplat_samples_draw(&f->surface, spacing * f->surface.diagonal, 1, &f->samples, NULL),
+        PSPLAT_OK);
+}
+
+/* A random orthonormal frame, right-handed. */
+static inline void random_axes(uint64_t *random, double u[3], double v[3], double n[3]) {
+    double q[4], length = 0;
+    for (int k = 0; k < 4; ++k) {
+        q[k] = 2 * psplat_random_unit(random) - 1;
+        length += q[k] * q[k];
+    }
+    for (int k = 0; k < 4; ++k) q[k] /= sqrt(length);
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    u[0] = 1 - 2 * (y * y + z * z), u[1] = 2 * (x * y + z * w), u[2] = 2 * (x * z - y * w);
+    v[0] = 2 * (x * y - z * w), v[1] = 1 - 2 * (x * x + z * z), v[2] = 2 * (y * z + x * w);
+    cross3(n, u, v);
+}
+
+/* The point of a region at (u, v) and a height. */
+static inline void region_point(const psplat_region *region, double u, double v, double height,
+                                double p[3]) {
+    memcpy(p, region->center, 3 * sizeof(double));
+    mad3(p, u * region->radius[0], region->u);
+    mad3(p, v * region->radius[1], region->v);
+    mad3(p, height, region->n);
+}
+
+#endif
