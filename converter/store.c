@@ -86,10 +86,11 @@ static uint64_t spread_bits(uint64_t x) {
     return (x | x << 2) & 0x1249249249249249u;
 }
 
-static uint64_t morton_code(const float center[3], const float low[3], float scale) {
+/* scale takes the extent to 2^21 - 1. In double, which no difference of floats overflows. */
+static uint64_t morton_code(const float center[3], const double low[3], double scale) {
     uint64_t code = 0;
     for (int k = 0; k < 3; ++k)
-        code |= spread_bits((uint64_t)((double)(center[k] - low[k]) * (double)scale)) << k;
+        code |= spread_bits((uint64_t)(((double)center[k] - low[k]) * scale)) << k;
     return code;
 }
 
@@ -101,16 +102,16 @@ static int compare_entries(const void *left, const void *right) {
 }
 
 static void sort_entries(const psplat_splat *splats, order_entry *entries, size_t count) {
-    float low[3], extent = 0;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, extent = 0;
     for (int k = 0; k < 3; ++k) {
-        float high = low[k] = splats[0].center[k];
-        for (size_t i = 1; i < count; ++i) {
-            low[k] = fminf(low[k], splats[i].center[k]);
-            high = fmaxf(high, splats[i].center[k]);
+        double high = -HUGE_VAL;
+        for (size_t i = 0; i < count; ++i) {
+            low[k] = min2(low[k], (double)splats[i].center[k]);
+            high = max2(high, (double)splats[i].center[k]);
         }
-        extent = fmaxf(extent, high - low[k]);
+        extent = max2(extent, high - low[k]);
     }
-    float scale = extent > 0 ? 2097151.0f / extent : 0;
+    double scale = extent > 0 ? 2097151 / extent : 0;
     for (uint32_t i = 0; i < count; ++i)
         entries[i] =
             (order_entry){splats[i].clip_count, i, morton_code(splats[i].center, low, scale)};
@@ -120,9 +121,9 @@ static void sort_entries(const psplat_splat *splats, order_entry *entries, size_
 psplat_result psplat_store_splats(const psplat_selection *selection, int has_color,
                                   psplat_splats *splats) {
     size_t count = selection->count;
-    psplat_splat *unsorted = malloc(count * sizeof *unsorted);
-    order_entry *entries = malloc(count * sizeof *entries);
-    psplat_splat *sorted = malloc(count * sizeof *sorted);
+    psplat_splat *unsorted = malloc((count + 1) * sizeof *unsorted);
+    order_entry *entries = malloc((count + 1) * sizeof *entries);
+    psplat_splat *sorted = malloc((count + 1) * sizeof *sorted);
     if (!unsorted || !entries || !sorted) {
         free(unsorted);
         free(entries);
