@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: MIT
+ * Regions near a point: the tree of boxes against all boxes and against the ellipses themselves. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+
+enum { MOST = 700 };
+
+typedef struct visits {
+    uint8_t counts[MOST];
+    size_t total, stop_after;
+} visits;
+
+static int visit(void *user, uint32_t region) {
+    visits *v = user;
+    assert_true(region < MOST);
+    v->counts[region]++;
+    return ++v->total == v->stop_after;
+}
+
+/* Regions of all sizes, some of them needles, some of them equal to others. */
+static void make_regions(psplat_region *regions, size_t count, double scale, uint64_t *random) {
+    for (size_t i = 0; i < count; ++i) {
+        psplat_region *r = &regions[i];
+        if (i % 7 == 6) {
+            *r = regions[i - 3];
+            continue;
+        }
+        *r = (psplat_region){.line_count = 0};
+        random_axes(random, r->u, r->v, r->n);
+        for (int k = 0; k < 3; ++k) r->center[k] = scale * psplat_random_unit(random);
+        r->radius[0] = 0.3 * scale * pow(psplat_random_unit(random), 3);
+        r->radius[1] = r->radius[0] * (i % 3 ? psplat_random_unit(random) : 1e-6);
+    }
+}
+
+typedef struct extent {
+    double low[3], high[3], error;
+} extent;
+
+/* The box of an ellipse, by going round it: in 256 steps, which misses at most 1 - cos(pi / 256) of
+ * the larger radius. */
+static extent extent_of(const psplat_region *r) {
+    extent e = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, 0};
+    for (int i = 0; i < 256; ++i) {
+        double p[3], angle = 2 * fixture_pi * i / 256;
+        region_point(r, cos(angle), sin(angle), 0, p);
+        for (int k = 0; k < 3; ++k) e.low[k] = min2(e.low[k], p[k]);
+        for (int k = 0; k < 3; ++k) e.high[k] = max2(e.high[k], p[k]);
+    }
+    e.error = 1e-4 * r->radius[0] + 1e-12 * length3(r->center);
+    return e;
+}
+
+/* Whether the box, grown by reach, holds a point: 1 yes, 0 no, -1 too close to call. */
+static int box_holds(const extent *e, double reach, const double p[3]) {
+    int result = 1;
+    for (int k = 0; k < 3; ++k) {
+        double inside = min2(p[k] - e->low[k], e->high[k] - p[k]) + reach;
+        if (inside < -e->error) return 0;
+        if (inside < e->error) result = -1;
+    }
+    return result;
+}
+
+static void check_points(const psplat_region *regions, size_t count, double scale,
+                         uint64_t *random) {
+    static extent extents[MOST];
+    double reach = 0.02 * scale;
+    for (size_t r = 0; r < count; ++r) extents[r] = extent_of(&regions[r]);
+    psplat_locator *locator = psplat_locator_create(regions, count, reach);
+    assert_non_null(locator);
+    size_t found = 0;
+    for (int i = 0; i < 60; ++i) {
+        double p[3];
+        for (int k = 0; k < 3; ++k) p[k] = scale * (1.4 * psplat_random_unit(random) - 0.2);
+        visits v = {.total = 0};
+        psplat_locator_visit(locator, p, visit, &v);
+        found += v.total;
+        for (size_t r = 0; r < count; ++r) {
+            int holds = box_holds(&extents[r], reach, p);
+            assert_true(v.counts[r] <= 1);
+            if (holds >= 0) assert_int_equal(v.counts[r], holds);
+        }
+        if (v.total < 2) continue;
+        visits first = {.stop_after = 2};
+        psplat_locator_visit(locator, p, visit, &first);
+        assert_int_equal(first.total, 2);
+    }
+    assert_true(count < 100 || found > 60); /* the test has something to find */
+    psplat_locator_destroy(locator);
+}
+
+static void test_random(void **state) {
+    (void)state;
+    static psplat_region regions[MOST];
+    const size_t counts[] = {1, 2, 4, 5, 6, 9, 64, MOST};
+    const double scales[] = {1, 1e-9, 1e9};
+    uint64_t random = 11;
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; ++k)
+        for (size_t s = 0; s < 3; ++s) {
+            if (s && counts[k] > 64) continue;
+            make_regions(regions, counts[k], scales[s], &random);
+            check_points(regions, counts[k], scales[s], &random);
+        }
+}
+
+/* Every point of an ellipse, and every point within reach of one, finds it. */
+static void test_sound(void **state) {
+    (void)state;
+    static psplat_region regions[MOST];
+    uint64_t random = 12;
+    make_regions(regions, MOST, 1, &random);
+    psplat_locator *locator = psplat_locator_create(regions, MOST, 0.1);
+    assert_non_null(locator);
+    for (size_t r = 0; r < MOST; ++r) {
+        double p[3], angle = 2 * fixture_pi * psplat_random_unit(&random);
+        region_point(&regions[r], cos(angle), sin(angle), 0.0999 * (r % 2 ? -1 : 1), p);
+        visits v = {.total = 0};
+        psplat_locator_visit(locator, p, visit, &v);
+        assert_int_equal(v.counts[r], 1);
+    }
+    psplat_locator_destroy(locator);
+}
+
+/* No regions, and many that no plane can separate. */
+static void test_degenerate(void **state) {
+    (void)state;
+    static psplat_region regions[MOST];
+    const double here[3] = {0, 0, 0}, there[3] = {0, 2, 0};
+    visits v = {.total = 0};
+    psplat_locator *locator = psplat_locator_create(regions, 0, 1);
+    assert_non_null(locator);
+    psplat_locator_visit(locator, here, visit, &v);
+    assert_int_equal(v.total, 0);
+    psplat_locator_destroy(locator);
+    for (size_t r = 0; r < MOST; ++r)
+        regions[r] =
+            (psplat_region){.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}};
+    locator = psplat_locator_create(regions, MOST, 0.5);
+    assert_non_null(locator);
+    psplat_locator_visit(locator, here, visit, &v);
+    assert_int_equal(v.total, MOST);
+    psplat_locator_visit(locator, there, visit, &v);
+    assert_int_equal(v.total, MOST);
+    psplat_locator_destroy(locator);
+    psplat_locator_destroy(NULL);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_random),
+        cmocka_unit_test(test_sound),
+        cmocka_unit_test(test_degenerate),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

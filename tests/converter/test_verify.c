@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: MIT
+ * What the converter measures, against gaps, distances and normals put there by hand. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+
+static const double degrees = 180 / 3.14159265358979323846;
+/* Of coordinates in single precision, in half edges: a few roundings. */
+static const double single = 1e-6;
+
+/* A cube and its six splats, made by hand: each a face, cut by four lines. */
+typedef struct cube {
+    fixture f;
+    psplat_splats splats;
+    double half;
+    double tolerance;
+} cube;
+
+static void make_cube(cube *c) {
+    psplat_candidate faces[6];
+    fixture_model(&c->f, "cube.off");
+    c->half = c->f.surface.diagonal / sqrt(12);
+    c->tolerance = 0.02 * c->f.surface.diagonal;
+    for (int i = 0; i < 6; ++i) {
+        faces[i] = (psplat_candidate){.region = {.line_count = 4}, .color = {1, 1, 1, 1}};
+        psplat_region *r = &faces[i].region;
+        double side = i % 2 ? -1 : 1;
+        r->n[i / 2] = side;
+        r->u[(i / 2 + 1) % 3] = 1;
+        cross3(r->v, r->n, r->u);
+        mad3(r->center, c->half, r->n);
+        for (int k = 0; k < 2; ++k) r->radius[k] = 1.5 * c->half;
+        for (int k = 0; k < 4; ++k) {
+            r->lines[k][k / 2] = k % 2 ? -1 : 1;
+            r->lines[k][2] = 1 / 1.5;
+        }
+    }
+    psplat_selection selection = {faces, 6, 6};
+    c->splats = (psplat_splats){
+        .kernel = {PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT}};
+    assert_int_equal(psplat_store_splats(&selection, 0, &c->splats), PSPLAT_OK);
+}
+
+static void free_cube(cube *c) {
+    psplat_splats_free(&c->splats);
+    fixture_free(&c->f);
+}
+
+static psplat_report verify(const cube *c) {
+    psplat_report r = {0};
+    assert_int_equal(psplat_verify(&c->f.surface, &c->splats, c->tolerance, 5, &r, NULL),
+                     PSPLAT_OK);
+    return r;
+}
+
+/* Percent of the diagonal as half edges. */
+static double in_halves(const cube *c, double percent) {
+    return percent / 100 * c->f.surface.diagonal / c->half;
+}
+
+static void test_perfect(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    psplat_report r = verify(&c);
+    assert_in_range(r.verification_samples, 20000 - 1, 20000 + 1);
+    assert_int_equal(r.uncovered_samples, 0);
+    assert_near(in_halves(&c, r.max_distance_percent), 0, single);
+    assert_near(r.rms_normal_degrees, 0, 1e-4); /* single precision is 1e-5 degrees */
+    assert_near(r.p95_normal_degrees, 0, 1e-4);
+    free_cube(&c);
+}
+
+/* Without one face a sixth is open, and its middle is half an edge from the next splat. */
+static void test_missing(void **state) {
+    (void)state;
+    for (size_t gone = 0; gone < 6; ++gone) {
+        cube c;
+        make_cube(&c);
+        c.splats.splats[gone] = c.splats.splats[5];
+        c.splats.count = 5;
+        psplat_report r = verify(&c);
+        double share = (double)r.uncovered_samples / (double)r.verification_samples;
+        /* Each of the face's triangles gets its share of samples but for one; the outermost single
+         * precision may belong to the neighbour. */
+        assert_near(share, 1.0 / 6, 10.0 / 20000);
+        /* Of 3333 samples on a face the nearest to its middle is some 0.02 edges from it. */
+        assert_near(in_halves(&c, r.max_distance_surface_percent), 1, 0.05);
+        assert_near(in_halves(&c, r.max_distance_splats_percent), 0, single);
+        assert_true(r.max_distance_percent == r.max_distance_surface_percent);
+        /* Distance to the nearest edge: density 8 (1 - x) / 4 over 0 ... 1, mean square 1 / 6. */
+        assert_near(in_halves(&c, r.rms_distance_percent), sqrt(1.0 / 36), 0.01);
+        assert_near(r.rms_normal_degrees, 0, 1e-4); /* of the samples where something shows */
+        free_cube(&c);
+    }
+}
+
+/* Marks stand at the samples of the missing face and nowhere else. */
+static void test_marks(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    psplat_samples samples;
+    assert_int_equal(psplat_samples_draw_uniform(&c.f.surface, 5000, 3, &samples, NULL), PSPLAT_OK);
+    uint8_t *open = malloc(samples.count);
+    assert_non_null(open);
+    size_t count, marked = 0;
+    const float *gone = c.splats.splats[5].center;
+    c.splats.count = 5;
+    assert_int_equal(psplat_verify_coverage(&samples, &c.splats, c.tolerance, open, &count),
+                     PSPLAT_OK);
+    for (size_t i = 0; i < samples.count; ++i) {
+        double along = 0;
+        for (size_t k = 0; k < 3; ++k) along += samples.positions[3 * i + k] * (double)gone[k];
+        int inside = along > (1 - 1e-9) * c.half * c.half;
+        assert_int_equal(open[i], inside);
+        marked += open[i];
+    }
+    assert_int_equal(count, marked);
+    assert_true(count > 0);
+    free(open);
+    psplat_samples_free(&samples);
+    free_cube(&c);
+}
+
+/* Moves a face's splat along its normal, by parts of the half edge. */
+static void move_splat(cube *c, double by) {
+    psplat_splat *s = &c->splats.splats[2];
+    for (int k = 0; k < 3; ++k) s->center[k] *= (float)(1 + by);
+}
+
+static void test_moved(void **state) {
+    (void)state;
+    const double moves[] = {0.03, 0.06, 0.2, -0.03, -0.06, -0.2};
+    for (size_t i = 0; i < sizeof moves / sizeof *moves; ++i) {
+        cube c;
+        make_cube(&c);
+        move_splat(&c, moves[i]);
+        psplat_report r = verify(&c);
+        double d = fabs(moves[i]), limit = c.tolerance / c.half; /* 0.069 */
+        assert_near(in_halves(&c, r.max_distance_surface_percent), d, single);
+        assert_near(in_halves(&c, r.max_distance_splats_percent), d, single);
+        double share = (double)r.uncovered_samples / (double)r.verification_samples;
+        assert_near(share, d > limit ? 1.0 / 6 : 0, 10.0 / 20000);
+        free_cube(&c);
+    }
+}
+
+/* A splat that looks inwards covers nothing, however near it is. */
+static void test_inside_out(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    float *q = c.splats.splats[4].rotation, before[4];
+    memcpy(before, q, sizeof before);
+    /* Half a turn about its own u axis: times the quaternion i. */
+    q[0] = before[3], q[1] = before[2], q[2] = -before[1], q[3] = -before[0];
+    psplat_report r = verify(&c);
+    assert_near((double)r.uncovered_samples / (double)r.verification_samples, 1.0 / 6,
+                10.0 / 20000);
+    assert_near(in_halves(&c, r.max_distance_percent), 0, single);
+    free_cube(&c);
+}
+
+/* Every normal turned by the same angle, and a gradient on top of right ones. */
+static void test_normals(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    psplat_region *regions = psplat_splat_regions(&c.splats);
+    assert_non_null(regions);
+    const double turn = 7 / degrees;
+    for (size_t i = 0; i < 6; ++i)
+        for (int k = 0; k < 3; ++k)
+            c.splats.splats[i].normal[k] =
+                (float)(cos(turn) * regions[i].n[k] + sin(turn) * regions[i].u[k]);
+    psplat_report r = verify(&c);
+    assert_near(r.rms_normal_degrees, 7, 1e-4);
+    assert_near(r.rms_normal_constant_degrees, 7, 1e-4);
+    assert_near(r.p95_normal_degrees, 7, 1e-4);
+
+    const double slope = 0.3;
+    for (size_t i = 0; i < 6; ++i) {
+        for (int k = 0; k < 3; ++k) c.splats.splats[i].normal[k] = (float)regions[i].n[k];
+        c.splats.splats[i].gradient[0] = (float)slope;
+    }
+    r = verify(&c);
+    double squares = 0;
+    enum { STEPS = 2000 };
+    for (int i = 0; i < STEPS; ++i) {
+        double u = ((i + 0.5) / STEPS * 2 - 1) / 1.5; /* the face ends at u = 1 / 1.5 */
+        squares += pow(atan(slope * u) * degrees, 2) / STEPS;
+    }
+    /* 20000 samples: the mean square is known to 1 %, its root to half of that. */
+    assert_near(r.rms_normal_degrees, sqrt(squares), 0.01 * sqrt(squares));
+    assert_near(r.p95_normal_degrees, atan(slope * 0.95 / 1.5) * degrees, 0.1);
+    assert_near(r.rms_normal_constant_degrees, 0, 1e-4);
+    free(regions);
+    free_cube(&c);
+}
+
+/* Sizes and places far from 1 change nothing that is measured in percent. */
+static void test_scales(void **state) {
+    (void)state;
+    const double scales[] = {1e-9, 1e9};
+    for (size_t s = 0; s < 2; ++s) {
+        cube c;
+        make_cube(&c);
+        for (size_t i = 0; i < 3 * c.f.mesh.vertex_count; ++i) c.f.mesh.positions[i] *= scales[s];
+        psplat_surface_free(&c.f.surface);
+        fixture_build(&c.f);
+        for (size_t i = 0; i < 6; ++i)
+            for (int k = 0; k < 3; ++k) {
+                c.splats.splats[i].center[k] *= (float)scales[s];
+                if (k < 2) c.splats.splats[i].radius[k] *= (float)scales[s];
+            }
+        c.half *= scales[s], c.tolerance *= scales[s];
+        move_splat(&c, 0.05);
+        psplat_report r = verify(&c);
+        assert_near(in_halves(&c, r.max_distance_surface_percent), 0.05, single);
+        assert_near(in_halves(&c, r.max_distance_splats_percent), 0.05, single);
+        assert_int_equal(r.uncovered_samples, 0);
+        free_cube(&c);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_perfect),    cmocka_unit_test(test_missing),
+        cmocka_unit_test(test_marks),      cmocka_unit_test(test_moved),
+        cmocka_unit_test(test_inside_out), cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_scales),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
