@@ -148,6 +148,10 @@ void psplat_viewpoint_sphere(const psplat_asset *asset, double center[3], double
 void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double center[3], double radius,
                           psplat_view *view);
 
+/* Narrows view, whose width and height are those of the whole picture, to the width x height pixels
+ * from column x and row y (row 0 at the bottom) on. */
+void psplat_viewpoint_crop(psplat_view *view, int x, int y, int width, int height);
+
 /* ---- png.c -------------------------------------------------------------------------------- */
 
 /* Encodes 8-bit sRGB, row 0 on top, 3 channels or 4 (straight alpha), into memory from malloc. */

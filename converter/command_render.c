@@ -5,14 +5,19 @@
  * The picture is drawn larger than asked for into a float framebuffer and averaged in linear light:
  * splat edges are decided per pixel, so that alone smooths silhouettes and creases.
  */
+#define _XOPEN_SOURCE 700
+
 #include "command.h"
 
 #include <phongsplat/host.h>
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { MAX_SIDE = 16384 };
+/* Larger pictures are drawn in tiles, so that memory and the sizes that GL allows do not limit
+ * them: a tile takes 16 bytes a sample here and a few times that in the driver. */
+enum { MAX_SIDE = 16384, MAX_TILE_SAMPLES = 3072 };
 
 typedef struct arguments {
     const char *input;
@@ -33,6 +38,11 @@ typedef struct scene {
     psplat_renderer *renderer;
     psplat_model *model;
 } scene;
+
+/* Of the picture, in its pixels, row 0 on top. */
+typedef struct tile {
+    int x, y, width, height;
+} tile;
 
 static const char *const mode_names[] = {"phong", "gaussian", "flat", NULL};
 static const psplat_mode modes[] = {PSPLAT_MODE_PHONG, PSPLAT_MODE_GAUSSIAN, PSPLAT_MODE_FLAT};
@@ -79,8 +89,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
     return parse_options(options, sizeof options / sizeof *options, a, argc, argv);
 }
 
-/* GL where there is one, GLES where that is all. */
+/* GL where there is one, GLES where that is all. Mesa prints warnings of its own about each device
+ * that it tries; what matters of them is in the error. */
 static psplat_result create_host(int software, psplat_host **host, psplat_error *error) {
+    setenv("EGL_LOG_LEVEL", "fatal", 0);
     psplat_result result = psplat_host_create(PSPLAT_API_GL, software, host, error);
     if (result != PSPLAT_ERROR_GRAPHICS) return result;
     return psplat_host_create(PSPLAT_API_GLES, software, host, NULL);
@@ -99,8 +111,8 @@ static float decode_srgb(float encoded) {
     return encoded <= 0.04045f ? encoded / 12.92f : powf((encoded + 0.055f) / 1.055f, 2.4f);
 }
 
-/* rgba holds (supersample * width) x (supersample * height) pixels. */
-static psplat_result draw(const arguments *a, scene *s, float *rgba, psplat_error *error) {
+/* The whole picture before averaging. */
+static psplat_view whole_view(const arguments *a, const scene *s) {
     double center[3], radius;
     psplat_view view = {
         .width = a->size[0] * a->supersample,
@@ -108,41 +120,84 @@ static psplat_result draw(const arguments *a, scene *s, float *rgba, psplat_erro
         .mode = modes[a->mode],
         .linear_output = 1,
     };
-    float clear[4] = {0, 0, 0, a->background[3]};
-    for (int i = 0; i < 3; ++i) clear[i] = decode_srgb(a->background[i]);
     psplat_viewpoint_sphere(s->asset, center, &radius);
     psplat_viewpoint_fit(&a->viewpoint, center, radius, &view);
+    return view;
+}
+
+/* rgba holds (supersample * width) x (supersample * height) pixels of the tile. */
+static psplat_result draw(const arguments *a, scene *s, const psplat_view *whole, const tile *t,
+                          float *rgba, psplat_error *error) {
+    psplat_view view = *whole;
+    int n = a->supersample, bottom = a->size[1] - t->y - t->height;
+    psplat_viewpoint_crop(&view, n * t->x, n * bottom, n * t->width, n * t->height);
+    float clear[4] = {0, 0, 0, a->background[3]};
+    for (int i = 0; i < 3; ++i) clear[i] = decode_srgb(a->background[i]);
     psplat_item item = {.model = s->model};
     psplat_result result = psplat_host_begin(s->host, view.width, view.height, 1, clear, error);
     if (!result) result = psplat_draw(s->renderer, &view, &item, 1, error);
     return result ? result : psplat_host_read_float(s->host, rgba, error);
 }
 
-static psplat_result write_picture(const arguments *a, const float *rgba, uint8_t *pixels,
-                                   psplat_error *error) {
-    int channels = a->background[3] < 1 ? 4 : 3;
+/* Straight alpha where the background shows through. */
+static int channel_count(const arguments *a) {
+    return a->background[3] < 1 ? 4 : 3;
+}
+
+static void place(const arguments *a, const tile *t, const uint8_t *part, uint8_t *pixels) {
+    size_t channels = (size_t)channel_count(a), row = channels * (size_t)t->width;
+    for (int y = 0; y < t->height; ++y) {
+        size_t at = (size_t)(t->y + y) * (size_t)a->size[0] + (size_t)t->x;
+        memcpy(pixels + channels * at, part + row * (size_t)y, row);
+    }
+}
+
+static int smaller(int a, int b) {
+    return a < b ? a : b;
+}
+
+/* rgba and part have room for the samples and the pixels of a tile of side x side. */
+static psplat_result draw_tiles(const arguments *a, scene *s, int side, float *rgba, uint8_t *part,
+                                uint8_t *pixels, psplat_error *error) {
+    psplat_view whole = whole_view(a, s);
+    psplat_result result = PSPLAT_OK;
+    for (int y = 0; y < a->size[1] && !result; y += side)
+        for (int x = 0; x < a->size[0] && !result; x += side) {
+            tile t = {x, y, smaller(side, a->size[0] - x), smaller(side, a->size[1] - y)};
+            result = draw(a, s, &whole, &t, rgba, error);
+            if (result) break;
+            psplat_picture_reduce(rgba, t.width, t.height, a->supersample, channel_count(a), part);
+            place(a, &t, part, pixels);
+        }
+    return result;
+}
+
+static psplat_result write_picture(const arguments *a, const uint8_t *pixels, psplat_error *error) {
     uint8_t *png = NULL;
     size_t size = 0;
-    psplat_picture_reduce(rgba, a->size[0], a->size[1], a->supersample, channels, pixels);
     psplat_result result =
-        psplat_png_encode(pixels, a->size[0], a->size[1], channels, &png, &size, error);
+        psplat_png_encode(pixels, a->size[0], a->size[1], channel_count(a), &png, &size, error);
     if (!result) result = psplat_output_write(a->output, png, size, a->overwrite, error);
     free(png);
     return result;
 }
 
 static psplat_result render(const arguments *a, scene *s, psplat_error *error) {
+    int side = MAX_TILE_SAMPLES / a->supersample;
     size_t pixel_count = (size_t)a->size[0] * (size_t)a->size[1];
-    size_t samples = pixel_count * (size_t)(a->supersample * a->supersample);
+    size_t tile_pixels = (size_t)smaller(side, a->size[0]) * (size_t)smaller(side, a->size[1]);
+    size_t samples = tile_pixels * (size_t)(a->supersample * a->supersample);
     float *rgba = malloc(samples * 4 * sizeof *rgba);
-    uint8_t *pixels = malloc(pixel_count * 4);
-    psplat_result result = rgba && pixels ? PSPLAT_OK
-                                          : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0,
-                                                        "no memory for %zu pixels", samples);
+    uint8_t *part = malloc(tile_pixels * 4), *pixels = malloc(pixel_count * 4);
+    psplat_result result =
+        rgba && part && pixels
+            ? PSPLAT_OK
+            : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu pixels", pixel_count);
     if (!result) result = prepare(a, s, error);
-    if (!result) result = draw(a, s, rgba, error);
-    if (!result) result = write_picture(a, rgba, pixels, error);
+    if (!result) result = draw_tiles(a, s, side, rgba, part, pixels, error);
+    if (!result) result = write_picture(a, pixels, error);
     free(rgba);
+    free(part);
     free(pixels);
     return result;
 }
@@ -168,8 +223,7 @@ int psplat_command_render(int argc, char **argv) {
     psplat_error error = {0};
     psplat_result result = psplat_output_check(a.input, a.output, a.overwrite, &error);
     if (result) return psplat_command_fail(NULL, &error);
-    if (psplat_command_open(a.input, &s.asset, &error))
-        return psplat_command_fail(a.input, &error);
+    if (psplat_command_open(a.input, &s.asset, &error)) return psplat_command_fail(a.input, &error);
     result = render(&a, &s, &error);
     free_scene(&s);
     return result ? psplat_command_fail(result == PSPLAT_ERROR_WRITE ? NULL : a.input, &error)

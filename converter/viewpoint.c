@@ -74,6 +74,21 @@ void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double center
     set_light(&f, &view->light);
 }
 
+/* Row of the projection, which is column-major: scaled and moved so that [begin, begin + size) of
+ * whole pixels becomes -1 ... 1. */
+static void crop_row(double m[16], int row, int whole, int begin, int size) {
+    double scale = (double)whole / size, shift = ((double)whole - 2.0 * begin - size) / size;
+    for (int column = 0; column < 4; ++column)
+        m[column * 4 + row] = scale * m[column * 4 + row] + shift * m[column * 4 + 3];
+}
+
+void psplat_viewpoint_crop(psplat_view *view, int x, int y, int width, int height) {
+    crop_row(view->projection, 0, view->width, x, width);
+    crop_row(view->projection, 1, view->height, y, height);
+    view->width = width;
+    view->height = height;
+}
+
 /* ---- the sphere --------------------------------------------------------------------------- */
 
 enum { SIDES = 16, MAX_CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES };

@@ -38,8 +38,15 @@ for name in cube.obj ./cube.obj link.obj; do
 done
 run "$PHONGSPLAT" render cube.glb cube.glb -w
 expect_error 5 'is the input'
-run "$PHONGSPLAT" convert cube.obj out/x.glb --report out/x.glb
-expect_error 5 'also the asset'
+ln cube.obj hard.obj
+run "$PHONGSPLAT" convert cube.obj hard.obj -w
+expect_error 5 'is the input'
+# The report would replace the asset, whatever they are called.
+ln -s out alias
+for name in out/x.glb ./out/x.glb alias/x.glb; do
+    run "$PHONGSPLAT" convert cube.obj out/x.glb --report "$name" -w
+    expect_error 5 'also the asset'
+done
 cmp cube.obj keep.obj || fail "the input was changed"
 expect_files there
 
@@ -55,6 +62,34 @@ mkdir -m 555 sealed
 if [ "$(id -u)" -ne 0 ]; then each_writer sealed/x refused_directory; fi
 run "$PHONGSPLAT" convert cube.obj out -w
 expect_error 5 'directory'
+
+# Its name is too long for a directory or for the system; the cause is said, not cut off.
+run "$PHONGSPLAT" convert cube.obj "out/$(printf '%0300d' 0).glb"
+expect_error 5 'File name too long$'
+run "$PHONGSPLAT" convert cube.obj "$(printf 'd/%.0s' $(seq 3000))x.glb"
+expect_error 5 'File name too long$'
+# A link that points nowhere is not followed to create something there.
+ln -s nowhere out/link
+run "$PHONGSPLAT" convert cube.obj out/link -w
+expect_error 5 'out/link: is a symbolic link to nothing'
+rm out/link
+expect_files there
+
+# Standard output is closed: an error where it was needed, and no file takes its place.
+closed() {
+    code=0
+    command_line="$* with standard output closed"
+    "$PHONGSPLAT" "$@" >&- 2>stderr.txt </dev/null || code=$?
+}
+: >stdout.txt
+closed inspect cube.glb
+expect_error 5 'standard output: cannot be written'
+closed convert cube.obj - -t 2
+expect_error 5 'standard output: cannot be written'
+closed convert cube.obj out/closed.glb -t 2 -q
+expect_success
+cmp cube.glb out/closed.glb || fail "with standard output closed the asset differs"
+rm out/closed.glb
 
 # The disk is full: on a device that always is, where a file system of 16 KiB can be mounted on
 # it, and by a limit of 4 KiB a file elsewhere.

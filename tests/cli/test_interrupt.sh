@@ -16,7 +16,7 @@ for signal in INT TERM; do
     # A shell starts background jobs with SIGINT ignored, which the program respects; env undoes it.
     env --default-signal=INT "$PHONGSPLAT" convert sheet.obj out/x.glb -t 0.02% >stdout.txt 2>stderr.txt </dev/null &
     process=$!
-    sleep 0.4
+    sleep 1
     kill -$signal $process
     code=0
     wait $process || code=$?

@@ -36,7 +36,7 @@ expect_error 1 'no command'
 run "$PHONGSPLAT" explode
 expect_error 1 'explode: unknown command'
 
-for value in 0 -1 51 nan inf 0.5%% five 0.5percent '' ' '; do
+for value in 0 -1 51 200% 1e-9% 1e400 nan inf 0x1 0,5 0.5%% five 0.5percent - % '' ' ' ' 1' '1 '; do
     run "$PHONGSPLAT" convert "--tolerance=$value" in.obj out.glb
     expect_error 1 'tolerance'
 done
@@ -55,6 +55,22 @@ for arguments in '--size 0x5' '--size 5' '--size 5x' '--size 5x5x5' '--size 9999
 done
 run "$PHONGSPLAT" inspect in.glb --format xml
 expect_error 1 'format'
+
+# One line even where an argument holds several, and the cause even where it is long.
+two_lines=$(printf 'a\nb')
+long=$(printf '%0300d' 0)
+for argument in "$two_lines" "$long"; do
+    run "$PHONGSPLAT" "$argument"
+    expect_error 1 'unknown command'
+    run "$PHONGSPLAT" convert "--$argument"
+    expect_error 1 'unknown option'
+    run "$PHONGSPLAT" convert in out "$argument"
+    expect_error 1 'is one argument too many'
+    run "$PHONGSPLAT" convert in out -t "$argument%%"
+    expect_error 1 'is not a percentage'
+    run "$PHONGSPLAT" render in out --size "$argument"
+    expect_error 1 'is not WIDTHxHEIGHT'
+done
 
 # Behind -- nothing is an option; the missing file is what is wrong.
 run "$PHONGSPLAT" validate -- --help

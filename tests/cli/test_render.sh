@@ -12,29 +12,8 @@ draw() {
     run "$PHONGSPLAT" render cube.glb out/x.png -w --software "$@"
     expect_success
     picture=$(node - out/x.png <<'JS'
-const zlib = require('zlib'), png = require('fs').readFileSync(process.argv[2]);
-let data = [], header;
-for (let i = 8; i < png.length;) {
-    const size = png.readUInt32BE(i), type = png.toString('latin1', i + 4, i + 8), body = png.subarray(i + 8, i + 8 + size);
-    if (type === 'IHDR') header = body;
-    if (type === 'IDAT') data.push(body);
-    i += size + 12;
-}
-const w = header.readUInt32BE(0), h = header.readUInt32BE(4), n = header[9] === 6 ? 4 : 3;
-const raw = zlib.inflateSync(Buffer.concat(data)), stride = w * n, rows = [];
-for (let y = 0; y < h; ++y) {
-    const filter = raw[y * (stride + 1)], row = raw.subarray(y * (stride + 1) + 1, (y + 1) * (stride + 1));
-    const up = rows[y - 1] || Buffer.alloc(stride);
-    for (let i = 0; i < stride; ++i) {
-        const a = i < n ? 0 : row[i - n], b = up[i], c = i < n ? 0 : up[i - n];
-        const p = a + b - c, pa = Math.abs(p - a), pb = Math.abs(p - b), pc = Math.abs(p - c);
-        const paeth = pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
-        row[i] += [0, a, b, (a + b) >> 1, paeth][filter];
-    }
-    rows.push(row);
-}
-const at = (x, y) => [...rows[y].subarray(x * n, x * n + n)].join(',');
-console.log(w, h, n, at(0, 0), at(w >> 1, h >> 1));
+const p = require(process.env.SOURCE_DIR + '/tests/support/png.js')(process.argv[2]);
+console.log(p.width, p.height, p.channels, p.at(0, 0).join(), p.at(p.width >> 1, p.height >> 1).join());
 JS
 )
 }
@@ -65,6 +44,31 @@ draw --size 64x64 --azimuth 360 --elevation 0
 # Far away the cube is small: the middle is drawn, a quarter of the way out is not.
 draw --size 64x64 --distance 8
 [ "${picture##* }" != 255,255,255 ] || fail "distance 8: nothing was drawn"
+
+# Large pictures are drawn in tiles of 3072 samples, here 2 x 2 of them. Against a single tile of fewer
+# samples only edges may differ, by the steps of the average (1/8 and 1/7 of the contrast).
+draw --size 400x390 --supersample 7
+mv out/x.png out/single.png
+draw --size 400x390 --supersample 8
+node - out/single.png out/x.png <<'JS' || fail "tiles do not make the whole picture"
+const [a, b] = process.argv.slice(2).map(require(process.env.SOURCE_DIR + '/tests/support/png.js'));
+let edges = 0;
+for (let y = 0; y < a.height; ++y)
+    for (let x = 0; x < a.width; ++x) {
+        const off = Math.max(...a.at(x, y).map((v, i) => Math.abs(v - b.at(x, y)[i])));
+        if (off > 255 / 4) throw Error(`${x}, ${y}: ${a.at(x, y)} and ${b.at(x, y)}`);
+        edges += off > 2;
+    }
+if (edges > 0.03 * a.width * a.height) throw Error(edges + ' pixels differ');
+JS
+rm out/single.png
+
+# No graphics: one line, whatever the driver has to say.
+for setting in __EGL_VENDOR_LIBRARY_FILENAMES LIBGL_DRIVERS_PATH; do
+    run env $setting=/nonexistent "$PHONGSPLAT" render cube.glb out/none.png --software
+    expect_error 6 'cube.glb: EGL '
+    expect_files x.png
+done
 
 run "$PHONGSPLAT" render cube.glb - --size 16x16 --software
 [ "$(head -c 4 stdout.txt | tail -c 3)" = PNG ] || fail "standard output is not a PNG"

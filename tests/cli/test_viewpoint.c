@@ -160,6 +160,26 @@ static void test_light_comes_from_the_camera_s_side(void **state) {
     assert_true(eye[2] > 0 && eye[1] > 0 && eye[0] < 0);
 }
 
+/* What falls on a pixel of the whole picture falls on the same pixel of the part. */
+static void test_crop(void **state) {
+    (void)state;
+    const double center[3] = {3, 4, 5}, point[3] = {3.2, 3.7, 5.1};
+    const psplat_viewpoint at = {.azimuth_degrees = 35, .elevation_degrees = 15};
+    psplat_view whole = {.width = 640, .height = 480};
+    psplat_viewpoint_fit(&at, center, 1, &whole);
+    psplat_view part = whole;
+    psplat_viewpoint_crop(&part, 300, 100, 200, 150);
+    assert_int_equal(part.width, 200);
+    assert_int_equal(part.height, 150);
+    double a[3], b[3];
+    project(&whole, point, a);
+    project(&part, point, b);
+    /* In pixels, by double arithmetic. */
+    assert_true(fabs((a[0] + 1) * 320 - 300 - (b[0] + 1) * 100) < 1e-9);
+    assert_true(fabs((a[1] + 1) * 240 - 100 - (b[1] + 1) * 75) < 1e-9);
+    assert_true(fabs(a[2] - b[2]) < 1e-12);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_box_is_seen_from_everywhere),
@@ -168,6 +188,7 @@ int main(void) {
         cmocka_unit_test(test_near_plane_stays_in_front_of_the_eye),
         cmocka_unit_test(test_sphere_leaves_out_what_is_clipped),
         cmocka_unit_test(test_light_comes_from_the_camera_s_side),
+        cmocka_unit_test(test_crop),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
