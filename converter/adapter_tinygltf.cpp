@@ -117,6 +117,15 @@ std::string one_line(std::string text) {
     return text;
 }
 
+/* glTF 2.0 section 3.2: minor versions stay readable unless minVersion says otherwise. */
+void check_version(const tinygltf::Asset &asset) {
+    bool needs_more = !asset.minVersion.empty() && asset.minVersion != "2.0";
+    if (asset.version.compare(0, 2, "2.") == 0 && !needs_more) return;
+    fail(PSPLAT_ERROR_UNSUPPORTED,
+         "asset: version " + one_line(needs_more ? asset.minVersion : asset.version).substr(0, 20) +
+             "; 2.0 is read");
+}
+
 void check_extensions(const tinygltf::Model &model) {
     /* Required, but of no effect on shape; materials fall back to their core factors. */
     static const char *const known[] = {"KHR_mesh_quantization", "KHR_texture_transform",
@@ -152,6 +161,7 @@ void parse(const psplat_source &source, tinygltf::Model &model) {
         ok = loader.LoadASCIIFromString(&model, &error, &warning, source.data, size, directory);
     }
     if (!ok) fail(PSPLAT_ERROR_FORMAT, error.empty() ? "tinygltf cannot read it" : one_line(error));
+    check_version(model.asset);
     check_extensions(model);
 }
 

@@ -56,7 +56,9 @@ static void set_signals(void) {
     for (size_t i = 0; i < sizeof ending / sizeof *ending; ++i)
         if (!sigaction(ending[i], NULL, &before) && before.sa_handler != SIG_IGN)
             sigaction(ending[i], &action, NULL);
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error of write() */
+    /* A closed pipe and a file that may not grow are errors of write(). */
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
 }
 
 /* Were a standard stream closed, the next file opened would take its number and its output. What

@@ -2,6 +2,7 @@
 # What the shell tests of the command line share; sourced. PHONGSPLAT is the program, SOURCE_DIR
 # the repository. Each test works in a directory of its own.
 set -eu
+test_file=$(realpath "$0")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
@@ -67,4 +68,11 @@ f 2 3 7 6
 f 3 4 8 7
 f 4 1 5 8
 OBJ
+}
+
+# run_cases [NAME]...: the functions case_NAME of the test, or all of them; CMake makes a test of each.
+run_cases() {
+    [ $# -gt 0 ] || set -- $(sed -n 's/^case_\([a-z_]*\)() {$/\1/p' "$test_file")
+    for name in "$@"; do "case_$name"; done
+    echo "$checks checks passed"
 }
