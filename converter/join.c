@@ -4,8 +4,8 @@
  *
  * A clip line stands where the crease is, but the plane of a splat may pass the crease at a small
  * height, and so may that of the splat on the other side: a crack opens between the two. As Pauly
- * et al. (2003) cut two splats where their planes intersect, each line is moved out to the
- * farthest intersection with a plane from across the crease. Lines are never moved in: a splat that
+ * et al. (2003) cut two splats where their planes intersect, each line is moved out until it meets,
+ * all along the crease, the nearest plane from across it. Lines are never moved in: a splat that
  * reaches a little behind its neighbour is hidden, a crack is seen.
  */
 #include "stages.h"
@@ -18,8 +18,9 @@ enum { STEPS = 4 };
 
 /* Planes closer than this (sine) are one smooth surface, not two sides of a crease. */
 static const double least_sine = 0.1;
-/* Farthest move in parts of the tolerance, so that shallow creases grow no fins. */
-static const double greatest_move = 1;
+/* Farthest move in crease tolerances, so that shallow creases grow no fins; and the height over a
+ * crease point up to which a plane across the crease counts. */
+static const double greatest_move = 3;
 /* How far outside its own region a splat still counts as lying at a crease point. */
 static const double region_slack = 0.005;
 /* By how much the walk looks beyond a line (of the unit ellipse): the crease lies on the line, and
@@ -34,7 +35,7 @@ typedef struct crease_point {
     double tolerance;
     double point[3], foot[3]; /* on the crease; the same in the candidate's plane */
     double outward[3];        /* unit, in that plane */
-    double move;              /* farthest intersection found */
+    double move;              /* nearest intersection found; HUGE_VAL: none */
 } crease_point;
 
 static int visit_neighbor(void *user, uint32_t index) {
@@ -46,9 +47,8 @@ static int visit_neighbor(void *user, uint32_t index) {
     if (fabs(uvh[2]) > c->tolerance || fabs(sine) < least_sine) return 0;
     if (!psplat_region_contains(other, uvh, 1 + region_slack, region_slack)) return 0;
     sub3(d, other->center, c->foot);
-    double move = dot3(other->n, d) / sine;
-    c->move = max2(c->move, min2(move, greatest_move * c->tolerance));
-    return 0;
+    c->move = min2(c->move, max2(dot3(other->n, d) / sine, 0));
+    return c->move == 0;
 }
 
 /* The line of the region that passes nearest to (u, v). */
@@ -85,7 +85,8 @@ static void consider_point(const joiner *j, const psplat_region *region, const d
     crease_point c = {.surface = j->surface,
                       .candidates = j->selection->candidates,
                       .patch = j->surface->patches[across],
-                      .tolerance = 3 * j->limits->crease_tolerance};
+                      .move = HUGE_VAL,
+                      .tolerance = greatest_move * j->limits->crease_tolerance};
     uint32_t i = nearest_line(region, uvh);
     const double *line = region->lines[i];
     double rate = line_outward(region, line, c.outward);
@@ -97,7 +98,7 @@ static void consider_point(const joiner *j, const psplat_region *region, const d
     psplat_locator_visit(j->locator, c.point, visit_neighbor, &c);
     /* The line may already reach beyond this point. */
     double reach = (line[0] * uvh[0] + line[1] * uvh[1] + line[2]) / rate;
-    moves[i] = max2(moves[i], c.move - reach);
+    if (c.move < HUGE_VAL) moves[i] = max2(moves[i], min2(c.move, c.tolerance) - reach);
 }
 
 static void join_candidate(joiner *j, const psplat_candidate *candidate, double moves[]) {
