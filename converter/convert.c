@@ -18,6 +18,9 @@ static const double fitted_part = 0.98;
  * splat may reach over them, in parts of the tolerance. */
 static const double crease_part = 0.15;
 static const double crease_slack_part = 0.1;
+/* Splats that leave the surface by less than this part count as flat: they may hide what lies
+ * behind them by hardly more, so that faces do not shine through each other at their corners. */
+static const double flat_part = 0.02;
 /* A small distance says nothing about normals: a fillet lower than the tolerance would be smeared
  * over the faces beside it. Their error is bounded by what the mesh itself leaves open, its
  * roughness, but not below the first nor above the last of these. */
@@ -65,6 +68,7 @@ static psplat_result set_limits(conversion *c, psplat_error *error) {
     double percent = tolerance_percent(c->desc), diagonal = c->surface.diagonal;
     double spacing = spacing_percent / 100 * diagonal * sqrt(percent);
     c->tolerance = percent / 100 * diagonal;
+    c->splats->flat_depth_tolerance = (float)(2 * flat_part * c->tolerance);
     c->samples.spacing = spacing;
     c->limits = (psplat_limits){.tolerance = fitted_part * c->tolerance,
                                 .crease_tolerance = crease_part * c->tolerance,

@@ -5,9 +5,9 @@
  *     read -> features -> samples -> candidates and selection -> splats -> .glb -> verify
  *
  * One file = one stage, named by its noun. Stages return psplat_result and describe failures in a
- * psplat_error; nothing prints but the command line (main.c and command_*.c). Lengths are in the units of
- * the input, angles in radians unless a name says degrees. Structs are plain: whoever fills
- * one owns it, and *_free accepts a zero-initialised struct.
+ * psplat_error; nothing prints but the command line (main.c and command_*.c). Lengths are in the
+ * units of the input, angles in radians unless a name says degrees. Structs are plain: whoever
+ * fills one owns it, and *_free accepts a zero-initialised struct.
  */
 #ifndef PHONGSPLAT_CONVERTER_H
 #define PHONGSPLAT_CONVERTER_H
@@ -31,11 +31,11 @@ void psplat_path_shorten(const char *path, char shown[PSPLAT_SHOWN_PATH]);
 /* Attributes live on corners (3 per triangle), so that a hard edge or a colour seam of the file
  * survives welding. Positions are relative to origin, which is subtracted in double. */
 typedef struct psplat_mesh {
-    double *positions;        /* vertex_count x 3 */
-    uint32_t *triangles;      /* triangle_count x 3 vertex indices */
-    float *corner_normals;    /* triangle_count x 3 x 3 unit normals, or NULL: none in the file */
-    float *corner_colors;     /* triangle_count x 3 x 4 linear RGBA, or NULL: uniform */
-    uint32_t *groups;         /* triangle_count ids; edges between groups are creases; or NULL */
+    double *positions;     /* vertex_count x 3 */
+    uint32_t *triangles;   /* triangle_count x 3 vertex indices */
+    float *corner_normals; /* triangle_count x 3 x 3 unit normals, or NULL: none in the file */
+    float *corner_colors;  /* triangle_count x 3 x 4 linear RGBA, or NULL: uniform */
+    uint32_t *groups;      /* triangle_count ids; edges between groups are creases; or NULL */
     size_t vertex_count;
     size_t triangle_count;
     double origin[3];
@@ -43,10 +43,10 @@ typedef struct psplat_mesh {
     size_t dropped;           /* triangles dropped as degenerate */
 } psplat_mesh;
 
-/* Reads any supported file, chosen by its content first and its extension second (.obj .ply .off .stl
- * .gltf .glb). Checks indices and that every used coordinate is finite, welds vertices of equal
- * position, drops triangles without area, recentres. Errors name the place; READ, FORMAT, RANGE,
- * UNSUPPORTED, NO_SPLATS (no triangle with area), MEMORY. */
+/* Reads any supported file, chosen by its content first and its extension second (.obj .ply .off
+ * .stl .gltf .glb). Checks indices and that every used coordinate is finite, welds vertices of
+ * equal position, drops triangles without area, recentres. Errors name the place; READ, FORMAT,
+ * RANGE, UNSUPPORTED, NO_SPLATS (no triangle with area), MEMORY. */
 psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error *error);
 void psplat_mesh_free(psplat_mesh *mesh);
 
@@ -57,21 +57,24 @@ typedef struct psplat_convert_desc {
     double tolerance_percent;    /* epsilon in % of the bounding-box diagonal; 0 means 0.5 */
     double crease_angle_degrees; /* dihedral angle from which an edge is a crease; 0 means 30 */
     uint64_t seed;               /* of the sampling */
-    /* Called now and then with the stage's name and its fraction done 0 ... 1; a return other than 0
-     * stops with INTERRUPTED. May be NULL. */
+    /* Called now and then with the stage's name and its fraction done 0 ... 1; a return other than
+     * 0 stops with INTERRUPTED. May be NULL. */
     int (*progress)(void *user, const char *stage, double fraction);
     void *user;
 } psplat_convert_desc;
 
-/* The splats of one model, sorted by clip_count, each class in spatial order. */
+/* The splats of one model, sorted by clip_count; in each class first the flat ones, which lie on
+ * their surface and need next to no depth tolerance, then the others; each in spatial order. */
 typedef struct psplat_splats {
     psplat_splat *splats;
     size_t count;
     size_t count_by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1];
     psplat_kernel kernel;
     float depth_tolerance;
-    int has_color;            /* 0: color is 1 1 1 1 in every splat */
-    double origin[3];         /* goes into the node's translation */
+    size_t flat_by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1]; /* of count_by_clip_lines; may be 0 */
+    float flat_depth_tolerance;                           /* of those */
+    int has_color;                                        /* 0: color is 1 1 1 1 in every splat */
+    double origin[3];                                     /* goes into the node's translation */
     psplat_material material;
 } psplat_splats;
 
@@ -82,12 +85,12 @@ typedef struct psplat_report {
     size_t splats;
     size_t splats_by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1];
     size_t triangles, patches, crease_edges, border_edges;
-    size_t samples;                 /* fitted */
-    size_t verification_samples;    /* measured */
-    size_t bytes;                   /* of the file written */
-    double seconds;                 /* wall clock, reading and writing included */
-    size_t peak_memory_bytes;       /* of the process */
-    double diagonal;                /* of the bounding box */
+    size_t samples;              /* fitted */
+    size_t verification_samples; /* measured */
+    size_t bytes;                /* of the file written */
+    double seconds;              /* wall clock, reading and writing included */
+    size_t peak_memory_bytes;    /* of the process */
+    double diagonal;             /* of the bounding box */
     double tolerance_percent;
     double max_distance_percent;         /* two-sided */
     double max_distance_surface_percent; /* surface to splats */
@@ -95,8 +98,8 @@ typedef struct psplat_report {
     double rms_distance_percent;         /* surface to splats */
     double rms_normal_degrees;           /* blended linear field against the surface's normal */
     double p95_normal_degrees;
-    double rms_normal_constant_degrees;  /* the same with gradients set to 0 */
-    size_t uncovered_samples;            /* of verification_samples */
+    double rms_normal_constant_degrees; /* the same with gradients set to 0 */
+    size_t uncovered_samples;           /* of verification_samples */
 } psplat_report;
 
 /* Mesh to splats. Deterministic: equal input and desc give equal splats. report may be NULL. */
@@ -120,8 +123,8 @@ psplat_result psplat_report_json(const psplat_report *report, char **text, size_
 /* ---- output.c: files that are whole or absent --------------------------------------------- */
 
 /* Writes size bytes to path through a temporary file beside it, fsync and rename, so that path
- * holds the old content or the new one and never a part. overwrite 0 refuses an existing path. path "-" is standard
- * output. Errors: WRITE, its text naming path and cause. */
+ * holds the old content or the new one and never a part. overwrite 0 refuses an existing path. path
+ * "-" is standard output. Errors: WRITE, its text naming path and cause. */
 psplat_result psplat_output_write(const char *path, const void *data, size_t size, int overwrite,
                                   psplat_error *error);
 

@@ -12,7 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1, FLOAT = 5126, UNSIGNED_SHORT = 5123, COLUMNS = 10 };
+enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1, RUNS = 2 * CLASSES, COLUMNS = 10 };
+enum { FLOAT = 5126, UNSIGNED_SHORT = 5123 };
 
 /* One attribute: components floats of each splat, from byte offset on. Colours are written as
  * normalized unsigned shorts: half the bytes of floats at an error of 2^-17, less than a tenth of
@@ -46,11 +47,12 @@ static const column columns[COLUMNS] = {
     CLIP_COLUMN(3),
 };
 
-/* A run of splats with the same number of clip lines: one primitive. */
+/* A run of splats with the same number of clip lines and depth tolerance: one primitive. */
 typedef struct run {
     const psplat_splat *splats;
     size_t count;
     size_t clip_lines;
+    float depth_tolerance;
     int has_column[COLUMNS];
     size_t column_count;
     float min[3], max[3];
@@ -110,6 +112,10 @@ static psplat_result check_splats(const psplat_splats *splats, psplat_error *err
                                    "splat %zu is not in the class of %zu clip lines that "
                                    "count_by_clip_lines puts it in",
                                    index, clip_lines);
+    for (size_t i = 0; i < CLASSES; ++i)
+        if (splats->flat_by_clip_lines[i] > splats->count_by_clip_lines[i])
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "more flat splats than splats with %zu clip lines", i);
     if (index != splats->count)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                            "count_by_clip_lines adds up to %zu of %zu splats", index,
@@ -157,7 +163,7 @@ static void add_primitive(psplat_writer *json, const run *r, size_t accessor,
     psplat_writer_open(json, "PSPLAT_surface_splats", '{');
     psplat_writer_count(json, "version", 1);
     psplat_writer_count(json, "clipLines", r->clip_lines);
-    psplat_writer_float(json, "depthTolerance", splats->depth_tolerance);
+    psplat_writer_float(json, "depthTolerance", r->depth_tolerance);
     psplat_writer_floats(json, "positionExtent", extent, 3);
     add_kernel(json, &splats->kernel);
     psplat_writer_close(json, '}');
@@ -380,15 +386,18 @@ static psplat_result pack(const psplat_writer *json, const run *runs, size_t run
     return PSPLAT_OK;
 }
 
-/* Returns the number of runs: classes that have splats. */
-static size_t make_runs(const psplat_splats *splats, run runs[CLASSES]) {
+/* Returns the number of runs: of each class the flat splats, then the others, where there are any.
+ */
+static size_t make_runs(const psplat_splats *splats, run runs[RUNS]) {
     size_t run_count = 0;
     const psplat_splat *next = splats->splats;
-    for (size_t clip_lines = 0; clip_lines < CLASSES; ++clip_lines) {
-        size_t count = splats->count_by_clip_lines[clip_lines];
+    for (size_t i = 0; i < RUNS; ++i) {
+        size_t clip_lines = i / 2, flat = splats->flat_by_clip_lines[clip_lines];
+        size_t count = i % 2 ? splats->count_by_clip_lines[clip_lines] - flat : flat;
         if (!count) continue;
         run *r = &runs[run_count++];
         *r = (run){.splats = next, .count = count, .clip_lines = clip_lines};
+        r->depth_tolerance = i % 2 ? splats->depth_tolerance : splats->flat_depth_tolerance;
         run_measure(r, splats);
         next += count;
     }
@@ -404,7 +413,7 @@ psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, ui
     psplat_result result = check_splats(splats, error);
     if (result) return result;
 
-    run runs[CLASSES];
+    run runs[RUNS];
     size_t run_count = make_runs(splats, runs);
     psplat_writer json = {.compact = 1};
     add_document(&json, splats, name, runs, run_count);

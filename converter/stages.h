@@ -263,8 +263,9 @@ void psplat_selection_free(psplat_selection *selection);
 /* The plane regions of stored splats, in double; malloc'ed, NULL when out of memory. */
 psplat_region *psplat_splat_regions(const psplat_splats *splats);
 
-/* The selection in its stored form: single precision, sorted by clip lines and then along a
- * Morton curve. Fills splats, counts and has_color. */
+/* The selection in its stored form: single precision, sorted by clip lines, flat ones first, and
+ * then along a Morton curve. Flat are those that leave the surface by less than half of
+ * splats->flat_depth_tolerance. Fills splats, counts and has_color. */
 psplat_result psplat_store_splats(const psplat_selection *selection, int has_color,
                                   psplat_splats *splats);
 
