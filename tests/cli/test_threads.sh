@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: MIT
+# convert writes the same bytes whatever the number of threads.
+. "$SOURCE_DIR/tests/support/cli.sh"
+mkdir out
+
+# A saddle of 12 by 12 squares: curved, with borders.
+awk 'BEGIN {
+    n = 12
+    for (y = 0; y <= n; ++y)
+        for (x = 0; x <= n; ++x) {
+            s = 2 * x / n - 1; t = 2 * y / n - 1
+            print "v", s, t, 0.4 * (s * s - t * t)
+        }
+    for (y = 0; y < n; ++y)
+        for (x = 0; x < n; ++x) {
+            a = y * (n + 1) + x + 1
+            print "f", a, a + 1, a + n + 2, a + n + 1
+        }
+}' >saddle.obj
+
+for threads in 1 2; do
+    run env OMP_NUM_THREADS=$threads "$PHONGSPLAT" convert saddle.obj out/$threads.glb -t 3% --report out/$threads.json
+    expect_success
+    # The report but for time and memory.
+    grep -Ev '"(seconds|peak_memory_bytes)"' out/$threads.json >measured.$threads
+done
+cmp out/1.glb out/2.glb || fail "two threads write what one does not"
+cmp measured.1 measured.2 || fail "two threads measure what one does not"
+[ "$(wc -l <measured.1)" -gt 10 ] || fail "the report is not one key a line"
+echo "$checks checks passed"

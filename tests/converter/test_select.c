@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT
+ * The selection covers every sample, keeps no candidate that none needs, and comes out the same
+ * each time. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+
+static psplat_limits limits_of(const fixture *f, double part) {
+    double tolerance = part * f->surface.diagonal;
+    return (psplat_limits){.tolerance = tolerance,
+                           .crease_tolerance = 0.2 * tolerance,
+                           .crease_slack = 0.1 * tolerance,
+                           .margin = f->samples.spacing,
+                           .normal_error = 0.3};
+}
+
+/* How many candidates cover each sample; the caller frees it. */
+static uint32_t *count_covers(const fixture *f, const psplat_selection *selection) {
+    uint32_t *covers = calloc(f->samples.count, sizeof *covers);
+    assert_non_null(covers);
+    for (size_t i = 0; i < selection->count; ++i)
+        for (size_t k = 0; k < selection->candidates[i].covered_count; ++k) {
+            assert_true(selection->candidates[i].covered[k] < f->samples.count);
+            covers[selection->candidates[i].covered[k]]++;
+        }
+    return covers;
+}
+
+/* Every sample is covered, and every candidate is all that covers one of them. */
+static void check_cover(const fixture *f, const psplat_selection *selection) {
+    uint32_t *covers = count_covers(f, selection);
+    for (size_t i = 0; i < f->samples.count; ++i) assert_true(covers[i] > 0);
+    for (size_t i = 0; i < selection->count; ++i) {
+        const psplat_candidate *c = &selection->candidates[i];
+        int needed = 0;
+        for (size_t k = 0; k < c->covered_count; ++k) needed |= covers[c->covered[k]] == 1;
+        assert_true(needed);
+    }
+    free(covers);
+}
+
+static void select_all(const fixture *f, double part, uint64_t seed, psplat_selection *selection) {
+    psplat_limits limits = limits_of(f, part);
+    psplat_convert_desc desc = {.seed = seed};
+    assert_int_equal(psplat_select_cover(&f->surface, &f->samples, &limits, &desc, selection, NULL),
+                     PSPLAT_OK);
+}
+
+static void test_cover(void **state) {
+    (void)state;
+    const char *names[] = {"cone.stl", "cube.off"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        fixture f;
+        psplat_selection selection = {0};
+        fixture_model(&f, names[i]);
+        fixture_sample(&f, 0.05);
+        select_all(&f, 0.04, 0, &selection);
+        print_message("%s: %zu candidates for %zu samples\n", names[i], selection.count,
+                      f.samples.count);
+        check_cover(&f, &selection);
+        if (i == 1) assert_int_equal(selection.count, 6);
+        psplat_selection_free(&selection);
+        fixture_free(&f);
+    }
+}
+
+/* The same seed gives the same candidates to the last bit. */
+static void test_repeatable(void **state) {
+    (void)state;
+    fixture f;
+    psplat_selection first = {0}, second = {0};
+    fixture_model(&f, "sphere.ply");
+    fixture_sample(&f, 0.05);
+    select_all(&f, 0.05, 5, &first);
+    select_all(&f, 0.05, 5, &second);
+    assert_int_equal(first.count, second.count);
+    assert_true(first.count > 6);
+    check_cover(&f, &first);
+    for (size_t i = 0; i < first.count; ++i) {
+        const psplat_candidate *a = &first.candidates[i], *b = &second.candidates[i];
+        assert_memory_equal(a->region.center, b->region.center, sizeof a->region.center);
+        assert_memory_equal(a->region.radius, b->region.radius, sizeof a->region.radius);
+        assert_memory_equal(a->field, b->field, sizeof a->field);
+        assert_int_equal(a->covered_count, b->covered_count);
+        assert_memory_equal(a->covered, b->covered, a->covered_count * sizeof *a->covered);
+    }
+    psplat_selection_free(&first);
+    psplat_selection_free(&second);
+    fixture_free(&f);
+}
+
+/* A selection that covers all already stays as it is, less what it does not need. */
+static void test_existing(void **state) {
+    (void)state;
+    fixture f;
+    psplat_selection selection = {0};
+    fixture_model(&f, "cube.off");
+    fixture_sample(&f, 0.05);
+    select_all(&f, 0.04, 0, &selection);
+    assert_int_equal(selection.count, 6);
+    double kept[6][3];
+    for (int i = 0; i < 6; ++i) memcpy(kept[i], selection.candidates[i].region.center, 24);
+    /* Two of them once more, as candidates of their own. */
+    for (int i = 0; i < 2; ++i) {
+        psplat_candidate copy = selection.candidates[i];
+        copy.covered = malloc(copy.covered_count * sizeof *copy.covered);
+        assert_non_null(copy.covered);
+        memcpy(copy.covered, selection.candidates[i].covered,
+               copy.covered_count * sizeof *copy.covered);
+        assert_true(selection.count < selection.capacity);
+        selection.candidates[selection.count++] = copy;
+    }
+    select_all(&f, 0.03, 1, &selection);
+    assert_int_equal(selection.count, 6);
+    check_cover(&f, &selection);
+    for (int i = 0; i < 6; ++i) {
+        int found = 0;
+        for (int k = 0; k < 6; ++k)
+            found += !memcmp(kept[i], selection.candidates[k].region.center, sizeof kept[i]);
+        assert_int_equal(found, 1);
+    }
+    psplat_selection_free(&selection);
+    fixture_free(&f);
+}
+
+/* Samples appended later are found by refreshing and covered by selecting again. */
+static void test_refresh(void **state) {
+    (void)state;
+    fixture f;
+    psplat_selection selection = {0};
+    fixture_model(&f, "cone.stl");
+    fixture_sample(&f, 0.08);
+    select_all(&f, 0.04, 0, &selection);
+    psplat_samples extra;
+    assert_int_equal(psplat_samples_draw_uniform(&f.surface, 500, 9, &extra, NULL), PSPLAT_OK);
+    uint32_t *all = malloc(extra.count * sizeof *all);
+    assert_non_null(all);
+    for (uint32_t i = 0; i < extra.count; ++i) all[i] = i;
+    assert_int_equal(
+        psplat_samples_append(&f.samples, &extra, all, extra.count, f.mesh.triangle_count, NULL),
+        PSPLAT_OK);
+    psplat_limits limits = limits_of(&f, 0.03);
+    assert_int_equal(psplat_selection_refresh(&f.surface, &f.samples, &limits, &selection),
+                     PSPLAT_OK);
+    uint32_t *covers = count_covers(&f, &selection);
+    size_t covered = 0;
+    for (size_t i = 0; i < f.samples.count; ++i) covered += covers[i] > 0;
+    assert_true(covered > f.samples.count / 2); /* most lie between the first ones */
+    free(covers);
+    select_all(&f, 0.03, 2, &selection);
+    check_cover(&f, &selection);
+    free(all);
+    psplat_samples_free(&extra);
+    psplat_selection_free(&selection);
+    fixture_free(&f);
+}
+
+static int stop_at_once(void *user, const char *stage, double fraction) {
+    (void)stage;
+    assert_true(fraction >= 0 && fraction <= 1);
+    return ++*(int *)user == 2;
+}
+
+/* Stopping leaves a selection that can be freed, and says so. */
+static void test_interrupted(void **state) {
+    (void)state;
+    fixture f;
+    psplat_selection selection = {0};
+    psplat_error error = {0};
+    int calls = 0;
+    psplat_convert_desc desc = {.progress = stop_at_once, .user = &calls};
+    fixture_model(&f, "sphere.ply");
+    fixture_sample(&f, 0.05);
+    psplat_limits limits = limits_of(&f, 0.002);
+    assert_int_equal(
+        psplat_select_cover(&f.surface, &f.samples, &limits, &desc, &selection, &error),
+        PSPLAT_ERROR_INTERRUPTED);
+    assert_int_equal(error.code, PSPLAT_ERROR_INTERRUPTED);
+    assert_int_equal(calls, 2);
+    psplat_selection_free(&selection);
+    assert_int_equal(selection.count, 0);
+    fixture_free(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_cover),       cmocka_unit_test(test_repeatable),
+        cmocka_unit_test(test_existing),    cmocka_unit_test(test_refresh),
+        cmocka_unit_test(test_interrupted),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
