@@ -59,6 +59,8 @@ extern "C" psplat_distance *psplat_distance_create(const psplat_mesh *mesh) try 
                                              point(mesh->positions + 3 * size_t{corner[2]}));
         }
         distance->tree.insert(distance->triangles.begin(), distance->triangles.end());
+        /* Now and not on the first query, which any thread may make. */
+        distance->tree.build();
         distance->tree.accelerate_distance_queries();
         return distance;
     } catch (...) {

@@ -62,6 +62,7 @@ static int buffer_push(sample_buffer *buffer, const psplat_surface *surface, uin
                        const double p[3]) {
     psplat_samples *s = &buffer->samples;
     int has_color = surface->mesh->corner_colors != NULL;
+    if (s->count == PSPLAT_NONE) return 0; /* indices of samples have 32 bits */
     if (!buffer_reserve(buffer, s->count + 1, has_color)) return 0;
     double weights[3];
     find_barycentric(surface, triangle, p, weights);
@@ -279,6 +280,11 @@ psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing,
     sample_buffer buffer = {.samples = {.spacing = spacing}};
     thinning thin = {.buffer = &buffer, .surface = surface, .spacing = spacing};
     double expected = surface->area / (spacing * spacing);
+    /* Also where an area of 0 over a spacing of 0 is no number. */
+    if (!(expected < (double)PSPLAT_NONE))
+        return *samples = buffer.samples,
+               psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                           "%.3g samples are needed; the tolerance is too small", expected);
     int ok = grid_create(&thin.grid, (size_t)expected, spacing) &&
              buffer_reserve(&buffer, (size_t)expected, surface->mesh->corner_colors != NULL) &&
              offer_creases(&buffer, &thin.grid, surface, spacing / 2) &&
@@ -301,7 +307,8 @@ psplat_result psplat_samples_append(psplat_samples *samples, const psplat_sample
                                     size_t triangle_count, psplat_error *error) {
     sample_buffer buffer = {.samples = *samples};
     psplat_samples *s = &buffer.samples;
-    int ok = buffer_reserve(&buffer, s->count + chosen_count, extra->colors != NULL);
+    int ok = chosen_count < PSPLAT_NONE - s->count &&
+             buffer_reserve(&buffer, s->count + chosen_count, extra->colors != NULL);
     for (size_t i = 0; ok && i < chosen_count; ++i, ++s->count) {
         size_t from = chosen[i];
         memcpy(s->positions + 3 * s->count, extra->positions + 3 * from, 3 * sizeof(double));

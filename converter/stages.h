@@ -70,7 +70,8 @@ typedef struct psplat_samples {
 } psplat_samples;
 
 /* Blue-noise samples about spacing apart, and samples at half of that along creases, for each
- * side of its own. */
+ * side of its own. RANGE where they would be more than 32 bits count. A surface without creases that
+ * is much smaller than the spacing may get none. */
 psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing, uint64_t seed,
                                   psplat_samples *samples, psplat_error *error);
 /* count independent uniform samples: for measuring. */
@@ -149,7 +150,8 @@ typedef struct psplat_segment {
     uint32_t across;    /* triangle on the other side, or PSPLAT_NONE */
 } psplat_segment;
 
-/* Scratch of one thread, and the result of the last walk. Zero-initialise; grows on demand. */
+/* Scratch of one thread for one surface, and the result of the last walk. Zero-initialise; grows on
+ * demand. */
 typedef struct psplat_walk {
     uint32_t *stamps; /* per triangle: walk that met it last */
     uint32_t stamp;

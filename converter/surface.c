@@ -170,6 +170,9 @@ psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
                                    psplat_surface *surface, psplat_error *error) {
     size_t count = mesh->triangle_count;
     *surface = (psplat_surface){.mesh = mesh};
+    if (!count) return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "the mesh has no triangles");
+    if (count > (PSPLAT_NONE - 1) / 3) /* edges are 3 times the triangle, plus 0, 1 or 2 */
+        return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "%zu triangles are too many", count);
     surface->face_normals = malloc(count * 3 * sizeof(double));
     surface->face_areas = malloc(count * sizeof(double));
     surface->neighbors = malloc(count * 3 * sizeof(uint32_t));

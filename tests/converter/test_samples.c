@@ -146,11 +146,44 @@ static void test_append(void **state) {
     release(&f);
 }
 
+/* A spacing so fine that 32 bits cannot count the samples is refused before anything is drawn; and
+ * one of nothing. */
+static void test_too_many(void **state) {
+    (void)state;
+    fixture f;
+    draw(&f, MODELS "cube.off", 0.1, 1);
+    const double spacings[] = {1e-6, 1e-30, 1e-200, 0};
+    for (size_t i = 0; i < sizeof spacings / sizeof *spacings; ++i) {
+        psplat_samples samples;
+        psplat_error error = {0};
+        assert_int_equal(
+            psplat_samples_draw(&f.surface, spacings[i] * f.surface.diagonal, 1, &samples, &error),
+            PSPLAT_ERROR_RANGE);
+        assert_int_equal(error.code, PSPLAT_ERROR_RANGE);
+        assert_null(samples.positions);
+    }
+    release(&f);
+}
+
+/* One sample or none: what is much smaller than the spacing. */
+static void test_few(void **state) {
+    (void)state;
+    fixture f;
+    draw(&f, MODELS "sphere.ply", 1000, 1);
+    assert_true(f.samples.count <= 1);
+    assert_int_equal(f.samples.first[f.mesh.triangle_count], f.samples.count);
+    release(&f);
+    draw(&f, MODELS "cube.off", 1000, 1);
+    assert_true(f.samples.count >= 6); /* creases line each face */
+    release(&f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_on_triangles),  cmocka_unit_test(test_blue_noise),
         cmocka_unit_test(test_creases_lined), cmocka_unit_test(test_deterministic),
-        cmocka_unit_test(test_append),
+        cmocka_unit_test(test_append),        cmocka_unit_test(test_too_many),
+        cmocka_unit_test(test_few),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -139,10 +139,46 @@ static void test_broken(void **state) {
     psplat_surface_free(&s);
 }
 
+/* Counts that no surface is built for: none, and more than indices of edges can number. */
+static void test_counts(void **state) {
+    (void)state;
+    psplat_surface s;
+    psplat_error error = {0};
+    psplat_mesh none = {.triangle_count = 0}, many = {.triangle_count = (size_t)0x55555555};
+    assert_int_equal(psplat_surface_build(&none, crease_angle, &s, &error), PSPLAT_ERROR_NO_SPLATS);
+    assert_int_equal(psplat_surface_build(&many, crease_angle, &s, &error), PSPLAT_ERROR_RANGE);
+    assert_int_equal(error.code, PSPLAT_ERROR_RANGE);
+    assert_null(s.face_normals);
+    psplat_surface_free(&s);
+}
+
+/* The same cube at sizes and places far from 1: what is measured scales, what is found stays. */
+static void test_scales(void **state) {
+    (void)state;
+    const double scales[] = {1e-9, 1, 1e9}, offsets[] = {0, 1e6};
+    for (int i = 0; i < 6; ++i) {
+        double scale = scales[i / 2], offset = offsets[i % 2];
+        psplat_mesh mesh = read_model(MODELS "cube.off");
+        psplat_surface before = build(&mesh);
+        for (size_t k = 0; k < 3 * mesh.vertex_count; ++k)
+            mesh.positions[k] = scale * (mesh.positions[k] + offset);
+        psplat_surface after = build(&mesh);
+        assert_int_equal(after.patch_count, 6);
+        assert_int_equal(after.crease_edges, 12);
+        /* An offset of 1e6 leaves ten digits. */
+        assert_near(after.diagonal / scale, before.diagonal, 1e-9);
+        assert_near(after.area / (scale * scale), before.area, 1e-8);
+        psplat_surface_free(&before);
+        psplat_surface_free(&after);
+        psplat_mesh_free(&mesh);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cube), cmocka_unit_test(test_smooth), cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_dart), cmocka_unit_test(test_broken),
+        cmocka_unit_test(test_cube),   cmocka_unit_test(test_smooth), cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_dart),   cmocka_unit_test(test_broken), cmocka_unit_test(test_counts),
+        cmocka_unit_test(test_scales),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
