@@ -40,7 +40,7 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "the asset, instead of the operand; - is standard output", 0, 0, NULL},
         {'t', "tolerance", PSPLAT_OPTION_PERCENT, &a->tolerance, "PERCENT",
          "greatest distance between splats and surface, in % of\n"
-         "the bounding box's diagonal: 0.5% or 0.5 (default 0.5%)",
+         "the bounding box's diagonal: 0.5% or 0.5 (default 0.5)",
          1e-4, 50, NULL},
         {0, "crease-angle", PSPLAT_OPTION_NUMBER, &a->crease_angle, "DEG",
          "angle between two faces from which their edge stays\nsharp (default 30)", 1, 180, NULL},

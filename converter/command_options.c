@@ -274,8 +274,10 @@ static void print_option(const psplat_option *option) {
     const char *line = option->help;
     for (const char *left = head; line; left = "") {
         size_t width = strcspn(line, "\n");
-        printf("%-30s %.*s\n", left, (int)width, line);
+        printf("%-34s %.*s", left, (int)width, line);
         line = line[width] ? line + width + 1 : NULL;
+        if (!line && option->max > option->min) printf(", %g to %g", option->min, option->max);
+        printf("\n");
     }
 }
 
@@ -283,7 +285,7 @@ void psplat_options_help(const psplat_syntax *syntax) {
     printf("usage: phongsplat %s [options] %s\n\n%s\n\n", syntax->command, syntax->operands,
            syntax->summary);
     for (size_t i = 0; i < syntax->option_count; ++i) print_option(&syntax->options[i]);
-    printf("  -h, --help                   show this and exit\n");
+    printf("%-34s show this and exit\n", "  -h, --help");
     if (syntax->notes) printf("\n%s\n", syntax->notes);
     printf("\n%s", psplat_exit_help);
 }
