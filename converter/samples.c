@@ -180,6 +180,25 @@ static int offer_creases(sample_buffer *buffer, thin_grid *grid, const psplat_su
     return 1;
 }
 
+/* A patch without creases that is much smaller than the spacing may have got none: it gets one, in
+ * the middle of its first triangle. */
+static int offer_missed(sample_buffer *buffer, const psplat_surface *surface) {
+    uint8_t *seen = calloc(surface->patch_count + 1, 1);
+    if (!seen) return 0;
+    for (size_t i = 0; i < buffer->samples.count; ++i)
+        seen[surface->patches[buffer->samples.triangles[i]]] = 1;
+    int ok = 1;
+    for (uint32_t t = 0; ok && t < surface->mesh->triangle_count; ++t) {
+        if (seen[surface->patches[t]]) continue;
+        seen[surface->patches[t]] = 1;
+        double middle[3] = {0, 0, 0};
+        for (uint32_t k = 0; k < 3; ++k) mad3(middle, 1.0 / 3, vertex(surface->mesh, t, k));
+        ok = buffer_push(buffer, surface, t, middle);
+    }
+    free(seen);
+    return ok;
+}
+
 typedef int take_points(void *user, uint32_t triangle, const double *points, size_t count);
 
 /* Hands about `total` uniform random points of the surface to take, triangle by triangle: each gets
@@ -288,7 +307,8 @@ psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing,
     int ok = grid_create(&thin.grid, (size_t)expected, spacing) &&
              buffer_reserve(&buffer, (size_t)expected, surface->mesh->corner_colors != NULL) &&
              offer_creases(&buffer, &thin.grid, surface, spacing / 2) &&
-             throw_points(surface, offered * expected, seed, take_thinned, &thin);
+             throw_points(surface, offered * expected, seed, take_thinned, &thin) &&
+             offer_missed(&buffer, surface);
     grid_free(&thin.grid);
     return finish(&buffer, ok, surface, samples, error);
 }

@@ -70,8 +70,8 @@ typedef struct psplat_samples {
 } psplat_samples;
 
 /* Blue-noise samples about spacing apart, and samples at half of that along creases, for each
- * side of its own. RANGE where they would be more than 32 bits count. A surface without creases that
- * is much smaller than the spacing may get none. */
+ * side of its own; each patch gets at least one. RANGE where they would be more than 32 bits count.
+ */
 psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing, uint64_t seed,
                                   psplat_samples *samples, psplat_error *error);
 /* count independent uniform samples: for measuring. */
