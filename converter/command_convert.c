@@ -10,7 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 typedef struct arguments {
     const char *input;
@@ -39,8 +41,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {'o', "output", PSPLAT_OPTION_TEXT, &a->output, "OUT.glb",
          "the asset, instead of the operand; - is standard output", 0, 0, NULL},
         {'t', "tolerance", PSPLAT_OPTION_PERCENT, &a->tolerance, "PERCENT",
-         "greatest distance between splats and surface, in % of\n"
-         "the bounding box's diagonal: 0.5% or 0.5 (default 0.5)",
+         "greatest distance between splats and surface, in % of the\n"
+         "bounding box's diagonal: 0.5% or 0.5 (default 0.5)",
          1e-4, 50, NULL},
         {0, "crease-angle", PSPLAT_OPTION_NUMBER, &a->crease_angle, "DEG",
          "angle between two faces from which their edge stays\nsharp (default 30)", 1, 180, NULL},
@@ -153,9 +155,17 @@ static psplat_result write_report(const arguments *a, const product *p, psplat_e
     return result;
 }
 
+/* By whatever name: "-", /dev/stdout, or the pipe that it is. */
+static int is_standard_output(const char *path) {
+    struct stat there, here;
+    if (!path || !strcmp(path, "-")) return path != NULL;
+    return !stat(path, &there) && !fstat(STDOUT_FILENO, &here) && there.st_dev == here.st_dev &&
+           there.st_ino == here.st_ino;
+}
+
+/* What standard output carries is carried alone. */
 static void print_summary(const arguments *a, const psplat_report *r) {
-    int silent = a->quiet || !strcmp(a->output, "-") || (a->report && !strcmp(a->report, "-"));
-    if (silent) return;
+    if (a->quiet || is_standard_output(a->output) || is_standard_output(a->report)) return;
     printf("%s: %zu splats, %zu bytes, max distance %.3g %% (tolerance %.3g %%), rms normal %.3g "
            "degrees, %zu of %zu samples uncovered, %.2f s\n",
            a->output, r->splats, r->bytes, r->max_distance_percent, r->tolerance_percent,

@@ -43,6 +43,7 @@ cmp out/cube.glb out/again.glb || fail "overwriting differs"
 run "$PHONGSPLAT" convert cube.obj - -t 2
 expect_success
 cmp out/cube.glb stdout.txt || fail "standard output differs"
+"$PHONGSPLAT" convert cube.obj /dev/stdout -t 2 -w </dev/null | cmp - out/cube.glb || fail "/dev/stdout differs"
 run "$PHONGSPLAT" convert cube.obj out/third.glb -t 2 --report -
 expect_success
 node -e 'JSON.parse(require("fs").readFileSync("stdout.txt"))' || fail "report on standard output"
