@@ -179,36 +179,41 @@ static int settle_height(const seedling *s, psplat_region *region, double *devia
     return 1;
 }
 
-/* Whether all corners of an outline lie within the tolerance of the mesh. */
-static int outline_near(seedling *s, const psplat_region *region, double (*polygon)[2],
-                        size_t count) {
-    double points[OUTLINE][3], distances[OUTLINE];
-    if (!s->limits->distance) return 1;
+psplat_result psplat_region_near(const psplat_region *region, const psplat_limits *limits,
+                                 int *near) {
+    double polygon[OUTLINE][2], points[OUTLINE][3], distances[OUTLINE];
+    *near = 1;
+    if (!limits->distance) return PSPLAT_OK;
+    size_t count = psplat_region_polygon(region, 1, polygon, OUTLINE);
     for (size_t i = 0; i < count; ++i) {
         memcpy(points[i], region->center, sizeof points[i]);
         mad3(points[i], polygon[i][0] * region->radius[0], region->u);
         mad3(points[i], polygon[i][1] * region->radius[1], region->v);
     }
-    if (psplat_distance_query(s->limits->distance, &points[0][0], count, distances))
-        return s->failed = 1, 0;
-    for (size_t i = 0; i < count; ++i)
-        if (distances[i] > s->limits->tolerance) return 0;
-    return 1;
+    psplat_result result = psplat_distance_query(limits->distance, &points[0][0], count, distances);
+    for (size_t i = 0; i < count && !result; ++i) *near &= distances[i] <= limits->tolerance;
+    return result;
 }
 
-/* Whether the surface covers the region once: a fold or a loose end shows as area. What the slack of
- * the lines may leave open is more than a sliver's whole area, so there distances decide. */
-static int area_fits(seedling *s, const psplat_region *region) {
+/* Whether the outline stays near the mesh. What lines leave over at an acute corner, or all of a
+ * sliver between two, is too little area to show. */
+static int outline_near(seedling *s, const psplat_region *region) {
+    int near = 1;
+    if (region->line_count && psplat_region_near(region, s->limits, &near)) s->failed = 1;
+    return near && !s->failed;
+}
+
+/* Whether the surface covers the region once: a fold or a loose end shows as area. */
+static int area_fits(const seedling *s, const psplat_region *region) {
     double polygon[OUTLINE][2], twice = 0;
     size_t count = psplat_region_polygon(region, 0, polygon, OUTLINE);
     for (size_t i = 0; i < count; ++i) {
         const double *a = polygon[i], *b = polygon[i + 1 < count ? i + 1 : 0];
         twice += a[0] * b[1] - a[1] * b[0];
     }
-    double area = twice / 2, error = area_error * area, met = s->growth->walk.area;
+    double area = twice / 2, error = area_error * area;
     double over = 2 * s->limits->crease_slack / region->radius[1] * region->line_count;
-    if (met > area + error || met < area - error - over) return 0;
-    return met >= area - error || outline_near(s, region, polygon, count);
+    return s->growth->walk.area >= area - error - over && s->growth->walk.area <= area + error;
 }
 
 static trial_result find_lines(const seedling *s, psplat_region *region) {
@@ -335,6 +340,7 @@ static trial_result try_reach(seedling *s, double reach, psplat_candidate *candi
         size_t covered = cover(s, &region);
         if (!covered) return TRIAL_TOO_FAR;
         if (fit_field(s, &region, covered, field) > s->limits->normal_error) return TRIAL_TOO_FAR;
+        if (covered > candidate->covered_count && !outline_near(s, &region)) return TRIAL_TOO_FAR;
         if (covered > candidate->covered_count)
             adopt(s, &region, field, deviation, covered, candidate);
         if (!region.line_count || covered >= count) break;

@@ -141,12 +141,21 @@ static psplat_result close_holes(conversion *c, psplat_error *error) {
     return PSPLAT_OK;
 }
 
+static psplat_result join_and_store(conversion *c) {
+    psplat_result result = psplat_join_lines(&c->surface, &c->limits, &c->selection);
+    if (result) return result;
+    return psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
+}
+
 static psplat_result select_splats(conversion *c, psplat_error *error) {
     psplat_result result = select_and_store(c, error);
     if (!result) result = close_holes(c, error);
     if (result) return result;
-    result = psplat_join_lines(&c->surface, &c->limits, &c->selection);
-    if (!result) result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
+    psplat_seal seal = {&c->surface,   &c->samples,  &c->limits,   c->splats,
+                        &c->selection, c->tolerance, c->desc->seed};
+    result = join_and_store(c);
+    if (!result) result = psplat_seal_cracks(&seal, c->splats);
+    if (!result) result = join_and_store(c);
     if (result) return psplat_fail(error, result, 0, "out of memory while joining splats");
     return PSPLAT_OK;
 }

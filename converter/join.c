@@ -117,11 +117,20 @@ static void join_candidate(joiner *j, const psplat_candidate *candidate, double 
     }
 }
 
-static void move_lines(psplat_region *region, const double moves[]) {
+/* Moves a region's lines, unless its outline then leaves the surface, as at acute corners. */
+static psplat_result move_lines(const psplat_limits *limits, psplat_region *region,
+                                const double moves[]) {
+    psplat_region moved = *region;
+    double most = 0, outward[3];
+    int near;
     for (uint32_t i = 0; i < region->line_count; ++i) {
-        double outward[3];
-        region->lines[i][2] += moves[i] * line_outward(region, region->lines[i], outward);
+        most = max2(most, moves[i]);
+        moved.lines[i][2] += moves[i] * line_outward(region, region->lines[i], outward);
     }
+    if (most == 0) return PSPLAT_OK;
+    psplat_result result = psplat_region_near(&moved, limits, &near);
+    if (!result && near) *region = moved;
+    return result;
 }
 
 /* All moves are found before any line moves, so that their order does not matter. */
@@ -131,9 +140,10 @@ static psplat_result join_all(joiner *j, double (*moves)[PSPLAT_MAX_CLIP_LINES],
         if (selection->candidates[i].region.line_count)
             join_candidate(j, &selection->candidates[i], moves[i]);
     if (j->walk.failed) return PSPLAT_ERROR_MEMORY;
-    for (size_t i = 0; i < selection->count; ++i)
-        move_lines(&selection->candidates[i].region, moves[i]);
-    return PSPLAT_OK;
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < selection->count && !result; ++i)
+        result = move_lines(j->limits, &selection->candidates[i].region, moves[i]);
+    return result;
 }
 
 psplat_result psplat_join_lines(const psplat_surface *surface, const psplat_limits *limits,

@@ -62,7 +62,7 @@ static size_t gain_of(const selector *s, const psplat_candidate *candidate) {
     return gain;
 }
 
-static int selection_push(psplat_selection *selection, psplat_candidate *candidate) {
+int psplat_selection_push(psplat_selection *selection, psplat_candidate *candidate) {
     if (selection->count == selection->capacity) {
         size_t capacity = 2 * selection->capacity + 64;
         void *grown = realloc(selection->candidates, capacity * sizeof(psplat_candidate));
@@ -168,7 +168,7 @@ static int pool_take(selector *s) {
         entry->gain = gain_of(s, &entry->candidate);
         if (entry->gain < least || entry->gain == 0) continue;
         count_cover(s, &entry->candidate, 1);
-        if (!selection_push(s->selection, &entry->candidate)) return 0;
+        if (!psplat_selection_push(s->selection, &entry->candidate)) return 0;
     }
     return 1;
 }

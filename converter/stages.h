@@ -70,8 +70,8 @@ typedef struct psplat_samples {
 } psplat_samples;
 
 /* Blue-noise samples about spacing apart, and samples at half of that along creases, for each
- * side of its own; each patch gets at least one. RANGE where they would be more than 32 bits count.
- */
+ * side of its own. RANGE where they would be more than 32 bits count. A surface without creases
+ * that is much smaller than the spacing may get none. */
 psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing, uint64_t seed,
                                   psplat_samples *samples, psplat_error *error);
 /* count independent uniform samples: for measuring. */
@@ -202,8 +202,14 @@ typedef struct psplat_limits {
     double crease_slack;     /* reach over a crease, within the plane */
     double margin;           /* overlap beyond the covered samples */
     double normal_error;     /* root mean square of the normal field's, radians */
-    const psplat_distance *distance; /* to the mesh, for reaches that a walk cannot judge; or NULL */
+    const psplat_distance
+        *distance; /* to the mesh, for reaches that a walk cannot judge; or NULL */
 } psplat_limits;
+
+/* Whether the region's outline lies within the tolerance of the mesh; 1 where limits hold no
+ * distance. */
+psplat_result psplat_region_near(const psplat_region *region, const psplat_limits *limits,
+                                 int *near);
 
 /* A possible splat and the samples that it covers. */
 typedef struct psplat_candidate {
@@ -258,6 +264,8 @@ psplat_result psplat_select_cover(const psplat_surface *surface, const psplat_sa
 /* Finds again what each selected candidate covers, after samples were appended. */
 psplat_result psplat_selection_refresh(const psplat_surface *surface, const psplat_samples *samples,
                                        const psplat_limits *limits, psplat_selection *selection);
+/* Moves a candidate to the end of the selection. 0 when out of memory. */
+int psplat_selection_push(psplat_selection *selection, psplat_candidate *candidate);
 void psplat_selection_free(psplat_selection *selection);
 
 /* ---- store.c ------------------------------------------------------------------------------- */
@@ -290,11 +298,32 @@ void psplat_locator_destroy(psplat_locator *locator);
 psplat_result psplat_join_lines(const psplat_surface *surface, const psplat_limits *limits,
                                 psplat_selection *selection);
 
+/* ---- seal.c -------------------------------------------------------------------------------- */
+
+typedef struct psplat_seal {
+    const psplat_surface *surface;
+    psplat_samples *samples; /* grow by what is found; the selection's indices into them lapse */
+    const psplat_limits *limits;
+    const psplat_splats *splats; /* the selection as stored */
+    psplat_selection *selection;
+    double tolerance;
+    uint64_t seed;
+} psplat_seal;
+
+/* Adds candidates where slanted views pass between splats, and stores the selection again.
+ * splats: those of seal. */
+psplat_result psplat_seal_cracks(const psplat_seal *seal, psplat_splats *splats);
+
 /* ---- verify.c ------------------------------------------------------------------------------ */
 
 /* Marks (1) the samples that no splat covers within tolerance. */
 psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
                                      double tolerance, uint8_t *uncovered, size_t *count);
+
+/* Marks (1) the samples that some view, 45 degrees from the surface's normal, passes by: it meets
+ * no splat near the sample. */
+psplat_result psplat_verify_sight(const psplat_samples *samples, const psplat_splats *splats,
+                                  double tolerance, uint8_t *open, size_t *count);
 
 /* Measures the splats against the surface on samples of its own, and fills the error fields of
  * report. */

@@ -15,6 +15,8 @@ enum { SAMPLES_PER_SPLAT = 200, LEAST_SAMPLES = 20000, MOST_SAMPLES = 1000000, C
 static const double float_slack = 2e-6;
 /* Splats seen more edge-on than this do not show. */
 static const double least_cosine = 0.1;
+/* How far along a slanted view a splat still stands for the surface, in tolerances. */
+static const double sight_reach = 3;
 
 /* Distance in the plane from a point outside a convex polygon, in units of length. */
 static double polygon_distance(const psplat_region *region, double (*polygon)[2], size_t count,
@@ -57,12 +59,13 @@ static void measured_free(measured_splats *measured) {
     *measured = (measured_splats){0};
 }
 
-static int measured_create(measured_splats *measured, const psplat_splats *splats,
-                           double tolerance) {
+/* reach: how far from a point its splats may be. */
+static int measured_create(measured_splats *measured, const psplat_splats *splats, double tolerance,
+                           double reach) {
     *measured = (measured_splats){.splats = splats, .tolerance = tolerance * (1 + 1e-6)};
     measured->regions = psplat_splat_regions(splats);
     if (measured->regions)
-        measured->locator = psplat_locator_create(measured->regions, splats->count, tolerance);
+        measured->locator = psplat_locator_create(measured->regions, splats->count, reach);
     if (measured->locator) return 1;
     measured_free(measured);
     return 0;
@@ -149,7 +152,7 @@ static void probe_sample(probe *p) {
 psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
                                      double tolerance, uint8_t *uncovered, size_t *count) {
     measured_splats measured;
-    if (!measured_create(&measured, splats, tolerance)) return PSPLAT_ERROR_MEMORY;
+    if (!measured_create(&measured, splats, tolerance, tolerance)) return PSPLAT_ERROR_MEMORY;
     size_t total = 0;
     long samples_count = (long)samples->count;
 #if defined(_OPENMP)
@@ -160,6 +163,69 @@ psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat
         psplat_locator_visit(measured.locator, p.point, visit_cover, &p);
         uncovered[i] = !p.covered;
         total += !p.covered;
+    }
+    measured_free(&measured);
+    *count = total;
+    return PSPLAT_OK;
+}
+
+/* ---- slanted views -------------------------------------------------------------------------- */
+
+enum { VIEWS = 6 };
+
+/* A view through a surface point. */
+typedef struct sight {
+    const measured_splats *measured;
+    double point[3], to_eye[3];
+    int met;
+} sight;
+
+static int visit_sight(void *user, uint32_t index) {
+    sight *s = user;
+    const psplat_region *region = &s->measured->regions[index];
+    double cosine = dot3(s->to_eye, region->n), d[3], q[3], uvh[3];
+    if (cosine < least_cosine) return 0;
+    sub3(d, region->center, s->point);
+    double t = dot3(d, region->n) / cosine;
+    if (fabs(t) > sight_reach * s->measured->tolerance) return 0;
+    memcpy(q, s->point, sizeof q);
+    mad3(q, t, s->to_eye);
+    psplat_region_local(region, q, uvh);
+    return s->met = psplat_region_contains(region, uvh, 1, float_slack);
+}
+
+/* Whether all views 45 degrees from the normal meet a splat near the sample. */
+static int sample_blocks(const probe *p) {
+    double u[3], v[3];
+    perpendicular3(u, p->normal);
+    cross3(v, p->normal, u);
+    for (int view = 0; view < VIEWS; ++view) {
+        double angle = view * (6.283185307179586 / VIEWS), slant = sqrt(0.5);
+        sight s = {.measured = p->measured};
+        memcpy(s.point, p->point, sizeof s.point);
+        mad3(s.to_eye, slant, p->normal);
+        mad3(s.to_eye, slant * cos(angle), u);
+        mad3(s.to_eye, slant * sin(angle), v);
+        psplat_locator_visit(p->measured->locator, p->point, visit_sight, &s);
+        if (!s.met) return 0;
+    }
+    return 1;
+}
+
+psplat_result psplat_verify_sight(const psplat_samples *samples, const psplat_splats *splats,
+                                  double tolerance, uint8_t *open, size_t *count) {
+    measured_splats measured;
+    if (!measured_create(&measured, splats, tolerance, sight_reach * tolerance))
+        return PSPLAT_ERROR_MEMORY;
+    size_t total = 0;
+    long samples_count = (long)samples->count;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(static) reduction(+ : total)
+#endif
+    for (long i = 0; i < samples_count; ++i) {
+        probe p = probe_at(samples, (size_t)i, &measured);
+        open[i] = !sample_blocks(&p);
+        total += open[i];
     }
     measured_free(&measured);
     *count = total;
@@ -294,7 +360,7 @@ psplat_result psplat_verify(const psplat_surface *surface, const psplat_splats *
     if (result) return result;
     double greatest = 0;
     measured_splats measured = {0};
-    if (!measured_create(&measured, splats, tolerance)) result = PSPLAT_ERROR_MEMORY;
+    if (!measured_create(&measured, splats, tolerance, tolerance)) result = PSPLAT_ERROR_MEMORY;
     if (!result) result = measure_surface(&samples, &measured, surface->diagonal, report);
     if (!result) result = measure_splats(surface->mesh, &measured, &greatest);
     measured_free(&measured);
