@@ -137,9 +137,17 @@ static int compare_starts(const void *left, const void *right) {
     return a->vertex[0] < b->vertex[0] ? -1 : a->vertex[0] > b->vertex[0];
 }
 
-/* Links each piece to the one that begins where it ends; ambiguous ends stay open. */
+/* Of equal starts the order is by ends, so that it is that of no particular qsort. */
+static int compare_pieces(const void *left, const void *right) {
+    const piece *a = left, *b = right;
+    int starts = compare_starts(a, b);
+    return starts ? starts : a->vertex[1] < b->vertex[1] ? -1 : a->vertex[1] > b->vertex[1];
+}
+
+/* Links each piece to one that begins where it ends. Where several do, at a vertex that the surface
+ * meets twice, any will do: fit_run judges what a line along both would be. */
 static void link_chain(clipper *c) {
-    qsort(c->pieces, c->count, sizeof(piece), compare_starts);
+    qsort(c->pieces, c->count, sizeof(piece), compare_pieces);
     for (size_t i = 0; i < c->count; ++i) c->pieces[i].previous = c->pieces[i].next = SIZE_MAX;
     for (size_t i = 0; i < c->count; ++i) {
         piece key = {.vertex = {c->pieces[i].vertex[1], 0}};

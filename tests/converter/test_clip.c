@@ -138,11 +138,39 @@ static void test_too_many(void **state) {
     }
 }
 
+/* Two chains through one vertex, in any order of their pieces: the lines are the same. */
+static void test_order(void **state) {
+    (void)state;
+    enum { COUNT = 8 };
+    psplat_segment s[COUNT], shuffled[COUNT];
+    double points[5][2], seed[2] = {0, 0.1};
+    for (int i = 0; i < 5; ++i) points[i][0] = -0.8 + 0.4 * i, points[i][1] = -0.3;
+    chain(s, 0, (const double(*)[2])points, 5, 0);
+    for (int i = 0; i < 5; ++i) points[i][0] = 0.4 * i, points[i][1] = -0.3 - 0.5 * points[i][0];
+    chain(s, 4, (const double(*)[2])points, 5, 0);
+    s[4].vertex[0] = s[2].vertex[0]; /* both begin at (0, -0.3) */
+    psplat_region first = unit_region();
+    assert_int_equal(psplat_clip_choose(&first, s, COUNT, seed, 0.01), 1);
+    uint64_t random = 9;
+    for (int round = 0; round < 50; ++round) {
+        for (size_t i = 0; i < COUNT; ++i) {
+            size_t at = psplat_random_next(&random) % (i + 1);
+            shuffled[i] = shuffled[at];
+            shuffled[at] = s[i];
+        }
+        psplat_region r = unit_region();
+        assert_int_equal(psplat_clip_choose(&r, shuffled, COUNT, seed, 0.01), 1);
+        assert_int_equal(r.line_count, first.line_count);
+        assert_memory_equal(r.lines, first.lines, r.line_count * sizeof r.lines[0]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_creases),    cmocka_unit_test(test_straight_chain),
         cmocka_unit_test(test_convex_corner), cmocka_unit_test(test_reflex_corner),
         cmocka_unit_test(test_curved_chain),  cmocka_unit_test(test_too_many),
+        cmocka_unit_test(test_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
