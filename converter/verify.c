@@ -149,23 +149,33 @@ static void probe_sample(probe *p) {
     }
 }
 
-psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
-                                     double tolerance, uint8_t *uncovered, size_t *count) {
-    measured_splats measured;
-    if (!measured_create(&measured, splats, tolerance, tolerance)) return PSPLAT_ERROR_MEMORY;
+/* Marks the samples of which is_open says so. */
+static size_t mark_samples(const psplat_samples *samples, const measured_splats *measured,
+                           int (*is_open)(probe *p), uint8_t *marks) {
     size_t total = 0;
     long samples_count = (long)samples->count;
 #if defined(_OPENMP)
 #pragma omp parallel for schedule(static) reduction(+ : total)
 #endif
     for (long i = 0; i < samples_count; ++i) {
-        probe p = probe_at(samples, (size_t)i, &measured);
-        psplat_locator_visit(measured.locator, p.point, visit_cover, &p);
-        uncovered[i] = !p.covered;
-        total += !p.covered;
+        probe p = probe_at(samples, (size_t)i, measured);
+        marks[i] = (uint8_t)is_open(&p);
+        total += marks[i];
     }
+    return total;
+}
+
+static int is_uncovered(probe *p) {
+    psplat_locator_visit(p->measured->locator, p->point, visit_cover, p);
+    return !p->covered;
+}
+
+psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
+                                     double tolerance, uint8_t *uncovered, size_t *count) {
+    measured_splats measured;
+    if (!measured_create(&measured, splats, tolerance, tolerance)) return PSPLAT_ERROR_MEMORY;
+    *count = mark_samples(samples, &measured, is_uncovered, uncovered);
     measured_free(&measured);
-    *count = total;
     return PSPLAT_OK;
 }
 
@@ -194,8 +204,8 @@ static int visit_sight(void *user, uint32_t index) {
     return s->met = psplat_region_contains(region, uvh, 1, float_slack);
 }
 
-/* Whether all views 45 degrees from the normal meet a splat near the sample. */
-static int sample_blocks(const probe *p) {
+/* Whether some view 45 degrees from the normal meets no splat near the sample. */
+static int lets_pass(probe *p) {
     double u[3], v[3];
     perpendicular3(u, p->normal);
     cross3(v, p->normal, u);
@@ -207,9 +217,9 @@ static int sample_blocks(const probe *p) {
         mad3(s.to_eye, slant * cos(angle), u);
         mad3(s.to_eye, slant * sin(angle), v);
         psplat_locator_visit(p->measured->locator, p->point, visit_sight, &s);
-        if (!s.met) return 0;
+        if (!s.met) return 1;
     }
-    return 1;
+    return 0;
 }
 
 psplat_result psplat_verify_sight(const psplat_samples *samples, const psplat_splats *splats,
@@ -217,18 +227,8 @@ psplat_result psplat_verify_sight(const psplat_samples *samples, const psplat_sp
     measured_splats measured;
     if (!measured_create(&measured, splats, tolerance, sight_reach * tolerance))
         return PSPLAT_ERROR_MEMORY;
-    size_t total = 0;
-    long samples_count = (long)samples->count;
-#if defined(_OPENMP)
-#pragma omp parallel for schedule(static) reduction(+ : total)
-#endif
-    for (long i = 0; i < samples_count; ++i) {
-        probe p = probe_at(samples, (size_t)i, &measured);
-        open[i] = !sample_blocks(&p);
-        total += open[i];
-    }
+    *count = mark_samples(samples, &measured, lets_pass, open);
     measured_free(&measured);
-    *count = total;
     return PSPLAT_OK;
 }
 
