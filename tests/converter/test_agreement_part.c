@@ -77,6 +77,14 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     assert_true(parameters.depth <= 1e-6 && a.depth <= 2e-5 && a.thin_depth <= 2e-5);
     /* And their normals, which turn by up to 1 per unit of u, follow the error of thin (u, v). */
     assert_true(a.color <= 5e-4);
+    for (int mode = PSPLAT_MODE_GAUSSIAN; mode <= PSPLAT_MODE_FLAT; ++mode) {
+        view.mode = (psplat_mode)mode;
+        agreement other = agreement_measure(g, asset, NULL, &view, 1, &ties);
+        print_message("mode %d: mismatches %zu depth %.1e color %.1e\n", mode, other.mismatches,
+                      other.depth, other.color);
+        assert_int_equal(other.mismatches, 0);
+        assert_true(other.depth <= 2e-5 && other.color <= 5e-4);
+    }
 }
 
 static void test_part(void **state) {
