@@ -137,6 +137,59 @@ static void test_epsilon_tie(void **state) {
     scene_free(&s);
 }
 
+/* Turns a splat about the x axis, so that its normal leaves the direction of +z by the angle. */
+static void tilt(psplat_splat *splat, double degrees) {
+    double c = cos(degrees * CAMERA_PI / 180), n = sin(degrees * CAMERA_PI / 180);
+    scene_set_axes(splat, (double[]){1, 0, 0}, (double[]){0, c, n});
+    splat->normal[0] = 0, splat->normal[1] = (float)-n, splat->normal[2] = (float)c;
+}
+
+/* Eq. (5): along the ray epsilon grows with the slant, up to twice. */
+static void test_slanted_epsilon(void **state) {
+    (void)state;
+    const struct {
+        double degrees, factor;
+    } slants[] = {{0, 1}, {45, 1.41421356}, {60, 2}, {80, 2}};
+    psplat_view view = front_view();
+    camera_parallel(&view, 1, 1, 10);
+    for (int i = 0; i < 4; ++i)
+        for (int beyond = 0; beyond < 2; ++beyond) {
+            double epsilon = 0.1, gap = epsilon * slants[i].factor * (beyond ? 1.02 : 0.98);
+            scene s = two_discs(gap, epsilon);
+            s.splats[1].center[0] = 0;
+            tilt(&s.splats[0], slants[i].degrees);
+            tilt(&s.splats[1], slants[i].degrees);
+            picture p = picture_of(&s, NULL, &view);
+            assert_int_equal(p.image.count[HEIGHT / 2 * WIDTH + WIDTH / 2], beyond ? 1 : 2);
+            picture_free(&p);
+            scene_free(&s);
+        }
+}
+
+/* Spec 5.2: of a two-sided material, normals are negated only where the splat turns away from the
+ * eye by more than 120 degrees. Light from behind and above tells the two apart. */
+static void test_two_sides(void **state) {
+    (void)state;
+    const double degrees[] = {60, 100, 118, 122, 150, 180};
+    psplat_view view = front_view();
+    camera_parallel(&view, 1, 1, 10);
+    for (int i = 0; i < 6; ++i) {
+        scene s = scene_disc(1);
+        s.material.double_sided = 1;
+        tilt(&s.splats[0], degrees[i]);
+        double sign = degrees[i] > 120 ? -1 : 1;
+        for (int k = 0; k < 3; ++k)
+            view.light.direction[k] =
+                (float)sign * s.splats[0].normal[k]; /* along the normal used */
+        picture p = picture_of(&s, NULL, &view);
+        int middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
+        assert_int_equal(p.image.count[middle], 1);
+        assert_true(p.image.color[4 * middle] > 0.5f); /* lit in full, not from behind */
+        picture_free(&p);
+        scene_free(&s);
+    }
+}
+
 /* ---- modes ----------------------------------------------------------------------------------- */
 
 /* The nearest splat alone, whatever epsilon: the red disc hides the green one behind it. */
@@ -304,7 +357,8 @@ static void test_sphere_normals(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_two_discs),    cmocka_unit_test(test_epsilon_scales),
-        cmocka_unit_test(test_epsilon_tie),  cmocka_unit_test(test_nearest_modes),
+        cmocka_unit_test(test_epsilon_tie),  cmocka_unit_test(test_slanted_epsilon),
+        cmocka_unit_test(test_two_sides),    cmocka_unit_test(test_nearest_modes),
         cmocka_unit_test(test_curved_splat), cmocka_unit_test(test_blended_normals),
         cmocka_unit_test(test_sphere),       cmocka_unit_test(test_sphere_normals),
     };
