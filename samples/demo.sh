@@ -11,9 +11,10 @@ cmake --build --preset release
 
 mkdir -p build/demo
 phongsplat=build/release/phongsplat
-$phongsplat convert samples/models/part.obj build/demo/part.glb --tolerance 0.5% \
+$phongsplat convert samples/models/part.obj build/demo/part.glb --tolerance 0.2% \
     --report build/demo/part.json --overwrite --quiet
-$phongsplat render build/demo/part.glb build/demo/part.png --overwrite
+$phongsplat render build/demo/part.glb build/demo/part.png --overwrite \
+    --azimuth 55 --elevation 33 --distance 0.85
 
 # field NAME: its value in the report; rounded NAME: the same with three digits
 field() {
