@@ -146,7 +146,7 @@ static void test_order(void **state) {
     double points[5][2], seed[2] = {0, 0.1};
     for (int i = 0; i < 5; ++i) points[i][0] = -0.8 + 0.4 * i, points[i][1] = -0.3;
     chain(s, 0, (const double(*)[2])points, 5, 0);
-    for (int i = 0; i < 5; ++i) points[i][0] = 0.4 * i, points[i][1] = -0.3 - 0.5 * points[i][0];
+    for (int i = 0; i < 5; ++i) points[i][0] = 0.4 * i, points[i][1] = -0.3 - 0.02 * points[i][0];
     chain(s, 4, (const double(*)[2])points, 5, 0);
     s[4].vertex[0] = s[2].vertex[0]; /* both begin at (0, -0.3) */
     psplat_region first = unit_region();
