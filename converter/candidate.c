@@ -18,6 +18,9 @@ static const double greatest_stretch = 8;
 /* Least cosine between a splat and the normals it represents; beyond, homogeneous normals with
  * third coordinate 1 grow without bound (BSK04 section 3). */
 static const double least_cosine = 0.25;
+/* Slope of the normal at the centre, which lines may have cut away far from all samples: its cosine
+ * stays twice above the least of spec 3.5. */
+static const double greatest_slope = 9.9;
 /* Part of a region that the surface may leave open or cover twice, for the polygon's own error. */
 static const double area_error = 0.03;
 
@@ -339,7 +342,9 @@ static trial_result try_reach(seedling *s, double reach, psplat_candidate *candi
         if (!settle_height(s, &region, &deviation) || !area_fits(s, &region)) return TRIAL_TOO_FAR;
         size_t covered = cover(s, &region);
         if (!covered) return TRIAL_TOO_FAR;
-        if (fit_field(s, &region, covered, field) > s->limits->normal_error) return TRIAL_TOO_FAR;
+        if (fit_field(s, &region, covered, field) > s->limits->normal_error ||
+            hypot(field[0], field[1]) > greatest_slope)
+            return TRIAL_TOO_FAR;
         if (covered > candidate->covered_count && !outline_near(s, &region)) return TRIAL_TOO_FAR;
         if (covered > candidate->covered_count)
             adopt(s, &region, field, deviation, covered, candidate);

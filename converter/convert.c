@@ -35,7 +35,7 @@ static const double margin_spacings = 2.0;
 
 /* Rounds of looking for holes, and fresh samples in each, as a multiple of those fitted and at
  * least. */
-enum { REPAIRS = 12, FRESH = 16, LEAST_FRESH = 200000 };
+enum { REPAIRS = 12, FRESH = 8, LEAST_FRESH = 200000 };
 
 static const uint64_t repair_seed = 0x7265706169720000u;
 static const uint64_t verify_seed = 0x7665726966790000u;

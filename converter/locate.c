@@ -8,7 +8,7 @@
 #include "vector.h"
 #include <stdlib.h>
 
-enum { LEAF = 4, DEPTH = 64 };
+enum { LEAF = 4, DEPTH = 64, SIDES = 16 };
 
 typedef struct box {
     double low[3], high[3];
@@ -27,14 +27,21 @@ struct psplat_locator {
     uint32_t node_count;
 };
 
-/* Half extents of an ellipse along the axes: sqrt((r_u U_k)^2 + (r_v V_k)^2). */
+/* Around the outline: of a large ellipse its lines may leave little. */
 static box region_box(const psplat_region *region, double reach) {
+    double outline[SIDES + PSPLAT_MAX_CLIP_LINES][2];
+    size_t count = psplat_region_polygon(region, 0, outline, SIDES + PSPLAT_MAX_CLIP_LINES);
     box result;
     for (int k = 0; k < 3; ++k) {
-        double half =
-            hypot(region->radius[0] * region->u[k], region->radius[1] * region->v[k]) + reach;
-        result.low[k] = region->center[k] - half;
-        result.high[k] = region->center[k] + half;
+        double low = count ? HUGE_VAL : 0, high = -low;
+        for (size_t i = 0; i < count; ++i) {
+            double along = outline[i][0] * region->radius[0] * region->u[k] +
+                           outline[i][1] * region->radius[1] * region->v[k];
+            low = min2(low, along);
+            high = max2(high, along);
+        }
+        result.low[k] = region->center[k] + low - reach;
+        result.high[k] = region->center[k] + high + reach;
     }
     return result;
 }

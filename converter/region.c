@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Sides of the polygon around the unit circle (2 % larger in area), and room for one clipped by a
- * region: a triangle gains at most a corner for each side and line. */
-enum { SIDES = 16, POLYGON_CAPACITY = 3 + SIDES + PSPLAT_MAX_CLIP_LINES };
+/* Sides of the polygon around the unit circle that a walk clips by (2 % larger in area), of the
+ * finest outline, and room for its corners: each line adds one, and rounding may add some. */
+enum { SIDES = 16, OUTLINE_SIDES = 64, CORNERS = OUTLINE_SIDES + PSPLAT_MAX_CLIP_LINES + 4 };
 
 void psplat_region_local(const psplat_region *region, const double point[3], double uvh[3]) {
     double d[3];
@@ -45,7 +45,8 @@ static double line_distance(const double line[3], const double p[2]) {
 /* Keeps the part of a polygon with line >= 0 (Sutherland, Hodgman 1974). Returns its corners. */
 static size_t clip_polygon(const double line[3], corner *in, size_t count, corner *out) {
     size_t result = 0;
-    for (size_t i = 0; i < count; ++i) {
+    /* Rounding may make a corner more of a sliver than convexity allows: it does without. */
+    for (size_t i = 0; i < count && result + 2 <= CORNERS; ++i) {
         const double *a = in[i], *b = in[i + 1 < count ? i + 1 : 0];
         double da = line_distance(line, a), db = line_distance(line, b);
         if (da >= 0) memcpy(out[result++], a, sizeof(corner));
@@ -67,7 +68,7 @@ static int line_side(const double line[3], corner *polygon, size_t count) {
 static size_t clip_step(const double line[3], corner *polygon, size_t count) {
     int side = line_side(line, polygon, count);
     if (side) return side > 0 ? count : 0;
-    corner clipped[POLYGON_CAPACITY + 1];
+    corner clipped[CORNERS];
     count = clip_polygon(line, polygon, count, clipped);
     memcpy(polygon, clipped, count * sizeof(corner));
     return count;
@@ -119,12 +120,13 @@ static double polygon_area(corner *polygon, size_t count) {
 
 size_t psplat_region_polygon(const psplat_region *region, int inscribed, double (*polygon)[2],
                              size_t capacity) {
-    corner corners[64 + PSPLAT_MAX_CLIP_LINES + 1], clipped[64 + PSPLAT_MAX_CLIP_LINES + 1];
+    corner corners[CORNERS], clipped[CORNERS];
     size_t count = capacity - PSPLAT_MAX_CLIP_LINES;
-    if (count > 64) count = 64;
+    if (count > OUTLINE_SIDES) count = OUTLINE_SIDES;
     double radius = inscribed ? 1 : 1 / cos(3.141592653589793 / (double)count);
     for (size_t i = 0; i < count; ++i) {
-        double angle = 6.283185307179586 * (double)i / (double)count;
+        /* Circumscribed, its sides touch the circle where those of a walk do. */
+        double angle = 6.283185307179586 * ((double)i + (inscribed ? 0 : 0.5)) / (double)count;
         corners[i][0] = radius * cos(angle), corners[i][1] = radius * sin(angle), corners[i][2] = 0;
     }
     for (uint32_t i = 0; i < region->line_count && count; ++i) {
@@ -196,7 +198,7 @@ static int meet_crease(psplat_walk *walk, const psplat_surface *surface,
                        const psplat_region *region, uint32_t triangle, uint32_t k,
                        corner corners[3]) {
     uint32_t next = (k + 1) % 3;
-    corner edge[POLYGON_CAPACITY + 1];
+    corner edge[CORNERS];
     memcpy(edge[0], corners[k], sizeof(corner));
     memcpy(edge[1], corners[next], sizeof(corner));
     /* A polygon of two corners clips like any other. */
@@ -221,7 +223,7 @@ static int meet_crease(psplat_walk *walk, const psplat_surface *surface,
 /* Measures one triangle and queues the neighbours that its part inside the region may touch. */
 static int walk_triangle(psplat_walk *walk, const psplat_surface *surface,
                          const psplat_region *region, uint32_t triangle) {
-    corner corners[3], polygon[POLYGON_CAPACITY + 1];
+    corner corners[3], polygon[CORNERS];
     for (uint32_t k = 0; k < 3; ++k) {
         uint32_t v = surface->mesh->triangles[3 * (size_t)triangle + k];
         psplat_region_local(region, surface->mesh->positions + 3 * (size_t)v, corners[k]);

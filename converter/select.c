@@ -157,7 +157,7 @@ static void pool_update(selector *s) {
             psplat_candidate_free(&s->pool[i].candidate);
     }
     s->pool_count = kept;
-    qsort(s->pool, s->pool_count, sizeof(pool_entry), compare_entries);
+    if (kept) qsort(s->pool, s->pool_count, sizeof(pool_entry), compare_entries);
 }
 
 static int pool_take(selector *s) {
@@ -189,6 +189,7 @@ static int compare_sizes(const void *left, const void *right) {
 /* Drops candidates whose samples are all covered twice, the smallest first. */
 static void prune(selector *s) {
     psplat_selection *selection = s->selection;
+    if (!selection->count) return;
     qsort(selection->candidates, selection->count, sizeof(psplat_candidate), compare_sizes);
     size_t kept = 0;
     for (size_t i = 0; i < selection->count; ++i) {

@@ -40,39 +40,48 @@ static void make_regions(psplat_region *regions, size_t count, double scale, uin
 }
 
 typedef struct extent {
-    double low[3], high[3], error;
+    double low[3], high[3];
 } extent;
 
-/* The box of an ellipse, by going round it: in 256 steps, which misses at most 1 - cos(pi / 256) of
- * the larger radius. */
-static extent extent_of(const psplat_region *r) {
-    extent e = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, 0};
-    for (int i = 0; i < 256; ++i) {
-        double p[3], angle = 2 * fixture_pi * i / 256;
-        region_point(r, cos(angle), sin(angle), 0, p);
-        for (int k = 0; k < 3; ++k) e.low[k] = min2(e.low[k], p[k]);
-        for (int k = 0; k < 3; ++k) e.high[k] = max2(e.high[k], p[k]);
+static void include(extent *e, const double p[3]) {
+    for (int k = 0; k < 3; ++k) {
+        e->low[k] = min2(e->low[k], p[k]);
+        e->high[k] = max2(e->high[k], p[k]);
     }
-    e.error = 1e-4 * r->radius[0] + 1e-12 * length3(r->center);
-    return e;
 }
 
-/* Whether the box, grown by reach, holds a point: 1 yes, 0 no, -1 too close to call. */
-static int box_holds(const extent *e, double reach, const double p[3]) {
-    int result = 1;
-    for (int k = 0; k < 3; ++k) {
-        double inside = min2(p[k] - e->low[k], e->high[k] - p[k]) + reach;
-        if (inside < -e->error) return 0;
-        if (inside < e->error) result = -1;
+/* A box that a region's own must hold, around corners of its outline, and one that must hold it:
+ * that of the whole ellipse, 2 % larger, since the locator takes a polygon of 16 sides around it.
+ */
+static void extents_of(const psplat_region *r, extent *inner, extent *outer) {
+    const extent none = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    double outline[68][2], p[3];
+    size_t corners = psplat_region_polygon(r, 1, outline, 68);
+    *inner = *outer = none;
+    for (size_t i = 0; i < corners; ++i) {
+        region_point(r, 0.999999 * outline[i][0], 0.999999 * outline[i][1], 0, p);
+        include(inner, p);
     }
-    return result;
+    for (int i = 0; i < 256; ++i) {
+        double angle = 2 * fixture_pi * i / 256;
+        region_point(r, 1.021 * cos(angle), 1.021 * sin(angle), 0, p);
+        include(outer, p);
+    }
+    region_point(r, 0, 0, 0, p); /* where lines leave nothing, its centre stands for it */
+    include(outer, p);
+}
+
+static int box_holds(const extent *e, double reach, const double p[3]) {
+    for (int k = 0; k < 3; ++k)
+        if (p[k] < e->low[k] - reach || p[k] > e->high[k] + reach) return 0;
+    return 1;
 }
 
 static void check_points(const psplat_region *regions, size_t count, double scale,
                          uint64_t *random) {
-    static extent extents[MOST];
+    static extent inner[MOST], outer[MOST];
     double reach = 0.02 * scale;
-    for (size_t r = 0; r < count; ++r) extents[r] = extent_of(&regions[r]);
+    for (size_t r = 0; r < count; ++r) extents_of(&regions[r], &inner[r], &outer[r]);
     psplat_locator *locator = psplat_locator_create(regions, count, reach);
     assert_non_null(locator);
     size_t found = 0;
@@ -83,9 +92,9 @@ static void check_points(const psplat_region *regions, size_t count, double scal
         psplat_locator_visit(locator, p, visit, &v);
         found += v.total;
         for (size_t r = 0; r < count; ++r) {
-            int holds = box_holds(&extents[r], reach, p);
             assert_true(v.counts[r] <= 1);
-            if (holds >= 0) assert_int_equal(v.counts[r], holds);
+            if (box_holds(&inner[r], reach * (1 - 1e-9), p)) assert_int_equal(v.counts[r], 1);
+            if (!box_holds(&outer[r], reach * (1 + 1e-9), p)) assert_int_equal(v.counts[r], 0);
         }
         if (v.total < 2) continue;
         visits first = {.stop_after = 2};
