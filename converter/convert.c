@@ -29,13 +29,15 @@ static const double normal_error_roughness = 1.5;
 /* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
  * are about sqrt(R tolerance) wide, and some ten samples across describe one. */
 static const double spacing_percent = 0.85;
+/* Samples of 40 bytes, and as much again for coverage: some 2 GB. */
+static const double most_samples = 16e6;
 /* Overlap of splats beyond the samples that they cover, in spacings: neighbours lie at different
  * heights, and a slanted view must not see between them. */
 static const double margin_spacings = 2.0;
 
 /* Rounds of looking for holes, and fresh samples in each, as a multiple of those fitted and at
  * least. */
-enum { REPAIRS = 12, FRESH = 8, LEAST_FRESH = 200000 };
+enum { REPAIRS = 12, FRESH = 8, LEAST_FRESH = 100000 };
 
 static const uint64_t repair_seed = 0x7265706169720000u;
 static const uint64_t verify_seed = 0x7665726966790000u;
@@ -75,6 +77,11 @@ static psplat_result set_limits(conversion *c, psplat_error *error) {
                                 .crease_slack = crease_slack_part * c->tolerance,
                                 .margin = margin_spacings * spacing,
                                 .normal_error = normal_error(&c->surface)};
+    double expected = c->surface.area / (spacing * spacing);
+    if (!(expected <= most_samples))
+        return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                           "a tolerance of %g %% needs %.3g million samples, more than %g million",
+                           percent, expected / 1e6, most_samples / 1e6);
     c->limits.distance = c->distance = psplat_distance_create(c->surface.mesh);
     if (c->distance) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the mesh's tree does not fit into memory");

@@ -102,7 +102,9 @@ typedef struct psplat_report {
     size_t uncovered_samples;           /* of verification_samples */
 } psplat_report;
 
-/* Mesh to splats. Deterministic: equal input and desc give equal splats. report may be NULL. */
+/* Mesh to splats. Deterministic: equal input and desc give equal splats. report may be NULL.
+ * Errors: ARGUMENT, MEMORY, INTERRUPTED, NO_SPLATS, RANGE (too large a mesh, too small a
+ * tolerance). */
 psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                              psplat_splats *splats, psplat_report *report, psplat_error *error);
 
