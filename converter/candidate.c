@@ -21,6 +21,8 @@ static const double least_cosine = 0.25;
 /* Slope of the normal at the centre, which lines may have cut away far from all samples: its cosine
  * stays twice above the least of spec 3.5. */
 static const double greatest_slope = 9.9;
+/* Change of slope that a field may always make over its region. */
+static const double tame_slope = 0.05;
 /* Part of a region that the surface may leave open or cover twice, for the polygon's own error. */
 static const double area_error = 0.03;
 
@@ -275,14 +277,9 @@ static void local_normals(const seedling *s, const psplat_region *region, size_t
     }
 }
 
-/* Fits the normal field to growth->chosen and returns the root mean square of its error, radians.
- */
-static double fit_field(const seedling *s, const psplat_region *region, size_t count,
-                        double field[4]) {
-    psplat_growth *g = s->growth;
+/* Root mean square of the field's error on growth->chosen, radians. */
+static double field_error(const psplat_growth *g, size_t count, const double field[4]) {
     double squares = 0;
-    local_normals(s, region, count);
-    psplat_fit_normals((const double(*)[2])g->local, (const double(*)[2])g->plane, count, field);
     for (size_t i = 0; i < count; ++i) {
         double a[3] = {g->plane[i][0], g->plane[i][1], 1}, c[3];
         double b[3] = {field[0] + field[2] * g->local[i][0], field[1] + field[3] * g->local[i][1],
@@ -292,6 +289,39 @@ static double fit_field(const seedling *s, const psplat_region *region, size_t c
         squares += angle * angle;
     }
     return sqrt(squares / (double)count);
+}
+
+/* Whether the field keeps, all over the region, to twice the samples' own spread about their mean.
+ * A gradient from a few samples in a row may be anything beside the row. */
+static int field_is_tame(const psplat_growth *g, const psplat_region *region, size_t count,
+                         const double mean[2], const double field[4]) {
+    double spread = 0, outline[OUTLINE][2];
+    for (size_t i = 0; i < count; ++i)
+        spread = max2(spread, hypot(g->plane[i][0] - mean[0], g->plane[i][1] - mean[1]));
+    size_t corners = psplat_region_polygon(region, 1, outline, OUTLINE);
+    for (size_t i = 0; i < corners; ++i) {
+        double x = field[0] + field[2] * outline[i][0] - mean[0];
+        double y = field[1] + field[3] * outline[i][1] - mean[1];
+        if (hypot(x, y) > 2 * spread + tame_slope) return 0;
+    }
+    return 1;
+}
+
+/* Fits the normal field to growth->chosen, without gradients where those would run wild, and
+ * returns the root mean square of its error, radians. */
+static double fit_field(const seedling *s, const psplat_region *region, size_t count,
+                        double field[4]) {
+    psplat_growth *g = s->growth;
+    double mean[2] = {0, 0};
+    local_normals(s, region, count);
+    psplat_fit_normals((const double(*)[2])g->local, (const double(*)[2])g->plane, count, field);
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 2; ++k) mean[k] += g->plane[i][k] / (double)count;
+    if (!field_is_tame(g, region, count, mean, field)) {
+        field[0] = mean[0], field[1] = mean[1];
+        field[2] = field[3] = 0;
+    }
+    return field_error(g, count, field);
 }
 
 static void mean_color(const seedling *s, size_t count, float color[4]) {

@@ -320,7 +320,7 @@ psplat_result psplat_seal_cracks(const psplat_seal *seal, psplat_splats *splats)
 psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
                                      double tolerance, uint8_t *uncovered, size_t *count);
 
-/* Marks (1) the samples that some view, 45 degrees from the surface's normal, passes by: it meets
+/* Marks (1) the samples that some view, 60 degrees from the surface's normal, passes by: it meets
  * no splat near the sample. */
 psplat_result psplat_verify_sight(const psplat_samples *samples, const psplat_splats *splats,
                                   double tolerance, uint8_t *open, size_t *count);

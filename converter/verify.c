@@ -204,18 +204,18 @@ static int visit_sight(void *user, uint32_t index) {
     return s->met = psplat_region_contains(region, uvh, 1, float_slack);
 }
 
-/* Whether some view 45 degrees from the normal meets no splat near the sample. */
+/* Whether some view 60 degrees from the normal meets no splat near the sample. */
 static int lets_pass(probe *p) {
     double u[3], v[3];
     perpendicular3(u, p->normal);
     cross3(v, p->normal, u);
     for (int view = 0; view < VIEWS; ++view) {
-        double angle = view * (6.283185307179586 / VIEWS), slant = sqrt(0.5);
+        double angle = view * (6.283185307179586 / VIEWS), side = sqrt(0.75);
         sight s = {.measured = p->measured};
         memcpy(s.point, p->point, sizeof s.point);
-        mad3(s.to_eye, slant, p->normal);
-        mad3(s.to_eye, slant * cos(angle), u);
-        mad3(s.to_eye, slant * sin(angle), v);
+        mad3(s.to_eye, 0.5, p->normal);
+        mad3(s.to_eye, side * cos(angle), u);
+        mad3(s.to_eye, side * sin(angle), v);
         psplat_locator_visit(p->measured->locator, p->point, visit_sight, &s);
         if (!s.met) return 1;
     }
