@@ -82,7 +82,7 @@ typedef struct psplat_batch {
     psplat_material material;
     float bounds_min[3]; /* box around the unclipped ellipses, object space */
     float bounds_max[3];
-    int has_color; /* 0: color is 1 1 1 1 in every splat */
+    int has_color;                      /* 0: color is 1 1 1 1 in every splat */
     const psplat_attribute *attributes; /* attribute_count of them, in the order of spec 3.2 */
     size_t attribute_count;
 } psplat_batch;
@@ -93,9 +93,8 @@ typedef struct psplat_batch {
  * not needed after it returns. */
 psplat_result psplat_asset_open(const char *path, const psplat_asset_desc *desc,
                                 psplat_asset **asset, psplat_error *error);
-psplat_result psplat_asset_open_memory(const void *data, size_t size,
-                                       const psplat_asset_desc *desc, psplat_asset **asset,
-                                       psplat_error *error);
+psplat_result psplat_asset_open_memory(const void *data, size_t size, const psplat_asset_desc *desc,
+                                       psplat_asset **asset, psplat_error *error);
 void psplat_asset_destroy(psplat_asset *asset); /* NULL is accepted */
 
 /* Batches in drawing order: unclipped first (BSK04 section 4.1). Valid until the asset is

@@ -67,12 +67,12 @@ typedef struct psplat_material {
 /* Result of every function that can fail. 0 is success; the text of each is psplat_result_text. */
 typedef enum psplat_result {
     PSPLAT_OK = 0,
-    PSPLAT_ERROR_ARGUMENT,    /* the caller broke the contract: NULL, zero size, unknown enum */
-    PSPLAT_ERROR_MEMORY,      /* an allocation failed */
-    PSPLAT_ERROR_READ,        /* a file cannot be opened or read */
-    PSPLAT_ERROR_WRITE,       /* a file cannot be created or written, or already exists */
-    PSPLAT_ERROR_FORMAT,      /* bytes are not what the format demands: magic, chunk, JSON, syntax */
-    PSPLAT_ERROR_RANGE,       /* a count, offset, index, length or value is outside its range */
+    PSPLAT_ERROR_ARGUMENT, /* the caller broke the contract: NULL, zero size, unknown enum */
+    PSPLAT_ERROR_MEMORY,   /* an allocation failed */
+    PSPLAT_ERROR_READ,     /* a file cannot be opened or read */
+    PSPLAT_ERROR_WRITE,    /* a file cannot be created or written, or already exists */
+    PSPLAT_ERROR_FORMAT,   /* bytes are not what the format demands: magic, chunk, JSON, syntax */
+    PSPLAT_ERROR_RANGE,    /* a count, offset, index, length or value is outside its range */
     PSPLAT_ERROR_UNSUPPORTED, /* well-formed, but not something this version reads */
     PSPLAT_ERROR_NO_SPLATS,   /* a valid glTF without splats, or a mesh without area */
     PSPLAT_ERROR_RESCALED,    /* another tool changed POSITION but not SCALE (spec 6.2) */
