@@ -4,7 +4,7 @@
  *
  * Splats that cover a surface as seen along its normals may still let a slanted view pass between
  * two of them where they lie at different heights. Fresh samples are looked at from the side; where
- * the view meets no splat, splats are added that keep a quarter of the tolerance, near enough to
+ * the view meets no splat, splats are added that keep half of the tolerance, near enough to
  * the surface to stand in the way.
  */
 #include "stages.h"
@@ -14,7 +14,7 @@
 
 enum { ROUNDS = 2, BATCH = 48, FRESH = 4, LEAST_FRESH = 50000 };
 
-static const double tight_part = 0.25;
+static const double tight_part = 0.5;
 static const uint64_t seal_seed = 0x7365616c00000000u;
 
 /* Indices, in the samples they were appended to, of fresh samples that stand last in their
