@@ -6,7 +6,6 @@
 #include "vector.h"
 
 #include <stdlib.h>
-#include <stdio.h>
 
 static const double degree = 3.141592653589793 / 180;
 static const double default_tolerance_percent = 0.5;
@@ -29,7 +28,7 @@ static const double normal_error_roughness = 1.5;
 /* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
  * are about sqrt(R tolerance) wide, and some ten samples across describe one. */
 static const double spacing_percent = 0.85;
-/* Samples of 40 bytes, and as much again for coverage: some 2 GB. */
+/* Beyond this a tolerance is refused, before the samples fill the memory. */
 static const double most_samples = 16e6;
 /* Overlap of splats beyond the samples that they cover, in spacings: neighbours lie at different
  * heights, and a slanted view must not see between them. */

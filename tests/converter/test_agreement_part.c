@@ -61,6 +61,9 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     const agreement_ties ties = {2e-4, 2e-6, 0.16};
     psplat_view view = view_of(asset, from, 4);
     agreement a = agreement_measure(g, asset, NULL, &view, 1, &ties);
+    print_message("phong alone: covered %zu skipped %zu\n", a.covered, a.skipped);
+    assert_true(a.skipped * 5 < a.covered); /* or the test would see little */
+    /* Of splats that lie in one plane nothing decides which is nearest: this mode skips them. */
     view.mode = PSPLAT_MODE_PARAMETERS;
     agreement parameters = agreement_measure(g, asset, NULL, &view, 1, &ties);
     agreement_add(&a, &parameters);
@@ -72,18 +75,15 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     assert_int_equal(a.mismatches, 0);
     assert_int_equal(a.other, 0);
     assert_true(a.uv <= 5e-5 && a.thin_uv <= 5e-4);
-    /* Splats of the part's narrow fillets are seen within a degree of edge-on and blend with
-     * others: 1e-5 of a pixel there moves the blended depth by 1e-5. */
-    assert_true(parameters.depth <= 1e-6 && a.depth <= 2e-5 && a.thin_depth <= 2e-5);
-    /* And their normals, which turn by up to 1 per unit of u, follow the error of thin (u, v). */
-    assert_true(a.color <= 5e-4);
+    assert_true(a.depth <= 1e-6 && a.thin_depth <= 2e-5);
+    assert_true(a.color <= 1e-4);
     for (int mode = PSPLAT_MODE_GAUSSIAN; mode <= PSPLAT_MODE_FLAT; ++mode) {
         view.mode = (psplat_mode)mode;
         agreement other = agreement_measure(g, asset, NULL, &view, 1, &ties);
         print_message("mode %d: mismatches %zu depth %.1e color %.1e\n", mode, other.mismatches,
                       other.depth, other.color);
         assert_int_equal(other.mismatches, 0);
-        assert_true(other.depth <= 2e-5 && other.color <= 5e-4);
+        assert_true(other.depth <= 1e-6 && other.color <= 1e-4);
     }
 }
 
