@@ -54,9 +54,13 @@ void psplat_mesh_free(psplat_mesh *mesh);
 
 /* Zeros are the defaults. */
 typedef struct psplat_convert_desc {
-    double tolerance_percent;    /* epsilon in % of the bounding-box diagonal; 0 means 0.5 */
-    double crease_angle_degrees; /* dihedral angle from which an edge is a crease; 0 means 30 */
-    uint64_t seed;               /* of the sampling */
+    double tolerance_percent;        /* epsilon in % of the bounding-box diagonal; 0 means 0.5 */
+    double normal_tolerance_degrees; /* greatest error of the normal field; 0 means unbounded */
+    double crease_angle_degrees;     /* dihedral angle from which an edge is a crease; 0 means 30 */
+    int no_creases;                  /* 1: only borders and non-manifold edges bound splats */
+    int constant_normals;            /* 1: fields without gradients, as Gaussian splats have */
+    int effort;    /* 1 ... 10: rounds of improving the selection; 0 means the default, 4 */
+    uint64_t seed; /* of the sampling */
     /* Called now and then with the stage's name and its fraction done 0 ... 1; a return other than
      * 0 stops with INTERRUPTED. May be NULL. */
     int (*progress)(void *user, const char *stage, double fraction);
