@@ -33,7 +33,8 @@ void psplat_path_shorten(const char *path, char shown[PSPLAT_SHOWN_PATH]);
 typedef struct psplat_mesh {
     double *positions;     /* vertex_count x 3 */
     uint32_t *triangles;   /* triangle_count x 3 vertex indices */
-    float *corner_normals; /* triangle_count x 3 x 3 unit normals, or NULL: none in the file */
+    float *corner_normals; /* triangle_count x 3 x 3 unit normals, 0 0 0 where a corner has none;
+                            * or NULL: none in the file */
     float *corner_colors;  /* triangle_count x 3 x 4 linear RGBA, or NULL: uniform */
     uint32_t *groups;      /* triangle_count ids; edges between groups are creases; or NULL */
     size_t vertex_count;
@@ -45,7 +46,7 @@ typedef struct psplat_mesh {
 
 /* Reads any supported file, chosen by its content first and its extension second (.obj .ply .off
  * .stl .gltf .glb). Checks indices and that every used coordinate is finite, welds vertices of
- * equal position, drops triangles without area, recentres. Errors name the place; READ, FORMAT,
+ * equal position, orients triangles alike, drops those without area, recentres. Errors name the place; READ, FORMAT,
  * RANGE, UNSUPPORTED, NO_SPLATS (no triangle with area), MEMORY. */
 psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error *error);
 void psplat_mesh_free(psplat_mesh *mesh);

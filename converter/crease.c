@@ -181,7 +181,10 @@ static size_t mark_edges(psplat_surface *surface, double crease_angle, uint32_t 
         if (other != PSPLAT_NONE) {
             if (other < e / 3) continue; /* decided from the other side */
             int seam = mesh->groups && mesh->groups[e / 3] != mesh->groups[other];
-            if (!seam) kind = classify(surface, e, crease_angle);
+            if (isinf(crease_angle))
+                kind = EDGE_SMOOTH;
+            else if (!seam)
+                kind = classify(surface, e, crease_angle);
         }
         if (kind == EDGE_WEAK) weak[weak_count++] = e;
         if (kind == EDGE_SHARP) set_crease(surface, e, 1);

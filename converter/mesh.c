@@ -92,31 +92,14 @@ static void recentre(psplat_mesh *mesh) {
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) mesh->positions[i] -= mesh->origin[i % 3];
 }
 
-static void face_normal(const psplat_mesh *mesh, size_t triangle, double normal[3]) {
-    const uint32_t *t = mesh->triangles + triangle * 3;
-    const double *a = mesh->positions + (size_t)t[0] * 3;
-    double e[3], f[3];
-    for (int k = 0; k < 3; ++k) {
-        e[k] = mesh->positions[(size_t)t[1] * 3 + (size_t)k] - a[k];
-        f[k] = mesh->positions[(size_t)t[2] * 3 + (size_t)k] - a[k];
-    }
-    double n[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int k = 0; k < 3; ++k) normal[k] = n[k] / length;
-}
-
-/* A normal of no length or no number is not an opinion: the face's own takes its place. */
+/* A normal of no length or no number is not an opinion: it becomes 0 0 0. */
 static void normalise_normals(psplat_mesh *mesh) {
     for (size_t corner = 0; mesh->corner_normals && corner < mesh->triangle_count * 3; ++corner) {
         float *normal = mesh->corner_normals + corner * 3;
-        double n[3] = {normal[0], normal[1], normal[2]};
+        double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
         double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-        if (isfinite(length) && length > 0) {
-            for (int k = 0; k < 3; ++k) n[k] /= length;
-        } else {
-            face_normal(mesh, corner / 3, n);
-        }
-        for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
+        int usable = isfinite(length) && length > 0;
+        for (int k = 0; k < 3; ++k) normal[k] = usable ? (float)(n[k] / length) : 0.0f;
     }
 }
 
@@ -139,11 +122,13 @@ static void default_material(psplat_mesh *mesh, int closed) {
 }
 
 static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, psplat_error *error) {
-    int closed = 0;
+    int closed = 0, consistent = 0;
     psplat_result result = check_raw(mesh, source->path, error);
+    normalise_normals(mesh);
     if (!result) result = psplat_mesh_weld(mesh, error);
     /* Closed or not is asked before flat triangles go: they may be all that closes a T-junction. */
     if (!result) result = psplat_mesh_close_seams(mesh, &closed, error);
+    if (!result) result = psplat_mesh_orient(mesh, &consistent, error);
     if (result) return result;
     size_t dropped = mesh->dropped;
     psplat_mesh_drop_flat(mesh);
@@ -153,8 +138,7 @@ static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, pspla
         return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area",
                            source->path);
     recentre(mesh);
-    normalise_normals(mesh);
-    if (!is_gltf(source)) default_material(mesh, closed);
+    if (!is_gltf(source)) default_material(mesh, closed && consistent);
     fold_uniform_color(mesh);
     return PSPLAT_OK;
 }

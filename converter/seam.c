@@ -5,6 +5,7 @@
  * slit. Only vertices on borders are looked at; a closed mesh passes unchanged.
  */
 #include "source.h"
+#include "stages.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,66 +18,21 @@
 
 /* ---- borders -------------------------------------------------------------------------------- */
 
-static int compare_u32(const void *a, const void *b) {
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
-static void edge_of(const psplat_mesh *mesh, size_t i, uint32_t *low, uint32_t *entry) {
-    uint32_t a = mesh->triangles[i], b = mesh->triangles[i - i % 3 + (i + 1) % 3];
-    *low = a < b ? a : b;
-    *entry = (a < b ? b : a) * 2 + (a < b);
-}
-
-/* Marks the ends of the edges of one vertex that are not a pair of opposite directions. entries are
- * (greater vertex) * 2 + direction. Returns the number of such edges. */
-static size_t mark_bucket(uint32_t vertex, uint32_t *entries, size_t count, uint8_t *border) {
-    size_t marked = 0;
-    qsort(entries, count, sizeof *entries, compare_u32);
-    for (size_t begin = 0, end; begin < count; begin = end) {
-        for (end = begin; end < count && entries[end] / 2 == entries[begin] / 2;) ++end;
-        if (end - begin == 2 && entries[begin] + 1 == entries[begin + 1]) continue;
-        border[vertex] = border[entries[begin] / 2] = 1;
-        ++marked;
-    }
-    return marked;
-}
-
-/* starts: vertex_count + 1 zeros; entries: room for 3 a triangle. Edges are sorted into buckets by
- * their lesser vertex. */
-static size_t mark_borders(const psplat_mesh *mesh, uint32_t *starts, uint32_t *entries,
-                           uint8_t *border) {
-    size_t marked = 0;
-    uint32_t low, entry;
-    for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
-        edge_of(mesh, i, &low, &entry);
-        ++starts[low + 1];
-    }
-    for (size_t v = 0; v < mesh->vertex_count; ++v) starts[v + 1] += starts[v];
-    for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
-        edge_of(mesh, i, &low, &entry);
-        entries[starts[low]++] = entry; /* moves each start to the end of its bucket */
-    }
-    for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
-        size_t begin = v ? starts[v - 1] : 0;
-        marked += mark_bucket(v, entries + begin, starts[v] - begin, border);
-    }
-    return marked;
-}
-
+/* Marks the ends of edges that do not have two triangles. *count: how many edges these are. */
 static psplat_result find_borders(const psplat_mesh *mesh, uint8_t *border, size_t *count,
                                   psplat_error *error) {
-    uint32_t *starts = calloc(mesh->vertex_count + 2, sizeof *starts);
-    uint32_t *entries = malloc((mesh->triangle_count + 1) * 3 * sizeof *entries);
-    psplat_result result = PSPLAT_OK;
+    size_t edges = 3 * mesh->triangle_count, borders;
+    uint32_t *pairs = malloc((edges + 1) * sizeof *pairs);
+    psplat_result result = pairs ? psplat_edge_pairs(mesh, pairs, &borders) : PSPLAT_ERROR_MEMORY;
     memset(border, 0, mesh->vertex_count);
-    if (starts && entries)
-        *count = mark_borders(mesh, starts, entries, border);
-    else
-        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for edges");
-    free(starts);
-    free(entries);
-    return result;
+    *count = 0;
+    for (size_t e = 0; !result && e < edges; ++e) {
+        if (pairs[e] != PSPLAT_NONE) continue;
+        border[mesh->triangles[e]] = border[mesh->triangles[e % 3 == 2 ? e - 2 : e + 1]] = 1;
+        ++*count;
+    }
+    free(pairs);
+    return result ? psplat_fail(error, result, 0, "out of memory for edges") : PSPLAT_OK;
 }
 
 /* ---- joining -------------------------------------------------------------------------------- */

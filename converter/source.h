@@ -126,11 +126,13 @@ psplat_result psplat_polygon_triangulate(const double *points, size_t count, uin
 psplat_result psplat_mesh_allocate(psplat_mesh *mesh, size_t vertex_count, size_t triangle_count,
                                    int normals, int colors, int groups, psplat_error *error);
 
-/* weld.c and seam.c: the steps between a raw mesh and what psplat_mesh_read promises, in order. */
+/* weld.c, seam.c and orient.c: the steps between a raw mesh and what psplat_mesh_read promises, in order. */
 psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error);
-/* Joins border vertices that differ by rounding alone. *closed: every edge has then exactly one
- * triangle on each side. */
+/* Joins border vertices that differ by rounding alone. *closed: every edge has then exactly two
+ * triangles. */
 psplat_result psplat_mesh_close_seams(psplat_mesh *mesh, int *closed, psplat_error *error);
+/* Orients the triangles of each component alike. *consistent: it could be done everywhere. */
+psplat_result psplat_mesh_orient(psplat_mesh *mesh, int *consistent, psplat_error *error);
 void psplat_mesh_drop_flat(psplat_mesh *mesh);
 
 /* adapter_openmesh.cpp (OBJ, PLY, OFF, STL) and adapter_tinygltf.cpp (glTF, GLB) fill a raw mesh:

@@ -10,6 +10,8 @@
 
 #include "converter.h"
 
+#include <math.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -21,6 +23,13 @@ extern "C" {
 /* splitmix64 (Steele, Lea, Flood 2014): any seed is good, streams differ by their seed. */
 uint64_t psplat_random_next(uint64_t *state);
 double psplat_random_unit(uint64_t *state); /* 0 <= x < 1 */
+
+/* ---- edges.c ------------------------------------------------------------------------------- */
+
+/* For each edge 3 t + k of triangles (see below) the one other edge with the same ends, in either
+ * direction, or PSPLAT_NONE: none or several. *borders: how many edges have one triangle. MEMORY is
+ * the only failure. */
+psplat_result psplat_edge_pairs(const psplat_mesh *mesh, uint32_t *pairs, size_t *borders);
 
 /* ---- surface.c, crease.c: connectivity, creases and smooth patches -------------------------- */
 
@@ -42,6 +51,9 @@ typedef struct psplat_surface {
     double diagonal; /* of the bounding box of used vertices */
 } psplat_surface;
 
+/* crease_angle: dihedral angle from which an edge is a crease; PSPLAT_NO_CREASES leaves only what
+ * has no neighbour to bound patches. */
+#define PSPLAT_NO_CREASES HUGE_VAL
 psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
                                    psplat_surface *surface, psplat_error *error);
 void psplat_surface_free(psplat_surface *surface);

@@ -11,11 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct half_edge {
-    uint32_t other; /* the edge's greater vertex; the lesser one is the bucket */
-    uint32_t index; /* triangle * 3 + k */
-} half_edge;
-
 static const double *corner_position(const psplat_mesh *mesh, uint32_t triangle, int corner) {
     return mesh->positions + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)corner];
 }
@@ -44,58 +39,19 @@ static void measure_faces(psplat_surface *surface) {
     surface->diagonal = length3(extent);
 }
 
-static int compare_half_edges(const void *left, const void *right) {
-    const half_edge *a = left, *b = right;
-    if (a->other != b->other) return a->other < b->other ? -1 : 1;
-    return a->index < b->index ? -1 : a->index > b->index;
-}
-
-static int same_direction(const psplat_mesh *mesh, uint32_t a, uint32_t b) {
-    return mesh->triangles[a] == mesh->triangles[b];
-}
-
-/* Joins the half-edges of one undirected edge: exactly two of opposite direction are neighbours. */
-static void join_edge(psplat_surface *surface, const half_edge *edges, size_t count) {
-    if (count == 1) surface->border_edges++;
-    if (count != 2 || same_direction(surface->mesh, edges[0].index, edges[1].index)) return;
-    surface->neighbors[edges[0].index] = edges[1].index / 3;
-    surface->neighbors[edges[1].index] = edges[0].index / 3;
-}
-
-static void join_bucket(psplat_surface *surface, half_edge *edges, size_t count) {
-    qsort(edges, count, sizeof *edges, compare_half_edges);
-    for (size_t begin = 0, end; begin < count; begin = end) {
-        for (end = begin + 1; end < count && edges[end].other == edges[begin].other;) ++end;
-        join_edge(surface, edges + begin, end - begin);
-    }
-}
-
-/* Buckets half-edges by their lesser vertex, so that sorting stays local and linear in all. */
+/* Two triangles that disagree about their sides are no neighbours. */
 static psplat_result find_neighbors(psplat_surface *surface) {
-    const psplat_mesh *mesh = surface->mesh;
-    size_t edge_count = 3 * mesh->triangle_count;
-    size_t *starts = calloc(mesh->vertex_count + 1, sizeof *starts);
-    half_edge *edges = malloc(edge_count * sizeof *edges);
-    if (!starts || !edges) return free(starts), free(edges), PSPLAT_ERROR_MEMORY;
-    for (int pass = 0; pass < 2; ++pass) {
-        for (uint32_t e = 0; e < edge_count; ++e) {
-            uint32_t a = mesh->triangles[e], b = mesh->triangles[e % 3 == 2 ? e - 2 : e + 1];
-            uint32_t low = a < b ? a : b;
-            if (pass == 0)
-                starts[low + 1]++;
-            else
-                edges[starts[low]++] = (half_edge){a < b ? b : a, e};
-        }
-        if (pass == 0)
-            for (size_t v = 0; v < mesh->vertex_count; ++v) starts[v + 1] += starts[v];
+    const uint32_t *triangles = surface->mesh->triangles;
+    uint32_t *pairs = surface->neighbors; /* edges first, then the triangles that they belong to */
+    psplat_result result = psplat_edge_pairs(surface->mesh, pairs, &surface->border_edges);
+    if (result) return result;
+    for (uint32_t e = 0; e < 3 * surface->mesh->triangle_count; ++e) {
+        uint32_t pair = pairs[e];
+        if (pair == PSPLAT_NONE || pair < e) continue;
+        int agree = triangles[e] != triangles[pair];
+        pairs[e] = agree ? pair / 3 : PSPLAT_NONE;
+        pairs[pair] = agree ? e / 3 : PSPLAT_NONE;
     }
-    /* Filling moved every start to its bucket's end. */
-    for (size_t v = 0; v < mesh->vertex_count; ++v) {
-        size_t begin = v ? starts[v - 1] : 0;
-        join_bucket(surface, edges + begin, starts[v] - begin);
-    }
-    free(starts);
-    free(edges);
     return PSPLAT_OK;
 }
 
@@ -151,18 +107,24 @@ static void average_fan(psplat_surface *surface, uint8_t *done, uint32_t corner)
     } while (c != PSPLAT_NONE && c != begin);
 }
 
-static psplat_result set_normals(psplat_surface *surface) {
-    const psplat_mesh *mesh = surface->mesh;
-    size_t corners = 3 * mesh->triangle_count;
-    if (mesh->corner_normals) {
-        memcpy(surface->corner_normals, mesh->corner_normals, corners * 3 * sizeof(float));
-        return PSPLAT_OK;
+/* The file's normals, where it has any. */
+static void keep_authored(psplat_surface *surface) {
+    const float *authored = surface->mesh->corner_normals;
+    for (size_t corner = 0; corner < 3 * surface->mesh->triangle_count; ++corner) {
+        const float *n = authored + 3 * corner;
+        if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;
+        memcpy(surface->corner_normals + 3 * corner, n, 3 * sizeof(float));
     }
+}
+
+static psplat_result set_normals(psplat_surface *surface) {
+    uint32_t corners = (uint32_t)(3 * surface->mesh->triangle_count);
     uint8_t *done = calloc(corners, 1);
     if (!done) return PSPLAT_ERROR_MEMORY;
     for (uint32_t corner = 0; corner < corners; ++corner)
         if (!done[corner]) average_fan(surface, done, corner);
     free(done);
+    if (surface->mesh->corner_normals) keep_authored(surface);
     return PSPLAT_OK;
 }
 
@@ -183,7 +145,6 @@ psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
                     surface->creases && surface->patches && surface->corner_normals;
     psplat_result result = allocated ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     if (!result) {
-        memset(surface->neighbors, 0xff, count * 3 * sizeof(uint32_t));
         measure_faces(surface);
         result = find_neighbors(surface);
     }

@@ -246,8 +246,8 @@ static void test_normals_per_corner(void **state) {
                                           "vn 0 0 2\nvn 0 3 4\nvn 0 0 0\nf 1//1 2//1 3//2\n"
                                           "f 1 4 2\nf 1//3 3//1 5//2\n");
     static const float expected[9][3] = {{0, 0, 1}, {0, 0, 1}, {0, 0.6f, 0.8f},
-                                         {0, 0, 1}, {0, 0, 1}, {0, 0, 1},
-                                         {0, 0, 1}, {0, 0, 1}, {0, 0.6f, 0.8f}};
+                                         {0, 0, 0}, {0, 0, 0}, {0, 0, 0},
+                                         {0, 0, 0}, {0, 0, 1}, {0, 0.6f, 0.8f}};
     assert_non_null(mesh.corner_normals);
     for (size_t i = 0; i < 27; ++i)
         assert_near((double)mesh.corner_normals[i], (double)expected[i / 3][i % 3],

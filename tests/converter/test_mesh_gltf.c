@@ -178,7 +178,7 @@ static void test_normals(void **state) {
         finish(&g, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[-2,1,1]}],\"meshes\":[{"
                          "\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}}]}]"));
     double length = sqrt(0.25 + 1);
-    const double expected[9] = {-0.5 / length, 0, 1 / length, 0, 0, 1, 0, 0, 1};
+    const double expected[9] = {-0.5 / length, 0, 1 / length, 0, 0, 1, 0, 0, 0};
     assert_non_null(mesh.corner_normals);
     for (int i = 0; i < 9; ++i) assert_near((double)mesh.corner_normals[i], expected[i], 1e-6);
     psplat_mesh_free(&mesh);

@@ -139,6 +139,25 @@ static void test_broken(void **state) {
     psplat_surface_free(&s);
 }
 
+/* Without creases only what has no neighbour bounds a patch: neither angles, nor groups. */
+static void test_no_creases(void **state) {
+    (void)state;
+    psplat_mesh mesh = read_model(MODELS "part.obj");
+    mesh.groups = calloc(mesh.triangle_count, sizeof *mesh.groups);
+    assert_non_null(mesh.groups);
+    mesh.groups[0] = 1;
+    psplat_surface s;
+    assert_int_equal(psplat_surface_build(&mesh, PSPLAT_NO_CREASES, &s, NULL), PSPLAT_OK);
+    assert_int_equal(s.crease_edges, 0);
+    assert_int_equal(s.patch_count, 1);
+    psplat_surface_free(&s);
+    s = build(&mesh);
+    assert_true(s.crease_edges > 100);
+    assert_true(s.patch_count > 5);
+    psplat_surface_free(&s);
+    psplat_mesh_free(&mesh);
+}
+
 /* Counts that no surface is built for: none, and more than indices of edges can number. */
 static void test_counts(void **state) {
     (void)state;
@@ -176,9 +195,10 @@ static void test_scales(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cube),   cmocka_unit_test(test_smooth), cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_dart),   cmocka_unit_test(test_broken), cmocka_unit_test(test_counts),
-        cmocka_unit_test(test_scales),
+        cmocka_unit_test(test_cube),   cmocka_unit_test(test_smooth),
+        cmocka_unit_test(test_noise),  cmocka_unit_test(test_dart),
+        cmocka_unit_test(test_broken), cmocka_unit_test(test_counts),
+        cmocka_unit_test(test_scales), cmocka_unit_test(test_no_creases),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * orient.c - triangles of one component get one orientation, so that a flipped one makes no border.
+ *
+ * Orientation floods over edges of exactly two triangles. Which of the two sides of a component is
+ * its front: the one that the file's normals point to, or else the one that three quarters of its
+ * area had already, or else, where it is closed, the outer one. What the file orients consistently
+ * stays: an inner wall, say, whose front is inside. One-sided surfaces (Moebius) keep a line of
+ * edges whose triangles disagree.
+ */
+#include "source.h"
+#include "stages.h"
+#include "vector.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Parts that decide: of what the normals could say, and of the area. */
+static const double clear_hint = 0.5;
+static const double clear_majority = 0.75;
+
+typedef struct flood {
+    psplat_mesh *mesh;
+    uint32_t *pairs; /* of edges */
+    uint32_t *queue; /* triangles, component after component */
+    uint8_t *state;  /* per triangle: UNSEEN, or whether it is flipped */
+} flood;
+
+enum { KEPT = 0, FLIPPED = 1, UNSEEN = 2 };
+
+/* What a component says about its sides; as the flood leaves it. */
+typedef struct component {
+    double area, flipped_area, hint, volume;
+    int closed;
+} component;
+
+static uint32_t edge_start(const psplat_mesh *mesh, uint32_t edge) {
+    return mesh->triangles[edge];
+}
+
+static void enqueue(flood *f, uint32_t triangle, int state, size_t *end) {
+    f->state[triangle] = (uint8_t)state;
+    f->queue[(*end)++] = triangle;
+}
+
+/* Fills the queue from begin on with the component of seed; returns its end. */
+static size_t spread(flood *f, uint32_t seed, size_t begin) {
+    size_t end = begin;
+    enqueue(f, seed, KEPT, &end);
+    for (size_t at = begin; at < end; ++at) {
+        uint32_t triangle = f->queue[at];
+        for (uint32_t e = 3 * triangle; e < 3 * triangle + 3; ++e) {
+            uint32_t pair = f->pairs[e];
+            if (pair == PSPLAT_NONE || f->state[pair / 3] != UNSEEN) continue;
+            int agree = edge_start(f->mesh, e) != edge_start(f->mesh, pair);
+            enqueue(f, pair / 3, agree ? f->state[triangle] : !f->state[triangle], &end);
+        }
+    }
+    return end;
+}
+
+static double hint_of(const psplat_mesh *mesh, uint32_t triangle, const double normal[3]) {
+    double sum = 0;
+    for (size_t corner = 0; mesh->corner_normals && corner < 3; ++corner) {
+        const float *n = mesh->corner_normals + 9 * (size_t)triangle + 3 * corner;
+        for (int k = 0; k < 3; ++k) sum += (double)n[k] * normal[k] / 3;
+    }
+    return sum;
+}
+
+static component survey(const flood *f, size_t begin, size_t end) {
+    const psplat_mesh *mesh = f->mesh;
+    component c = {.closed = 1};
+    const double *origin =
+        mesh->positions + 3 * (size_t)mesh->triangles[3 * (size_t)f->queue[begin]];
+    for (size_t at = begin; at < end; ++at) {
+        uint32_t t = f->queue[at];
+        double p[3][3], ab[3], ac[3], normal[3], sign = f->state[t] ? -1 : 1;
+        for (size_t k = 0; k < 3; ++k)
+            sub3(p[k], mesh->positions + 3 * (size_t)mesh->triangles[3 * (size_t)t + k], origin);
+        sub3(ab, p[1], p[0]);
+        sub3(ac, p[2], p[0]);
+        cross3(normal, ab, ac);
+        c.volume += sign * dot3(normal, p[0]);
+        double area = normalize3(normal);
+        c.area += area;
+        c.flipped_area += f->state[t] ? area : 0;
+        c.hint += sign * area * hint_of(mesh, t, normal);
+        for (uint32_t e = 3 * t; e < 3 * t + 3; ++e) c.closed &= f->pairs[e] != PSPLAT_NONE;
+    }
+    return c;
+}
+
+/* Whether the side that the flood made the front is the back. */
+static int is_inverted(const component *c) {
+    if (fabs(c->hint) > clear_hint * c->area) return c->hint < 0;
+    if (c->flipped_area <= (1 - clear_majority) * c->area) return 0;
+    if (c->flipped_area >= clear_majority * c->area) return 1;
+    return c->closed ? c->volume < 0 : c->flipped_area > 0.5 * c->area;
+}
+
+static void swap_floats(float *a, float *b, size_t count) {
+    for (size_t k = 0; k < count; ++k) {
+        float held = a[k];
+        a[k] = b[k], b[k] = held;
+    }
+}
+
+static void flip(psplat_mesh *mesh, uint32_t triangle) {
+    uint32_t *t = mesh->triangles + 3 * (size_t)triangle, held = t[1];
+    t[1] = t[2], t[2] = held;
+    if (mesh->corner_normals) {
+        float *normals = mesh->corner_normals + 9 * (size_t)triangle;
+        swap_floats(normals + 3, normals + 6, 3);
+    }
+    if (mesh->corner_colors) {
+        float *colors = mesh->corner_colors + 12 * (size_t)triangle;
+        swap_floats(colors + 4, colors + 8, 4);
+    }
+}
+
+static void orient(flood *f) {
+    uint32_t count = (uint32_t)f->mesh->triangle_count;
+    size_t begin = 0;
+    memset(f->state, UNSEEN, count);
+    for (uint32_t seed = 0; seed < count; ++seed) {
+        if (f->state[seed] != UNSEEN) continue;
+        size_t end = spread(f, seed, begin);
+        component c = survey(f, begin, end);
+        if (is_inverted(&c))
+            for (size_t at = begin; at < end; ++at) f->state[f->queue[at]] ^= 1;
+        begin = end;
+    }
+}
+
+/* Whether every edge of two triangles is now one of two directions. */
+static int is_consistent(const flood *f) {
+    for (uint32_t e = 0; e < 3 * f->mesh->triangle_count; ++e) {
+        uint32_t pair = f->pairs[e];
+        if (pair == PSPLAT_NONE) continue;
+        int agree = edge_start(f->mesh, e) != edge_start(f->mesh, pair);
+        if (agree != (f->state[e / 3] == f->state[pair / 3])) return 0;
+    }
+    return 1;
+}
+
+psplat_result psplat_mesh_orient(psplat_mesh *mesh, int *consistent, psplat_error *error) {
+    size_t count = mesh->triangle_count, borders;
+    flood f = {.mesh = mesh,
+               .pairs = malloc((count + 1) * 3 * sizeof *f.pairs),
+               .queue = malloc((count + 1) * sizeof *f.queue),
+               .state = malloc(count + 1)};
+    psplat_result result = PSPLAT_ERROR_MEMORY;
+    if (f.pairs && f.queue && f.state) result = psplat_edge_pairs(mesh, f.pairs, &borders);
+    if (!result) {
+        orient(&f);
+        *consistent = is_consistent(&f);
+        for (uint32_t t = 0; t < count; ++t)
+            if (f.state[t]) flip(mesh, t);
+    } else {
+        psplat_fail(error, result, 0, "out of memory while orienting %zu triangles", count);
+    }
+    free(f.pairs);
+    free(f.queue);
+    free(f.state);
+    return result;
+}
