@@ -278,12 +278,12 @@ static void local_normals(const seedling *s, const psplat_region *region, size_t
 }
 
 /* Root mean square of the field's error on growth->chosen, radians. */
-static double field_error(const psplat_growth *g, size_t count, const double field[4]) {
+static double field_error(const psplat_growth *g, const psplat_region *region, size_t count,
+                          const double field[5]) {
     double squares = 0;
     for (size_t i = 0; i < count; ++i) {
-        double a[3] = {g->plane[i][0], g->plane[i][1], 1}, c[3];
-        double b[3] = {field[0] + field[2] * g->local[i][0], field[1] + field[3] * g->local[i][1],
-                       1};
+        double a[3] = {g->plane[i][0], g->plane[i][1], 1}, b[3] = {0, 0, 1}, c[3];
+        psplat_fit_normal_at(field, region->radius, g->local[i], b);
         cross3(c, a, b);
         double angle = atan2(length3(c), dot3(a, b));
         squares += angle * angle;
@@ -294,15 +294,15 @@ static double field_error(const psplat_growth *g, size_t count, const double fie
 /* Whether the field keeps, all over the region, to twice the samples' own spread about their mean.
  * A gradient from a few samples in a row may be anything beside the row. */
 static int field_is_tame(const psplat_growth *g, const psplat_region *region, size_t count,
-                         const double mean[2], const double field[4]) {
+                         const double mean[2], const double field[5]) {
     double spread = 0, outline[OUTLINE][2];
     for (size_t i = 0; i < count; ++i)
         spread = max2(spread, hypot(g->plane[i][0] - mean[0], g->plane[i][1] - mean[1]));
     size_t corners = psplat_region_polygon(region, 1, outline, OUTLINE);
     for (size_t i = 0; i < corners; ++i) {
-        double x = field[0] + field[2] * outline[i][0] - mean[0];
-        double y = field[1] + field[3] * outline[i][1] - mean[1];
-        if (hypot(x, y) > 2 * spread + tame_slope) return 0;
+        double xy[2];
+        psplat_fit_normal_at(field, region->radius, outline[i], xy);
+        if (hypot(xy[0] - mean[0], xy[1] - mean[1]) > 2 * spread + tame_slope) return 0;
     }
     return 1;
 }
@@ -310,18 +310,19 @@ static int field_is_tame(const psplat_growth *g, const psplat_region *region, si
 /* Fits the normal field to growth->chosen, without gradients where those would run wild, and
  * returns the root mean square of its error, radians. */
 static double fit_field(const seedling *s, const psplat_region *region, size_t count,
-                        double field[4]) {
+                        double field[5]) {
     psplat_growth *g = s->growth;
     double mean[2] = {0, 0};
     local_normals(s, region, count);
-    psplat_fit_normals((const double(*)[2])g->local, (const double(*)[2])g->plane, count, field);
+    psplat_fit_normals((const double(*)[2])g->local, (const double(*)[2])g->plane, count,
+                       region->radius, field);
     for (size_t i = 0; i < count; ++i)
         for (int k = 0; k < 2; ++k) mean[k] += g->plane[i][k] / (double)count;
     if (!field_is_tame(g, region, count, mean, field)) {
         field[0] = mean[0], field[1] = mean[1];
-        field[2] = field[3] = 0;
+        field[2] = field[3] = field[4] = 0;
     }
-    return field_error(g, count, field);
+    return field_error(g, region, count, field);
 }
 
 static void mean_color(const seedling *s, size_t count, float color[4]) {
@@ -333,7 +334,7 @@ static void mean_color(const seedling *s, size_t count, float color[4]) {
 }
 
 /* Makes growth->chosen (count of them, inside region) the candidate's own. */
-static void adopt(seedling *s, const psplat_region *region, const double field[4], double deviation,
+static void adopt(seedling *s, const psplat_region *region, const double field[5], double deviation,
                   size_t count, psplat_candidate *candidate) {
     psplat_growth *g = s->growth;
     uint32_t *covered = realloc(candidate->covered, count * sizeof *covered);
@@ -359,7 +360,7 @@ static void adopt(seedling *s, const psplat_region *region, const double field[4
 static trial_result try_reach(seedling *s, double reach, psplat_candidate *candidate,
                               size_t *gathered) {
     psplat_region region;
-    double deviation, field[4];
+    double deviation, field[5];
     /* Small sets get a small margin, so that a splat between close creases can shrink. */
     double margin = min2(s->limits->margin, 0.5 * reach);
     size_t count = choose_near(s, reach);
@@ -462,7 +463,7 @@ static void force(seedling *s, double radius, psplat_candidate *candidate) {
     }
     s->growth->chosen[0] = s->seed;
     s->growth->local[0][0] = s->growth->local[0][1] = 0;
-    double field[4];
+    double field[5];
     fit_field(s, &region, 1, field);
     adopt(s, &region, field, radius, 1, candidate);
 }

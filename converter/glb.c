@@ -2,8 +2,9 @@
  *
  * glb.c - splats to a complete GLB (spec 3): one node, one mesh, one primitive per number of clip
  * lines, unclipped first (BSK04 section 4.1). Only what a model needs is written: no NORMAL_FIELD
- * where every gradient of a primitive is 0, no COLOR_0 where the colour is uniform, no glTF
- * default. Equal splats give equal bytes, whatever the locale and the machine's byte order.
+ * where every gradient of a primitive is 0, no gamma where every one is, no COLOR_0 where the
+ * colour is uniform, no glTF default. Equal splats give equal bytes, whatever the locale and the
+ * machine's byte order.
  */
 #include "converter.h"
 #include "json_writer.h"
@@ -40,7 +41,7 @@ static const column columns[COLUMNS] = {
     {"COLOR_0", offsetof(psplat_splat, color), 4, UNSIGNED_SHORT},
     {"_PSPLAT_surface_splats:ROTATION", offsetof(psplat_splat, rotation), 4, FLOAT},
     {"_PSPLAT_surface_splats:SCALE", offsetof(psplat_splat, radius), 2, FLOAT},
-    {"_PSPLAT_surface_splats:NORMAL_FIELD", offsetof(psplat_splat, gradient), 2, FLOAT},
+    {"_PSPLAT_surface_splats:NORMAL_FIELD", offsetof(psplat_splat, gradient), 3, FLOAT},
     CLIP_COLUMN(0),
     CLIP_COLUMN(1),
     CLIP_COLUMN(2),
@@ -53,26 +54,36 @@ typedef struct run {
     size_t count;
     size_t clip_lines;
     float depth_tolerance;
-    int has_column[COLUMNS];
+    size_t components[COLUMNS]; /* that are written of each column; 0: the column is left out */
     size_t column_count;
     float min[3], max[3];
 } run;
 
 /* ---- runs --------------------------------------------------------------------------------- */
 
-static int run_uses(const run *r, size_t index, const psplat_splats *splats) {
-    if (index == COLOR_COLUMN) return splats->has_color;
-    if (index >= FIRST_CLIP_COLUMN) return index - FIRST_CLIP_COLUMN < r->clip_lines;
-    if (index != FIELD_COLUMN) return 1;
-    for (size_t i = 0; i < r->count; ++i)
-        if (r->splats[i].gradient[0] != 0.0f || r->splats[i].gradient[1] != 0.0f) return 1;
-    return 0;
+/* alpha, beta and gamma, or the first two, or none. */
+static size_t field_components(const run *r) {
+    size_t components = 0;
+    for (size_t i = 0; i < r->count; ++i) {
+        const float *gradient = r->splats[i].gradient;
+        if (gradient[2] != 0.0f) return 3;
+        if (gradient[0] != 0.0f || gradient[1] != 0.0f) components = 2;
+    }
+    return components;
+}
+
+static size_t run_components(const run *r, size_t index, const psplat_splats *splats) {
+    if (index == FIELD_COLUMN) return field_components(r);
+    int used = 1;
+    if (index == COLOR_COLUMN) used = splats->has_color;
+    if (index >= FIRST_CLIP_COLUMN) used = index - FIRST_CLIP_COLUMN < r->clip_lines;
+    return used ? columns[index].components : 0;
 }
 
 static void run_measure(run *r, const psplat_splats *splats) {
     for (size_t i = 0; i < COLUMNS; ++i) {
-        r->has_column[i] = run_uses(r, i, splats);
-        r->column_count += (size_t)r->has_column[i];
+        r->components[i] = run_components(r, i, splats);
+        r->column_count += r->components[i] > 0;
     }
     for (size_t axis = 0; axis < 3; ++axis) {
         r->min[axis] = r->max[axis] = r->splats[0].center[axis];
@@ -84,14 +95,13 @@ static void run_measure(run *r, const psplat_splats *splats) {
     }
 }
 
-static size_t element_size(const column *c) {
-    return c->components * (c->type == FLOAT ? 4 : 2);
+static size_t column_bytes(const run *r, size_t index) {
+    return r->count * r->components[index] * (columns[index].type == FLOAT ? 4 : 2);
 }
 
 static size_t run_bytes(const run *r) {
     size_t bytes = 0;
-    for (size_t i = 0; i < COLUMNS; ++i)
-        if (r->has_column[i]) bytes += r->count * element_size(&columns[i]);
+    for (size_t i = 0; i < COLUMNS; ++i) bytes += column_bytes(r, i);
     return bytes;
 }
 
@@ -137,7 +147,7 @@ static psplat_result check_splats(const psplat_splats *splats, psplat_error *err
 static void add_attributes(psplat_writer *json, const run *r, size_t accessor) {
     psplat_writer_open(json, "attributes", '{');
     for (size_t i = 0; i < COLUMNS; ++i)
-        if (r->has_column[i]) psplat_writer_count(json, columns[i].name, accessor++);
+        if (r->components[i]) psplat_writer_count(json, columns[i].name, accessor++);
     psplat_writer_close(json, '}');
 }
 
@@ -267,7 +277,7 @@ static void add_accessor(psplat_writer *json, const run *r, size_t index, size_t
     psplat_writer_count(json, "componentType", (size_t)c->type);
     if (c->type != FLOAT) psplat_writer_boolean(json, "normalized", 1);
     psplat_writer_count(json, "count", r->count);
-    psplat_writer_string(json, "type", types[c->components]);
+    psplat_writer_string(json, "type", types[r->components[index]]);
     if (index == POSITION_COLUMN) {
         psplat_writer_floats(json, "min", r->min, 3);
         psplat_writer_floats(json, "max", r->max, 3);
@@ -290,13 +300,13 @@ static void add_data(psplat_writer *json, const run *runs, size_t run_count) {
     psplat_writer_open(json, "accessors", '[');
     for (size_t i = 0; i < run_count; ++i)
         for (size_t c = 0; c < COLUMNS; ++c)
-            if (runs[i].has_column[c]) add_accessor(json, &runs[i], c, view++);
+            if (runs[i].components[c]) add_accessor(json, &runs[i], c, view++);
     psplat_writer_close(json, ']');
     psplat_writer_open(json, "bufferViews", '[');
     for (size_t i = 0; i < run_count; ++i)
         for (size_t c = 0; c < COLUMNS; ++c) {
-            if (!runs[i].has_column[c]) continue;
-            size_t bytes = runs[i].count * element_size(&columns[c]);
+            size_t bytes = column_bytes(&runs[i], c);
+            if (!bytes) continue;
             add_view(json, offset, bytes);
             offset += bytes;
         }
@@ -351,12 +361,12 @@ static uint8_t *put_value(uint8_t *out, float value, int type) {
 
 static uint8_t *put_run(uint8_t *out, const run *r) {
     for (size_t c = 0; c < COLUMNS; ++c) {
-        if (!r->has_column[c]) continue;
+        if (!r->components[c]) continue;
         for (size_t i = 0; i < r->count; ++i) {
             float values[4];
             memcpy(values, (const char *)&r->splats[i] + columns[c].offset,
                    columns[c].components * sizeof(float));
-            for (size_t k = 0; k < columns[c].components; ++k)
+            for (size_t k = 0; k < r->components[c]; ++k)
                 out = put_value(out, values[k], columns[c].type);
         }
     }

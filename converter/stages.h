@@ -133,11 +133,14 @@ void psplat_fit_eigen(const double matrix[6], double values[3], double vectors[3
 void psplat_fit_plane(const psplat_samples *samples, const uint32_t *chosen, size_t count,
                       double mean[3], double normal[3]);
 
-/* Linear normal field by the two 2x2 systems of BSK04 eq. 3 and 4, least-norm where they are
- * underdetermined. uv: count x 2 parameters, xy: count x 2 local normals with third coordinate 1.
- * field: x, y, alpha, beta. */
+/* Linear normal field (spec 3.5) of an ellipse with these radii, least-norm where the samples leave
+ * it open. uv: count x 2 parameters, xy: count x 2 local normals with third coordinate 1. field: x,
+ * y, alpha, beta, gamma; without gradients where the bound of spec 3.5 would not hold with them. */
 void psplat_fit_normals(const double (*uv)[2], const double (*xy)[2], size_t count,
-                        double field[4]);
+                        const double radius[2], double field[5]);
+/* Local normal (x, y) of a field at (u, v): spec eq. 2. */
+void psplat_fit_normal_at(const double field[5], const double radius[2], const double uv[2],
+                          double xy[2]);
 
 /* Directions and sizes of principal curvature from the full gradient of normals over the plane's
  * physical coordinates: direction (unit, of curvature[0]), |curvature[0]| >= |curvature[1]|. */
@@ -226,7 +229,7 @@ psplat_result psplat_region_near(const psplat_region *region, const psplat_limit
 /* A possible splat and the samples that it covers. */
 typedef struct psplat_candidate {
     psplat_region region;
-    double field[4];  /* x, y, alpha, beta */
+    double field[5];  /* x, y, alpha, beta, gamma */
     double deviation; /* greatest distance from the surface */
     float color[4];
     uint32_t triangle; /* that the candidate grew from */

@@ -43,7 +43,7 @@ static void candidate_to_splat(const psplat_candidate *candidate, psplat_splat *
     for (int k = 0; k < 3; ++k) splat->center[k] = (float)region->center[k];
     for (int k = 0; k < 3; ++k) splat->normal[k] = (float)normal[k];
     for (int k = 0; k < 2; ++k) splat->radius[k] = (float)region->radius[k];
-    for (int k = 0; k < 2; ++k) splat->gradient[k] = (float)candidate->field[2 + k];
+    for (int k = 0; k < 3; ++k) splat->gradient[k] = (float)candidate->field[2 + k];
     for (int k = 0; k < 4; ++k) splat->color[k] = candidate->color[k];
     for (uint32_t i = 0; i < region->line_count; ++i)
         for (int k = 0; k < 3; ++k) splat->clip[i][k] = (float)region->lines[i][k];

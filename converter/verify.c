@@ -122,8 +122,12 @@ static void blend_normal(probe *p, const psplat_splat *splat, const psplat_regio
                         (double)splat->normal[2]};
     mad3(p->constant, weight / dot3(center, region->n), center);
     mad3(p->blended, weight / dot3(center, region->n), center);
-    mad3(p->blended, weight * (double)splat->gradient[0] * uvh[0], region->u);
-    mad3(p->blended, weight * (double)splat->gradient[1] * uvh[1], region->v);
+    double field[5] = {0, 0, (double)splat->gradient[0], (double)splat->gradient[1],
+                       (double)splat->gradient[2]};
+    double change[2];
+    psplat_fit_normal_at(field, region->radius, uvh, change);
+    mad3(p->blended, weight * change[0], region->u);
+    mad3(p->blended, weight * change[1], region->v);
 }
 
 static int visit_splat(void *user, uint32_t index) {

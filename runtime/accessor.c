@@ -32,9 +32,11 @@ static psplat_result check_type(const psplat_gltf *gltf, const psplat_accessor *
     if (component != PSPLAT_FLOAT && !accessor->normalized)
         return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
                            "%s: integers must be normalized", type->name);
-    if (accessor->components < type->min_components || accessor->components > type->max_components)
-        return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at, "%s: must be VEC%zu",
-                           type->name, type->min_components);
+    size_t low = type->min_components, high = type->max_components;
+    if (accessor->components < low || accessor->components > high)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
+                           low == high ? "%s: must be VEC%zu" : "%s: must be VEC%zu or VEC%zu",
+                           type->name, low, high);
     if (count != PSPLAT_NONE && accessor->count != count)
         return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, at,
                            "%s: has %zu elements, POSITION has %zu", type->name, accessor->count,

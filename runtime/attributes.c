@@ -30,7 +30,7 @@ static const psplat_attribute_type types[ATTRIBUTES] = {
     {"COLOR_0", 3, 4, COLORS},
     {PSPLAT_EXTENSION ":ROTATION", 4, 4, ROTATIONS},
     {PSPLAT_EXTENSION ":SCALE", 2, 2, FLOATS},
-    {PSPLAT_EXTENSION ":NORMAL_FIELD", 2, 2, FLOATS},
+    {PSPLAT_EXTENSION ":NORMAL_FIELD", 2, 3, FLOATS},
     {PSPLAT_EXTENSION ":CLIP_0", 3, 3, FLOATS},
     {PSPLAT_EXTENSION ":CLIP_1", 3, 3, FLOATS},
     {PSPLAT_EXTENSION ":CLIP_2", 3, 3, FLOATS},
@@ -218,6 +218,20 @@ static psplat_result decode_frame(const decoder *d, psplat_splat *splat, double 
     return result;
 }
 
+/* Spec 3.5, eq. (3a): what keeps n(u, v) within 90 degrees of N, and finite, all over the ellipse.
+ */
+static psplat_result decode_gradient(const decoder *d, psplat_splat *splat, double cosine) {
+    psplat_result result = get(d, NORMAL_FIELD, splat->gradient);
+    if (result) return result;
+    double alpha = (double)splat->gradient[0], beta = (double)splat->gradient[1];
+    double gamma = (double)splat->gradient[2];
+    double ratio = (double)splat->radius[1] / (double)splat->radius[0];
+    double center = sqrt(fmax(1 / (cosine * cosine) - 1, 0));
+    double change = sqrt(alpha * alpha + beta * beta + gamma * gamma * (1 + ratio * ratio));
+    if (center + change <= 20) return PSPLAT_OK;
+    return fail_value(d, NORMAL_FIELD, "bends the normal by more than spec 3.5 allows");
+}
+
 static psplat_result decode_normals(const decoder *d, psplat_splat *splat, double axes[3][3]) {
     psplat_result result = get(d, NORMAL, splat->normal);
     if (!result && !normalise(splat->normal, 3)) result = fail_value(d, NORMAL, "is not unit");
@@ -226,7 +240,7 @@ static psplat_result decode_normals(const decoder *d, psplat_splat *splat, doubl
     for (size_t i = 0; i < 3; ++i) cosine += (double)splat->normal[i] * axes[2][i];
     if (!(cosine >= 0.05))
         return fail_value(d, NORMAL, "leaves the plane's normal N by more than acos 0.05");
-    return d->is_present[NORMAL_FIELD] ? get(d, NORMAL_FIELD, splat->gradient) : PSPLAT_OK;
+    return d->is_present[NORMAL_FIELD] ? decode_gradient(d, splat, cosine) : PSPLAT_OK;
 }
 
 static psplat_result decode_color(const decoder *d, psplat_splat *splat) {
@@ -311,7 +325,7 @@ static psplat_result check_extent(const psplat_gltf *gltf, psplat_json_value val
                        found[0], found[1], found[2], stated[0], stated[1], stated[2]);
 }
 
-/* Splats take 124 bytes in memory and at least 32 in a file. A file may use its bytes for several
+/* Splats take 128 bytes in memory and at least 32 in a file. A file may use its bytes for several
  * primitives, but not to make a small file fill the memory. */
 static psplat_result check_total(psplat_gltf *gltf, psplat_json_value attributes, size_t count) {
     if (count <= gltf->loaded_bytes / 8 && gltf->splat_total <= gltf->loaded_bytes / 8 - count) {

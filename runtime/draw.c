@@ -91,8 +91,10 @@ static void set_placement(const frame *f, const psplat_program *program,
 
 static unsigned options_of(const frame *f, const psplat_model_batch *batch,
                            const psplat_placement *placement, int pass) {
-    /* In the visibility pass a colour is only a texel to step over. */
     unsigned options = batch->has_color ? PSPLAT_OPTION_COLOR : 0;
+    /* Where neither colour nor gamma is looked at they are one texel to step over. */
+    if (batch->has_gamma)
+        options |= pass == PSPLAT_PASS_VISIBILITY ? PSPLAT_OPTION_COLOR : PSPLAT_OPTION_GAMMA;
     if (pass == PSPLAT_PASS_VISIBILITY && placement->is_near) options |= PSPLAT_OPTION_NEAR;
     if (pass == PSPLAT_PASS_PHONG) options |= f->options;
     if (has_blending(pass) && batch->kernel.exponent != 2.0f) options |= PSPLAT_OPTION_POWER;

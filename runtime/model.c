@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Models: an asset's splats packed into float textures (layout.h), from which the vertex shader
- * pulls them. 48 bytes a splat, 16 more where it has a colour, 12 a clip line.
+ * pulls them. 48 bytes a splat, 16 more where it has a colour or a gamma, 12 a clip line.
  */
 #include "gl_state.h"
 #include "memory.h"
@@ -12,7 +12,7 @@
 /* Rows packed before each upload: at most 0.5 MB in flight. */
 enum { ROWS_PER_UPLOAD = 16, MAX_SPLAT_FLOATS = 4 * (PSPLAT_SPLAT_TEXELS + 1) };
 
-static void pack_splat(const psplat_splat *splat, int has_color, float *out) {
+static void pack_splat(const psplat_splat *splat, int texels, float *out) {
     const float *q = splat->rotation;
     double length2 = 0.0;
     for (int i = 0; i < 4; ++i) length2 += (double)q[i] * (double)q[i];
@@ -34,7 +34,9 @@ static void pack_splat(const psplat_splat *splat, int has_color, float *out) {
     out[9] = (float)(local[1] / local[2]);
     out[10] = splat->gradient[0];
     out[11] = splat->gradient[1];
-    for (int i = 0; has_color && i < 4; ++i) out[12 + i] = splat->color[i];
+    if (texels == PSPLAT_SPLAT_TEXELS) return;
+    for (int i = 0; i < 3; ++i) out[12 + i] = splat->color[i];
+    out[15] = splat->gradient[2];
 }
 
 static void pack_clips(const psplat_splat *splat, uint32_t clip_count, float *out) {
@@ -65,13 +67,19 @@ static GLuint upload(const psplat_gl *gl, const psplat_batch *batch, int floats,
         for (size_t i = first; i < end; ++i) {
             float *out = staging + (i - first) * (size_t)floats;
             if (channels == 4)
-                pack_splat(&batch->splats[i], batch->has_color, out);
+                pack_splat(&batch->splats[i], floats / 4, out);
             else
                 pack_clips(&batch->splats[i], batch->clip_count, out);
         }
         gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, row, width, rows, format, GL_FLOAT, staging);
     }
     return texture;
+}
+
+static int has_gamma(const psplat_batch *batch) {
+    for (size_t i = 0; i < batch->splat_count; ++i)
+        if (batch->splats[i].gradient[2] != 0.0f) return 1;
+    return 0;
 }
 
 static const psplat_model_batch *find_primitive(const psplat_model *model, size_t count,
@@ -98,12 +106,15 @@ static void upload_batch(const psplat_gl *gl, psplat_model *model, size_t index,
         out->bounds_max[i] = batch->bounds_max[i];
     }
     if (twin) {
+        out->has_gamma = twin->has_gamma;
         out->splats = twin->splats;
         out->clips = twin->clips;
         return;
     }
     out->owns_textures = 1;
-    out->splats = upload(gl, batch, 4 * (PSPLAT_SPLAT_TEXELS + !!batch->has_color), 4, staging);
+    out->has_gamma = has_gamma(batch);
+    int texels = PSPLAT_SPLAT_TEXELS + (out->has_color || out->has_gamma);
+    out->splats = upload(gl, batch, 4 * texels, 4, staging);
     if (batch->clip_count) out->clips = upload(gl, batch, 3 * (int)batch->clip_count, 3, staging);
 }
 

@@ -88,12 +88,12 @@ static const psplat_program *build(psplat_program *program, const psplat_gl *gl,
     /* Weights must stay above the least number of the targets. */
     snprintf(defines, sizeof defines,
              "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n#define COLOR %d\n"
-             "#define MATERIALS %d\n#define NEAR %d\n#define POWER %d\n"
+             "#define GAMMA %d\n#define MATERIALS %d\n#define NEAR %d\n#define POWER %d\n"
              "#define WEIGHT_FLOOR %s\n#define HALF_TARGETS %d\n",
              pass, (int)clip_count, clip_types[clip_count], !!(options & PSPLAT_OPTION_COLOR),
-             !!(options & PSPLAT_OPTION_MATERIALS), !!(options & PSPLAT_OPTION_NEAR),
-             !!(options & PSPLAT_OPTION_POWER), gl->half_targets ? "1e-3" : "1e-30",
-             gl->half_targets);
+             !!(options & PSPLAT_OPTION_GAMMA), !!(options & PSPLAT_OPTION_MATERIALS),
+             !!(options & PSPLAT_OPTION_NEAR), !!(options & PSPLAT_OPTION_POWER),
+             gl->half_targets ? "1e-3" : "1e-30", gl->half_targets);
     program->id =
         psplat_program_build(gl, defines, vertex, psplat_shader_shading_glsl, fragment, error);
     if (!program->id) return NULL;

@@ -14,7 +14,8 @@ enum {
     PSPLAT_OPTION_MATERIALS = 2, /* the material goes through the targets */
     PSPLAT_OPTION_NEAR = 4,      /* visibility: the near plane may cut the batch */
     PSPLAT_OPTION_POWER = 8,     /* kernel exponent other than 2 */
-    PSPLAT_OPTION_SETS = 16
+    PSPLAT_OPTION_GAMMA = 16,    /* normal fields have a gamma (spec 3.5) */
+    PSPLAT_OPTION_SETS = 32
 };
 
 #define PSPLAT_UNIFORMS(X)                                                                         \

@@ -26,7 +26,7 @@ typedef struct psplat_model_batch {
     uint32_t primitive;
     GLsizei splat_count;
     uint32_t clip_count;
-    int has_color;
+    int has_color, has_gamma;
     double model[16];
     psplat_kernel kernel;
     float depth_tolerance;

@@ -21,7 +21,7 @@
  *     texel 1: quaternion x y z w times sqrt(r_u): a rotation matrix is quadratic in its
  *              quaternion, so the matrix of this one is r_u times the axes
  *     texel 2: normal field at the center and its gradient (x, y, alpha, beta of spec 3.5)
- *     texel 3: linear colour, in batches that have one
+ *     texel 3: linear colour and gamma, in batches that have either
  *
  * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. */
 #define PSPLAT_ROW_SPLATS 512

@@ -4,9 +4,15 @@
  * (u, v), the normal field and the clip distances, all linear in (u, v), are exact at the corners
  * and the hardware interpolates them with perspective. Vertices are pulled by gl_VertexID.
  *
- * Defined outside: PASS, CLIP_COUNT, COLOR, NEAR.
+ * Defined outside: PASS, CLIP_COUNT, COLOR, GAMMA, NEAR.
  */
 invariant gl_Position;
+
+#if COLOR || GAMMA
+#define SPLAT_TEXELS (PSPLAT_SPLAT_TEXELS + 1)
+#else
+#define SPLAT_TEXELS PSPLAT_SPLAT_TEXELS
+#endif
 
 uniform highp sampler2D u_splats;
 uniform highp sampler2D u_clips;
@@ -113,7 +119,7 @@ void main() {
     vec2 uv = corner_uv(gl_VertexID - 3 * splat);
     int row = splat / PSPLAT_ROW_SPLATS;
     int column = splat - row * PSPLAT_ROW_SPLATS;
-    ivec2 texel = ivec2(column * (PSPLAT_SPLAT_TEXELS + COLOR), row);
+    ivec2 texel = ivec2(column * SPLAT_TEXELS, row);
     vec4 center = texelFetch(u_splats, texel, 0);
     vec4 rotation = texelFetch(u_splats, texel + ivec2(1, 0), 0);
     mat3 axes = axes_of(rotation);
@@ -137,13 +143,19 @@ void main() {
     v_index = float(u_first_index + splat);
 #else
     vec4 field = texelFetch(u_splats, texel + ivec2(2, 0), 0);
+#if COLOR || GAMMA
+    vec4 extra = texelFetch(u_splats, texel + ivec2(3, 0), 0);
+#endif
 #if PASS == PSPLAT_PASS_PHONG
     field.xy += field.zw * uv;
+#if GAMMA
+    field.xy += extra.w * vec2(center.w * uv.y, uv.x);
+#endif
 #endif
     v_normal = u_normal_matrix * (axes * vec3(field.xy, 1.0) / dot(rotation, rotation));
     if (u_two_sided != 0 && is_behind(u_normal_matrix * axes[2], eye_center)) v_normal = -v_normal;
 #if COLOR
-    v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
+    v_color = extra.rgb;
 #endif
 #endif
 }

@@ -66,14 +66,15 @@ static void normal_field(const psplat_splat *splat, double axes[3][3], const dou
     double along = psplat_oracle_dot(stored, axes[2]);
     double x = psplat_oracle_dot(stored, axes[0]) / along;
     double y = psplat_oracle_dot(stored, axes[1]) / along;
+    double gamma = splat->gradient[2], q = (double)splat->radius[1] / (double)splat->radius[0];
     double u[3], v[3];
     apply(matrix, axes[0], u);
     apply(matrix, axes[1], v);
     apply(matrix, axes[2], placed->side);
     for (int i = 0; i < 3; ++i) {
         placed->normal[0][i] = placed->side[i] + x * u[i] + y * v[i];
-        placed->normal[1][i] = (double)splat->gradient[0] * u[i];
-        placed->normal[2][i] = (double)splat->gradient[1] * v[i];
+        placed->normal[1][i] = (double)splat->gradient[0] * u[i] + gamma * v[i];
+        placed->normal[2][i] = gamma * q * u[i] + (double)splat->gradient[1] * v[i];
     }
     psplat_oracle_normalise(placed->side);
 }

@@ -97,8 +97,7 @@ static void test_cube(void **state) {
             reach = max2(reach, length3(p));
         }
         assert_near(reach, half * sqrt(3), 1e-5 * half); /* its farthest corner is the cube's */
-        assert_near((double)splats.splats[i].gradient[0], 0, 1e-6);
-        assert_near((double)splats.splats[i].gradient[1], 0, 1e-6);
+        for (int k = 0; k < 3; ++k) assert_near((double)splats.splats[i].gradient[k], 0, 1e-6);
     }
     assert_true(r.max_distance_percent < 1e-4);
     assert_true(r.rms_normal_degrees < 1e-4);

@@ -123,7 +123,7 @@ static void compare(const psplat_candidate *c, const psplat_region *back, const 
     assert_near(length3(n), 1, single);
     assert_near(dot3(n, r->u) / dot3(n, r->n), c->field[0], 8 * single);
     assert_near(dot3(n, r->v) / dot3(n, r->n), c->field[1], 8 * single);
-    for (int k = 0; k < 2; ++k) assert_near((double)s->gradient[k], c->field[2 + k], single);
+    for (int k = 0; k < 3; ++k) assert_near((double)s->gradient[k], c->field[2 + k], single);
     assert_memory_equal(s->color, c->color, sizeof c->color);
 }
 

@@ -200,6 +200,22 @@ static void test_normals(void **state) {
     assert_near(r.rms_normal_degrees, sqrt(squares), 0.01 * sqrt(squares));
     assert_near(r.p95_normal_degrees, atan(slope * 0.95 / 1.5) * degrees, 0.1);
     assert_near(r.rms_normal_constant_degrees, 0, 1e-4);
+
+    /* The same slope across: gamma u along V. Radii are equal, so x changes with v alike, and the
+     * slope grows with the distance from the middle of the face. */
+    for (size_t i = 0; i < 6; ++i) {
+        c.splats.splats[i].gradient[0] = 0;
+        c.splats.splats[i].gradient[2] = (float)slope;
+    }
+    r = verify(&c);
+    squares = 0;
+    enum { ROWS = 200 };
+    for (int i = 0; i < ROWS * ROWS; ++i) {
+        double u = ((i % ROWS + 0.5) / ROWS * 2 - 1) / 1.5;
+        double v = ((i / ROWS + 0.5) / ROWS * 2 - 1) / 1.5;
+        squares += pow(atan(slope * hypot(u, v)) * degrees, 2) / (ROWS * ROWS);
+    }
+    assert_near(r.rms_normal_degrees, sqrt(squares), 0.01 * sqrt(squares));
     free(regions);
     free_cube(&c);
 }

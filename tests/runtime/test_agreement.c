@@ -138,6 +138,8 @@ static void test_ellipses(void **state) {
     s.kernel = (psplat_kernel){4, 1.5f};
     s.depth_tolerance = 0.2f;
     check_view(g, " two-sided, unlit", &s, NULL, view_from(2, -1, 2), &close_up);
+    s.material.unlit = s.has_color = 0;
+    check_view(g, " without colours", &s, NULL, view_from(1, 2, 3), &close_up);
     scene_free(&s);
 }
 

@@ -77,7 +77,7 @@ static void test_defaults(void **state) {
     s.material.unlit = 1;
     psplat_asset *asset = scene_open(&s);
     const psplat_batch *batch = psplat_asset_batch(asset, 0);
-    static const float white[4] = {1, 1, 1, 1}, zero[2] = {0, 0};
+    static const float white[4] = {1, 1, 1, 1}, zero[3] = {0, 0, 0};
     assert_int_equal(batch->has_color, 0);
     assert_memory_equal(batch->splats[0].color, white, sizeof white);
     assert_memory_equal(batch->splats[0].gradient, zero, sizeof zero);
@@ -128,7 +128,7 @@ static void test_bounds(void **state) {
 
 static void check_minimal(const psplat_asset *asset) {
     static const float second_rotation[4] = {0, 0, 0.70710678f, 0.70710678f};
-    static const float second_normal[3] = {0, 0.6f, 0.8f}, gradient[2] = {0.25f, 0.125f};
+    static const float second_normal[3] = {0, 0.6f, 0.8f}, gradient[3] = {0.25f, 0.125f, 0};
     static const float clip[2][3] = {{1, 0, -0.25f}, {0, 1, -0.25f}};
     assert_int_equal(psplat_asset_batch_count(asset), 3);
     const psplat_batch *whole = psplat_asset_batch(asset, 0), *cut = psplat_asset_batch(asset, 2);

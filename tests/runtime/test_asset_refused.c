@@ -169,6 +169,8 @@ static void test_accessor(void **state) {
         {"\"type\": \"VEC3\"", "\"type\": \"VEC5\"", "\"VEC5\"", FORMAT},
         {"\"type\": \"VEC4\"", "\"type\": \"MAT2\"", "{ \"bufferView\": 0, \"byteOffset\": 24",
          UNSUPPORTED},
+        {"\"_PSPLAT_surface_splats:NORMAL_FIELD\": 4", "\"_PSPLAT_surface_splats:NORMAL_FIELD\": 2",
+         "{ \"bufferView\": 0, \"byteOffset\": 24", UNSUPPORTED},
         {"\"byteStride\": 56", "\"byteStride\": 8",
          "{ \"buffer\": 0, \"byteOffset\": 0, \"byteLength\": 112", RANGE},
         {"\"byteStride\": 56", "\"byteStride\": 54", "54,", RANGE},
@@ -337,6 +339,47 @@ static void test_values(void **state) {
     check_values(CLIP_1, 12, (float[]){1, 0, NAN});
 }
 
+/* A field in a file whose first splat has a gamma; the normal's slope is 0 or 3 / 4. */
+static void check_field(int tilted, const float gradient[3], psplat_result expected) {
+    enum { FIELD = 48 };
+    scene s = scene_blank(COUNT);
+    s.splats[0].gradient[2] = 0.5f;
+    for (size_t i = 0; i < COUNT; ++i) s.splats[i].radius[1] = 0.75f;
+    if (tilted) s.splats[INDEX].normal[0] = 0.6f, s.splats[INDEX].normal[2] = 0.8f;
+    size_t size = 0;
+    uint8_t *data = scene_glb(&s, &size);
+    size_t at = 20 + read_u32(data + 12) + 8 + COUNT * FIELD + INDEX * 12;
+    psplat_asset *asset = NULL;
+    psplat_error error = {0};
+    memcpy(data + at, gradient, 12);
+    assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, &error), expected);
+    if (expected) {
+        assert_int_equal(error.offset, at);
+        assert_non_null(strstr(error.text, "splat 1"));
+        assert_non_null(strstr(error.text, "NORMAL_FIELD"));
+    }
+    psplat_asset_destroy(asset);
+    free(data);
+    scene_free(&s);
+}
+
+/* Spec 3.5, eq. (3a), from both sides; 16 * hypot(1, 0.75) is 20. */
+static void test_fields(void **state) {
+    (void)state;
+    check_field(0, (float[]){20, 0, 0}, PSPLAT_OK);
+    check_field(0, (float[]){0, 0, -16}, PSPLAT_OK);
+    check_field(0, (float[]){12, -16, 0}, PSPLAT_OK);
+    check_field(0, (float[]){20.01f, 0, 0}, RANGE);
+    check_field(0, (float[]){0, -20.01f, 0}, RANGE);
+    check_field(0, (float[]){0, 0, 16.01f}, RANGE);
+    check_field(0, (float[]){12, -16, 1}, RANGE);
+    check_field(0, (float[]){0, 0, 3e38f}, RANGE);
+    check_field(0, (float[]){0, 0, NAN}, RANGE);
+    check_field(0, (float[]){0, INFINITY, 0}, RANGE);
+    check_field(1, (float[]){19.24f, 0, 0}, PSPLAT_OK);
+    check_field(1, (float[]){19.26f, 0, 0}, RANGE);
+}
+
 /* A splat may be large, but its box must have float corners. */
 static void test_reach(void **state) {
     (void)state;
@@ -424,13 +467,13 @@ static void test_not_gltf(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_document),    cmocka_unit_test(test_extension_object),
-        cmocka_unit_test(test_primitive),   cmocka_unit_test(test_accessor),
-        cmocka_unit_test(test_uri),         cmocka_unit_test(test_paths),
-        cmocka_unit_test(test_nodes),       cmocka_unit_test(test_stripped),
-        cmocka_unit_test(test_values),      cmocka_unit_test(test_reach),
-        cmocka_unit_test(test_color_range), cmocka_unit_test(test_container),
-        cmocka_unit_test(test_not_gltf),
+        cmocka_unit_test(test_document),  cmocka_unit_test(test_extension_object),
+        cmocka_unit_test(test_primitive), cmocka_unit_test(test_accessor),
+        cmocka_unit_test(test_uri),       cmocka_unit_test(test_paths),
+        cmocka_unit_test(test_nodes),     cmocka_unit_test(test_stripped),
+        cmocka_unit_test(test_values),    cmocka_unit_test(test_fields),
+        cmocka_unit_test(test_reach),     cmocka_unit_test(test_color_range),
+        cmocka_unit_test(test_container), cmocka_unit_test(test_not_gltf),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

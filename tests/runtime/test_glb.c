@@ -104,6 +104,34 @@ static void test_leaves_out_defaults(void **state) {
         if (strcmp(words[i], "CLIP_")) assert_holds(&splats, "x", words[i], 1);
 }
 
+/* gamma is stored where one splat has it, for all of its class and no other. */
+static void test_gradients(void **state) {
+    (void)state;
+    psplat_splat splat[3];
+    psplat_splats splats = one(&splat[0], 0);
+    one(&splat[1], 0);
+    one(&splat[2], 1);
+    splats.count = 3;
+    splats.count_by_clip_lines[0] = 2;
+    splats.count_by_clip_lines[1] = 1;
+    splat[0].gradient[0] = splat[2].gradient[1] = 0.5f;
+    assert_holds(&splats, NULL, "\"count\":2,\"type\":\"VEC2\"},{\"bufferView\":5", 1);
+    splat[1].gradient[2] = -0.25f;
+    uint8_t *data = NULL;
+    size_t size = 0;
+    psplat_asset *asset = NULL;
+    assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, NULL), PSPLAT_OK);
+    const psplat_batch *uncut = psplat_asset_batch(asset, 0), *cut = psplat_asset_batch(asset, 1);
+    assert_int_equal(uncut->attributes[4].components, 3);
+    assert_int_equal(cut->attributes[4].components, 2);
+    for (size_t i = 0; i < 2; ++i)
+        assert_memory_equal(uncut->splats[i].gradient, splat[i].gradient, 3 * sizeof(float));
+    assert_memory_equal(cut->splats[0].gradient, splat[2].gradient, 3 * sizeof(float));
+    psplat_asset_destroy(asset);
+    free(data);
+}
+
 /* The shortest decimals that read back exactly. */
 static void test_numbers(void **state) {
     (void)state;
@@ -159,9 +187,13 @@ static void test_emissive(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refuses), cmocka_unit_test(test_leaves_out_defaults),
-        cmocka_unit_test(test_numbers), cmocka_unit_test(test_numbers_with_comma),
-        cmocka_unit_test(test_names),   cmocka_unit_test(test_emissive),
+        cmocka_unit_test(test_refuses),
+        cmocka_unit_test(test_leaves_out_defaults),
+        cmocka_unit_test(test_gradients),
+        cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_numbers_with_comma),
+        cmocka_unit_test(test_names),
+        cmocka_unit_test(test_emissive),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -241,12 +241,15 @@ static double brightness_of(const double normal[3], const psplat_view *view, int
     return result;
 }
 
-/* One splat curved more in u than in v: only Phong shading varies over it, by eq. (2). */
+/* One splat curved more in u than in v, in directions that are not its axes: only Phong shading
+ * varies over it, by eq. (2). */
 static void test_curved_splat(void **state) {
     (void)state;
     scene s = scene_disc(1);
     s.splats[0].gradient[0] = 0.6f;
     s.splats[0].gradient[1] = -0.3f;
+    s.splats[0].gradient[2] = 0.4f;
+    s.splats[0].radius[1] = 0.75f;
     s.splats[0].normal[0] = 0.28f;
     s.splats[0].normal[2] = 0.96f;
     psplat_view view = front_view();
@@ -260,8 +263,9 @@ static void test_curved_splat(void **state) {
                 int at = y * 49 + x;
                 if (!p.image.count[at]) continue;
                 double bend = mode == PSPLAT_MODE_PHONG;
-                double normal[3] = {0.28 / 0.96 + bend * 0.6 * p.image.uv[2 * at],
-                                    bend * -0.3 * p.image.uv[2 * at + 1], 1};
+                double u = p.image.uv[2 * at], v = p.image.uv[2 * at + 1];
+                double normal[3] = {0.28 / 0.96 + bend * (0.6 * u + 0.4 * 0.75 * v),
+                                    bend * (0.4 * u - 0.3 * v), 1};
                 /* Normals of the flat splat are floats; the lobe's slope is below 10. */
                 assert_near(brightness(&p, x, y), brightness_of(normal, &view, x, y), 2e-6);
             }

@@ -290,9 +290,9 @@ static void test_modes(void **state) {
     scene_free(&s);
 }
 
-/* Variants that scenes ask for: every clip count with and without colour, kernel power, near plane
- * and materials, in an array of four runs that holds each pair of them, all compile and give
- * numbers. */
+/* Variants that scenes ask for: every clip count with and without gamma and colour, kernel power,
+ * near plane and materials, in an array of four runs that holds each pair of them, all compile and
+ * give numbers. */
 static void draw_variant(canvas *c, int color, int power, int near, int materials) {
     const double eye[3] = {near ? 0.1 : 2, near ? 0.2 : 2, near ? 0.3 : 2}, target[3] = {0};
     psplat_view view = camera_view(CANVAS_SIZE, CANVAS_SIZE);
@@ -303,6 +303,7 @@ static void draw_variant(canvas *c, int color, int power, int near, int material
     for (int i = 0; i < 2; ++i) {
         scene s = scene_ellipses(50, PSPLAT_MAX_CLIP_LINES, 5);
         s.has_color = color;
+        for (size_t k = 0; i && k < s.count; ++k) s.splats[k].gradient[2] = 0;
         s.kernel.exponent = power ? 3.0f : 2.0f;
         s.material.double_sided = 1;
         if (materials) s.material.metallic = (float)i;

@@ -149,7 +149,7 @@ static void random_ellipse(psplat_splat *splat, uint32_t clip_count, uint32_t *s
     for (int i = 0; i < 3; ++i) splat->center[i] = (float)between(state, -1, 1);
     splat->radius[0] = (float)between(state, 0.05, 0.3);
     splat->radius[1] = splat->radius[0] * (float)between(state, 0.1, 1);
-    for (int i = 0; i < 2; ++i) splat->gradient[i] = (float)between(state, -0.5, 0.5);
+    for (int i = 0; i < 3; ++i) splat->gradient[i] = (float)between(state, -0.5, 0.5);
     for (int i = 0; i < 3; ++i) splat->color[i] = scene_random(state);
     splat->clip_count = clip_count;
     for (uint32_t k = 0; k < clip_count; ++k) {

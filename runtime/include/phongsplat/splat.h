@@ -29,15 +29,17 @@ extern "C" {
  * and belongs to the splat where u*u + v*v <= 1 and, for each clip line (a, b, c),
  * a*u + b*v + c >= 0. Its normal there, of any length, is
  *
- *     n(u, v) = N + (x + gradient[0]*u) U + (y + gradient[1]*v) V              (BSK04 eq. 2)
+ *     n(u, v) = N + (x + gradient[0]*u + gradient[2]*q*v) U
+ *                 + (y + gradient[2]*u + gradient[1]*v) V                      (BSK04 eq. 2)
  *
- * where x = normal.U / normal.N and y = normal.V / normal.N. */
+ * where x = normal.U / normal.N, y = normal.V / normal.N and q = radius[1] / radius[0]. */
 typedef struct psplat_splat {
     float center[3];   /* in the units of the asset's POSITION */
     float rotation[4]; /* unit quaternion x, y, z, w */
     float radius[2];   /* radius[0] >= radius[1] > 0, in the units of center */
     float normal[3];   /* unit normal at u = v = 0; normal.N > 0 */
-    float gradient[2]; /* alpha, beta of BSK04: change of (x, y) per unit of u and of v */
+    float gradient[3]; /* alpha, beta of BSK04: change of x with u and of y with v; gamma: of y
+                          with u, which times q is that of x with v (spec 3.5) */
     float color[4];    /* linear RGBA, multiplies the material's base colour; 1 where unstored */
     float clip[PSPLAT_MAX_CLIP_LINES][3]; /* a, b, c; rows from clip_count on are 0 */
     uint32_t clip_count;                  /* 0 ... PSPLAT_MAX_CLIP_LINES */
