@@ -46,6 +46,7 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, siz
                             .depth_tolerance = set->depth_tolerance,
                             .material = set->material,
                             .has_color = set->has_color,
+                            .has_gamma = set->has_gamma,
                             .attributes = set->attributes,
                             .attribute_count = set->attribute_count};
     memcpy(batch->model, node->world, sizeof batch->model);

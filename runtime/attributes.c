@@ -225,6 +225,8 @@ static psplat_result decode_gradient(const decoder *d, psplat_splat *splat, doub
     if (result) return result;
     double alpha = (double)splat->gradient[0], beta = (double)splat->gradient[1];
     double gamma = (double)splat->gradient[2];
+    /* Far from the bound, where fields are, it takes no root: neither term exceeds 10. */
+    if (cosine > 0.1 && alpha * alpha + beta * beta + 2 * gamma * gamma < 100) return PSPLAT_OK;
     double ratio = (double)splat->radius[1] / (double)splat->radius[0];
     double center = sqrt(fmax(1 / (cosine * cosine) - 1, 0));
     double change = sqrt(alpha * alpha + beta * beta + gamma * gamma * (1 + ratio * ratio));
@@ -362,6 +364,7 @@ psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
     if (result) return result;
     set->count = d.readers[POSITION].count;
     set->has_color = d.is_present[COLOR];
+    set->has_gamma = d.readers[NORMAL_FIELD].components == 3;
     result = check_total(gltf, attributes, set->count);
     if (result) return result;
     set->splats = psplat_arena_take(gltf->kept, set->count, sizeof *set->splats);

@@ -52,7 +52,7 @@ typedef struct psplat_set {
     float depth_tolerance;
     psplat_material material;
     float bounds_min[3], bounds_max[3];
-    int has_color;
+    int has_color, has_gamma;
     psplat_attribute *attributes; /* attribute_count of them, in the asset's arena */
     size_t attribute_count;
 } psplat_set;

@@ -76,12 +76,6 @@ static GLuint upload(const psplat_gl *gl, const psplat_batch *batch, int floats,
     return texture;
 }
 
-static int has_gamma(const psplat_batch *batch) {
-    for (size_t i = 0; i < batch->splat_count; ++i)
-        if (batch->splats[i].gradient[2] != 0.0f) return 1;
-    return 0;
-}
-
 static const psplat_model_batch *find_primitive(const psplat_model *model, size_t count,
                                                 uint32_t primitive) {
     for (size_t i = 0; i < count; ++i)
@@ -97,6 +91,7 @@ static void upload_batch(const psplat_gl *gl, psplat_model *model, size_t index,
     out->splat_count = (GLsizei)batch->splat_count;
     out->clip_count = batch->clip_count;
     out->has_color = batch->has_color;
+    out->has_gamma = batch->has_gamma;
     out->kernel = batch->kernel;
     out->depth_tolerance = batch->depth_tolerance;
     out->material = batch->material;
@@ -106,13 +101,11 @@ static void upload_batch(const psplat_gl *gl, psplat_model *model, size_t index,
         out->bounds_max[i] = batch->bounds_max[i];
     }
     if (twin) {
-        out->has_gamma = twin->has_gamma;
         out->splats = twin->splats;
         out->clips = twin->clips;
         return;
     }
     out->owns_textures = 1;
-    out->has_gamma = has_gamma(batch);
     int texels = PSPLAT_SPLAT_TEXELS + (out->has_color || out->has_gamma);
     out->splats = upload(gl, batch, 4 * texels, 4, staging);
     if (batch->clip_count) out->clips = upload(gl, batch, 3 * (int)batch->clip_count, 3, staging);

@@ -124,6 +124,7 @@ static void test_gradients(void **state) {
     assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, NULL), PSPLAT_OK);
     const psplat_batch *uncut = psplat_asset_batch(asset, 0), *cut = psplat_asset_batch(asset, 1);
     assert_int_equal(uncut->attributes[4].components, 3);
+    assert_true(uncut->has_gamma && !cut->has_gamma);
     assert_int_equal(cut->attributes[4].components, 2);
     for (size_t i = 0; i < 2; ++i)
         assert_memory_equal(uncut->splats[i].gradient, splat[i].gradient, 3 * sizeof(float));

@@ -83,6 +83,7 @@ typedef struct psplat_batch {
     float bounds_min[3]; /* box around the unclipped ellipses, object space */
     float bounds_max[3];
     int has_color;                      /* 0: color is 1 1 1 1 in every splat */
+    int has_gamma;                      /* 0: gradient[2] is 0 in every splat */
     const psplat_attribute *attributes; /* attribute_count of them, in the order of spec 3.2 */
     size_t attribute_count;
 } psplat_batch;
