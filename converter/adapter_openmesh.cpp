@@ -16,7 +16,9 @@
 #include <OpenMesh/Core/IO/reader/STLReader.hh>
 #include <OpenMesh/Core/System/omstream.hh>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <exception>
 #include <istream>
 #include <new>
@@ -241,18 +243,19 @@ float linear_of_srgb(float value) {
     return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
 }
 
+void store_color(const Vec4f &color, float *linear) {
+    for (size_t k = 0; k < 3; ++k) linear[k] = linear_of_srgb(color[k]);
+    linear[3] = std::fmin(std::fmax(color[3], 0.0f), 1.0f);
+}
+
 void store_corner(const Collector &collector, size_t corner, psplat_mesh &mesh, size_t target) {
     uint32_t vertex = collector.corners[corner];
     mesh.triangles[target] = vertex;
     if (mesh.corner_normals)
         for (size_t k = 0; k < 3; ++k)
             mesh.corner_normals[target * 3 + k] = collector.corner_normals[corner][k];
-    if (mesh.corner_colors) {
-        const Vec4f &color = collector.vertex_colors[vertex];
-        for (size_t k = 0; k < 3; ++k)
-            mesh.corner_colors[target * 4 + k] = linear_of_srgb(color[k]);
-        mesh.corner_colors[target * 4 + 3] = std::fmin(std::fmax(color[3], 0.0f), 1.0f);
-    }
+    if (mesh.corner_colors)
+        store_color(collector.vertex_colors[vertex], mesh.corner_colors + target * 4);
 }
 
 void store_positions(const Collector &collector, const psplat_source &source, psplat_mesh &mesh) {
@@ -303,20 +306,64 @@ psplat_result store(const Collector &collector, const psplat_source &source, psp
     return store_faces(collector, mesh, error);
 }
 
+float *float_array(size_t count) {
+    auto *values = static_cast<float *>(std::malloc((count + 1) * sizeof(float)));
+    if (!values) throw std::bad_alloc();
+    return values;
+}
+
+/* What was allocated before a failure is the caller's to free. */
+void store_points(const Collector &collector, const psplat_source &source, psplat_points &points) {
+    size_t count = points.count = source.vertices;
+    points.positions = static_cast<double *>(std::malloc((3 * count + 1) * sizeof(double)));
+    if (!points.positions) throw std::bad_alloc();
+    std::copy(source.positions, source.positions + 3 * count, points.positions);
+    if (collector.has_normals) {
+        points.normals = float_array(3 * count);
+        for (size_t i = 0; i < 3 * count; ++i)
+            points.normals[i] = collector.vertex_normals[i / 3][i % 3];
+    }
+    if (collector.has_colors) {
+        points.colors = float_array(4 * count);
+        for (size_t i = 0; i < count; ++i)
+            store_color(collector.vertex_colors[i], points.colors + 4 * i);
+    }
+}
+
+/* Runs read, and turns what it throws into a code and a text. */
+template <typename Read>
+psplat_result guarded(const psplat_source &source, psplat_error *error, Read read) {
+    try {
+        return read();
+    } catch (const std::bad_alloc &) {
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "%s: out of memory", source.path);
+    } catch (const std::exception &exception) {
+        return psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: OpenMesh: %s", source.path,
+                           exception.what());
+    }
+}
+
 } // namespace
+
+psplat_result psplat_points_read_openmesh(const psplat_source *source, psplat_points *points,
+                                          psplat_error *error) {
+    return guarded(*source, error, [&] {
+        Collector collector(false);
+        if (!parse(*source, collector) || collector.points.size() != source->vertices)
+            return psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: OpenMesh cannot read it",
+                               source->path);
+        store_points(collector, *source, *points);
+        return PSPLAT_OK;
+    });
+}
 
 psplat_result psplat_mesh_read_openmesh(const psplat_source *source, psplat_mesh *mesh,
                                         psplat_error *error) {
-    try {
+    return guarded(*source, error, [&] {
         Collector collector(source->format == PSPLAT_SOURCE_OBJ);
         if (!parse(*source, collector))
             return psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: OpenMesh cannot read it",
                                source->path);
         return store(collector, *source, *mesh, error);
-    } catch (const std::bad_alloc &) {
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "%s: out of memory", source->path);
-    } catch (const std::exception &exception) {
-        return psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: OpenMesh: %s", source->path,
-                           exception.what());
-    }
+    });
 }

@@ -71,8 +71,7 @@ static psplat_result check_counts(psplat_source *source, off_state *state, pspla
         return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_RANGE,
                                  "%zu vertices and %zu faces do not fit into the file of %zu bytes",
                                  source->vertices, faces, source->size);
-    if (faces == 0)
-        return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_NO_SPLATS, "no faces");
+    source->is_point_set = faces == 0;
     source->positions = malloc((source->vertices + 1) * 3 * sizeof(double));
     if (!source->positions)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "%s: out of memory", source->path);

@@ -108,8 +108,11 @@ static psplat_result read_element(ply_state *state, ply_element **element, pspla
     char *name = psplat_lines_token(&state->lines, &length);
     *element = NULL;
     if (is_word(name, length, "vertex") && !state->face.present) *element = &state->vertex;
-    if (is_word(name, length, "face") && state->vertex.present) *element = &state->face;
-    if (!*element && state->face.present) {
+    if (is_word(name, length, "face") && state->vertex.present && !state->beyond_faces)
+        *element = &state->face;
+    /* What follows the faces, or the vertices of a point set, is not read. */
+    int is_face = is_word(name, length, "face") && !state->face.present;
+    if (!*element && state->vertex.present && !is_face) {
         state->beyond_faces = 1;
         return PSPLAT_OK;
     }
@@ -216,8 +219,9 @@ static psplat_result check_properties(ply_state *state, psplat_error *error) {
                                "%s: header: face property '%s' counts in floats", path,
                                property->name);
     }
-    if (state->face.count == 0 || lists == 0)
-        return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: header: no faces (a point set?)",
+    state->source->is_point_set = state->face.count == 0;
+    if (state->face.count && lists == 0)
+        return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: header: faces without corners",
                            path);
     if (lists > 1)
         return psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: header: two lists of corners", path);

@@ -42,14 +42,39 @@ typedef struct psplat_mesh {
     double origin[3];
     psplat_material material; /* factors common to all triangles */
     size_t dropped;           /* triangles dropped as degenerate */
+    /* Of a point set: all its points, and for each a triangle that it lies on or beside. The
+     * triangles tell then which points are neighbours, and where the set has holes and ends;
+     * distances are measured to the points as well. NULL for a mesh. */
+    double *points;            /* point_count x 3 */
+    uint32_t *point_triangles; /* point_count */
+    size_t point_count;
 } psplat_mesh;
 
 /* Reads any supported file, chosen by its content first and its extension second (.obj .ply .off
- * .stl .gltf .glb). Checks indices and that every used coordinate is finite, welds vertices of
- * equal position, orients triangles alike, drops those without area, recentres. Errors name the place; READ, FORMAT,
- * RANGE, UNSUPPORTED, NO_SPLATS (no triangle with area), MEMORY. */
+ * .stl .gltf .glb .xyz .pts .asc). Checks indices and that every used coordinate is finite, welds
+ * vertices of equal position, orients triangles alike, drops those without area, recentres. PLY and
+ * OFF without faces and XYZ are point sets. Errors name the place; READ, FORMAT, RANGE, UNSUPPORTED,
+ * NO_SPLATS (no triangle with area, or no surface through the points), MEMORY. */
 psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error *error);
 void psplat_mesh_free(psplat_mesh *mesh);
+
+/* ---- points.c: points of a surface, without triangles ------------------------------------- */
+
+typedef struct psplat_points {
+    double *positions; /* count x 3 */
+    float *normals;    /* count x 3, of any length (0: unknown) and either side; or NULL */
+    float *colors;     /* count x 4 linear RGBA, or NULL */
+    size_t count;
+} psplat_points;
+
+/* Connects points to a mesh through them: no point is moved, gaps of some four times the local
+ * spacing stay gaps. Normals that agree on what is outside decide about it; otherwise they are lines
+ * without direction. Without normals the mesh has none either. Deterministic. Sets everything of
+ * the mesh but the material, double_sided excepted. Errors: NO_SPLATS (no points, or none that span a
+ * surface), RANGE (not finite, too many), MEMORY. */
+psplat_result psplat_mesh_from_points(const psplat_points *points, psplat_mesh *mesh,
+                                      psplat_error *error);
+void psplat_points_free(psplat_points *points);
 
 /* ---- convert.c: the whole conversion ------------------------------------------------------ */
 

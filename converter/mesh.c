@@ -40,6 +40,8 @@ void psplat_mesh_free(psplat_mesh *mesh) {
     free(mesh->corner_normals);
     free(mesh->corner_colors);
     free(mesh->groups);
+    free(mesh->points);
+    free(mesh->point_triangles);
     *mesh = (psplat_mesh){0};
 }
 
@@ -143,6 +145,31 @@ static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, pspla
     return PSPLAT_OK;
 }
 
+static psplat_result read_points(psplat_source *source, psplat_mesh *mesh, psplat_error *error) {
+    psplat_points points = {0};
+    psplat_error cause = {0};
+    psplat_result result = source->format == PSPLAT_SOURCE_XYZ
+                               ? psplat_points_read_xyz(source, &points, error)
+                               : psplat_points_read_openmesh(source, &points, error);
+    psplat_source_free(source); /* before the points take memory for their neighbours */
+    if (!result) {
+        result = psplat_mesh_from_points(&points, mesh, &cause);
+        if (result)
+            psplat_fail(error, result, cause.offset, "%s: %s", source->path, cause.text);
+    }
+    psplat_points_free(&points);
+    if (result) return result;
+    default_material(mesh, !mesh->material.double_sided);
+    fold_uniform_color(mesh);
+    return PSPLAT_OK;
+}
+
+static psplat_result read_mesh(psplat_source *source, psplat_mesh *mesh, psplat_error *error) {
+    psplat_result result = is_gltf(source) ? psplat_mesh_read_tinygltf(source, mesh, error)
+                                           : psplat_mesh_read_openmesh(source, mesh, error);
+    return result ? result : clean(mesh, source, error);
+}
+
 psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error *error) {
     if (!path || !mesh)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
@@ -153,9 +180,8 @@ psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error
     if (result) return result;
     result = check(&source, error);
     if (!result)
-        result = is_gltf(&source) ? psplat_mesh_read_tinygltf(&source, mesh, error)
-                                  : psplat_mesh_read_openmesh(&source, mesh, error);
-    if (!result) result = clean(mesh, &source, error);
+        result = source.is_point_set ? read_points(&source, mesh, error)
+                                     : read_mesh(&source, mesh, error);
     if (result) psplat_mesh_free(mesh);
     psplat_source_free(&source);
     return result;

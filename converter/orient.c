@@ -91,9 +91,11 @@ static component survey(const flood *f, size_t begin, size_t end) {
     return c;
 }
 
-/* Whether the side that the flood made the front is the back. */
-static int is_inverted(const component *c) {
+/* Whether the side that the flood made the front is the back. Triangles through a point set had no
+ * orientation before. */
+static int is_inverted(const component *c, int is_point_set) {
     if (fabs(c->hint) > clear_hint * c->area) return c->hint < 0;
+    if (is_point_set) return c->closed && c->volume < 0;
     if (c->flipped_area <= (1 - clear_majority) * c->area) return 0;
     if (c->flipped_area >= clear_majority * c->area) return 1;
     return c->closed ? c->volume < 0 : c->flipped_area > 0.5 * c->area;
@@ -127,7 +129,7 @@ static void orient(flood *f) {
         if (f->state[seed] != UNSEEN) continue;
         size_t end = spread(f, seed, begin);
         component c = survey(f, begin, end);
-        if (is_inverted(&c))
+        if (is_inverted(&c, f->mesh->point_count > 0))
             for (size_t at = begin; at < end; ++at) f->state[f->queue[at]] ^= 1;
         begin = end;
     }

@@ -199,6 +199,28 @@ static int offer_missed(sample_buffer *buffer, const psplat_surface *surface) {
     return ok;
 }
 
+/* The points of a point set, thinned as other samples are. */
+static int offer_points(sample_buffer *buffer, thin_grid *grid, const psplat_surface *surface,
+                        double spacing) {
+    const psplat_mesh *mesh = surface->mesh;
+    for (size_t i = 0; i < mesh->point_count; ++i)
+        if (!offer(buffer, grid, surface, mesh->point_triangles[i], mesh->points + 3 * i, spacing))
+            return 0;
+    return 1;
+}
+
+/* The points of a point set, or about `most` of them where there are more. */
+static int push_points(sample_buffer *buffer, const psplat_surface *surface, size_t most,
+                       uint64_t seed) {
+    const psplat_mesh *mesh = surface->mesh;
+    double part = (double)most / (double)(mesh->point_count + 1);
+    for (size_t i = 0; i < mesh->point_count; ++i)
+        if (psplat_random_unit(&seed) < part &&
+            !buffer_push(buffer, surface, mesh->point_triangles[i], mesh->points + 3 * i))
+            return 0;
+    return 1;
+}
+
 typedef int take_points(void *user, uint32_t triangle, const double *points, size_t count);
 
 /* Hands about `total` uniform random points of the surface to take, triangle by triangle: each gets
@@ -307,6 +329,7 @@ psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing,
     int ok = grid_create(&thin.grid, (size_t)expected, spacing) &&
              buffer_reserve(&buffer, (size_t)expected, surface->mesh->corner_colors != NULL) &&
              offer_creases(&buffer, &thin.grid, surface, spacing / 2) &&
+             offer_points(&buffer, &thin.grid, surface, spacing) &&
              throw_points(surface, offered * expected, seed, take_thinned, &thin) &&
              offer_missed(&buffer, surface);
     grid_free(&thin.grid);
@@ -318,7 +341,8 @@ psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t 
                                           psplat_error *error) {
     sample_buffer buffer = {0};
     thinning all = {.buffer = &buffer, .surface = surface};
-    int ok = throw_points(surface, (double)count, seed, take_all, &all);
+    int ok = push_points(&buffer, surface, count, seed) &&
+             throw_points(surface, (double)count, seed, take_all, &all);
     return finish(&buffer, ok, surface, samples, error);
 }
 

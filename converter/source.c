@@ -108,6 +108,25 @@ static int is_obj(const char *text) {
     return 0;
 }
 
+/* Points as text have no magic either: their first line that is neither empty nor a comment holds
+ * numbers alone, as many as a point has, or their count. */
+static int is_xyz(const char *text) {
+    size_t numbers = 0;
+    text = skip_blanks(text);
+    while (*text == '#' || starts_with(text, "//")) {
+        text += strcspn(text, "\n");
+        text = skip_blanks(text);
+    }
+    while (*text && *text != '\n' && *text != '#') {
+        char *end;
+        strtod(text, &end);
+        if (end == text) return 0;
+        text = end + strspn(end, " \t\r,;");
+        ++numbers;
+    }
+    return numbers == 1 || (numbers >= 3 && numbers <= 10);
+}
+
 static psplat_source_format format_of_content(const psplat_source *source) {
     const char *text = source->data;
     if (starts_with(text, "glTF")) return PSPLAT_SOURCE_GLB;
@@ -120,6 +139,7 @@ static psplat_source_format format_of_content(const psplat_source *source) {
     if (is_binary_stl(source)) return PSPLAT_SOURCE_STL_BINARY;
     if (starts_with_any_case(skip_blanks(text), "solid")) return PSPLAT_SOURCE_STL_TEXT;
     if (is_obj(text)) return PSPLAT_SOURCE_OBJ;
+    if (is_xyz(text)) return PSPLAT_SOURCE_XYZ;
     return PSPLAT_SOURCE_UNKNOWN;
 }
 
@@ -140,13 +160,16 @@ static psplat_result recognise(psplat_source *source, psplat_error *error) {
     if (source->format) return PSPLAT_OK;
     if (has_extension(source->file, ".obj")) source->format = PSPLAT_SOURCE_OBJ;
     if (has_extension(source->file, ".stl")) source->format = PSPLAT_SOURCE_STL_BINARY;
+    if (has_extension(source->file, ".xyz") || has_extension(source->file, ".pts") ||
+        has_extension(source->file, ".asc"))
+        source->format = PSPLAT_SOURCE_XYZ;
     if (source->format) return PSPLAT_OK;
     for (size_t i = 0; i < sizeof magics / sizeof *magics; ++i)
         if (has_extension(source->file, magics[i][0]))
             return psplat_fail(error, PSPLAT_ERROR_FORMAT, 0,
                                "%s: byte 0: does not begin with '%s'", source->path, magics[i][1]);
     return psplat_fail(error, PSPLAT_ERROR_UNSUPPORTED, 0,
-                       "%s: not a mesh this program reads (OBJ, PLY, OFF, STL, glTF, GLB)",
+                       "%s: not a mesh this program reads (OBJ, PLY, OFF, STL, glTF, GLB, XYZ)",
                        source->path);
 }
 
@@ -158,6 +181,7 @@ psplat_result psplat_source_load(const char *path, psplat_source *source, psplat
     if (source->size == 0)
         result = psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: the file is empty", source->path);
     if (!result) result = recognise(source, error);
+    source->is_point_set = source->format == PSPLAT_SOURCE_XYZ;
     if (result) psplat_source_free(source);
     return result;
 }

@@ -31,7 +31,8 @@ typedef enum psplat_source_format {
     PSPLAT_SOURCE_STL_TEXT,
     PSPLAT_SOURCE_STL_BINARY,
     PSPLAT_SOURCE_GLTF,
-    PSPLAT_SOURCE_GLB
+    PSPLAT_SOURCE_GLB,
+    PSPLAT_SOURCE_XYZ
 } psplat_source_format;
 
 /* A file and what the checks found out about it. Zero-initialise; psplat_source_free releases. */
@@ -45,6 +46,7 @@ typedef struct psplat_source {
     size_t faces;      /* in the file, less the dropped ones */
     size_t dropped;    /* faces with fewer than three different vertices */
     int has_colors;    /* every vertex has a colour */
+    int is_point_set;  /* vertices alone, no faces */
     double *positions; /* vertices x 3, where the file says more than single precision; or NULL */
 } psplat_source;
 
@@ -141,6 +143,13 @@ psplat_result psplat_mesh_read_openmesh(const psplat_source *source, psplat_mesh
                                         psplat_error *error);
 psplat_result psplat_mesh_read_tinygltf(const psplat_source *source, psplat_mesh *mesh,
                                         psplat_error *error);
+
+/* Point sets: adapter_openmesh.cpp (PLY and OFF without faces), and xyz.c, which checks as it reads.
+ */
+psplat_result psplat_points_read_openmesh(const psplat_source *source, psplat_points *points,
+                                          psplat_error *error);
+psplat_result psplat_points_read_xyz(psplat_source *source, psplat_points *points,
+                                     psplat_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * adapter_points.cpp - what CGAL does for point sets: nearest neighbours, and triangles through the
+ * points. No exception and no C++ type leaves this file.
+ */
+#include "points.h"
+
+#include <CGAL/Advancing_front_surface_reconstruction.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Orthogonal_k_neighbor_search.h>
+#include <CGAL/Search_traits_3.h>
+#include <CGAL/Search_traits_adapter.h>
+#include <CGAL/property_map.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+#include <iterator>
+#include <vector>
+
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_3;
+
+std::vector<Point> points_of(const double *positions, size_t count) {
+    std::vector<Point> points;
+    points.reserve(count);
+    for (size_t i = 0; i < count; ++i)
+        points.emplace_back(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]);
+    return points;
+}
+
+/* The front prints what it stumbles over to std::cerr; it goes on all the same, and so do we. */
+class Silence {
+  public:
+    Silence() : buffer_(std::cerr.rdbuf(nullptr)) {
+    }
+    ~Silence() {
+        std::cerr.rdbuf(buffer_);
+        std::cerr.clear();
+    }
+    Silence(const Silence &) = delete;
+    Silence &operator=(const Silence &) = delete;
+
+  private:
+    std::streambuf *buffer_;
+};
+
+/* Small Delaunay spheres first, as is the default, but none for edges beyond the reach of an end:
+ * what is wider is a hole of the scan. */
+struct Priority {
+    const double *reach;
+
+    template <typename Front, typename Cell>
+    double operator()(const Front &front, Cell &cell, const int &index) const {
+        double radius = front.smallest_radius_delaunay_sphere(cell, index);
+        if (radius == front.infinity()) return radius;
+        for (int k = 1; k < 4; ++k) {
+            const auto &a = *cell->vertex((index + k) & 3);
+            const auto &b = *cell->vertex((index + k % 3 + 1) & 3);
+            double least = std::min(reach[a.id()], reach[b.id()]);
+            if (CGAL::squared_distance(a.point(), b.point()) > least * least)
+                return front.infinity();
+        }
+        return radius;
+    }
+};
+
+} // namespace
+
+extern "C" psplat_result psplat_points_neighbors(const double *positions, size_t count,
+                                                 uint32_t *neighbors) try {
+    using Base = CGAL::Search_traits_3<Kernel>;
+    using Map = CGAL::Pointer_property_map<Point>::const_type;
+    using Traits = CGAL::Search_traits_adapter<uint32_t, Map, Base>;
+    using Search = CGAL::Orthogonal_k_neighbor_search<Traits>;
+    const std::vector<Point> points = points_of(positions, count);
+    std::vector<uint32_t> indices(count);
+    for (uint32_t i = 0; i < count; ++i) indices[i] = i;
+    Map map = CGAL::make_property_map(points);
+    Search::Tree tree(indices.begin(), indices.end(), Search::Splitter(), Traits(map));
+    Search::Distance distance(map);
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t *own = neighbors + size_t{i} * PSPLAT_NEIGHBORS;
+        size_t found = 0;
+        Search search(tree, points[i], PSPLAT_NEIGHBORS + 1, 0, true, distance);
+        for (const auto &neighbor : search)
+            if (neighbor.first != i && found < PSPLAT_NEIGHBORS) own[found++] = neighbor.first;
+        while (found < PSPLAT_NEIGHBORS) own[found++] = PSPLAT_NO_POINT;
+    }
+    return PSPLAT_OK;
+} catch (...) {
+    return PSPLAT_ERROR_MEMORY;
+}
+
+extern "C" psplat_result psplat_points_front(const double *positions, const double *reach,
+                                             size_t count, uint32_t **triangles,
+                                             size_t *triangle_count) try {
+    const std::vector<Point> points = points_of(positions, count);
+    std::vector<std::array<size_t, 3>> faces;
+    {
+        Silence silence;
+        CGAL::advancing_front_surface_reconstruction(points.begin(), points.end(),
+                                                     std::back_inserter(faces), Priority{reach});
+    }
+    *triangle_count = faces.size();
+    *triangles = static_cast<uint32_t *>(std::malloc((3 * faces.size() + 1) * sizeof(uint32_t)));
+    if (!*triangles) return PSPLAT_ERROR_MEMORY;
+    uint32_t *target = *triangles;
+    for (const auto &face : faces)
+        for (size_t corner : face) *target++ = static_cast<uint32_t>(corner);
+    return PSPLAT_OK;
+} catch (...) {
+    return PSPLAT_ERROR_MEMORY;
+}

@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * points.c - from a point set to a mesh through its points.
+ */
+#include "points.h"
+#include "source.h"
+#include "stages.h"
+#include "vector.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Parts of the diagonal: points closer than single precision tells apart are one; where there are
+ * too many, the first distance that is tried, and how it grows. */
+static const double same_point = 1e-7;
+static const double thin_radius = 5e-4;
+static const double thin_growth = 1.2;
+/* More are not connected: three-dimensional Delaunay triangulations take 30 microseconds and 1.4 kB a
+ * point, and splats are larger than the gaps between so many. */
+enum { MOST_CONNECTED = 200000 };
+/* Longest edge, in distances to the last of the neighbours, which is 1.4 spacings of a grid. */
+static const double reach = 4;
+/* Normals of neighbours at the same height over each other, in parts of their distance, that face
+ * away from each other: noise, or normals without direction. */
+static const double level_height = 0.05;
+static const double most_opposed = 0.05;
+/* How far points of one sheet are moved from those of the other, while connecting: in spacings. */
+static const double sheet_offset = 1;
+
+static void cloud_free(psplat_cloud *cloud) {
+    free(cloud->positions);
+    free(cloud->normals);
+    free(cloud->kept);
+    free(cloud->owners);
+    free(cloud->kept_positions);
+    free(cloud->kept_normals);
+    free(cloud->neighbors);
+    free(cloud->spacings);
+    free(cloud->triangles);
+}
+
+void psplat_points_free(psplat_points *points) {
+    if (!points) return;
+    free(points->positions);
+    free(points->normals);
+    free(points->colors);
+    *points = (psplat_points){0};
+}
+
+static psplat_result check_points(const psplat_points *points, psplat_error *error) {
+    if (points->count == 0) return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "no points");
+    if (points->count > PSPLAT_MAX_VERTICES)
+        return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "%zu points; at most %u are read",
+                           points->count, PSPLAT_MAX_VERTICES);
+    for (size_t i = 0; i < 3 * points->count; ++i)
+        if (!isfinite(points->positions[i]))
+            return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                               "point %zu: a coordinate is not finite", i / 3);
+    return PSPLAT_OK;
+}
+
+/* Centres the points and scales them to a diagonal of 1. */
+static psplat_result centre(psplat_cloud *cloud, psplat_error *error) {
+    const psplat_points *points = cloud->points;
+    double low[3], high[3], extent[3];
+    memcpy(low, points->positions, sizeof low);
+    memcpy(high, points->positions, sizeof high);
+    for (size_t i = 0; i < 3 * points->count; ++i) {
+        low[i % 3] = min2(low[i % 3], points->positions[i]);
+        high[i % 3] = max2(high[i % 3], points->positions[i]);
+    }
+    sub3(extent, high, low);
+    cloud->unit = hypot(hypot(extent[0], extent[1]), extent[2]);
+    if (!(cloud->unit > 0) || !isfinite(cloud->unit))
+        return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "all points are at one place");
+    for (int k = 0; k < 3; ++k) cloud->origin[k] = low[k] / 2 + high[k] / 2;
+    for (size_t i = 0; i < 3 * points->count; ++i)
+        cloud->positions[i] = (points->positions[i] - cloud->origin[i % 3]) / cloud->unit;
+    return PSPLAT_OK;
+}
+
+static void normalise(psplat_cloud *cloud) {
+    for (size_t i = 0; i < cloud->points->count && cloud->normals; ++i) {
+        const float *from = cloud->points->normals + 3 * i;
+        double n[3] = {(double)from[0], (double)from[1], (double)from[2]};
+        double length = normalize3(n);
+        for (size_t k = 0; k < 3; ++k)
+            cloud->normals[3 * i + k] = isfinite(length) && length > 0 ? (float)n[k] : 0;
+    }
+}
+
+/* ---- the points that are connected -------------------------------------------------------- */
+
+static int thin(psplat_cloud *cloud, const float *normals) {
+    double radius = same_point;
+    do {
+        cloud->kept_count = psplat_points_thin(cloud->positions, normals, cloud->points->count,
+                                               radius, cloud->kept, cloud->owners);
+        radius = max2(thin_radius, radius * thin_growth);
+    } while (cloud->kept_count > MOST_CONNECTED);
+    return cloud->kept_count > 0;
+}
+
+static double distance(const double *positions, uint32_t a, uint32_t b) {
+    double d[3];
+    sub3(d, positions + 3 * (size_t)a, positions + 3 * (size_t)b);
+    return length3(d);
+}
+
+/* Copies what is kept and finds its neighbours and spacings. */
+static psplat_result find_neighbors(psplat_cloud *cloud) {
+    size_t count = cloud->kept_count;
+    for (size_t i = 0; i < count; ++i) {
+        memcpy(cloud->kept_positions + 3 * i, cloud->positions + 3 * (size_t)cloud->kept[i],
+               3 * sizeof(double));
+        if (cloud->normals)
+            memcpy(cloud->kept_normals + 3 * i, cloud->normals + 3 * (size_t)cloud->kept[i],
+                   3 * sizeof(float));
+    }
+    psplat_result result =
+        psplat_points_neighbors(cloud->kept_positions, count, cloud->neighbors);
+    if (result) return result;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t *own = cloud->neighbors + PSPLAT_NEIGHBORS * (size_t)i;
+        cloud->spacings[i] = 0;
+        for (int k = 0; k < PSPLAT_NEIGHBORS && own[k] != PSPLAT_NO_POINT; ++k)
+            cloud->spacings[i] = distance(cloud->kept_positions, i, own[k]);
+    }
+    return PSPLAT_OK;
+}
+
+static double normals_dot(const psplat_cloud *cloud, uint32_t a, uint32_t b) {
+    const float *m = cloud->kept_normals + 3 * (size_t)a, *n = cloud->kept_normals + 3 * (size_t)b;
+    return (double)(m[0] * n[0] + m[1] * n[1] + m[2] * n[2]);
+}
+
+/* How far b is from the tangent plane of a, in parts of their distance. */
+static double relative_height(const psplat_cloud *cloud, uint32_t a, uint32_t b) {
+    const float *n = cloud->kept_normals + 3 * (size_t)a;
+    double d[3];
+    sub3(d, cloud->kept_positions + 3 * (size_t)b, cloud->kept_positions + 3 * (size_t)a);
+    double length = normalize3(d);
+    double height = (double)n[0] * d[0] + (double)n[1] * d[1] + (double)n[2] * d[2];
+    return length > 0 ? fabs(height) : 0;
+}
+
+/* Whether the normals agree about which side is outside. Two sheets do, however close. */
+static int normals_agree(const psplat_cloud *cloud) {
+    size_t level = 0, opposed = 0;
+    for (uint32_t i = 0; i < cloud->kept_count; ++i)
+        for (int k = 0; k < PSPLAT_NEIGHBORS; ++k) {
+            uint32_t other = cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)i + (size_t)k];
+            if (other == PSPLAT_NO_POINT) break;
+            if (relative_height(cloud, i, other) > level_height) continue;
+            ++level;
+            opposed += normals_dot(cloud, i, other) < 0;
+        }
+    return (double)opposed <= most_opposed * (double)level;
+}
+
+static psplat_result choose_points(psplat_cloud *cloud, int *sides) {
+    *sides = 0;
+    if (!thin(cloud, cloud->normals)) return PSPLAT_ERROR_MEMORY;
+    psplat_result result = find_neighbors(cloud);
+    if (result || !cloud->normals) return result;
+    *sides = normals_agree(cloud);
+    if (*sides || cloud->kept_count == cloud->points->count) return PSPLAT_OK;
+    if (!thin(cloud, NULL)) return PSPLAT_ERROR_MEMORY;
+    return find_neighbors(cloud);
+}
+
+/* ---- the front ---------------------------------------------------------------------------- */
+
+static int compare_doubles(const void *left, const void *right) {
+    const double *a = left, *b = right;
+    return *a < *b ? -1 : *a > *b;
+}
+
+/* Makes the median spacing 1, which CGAL's front wants since it has absolute thresholds. */
+static int rescale(psplat_cloud *cloud) {
+    size_t count = cloud->kept_count;
+    double *sorted = malloc((count + 1) * sizeof *sorted);
+    if (!sorted) return 0;
+    memcpy(sorted, cloud->spacings, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, compare_doubles);
+    double median = sorted[count / 2];
+    free(sorted);
+    if (!(median > 0)) return 1;
+    cloud->unit *= median;
+    for (size_t i = 0; i < 3 * cloud->points->count; ++i) cloud->positions[i] /= median;
+    for (size_t i = 0; i < 3 * count; ++i) cloud->kept_positions[i] /= median;
+    for (size_t i = 0; i < count; ++i) cloud->spacings[i] /= median;
+    return 1;
+}
+
+/* Moves points that have neighbours on the other side of a thin sheet to their own side, so that
+ * the front follows either sheet instead of running between them. */
+static void part_sheets(const psplat_cloud *cloud, double *positions) {
+    for (uint32_t i = 0; i < cloud->kept_count; ++i) {
+        int opposed = 0;
+        for (int k = 0; k < PSPLAT_NEIGHBORS; ++k) {
+            uint32_t other = cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)i + (size_t)k];
+            if (other != PSPLAT_NO_POINT) opposed |= normals_dot(cloud, i, other) < -0.5;
+        }
+        if (!opposed) continue;
+        for (size_t k = 0; k < 3; ++k)
+            positions[3 * (size_t)i + k] +=
+                sheet_offset * cloud->spacings[i] *
+                (double)cloud->kept_normals[3 * (size_t)i + k];
+    }
+}
+
+/* Drops triangles whose corners are on a line, as far as double precision tells. */
+static void drop_flat(psplat_cloud *cloud) {
+    size_t kept = 0;
+    for (size_t t = 0; t < cloud->triangle_count; ++t) {
+        const uint32_t *corners = cloud->triangles + 3 * t;
+        const double *a = cloud->kept_positions + 3 * (size_t)corners[0];
+        double ab[3], ac[3], n[3];
+        sub3(ab, cloud->kept_positions + 3 * (size_t)corners[1], a);
+        sub3(ac, cloud->kept_positions + 3 * (size_t)corners[2], a);
+        cross3(n, ab, ac);
+        if (length3(n) <= 1e-12 * (dot3(ab, ab) + dot3(ac, ac))) continue;
+        memmove(cloud->triangles + 3 * kept++, corners, 3 * sizeof *corners);
+    }
+    cloud->triangle_count = kept;
+}
+
+/* Turns the front to where the normals point, if they agree, and else outwards. */
+static psplat_result orient(psplat_cloud *cloud, int sides) {
+    size_t corners = 3 * cloud->triangle_count, borders = 0;
+    psplat_mesh front = {.positions = cloud->kept_positions,
+                         .triangles = cloud->triangles,
+                         .vertex_count = cloud->kept_count,
+                         .triangle_count = cloud->triangle_count,
+                         .point_count = cloud->points->count};
+    uint32_t *pairs = malloc((corners + 1) * sizeof *pairs);
+    if (sides) front.corner_normals = malloc((corners + 1) * 3 * sizeof(float));
+    psplat_result result = PSPLAT_ERROR_MEMORY;
+    if (pairs && (!sides || front.corner_normals)) {
+        for (size_t c = 0; c < corners && sides; ++c)
+            memcpy(front.corner_normals + 3 * c,
+                   cloud->kept_normals + 3 * (size_t)cloud->triangles[c], 3 * sizeof(float));
+        int consistent;
+        result = psplat_mesh_orient(&front, &consistent, NULL);
+        if (!result) result = psplat_edge_pairs(&front, pairs, &borders);
+        cloud->closed = consistent && !borders;
+    }
+    free(front.corner_normals);
+    free(pairs);
+    return result;
+}
+
+static psplat_result connect(psplat_cloud *cloud, int sides) {
+    size_t count = cloud->kept_count;
+    if (count < 3) return PSPLAT_OK;
+    double *positions = malloc(3 * count * sizeof(double));
+    double *reaches = malloc(count * sizeof(double));
+    psplat_result result = PSPLAT_ERROR_MEMORY;
+    if (positions && reaches && rescale(cloud)) {
+        memcpy(positions, cloud->kept_positions, 3 * count * sizeof(double));
+        for (size_t i = 0; i < count; ++i) reaches[i] = reach * cloud->spacings[i];
+        if (sides) part_sheets(cloud, positions);
+        result = psplat_points_front(positions, reaches, count, &cloud->triangles,
+                                     &cloud->triangle_count);
+    }
+    free(positions);
+    free(reaches);
+    if (result) return result;
+    drop_flat(cloud);
+    return orient(cloud, sides);
+}
+
+static int cloud_allocate(psplat_cloud *cloud) {
+    size_t count = cloud->points->count;
+    cloud->positions = malloc(count * 3 * sizeof(double));
+    cloud->kept = malloc(count * sizeof(uint32_t));
+    cloud->owners = malloc(count * sizeof(uint32_t));
+    cloud->kept_positions = malloc(count * 3 * sizeof(double));
+    cloud->neighbors = malloc(count * PSPLAT_NEIGHBORS * sizeof(uint32_t));
+    cloud->spacings = malloc(count * sizeof(double));
+    if (cloud->points->normals) {
+        cloud->normals = malloc(count * 3 * sizeof(float));
+        cloud->kept_normals = malloc(count * 3 * sizeof(float));
+        if (!cloud->normals || !cloud->kept_normals) return 0;
+    }
+    return cloud->positions && cloud->kept && cloud->owners && cloud->kept_positions &&
+           cloud->neighbors && cloud->spacings;
+}
+
+static psplat_result make_mesh(psplat_cloud *cloud, psplat_mesh *mesh, psplat_error *error) {
+    psplat_result result = PSPLAT_ERROR_MEMORY;
+    int sides;
+    if (cloud_allocate(cloud)) {
+        result = centre(cloud, error);
+        if (result) return result;
+        normalise(cloud);
+        result = choose_points(cloud, &sides);
+        if (!result) result = connect(cloud, sides);
+    }
+    if (result)
+        return psplat_fail(error, result, 0, "%zu points do not fit into memory",
+                           cloud->points->count);
+    if (cloud->triangle_count == 0 && !cloud->normals)
+        return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0,
+                           "%zu different points without normals span no surface",
+                           cloud->kept_count);
+    return psplat_points_attach(cloud, mesh, error);
+}
+
+psplat_result psplat_mesh_from_points(const psplat_points *points, psplat_mesh *mesh,
+                                      psplat_error *error) {
+    *mesh = (psplat_mesh){0};
+    psplat_cloud cloud = {.points = points};
+    psplat_result result = check_points(points, error);
+    if (!result) result = make_mesh(&cloud, mesh, error);
+    cloud_free(&cloud);
+    if (result) psplat_mesh_free(mesh);
+    return result;
+}
