@@ -4,6 +4,7 @@
  * points. No exception and no C++ type leaves this file.
  */
 #include "points.h"
+#include "stages.h"
 
 #include <CGAL/Advancing_front_surface_reconstruction.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -12,6 +13,7 @@
 #include <CGAL/Search_traits_adapter.h>
 #include <CGAL/property_map.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -48,8 +50,15 @@ class Silence {
     std::streambuf *buffer_;
 };
 
-/* Small Delaunay spheres first, as is the default, but none for edges beyond the reach of an end:
- * what is wider is a hole of the scan. */
+/* A number 0 ... 1 for a triangle, whatever the order of its corners. */
+double noise_of(uint64_t a, uint64_t b, uint64_t c) {
+    uint64_t state = (a + b + c) * 0x9e3779b97f4a7c15u ^ (a * b + b * c + c * a);
+    return psplat_random_unit(&state);
+}
+
+/* Small Delaunay spheres first, as is the default, but none for edges beyond the reach of their
+ * ends: what is wider is a hole of the scan. Equal spheres, of which grids are full, would be taken
+ * in the order of their addresses: a part in a million of noise makes the order ours. */
 struct Priority {
     const double *reach;
 
@@ -57,16 +66,24 @@ struct Priority {
     double operator()(const Front &front, Cell &cell, const int &index) const {
         double radius = front.smallest_radius_delaunay_sphere(cell, index);
         if (radius == front.infinity()) return radius;
-        for (int k = 1; k < 4; ++k) {
-            const auto &a = *cell->vertex((index + k) & 3);
-            const auto &b = *cell->vertex((index + k % 3 + 1) & 3);
-            double least = std::min(reach[a.id()], reach[b.id()]);
-            if (CGAL::squared_distance(a.point(), b.point()) > least * least)
-                return front.infinity();
-        }
-        return radius;
+        const auto &a = *cell->vertex((index + 1) & 3);
+        const auto &b = *cell->vertex((index + 2) & 3);
+        const auto &c = *cell->vertex((index + 3) & 3);
+        if (is_far(a, b) || is_far(b, c) || is_far(c, a)) return front.infinity();
+        return radius * (1 + 1e-6 * noise_of(a.id(), b.id(), c.id()));
+    }
+
+  private:
+    template <typename Vertex> bool is_far(const Vertex &a, const Vertex &b) const {
+        return CGAL::squared_distance(a.point(), b.point()) > reach[a.id()] * reach[b.id()];
     }
 };
+
+/* Triangles in an order of their own, corners too: the front's depends on addresses. */
+void sort_faces(std::vector<std::array<size_t, 3>> &faces) {
+    for (auto &face : faces) std::sort(face.begin(), face.end());
+    std::sort(faces.begin(), faces.end());
+}
 
 } // namespace
 
@@ -105,6 +122,7 @@ extern "C" psplat_result psplat_points_front(const double *positions, const doub
         CGAL::advancing_front_surface_reconstruction(points.begin(), points.end(),
                                                      std::back_inserter(faces), Priority{reach});
     }
+    sort_faces(faces);
     *triangle_count = faces.size();
     *triangles = static_cast<uint32_t *>(std::malloc((3 * faces.size() + 1) * sizeof(uint32_t)));
     if (!*triangles) return PSPLAT_ERROR_MEMORY;

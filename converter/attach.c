@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Points up to this far from the front, in distances to the last of the neighbours, belong to it. */
+/* Points up to this far from the front, in distances to the last of the neighbours, belong to it.
+ */
 static const double beside = 0.5;
 /* Radius of discs, in distances to the nearest neighbour. */
 static const double disc_radius = 0.5;
@@ -21,9 +22,9 @@ enum { DISC_TRIANGLES = 3 };
 typedef struct attachment {
     const psplat_cloud *cloud;
     psplat_mesh *mesh;
-    uint32_t *starts, *fans;   /* triangles of each kept point: fans[starts[i] ... starts[i + 1]] */
-    uint32_t *owned;           /* triangle of each kept point */
-    uint32_t *discs;           /* kept points that get one */
+    uint32_t *starts, *fans; /* triangles of each kept point: fans[starts[i] ... starts[i + 1]] */
+    uint32_t *owned;         /* triangle of each kept point */
+    uint32_t *discs;         /* kept points that get one */
     size_t disc_count;
 } attachment;
 
@@ -56,7 +57,8 @@ static double triangle_distance(const psplat_cloud *cloud, uint32_t triangle, co
     int inside = 1;
     for (int k = 0; k < 3; ++k)
         memcpy(corners[k],
-               cloud->kept_positions + 3 * (size_t)cloud->triangles[3 * (size_t)triangle + (size_t)k],
+               cloud->kept_positions +
+                   3 * (size_t)cloud->triangles[3 * (size_t)triangle + (size_t)k],
                sizeof corners[k]);
     sub3(ab, corners[1], corners[0]);
     sub3(ac, corners[2], corners[0]);
@@ -76,8 +78,8 @@ static double triangle_distance(const psplat_cloud *cloud, uint32_t triangle, co
 }
 
 /* The nearest triangle around a kept point, where it is nearer than *distance. */
-static void nearest_of_fan(const attachment *a, uint32_t point, const double p[3],
-                           double *distance, uint32_t *triangle) {
+static void nearest_of_fan(const attachment *a, uint32_t point, const double p[3], double *distance,
+                           uint32_t *triangle) {
     for (uint32_t i = a->starts[point]; i < a->starts[point + 1]; ++i) {
         double d = triangle_distance(a->cloud, a->fans[i], p);
         if (d >= *distance) continue;
@@ -101,8 +103,7 @@ static void own_kept(attachment *a) {
             if (other != PSPLAT_NO_POINT) nearest_of_fan(a, other, p, &distance, &a->owned[i]);
         }
         if (a->owned[i] != PSPLAT_NONE) continue;
-        a->owned[i] =
-            (uint32_t)(cloud->triangle_count + DISC_TRIANGLES * a->disc_count);
+        a->owned[i] = (uint32_t)(cloud->triangle_count + DISC_TRIANGLES * a->disc_count);
         a->discs[a->disc_count++] = i;
     }
 }
@@ -120,8 +121,7 @@ static void own_all(const attachment *a) {
 /* ---- the mesh ------------------------------------------------------------------------------- */
 
 static void store_position(const attachment *a, size_t vertex, const double p[3]) {
-    for (size_t k = 0; k < 3; ++k)
-        a->mesh->positions[3 * vertex + k] = a->cloud->unit * p[k];
+    for (size_t k = 0; k < 3; ++k) a->mesh->positions[3 * vertex + k] = a->cloud->unit * p[k];
 }
 
 static void store_corner(const attachment *a, size_t corner, uint32_t vertex, uint32_t kept,
@@ -176,7 +176,8 @@ static void disc_normal(const psplat_cloud *cloud, uint32_t kept, double normal[
     const double *p = cloud->kept_positions + 3 * (size_t)kept;
     double moments[6] = {0}, values[3], vectors[3][3];
     for (int k = 0; k < 3; ++k)
-        normal[k] = cloud->kept_normals ? (double)cloud->kept_normals[3 * (size_t)kept + (size_t)k] : 0;
+        normal[k] =
+            cloud->kept_normals ? (double)cloud->kept_normals[3 * (size_t)kept + (size_t)k] : 0;
     if (normalize3(normal) > 0) return;
     for (int i = 0; i < PSPLAT_NEIGHBORS; ++i) {
         uint32_t other = cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)kept + (size_t)i];
@@ -201,8 +202,8 @@ static void store_disc(const attachment *a, size_t disc, size_t first_vertex) {
     disc_normal(cloud, kept, normal);
     perpendicular3(u, normal);
     cross3(v, normal, u);
-    sub3(nearest, cloud->kept_positions +
-                      3 * (size_t)cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)kept], p);
+    sub3(nearest,
+         cloud->kept_positions + 3 * (size_t)cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)kept], p);
     double radius = disc_radius * length3(nearest);
     store_position(a, first_vertex, p);
     for (size_t k = 0; k < DISC_TRIANGLES; ++k) {
@@ -226,10 +227,10 @@ static psplat_result store_mesh(attachment *a, psplat_error *error) {
     const psplat_cloud *cloud = a->cloud;
     size_t used = 0, count = cloud->points->count;
     for (size_t i = 0; i < cloud->kept_count; ++i) used += a->starts[i] < a->starts[i + 1];
-    psplat_result result = psplat_mesh_allocate(
-        a->mesh, used + (DISC_TRIANGLES + 1) * a->disc_count,
-        cloud->triangle_count + DISC_TRIANGLES * a->disc_count, cloud->normals != NULL,
-        cloud->points->colors != NULL, 0, error);
+    psplat_result result =
+        psplat_mesh_allocate(a->mesh, used + (DISC_TRIANGLES + 1) * a->disc_count,
+                             cloud->triangle_count + DISC_TRIANGLES * a->disc_count,
+                             cloud->normals != NULL, cloud->points->colors != NULL, 0, error);
     if (result) return result;
     a->mesh->points = malloc(count * 3 * sizeof(double));
     a->mesh->point_triangles = malloc(count * sizeof(uint32_t));
@@ -237,11 +238,9 @@ static psplat_result store_mesh(attachment *a, psplat_error *error) {
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for %zu points", count);
     a->mesh->point_count = count;
     memcpy(a->mesh->origin, cloud->origin, sizeof cloud->origin);
-    for (size_t i = 0; i < 3 * count; ++i)
-        a->mesh->points[i] = cloud->unit * cloud->positions[i];
+    for (size_t i = 0; i < 3 * count; ++i) a->mesh->points[i] = cloud->unit * cloud->positions[i];
     store_front(a);
-    for (size_t i = 0; i < a->disc_count; ++i)
-        store_disc(a, i, used + (DISC_TRIANGLES + 1) * i);
+    for (size_t i = 0; i < a->disc_count; ++i) store_disc(a, i, used + (DISC_TRIANGLES + 1) * i);
     own_all(a);
     a->mesh->material.double_sided = !cloud->closed || a->disc_count > 0;
     return PSPLAT_OK;

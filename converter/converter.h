@@ -53,8 +53,8 @@ typedef struct psplat_mesh {
 /* Reads any supported file, chosen by its content first and its extension second (.obj .ply .off
  * .stl .gltf .glb .xyz .pts .asc). Checks indices and that every used coordinate is finite, welds
  * vertices of equal position, orients triangles alike, drops those without area, recentres. PLY and
- * OFF without faces and XYZ are point sets. Errors name the place; READ, FORMAT, RANGE, UNSUPPORTED,
- * NO_SPLATS (no triangle with area, or no surface through the points), MEMORY. */
+ * OFF without faces and XYZ are point sets. Errors name the place; READ, FORMAT, RANGE,
+ * UNSUPPORTED, NO_SPLATS (no triangle with area, or no surface through the points), MEMORY. */
 psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error *error);
 void psplat_mesh_free(psplat_mesh *mesh);
 
@@ -68,10 +68,10 @@ typedef struct psplat_points {
 } psplat_points;
 
 /* Connects points to a mesh through them: no point is moved, gaps of some four times the local
- * spacing stay gaps. Normals that agree on what is outside decide about it; otherwise they are lines
- * without direction. Without normals the mesh has none either. Deterministic. Sets everything of
- * the mesh but the material, double_sided excepted. Errors: NO_SPLATS (no points, or none that span a
- * surface), RANGE (not finite, too many), MEMORY. */
+ * spacing stay gaps. Normals that agree on what is outside decide about it; otherwise they are
+ * lines without direction. Without normals the mesh has none either. Deterministic. Sets everything
+ * of the mesh but the material, double_sided excepted. Errors: NO_SPLATS (no points, or none that
+ * span a surface), RANGE (not finite, too many), MEMORY. */
 psplat_result psplat_mesh_from_points(const psplat_points *points, psplat_mesh *mesh,
                                       psplat_error *error);
 void psplat_points_free(psplat_points *points);

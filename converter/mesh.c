@@ -154,8 +154,7 @@ static psplat_result read_points(psplat_source *source, psplat_mesh *mesh, pspla
     psplat_source_free(source); /* before the points take memory for their neighbours */
     if (!result) {
         result = psplat_mesh_from_points(&points, mesh, &cause);
-        if (result)
-            psplat_fail(error, result, cause.offset, "%s: %s", source->path, cause.text);
+        if (result) psplat_fail(error, result, cause.offset, "%s: %s", source->path, cause.text);
     }
     psplat_points_free(&points);
     if (result) return result;

@@ -95,7 +95,7 @@ static component survey(const flood *f, size_t begin, size_t end) {
  * orientation before. */
 static int is_inverted(const component *c, int is_point_set) {
     if (fabs(c->hint) > clear_hint * c->area) return c->hint < 0;
-    if (is_point_set) return c->closed && c->volume < 0;
+    if (is_point_set) return c->volume < 0;
     if (c->flipped_area <= (1 - clear_majority) * c->area) return 0;
     if (c->flipped_area >= clear_majority * c->area) return 1;
     return c->closed ? c->volume < 0 : c->flipped_area > 0.5 * c->area;

@@ -15,8 +15,8 @@
 static const double same_point = 1e-7;
 static const double thin_radius = 5e-4;
 static const double thin_growth = 1.2;
-/* More are not connected: three-dimensional Delaunay triangulations take 30 microseconds and 1.4 kB a
- * point, and splats are larger than the gaps between so many. */
+/* More are not connected: three-dimensional Delaunay triangulations take 30 microseconds and 1.4 kB
+ * a point, and splats are larger than the gaps between so many. */
 enum { MOST_CONNECTED = 200000 };
 /* Longest edge, in distances to the last of the neighbours, which is 1.4 spacings of a grid. */
 static const double reach = 4;
@@ -25,7 +25,8 @@ static const double reach = 4;
 static const double level_height = 0.05;
 static const double most_opposed = 0.05;
 /* How far points of one sheet are moved from those of the other, while connecting: in spacings. */
-static const double sheet_offset = 1;
+static const double sheet_offset = 1.5;
+enum { SHEET_SMOOTHING = 5 };
 
 static void cloud_free(psplat_cloud *cloud) {
     free(cloud->positions);
@@ -117,8 +118,7 @@ static psplat_result find_neighbors(psplat_cloud *cloud) {
             memcpy(cloud->kept_normals + 3 * i, cloud->normals + 3 * (size_t)cloud->kept[i],
                    3 * sizeof(float));
     }
-    psplat_result result =
-        psplat_points_neighbors(cloud->kept_positions, count, cloud->neighbors);
+    psplat_result result = psplat_points_neighbors(cloud->kept_positions, count, cloud->neighbors);
     if (result) return result;
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t *own = cloud->neighbors + PSPLAT_NEIGHBORS * (size_t)i;
@@ -193,21 +193,40 @@ static int rescale(psplat_cloud *cloud) {
     return 1;
 }
 
-/* Moves points that have neighbours on the other side of a thin sheet to their own side, so that
- * the front follows either sheet instead of running between them. */
-static void part_sheets(const psplat_cloud *cloud, double *positions) {
-    for (uint32_t i = 0; i < cloud->kept_count; ++i) {
-        int opposed = 0;
-        for (int k = 0; k < PSPLAT_NEIGHBORS; ++k) {
-            uint32_t other = cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)i + (size_t)k];
-            if (other != PSPLAT_NO_POINT) opposed |= normals_dot(cloud, i, other) < -0.5;
-        }
-        if (!opposed) continue;
-        for (size_t k = 0; k < 3; ++k)
-            positions[3 * (size_t)i + k] +=
-                sheet_offset * cloud->spacings[i] *
-                (double)cloud->kept_normals[3 * (size_t)i + k];
+/* Whether a neighbour faces the other way. */
+static int is_opposed(const psplat_cloud *cloud, uint32_t point) {
+    for (int k = 0; k < PSPLAT_NEIGHBORS; ++k) {
+        uint32_t other = cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)point + (size_t)k];
+        if (other != PSPLAT_NO_POINT && normals_dot(cloud, point, other) < -0.5) return 1;
     }
+    return 0;
+}
+
+static double mean_of_neighbors(const psplat_cloud *cloud, const double *values, uint32_t point) {
+    double sum = values[point], count = 1;
+    for (int k = 0; k < PSPLAT_NEIGHBORS; ++k) {
+        uint32_t other = cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)point + (size_t)k];
+        if (other != PSPLAT_NO_POINT) sum += values[other], ++count;
+    }
+    return sum / count;
+}
+
+/* Moves points that have neighbours on the other side of a thin sheet to their own side, so that
+ * the front follows either sheet instead of running between them. How far fades out around them. */
+static int part_sheets(const psplat_cloud *cloud, double *positions) {
+    size_t count = cloud->kept_count;
+    double *shifts = malloc(2 * count * sizeof *shifts), *smooth = shifts + count;
+    if (!shifts) return 0;
+    for (uint32_t i = 0; i < count; ++i)
+        shifts[i] = is_opposed(cloud, i) ? sheet_offset * cloud->spacings[i] : 0;
+    for (int pass = 0; pass < SHEET_SMOOTHING; ++pass) {
+        for (uint32_t i = 0; i < count; ++i) smooth[i] = mean_of_neighbors(cloud, shifts, i);
+        memcpy(shifts, smooth, count * sizeof *shifts);
+    }
+    for (size_t i = 0; i < 3 * count; ++i)
+        positions[i] += shifts[i / 3] * (double)cloud->kept_normals[i];
+    free(shifts);
+    return 1;
 }
 
 /* Drops triangles whose corners are on a line, as far as double precision tells. */
@@ -241,7 +260,7 @@ static psplat_result orient(psplat_cloud *cloud, int sides) {
         for (size_t c = 0; c < corners && sides; ++c)
             memcpy(front.corner_normals + 3 * c,
                    cloud->kept_normals + 3 * (size_t)cloud->triangles[c], 3 * sizeof(float));
-        int consistent;
+        int consistent = 0;
         result = psplat_mesh_orient(&front, &consistent, NULL);
         if (!result) result = psplat_edge_pairs(&front, pairs, &borders);
         cloud->closed = consistent && !borders;
@@ -260,9 +279,9 @@ static psplat_result connect(psplat_cloud *cloud, int sides) {
     if (positions && reaches && rescale(cloud)) {
         memcpy(positions, cloud->kept_positions, 3 * count * sizeof(double));
         for (size_t i = 0; i < count; ++i) reaches[i] = reach * cloud->spacings[i];
-        if (sides) part_sheets(cloud, positions);
-        result = psplat_points_front(positions, reaches, count, &cloud->triangles,
-                                     &cloud->triangle_count);
+        if (!sides || part_sheets(cloud, positions))
+            result = psplat_points_front(positions, reaches, count, &cloud->triangles,
+                                         &cloud->triangle_count);
     }
     free(positions);
     free(reaches);

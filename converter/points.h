@@ -36,10 +36,10 @@ size_t psplat_points_thin(const double *positions, const float *normals, size_t 
  * count x PSPLAT_NEIGHBORS. */
 psplat_result psplat_points_neighbors(const double *positions, size_t count, uint32_t *neighbors);
 
-/* Triangles through the points, each edge at most reach[a] and reach[b] long, oriented alike where
- * they meet (CGAL::advancing_front_surface_reconstruction; Cohen-Steiner, Da: A greedy Delaunay-
- * based surface reconstruction algorithm, 2004). Wants lengths of about 1 between neighbours.
- * *triangles: 3 x *triangle_count, malloc'ed. */
+/* Triangles through the points, no edge longer than the root of reach[a] * reach[b], their corners
+ * in ascending order (CGAL::advancing_front_surface_reconstruction; Cohen-Steiner, Da: A greedy
+ * Delaunay- based surface reconstruction algorithm, 2004). Wants lengths of about 1 between
+ * neighbours. *triangles: 3 x *triangle_count, malloc'ed. */
 psplat_result psplat_points_front(const double *positions, const double *reach, size_t count,
                                   uint32_t **triangles, size_t *triangle_count);
 
@@ -47,16 +47,16 @@ psplat_result psplat_points_front(const double *positions, const double *reach, 
  * apart. */
 typedef struct psplat_cloud {
     const psplat_points *points;
-    double origin[3], unit;     /* position = origin + unit * positions[] */
-    double *positions;          /* count x 3 */
-    float *normals;             /* count x 3, unit or, where the file has none, 0; or NULL */
-    uint32_t *kept, *owners;    /* see psplat_points_thin */
-    size_t kept_count;          /* the points that are connected; what follows is of these */
-    double *kept_positions;     /* x 3 */
-    float *kept_normals;        /* x 3, or NULL */
-    uint32_t *neighbors;        /* x PSPLAT_NEIGHBORS */
-    double *spacings;           /* distance of the last of the neighbours */
-    uint32_t *triangles;        /* the front: indices into kept */
+    double origin[3], unit;  /* position = origin + unit * positions[] */
+    double *positions;       /* count x 3 */
+    float *normals;          /* count x 3, unit or, where the file has none, 0; or NULL */
+    uint32_t *kept, *owners; /* see psplat_points_thin */
+    size_t kept_count;       /* the points that are connected; what follows is of these */
+    double *kept_positions;  /* x 3 */
+    float *kept_normals;     /* x 3, or NULL */
+    uint32_t *neighbors;     /* x PSPLAT_NEIGHBORS */
+    double *spacings;        /* distance of the last of the neighbours */
+    uint32_t *triangles;     /* the front: indices into kept */
     size_t triangle_count;
     int closed; /* the front has no border */
 } psplat_cloud;

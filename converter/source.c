@@ -108,23 +108,39 @@ static int is_obj(const char *text) {
     return 0;
 }
 
-/* Points as text have no magic either: their first line that is neither empty nor a comment holds
- * numbers alone, as many as a point has, or their count. */
-static int is_xyz(const char *text) {
-    size_t numbers = 0;
+/* Moves over blank lines and comments of points as text. */
+static const char *skip_comments(const char *text) {
     text = skip_blanks(text);
     while (*text == '#' || starts_with(text, "//")) {
         text += strcspn(text, "\n");
         text = skip_blanks(text);
     }
-    while (*text && *text != '\n' && *text != '#') {
+    return text;
+}
+
+/* Numbers in the line, moving text to its end; 0 where it holds something else. */
+static size_t count_numbers(const char **text) {
+    size_t numbers = 0;
+    while (**text && **text != '\n' && **text != '#') {
         char *end;
-        strtod(text, &end);
-        if (end == text) return 0;
-        text = end + strspn(end, " \t\r,;");
+        strtod(*text, &end);
+        if (end == *text) return 0;
+        *text = end + strspn(end, " \t\r,;");
         ++numbers;
     }
-    return numbers == 1 || (numbers >= 3 && numbers <= 10);
+    return numbers;
+}
+
+/* Points as text have no magic either: their first line that is neither empty nor a comment, or the
+ * one after the number of points, holds numbers alone. */
+static int is_xyz(const char *text) {
+    text = skip_comments(text);
+    size_t numbers = count_numbers(&text);
+    if (numbers == 1) {
+        text = skip_comments(text);
+        numbers = count_numbers(&text);
+    }
+    return numbers >= 3;
 }
 
 static psplat_source_format format_of_content(const psplat_source *source) {

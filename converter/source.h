@@ -128,7 +128,8 @@ psplat_result psplat_polygon_triangulate(const double *points, size_t count, uin
 psplat_result psplat_mesh_allocate(psplat_mesh *mesh, size_t vertex_count, size_t triangle_count,
                                    int normals, int colors, int groups, psplat_error *error);
 
-/* weld.c, seam.c and orient.c: the steps between a raw mesh and what psplat_mesh_read promises, in order. */
+/* weld.c, seam.c and orient.c: the steps between a raw mesh and what psplat_mesh_read promises, in
+ * order. */
 psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error);
 /* Joins border vertices that differ by rounding alone. *closed: every edge has then exactly two
  * triangles. */
@@ -144,7 +145,8 @@ psplat_result psplat_mesh_read_openmesh(const psplat_source *source, psplat_mesh
 psplat_result psplat_mesh_read_tinygltf(const psplat_source *source, psplat_mesh *mesh,
                                         psplat_error *error);
 
-/* Point sets: adapter_openmesh.cpp (PLY and OFF without faces), and xyz.c, which checks as it reads.
+/* Point sets: adapter_openmesh.cpp (PLY and OFF without faces), and xyz.c, which checks as it
+ * reads.
  */
 psplat_result psplat_points_read_openmesh(const psplat_source *source, psplat_points *points,
                                           psplat_error *error);

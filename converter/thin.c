@@ -62,8 +62,9 @@ size_t psplat_points_thin(const double *positions, const float *normals, size_t 
                           double radius, uint32_t *kept, uint32_t *owners) {
     size_t size = 1024, kept_count = 0;
     while (size < count) size *= 2;
-    dart_grid grid = {positions, normals, kept, malloc(size * sizeof(uint32_t)),
-                      malloc(count * sizeof(uint32_t)), size - 1, radius};
+    dart_grid grid = {
+        positions, normals, kept, malloc(size * sizeof(uint32_t)), malloc(count * sizeof(uint32_t)),
+        size - 1,  radius};
     if (grid.heads && grid.nexts) {
         memset(grid.heads, 0xff, size * sizeof(uint32_t));
         for (uint32_t i = 0; i < count; ++i) {
