@@ -187,8 +187,15 @@ static psplat_result fill_report(const conversion *c, psplat_report *report, psp
     report->samples = c->samples.count;
     report->diagonal = c->surface.diagonal;
     report->tolerance_percent = tolerance_percent(c->desc);
-    return psplat_verify(&c->surface, c->splats, c->tolerance, c->desc->seed + verify_seed, report,
-                         error);
+    const psplat_verification verification = {
+        .surface = &c->surface,
+        .splats = c->splats,
+        .distance = c->distance,
+        .tolerance = c->tolerance,
+        .normal_tolerance_degrees = c->desc->normal_tolerance_degrees,
+        .seed = c->desc->seed + verify_seed,
+    };
+    return psplat_verify(&verification, report, error);
 }
 
 static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *report,

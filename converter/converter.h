@@ -110,6 +110,41 @@ typedef struct psplat_splats {
 
 void psplat_splats_free(psplat_splats *splats);
 
+/* What a conversion promises of its splats, each as its clip lines leave it. Whether it kept its
+ * word is found out on samples of the surface and points of the splats other than those it worked
+ * with; the limits allow for single precision. A splat covers a surface point that lies over or
+ * under it by at most the tolerance and whose normal is on the same side as its own. */
+typedef enum psplat_promise {
+    PSPLAT_PROMISE_COVERAGE, /* each surface point is covered by a splat */
+    PSPLAT_PROMISE_DISTANCE, /* each point of a splat is within the tolerance of the surface, and
+                                each surface point of a splat */
+    PSPLAT_PROMISE_NORMAL,   /* each covered surface point has, among the splats that cover it, one
+                                whose own field there is within the normal tolerance of the
+                                surface's (interpolated) normal; blending may differ */
+    PSPLAT_PROMISE_CREASE,   /* no crease or border of the patch that a splat covers lies inside the
+                                splat by more than the tolerance (those of neighbouring patches meet
+                                a little beyond their crease, or cracks would show) */
+    PSPLAT_PROMISE_COUNT
+} psplat_promise;
+
+/* How one promise was kept. */
+typedef struct psplat_kept {
+    double limit;  /* 0: not given, as that of normals without a tolerance. Degrees of normals,
+                      else % of the diagonal */
+    double worst;  /* greatest value found, in the same unit; of coverage the distance from the
+                      farthest open point to the nearest splat, which may be near but beside it */
+    size_t broken; /* samples, splats or crease edges beyond the limit */
+} psplat_kept;
+
+#define PSPLAT_MOST_PLACES 16
+
+/* Where a promise is broken. */
+typedef struct psplat_place {
+    psplat_promise promise;
+    double position[3]; /* in the coordinates of the input */
+    double value;       /* found there, in the unit of its promise */
+} psplat_place;
+
 /* What the converter measured, on samples other than those it fitted. */
 typedef struct psplat_report {
     size_t splats;
@@ -123,14 +158,23 @@ typedef struct psplat_report {
     double diagonal;             /* of the bounding box */
     double tolerance_percent;
     double max_distance_percent;         /* two-sided */
-    double max_distance_surface_percent; /* surface to splats */
+    double max_distance_surface_percent; /* surface to the nearest splat that covers it, along that
+                                            splat's normal; to any splat where none does */
     double max_distance_splats_percent;  /* splats to surface */
-    double rms_distance_percent;         /* surface to splats */
+    double rms_distance_percent;         /* surface to splats, as above */
     double rms_normal_degrees;           /* blended linear field against the surface's normal */
     double p95_normal_degrees;
     double rms_normal_constant_degrees; /* the same with gradients set to 0 */
-    size_t uncovered_samples;           /* of verification_samples */
+    double p95_normal_constant_degrees;
+    double max_normal_degrees; /* as PSPLAT_PROMISE_NORMAL, whether promised or not */
+    size_t uncovered_samples;  /* of verification_samples */
+    psplat_kept promises[PSPLAT_PROMISE_COUNT];
+    psplat_place places[PSPLAT_MOST_PLACES]; /* the worst of each broken promise, by promise */
+    size_t place_count;
 } psplat_report;
+
+/* The promise that is broken at report's first place, or PSPLAT_PROMISE_COUNT: all are kept. */
+psplat_promise psplat_report_broken(const psplat_report *report);
 
 /* Mesh to splats. Deterministic: equal input and desc give equal splats. report may be NULL.
  * Errors: ARGUMENT, MEMORY, INTERRUPTED, NO_SPLATS, RANGE (too large a mesh, too small a

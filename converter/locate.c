@@ -117,27 +117,32 @@ psplat_locator *psplat_locator_create(const psplat_region *regions, size_t count
     return l;
 }
 
-static int holds(const box *b, const double p[3]) {
+static int meets(const box *b, const double low[3], const double high[3]) {
     for (int k = 0; k < 3; ++k)
-        if (p[k] < b->low[k] || p[k] > b->high[k]) return 0;
+        if (high[k] < b->low[k] || low[k] > b->high[k]) return 0;
     return 1;
 }
 
-void psplat_locator_visit(const psplat_locator *l, const double point[3],
-                          int (*visit)(void *user, uint32_t region), void *user) {
+void psplat_locator_visit_box(const psplat_locator *l, const double low[3], const double high[3],
+                              int (*visit)(void *user, uint32_t region), void *user) {
     uint32_t stack[DEPTH], depth = 0;
     if (l->node_count) stack[depth++] = 0;
     while (depth) {
         const node *n = &l->nodes[stack[--depth]];
-        if (!holds(&n->bounds, point)) continue;
+        if (!meets(&n->bounds, low, high)) continue;
         if (n->child) {
             stack[depth++] = n->child + 1;
             stack[depth++] = n->child;
             continue;
         }
         for (uint32_t i = n->begin; i < n->end; ++i)
-            if (holds(&l->boxes[l->order[i]], point) && visit(user, l->order[i])) return;
+            if (meets(&l->boxes[l->order[i]], low, high) && visit(user, l->order[i])) return;
     }
+}
+
+void psplat_locator_visit(const psplat_locator *l, const double point[3],
+                          int (*visit)(void *user, uint32_t region), void *user) {
+    psplat_locator_visit_box(l, point, point, visit, user);
 }
 
 void psplat_locator_destroy(psplat_locator *l) {

@@ -37,7 +37,47 @@ static void add_errors(psplat_writer *json, const psplat_report *report) {
     psplat_writer_number(json, "rms_normal_degrees", report->rms_normal_degrees);
     psplat_writer_number(json, "p95_normal_degrees", report->p95_normal_degrees);
     psplat_writer_number(json, "rms_normal_constant_degrees", report->rms_normal_constant_degrees);
+    psplat_writer_number(json, "p95_normal_constant_degrees", report->p95_normal_constant_degrees);
+    psplat_writer_number(json, "max_normal_degrees", report->max_normal_degrees);
     psplat_writer_count(json, "uncovered_samples", report->uncovered_samples);
+}
+
+static const char *const promise_names[PSPLAT_PROMISE_COUNT] = {
+    [PSPLAT_PROMISE_COVERAGE] = "coverage",
+    [PSPLAT_PROMISE_DISTANCE] = "distance",
+    [PSPLAT_PROMISE_NORMAL] = "normal",
+    [PSPLAT_PROMISE_CREASE] = "crease",
+};
+
+/* A promise that was not given has no limit and cannot be broken. */
+static void add_promises(psplat_writer *json, const psplat_report *report) {
+    psplat_writer_boolean(json, "kept", psplat_report_broken(report) == PSPLAT_PROMISE_COUNT);
+    psplat_writer_open(json, "promises", '{');
+    for (int i = 0; i < PSPLAT_PROMISE_COUNT; ++i) {
+        const psplat_kept *kept = &report->promises[i];
+        psplat_writer_open(json, promise_names[i], '{');
+        psplat_writer_boolean(json, "given", kept->limit > 0);
+        psplat_writer_boolean(json, "kept", !kept->broken);
+        psplat_writer_number(json, "limit", kept->limit);
+        psplat_writer_number(json, "worst", kept->worst);
+        psplat_writer_count(json, "broken", kept->broken);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, '}');
+}
+
+static void add_places(psplat_writer *json, const psplat_report *report) {
+    psplat_writer_open(json, "places", '[');
+    for (size_t i = 0; i < report->place_count; ++i) {
+        const psplat_place *place = &report->places[i];
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_string(json, "promise", promise_names[place->promise]);
+        psplat_writer_numbers(json, "position", place->position, 3);
+        psplat_writer_number(json, "value", place->value);
+        psplat_writer_number(json, "limit", report->promises[place->promise].limit);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
 }
 
 psplat_result psplat_report_json(const psplat_report *report, char **text, size_t *size,
@@ -47,6 +87,8 @@ psplat_result psplat_report_json(const psplat_report *report, char **text, size_
     add_splats(&json, report);
     add_surface(&json, report);
     add_errors(&json, report);
+    add_promises(&json, report);
+    add_places(&json, report);
     psplat_writer_close(&json, '}');
     if (!psplat_writer_finish(&json))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the report");

@@ -304,6 +304,10 @@ psplat_locator *psplat_locator_create(const psplat_region *regions, size_t count
  * returns other than 0. */
 void psplat_locator_visit(const psplat_locator *locator, const double point[3],
                           int (*visit)(void *user, uint32_t region), void *user);
+/* The same for regions whose box, grown by reach, meets another box. */
+void psplat_locator_visit_box(const psplat_locator *locator, const double low[3],
+                              const double high[3], int (*visit)(void *user, uint32_t region),
+                              void *user);
 void psplat_locator_destroy(psplat_locator *locator);
 
 /* ---- join.c -------------------------------------------------------------------------------- */
@@ -329,7 +333,24 @@ typedef struct psplat_seal {
  * splats: those of seal. */
 psplat_result psplat_seal_cracks(const psplat_seal *seal, psplat_splats *splats);
 
-/* ---- verify.c ------------------------------------------------------------------------------ */
+/* ---- coverage.c ---------------------------------------------------------------------------- */
+
+/* Stored splats, ready to be measured. */
+typedef struct psplat_measured {
+    const psplat_splats *splats; /* as given */
+    psplat_region *regions;      /* theirs */
+    psplat_locator *locator;
+    double tolerance; /* wider than promised by rounding */
+} psplat_measured;
+
+/* reach: how far from a point its splats may be. MEMORY is the only failure. */
+psplat_result psplat_measured_create(const psplat_splats *splats, double tolerance, double reach,
+                                     psplat_measured *measured);
+void psplat_measured_free(psplat_measured *measured);
+/* Whether a splat covers a surface point with this normal; uvh: the point in the splat's region. A
+ * splat of the other side of a thin part does not. */
+int psplat_measured_covers(const psplat_measured *measured, uint32_t splat, const double normal[3],
+                           const double uvh[3]);
 
 /* Marks (1) the samples that no splat covers within tolerance. */
 psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
@@ -340,10 +361,37 @@ psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat
 psplat_result psplat_verify_sight(const psplat_samples *samples, const psplat_splats *splats,
                                   double tolerance, uint8_t *open, size_t *count);
 
-/* Measures the splats against the surface on samples of its own, and fills the error fields of
- * report. */
-psplat_result psplat_verify(const psplat_surface *surface, const psplat_splats *splats,
-                            double tolerance, uint64_t seed, psplat_report *report,
+/* ---- crossing.c ---------------------------------------------------------------------------- */
+
+/* A crease that lies inside a splat of its own patch. */
+typedef struct psplat_crossing {
+    uint32_t edge; /* 3 * triangle + k of the crease, on the splat's side */
+    uint32_t splat;
+    double depth;    /* greatest distance of the crease, in the splat's plane, from its outline */
+    double point[3]; /* of the crease, where that is */
+} psplat_crossing;
+
+/* Finds the crossings deeper than limit, in the order of their edges and splats, into *crossings
+ * (malloc'ed, owned by the caller), and the greatest depth of any. samples tell which patch a splat
+ * covers most of: creases of others do not concern it. MEMORY is the only failure. */
+psplat_result psplat_crossings_find(const psplat_surface *surface, const psplat_samples *samples,
+                                    const psplat_measured *measured, double limit,
+                                    psplat_crossing **crossings, size_t *count, double *greatest);
+
+/* ---- verify.c ------------------------------------------------------------------------------ */
+
+typedef struct psplat_verification {
+    const psplat_surface *surface;
+    const psplat_splats *splats;
+    const psplat_distance *distance; /* to the mesh */
+    double tolerance;
+    double normal_tolerance_degrees; /* 0: none was promised */
+    uint64_t seed;                   /* of the samples, another than that of the fitted ones */
+} psplat_verification;
+
+/* Measures the splats against the surface on samples of its own, and fills the errors, promises and
+ * places of report. */
+psplat_result psplat_verify(const psplat_verification *verification, psplat_report *report,
                             psplat_error *error);
 
 #ifdef __cplusplus

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * verify.c - the splats as stored, measured against the surface on samples of its own: two-sided
- * distance, coverage, and the normals that blending gives.
+ * verify.c - the splats as stored, measured against the surface on samples of its own: coverage,
+ * two-sided distance, normals, creases; and where a promise is broken.
  */
 #include "stages.h"
 #include "vector.h"
@@ -9,14 +9,78 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES_PER_SPLAT = 200, LEAST_SAMPLES = 20000, MOST_SAMPLES = 1000000, CORNERS = 68 };
+enum {
+    SAMPLES_PER_SPLAT = 100,
+    LEAST_SAMPLES = 50000,
+    MOST_SAMPLES = 1000000,
+    OUTLINE = 32,
+    CORNERS = OUTLINE + PSPLAT_MAX_CLIP_LINES,
+    FINE_CORNERS = 68
+};
 
-/* Single precision may cut this much of a unit ellipse. */
-static const double float_slack = 2e-6;
+static const double degree = 3.141592653589793 / 180;
 /* Splats seen more edge-on than this do not show. */
 static const double least_cosine = 0.1;
-/* How far along a slanted view a splat still stands for the surface, in tolerances. */
-static const double sight_reach = 3;
+/* Measured values may exceed limits by this part: rounding. */
+static const double rounding = 1e-6;
+
+/* ---- places ---------------------------------------------------------------------------------- */
+
+/* The worst places of each promise, worst first, no two of them close together. */
+typedef struct places {
+    psplat_place worst[PSPLAT_PROMISE_COUNT][PSPLAT_MOST_PLACES];
+    size_t count[PSPLAT_PROMISE_COUNT];
+    double apart; /* least distance of two places of one promise */
+    const double *origin;
+} places;
+
+static int is_near(const psplat_place *place, const double position[3], double distance) {
+    double d[3];
+    sub3(d, place->position, position);
+    return length3(d) < distance;
+}
+
+/* position: in the mesh's own coordinates. */
+static void add_place(places *p, psplat_promise promise, const double position[3], double value) {
+    psplat_place *list = p->worst[promise], place = {promise, {0, 0, 0}, value};
+    size_t count = p->count[promise], at = 0, kept = 0;
+    if (count == PSPLAT_MOST_PLACES && value <= list[count - 1].value) return;
+    for (int k = 0; k < 3; ++k) place.position[k] = position[k] + p->origin[k];
+    for (; at < count && list[at].value >= value; ++at)
+        if (is_near(&list[at], place.position, p->apart)) return;
+    for (size_t i = at; i < count; ++i)
+        if (!is_near(&list[i], place.position, p->apart)) list[at + kept++] = list[i];
+    if (at + kept == PSPLAT_MOST_PLACES) --kept;
+    memmove(list + at + 1, list + at, kept * sizeof *list);
+    list[at] = place;
+    p->count[promise] = at + kept + 1;
+}
+
+/* Each broken promise gets its share of the report's places. */
+static void report_places(const places *p, psplat_report *report) {
+    size_t left[PSPLAT_PROMISE_COUNT], shares[PSPLAT_PROMISE_COUNT] = {0};
+    memcpy(left, p->count, sizeof left);
+    for (size_t used = 0, more = 1; more && used < PSPLAT_MOST_PLACES;) {
+        more = 0;
+        for (int k = 0; k < PSPLAT_PROMISE_COUNT && used < PSPLAT_MOST_PLACES; ++k)
+            if (left[k]) --left[k], ++shares[k], ++used, more = 1;
+    }
+    report->place_count = 0;
+    for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k)
+        for (size_t i = 0; i < shares[k]; ++i)
+            report->places[report->place_count++] = p->worst[k][i];
+}
+
+psplat_promise psplat_report_broken(const psplat_report *report) {
+    return report->place_count ? report->places[0].promise : PSPLAT_PROMISE_COUNT;
+}
+
+static void keep_promise(psplat_report *report, psplat_promise promise, double limit, double worst,
+                         size_t broken) {
+    report->promises[promise] = (psplat_kept){limit, worst, broken};
+}
+
+/* ---- the distance of a point that nothing covers ------------------------------------------------ */
 
 /* Distance in the plane from a point outside a convex polygon, in units of length. */
 static double polygon_distance(const psplat_region *region, double (*polygon)[2], size_t count,
@@ -34,79 +98,85 @@ static double polygon_distance(const psplat_region *region, double (*polygon)[2]
     return least;
 }
 
-/* The lesser of `distance` and that from the point to the splat; uvh: the point's parameters. */
-static double nearer_distance(const psplat_region *region, const double uvh[3], double distance) {
-    if (fabs(uvh[2]) >= distance) return distance;
-    if (psplat_region_contains(region, uvh, 1 + float_slack, float_slack)) return fabs(uvh[2]);
-    double polygon[CORNERS][2];
-    size_t count = psplat_region_polygon(region, 1, polygon, CORNERS);
-    if (!count) return distance;
-    return min2(distance, hypot(uvh[2], polygon_distance(region, polygon, count, uvh)));
-}
+typedef struct nearest {
+    const psplat_measured *measured;
+    const double *point;
+    double distance;
+} nearest;
 
-/* ---- splats, ready to be measured --------------------------------------------------------- */
-
-typedef struct measured_splats {
-    const psplat_splats *splats;
-    psplat_region *regions;
-    psplat_locator *locator;
-    double tolerance;
-} measured_splats;
-
-static void measured_free(measured_splats *measured) {
-    psplat_locator_destroy(measured->locator);
-    free(measured->regions);
-    *measured = (measured_splats){0};
-}
-
-/* reach: how far from a point its splats may be. */
-static int measured_create(measured_splats *measured, const psplat_splats *splats, double tolerance,
-                           double reach) {
-    *measured = (measured_splats){.splats = splats, .tolerance = tolerance * (1 + 1e-6)};
-    measured->regions = psplat_splat_regions(splats);
-    if (measured->regions)
-        measured->locator = psplat_locator_create(measured->regions, splats->count, reach);
-    if (measured->locator) return 1;
-    measured_free(measured);
+static int visit_nearer(void *user, uint32_t index) {
+    nearest *n = user;
+    const psplat_region *region = &n->measured->regions[index];
+    double uvh[3], polygon[FINE_CORNERS][2];
+    psplat_region_local(region, n->point, uvh);
+    if (fabs(uvh[2]) >= n->distance) return 0;
+    double aside = 0;
+    if (!psplat_region_contains(region, uvh, 1, 0)) {
+        size_t count = psplat_region_polygon(region, 1, polygon, FINE_CORNERS);
+        aside = polygon_distance(region, polygon, count, uvh);
+    }
+    n->distance = min2(n->distance, hypot(uvh[2], aside));
     return 0;
 }
 
-/* ---- one sample ---------------------------------------------------------------------------- */
+/* In boxes that grow until the nearest splat found must be the nearest of all. */
+static double nearest_distance(const psplat_measured *measured, const double point[3]) {
+    nearest n = {measured, point, HUGE_VAL};
+    double low[3], high[3];
+    for (double reach = measured->tolerance; measured->splats->count; reach *= 4) {
+        for (int k = 0; k < 3; ++k) low[k] = point[k] - reach, high[k] = point[k] + reach;
+        psplat_locator_visit_box(measured->locator, low, high, visit_nearer, &n);
+        if (n.distance <= reach || !(reach < HUGE_VAL)) break;
+    }
+    return n.distance;
+}
+
+/* ---- surface to splats ---------------------------------------------------------------------- */
 
 /* What the splats near one surface point make of it. */
 typedef struct probe {
-    const measured_splats *measured;
-    double point[3], normal[3];
-    double distance; /* to the nearest splat */
-    int covered;
+    const psplat_measured *measured;
+    const double *point;
+    double normal[3];
+    double height; /* least over the splats that cover it; HUGE_VAL: none does */
+    double cosine; /* greatest between the normal and their fields */
     double blended[3], constant[3]; /* weighted normals, with and without gradients */
 } probe;
 
-static probe probe_at(const psplat_samples *samples, size_t i, const measured_splats *measured) {
-    probe p = {.measured = measured, .distance = HUGE_VAL};
-    memcpy(p.point, samples->positions + 3 * i, sizeof p.point);
-    for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)samples->normals[3 * i + k];
-    return p;
+/* The splat's normal at (u, v), of any length, and at (0, 0) of the same N (spec 3.5). */
+static void field_normal(const psplat_splat *splat, const psplat_region *region,
+                         const double uv[2], double constant[3], double field[3]) {
+    double center[3] = {(double)splat->normal[0], (double)splat->normal[1],
+                        (double)splat->normal[2]};
+    double scale = 1 / dot3(center, region->n);
+    for (int k = 0; k < 3; ++k) field[k] = constant[k] = scale * center[k];
+    const double linear[5] = {0, 0, (double)splat->gradient[0], (double)splat->gradient[1],
+                              (double)splat->gradient[2]};
+    double change[2];
+    psplat_fit_normal_at(linear, region->radius, uv, change);
+    mad3(field, change[0], region->u);
+    mad3(field, change[1], region->v);
 }
 
-/* A splat of the other side of a thin part does not cover this one. */
-static int covers(const probe *p, const psplat_region *region, const double uvh[3]) {
-    return fabs(uvh[2]) <= p->measured->tolerance && dot3(p->normal, region->n) > 0 &&
-           psplat_region_contains(region, uvh, 1 + float_slack, float_slack);
+static double cosine3(const double a[3], const double unit[3]) {
+    return dot3(a, unit) / length3(a);
 }
 
-static int visit_cover(void *user, uint32_t index) {
-    probe *p = user;
-    double uvh[3];
-    const psplat_region *region = &p->measured->regions[index];
-    psplat_region_local(region, p->point, uvh);
-    return p->covered = covers(p, region, uvh);
+static void cover(probe *p, uint32_t index) {
+    double uvh[3], constant[3], field[3];
+    psplat_region_local(&p->measured->regions[index], p->point, uvh);
+    if (!psplat_measured_covers(p->measured, index, p->normal, uvh)) return;
+    p->height = min2(p->height, fabs(uvh[2]));
+    field_normal(&p->measured->splats->splats[index], &p->measured->regions[index], uvh, constant,
+                 field);
+    p->cosine = max2(p->cosine, cosine3(field, p->normal));
 }
 
 /* Adds a splat's normal as seen along the surface's own normal, which is what a viewer facing the
  * surface there gets (spec 5.4). */
-static void blend_normal(probe *p, const psplat_splat *splat, const psplat_region *region) {
-    double cosine = dot3(p->normal, region->n), d[3], q[3], uvh[3];
+static void blend(probe *p, uint32_t index) {
+    const psplat_region *region = &p->measured->regions[index];
+    double cosine = dot3(p->normal, region->n), d[3], q[3], uvh[3], constant[3], field[3];
     if (cosine < least_cosine) return;
     sub3(d, region->center, p->point);
     double t = dot3(d, region->n) / cosine;
@@ -118,260 +188,265 @@ static void blend_normal(probe *p, const psplat_splat *splat, const psplat_regio
     const psplat_kernel *kernel = &p->measured->splats->kernel;
     double r = hypot(uvh[0], uvh[1]);
     double weight = exp(-(double)kernel->sharpness * pow(r, (double)kernel->exponent));
-    double center[3] = {(double)splat->normal[0], (double)splat->normal[1],
-                        (double)splat->normal[2]};
-    mad3(p->constant, weight / dot3(center, region->n), center);
-    mad3(p->blended, weight / dot3(center, region->n), center);
-    double field[5] = {0, 0, (double)splat->gradient[0], (double)splat->gradient[1],
-                       (double)splat->gradient[2]};
-    double change[2];
-    psplat_fit_normal_at(field, region->radius, uvh, change);
-    mad3(p->blended, weight * change[0], region->u);
-    mad3(p->blended, weight * change[1], region->v);
+    field_normal(&p->measured->splats->splats[index], region, uvh, constant, field);
+    mad3(p->blended, weight, field);
+    mad3(p->constant, weight, constant);
 }
 
 static int visit_splat(void *user, uint32_t index) {
-    probe *p = user;
-    const psplat_region *region = &p->measured->regions[index];
-    double uvh[3];
-    psplat_region_local(region, p->point, uvh);
-    p->distance = nearer_distance(region, uvh, p->distance);
-    p->covered |= covers(p, region, uvh);
-    blend_normal(p, &p->measured->splats->splats[index], region);
+    cover(user, index);
+    blend(user, index);
     return 0;
 }
 
-static void probe_sample(probe *p) {
-    const measured_splats *m = p->measured;
-    psplat_locator_visit(m->locator, p->point, visit_splat, p);
-    if (p->distance <= m->tolerance) return;
-    /* Nothing within reach: the sample is a hole, and its distance wants the whole set. */
-    for (size_t s = 0; s < m->splats->count; ++s) {
-        double uvh[3];
-        psplat_region_local(&m->regions[s], p->point, uvh);
-        p->distance = nearer_distance(&m->regions[s], uvh, p->distance);
-    }
-}
-
-/* Marks the samples of which is_open says so. */
-static size_t mark_samples(const psplat_samples *samples, const measured_splats *measured,
-                           int (*is_open)(probe *p), uint8_t *marks) {
-    size_t total = 0;
-    long samples_count = (long)samples->count;
-#if defined(_OPENMP)
-#pragma omp parallel for schedule(static) reduction(+ : total)
-#endif
-    for (long i = 0; i < samples_count; ++i) {
-        probe p = probe_at(samples, (size_t)i, measured);
-        marks[i] = (uint8_t)is_open(&p);
-        total += marks[i];
-    }
-    return total;
-}
-
-static int is_uncovered(probe *p) {
-    psplat_locator_visit(p->measured->locator, p->point, visit_cover, p);
-    return !p->covered;
-}
-
-psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
-                                     double tolerance, uint8_t *uncovered, size_t *count) {
-    measured_splats measured;
-    if (!measured_create(&measured, splats, tolerance, tolerance)) return PSPLAT_ERROR_MEMORY;
-    *count = mark_samples(samples, &measured, is_uncovered, uncovered);
-    measured_free(&measured);
-    return PSPLAT_OK;
-}
-
-/* ---- slanted views -------------------------------------------------------------------------- */
-
-enum { VIEWS = 6 };
-
-/* A view through a surface point. */
-typedef struct sight {
-    const measured_splats *measured;
-    double point[3], to_eye[3];
-    int met;
-} sight;
-
-static int visit_sight(void *user, uint32_t index) {
-    sight *s = user;
-    const psplat_region *region = &s->measured->regions[index];
-    double cosine = dot3(s->to_eye, region->n), d[3], q[3], uvh[3];
-    if (cosine < least_cosine) return 0;
-    sub3(d, region->center, s->point);
-    double t = dot3(d, region->n) / cosine;
-    if (fabs(t) > sight_reach * s->measured->tolerance) return 0;
-    memcpy(q, s->point, sizeof q);
-    mad3(q, t, s->to_eye);
-    psplat_region_local(region, q, uvh);
-    return s->met = psplat_region_contains(region, uvh, 1, float_slack);
-}
-
-/* Whether some view 60 degrees from the normal meets no splat near the sample. */
-static int lets_pass(probe *p) {
-    double u[3], v[3];
-    perpendicular3(u, p->normal);
-    cross3(v, p->normal, u);
-    for (int view = 0; view < VIEWS; ++view) {
-        double angle = view * (6.283185307179586 / VIEWS), side = sqrt(0.75);
-        sight s = {.measured = p->measured};
-        memcpy(s.point, p->point, sizeof s.point);
-        mad3(s.to_eye, 0.5, p->normal);
-        mad3(s.to_eye, side * cos(angle), u);
-        mad3(s.to_eye, side * sin(angle), v);
-        psplat_locator_visit(p->measured->locator, p->point, visit_sight, &s);
-        if (!s.met) return 1;
-    }
-    return 0;
-}
-
-psplat_result psplat_verify_sight(const psplat_samples *samples, const psplat_splats *splats,
-                                  double tolerance, uint8_t *open, size_t *count) {
-    measured_splats measured;
-    if (!measured_create(&measured, splats, tolerance, sight_reach * tolerance))
-        return PSPLAT_ERROR_MEMORY;
-    *count = mark_samples(samples, &measured, lets_pass, open);
-    measured_free(&measured);
-    return PSPLAT_OK;
-}
-
-/* ---- surface to splats ---------------------------------------------------------------------- */
-
-static double angle_degrees(const double a[3], const double b[3]) {
-    double c[3];
-    cross3(c, a, b);
-    return atan2(length3(c), dot3(a, b)) * (180 / 3.141592653589793);
-}
-
-/* Per-sample results, filled in parallel and summed in order, so that sums do not depend on the
- * number of threads. */
+/* Per sample, filled in parallel and summed in order, so that sums do not depend on the number of
+ * threads. Angles are in degrees; negative: no splat is there to give one. */
 typedef struct measurements {
-    double *distances, *angles, *constant_angles;
-    uint8_t *covered;
-    uint8_t *blended; /* whether a splat shows along the normal */
+    double *distances, *own, *blended, *constant;
+    uint8_t *uncovered;
 } measurements;
 
-static void measure_sample(const psplat_samples *samples, size_t i, const measured_splats *measured,
+static double angle_degrees(double cosine) {
+    return acos(min2(max2(cosine, -1), 1)) / degree;
+}
+
+static void measure_sample(const psplat_samples *samples, size_t i, const psplat_measured *measured,
                            measurements *m) {
-    probe p = probe_at(samples, i, measured);
-    probe_sample(&p);
-    m->distances[i] = p.distance;
-    m->covered[i] = (uint8_t)p.covered;
-    m->blended[i] = dot3(p.blended, p.blended) > 0;
-    m->angles[i] = angle_degrees(p.blended, p.normal);
-    m->constant_angles[i] = angle_degrees(p.constant, p.normal);
+    probe p = {.measured = measured,
+               .point = samples->positions + 3 * i,
+               .height = HUGE_VAL,
+               .cosine = -1};
+    for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)samples->normals[3 * i + k];
+    normalize3(p.normal);
+    psplat_locator_visit(measured->locator, p.point, visit_splat, &p);
+    int shows = dot3(p.blended, p.blended) > 0;
+    m->uncovered[i] = p.height == HUGE_VAL;
+    m->distances[i] = m->uncovered[i] ? nearest_distance(measured, p.point) : p.height;
+    m->own[i] = m->uncovered[i] ? -1 : angle_degrees(p.cosine);
+    m->blended[i] = shows ? angle_degrees(cosine3(p.blended, p.normal)) : -1;
+    m->constant[i] = shows ? angle_degrees(cosine3(p.constant, p.normal)) : -1;
 }
 
-static int compare_doubles(const void *left, const void *right) {
-    const double *a = left, *b = right;
-    return *a < *b ? -1 : *a > *b;
-}
-
-static void summarise(measurements *m, size_t count, double diagonal, psplat_report *report) {
-    double squares = 0, greatest = 0, angles = 0, constant_angles = 0;
-    size_t covered = 0, blended = 0;
-    for (size_t i = 0; i < count; ++i) {
-        squares += m->distances[i] * m->distances[i];
-        greatest = max2(greatest, m->distances[i]);
-        covered += m->covered[i];
-        if (!m->blended[i]) continue;
-        angles += m->angles[i] * m->angles[i];
-        constant_angles += m->constant_angles[i] * m->constant_angles[i];
-        m->angles[blended++] = m->angles[i];
+/* Hoare's selection: the value that sorting would put at `at`. values is reordered. */
+static double select_value(double *values, size_t count, size_t at) {
+    for (size_t begin = 0, end = count; end - begin > 1;) {
+        double pivot = values[begin + (end - 1 - begin) / 2];
+        size_t i = begin, j = end - 1;
+        for (;;) {
+            while (values[i] < pivot) ++i;
+            while (values[j] > pivot) --j;
+            if (i >= j) break;
+            double swap = values[i];
+            values[i++] = values[j];
+            values[j--] = swap;
+        }
+        if (at <= j)
+            end = j + 1;
+        else
+            begin = j + 1;
     }
-    qsort(m->angles, blended, sizeof(double), compare_doubles);
-    double some = blended ? (double)blended : 1;
-    report->verification_samples = count;
-    report->uncovered_samples = count - covered;
-    report->max_distance_surface_percent = 100 * greatest / diagonal;
-    report->rms_distance_percent = 100 * sqrt(squares / (double)count) / diagonal;
-    report->rms_normal_degrees = sqrt(angles / some);
-    report->rms_normal_constant_degrees = sqrt(constant_angles / some);
-    report->p95_normal_degrees = blended ? m->angles[(blended - 1) * 95 / 100] : 0;
+    return values[at];
 }
 
-static psplat_result measure_surface(const psplat_samples *samples, const measured_splats *measured,
-                                     double diagonal, psplat_report *report) {
-    size_t count = samples->count;
-    measurements m = {malloc(count * sizeof(double)), malloc(count * sizeof(double)),
-                      malloc(count * sizeof(double)), malloc(count), malloc(count)};
+/* Root mean square and 95th percentile of the angles that are given; reorders them. */
+static void angle_statistics(double *angles, size_t count, double *rms, double *p95) {
+    size_t given = 0;
+    double squares = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (angles[i] < 0) continue;
+        squares += angles[i] * angles[i];
+        angles[given++] = angles[i];
+    }
+    *rms = given ? sqrt(squares / (double)given) : 0;
+    *p95 = given ? select_value(angles, given, (given - 1) * 95 / 100) : 0;
+}
+
+/* ---- what the samples say ----------------------------------------------------------------------- */
+
+/* All that one verification works with. */
+typedef struct verifier {
+    const psplat_verification *v;
+    psplat_samples samples;
+    psplat_measured measured;
+    places places;
+    psplat_report *report;
+    size_t far; /* samples and splats beyond the tolerance */
+} verifier;
+
+static double percent(const verifier *r, double length) {
+    return 100 * length / r->v->surface->diagonal;
+}
+
+static void judge_coverage(verifier *r, const measurements *m) {
+    double squares = 0, greatest = 0, open = 0;
+    size_t count = r->samples.count, uncovered = 0;
+    for (size_t i = 0; i < count; ++i) {
+        double distance = m->distances[i];
+        squares += distance * distance;
+        greatest = max2(greatest, distance);
+        r->far += distance > r->measured.tolerance;
+        if (!m->uncovered[i]) continue;
+        ++uncovered;
+        open = max2(open, distance);
+        add_place(&r->places, PSPLAT_PROMISE_COVERAGE, r->samples.positions + 3 * i,
+                  percent(r, distance));
+    }
+    r->report->verification_samples = count;
+    r->report->uncovered_samples = uncovered;
+    r->report->max_distance_surface_percent = percent(r, greatest);
+    r->report->rms_distance_percent = percent(r, sqrt(squares / (double)count));
+    keep_promise(r->report, PSPLAT_PROMISE_COVERAGE, percent(r, r->v->tolerance), percent(r, open),
+                 uncovered);
+}
+
+static void judge_normals(verifier *r, const measurements *m) {
+    double greatest = 0, limit = r->v->normal_tolerance_degrees;
+    size_t broken = 0;
+    for (size_t i = 0; i < r->samples.count; ++i) {
+        greatest = max2(greatest, m->own[i]);
+        if (!(limit > 0) || m->own[i] <= limit * (1 + rounding)) continue;
+        ++broken;
+        add_place(&r->places, PSPLAT_PROMISE_NORMAL, r->samples.positions + 3 * i, m->own[i]);
+    }
+    r->report->max_normal_degrees = greatest;
+    keep_promise(r->report, PSPLAT_PROMISE_NORMAL, limit, greatest, broken);
+}
+
+static psplat_result measure_surface(verifier *r) {
+    size_t count = r->samples.count, size = (count + 1) * sizeof(double);
+    measurements m = {malloc(size), malloc(size), malloc(size), malloc(size), malloc(count + 1)};
     psplat_result result = PSPLAT_ERROR_MEMORY;
-    if (m.distances && m.angles && m.constant_angles && m.covered && m.blended) {
+    if (m.distances && m.own && m.blended && m.constant && m.uncovered) {
         long end = (long)count;
 #if defined(_OPENMP)
-#pragma omp parallel for schedule(static)
+#pragma omp parallel for schedule(dynamic, 1024)
 #endif
-        for (long i = 0; i < end; ++i) measure_sample(samples, (size_t)i, measured, &m);
-        summarise(&m, count, diagonal, report);
+        for (long i = 0; i < end; ++i) measure_sample(&r->samples, (size_t)i, &r->measured, &m);
+        judge_coverage(r, &m);
+        judge_normals(r, &m);
+        angle_statistics(m.blended, count, &r->report->rms_normal_degrees,
+                         &r->report->p95_normal_degrees);
+        angle_statistics(m.constant, count, &r->report->rms_normal_constant_degrees,
+                         &r->report->p95_normal_constant_degrees);
         result = PSPLAT_OK;
     }
     free(m.distances);
-    free(m.angles);
-    free(m.constant_angles);
-    free(m.covered);
+    free(m.own);
     free(m.blended);
+    free(m.constant);
+    free(m.uncovered);
     return result;
 }
 
 /* ---- splats to surface ---------------------------------------------------------------------- */
 
-/* Points of a splat: the corners of its outline, the same halfway in, and its middle. */
+/* Points of a splat: the corners of its outline, every other halfway in, and its middle. */
 static size_t region_points(const psplat_region *region, double (*points)[3]) {
     double polygon[CORNERS][2], middle[2] = {0, 0};
-    size_t count = psplat_region_polygon(region, 1, polygon, CORNERS);
-    for (size_t i = 0; i < count; ++i)
-        for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)count;
-    for (size_t i = 0; i < 2 * count + 1; ++i) {
-        double t = i < count ? 1 : i < 2 * count ? 0.5 : 0;
-        const double *corner = polygon[i % count];
-        memcpy(points[i], region->center, sizeof points[i]);
-        mad3(points[i], (middle[0] + t * (corner[0] - middle[0])) * region->radius[0], region->u);
-        mad3(points[i], (middle[1] + t * (corner[1] - middle[1])) * region->radius[1], region->v);
+    size_t corners = psplat_region_polygon(region, 1, polygon, CORNERS), count = 0;
+    for (size_t i = 0; i < corners; ++i)
+        for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)corners;
+    for (size_t i = 0; i < 2 * corners; i += i < corners ? 1 : 2, ++count) {
+        double t = i < corners ? 1 : 0.5;
+        const double *corner = polygon[i % corners];
+        memcpy(points[count], region->center, sizeof *points);
+        mad3(points[count], (middle[0] + t * (corner[0] - middle[0])) * region->radius[0],
+             region->u);
+        mad3(points[count], (middle[1] + t * (corner[1] - middle[1])) * region->radius[1],
+             region->v);
     }
-    return count ? 2 * count + 1 : 0;
+    if (!corners) return 0;
+    memcpy(points[count], region->center, sizeof *points);
+    mad3(points[count], middle[0] * region->radius[0], region->u);
+    mad3(points[count], middle[1] * region->radius[1], region->v);
+    return count + 1;
 }
 
-static psplat_result measure_splats(const psplat_mesh *mesh, const measured_splats *measured,
-                                    double *greatest) {
-    psplat_distance *distance = psplat_distance_create(mesh);
-    if (!distance) return PSPLAT_ERROR_MEMORY;
-    long end = (long)measured->splats->count;
-    double most = 0;
+/* The point of a splat that is farthest from the surface. */
+typedef struct farthest {
+    double distance, point[3];
+} farthest;
+
+static int find_farthest(const psplat_distance *distance, const psplat_region *region,
+                         farthest *far) {
+    double points[2 * CORNERS + 1][3], distances[2 * CORNERS + 1];
+    size_t count = region_points(region, points);
+    *far = (farthest){0};
+    if (psplat_distance_query(distance, &points[0][0], count, distances)) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (distances[i] < far->distance) continue;
+        far->distance = distances[i];
+        memcpy(far->point, points[i], sizeof far->point);
+    }
+    return 1;
+}
+
+static void judge_distances(verifier *r, const farthest *far) {
+    double greatest = 0;
+    for (size_t s = 0; s < r->v->splats->count; ++s) {
+        greatest = max2(greatest, far[s].distance);
+        if (far[s].distance <= r->measured.tolerance) continue;
+        ++r->far;
+        add_place(&r->places, PSPLAT_PROMISE_DISTANCE, far[s].point, percent(r, far[s].distance));
+    }
+    psplat_report *report = r->report;
+    report->max_distance_splats_percent = percent(r, greatest);
+    report->max_distance_percent =
+        max2(report->max_distance_surface_percent, report->max_distance_splats_percent);
+    keep_promise(report, PSPLAT_PROMISE_DISTANCE, percent(r, r->v->tolerance),
+                 report->max_distance_percent, r->far);
+}
+
+static psplat_result measure_splats(verifier *r) {
+    farthest *far = malloc((r->v->splats->count + 1) * sizeof *far);
+    if (!far) return PSPLAT_ERROR_MEMORY;
+    long end = (long)r->v->splats->count;
     int failed = 0;
 #if defined(_OPENMP)
-#pragma omp parallel for schedule(dynamic, 16) reduction(max : most) reduction(| : failed)
+#pragma omp parallel for schedule(dynamic, 16) reduction(| : failed)
 #endif
-    for (long i = 0; i < end; ++i) {
-        double points[2 * CORNERS + 1][3], distances[2 * CORNERS + 1];
-        size_t count = region_points(&measured->regions[i], points);
-        failed |= psplat_distance_query(distance, &points[0][0], count, distances) != PSPLAT_OK;
-        for (size_t k = 0; k < count && !failed; ++k) most = max2(most, distances[k]);
-    }
-    psplat_distance_destroy(distance);
-    *greatest = most;
+    for (long i = 0; i < end; ++i)
+        failed |= !find_farthest(r->v->distance, &r->measured.regions[i], &far[i]);
+    if (!failed) judge_distances(r, far);
+    free(far);
     return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }
 
-psplat_result psplat_verify(const psplat_surface *surface, const psplat_splats *splats,
-                            double tolerance, uint64_t seed, psplat_report *report,
+/* ---- creases, and all of it ------------------------------------------------------------------- */
+
+static psplat_result measure_creases(verifier *r) {
+    psplat_crossing *crossings;
+    size_t count;
+    double greatest, limit = r->v->tolerance;
+    psplat_result result =
+        psplat_crossings_find(r->v->surface, &r->samples, &r->measured, r->measured.tolerance,
+                              &crossings, &count, &greatest);
+    if (result) return result;
+    for (size_t i = 0; i < count; ++i)
+        add_place(&r->places, PSPLAT_PROMISE_CREASE, crossings[i].point,
+                  percent(r, crossings[i].depth));
+    keep_promise(r->report, PSPLAT_PROMISE_CREASE, percent(r, limit), percent(r, greatest), count);
+    free(crossings);
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,
                             psplat_error *error) {
-    size_t wanted = splats->count * SAMPLES_PER_SPLAT;
+    size_t wanted = v->splats->count * SAMPLES_PER_SPLAT;
     if (wanted < LEAST_SAMPLES) wanted = LEAST_SAMPLES;
     if (wanted > MOST_SAMPLES) wanted = MOST_SAMPLES;
-    psplat_samples samples;
-    psplat_result result = psplat_samples_draw_uniform(surface, wanted, seed, &samples, error);
+    verifier r = {.v = v,
+                  .report = report,
+                  .places = {.apart = 2 * v->tolerance, .origin = v->surface->mesh->origin}};
+    psplat_result result =
+        psplat_samples_draw_uniform(v->surface, wanted, v->seed, &r.samples, error);
     if (result) return result;
-    double greatest = 0;
-    measured_splats measured = {0};
-    if (!measured_create(&measured, splats, tolerance, tolerance)) result = PSPLAT_ERROR_MEMORY;
-    if (!result) result = measure_surface(&samples, &measured, surface->diagonal, report);
-    if (!result) result = measure_splats(surface->mesh, &measured, &greatest);
-    measured_free(&measured);
-    psplat_samples_free(&samples);
-    if (result) return psplat_fail(error, result, 0, "out of memory while verifying");
-    report->max_distance_splats_percent = 100 * greatest / surface->diagonal;
-    report->max_distance_percent =
-        max2(report->max_distance_surface_percent, report->max_distance_splats_percent);
-    return PSPLAT_OK;
+    result = psplat_measured_create(v->splats, v->tolerance, v->tolerance, &r.measured);
+    if (!result) result = measure_surface(&r);
+    if (!result) result = measure_splats(&r);
+    if (!result) result = measure_creases(&r);
+    if (!result) report_places(&r.places, report);
+    psplat_measured_free(&r.measured);
+    psplat_samples_free(&r.samples);
+    return result ? psplat_fail(error, result, 0, "out of memory while verifying") : PSPLAT_OK;
 }
