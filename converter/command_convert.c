@@ -19,8 +19,12 @@ typedef struct arguments {
     const char *output;
     const char *report;
     double tolerance;
+    double normal_tolerance;
     double crease_angle;
     uint64_t seed;
+    int splats, bytes; /* budgets */
+    int effort;        /* -1: the default */
+    int no_creases;
     int overwrite;
     int quiet;
 } arguments;
@@ -32,7 +36,17 @@ typedef struct product {
     psplat_report report;
     uint8_t *bytes;
     size_t size;
+    size_t needed; /* by the coarsest conversion, where the budget is too small */
 } product;
+
+static psplat_parse check_combination(const arguments *a) {
+    const char *cause = NULL;
+    if (a->splats && a->bytes) cause = "splats: not together with bytes: one budget at a time";
+    if (a->no_creases && a->crease_angle > 0) cause = "no-creases: not together with crease-angle";
+    if (!cause) return PSPLAT_PARSE_OK;
+    psplat_command_error("convert: %s (phongsplat convert --help lists what it takes)", cause);
+    return PSPLAT_PARSE_ERROR;
+}
 
 static psplat_parse parse(int argc, char **argv, arguments *a) {
     const psplat_option options[] = {
@@ -42,10 +56,23 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "the asset, instead of the operand; - is standard output", 0, 0, NULL},
         {'t', "tolerance", PSPLAT_OPTION_PERCENT, &a->tolerance, "PERCENT",
          "greatest distance between splats and surface, in % of the\n"
-         "bounding box's diagonal: 0.5% or 0.5 (default 0.5)",
+         "bounding box's diagonal: 0.5% or 0.5 (default 0.5; with a\n"
+         "budget the greatest that will do, default 20)",
          1e-4, 50, NULL},
+        {0, "normal-tolerance", PSPLAT_OPTION_NUMBER, &a->normal_tolerance, "DEG",
+         "greatest angle between a surface point's normal and that of\n"
+         "a splat covering it (default: not bounded)",
+         0.1, 90, NULL},
+        {0, "splats", PSPLAT_OPTION_COUNT, &a->splats, "N",
+         "find the smallest tolerance that takes at most N splats:\na budget", 1, 1e9, NULL},
+        {0, "bytes", PSPLAT_OPTION_COUNT, &a->bytes, "N",
+         "find the smallest tolerance whose OUT.glb has at most N\nbytes: a budget", 1, 2e9, NULL},
+        {0, "effort", PSPLAT_OPTION_COUNT, &a->effort, "N",
+         "how long to look for fewer splats (default 3)", 0, 9, NULL},
         {0, "crease-angle", PSPLAT_OPTION_NUMBER, &a->crease_angle, "DEG",
          "angle between two faces from which their edge stays\nsharp (default 30)", 1, 180, NULL},
+        {0, "no-creases", PSPLAT_OPTION_FLAG, &a->no_creases, NULL,
+         "no edge stays sharp but borders and where more than two\nfaces meet", 0, 0, NULL},
         {0, "seed", PSPLAT_OPTION_UNSIGNED, &a->seed, "N",
          "seed of the sampling (default 0); equal input, options\nand seed give equal bytes", 0, 0,
          NULL},
@@ -60,13 +87,17 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         .command = "convert",
         .operands = "IN OUT.glb",
         .summary = "Converts a mesh (OBJ, PLY, OFF, STL, glTF, GLB) to Phong splats in a GLB.",
-        .notes = "OUT.glb is written whole or not at all.",
+        .notes =
+            "OUT.glb is written whole or not at all. Tolerances are promises, checked on samples\n"
+            "other than those that were fitted; one that is broken gives exit code 9, and the\n"
+            "report names the places.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .slots = slots,
         .slot_count = 2,
     };
-    return psplat_options_parse(&syntax, argc, argv);
+    psplat_parse parsed = psplat_options_parse(&syntax, argc, argv);
+    return parsed == PSPLAT_PARSE_OK ? check_combination(a) : parsed;
 }
 
 static double seconds_now(void) {
@@ -125,19 +156,31 @@ static psplat_result check_asset(const product *p, psplat_error *error) {
                        p->splats.count, splats);
 }
 
-static psplat_result make(const arguments *a, product *p, psplat_error *error) {
-    psplat_progress progress = psplat_progress_begin(a->quiet);
-    psplat_convert_desc desc = {
+static psplat_result convert(const arguments *a, const char *name, psplat_progress *progress,
+                             product *p, psplat_error *error) {
+    const psplat_budget budget = {(size_t)a->splats, (size_t)a->bytes, name};
+    const psplat_convert_desc desc = {
         .tolerance_percent = a->tolerance,
+        .normal_tolerance_degrees = a->normal_tolerance,
         .crease_angle_degrees = a->crease_angle,
+        .no_creases = a->no_creases,
+        .effort = a->effort + 1,
         .seed = a->seed,
         .progress = psplat_progress_show,
-        .user = &progress,
+        .user = progress,
     };
+    if (!a->splats && !a->bytes)
+        return psplat_convert(&p->mesh, &desc, &p->splats, &p->report, error);
+    return psplat_convert_budget(&p->mesh, &desc, &budget, &p->splats, &p->report, &p->needed,
+                                 error);
+}
+
+static psplat_result make(const arguments *a, product *p, psplat_error *error) {
+    psplat_progress progress = psplat_progress_begin(a->quiet);
     char *name = model_name(a->input);
     psplat_progress_show(&progress, "reading", 0);
     psplat_result result = psplat_mesh_read(a->input, &p->mesh, error);
-    if (!result) result = psplat_convert(&p->mesh, &desc, &p->splats, &p->report, error);
+    if (!result) result = convert(a, name, &progress, p, error);
     psplat_progress_show(&progress, "writing", 0);
     if (!result) result = psplat_glb_write(&p->splats, name, &p->bytes, &p->size, error);
     if (!result) result = check_asset(p, error);
@@ -172,35 +215,81 @@ static void print_summary(const arguments *a, const psplat_report *r) {
            r->rms_normal_degrees, r->uncovered_samples, r->verification_samples, r->seconds);
 }
 
+/* What a broken promise means at its first place. */
+static void describe_broken(const psplat_place *place, const psplat_kept *kept, char text[160]) {
+    double value = place->value, limit = kept->limit;
+    size_t broken = kept->broken;
+    switch (place->promise) {
+    case PSPLAT_PROMISE_COVERAGE:
+        snprintf(text, 160, "no splat covers the surface within %.3g %% (%zu samples)", limit,
+                 broken);
+        break;
+    case PSPLAT_PROMISE_DISTANCE:
+        snprintf(text, 160, "a splat leaves the surface by %.3g %%, not %.3g %% (%zu splats)",
+                 value, limit, broken);
+        break;
+    case PSPLAT_PROMISE_NORMAL:
+        snprintf(text, 160, "the normal errs by %.3g degrees, not %.3g (%zu samples)", value, limit,
+                 broken);
+        break;
+    default:
+        snprintf(text, 160, "a splat crosses a crease by %.3g %%, not %.3g %% (%zu edges)", value,
+                 limit, broken);
+    }
+}
+
+/* One line for the first of the broken promises; the report has them all. */
+static void print_broken(const arguments *a, const psplat_report *r) {
+    const psplat_place *place = &r->places[0];
+    const double *p = place->position;
+    char shown[PSPLAT_SHOWN_PATH], text[160];
+    describe_broken(place, &r->promises[place->promise], text);
+    psplat_path_shorten(a->input, shown);
+    psplat_command_error("%s: at %.6g %.6g %.6g: %s; the output was written all the same", shown,
+                         p[0], p[1], p[2], text);
+}
+
 static void free_product(product *p) {
     psplat_mesh_free(&p->mesh);
     psplat_splats_free(&p->splats);
     free(p->bytes);
 }
 
+/* Everything after the command line was read. */
+static int run(const arguments *a, product *p) {
+    double start = seconds_now();
+    psplat_error error = {0};
+    const char *subject = NULL;
+    psplat_result result = check_outputs(a, &error);
+    if (!result) {
+        result = make(a, p, &error);
+        subject = result == PSPLAT_ERROR_WRITE ? a->output : a->input;
+    }
+    if (!result) {
+        result = psplat_output_write(a->output, p->bytes, p->size, a->overwrite, &error);
+        subject = NULL;
+    }
+    p->report.bytes = p->size;
+    p->report.seconds = seconds_now() - start;
+    p->report.peak_memory_bytes = peak_memory();
+    if (!result && a->report) result = write_report(a, p, &error);
+    if (result) {
+        int code = psplat_command_fail(subject, &error);
+        return p->needed ? PSPLAT_EXIT_BUDGET : code;
+    }
+    print_summary(a, &p->report);
+    if (psplat_report_broken(&p->report) == PSPLAT_PROMISE_COUNT) return PSPLAT_EXIT_SUCCESS;
+    print_broken(a, &p->report);
+    return PSPLAT_EXIT_BROKEN;
+}
+
 int psplat_command_convert(int argc, char **argv) {
-    arguments a = {0};
+    arguments a = {.effort = -1};
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK)
         return parsed == PSPLAT_PARSE_HELP ? PSPLAT_EXIT_SUCCESS : PSPLAT_EXIT_USAGE;
-    double start = seconds_now();
     product p = {0};
-    psplat_error error = {0};
-    const char *subject = NULL;
-    psplat_result result = check_outputs(&a, &error);
-    if (!result) {
-        result = make(&a, &p, &error);
-        subject = result == PSPLAT_ERROR_WRITE ? a.output : a.input;
-    }
-    if (!result) {
-        result = psplat_output_write(a.output, p.bytes, p.size, a.overwrite, &error);
-        subject = NULL;
-    }
-    p.report.bytes = p.size;
-    p.report.seconds = seconds_now() - start;
-    p.report.peak_memory_bytes = peak_memory();
-    if (!result && a.report) result = write_report(&a, &p, &error);
-    if (!result) print_summary(&a, &p.report);
+    int code = run(&a, &p);
     free_product(&p);
-    return result ? psplat_command_fail(subject, &error) : PSPLAT_EXIT_SUCCESS;
+    return code;
 }

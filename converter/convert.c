@@ -174,9 +174,7 @@ static void fill_splats(const conversion *c, const psplat_mesh *mesh) {
     for (int k = 0; k < 3; ++k) c->splats->origin[k] = mesh->origin[k];
 }
 
-static psplat_result fill_report(const conversion *c, psplat_report *report, psplat_error *error) {
-    if (interrupted(c->desc, "verifying", 0))
-        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+static void count_for_report(const conversion *c, psplat_report *report) {
     report->splats = c->splats->count;
     for (int k = 0; k <= PSPLAT_MAX_CLIP_LINES; ++k)
         report->splats_by_clip_lines[k] = c->splats->count_by_clip_lines[k];
@@ -187,6 +185,11 @@ static psplat_result fill_report(const conversion *c, psplat_report *report, psp
     report->samples = c->samples.count;
     report->diagonal = c->surface.diagonal;
     report->tolerance_percent = tolerance_percent(c->desc);
+}
+
+static psplat_result verify(const conversion *c, psplat_report *report, psplat_error *error) {
+    if (interrupted(c->desc, "verifying", 0))
+        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     const psplat_verification verification = {
         .surface = &c->surface,
         .splats = c->splats,
@@ -198,8 +201,8 @@ static psplat_result fill_report(const conversion *c, psplat_report *report, psp
     return psplat_verify(&verification, report, error);
 }
 
-static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *report,
-                         psplat_error *error) {
+/* Everything that does not depend on samples. */
+static psplat_result build(conversion *c, const psplat_mesh *mesh, psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
     double degrees =
         desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
@@ -207,7 +210,13 @@ static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     double crease_angle = desc->no_creases || mesh->point_count ? PSPLAT_NO_CREASES : degrees * degree;
     psplat_result result = psplat_surface_build(mesh, crease_angle, &c->surface, error);
-    if (!result) result = set_limits(c, error);
+    return result ? result : set_limits(c, error);
+}
+
+static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *report,
+                         psplat_error *error) {
+    const psplat_convert_desc *desc = c->desc;
+    psplat_result result = build(c, mesh, error);
     if (result) return result;
     if (interrupted(desc, "sampling", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
@@ -215,21 +224,42 @@ static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *
     if (!result) result = select_splats(c, error);
     if (result) return result;
     fill_splats(c, mesh);
-    return report ? fill_report(c, report, error) : PSPLAT_OK;
+    if (!report) return PSPLAT_OK;
+    count_for_report(c, report);
+    return desc->unverified ? PSPLAT_OK : verify(c, report, error);
 }
+
+static void free_conversion(conversion *c) {
+    psplat_selection_free(&c->selection);
+    psplat_samples_free(&c->samples);
+    psplat_distance_destroy(c->distance);
+    psplat_surface_free(&c->surface);
+}
+
+static const psplat_convert_desc defaults;
 
 psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                              psplat_splats *splats, psplat_report *report, psplat_error *error) {
-    static const psplat_convert_desc defaults;
     if (!mesh || !splats)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "mesh and splats must not be NULL");
     *splats = (psplat_splats){0};
     conversion c = {.desc = desc ? desc : &defaults, .splats = splats};
     psplat_result result = run(&c, mesh, report, error);
-    psplat_selection_free(&c.selection);
-    psplat_samples_free(&c.samples);
-    psplat_distance_destroy(c.distance);
-    psplat_surface_free(&c.surface);
+    free_conversion(&c);
     if (result) psplat_splats_free(splats);
+    return result;
+}
+
+psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                    const psplat_splats *splats, psplat_report *report,
+                                    psplat_error *error) {
+    if (!mesh || !splats || !report)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "mesh, splats and report must not be NULL");
+    psplat_splats measured = *splats; /* not changed, but conversions hold what they make */
+    conversion c = {.desc = desc ? desc : &defaults, .splats = &measured};
+    psplat_result result = build(&c, mesh, error);
+    if (!result) result = verify(&c, report, error);
+    free_conversion(&c);
     return result;
 }

@@ -85,8 +85,9 @@ typedef struct psplat_convert_desc {
     double crease_angle_degrees;     /* dihedral angle from which an edge is a crease; 0 means 30 */
     int no_creases;                  /* 1: only borders and non-manifold edges bound splats */
     int constant_normals;            /* 1: fields without gradients, as Gaussian splats have */
-    int effort;    /* 1 ... 10: rounds of improving the selection; 0 means the default, 4 */
-    uint64_t seed; /* of the sampling */
+    int effort;     /* 1 ... 10: rounds of improving the selection; 0 means the default, 4 */
+    uint64_t seed;  /* of the sampling */
+    int unverified; /* 1: a report gets counts only; psplat_convert_verify adds the rest */
     /* Called now and then with the stage's name and its fraction done 0 ... 1; a return other than
      * 0 stops with INTERRUPTED. May be NULL. */
     int (*progress)(void *user, const char *stage, double fraction);
@@ -181,6 +182,41 @@ psplat_promise psplat_report_broken(const psplat_report *report);
  * tolerance). */
 psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                              psplat_splats *splats, psplat_report *report, psplat_error *error);
+
+/* Fills what psplat_convert with desc->unverified left out of its report on splats, which stand for
+ * mesh and desc. The same errors. */
+psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                    const psplat_splats *splats, psplat_report *report,
+                                    psplat_error *error);
+
+/* ---- schedule.c: how far a conversion is ---------------------------------------------------- */
+
+/* Fraction 0 ... 1 of the time of a whole conversion that is usually spent when a stage, by the
+ * name that desc.progress gets, is done to this fraction; negative for names that it does not know.
+ */
+double psplat_schedule_done(const char *stage, double fraction);
+
+/* ---- budget.c: the smallest error that fits -------------------------------------------------- */
+
+typedef struct psplat_budget {
+    size_t splats;    /* at most; 0: any number */
+    size_t bytes;     /* of the complete GLB, at most; 0: any number */
+    const char *name; /* of the node and the mesh in it, as psplat_glb_write takes it */
+} psplat_budget;
+
+/* The tolerances, in %, between which psplat_convert_budget searches. */
+#define PSPLAT_BUDGET_COARSEST 20.0
+#define PSPLAT_BUDGET_FINEST 0.01
+
+/* Finds the smallest tolerance whose splats keep the budget, up to 3 % of it or what some ten
+ * conversions reach, and returns the splats and the report (may be NULL) of that tolerance, which
+ * is in report->tolerance_percent. desc->tolerance_percent is the greatest that will do; 0 means
+ * PSPLAT_BUDGET_COARSEST. *needed becomes 0, or, where even that tolerance needs more than the
+ * budget and RANGE is returned, how much: splats, or bytes where their number is what does not fit.
+ * Other errors are those of psplat_convert. */
+psplat_result psplat_convert_budget(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                    const psplat_budget *budget, psplat_splats *splats,
+                                    psplat_report *report, size_t *needed, psplat_error *error);
 
 /* ---- glb.c: splats to a file -------------------------------------------------------------- */
 

@@ -77,11 +77,11 @@ static double depth_bound(const psplat_region *region, const double from[3], con
     double least = region->radius[1];
     for (uint32_t i = 0; i < region->line_count; ++i) {
         const double *line = region->lines[i];
-        double inside = max2(line[0] * from[0] + line[1] * from[1],
-                             line[0] * to[0] + line[1] * to[1]) +
-                        line[2];
-        least = min2(least, inside / hypot(line[0] / region->radius[0],
-                                           line[1] / region->radius[1]));
+        double inside =
+            max2(line[0] * from[0] + line[1] * from[1], line[0] * to[0] + line[1] * to[1]) +
+            line[2];
+        least =
+            min2(least, inside / hypot(line[0] / region->radius[0], line[1] / region->radius[1]));
     }
     return least;
 }
@@ -161,8 +161,8 @@ static double probe_edge(const psplat_surface *surface, const psplat_measured *m
     const double *b = surface->mesh->positions + 3 * (size_t)corners[(edge % 3 + 1) % 3];
     double low[3], high[3];
     for (int k = 0; k < 3; ++k) low[k] = min2(a[k], b[k]), high[k] = max2(a[k], b[k]);
-    edge_probe p = {measured, a,        b,    surface->face_normals + (size_t)(edge / 3) * 3, edge,
-                    limit,    greatest, list};
+    edge_probe p = {measured, a,     b,        surface->face_normals + (size_t)(edge / 3) * 3,
+                    edge,     limit, greatest, list};
     psplat_locator_visit_box(measured->locator, low, high, visit_region, &p);
     return p.greatest;
 }
@@ -245,11 +245,8 @@ static psplat_result keep_own(const psplat_surface *surface, const psplat_sample
     if (first && votes) {
         for (size_t i = 0; i < list->count; ++i) first[list->items[i].splat + 1]++;
         for (size_t s = 0; s < splats; ++s) first[s + 1] += first[s];
-        voter shared = {.surface = surface,
-                        .measured = measured,
-                        .list = list,
-                        .first = first,
-                        .votes = votes};
+        voter shared = {
+            .surface = surface, .measured = measured, .list = list, .first = first, .votes = votes};
         take_votes(&shared, samples);
         for (size_t i = 0; i < list->count; ++i) {
             const vote *v = &votes[list->items[i].splat];

@@ -80,7 +80,8 @@ static void keep_promise(psplat_report *report, psplat_promise promise, double l
     report->promises[promise] = (psplat_kept){limit, worst, broken};
 }
 
-/* ---- the distance of a point that nothing covers ------------------------------------------------ */
+/* ---- the distance of a point that nothing covers ------------------------------------------------
+ */
 
 /* Distance in the plane from a point outside a convex polygon, in units of length. */
 static double polygon_distance(const psplat_region *region, double (*polygon)[2], size_t count,
@@ -138,14 +139,14 @@ typedef struct probe {
     const psplat_measured *measured;
     const double *point;
     double normal[3];
-    double height; /* least over the splats that cover it; HUGE_VAL: none does */
-    double cosine; /* greatest between the normal and their fields */
+    double height;                  /* least over the splats that cover it; HUGE_VAL: none does */
+    double cosine;                  /* greatest between the normal and their fields */
     double blended[3], constant[3]; /* weighted normals, with and without gradients */
 } probe;
 
 /* The splat's normal at (u, v), of any length, and at (0, 0) of the same N (spec 3.5). */
-static void field_normal(const psplat_splat *splat, const psplat_region *region,
-                         const double uv[2], double constant[3], double field[3]) {
+static void field_normal(const psplat_splat *splat, const psplat_region *region, const double uv[2],
+                         double constant[3], double field[3]) {
     double center[3] = {(double)splat->normal[0], (double)splat->normal[1],
                         (double)splat->normal[2]};
     double scale = 1 / dot3(center, region->n);
@@ -261,7 +262,8 @@ static void angle_statistics(double *angles, size_t count, double *rms, double *
     *p95 = given ? select_value(angles, given, (given - 1) * 95 / 100) : 0;
 }
 
-/* ---- what the samples say ----------------------------------------------------------------------- */
+/* ---- what the samples say -----------------------------------------------------------------------
+ */
 
 /* All that one verification works with. */
 typedef struct verifier {
@@ -412,7 +414,8 @@ static psplat_result measure_splats(verifier *r) {
     return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }
 
-/* ---- creases, and all of it ------------------------------------------------------------------- */
+/* ---- creases, and all of it -------------------------------------------------------------------
+ */
 
 static psplat_result measure_creases(verifier *r) {
     psplat_crossing *crossings;

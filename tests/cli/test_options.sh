@@ -9,7 +9,7 @@ expect_output "^phongsplat $VERSION\$"
 run "$PHONGSPLAT" --help
 expect_success
 for command in convert render inspect validate; do expect_output "^  $command"; done
-for exit_code in 0 1 2 3 4 5 6 7 8; do expect_output "^  $exit_code  [a-z]"; done
+for exit_code in 0 1 2 3 4 5 6 7 8 9 10; do expect_output "^ +$exit_code  [a-z]"; done
 
 for command in convert render inspect validate; do
     for option in --help -h; do
@@ -46,6 +46,18 @@ for arguments in '--crease-angle 181' '--crease-angle x' '--seed -1' '--seed 1.5
     run "$PHONGSPLAT" convert in.obj out.glb $arguments
     expect_error 1 'crease-angle|seed|quiet|tolerance'
 done
+for arguments in '--splats 0' '--splats -1' '--splats 1e3' '--splats 1000000001' '--splats' '--bytes 0' '--bytes 10k' \
+    '--bytes 2000000001' '--effort 10' '--effort -1' '--effort 1.5' '--normal-tolerance 0' '--normal-tolerance 91' \
+    '--normal-tolerance 5%' '--no-creases=1'; do
+    # shellcheck disable=SC2086
+    run "$PHONGSPLAT" convert in.obj out.glb $arguments
+    expect_error 1 'convert: (splats|bytes|effort|normal-tolerance|no-creases): '
+done
+# What contradicts each other.
+run "$PHONGSPLAT" convert in.obj out.glb --splats 5 --bytes 5
+expect_error 1 'splats: not together with bytes'
+run "$PHONGSPLAT" convert in.obj out.glb --no-creases --crease-angle 40
+expect_error 1 'no-creases: not together with crease-angle'
 for arguments in '--size 0x5' '--size 5' '--size 5x' '--size 5x5x5' '--size 99999x5' '--mode shiny' \
     '--background red' '--background 1,2' '--background 1,2,256' '--background 12345' \
     '--supersample 0' '--supersample 9' '--elevation 91' '--distance 0' '--azimuth'; do

@@ -74,6 +74,9 @@ static void test_report_names_every_field(void **state) {
         .max_distance_percent = 0.5,
         .rms_normal_degrees = NAN,
         .uncovered_samples = 7,
+        .promises[PSPLAT_PROMISE_COVERAGE] = {0.25, 0.5, 7},
+        .places = {{PSPLAT_PROMISE_COVERAGE, {1, -2, 3e9}, 0.5}},
+        .place_count = 1,
     };
     char *text = NULL;
     size_t size = 0;
@@ -100,7 +103,19 @@ static void test_report_names_every_field(void **state) {
                                    "\"rms_normal_degrees\": null,",
                                    "\"p95_normal_degrees\": 0,",
                                    "\"rms_normal_constant_degrees\": 0,",
-                                   "\"uncovered_samples\": 7\n}"};
+                                   "\"p95_normal_constant_degrees\": 0,",
+                                   "\"max_normal_degrees\": 0,",
+                                   "\"uncovered_samples\": 7,",
+                                   "\"kept\": false,",
+                                   "\"promises\": {\n    \"coverage\": {\n      \"given\": true,\n"
+                                   "      \"kept\": false,\n      \"limit\": 0.25,\n"
+                                   "      \"worst\": 0.5,\n      \"broken\": 7\n    },",
+                                   "\"distance\": {",
+                                   "\"normal\": {\n      \"given\": false,\n      \"kept\": true,",
+                                   "\"crease\": {",
+                                   "\"places\": [\n    {\n      \"promise\": \"coverage\",\n"
+                                   "      \"position\": [1, -2, 3000000000],\n"
+                                   "      \"value\": 0.5,\n      \"limit\": 0.25\n    }\n  ]\n}"};
     for (size_t i = 0; i < sizeof members / sizeof *members; ++i)
         if (!strstr(terminated, members[i])) fail_msg("no %s in %s", members[i], terminated);
     free(terminated);
