@@ -119,14 +119,20 @@ int psplat_command_validate(int argc, char **argv);
 
 /* ---- progress.c --------------------------------------------------------------------------- */
 
-/* A line on standard error that shows stage and percentage, where that is a terminal. */
+/* A line on standard error that shows how much is done, the stage, and the time that is left, where
+ * that is a terminal. */
 typedef struct psplat_progress {
     int enabled;
-    const char *stage;
-    int percent;
+    double start, updated; /* seconds of a monotonic clock */
+    double done;           /* 0 ... 1, never falling */
+    double left;           /* seconds, smoothed; negative: not known yet */
+    char shown[96];
 } psplat_progress;
 
 psplat_progress psplat_progress_begin(int quiet);
+/* What the line says `now`, in progress->shown; 1 where it has changed. */
+int psplat_progress_update(psplat_progress *progress, double now, const char *stage,
+                           double fraction);
 /* For psplat_convert_desc; user is the psplat_progress. Never asks to stop: a signal ends the
  * process at once, since nothing unfinished is ever on disk (output.c). */
 int psplat_progress_show(void *user, const char *stage, double fraction);

@@ -4,6 +4,7 @@
  */
 #include "converter.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Shares of the time of typical models at the default tolerance. */
@@ -16,10 +17,17 @@ static const struct stage {
     {"writing", 0.01},
 };
 
+/* A search for a budget goes through all stages between these many times, as one. */
+static const char *const searching = "searching", *const search_first = "finding creases",
+                         *const search_end = "verifying";
+
 double psplat_schedule_done(const char *stage, double fraction) {
     double before = 0;
-    if (!(fraction > 0)) fraction = 0;
-    if (fraction > 1) fraction = 1;
+    fraction = fmin(fmax(fraction, 0), 1);
+    if (!strcmp(stage, searching)) {
+        double begin = psplat_schedule_done(search_first, 0);
+        return begin + fraction * (psplat_schedule_done(search_end, 0) - begin);
+    }
     for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) {
         if (!strcmp(stages[i].name, stage)) return before + fraction * stages[i].share;
         before += stages[i].share;

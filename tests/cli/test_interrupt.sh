@@ -1,27 +1,63 @@
 # SPDX-License-Identifier: MIT
-# Ctrl-C in the middle of a conversion: exit code 8, one line, nothing left behind.
+# Ctrl-C in the middle of a conversion: exit code 8 at once, one line, nothing left behind.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
-# A wavy sheet of 40,000 triangles keeps the converter busy for longer than the signal takes.
-awk 'BEGIN {
-    n = 141
-    for (y = 0; y < n; ++y) for (x = 0; x < n; ++x) print "v", x, y, 5 * sin(x / 3) * cos(y / 4)
-    for (y = 1; y < n; ++y) for (x = 1; x < n; ++x) {
-        a = (y - 1) * n + x
-        print "f", a, a + 1, a + n + 1, a + n
-    }
-}' >sheet.obj
 
-for signal in INT TERM; do
+# write_sheet N FILE: a wavy sheet of 2 (N - 1)^2 triangles keeps the converter busy for longer than
+# the signal takes.
+write_sheet() {
+    awk -v n="$1" 'BEGIN {
+        for (y = 0; y < n; ++y) for (x = 0; x < n; ++x) print "v", x, y, 5 * sin(x / 3) * cos(y / 4)
+        for (y = 1; y < n; ++y) for (x = 1; x < n; ++x) {
+            a = (y - 1) * n + x
+            print "f", a, a + 1, a + n + 1, a + n
+        }
+    }' >"$2"
+}
+
+now() { date +%s%3N; }
+
+# stop SIGNAL SECONDS ARGUMENTS...: converts and is stopped after so long.
+stop() {
+    signal=$1 seconds=$2
+    shift 2
     # A shell starts background jobs with SIGINT ignored, which the program respects; env undoes it.
-    env --default-signal=INT "$PHONGSPLAT" convert sheet.obj out/x.glb -t 0.02% >stdout.txt 2>stderr.txt </dev/null &
+    env --default-signal=INT "$PHONGSPLAT" convert "$@" >stdout.txt 2>stderr.txt </dev/null &
     process=$!
-    sleep 1
-    kill -$signal $process
+    sleep "$seconds"
+    kill -"$signal" $process
+    begin=$(now)
     code=0
     wait $process || code=$?
-    command_line="convert stopped by SIG$signal"
-    expect_error 8 '^phongsplat: .*interrupted'
+    took=$(($(now) - begin))
+    command_line="convert $* stopped by SIG$signal after $seconds s"
+    expect_error 8 '^phongsplat: interrupted$'
+    # Freeing the memory of the process is all that has to be waited for.
+    [ "$took" -lt 2000 ] || fail "$command_line: ended $took ms later"
+}
+
+write_sheet 141 sheet.obj
+write_sheet 501 large.obj
+for signal in INT TERM; do
+    stop $signal 1 sheet.obj out/x.glb -t 0.02% --report out/x.json
+    # In one of the first stages of 500,000 triangles, and while the search for a budget goes on.
+    stop $signal 0.3 large.obj out/x.glb -t 0.05%
+    stop $signal 4 large.obj out/x.glb --bytes 300000
     expect_files ''
 done
+
+# What an output held before stays.
+echo before >out/x.glb
+stop INT 1 sheet.obj out/x.glb -w --splats 5000
+expect_files x.glb
+[ "$(cat out/x.glb)" = before ] || fail "an interrupted conversion replaced its output"
+
+# On a terminal the line of progress comes, gives an estimate, and goes; elsewhere there is none.
+if command -v script >/dev/null; then
+    script -qec "timeout --foreground -s INT 6 '$PHONGSPLAT' convert sheet.obj out/y.glb -t 0.02%" typescript \
+        >/dev/null 2>&1 </dev/null || true
+    expect_files x.glb
+    grep -q ' %, ' typescript || fail "no progress on a terminal: $(tr '\r' '\n' <typescript)"
+    grep -q ' left' typescript || fail "no estimate on a terminal: $(tr '\r' '\n' <typescript)"
+fi
 echo "$checks checks passed"
