@@ -49,6 +49,33 @@ expect_success
 node -e 'JSON.parse(require("fs").readFileSync("stdout.txt"))' || fail "report on standard output"
 rm out/third.glb
 
+# What was promised is in the report, and a promise not asked for is not given.
+"$PHONGSPLAT" convert cube.obj - -t 2 --normal-tolerance 5 --report out/promise.json >/dev/null </dev/null || fail "normals of a cube"
+node - out/cube.json out/promise.json <<'JS' || fail "promises"
+const [r, n] = process.argv.slice(2).map((path) => JSON.parse(require('fs').readFileSync(path, 'utf8')));
+if (!r.kept || r.places.length || Object.keys(r.promises).join() !== 'coverage,distance,normal,crease') throw Error('kept');
+for (const [name, p] of Object.entries(r.promises)) {
+    if (!p.kept || p.broken || p.given !== (name !== 'normal') || p.limit !== (p.given ? 2 : 0)) throw Error(name);
+    if (name !== 'normal' && !(p.worst <= p.limit * 1.000001)) throw Error(name + ' worst');
+}
+if (!n.promises.normal.given || n.promises.normal.limit !== 5 || !(n.promises.normal.worst <= 5)) throw Error('normal');
+JS
+rm out/promise.json
+
+# Budgets: kept, and refused with a code of their own where nothing fits; then nothing is written.
+run "$PHONGSPLAT" convert cube.obj out/budget.glb --splats 6 --report out/budget.json
+expect_success
+[ "$(grep -c '"splats": 6,' out/budget.json)" -eq 1 ] || fail "budget of 6 splats"
+run "$PHONGSPLAT" convert cube.obj out/budget.glb -w --bytes 3000 -t 30%
+expect_success
+[ "$(wc -c <out/budget.glb)" -le 3000 ] || fail "budget of 3000 bytes"
+rm out/budget.glb out/budget.json
+run "$PHONGSPLAT" convert cube.obj out/budget.glb --splats 5
+expect_error 10 'cube.obj: a tolerance of 20 % takes 6 splats, more than the budget of 5'
+run "$PHONGSPLAT" convert cube.obj out/budget.glb --bytes 10 --tolerance 1
+expect_error 10 'cube.obj: a tolerance of 1 % takes [0-9]+ bytes, more than the budget of 10'
+expect_files again.glb cube.glb cube.json
+
 # A tighter tolerance is kept as well, names may hold spaces and look like options behind --.
 mv cube.obj './-a cube.obj'
 run "$PHONGSPLAT" convert --tolerance 0.5% -- '-a cube.obj' 'out/a b.glb'
