@@ -82,9 +82,10 @@ void psplat_points_free(psplat_points *points);
 typedef struct psplat_convert_desc {
     double tolerance_percent;        /* epsilon in % of the bounding-box diagonal; 0 means 0.5 */
     double normal_tolerance_degrees; /* greatest error of the normal field; 0 means unbounded */
-    double crease_angle_degrees;     /* dihedral angle from which an edge is a crease; 0 means 30 */
-    int no_creases;                  /* 1: only borders and non-manifold edges bound splats */
-    int constant_normals;            /* 1: fields without gradients, as Gaussian splats have */
+    double crease_angle_degrees; /* dihedral angle from which an edge is a crease, where it is not
+                                  * noise; twice of it where the file's normals agree; 0: 30 */
+    int no_creases;              /* 1: only borders and non-manifold edges bound splats */
+    int constant_normals;        /* 1: fields without gradients, as Gaussian splats have */
     int effort;     /* 1 ... 10: rounds of improving the selection; 0 means the default, 4 */
     uint64_t seed;  /* of the sampling */
     int unverified; /* 1: a report gets counts only; psplat_convert_verify adds the rest */

@@ -3,6 +3,7 @@
  * edges.c - which two edges of triangles are one edge of the mesh.
  */
 #include "stages.h"
+#include "vector.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -70,4 +71,9 @@ psplat_result psplat_edge_pairs(const psplat_mesh *mesh, uint32_t *pairs, size_t
     free(starts);
     free(edges);
     return result;
+}
+
+void psplat_edge_vector(const psplat_mesh *mesh, uint32_t edge, double vector[3]) {
+    uint32_t a = mesh->triangles[edge], b = mesh->triangles[edge % 3 == 2 ? edge - 2 : edge + 1];
+    sub3(vector, mesh->positions + 3 * (size_t)b, mesh->positions + 3 * (size_t)a);
 }

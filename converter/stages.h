@@ -30,6 +30,8 @@ double psplat_random_unit(uint64_t *state); /* 0 <= x < 1 */
  * direction, or PSPLAT_NONE: none or several. *borders: how many edges have one triangle. MEMORY is
  * the only failure. */
 psplat_result psplat_edge_pairs(const psplat_mesh *mesh, uint32_t *pairs, size_t *borders);
+/* From the start of an edge to its end. */
+void psplat_edge_vector(const psplat_mesh *mesh, uint32_t edge, double vector[3]);
 
 /* ---- surface.c, crease.c: connectivity, creases and smooth patches -------------------------- */
 
@@ -58,8 +60,56 @@ psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
                                    psplat_surface *surface, psplat_error *error);
 void psplat_surface_free(psplat_surface *surface);
 
-/* Fills creases, patches and their counts of a surface whose neighbours are known. */
-psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle);
+/* authored.c: flags of corners, whether the file has a credible normal there, and of edges, what
+ * these normals say. authored: triangle_count x 3. MEMORY is the only failure. */
+enum {
+    PSPLAT_AUTHORED_NORMAL = 1,
+    PSPLAT_AUTHORED_SMOOTH = 2,
+    PSPLAT_AUTHORED_FADING = 4, /* hard at one end */
+    PSPLAT_AUTHORED_HARD = 8
+};
+psplat_result psplat_authored_read(const psplat_surface *surface, uint8_t *authored);
+
+/* relief.c: how edges bend, and how rough the surface is around triangles; see there. Angles in
+ * radians; a bend is positive where the surface is convex. */
+typedef struct psplat_relief {
+    float *bends; /* triangle_count x 3 */
+    float *noise; /* triangle_count: root mean square of the part that bends both ways */
+    /* Without noise: */
+    double *normals;   /* triangle_count x 3 */
+    float *calm_bends; /* triangle_count x 3 */
+    float *roughness;  /* triangle_count: root mean square of bends below the crease angle */
+} psplat_relief;
+
+/* MEMORY is the only failure; psplat_relief_free also then. */
+psplat_result psplat_relief_measure(const psplat_surface *surface, double crease_angle,
+                                    psplat_relief *relief);
+void psplat_relief_free(psplat_relief *relief);
+
+/* bend.c: a sharp edge is a crease, a likely one if its chain is long enough, a weak one if it is
+ * connected to one, a faint one where it continues one. */
+typedef enum psplat_bend {
+    PSPLAT_BEND_SMOOTH = 0,
+    PSPLAT_BEND_FAINT,
+    PSPLAT_BEND_WEAK,
+    PSPLAT_BEND_LIKELY,
+    PSPLAT_BEND_SHARP,
+    PSPLAT_BEND_GIVEN /* by the file; not judged */
+} psplat_bend;
+
+psplat_bend psplat_bend_judge(const psplat_surface *surface, const psplat_relief *relief,
+                              uint32_t edge, double crease_angle, double weak_angle);
+
+/* Marks an edge, and the same edge of its neighbour. */
+void psplat_crease_set(psplat_surface *surface, uint32_t edge, uint8_t value);
+/* follow.c: marks the weak and faint edges (kinds: psplat_bend of edges) that continue creases.
+ * MEMORY is the only failure. */
+psplat_result psplat_crease_follow(psplat_surface *surface, const uint8_t *kinds);
+
+/* Fills creases, patches and their counts of a surface whose neighbours are known. authored: of
+ * psplat_authored_read. */
+psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle,
+                                 const uint8_t *authored);
 
 /* Interpolated unit normal and linear colour at barycentric coordinates of a triangle. */
 void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,

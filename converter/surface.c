@@ -107,25 +107,30 @@ static void average_fan(psplat_surface *surface, uint8_t *done, uint32_t corner)
     } while (c != PSPLAT_NONE && c != begin);
 }
 
-/* The file's normals, where it has any. */
-static void keep_authored(psplat_surface *surface) {
-    const float *authored = surface->mesh->corner_normals;
-    for (size_t corner = 0; corner < 3 * surface->mesh->triangle_count; ++corner) {
-        const float *n = authored + 3 * corner;
-        if (n[0] == 0 && n[1] == 0 && n[2] == 0) continue;
-        memcpy(surface->corner_normals + 3 * corner, n, 3 * sizeof(float));
-    }
-}
-
-static psplat_result set_normals(psplat_surface *surface) {
+/* The file's normals where they are credible, averages elsewhere. */
+static psplat_result set_normals(psplat_surface *surface, const uint8_t *authored) {
     uint32_t corners = (uint32_t)(3 * surface->mesh->triangle_count);
     uint8_t *done = calloc(corners, 1);
     if (!done) return PSPLAT_ERROR_MEMORY;
     for (uint32_t corner = 0; corner < corners; ++corner)
         if (!done[corner]) average_fan(surface, done, corner);
     free(done);
-    if (surface->mesh->corner_normals) keep_authored(surface);
+    for (size_t corner = 0; corner < corners; ++corner)
+        if (authored[corner] & PSPLAT_AUTHORED_NORMAL)
+            memcpy(surface->corner_normals + 3 * corner, surface->mesh->corner_normals + 3 * corner,
+                   3 * sizeof(float));
     return PSPLAT_OK;
+}
+
+/* Everything after the faces were measured. */
+static psplat_result build(psplat_surface *surface, double crease_angle) {
+    uint8_t *authored = malloc(3 * surface->mesh->triangle_count);
+    psplat_result result = authored ? find_neighbors(surface) : PSPLAT_ERROR_MEMORY;
+    if (!result) result = psplat_authored_read(surface, authored);
+    if (!result) result = psplat_crease_find(surface, crease_angle, authored);
+    if (!result) result = set_normals(surface, authored);
+    free(authored);
+    return result;
 }
 
 psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
@@ -146,10 +151,8 @@ psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
     psplat_result result = allocated ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     if (!result) {
         measure_faces(surface);
-        result = find_neighbors(surface);
+        result = build(surface, crease_angle);
     }
-    if (!result) result = psplat_crease_find(surface, crease_angle);
-    if (!result) result = set_normals(surface);
     if (!result) return PSPLAT_OK;
     psplat_surface_free(surface);
     return psplat_fail(error, result, 0, "the surface of %zu triangles does not fit into memory",
