@@ -92,12 +92,10 @@ static void own_kept(attachment *a) {
     const psplat_cloud *cloud = a->cloud;
     for (uint32_t i = 0; i < cloud->kept_count; ++i) {
         a->owned[i] = PSPLAT_NONE;
-        if (a->starts[i] < a->starts[i + 1]) {
-            a->owned[i] = a->fans[a->starts[i]];
-            continue;
-        }
         const double *p = cloud->kept_positions + 3 * (size_t)i;
         double distance = beside * cloud->spacings[i];
+        nearest_of_fan(a, i, p, &distance, &a->owned[i]);
+        if (a->owned[i] != PSPLAT_NONE) continue;
         for (int k = 0; k < PSPLAT_NEIGHBORS; ++k) {
             uint32_t other = cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)i + (size_t)k];
             if (other != PSPLAT_NO_POINT) nearest_of_fan(a, other, p, &distance, &a->owned[i]);
@@ -230,7 +228,7 @@ static psplat_result store_mesh(attachment *a, psplat_error *error) {
     psplat_result result =
         psplat_mesh_allocate(a->mesh, used + (DISC_TRIANGLES + 1) * a->disc_count,
                              cloud->triangle_count + DISC_TRIANGLES * a->disc_count,
-                             cloud->normals != NULL, cloud->points->colors != NULL, 0, error);
+                             cloud->kept_normals != NULL, cloud->points->colors != NULL, 0, error);
     if (result) return result;
     a->mesh->points = malloc(count * 3 * sizeof(double));
     a->mesh->point_triangles = malloc(count * sizeof(uint32_t));

@@ -67,11 +67,13 @@ typedef struct psplat_points {
     size_t count;
 } psplat_points;
 
-/* Connects points to a mesh through them: no point is moved, gaps of some four times the local
- * spacing stay gaps. Normals that agree on what is outside decide about it; otherwise they are
- * lines without direction. Without normals the mesh has none either. Deterministic. Sets everything
- * of the mesh but the material, double_sided excepted. Errors: NO_SPLATS (no points, or none that
- * span a surface), RANGE (not finite, too many), MEMORY. */
+/* Connects points to a mesh through them; gaps of some four times the local spacing stay gaps. The
+ * mesh's vertices are points as given, or, of a set that is noisier than 5 % of its spacing, where
+ * quadrics through their neighbours put them; mesh->points are as given always. Normals that agree
+ * on what is outside decide about it; otherwise they are lines without direction; without normals
+ * they are estimated. Deterministic. Sets everything of the mesh but the material, double_sided
+ * excepted. Errors: NO_SPLATS (no points, or none that span a surface), RANGE (not finite, too
+ * many), MEMORY. */
 psplat_result psplat_mesh_from_points(const psplat_points *points, psplat_mesh *mesh,
                                       psplat_error *error);
 void psplat_points_free(psplat_points *points);

@@ -11,10 +11,10 @@
 #include <string.h>
 
 /* Parts of the diagonal: points closer than single precision tells apart are one; where there are
- * too many, the first distance that is tried, and how it grows. */
+ * too many, the first distance that is tried, and how it grows at least. */
 static const double same_point = 1e-7;
 static const double thin_radius = 5e-4;
-static const double thin_growth = 1.2;
+static const double thin_growth = 1.1;
 /* More are not connected: three-dimensional Delaunay triangulations take 30 microseconds and 1.4 kB
  * a point, and splats are larger than the gaps between so many. */
 enum { MOST_CONNECTED = 200000 };
@@ -93,11 +93,12 @@ static void normalise(psplat_cloud *cloud) {
 /* ---- the points that are connected -------------------------------------------------------- */
 
 static int thin(psplat_cloud *cloud, const float *normals) {
-    double radius = same_point;
+    double radius = cloud->points->count > MOST_CONNECTED ? thin_radius : same_point;
     do {
         cloud->kept_count = psplat_points_thin(cloud->positions, normals, cloud->points->count,
                                                radius, cloud->kept, cloud->owners);
-        radius = max2(thin_radius, radius * thin_growth);
+        double excess = sqrt((double)cloud->kept_count / MOST_CONNECTED);
+        radius = max2(thin_radius, radius * max2(thin_growth, 0.9 * excess));
     } while (cloud->kept_count > MOST_CONNECTED);
     return cloud->kept_count > 0;
 }
@@ -270,6 +271,12 @@ static psplat_result orient(psplat_cloud *cloud, int sides) {
     return result;
 }
 
+static psplat_result estimate_normals(psplat_cloud *cloud) {
+    cloud->kept_normals = malloc((3 * cloud->kept_count + 1) * sizeof(float));
+    if (!cloud->kept_normals) return PSPLAT_ERROR_MEMORY;
+    return psplat_points_jets(cloud, cloud->kept_normals);
+}
+
 static psplat_result connect(psplat_cloud *cloud, int sides) {
     size_t count = cloud->kept_count;
     if (count < 3) return PSPLAT_OK;
@@ -277,9 +284,11 @@ static psplat_result connect(psplat_cloud *cloud, int sides) {
     double *reaches = malloc(count * sizeof(double));
     psplat_result result = PSPLAT_ERROR_MEMORY;
     if (positions && reaches && rescale(cloud)) {
+        result = psplat_points_smooth(cloud, sides);
         memcpy(positions, cloud->kept_positions, 3 * count * sizeof(double));
         for (size_t i = 0; i < count; ++i) reaches[i] = reach * cloud->spacings[i];
-        if (!sides || part_sheets(cloud, positions))
+        if (!result && sides && !part_sheets(cloud, positions)) result = PSPLAT_ERROR_MEMORY;
+        if (!result)
             result = psplat_points_front(positions, reaches, count, &cloud->triangles,
                                          &cloud->triangle_count);
     }
@@ -287,7 +296,8 @@ static psplat_result connect(psplat_cloud *cloud, int sides) {
     free(reaches);
     if (result) return result;
     drop_flat(cloud);
-    return orient(cloud, sides);
+    result = orient(cloud, sides);
+    return result || cloud->normals ? result : estimate_normals(cloud);
 }
 
 static int cloud_allocate(psplat_cloud *cloud) {

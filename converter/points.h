@@ -61,6 +61,17 @@ typedef struct psplat_cloud {
     int closed; /* the front has no border */
 } psplat_cloud;
 
+/* ---- jet.c -------------------------------------------------------------------------------- */
+
+/* Normals (kept_count x 3) of a cloud without, from quadrics through the points that the front
+ * connects to each: the least-squares jets of Cazals, Pouget: Estimating differential quantities
+ * using polynomial fitting of osculating jets, 2005. Neighbours by edges instead of by distance
+ * keep the two sides of a thin sheet apart. 0 where there are too few. */
+psplat_result psplat_points_jets(const psplat_cloud *cloud, float *normals);
+/* Moves the kept positions of a noisy set onto quadrics through their neighbours; leaves those of a
+ * clean one. sides: neighbours whose normals face away are none. */
+psplat_result psplat_points_smooth(psplat_cloud *cloud, int sides);
+
 /* ---- attach.c ----------------------------------------------------------------------------- */
 
 /* Makes the mesh of a cloud whose front is known: gives every point the triangle that it belongs

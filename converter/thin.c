@@ -36,26 +36,25 @@ static int face_away(const dart_grid *grid, uint32_t a, uint32_t b) {
     return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < 0;
 }
 
-/* The nearest kept point that is closer than the radius, as an index into kept. */
+/* A kept point that is closer than the radius, as an index into kept: the first found, from the
+ * point's own cell on. */
 static uint32_t find_owner(const dart_grid *grid, uint32_t point) {
     int64_t base[3], cell[3];
     cell_of(grid, point, base);
-    double least = grid->radius * grid->radius;
-    uint32_t owner = PSPLAT_NO_POINT;
     for (int n = 0; n < 27; ++n) {
-        cell[0] = base[0] + n % 3 - 1, cell[1] = base[1] + n / 3 % 3 - 1;
-        cell[2] = base[2] + n / 9 - 1;
+        int at = n < 14 ? 13 - n : n; /* 13 is the point's own */
+        cell[0] = base[0] + at % 3 - 1, cell[1] = base[1] + at / 3 % 3 - 1;
+        cell[2] = base[2] + at / 9 - 1;
         for (uint32_t i = grid->heads[slot_of(grid, cell)]; i != PSPLAT_NO_POINT;
              i = grid->nexts[i]) {
             double d[3];
             sub3(d, grid->positions + 3 * (size_t)grid->kept[i],
                  grid->positions + 3 * (size_t)point);
-            if (dot3(d, d) >= least || face_away(grid, grid->kept[i], point)) continue;
-            least = dot3(d, d);
-            owner = i;
+            if (dot3(d, d) < grid->radius * grid->radius && !face_away(grid, grid->kept[i], point))
+                return i;
         }
     }
-    return owner;
+    return PSPLAT_NO_POINT;
 }
 
 size_t psplat_points_thin(const double *positions, const float *normals, size_t count,
