@@ -144,17 +144,6 @@ static double at_edge(const psplat_surface *surface, const float *values, uint32
     return max2((here + there) / 2, least_roughness * crease_angle);
 }
 
-static int is_weak(const psplat_surface *surface, const psplat_relief *relief, uint32_t edge,
-                   double crease_angle, double weak_angle) {
-    double bend = fabs((double)relief->calm_bends[edge]), mean, jump;
-    if (bend < weak_angle) return 0;
-    edge_sides sides;
-    find_sides(surface, relief, edge, min2(bend, crease_angle), SIDE_TRIANGLES, &sides);
-    side_angles(surface, relief, edge, &sides, &mean, &jump);
-    return bend >= weak_contrast * sides.greatest && mean >= weak_angle &&
-           is_jump(surface, relief, edge, crease_angle, NEAR_TRIANGLES, weak_jump);
-}
-
 psplat_bend psplat_bend_judge(const psplat_surface *surface, const psplat_relief *relief,
                               uint32_t edge, double crease_angle, double weak_angle) {
     double bend = fabs((double)relief->bends[edge]), calm = fabs((double)relief->calm_bends[edge]);
@@ -169,6 +158,17 @@ psplat_bend psplat_bend_judge(const psplat_surface *surface, const psplat_relief
     if (calm >= crease_angle && calm >= roughness_contrast * roughness &&
         is_jump(surface, relief, edge, most_beside * calm, SIDE_TRIANGLES, sharp_jump))
         return PSPLAT_BEND_LIKELY;
-    if (!is_weak(surface, relief, edge, crease_angle, weak_angle)) return PSPLAT_BEND_SMOOTH;
-    return calm >= nearly * crease_angle ? PSPLAT_BEND_WEAK : PSPLAT_BEND_FAINT;
+    return calm >= weak_angle ? PSPLAT_BEND_OPEN : PSPLAT_BEND_SMOOTH;
+}
+
+psplat_bend psplat_bend_judge_weak(const psplat_surface *surface, const psplat_relief *relief,
+                                   uint32_t edge, double crease_angle, double weak_angle) {
+    double bend = fabs((double)relief->calm_bends[edge]), mean, jump;
+    edge_sides sides;
+    find_sides(surface, relief, edge, min2(bend, crease_angle), SIDE_TRIANGLES, &sides);
+    side_angles(surface, relief, edge, &sides, &mean, &jump);
+    if (bend < weak_contrast * sides.greatest || mean < weak_angle) return PSPLAT_BEND_SMOOTH;
+    if (!is_jump(surface, relief, edge, crease_angle, NEAR_TRIANGLES, weak_jump))
+        return PSPLAT_BEND_SMOOTH;
+    return bend >= nearly * crease_angle ? PSPLAT_BEND_WEAK : PSPLAT_BEND_FAINT;
 }

@@ -31,6 +31,11 @@ static const double authored_factor = 2;
 /* Loops over fewer than this are not worth waiting for other threads. */
 enum { LEAST_SHARED = 50000 };
 
+typedef struct find_rule {
+    double crease_angle, weak_angle;
+    const uint8_t *authored;
+} find_rule;
+
 static uint32_t edge_end(const psplat_surface *surface, uint32_t edge, int end) {
     uint32_t next = edge % 3 == 2 ? edge - 2 : edge + 1;
     return surface->mesh->triangles[end ? next : edge];
@@ -94,22 +99,24 @@ static int is_seam(const psplat_surface *surface, uint32_t edge) {
 }
 
 static psplat_bend judge(const psplat_surface *surface, const psplat_relief *relief, uint32_t edge,
-                         double crease_angle, uint8_t authored) {
-    double weak_angle = max2(weak_part * crease_angle, crease_angle - most_fading);
+                         const find_rule *rule) {
+    uint8_t authored = rule->authored[edge];
+    double angle = rule->crease_angle * authored_factor;
     if (is_seam(surface, edge) || (authored & PSPLAT_AUTHORED_HARD)) return PSPLAT_BEND_GIVEN;
     if (authored & PSPLAT_AUTHORED_FADING) return PSPLAT_BEND_FAINT;
-    if (authored & PSPLAT_AUTHORED_SMOOTH) weak_angle = crease_angle *= authored_factor;
-    return psplat_bend_judge(surface, relief, edge, crease_angle, weak_angle);
+    if (authored & PSPLAT_AUTHORED_SMOOTH)
+        return psplat_bend_judge(surface, relief, edge, angle, HUGE_VAL);
+    return psplat_bend_judge(surface, relief, edge, rule->crease_angle, rule->weak_angle);
 }
 
 /* Fills kinds (psplat_bend) of edges that have a neighbour; an edge is judged from one side. */
 static void judge_edges(const psplat_surface *surface, const psplat_relief *relief,
-                        double crease_angle, const uint8_t *authored, uint8_t *kinds) {
+                        const find_rule *rule, uint8_t *kinds) {
     uint32_t count = (uint32_t)(3 * surface->mesh->triangle_count);
 #pragma omp parallel for schedule(dynamic, 4096) if (count >= LEAST_SHARED)
     for (uint32_t e = 0; e < count; ++e)
         if (surface->neighbors[e] != PSPLAT_NONE && e / 3 < surface->neighbors[e])
-            kinds[e] = (uint8_t)judge(surface, relief, e, crease_angle, authored[e]);
+            kinds[e] = (uint8_t)judge(surface, relief, e, rule);
 }
 
 static void mark_sharp(psplat_surface *surface, const uint8_t *kinds) {
@@ -160,20 +167,21 @@ static void measure_edges(psplat_surface *surface) {
     surface->roughness = smooth ? sqrt(squares / (double)smooth) : 0;
 }
 
-static psplat_result find_sharp(psplat_surface *surface, double crease_angle,
-                                const uint8_t *authored) {
+static psplat_result find_sharp(psplat_surface *surface, const find_rule *rule) {
     const psplat_mesh *mesh = surface->mesh;
     psplat_relief relief;
     uint8_t *kinds = calloc(mesh->triangle_count, 3);
     uint32_t *parents = malloc(mesh->vertex_count * sizeof *parents);
     double *lengths = malloc(mesh->vertex_count * sizeof *lengths);
-    psplat_result result = psplat_relief_measure(surface, min2(crease_angle, most_rough), &relief);
+    psplat_result result =
+        psplat_relief_measure(surface, min2(rule->crease_angle, most_rough), &relief);
     if (!kinds || !parents || !lengths) result = PSPLAT_ERROR_MEMORY;
     if (!result) {
-        judge_edges(surface, &relief, crease_angle, authored, kinds);
+        judge_edges(surface, &relief, rule, kinds);
         mark_sharp(surface, kinds);
         drop_short(surface, kinds, parents, lengths);
-        result = psplat_crease_follow(surface, kinds);
+        result =
+            psplat_crease_follow(surface, &relief, rule->crease_angle, rule->weak_angle, kinds);
     }
     psplat_relief_free(&relief);
     free(kinds);
@@ -191,8 +199,11 @@ psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle,
                                  const uint8_t *authored) {
     uint32_t *stack = malloc(surface->mesh->triangle_count * sizeof *stack);
     psplat_result result = stack ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    find_rule rule = {.crease_angle = crease_angle,
+                      .weak_angle = max2(weak_part * crease_angle, crease_angle - most_fading),
+                      .authored = authored};
     if (!result && isinf(crease_angle)) mark_borders(surface);
-    if (!result && !isinf(crease_angle)) result = find_sharp(surface, crease_angle, authored);
+    if (!result && !isinf(crease_angle)) result = find_sharp(surface, &rule);
     if (!result) {
         number_patches(surface, stack);
         measure_edges(surface);

@@ -41,10 +41,12 @@ typedef struct energy {
 static double signed_bend(const psplat_surface *surface, const double *normals, uint32_t edge) {
     const double *a = normals + 3 * (size_t)(edge / 3);
     const double *b = normals + 3 * (size_t)surface->neighbors[edge];
-    double along[3], axis[3];
+    double along[3], axis[3], step[3];
     psplat_edge_vector(surface->mesh, edge, along);
     cross3(axis, a, b);
-    double bend = atan2(length3(axis), dot3(a, b));
+    sub3(step, b, a);
+    double chord = length3(step); /* twice the sine of half the angle */
+    double bend = chord < 0.2 ? chord * (1 + chord * chord / 24) : 2 * asin(min2(chord / 2, 1));
     return dot3(axis, along) < 0 ? -bend : bend;
 }
 

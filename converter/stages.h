@@ -87,9 +87,11 @@ psplat_result psplat_relief_measure(const psplat_surface *surface, double crease
 void psplat_relief_free(psplat_relief *relief);
 
 /* bend.c: a sharp edge is a crease, a likely one if its chain is long enough, a weak one if it is
- * connected to one, a faint one where it continues one. */
+ * connected to one, a faint one where it continues one. Whether an open edge is weak or faint is
+ * asked when a crease reaches it. */
 typedef enum psplat_bend {
     PSPLAT_BEND_SMOOTH = 0,
+    PSPLAT_BEND_OPEN,
     PSPLAT_BEND_FAINT,
     PSPLAT_BEND_WEAK,
     PSPLAT_BEND_LIKELY,
@@ -97,14 +99,19 @@ typedef enum psplat_bend {
     PSPLAT_BEND_GIVEN /* by the file; not judged */
 } psplat_bend;
 
+/* Of an edge that has a neighbour: SMOOTH, OPEN (it bends by weak_angle or more), LIKELY, SHARP. */
 psplat_bend psplat_bend_judge(const psplat_surface *surface, const psplat_relief *relief,
                               uint32_t edge, double crease_angle, double weak_angle);
+/* Of an open edge: SMOOTH, FAINT, WEAK. */
+psplat_bend psplat_bend_judge_weak(const psplat_surface *surface, const psplat_relief *relief,
+                                   uint32_t edge, double crease_angle, double weak_angle);
 
 /* Marks an edge, and the same edge of its neighbour. */
 void psplat_crease_set(psplat_surface *surface, uint32_t edge, uint8_t value);
-/* follow.c: marks the weak and faint edges (kinds: psplat_bend of edges) that continue creases.
- * MEMORY is the only failure. */
-psplat_result psplat_crease_follow(psplat_surface *surface, const uint8_t *kinds);
+/* follow.c: marks weak edges that touch creases and faint ones that continue them. kinds:
+ * psplat_bend of edges; open ones are judged. MEMORY is the only failure. */
+psplat_result psplat_crease_follow(psplat_surface *surface, const psplat_relief *relief,
+                                   double crease_angle, double weak_angle, uint8_t *kinds);
 
 /* Fills creases, patches and their counts of a surface whose neighbours are known. authored: of
  * psplat_authored_read. */

@@ -14,8 +14,11 @@ static inline void shape_triangle(psplat_mesh *mesh, const double a[3], const do
                                   const double c[3]) {
     size_t v = mesh->vertex_count, t = mesh->triangle_count++;
     mesh->vertex_count += 3;
-    mesh->positions = realloc(mesh->positions, 3 * mesh->vertex_count * sizeof(double));
-    mesh->triangles = realloc(mesh->triangles, 3 * mesh->triangle_count * sizeof(uint32_t));
+    if ((t & (t + 1)) == 0) { /* room for 1, 3, 7, 15 ... triangles is full */
+        size_t room = 2 * t + 1;
+        mesh->positions = realloc(mesh->positions, 9 * room * sizeof(double));
+        mesh->triangles = realloc(mesh->triangles, 3 * room * sizeof(uint32_t));
+    }
     assert_non_null(mesh->positions);
     assert_non_null(mesh->triangles);
     const double *corners[3] = {a, b, c};
