@@ -41,7 +41,7 @@ typedef struct psplat_mesh {
     size_t triangle_count;
     double origin[3];
     psplat_material material; /* factors common to all triangles */
-    size_t dropped;           /* triangles dropped as degenerate */
+    size_t dropped;           /* triangles dropped as degenerate or repeated */
     /* Of a point set: all its points, and for each a triangle that it lies on or beside. The
      * triangles tell then which points are neighbours, and where the set has holes and ends;
      * distances are measured to the points as well. NULL for a mesh. */

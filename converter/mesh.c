@@ -124,10 +124,11 @@ static void default_material(psplat_mesh *mesh, int closed) {
 }
 
 static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, psplat_error *error) {
-    int closed = 0, consistent = 0;
+    int closed = 0, consistent = 0, turned = 0;
     psplat_result result = check_raw(mesh, source->path, error);
     normalise_normals(mesh);
     if (!result) result = psplat_mesh_weld(mesh, error);
+    if (!result) result = psplat_mesh_drop_repeated(mesh, &turned, error);
     /* Closed or not is asked before flat triangles go: they may be all that closes a T-junction. */
     if (!result) result = psplat_mesh_close_seams(mesh, &closed, error);
     if (!result) result = psplat_mesh_orient(mesh, &consistent, error);
@@ -140,7 +141,8 @@ static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, pspla
         return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area",
                            source->path);
     recentre(mesh);
-    if (!is_gltf(source)) default_material(mesh, closed && consistent);
+    if (!is_gltf(source)) default_material(mesh, closed && consistent && !turned);
+    mesh->material.double_sided |= turned;
     fold_uniform_color(mesh);
     return PSPLAT_OK;
 }

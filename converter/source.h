@@ -131,6 +131,9 @@ psplat_result psplat_mesh_allocate(psplat_mesh *mesh, size_t vertex_count, size_
 /* weld.c, seam.c and orient.c: the steps between a raw mesh and what psplat_mesh_read promises, in
  * order. */
 psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error);
+/* Keeps one of several triangles with the same corners. *turned: some faced the other way, so that
+ * both sides of what is kept were meant to be seen. */
+psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int *turned, psplat_error *error);
 /* Joins border vertices that differ by rounding alone. *closed: every edge has then exactly two
  * triangles. */
 psplat_result psplat_mesh_close_seams(psplat_mesh *mesh, int *closed, psplat_error *error);

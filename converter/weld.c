@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * weld.c - vertices of equal position become one; triangles without area go. Hashing as in Knuth,
- * The Art of Computer Programming 3, section 6.4: open addressing, linear probing.
+ * weld.c - vertices of equal position become one; triangles without area and repeated ones go.
+ * Hashing as in Knuth, The Art of Computer Programming 3, section 6.4: open addressing, linear
+ * probing.
  */
 #include "source.h"
 
@@ -111,6 +112,46 @@ psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error) {
     mesh->positions = positions;
     mesh->vertex_count = count;
     filter(mesh, has_three_vertices);
+    return PSPLAT_OK;
+}
+
+/* The same three corners, whichever is the first: 1; in the other direction: -1. */
+static int compare_triangles(const uint32_t *a, const uint32_t *b) {
+    for (int k = 0; k < 3; ++k) {
+        if (a[0] != b[k]) continue;
+        if (a[1] == b[(k + 1) % 3] && a[2] == b[(k + 2) % 3]) return 1;
+        if (a[1] == b[(k + 2) % 3] && a[2] == b[(k + 1) % 3]) return -1;
+    }
+    return 0;
+}
+
+static uint64_t hash_triangle(const uint32_t *t) {
+    uint64_t sum = (uint64_t)t[0] + t[1] + t[2], bits = t[0] ^ t[1] ^ t[2]; /* in any order */
+    uint64_t hash = (sum << 32 ^ bits) * 0x9e3779b97f4a7c15u;
+    return hash ^ hash >> 32;
+}
+
+psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int *turned, psplat_error *error) {
+    size_t size = table_size(mesh->triangle_count), kept = 0;
+    uint32_t *table = malloc(size * sizeof *table);
+    *turned = 0;
+    if (!table)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for repeated triangles");
+    memset(table, 0xff, size * sizeof *table);
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        const uint32_t *triangle = mesh->triangles + 3 * t;
+        size_t slot = hash_triangle(triangle) & (size - 1);
+        int same = 0;
+        for (; table[slot] != EMPTY && !same; slot = (slot + 1) & (size - 1))
+            same = compare_triangles(triangle, mesh->triangles + 3 * (size_t)table[slot]);
+        if (same < 0) *turned = 1;
+        if (same) continue;
+        table[slot] = (uint32_t)kept;
+        move_triangle(mesh, kept++, t);
+    }
+    free(table);
+    mesh->dropped += mesh->triangle_count - kept;
+    mesh->triangle_count = kept;
     return PSPLAT_OK;
 }
 

@@ -199,10 +199,30 @@ static void test_non_manifold(void **state) {
      * would keep two. */
     psplat_mesh mesh = read_text("n.off", "OFF\n6 5 0\n0 0 0\n0 0 1\n1 0 0\n0 1 0\n-1 0 0\n0 -1 0\n"
                                           "3 0 1 2\n3 0 1 3\n3 1 0 4\n3 0 1 5\n3 0 1 5\n");
-    assert_int_equal(mesh.triangle_count, 5);
+    assert_int_equal(mesh.triangle_count, 4);
+    assert_int_equal(mesh.dropped, 1);
     assert_int_equal(mesh.vertex_count, 6);
     assert_int_equal(mesh.material.double_sided, 1);
     psplat_mesh_free(&mesh);
+}
+
+/* A tetrahedron of which one writer repeats every face, another with both windings, to have it seen
+ * from inside too. */
+static void test_repeated(void **state) {
+    (void)state;
+    for (int turned = 0; turned < 2; ++turned) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n%s",
+                 turned ? "f 1 2 3\nf 4 2 1\nf 3 2 4\nf 1 3 4\n"
+                        : "f 3 2 1\nf 1 2 4\nf 4 2 3\nf 3 1 4\n");
+        psplat_mesh mesh = read_text("r.obj", text);
+        assert_int_equal(mesh.triangle_count, 4);
+        assert_int_equal(mesh.dropped, 4);
+        assert_int_equal(mesh.material.double_sided, turned);
+        assert_near(signed_volume(&mesh), 1, 1e-12); /* rounding */
+        psplat_mesh_free(&mesh);
+    }
 }
 
 static double area(const psplat_mesh *mesh) {
@@ -318,6 +338,7 @@ int main(void) {
         cmocka_unit_test(test_welding),
         cmocka_unit_test(test_seams),
         cmocka_unit_test(test_non_manifold),
+        cmocka_unit_test(test_repeated),
         cmocka_unit_test(test_concave_polygons),
         cmocka_unit_test(test_normals_per_corner),
         cmocka_unit_test(test_colors),
