@@ -194,7 +194,7 @@ static psplat_result verify(const conversion *c, psplat_report *report, psplat_e
         .surface = &c->surface,
         .splats = c->splats,
         .distance = c->distance,
-        .tolerance = c->tolerance,
+        .tolerance_percent = tolerance_percent(c->desc),
         .normal_tolerance_degrees = c->desc->normal_tolerance_degrees,
         .seed = c->desc->seed + verify_seed,
     };

@@ -441,7 +441,7 @@ typedef struct psplat_verification {
     const psplat_surface *surface;
     const psplat_splats *splats;
     const psplat_distance *distance; /* to the mesh */
-    double tolerance;
+    double tolerance_percent;
     double normal_tolerance_degrees; /* 0: none was promised */
     uint64_t seed;                   /* of the samples, another than that of the fitted ones */
 } psplat_verification;

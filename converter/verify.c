@@ -297,7 +297,7 @@ static void judge_coverage(verifier *r, const measurements *m) {
     r->report->uncovered_samples = uncovered;
     r->report->max_distance_surface_percent = percent(r, greatest);
     r->report->rms_distance_percent = percent(r, sqrt(squares / (double)count));
-    keep_promise(r->report, PSPLAT_PROMISE_COVERAGE, percent(r, r->v->tolerance), percent(r, open),
+    keep_promise(r->report, PSPLAT_PROMISE_COVERAGE, r->v->tolerance_percent, percent(r, open),
                  uncovered);
 }
 
@@ -395,7 +395,7 @@ static void judge_distances(verifier *r, const farthest *far) {
     report->max_distance_splats_percent = percent(r, greatest);
     report->max_distance_percent =
         max2(report->max_distance_surface_percent, report->max_distance_splats_percent);
-    keep_promise(report, PSPLAT_PROMISE_DISTANCE, percent(r, r->v->tolerance),
+    keep_promise(report, PSPLAT_PROMISE_DISTANCE, r->v->tolerance_percent,
                  report->max_distance_percent, r->far);
 }
 
@@ -420,7 +420,7 @@ static psplat_result measure_splats(verifier *r) {
 static psplat_result measure_creases(verifier *r) {
     psplat_crossing *crossings;
     size_t count;
-    double greatest, limit = r->v->tolerance;
+    double greatest;
     psplat_result result =
         psplat_crossings_find(r->v->surface, &r->samples, &r->measured, r->measured.tolerance,
                               &crossings, &count, &greatest);
@@ -428,7 +428,8 @@ static psplat_result measure_creases(verifier *r) {
     for (size_t i = 0; i < count; ++i)
         add_place(&r->places, PSPLAT_PROMISE_CREASE, crossings[i].point,
                   percent(r, crossings[i].depth));
-    keep_promise(r->report, PSPLAT_PROMISE_CREASE, percent(r, limit), percent(r, greatest), count);
+    keep_promise(r->report, PSPLAT_PROMISE_CREASE, r->v->tolerance_percent, percent(r, greatest),
+                 count);
     free(crossings);
     return PSPLAT_OK;
 }
@@ -438,13 +439,14 @@ psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,
     size_t wanted = v->splats->count * SAMPLES_PER_SPLAT;
     if (wanted < LEAST_SAMPLES) wanted = LEAST_SAMPLES;
     if (wanted > MOST_SAMPLES) wanted = MOST_SAMPLES;
+    double tolerance = v->tolerance_percent / 100 * v->surface->diagonal;
     verifier r = {.v = v,
                   .report = report,
-                  .places = {.apart = 2 * v->tolerance, .origin = v->surface->mesh->origin}};
+                  .places = {.apart = 2 * tolerance, .origin = v->surface->mesh->origin}};
     psplat_result result =
         psplat_samples_draw_uniform(v->surface, wanted, v->seed, &r.samples, error);
     if (result) return result;
-    result = psplat_measured_create(v->splats, v->tolerance, v->tolerance, &r.measured);
+    result = psplat_measured_create(v->splats, tolerance, tolerance, &r.measured);
     if (!result) result = measure_surface(&r);
     if (!result) result = measure_splats(&r);
     if (!result) result = measure_creases(&r);

@@ -62,7 +62,8 @@ static psplat_report verify(const cube *c) {
     const psplat_verification verification = {.surface = &c->f.surface,
                                               .splats = &c->splats,
                                               .distance = distance,
-                                              .tolerance = c->tolerance,
+                                              .tolerance_percent =
+                                                  100 * c->tolerance / c->f.surface.diagonal,
                                               .normal_tolerance_degrees = c->normal_tolerance,
                                               .seed = 5};
     assert_int_equal(psplat_verify(&verification, &r, NULL), PSPLAT_OK);
