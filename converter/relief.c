@@ -42,6 +42,7 @@ static double signed_bend(const psplat_surface *surface, const double *normals, 
     const double *a = normals + 3 * (size_t)(edge / 3);
     const double *b = normals + 3 * (size_t)surface->neighbors[edge];
     double along[3], axis[3], step[3];
+    if (dot3(a, a) == 0 || dot3(b, b) == 0) return 0; /* a triangle without area */
     psplat_edge_vector(surface->mesh, edge, along);
     cross3(axis, a, b);
     sub3(step, b, a);

@@ -179,6 +179,16 @@ static void test_extreme_angles(void **state) {
     expect(&fold, 30, 1, 0);
 }
 
+/* A triangle without area, as it closes a T-junction, bends nothing. */
+static void test_flat_triangle(void **state) {
+    (void)state;
+    double positions[] = {0, 0, 0, 2, 0, 0, 1, 2, 0, 1, 0, 0, 1, -2, 0};
+    uint32_t triangles[] = {0, 1, 2, 1, 0, 3, 0, 4, 3, 3, 4, 1};
+    psplat_mesh mesh = {
+        .positions = positions, .triangles = triangles, .vertex_count = 5, .triangle_count = 4};
+    expect(&mesh, 30, 1, 0);
+}
+
 /* The size and place of a noisy part do not matter: the same edges are found. */
 static void test_noisy_scales(void **state) {
     (void)state;
@@ -215,7 +225,8 @@ int main(void) {
         cmocka_unit_test(test_prisms),       cmocka_unit_test(test_fillets),
         cmocka_unit_test(test_cones),        cmocka_unit_test(test_dart),
         cmocka_unit_test(test_no_spurs),     cmocka_unit_test(test_extreme_angles),
-        cmocka_unit_test(test_noisy_scales), cmocka_unit_test(test_part),
+        cmocka_unit_test(test_noisy_scales), cmocka_unit_test(test_flat_triangle),
+        cmocka_unit_test(test_part),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
