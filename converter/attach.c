@@ -17,6 +17,12 @@ static const double beside = 0.5;
 /* Radius of discs, in distances to the nearest neighbour. */
 static const double disc_radius = 0.5;
 
+/* Cosine of the angle, 40 degrees, between a triangle and the normal of a corner on its side of a
+ * crease. */
+static const double least_agreement = 0.766;
+/* The noise below which that is looked at, in spacings. */
+static const double calm = 0.03;
+
 enum { DISC_TRIANGLES = 3 };
 
 typedef struct attachment {
@@ -132,39 +138,54 @@ static void store_corner(const attachment *a, size_t corner, uint32_t vertex, ui
                a->cloud->points->colors + 4 * (size_t)a->cloud->kept[kept], 4 * sizeof(float));
 }
 
-/* The normal of a point on the front: the file's, as a line, on the side that the front faces. */
-static void front_normal(const attachment *a, uint32_t kept, float normal[3]) {
-    const psplat_cloud *cloud = a->cloud;
+static void front_normal(const psplat_cloud *cloud, uint32_t triangle, double n[3]) {
+    const uint32_t *corners = cloud->triangles + 3 * (size_t)triangle;
+    const double *p = cloud->kept_positions + 3 * (size_t)corners[0];
+    double ab[3], ac[3];
+    sub3(ab, cloud->kept_positions + 3 * (size_t)corners[1], p);
+    sub3(ac, cloud->kept_positions + 3 * (size_t)corners[2], p);
+    cross3(n, ab, ac);
+}
+
+/* Turns the normal of a point to the side that the front faces there. */
+static void turn_normal(const attachment *a, uint32_t kept, double normal[3]) {
     double sum[3] = {0, 0, 0};
-    for (uint32_t i = a->starts[kept]; i < a->starts[kept + 1]; ++i) {
-        const uint32_t *corners = cloud->triangles + 3 * (size_t)a->fans[i];
-        double ab[3], ac[3], n[3];
-        const double *p = cloud->kept_positions + 3 * (size_t)corners[0];
-        sub3(ab, cloud->kept_positions + 3 * (size_t)corners[1], p);
-        sub3(ac, cloud->kept_positions + 3 * (size_t)corners[2], p);
-        cross3(n, ab, ac);
+    for (uint32_t f = a->starts[kept]; f < a->starts[kept + 1]; ++f) {
+        double n[3];
+        front_normal(a->cloud, a->fans[f], n);
         mad3(sum, 1, n);
     }
-    normalize3(sum);
-    const float *own = cloud->kept_normals + 3 * (size_t)kept;
-    double side = (double)own[0] * sum[0] + (double)own[1] * sum[1] + (double)own[2] * sum[2];
-    for (int k = 0; k < 3; ++k) {
-        float value = side < 0 ? -own[k] : own[k];
-        normal[k] = own[0] == 0 && own[1] == 0 && own[2] == 0 ? (float)sum[k] : value;
-    }
+    double side = dot3(sum, normal) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; ++k) normal[k] *= side;
+}
+
+/* A corner takes the normal of its point, unless the file's belongs to the other side of a crease;
+ * noise turns triangles as far, so that there the file is believed. */
+static void store_front_corner(const attachment *a, size_t corner, uint32_t vertex, uint32_t kept,
+                               const double normal[3]) {
+    static const float unknown[3] = {0, 0, 0};
+    float stored[3] = {(float)normal[0], (float)normal[1], (float)normal[2]};
+    double face[3];
+    front_normal(a->cloud, (uint32_t)(corner / 3), face);
+    normalize3(face);
+    int across =
+        a->cloud->normals && a->cloud->noise < calm && dot3(face, normal) < least_agreement;
+    store_corner(a, corner, vertex, kept, across ? unknown : stored);
 }
 
 static void store_front(const attachment *a) {
     const psplat_cloud *cloud = a->cloud;
     uint32_t used = 0;
     for (uint32_t i = 0; i < cloud->kept_count; ++i) {
-        float normal[3] = {0, 0, 0};
+        double normal[3] = {0, 0, 0};
         if (a->starts[i] == a->starts[i + 1]) continue;
-        if (cloud->kept_normals) front_normal(a, i, normal);
+        for (size_t k = 0; k < 3 && cloud->kept_normals; ++k)
+            normal[k] = (double)cloud->kept_normals[3 * (size_t)i + k];
+        turn_normal(a, i, normal);
         store_position(a, used, cloud->kept_positions + 3 * (size_t)i);
         for (uint32_t f = a->starts[i]; f < a->starts[i + 1]; ++f)
             for (uint32_t c = 3 * a->fans[f]; c < 3 * a->fans[f] + 3; ++c)
-                if (cloud->triangles[c] == i) store_corner(a, c, used, i, normal);
+                if (cloud->triangles[c] == i) store_front_corner(a, c, used, i, normal);
         ++used;
     }
 }

@@ -208,7 +208,7 @@ static psplat_result build(conversion *c, const psplat_mesh *mesh, psplat_error 
         desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
     if (interrupted(desc, "finding creases", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-    double crease_angle = desc->no_creases || mesh->point_count ? PSPLAT_NO_CREASES : degrees * degree;
+    double crease_angle = desc->no_creases ? PSPLAT_NO_CREASES : degrees * degree;
     psplat_result result = psplat_surface_build(mesh, crease_angle, &c->surface, error);
     return result ? result : set_limits(c, error);
 }

@@ -56,6 +56,7 @@ typedef struct psplat_cloud {
     float *kept_normals;     /* x 3, or NULL */
     uint32_t *neighbors;     /* x PSPLAT_NEIGHBORS */
     double *spacings;        /* distance of the last of the neighbours */
+    double noise;            /* how far half of them are off their neighbours, in spacings */
     uint32_t *triangles;     /* the front: indices into kept */
     size_t triangle_count;
     int closed; /* the front has no border */
@@ -68,8 +69,8 @@ typedef struct psplat_cloud {
  * using polynomial fitting of osculating jets, 2005. Neighbours by edges instead of by distance
  * keep the two sides of a thin sheet apart. 0 where there are too few. */
 psplat_result psplat_points_jets(const psplat_cloud *cloud, float *normals);
-/* Moves the kept positions of a noisy set onto quadrics through their neighbours; leaves those of a
- * clean one. sides: neighbours whose normals face away are none. */
+/* Finds out how noisy the set is, and moves the kept positions of a very noisy one onto quadrics
+ * through their neighbours. sides: neighbours whose normals face away are none. */
 psplat_result psplat_points_smooth(psplat_cloud *cloud, int sides);
 
 /* ---- attach.c ----------------------------------------------------------------------------- */

@@ -272,6 +272,38 @@ static void test_noise(void **state) {
     psplat_points_free(&c.points);
 }
 
+/* A cube of points in a grid, with points on its edges whose normals, if any, can only be those of
+ * one face: every edge is found, and normals are those of the faces up to it. */
+static void test_cube(void **state) {
+    (void)state;
+    enum { STEPS = 16 };
+    for (int normals = 0; normals < 2; ++normals) {
+        cloud c = {0};
+        for (int axis = 0; axis < 3; ++axis)
+            for (int i = 0; i < 2 * (STEPS + 1) * (STEPS + 1); ++i) {
+                double p[3], n[3] = {0, 0, 0};
+                p[axis] = n[axis] = i % 2 ? 1 : -1;
+                p[(axis + 1) % 3] = 2.0 * (i / 2 % (STEPS + 1)) / STEPS - 1;
+                p[(axis + 2) % 3] = 2.0 * (i / 2 / (STEPS + 1)) / STEPS - 1;
+                add(&c, p, n);
+            }
+        if (!normals) drop_normals(&c);
+        psplat_mesh mesh = connect(&c);
+        psplat_surface surface;
+        assert_int_equal(psplat_surface_build(&mesh, fixture_crease_angle, &surface, NULL),
+                         PSPLAT_OK);
+        assert_int_equal(surface.patch_count, 6);
+        assert_int_equal(surface.crease_edges, 12 * STEPS);
+        assert_int_equal(surface.border_edges, 0);
+        for (size_t i = 0; i < 9 * mesh.triangle_count; ++i)
+            assert_near((double)surface.corner_normals[i],
+                        surface.face_normals[3 * (i / 9) + i % 3], 1e-3);
+        psplat_surface_free(&surface);
+        psplat_mesh_free(&mesh);
+        psplat_points_free(&c.points);
+    }
+}
+
 /* Estimated normals are exact where the surface is a quadric, at its rim too. */
 static void test_estimated(void **state) {
     (void)state;
@@ -474,12 +506,13 @@ static void test_repeated(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sphere),     cmocka_unit_test(test_scale),
-        cmocka_unit_test(test_hole),       cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_estimated),  cmocka_unit_test(test_densities),
-        cmocka_unit_test(test_duplicates), cmocka_unit_test(test_sheets),
-        cmocka_unit_test(test_alone),      cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_converted),  cmocka_unit_test(test_repeated),
+        cmocka_unit_test(test_sphere),    cmocka_unit_test(test_scale),
+        cmocka_unit_test(test_hole),      cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_estimated), cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_densities), cmocka_unit_test(test_duplicates),
+        cmocka_unit_test(test_sheets),    cmocka_unit_test(test_alone),
+        cmocka_unit_test(test_refused),   cmocka_unit_test(test_converted),
+        cmocka_unit_test(test_repeated),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
