@@ -12,9 +12,8 @@ static const struct stage {
     const char *name;
     double share;
 } stages[] = {
-    {"reading", 0.04},         {"finding creases", 0.03}, {"sampling", 0.03},
-    {"selecting splats", 0.6}, {"closing holes", 0.22},   {"verifying", 0.07},
-    {"writing", 0.01},
+    {"reading", 0.02},   {"finding creases", 0.02}, {"sampling", 0.01},  {"selecting splats", 0.47},
+    {"improving", 0.38}, {"closing holes", 0.07},   {"verifying", 0.02}, {"writing", 0.01},
 };
 
 /* A search for a budget goes through all stages between these many times, as one. */

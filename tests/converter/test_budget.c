@@ -173,9 +173,8 @@ static void test_progress(void **state) {
 /* The stages' shares follow each other and end with the whole. */
 static void test_schedule(void **state) {
     (void)state;
-    const char *const stages[] = {"reading",          "finding creases", "sampling",
-                                  "selecting splats", "closing holes",   "verifying",
-                                  "writing"};
+    const char *const stages[] = {"reading",   "finding creases", "sampling",  "selecting splats",
+                                  "improving", "closing holes",   "verifying", "writing"};
     double before = 0;
     for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) {
         assert_true(psplat_schedule_done(stages[i], 0) == before);
