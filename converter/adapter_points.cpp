@@ -57,10 +57,12 @@ double noise_of(uint64_t a, uint64_t b, uint64_t c) {
 }
 
 /* Small Delaunay spheres first, as is the default, but none for edges beyond the reach of their
- * ends: what is wider is a hole of the scan. Equal spheres, of which grids are full, would be taken
+ * ends: what is wider is a hole of the scan; nor between normals that face away from each other,
+ * which are of the two sides of a sheet. Equal spheres, of which grids are full, would be taken
  * in the order of their addresses: a part in a million of noise makes the order ours. */
 struct Priority {
     const double *reach;
+    const float *normals; /* or nullptr */
 
     template <typename Front, typename Cell>
     double operator()(const Front &front, Cell &cell, const int &index) const {
@@ -69,13 +71,17 @@ struct Priority {
         const auto &a = *cell->vertex((index + 1) & 3);
         const auto &b = *cell->vertex((index + 2) & 3);
         const auto &c = *cell->vertex((index + 3) & 3);
-        if (is_far(a, b) || is_far(b, c) || is_far(c, a)) return front.infinity();
+        if (are_apart(a, b) || are_apart(b, c) || are_apart(c, a)) return front.infinity();
         return radius * (1 + 1e-6 * noise_of(a.id(), b.id(), c.id()));
     }
 
   private:
-    template <typename Vertex> bool is_far(const Vertex &a, const Vertex &b) const {
-        return CGAL::squared_distance(a.point(), b.point()) > reach[a.id()] * reach[b.id()];
+    template <typename Vertex> bool are_apart(const Vertex &a, const Vertex &b) const {
+        auto i = static_cast<size_t>(a.id()), k = static_cast<size_t>(b.id());
+        if (CGAL::squared_distance(a.point(), b.point()) > reach[i] * reach[k]) return true;
+        if (!normals) return false;
+        const float *m = normals + 3 * i, *n = normals + 3 * k;
+        return m[0] * n[0] + m[1] * n[1] + m[2] * n[2] < -0.5f;
     }
 };
 
@@ -113,14 +119,14 @@ extern "C" psplat_result psplat_points_neighbors(const double *positions, size_t
 }
 
 extern "C" psplat_result psplat_points_front(const double *positions, const double *reach,
-                                             size_t count, uint32_t **triangles,
-                                             size_t *triangle_count) try {
+                                             const float *normals, size_t count,
+                                             uint32_t **triangles, size_t *triangle_count) try {
     const std::vector<Point> points = points_of(positions, count);
     std::vector<std::array<size_t, 3>> faces;
     {
         Silence silence;
-        CGAL::advancing_front_surface_reconstruction(points.begin(), points.end(),
-                                                     std::back_inserter(faces), Priority{reach});
+        CGAL::advancing_front_surface_reconstruction(
+            points.begin(), points.end(), std::back_inserter(faces), Priority{reach, normals});
     }
     sort_faces(faces);
     *triangle_count = faces.size();

@@ -19,7 +19,7 @@ static const double thin_growth = 1.1;
  * a point, and splats are larger than the gaps between so many. */
 enum { MOST_CONNECTED = 200000 };
 /* Longest edge, in distances to the last of the neighbours, which is 1.4 spacings of a grid. */
-static const double reach = 4;
+static const double reach = 3;
 /* Normals of neighbours at the same height over each other, in parts of their distance, that face
  * away from each other: noise, or normals without direction. */
 static const double level_height = 0.05;
@@ -289,8 +289,8 @@ static psplat_result connect(psplat_cloud *cloud, int sides) {
         for (size_t i = 0; i < count; ++i) reaches[i] = reach * cloud->spacings[i];
         if (!result && sides && !part_sheets(cloud, positions)) result = PSPLAT_ERROR_MEMORY;
         if (!result)
-            result = psplat_points_front(positions, reaches, count, &cloud->triangles,
-                                         &cloud->triangle_count);
+            result = psplat_points_front(positions, reaches, sides ? cloud->kept_normals : NULL,
+                                         count, &cloud->triangles, &cloud->triangle_count);
     }
     free(positions);
     free(reaches);

@@ -36,12 +36,14 @@ size_t psplat_points_thin(const double *positions, const float *normals, size_t 
  * count x PSPLAT_NEIGHBORS. */
 psplat_result psplat_points_neighbors(const double *positions, size_t count, uint32_t *neighbors);
 
-/* Triangles through the points, no edge longer than the root of reach[a] * reach[b], their corners
- * in ascending order (CGAL::advancing_front_surface_reconstruction; Cohen-Steiner, Da: A greedy
+/* Triangles through the points, no edge longer than the root of reach[a] * reach[b] or between
+ * normals (NULL: they have no sides) that face away from each other, their corners in ascending
+ * order (CGAL::advancing_front_surface_reconstruction; Cohen-Steiner, Da: A greedy
  * Delaunay- based surface reconstruction algorithm, 2004). Wants lengths of about 1 between
  * neighbours. *triangles: 3 x *triangle_count, malloc'ed. */
-psplat_result psplat_points_front(const double *positions, const double *reach, size_t count,
-                                  uint32_t **triangles, size_t *triangle_count);
+psplat_result psplat_points_front(const double *positions, const double *reach,
+                                  const float *normals, size_t count, uint32_t **triangles,
+                                  size_t *triangle_count);
 
 /* A point set on its way. Positions are centred, and in units in which neighbours are about 1
  * apart. */

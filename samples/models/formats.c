@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * formats.c - OBJ, OFF, PLY and STL, text with six digits. Binary files are little-endian on every
- * machine.
+ * formats.c - OBJ, OFF, PLY, STL and XYZ, text with six digits. Binary files are little-endian on
+ * every machine.
  */
 #include "generate.h"
 
@@ -142,5 +142,18 @@ int write_stl_text(const char *path, const solid *s) {
         fputs(" endloop\nendfacet\n", file);
     }
     fputs("endsolid phongsplat\n", file);
+    return finish(file);
+}
+
+int write_xyz(const char *path, const solid *s) {
+    FILE *file = fopen(path, "wb");
+    if (!file) return -1;
+    fputs("# x y z nx ny nz\n", file);
+    for (size_t i = 0; i < s->vertex_count; ++i) {
+        const double *p = s->positions[i];
+        const float *n = s->normals[i];
+        fprintf(file, "%.7g %.7g %.7g %.4f %.4f %.4f\n", tidy(p[0]), tidy(p[1]), tidy(p[2]),
+                (double)n[0], (double)n[1], (double)n[2]);
+    }
     return finish(file);
 }

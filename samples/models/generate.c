@@ -52,6 +52,7 @@ int main(int argc, char **argv) {
     write_model(argv[1], "plate.stl", make_box(4, 3, 0.02), write_stl_text);
     write_model(argv[1], "slab.ply", make_box(3, 2, 0.5), write_ply_text);
     write_model(argv[1], "bracket.gltf", make_bracket(), write_gltf);
+    write_model(argv[1], "scan.xyz", make_scan(1.2, 1, 0.8, 1200), write_xyz);
     write_painted(argv[1], "painted.glb");
     return failures ? 1 : 0;
 }

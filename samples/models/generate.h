@@ -65,8 +65,9 @@ solid make_sphere(int subdivisions);
 solid make_torus(double major, double minor, int segments, int sides);
 solid make_cone(double radius, double height, int segments);
 solid make_bracket(void);
-solid make_vase(void);   /* open, with texture coordinates */
-solid make_ribbon(void); /* a coloured ring */
+solid make_scan(double x, double y, double z, int count); /* radii; points without triangles */
+solid make_vase(void);                                    /* open, with texture coordinates */
+solid make_ribbon(void);                                  /* a coloured ring */
 
 /* ---- formats.c: each returns 0, or -1 where the file cannot be written ------------------------
  */
@@ -77,6 +78,7 @@ int write_ply_text(const char *path, const solid *s);
 int write_ply_binary(const char *path, const solid *s);
 int write_stl_binary(const char *path, const solid *s);
 int write_stl_text(const char *path, const solid *s);
+int write_xyz(const char *path, const solid *s); /* positions and normals */
 
 /* ---- gltf.c ------------------------------------------------------------------------------- */
 

@@ -123,6 +123,21 @@ solid make_torus(double major, double minor, int segments, int sides) {
     return s;
 }
 
+/* Points alone, evenly spread (a golden-angle spiral) over an ellipsoid without its upper end. */
+solid make_scan(double x, double y, double z, int count) {
+    solid s = {0};
+    s.normals = resize(NULL, (size_t)count * sizeof *s.normals);
+    for (int i = 0; i < count; ++i) {
+        double h = -1 + 1.8 * (i + 0.5) / count, r = sqrt(1 - h * h),
+               angle = i * PI * (3 - sqrt(5));
+        double n[3] = {r * cos(angle) / x, r * sin(angle) / y, h / z};
+        double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        uint32_t v = solid_vertex(&s, x * r * cos(angle), y * r * sin(angle), z * h);
+        for (int k = 0; k < 3; ++k) s.normals[v][k] = (float)(n[k] / length);
+    }
+    return s;
+}
+
 /* Rings of a cone or a disc, from radius and height r0, z0 to r1, z1. */
 static void add_rings(solid *s, double r0, double z0, double r1, double z1, int segments,
                       int rings) {

@@ -82,3 +82,12 @@ run "$PHONGSPLAT" convert --tolerance 0.5% -- '-a cube.obj' 'out/a b.glb'
 expect_success
 expect_files 'a b.glb' again.glb cube.glb cube.json
 echo "$checks checks passed"
+
+# Points without faces, with normals and without.
+scan=$SOURCE_DIR/samples/models/scan.xyz
+run "$PHONGSPLAT" convert "$scan" out/scan.glb -t 2
+expect_success
+expect_output '^out/scan.glb: [0-9]+ splats, .* 0 of [0-9]+ samples uncovered'
+cut -d' ' -f1-3 "$scan" >bare.xyz
+run "$PHONGSPLAT" convert bare.xyz out/bare.glb -t 2 -q
+expect_success
