@@ -14,11 +14,15 @@ static const struct {
     int closed; /* seen from outside only */
 } models[] = {
     {"part.obj", 5961, 11926, -2, 1}, /* two through-holes */
-    {"cube.off", 8, 12, 2, 1},         {"sphere.ply", 2562, 5120, 2, 1},
-    {"torus.off", 2048, 4096, 0, 1},   {"cone.stl", 626, 1248, 2, 1},
-    {"plate.stl", 8, 12, 2, 1},        {"slab.ply", 8, 12, 2, 1},
-    {"bracket.gltf", 12, 20, 2, 1},    {"scan.xyz", 1200, 2386, 1, 0}, /* a bowl */
-    {"painted.glb", 2160, 4224, 0, 0},                                 /* an open tube, two rings */
+    {"cube.off", 8, 12, 2, 1},
+    {"sphere.ply", 2562, 5120, 2, 1},
+    {"torus.off", 2048, 4096, 0, 1},
+    {"cone.stl", 626, 1248, 2, 1},
+    {"plate.stl", 8, 12, 2, 1},
+    {"slab.ply", 8, 12, 2, 1},
+    {"bracket.gltf", 12, 20, 2, 1},
+    {"scan.xyz", 1200, 2386, 1, 0},
+    {"painted.glb", 2160, 4224, 0, 0}, /* an open tube, two rings */
 };
 
 /* An edge as its two triangles see it. */
