@@ -21,8 +21,8 @@ static const struct {
     {"plate.stl", 8, 12, 2, 1},
     {"slab.ply", 8, 12, 2, 1},
     {"bracket.gltf", 12, 20, 2, 1},
-    {"scan.xyz", 1200, 2386, 1, 0},
     {"painted.glb", 2160, 4224, 0, 0}, /* an open tube, two rings */
+    {"scan.xyz", 1200, 2386, 1, 0},    /* a bowl */
 };
 
 /* An edge as its two triangles see it. */
