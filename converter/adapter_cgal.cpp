@@ -74,8 +74,14 @@ extern "C" psplat_distance *psplat_distance_create(const psplat_mesh *mesh) try 
 extern "C" psplat_result psplat_distance_query(const psplat_distance *distance,
                                                const double *points, size_t count,
                                                double *result) try {
-    for (size_t i = 0; i < count; ++i)
-        result[i] = std::sqrt(distance->tree.squared_distance(point(points + 3 * i)));
+    /* The nearest point of one is a good guess for the next. */
+    Point nearest;
+    for (size_t i = 0; i < count; ++i) {
+        const Point query = point(points + 3 * i);
+        nearest = i ? distance->tree.closest_point(query, nearest)
+                    : distance->tree.closest_point(query);
+        result[i] = std::sqrt(CGAL::squared_distance(query, nearest));
+    }
     return PSPLAT_OK;
 } catch (...) {
     return PSPLAT_ERROR_MEMORY;

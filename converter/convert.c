@@ -20,11 +20,6 @@ static const double crease_slack_part = 0.1;
 /* Splats that leave the surface by less than this part count as flat: they may hide what lies
  * behind them by hardly more, so that faces do not shine through each other at their corners. */
 static const double flat_part = 0.02;
-/* A small distance says nothing about normals: a fillet lower than the tolerance would be smeared
- * over the faces beside it. Their error is bounded by what the mesh itself leaves open, its
- * roughness, but not below the first nor above the last of these. */
-static const double normal_error_degrees[2] = {3, 20};
-static const double normal_error_roughness = 1.5;
 /* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
  * are about sqrt(R tolerance) wide, and some ten samples across describe one. */
 static const double spacing_percent = 0.85;
@@ -34,23 +29,11 @@ static const double most_samples = 16e6;
  * heights, and a slanted view must not see between them. */
 static const double margin_spacings = 2.0;
 
-/* Rounds of looking for holes, and fresh samples in each, as a multiple of those fitted and at
- * least. */
-enum { REPAIRS = 12, FRESH = 8, LEAST_FRESH = 100000 };
+/* Rounds of improving, and moves in each for every splat. */
+enum { DEFAULT_EFFORT = 3, MOVES = 20 };
 
-static const uint64_t repair_seed = 0x7265706169720000u;
+static const uint64_t improve_seed = 0x696d70726f766500u;
 static const uint64_t verify_seed = 0x7665726966790000u;
-
-typedef struct conversion {
-    const psplat_convert_desc *desc;
-    psplat_surface surface;
-    psplat_samples samples;
-    psplat_limits limits;
-    psplat_distance *distance;
-    psplat_selection selection;
-    psplat_splats *splats;
-    double tolerance;
-} conversion;
 
 static double tolerance_percent(const psplat_convert_desc *desc) {
     return desc->tolerance_percent > 0 ? desc->tolerance_percent : default_tolerance_percent;
@@ -60,12 +43,7 @@ static int interrupted(const psplat_convert_desc *desc, const char *stage, doubl
     return desc->progress && desc->progress(desc->user, stage, fraction);
 }
 
-static double normal_error(const psplat_surface *surface) {
-    double low = normal_error_degrees[0] * degree, high = normal_error_degrees[1] * degree;
-    return fmin(fmax(normal_error_roughness * surface->roughness, low), high);
-}
-
-static psplat_result set_limits(conversion *c, psplat_error *error) {
+static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     double percent = tolerance_percent(c->desc), diagonal = c->surface.diagonal;
     double spacing = spacing_percent / 100 * diagonal * sqrt(percent);
     c->tolerance = percent / 100 * diagonal;
@@ -75,7 +53,8 @@ static psplat_result set_limits(conversion *c, psplat_error *error) {
                                 .crease_tolerance = crease_part * c->tolerance,
                                 .crease_slack = crease_slack_part * c->tolerance,
                                 .margin = margin_spacings * spacing,
-                                .normal_error = normal_error(&c->surface)};
+                                .normal_tolerance = c->desc->normal_tolerance_degrees * degree,
+                                .constant_normals = c->desc->constant_normals};
     double expected = c->surface.area / (spacing * spacing);
     if (!(expected <= most_samples))
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
@@ -87,86 +66,64 @@ static psplat_result set_limits(conversion *c, psplat_error *error) {
 }
 
 /* Greatest distance between two overlapping splats of one surface, along their normal. */
-static float depth_tolerance(const conversion *c) {
+static float depth_tolerance(const psplat_conversion *c) {
     double deviation = 0;
     for (size_t i = 0; i < c->selection.count; ++i)
         deviation = fmax(deviation, c->selection.candidates[i].deviation);
     return (float)fmax(2 * deviation, 0.25 * c->tolerance);
 }
 
-/* Finds holes on fresh samples and makes them samples to cover. Stores how many it found. */
-static psplat_result find_holes(conversion *c, int round, size_t *holes, psplat_error *error) {
-    psplat_samples fresh;
-    size_t triangles = c->surface.mesh->triangle_count, count = FRESH * c->samples.count;
-    if (count < LEAST_FRESH) count = LEAST_FRESH;
-    uint64_t seed = c->desc->seed + repair_seed + (uint64_t)round;
-    psplat_result result = psplat_samples_draw_uniform(&c->surface, count, seed, &fresh, error);
-    if (result) return result;
-    uint8_t *open = malloc(fresh.count + 1);
-    uint32_t *chosen = malloc((fresh.count + 1) * sizeof *chosen);
-    result = open && chosen ? psplat_verify_coverage(&fresh, c->splats, c->tolerance, open, holes)
-                            : PSPLAT_ERROR_MEMORY;
-    if (!result && *holes) {
-        size_t found = 0;
-        for (uint32_t i = 0; i < fresh.count; ++i)
-            if (open[i]) chosen[found++] = i;
-        result = psplat_samples_append(&c->samples, &fresh, chosen, found, triangles, error);
-    } else if (result) {
-        psplat_fail(error, result, 0, "out of memory while looking for holes");
+static psplat_result store(psplat_conversion *c, psplat_error *error) {
+    if (!psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats)) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
+}
+
+/* Grows candidates beside those taken, a random sample of each for every seed. */
+static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
+    size_t count = 0;
+    uint32_t *seeds = malloc((c->selection.count + 1) * sizeof *seeds);
+    if (!seeds) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < c->selection.count; ++i) {
+        const psplat_candidate *candidate = &c->selection.candidates[i];
+        if (candidate->taken && candidate->covered_count)
+            seeds[count++] = candidate->covered[psplat_random_next(&seed) % candidate->covered_count];
     }
-    free(open);
-    free(chosen);
-    psplat_samples_free(&fresh);
+    psplat_result result = psplat_selection_grow(&c->surface, &c->samples, &c->limits, seeds, count,
+                                                 &c->selection);
+    free(seeds);
     return result;
 }
 
-static psplat_result select_and_store(conversion *c, psplat_error *error) {
+static psplat_result improve(psplat_conversion *c, psplat_error *error) {
+    int rounds = c->desc->effort > 0 ? c->desc->effort - 1 : DEFAULT_EFFORT;
+    psplat_result result = psplat_improve(&c->selection, c->samples.count, 0, 0, 0);
+    for (int round = 0; round < rounds && !result; ++round) {
+        if (interrupted(c->desc, "improving", (double)round / rounds))
+            return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+        uint64_t seed = c->desc->seed + improve_seed + (uint64_t)round;
+        result = grow_pool(c, seed);
+        if (!result)
+            result = psplat_improve(&c->selection, c->samples.count, c->samples.count,
+                                    MOVES * psplat_selection_taken(&c->selection), seed);
+    }
+    if (!result) return PSPLAT_OK;
+    return psplat_fail(error, result, 0, "out of memory while improving the selection");
+}
+
+static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     psplat_result result =
         psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, error);
+    if (!result) result = improve(c, error);
+    if (!result) result = store(c, error);
+    if (!result) result = psplat_repair_holes(c, error);
     if (result) return result;
-    result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
-    if (result) return psplat_fail(error, result, 0, "out of memory while storing splats");
-    return PSPLAT_OK;
+    psplat_selection_settle(&c->selection);
+    if (psplat_join_lines(&c->surface, &c->limits, &c->selection))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
+    return store(c, error);
 }
 
-/* Looks for holes until two rounds in a row find none. */
-static psplat_result close_holes(conversion *c, psplat_error *error) {
-    for (int round = 0, clean = 0; round < REPAIRS && clean < 2; ++round) {
-        size_t holes;
-        if (interrupted(c->desc, "closing holes", (double)round / REPAIRS))
-            return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-        psplat_result result = find_holes(c, round, &holes, error);
-        if (result) return result;
-        clean = holes ? 0 : clean + 1;
-        if (!holes) continue;
-        result = psplat_selection_refresh(&c->surface, &c->samples, &c->limits, &c->selection);
-        if (result) return psplat_fail(error, result, 0, "out of memory while closing holes");
-        result = select_and_store(c, error);
-        if (result) return result;
-    }
-    return PSPLAT_OK;
-}
-
-static psplat_result join_and_store(conversion *c) {
-    psplat_result result = psplat_join_lines(&c->surface, &c->limits, &c->selection);
-    if (result) return result;
-    return psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
-}
-
-static psplat_result select_splats(conversion *c, psplat_error *error) {
-    psplat_result result = select_and_store(c, error);
-    if (!result) result = close_holes(c, error);
-    if (result) return result;
-    psplat_seal seal = {&c->surface,   &c->samples,  &c->limits,   c->splats,
-                        &c->selection, c->tolerance, c->desc->seed};
-    result = join_and_store(c);
-    if (!result) result = psplat_seal_cracks(&seal, c->splats);
-    if (!result) result = join_and_store(c);
-    if (result) return psplat_fail(error, result, 0, "out of memory while joining splats");
-    return PSPLAT_OK;
-}
-
-static void fill_splats(const conversion *c, const psplat_mesh *mesh) {
+static void fill_splats(const psplat_conversion *c, const psplat_mesh *mesh) {
     c->splats->kernel =
         (psplat_kernel){PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT};
     c->splats->depth_tolerance = depth_tolerance(c);
@@ -174,7 +131,7 @@ static void fill_splats(const conversion *c, const psplat_mesh *mesh) {
     for (int k = 0; k < 3; ++k) c->splats->origin[k] = mesh->origin[k];
 }
 
-static void count_for_report(const conversion *c, psplat_report *report) {
+static void count_for_report(const psplat_conversion *c, psplat_report *report) {
     report->splats = c->splats->count;
     for (int k = 0; k <= PSPLAT_MAX_CLIP_LINES; ++k)
         report->splats_by_clip_lines[k] = c->splats->count_by_clip_lines[k];
@@ -187,7 +144,7 @@ static void count_for_report(const conversion *c, psplat_report *report) {
     report->tolerance_percent = tolerance_percent(c->desc);
 }
 
-static psplat_result verify(const conversion *c, psplat_report *report, psplat_error *error) {
+static psplat_result verify(const psplat_conversion *c, psplat_report *report, psplat_error *error) {
     if (interrupted(c->desc, "verifying", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     const psplat_verification verification = {
@@ -202,7 +159,7 @@ static psplat_result verify(const conversion *c, psplat_report *report, psplat_e
 }
 
 /* Everything that does not depend on samples. */
-static psplat_result build(conversion *c, const psplat_mesh *mesh, psplat_error *error) {
+static psplat_result build(psplat_conversion *c, const psplat_mesh *mesh, psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
     double degrees =
         desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
@@ -213,7 +170,7 @@ static psplat_result build(conversion *c, const psplat_mesh *mesh, psplat_error 
     return result ? result : set_limits(c, error);
 }
 
-static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *report,
+static psplat_result run(psplat_conversion *c, const psplat_mesh *mesh, psplat_report *report,
                          psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
     psplat_result result = build(c, mesh, error);
@@ -229,7 +186,7 @@ static psplat_result run(conversion *c, const psplat_mesh *mesh, psplat_report *
     return desc->unverified ? PSPLAT_OK : verify(c, report, error);
 }
 
-static void free_conversion(conversion *c) {
+static void free_conversion(psplat_conversion *c) {
     psplat_selection_free(&c->selection);
     psplat_samples_free(&c->samples);
     psplat_distance_destroy(c->distance);
@@ -243,7 +200,7 @@ psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc 
     if (!mesh || !splats)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "mesh and splats must not be NULL");
     *splats = (psplat_splats){0};
-    conversion c = {.desc = desc ? desc : &defaults, .splats = splats};
+    psplat_conversion c = {.desc = desc ? desc : &defaults, .splats = splats};
     psplat_result result = run(&c, mesh, report, error);
     free_conversion(&c);
     if (result) psplat_splats_free(splats);
@@ -257,7 +214,7 @@ psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_conver
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                            "mesh, splats and report must not be NULL");
     psplat_splats measured = *splats; /* not changed, but conversions hold what they make */
-    conversion c = {.desc = desc ? desc : &defaults, .splats = &measured};
+    psplat_conversion c = {.desc = desc ? desc : &defaults, .splats = &measured};
     psplat_result result = build(&c, mesh, error);
     if (!result) result = verify(&c, report, error);
     free_conversion(&c);

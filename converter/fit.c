@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * fit.c - least squares: the plane of a splat, its linear normal field, and the curvature that the
- * normals tell of.
+ * fit.c - least squares: eigenvectors of small matrices and the linear normal field of a splat.
  */
 #include "stages.h"
 #include "vector.h"
@@ -52,38 +51,6 @@ void psplat_fit_eigen(const double matrix[6], double values[3], double vectors[3
     swap_rows(values, vectors, 0, 1);
     swap_rows(values, vectors, 1, 2);
     swap_rows(values, vectors, 0, 1);
-}
-
-void psplat_fit_plane(const psplat_samples *samples, const uint32_t *chosen, size_t count,
-                      double mean[3], double normal[3]) {
-    double sum[3] = {0, 0, 0}, covariance[6] = {0};
-    const double *origin = samples->positions + 3 * (size_t)chosen[0];
-    mean[0] = mean[1] = mean[2] = 0;
-    for (size_t i = 0; i < count; ++i) {
-        double d[3];
-        sub3(d, samples->positions + 3 * (size_t)chosen[i], origin);
-        mad3(mean, 1 / (double)count, d);
-        const float *n = samples->normals + 3 * (size_t)chosen[i];
-        for (int k = 0; k < 3; ++k) sum[k] += (double)n[k];
-    }
-    for (size_t i = 0; i < count; ++i) {
-        double d[3];
-        sub3(d, samples->positions + 3 * (size_t)chosen[i], origin);
-        mad3(d, -1, mean);
-        covariance[0] += d[0] * d[0], covariance[1] += d[0] * d[1], covariance[2] += d[0] * d[2];
-        covariance[3] += d[1] * d[1], covariance[4] += d[1] * d[2], covariance[5] += d[2] * d[2];
-    }
-    mad3(mean, 1, origin);
-    double values[3], vectors[3][3], length = normalize3(sum);
-    psplat_fit_eigen(covariance, values, vectors);
-    double facing = dot3(vectors[0], sum);
-    /* A row of samples, or normals across the plane, say nothing about it: trust the normals. */
-    int spans = values[1] > 1e-4 * values[2] && values[0] < 0.25 * values[1];
-    if (length > 0 && (!spans || fabs(facing) < 0.5)) {
-        memcpy(normal, sum, 3 * sizeof(double));
-        return;
-    }
-    for (int k = 0; k < 3; ++k) normal[k] = facing < 0 ? -vectors[0][k] : vectors[0][k];
 }
 
 /* ---- the normal field ---------------------------------------------------------------------- */
@@ -186,32 +153,3 @@ void psplat_fit_normal_at(const double field[5], const double radius[2], const d
 }
 
 /* ---- curvature ----------------------------------------------------------------------------- */
-
-void psplat_fit_curvature(const double (*st)[2], const double (*xy)[2], size_t count,
-                          double direction[2], double curvature[2]) {
-    double mean[4] = {0}, a = 0, b = 0, c = 0, r[2][2] = {{0}};
-    for (size_t i = 0; i < count; ++i)
-        for (int k = 0; k < 2; ++k)
-            mean[k] += st[i][k] / (double)count, mean[2 + k] += xy[i][k] / (double)count;
-    for (size_t i = 0; i < count; ++i) {
-        double s = st[i][0] - mean[0], t = st[i][1] - mean[1];
-        a += s * s, b += s * t, c += t * t;
-        for (int k = 0; k < 2; ++k) {
-            double value = xy[i][k] - mean[2 + k];
-            r[k][0] += value * s, r[k][1] += value * t;
-        }
-    }
-    direction[0] = 1, direction[1] = curvature[0] = curvature[1] = 0;
-    double det = a * c - b * b;
-    if (!(det > 1e-8 * (a + c) * (a + c))) return;
-    /* Gradient rows of x and y over (s, t); its symmetric part is the curvature tensor. */
-    double xs = (r[0][0] * c - r[0][1] * b) / det, xt = (r[0][1] * a - r[0][0] * b) / det;
-    double ys = (r[1][0] * c - r[1][1] * b) / det, yt = (r[1][1] * a - r[1][0] * b) / det;
-    double off = (xt + ys) / 2, angle = 0.5 * atan2(2 * off, xs - yt);
-    double middle = (xs + yt) / 2, spread = hypot((xs - yt) / 2, off);
-    int first = middle >= 0; /* the eigenvalue of greater magnitude is middle +- spread */
-    direction[0] = first ? cos(angle) : -sin(angle);
-    direction[1] = first ? sin(angle) : cos(angle);
-    curvature[0] = fabs(first ? middle + spread : middle - spread);
-    curvature[1] = fabs(first ? middle - spread : middle + spread);
-}

@@ -277,34 +277,18 @@ static int take_all(void *user, uint32_t triangle, const double *points, size_t 
 
 /* ---- grouping ----------------------------------------------------------------------------- */
 
-static void permute(void *values, size_t stride, const uint32_t *order, size_t count,
-                    void *scratch) {
-    if (!values) return;
-    for (size_t i = 0; i < count; ++i)
-        memcpy((char *)scratch + i * stride, (char *)values + order[i] * stride, stride);
-    memcpy(values, scratch, count * stride);
-}
-
-/* Sorts by triangle, keeping the order within one, and fills first. */
+/* Lists the samples of each triangle, in their order. */
 static int group(psplat_samples *s, size_t triangle_count) {
-    uint32_t *order = malloc((s->count + 1) * sizeof *order);
-    void *scratch = malloc((s->count + 1) * 4 * sizeof(double));
     free(s->first);
+    free(s->order);
     s->first = calloc(triangle_count + 2, sizeof *s->first);
-    int ok = order && scratch && s->first;
-    if (ok) {
-        uint32_t *starts = s->first + 1; /* shifted by one, so that filling leaves first right */
-        for (size_t i = 0; i < s->count; ++i) starts[s->triangles[i] + 1]++;
-        for (size_t t = 0; t < triangle_count; ++t) starts[t + 1] += starts[t];
-        for (uint32_t i = 0; i < s->count; ++i) order[starts[s->triangles[i]]++] = i;
-        permute(s->positions, 3 * sizeof(double), order, s->count, scratch);
-        permute(s->normals, 3 * sizeof(float), order, s->count, scratch);
-        permute(s->colors, 4 * sizeof(float), order, s->count, scratch);
-        permute(s->triangles, sizeof(uint32_t), order, s->count, scratch);
-    }
-    free(order);
-    free(scratch);
-    return ok;
+    s->order = malloc((s->count + 1) * sizeof *s->order);
+    if (!s->first || !s->order) return 0;
+    uint32_t *starts = s->first + 1; /* shifted by one, so that filling leaves first right */
+    for (size_t i = 0; i < s->count; ++i) starts[s->triangles[i] + 1]++;
+    for (size_t t = 0; t < triangle_count; ++t) starts[t + 1] += starts[t];
+    for (uint32_t i = 0; i < s->count; ++i) s->order[starts[s->triangles[i]]++] = i;
+    return 1;
 }
 
 static psplat_result finish(sample_buffer *buffer, int ok, const psplat_surface *surface,
@@ -373,5 +357,6 @@ void psplat_samples_free(psplat_samples *samples) {
     free(samples->colors);
     free(samples->triangles);
     free(samples->first);
+    free(samples->order);
     *samples = (psplat_samples){0};
 }

@@ -126,14 +126,14 @@ void psplat_surface_color(const psplat_surface *surface, uint32_t triangle,
 
 /* ---- samples.c ---------------------------------------------------------------------------- */
 
-/* Oriented points of a surface, grouped by triangle: those of triangle t are first[t] ...
- * first[t + 1] - 1. */
+/* Oriented points of a surface. Those of triangle t are order[first[t] ... first[t + 1] - 1]. */
 typedef struct psplat_samples {
     double *positions; /* count x 3 */
     float *normals;    /* count x 3, unit */
     float *colors;     /* count x 4, or NULL where the mesh has none */
     uint32_t *triangles;
     uint32_t *first; /* triangle_count + 1 */
+    uint32_t *order; /* count */
     size_t count;
     double spacing; /* distance between neighbours, about */
 } psplat_samples;
@@ -147,7 +147,7 @@ psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing,
 psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t count,
                                           uint64_t seed, psplat_samples *samples,
                                           psplat_error *error);
-/* Appends samples (given as in psplat_samples, without first and spacing) and regroups. */
+/* Appends chosen samples of extra; those there before keep their indices. */
 psplat_result psplat_samples_append(psplat_samples *samples, const psplat_samples *extra,
                                     const uint32_t *chosen, size_t chosen_count,
                                     size_t triangle_count, psplat_error *error);
@@ -168,27 +168,11 @@ psplat_result psplat_distance_query(const psplat_distance *distance, const doubl
                                     size_t count, double *result);
 void psplat_distance_destroy(psplat_distance *distance);
 
-/* ---- ellipse.c, fit.c: the numerics --------------------------------------------------------- */
-
-typedef struct psplat_ellipse {
-    double center[2];
-    double axis[2];   /* unit vector of the larger radius */
-    double radius[2]; /* radius[0] >= radius[1] >= 0 */
-} psplat_ellipse;
-
-/* Smallest ellipse around count 2D points, at most 1 % larger in area than the true one and
- * always around all of them (Khachiyan's algorithm on their convex hull). Sets of no extent give
- * radii of 0. points is reordered. */
-void psplat_ellipse_enclose(double (*points)[2], size_t count, psplat_ellipse *ellipse);
+/* ---- fit.c: the numerics -------------------------------------------------------------------- */
 
 /* Eigenvalues (ascending) and unit eigenvectors (rows) of the symmetric matrix
  * xx xy xz yy yz zz, by Jacobi rotations. */
 void psplat_fit_eigen(const double matrix[6], double values[3], double vectors[3][3]);
-
-/* Unit normal of the least-squares plane through count samples, on the side of the mean normal; the
- * mean normal itself where the samples do not span a plane. mean: their centroid. */
-void psplat_fit_plane(const psplat_samples *samples, const uint32_t *chosen, size_t count,
-                      double mean[3], double normal[3]);
 
 /* Linear normal field (spec 3.5) of an ellipse with these radii, least-norm where the samples leave
  * it open. uv: count x 2 parameters, xy: count x 2 local normals with third coordinate 1. field: x,
@@ -199,10 +183,84 @@ void psplat_fit_normals(const double (*uv)[2], const double (*xy)[2], size_t cou
 void psplat_fit_normal_at(const double field[5], const double radius[2], const double uv[2],
                           double xy[2]);
 
-/* Directions and sizes of principal curvature from the full gradient of normals over the plane's
- * physical coordinates: direction (unit, of curvature[0]), |curvature[0]| >= |curvature[1]|. */
-void psplat_fit_curvature(const double (*st)[2], const double (*xy)[2], size_t count,
-                          double direction[2], double curvature[2]);
+/* ---- covariance.c: sums over oriented points (PSG03 section 4) -------------------------------- */
+
+/* Parts of sum x x^T over x = (p, n, 1); p relative to a local origin. Zero-initialise. */
+typedef struct psplat_covariance {
+    double count;
+    double p[3], n[3];
+    double pp[6];    /* xx xy xz yy yz zz */
+    double np[3][3]; /* rows: components of n */
+} psplat_covariance;
+
+/* A least-squares plane: mean, axes of the points' spread in it (u the longer one) and normal, a
+ * right-handed frame, and the variances along u, v, n. */
+typedef struct psplat_plane {
+    double mean[3];
+    double u[3], v[3], n[3];
+    double variance[3];
+} psplat_plane;
+
+void psplat_covariance_add(psplat_covariance *covariance, const double p[3], const double n[3]);
+/* Adds the sums of other: the covariance of the union. */
+void psplat_covariance_unite(psplat_covariance *covariance, const psplat_covariance *other);
+
+/* The plane through the points, on the side of their mean normal; perpendicular to it where they
+ * do not span a plane. count must be positive. */
+void psplat_covariance_fit(const psplat_covariance *covariance, psplat_plane *plane);
+
+/* Directions and sizes of principal curvature from the gradient of normals over the plane:
+ * direction (in u, v, unit, of curvature[0]), |curvature[0]| >= |curvature[1]|. 0 where there is
+ * none to be told. */
+int psplat_covariance_curvature(const psplat_covariance *covariance, const psplat_plane *plane,
+                                double direction[2], double curvature[2]);
+
+/* ---- neighborhood.c: samples around a seed ---------------------------------------------------- */
+
+/* The distance of p is |rows (p - center)|. */
+typedef struct psplat_metric {
+    double center[3];
+    double rows[3][3];
+} psplat_metric;
+
+typedef struct psplat_ranked {
+    uint32_t key; /* that sorts as the squared distance does */
+    uint32_t index;
+} psplat_ranked;
+
+typedef struct psplat_near_sample {
+    double p[3], n[3]; /* relative to the origin; unit */
+    uint32_t index;
+} psplat_near_sample;
+
+/* What was gathered last. Scratch of one thread for one surface: zero-initialise, grows on demand. */
+typedef struct psplat_neighborhood {
+    psplat_near_sample *samples; /* nearest first */
+    size_t count;
+    uint32_t *creases; /* edges (3 x triangle + side) that stopped the flood */
+    size_t crease_count;
+    int whole; /* the flood met all of the patch that is connected with the seed */
+    double origin[3];
+    psplat_ranked *order, *sorted; /* of samples; scratch */
+    psplat_covariance *blocks;
+    uint32_t *stamps; /* per triangle: flood that met it last */
+    uint32_t stamp;
+    uint32_t *triangles;
+    size_t triangle_count, triangle_capacity, order_capacity, sorted_capacity, sample_capacity,
+        crease_capacity;
+} psplat_neighborhood;
+
+/* Collects the samples within reach of the metric's centre that are connected with a triangle
+ * within reach, without crossing a crease. 0 when out of memory. */
+int psplat_neighborhood_gather(psplat_neighborhood *neighborhood, const psplat_surface *surface,
+                               const psplat_samples *samples, const psplat_metric *metric,
+                               uint32_t triangle, double reach);
+/* How many of the samples lie within reach, which is at most that of the last gathering. */
+size_t psplat_neighborhood_within(const psplat_neighborhood *neighborhood, double reach);
+/* Sums over the nearest count samples. */
+void psplat_neighborhood_covariance(const psplat_neighborhood *neighborhood, size_t count,
+                                    psplat_covariance *covariance);
+void psplat_neighborhood_free(psplat_neighborhood *neighborhood);
 
 /* ---- region.c: a convex part of a plane and the surface above it ---------------------------- */
 
@@ -273,7 +331,8 @@ typedef struct psplat_limits {
     double crease_tolerance; /* the same along creases, so that crease lines stay lines */
     double crease_slack;     /* reach over a crease, within the plane */
     double margin;           /* overlap beyond the covered samples */
-    double normal_error;     /* root mean square of the normal field's, radians */
+    double normal_tolerance; /* greatest error of the normal field, radians; 0: none */
+    int constant_normals;    /* fields without gradients */
     const psplat_distance
         *distance; /* to the mesh, for reaches that a walk cannot judge; or NULL */
 } psplat_limits;
@@ -287,23 +346,22 @@ psplat_result psplat_region_near(const psplat_region *region, const psplat_limit
 typedef struct psplat_candidate {
     psplat_region region;
     double field[5];  /* x, y, alpha, beta, gamma */
-    double deviation; /* greatest distance from the surface */
+    double deviation; /* greatest distance from the samples covered */
     float color[4];
     uint32_t triangle; /* that the candidate grew from */
     uint32_t *covered; /* sample indices, covered_count; the seed among them */
     size_t covered_count;
+    int taken; /* 0: only in the pool */
 } psplat_candidate;
 
 /* Scratch of one thread. Zero-initialise. */
 typedef struct psplat_growth {
-    psplat_walk walk;
-    uint32_t *chosen;
-    double (*plane)[2];
-    double (*local)[2];
-    uint32_t *near;    /* samples gathered around the seed, near_count, */
-    double *distances; /* and how far they are in the metric */
-    size_t near_count;
-    size_t capacity;
+    psplat_neighborhood near;
+    double (*uvh)[3];  /* of near's samples in the region judged last */
+    uint32_t *chosen;  /* those covered, indices into near */
+    double (*local)[2], (*plane)[2]; /* their parameters and normals */
+    psplat_segment *segments;
+    size_t capacity, segment_capacity;
 } psplat_growth;
 
 void psplat_growth_free(psplat_growth *growth);
@@ -320,25 +378,37 @@ psplat_result psplat_candidate_cover(const psplat_surface *surface, const psplat
                                      psplat_candidate *candidate);
 void psplat_candidate_free(psplat_candidate *candidate);
 
-/* ---- select.c ------------------------------------------------------------------------------ */
+/* ---- select.c, improve.c: candidates that cover every sample ---------------------------------- */
 
+/* A pool of candidates, some of them taken. */
 typedef struct psplat_selection {
     psplat_candidate *candidates;
     size_t count, capacity;
 } psplat_selection;
 
-/* Adds candidates until every sample is covered (greedy cover over a growing pool, WK04
- * section 4), then drops those that no sample needs. Existing candidates of selection stay in
- * the game. */
+/* Moves a candidate to the end of the selection. 0 when out of memory. */
+int psplat_selection_push(psplat_selection *selection, psplat_candidate *candidate);
+/* Grows a candidate around each of count seeds, on all cores, and pushes them in order, not taken. */
+psplat_result psplat_selection_grow(const psplat_surface *surface, const psplat_samples *samples,
+                                    const psplat_limits *limits, const uint32_t *seeds,
+                                    size_t count, psplat_selection *selection);
+/* Forgets candidates that are not taken. */
+void psplat_selection_settle(psplat_selection *selection);
+void psplat_selection_free(psplat_selection *selection);
+
+/* Takes candidates, old ones and new, until every sample is covered: greedy cover over a growing
+ * pool (WK04 section 4). What is taken already stays. */
 psplat_result psplat_select_cover(const psplat_surface *surface, const psplat_samples *samples,
                                   const psplat_limits *limits, const psplat_convert_desc *desc,
                                   psplat_selection *selection, psplat_error *error);
-/* Finds again what each selected candidate covers, after samples were appended. */
-psplat_result psplat_selection_refresh(const psplat_surface *surface, const psplat_samples *samples,
-                                       const psplat_limits *limits, psplat_selection *selection);
-/* Moves a candidate to the end of the selection. 0 when out of memory. */
-int psplat_selection_push(psplat_selection *selection, psplat_candidate *candidate);
-void psplat_selection_free(psplat_selection *selection);
+
+/* Exchanges candidates so that fewer cover the same samples, in so many moves. They start at samples
+ * from index focus on, or anywhere where focus is sample_count. Never takes more than before, nor
+ * leaves a sample uncovered that was covered. MEMORY. */
+psplat_result psplat_improve(psplat_selection *selection, size_t sample_count, size_t focus,
+                             size_t moves, uint64_t seed);
+/* How many candidates are taken. */
+size_t psplat_selection_taken(const psplat_selection *selection);
 
 /* ---- store.c ------------------------------------------------------------------------------- */
 
@@ -374,21 +444,23 @@ void psplat_locator_destroy(psplat_locator *locator);
 psplat_result psplat_join_lines(const psplat_surface *surface, const psplat_limits *limits,
                                 psplat_selection *selection);
 
-/* ---- seal.c -------------------------------------------------------------------------------- */
+/* ---- repair.c ------------------------------------------------------------------------------ */
 
-typedef struct psplat_seal {
-    const psplat_surface *surface;
-    psplat_samples *samples; /* grow by what is found; the selection's indices into them lapse */
-    const psplat_limits *limits;
-    const psplat_splats *splats; /* the selection as stored */
-    psplat_selection *selection;
-    double tolerance;
-    uint64_t seed;
-} psplat_seal;
+/* What a conversion is made of. */
+typedef struct psplat_conversion {
+    const psplat_convert_desc *desc;
+    psplat_surface surface;
+    psplat_samples samples;
+    psplat_limits limits;
+    psplat_distance *distance;
+    psplat_selection selection;
+    psplat_splats *splats;
+    double tolerance; /* in the mesh's units */
+} psplat_conversion;
 
-/* Adds candidates where slanted views pass between splats, and stores the selection again.
- * splats: those of seal. */
-psplat_result psplat_seal_cracks(const psplat_seal *seal, psplat_splats *splats);
+/* Looks at fresh samples until no splat leaves a hole, makes those in holes samples to cover, and
+ * covers them. The splats are those taken, stored. */
+psplat_result psplat_repair_holes(psplat_conversion *c, psplat_error *error);
 
 /* ---- coverage.c ---------------------------------------------------------------------------- */
 

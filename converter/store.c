@@ -123,7 +123,8 @@ static void sort_entries(const psplat_splat *splats, order_entry *entries, size_
 
 psplat_result psplat_store_splats(const psplat_selection *selection, int has_color,
                                   psplat_splats *splats) {
-    size_t count = selection->count;
+    size_t count = 0;
+    for (size_t i = 0; i < selection->count; ++i) count += selection->candidates[i].taken != 0;
     psplat_splat *unsorted = malloc((count + 1) * sizeof *unsorted);
     order_entry *entries = malloc((count + 1) * sizeof *entries);
     psplat_splat *sorted = malloc((count + 1) * sizeof *sorted);
@@ -133,11 +134,13 @@ psplat_result psplat_store_splats(const psplat_selection *selection, int has_col
         free(sorted);
         return PSPLAT_ERROR_MEMORY;
     }
-    for (size_t i = 0; i < count; ++i) {
+    count = 0;
+    for (size_t i = 0; i < selection->count; ++i) {
         const psplat_candidate *candidate = &selection->candidates[i];
+        if (!candidate->taken) continue;
         int flat = 2 * candidate->deviation < (double)splats->flat_depth_tolerance;
-        candidate_to_splat(candidate, &unsorted[i]);
-        entries[i].class = 2 * candidate->region.line_count + !flat;
+        candidate_to_splat(candidate, &unsorted[count]);
+        entries[count++].class = 2 * candidate->region.line_count + !flat;
     }
     sort_entries(unsorted, entries, count);
     memset(splats->count_by_clip_lines, 0, sizeof splats->count_by_clip_lines);

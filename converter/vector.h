@@ -58,4 +58,52 @@ static inline void perpendicular3(double r[3], const double n[3]) {
     normalize3(r);
 }
 
+/* a + s * d */
+static inline void along3(double r[3], const double a[3], double s, const double d[3]) {
+    for (int k = 0; k < 3; ++k) r[k] = a[k] + s * d[k];
+}
+
+static inline double distance2_3(const double a[3], const double b[3]) {
+    double d[3];
+    sub3(d, a, b);
+    return dot3(d, d);
+}
+
+static inline double point_segment_distance2(const double p[3], const double a[3],
+                                             const double b[3]) {
+    double ab[3], ap[3], foot[3];
+    sub3(ab, b, a);
+    sub3(ap, p, a);
+    double length2 = dot3(ab, ab), t = length2 > 0 ? dot3(ap, ab) / length2 : 0;
+    along3(foot, a, min2(max2(t, 0), 1), ab);
+    return distance2_3(p, foot);
+}
+
+static inline double point_triangle_distance2(const double p[3], const double a[3],
+                                              const double b[3], const double c[3]) {
+    const double *corners[3] = {a, b, c};
+    double ab[3], ac[3], ap[3], n[3];
+    sub3(ab, b, a);
+    sub3(ac, c, a);
+    sub3(ap, p, a);
+    cross3(n, ab, ac);
+    double area2 = dot3(n, n), least = HUGE_VAL;
+    int inside = area2 > 0;
+    for (int k = 0; k < 3; ++k) {
+        const double *from = corners[k], *to = corners[(k + 1) % 3];
+        double edge[3], d[3], side[3];
+        sub3(edge, to, from);
+        sub3(d, p, from);
+        cross3(side, edge, d);
+        if (dot3(side, n) >= 0) continue;
+        inside = 0;
+        least = min2(least, point_segment_distance2(p, from, to));
+    }
+    if (inside) return dot3(ap, n) * dot3(ap, n) / area2;
+    if (least < HUGE_VAL) return least;
+    for (int k = 0; k < 3; ++k)
+        least = min2(least, point_segment_distance2(p, corners[k], corners[(k + 1) % 3]));
+    return least;
+}
+
 #endif
