@@ -33,7 +33,8 @@ static const double least_covered = 0.7;
 /* The first reach, in spacings, and the steps in which it grows. */
 static const double first_reach = 5;
 static const double growing = 1.5;
-/* Spacings up to which a sample stands for the surface around it: blue noise leaves no larger gaps. */
+/* Spacings up to which a sample stands for the surface around it: blue noise leaves no larger gaps.
+ */
 static const double greatest_gap = 1.5;
 /* Steps in which an ellipse widens after its samples were found, and narrows where its outline
  * turns out to leave the surface. */
@@ -42,11 +43,9 @@ static const double narrowing = 0.92;
 
 enum { BINS = 32 }; /* of heights */
 enum { BISECTIONS = 4, STEPS_DOWN = 8, WIDENINGS = 6, NARROWINGS = 12, LEAST_PREFIX = 3 };
-/* Corners of an outline: for trials and for the last word. */
-enum { SIDES = 16, OUTLINE = SIDES + PSPLAT_MAX_CLIP_LINES };
-enum { FINE_SIDES = 48, FINE_OUTLINE = FINE_SIDES + PSPLAT_MAX_CLIP_LINES };
-enum { RINGS = 3 };
-static const double rings[RINGS] = {1, 0.75, 0.4};
+/* Corners of a trial's outline, and its rings. */
+enum { OUTLINE = 16 + PSPLAT_MAX_CLIP_LINES, RINGS = 2 };
+static const double rings[RINGS] = {1, 0.6};
 
 typedef enum trial_result { TRIAL_KEPT, TRIAL_TOO_FAR, TRIAL_TOO_MANY_LINES } trial_result;
 
@@ -227,8 +226,8 @@ static size_t cover(seedling *s, const psplat_region *region) {
     psplat_growth *g = s->growth;
     double inner[2], tolerance = s->limits->tolerance;
     for (int k = 0; k < 2; ++k)
-        inner[k] = region->radius[k] / (region->radius[k] - min2(s->limits->margin,
-                                                                  0.5 * region->radius[k]));
+        inner[k] = region->radius[k] /
+                   (region->radius[k] - min2(s->limits->margin, 0.5 * region->radius[k]));
     double center[3];
     sub3(center, region->center, g->near.origin);
     size_t count = 0;
@@ -324,8 +323,8 @@ static void mean_color(const seedling *s, size_t count, float color[4]) {
 
 /* ---- outline ------------------------------------------------------------------------------- */
 
-/* Whether a point (relative to the neighbourhood's origin) lies near the surface: near enough to the
- * tangent plane of a sample, and above or below its surroundings. */
+/* Whether a point (relative to the neighbourhood's origin) lies near the surface: near enough to
+ * the tangent plane of a sample, and above or below its surroundings. */
 static int near_surface(const seedling *s, const double q[3]) {
     const psplat_neighborhood *n = &s->growth->near;
     double tolerance2 = s->limits->tolerance * s->limits->tolerance;
@@ -341,18 +340,16 @@ static int near_surface(const seedling *s, const double q[3]) {
     return 0;
 }
 
-/* Points of a region on rings of so many corners, each half as many as the one outside it, relative
- * to origin. Returns their number. */
-static size_t outline_points(const psplat_region *region, const double origin[3], size_t corners,
+/* Points of a region on two rings, relative to origin. Returns their number. */
+static size_t outline_points(const psplat_region *region, const double origin[3],
                              double points[][3]) {
-    double polygon[FINE_OUTLINE][2], middle[2] = {0, 0}, center[3];
-    size_t count = psplat_region_polygon(region, 1, polygon, corners + PSPLAT_MAX_CLIP_LINES);
-    size_t total = 0, step = 1;
+    double polygon[OUTLINE][2], middle[2] = {0, 0}, center[3];
+    size_t count = psplat_region_polygon(region, 1, polygon, OUTLINE), total = 0;
     sub3(center, region->center, origin);
     for (size_t i = 0; i < count; ++i)
         for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)count;
-    for (int ring = 0; ring < RINGS; ++ring, step *= 2)
-        for (size_t i = 0; i < count; i += step, ++total) {
+    for (int ring = 0; ring < RINGS; ++ring)
+        for (size_t i = 0; i < count; ++i, ++total) {
             double uv[2];
             for (int k = 0; k < 2; ++k)
                 uv[k] = middle[k] + rings[ring] * (polygon[i][k] - middle[k]);
@@ -364,23 +361,11 @@ static size_t outline_points(const psplat_region *region, const double origin[3]
 }
 
 static int outline_near_samples(const seedling *s, const psplat_region *region) {
-    double points[2 * OUTLINE][3];
-    size_t count = outline_points(region, s->growth->near.origin, SIDES, points);
+    double points[RINGS * OUTLINE][3];
+    size_t count = outline_points(region, s->growth->near.origin, points);
     for (size_t i = 0; i < count; ++i)
         if (!near_surface(s, points[i])) return 0;
     return 1;
-}
-
-psplat_result psplat_region_near(const psplat_region *region, const psplat_limits *limits,
-                                 int *near) {
-    static const double origin[3] = {0, 0, 0};
-    double points[2 * FINE_OUTLINE][3], distances[2 * FINE_OUTLINE];
-    *near = 1;
-    if (!limits->distance) return PSPLAT_OK;
-    size_t count = outline_points(region, origin, FINE_SIDES, points);
-    psplat_result result = psplat_distance_query(limits->distance, &points[0][0], count, distances);
-    for (size_t i = 0; i < count && !result; ++i) *near &= distances[i] <= limits->tolerance;
-    return result;
 }
 
 /* ---- trials -------------------------------------------------------------------------------- */
@@ -562,10 +547,9 @@ static double triangle_distance2(const seedling *s, uint32_t sample, const doubl
 /* Whether all of a region is near the mesh. The triangle of the nearest sample mostly says so; only
  * points that it is too far from ask the mesh. */
 static int region_near_mesh(seedling *s, const psplat_region *region) {
-    static const double origin[3] = {0, 0, 0};
     const psplat_neighborhood *n = &s->growth->near;
-    double points[2 * FINE_OUTLINE][3], distance, tolerance = s->limits->tolerance;
-    size_t count = outline_points(region, origin, FINE_SIDES, points);
+    double points[PSPLAT_REGION_POINTS][3], distance, tolerance = s->limits->tolerance;
+    size_t count = psplat_region_points(region, points);
     for (size_t i = 0; i < count; ++i) {
         double q[3], d[3], least = HUGE_VAL;
         uint32_t nearest = s->seed;

@@ -15,19 +15,19 @@ static const double default_crease_angle_degrees = 30;
 static const double fitted_part = 0.98;
 /* Creases are the lines that the eye follows: what they may leave the surface by, and how far a
  * splat may reach over them, in parts of the tolerance. */
-static const double crease_part = 0.15;
-static const double crease_slack_part = 0.1;
+static const double crease_part = 0.9;
+static const double crease_slack_part = 0.3;
 /* Splats that leave the surface by less than this part count as flat: they may hide what lies
  * behind them by hardly more, so that faces do not shine through each other at their corners. */
 static const double flat_part = 0.02;
 /* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
  * are about sqrt(R tolerance) wide, and some ten samples across describe one. */
-static const double spacing_percent = 0.85;
+static const double spacing_percent = 0.5;
 /* Beyond this a tolerance is refused, before the samples fill the memory. */
 static const double most_samples = 16e6;
-/* Overlap of splats beyond the samples that they cover, in spacings: neighbours lie at different
- * heights, and a slanted view must not see between them. */
-static const double margin_spacings = 2.0;
+/* Overlap of splats beyond the samples that they cover, in spacings: holes between samples stay
+ * few, and repair.c closes those. */
+static const double margin_spacings = 0.4;
 
 /* Rounds of improving, and moves in each for every splat. */
 enum { DEFAULT_EFFORT = 3, MOVES = 20 };
@@ -86,10 +86,11 @@ static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
     for (size_t i = 0; i < c->selection.count; ++i) {
         const psplat_candidate *candidate = &c->selection.candidates[i];
         if (candidate->taken && candidate->covered_count)
-            seeds[count++] = candidate->covered[psplat_random_next(&seed) % candidate->covered_count];
+            seeds[count++] =
+                candidate->covered[psplat_random_next(&seed) % candidate->covered_count];
     }
-    psplat_result result = psplat_selection_grow(&c->surface, &c->samples, &c->limits, seeds, count,
-                                                 &c->selection);
+    psplat_result result =
+        psplat_selection_grow(&c->surface, &c->samples, &c->limits, seeds, count, &c->selection);
     free(seeds);
     return result;
 }

@@ -2,9 +2,9 @@
  *
  * covariance.c - what a set of oriented points tells of its plane, extents and curvature, in sums.
  *
- * Pauly, Spernat, Gross (2003), section 4: the generic homogeneous covariance, the sum of x x^T over
- * x = (p, n, 1), of which the parts that fitting needs are kept. The covariance of a union is the
- * sum of those of its parts, so plane, axes and the gradient of normals of any union cost the
+ * Pauly, Spernat, Gross (2003), section 4: the generic homogeneous covariance, the sum of x x^T
+ * over x = (p, n, 1), of which the parts that fitting needs are kept. The covariance of a union is
+ * the sum of those of its parts, so plane, axes and the gradient of normals of any union cost the
  * same, however many points it has. Points are taken relative to a local origin: raw sums at an
  * offset of 1e6 would lose the plane.
  */
@@ -84,8 +84,8 @@ int psplat_covariance_curvature(const psplat_covariance *c, const psplat_plane *
         for (int l = 0; l < 2; ++l) {
             double sum = 0;
             for (int i = 0; i < 3; ++i)
-                sum += axes[k][i] *
-                       (dot3(c->np[i], axes[l]) - c->n[i] * dot3(plane->mean, axes[l]));
+                sum +=
+                    axes[k][i] * (dot3(c->np[i], axes[l]) - c->n[i] * dot3(plane->mean, axes[l]));
             rows[k][l] = sum / c->count / plane->variance[l] / mean_normal;
         }
     /* Its symmetric part is the curvature tensor. */

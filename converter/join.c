@@ -128,7 +128,7 @@ static psplat_result move_lines(const psplat_limits *limits, psplat_region *regi
         moved.lines[i][2] += moves[i] * line_outward(region, region->lines[i], outward);
     }
     if (most == 0) return PSPLAT_OK;
-    psplat_result result = psplat_region_near(&moved, limits, &near);
+    psplat_result result = psplat_region_near(&moved, limits->distance, limits->tolerance, &near);
     if (!result && near) *region = moved;
     return result;
 }

@@ -137,6 +137,32 @@ size_t psplat_region_polygon(const psplat_region *region, int inscribed, double 
     return count;
 }
 
+size_t psplat_region_points(const psplat_region *region, double (*points)[3]) {
+    double polygon[CORNERS][2], middle[2] = {0, 0};
+    size_t count = psplat_region_polygon(region, 1, polygon, OUTLINE_SIDES + PSPLAT_MAX_CLIP_LINES);
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)count;
+    for (size_t i = 0; i < 2 * count + 1; ++i) {
+        double t = i < count ? 1 : i < 2 * count ? 0.5 : 0;
+        const double *corner = polygon[i % count];
+        memcpy(points[i], region->center, sizeof points[i]);
+        mad3(points[i], (middle[0] + t * (corner[0] - middle[0])) * region->radius[0], region->u);
+        mad3(points[i], (middle[1] + t * (corner[1] - middle[1])) * region->radius[1], region->v);
+    }
+    return count ? 2 * count + 1 : 0;
+}
+
+psplat_result psplat_region_near(const psplat_region *region, const psplat_distance *distance,
+                                 double tolerance, int *near) {
+    double points[PSPLAT_REGION_POINTS][3], distances[PSPLAT_REGION_POINTS];
+    *near = 1;
+    if (!distance) return PSPLAT_OK;
+    size_t count = psplat_region_points(region, points);
+    psplat_result result = psplat_distance_query(distance, &points[0][0], count, distances);
+    for (size_t i = 0; i < count && !result; ++i) *near &= distances[i] <= tolerance;
+    return result;
+}
+
 /* ---- walk ---------------------------------------------------------------------------------- */
 
 void psplat_walk_free(psplat_walk *walk) {

@@ -105,34 +105,39 @@ static psplat_result cover_marked(psplat_conversion *c, const uint8_t *marks) {
 
 /* ---- repair -------------------------------------------------------------------------------- */
 
-/* Covers the samples from index first on, and stores the splats again. */
-static psplat_result cover_holes(psplat_conversion *c, size_t first, uint64_t seed,
-                                 psplat_error *error) {
+/* Finds what the pool covers of the samples from index first on. */
+static psplat_result cover_holes(psplat_conversion *c, size_t first) {
     uint8_t *marks = calloc(c->selection.count + 1, 1);
     psplat_result result = marks ? mark_candidates(c, first, marks) : PSPLAT_ERROR_MEMORY;
     if (!result) result = cover_marked(c, marks);
     free(marks);
-    if (result) return psplat_fail(error, result, 0, "out of memory while closing holes");
-    result =
-        psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, error);
-    if (result) return result;
-    result = psplat_improve(&c->selection, c->samples.count, first,
-                            MOVES * (c->samples.count - first), seed);
+    return result;
+}
+
+/* Covers the samples from index first on, and stores the splats again. */
+static psplat_result complete(psplat_conversion *c, size_t first, uint64_t seed,
+                              psplat_error *error) {
+    size_t moves = MOVES * (c->samples.count - first);
+    psplat_result result = cover_holes(c, first);
+    if (!result)
+        result =
+            psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, NULL);
+    if (!result) result = psplat_improve(&c->selection, c->samples.count, first, moves, seed);
     if (!result) result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
-    if (result) return psplat_fail(error, result, 0, "out of memory while closing holes");
-    return PSPLAT_OK;
+    if (!result) return PSPLAT_OK;
+    return psplat_fail(error, result, 0, "%s while closing holes", psplat_result_text(result));
 }
 
 psplat_result psplat_repair_holes(psplat_conversion *c, psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
-    for (int round = 0, clean = 0; round < ROUNDS && clean < CLEAN_ROUNDS; ++round) {
+    psplat_result result = PSPLAT_OK;
+    for (int round = 0, clean = 0; !result && round < ROUNDS && clean < CLEAN_ROUNDS; ++round) {
         size_t holes, first = c->samples.count;
         if (desc->progress && desc->progress(desc->user, "closing holes", (double)round / ROUNDS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-        psplat_result result = find_holes(c, round, &holes, error);
+        result = find_holes(c, round, &holes, error);
         clean = holes ? 0 : clean + 1;
-        if (!result && holes) result = cover_holes(c, first, desc->seed + (uint64_t)round, error);
-        if (result) return result;
+        if (!result && holes) result = complete(c, first, desc->seed + (uint64_t)round, error);
     }
-    return PSPLAT_OK;
+    return result;
 }

@@ -110,7 +110,8 @@ psplat_result psplat_selection_grow(const psplat_surface *surface, const psplat_
 
 static size_t gain_of(const selector *s, const psplat_candidate *candidate) {
     size_t gain = 0;
-    for (size_t i = 0; i < candidate->covered_count; ++i) gain += !s->covered[candidate->covered[i]];
+    for (size_t i = 0; i < candidate->covered_count; ++i)
+        gain += !s->covered[candidate->covered[i]];
     return gain;
 }
 
@@ -140,8 +141,8 @@ static psplat_result pool_grow(selector *s) {
     uint32_t *seeds = malloc(wanted * sizeof *seeds);
     if (!seeds) return PSPLAT_ERROR_MEMORY;
     size_t count = draw_seeds(s, seeds, wanted);
-    psplat_result result = psplat_selection_grow(s->surface, s->samples, s->limits, seeds, count,
-                                                 s->selection);
+    psplat_result result =
+        psplat_selection_grow(s->surface, s->samples, s->limits, seeds, count, s->selection);
     free(seeds);
     if (result) return result;
     pool_entry *pool = realloc(s->pool, (s->pool_count + count + 1) * sizeof *pool);

@@ -183,7 +183,8 @@ void psplat_fit_normals(const double (*uv)[2], const double (*xy)[2], size_t cou
 void psplat_fit_normal_at(const double field[5], const double radius[2], const double uv[2],
                           double xy[2]);
 
-/* ---- covariance.c: sums over oriented points (PSG03 section 4) -------------------------------- */
+/* ---- covariance.c: sums over oriented points (PSG03 section 4) --------------------------------
+ */
 
 /* Parts of sum x x^T over x = (p, n, 1); p relative to a local origin. Zero-initialise. */
 typedef struct psplat_covariance {
@@ -215,7 +216,8 @@ void psplat_covariance_fit(const psplat_covariance *covariance, psplat_plane *pl
 int psplat_covariance_curvature(const psplat_covariance *covariance, const psplat_plane *plane,
                                 double direction[2], double curvature[2]);
 
-/* ---- neighborhood.c: samples around a seed ---------------------------------------------------- */
+/* ---- neighborhood.c: samples around a seed ----------------------------------------------------
+ */
 
 /* The distance of p is |rows (p - center)|. */
 typedef struct psplat_metric {
@@ -233,7 +235,8 @@ typedef struct psplat_near_sample {
     uint32_t index;
 } psplat_near_sample;
 
-/* What was gathered last. Scratch of one thread for one surface: zero-initialise, grows on demand. */
+/* What was gathered last. Scratch of one thread for one surface: zero-initialise, grows on demand.
+ */
 typedef struct psplat_neighborhood {
     psplat_near_sample *samples; /* nearest first */
     size_t count;
@@ -308,6 +311,14 @@ int psplat_region_contains(const psplat_region *region, const double uv[2], doub
 size_t psplat_region_polygon(const psplat_region *region, int inscribed, double (*polygon)[2],
                              size_t capacity);
 
+/* Points all over a region: its middle, the corners of its outline, and others halfway. points has
+ * room for PSPLAT_REGION_POINTS. Returns their number. */
+#define PSPLAT_REGION_POINTS 145
+size_t psplat_region_points(const psplat_region *region, double (*points)[3]);
+/* Whether these points lie within the tolerance of the mesh; 1 without a distance. */
+psplat_result psplat_region_near(const psplat_region *region, const psplat_distance *distance,
+                                 double tolerance, int *near);
+
 /* Walks the surface from a seed triangle over all triangles that meet the region without crossing
  * a crease. Heights are exact for the circumscribed polygon, hence bounds for the region. The walk
  * stops early (aborted) where greatest and least height differ by more than range, unless lines yet
@@ -337,11 +348,6 @@ typedef struct psplat_limits {
         *distance; /* to the mesh, for reaches that a walk cannot judge; or NULL */
 } psplat_limits;
 
-/* Whether the region's outline lies within the tolerance of the mesh; 1 where limits hold no
- * distance. */
-psplat_result psplat_region_near(const psplat_region *region, const psplat_limits *limits,
-                                 int *near);
-
 /* A possible splat and the samples that it covers. */
 typedef struct psplat_candidate {
     psplat_region region;
@@ -357,8 +363,8 @@ typedef struct psplat_candidate {
 /* Scratch of one thread. Zero-initialise. */
 typedef struct psplat_growth {
     psplat_neighborhood near;
-    double (*uvh)[3];  /* of near's samples in the region judged last */
-    uint32_t *chosen;  /* those covered, indices into near */
+    double (*uvh)[3];                /* of near's samples in the region judged last */
+    uint32_t *chosen;                /* those covered, indices into near */
     double (*local)[2], (*plane)[2]; /* their parameters and normals */
     psplat_segment *segments;
     size_t capacity, segment_capacity;
@@ -378,7 +384,8 @@ psplat_result psplat_candidate_cover(const psplat_surface *surface, const psplat
                                      psplat_candidate *candidate);
 void psplat_candidate_free(psplat_candidate *candidate);
 
-/* ---- select.c, improve.c: candidates that cover every sample ---------------------------------- */
+/* ---- select.c, improve.c: candidates that cover every sample ----------------------------------
+ */
 
 /* A pool of candidates, some of them taken. */
 typedef struct psplat_selection {
@@ -388,7 +395,8 @@ typedef struct psplat_selection {
 
 /* Moves a candidate to the end of the selection. 0 when out of memory. */
 int psplat_selection_push(psplat_selection *selection, psplat_candidate *candidate);
-/* Grows a candidate around each of count seeds, on all cores, and pushes them in order, not taken. */
+/* Grows a candidate around each of count seeds, on all cores, and pushes them in order, not taken.
+ */
 psplat_result psplat_selection_grow(const psplat_surface *surface, const psplat_samples *samples,
                                     const psplat_limits *limits, const uint32_t *seeds,
                                     size_t count, psplat_selection *selection);
@@ -402,9 +410,9 @@ psplat_result psplat_select_cover(const psplat_surface *surface, const psplat_sa
                                   const psplat_limits *limits, const psplat_convert_desc *desc,
                                   psplat_selection *selection, psplat_error *error);
 
-/* Exchanges candidates so that fewer cover the same samples, in so many moves. They start at samples
- * from index focus on, or anywhere where focus is sample_count. Never takes more than before, nor
- * leaves a sample uncovered that was covered. MEMORY. */
+/* Exchanges candidates so that fewer cover the same samples, in so many moves. They start at
+ * samples from index focus on, or anywhere where focus is sample_count. Never takes more than
+ * before, nor leaves a sample uncovered that was covered. MEMORY. */
 psplat_result psplat_improve(psplat_selection *selection, size_t sample_count, size_t focus,
                              size_t moves, uint64_t seed);
 /* How many candidates are taken. */
