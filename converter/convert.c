@@ -145,7 +145,8 @@ static void count_for_report(const psplat_conversion *c, psplat_report *report) 
     report->tolerance_percent = tolerance_percent(c->desc);
 }
 
-static psplat_result verify(const psplat_conversion *c, psplat_report *report, psplat_error *error) {
+static psplat_result verify(const psplat_conversion *c, psplat_report *report,
+                            psplat_error *error) {
     if (interrupted(c->desc, "verifying", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     const psplat_verification verification = {
