@@ -408,6 +408,17 @@ static double region_reach(const seedling *s, const psplat_region *region) {
     return farthest;
 }
 
+/* Turns the frame so that the larger radius comes first. */
+static void order_axes(psplat_region *region) {
+    if (region->radius[0] >= region->radius[1]) return;
+    double radius = region->radius[0];
+    region->radius[0] = region->radius[1], region->radius[1] = radius;
+    for (int k = 0; k < 3; ++k) {
+        double u = region->u[k];
+        region->u[k] = region->v[k], region->v[k] = -u;
+    }
+}
+
 /* Gives a region its lines and asks what it covers; where it keeps the limits and covers more than
  * the candidate does, it becomes the candidate's. Stores how many samples it covers. */
 static trial_result judge(seedling *s, psplat_region *region, psplat_candidate *candidate,
@@ -507,6 +518,7 @@ static void widen(seedling *s, psplat_candidate *candidate) {
             for (int k = 0; k < 2; ++k)
                 if (axes & (1 << k)) region.radius[k] *= widening;
             region.line_count = 0;
+            order_axes(&region);
             judge(s, &region, candidate, &covered);
             if (candidate->covered_count <= before) break;
         }
