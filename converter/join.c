@@ -18,9 +18,9 @@ enum { STEPS = 4 };
 
 /* Planes closer than this (sine) are one smooth surface, not two sides of a crease. */
 static const double least_sine = 0.1;
-/* Farthest move in crease tolerances, so that shallow creases grow no fins; and the height over a
- * crease point up to which a plane across the crease counts. */
-static const double greatest_move = 3;
+/* Farthest move in tolerances, so that shallow creases grow no fins and no splat crosses a crease by
+ * a tolerance. */
+static const double greatest_move = 0.5;
 /* How far outside its own region a splat still counts as lying at a crease point. */
 static const double region_slack = 0.005;
 /* By how much the walk looks beyond a line (of the unit ellipse): the crease lies on the line, and
@@ -86,7 +86,7 @@ static void consider_point(const joiner *j, const psplat_region *region, const d
                       .candidates = j->selection->candidates,
                       .patch = j->surface->patches[across],
                       .move = HUGE_VAL,
-                      .tolerance = greatest_move * j->limits->crease_tolerance};
+                      .tolerance = j->limits->tolerance};
     uint32_t i = nearest_line(region, uvh);
     const double *line = region->lines[i];
     double rate = line_outward(region, line, c.outward);
@@ -98,7 +98,7 @@ static void consider_point(const joiner *j, const psplat_region *region, const d
     psplat_locator_visit(j->locator, c.point, visit_neighbor, &c);
     /* The line may already reach beyond this point. */
     double reach = (line[0] * uvh[0] + line[1] * uvh[1] + line[2]) / rate;
-    if (c.move < HUGE_VAL) moves[i] = max2(moves[i], min2(c.move, c.tolerance) - reach);
+    if (c.move < HUGE_VAL) moves[i] = max2(moves[i], min2(c.move, greatest_move * c.tolerance) - reach);
 }
 
 static void join_candidate(joiner *j, const psplat_candidate *candidate, double moves[]) {
