@@ -15,7 +15,7 @@ static const double default_crease_angle_degrees = 30;
 static const double fitted_part = 0.98;
 /* Creases are the lines that the eye follows: what they may leave the surface by, and how far a
  * splat may reach over them, in parts of the tolerance. */
-static const double crease_part = 0.9;
+static const double crease_part = 0.5;
 static const double crease_slack_part = 0.3;
 /* Splats that leave the surface by less than this part count as flat: they may hide what lies
  * behind them by hardly more, so that faces do not shine through each other at their corners. */
