@@ -179,41 +179,16 @@ static void fit_ellipse(const seedling *s, const psplat_plane *plane, const uint
 
 /* ---- lines --------------------------------------------------------------------------------- */
 
-/* The part of a segment inside the unit circle; 0 where there is none. */
-static int clip_to_circle(double a[3], double b[3]) {
-    double d[3], start[3];
-    sub3(d, b, a);
-    memcpy(start, a, sizeof start);
-    double aa = d[0] * d[0] + d[1] * d[1], ab = a[0] * d[0] + a[1] * d[1];
-    double root = ab * ab - aa * (a[0] * a[0] + a[1] * a[1] - 1);
-    if (!(aa > 0) || !(root > 0)) return 0;
-    double from = max2((-ab - sqrt(root)) / aa, 0), to = min2((-ab + sqrt(root)) / aa, 1);
-    if (!(from < to)) return 0;
-    for (int k = 0; k < 3; ++k) a[k] = start[k] + from * d[k], b[k] = start[k] + to * d[k];
-    return 1;
-}
-
 /* Creases inside the ellipse, on the side of the surface that the splat lies on. Returns their
  * number, in growth->segments, and how far they leave the plane. */
 static size_t find_segments(const seedling *s, const psplat_region *region, double *height) {
     psplat_growth *g = s->growth;
-    const psplat_mesh *mesh = s->surface->mesh;
-    size_t count = 0;
+    /* What lies farther off is another part of a bent surface. */
+    size_t count = psplat_segments_find(s->surface, g->near.creases, g->near.crease_count, region,
+                                        2 * s->limits->tolerance, g->segments);
     *height = 0;
-    for (size_t i = 0; i < g->near.crease_count; ++i) {
-        uint32_t edge = g->near.creases[i], next = edge % 3 == 2 ? edge - 2 : edge + 1;
-        if (dot3(s->surface->face_normals + 3 * (size_t)(edge / 3), region->n) <= 0) continue;
-        psplat_segment *segment = &g->segments[count];
-        segment->vertex[0] = mesh->triangles[edge], segment->vertex[1] = mesh->triangles[next];
-        psplat_region_local(region, mesh->positions + 3 * (size_t)segment->vertex[0], segment->a);
-        psplat_region_local(region, mesh->positions + 3 * (size_t)segment->vertex[1], segment->b);
-        if (!clip_to_circle(segment->a, segment->b)) continue;
-        double least = min2(fabs(segment->a[2]), fabs(segment->b[2]));
-        if (least > 2 * s->limits->tolerance) continue; /* another part of a bent surface */
-        *height = max2(*height, max2(fabs(segment->a[2]), fabs(segment->b[2])));
-        segment->across = s->surface->neighbors[edge];
-        ++count;
-    }
+    for (size_t i = 0; i < count; ++i)
+        *height = max2(*height, max2(fabs(g->segments[i].a[2]), fabs(g->segments[i].b[2])));
     return count;
 }
 

@@ -151,5 +151,3 @@ void psplat_fit_normal_at(const double field[5], const double radius[2], const d
     xy[0] = field[0] + field[2] * uv[0] + field[4] * field_ratio(radius) * uv[1];
     xy[1] = field[1] + field[4] * uv[0] + field[3] * uv[1];
 }
-
-/* ---- curvature ----------------------------------------------------------------------------- */

@@ -23,8 +23,8 @@ static const double least_sine = 0.1;
 static const double greatest_move = 0.5;
 /* How far outside its own region a splat still counts as lying at a crease point. */
 static const double region_slack = 0.005;
-/* By how much the walk looks beyond a line (of the unit ellipse): the crease lies on the line, and
- * rounding puts it on either side. */
+/* By how much creases are looked for beyond a line (of the unit ellipse): the crease lies on the
+ * line, and rounding puts it on either side. */
 static const double line_slack = 1e-6;
 
 /* One point of a crease, seen from a candidate whose line runs there. */
@@ -76,7 +76,9 @@ typedef struct joiner {
     const psplat_limits *limits;
     const psplat_selection *selection;
     const psplat_locator *locator;
-    psplat_walk walk;
+    psplat_neighborhood near;
+    psplat_segment *segments;
+    size_t segment_capacity;
 } joiner;
 
 /* How far the line at a crease point, given in the region's parameters, has to move. */
@@ -101,20 +103,43 @@ static void consider_point(const joiner *j, const psplat_region *region, const d
     if (c.move < HUGE_VAL) moves[i] = max2(moves[i], min2(c.move, greatest_move * c.tolerance) - reach);
 }
 
-static void join_candidate(joiner *j, const psplat_candidate *candidate, double moves[]) {
-    const psplat_region *region = &candidate->region;
-    psplat_region wider = *region;
+/* The creases inside a candidate's region, into joiner->segments. 0 when out of memory. */
+static int find_segments(joiner *j, const psplat_candidate *candidate, size_t *count) {
+    psplat_region wider = candidate->region;
+    psplat_metric metric;
+    memcpy(metric.center, wider.center, sizeof metric.center);
+    memcpy(metric.rows[0], wider.u, sizeof wider.u);
+    memcpy(metric.rows[1], wider.v, sizeof wider.v);
+    memcpy(metric.rows[2], wider.n, sizeof wider.n);
+    double reach = hypot(wider.radius[0], j->limits->tolerance);
+    if (!psplat_neighborhood_gather(&j->near, j->surface, NULL, &metric, candidate->triangle,
+                                    reach))
+        return 0;
+    if (j->near.crease_count > j->segment_capacity) {
+        free(j->segments);
+        j->segment_capacity = 2 * j->near.crease_count;
+        j->segments = malloc(j->segment_capacity * sizeof *j->segments);
+        if (!j->segments) return 0;
+    }
     for (uint32_t i = 0; i < wider.line_count; ++i) wider.lines[i][2] += line_slack;
-    psplat_walk_surface(&j->walk, j->surface, &wider, candidate->triangle, HUGE_VAL);
-    for (size_t i = 0; i < j->walk.segment_count; ++i) {
-        const psplat_segment *s = &j->walk.segments[i];
+    *count = psplat_segments_find(j->surface, j->near.creases, j->near.crease_count, &wider,
+                                  j->limits->tolerance, j->segments);
+    return 1;
+}
+
+static int join_candidate(joiner *j, const psplat_candidate *candidate, double moves[]) {
+    size_t count;
+    if (!find_segments(j, candidate, &count)) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_segment *s = &j->segments[i];
         if (s->across == PSPLAT_NONE) continue;
         for (int step = 0; step <= STEPS; ++step) {
             double uvh[3];
             for (int k = 0; k < 3; ++k) uvh[k] = s->a[k] + (s->b[k] - s->a[k]) * step / STEPS;
-            consider_point(j, region, uvh, s->across, moves);
+            consider_point(j, &candidate->region, uvh, s->across, moves);
         }
     }
+    return 1;
 }
 
 /* Moves a region's lines, unless its outline then leaves the surface, as at acute corners. */
@@ -136,10 +161,10 @@ static psplat_result move_lines(const psplat_limits *limits, psplat_region *regi
 /* All moves are found before any line moves, so that their order does not matter. */
 static psplat_result join_all(joiner *j, double (*moves)[PSPLAT_MAX_CLIP_LINES],
                               psplat_selection *selection) {
-    for (size_t i = 0; i < selection->count && !j->walk.failed; ++i)
-        if (selection->candidates[i].region.line_count)
-            join_candidate(j, &selection->candidates[i], moves[i]);
-    if (j->walk.failed) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < selection->count; ++i)
+        if (selection->candidates[i].region.line_count &&
+            !join_candidate(j, &selection->candidates[i], moves[i]))
+            return PSPLAT_ERROR_MEMORY;
     psplat_result result = PSPLAT_OK;
     for (size_t i = 0; i < selection->count && !result; ++i)
         result = move_lines(j->limits, &selection->candidates[i].region, moves[i]);
@@ -154,10 +179,11 @@ psplat_result psplat_join_lines(const psplat_surface *surface, const psplat_limi
     psplat_locator *locator = NULL;
     for (size_t i = 0; regions && i < count; ++i) regions[i] = selection->candidates[i].region;
     if (regions) locator = psplat_locator_create(regions, count, limits->tolerance);
-    joiner j = {surface, limits, selection, locator, {0}};
+    joiner j = {.surface = surface, .limits = limits, .selection = selection, .locator = locator};
     psplat_result result = PSPLAT_ERROR_MEMORY;
     if (locator && moves) result = join_all(&j, moves, selection);
-    psplat_walk_free(&j.walk);
+    psplat_neighborhood_free(&j.near);
+    free(j.segments);
     psplat_locator_destroy(locator);
     free(regions);
     free(moves);

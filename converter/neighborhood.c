@@ -45,16 +45,6 @@ static void to_metric(const psplat_metric *m, const double p[3], double w[3]) {
     for (int k = 0; k < 3; ++k) w[k] = dot3(m->rows[k], d);
 }
 
-/* Squared distance of the origin to a segment. */
-static double segment_distance2(const double a[3], const double b[3]) {
-    double d[3], q[3];
-    sub3(d, b, a);
-    double length2 = dot3(d, d), t = length2 > 0 ? -dot3(a, d) / length2 : 0;
-    memcpy(q, a, sizeof q);
-    mad3(q, min2(max2(t, 0), 1), d);
-    return dot3(q, q);
-}
-
 /* Whether a triangle comes within reach of the origin. */
 static int triangle_near(double corners[3][3], double reach) {
     double low[3], high[3], reach2 = reach * reach;
@@ -65,21 +55,8 @@ static int triangle_near(double corners[3][3], double reach) {
         high[k] = max2(corners[0][k], max2(corners[1][k], corners[2][k]));
         if (low[k] > reach || high[k] < -reach) return 0;
     }
-    for (int k = 0; k < 3; ++k)
-        if (segment_distance2(corners[k], corners[(k + 1) % 3]) <= reach2) return 1;
-    /* Only the inside is left: the foot of the origin in the triangle's plane. */
-    double a[3], b[3], n[3];
-    sub3(a, corners[1], corners[0]);
-    sub3(b, corners[2], corners[0]);
-    cross3(n, a, b);
-    double height = dot3(n, corners[0]);
-    if (height * height > reach2 * dot3(n, n)) return 0;
-    for (int k = 0; k < 3; ++k) {
-        double side[3];
-        cross3(side, corners[k], corners[(k + 1) % 3]);
-        if (dot3(side, n) < 0) return 0;
-    }
-    return 1;
+    const double origin[3] = {0, 0, 0};
+    return point_triangle_distance2(origin, corners[0], corners[1], corners[2]) <= reach2;
 }
 
 static int push_crease(psplat_neighborhood *n, uint32_t edge) {
@@ -134,7 +111,7 @@ static int visit(psplat_neighborhood *n, const psplat_surface *surface,
         n->whole = 0;
         return 1;
     }
-    if (!push_samples(n, samples, metric, triangle, reach)) return 0;
+    if (samples && !push_samples(n, samples, metric, triangle, reach)) return 0;
     for (uint32_t k = 0; k < 3; ++k) {
         uint32_t edge = 3 * triangle + k, next = surface->neighbors[edge];
         if (surface->creases[edge]) {
@@ -166,7 +143,7 @@ static int sort_ranked(psplat_neighborhood *n) {
         n->sorted_capacity = n->sorted ? 2 * n->count : 0;
         if (!n->sorted) return 0;
     }
-    for (int shift = 0; shift < DIGITS * DIGIT_BITS; shift += DIGIT_BITS) {
+    for (int shift = 0; n->count && shift < DIGITS * DIGIT_BITS; shift += DIGIT_BITS) {
         size_t starts[(1 << DIGIT_BITS) + 1] = {0};
         const uint32_t mask = (1u << DIGIT_BITS) - 1;
         for (size_t i = 0; i < n->count; ++i) starts[(n->order[i].key >> shift & mask) + 1]++;
@@ -211,7 +188,7 @@ int psplat_neighborhood_gather(psplat_neighborhood *n, const psplat_surface *sur
         ok = visit(n, surface, samples, metric, n->triangles[i], reach);
     if (!ok) return 0;
     memcpy(n->origin, metric->center, sizeof n->origin);
-    return sort_ranked(n) && sum_up(n, samples, metric->center);
+    return !samples || (sort_ranked(n) && sum_up(n, samples, metric->center));
 }
 
 size_t psplat_neighborhood_within(const psplat_neighborhood *n, double reach) {

@@ -3,7 +3,7 @@
  * stages.h - what the stages of psplat_convert hand to each other, in flow order. Internal: the
  * command line includes converter.h only.
  *
- *     mesh -> surface -> samples -> region (walked) -> candidate -> selection -> splats -> report
+ *     mesh -> surface -> samples -> candidates -> selection -> splats -> report
  */
 #ifndef PHONGSPLAT_STAGES_H
 #define PHONGSPLAT_STAGES_H
@@ -254,7 +254,8 @@ typedef struct psplat_neighborhood {
 } psplat_neighborhood;
 
 /* Collects the samples within reach of the metric's centre that are connected with a triangle
- * within reach, without crossing a crease. 0 when out of memory. */
+ * within reach, without crossing a crease; without samples (NULL), only the creases. 0 when out of
+ * memory. */
 int psplat_neighborhood_gather(psplat_neighborhood *neighborhood, const psplat_surface *surface,
                                const psplat_samples *samples, const psplat_metric *metric,
                                uint32_t triangle, double reach);
@@ -265,7 +266,7 @@ void psplat_neighborhood_covariance(const psplat_neighborhood *neighborhood, siz
                                     psplat_covariance *covariance);
 void psplat_neighborhood_free(psplat_neighborhood *neighborhood);
 
-/* ---- region.c: a convex part of a plane and the surface above it ---------------------------- */
+/* ---- region.c: a convex part of a plane ------------------------------------------------------ */
 
 /* An ellipse of a plane cut by lines, as a splat is; lines in (u, v) as in spec 3.6. */
 typedef struct psplat_region {
@@ -275,31 +276,6 @@ typedef struct psplat_region {
     double lines[PSPLAT_MAX_CLIP_LINES][3];
     uint32_t line_count;
 } psplat_region;
-
-/* Part of a crease inside a region: its ends as (u, v, height), the surface to its left. */
-typedef struct psplat_segment {
-    double a[3], b[3];
-    uint32_t vertex[2]; /* the crease edge's ends, before clipping */
-    uint32_t across;    /* triangle on the other side, or PSPLAT_NONE */
-} psplat_segment;
-
-/* Scratch of one thread for one surface, and the result of the last walk. Zero-initialise; grows on
- * demand. */
-typedef struct psplat_walk {
-    uint32_t *stamps; /* per triangle: walk that met it last */
-    uint32_t stamp;
-    uint32_t *triangles; /* met and inside, in order of discovery */
-    size_t triangle_count, triangle_capacity;
-    psplat_segment *segments;
-    size_t segment_count, segment_capacity;
-    double height[2];        /* least and greatest height over the plane */
-    double crease_height[2]; /* the same along creases; empty (least > greatest) without */
-    double area;             /* of the surface projected into the region, in (u, v) */
-    int aborted;             /* heights went out of range */
-    int failed;              /* out of memory */
-} psplat_walk;
-
-void psplat_walk_free(psplat_walk *walk);
 
 /* Parameters (u, v) and height of a point. */
 void psplat_region_local(const psplat_region *region, const double point[3], double uvh[3]);
@@ -319,12 +295,20 @@ size_t psplat_region_points(const psplat_region *region, double (*points)[3]);
 psplat_result psplat_region_near(const psplat_region *region, const psplat_distance *distance,
                                  double tolerance, int *near);
 
-/* Walks the surface from a seed triangle over all triangles that meet the region without crossing
- * a crease. Heights are exact for the circumscribed polygon, hence bounds for the region. The walk
- * stops early (aborted) where greatest and least height differ by more than range, unless lines yet
- * to be chosen might cut that away: a region without lines has met a crease. */
-void psplat_walk_surface(psplat_walk *walk, const psplat_surface *surface,
-                         const psplat_region *region, uint32_t seed_triangle, double range);
+/* ---- segments.c ---------------------------------------------------------------------------- */
+
+/* Part of a crease inside a region: its ends as (u, v, height), the surface to its left. */
+typedef struct psplat_segment {
+    double a[3], b[3];
+    uint32_t vertex[2]; /* the crease edge's ends, before clipping */
+    uint32_t across;    /* triangle on the other side, or PSPLAT_NONE */
+} psplat_segment;
+
+/* The parts inside the region of crease edges (3 x triangle + side) whose triangles face its way
+ * and that come within a height of its plane. segments has room for all. Returns their number. */
+size_t psplat_segments_find(const psplat_surface *surface, const uint32_t *creases,
+                            size_t crease_count, const psplat_region *region, double height,
+                            psplat_segment *segments);
 
 /* ---- clip.c -------------------------------------------------------------------------------- */
 
@@ -345,7 +329,7 @@ typedef struct psplat_limits {
     double normal_tolerance; /* greatest error of the normal field, radians; 0: none */
     int constant_normals;    /* fields without gradients */
     const psplat_distance
-        *distance; /* to the mesh, for reaches that a walk cannot judge; or NULL */
+        *distance; /* to the mesh, for outlines that samples cannot judge; or NULL */
 } psplat_limits;
 
 /* A possible splat and the samples that it covers. */

@@ -9,14 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    SAMPLES_PER_SPLAT = 100,
-    LEAST_SAMPLES = 50000,
-    MOST_SAMPLES = 1000000,
-    OUTLINE = 32,
-    CORNERS = OUTLINE + PSPLAT_MAX_CLIP_LINES,
-    FINE_CORNERS = 68
-};
+enum { SAMPLES_PER_SPLAT = 100, LEAST_SAMPLES = 50000, MOST_SAMPLES = 1000000, FINE_CORNERS = 68 };
 
 static const double degree = 3.141592653589793 / 180;
 /* Splats seen more edge-on than this do not show. */
@@ -342,28 +335,6 @@ static psplat_result measure_surface(verifier *r) {
 
 /* ---- splats to surface ---------------------------------------------------------------------- */
 
-/* Points of a splat: the corners of its outline, every other halfway in, and its middle. */
-static size_t region_points(const psplat_region *region, double (*points)[3]) {
-    double polygon[CORNERS][2], middle[2] = {0, 0};
-    size_t corners = psplat_region_polygon(region, 1, polygon, CORNERS), count = 0;
-    for (size_t i = 0; i < corners; ++i)
-        for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)corners;
-    for (size_t i = 0; i < 2 * corners; i += i < corners ? 1 : 2, ++count) {
-        double t = i < corners ? 1 : 0.5;
-        const double *corner = polygon[i % corners];
-        memcpy(points[count], region->center, sizeof *points);
-        mad3(points[count], (middle[0] + t * (corner[0] - middle[0])) * region->radius[0],
-             region->u);
-        mad3(points[count], (middle[1] + t * (corner[1] - middle[1])) * region->radius[1],
-             region->v);
-    }
-    if (!corners) return 0;
-    memcpy(points[count], region->center, sizeof *points);
-    mad3(points[count], middle[0] * region->radius[0], region->u);
-    mad3(points[count], middle[1] * region->radius[1], region->v);
-    return count + 1;
-}
-
 /* The point of a splat that is farthest from the surface. */
 typedef struct farthest {
     double distance, point[3];
@@ -371,8 +342,8 @@ typedef struct farthest {
 
 static int find_farthest(const psplat_distance *distance, const psplat_region *region,
                          farthest *far) {
-    double points[2 * CORNERS + 1][3], distances[2 * CORNERS + 1];
-    size_t count = region_points(region, points);
+    double points[PSPLAT_REGION_POINTS][3], distances[PSPLAT_REGION_POINTS];
+    size_t count = psplat_region_points(region, points);
     *far = (farthest){0};
     if (psplat_distance_query(distance, &points[0][0], count, distances)) return 0;
     for (size_t i = 0; i < count; ++i) {

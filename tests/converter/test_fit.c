@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * Planes, normal fields (spec 3.5) and curvature against exact answers. */
+ * Eigenvectors and normal fields (spec 3.5) against exact answers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,48 +29,6 @@ static void test_eigen(void **state) {
             assert_near(length3(v), 1, 1e-14);
         }
     }
-}
-
-/* Samples of the plane n.p = 3, offset by 1e6, with one of them 1e-3 off on either side. */
-static void test_plane(void **state) {
-    (void)state;
-    enum { COUNT = 60 };
-    static double positions[3 * COUNT];
-    static float normals[3 * COUNT];
-    static uint32_t chosen[COUNT];
-    double n[3] = {2.0 / 7, -3.0 / 7, 6.0 / 7}, u[3], v[3];
-    perpendicular3(u, n);
-    cross3(v, n, u);
-    uint64_t random = 11;
-    for (uint32_t i = 0; i < COUNT; ++i) {
-        double *p = positions + 3 * (size_t)i;
-        for (int k = 0; k < 3; ++k) p[k] = 1e6 + 3 * n[k];
-        mad3(p, psplat_random_unit(&random), u);
-        mad3(p, psplat_random_unit(&random), v);
-        for (int k = 0; k < 3; ++k) normals[3 * i + (uint32_t)k] = (float)n[k];
-        chosen[i] = i;
-    }
-    psplat_samples samples = {.positions = positions, .normals = normals, .count = COUNT};
-    double mean[3], fitted[3];
-    psplat_fit_plane(&samples, chosen, COUNT, mean, fitted);
-    /* Coordinates of 1e6 carry 1e-10; over an extent of 1 that is the angle's error. */
-    assert_near(dot3(fitted, n), 1, 1e-15);
-    assert_near(length3(fitted), 1, 1e-12);
-    psplat_fit_plane(&samples, chosen, 1, mean, fitted); /* one sample: its normal */
-    assert_near(dot3(fitted, n), 1, 1e-7);               /* float normals */
-}
-
-/* A row of samples says nothing about the plane: the normals decide. */
-static void test_plane_of_a_row(void **state) {
-    (void)state;
-    double positions[12] = {0, 0, 0, 1, 0, 0, 2, 0, 0, 3, 1e-9, 0};
-    float normals[12] = {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1};
-    uint32_t chosen[4] = {0, 1, 2, 3};
-    psplat_samples samples = {.positions = positions, .normals = normals, .count = 4};
-    double mean[3], fitted[3];
-    psplat_fit_plane(&samples, chosen, 4, mean, fitted);
-    assert_near(fitted[2], 1, 0);
-    assert_near(mean[0], 1.5, 1e-15);
 }
 
 /* ---- the normal field ---------------------------------------------------------------------- */
@@ -204,38 +162,15 @@ static void test_field_bound(void **state) {
     assert_near(field[3], 10, 1e-6);
 }
 
-/* ---- curvature ----------------------------------------------------------------------------- */
-
-/* Normals of z = (3 s^2 - t^2) / 2 in axes turned by 30 degrees: (-3 s, t). */
-static void test_curvature(void **state) {
-    (void)state;
-    enum { COUNT = 30 };
-    double st[COUNT][2], xy[COUNT][2], direction[2], curvature[2], c = sqrt(0.75), d = 0.5;
-    uint64_t random = 9;
-    for (int i = 0; i < COUNT; ++i) {
-        double s = psplat_random_unit(&random), t = psplat_random_unit(&random);
-        st[i][0] = c * s - d * t, st[i][1] = d * s + c * t;
-        xy[i][0] = c * (-3 * s) - d * t, xy[i][1] = d * (-3 * s) + c * t;
-    }
-    psplat_fit_curvature((const double(*)[2])st, (const double(*)[2])xy, COUNT, direction,
-                         curvature);
-    assert_near(curvature[0], 3, 1e-12);
-    assert_near(curvature[1], 1, 1e-12);
-    assert_near(fabs(direction[0] * c + direction[1] * d), 1, 1e-12);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_eigen),
-        cmocka_unit_test(test_plane),
-        cmocka_unit_test(test_plane_of_a_row),
         cmocka_unit_test(test_field_recovered),
         cmocka_unit_test(test_field_of_turned_quadric),
         cmocka_unit_test(test_field_is_least_squares),
         cmocka_unit_test(test_field_least_norm),
         cmocka_unit_test(test_field_of_a_row),
         cmocka_unit_test(test_field_bound),
-        cmocka_unit_test(test_curvature),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,7 +44,16 @@ static void make_roof(roof *r, double bend, uint64_t *random) {
     assert_non_null(r->selection.candidates);
 }
 
-/* A splat on one of the squares, raised by height, cut where the walk and the clip stage say. */
+/* Whether a triangle has the crease for a side. */
+static int meets_ridge(const roof *r, uint32_t triangle) {
+    for (size_t k = 0; k < 3; ++k) {
+        size_t edge = 3 * (size_t)triangle + k;
+        if (r->f.surface.creases[edge] && r->f.surface.neighbors[edge] != PSPLAT_NONE) return 1;
+    }
+    return 0;
+}
+
+/* A splat on one of the squares, raised by height, cut where the clip stage says. */
 static void add_splat(roof *r, int second, double height) {
     psplat_candidate *candidate = &r->selection.candidates[second];
     const double *u = second ? r->u2 : r->u, *n = second ? r->n2 : r->n;
@@ -55,17 +64,25 @@ static void add_splat(roof *r, int second, double height) {
     memcpy(region->u, u, sizeof r->u);
     memcpy(region->n, n, sizeof r->n);
     cross3(region->v, n, u);
-    psplat_walk walk = {0};
     double seed[2] = {0, 0};
     for (candidate->triangle = 0; candidate->triangle < 4; ++candidate->triangle) {
         const double *face = r->f.surface.face_normals + 3 * (size_t)candidate->triangle;
-        if (dot3(face, n) > 0.999) break;
+        if (dot3(face, n) > 0.999 && meets_ridge(r, candidate->triangle)) break;
     }
-    psplat_walk_surface(&walk, &r->f.surface, region, candidate->triangle, HUGE_VAL);
-    assert_int_equal(psplat_clip_choose(region, walk.segments, walk.segment_count, seed, 1e-3), 1);
+    /* Its borders are far away: the crease alone cuts it. */
+    uint32_t edges[3];
+    psplat_segment segments[3];
+    size_t count = 0;
+    for (uint32_t k = 0; k < 3; ++k) {
+        edges[count] = 3 * candidate->triangle + k;
+        count += r->f.surface.creases[edges[count]] &&
+                 r->f.surface.neighbors[edges[count]] != PSPLAT_NONE;
+    }
+    count = psplat_segments_find(&r->f.surface, edges, count, region, 0.01, segments);
+    assert_int_equal(count, 1);
+    assert_int_equal(psplat_clip_choose(region, segments, count, seed, 1e-3), 1);
     assert_int_equal(region->line_count, 1);
     mad3(region->center, height, n);
-    psplat_walk_free(&walk);
 }
 
 /* How far a splat's line lies beyond the crease, in its plane, at the crease's middle. */

@@ -46,7 +46,8 @@ static void test_on_triangles(void **state) {
     fixture f;
     draw(&f, MODELS "part.obj", 0.01, 1);
     for (uint32_t t = 0; t < f.mesh.triangle_count; ++t)
-        for (uint32_t i = f.samples.first[t]; i < f.samples.first[t + 1]; ++i) {
+        for (uint32_t at = f.samples.first[t]; at < f.samples.first[t + 1]; ++at) {
+            uint32_t i = f.samples.order[at];
             double d[3];
             assert_int_equal(f.samples.triangles[i], t);
             sub3(d, f.samples.positions + 3 * (size_t)i,
@@ -122,6 +123,8 @@ static void test_deterministic(void **state) {
     release(&c);
 }
 
+/* Appended samples follow those there before, which keep their places; both are listed with their
+ * triangles, each once. */
 static void test_append(void **state) {
     (void)state;
     fixture f;
@@ -129,19 +132,32 @@ static void test_append(void **state) {
     psplat_samples extra;
     uint32_t chosen[3] = {7, 2, 5};
     size_t before = f.samples.count;
+    double *positions = malloc(before * 3 * sizeof(double));
+    uint8_t *listed = calloc(before + 3, 1);
+    assert_non_null(positions);
+    assert_non_null(listed);
+    memcpy(positions, f.samples.positions, before * 3 * sizeof(double));
     assert_int_equal(psplat_samples_draw_uniform(&f.surface, 20, 9, &extra, NULL), PSPLAT_OK);
     assert_int_equal(
         psplat_samples_append(&f.samples, &extra, chosen, 3, f.mesh.triangle_count, NULL),
         PSPLAT_OK);
     assert_int_equal(f.samples.count, before + 3);
-    for (int c = 0; c < 3; ++c) {
-        uint32_t t = extra.triangles[chosen[c]];
-        int found = 0;
-        for (uint32_t i = f.samples.first[t]; i < f.samples.first[t + 1]; ++i)
-            found += !memcmp(f.samples.positions + 3 * (size_t)i,
-                             extra.positions + 3 * (size_t)chosen[c], 3 * sizeof(double));
-        assert_int_equal(found, 1);
+    assert_memory_equal(f.samples.positions, positions, before * 3 * sizeof(double));
+    for (size_t c = 0; c < 3; ++c) {
+        assert_memory_equal(f.samples.positions + 3 * (before + c),
+                            extra.positions + 3 * (size_t)chosen[c], 3 * sizeof(double));
+        assert_memory_equal(f.samples.normals + 3 * (before + c),
+                            extra.normals + 3 * (size_t)chosen[c], 3 * sizeof(float));
+        assert_int_equal(f.samples.triangles[before + c], extra.triangles[chosen[c]]);
     }
+    assert_int_equal(f.samples.first[f.mesh.triangle_count], f.samples.count);
+    for (uint32_t t = 0; t < f.mesh.triangle_count; ++t)
+        for (uint32_t at = f.samples.first[t]; at < f.samples.first[t + 1]; ++at) {
+            assert_int_equal(f.samples.triangles[f.samples.order[at]], t);
+            assert_int_equal(listed[f.samples.order[at]]++, 0);
+        }
+    free(positions);
+    free(listed);
     psplat_samples_free(&extra);
     release(&f);
 }

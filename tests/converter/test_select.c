@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * The selection covers every sample, keeps no candidate that none needs, and comes out the same
- * each time. */
+ * The selection covers every sample and comes out the same each time; once improved, it keeps no
+ * candidate that none needs. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,40 +15,45 @@ static psplat_limits limits_of(const fixture *f, double part) {
     return (psplat_limits){.tolerance = tolerance,
                            .crease_tolerance = 0.2 * tolerance,
                            .crease_slack = 0.1 * tolerance,
-                           .margin = f->samples.spacing,
-                           .normal_error = 0.3};
+                           .margin = f->samples.spacing};
 }
 
-/* How many candidates cover each sample; the caller frees it. */
+/* How many of the taken candidates cover each sample; the caller frees it. */
 static uint32_t *count_covers(const fixture *f, const psplat_selection *selection) {
     uint32_t *covers = calloc(f->samples.count, sizeof *covers);
     assert_non_null(covers);
     for (size_t i = 0; i < selection->count; ++i)
-        for (size_t k = 0; k < selection->candidates[i].covered_count; ++k) {
+        for (size_t k = 0;
+             selection->candidates[i].taken && k < selection->candidates[i].covered_count; ++k) {
             assert_true(selection->candidates[i].covered[k] < f->samples.count);
             covers[selection->candidates[i].covered[k]]++;
         }
     return covers;
 }
 
-/* Every sample is covered, and every candidate is all that covers one of them. */
+/* Every sample is covered, and every candidate taken is all that covers one of them. */
 static void check_cover(const fixture *f, const psplat_selection *selection) {
     uint32_t *covers = count_covers(f, selection);
     for (size_t i = 0; i < f->samples.count; ++i) assert_true(covers[i] > 0);
     for (size_t i = 0; i < selection->count; ++i) {
         const psplat_candidate *c = &selection->candidates[i];
-        int needed = 0;
+        int needed = !c->taken;
         for (size_t k = 0; k < c->covered_count; ++k) needed |= covers[c->covered[k]] == 1;
         assert_true(needed);
     }
     free(covers);
 }
 
+/* Covers all samples, drops what is not needed, and forgets the pool. */
 static void select_all(const fixture *f, double part, uint64_t seed, psplat_selection *selection) {
     psplat_limits limits = limits_of(f, part);
     psplat_convert_desc desc = {.seed = seed};
     assert_int_equal(psplat_select_cover(&f->surface, &f->samples, &limits, &desc, selection, NULL),
                      PSPLAT_OK);
+    assert_int_equal(psplat_improve(selection, f->samples.count, 0, 0, 0), PSPLAT_OK);
+    size_t taken = psplat_selection_taken(selection);
+    psplat_selection_settle(selection);
+    assert_int_equal(selection->count, taken);
 }
 
 static void test_cover(void **state) {
@@ -94,7 +99,7 @@ static void test_repeatable(void **state) {
     fixture_free(&f);
 }
 
-/* A selection that covers all already stays as it is, less what it does not need. */
+/* A selection that covers all already stays as it is: nothing new is grown. */
 static void test_existing(void **state) {
     (void)state;
     fixture f;
@@ -128,34 +133,81 @@ static void test_existing(void **state) {
     fixture_free(&f);
 }
 
-/* Samples appended later are found by refreshing and covered by selecting again. */
-static void test_refresh(void **state) {
+/* Samples appended later are covered by what is taken, once it was asked again, or by selecting
+ * again. */
+static void test_appended(void **state) {
     (void)state;
     fixture f;
     psplat_selection selection = {0};
+    psplat_samples extra;
+    psplat_growth growth = {0};
+    uint32_t all[500];
     fixture_model(&f, "cone.stl");
     fixture_sample(&f, 0.08);
     select_all(&f, 0.04, 0, &selection);
-    psplat_samples extra;
+    size_t before = f.samples.count;
     assert_int_equal(psplat_samples_draw_uniform(&f.surface, 500, 9, &extra, NULL), PSPLAT_OK);
-    uint32_t *all = malloc(extra.count * sizeof *all);
-    assert_non_null(all);
     for (uint32_t i = 0; i < extra.count; ++i) all[i] = i;
     assert_int_equal(
         psplat_samples_append(&f.samples, &extra, all, extra.count, f.mesh.triangle_count, NULL),
         PSPLAT_OK);
-    psplat_limits limits = limits_of(&f, 0.03);
-    assert_int_equal(psplat_selection_refresh(&f.surface, &f.samples, &limits, &selection),
-                     PSPLAT_OK);
+    psplat_limits limits = limits_of(&f, 0.04);
+    for (size_t i = 0; i < selection.count; ++i)
+        assert_int_equal(psplat_candidate_cover(&f.surface, &f.samples, &limits, &growth,
+                                                &selection.candidates[i]),
+                         PSPLAT_OK);
     uint32_t *covers = count_covers(&f, &selection);
     size_t covered = 0;
     for (size_t i = 0; i < f.samples.count; ++i) covered += covers[i] > 0;
-    assert_true(covered > f.samples.count / 2); /* most lie between the first ones */
+    for (size_t i = 0; i < before; ++i) assert_true(covers[i] > 0);
+    assert_true(covered > before + extra.count / 2); /* most lie between the first ones */
     free(covers);
-    select_all(&f, 0.03, 2, &selection);
+    select_all(&f, 0.04, 2, &selection);
     check_cover(&f, &selection);
-    free(all);
+    psplat_growth_free(&growth);
     psplat_samples_free(&extra);
+    psplat_selection_free(&selection);
+    fixture_free(&f);
+}
+
+/* One candidate for each seed, in their order, whatever grew when; settling keeps those taken, in
+ * their order. */
+static void test_pool(void **state) {
+    (void)state;
+    enum { SEEDS = 40 };
+    fixture f;
+    psplat_selection selection = {0};
+    psplat_growth growth = {0};
+    uint32_t seeds[SEEDS];
+    double kept[SEEDS][3];
+    fixture_model(&f, "cone.stl");
+    fixture_sample(&f, 0.05);
+    psplat_limits limits = limits_of(&f, 0.04);
+    for (uint32_t i = 0; i < SEEDS; ++i)
+        seeds[i] = (uint32_t)((size_t)i * 7919 % f.samples.count); /* a prime: all over */
+    assert_int_equal(
+        psplat_selection_grow(&f.surface, &f.samples, &limits, seeds, SEEDS, &selection),
+        PSPLAT_OK);
+    assert_int_equal(selection.count, SEEDS);
+    assert_int_equal(psplat_selection_taken(&selection), 0);
+    size_t taken = 0;
+    for (size_t i = 0; i < SEEDS; ++i) {
+        psplat_candidate alone, *c = &selection.candidates[i];
+        assert_int_equal(
+            psplat_candidate_grow(&f.surface, &f.samples, &limits, seeds[i], &growth, &alone),
+            PSPLAT_OK);
+        assert_memory_equal(&c->region, &alone.region, sizeof alone.region);
+        assert_int_equal(c->covered_count, alone.covered_count);
+        psplat_candidate_free(&alone);
+        c->taken = i % 3 == 1;
+        if (c->taken) memcpy(kept[taken++], c->region.center, sizeof kept[0]);
+    }
+    assert_int_equal(psplat_selection_taken(&selection), taken);
+    psplat_selection_settle(&selection);
+    assert_int_equal(selection.count, taken);
+    for (size_t i = 0; i < taken; ++i)
+        assert_memory_equal(selection.candidates[i].region.center, kept[i], sizeof kept[0]);
+    psplat_growth_free(&growth);
     psplat_selection_free(&selection);
     fixture_free(&f);
 }
@@ -190,8 +242,8 @@ static void test_interrupted(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cover),       cmocka_unit_test(test_repeatable),
-        cmocka_unit_test(test_existing),    cmocka_unit_test(test_refresh),
-        cmocka_unit_test(test_interrupted),
+        cmocka_unit_test(test_existing),    cmocka_unit_test(test_appended),
+        cmocka_unit_test(test_interrupted), cmocka_unit_test(test_pool),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
