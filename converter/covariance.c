@@ -53,7 +53,8 @@ static void plane_normal(const psplat_covariance *c, const double central[6], do
     double length = normalize3(normal);
     psplat_fit_eigen(central, values, vectors);
     double facing = dot3(vectors[0], normal);
-    int spans = values[1] > 1e-4 * values[2] && values[0] < 0.25 * values[1];
+    double rounding = 1e-14 * (c->pp[0] + c->pp[3] + c->pp[5]) / c->count;
+    int spans = values[1] > 1e-4 * values[2] + rounding && values[0] < 0.25 * values[1];
     if (length > 0 && (!spans || fabs(facing) < 0.5)) return;
     for (int k = 0; k < 3; ++k) normal[k] = facing < 0 ? -vectors[0][k] : vectors[0][k];
 }

@@ -91,7 +91,10 @@ static int push_samples(psplat_neighborhood *n, const psplat_samples *samples,
         double w[3];
         to_metric(metric, samples->positions + 3 * (size_t)i, w);
         double distance2 = dot3(w, w);
-        if (distance2 > reach * reach) continue;
+        if (distance2 > reach * reach) { /* of a triangle that is larger than the reach */
+            n->whole = 0;
+            continue;
+        }
         if (!reserve((void **)&n->order, &n->order_capacity, n->count, sizeof *n->order)) return 0;
         n->order[n->count++] = (psplat_ranked){rank(distance2), i};
     }

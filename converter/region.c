@@ -76,6 +76,7 @@ size_t psplat_region_points(const psplat_region *region, double (*points)[3]) {
     size_t count = psplat_region_polygon(region, 1, polygon, OUTLINE_SIDES + PSPLAT_MAX_CLIP_LINES);
     for (size_t i = 0; i < count; ++i)
         for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)count;
+    if (!count) return 0;
     for (size_t i = 0; i < 2 * count + 1; ++i) {
         double t = i < count ? 1 : i < 2 * count ? 0.5 : 0;
         const double *corner = polygon[i % count];
@@ -83,7 +84,7 @@ size_t psplat_region_points(const psplat_region *region, double (*points)[3]) {
         mad3(points[i], (middle[0] + t * (corner[0] - middle[0])) * region->radius[0], region->u);
         mad3(points[i], (middle[1] + t * (corner[1] - middle[1])) * region->radius[1], region->v);
     }
-    return count ? 2 * count + 1 : 0;
+    return 2 * count + 1;
 }
 
 psplat_result psplat_region_near(const psplat_region *region, const psplat_distance *distance,

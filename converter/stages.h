@@ -242,7 +242,7 @@ typedef struct psplat_neighborhood {
     size_t count;
     uint32_t *creases; /* edges (3 x triangle + side) that stopped the flood */
     size_t crease_count;
-    int whole; /* the flood met all of the patch that is connected with the seed */
+    int whole; /* these are all of the patch that is connected with the seed */
     double origin[3];
     psplat_ranked *order, *sorted; /* of samples; scratch */
     psplat_covariance *blocks;

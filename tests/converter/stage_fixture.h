@@ -20,10 +20,12 @@ static const double fixture_crease_angle = 30 * 3.14159265358979323846 / 180;
 typedef struct fixture {
     psplat_mesh mesh;
     psplat_surface surface;
-    psplat_samples samples; /* empty until fixture_sample */
+    psplat_samples samples;    /* empty until fixture_sample, */
+    psplat_distance *distance; /* like this */
 } fixture;
 
 static inline void fixture_free(fixture *f) {
+    psplat_distance_destroy(f->distance);
     psplat_samples_free(&f->samples);
     psplat_surface_free(&f->surface);
     psplat_mesh_free(&f->mesh);
@@ -67,8 +69,10 @@ static inline void fixture_grid(fixture *f, uint32_t columns, uint32_t rows,
         }
 }
 
-/* spacing in diagonals. */
+/* Samples, and distances to the mesh. spacing in diagonals. */
 static inline void fixture_sample(fixture *f, double spacing) {
+    f->distance = psplat_distance_create(&f->mesh);
+    assert_non_null(f->distance);
     assert_int_equal(
         psplat_samples_draw(&f->surface, spacing * f->surface.diagonal, 1, &f->samples, NULL),
         PSPLAT_OK);
