@@ -18,8 +18,8 @@ enum { STEPS = 4 };
 
 /* Planes closer than this (sine) are one smooth surface, not two sides of a crease. */
 static const double least_sine = 0.1;
-/* Farthest move in tolerances, so that shallow creases grow no fins and no splat crosses a crease by
- * a tolerance. */
+/* Farthest move in tolerances, so that shallow creases grow no fins and no splat crosses a crease
+ * by a tolerance. */
 static const double greatest_move = 0.5;
 /* How far outside its own region a splat still counts as lying at a crease point. */
 static const double region_slack = 0.005;
@@ -100,7 +100,8 @@ static void consider_point(const joiner *j, const psplat_region *region, const d
     psplat_locator_visit(j->locator, c.point, visit_neighbor, &c);
     /* The line may already reach beyond this point. */
     double reach = (line[0] * uvh[0] + line[1] * uvh[1] + line[2]) / rate;
-    if (c.move < HUGE_VAL) moves[i] = max2(moves[i], min2(c.move, greatest_move * c.tolerance) - reach);
+    if (c.move < HUGE_VAL)
+        moves[i] = max2(moves[i], min2(c.move, greatest_move * c.tolerance) - reach);
 }
 
 /* The creases inside a candidate's region, into joiner->segments. 0 when out of memory. */
