@@ -410,9 +410,12 @@ static trial_result judge(seedling *s, psplat_region *region, psplat_candidate *
     if (!psplat_clip_choose(region, g->segments, segments, seed, s->limits->crease_slack))
         return TRIAL_TOO_MANY_LINES;
     *covered = cover(s, region);
-    if (!*covered || !fit_field(s, region, *covered, field)) return TRIAL_TOO_FAR;
-    if (*covered <= candidate->covered_count) return TRIAL_KEPT;
-    if (!outline_near_samples(s, region)) return TRIAL_TOO_FAR;
+    if (!*covered) return TRIAL_TOO_FAR;
+    int better = *covered > candidate->covered_count;
+    if (better && !outline_near_samples(s, region)) return TRIAL_TOO_FAR;
+    if (!better && !(s->limits->normal_tolerance > 0)) return TRIAL_KEPT;
+    if (!fit_field(s, region, *covered, field)) return TRIAL_TOO_FAR;
+    if (!better) return TRIAL_KEPT;
     adopt(s, region, field, *covered, candidate);
     return TRIAL_KEPT;
 }

@@ -21,8 +21,12 @@ static const double crease_slack_part = 0.3;
  * behind them by hardly more, so that faces do not shine through each other at their corners. */
 static const double flat_part = 0.02;
 /* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
- * are about sqrt(R tolerance) wide, and some ten samples across describe one. */
+ * are about sqrt(R tolerance) wide, and some fifteen samples across describe one. A tolerance of
+ * normals asks for splats as small as a distance of so much would. */
 static const double spacing_percent = 0.5;
+static double normal_tolerance_percent(double degrees) {
+    return 0.005 * degrees * degrees;
+}
 /* Beyond this a tolerance is refused, before the samples fill the memory. */
 static const double most_samples = 16e6;
 /* Overlap of splats beyond the samples that they cover, in spacings: holes between samples stay
@@ -45,7 +49,9 @@ static int interrupted(const psplat_convert_desc *desc, const char *stage, doubl
 
 static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     double percent = tolerance_percent(c->desc), diagonal = c->surface.diagonal;
-    double spacing = spacing_percent / 100 * diagonal * sqrt(percent);
+    double degrees = c->desc->normal_tolerance_degrees, fine = percent;
+    if (degrees > 0) fine = fmin(percent, normal_tolerance_percent(degrees));
+    double spacing = spacing_percent / 100 * diagonal * sqrt(fine);
     c->tolerance = percent / 100 * diagonal;
     c->splats->flat_depth_tolerance = (float)(2 * flat_part * c->tolerance);
     c->samples.spacing = spacing;

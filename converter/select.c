@@ -14,8 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Candidates grown in a round: at least, and as a part of the samples still uncovered. */
-enum { ROUND = 96, SAMPLES_PER_SEED = 1500 };
+/* Candidates grown in a round: some, and more where many samples are uncovered, but few for the last
+ * of them, around which all would be alike. */
+enum { ROUND = 96, SAMPLES_PER_SEED = 1500, LEAST_SEEDS = 8, SAMPLES_PER_LAST_SEED = 16 };
 
 /* A candidate is taken while it gains this part of the round's best. */
 static const double worth_taking = 0.8;
@@ -138,6 +139,8 @@ static size_t draw_seeds(selector *s, uint32_t *seeds, size_t wanted) {
 
 static psplat_result pool_grow(selector *s) {
     size_t wanted = ROUND + s->uncovered / SAMPLES_PER_SEED, before = s->selection->count;
+    size_t last = LEAST_SEEDS + s->uncovered / SAMPLES_PER_LAST_SEED;
+    if (wanted > last) wanted = last;
     uint32_t *seeds = malloc(wanted * sizeof *seeds);
     if (!seeds) return PSPLAT_ERROR_MEMORY;
     size_t count = draw_seeds(s, seeds, wanted);
