@@ -103,15 +103,16 @@ static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
 
 static psplat_result improve(psplat_conversion *c, psplat_error *error) {
     int rounds = c->desc->effort > 0 ? c->desc->effort - 1 : DEFAULT_EFFORT;
-    psplat_result result = psplat_improve(&c->selection, c->samples.count, 0, 0, 0);
+    psplat_improvement what = {.samples = &c->samples, .focus = c->samples.count};
+    psplat_result result = psplat_improve(&c->selection, &what);
     for (int round = 0; round < rounds && !result; ++round) {
         if (interrupted(c->desc, "improving", (double)round / rounds))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-        uint64_t seed = c->desc->seed + improve_seed + (uint64_t)round;
-        result = grow_pool(c, seed);
-        if (!result)
-            result = psplat_improve(&c->selection, c->samples.count, c->samples.count,
-                                    MOVES * psplat_selection_taken(&c->selection), seed);
+        what.seed = c->desc->seed + improve_seed + (uint64_t)round;
+        what.moves = MOVES * psplat_selection_taken(&c->selection);
+        what.axis = round % 3;
+        result = grow_pool(c, what.seed);
+        if (!result) result = psplat_improve(&c->selection, &what);
     }
     if (!result) return PSPLAT_OK;
     return psplat_fail(error, result, 0, "out of memory while improving the selection");

@@ -45,18 +45,22 @@ static void to_metric(const psplat_metric *m, const double p[3], double w[3]) {
     for (int k = 0; k < 3; ++k) w[k] = dot3(m->rows[k], d);
 }
 
-/* Whether a triangle comes within reach of the origin. */
-static int triangle_near(double corners[3][3], double reach) {
-    double low[3], high[3], reach2 = reach * reach;
-    for (int k = 0; k < 3; ++k)
-        if (dot3(corners[k], corners[k]) <= reach2) return 1;
-    for (int k = 0; k < 3; ++k) {
-        low[k] = min2(corners[0][k], min2(corners[1][k], corners[2][k]));
-        high[k] = max2(corners[0][k], max2(corners[1][k], corners[2][k]));
-        if (low[k] > reach || high[k] < -reach) return 0;
-    }
+/* Whether a triangle comes within reach of the metric's centre. Mostly its first corner says so. */
+static int triangle_near(const psplat_surface *surface, const psplat_metric *metric,
+                         uint32_t triangle, double reach) {
+    double corners[3][3];
     const double origin[3] = {0, 0, 0};
-    return point_triangle_distance2(origin, corners[0], corners[1], corners[2]) <= reach2;
+    for (size_t k = 0; k < 3; ++k) {
+        uint32_t v = surface->mesh->triangles[3 * (size_t)triangle + k];
+        to_metric(metric, surface->mesh->positions + 3 * (size_t)v, corners[k]);
+        if (dot3(corners[k], corners[k]) <= reach * reach) return 1;
+    }
+    for (int k = 0; k < 3; ++k) {
+        double low = min2(corners[0][k], min2(corners[1][k], corners[2][k]));
+        double high = max2(corners[0][k], max2(corners[1][k], corners[2][k]));
+        if (low > reach || high < -reach) return 0;
+    }
+    return point_triangle_distance2(origin, corners[0], corners[1], corners[2]) <= reach * reach;
 }
 
 static int push_crease(psplat_neighborhood *n, uint32_t edge) {
@@ -105,12 +109,7 @@ static int push_samples(psplat_neighborhood *n, const psplat_samples *samples,
 static int visit(psplat_neighborhood *n, const psplat_surface *surface,
                  const psplat_samples *samples, const psplat_metric *metric, uint32_t triangle,
                  double reach) {
-    double corners[3][3];
-    for (size_t k = 0; k < 3; ++k) {
-        uint32_t v = surface->mesh->triangles[3 * (size_t)triangle + k];
-        to_metric(metric, surface->mesh->positions + 3 * (size_t)v, corners[k]);
-    }
-    if (!triangle_near(corners, reach)) {
+    if (!triangle_near(surface, metric, triangle, reach)) {
         n->whole = 0;
         return 1;
     }

@@ -117,12 +117,13 @@ static psplat_result cover_holes(psplat_conversion *c, size_t first) {
 /* Covers the samples from index first on, and stores the splats again. */
 static psplat_result complete(psplat_conversion *c, size_t first, uint64_t seed,
                               psplat_error *error) {
-    size_t moves = MOVES * (c->samples.count - first);
     psplat_result result = cover_holes(c, first);
+    const psplat_improvement what = {&c->samples, MOVES * (c->samples.count - first), first, 0,
+                                     seed};
     if (!result)
         result =
             psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, NULL);
-    if (!result) result = psplat_improve(&c->selection, c->samples.count, first, moves, seed);
+    if (!result) result = psplat_improve(&c->selection, &what);
     if (!result) result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
     if (!result) return PSPLAT_OK;
     return psplat_fail(error, result, 0, "%s while closing holes", psplat_result_text(result));

@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Candidates grown in a round: some, and more where many samples are uncovered, but few for the last
- * of them, around which all would be alike. */
+/* Candidates grown in a round: some, and more where many samples are uncovered, but few for the
+ * last of them, around which all would be alike. */
 enum { ROUND = 96, SAMPLES_PER_SEED = 1500, LEAST_SEEDS = 8, SAMPLES_PER_LAST_SEED = 16 };
 
 /* A candidate is taken while it gains this part of the round's best. */

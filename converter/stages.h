@@ -394,11 +394,17 @@ psplat_result psplat_select_cover(const psplat_surface *surface, const psplat_sa
                                   const psplat_limits *limits, const psplat_convert_desc *desc,
                                   psplat_selection *selection, psplat_error *error);
 
-/* Exchanges candidates so that fewer cover the same samples, in so many moves. They start at
- * samples from index focus on, or anywhere where focus is sample_count. Never takes more than
- * before, nor leaves a sample uncovered that was covered. MEMORY. */
-psplat_result psplat_improve(psplat_selection *selection, size_t sample_count, size_t focus,
-                             size_t moves, uint64_t seed);
+typedef struct psplat_improvement {
+    const psplat_samples *samples;
+    size_t moves; /* 0: only drops what is not needed */
+    size_t focus; /* moves start at samples from this index on; the number of samples: anywhere */
+    int axis;     /* 0 1 2: across which the work is cut */
+    uint64_t seed;
+} psplat_improvement;
+
+/* Exchanges candidates so that fewer cover the same samples. Never takes more than before, nor
+ * leaves a sample uncovered that was covered. MEMORY is the only failure. */
+psplat_result psplat_improve(psplat_selection *selection, const psplat_improvement *what);
 /* How many candidates are taken. */
 size_t psplat_selection_taken(const psplat_selection *selection);
 
