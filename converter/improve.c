@@ -350,6 +350,7 @@ psplat_result psplat_improve(psplat_selection *selection, const psplat_improveme
 #pragma omp parallel for schedule(dynamic, 1) reduction(| : failed)
 #endif
         for (long i = 0; i < end; ++i) failed |= !improve_slab(&m, (uint8_t)i, taken);
+        if (!failed) prune(&m); /* what others came to cover */
     }
     improver_end(&m);
     return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;

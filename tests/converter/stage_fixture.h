@@ -78,6 +78,19 @@ static inline void fixture_sample(fixture *f, double spacing) {
         PSPLAT_OK);
 }
 
+/* Improves a selection; samples lie in a row. */
+static inline psplat_result fixture_improve(psplat_selection *selection, size_t count, size_t focus,
+                                            size_t moves, uint64_t seed) {
+    psplat_samples samples = {.count = count};
+    samples.positions = calloc(3 * count + 1, sizeof(double));
+    assert_non_null(samples.positions);
+    for (size_t i = 0; i < count; ++i) samples.positions[3 * i] = (double)i;
+    psplat_improvement what = {&samples, moves, focus, 0, seed};
+    psplat_result result = psplat_improve(selection, &what);
+    free(samples.positions);
+    return result;
+}
+
 /* A random orthonormal frame, right-handed. */
 static inline void random_axes(uint64_t *random, double u[3], double v[3], double n[3]) {
     double q[4], length = 0;

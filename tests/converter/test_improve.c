@@ -88,7 +88,7 @@ static void test_keeps(void **state) {
         uint32_t *before = count_covers(&selection, SAMPLES);
         for (size_t moves = 0; moves <= 400; moves = 2 * moves + 25) {
             size_t taken = psplat_selection_taken(&selection);
-            assert_int_equal(psplat_improve(&selection, SAMPLES, SAMPLES, moves, seed + moves),
+            assert_int_equal(fixture_improve(&selection, SAMPLES, SAMPLES, moves, seed + moves),
                              PSPLAT_OK);
             assert_true(psplat_selection_taken(&selection) <= taken);
             check_cover(&selection, before, SAMPLES);
@@ -108,7 +108,7 @@ static void test_prunes(void **state) {
     for (size_t c = 0; c < SETS; c += 3) selection.candidates[c].taken = 0;
     for (size_t c = 0; c < SETS; ++c) taken[c] = (uint8_t)selection.candidates[c].taken;
     uint32_t *before = count_covers(&selection, SAMPLES);
-    assert_int_equal(psplat_improve(&selection, SAMPLES, 0, 0, 1), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&selection, SAMPLES, 0, 0, 1), PSPLAT_OK);
     check_cover(&selection, before, SAMPLES);
     for (size_t c = 0; c < SETS; ++c) assert_true(selection.candidates[c].taken <= taken[c]);
     free(before);
@@ -116,11 +116,11 @@ static void test_prunes(void **state) {
     /* A candidate that covers nothing, and none at all. */
     add(&selection, 0, 0, 1);
     add(&selection, 0, 5, 1);
-    assert_int_equal(psplat_improve(&selection, 5, 5, 20, 1), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&selection, 5, 5, 20, 1), PSPLAT_OK);
     assert_int_equal(psplat_selection_taken(&selection), 1);
     assert_int_equal(selection.candidates[1].taken, 1);
     psplat_selection_free(&selection);
-    assert_int_equal(psplat_improve(&selection, 5, 5, 20, 1), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&selection, 5, 5, 20, 1), PSPLAT_OK);
     psplat_selection_free(&selection);
 }
 
@@ -132,9 +132,9 @@ static void test_repeatable(void **state) {
     make_ring(&first, SAMPLES, SETS, 1, 5);
     make_ring(&second, SAMPLES, SETS, 1, 5);
     make_ring(&other, SAMPLES, SETS, 1, 5);
-    assert_int_equal(psplat_improve(&first, SAMPLES, SAMPLES, 300, 9), PSPLAT_OK);
-    assert_int_equal(psplat_improve(&second, SAMPLES, SAMPLES, 300, 9), PSPLAT_OK);
-    assert_int_equal(psplat_improve(&other, SAMPLES, SAMPLES, 300, 10), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&first, SAMPLES, SAMPLES, 300, 9), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&second, SAMPLES, SAMPLES, 300, 9), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&other, SAMPLES, SAMPLES, 300, 10), PSPLAT_OK);
     for (size_t c = 0; c < SETS; ++c) {
         assert_int_equal(first.candidates[c].taken, second.candidates[c].taken);
         different += first.candidates[c].taken != other.candidates[c].taken;
@@ -165,7 +165,7 @@ static void test_beats_greedy(void **state) {
     take_greedily(&selection, 2 * ROW);
     for (size_t c = 0; c < 4; ++c) assert_int_equal(selection.candidates[c].taken, 1);
     assert_int_equal(psplat_selection_taken(&selection), 4);
-    assert_int_equal(psplat_improve(&selection, 2 * ROW, 2 * ROW, 500, 3), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&selection, 2 * ROW, 2 * ROW, 500, 3), PSPLAT_OK);
     assert_int_equal(psplat_selection_taken(&selection), 2);
     assert_int_equal(selection.candidates[4].taken + selection.candidates[5].taken, 2);
     psplat_selection_free(&selection);
@@ -181,9 +181,9 @@ static void test_line(void **state) {
         for (uint32_t first = 0; first + LONG <= SAMPLES; ++first)
             add(&selection, first, LONG, first % 11 == 0 || first + LONG == SAMPLES);
         uint32_t *before = count_covers(&selection, SAMPLES);
-        assert_int_equal(psplat_improve(&selection, SAMPLES, SAMPLES, 0, seed), PSPLAT_OK);
+        assert_int_equal(fixture_improve(&selection, SAMPLES, SAMPLES, 0, seed), PSPLAT_OK);
         assert_in_range(psplat_selection_taken(&selection), 17, 18);
-        assert_int_equal(psplat_improve(&selection, SAMPLES, SAMPLES, 3000, seed), PSPLAT_OK);
+        assert_int_equal(fixture_improve(&selection, SAMPLES, SAMPLES, 3000, seed), PSPLAT_OK);
         assert_int_equal(psplat_selection_taken(&selection), 10);
         check_cover(&selection, before, SAMPLES);
         free(before);
@@ -199,14 +199,14 @@ static void test_focus(void **state) {
     for (uint32_t half = 0; half < 2; ++half)
         for (uint32_t first = 0; first + LONG <= HALF; ++first)
             add(&selection, half * HALF + first, LONG, first % 11 == 0 || first + LONG == HALF);
-    assert_int_equal(psplat_improve(&selection, 2 * HALF, 0, 0, 1), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&selection, 2 * HALF, 0, 0, 1), PSPLAT_OK);
     size_t each = selection.count / 2, before = 0, after = 0;
     uint8_t taken[2 * HALF];
     for (size_t c = 0; c < selection.count; ++c) {
         taken[c] = (uint8_t)selection.candidates[c].taken;
         before += c >= each && taken[c];
     }
-    assert_int_equal(psplat_improve(&selection, 2 * HALF, HALF, 1000, 1), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&selection, 2 * HALF, HALF, 1000, 1), PSPLAT_OK);
     for (size_t c = 0; c < each; ++c) assert_int_equal(selection.candidates[c].taken, taken[c]);
     for (size_t c = each; c < selection.count; ++c) after += selection.candidates[c].taken != 0;
     assert_true(before > 7);

@@ -37,7 +37,7 @@ static void repair_begin(repair *r, double tolerance, double spacing, double mar
     assert_int_equal(psplat_select_cover(&r->c.surface, &r->c.samples, &r->c.limits, &r->desc,
                                          &r->c.selection, NULL),
                      PSPLAT_OK);
-    assert_int_equal(psplat_improve(&r->c.selection, r->c.samples.count, 0, 0, 0), PSPLAT_OK);
+    assert_int_equal(fixture_improve(&r->c.selection, r->c.samples.count, 0, 0, 0), PSPLAT_OK);
     assert_int_equal(psplat_store_splats(&r->c.selection, 0, &r->splats), PSPLAT_OK);
 }
 

@@ -52,7 +52,7 @@ static void select_all(const fixture *f, double part, uint64_t seed, psplat_sele
     psplat_convert_desc desc = {.seed = seed};
     assert_int_equal(psplat_select_cover(&f->surface, &f->samples, &limits, &desc, selection, NULL),
                      PSPLAT_OK);
-    assert_int_equal(psplat_improve(selection, f->samples.count, 0, 0, 0), PSPLAT_OK);
+    assert_int_equal(fixture_improve(selection, f->samples.count, 0, 0, 0), PSPLAT_OK);
     size_t taken = psplat_selection_taken(selection);
     psplat_selection_settle(selection);
     assert_int_equal(selection->count, taken);
