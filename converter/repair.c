@@ -12,11 +12,13 @@
 #include <stdlib.h>
 
 /* Rounds, how many in a row must find nothing, and fresh samples in each, as a multiple of those
- * fitted and at least. */
-enum { ROUNDS = 16, CLEAN_ROUNDS = 2, FRESH = 4, LEAST_FRESH = 100000 };
+ * fitted and at least. Exchanges close holes with few splats but may open others: later rounds only
+ * add. */
+enum { ROUNDS = 16, EXCHANGING_ROUNDS = 8, CLEAN_ROUNDS = 2, FRESH = 4, LEAST_FRESH = 100000 };
 
-/* Moves of improvement for each hole. */
-enum { MOVES = 12 };
+/* Moves of improvement for each sample in a hole, and no more than so many for each splat: a large
+ * hole holds many samples. */
+enum { MOVES = 12, MOST_MOVES = 20 };
 
 static const uint64_t repair_seed = 0x7265706169720000u;
 
@@ -115,15 +117,18 @@ static psplat_result cover_holes(psplat_conversion *c, size_t first) {
 }
 
 /* Covers the samples from index first on, and stores the splats again. */
-static psplat_result complete(psplat_conversion *c, size_t first, uint64_t seed,
-                              psplat_error *error) {
+static psplat_result complete(psplat_conversion *c, size_t first, int round, psplat_error *error) {
     psplat_result result = cover_holes(c, first);
-    const psplat_improvement what = {&c->samples, MOVES * (c->samples.count - first), first, 0,
-                                     seed};
+    size_t moves = MOVES * (c->samples.count - first);
+    size_t most = MOST_MOVES * psplat_selection_taken(&c->selection);
+    const psplat_improvement what = {.samples = &c->samples,
+                                     .moves = moves < most ? moves : most,
+                                     .focus = first,
+                                     .seed = c->desc->seed + (uint64_t)round};
     if (!result)
         result =
             psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, NULL);
-    if (!result) result = psplat_improve(&c->selection, &what);
+    if (!result && round < EXCHANGING_ROUNDS) result = psplat_improve(&c->selection, &what);
     if (!result) result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
     if (!result) return PSPLAT_OK;
     return psplat_fail(error, result, 0, "%s while closing holes", psplat_result_text(result));
@@ -138,7 +143,7 @@ psplat_result psplat_repair_holes(psplat_conversion *c, psplat_error *error) {
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = find_holes(c, round, &holes, error);
         clean = holes ? 0 : clean + 1;
-        if (!result && holes) result = complete(c, first, desc->seed + (uint64_t)round, error);
+        if (!result && holes) result = complete(c, first, round, error);
     }
     return result;
 }

@@ -22,7 +22,7 @@ static psplat_splats store(psplat_candidate *candidates, size_t count) {
 
 /* Stores one candidate with these axes and compares what comes back. */
 static void check_axes(const double u[3], const double v[3], const double n[3]) {
-    psplat_candidate candidate = {.region = {.radius = {2, 1}}};
+    psplat_candidate candidate = {.region = {.radius = {2, 1}}, .taken = 1};
     memcpy(candidate.region.u, u, 3 * sizeof(double));
     memcpy(candidate.region.v, v, 3 * sizeof(double));
     memcpy(candidate.region.n, n, 3 * sizeof(double));
@@ -90,7 +90,7 @@ static void test_cube_rotations(void **state) {
 }
 
 static void random_candidate(psplat_candidate *c, uint64_t *random) {
-    *c = (psplat_candidate){.region = {.radius = {0}}};
+    *c = (psplat_candidate){.region = {.radius = {0}}, .taken = 1};
     psplat_region *r = &c->region;
     random_axes(random, r->u, r->v, r->n);
     for (int k = 0; k < 3; ++k) r->center[k] = 2 * psplat_random_unit(random) - 1;
@@ -172,7 +172,7 @@ static void test_morton(void **state) {
             for (int k = 0; k < 3; ++k) r.center[k] = scales[s] * ((double)(at >> 3 * k & 7) - 3);
             r.line_count = i < COUNT ? 2 : 0;
             r.lines[0][0] = r.lines[1][1] = 1;
-            candidates[i] = (psplat_candidate){.region = r};
+            candidates[i] = (psplat_candidate){.region = r, .taken = 1};
         }
         psplat_splats splats = store(candidates, 2 * COUNT);
         assert_int_equal(splats.count_by_clip_lines[0], COUNT);
@@ -199,7 +199,8 @@ static void test_degenerate(void **state) {
     for (int i = 0; i < 5; ++i) {
         same[i] = (psplat_candidate){
             .region = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}},
-            .color = {(float)i, 0, 0, 1}};
+            .color = {(float)i, 0, 0, 1},
+            .taken = 1};
     }
     splats = store(same, 5);
     for (int i = 0; i < 5; ++i) assert_near((double)splats.splats[i].color[0], i, 0); /* stable */

@@ -31,7 +31,8 @@ static void make_cube(cube *c) {
     c->half = c->f.surface.diagonal / sqrt(12);
     c->tolerance = 0.02 * c->f.surface.diagonal;
     for (int i = 0; i < 6; ++i) {
-        faces[i] = (psplat_candidate){.region = {.line_count = 4}, .color = {1, 1, 1, 1}};
+        faces[i] =
+            (psplat_candidate){.region = {.line_count = 4}, .color = {1, 1, 1, 1}, .taken = 1};
         psplat_region *r = &faces[i].region;
         double side = i % 2 ? -1 : 1;
         r->n[i / 2] = side;
@@ -352,7 +353,8 @@ static void test_crease_of_another_sheet(void **state) {
     fixture_build(&f);
     psplat_candidate candidate = {
         .region = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1.5, 1.5}},
-        .color = {1, 1, 1, 1}};
+        .color = {1, 1, 1, 1},
+        .taken = 1};
     candidate.region.line_count = 4;
     for (int k = 0; k < 4; ++k) {
         candidate.region.lines[k][k / 2] = k % 2 ? -1 : 1;
