@@ -14,7 +14,7 @@
 /* Rounds, how many in a row must find nothing, and fresh samples in each, as a multiple of those
  * fitted and at least. Exchanges close holes with few splats but may open others: later rounds only
  * add. */
-enum { ROUNDS = 16, EXCHANGING_ROUNDS = 8, CLEAN_ROUNDS = 2, FRESH = 4, LEAST_FRESH = 100000 };
+enum { ROUNDS = 16, EXCHANGING_ROUNDS = 8, CLEAN_ROUNDS = 2, FRESH = 4, LEAST_FRESH = 300000 };
 
 /* Moves of improvement for each sample in a hole, and no more than so many for each splat: a large
  * hole holds many samples. */

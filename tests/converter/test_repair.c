@@ -75,7 +75,7 @@ static size_t repair_and_check(repair *r) {
     assert_int_equal(psplat_repair_holes(&r->c, NULL), PSPLAT_OK);
     assert_memory_equal(r->c.samples.positions, positions, before * 3 * sizeof *positions);
     assert_int_equal(psplat_selection_taken(&r->c.selection), r->splats.count);
-    /* Two rounds of 100,000 found none: of as many others few can. */
+    /* Two rounds of 300,000 found none: of fewer others few can. */
     assert_true(count_holes(r) <= 4);
     free(positions);
     return r->c.samples.count - before;
