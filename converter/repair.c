@@ -14,7 +14,11 @@
 /* Rounds, how many in a row must find nothing, and fresh samples in each, as a multiple of those
  * fitted and at least. Exchanges close holes with few splats but may open others: later rounds only
  * add. */
-enum { ROUNDS = 16, EXCHANGING_ROUNDS = 8, CLEAN_ROUNDS = 2, FRESH = 4, LEAST_FRESH = 300000 };
+enum { ROUNDS = 24, EXCHANGING_ROUNDS = 6, CLEAN_ROUNDS = 2, FRESH = 4, LEAST_FRESH = 100000 };
+
+/* Part of the margin that must remain: slits too thin to be met by chance do not stay open. */
+static const double looked_at = 0.25;
+
 
 /* Moves of improvement for each sample in a hole, and no more than so many for each splat: a large
  * hole holds many samples. */
@@ -35,7 +39,8 @@ static psplat_result find_holes(psplat_conversion *c, int round, size_t *holes,
     uint32_t *chosen = malloc((fresh.count + 1) * sizeof *chosen);
     result = PSPLAT_ERROR_MEMORY;
     if (open && chosen)
-        result = psplat_verify_coverage(&fresh, c->splats, c->tolerance, open, holes);
+        result = psplat_verify_coverage(&fresh, c->splats, c->limits.tolerance,
+                                        looked_at * c->limits.margin, open, holes);
     if (result) psplat_fail(error, result, 0, "out of memory while looking for holes");
     if (!result && *holes) {
         size_t found = 0;

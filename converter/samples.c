@@ -199,6 +199,17 @@ static int offer_missed(sample_buffer *buffer, const psplat_surface *surface) {
     return ok;
 }
 
+/* The vertices of a coarse mesh, where it sticks out most between samples. */
+static int offer_vertices(sample_buffer *buffer, thin_grid *grid, const psplat_surface *surface,
+                          double spacing, double expected) {
+    const psplat_mesh *mesh = surface->mesh;
+    if ((double)mesh->vertex_count > expected) return 1;
+    for (uint32_t t = 0; t < mesh->triangle_count; ++t)
+        for (uint32_t k = 0; k < 3; ++k)
+            if (!offer(buffer, grid, surface, t, vertex(mesh, t, k), spacing)) return 0;
+    return 1;
+}
+
 /* The points of a point set, thinned as other samples are. */
 static int offer_points(sample_buffer *buffer, thin_grid *grid, const psplat_surface *surface,
                         double spacing) {
@@ -313,6 +324,7 @@ psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing,
     int ok = grid_create(&thin.grid, (size_t)expected, spacing) &&
              buffer_reserve(&buffer, (size_t)expected, surface->mesh->corner_colors != NULL) &&
              offer_creases(&buffer, &thin.grid, surface, spacing / 2) &&
+             offer_vertices(&buffer, &thin.grid, surface, spacing / 4, expected) &&
              offer_points(&buffer, &thin.grid, surface, spacing) &&
              throw_points(surface, offered * expected, seed, take_thinned, &thin) &&
              offer_missed(&buffer, surface);

@@ -468,6 +468,7 @@ typedef struct psplat_measured {
     psplat_region *regions;      /* theirs */
     psplat_locator *locator;
     double tolerance; /* wider than promised by rounding */
+    double margin;    /* of an ellipse that does not count; 0 */
 } psplat_measured;
 
 /* reach: how far from a point its splats may be. MEMORY is the only failure. */
@@ -479,14 +480,11 @@ void psplat_measured_free(psplat_measured *measured);
 int psplat_measured_covers(const psplat_measured *measured, uint32_t splat, const double normal[3],
                            const double uvh[3]);
 
-/* Marks (1) the samples that no splat covers within tolerance. */
+/* Marks (1) the samples that no splat covers within tolerance, or only with the last margin (a
+ * length) of its ellipse. */
 psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
-                                     double tolerance, uint8_t *uncovered, size_t *count);
-
-/* Marks (1) the samples that some view, 60 degrees from the surface's normal, passes by: it meets
- * no splat near the sample. */
-psplat_result psplat_verify_sight(const psplat_samples *samples, const psplat_splats *splats,
-                                  double tolerance, uint8_t *open, size_t *count);
+                                     double tolerance, double margin, uint8_t *uncovered,
+                                     size_t *count);
 
 /* ---- crossing.c ---------------------------------------------------------------------------- */
 

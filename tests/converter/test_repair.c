@@ -58,7 +58,7 @@ static size_t count_holes(const repair *r) {
     assert_int_equal(psplat_samples_draw_uniform(&r->c.surface, PROBES, 99, &probes, NULL),
                      PSPLAT_OK);
     assert_true(probes.count < 2 * PROBES);
-    assert_int_equal(psplat_verify_coverage(&probes, &r->splats, r->c.tolerance, open, &holes),
+    assert_int_equal(psplat_verify_coverage(&probes, &r->splats, r->c.tolerance, 0, open, &holes),
                      PSPLAT_OK);
     psplat_samples_free(&probes);
     free(open);

@@ -149,7 +149,7 @@ static void test_marks(void **state) {
     size_t count, marked = 0;
     const float *gone = c.splats.splats[5].center;
     c.splats.count = 5;
-    assert_int_equal(psplat_verify_coverage(&samples, &c.splats, c.tolerance, open, &count),
+    assert_int_equal(psplat_verify_coverage(&samples, &c.splats, c.tolerance, 0, open, &count),
                      PSPLAT_OK);
     for (size_t i = 0; i < samples.count; ++i) {
         double along = 0;
