@@ -14,6 +14,8 @@
 
 /* Random points offered for each that stays; 5 leaves gaps under 1.3 spacings on a plane. */
 static const double offered = 5;
+/* Cosine between faces up to which one sample stands for both: not around the tip of a cone. */
+static const double alike = 0.5;
 
 typedef struct sample_buffer {
     psplat_samples samples;
@@ -140,7 +142,7 @@ static int grid_crowded(const thin_grid *grid, const psplat_surface *surface,
             sub3(d, samples->positions + 3 * (size_t)i, p);
             if (dot3(d, d) < radius * radius &&
                 surface->patches[other] == surface->patches[triangle] &&
-                dot3(normal, surface->face_normals + 3 * (size_t)other) > 0)
+                dot3(normal, surface->face_normals + 3 * (size_t)other) > alike)
                 return 1;
         }
     }
