@@ -18,7 +18,7 @@
 enum { LEAST_REMOVED = 2, MOST_REMOVED = 13, LOOKS = 24 };
 
 /* Taken candidates of a slab at least, and slabs at most; bins in which cuts are looked for. */
-enum { SLAB_SIZE = 100, MOST_SLABS = 16, BINS = 1024, OUTSIDE = 255 };
+enum { SLAB_SIZE = 250, MOST_SLABS = 16, BINS = 1024, OUTSIDE = 255 };
 
 /* How far chance may raise a gain. */
 static const double whim = 0.25;

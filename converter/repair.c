@@ -19,10 +19,8 @@ enum { ROUNDS = 24, EXCHANGING_ROUNDS = 6, CLEAN_ROUNDS = 2, FRESH = 4, LEAST_FR
 /* Part of the margin that must remain: slits too thin to be met by chance do not stay open. */
 static const double looked_at = 0.25;
 
-
-/* Moves of improvement for each sample in a hole, and no more than so many for each splat: a large
- * hole holds many samples. */
-enum { MOVES = 12, MOST_MOVES = 20 };
+/* Moves of improvement for each splat in a round. */
+enum { MOVES = 8 };
 
 static const uint64_t repair_seed = 0x7265706169720000u;
 
@@ -124,11 +122,10 @@ static psplat_result cover_holes(psplat_conversion *c, size_t first) {
 /* Covers the samples from index first on, and stores the splats again. */
 static psplat_result complete(psplat_conversion *c, size_t first, int round, psplat_error *error) {
     psplat_result result = cover_holes(c, first);
-    size_t moves = MOVES * (c->samples.count - first);
-    size_t most = MOST_MOVES * psplat_selection_taken(&c->selection);
     const psplat_improvement what = {.samples = &c->samples,
-                                     .moves = moves < most ? moves : most,
-                                     .focus = first,
+                                     .moves = MOVES * psplat_selection_taken(&c->selection),
+                                     .focus = c->samples.count,
+                                     .axis = round % 3,
                                      .seed = c->desc->seed + (uint64_t)round};
     if (!result)
         result =

@@ -16,7 +16,7 @@
 
 /* Candidates grown in a round: some, and more where many samples are uncovered, but few for the
  * last of them, around which all would be alike. */
-enum { ROUND = 96, SAMPLES_PER_SEED = 1500, LEAST_SEEDS = 8, SAMPLES_PER_LAST_SEED = 16 };
+enum { ROUND = 96, SAMPLES_PER_SEED = 1500, LEAST_SEEDS = 8, SAMPLES_PER_LAST_SEED = 4 };
 
 /* A candidate is taken while it gains this part of the round's best. */
 static const double worth_taking = 0.8;
