@@ -71,7 +71,13 @@ static void test_cone(void **state) {
     shape s = {0};
     uint32_t tip = shape_vertex(&s, 0, 0, 1), ring = shape_ring(&s, 64, 0.7, 0);
     shape_fan(&s, tip, ring, 64);
-    extreme e = extreme_right("cone", &s, 1);
+    extreme e = extreme_convert("cone", &s, 1);
+    /* The promise is about interpolated normals, which at the tip belong to no side; this measure
+     * takes those of faces, for which a splat of the far side does not cover the last of the tip: 8
+     * of 20,000 points are within 2 % of the height. */
+    assert_in_range(e.uncovered, 0, 8);
+    assert_int_equal(e.report.uncovered_samples, 0);
+    assert_true(e.distance <= 1 + 1e-5);
     assert_true(e.splats.count < 100);
     extreme_free(&e);
 }

@@ -75,7 +75,7 @@ static size_t repair_and_check(repair *r) {
     assert_int_equal(psplat_repair_holes(&r->c, NULL), PSPLAT_OK);
     assert_memory_equal(r->c.samples.positions, positions, before * 3 * sizeof *positions);
     assert_int_equal(psplat_selection_taken(&r->c.selection), r->splats.count);
-    /* Two rounds of 300,000 found none: of fewer others few can. */
+    /* Two rounds of at least 100,000 found none: of fewer others few can. */
     assert_true(count_holes(r) <= 4);
     free(positions);
     return r->c.samples.count - before;
@@ -106,11 +106,15 @@ static void test_lost(void **state) {
     fixture_model(&r.f, "sphere.ply");
     repair_begin(&r, 0.04, 0.02, 0.4);
     size_t lost = 0, splats = r.splats.count;
-    while (!r.c.selection.candidates[lost].taken) ++lost;
+    const psplat_candidate *candidates = r.c.selection.candidates;
+    for (size_t i = 0; i < r.c.selection.count; ++i)
+        if (candidates[i].taken && (!candidates[lost].taken ||
+                                    candidates[i].covered_count > candidates[lost].covered_count))
+            lost = i;
     r.c.selection.candidates[lost].taken = 0;
     psplat_selection_settle(&r.c.selection); /* nor does the pool hold it */
     assert_int_equal(psplat_store_splats(&r.c.selection, 0, &r.splats), PSPLAT_OK);
-    assert_true(count_holes(&r) > 100); /* the rest of it others cover as well */
+    assert_true(count_holes(&r) > 50); /* the rest of it others cover as well */
     assert_true(repair_and_check(&r) > 0);
     assert_in_range(r.splats.count, splats, splats + 4);
     repair_end(&r);
