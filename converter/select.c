@@ -5,8 +5,8 @@
  * Greedy cover (Wu, Kobbelt 2004, section 4) over a pool that grows as it goes: each round grows
  * candidates around samples not yet covered and takes the pool's best as long as they gain nearly
  * as much as the round's first. What is not taken stays in the pool, for improve.c to choose from.
- * Rounds are of fixed size and seeds are drawn before growing, so that the result does not depend
- * on the number of threads.
+ * Seeds of a round are drawn before growing, so that the result does not depend on the number of
+ * threads.
  */
 #include "stages.h"
 
@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Candidates grown in a round: some, and more where many samples are uncovered, but few for the
- * last of them, around which all would be alike. */
-enum { ROUND = 96, SAMPLES_PER_SEED = 1500, LEAST_SEEDS = 8, SAMPLES_PER_LAST_SEED = 4 };
+/* Candidates grown in a round: so many for each that what is uncovered seems to need, going by what
+ * the round before gained; at least, at first, and at most. */
+enum { SEEDS_PER_SPLAT = 4, LEAST_SEEDS = 8, FIRST_SEEDS = 32, MOST_SEEDS = 128 };
 
 /* A candidate is taken while it gains this part of the round's best. */
 static const double worth_taking = 0.8;
@@ -37,6 +37,7 @@ typedef struct selector {
     uint32_t *open;   /* samples in random order; those before open_count may be uncovered */
     size_t open_count;
     size_t uncovered;
+    size_t gained; /* by a candidate taken in the last round, on average */
     uint64_t random;
 } selector;
 
@@ -138,9 +139,9 @@ static size_t draw_seeds(selector *s, uint32_t *seeds, size_t wanted) {
 }
 
 static psplat_result pool_grow(selector *s) {
-    size_t wanted = ROUND + s->uncovered / SAMPLES_PER_SEED, before = s->selection->count;
-    size_t last = LEAST_SEEDS + s->uncovered / SAMPLES_PER_LAST_SEED;
-    if (wanted > last) wanted = last;
+    size_t wanted = FIRST_SEEDS, before = s->selection->count;
+    if (s->gained) wanted = LEAST_SEEDS + SEEDS_PER_SPLAT * s->uncovered / s->gained;
+    if (wanted > MOST_SEEDS) wanted = MOST_SEEDS;
     uint32_t *seeds = malloc(wanted * sizeof *seeds);
     if (!seeds) return PSPLAT_ERROR_MEMORY;
     size_t count = draw_seeds(s, seeds, wanted);
@@ -176,11 +177,15 @@ static void pool_update(selector *s) {
 
 static void pool_take(selector *s) {
     size_t least = s->pool_count ? (size_t)ceil(worth_taking * (double)s->pool[0].gain) : 0;
+    size_t taken = 0, before = s->uncovered;
     for (size_t i = 0; i < s->pool_count && s->pool[i].gain >= least; ++i) {
         psplat_candidate *candidate = &s->selection->candidates[s->pool[i].candidate];
         size_t gain = gain_of(s, candidate);
-        if (gain && gain >= least) take(s, candidate);
+        if (!gain || gain < least) continue;
+        take(s, candidate);
+        ++taken;
     }
+    if (taken) s->gained = (before - s->uncovered) / taken;
 }
 
 /* ---- cover --------------------------------------------------------------------------------- */
