@@ -21,7 +21,7 @@ static psplat_asset *convert_part(void) {
     uint8_t *data = NULL;
     size_t size = 0;
     psplat_error error;
-    const psplat_convert_desc desc = {.tolerance_percent = 4};
+    const psplat_convert_desc desc = {.tolerance_percent = 2};
     assert_int_equal(psplat_mesh_read(PSPLAT_SOURCE_DIR "/samples/models/part.obj", &mesh, &error),
                      PSPLAT_OK);
     assert_int_equal(psplat_convert(&mesh, &desc, &splats, NULL, &error), PSPLAT_OK);
