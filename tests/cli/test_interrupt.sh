@@ -54,7 +54,7 @@ expect_files x.glb
 
 # On a terminal the line of progress comes, gives an estimate, and goes; elsewhere there is none.
 if command -v script >/dev/null; then
-    script -qec "timeout --foreground -s INT 6 '$PHONGSPLAT' convert sheet.obj out/y.glb -t 0.02%" typescript \
+    script -qec "timeout --foreground -s INT 20 '$PHONGSPLAT' convert sheet.obj out/y.glb -t 0.02%" typescript \
         >/dev/null 2>&1 </dev/null || true
     expect_files x.glb
     grep -q ' %, ' typescript || fail "no progress on a terminal: $(tr '\r' '\n' <typescript)"
