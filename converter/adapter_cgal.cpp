@@ -78,8 +78,8 @@ extern "C" psplat_result psplat_distance_query(const psplat_distance *distance,
     Point nearest;
     for (size_t i = 0; i < count; ++i) {
         const Point query = point(points + 3 * i);
-        nearest = i ? distance->tree.closest_point(query, nearest)
-                    : distance->tree.closest_point(query);
+        nearest =
+            i ? distance->tree.closest_point(query, nearest) : distance->tree.closest_point(query);
         result[i] = std::sqrt(CGAL::squared_distance(query, nearest));
     }
     return PSPLAT_OK;

@@ -329,7 +329,7 @@ typedef struct psplat_limits {
     double normal_tolerance; /* greatest error of the normal field, radians; 0: none */
     int constant_normals;    /* fields without gradients */
     const psplat_distance
-        *distance; /* to the mesh, for outlines that samples cannot judge; or NULL */
+        *distance; /* to the mesh; NULL: only the triangles of samples are asked */
 } psplat_limits;
 
 /* A possible splat and the samples that it covers. */
