@@ -87,6 +87,22 @@ extern "C" psplat_result psplat_distance_query(const psplat_distance *distance,
     return PSPLAT_ERROR_MEMORY;
 }
 
+extern "C" psplat_result psplat_distance_within(const psplat_distance *distance,
+                                                const double *points, size_t count,
+                                                double tolerance, int *within) try {
+    *within = 1;
+    for (size_t i = 0; i < count && *within; ++i) {
+        const Point query = point(points + 3 * i);
+        /* A guess that is no point of the mesh bounds the search. */
+        const Point guess(query.x() + tolerance * 1.0000001, query.y(), query.z());
+        const Point nearest = distance->tree.closest_point(query, guess);
+        *within = CGAL::squared_distance(query, nearest) <= tolerance * tolerance;
+    }
+    return PSPLAT_OK;
+} catch (...) {
+    return PSPLAT_ERROR_MEMORY;
+}
+
 extern "C" void psplat_distance_destroy(psplat_distance *distance) {
     delete distance;
 }

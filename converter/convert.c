@@ -20,21 +20,19 @@ static const double crease_slack_part = 0.3;
 /* Splats that leave the surface by less than this part count as flat: they may hide what lies
  * behind them by hardly more, so that faces do not shine through each other at their corners. */
 static const double flat_part = 0.02;
-/* Sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of radius R
- * are about sqrt(R tolerance) wide, and some fifteen samples across describe one. A tolerance of
- * normals asks for splats as small as a distance of so much would. */
+/* Finest sample spacing in percent of the diagonal at a tolerance of 1 %: splats of a surface of
+ * radius R are about sqrt(R tolerance) wide, and some fifteen samples across describe one. A
+ * tolerance of normals asks for splats as small as a distance of so much would. */
 static const double spacing_percent = 0.5;
 static double normal_tolerance_percent(double degrees) {
     return 0.005 * degrees * degrees;
 }
 /* Beyond this a tolerance is refused, before the samples fill the memory. */
 static const double most_samples = 16e6;
-/* Overlap of splats beyond the samples that they cover, in spacings: holes between samples stay
- * few, and repair.c closes those. */
-static const double margin_spacings = 0.4;
-
-/* Rounds of improving, and moves in each for every splat. */
-enum { DEFAULT_EFFORT = 3, MOVES = 20 };
+/* Rounds of improving for each effort, and moves in each for every splat: more candidates to choose
+ * from gain more than more moves do. */
+enum { DEFAULT_EFFORT = 2, EFFORTS = 10, MOVES = 5 };
+static const int rounds_of_effort[EFFORTS] = {0, 1, 2, 3, 4, 6, 9, 13, 18, 25};
 
 static const uint64_t improve_seed = 0x696d70726f766500u;
 static const uint64_t verify_seed = 0x7665726966790000u;
@@ -47,6 +45,10 @@ static int interrupted(const psplat_convert_desc *desc, const char *stage, doubl
     return desc->progress && desc->progress(desc->user, stage, fraction);
 }
 
+int psplat_improving_rounds(const psplat_convert_desc *desc) {
+    return rounds_of_effort[desc->effort > 0 ? desc->effort - 1 : DEFAULT_EFFORT];
+}
+
 static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     double percent = tolerance_percent(c->desc), diagonal = c->surface.diagonal;
     double degrees = c->desc->normal_tolerance_degrees, fine = percent;
@@ -54,11 +56,10 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     double spacing = spacing_percent / 100 * diagonal * sqrt(fine);
     c->tolerance = percent / 100 * diagonal;
     c->splats->flat_depth_tolerance = (float)(2 * flat_part * c->tolerance);
-    c->samples.spacing = spacing;
+    c->finest = spacing;
     c->limits = (psplat_limits){.tolerance = fitted_part * c->tolerance,
                                 .crease_tolerance = crease_part * c->tolerance,
                                 .crease_slack = crease_slack_part * c->tolerance,
-                                .margin = margin_spacings * spacing,
                                 .normal_tolerance = c->desc->normal_tolerance_degrees * degree,
                                 .constant_normals = c->desc->constant_normals};
     double expected = c->surface.area / (spacing * spacing);
@@ -102,7 +103,7 @@ static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
 }
 
 static psplat_result improve(psplat_conversion *c, psplat_error *error) {
-    int rounds = c->desc->effort > 0 ? c->desc->effort - 1 : DEFAULT_EFFORT;
+    int rounds = psplat_improving_rounds(c->desc);
     psplat_improvement what = {.samples = &c->samples, .focus = c->samples.count};
     psplat_result result = psplat_improve(&c->selection, &what);
     for (int round = 0; round < rounds && !result; ++round) {
@@ -112,6 +113,7 @@ static psplat_result improve(psplat_conversion *c, psplat_error *error) {
         what.moves = MOVES * psplat_selection_taken(&c->selection);
         what.axis = round % 3;
         result = grow_pool(c, what.seed);
+        if (!result) result = psplat_relax(c);
         if (!result) result = psplat_improve(&c->selection, &what);
     }
     if (!result) return PSPLAT_OK;
@@ -122,7 +124,6 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     psplat_result result =
         psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, error);
     if (!result) result = improve(c, error);
-    if (!result) result = store(c, error);
     if (!result) result = psplat_repair_holes(c, error);
     if (result) return result;
     psplat_selection_settle(&c->selection);
@@ -186,7 +187,7 @@ static psplat_result run(psplat_conversion *c, const psplat_mesh *mesh, psplat_r
     if (result) return result;
     if (interrupted(desc, "sampling", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-    result = psplat_samples_draw(&c->surface, c->samples.spacing, desc->seed, &c->samples, error);
+    result = psplat_sample(c, error);
     if (!result) result = select_splats(c, error);
     if (result) return result;
     fill_splats(c, mesh);

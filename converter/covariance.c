@@ -31,6 +31,15 @@ void psplat_covariance_unite(psplat_covariance *c, const psplat_covariance *othe
     for (int k = 0; k < 6; ++k) c->pp[k] += other->pp[k];
 }
 
+void psplat_covariance_move(psplat_covariance *c, const double d[3]) {
+    for (int k = 0, at = 0; k < 3; ++k)
+        for (int l = k; l < 3; ++l, ++at)
+            c->pp[at] += c->count * d[k] * d[l] - c->p[k] * d[l] - d[k] * c->p[l];
+    for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l) c->np[k][l] -= c->n[k] * d[l];
+    for (int k = 0; k < 3; ++k) c->p[k] -= c->count * d[k];
+}
+
 /* Moments about the mean: xx xy xz yy yz zz. */
 static void central_moments(const psplat_covariance *c, double mean[3], double central[6]) {
     for (int k = 0; k < 3; ++k) mean[k] = c->p[k] / c->count;

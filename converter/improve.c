@@ -197,7 +197,7 @@ static void move(slab *s) {
     s->open_count = 0;
     remove_neighbors(s, &e);
     count_gains(s);
-    if (!recover(s, &e)) {
+    if (!recover(s, &e) || (s->m->what->strict && e.added_count >= e.removed_count)) {
         undo(s, &e);
     } else {
         for (size_t i = 0; i < e.added_count; ++i)

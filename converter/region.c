@@ -58,10 +58,13 @@ size_t psplat_region_polygon(const psplat_region *region, int inscribed, double 
     corner corners[CORNERS], clipped[CORNERS];
     size_t count = capacity - PSPLAT_MAX_CLIP_LINES;
     if (count > OUTLINE_SIDES) count = OUTLINE_SIDES;
-    double radius = inscribed ? 1 : 1 / cos(3.141592653589793 / (double)count);
+    double half = 3.141592653589793 / (double)count, step[2] = {cos(2 * half), sin(2 * half)};
+    double p[2] = {1, inscribed ? 0 : tan(half)};
     for (size_t i = 0; i < count; ++i) {
-        double angle = 6.283185307179586 * ((double)i + (inscribed ? 0 : 0.5)) / (double)count;
-        corners[i][0] = radius * cos(angle), corners[i][1] = radius * sin(angle);
+        double x = p[0];
+        corners[i][0] = p[0], corners[i][1] = p[1];
+        p[0] = step[0] * x - step[1] * p[1];
+        p[1] = step[1] * x + step[0] * p[1];
     }
     for (uint32_t i = 0; i < region->line_count && count; ++i) {
         count = clip_polygon(region->lines[i], corners, count, clipped);
@@ -69,6 +72,16 @@ size_t psplat_region_polygon(const psplat_region *region, int inscribed, double 
     }
     memcpy(polygon, corners, count * sizeof(corner));
     return count;
+}
+
+double psplat_region_area(const psplat_region *region) {
+    double polygon[CORNERS][2], twice = 0;
+    size_t count = psplat_region_polygon(region, 1, polygon, OUTLINE_SIDES + PSPLAT_MAX_CLIP_LINES);
+    for (size_t i = 0; i < count; ++i) {
+        const double *a = polygon[i], *b = polygon[i + 1 < count ? i + 1 : 0];
+        twice += a[0] * b[1] - a[1] * b[0];
+    }
+    return twice / 2 * region->radius[0] * region->radius[1];
 }
 
 size_t psplat_region_points(const psplat_region *region, double (*points)[3]) {
@@ -89,11 +102,9 @@ size_t psplat_region_points(const psplat_region *region, double (*points)[3]) {
 
 psplat_result psplat_region_near(const psplat_region *region, const psplat_distance *distance,
                                  double tolerance, int *near) {
-    double points[PSPLAT_REGION_POINTS][3], distances[PSPLAT_REGION_POINTS];
+    double points[PSPLAT_REGION_POINTS][3];
     *near = 1;
     if (!distance) return PSPLAT_OK;
     size_t count = psplat_region_points(region, points);
-    psplat_result result = psplat_distance_query(distance, &points[0][0], count, distances);
-    for (size_t i = 0; i < count && !result; ++i) *near &= distances[i] <= tolerance;
-    return result;
+    return psplat_distance_within(distance, &points[0][0], count, tolerance, near);
 }

@@ -2,53 +2,53 @@
  *
  * repair.c - holes between samples.
  *
- * Splats that cover every sample may still leave points between samples uncovered. Fresh samples
- * find such points; they become samples themselves, candidates of the pool that cover them are
- * found, and the selection is completed and improved again.
+ * Splats that cover every sample may still leave points between samples uncovered. Points in such
+ * holes become samples themselves, candidates of the pool that cover them are found, and the
+ * selection is completed and exchanged there, so that a hole costs a splat only where it must.
  */
 #include "stages.h"
 #include "vector.h"
 
 #include <stdlib.h>
 
-/* Rounds, how many in a row must find nothing, and fresh samples in each, as a multiple of those
- * fitted and at least. Exchanges close holes with few splats but may open others: later rounds only
- * add. */
-enum { ROUNDS = 24, EXCHANGING_ROUNDS = 6, CLEAN_ROUNDS = 2, FRESH = 4, LEAST_FRESH = 100000 };
+/* Exchanges close holes with few splats but may open others: later rounds only add. */
+enum { ROUNDS = 32, EXCHANGING_ROUNDS = 16 };
 
-/* Part of the margin that must remain: slits too thin to be met by chance do not stay open. */
-static const double looked_at = 0.25;
+/* Moves of improvement for each hole, times one more than the rounds before. */
+enum { MOVES = 10 };
 
-/* Moves of improvement for each splat in a round. */
-enum { MOVES = 8 };
+/* What holes are looked for, in spacings: one in each part of this size, but not narrower ones. */
+static const double coarse = 1, fine = 1.0 / 32;
 
-static const uint64_t repair_seed = 0x7265706169720000u;
+/* Widens a candidate that has come to be taken. Samples do not ask for it, so that exchange does
+ * not use it up. */
+static psplat_result widen_taken(void *user, size_t index, psplat_growth *growth) {
+    psplat_conversion *c = user;
+    psplat_candidate *candidate = &c->selection.candidates[index];
+    if (!candidate->taken || candidate->widened) return PSPLAT_OK;
+    return psplat_candidate_widen(&c->surface, &c->samples, &c->limits, growth, candidate);
+}
 
-/* Appends the fresh samples that lie in holes, and stores how many. */
-static psplat_result find_holes(psplat_conversion *c, int round, size_t *holes,
-                                psplat_error *error) {
-    psplat_samples fresh;
-    size_t triangles = c->surface.mesh->triangle_count, count = FRESH * c->samples.count;
-    if (count < LEAST_FRESH) count = LEAST_FRESH;
-    uint64_t seed = c->desc->seed + repair_seed + (uint64_t)round;
-    psplat_result result = psplat_samples_draw_uniform(&c->surface, count, seed, &fresh, error);
-    if (result) return result;
-    uint8_t *open = malloc(fresh.count + 1);
-    uint32_t *chosen = malloc((fresh.count + 1) * sizeof *chosen);
-    result = PSPLAT_ERROR_MEMORY;
-    if (open && chosen)
-        result = psplat_verify_coverage(&fresh, c->splats, c->limits.tolerance,
-                                        looked_at * c->limits.margin, open, holes);
-    if (result) psplat_fail(error, result, 0, "out of memory while looking for holes");
-    if (!result && *holes) {
-        size_t found = 0;
-        for (uint32_t i = 0; i < fresh.count; ++i)
-            if (open[i]) chosen[found++] = i;
-        result = psplat_samples_append(&c->samples, &fresh, chosen, found, triangles, error);
+/* Appends points in holes to the samples, and stores how many. */
+static psplat_result find_holes(psplat_conversion *c, size_t *count, psplat_error *error) {
+    psplat_measured measured;
+    psplat_holes holes = {0};
+    double tolerance = c->limits.tolerance, spacing = c->samples.spacing;
+    psplat_result result = psplat_growth_each(c->selection.count, widen_taken, c);
+    if (!result) result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
+    if (!result) result = psplat_measured_create(c->splats, tolerance, tolerance, &measured);
+    if (!result) {
+        result =
+            psplat_holes_find(&c->surface, &measured, coarse * spacing, fine * spacing, &holes);
+        psplat_measured_free(&measured);
     }
-    free(open);
-    free(chosen);
-    psplat_samples_free(&fresh);
+    *count = holes.count;
+    if (result)
+        psplat_fail(error, result, 0, "out of memory while looking for holes");
+    else if (holes.count)
+        result = psplat_samples_append(&c->samples, &c->surface, holes.points, holes.triangles,
+                                       holes.count, error);
+    psplat_holes_free(&holes);
     return result;
 }
 
@@ -87,25 +87,18 @@ static psplat_result mark_candidates(const psplat_conversion *c, size_t first, u
     return result;
 }
 
-/* Finds again what marked candidates cover. */
-static psplat_result cover_marked(psplat_conversion *c, const uint8_t *marks) {
-    long count = (long)c->selection.count;
-    int failed = 0;
-#if defined(_OPENMP)
-#pragma omp parallel reduction(| : failed)
-#endif
-    {
-        psplat_growth growth = {0};
-#if defined(_OPENMP)
-#pragma omp for schedule(dynamic, 4)
-#endif
-        for (long i = 0; i < count; ++i)
-            if (marks[i])
-                failed |= psplat_candidate_cover(&c->surface, &c->samples, &c->limits, &growth,
-                                                 &c->selection.candidates[i]) != PSPLAT_OK;
-        psplat_growth_free(&growth);
-    }
-    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+typedef struct marked {
+    psplat_conversion *c;
+    const uint8_t *marks;
+} marked;
+
+/* Finds again what a marked candidate covers. */
+static psplat_result cover_marked(void *user, size_t index, psplat_growth *growth) {
+    const marked *m = user;
+    psplat_conversion *c = m->c;
+    if (!m->marks[index]) return PSPLAT_OK;
+    return psplat_candidate_cover(&c->surface, &c->samples, &c->limits, growth,
+                                  &c->selection.candidates[index]);
 }
 
 /* ---- repair -------------------------------------------------------------------------------- */
@@ -114,38 +107,42 @@ static psplat_result cover_marked(psplat_conversion *c, const uint8_t *marks) {
 static psplat_result cover_holes(psplat_conversion *c, size_t first) {
     uint8_t *marks = calloc(c->selection.count + 1, 1);
     psplat_result result = marks ? mark_candidates(c, first, marks) : PSPLAT_ERROR_MEMORY;
-    if (!result) result = cover_marked(c, marks);
+    marked m = {c, marks};
+    if (!result) result = psplat_growth_each(c->selection.count, cover_marked, &m);
     free(marks);
     return result;
 }
 
-/* Covers the samples from index first on, and stores the splats again. */
-static psplat_result complete(psplat_conversion *c, size_t first, int round, psplat_error *error) {
-    psplat_result result = cover_holes(c, first);
+/* Exchanges candidates around the samples from index first on. */
+static psplat_result exchange(psplat_conversion *c, size_t first, int round) {
     const psplat_improvement what = {.samples = &c->samples,
-                                     .moves = MOVES * psplat_selection_taken(&c->selection),
-                                     .focus = c->samples.count,
+                                     .moves =
+                                         (size_t)(MOVES * (1 + psplat_improving_rounds(c->desc))) *
+                                         (c->samples.count - first),
+                                     .focus = first,
+                                     .strict = 1,
                                      .axis = round % 3,
                                      .seed = c->desc->seed + (uint64_t)round};
-    if (!result)
-        result =
-            psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, NULL);
-    if (!result && round < EXCHANGING_ROUNDS) result = psplat_improve(&c->selection, &what);
-    if (!result) result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
-    if (!result) return PSPLAT_OK;
-    return psplat_fail(error, result, 0, "%s while closing holes", psplat_result_text(result));
+    return psplat_improve(&c->selection, &what);
 }
 
 psplat_result psplat_repair_holes(psplat_conversion *c, psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
     psplat_result result = PSPLAT_OK;
-    for (int round = 0, clean = 0; !result && round < ROUNDS && clean < CLEAN_ROUNDS; ++round) {
-        size_t holes, first = c->samples.count;
+    size_t holes = 1;
+    for (int round = 0; !result && holes && round < ROUNDS; ++round) {
+        size_t first = c->samples.count;
         if (desc->progress && desc->progress(desc->user, "closing holes", (double)round / ROUNDS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-        result = find_holes(c, round, &holes, error);
-        clean = holes ? 0 : clean + 1;
-        if (!result && holes) result = complete(c, first, round, error);
+        result = find_holes(c, &holes, error);
+        if (result || !holes) break;
+        result = cover_holes(c, first);
+        if (!result)
+            result = psplat_select_cover(&c->surface, &c->samples, &c->limits, desc, &c->selection,
+                                         NULL);
+        if (!result && round < EXCHANGING_ROUNDS) result = exchange(c, first, round);
+        if (result)
+            psplat_fail(error, result, 0, "%s while closing holes", psplat_result_text(result));
     }
     return result;
 }

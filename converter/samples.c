@@ -344,23 +344,16 @@ psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t 
     return finish(&buffer, ok, surface, samples, error);
 }
 
-psplat_result psplat_samples_append(psplat_samples *samples, const psplat_samples *extra,
-                                    const uint32_t *chosen, size_t chosen_count,
-                                    size_t triangle_count, psplat_error *error) {
+psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surface *surface,
+                                    const double *points, const uint32_t *triangles, size_t count,
+                                    psplat_error *error) {
     sample_buffer buffer = {.samples = *samples};
-    psplat_samples *s = &buffer.samples;
-    int ok = chosen_count < PSPLAT_NONE - s->count &&
-             buffer_reserve(&buffer, s->count + chosen_count, extra->colors != NULL);
-    for (size_t i = 0; ok && i < chosen_count; ++i, ++s->count) {
-        size_t from = chosen[i];
-        memcpy(s->positions + 3 * s->count, extra->positions + 3 * from, 3 * sizeof(double));
-        memcpy(s->normals + 3 * s->count, extra->normals + 3 * from, 3 * sizeof(float));
-        if (extra->colors)
-            memcpy(s->colors + 4 * s->count, extra->colors + 4 * from, 4 * sizeof(float));
-        s->triangles[s->count] = extra->triangles[from];
-    }
-    if (ok) ok = group(s, triangle_count);
-    *samples = *s;
+    int ok = count < PSPLAT_NONE - samples->count &&
+             buffer_reserve(&buffer, samples->count + count, samples->colors != NULL);
+    for (size_t i = 0; ok && i < count; ++i)
+        ok = buffer_push(&buffer, surface, triangles[i], points + 3 * i);
+    if (ok) ok = group(&buffer.samples, surface->mesh->triangle_count);
+    *samples = buffer.samples;
     if (ok) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the samples do not fit into memory");
 }

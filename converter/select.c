@@ -80,32 +80,34 @@ void psplat_selection_settle(psplat_selection *selection) {
     selection->count = kept;
 }
 
+/* Seeds and what grows from them. */
+typedef struct nursery {
+    const psplat_surface *surface;
+    const psplat_samples *samples;
+    const psplat_limits *limits;
+    const uint32_t *seeds;
+    psplat_candidate *grown;
+} nursery;
+
+static psplat_result grow_one(void *user, size_t index, psplat_growth *growth) {
+    const nursery *n = user;
+    return psplat_candidate_grow(n->surface, n->samples, n->limits, n->seeds[index], growth,
+                                 &n->grown[index]);
+}
+
 psplat_result psplat_selection_grow(const psplat_surface *surface, const psplat_samples *samples,
                                     const psplat_limits *limits, const uint32_t *seeds,
                                     size_t count, psplat_selection *selection) {
     psplat_candidate *grown = calloc(count + 1, sizeof *grown);
     if (!grown) return PSPLAT_ERROR_MEMORY;
-    long end = (long)count;
-    int failed = 0;
-#if defined(_OPENMP)
-#pragma omp parallel reduction(| : failed)
-#endif
-    {
-        psplat_growth growth = {0};
-#if defined(_OPENMP)
-#pragma omp for schedule(dynamic, 2)
-#endif
-        for (long i = 0; i < end; ++i)
-            failed |= psplat_candidate_grow(surface, samples, limits, seeds[i], &growth,
-                                            &grown[i]) != PSPLAT_OK;
-        psplat_growth_free(&growth);
-    }
-    for (long i = 0; i < end; ++i) {
-        if (!failed) failed = !psplat_selection_push(selection, &grown[i]);
-        if (failed) psplat_candidate_free(&grown[i]);
+    nursery n = {surface, samples, limits, seeds, grown};
+    psplat_result result = psplat_growth_each(count, grow_one, &n);
+    for (size_t i = 0; i < count; ++i) {
+        if (!result && !psplat_selection_push(selection, &grown[i])) result = PSPLAT_ERROR_MEMORY;
+        psplat_candidate_free(&grown[i]);
     }
     free(grown);
-    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+    return result;
 }
 
 /* ---- pool ---------------------------------------------------------------------------------- */

@@ -147,10 +147,10 @@ psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing,
 psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t count,
                                           uint64_t seed, psplat_samples *samples,
                                           psplat_error *error);
-/* Appends chosen samples of extra; those there before keep their indices. */
-psplat_result psplat_samples_append(psplat_samples *samples, const psplat_samples *extra,
-                                    const uint32_t *chosen, size_t chosen_count,
-                                    size_t triangle_count, psplat_error *error);
+/* Appends samples at points (count x 3) of triangles; those there before keep their indices. */
+psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surface *surface,
+                                    const double *points, const uint32_t *triangles, size_t count,
+                                    psplat_error *error);
 void psplat_samples_free(psplat_samples *samples);
 
 /* ---- adapter_cgal.cpp --------------------------------------------------------------------- */
@@ -166,6 +166,9 @@ psplat_distance *psplat_distance_create(const psplat_mesh *mesh);
 /* Distances of count points (x 3) to the mesh. */
 psplat_result psplat_distance_query(const psplat_distance *distance, const double *points,
                                     size_t count, double *result);
+/* Whether all points lie within a distance of the mesh: faster than asking how far they are. */
+psplat_result psplat_distance_within(const psplat_distance *distance, const double *points,
+                                     size_t count, double tolerance, int *within);
 void psplat_distance_destroy(psplat_distance *distance);
 
 /* ---- fit.c: the numerics -------------------------------------------------------------------- */
@@ -205,6 +208,8 @@ typedef struct psplat_plane {
 void psplat_covariance_add(psplat_covariance *covariance, const double p[3], const double n[3]);
 /* Adds the sums of other: the covariance of the union. */
 void psplat_covariance_unite(psplat_covariance *covariance, const psplat_covariance *other);
+/* The sums of the same points relative to an origin farther by d. */
+void psplat_covariance_move(psplat_covariance *covariance, const double d[3]);
 
 /* The plane through the points, on the side of their mean normal; perpendicular to it where they
  * do not span a plane. count must be positive. */
@@ -287,6 +292,8 @@ int psplat_region_contains(const psplat_region *region, const double uv[2], doub
 size_t psplat_region_polygon(const psplat_region *region, int inscribed, double (*polygon)[2],
                              size_t capacity);
 
+/* Area of the inscribed polygon of 64 sides, cut by the lines. */
+double psplat_region_area(const psplat_region *region);
 /* Points all over a region: its middle, the corners of its outline, and others halfway. points has
  * room for PSPLAT_REGION_POINTS. Returns their number. */
 #define PSPLAT_REGION_POINTS 145
@@ -341,7 +348,8 @@ typedef struct psplat_candidate {
     uint32_t triangle; /* that the candidate grew from */
     uint32_t *covered; /* sample indices, covered_count; the seed among them */
     size_t covered_count;
-    int taken; /* 0: only in the pool */
+    int taken;   /* 0: only in the pool */
+    int widened; /* by psplat_candidate_widen */
 } psplat_candidate;
 
 /* Scratch of one thread. Zero-initialise. */
@@ -349,12 +357,19 @@ typedef struct psplat_growth {
     psplat_neighborhood near;
     double (*uvh)[3];                /* of near's samples in the region judged last */
     uint32_t *chosen;                /* those covered, indices into near */
+    uint32_t *next;                  /* of near's samples, in their cell */
     double (*local)[2], (*plane)[2]; /* their parameters and normals */
     psplat_segment *segments;
     size_t capacity, segment_capacity;
 } psplat_growth;
 
 void psplat_growth_free(psplat_growth *growth);
+/* Calls visit with each index below count and a scratch, on all cores. MEMORY, where one returns
+ * it, is the only failure. */
+psplat_result psplat_growth_each(size_t count,
+                                 psplat_result (*visit)(void *user, size_t index,
+                                                        psplat_growth *growth),
+                                 void *user);
 
 /* Grows the largest candidate around a sample that keeps the limits: first in a round metric,
  * then in that of the curvature found (WK04). A candidate always exists: in the worst case it
@@ -362,6 +377,19 @@ void psplat_growth_free(psplat_growth *growth);
 psplat_result psplat_candidate_grow(const psplat_surface *surface, const psplat_samples *samples,
                                     const psplat_limits *limits, uint32_t seed,
                                     psplat_growth *growth, psplat_candidate *candidate);
+/* enclose.c: a candidate around the samples of a set, near this plane (relative to origin) of
+ * theirs, made as large as the limits allow. Covers nothing where they allow none. MEMORY is the
+ * only failure. */
+psplat_result psplat_candidate_enclose(const psplat_surface *surface, const psplat_samples *samples,
+                                       const psplat_limits *limits, const uint32_t *set,
+                                       size_t count, const double origin[3],
+                                       const psplat_plane *plane, psplat_growth *growth,
+                                       psplat_candidate *candidate);
+/* widen.c: makes a candidate larger by up to a quarter, as far as the limits allow; what it covers
+ * stays on record as it is. */
+psplat_result psplat_candidate_widen(const psplat_surface *surface, const psplat_samples *samples,
+                                     const psplat_limits *limits, psplat_growth *growth,
+                                     psplat_candidate *candidate);
 /* Finds the samples that an existing candidate covers, after samples were appended. */
 psplat_result psplat_candidate_cover(const psplat_surface *surface, const psplat_samples *samples,
                                      const psplat_limits *limits, psplat_growth *growth,
@@ -400,6 +428,7 @@ typedef struct psplat_improvement {
     size_t focus; /* moves start at samples from this index on; the number of samples: anywhere */
     int axis;     /* 0 1 2: across which the work is cut */
     uint64_t seed;
+    int strict; /* only moves that save a candidate; else also those that change places */
 } psplat_improvement;
 
 /* Exchanges candidates so that fewer cover the same samples. Never takes more than before, nor
@@ -442,7 +471,7 @@ void psplat_locator_destroy(psplat_locator *locator);
 psplat_result psplat_join_lines(const psplat_surface *surface, const psplat_limits *limits,
                                 psplat_selection *selection);
 
-/* ---- repair.c ------------------------------------------------------------------------------ */
+/* ---- convert.c ----------------------------------------------------------------------------- */
 
 /* What a conversion is made of. */
 typedef struct psplat_conversion {
@@ -454,13 +483,30 @@ typedef struct psplat_conversion {
     psplat_selection selection;
     psplat_splats *splats;
     double tolerance; /* in the mesh's units */
+    double finest;    /* spacing of samples that suffices everywhere; the same */
 } psplat_conversion;
 
-/* Looks at fresh samples until no splat leaves a hole, makes those in holes samples to cover, and
- * covers them. The splats are those taken, stored. */
+/* How often the selection is improved. */
+int psplat_improving_rounds(const psplat_convert_desc *desc);
+
+/* ---- spacing.c ----------------------------------------------------------------------------- */
+
+/* Draws samples as dense as the limits make splats small, and sets the limits' margin. */
+psplat_result psplat_sample(psplat_conversion *c, psplat_error *error);
+
+/* ---- relax.c ------------------------------------------------------------------------------- */
+
+/* Adds to the pool: candidates around what each taken one alone covers, and around what each two
+ * neighbours alone cover where one splat can. MEMORY is the only failure. */
+psplat_result psplat_relax(psplat_conversion *c);
+
+/* ---- repair.c ------------------------------------------------------------------------------ */
+
+/* Finds holes between the splats taken, makes points in them samples to cover, and covers these,
+ * until there is none. The splats are those taken, stored. */
 psplat_result psplat_repair_holes(psplat_conversion *c, psplat_error *error);
 
-/* ---- coverage.c ---------------------------------------------------------------------------- */
+/* ---- measured.c ---------------------------------------------------------------------------- */
 
 /* Stored splats, ready to be measured. */
 typedef struct psplat_measured {
@@ -468,7 +514,6 @@ typedef struct psplat_measured {
     psplat_region *regions;      /* theirs */
     psplat_locator *locator;
     double tolerance; /* wider than promised by rounding */
-    double margin;    /* of an ellipse that does not count; 0 */
 } psplat_measured;
 
 /* reach: how far from a point its splats may be. MEMORY is the only failure. */
@@ -480,11 +525,22 @@ void psplat_measured_free(psplat_measured *measured);
 int psplat_measured_covers(const psplat_measured *measured, uint32_t splat, const double normal[3],
                            const double uvh[3]);
 
-/* Marks (1) the samples that no splat covers within tolerance, or only with the last margin (a
- * length) of its ellipse. */
-psplat_result psplat_verify_coverage(const psplat_samples *samples, const psplat_splats *splats,
-                                     double tolerance, double margin, uint8_t *uncovered,
-                                     size_t *count);
+/* ---- holes.c ------------------------------------------------------------------------------- */
+
+/* Points of the surface that no splat covers, and the triangles they are on. */
+typedef struct psplat_holes {
+    double *points; /* count x 3 */
+    uint32_t *triangles;
+    size_t count, capacity;
+} psplat_holes;
+
+/* Finds holes between splats: at least one in each part of a triangle of about the size `coarse`
+ * that has one wider than about `fine` (lengths), and the points of a point set that are not
+ * covered. In the order of triangles, whatever the number of threads. MEMORY is the only failure.
+ */
+psplat_result psplat_holes_find(const psplat_surface *surface, const psplat_measured *measured,
+                                double coarse, double fine, psplat_holes *holes);
+void psplat_holes_free(psplat_holes *holes);
 
 /* ---- crossing.c ---------------------------------------------------------------------------- */
 

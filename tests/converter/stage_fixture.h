@@ -69,6 +69,38 @@ static inline void fixture_grid(fixture *f, uint32_t columns, uint32_t rows,
         }
 }
 
+/* Whether a splat is met that covers the point. */
+typedef struct fixture_probe {
+    const psplat_measured *measured;
+    const double *point;
+    double normal[3];
+    int covered;
+} fixture_probe;
+
+static inline int fixture_visit(void *user, uint32_t splat) {
+    fixture_probe *p = user;
+    double uvh[3];
+    psplat_region_local(&p->measured->regions[splat], p->point, uvh);
+    return p->covered = psplat_measured_covers(p->measured, splat, p->normal, uvh);
+}
+
+/* Marks (1) the samples that no splat covers. Returns their number. */
+static inline size_t fixture_open(const psplat_samples *samples, const psplat_splats *splats,
+                                  double tolerance, uint8_t *open) {
+    psplat_measured measured;
+    size_t count = 0;
+    assert_int_equal(psplat_measured_create(splats, tolerance, tolerance, &measured), PSPLAT_OK);
+    for (size_t i = 0; i < samples->count; ++i) {
+        fixture_probe p = {&measured, samples->positions + 3 * i, {0, 0, 0}, 0};
+        for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)samples->normals[3 * i + k];
+        psplat_locator_visit(measured.locator, p.point, fixture_visit, &p);
+        open[i] = !p.covered;
+        count += open[i];
+    }
+    psplat_measured_free(&measured);
+    return count;
+}
+
 /* Samples, and distances to the mesh. spacing in diagonals. */
 static inline void fixture_sample(fixture *f, double spacing) {
     f->distance = psplat_distance_create(&f->mesh);
@@ -85,7 +117,7 @@ static inline psplat_result fixture_improve(psplat_selection *selection, size_t 
     samples.positions = calloc(3 * count + 1, sizeof(double));
     assert_non_null(samples.positions);
     for (size_t i = 0; i < count; ++i) samples.positions[3 * i] = (double)i;
-    psplat_improvement what = {&samples, moves, focus, 0, seed};
+    psplat_improvement what = {&samples, moves, focus, 0, seed, 0};
     psplat_result result = psplat_improve(selection, &what);
     free(samples.positions);
     return result;

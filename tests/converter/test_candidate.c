@@ -285,11 +285,9 @@ static void test_cover(void **state) {
     psplat_candidate c = grow(&f, &limits, 0);
     psplat_samples extra;
     assert_int_equal(psplat_samples_draw_uniform(&f.surface, 50, 9, &extra, NULL), PSPLAT_OK);
-    uint32_t all[64];
-    for (uint32_t i = 0; i < extra.count; ++i) all[i] = i;
-    assert_int_equal(
-        psplat_samples_append(&f.samples, &extra, all, extra.count, f.mesh.triangle_count, NULL),
-        PSPLAT_OK);
+    assert_int_equal(psplat_samples_append(&f.samples, &f.surface, extra.positions, extra.triangles,
+                                           extra.count, NULL),
+                     PSPLAT_OK);
     psplat_growth growth = {0};
     assert_int_equal(psplat_candidate_cover(&f.surface, &f.samples, &limits, &growth, &c),
                      PSPLAT_OK);

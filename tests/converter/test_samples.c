@@ -130,7 +130,6 @@ static void test_append(void **state) {
     fixture f;
     draw(&f, MODELS "cube.off", 0.1, 1);
     psplat_samples extra;
-    uint32_t chosen[3] = {7, 2, 5};
     size_t before = f.samples.count;
     double *positions = malloc(before * 3 * sizeof(double));
     uint8_t *listed = calloc(before + 3, 1);
@@ -139,16 +138,16 @@ static void test_append(void **state) {
     memcpy(positions, f.samples.positions, before * 3 * sizeof(double));
     assert_int_equal(psplat_samples_draw_uniform(&f.surface, 20, 9, &extra, NULL), PSPLAT_OK);
     assert_int_equal(
-        psplat_samples_append(&f.samples, &extra, chosen, 3, f.mesh.triangle_count, NULL),
+        psplat_samples_append(&f.samples, &f.surface, extra.positions, extra.triangles, 3, NULL),
         PSPLAT_OK);
     assert_int_equal(f.samples.count, before + 3);
     assert_memory_equal(f.samples.positions, positions, before * 3 * sizeof(double));
     for (size_t c = 0; c < 3; ++c) {
-        assert_memory_equal(f.samples.positions + 3 * (before + c),
-                            extra.positions + 3 * (size_t)chosen[c], 3 * sizeof(double));
-        assert_memory_equal(f.samples.normals + 3 * (before + c),
-                            extra.normals + 3 * (size_t)chosen[c], 3 * sizeof(float));
-        assert_int_equal(f.samples.triangles[before + c], extra.triangles[chosen[c]]);
+        assert_memory_equal(f.samples.positions + 3 * (before + c), extra.positions + 3 * c,
+                            3 * sizeof(double));
+        assert_memory_equal(f.samples.normals + 3 * (before + c), extra.normals + 3 * c,
+                            3 * sizeof(float));
+        assert_int_equal(f.samples.triangles[before + c], extra.triangles[c]);
     }
     assert_int_equal(f.samples.first[f.mesh.triangle_count], f.samples.count);
     for (uint32_t t = 0; t < f.mesh.triangle_count; ++t)

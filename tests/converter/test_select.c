@@ -143,16 +143,14 @@ static void test_appended(void **state) {
     psplat_selection selection = {0};
     psplat_samples extra;
     psplat_growth growth = {0};
-    uint32_t all[500];
     fixture_model(&f, "cone.stl");
     fixture_sample(&f, 0.01);
     select_all(&f, 0.04, 0, &selection);
     size_t before = f.samples.count;
     assert_int_equal(psplat_samples_draw_uniform(&f.surface, 500, 9, &extra, NULL), PSPLAT_OK);
-    for (uint32_t i = 0; i < extra.count; ++i) all[i] = i;
-    assert_int_equal(
-        psplat_samples_append(&f.samples, &extra, all, extra.count, f.mesh.triangle_count, NULL),
-        PSPLAT_OK);
+    assert_int_equal(psplat_samples_append(&f.samples, &f.surface, extra.positions, extra.triangles,
+                                           extra.count, NULL),
+                     PSPLAT_OK);
     psplat_limits limits = limits_of(&f, 0.04);
     for (size_t i = 0; i < selection.count; ++i)
         assert_int_equal(psplat_candidate_cover(&f.surface, &f.samples, &limits, &growth,
