@@ -68,7 +68,7 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "bytes", PSPLAT_OPTION_COUNT, &a->bytes, "N",
          "find the smallest tolerance whose OUT.glb has at most N\nbytes: a budget", 1, 2e9, NULL},
         {0, "effort", PSPLAT_OPTION_COUNT, &a->effort, "N",
-         "how long to look for fewer splats (default 3)", 0, 9, NULL},
+         "how long to look for fewer splats (default 2)", 0, 9, NULL},
         {0, "crease-angle", PSPLAT_OPTION_NUMBER, &a->crease_angle, "DEG",
          "angle between two faces from which their edge stays\nsharp (default 30)", 1, 180, NULL},
         {0, "no-creases", PSPLAT_OPTION_FLAG, &a->no_creases, NULL,

@@ -12,7 +12,7 @@ static const double default_tolerance_percent = 0.5;
 static const double default_crease_angle_degrees = 30;
 
 /* Part of the tolerance that fitting may use; the rest is for single precision. */
-static const double fitted_part = 0.98;
+static const double fitted_part = 0.99;
 /* Creases are the lines that the eye follows: what they may leave the surface by, and how far a
  * splat may reach over them, in parts of the tolerance. */
 static const double crease_part = 0.5;

@@ -88,7 +88,7 @@ typedef struct psplat_convert_desc {
                                   * noise; twice of it where the file's normals agree; 0: 30 */
     int no_creases;              /* 1: only borders and non-manifold edges bound splats */
     int constant_normals;        /* 1: fields without gradients, as Gaussian splats have */
-    int effort;     /* 1 ... 10: rounds of improving the selection; 0 means the default, 4 */
+    int effort;     /* 1 ... 10: how long the selection is improved; 0 means the default, 3 */
     uint64_t seed;  /* of the sampling */
     int unverified; /* 1: a report gets counts only; psplat_convert_verify adds the rest */
     /* Called now and then with the stage's name and its fraction done 0 ... 1; a return other than

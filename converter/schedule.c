@@ -12,8 +12,8 @@ static const struct stage {
     const char *name;
     double share;
 } stages[] = {
-    {"reading", 0.02},   {"finding creases", 0.02}, {"sampling", 0.01},  {"selecting splats", 0.47},
-    {"improving", 0.38}, {"closing holes", 0.07},   {"verifying", 0.02}, {"writing", 0.01},
+    {"reading", 0.02},   {"finding creases", 0.02}, {"sampling", 0.03},  {"selecting splats", 0.29},
+    {"improving", 0.28}, {"closing holes", 0.32},   {"verifying", 0.03}, {"writing", 0.01},
 };
 
 /* A search for a budget goes through all stages between these many times, as one. */
