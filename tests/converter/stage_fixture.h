@@ -9,6 +9,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#if defined(_OPENMP)
+#include <omp.h>
+#endif
 
 #include "near.h"
 #include "stages.h"
@@ -29,6 +32,15 @@ static inline void fixture_free(fixture *f) {
     psplat_samples_free(&f->samples);
     psplat_surface_free(&f->surface);
     psplat_mesh_free(&f->mesh);
+}
+
+/* Lets stages use so many threads; 0: as many as there are cores. */
+static inline void fixture_threads(int count) {
+#if defined(_OPENMP)
+    omp_set_num_threads(count ? count : omp_get_num_procs());
+#else
+    (void)count;
+#endif
 }
 
 static inline void fixture_build(fixture *f) {
@@ -110,17 +122,23 @@ static inline void fixture_sample(fixture *f, double spacing) {
         PSPLAT_OK);
 }
 
-/* Improves a selection; samples lie in a row. */
-static inline psplat_result fixture_improve(psplat_selection *selection, size_t count, size_t focus,
-                                            size_t moves, uint64_t seed) {
+/* Improves a selection, or (strict) only where that saves candidates; samples lie in a row. */
+static inline psplat_result fixture_exchange(psplat_selection *selection, size_t count,
+                                             size_t focus, size_t moves, uint64_t seed,
+                                             int strict) {
     psplat_samples samples = {.count = count};
     samples.positions = calloc(3 * count + 1, sizeof(double));
     assert_non_null(samples.positions);
     for (size_t i = 0; i < count; ++i) samples.positions[3 * i] = (double)i;
-    psplat_improvement what = {&samples, moves, focus, 0, seed, 0};
+    psplat_improvement what = {&samples, moves, focus, 0, seed, strict};
     psplat_result result = psplat_improve(selection, &what);
     free(samples.positions);
     return result;
+}
+
+static inline psplat_result fixture_improve(psplat_selection *selection, size_t count, size_t focus,
+                                            size_t moves, uint64_t seed) {
+    return fixture_exchange(selection, count, focus, moves, seed, 0);
 }
 
 /* A random orthonormal frame, right-handed. */

@@ -159,6 +159,69 @@ static void test_union(void **state) {
     for (int k = 0; k < 6; ++k) assert_near(united.pp[k], all.pp[k], 1e-12);
 }
 
+/* The same points told from two origins: sums moved from one to the other are those taken there.
+ * The points lie some 1 from the first; `far` is how far the second is. */
+static void check_move(double far, double tolerance, uint64_t *random) {
+    psplat_covariance here = {0}, there = {0};
+    psplat_plane moved, plane;
+    double d[3];
+    for (int k = 0; k < 3; ++k) d[k] = far * (2 * psplat_random_unit(random) - 1);
+    for (int i = 0; i < 100; ++i) {
+        double p[3], q[3], n[3];
+        for (int k = 0; k < 3; ++k) {
+            p[k] = (k < 2 ? 2 : 0.02) * psplat_random_unit(random) - (k < 2 ? 1 : 0.01);
+            n[k] = (k < 2 ? 0.1 : 1) * psplat_random_unit(random);
+        }
+        normalize3(n);
+        sub3(q, p, d);
+        psplat_covariance_add(&here, p, n);
+        psplat_covariance_add(&there, q, n);
+    }
+    psplat_covariance_move(&here, d);
+    /* Sums of 100: each of at most the square of the points' distance. */
+    double size = 1 + far, sum = 100 * size, squares = 100 * size * size;
+    assert_near(here.count, 100, 0);
+    for (int k = 0; k < 3; ++k) {
+        assert_near(here.p[k], there.p[k], 1e-12 * sum);
+        assert_near(here.n[k], there.n[k], 0);
+        for (int l = 0; l < 3; ++l) assert_near(here.np[k][l], there.np[k][l], 1e-12 * sum);
+    }
+    for (int k = 0; k < 6; ++k) assert_near(here.pp[k], there.pp[k], 1e-12 * squares);
+    psplat_covariance_fit(&here, &moved);
+    psplat_covariance_fit(&there, &plane);
+    for (int k = 0; k < 3; ++k) assert_near(moved.mean[k], plane.mean[k], 1e-12 * size);
+    assert_near(moved.variance[0], plane.variance[0], tolerance);
+    assert_near(moved.variance[2], plane.variance[2], tolerance);
+    assert_near(dot3(moved.n, plane.n), 1, tolerance + 1e-15);
+}
+
+static void test_move(void **state) {
+    (void)state;
+    uint64_t random = 23;
+    for (int trial = 0; trial < 20; ++trial) {
+        check_move(0, 0, &random); /* not at all */
+        /* The variance is a difference of squares: 1e-16 of (1 + far)^2, of some thousand terms. */
+        check_move(1, 1e-13, &random);
+        check_move(10, 1e-11, &random);
+        check_move(1000, 1e-8, &random);
+    }
+    /* There and back again from 1e6: squares of 1e12 leave 1e-4 of extents of 1. */
+    psplat_covariance c = {0};
+    psplat_plane before, after;
+    const double far[3] = {6e5, -8e5, 3e5}, back[3] = {-6e5, 8e5, -3e5};
+    for (int i = 0; i < 100; ++i) {
+        double p[3] = {0.1 * (i % 10), 0.2 * (i / 10), 0}, n[3] = {0, 0, 1};
+        psplat_covariance_add(&c, p, n);
+    }
+    psplat_covariance_fit(&c, &before);
+    psplat_covariance_move(&c, far);
+    psplat_covariance_move(&c, back);
+    psplat_covariance_fit(&c, &after);
+    for (int k = 0; k < 3; ++k) assert_near(after.mean[k], before.mean[k], 1e-9);
+    for (int k = 0; k < 3; ++k) assert_near(after.variance[k], before.variance[k], 2e-3);
+    assert_near(dot3(after.n, before.n), 1, 1e-2);
+}
+
 /* ---- curvature ------------------------------------------------------------------------------- */
 
 /* The graph of (a s^2 + b t^2) / 2 over a small square: curvatures a and b along s and t, of which
@@ -248,10 +311,11 @@ static void test_no_curvature(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plane), cmocka_unit_test(test_noisy_plane),
-        cmocka_unit_test(test_few),   cmocka_unit_test(test_normals_overrule),
-        cmocka_unit_test(test_union), cmocka_unit_test(test_curvature),
-        cmocka_unit_test(test_round), cmocka_unit_test(test_no_curvature),
+        cmocka_unit_test(test_plane),        cmocka_unit_test(test_noisy_plane),
+        cmocka_unit_test(test_few),          cmocka_unit_test(test_normals_overrule),
+        cmocka_unit_test(test_union),        cmocka_unit_test(test_move),
+        cmocka_unit_test(test_curvature),    cmocka_unit_test(test_round),
+        cmocka_unit_test(test_no_curvature),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

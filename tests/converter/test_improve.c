@@ -214,11 +214,68 @@ static void test_focus(void **state) {
     psplat_selection_free(&selection);
 }
 
+/* Strict moves leave what they cannot make less: the same candidates, not others of equal number.
+ */
+static void test_strict(void **state) {
+    (void)state;
+    enum { SAMPLES = 300, SETS = 250 };
+    size_t saved = 0, moved = 0;
+    for (uint64_t seed = 0; seed < 40; ++seed) {
+        psplat_selection selection, free_one;
+        uint8_t taken[SETS];
+        make_ring(&selection, SAMPLES, SETS, 1, seed);
+        make_ring(&free_one, SAMPLES, SETS, 1, seed);
+        uint32_t *before = count_covers(&selection, SAMPLES);
+        assert_int_equal(fixture_improve(&selection, SAMPLES, 0, 0, 1), PSPLAT_OK);
+        assert_int_equal(fixture_improve(&free_one, SAMPLES, 0, 0, 1), PSPLAT_OK);
+        for (uint64_t round = 0; round < 8; ++round) {
+            size_t count = psplat_selection_taken(&selection);
+            for (size_t c = 0; c < SETS; ++c) taken[c] = (uint8_t)selection.candidates[c].taken;
+            assert_int_equal(fixture_exchange(&selection, SAMPLES, SAMPLES, 40, round, 1),
+                             PSPLAT_OK);
+            assert_true(psplat_selection_taken(&selection) <= count);
+            check_cover(&selection, before, SAMPLES);
+            if (psplat_selection_taken(&selection) < count) {
+                saved += count - psplat_selection_taken(&selection);
+                continue;
+            }
+            for (size_t c = 0; c < SETS; ++c)
+                assert_int_equal(selection.candidates[c].taken, taken[c]);
+        }
+        for (size_t c = 0; c < SETS; ++c) taken[c] = (uint8_t)free_one.candidates[c].taken;
+        size_t count = psplat_selection_taken(&free_one);
+        assert_int_equal(fixture_improve(&free_one, SAMPLES, SAMPLES, 40, seed), PSPLAT_OK);
+        for (size_t c = 0; c < SETS && psplat_selection_taken(&free_one) == count; ++c)
+            moved += free_one.candidates[c].taken != taken[c];
+        free(before);
+        psplat_selection_free(&selection);
+        psplat_selection_free(&free_one);
+    }
+    assert_true(saved > 40);
+    assert_true(moved > 0); /* what others do is more than that */
+}
+
+/* Two of three intervals overlap so far that a fourth replaces them: strict moves find it. */
+static void test_strict_saves(void **state) {
+    (void)state;
+    psplat_selection selection = {0};
+    add(&selection, 0, 10, 1);
+    add(&selection, 8, 10, 1);
+    add(&selection, 16, 10, 1);
+    add(&selection, 5, 9, 0);  /* useless */
+    add(&selection, 0, 17, 0); /* instead of the first two */
+    assert_int_equal(fixture_exchange(&selection, 26, 26, 100, 1, 1), PSPLAT_OK);
+    assert_int_equal(psplat_selection_taken(&selection), 2);
+    assert_int_equal(selection.candidates[4].taken + selection.candidates[2].taken, 2);
+    psplat_selection_free(&selection);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_keeps),      cmocka_unit_test(test_prunes),
         cmocka_unit_test(test_repeatable), cmocka_unit_test(test_beats_greedy),
         cmocka_unit_test(test_line),       cmocka_unit_test(test_focus),
+        cmocka_unit_test(test_strict),     cmocka_unit_test(test_strict_saves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

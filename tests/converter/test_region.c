@@ -45,6 +45,39 @@ static void test_polygon(void **state) {
     assert_int_equal(psplat_region_polygon(&r, 0, polygon, 68), 0);
 }
 
+/* A whole ellipse, a half, a quarter, a thin strip, a square cut by four lines, and nothing; the
+ * outline has 64 sides, whose polygon is exact. */
+static void test_area(void **state) {
+    (void)state;
+    uint64_t random = 14;
+    for (int turn = 0; turn < 20; ++turn) {
+        psplat_region r = level_region(1e3, -2e3, 5e2, 3, 0.5); /* wherever it is */
+        random_axes(&random, r.u, r.v, r.n);
+        double whole = 32 * sin(fixture_pi / 32) * 3 * 0.5;
+        assert_near(psplat_region_area(&r), whole, 1e-12);
+        assert_near(psplat_region_area(&r), fixture_pi * 1.5, 0.002 * fixture_pi * 1.5);
+        double angle = fixture_pi / 32 * turn; /* through corners of the outline */
+        r.line_count = 1;
+        r.lines[0][0] = -sin(angle), r.lines[0][1] = cos(angle);
+        assert_near(psplat_region_area(&r), whole / 2, 1e-12);
+        r.line_count = 2;
+        r.lines[1][0] = cos(angle), r.lines[1][1] = sin(angle);
+        assert_near(psplat_region_area(&r), whole / 4, 1e-12);
+        r.lines[1][0] = sin(angle), r.lines[1][1] = -cos(angle), r.lines[1][2] = 0.01;
+        /* Between corners, the chord at 0.01 is shorter than 2 by 0.01^2 and the polygon's slack.
+         */
+        assert_near(psplat_region_area(&r), 2 * 0.01 * 1.5, 2e-3 * 0.03);
+        r.lines[1][2] = -0.01; /* nothing is on both sides */
+        assert_near(psplat_region_area(&r), 0, 1e-15);
+        r.line_count = 4;
+        for (int i = 0; i < 4; ++i) {
+            double side = angle + fixture_pi / 2 * i;
+            r.lines[i][0] = cos(side), r.lines[i][1] = sin(side), r.lines[i][2] = 0.7;
+        }
+        assert_near(psplat_region_area(&r), 1.4 * 1.4 * 1.5, 1e-12);
+    }
+}
+
 /* ---- points ---------------------------------------------------------------------------------- */
 
 /* A region anywhere in space, cut by lines that leave its centre. */
@@ -128,6 +161,49 @@ static void test_points(void **state) {
     assert_int_equal(psplat_region_points(&r, points), 0);
 }
 
+/* Whether points are within a distance is what their distances say, next to the mesh and far from
+ * it, and also for those at the distance itself but for rounding. */
+static void place_bump(double s, double t, double p[3]) {
+    p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0.3 * sin(5 * s) * cos(7 * t);
+}
+
+static int within(const psplat_distance *distance, const double *points, size_t count, double far) {
+    int result = -1;
+    assert_int_equal(psplat_distance_within(distance, points, count, far, &result), PSPLAT_OK);
+    assert_in_range(result, 0, 1);
+    return result;
+}
+
+static void test_within(void **state) {
+    (void)state;
+    enum { POINTS = 500 };
+    fixture f;
+    uint64_t random = 77;
+    double points[3 * POINTS], far[POINTS], farthest = 0;
+    fixture_grid(&f, 12, 12, place_bump);
+    psplat_distance *distance = psplat_distance_create(&f.mesh);
+    assert_non_null(distance);
+    for (int i = 0; i < 3 * POINTS; ++i) points[i] = 5 * psplat_random_unit(&random) - 2.5;
+    for (int i = 0; i < POINTS; ++i) points[3 * i + 2] *= i % 2 ? 0.2 : 1;
+    assert_int_equal(psplat_distance_query(distance, points, POINTS, far), PSPLAT_OK);
+    for (int i = 0; i < POINTS; ++i) {
+        const double *p = points + 3 * i;
+        farthest = max2(farthest, far[i]);
+        for (int k = 0; k < 10; ++k) {
+            double asked = 3 * psplat_random_unit(&random);
+            assert_int_equal(within(distance, p, 1, asked), far[i] <= asked);
+        }
+        /* Feet are rounded: some 1e-16 of coordinates of 2. */
+        assert_int_equal(within(distance, p, 1, far[i] + 1e-14), 1);
+        assert_int_equal(within(distance, p, 1, far[i] - 1e-14), 0);
+    }
+    assert_int_equal(within(distance, points, POINTS, farthest + 1e-14), 1);
+    assert_int_equal(within(distance, points, POINTS, farthest - 1e-14), 0);
+    assert_int_equal(within(distance, points, 0, 1e-3), 1); /* all of none */
+    psplat_distance_destroy(distance);
+    fixture_free(&f);
+}
+
 static void place_square(double s, double t, double p[3]) {
     p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0;
 }
@@ -163,7 +239,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_local),   cmocka_unit_test(test_contains),
         cmocka_unit_test(test_polygon), cmocka_unit_test(test_points),
-        cmocka_unit_test(test_near),
+        cmocka_unit_test(test_near),    cmocka_unit_test(test_area),
+        cmocka_unit_test(test_within),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
