@@ -214,6 +214,44 @@ static int unite(psplat_holes *holes, const psplat_holes *block) {
     return 1;
 }
 
+/* A hole and the cube of space that it lies in. */
+typedef struct placed {
+    double cell[3];
+    size_t index;
+} placed;
+
+static int compare_placed(const void *left, const void *right) {
+    const placed *a = left, *b = right;
+    for (int k = 0; k < 3; ++k)
+        if (a->cell[k] != b->cell[k]) return a->cell[k] < b->cell[k] ? -1 : 1;
+    return a->index < b->index ? -1 : a->index > b->index;
+}
+
+/* Keeps the first hole of each cube with these sides: small triangles have one each. */
+static int thin(psplat_holes *holes, double side) {
+    size_t count = holes->count, kept = 0;
+    placed *list = malloc((count + 1) * sizeof *list);
+    uint8_t *first = calloc(count + 1, 1);
+    for (size_t i = 0; list && i < count; ++i) {
+        for (size_t k = 0; k < 3; ++k) list[i].cell[k] = floor(holes->points[3 * i + k] / side);
+        list[i].index = i;
+    }
+    if (list && first) qsort(list, count, sizeof *list, compare_placed);
+    for (size_t i = 0; list && first && i < count; ++i)
+        first[list[i].index] =
+            !i || memcmp(list[i].cell, list[i - 1].cell, sizeof list[i].cell) != 0;
+    for (size_t i = 0; list && first && i < count; ++i) {
+        if (!first[i]) continue;
+        memmove(holes->points + 3 * kept, holes->points + 3 * i, 3 * sizeof *holes->points);
+        holes->triangles[kept++] = holes->triangles[i];
+    }
+    int ok = list && first;
+    if (ok) holes->count = kept;
+    free(list);
+    free(first);
+    return ok;
+}
+
 enum { BLOCK = 256 }; /* triangles or points that a thread takes at once */
 
 psplat_result psplat_holes_find(const psplat_surface *surface, const psplat_measured *measured,
@@ -250,6 +288,7 @@ psplat_result psplat_holes_find(const psplat_surface *surface, const psplat_meas
         psplat_holes_free(&blocks[b]);
     }
     free(blocks);
+    if (!failed && holes->count) failed = !thin(holes, coarse);
     if (failed) psplat_holes_free(holes);
     return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }

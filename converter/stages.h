@@ -534,10 +534,9 @@ typedef struct psplat_holes {
     size_t count, capacity;
 } psplat_holes;
 
-/* Finds holes between splats: at least one in each part of a triangle of about the size `coarse`
- * that has one wider than about `fine` (lengths), and the points of a point set that are not
- * covered. In the order of triangles, whatever the number of threads. MEMORY is the only failure.
- */
+/* Finds holes wider than about `fine` between splats, one in each cube of side `coarse` (lengths)
+ * that has any, and points of a point set that are not covered. In the order of triangles,
+ * whatever the number of threads. MEMORY is the only failure. */
 psplat_result psplat_holes_find(const psplat_surface *surface, const psplat_measured *measured,
                                 double coarse, double fine, psplat_holes *holes);
 void psplat_holes_free(psplat_holes *holes);
