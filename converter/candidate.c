@@ -285,15 +285,9 @@ psplat_result psplat_candidate_grow(const psplat_surface *surface, const psplat_
 psplat_result psplat_candidate_cover(const psplat_surface *surface, const psplat_samples *samples,
                                      const psplat_limits *limits, psplat_growth *growth,
                                      psplat_candidate *candidate) {
-    psplat_seedling s = {.surface = surface,
-                         .samples = samples,
-                         .limits = limits,
-                         .growth = growth,
-                         .seed = PSPLAT_NONE,
-                         .triangle = candidate->triangle};
     const psplat_region *region = &candidate->region;
-    memcpy(s.metric.center, region->center, sizeof s.metric.center);
-    psplat_trial_turn(&s, region->n, region->u, 1);
+    psplat_seedling s =
+        psplat_trial_at(surface, samples, limits, growth, region, candidate->triangle);
     if (!psplat_trial_gather(&s, 1.01 * (region->radius[0] + limits->tolerance)))
         return PSPLAT_ERROR_MEMORY;
     s.relevant = growth->near.count;

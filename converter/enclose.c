@@ -123,14 +123,8 @@ psplat_result psplat_candidate_enclose(const psplat_surface *surface, const pspl
         memcpy(covered, set, count * sizeof *covered);
         middle_first(samples, &region, covered, count);
         *candidate = (psplat_candidate){.covered = covered, .covered_count = count};
-        psplat_seedling s = {.surface = surface,
-                             .samples = samples,
-                             .limits = limits,
-                             .growth = growth,
-                             .seed = PSPLAT_NONE,
-                             .triangle = samples->triangles[covered[0]]};
-        memcpy(s.metric.center, region.center, sizeof s.metric.center);
-        psplat_trial_turn(&s, region.n, region.u, 1);
+        psplat_seedling s = psplat_trial_at(surface, samples, limits, growth, &region,
+                                            samples->triangles[covered[0]]);
         kept = psplat_trial_accept(&s, &region, 0, candidate);
         if (kept) psplat_trial_widen(&s, candidate, greatest_widening, WIDENINGS);
         failed = s.failed;

@@ -128,6 +128,20 @@ int psplat_trial_surround(psplat_seedling *s, const psplat_region *region) {
     return 1;
 }
 
+psplat_seedling psplat_trial_at(const psplat_surface *surface, const psplat_samples *samples,
+                                const psplat_limits *limits, psplat_growth *growth,
+                                const psplat_region *region, uint32_t triangle) {
+    psplat_seedling s = {.surface = surface,
+                         .samples = samples,
+                         .limits = limits,
+                         .growth = growth,
+                         .seed = PSPLAT_NONE,
+                         .triangle = triangle};
+    memcpy(s.metric.center, region->center, sizeof s.metric.center);
+    psplat_trial_turn(&s, region->n, region->u, 1);
+    return s;
+}
+
 /* ---- lines --------------------------------------------------------------------------------- */
 
 size_t psplat_trial_segments(const psplat_seedling *s, const psplat_region *region,

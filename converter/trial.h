@@ -26,6 +26,10 @@ typedef struct psplat_seedling {
  */
 #define PSPLAT_GREATEST_GAP 1.5
 
+/* A seedling in the middle of a region, near a triangle; no one sample must be covered. */
+psplat_seedling psplat_trial_at(const psplat_surface *surface, const psplat_samples *samples,
+                                const psplat_limits *limits, psplat_growth *growth,
+                                const psplat_region *region, uint32_t triangle);
 /* Turns the metric: n and u are its first and last axes, lengths across both count 1 / stretch. */
 void psplat_trial_turn(psplat_seedling *s, const double n[3], const double u[3], double stretch);
 /* Knows the surroundings up to reach, unless they end before. 0 when out of memory. */

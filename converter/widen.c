@@ -7,8 +7,6 @@
  */
 #include "trial.h"
 
-#include <string.h>
-
 /* How much larger what is taken becomes, and to what precision: some percent. */
 static const double greatest_widening = 1.25;
 enum { STEPS = 5 };
@@ -44,16 +42,10 @@ void psplat_trial_widen(psplat_seedling *s, psplat_candidate *candidate, double 
 psplat_result psplat_candidate_widen(const psplat_surface *surface, const psplat_samples *samples,
                                      const psplat_limits *limits, psplat_growth *growth,
                                      psplat_candidate *candidate) {
-    psplat_seedling s = {.surface = surface,
-                         .samples = samples,
-                         .limits = limits,
-                         .growth = growth,
-                         .seed = PSPLAT_NONE,
-                         .triangle = candidate->triangle,
-                         .recorded = 1};
     if (!candidate->covered_count) return PSPLAT_OK;
-    memcpy(s.metric.center, candidate->region.center, sizeof s.metric.center);
-    psplat_trial_turn(&s, candidate->region.n, candidate->region.u, 1);
+    psplat_seedling s =
+        psplat_trial_at(surface, samples, limits, growth, &candidate->region, candidate->triangle);
+    s.recorded = 1;
     psplat_trial_widen(&s, candidate, greatest_widening, STEPS);
     candidate->widened = 1;
     return s.failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
