@@ -16,6 +16,8 @@
  */
 enum { STEPS = 40, WIDENINGS = 3 };
 static const double excess = 1.025;
+/* The farthest points lie on the ellipse: so much more keeps them inside in any frame. */
+static const double rounding = 1e-9;
 
 /* How far an ellipse widens at most. */
 static const double greatest_widening = 1.4;
@@ -46,7 +48,8 @@ static int least_ellipse(const double (*points)[2], size_t count, double *weight
             farthest = max2(farthest, distance2);
             total += weights[i] *= (1 + distance2) / 3;
         }
-        *e = (ellipse){{x, y}, {xx * farthest, xy * farthest, yy * farthest}};
+        double scale = farthest * (1 + rounding);
+        *e = (ellipse){{x, y}, {xx * scale, xy * scale, yy * scale}};
         if (farthest <= 2 * excess) break;
         for (size_t i = 0; i < count; ++i) weights[i] /= total;
     }

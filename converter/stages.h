@@ -385,8 +385,8 @@ psplat_result psplat_candidate_enclose(const psplat_surface *surface, const pspl
                                        size_t count, const double origin[3],
                                        const psplat_plane *plane, psplat_growth *growth,
                                        psplat_candidate *candidate);
-/* widen.c: makes a candidate larger by up to a quarter, as far as the limits allow; what it covers
- * stays on record as it is. */
+/* widen.c: makes both axes of a candidate longer by up to a quarter, then each once more, as far as
+ * the limits allow; what it covers stays on record as it is. */
 psplat_result psplat_candidate_widen(const psplat_surface *surface, const psplat_samples *samples,
                                      const psplat_limits *limits, psplat_growth *growth,
                                      psplat_candidate *candidate);
