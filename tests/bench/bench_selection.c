@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * bench_selection.c - what exchange and relaxation save over the greedy cover, and what united
+ * covariances save over summing samples anew.
+ *
+ *     bench_selection [--tolerance PERCENT] [MODEL...]
+ *
+ * The tolerance is 0.5 where none is given; the models are samples/models/part.obj, and fandisk.obj
+ * and stanford-bunny.obj of PSPLAT_BENCH_MODELS, else of the folder shared/models beside the
+ * repository; those that are not there are left out.
+ *
+ * The first table: splats taken and CPU seconds of all threads, sampling not counted, for the
+ * greedy cover; with three rounds of exchange, each with a new random candidate for every splat;
+ * and with relaxation besides. All without the repair of holes, which every row would need.
+ *
+ * The second: microseconds to fit a plane to what two neighbours alone cover, for all neighbours:
+ * by uniting the sums of their parts (alone, and with summing these up, once), and by summing up
+ * all samples of every pair. The planes must agree to 1e-9 of the diagonal.
+ */
+#include "stages.h"
+#include "vector.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { ROUNDS = 3, MOVES = 5, REPEATS = 200 };
+
+static void fail(const char *what, const char *why) {
+    fprintf(stderr, "bench_selection: %s: %s\n", what, why);
+    exit(1);
+}
+
+static void check(psplat_result result, const char *what) {
+    if (result) fail(what, psplat_result_text(result));
+}
+
+static double cpu_seconds(void) {
+    return (double)clock() / CLOCKS_PER_SEC;
+}
+
+/* ---- selections ------------------------------------------------------------------------------ */
+
+/* Up to the samples, with the limits that psplat_convert sets (convert.c). */
+static void begin(const char *path, double percent, psplat_mesh *mesh, psplat_conversion *c) {
+    static const psplat_convert_desc desc;
+    psplat_error error;
+    if (psplat_mesh_read(path, mesh, &error)) fail(path, error.text);
+    *c = (psplat_conversion){.desc = &desc};
+    check(psplat_surface_build(mesh, 3.141592653589793 / 6, &c->surface, NULL), path);
+    c->tolerance = percent / 100 * c->surface.diagonal;
+    c->finest = 0.005 * c->surface.diagonal * sqrt(percent);
+    c->distance = psplat_distance_create(mesh);
+    if (!c->distance) fail(path, "out of memory");
+    c->limits = (psplat_limits){.tolerance = 0.98 * c->tolerance,
+                                .crease_tolerance = 0.5 * c->tolerance,
+                                .crease_slack = 0.3 * c->tolerance,
+                                .distance = c->distance};
+    check(psplat_sample(c, NULL), path);
+}
+
+static void end(psplat_mesh *mesh, psplat_conversion *c) {
+    psplat_selection_free(&c->selection);
+    psplat_samples_free(&c->samples);
+    psplat_distance_destroy(c->distance);
+    psplat_surface_free(&c->surface);
+    psplat_mesh_free(mesh);
+}
+
+/* A candidate around a random sample of each splat. */
+static void grow_pool(psplat_conversion *c, uint64_t random) {
+    size_t count = 0;
+    uint32_t *seeds = malloc((c->selection.count + 1) * sizeof *seeds);
+    if (!seeds) fail("pool", "out of memory");
+    for (size_t i = 0; i < c->selection.count; ++i) {
+        const psplat_candidate *p = &c->selection.candidates[i];
+        if (p->taken && p->covered_count)
+            seeds[count++] = p->covered[psplat_random_next(&random) % p->covered_count];
+    }
+    check(psplat_selection_grow(&c->surface, &c->samples, &c->limits, seeds, count, &c->selection),
+          "pool");
+    free(seeds);
+}
+
+/* Selects anew. Returns how many splats are taken. */
+static size_t choose(psplat_conversion *c, int exchange, int relax) {
+    psplat_improvement what = {.samples = &c->samples, .focus = c->samples.count};
+    psplat_selection_free(&c->selection);
+    check(psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, NULL),
+          "cover");
+    if (exchange) check(psplat_improve(&c->selection, &what), "exchange");
+    for (int round = 0; exchange && round < ROUNDS; ++round) {
+        what.seed = 1000 + (uint64_t)round;
+        what.moves = MOVES * psplat_selection_taken(&c->selection);
+        what.axis = round % 3;
+        grow_pool(c, what.seed);
+        if (relax) check(psplat_relax(c), "relaxation");
+        check(psplat_improve(&c->selection, &what), "exchange");
+    }
+    return psplat_selection_taken(&c->selection);
+}
+
+/* ---- planes of pairs ------------------------------------------------------------------------- */
+
+/* Samples that one candidate (first == second) or just two cover, and their sums. */
+typedef struct part {
+    uint32_t first, second, sample;
+} part;
+
+typedef struct group {
+    const part *begin, *end;
+    psplat_covariance sums; /* relative to the centre of the first */
+} group;
+
+typedef struct groups {
+    const psplat_conversion *c;
+    part *parts;
+    group *groups;
+    const group **cells; /* per candidate; NULL: none */
+    size_t count, pairs;
+} groups;
+
+static int compare_parts(const void *left, const void *right) {
+    const part *a = left, *b = right;
+    if (a->first != b->first) return a->first < b->first ? -1 : 1;
+    if (a->second != b->second) return a->second < b->second ? -1 : 1;
+    return a->sample < b->sample ? -1 : a->sample > b->sample;
+}
+
+static int is_pair(const group *g) {
+    return g->begin->first != g->begin->second;
+}
+
+static const double *origin_of(const groups *all, uint32_t candidate) {
+    return all->c->selection.candidates[candidate].region.center;
+}
+
+static void add_samples(const groups *all, const group *g, const double origin[3],
+                        psplat_covariance *sums) {
+    const psplat_samples *samples = &all->c->samples;
+    for (const part *at = g ? g->begin : NULL; g && at < g->end; ++at) {
+        double p[3], n[3];
+        sub3(p, samples->positions + 3 * (size_t)at->sample, origin);
+        for (size_t k = 0; k < 3; ++k) n[k] = (double)samples->normals[3 * (size_t)at->sample + k];
+        psplat_covariance_add(sums, p, n);
+    }
+}
+
+static groups find_groups(const psplat_conversion *c) {
+    size_t samples = c->samples.count, count = 0;
+    uint32_t *covers = calloc(samples + 1, sizeof *covers);
+    groups all = {.c = c,
+                  .parts = calloc(samples + 1, sizeof *all.parts),
+                  .groups = calloc(samples + 1, sizeof *all.groups),
+                  .cells = calloc(c->selection.count + 1, sizeof *all.cells)};
+    if (!covers || !all.parts || !all.groups || !all.cells) fail("pairs", "out of memory");
+    for (uint32_t i = 0; i < c->selection.count; ++i) {
+        const psplat_candidate *p = &c->selection.candidates[i];
+        for (size_t k = 0; p->taken && k < p->covered_count; ++k) {
+            part *at = &all.parts[p->covered[k]];
+            if (!covers[p->covered[k]]++) *at = (part){i, i, p->covered[k]};
+            at->second = i;
+        }
+    }
+    for (size_t i = 0; i < samples; ++i)
+        if (covers[i] == 1 || covers[i] == 2) all.parts[count++] = all.parts[i];
+    qsort(all.parts, count, sizeof *all.parts, compare_parts);
+    for (const part *at = all.parts; at < all.parts + count;) {
+        group *g = &all.groups[all.count++];
+        g->begin = at;
+        while (at < all.parts + count && at->first == g->begin->first &&
+               at->second == g->begin->second)
+            ++at;
+        g->end = at;
+        if (is_pair(g))
+            ++all.pairs;
+        else
+            all.cells[g->begin->first] = g;
+    }
+    free(covers);
+    return all;
+}
+
+static void sum_up(groups *all) {
+    for (size_t i = 0; i < all->count; ++i) {
+        all->groups[i].sums = (psplat_covariance){0};
+        add_samples(all, &all->groups[i], origin_of(all, all->groups[i].begin->first),
+                    &all->groups[i].sums);
+    }
+}
+
+/* Planes of all pairs, relative to the centres of their first. */
+static void fit_pairs(const groups *all, int united, psplat_plane *planes) {
+    for (size_t i = 0; i < all->count; ++i) {
+        const group *pair = &all->groups[i];
+        if (!is_pair(pair)) continue;
+        uint32_t first = pair->begin->first, second = pair->begin->second;
+        const group *cells[2] = {all->cells[first], all->cells[second]};
+        psplat_covariance sums = {0};
+        if (united) {
+            sums = pair->sums;
+            if (cells[0]) psplat_covariance_unite(&sums, &cells[0]->sums);
+            if (cells[1]) {
+                psplat_covariance moved = cells[1]->sums;
+                double d[3];
+                sub3(d, origin_of(all, first), origin_of(all, second));
+                psplat_covariance_move(&moved, d);
+                psplat_covariance_unite(&sums, &moved);
+            }
+        } else {
+            add_samples(all, pair, origin_of(all, first), &sums);
+            for (int k = 0; k < 2; ++k) add_samples(all, cells[k], origin_of(all, first), &sums);
+        }
+        psplat_covariance_fit(&sums, planes++);
+    }
+}
+
+/* Greatest distance between what two planes make of the points' middle and of a spread's end. */
+static double difference(const psplat_plane *a, const psplat_plane *b) {
+    double mean[3], normal[3];
+    sub3(mean, a->mean, b->mean);
+    sub3(normal, a->n, b->n);
+    return max2(length3(mean), length3(normal) * sqrt(a->variance[0]));
+}
+
+/* ---- tables ---------------------------------------------------------------------------------- */
+
+static void put_planes(const psplat_conversion *c, const char *name) {
+    groups all = find_groups(c);
+    psplat_plane *planes[2];
+    double seconds[3] = {0}, greatest = 0; /* united, anew, and summing up */
+    for (int k = 0; k < 2; ++k)
+        if (!(planes[k] = calloc(all.pairs + 1, sizeof **planes))) fail(name, "out of memory");
+    for (int repeat = 0; repeat < REPEATS; ++repeat) {
+        double start = cpu_seconds();
+        sum_up(&all);
+        seconds[2] += cpu_seconds() - start;
+        for (int k = 0; k < 2; ++k) {
+            start = cpu_seconds();
+            fit_pairs(&all, !k, planes[k]);
+            seconds[k] += cpu_seconds() - start;
+        }
+    }
+    for (size_t i = 0; i < all.pairs; ++i)
+        greatest = max2(greatest, difference(&planes[0][i], &planes[1][i]));
+    if (greatest > 1e-9 * c->surface.diagonal) fail(name, "planes differ");
+    double scale = 1e6 / REPEATS / (double)all.pairs;
+    if (all.pairs)
+        printf("%-20s %6zu %9.2f %9.2f %9.2f %8.1f %8.1f\n", name, all.pairs, scale * seconds[0],
+               scale * (seconds[0] + seconds[2]), scale * seconds[1], seconds[1] / seconds[0],
+               seconds[1] / (seconds[0] + seconds[2]));
+    for (int k = 0; k < 2; ++k) free(planes[k]);
+    free(all.parts);
+    free(all.groups);
+    free(all.cells);
+}
+
+static void bench(const char *path, double percent, int planes) {
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    psplat_mesh mesh;
+    psplat_conversion c;
+    begin(path, percent, &mesh, &c);
+    if (planes) {
+        choose(&c, 1, 0);
+        put_planes(&c, name);
+    } else {
+        printf("%-20s %8zu", name, c.samples.count);
+        for (int way = 0; way < 3; ++way) {
+            double start = cpu_seconds();
+            size_t taken = choose(&c, way > 0, way > 1);
+            printf("  %8zu %7.2f", taken, cpu_seconds() - start);
+        }
+        printf("\n");
+    }
+    fflush(stdout);
+    end(&mesh, &c);
+}
+
+/* The models where none is named. Returns how many are there. */
+static int default_models(char paths[3][1024]) {
+    static const char *const names[] = {"fandisk.obj", "stanford-bunny.obj"};
+    const char *folder = getenv("PSPLAT_BENCH_MODELS");
+    int count = 1;
+    snprintf(paths[0], 1024, "%s/samples/models/part.obj", PSPLAT_SOURCE_DIR);
+    for (int i = 0; i < 2; ++i) {
+        snprintf(paths[count], 1024, "%s/%s",
+                 folder ? folder : PSPLAT_SOURCE_DIR "/../shared/models", names[i]);
+        FILE *file = fopen(paths[count], "rb");
+        if (!file) continue;
+        fclose(file);
+        ++count;
+    }
+    return count;
+}
+
+int main(int argc, char **argv) {
+    char paths[3][1024];
+    const char *models[32];
+    int count = 0;
+    double percent = 0.5;
+    for (int i = 1; i < argc && count < 32; ++i) {
+        if (strcmp(argv[i], "--tolerance"))
+            models[count++] = argv[i];
+        else if (++i == argc || !((percent = strtod(argv[i], NULL)) > 0))
+            fail("--tolerance", "expects a positive number");
+    }
+    for (int i = 0, there = count ? 0 : default_models(paths); i < there; ++i)
+        models[count++] = paths[i];
+    printf("%-20s %8s  %16s  %16s  %16s\n", "splats and CPU s", "samples", "greedy", "+ exchange",
+           "+ relaxation");
+    for (int i = 0; i < count; ++i) bench(models[i], percent, 0);
+    printf("\n%-20s %6s %9s %9s %9s %8s %8s\n", "us for each plane", "pairs", "united", "+ sums",
+           "anew", "factor", "+ sums");
+    for (int i = 0; i < count; ++i) bench(models[i], percent, 1);
+    return 0;
+}
