@@ -9,13 +9,13 @@
  * and stanford-bunny.obj of PSPLAT_BENCH_MODELS, else of the folder shared/models beside the
  * repository; those that are not there are left out.
  *
- * The first table: splats taken and CPU seconds of all threads, sampling not counted, for the
- * greedy cover; with three rounds of exchange, each with a new random candidate for every splat;
- * and with relaxation besides. All without the repair of holes, which every row would need.
+ * A row: splats taken and CPU seconds of all threads, sampling not counted, for the greedy cover;
+ * with three rounds of exchange, each with a new random candidate for every splat; and with
+ * relaxation besides. All without the repair of holes, which every one of them would need.
  *
- * The second: microseconds to fit a plane to what two neighbours alone cover, for all neighbours:
- * by uniting the sums of their parts (alone, and with summing these up, once), and by summing up
- * all samples of every pair. The planes must agree to 1e-9 of the diagonal.
+ * A line below it: microseconds to fit a plane to what two neighbours of the last selection alone
+ * cover, by uniting the sums of their parts (and with making these, once for each part) against
+ * summing up all samples of every pair. The planes must agree to 1e-9 of the diagonal.
  */
 #include "stages.h"
 #include "vector.h"
@@ -58,14 +58,6 @@ static void begin(const char *path, double percent, psplat_mesh *mesh, psplat_co
                                 .crease_slack = 0.3 * c->tolerance,
                                 .distance = c->distance};
     check(psplat_sample(c, NULL), path);
-}
-
-static void end(psplat_mesh *mesh, psplat_conversion *c) {
-    psplat_selection_free(&c->selection);
-    psplat_samples_free(&c->samples);
-    psplat_distance_destroy(c->distance);
-    psplat_surface_free(&c->surface);
-    psplat_mesh_free(mesh);
 }
 
 /* A candidate around a random sample of each splat. */
@@ -224,7 +216,7 @@ static double difference(const psplat_plane *a, const psplat_plane *b) {
     return max2(length3(mean), length3(normal) * sqrt(a->variance[0]));
 }
 
-/* ---- tables ---------------------------------------------------------------------------------- */
+/* ---- rows ----------------------------------------------------------------------------------- */
 
 static void put_planes(const psplat_conversion *c, const char *name) {
     groups all = find_groups(c);
@@ -245,73 +237,65 @@ static void put_planes(const psplat_conversion *c, const char *name) {
     for (size_t i = 0; i < all.pairs; ++i)
         greatest = max2(greatest, difference(&planes[0][i], &planes[1][i]));
     if (greatest > 1e-9 * c->surface.diagonal) fail(name, "planes differ");
-    double scale = 1e6 / REPEATS / (double)all.pairs;
+    double scale = 1e6 / REPEATS / (double)all.pairs, made = seconds[0] + seconds[2];
     if (all.pairs)
-        printf("%-20s %6zu %9.2f %9.2f %9.2f %8.1f %8.1f\n", name, all.pairs, scale * seconds[0],
-               scale * (seconds[0] + seconds[2]), scale * seconds[1], seconds[1] / seconds[0],
-               seconds[1] / (seconds[0] + seconds[2]));
+        printf("  planes of %zu pairs: united %.2f us (with the sums %.2f), anew %.2f us: "
+               "%.1f times (%.1f)\n",
+               all.pairs, scale * seconds[0], scale * made, scale * seconds[1],
+               seconds[1] / seconds[0], seconds[1] / made);
     for (int k = 0; k < 2; ++k) free(planes[k]);
     free(all.parts);
     free(all.groups);
     free(all.cells);
 }
 
-static void bench(const char *path, double percent, int planes) {
+static void bench(const char *path, double percent) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     psplat_mesh mesh;
     psplat_conversion c;
     begin(path, percent, &mesh, &c);
-    if (planes) {
-        choose(&c, 1, 0);
-        put_planes(&c, name);
-    } else {
-        printf("%-20s %8zu", name, c.samples.count);
-        for (int way = 0; way < 3; ++way) {
-            double start = cpu_seconds();
-            size_t taken = choose(&c, way > 0, way > 1);
-            printf("  %8zu %7.2f", taken, cpu_seconds() - start);
-        }
-        printf("\n");
+    printf("%-20s %8zu", name, c.samples.count);
+    for (int way = 0; way < 3; ++way) {
+        double start = cpu_seconds();
+        size_t taken = choose(&c, way > 0, way > 1);
+        printf("  %8zu %7.2f", taken, cpu_seconds() - start);
     }
+    printf("\n");
+    put_planes(&c, name);
     fflush(stdout);
-    end(&mesh, &c);
+    psplat_selection_free(&c.selection);
+    psplat_samples_free(&c.samples);
+    psplat_distance_destroy(c.distance);
+    psplat_surface_free(&c.surface);
+    psplat_mesh_free(&mesh);
 }
 
-/* The models where none is named. Returns how many are there. */
-static int default_models(char paths[3][1024]) {
-    static const char *const names[] = {"fandisk.obj", "stanford-bunny.obj"};
-    const char *folder = getenv("PSPLAT_BENCH_MODELS");
-    int count = 1;
-    snprintf(paths[0], 1024, "%s/samples/models/part.obj", PSPLAT_SOURCE_DIR);
-    for (int i = 0; i < 2; ++i) {
-        snprintf(paths[count], 1024, "%s/%s",
-                 folder ? folder : PSPLAT_SOURCE_DIR "/../shared/models", names[i]);
-        FILE *file = fopen(paths[count], "rb");
-        if (!file) continue;
-        fclose(file);
-        ++count;
-    }
-    return count;
+/* A default model, where it is there. */
+static void bench_default(const char *folder, const char *name, double percent) {
+    char path[1024];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "rb");
+    if (!file) return;
+    fclose(file);
+    bench(path, percent);
 }
 
 int main(int argc, char **argv) {
-    char paths[3][1024];
-    const char *models[32];
-    int count = 0;
+    const char *folder = getenv("PSPLAT_BENCH_MODELS");
     double percent = 0.5;
-    for (int i = 1; i < argc && count < 32; ++i) {
-        if (strcmp(argv[i], "--tolerance"))
-            models[count++] = argv[i];
-        else if (++i == argc || !((percent = strtod(argv[i], NULL)) > 0))
-            fail("--tolerance", "expects a positive number");
+    int first = 1;
+    if (argc > 2 && !strcmp(argv[1], "--tolerance")) {
+        percent = strtod(argv[2], NULL);
+        first = 3;
     }
-    for (int i = 0, there = count ? 0 : default_models(paths); i < there; ++i)
-        models[count++] = paths[i];
+    if (!(percent > 0)) fail("--tolerance", "expects a positive number");
     printf("%-20s %8s  %16s  %16s  %16s\n", "splats and CPU s", "samples", "greedy", "+ exchange",
            "+ relaxation");
-    for (int i = 0; i < count; ++i) bench(models[i], percent, 0);
-    printf("\n%-20s %6s %9s %9s %9s %8s %8s\n", "us for each plane", "pairs", "united", "+ sums",
-           "anew", "factor", "+ sums");
-    for (int i = 0; i < count; ++i) bench(models[i], percent, 1);
+    for (int i = first; i < argc; ++i) bench(argv[i], percent);
+    if (first < argc) return 0;
+    if (!folder) folder = PSPLAT_SOURCE_DIR "/../shared/models";
+    bench_default(PSPLAT_SOURCE_DIR "/samples/models", "part.obj", percent);
+    bench_default(folder, "fandisk.obj", percent);
+    bench_default(folder, "stanford-bunny.obj", percent);
     return 0;
 }
