@@ -96,7 +96,8 @@ extern "C" psplat_result psplat_distance_within(const psplat_distance *distance,
         /* A guess that is no point of the mesh bounds the search. */
         const Point guess(query.x() + tolerance * 1.0000001, query.y(), query.z());
         const Point nearest = distance->tree.closest_point(query, guess);
-        *within = CGAL::squared_distance(query, nearest) <= tolerance * tolerance;
+        *within =
+            nearest != guess && CGAL::squared_distance(query, nearest) <= tolerance * tolerance;
     }
     return PSPLAT_OK;
 } catch (...) {
