@@ -17,7 +17,7 @@ enum { ROUNDS = 32, EXCHANGING_ROUNDS = 16 };
 /* Moves of improvement for each hole, times one more than the rounds before. */
 enum { MOVES = 10 };
 
-/* What holes are looked for, in spacings: one in each part of this size, but not narrower ones. */
+/* What holes are looked for, in spacings: one in each cube of this side, but not narrower ones. */
 static const double coarse = 1, fine = 1.0 / 32;
 
 /* Widens a candidate that has come to be taken. Samples do not ask for it, so that exchange does

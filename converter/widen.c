@@ -11,9 +11,7 @@
 static const double greatest_widening = 1.25;
 enum { STEPS = 5 };
 
-/* Part of what the ellipse gains that its region must: where lines cut, a larger ellipse only
- * costs.
- */
+/* Part of what the ellipse gains that its region must: cut by lines, a larger one only costs. */
 static const double least_gain = 0.25;
 
 static double ellipse_area(const psplat_region *region) {
