@@ -31,6 +31,7 @@ static const double narrowing = 0.92;
 
 enum { BINS = 32 }; /* of heights */
 enum { BISECTIONS = 4, STEPS_DOWN = 8, WIDENINGS = 3, NARROWINGS = 12, LEAST_PREFIX = 3 };
+
 typedef enum trial_result { TRIAL_KEPT, TRIAL_TOO_FAR, TRIAL_TOO_MANY_LINES } trial_result;
 
 void psplat_candidate_free(psplat_candidate *candidate) {

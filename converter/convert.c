@@ -168,8 +168,8 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
     return psplat_verify(&verification, report, error);
 }
 
-/* Everything that does not depend on samples. */
-static psplat_result build(psplat_conversion *c, const psplat_mesh *mesh, psplat_error *error) {
+psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
+                                      psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
     double degrees =
         desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
@@ -183,7 +183,7 @@ static psplat_result build(psplat_conversion *c, const psplat_mesh *mesh, psplat
 static psplat_result run(psplat_conversion *c, const psplat_mesh *mesh, psplat_report *report,
                          psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
-    psplat_result result = build(c, mesh, error);
+    psplat_result result = psplat_conversion_begin(c, mesh, error);
     if (result) return result;
     if (interrupted(desc, "sampling", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
@@ -196,7 +196,7 @@ static psplat_result run(psplat_conversion *c, const psplat_mesh *mesh, psplat_r
     return desc->unverified ? PSPLAT_OK : verify(c, report, error);
 }
 
-static void free_conversion(psplat_conversion *c) {
+void psplat_conversion_free(psplat_conversion *c) {
     psplat_selection_free(&c->selection);
     psplat_samples_free(&c->samples);
     psplat_distance_destroy(c->distance);
@@ -212,7 +212,7 @@ psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc 
     *splats = (psplat_splats){0};
     psplat_conversion c = {.desc = desc ? desc : &defaults, .splats = splats};
     psplat_result result = run(&c, mesh, report, error);
-    free_conversion(&c);
+    psplat_conversion_free(&c);
     if (result) psplat_splats_free(splats);
     return result;
 }
@@ -225,8 +225,8 @@ psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_conver
                            "mesh, splats and report must not be NULL");
     psplat_splats measured = *splats; /* not changed, but conversions hold what they make */
     psplat_conversion c = {.desc = desc ? desc : &defaults, .splats = &measured};
-    psplat_result result = build(&c, mesh, error);
+    psplat_result result = psplat_conversion_begin(&c, mesh, error);
     if (!result) result = verify(&c, report, error);
-    free_conversion(&c);
+    psplat_conversion_free(&c);
     return result;
 }

@@ -486,6 +486,13 @@ typedef struct psplat_conversion {
     double finest;    /* spacing of samples that suffices everywhere; the same */
 } psplat_conversion;
 
+/* Builds the surface and sets the limits: all that does not depend on samples. c holds desc, and
+ * splats, whose depth tolerance it sets. psplat_conversion_free must follow, also where it fails.
+ */
+psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
+                                      psplat_error *error);
+/* Frees all but the splats. */
+void psplat_conversion_free(psplat_conversion *c);
 /* How often the selection is improved. */
 int psplat_improving_rounds(const psplat_convert_desc *desc);
 

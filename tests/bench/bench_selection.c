@@ -42,24 +42,6 @@ static double cpu_seconds(void) {
 
 /* ---- selections ------------------------------------------------------------------------------ */
 
-/* Up to the samples, with the limits that psplat_convert sets (convert.c). */
-static void begin(const char *path, double percent, psplat_mesh *mesh, psplat_conversion *c) {
-    static const psplat_convert_desc desc;
-    psplat_error error;
-    if (psplat_mesh_read(path, mesh, &error)) fail(path, error.text);
-    *c = (psplat_conversion){.desc = &desc};
-    check(psplat_surface_build(mesh, 3.141592653589793 / 6, &c->surface, NULL), path);
-    c->tolerance = percent / 100 * c->surface.diagonal;
-    c->finest = 0.005 * c->surface.diagonal * sqrt(percent);
-    c->distance = psplat_distance_create(mesh);
-    if (!c->distance) fail(path, "out of memory");
-    c->limits = (psplat_limits){.tolerance = 0.98 * c->tolerance,
-                                .crease_tolerance = 0.5 * c->tolerance,
-                                .crease_slack = 0.3 * c->tolerance,
-                                .distance = c->distance};
-    check(psplat_sample(c, NULL), path);
-}
-
 /* A candidate around a random sample of each splat. */
 static void grow_pool(psplat_conversion *c, uint64_t random) {
     size_t count = 0;
@@ -252,8 +234,13 @@ static void put_planes(const psplat_conversion *c, const char *name) {
 static void bench(const char *path, double percent) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     psplat_mesh mesh;
-    psplat_conversion c;
-    begin(path, percent, &mesh, &c);
+    psplat_error error;
+    psplat_splats splats = {0};
+    const psplat_convert_desc desc = {.tolerance_percent = percent};
+    psplat_conversion c = {.desc = &desc, .splats = &splats};
+    if (psplat_mesh_read(path, &mesh, &error) || psplat_conversion_begin(&c, &mesh, &error) ||
+        psplat_sample(&c, &error))
+        fail(path, error.text);
     printf("%-20s %8zu", name, c.samples.count);
     for (int way = 0; way < 3; ++way) {
         double start = cpu_seconds();
@@ -263,10 +250,7 @@ static void bench(const char *path, double percent) {
     printf("\n");
     put_planes(&c, name);
     fflush(stdout);
-    psplat_selection_free(&c.selection);
-    psplat_samples_free(&c.samples);
-    psplat_distance_destroy(c.distance);
-    psplat_surface_free(&c.surface);
+    psplat_conversion_free(&c);
     psplat_mesh_free(&mesh);
 }
 
