@@ -50,11 +50,13 @@ static void set_projection(double half_height, double aspect, double near, doubl
 /* A key light above the camera and a little to its left: from the default viewpoint it meets the
  * front, the top and the right side of a box at cosines of 0.53, 0.83 and 0.15. The ambient term
  * keeps what is turned away from it visible; together they light white to about 1. */
-static void set_light(const frame *f, psplat_light *light) {
+static void set_light(const frame *f, psplat_view *view) {
+    psplat_light *light = &view->lights[0];
+    view->light_count = 1;
     for (int i = 0; i < 3; ++i) {
-        light->direction[i] = (float)(0.85 * f->back[i] + 0.65 * f->up[i] - 0.15 * f->right[i]);
+        light->direction[i] = (float)(0.15 * f->right[i] - 0.65 * f->up[i] - 0.85 * f->back[i]);
         light->color[i] = (float)(0.85 * pi);
-        light->ambient[i] = 0.12f;
+        view->ambient[i] = 0.12f;
     }
 }
 
@@ -71,7 +73,7 @@ void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double center
     double far = distance + 1.01 * radius, near = fmax(distance - 1.01 * radius, far / 1000);
     set_view(&f, eye, view->view);
     set_projection(tan(half), aspect, near, far, view->projection);
-    set_light(&f, &view->light);
+    set_light(&f, view);
 }
 
 /* Row of the projection, which is column-major: scaled and moved so that [begin, begin + size) of

@@ -27,7 +27,7 @@ static void find_light(psplat_camera *camera, const psplat_light *light) {
     double eye[3], length2 = 0.0;
     for (int i = 0; i < 3; ++i) {
         eye[i] = 0.0;
-        for (int k = 0; k < 3; ++k) eye[i] += camera->view[k * 4 + i] * light->direction[k];
+        for (int k = 0; k < 3; ++k) eye[i] -= camera->view[k * 4 + i] * light->direction[k];
         length2 += eye[i] * eye[i];
     }
     double scale = length2 > 0.0 ? 1.0 / sqrt(length2) : 0.0;
@@ -46,7 +46,7 @@ psplat_result psplat_camera_from_view(psplat_camera *camera, const psplat_view *
     camera->is_perspective = p[3] != 0.0 || p[7] != 0.0 || p[11] != 0.0;
     camera->is_mirrored = p[0] * p[5] - p[4] * p[1] < 0.0;
     find_rays(camera, inverse, view->width, view->height);
-    find_light(camera, &view->light);
+    find_light(camera, &view->lights[0]);
     return PSPLAT_OK;
 }
 

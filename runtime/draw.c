@@ -73,8 +73,9 @@ static void set_material(const psplat_gl *gl, const psplat_program *program,
 static void set_light(const frame *f, const psplat_program *program) {
     const psplat_gl *gl = &f->renderer->gl;
     gl->Uniform3fv(program->light_direction, 1, f->camera.light_direction);
-    gl->Uniform3fv(program->light_color, 1, f->view->light.color);
-    gl->Uniform3fv(program->ambient, 1, f->view->light.ambient);
+    static const float dark[3] = {0};
+    gl->Uniform3fv(program->light_color, 1, f->view->light_count ? f->view->lights[0].color : dark);
+    gl->Uniform3fv(program->ambient, 1, f->view->ambient);
 }
 
 static void set_placement(const frame *f, const psplat_program *program,

@@ -40,7 +40,9 @@ static psplat_view front_view(const psplat_asset *asset) {
                        [14] = 2 * near * far / (near - far)},
         .width = WIDTH,
         .height = HEIGHT,
-        .light = {.direction = {-1, 2, 2}, .color = {3, 3, 3}, .ambient = {0.1f, 0.1f, 0.1f}},
+        .lights = {{.direction = {1, -2, -2}, .color = {3, 3, 3}}},
+        .light_count = 1,
+        .ambient = {0.1f, 0.1f, 0.1f},
     };
     return view;
 }

@@ -8,9 +8,9 @@
 void psplat_oracle_light_set(psplat_oracle_light *light, const psplat_view *view) {
     double direction[3], moved[4];
     for (int i = 0; i < 3; ++i) {
-        direction[i] = view->light.direction[i];
-        light->irradiance[i] = view->light.color[i];
-        light->ambient[i] = view->light.ambient[i];
+        direction[i] = -view->lights[0].direction[i];
+        light->irradiance[i] = view->light_count ? view->lights[0].color[i] : 0;
+        light->ambient[i] = view->ambient[i];
     }
     psplat_oracle_transform(view->view, direction, 0, moved);
     for (int i = 0; i < 3; ++i) light->direction[i] = moved[i];

@@ -153,8 +153,8 @@ static void test_light_comes_from_the_camera_s_side(void **state) {
     psplat_view view = {.width = 64, .height = 64};
     psplat_viewpoint at = {.azimuth_degrees = 200, .elevation_degrees = -35};
     fit(&at, min, max, &view);
-    double direction[4] = {view.light.direction[0], view.light.direction[1],
-                           view.light.direction[2], 0};
+    double direction[4] = {-view.lights[0].direction[0], -view.lights[0].direction[1],
+                           -view.lights[0].direction[2], 0};
     double eye[4];
     transform(view.view, direction, eye);
     assert_true(eye[2] > 0 && eye[1] > 0 && eye[0] < 0);

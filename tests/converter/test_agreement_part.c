@@ -46,10 +46,10 @@ static psplat_view view_of(const psplat_asset *asset, const double from[3], doub
     for (int i = 0; i < 3; ++i) {
         middle[i] = (low[i] + high[i]) / 2;
         eye[i] = middle[i] + from[i] * distance * radius / sqrt(from2);
-        view.light.direction[i] = (float)from[i];
-        view.light.ambient[i] = 0.1f;
+        view.lights[0].direction[i] = (float)-from[i];
+        view.ambient[i] = 0.1f;
     }
-    view.light.direction[0] += 1;
+    view.lights[0].direction[0] -= 1;
     camera_look(&view, eye, middle);
     camera_perspective(&view, 75 * distance, (distance - 1) * radius, (distance + 1) * radius);
     return view;

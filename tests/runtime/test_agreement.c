@@ -60,9 +60,9 @@ static psplat_view view_from(double x, double y, double z) {
     camera_look(&view, (double[]){x, y, z}, (double[]){0, 0, 0});
     camera_perspective(&view, 120, 0.3, 10);
     for (int i = 0; i < 3; ++i) {
-        view.light.direction[i] = light[i];
-        view.light.color[i] = color[i];
-        view.light.ambient[i] = 0.1f;
+        view.lights[0].direction[i] = -light[i];
+        view.lights[0].color[i] = color[i];
+        view.ambient[i] = 0.1f;
     }
     return view;
 }

@@ -26,7 +26,7 @@ typedef struct extreme {
 static extreme extreme_of(scene s) {
     extreme e = {s, camera_view(160, 120)};
     e.s.material.double_sided = 1;
-    e.view.light.direction[0] = 1;
+    e.view.lights[0].direction[0] = -1;
     camera_look(&e.view, (double[]){0, 0, 5}, (double[]){0, 0, 0});
     camera_perspective(&e.view, 120, 0.1, 20);
     return e;

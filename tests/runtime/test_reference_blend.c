@@ -179,8 +179,8 @@ static void test_two_sides(void **state) {
         tilt(&s.splats[0], degrees[i]);
         double sign = degrees[i] > 120 ? -1 : 1;
         for (int k = 0; k < 3; ++k)
-            view.light.direction[k] =
-                (float)sign * s.splats[0].normal[k]; /* along the normal used */
+            view.lights[0].direction[k] =
+                -(float)sign * s.splats[0].normal[k]; /* against the normal used */
         picture p = picture_of(&s, NULL, &view);
         int middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
         assert_int_equal(p.image.count[middle], 1);

@@ -35,8 +35,8 @@ static study study_open(const psplat_material *material, const double normal[3])
 
 static void study_light(study *st, const double direction[3], double irradiance) {
     for (int i = 0; i < 3; ++i) {
-        st->view.light.direction[i] = (float)direction[i];
-        st->view.light.color[i] = (float)irradiance;
+        st->view.lights[0].direction[i] = (float)-direction[i];
+        st->view.lights[0].color[i] = (float)irradiance;
     }
 }
 
@@ -156,7 +156,7 @@ static void test_ambient_and_emissive(void **state) {
     study st = study_open(&material, n);
     double color[3];
     study_light(&st, (double[]){0.1, 0, -1}, 100); /* from behind: nothing */
-    for (int i = 0; i < 3; ++i) st.view.light.ambient[i] = 0.5f;
+    for (int i = 0; i < 3; ++i) st.view.ambient[i] = 0.5f;
     study_color(&st, color);
     for (int i = 0; i < 3; ++i) {
         double b = (double)material.base_color[i];
@@ -220,7 +220,7 @@ static void test_light_is_in_the_scene(void **state) {
     psplat_view view = camera_view(1, 1);
     camera_parallel(&view, 1, 1, 30);
     const double l[3] = {0.6, 0, 0.8};
-    for (int i = 0; i < 3; ++i) view.light.direction[i] = (float)(7 * l[i]);
+    for (int i = 0; i < 3; ++i) view.lights[0].direction[i] = (float)(-7 * l[i]);
     double e[3], cosine = 0;
     for (int k = 0; k < 5; ++k) {
         direction_of(k, 0.8, e);

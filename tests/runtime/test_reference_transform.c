@@ -120,7 +120,7 @@ static void test_mirror(void **state) {
     scene s = scene_ellipses(150, 4, 3);
     psplat_view view = front_view();
     camera_look(&view, (double[]){0, 0.5, 3}, (double[]){0, 0.5, 0});
-    view.light.direction[0] = 0;
+    view.lights[0].direction[0] = 0;
     picture plain = picture_of(&s, NULL, &view), mirrored = picture_of(&s, mirror, &view);
     assert_true(picture_covered(&plain) > 300);
     for (int y = 0; y < HEIGHT; ++y)

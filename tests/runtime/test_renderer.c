@@ -243,7 +243,7 @@ static void test_tolerance(void **state) {
 static void test_materials(void **state) {
     canvas *c = *state;
     psplat_view view = top_view();
-    memset(view.light.color, 0, sizeof view.light.color);
+    view.light_count = 0;
     psplat_item items[2] = {{0}};
     psplat_asset *assets[2];
     for (int i = 0; i < 2; ++i) {

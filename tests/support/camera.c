@@ -8,10 +8,11 @@
 #include <string.h>
 
 psplat_view camera_view(int width, int height) {
-    psplat_view view = {.width = width, .height = height, .linear_output = 1};
+    psplat_view view = {
+        .width = width, .height = height, .light_count = 1, .no_filter = 1, .linear_output = 1};
     for (int i = 0; i < 16; i += 5) view.view[i] = view.projection[i] = 1;
-    view.light.direction[2] = 1;
-    for (int i = 0; i < 3; ++i) view.light.color[i] = (float)CAMERA_PI;
+    view.lights[0].direction[2] = -1;
+    for (int i = 0; i < 3; ++i) view.lights[0].color[i] = (float)CAMERA_PI;
     return view;
 }
 

@@ -146,23 +146,90 @@ typedef enum psplat_culling {
     PSPLAT_CULL_ALWAYS
 } psplat_culling;
 
-/* One directional light and a constant ambient term (spec 5.6). */
+/* What the resolve pass makes of a pixel's normal, colour and depth. Each is
+ * shaders/resolve_<file>.glsl and a line of this table. All but LIT and TOON need no light.
+ *
+ *     LIT       the material under the view's lights (spec 5.6)
+ *     UNLIT     the base colour alone, the albedo
+ *     TOON      light in three steps, black contours where depth or normal jump (BHZK05 section 6)
+ *     NORMAL    the normal in eye space, 1/2 + n/2
+ *     DEPTH     white at the near plane, black at the far one, linear in between
+ *     OVERDRAW  splats blended into the pixel: blue 1, green 8, yellow 16, red 32, white 64 and
+ * more; the number itself where linear_output is set SPLATS    the nearest splat alone, each in a
+ * colour of its own */
+#define PSPLAT_SHADINGS(X)                                                                         \
+    X(LIT, lit)                                                                                    \
+    X(UNLIT, unlit)                                                                                \
+    X(TOON, toon)                                                                                  \
+    X(NORMAL, normal)                                                                              \
+    X(DEPTH, depth)                                                                                \
+    X(OVERDRAW, overdraw)                                                                          \
+    X(SPLATS, splats)
+
+typedef enum psplat_shading {
+#define PSPLAT_SHADING_ENUM(name, file) PSPLAT_SHADING_##name,
+    PSPLAT_SHADINGS(PSPLAT_SHADING_ENUM)
+#undef PSPLAT_SHADING_ENUM
+        PSPLAT_SHADING_COUNT
+} psplat_shading;
+
+#define PSPLAT_MAX_LIGHTS 8
+#define PSPLAT_MAX_SHADOWS 4
+
+typedef enum psplat_light_type {
+    PSPLAT_LIGHT_DIRECTIONAL = 0,
+    PSPLAT_LIGHT_POINT,
+    PSPLAT_LIGHT_SPOT
+} psplat_light_type;
+
+/* A light with the units and the falloff of KHR_lights_punctual (spec 5.6). */
 typedef struct psplat_light {
-    float direction[3]; /* towards the light, scene space, any length > 0 */
-    float color[3];     /* irradiance on a facing surface, linear; pi lights white to 1 */
-    float ambient[3];   /* radiance from everywhere, linear */
+    psplat_light_type type;
+    float color[3];     /* linear colour times intensity, >= 0: lux (directional; pi lights white to
+                           1 where it falls in squarely) or candela (point, spot) */
+    float direction[3]; /* in which it shines, scene space, any length > 0; not of point lights */
+    double position[3]; /* scene space; not of directional lights */
+    float range; /* where its light ends, scene units; 0: nowhere; not of directional lights */
+    float inner_angle; /* spot: radians from the axis up to which it shines fully, */
+    float outer_angle; /* and from which on not at all: inner < outer <= pi / 2; 0: pi / 4 */
+    int casts_shadow;  /* directional and spot lights; the first PSPLAT_MAX_SHADOWS of a view */
 } psplat_light;
 
-/* A camera and what to draw. All matrices are double: they are composed in double and only
- * their product becomes float, so that models far from the origin do not tremble. */
+/* Light from all around: a cube map, prefiltered for diffuse and glossy reflection. It belongs to
+ * the renderer's context. */
+typedef struct psplat_environment psplat_environment;
+
+typedef struct psplat_environment_desc {
+    const float *radiance; /* 6 size size 3 linear values >= 0: faces +x -x +y -y +z -z in scene
+                              space, laid out as GL's cube maps */
+    int size;              /* texels along an edge, 1 ... 1024 */
+} psplat_environment_desc;
+
+/* Takes some 0.2 s on one core. The radiance is not needed after it returns. */
+psplat_result psplat_environment_create(psplat_renderer *renderer,
+                                        const psplat_environment_desc *desc,
+                                        psplat_environment **environment, psplat_error *error);
+/* NULL is accepted. */
+void psplat_environment_destroy(psplat_renderer *renderer, psplat_environment *environment);
+
+/* A camera and how to draw. All matrices are double: they are composed in double and only
+ * their product becomes float, so that models far from the origin do not tremble. Zeros are the
+ * defaults of all but the matrices and the size. */
 typedef struct psplat_view {
     double view[16];       /* scene to eye; rigid */
     double projection[16]; /* eye to clip, GL conventions (z from -w to w) */
     int x, y;              /* lower left corner in the bound framebuffer, pixels */
     int width, height;     /* pixels, >= 1 */
     psplat_mode mode;
+    psplat_shading shading; /* not of PSPLAT_MODE_PARAMETERS */
     psplat_culling culling;
-    psplat_light light;
+    psplat_light lights[PSPLAT_MAX_LIGHTS];
+    int light_count;                       /* of lights that shine */
+    float ambient[3];                      /* radiance from everywhere, linear */
+    const psplat_environment *environment; /* NULL: none */
+    int shadow_size;                       /* edge of a shadow map, texels, at most 8192; 0: 1024 */
+    int no_filter; /* 1: without the screen-space filter of spec 5.8, splats below a pixel may be
+                      missed */
     int linear_output; /* 0: sRGB-encode colours; 1: the framebuffer is float or encodes itself */
 } psplat_view;
 
