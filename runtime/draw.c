@@ -140,8 +140,8 @@ static psplat_result draw_batch(const frame *f, const psplat_model_batch *batch,
     }
     gl->Uniform1i(program->two_sided, !is_culled(f, batch));
     set_culling(gl, is_culled(f, batch), placement->is_mirrored);
-    bind_texture(gl, PSPLAT_UNIT_SPLATS, batch->splats);
-    bind_texture(gl, PSPLAT_UNIT_CLIPS, batch->clips);
+    bind_texture(gl, PSPLAT_UNIT_SPLATS, batch->splats.id);
+    bind_texture(gl, PSPLAT_UNIT_CLIPS, batch->clips.id);
     gl->DrawArrays(GL_TRIANGLES, 0, 3 * batch->splat_count);
     return PSPLAT_OK;
 }
@@ -179,8 +179,8 @@ static psplat_result bind_target(const frame *f) {
     static const float zeros[4] = {0}, one = 1.0f;
     int colors =
         f->options & PSPLAT_OPTION_MATERIALS ? PSPLAT_TARGET_COUNT_MATERIALS : PSPLAT_TARGET_COUNT;
-    psplat_result result = psplat_target_bind(&renderer->target, gl, f->view->width,
-                                              f->view->height, colors, f->error);
+    psplat_result result = psplat_target_bind(&renderer->target, gl, &renderer->memory.targets,
+                                              f->view->width, f->view->height, colors, f->error);
     if (result != PSPLAT_OK) return result;
     gl->Viewport(0, 0, f->view->width, f->view->height);
     gl->BindVertexArray(renderer->vertex_array);
@@ -225,8 +225,8 @@ static psplat_result resolve(const frame *f, const psplat_gl_state *state) {
     gl->Uniform2i(program->origin, view->x, view->y);
     gl->Uniform1i(program->linear_output, view->linear_output);
     for (int i = 0; i < renderer->target.color_count; ++i)
-        bind_texture(gl, (GLenum)i, renderer->target.colors[i]);
-    bind_texture(gl, PSPLAT_UNIT_DEPTH, renderer->target.depth);
+        bind_texture(gl, (GLenum)i, renderer->target.colors[i].id);
+    bind_texture(gl, PSPLAT_UNIT_DEPTH, renderer->target.depth.id);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     return PSPLAT_OK;
 }

@@ -79,3 +79,17 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);
     return PSPLAT_OK;
 }
+
+/* A flag a kind of error at most: six in GL 4.6. */
+psplat_result psplat_gl_errors(const psplat_gl *gl, psplat_error *error) {
+    int is_full = 0, is_lost = 0;
+    for (int i = 0; i < 16; ++i) {
+        GLenum flag = gl->GetError();
+        if (flag == GL_NO_ERROR) break;
+        if (flag == GL_OUT_OF_MEMORY) is_full = 1;
+        if (flag == GL_CONTEXT_LOST || flag == GL_CONTEXT_LOST_WEBGL) is_lost = 1;
+    }
+    if (is_lost) return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is lost");
+    if (is_full) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "GL is out of memory");
+    return PSPLAT_OK;
+}

@@ -37,6 +37,7 @@ enum {
     GL_BACK = 0x0405,
     GL_FRONT_AND_BACK = 0x0408,
     GL_OUT_OF_MEMORY = 0x0505,
+    GL_CONTEXT_LOST = 0x0507,
     GL_CW = 0x0900,
     GL_CCW = 0x0901,
     GL_POLYGON_MODE = 0x0B40,
@@ -73,6 +74,8 @@ enum {
     GL_VERSION = 0x1F02,
     GL_EXTENSIONS = 0x1F03,
     GL_NEAREST = 0x2600,
+    GL_LINEAR = 0x2601,
+    GL_LINEAR_MIPMAP_LINEAR = 0x2703,
     GL_TEXTURE_MAG_FILTER = 0x2800,
     GL_TEXTURE_MIN_FILTER = 0x2801,
     GL_TEXTURE_WRAP_S = 0x2802,
@@ -90,17 +93,24 @@ enum {
     GL_BLEND_DST_ALPHA = 0x80CA,
     GL_BLEND_SRC_ALPHA = 0x80CB,
     GL_CLAMP_TO_EDGE = 0x812F,
+    GL_TEXTURE_MAX_LEVEL = 0x813D,
     GL_MAJOR_VERSION = 0x821B,
     GL_MINOR_VERSION = 0x821C,
     GL_NUM_EXTENSIONS = 0x821D,
     GL_TEXTURE0 = 0x84C0,
     GL_ACTIVE_TEXTURE = 0x84E0,
+    GL_TEXTURE_CUBE_MAP = 0x8513,
+    GL_TEXTURE_BINDING_CUBE_MAP = 0x8514,
+    GL_TEXTURE_CUBE_MAP_POSITIVE_X = 0x8515,
     GL_VERTEX_ARRAY_BINDING = 0x85B5,
     GL_DEPTH_CLAMP = 0x864F,
     GL_RGBA32F = 0x8814,
     GL_RGB32F = 0x8815,
     GL_RGBA16F = 0x881A,
     GL_BLEND_EQUATION_ALPHA = 0x883D,
+    GL_TEXTURE_COMPARE_MODE = 0x884C,
+    GL_TEXTURE_COMPARE_FUNC = 0x884D,
+    GL_COMPARE_REF_TO_TEXTURE = 0x884E,
     GL_PIXEL_UNPACK_BUFFER = 0x88EC,
     GL_PIXEL_UNPACK_BUFFER_BINDING = 0x88EF,
     GL_SAMPLER_BINDING = 0x8919,
@@ -117,7 +127,8 @@ enum {
     GL_FRAMEBUFFER_COMPLETE = 0x8CD5,
     GL_COLOR_ATTACHMENT0 = 0x8CE0,
     GL_DEPTH_ATTACHMENT = 0x8D00,
-    GL_SAMPLE_MASK = 0x8E51
+    GL_SAMPLE_MASK = 0x8E51,
+    GL_CONTEXT_LOST_WEBGL = 0x9242
 };
 
 /* X(return type, name without gl, parameters) */
@@ -206,5 +217,9 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
 
 /* Whether the current context lists an extension. */
 int psplat_gl_has_extension(const psplat_gl *gl, const char *name);
+
+/* Reads GL's error flags: MEMORY where GL ran out of it, GRAPHICS where the context is lost. Other
+ * errors are the host's own from before, and not ours to report. */
+psplat_result psplat_gl_errors(const psplat_gl *gl, psplat_error *error);
 
 #endif

@@ -44,21 +44,11 @@ static void pack_clips(const psplat_splat *splat, uint32_t clip_count, float *ou
         for (int i = 0; i < 3; ++i) *out++ = splat->clip[line][i];
 }
 
-/* Packs and uploads a texture in bands of rows. floats is what one splat takes, channels what one
- * texel takes; clips are packed where channels is 3, splats where it is 4. */
-static GLuint upload(const psplat_gl *gl, const psplat_batch *batch, int floats, int channels,
-                     float *staging) {
-    GLsizei width = PSPLAT_ROW_SPLATS * floats / channels;
-    GLsizei height = (GLsizei)((batch->splat_count + PSPLAT_ROW_SPLATS - 1) / PSPLAT_ROW_SPLATS);
+/* Packs and uploads bands of rows to the bound texture. floats is what one splat takes, channels
+ * what one texel takes; clips are packed where channels is 3, splats where it is 4. */
+static void upload_rows(const psplat_gl *gl, const psplat_batch *batch, int floats, int channels,
+                        GLsizei width, GLsizei height, float *staging) {
     GLenum format = channels == 4 ? GL_RGBA : GL_RGB;
-    GLuint texture = 0;
-    gl->GenTextures(1, &texture);
-    gl->BindTexture(GL_TEXTURE_2D, texture);
-    gl->TexImage2D(GL_TEXTURE_2D, 0, channels == 4 ? GL_RGBA32F : GL_RGB32F, width, height, 0,
-                   format, GL_FLOAT, NULL);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-
     for (GLsizei row = 0; row < height; row += ROWS_PER_UPLOAD) {
         GLsizei rows = height - row < ROWS_PER_UPLOAD ? height - row : ROWS_PER_UPLOAD;
         size_t first = (size_t)row * PSPLAT_ROW_SPLATS;
@@ -73,7 +63,20 @@ static GLuint upload(const psplat_gl *gl, const psplat_batch *batch, int floats,
         }
         gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, row, width, rows, format, GL_FLOAT, staging);
     }
-    return texture;
+}
+
+static psplat_result upload(psplat_renderer *renderer, const psplat_batch *batch, int floats,
+                            int channels, float *staging, psplat_texture *texture,
+                            psplat_error *error) {
+    psplat_texture_desc desc = {
+        .texel = channels == 4 ? PSPLAT_TEXEL_RGBA32F : PSPLAT_TEXEL_RGB32F,
+        .width = PSPLAT_ROW_SPLATS * floats / channels,
+        .height = (GLsizei)((batch->splat_count + PSPLAT_ROW_SPLATS - 1) / PSPLAT_ROW_SPLATS)};
+    psplat_result result =
+        psplat_texture_create(&renderer->gl, &renderer->memory.models, &desc, texture, error);
+    if (result == PSPLAT_OK)
+        upload_rows(&renderer->gl, batch, floats, channels, desc.width, desc.height, staging);
+    return result;
 }
 
 static const psplat_model_batch *find_primitive(const psplat_model *model, size_t count,
@@ -83,10 +86,7 @@ static const psplat_model_batch *find_primitive(const psplat_model *model, size_
     return NULL;
 }
 
-static void upload_batch(const psplat_gl *gl, psplat_model *model, size_t index,
-                         const psplat_batch *batch, float *staging) {
-    const psplat_model_batch *twin = find_primitive(model, index, batch->primitive);
-    psplat_model_batch *out = &model->batches[index];
+static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
     out->primitive = batch->primitive;
     out->splat_count = (GLsizei)batch->splat_count;
     out->clip_count = batch->clip_count;
@@ -100,26 +100,25 @@ static void upload_batch(const psplat_gl *gl, psplat_model *model, size_t index,
         out->bounds_min[i] = batch->bounds_min[i];
         out->bounds_max[i] = batch->bounds_max[i];
     }
+}
+
+static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model, size_t index,
+                                  const psplat_batch *batch, float *staging, psplat_error *error) {
+    const psplat_model_batch *twin = find_primitive(model, index, batch->primitive);
+    psplat_model_batch *out = &model->batches[index];
+    describe_batch(batch, out);
     if (twin) {
         out->splats = twin->splats;
         out->clips = twin->clips;
-        return;
+        return PSPLAT_OK;
     }
     out->owns_textures = 1;
     int texels = PSPLAT_SPLAT_TEXELS + (out->has_color || out->has_gamma);
-    out->splats = upload(gl, batch, 4 * texels, 4, staging);
-    if (batch->clip_count) out->clips = upload(gl, batch, 3 * (int)batch->clip_count, 3, staging);
-}
-
-/* Errors of the host that nobody has read yet are read here too; they are not ours to report. */
-static int out_of_memory(const psplat_gl *gl) {
-    int found = 0;
-    for (int i = 0; i < 16; ++i) {
-        GLenum error = gl->GetError();
-        if (error == GL_NO_ERROR) break;
-        if (error == GL_OUT_OF_MEMORY) found = 1;
-    }
-    return found;
+    psplat_result result = upload(renderer, batch, 4 * texels, 4, staging, &out->splats, error);
+    if (result == PSPLAT_OK && batch->clip_count)
+        result =
+            upload(renderer, batch, 3 * (int)batch->clip_count, 3, staging, &out->clips, error);
+    return result;
 }
 
 static psplat_result check_sizes(const psplat_gl *gl, const psplat_asset *asset,
@@ -142,13 +141,13 @@ static psplat_result upload_batches(psplat_renderer *renderer, const psplat_asse
     if (!staging) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory to pack splats");
     psplat_gl_state state;
     psplat_gl_state_take(&state, gl);
-    for (size_t i = 0; i < model->batch_count; ++i)
-        upload_batch(gl, model, i, psplat_asset_batch(asset, i), staging);
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < model->batch_count && result == PSPLAT_OK; ++i)
+        result = upload_batch(renderer, model, i, psplat_asset_batch(asset, i), staging, error);
+    if (result == PSPLAT_OK) result = psplat_gl_errors(gl, error);
     psplat_gl_state_restore(&state, gl);
     psplat_resize(&renderer->allocator, staging, size, 0);
-    if (out_of_memory(gl))
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "GL has no memory for the splats");
-    return PSPLAT_OK;
+    return result;
 }
 
 psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset *asset,
@@ -183,10 +182,21 @@ void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model) {
     if (!renderer || !model) return;
     for (size_t i = 0; i < model->batch_count; ++i) {
         if (!model->batches[i].owns_textures) continue;
-        renderer->gl.DeleteTextures(1, &model->batches[i].splats);
-        renderer->gl.DeleteTextures(1, &model->batches[i].clips);
+        psplat_texture_delete(&renderer->gl, &model->batches[i].splats);
+        psplat_texture_delete(&renderer->gl, &model->batches[i].clips);
     }
     size_t size = model->batch_count * sizeof *model->batches;
     psplat_resize(&renderer->allocator, model->batches, size ? size : 1, 0);
     psplat_resize(&renderer->allocator, model, sizeof *model, 0);
+}
+
+psplat_model_info psplat_model_describe(const psplat_model *model) {
+    psplat_model_info info = {0};
+    for (size_t i = 0; model && i < model->batch_count; ++i) {
+        const psplat_model_batch *batch = &model->batches[i];
+        info.splat_count += (size_t)batch->splat_count;
+        info.batch_count += 1;
+        if (batch->owns_textures) info.bytes += batch->splats.bytes + batch->clips.bytes;
+    }
+    return info;
 }

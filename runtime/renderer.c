@@ -24,6 +24,10 @@ psplat_result psplat_renderer_create(const psplat_renderer_desc *desc, psplat_re
     return PSPLAT_OK;
 }
 
+psplat_memory psplat_renderer_memory(const psplat_renderer *renderer) {
+    return renderer ? renderer->memory : (psplat_memory){0};
+}
+
 void psplat_renderer_destroy(psplat_renderer *renderer) {
     if (!renderer) return;
     psplat_allocator allocator = renderer->allocator;

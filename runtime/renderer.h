@@ -8,6 +8,7 @@
 #include "gl_api.h"
 #include "program.h"
 #include "target.h"
+#include "texture.h"
 
 #include <phongsplat/phongsplat.h>
 
@@ -16,13 +17,14 @@ struct psplat_renderer {
     psplat_allocator allocator;
     psplat_programs programs;
     psplat_target target;
-    GLuint vertex_array; /* without attributes: GL core draws nothing without one */
+    psplat_memory memory; /* ledgers of texture.h */
+    GLuint vertex_array;  /* without attributes: GL core draws nothing without one */
 };
 
 /* An uploaded psplat_batch. */
 typedef struct psplat_model_batch {
-    GLuint splats, clips; /* layout.h; clips is 0 where clip_count is */
-    int owns_textures;    /* 0: they are those of an earlier batch of the same primitive */
+    psplat_texture splats, clips; /* layout.h; clips is zero where clip_count is */
+    int owns_textures;            /* 0: they are those of an earlier batch of the same primitive */
     uint32_t primitive;
     GLsizei splat_count;
     uint32_t clip_count;

@@ -251,7 +251,10 @@ static void test_memory(void **state) {
         done = result == PSPLAT_OK;
         if (!done) assert_int_equal(result, PSPLAT_ERROR_MEMORY);
         assert_true(done == (model != NULL));
+        assert_int_equal(psplat_renderer_memory(renderer).models,
+                         psplat_model_describe(model).bytes);
         psplat_model_destroy(renderer, model);
+        assert_int_equal(psplat_renderer_memory(renderer).models, 0);
         psplat_renderer_destroy(renderer);
         assert_int_equal(counter.bytes, 0);
     }

@@ -127,10 +127,30 @@ psplat_result psplat_renderer_create(const psplat_renderer_desc *desc, psplat_re
 /* Destroy models first. NULL is accepted. */
 void psplat_renderer_destroy(psplat_renderer *renderer);
 
+/* Bytes of textures on the GPU, as asked of GL; drivers may round up, and keep programs beside. */
+typedef struct psplat_memory {
+    size_t models;
+    size_t targets; /* grow with the largest view, go with the renderer */
+    size_t environments;
+    size_t shadows; /* grow with the number of shadows and their size, go with the renderer */
+} psplat_memory;
+
+/* What the renderer and all that belongs to it hold now; zeros for NULL. */
+psplat_memory psplat_renderer_memory(const psplat_renderer *renderer);
+
 /* Uploads an asset; the asset may be destroyed afterwards. */
 psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset *asset,
                                   psplat_model **model, psplat_error *error);
 void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model);
+
+typedef struct psplat_model_info {
+    size_t splat_count; /* drawn: splats of a mesh count as often as nodes place it */
+    size_t batch_count;
+    size_t bytes; /* of its textures, part of psplat_memory.models */
+} psplat_model_info;
+
+/* Zeros for NULL. */
+psplat_model_info psplat_model_describe(const psplat_model *model);
 
 typedef enum psplat_mode {
     PSPLAT_MODE_PHONG = 0,  /* linear normal fields blended, lit once per pixel */
