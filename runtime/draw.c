@@ -250,6 +250,18 @@ static psplat_result check(const psplat_renderer *renderer, const psplat_view *v
     return PSPLAT_OK;
 }
 
+static psplat_result draw_frame(const frame *f) {
+    const psplat_gl *gl = &f->renderer->gl;
+    psplat_gl_state state;
+    psplat_result result = psplat_gl_state_take(&state, gl, f->error);
+    if (result != PSPLAT_OK) return result;
+    result = bind_target(f);
+    if (result == PSPLAT_OK) result = draw_splats(f);
+    if (result == PSPLAT_OK) result = resolve(f, &state);
+    psplat_gl_state_restore(&state, gl);
+    return result;
+}
+
 psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
                           const psplat_item *items, size_t item_count, psplat_error *error) {
     psplat_result result = check(renderer, view, items, item_count, error);
@@ -262,11 +274,6 @@ psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
     result = psplat_camera_from_view(&f.camera, view, error);
     if (result != PSPLAT_OK) return result;
 
-    psplat_gl_state state;
-    psplat_gl_state_take(&state, &renderer->gl);
-    result = bind_target(&f);
-    if (result == PSPLAT_OK) result = draw_splats(&f);
-    if (result == PSPLAT_OK) result = resolve(&f, &state);
-    psplat_gl_state_restore(&state, &renderer->gl);
-    return result;
+    result = draw_frame(&f);
+    return psplat_gl_finish(&renderer->gl, result, error);
 }

@@ -65,6 +65,16 @@ static psplat_result check_targets(psplat_gl *gl, psplat_error *error) {
     return PSPLAT_OK;
 }
 
+/* Loaders may return an address for any name, so the context has to list the function. */
+static const char *reset_status_name(const psplat_gl *gl) {
+    if (gl->major * 10 + gl->minor >= (gl->is_es ? 32 : 45)) return "glGetGraphicsResetStatus";
+    if (psplat_gl_has_extension(gl, "GL_KHR_robustness"))
+        return gl->is_es ? "glGetGraphicsResetStatusKHR" : "glGetGraphicsResetStatus";
+    if (psplat_gl_has_extension(gl, "GL_ARB_robustness")) return "glGetGraphicsResetStatusARB";
+    if (psplat_gl_has_extension(gl, "GL_EXT_robustness")) return "glGetGraphicsResetStatusEXT";
+    return NULL;
+}
+
 psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const char *name),
                              void *user, psplat_error *error) {
     memset(gl, 0, sizeof *gl);
@@ -76,6 +86,9 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
         !load(&gl->PolygonMode, sizeof gl->PolygonMode, get_proc, user, "glPolygonMode"))
         return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0,
                            "the loader has no GL function glPolygonMode");
+    const char *name = reset_status_name(gl);
+    if (name)
+        load(&gl->GetGraphicsResetStatus, sizeof gl->GetGraphicsResetStatus, get_proc, user, name);
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);
     return PSPLAT_OK;
 }
@@ -92,4 +105,31 @@ psplat_result psplat_gl_errors(const psplat_gl *gl, psplat_error *error) {
     if (is_lost) return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is lost");
     if (is_full) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "GL is out of memory");
     return PSPLAT_OK;
+}
+
+static void PSPLAT_GL_CALL keep_object(GLuint name) {
+    (void)name;
+}
+
+static void PSPLAT_GL_CALL keep_objects(GLsizei count, const GLuint *names) {
+    (void)count;
+    (void)names;
+}
+
+static void lose(psplat_gl *gl) {
+    gl->is_lost = 1;
+    gl->DeleteProgram = keep_object;
+    gl->DeleteShader = keep_object;
+    gl->DeleteFramebuffers = keep_objects;
+    gl->DeleteTextures = keep_objects;
+    gl->DeleteVertexArrays = keep_objects;
+}
+
+psplat_result psplat_gl_finish(psplat_gl *gl, psplat_result result, psplat_error *error) {
+    if (!gl->is_lost && gl->GetGraphicsResetStatus && gl->GetGraphicsResetStatus() != GL_NO_ERROR)
+        lose(gl);
+    if (!gl->is_lost && result != PSPLAT_OK && psplat_gl_errors(gl, NULL) == PSPLAT_ERROR_GRAPHICS)
+        lose(gl);
+    if (!gl->is_lost) return result;
+    return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is lost");
 }

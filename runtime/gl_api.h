@@ -54,6 +54,7 @@ enum {
     GL_COLOR_LOGIC_OP = 0x0BF2,
     GL_SCISSOR_TEST = 0x0C11,
     GL_COLOR_WRITEMASK = 0x0C23,
+    GL_UNPACK_SWAP_BYTES = 0x0CF0,
     GL_UNPACK_ROW_LENGTH = 0x0CF2,
     GL_UNPACK_SKIP_ROWS = 0x0CF3,
     GL_UNPACK_SKIP_PIXELS = 0x0CF4,
@@ -111,6 +112,7 @@ enum {
     GL_TEXTURE_COMPARE_MODE = 0x884C,
     GL_TEXTURE_COMPARE_FUNC = 0x884D,
     GL_COMPARE_REF_TO_TEXTURE = 0x884E,
+    GL_TEXTURE_CUBE_MAP_SEAMLESS = 0x884F,
     GL_PIXEL_UNPACK_BUFFER = 0x88EC,
     GL_PIXEL_UNPACK_BUFFER_BINDING = 0x88EF,
     GL_SAMPLER_BINDING = 0x8919,
@@ -204,7 +206,9 @@ typedef struct psplat_gl {
     PSPLAT_GL_FUNCTIONS(PSPLAT_GL_MEMBER)
 #undef PSPLAT_GL_MEMBER
     void(PSPLAT_GL_CALL *PolygonMode)(GLenum face, GLenum mode); /* NULL on GLES */
+    GLenum(PSPLAT_GL_CALL *GetGraphicsResetStatus)(void);        /* NULL without robustness */
     int is_es;                                                   /* GLES or WebGL */
+    int is_lost;                                                 /* the context; for ever */
     int major, minor;
     int half_targets; /* RGBA32F cannot be drawn to and blended: RGBA16F instead */
     GLint max_texture_size;
@@ -221,5 +225,10 @@ int psplat_gl_has_extension(const psplat_gl *gl, const char *name);
 /* Reads GL's error flags: MEMORY where GL ran out of it, GRAPHICS where the context is lost. Other
  * errors are the host's own from before, and not ours to report. */
 psplat_result psplat_gl_errors(const psplat_gl *gl, psplat_error *error);
+
+/* What a public function that used GL returns: its result, or GRAPHICS where the context was lost
+ * meanwhile. From then on no object is deleted, because the names died with the context and may
+ * be those of another one's objects. */
+psplat_result psplat_gl_finish(psplat_gl *gl, psplat_result result, psplat_error *error);
 
 #endif

@@ -5,35 +5,47 @@
 #include "gl_state.h"
 
 #include <stddef.h>
+#include <string.h>
 
-static const GLenum capabilities[PSPLAT_GL_CAPABILITY_COUNT] = {
-    GL_BLEND,
-    GL_CULL_FACE,
-    GL_DEPTH_TEST,
-    GL_DITHER,
-    GL_POLYGON_OFFSET_FILL,
-    GL_RASTERIZER_DISCARD,
-    GL_SAMPLE_ALPHA_TO_COVERAGE,
-    GL_SAMPLE_COVERAGE,
-    GL_SCISSOR_TEST,
-    GL_STENCIL_TEST,
-    /* From here on unknown to GLES. */
-    GL_COLOR_LOGIC_OP,
-    GL_DEPTH_CLAMP,
-    GL_SAMPLE_MASK,
-    GL_CLIP_DISTANCE0,
-    GL_CLIP_DISTANCE0 + 1,
-    GL_CLIP_DISTANCE0 + 2,
-    GL_CLIP_DISTANCE0 + 3,
-    GL_CLIP_DISTANCE0 + 4,
-    GL_CLIP_DISTANCE0 + 5,
-    GL_CLIP_DISTANCE0 + 6,
-    GL_CLIP_DISTANCE0 + 7,
+static const struct {
+    GLenum name;
+    int es_version;     /* from which on GLES has it; 0: never */
+    GLboolean starting; /* what passes and uploads start from */
+} capabilities[PSPLAT_GL_CAPABILITY_COUNT] = {
+    {GL_BLEND, 30, GL_FALSE},
+    {GL_CULL_FACE, 30, GL_FALSE},
+    {GL_DEPTH_TEST, 30, GL_FALSE},
+    {GL_DITHER, 30, GL_FALSE},
+    {GL_POLYGON_OFFSET_FILL, 30, GL_FALSE},
+    {GL_RASTERIZER_DISCARD, 30, GL_FALSE},
+    {GL_SAMPLE_ALPHA_TO_COVERAGE, 30, GL_FALSE},
+    {GL_SAMPLE_COVERAGE, 30, GL_FALSE},
+    {GL_SCISSOR_TEST, 30, GL_FALSE},
+    {GL_STENCIL_TEST, 30, GL_FALSE},
+    {GL_SAMPLE_MASK, 31, GL_FALSE},
+    {GL_COLOR_LOGIC_OP, 0, GL_FALSE},
+    {GL_DEPTH_CLAMP, 0, GL_FALSE},
+    {GL_TEXTURE_CUBE_MAP_SEAMLESS, 0, GL_TRUE}, /* GLES is always seamless */
+    {GL_CLIP_DISTANCE0, 0, GL_FALSE},
+    {GL_CLIP_DISTANCE0 + 1, 0, GL_FALSE},
+    {GL_CLIP_DISTANCE0 + 2, 0, GL_FALSE},
+    {GL_CLIP_DISTANCE0 + 3, 0, GL_FALSE},
+    {GL_CLIP_DISTANCE0 + 4, 0, GL_FALSE},
+    {GL_CLIP_DISTANCE0 + 5, 0, GL_FALSE},
+    {GL_CLIP_DISTANCE0 + 6, 0, GL_FALSE},
+    {GL_CLIP_DISTANCE0 + 7, 0, GL_FALSE},
 };
-enum { ES_CAPABILITY_COUNT = 10 };
 
-static const GLenum unpack_names[4] = {GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH,
-                                       GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS};
+/* The last is unknown to GLES. */
+enum { UNPACK_COUNT = 5 };
+static const struct {
+    GLenum name;
+    GLint starting;
+} unpack[UNPACK_COUNT] = {{GL_UNPACK_ALIGNMENT, 4},
+                          {GL_UNPACK_ROW_LENGTH, 0},
+                          {GL_UNPACK_SKIP_ROWS, 0},
+                          {GL_UNPACK_SKIP_PIXELS, 0},
+                          {GL_UNPACK_SWAP_BYTES, 0}};
 
 /* Single integers and where they go. */
 static const struct {
@@ -55,14 +67,15 @@ static const struct {
     {GL_FRONT_FACE, offsetof(psplat_gl_state, front_face)},
     {GL_ACTIVE_TEXTURE, offsetof(psplat_gl_state, active_texture)},
     {GL_PIXEL_UNPACK_BUFFER_BINDING, offsetof(psplat_gl_state, unpack_buffer)},
-    {GL_UNPACK_ALIGNMENT, offsetof(psplat_gl_state, unpack[0])},
-    {GL_UNPACK_ROW_LENGTH, offsetof(psplat_gl_state, unpack[1])},
-    {GL_UNPACK_SKIP_ROWS, offsetof(psplat_gl_state, unpack[2])},
-    {GL_UNPACK_SKIP_PIXELS, offsetof(psplat_gl_state, unpack[3])},
 };
 
-static int capability_count(const psplat_gl *gl) {
-    return gl->is_es ? ES_CAPABILITY_COUNT : PSPLAT_GL_CAPABILITY_COUNT;
+static int has_capability(const psplat_gl *gl, int index) {
+    int since = capabilities[index].es_version;
+    return !gl->is_es || (since && gl->major * 10 + gl->minor >= since);
+}
+
+static int unpack_count(const psplat_gl *gl) {
+    return gl->is_es ? UNPACK_COUNT - 1 : UNPACK_COUNT;
 }
 
 static void set(const psplat_gl *gl, GLenum capability, GLboolean enabled) {
@@ -72,41 +85,74 @@ static void set(const psplat_gl *gl, GLenum capability, GLboolean enabled) {
         gl->Disable(capability);
 }
 
-static void read_state(psplat_gl_state *state, const psplat_gl *gl) {
-    for (int i = 0; i < capability_count(gl); ++i)
-        state->capabilities[i] = gl->IsEnabled(capabilities[i]);
-    for (size_t i = 0; i < sizeof integers / sizeof *integers; ++i)
-        gl->GetIntegerv(integers[i].name, (GLint *)(void *)((char *)state + integers[i].offset));
-    gl->GetBooleanv(GL_COLOR_WRITEMASK, state->color_mask);
-    gl->GetBooleanv(GL_DEPTH_WRITEMASK, &state->depth_mask);
-    /* Core contexts answer with one value, older ones with two. */
-    if (gl->PolygonMode) gl->GetIntegerv(GL_POLYGON_MODE, state->polygon_mode);
+static void read_units(psplat_gl_state *state, const psplat_gl *gl) {
     for (GLenum unit = 0; unit < PSPLAT_UNIT_COUNT; ++unit) {
         gl->ActiveTexture(GL_TEXTURE0 + unit);
         gl->GetIntegerv(GL_TEXTURE_BINDING_2D, &state->textures[unit]);
+        gl->GetIntegerv(GL_TEXTURE_BINDING_CUBE_MAP, &state->cubes[unit]);
         gl->GetIntegerv(GL_SAMPLER_BINDING, &state->samplers[unit]);
     }
 }
 
-void psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl) {
-    static const GLint tight[4] = {4, 0, 0, 0};
+static void read_state(psplat_gl_state *state, const psplat_gl *gl) {
+    for (int i = 0; i < PSPLAT_GL_CAPABILITY_COUNT; ++i)
+        if (has_capability(gl, i)) state->capabilities[i] = gl->IsEnabled(capabilities[i].name);
+    for (size_t i = 0; i < sizeof integers / sizeof *integers; ++i)
+        gl->GetIntegerv(integers[i].name, (GLint *)(void *)((char *)state + integers[i].offset));
+    for (int i = 0; i < unpack_count(gl); ++i) gl->GetIntegerv(unpack[i].name, &state->unpack[i]);
+    gl->GetBooleanv(GL_COLOR_WRITEMASK, state->color_mask);
+    gl->GetBooleanv(GL_DEPTH_WRITEMASK, &state->depth_mask);
+    /* Core contexts answer with one value, older ones with two. */
+    if (gl->PolygonMode) gl->GetIntegerv(GL_POLYGON_MODE, state->polygon_mode);
+    read_units(state, gl);
+}
+
+/* Some unit is always active. Where GL does not say which it says nothing at all (KHR_robustness:
+ * queries of lost contexts leave their results alone). */
+static psplat_result check_answers(const psplat_gl *gl, psplat_error *error) {
+    GLint unit = 0;
+    if (!gl->is_lost) gl->GetIntegerv(GL_ACTIVE_TEXTURE, &unit);
+    if (unit) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is %s",
+                       gl->is_lost ? "lost" : "lost or not current");
+}
+
+psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl,
+                                   psplat_error *error) {
+    psplat_result result = check_answers(gl, error);
+    if (result != PSPLAT_OK) return result;
+    memset(state, 0, sizeof *state);
     read_state(state, gl);
-    for (int i = 0; i < capability_count(gl); ++i) gl->Disable(capabilities[i]);
+    for (int i = 0; i < PSPLAT_GL_CAPABILITY_COUNT; ++i)
+        if (has_capability(gl, i)) set(gl, capabilities[i].name, capabilities[i].starting);
     if (gl->PolygonMode) gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     for (GLuint unit = 0; unit < PSPLAT_UNIT_COUNT; ++unit) gl->BindSampler(unit, 0);
     gl->ActiveTexture(GL_TEXTURE0);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-    for (int i = 0; i < 4; ++i) gl->PixelStorei(unpack_names[i], tight[i]);
+    for (int i = 0; i < unpack_count(gl); ++i) gl->PixelStorei(unpack[i].name, unpack[i].starting);
+    return PSPLAT_OK;
 }
 
 void psplat_gl_state_bind_host(const psplat_gl_state *state, const psplat_gl *gl) {
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)state->draw_framebuffer);
-    for (int i = 0; i < ES_CAPABILITY_COUNT; ++i)
-        if (capabilities[i] == GL_SCISSOR_TEST) set(gl, GL_SCISSOR_TEST, state->capabilities[i]);
+    for (int i = 0; i < PSPLAT_GL_CAPABILITY_COUNT; ++i)
+        if (capabilities[i].name == GL_SCISSOR_TEST)
+            set(gl, GL_SCISSOR_TEST, state->capabilities[i]);
+}
+
+static void restore_units(const psplat_gl_state *state, const psplat_gl *gl) {
+    for (GLuint unit = 0; unit < PSPLAT_UNIT_COUNT; ++unit) {
+        gl->ActiveTexture(GL_TEXTURE0 + unit);
+        gl->BindTexture(GL_TEXTURE_2D, (GLuint)state->textures[unit]);
+        gl->BindTexture(GL_TEXTURE_CUBE_MAP, (GLuint)state->cubes[unit]);
+        gl->BindSampler(unit, (GLuint)state->samplers[unit]);
+    }
+    gl->ActiveTexture((GLenum)state->active_texture);
 }
 
 void psplat_gl_state_restore(const psplat_gl_state *state, const psplat_gl *gl) {
-    for (int i = 0; i < capability_count(gl); ++i) set(gl, capabilities[i], state->capabilities[i]);
+    for (int i = 0; i < PSPLAT_GL_CAPABILITY_COUNT; ++i)
+        if (has_capability(gl, i)) set(gl, capabilities[i].name, state->capabilities[i]);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)state->draw_framebuffer);
     gl->UseProgram((GLuint)state->program);
     gl->BindVertexArray((GLuint)state->vertex_array);
@@ -121,12 +167,7 @@ void psplat_gl_state_restore(const psplat_gl_state *state, const psplat_gl *gl) 
     gl->CullFace((GLenum)state->cull_face);
     gl->FrontFace((GLenum)state->front_face);
     if (gl->PolygonMode) gl->PolygonMode(GL_FRONT_AND_BACK, (GLenum)state->polygon_mode[0]);
-    for (GLuint unit = 0; unit < PSPLAT_UNIT_COUNT; ++unit) {
-        gl->ActiveTexture(GL_TEXTURE0 + unit);
-        gl->BindTexture(GL_TEXTURE_2D, (GLuint)state->textures[unit]);
-        gl->BindSampler(unit, (GLuint)state->samplers[unit]);
-    }
-    gl->ActiveTexture((GLenum)state->active_texture);
+    restore_units(state, gl);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)state->unpack_buffer);
-    for (int i = 0; i < 4; ++i) gl->PixelStorei(unpack_names[i], state->unpack[i]);
+    for (int i = 0; i < unpack_count(gl); ++i) gl->PixelStorei(unpack[i].name, state->unpack[i]);
 }

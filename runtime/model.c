@@ -134,20 +134,26 @@ static psplat_result check_sizes(const psplat_gl *gl, const psplat_asset *asset,
 }
 
 static psplat_result upload_batches(psplat_renderer *renderer, const psplat_asset *asset,
-                                    psplat_model *model, psplat_error *error) {
+                                    psplat_model *model, float *staging, psplat_error *error) {
     const psplat_gl *gl = &renderer->gl;
-    size_t size = sizeof(float) * MAX_SPLAT_FLOATS * PSPLAT_ROW_SPLATS * ROWS_PER_UPLOAD;
-    float *staging = psplat_allocate(&renderer->allocator, 1, size);
-    if (!staging) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory to pack splats");
     psplat_gl_state state;
-    psplat_gl_state_take(&state, gl);
-    psplat_result result = PSPLAT_OK;
+    psplat_result result = psplat_gl_state_take(&state, gl, error);
+    if (result != PSPLAT_OK) return result;
     for (size_t i = 0; i < model->batch_count && result == PSPLAT_OK; ++i)
         result = upload_batch(renderer, model, i, psplat_asset_batch(asset, i), staging, error);
     if (result == PSPLAT_OK) result = psplat_gl_errors(gl, error);
     psplat_gl_state_restore(&state, gl);
-    psplat_resize(&renderer->allocator, staging, size, 0);
     return result;
+}
+
+static psplat_result upload_all(psplat_renderer *renderer, const psplat_asset *asset,
+                                psplat_model *model, psplat_error *error) {
+    size_t size = sizeof(float) * MAX_SPLAT_FLOATS * PSPLAT_ROW_SPLATS * ROWS_PER_UPLOAD;
+    float *staging = psplat_allocate(&renderer->allocator, 1, size);
+    if (!staging) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory to pack splats");
+    psplat_result result = upload_batches(renderer, asset, model, staging, error);
+    psplat_resize(&renderer->allocator, staging, size, 0);
+    return psplat_gl_finish(&renderer->gl, result, error);
 }
 
 psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset *asset,
@@ -169,7 +175,7 @@ psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset 
     }
     made->batches = batches;
     made->batch_count = count;
-    result = upload_batches(renderer, asset, made, error);
+    result = upload_all(renderer, asset, made, error);
     if (result != PSPLAT_OK) {
         psplat_model_destroy(renderer, made);
         return result;

@@ -62,6 +62,7 @@ psplat_result psplat_texture_create(const psplat_gl *gl, size_t *ledger,
     GLenum target = desc->is_cube ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D;
     int levels = desc->levels ? desc->levels : 1;
     *texture = (psplat_texture){.ledger = ledger};
+    gl->ActiveTexture(GL_TEXTURE0);
     gl->GenTextures(1, &texture->id);
     gl->BindTexture(target, texture->id);
     for (int level = 0; level < levels; ++level) texture->bytes += make_level(gl, desc, level);

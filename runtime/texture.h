@@ -34,8 +34,9 @@ typedef struct psplat_texture {
 } psplat_texture;
 
 /* Makes a texture whose texels are undefined, adds its bytes to *ledger (a member of
- * psplat_renderer.memory) and leaves it bound to the active unit. On failure the texture is zero
- * and nothing is left behind. Errors: MEMORY, GRAPHICS (the context is lost). */
+ * psplat_renderer.memory) and leaves it bound to unit 0, which is left active. Between
+ * psplat_gl_state_take and _restore only. On failure the texture is zero and nothing is left
+ * behind. Errors: MEMORY, GRAPHICS (the context is lost). */
 psplat_result psplat_texture_create(const psplat_gl *gl, size_t *ledger,
                                     const psplat_texture_desc *desc, psplat_texture *texture,
                                     psplat_error *error);

@@ -47,7 +47,8 @@ psplat_result psplat_host_framebuffer_resize(psplat_host_framebuffer *framebuffe
     framebuffer->height = height;
     framebuffer->is_float = is_float;
     psplat_gl_state state;
-    psplat_gl_state_take(&state, gl);
+    psplat_result result = psplat_gl_state_take(&state, gl, error);
+    if (result != PSPLAT_OK) return result;
     make_framebuffer(framebuffer, gl, has_depth);
     GLenum status = gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER);
     psplat_gl_state_restore(&state, gl);
@@ -148,7 +149,8 @@ psplat_result psplat_host_read_depth(psplat_host *host, float *depth, psplat_err
     psplat_result result = check_read(host, depth, error);
     if (result != PSPLAT_OK) return result;
     psplat_gl_state state;
-    psplat_gl_state_take(&state, &host->gl);
+    result = psplat_gl_state_take(&state, &host->gl, error);
+    if (result != PSPLAT_OK) return result;
     result = draw_depth(host, error);
     psplat_gl_state_restore(&state, &host->gl);
     if (result == PSPLAT_OK) read_framebuffer(host, &host->bytes, GL_UNSIGNED_BYTE, depth);
