@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * gl_state.h - the host's GL state that drawing and uploading change, to be put back afterwards.
- * Both together take 1 to 2 us with Mesa, so that all of it is read each frame.
+ * Both together take about 2 us with Mesa, so that all of it is read each frame.
  *
  * State per draw buffer or viewport (glEnablei, glColorMaski, glBlendFunci, glViewportIndexed) is
  * read and put back through number 0. The depth range is not touched: depth is written in the
