@@ -90,6 +90,8 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
     if (name)
         load(&gl->GetGraphicsResetStatus, sizeof gl->GetGraphicsResetStatus, get_proc, user, name);
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);
+    if (gl->max_texture_size < 1)
+        return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is lost");
     return PSPLAT_OK;
 }
 

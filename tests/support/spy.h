@@ -39,7 +39,7 @@ typedef enum spy_fault {
     SPY_FAULT_COUNT
 } spy_fault;
 
-enum { SPY_TOUCH_MAX = 128, SPY_NAME_MAX = 4096, SPY_FUNCTION_MAX = 96 };
+enum { SPY_TOUCH_MAX = 128, SPY_NAME_MAX = 1 << 15, SPY_FUNCTION_MAX = 96 };
 
 /* A value of context state. */
 typedef struct spy_touch {

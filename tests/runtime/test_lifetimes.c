@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Whatever is created a thousand times and destroyed leaves no byte and no GL object behind, and
+ * psplat_renderer_memory tells what there is meanwhile.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "camera.h"
+#include "canvas.h"
+#include "ledger.h"
+#include "scene.h"
+#include "spy.h"
+
+enum { TIMES = 1000 };
+
+typedef struct stage {
+    canvas *canvas; /* its renderer draws through spy and ledger */
+    spy spy;
+    ledger ledger;
+    scene scene;
+    psplat_asset *asset;
+    psplat_view view;
+} stage;
+
+static psplat_renderer *make_renderer(stage *s) {
+    psplat_error error = {0};
+    psplat_renderer *renderer = NULL;
+    psplat_renderer_desc desc = {
+        .get_proc = spy_get_proc, .user = &s->spy, .allocator = ledger_allocator(&s->ledger)};
+    canvas_check(psplat_renderer_create(&desc, &renderer, &error), &error);
+    return renderer;
+}
+
+/* What must not grow. */
+typedef struct count {
+    size_t objects, allocated;
+    psplat_memory memory;
+} count;
+
+static count take(const stage *s) {
+    return (count){spy_live(&s->spy), s->ledger.bytes, psplat_renderer_memory(s->canvas->renderer)};
+}
+
+static void expect_same(const stage *s, const count *before) {
+    count now = take(s);
+    assert_int_equal(now.objects, before->objects);
+    assert_int_equal(now.allocated, before->allocated);
+    assert_memory_equal(&now.memory, &before->memory, sizeof now.memory);
+    assert_string_equal(s->spy.trouble, "");
+}
+
+static void draw(stage *s, psplat_model *model, int size) {
+    psplat_error error = {0};
+    psplat_item item = {.model = model};
+    s->view.width = s->view.height = size;
+    canvas_check(psplat_draw(s->canvas->renderer, &s->view, &item, 1, &error), &error);
+}
+
+static void test_renderers(void **state) {
+    stage *s = *state;
+    count before = take(s);
+    for (int i = 0; i < TIMES; ++i) psplat_renderer_destroy(make_renderer(s));
+    expect_same(s, &before);
+}
+
+/* With programs and targets in them: fewer, since each compiles its own programs. */
+static void test_used_renderers(void **state) {
+    stage *s = *state;
+    psplat_renderer *kept = s->canvas->renderer;
+    count before = take(s);
+    for (int i = 0; i < 40; ++i) {
+        s->canvas->renderer = make_renderer(s);
+        psplat_model *model = canvas_model(s->canvas, s->asset);
+        s->view.mode = (psplat_mode)(i % PSPLAT_MODE_COUNT);
+        draw(s, model, 8 + i);
+        assert_true(psplat_renderer_memory(s->canvas->renderer).targets > 0);
+        psplat_model_destroy(s->canvas->renderer, model);
+        psplat_renderer_destroy(s->canvas->renderer);
+    }
+    s->canvas->renderer = kept;
+    expect_same(s, &before);
+}
+
+static void test_models(void **state) {
+    stage *s = *state;
+    count before = take(s);
+    for (int i = 0; i < TIMES; ++i) {
+        psplat_model *model = canvas_model(s->canvas, s->asset);
+        size_t bytes = psplat_renderer_memory(s->canvas->renderer).models - before.memory.models;
+        assert_true(bytes > 0);
+        assert_int_equal(bytes, psplat_model_describe(model).bytes);
+        psplat_model_destroy(s->canvas->renderer, model);
+    }
+    expect_same(s, &before);
+}
+
+/* A target lasts until a view of another size comes; it never holds more than one size needs. */
+static void test_targets(void **state) {
+    stage *s = *state;
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    draw(s, model, 50);
+    count before = take(s);
+    for (int i = 0; i < TIMES; ++i) {
+        int size = 1 + i % 64;
+        draw(s, model, size);
+        /* At least a depth and a normal, at most four colours in 32 bits. */
+        size_t pixels = (size_t)(size * size), bytes = take(s).memory.targets;
+        assert_true(bytes >= pixels * (4 + 8) && bytes <= pixels * (4 + 4 * 16));
+    }
+    draw(s, model, 50);
+    expect_same(s, &before);
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
+static void test_nothing(void **state) {
+    stage *s = *state;
+    psplat_memory none = psplat_renderer_memory(NULL);
+    assert_true(none.models + none.targets + none.environments + none.shadows == 0);
+    assert_int_equal(psplat_model_describe(NULL).splat_count, 0);
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    psplat_model_info info = psplat_model_describe(model);
+    assert_int_equal(info.splat_count, s->scene.count);
+    assert_int_equal(info.batch_count, psplat_asset_batch_count(s->asset));
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
+/* ---- fixtures -----------------------------------------------------------------------------------
+ */
+
+static int setup(void **state, psplat_api api) {
+    const double eye[3] = {0.3, 0.2, 2}, target[3] = {0, 0, 0};
+    stage *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    s->canvas = canvas_create(api);
+    psplat_renderer_destroy(s->canvas->renderer);
+    s->spy = (spy){.get_proc = psplat_host_get_proc, .user = s->canvas->host};
+    s->ledger.fail_at = -1;
+    s->canvas->renderer = make_renderer(s);
+    s->scene = scene_ellipses(60, 2, 7);
+    s->asset = scene_open(&s->scene);
+    s->view = camera_view(8, 8);
+    camera_look(&s->view, eye, target);
+    camera_parallel(&s->view, 1.2, 0.5, 4.0);
+    canvas_begin(s->canvas);
+    *state = s;
+    return 0;
+}
+
+static int setup_gl(void **state) {
+    return setup(state, PSPLAT_API_GL);
+}
+
+static int setup_es(void **state) {
+    return setup(state, PSPLAT_API_GLES);
+}
+
+static int teardown(void **state) {
+    stage *s = *state;
+    psplat_renderer_destroy(s->canvas->renderer);
+    s->canvas->renderer = NULL;
+    assert_int_equal(spy_live(&s->spy), 0);
+    assert_int_equal(s->ledger.bytes, 0);
+    canvas_destroy(s->canvas);
+    psplat_asset_destroy(s->asset);
+    scene_free(&s->scene);
+    free(s);
+    return 0;
+}
+
+#define BOTH(test)                                                                                 \
+    cmocka_unit_test_setup_teardown(test, setup_gl, teardown),                                     \
+        cmocka_unit_test_setup_teardown(test, setup_es, teardown)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        BOTH(test_renderers), BOTH(test_used_renderers), BOTH(test_models),
+        BOTH(test_targets),   BOTH(test_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
