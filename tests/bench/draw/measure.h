@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * measure.h - clocks and medians.
+ */
+#ifndef PHONGSPLAT_BENCH_MEASURE_H
+#define PHONGSPLAT_BENCH_MEASURE_H
+
+#include <stddef.h>
+
+/* Milliseconds since some moment: of processor time that all threads of this process took, and of
+ * the wall clock. Software GL draws with as many threads as there are cores, so that the first says
+ * what a frame costs and the second how long it takes on an idle machine. */
+typedef struct instant {
+    double cpu, wall;
+} instant;
+
+instant measure_now(void);
+instant measure_since(instant start);
+void measure_add(instant *sum, instant more);
+
+/* Reorders the values; 0 where there are none. */
+double measure_median(double *values, size_t count);
+
+#endif
