@@ -37,18 +37,16 @@ int psplat_oracle_fragment_exists(const psplat_oracle_splat *splat,
 
 /* ---- margins -------------------------------------------------------------------------------- */
 
-/* A linear or distance function of (u, v) that must be >= 0: its value, or its distance in pixels
- * (to first order) where that is less. by_* are its derivatives by u and v; step holds those of
- * (u, v) by the pixel's x and y. */
-static double edge(double value, double by_u, double by_v, double step[2][2]) {
-    double x = by_u * step[0][0] + by_v * step[0][1];
-    double y = by_u * step[1][0] + by_v * step[1][1];
+double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2][2]) {
+    double x = by_u * steps[0][0] + by_v * steps[0][1];
+    double y = by_u * steps[1][0] + by_v * steps[1][1];
     return value / fmax(1, sqrt(x * x + y * y));
 }
 
-/* Derivatives of (u, v) by x and y: q = o + s d with s = n.(c - o) / n.d. */
-static void parameter_steps(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
-                            const psplat_oracle_ray *ray, double s, double step[2][2]) {
+/* q = o + s d with s = n.(c - o) / n.d. */
+void psplat_oracle_fragment_steps(const psplat_oracle_camera *camera,
+                                  const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
+                                  double s, double steps[2][2]) {
     psplat_oracle_ray_steps by;
     psplat_oracle_camera_ray_steps(camera, ray, &by);
     double facing = psplat_oracle_dot(splat->plane, ray->direction);
@@ -57,8 +55,8 @@ static void parameter_steps(const psplat_oracle_camera *camera, const psplat_ora
         psplat_oracle_along(by.origin[k], s, by.direction[k], moved);
         double s_by = -psplat_oracle_dot(splat->plane, moved) / facing;
         psplat_oracle_along(moved, s_by, ray->direction, moved);
-        step[k][0] = psplat_oracle_dot(splat->parameter[0], moved);
-        step[k][1] = psplat_oracle_dot(splat->parameter[1], moved);
+        steps[k][0] = psplat_oracle_dot(splat->parameter[0], moved);
+        steps[k][1] = psplat_oracle_dot(splat->parameter[1], moved);
     }
 }
 
@@ -67,15 +65,15 @@ psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera 
                                                      const psplat_oracle_ray *ray,
                                                      const psplat_oracle_fragment *fragment,
                                                      int cull) {
-    double step[2][2], u = fragment->u, v = fragment->v, r = fragment->r;
-    parameter_steps(camera, splat, ray, fragment->s, step);
+    double steps[2][2], u = fragment->u, v = fragment->v, r = fragment->r;
+    psplat_oracle_fragment_steps(camera, splat, ray, fragment->s, steps);
     double inverse = r > 0 ? 1 / r : 0;
-    double least = edge(1 - r, u * inverse, v * inverse, step);
+    double least = psplat_oracle_edge(1 - r, u * inverse, v * inverse, steps);
     for (uint32_t k = 0; k < splat->clip_count; ++k) {
         const double *line = splat->clip[k];
         double length = hypot(line[0], line[1]);
         double a = line[0] / length, b = line[1] / length, c = line[2] / length;
-        least = fmin(least, edge(a * u + b * v + c, a, b, step));
+        least = fmin(least, psplat_oracle_edge(a * u + b * v + c, a, b, steps));
     }
     least = fmin(least, cull ? fragment->cosine : fabs(fragment->cosine));
     return (psplat_oracle_margins){least, fmin(fragment->depth, 1 - fragment->depth)};

@@ -89,6 +89,10 @@ void psplat_oracle_camera_ray_steps(const psplat_oracle_camera *camera,
 double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const double point[3],
                                   double *w);
 
+/* Distance t along the ray to the point of a window depth. */
+double psplat_oracle_camera_reach(const psplat_oracle_camera *camera, const psplat_oracle_ray *ray,
+                                  double depth);
+
 /* How the splat faces this camera, and its tolerance along the camera's rays: eq. (5). */
 void psplat_oracle_camera_face(const psplat_oracle_camera *camera, const psplat_oracle_space *space,
                                psplat_oracle_splat *splat);
@@ -117,8 +121,17 @@ int psplat_oracle_fragment_find(const psplat_oracle_camera *camera,
 int psplat_oracle_fragment_exists(const psplat_oracle_splat *splat,
                                   const psplat_oracle_fragment *fragment, int cull);
 
-/* How far it is from being there (negative) or from not being there (positive): by its edges and
- * its side, and by the near and far plane. See psplat_reference_image.tie. */
+/* Derivatives of (u, v) by the pixel's x (0) and y (1), where the plane lies at s of the ray. */
+void psplat_oracle_fragment_steps(const psplat_oracle_camera *camera,
+                                  const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
+                                  double s, double steps[2][2]);
+
+/* A linear or distance function of (u, v) that decides by its sign: its value, or its distance from
+ * 0 in pixels (to first order) where that is less. by_* are its derivatives by u and v. */
+double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2][2]);
+
+/* How far something is from being there (negative) or from not being there (positive): by edges and
+ * side, and by the near and far plane. See psplat_reference_image.tie. */
 typedef struct psplat_oracle_margins {
     double edge, depth;
 } psplat_oracle_margins;
@@ -129,6 +142,56 @@ psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera 
                                                      const psplat_oracle_fragment *fragment,
                                                      int cull);
 
+/* ---- filter.c: section 5.8 ---------------------------------------------------------------- */
+
+/* Which of the filter's cases a splat falls into. */
+typedef enum psplat_oracle_size {
+    PSPLAT_ORACLE_UNFILTERED, /* no filter, or the centre is not between near and far */
+    PSPLAT_ORACLE_LARGE,      /* 1 <= s2 */
+    PSPLAT_ORACLE_THIN,       /* s2 < 1 < s1 */
+    PSPLAT_ORACLE_SMALL       /* s1 <= 1 */
+} psplat_oracle_size;
+
+typedef struct psplat_oracle_filter {
+    psplat_oracle_size size;
+    double center[2], depth; /* c in pixels, its window depth */
+    double jacobian[2][2];   /* J: of x (0) and y (1) in pixels by u and v */
+    double determinant;      /* of J */
+    double singular[2];      /* s1 >= s2 */
+    double minor[2];         /* the unit direction of (u, v) that J shrinks to s2 */
+} psplat_oracle_filter;
+
+/* is_on: 0 leaves the splat unfiltered. */
+void psplat_oracle_filter_set(psplat_oracle_filter *filter, const psplat_oracle_camera *camera,
+                              const psplat_oracle_splat *splat, int is_on);
+
+/* Widens the box to the pixels that the filter may add. */
+void psplat_oracle_filter_widen(const psplat_oracle_filter *filter,
+                                const psplat_oracle_camera *camera, psplat_oracle_box *box);
+
+/* A splat at a pixel. */
+typedef struct psplat_oracle_sight {
+    const psplat_oracle_camera *camera;
+    const psplat_oracle_splat *splat;
+    const psplat_oracle_filter *filter;
+    const psplat_oracle_ray *ray;
+    const psplat_oracle_fragment *fragment; /* of its plane; NULL where the ray does not meet it */
+    int cull;
+} psplat_oracle_sight;
+
+/* What a splat adds to a pixel, visibility apart. */
+typedef struct psplat_oracle_share {
+    double t, depth; /* where it lies on the ray */
+    double r;        /* the kernel's argument */
+    double u, v;     /* the normal field's arguments */
+    double factor;   /* of the softened clip lines, 0 ... 1 */
+} psplat_oracle_share;
+
+/* Returns 0 where the splat adds nothing. margins may be NULL; they are -1 where the ray had to
+ * meet the plane and did not. */
+int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_share *share,
+                               psplat_oracle_margins *margins);
+
 /* ---- shade.c: section 5.6 ----------------------------------------------------------------- */
 
 /* The numbers of a material that vary over an image once colours are applied. */
@@ -138,18 +201,116 @@ typedef struct psplat_oracle_surface {
     double unlit; /* 0 ... 1 */
 } psplat_oracle_surface;
 
-typedef struct psplat_oracle_light {
-    double direction[3]; /* unit, eye space */
-    double irradiance[3], ambient[3];
-} psplat_oracle_light;
+/* Trowbridge-Reitz (GGX) distribution of microfacet normals D, and the height-correlated Smith
+ * masking and shadowing V, divided by 4 (n.l) (n.e). alpha is roughness squared, n.e >= 1e-4. */
+double psplat_oracle_distribution(double normal_half, double alpha);
+double psplat_oracle_visibility(double normal_light, double normal_eye, double alpha);
 
-void psplat_oracle_light_set(psplat_oracle_light *light, const psplat_view *view);
+struct psplat_oracle_lighting;
 
-/* Eq. (7); normal and to_eye are unit vectors. */
-void psplat_oracle_shade(const psplat_oracle_surface *surface, const psplat_oracle_light *light,
+/* Eq. (7) at a point; normal and to_eye are unit vectors. */
+void psplat_oracle_shade(const psplat_oracle_surface *surface,
+                         const struct psplat_oracle_lighting *lighting, const double point[3],
                          const double normal[3], const double to_eye[3], double radiance[3]);
 
 /* The sRGB transfer function (IEC 61966-2-1), clamped to 0 ... 1. */
 double psplat_oracle_encode(double linear);
+
+/* ---- environment.c: eq. (9) --------------------------------------------------------------- */
+
+typedef struct psplat_oracle_environment {
+    const psplat_environment_desc *desc; /* NULL: none */
+    double to_scene[3][3];               /* turns eye space into the cube's */
+} psplat_oracle_environment;
+
+void psplat_oracle_environment_add(const psplat_oracle_environment *environment,
+                                   const psplat_oracle_surface *surface, const double normal[3],
+                                   const double to_eye[3], double radiance[3]);
+
+/* ---- light.c: eq. (8) and shadows --------------------------------------------------------- */
+
+typedef struct psplat_oracle_light {
+    psplat_light_type type;
+    double color[3];
+    double direction[3], position[3]; /* eye space; direction is unit and leads away from it */
+    double range;                     /* 0: none */
+    double cos_inner, cos_outer;
+    int casts_shadow;
+} psplat_oracle_light;
+
+/* A splat that may stand in the light, and its batch's epsilon of eq. (5) before the slant. */
+typedef struct psplat_oracle_caster {
+    psplat_oracle_splat placed;
+    double epsilon;
+} psplat_oracle_caster;
+
+typedef struct psplat_oracle_lighting {
+    psplat_oracle_light lights[PSPLAT_MAX_LIGHTS];
+    int count;
+    double ambient[3];
+    psplat_oracle_environment environment;
+    psplat_oracle_caster *casters; /* caster_count of them, where a light casts shadows */
+    size_t caster_count;
+} psplat_oracle_lighting;
+
+void psplat_oracle_lighting_set(psplat_oracle_lighting *lighting, const psplat_view *view,
+                                const psplat_environment_desc *environment);
+int psplat_oracle_lighting_has_shadows(const psplat_oracle_lighting *lighting);
+
+/* The unit vector to the light and its irradiance at a point, shadows included. */
+void psplat_oracle_light_at(const psplat_oracle_lighting *lighting,
+                            const psplat_oracle_light *light, const double point[3],
+                            double to_light[3], double irradiance[3]);
+
+/* ---- what becomes of a pixel: blend.c and resolve.c --------------------------------------- */
+
+typedef struct psplat_oracle_pixel {
+    double limit;   /* what lies up to here along the ray contributes (5.3) */
+    double nearest; /* least t, its splat and its fragment */
+    int32_t nearest_splat;
+    double u, v;
+    uint32_t count;
+    double edge_tie, depth_tie, epsilon_tie;
+    /* The sums of eq. (6); radiance is that of the comparison modes (5.7). */
+    double weight, depth, normal[3], radiance[3];
+    double overdraw; /* splats, counted by the factors of their clip lines */
+    psplat_oracle_surface surface;
+} psplat_oracle_pixel;
+
+typedef struct psplat_oracle_drawing {
+    const psplat_reference_scene *scene;
+    const psplat_view *view;
+    double transform[16];
+    psplat_oracle_camera camera;
+    psplat_oracle_lighting lighting;
+    int blends; /* 0 in the modes that show the nearest splat alone */
+    int ties;   /* somebody asked for them */
+    psplat_oracle_pixel *pixels;
+} psplat_oracle_drawing;
+
+/* A splat of a pass over all of them. */
+typedef struct psplat_oracle_visit {
+    const psplat_batch *batch;
+    const psplat_splat *splat;
+    const psplat_oracle_space *space;
+    psplat_oracle_splat placed;
+    psplat_oracle_filter filter;
+    int32_t index; /* over all batches */
+    int cull;
+} psplat_oracle_visit;
+
+/* Adds what the splat contributes to a pixel whose visibility is known (5.4 and 5.7), and notes how
+ * near the decisions about it are. */
+void psplat_oracle_blend(const psplat_oracle_drawing *drawing, const psplat_oracle_visit *visit,
+                         const psplat_oracle_sight *sight, psplat_oracle_pixel *pixel);
+
+/* What a normal, a material and a place on the ray are shown as: psplat_view.shading. */
+void psplat_oracle_show(const psplat_oracle_drawing *drawing, const psplat_oracle_ray *ray,
+                        double t, const psplat_oracle_surface *surface, const double normal[3],
+                        double shown[3]);
+
+/* Writes the pixel (x, y) once all sums are there (5.5 and 5.6). */
+void psplat_oracle_resolve(const psplat_oracle_drawing *drawing, int x, int y,
+                           psplat_reference_image *image);
 
 #endif

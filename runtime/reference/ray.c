@@ -83,6 +83,17 @@ double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const doub
     return 0.5 + 0.5 * clip[2] / clip[3];
 }
 
+/* On the plane z = k w of clip space. */
+double psplat_oracle_camera_reach(const psplat_oracle_camera *camera, const psplat_oracle_ray *ray,
+                                  double depth) {
+    double plane[4], k = 2 * depth - 1;
+    for (int i = 0; i < 4; ++i)
+        plane[i] = camera->projection[4 * i + 2] - k * camera->projection[4 * i + 3];
+    double s = -(psplat_oracle_dot(plane, ray->origin) + plane[3]) /
+               psplat_oracle_dot(plane, ray->direction);
+    return s * ray->length;
+}
+
 /* ---- bounds --------------------------------------------------------------------------------- */
 
 #define CORNERS 8

@@ -335,27 +335,64 @@ static void test_bad_arguments(void **state) {
     (void)state;
     scene s = scene_disc(1);
     psplat_asset *asset = scene_open(&s);
+    psplat_environment_desc empty = {NULL, 4};
+    psplat_reference_scene given = {.asset = asset}, nothing = {0}, dark = {.asset = asset};
+    dark.environment = &empty;
     psplat_reference_image image = {0};
     psplat_view good = front_view();
     psplat_error error;
-    assert_int_equal(psplat_reference_draw(NULL, NULL, &good, &image, &error),
-                     PSPLAT_ERROR_ARGUMENT);
-    assert_int_equal(psplat_reference_draw(asset, NULL, NULL, &image, NULL), PSPLAT_ERROR_ARGUMENT);
-    assert_int_equal(psplat_reference_draw(asset, NULL, &good, NULL, &error),
-                     PSPLAT_ERROR_ARGUMENT);
-    psplat_view bad[5] = {good, good, good, good, good};
+    const struct {
+        const psplat_reference_scene *scene;
+        const psplat_view *view;
+        psplat_reference_image *image;
+    } missing[] = {{NULL, &good, &image},
+                   {&nothing, &good, &image},
+                   {&given, NULL, &image},
+                   {&given, &good, NULL},
+                   {&dark, &good, &image}};
+    for (int i = 0; i < 5; ++i)
+        assert_int_equal(psplat_reference_draw(missing[i].scene, missing[i].view, missing[i].image,
+                                               i % 2 ? NULL : &error),
+                         PSPLAT_ERROR_ARGUMENT);
+    psplat_view bad[9];
+    for (int i = 0; i < 9; ++i) bad[i] = good;
     bad[0].width = 0;
     bad[1].height = -3;
     bad[2].mode = PSPLAT_MODE_COUNT;
     memset(bad[3].projection, 0, sizeof bad[3].projection);
     bad[4].projection[5] = NAN;
-    for (int i = 0; i < 5; ++i) {
-        assert_int_equal(psplat_reference_draw(asset, NULL, &bad[i], &image, &error),
+    bad[5].shading = PSPLAT_SHADING_COUNT;
+    bad[6].light_count = -1;
+    bad[7].light_count = PSPLAT_MAX_LIGHTS + 1;
+    bad[8].lights[0].type = (psplat_light_type)3;
+    for (int i = 0; i < 9; ++i) {
+        assert_int_equal(psplat_reference_draw(&given, &bad[i], &image, &error),
                          PSPLAT_ERROR_ARGUMENT);
         assert_int_equal(error.code, PSPLAT_ERROR_ARGUMENT);
         assert_true(strlen(error.text) > 10);
     }
-    assert_int_equal(psplat_reference_draw(asset, NULL, &good, &image, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_reference_draw(&given, &good, &image, NULL), PSPLAT_OK);
+    psplat_asset_destroy(asset);
+    scene_free(&s);
+}
+
+/* What has colours of the renderer's own choice. */
+static void test_unsupported(void **state) {
+    (void)state;
+    scene s = scene_disc(1);
+    psplat_asset *asset = scene_open(&s);
+    psplat_reference_scene given = {.asset = asset};
+    psplat_reference_image image = {0};
+    for (int shading = 0; shading < PSPLAT_SHADING_COUNT; ++shading)
+        for (int linear = 0; linear < 2; ++linear) {
+            psplat_view view = front_view();
+            view.shading = (psplat_shading)shading;
+            view.linear_output = linear;
+            int known = shading != PSPLAT_SHADING_TOON && shading != PSPLAT_SHADING_SPLATS &&
+                        (shading != PSPLAT_SHADING_OVERDRAW || linear);
+            assert_int_equal(psplat_reference_draw(&given, &view, &image, NULL),
+                             known ? PSPLAT_OK : PSPLAT_ERROR_UNSUPPORTED);
+        }
     psplat_asset_destroy(asset);
     scene_free(&s);
 }
@@ -374,6 +411,7 @@ int main(void) {
         cmocka_unit_test(test_transposing_projection),
         cmocka_unit_test(test_ties),
         cmocka_unit_test(test_bad_arguments),
+        cmocka_unit_test(test_unsupported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -75,6 +75,12 @@ static void *allocate(size_t count, size_t size) {
 
 picture picture_draw(const psplat_asset *asset, const double transform[16],
                      const psplat_view *view) {
+    psplat_reference_scene scene = {.asset = asset};
+    if (transform) memcpy(scene.transform, transform, sizeof scene.transform);
+    return picture_of_scene(&scene, view);
+}
+
+picture picture_of_scene(const psplat_reference_scene *scene, const psplat_view *view) {
     size_t count = (size_t)view->width * (size_t)view->height;
     picture p = {.width = view->width, .height = view->height};
     p.image.color = allocate(count, 4 * sizeof(float));
@@ -84,7 +90,7 @@ picture picture_draw(const psplat_asset *asset, const double transform[16],
     double **arrays[] = {&p.image.depth, &p.image.tie, &p.image.depth_tie, &p.image.epsilon_tie};
     for (int i = 0; i < 4; ++i) *arrays[i] = allocate(count, sizeof(double));
     psplat_error error;
-    if (psplat_reference_draw(asset, transform, view, &p.image, &error)) {
+    if (psplat_reference_draw(scene, view, &p.image, &error)) {
         fprintf(stderr, "camera: %s\n", error.text);
         abort();
     }

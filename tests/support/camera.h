@@ -30,6 +30,7 @@ typedef struct picture {
 } picture;
 
 /* Ends the program with a message where drawing fails: a test cannot go on. */
+picture picture_of_scene(const psplat_reference_scene *scene, const psplat_view *view);
 picture picture_draw(const psplat_asset *asset, const double transform[16],
                      const psplat_view *view);
 picture picture_of(const scene *s, const double transform[16], const psplat_view *view);

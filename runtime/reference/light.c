@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT
+ * Spec 5.6: the lights of KHR_lights_punctual, eq. (8), and their shadows by rays. */
+#include "oracle.h"
+
+#include <math.h>
+
+static void turn(const double view[16], const double v[3], double w, double out[3]) {
+    double moved[4];
+    psplat_oracle_transform(view, v, w, moved);
+    for (int i = 0; i < 3; ++i) out[i] = moved[i];
+}
+
+static psplat_oracle_light light_of(const psplat_light *from, const double view[16]) {
+    const double pi = 3.14159265358979323846;
+    psplat_oracle_light light = {.type = from->type, .range = from->range};
+    double direction[3];
+    double outer = from->outer_angle > 0 ? (double)from->outer_angle : pi / 4;
+    for (int i = 0; i < 3; ++i) {
+        direction[i] = from->direction[i];
+        light.color[i] = from->color[i];
+    }
+    turn(view, direction, 0, light.direction);
+    psplat_oracle_normalise(light.direction);
+    turn(view, from->position, 1, light.position);
+    light.cos_inner = cos((double)from->inner_angle);
+    light.cos_outer = cos(outer);
+    return light;
+}
+
+void psplat_oracle_lighting_set(psplat_oracle_lighting *lighting, const psplat_view *view,
+                                const psplat_environment_desc *environment) {
+    int shadows = 0;
+    lighting->count = view->light_count;
+    for (int k = 0; k < lighting->count; ++k) {
+        const psplat_light *from = &view->lights[k];
+        lighting->lights[k] = light_of(from, view->view);
+        lighting->lights[k].casts_shadow = from->casts_shadow && from->type != PSPLAT_LIGHT_POINT &&
+                                           shadows++ < PSPLAT_MAX_SHADOWS;
+    }
+    lighting->environment.desc = environment;
+    for (int i = 0; i < 3; ++i) {
+        lighting->ambient[i] = view->ambient[i];
+        /* The view is rigid: the inverse of its rotation is the transpose. */
+        for (int k = 0; k < 3; ++k) lighting->environment.to_scene[i][k] = view->view[4 * i + k];
+    }
+}
+
+int psplat_oracle_lighting_has_shadows(const psplat_oracle_lighting *lighting) {
+    for (int k = 0; k < lighting->count; ++k)
+        if (lighting->lights[k].casts_shadow) return 1;
+    return 0;
+}
+
+/* Whether the splat keeps the light off a point: it is met on the way to the light, farther from
+ * the point than its epsilon, which is eq. (5) with the light as the eye. Its side does not matter.
+ */
+static int stands_between(const psplat_oracle_caster *caster, const psplat_oracle_light *light,
+                          const double point[3], const double to_light[3], double distance) {
+    const psplat_oracle_splat *splat = &caster->placed;
+    double offset[3], met[3], from_light[3];
+    psplat_oracle_along(splat->center, -1, point, offset);
+    double s = psplat_oracle_dot(splat->plane, offset) / psplat_oracle_dot(splat->plane, to_light);
+    if (!(s > 0 && s <= distance && isfinite(s))) return 0;
+    psplat_oracle_along(offset, -s, to_light, met); /* from there to the splat's centre */
+    double u = -psplat_oracle_dot(splat->parameter[0], met);
+    double v = -psplat_oracle_dot(splat->parameter[1], met);
+    if (!(u * u + v * v <= 1)) return 0;
+    for (uint32_t k = 0; k < splat->clip_count; ++k)
+        if (!(splat->clip[k][0] * u + splat->clip[k][1] * v + splat->clip[k][2] >= 0)) return 0;
+    for (int i = 0; i < 3; ++i)
+        from_light[i] = light->type == PSPLAT_LIGHT_DIRECTIONAL
+                            ? light->direction[i]
+                            : splat->center[i] - light->position[i];
+    psplat_oracle_normalise(from_light);
+    double cosine = psplat_oracle_dot(splat->side, from_light);
+    return s > caster->epsilon / fmax(fabs(cosine), 0.5);
+}
+
+static int is_in_shadow(const psplat_oracle_lighting *lighting, const psplat_oracle_light *light,
+                        const double point[3], const double to_light[3], double distance) {
+    for (size_t i = 0; i < lighting->caster_count; ++i)
+        if (stands_between(&lighting->casters[i], light, point, to_light, distance)) return 1;
+    return 0;
+}
+
+/* The factors of eq. (8): of the range, and s of a spot light's cone. */
+static double falloff(const psplat_oracle_light *light, const double to_light[3], double distance) {
+    double factor = 1 / (distance * distance);
+    if (light->range > 0) factor *= fmax(fmin(1 - pow(distance / light->range, 4), 1), 0);
+    if (light->type == PSPLAT_LIGHT_SPOT) {
+        double cosine = -psplat_oracle_dot(light->direction, to_light);
+        double s = (cosine - light->cos_outer) / fmax(light->cos_inner - light->cos_outer, 0.001);
+        s = fmin(fmax(s, 0), 1);
+        factor *= s * s;
+    }
+    return factor;
+}
+
+void psplat_oracle_light_at(const psplat_oracle_lighting *lighting,
+                            const psplat_oracle_light *light, const double point[3],
+                            double to_light[3], double irradiance[3]) {
+    double factor = 1, distance = HUGE_VAL;
+    if (light->type == PSPLAT_LIGHT_DIRECTIONAL) {
+        for (int i = 0; i < 3; ++i) to_light[i] = -light->direction[i];
+    } else {
+        psplat_oracle_along(light->position, -1, point, to_light);
+        distance = psplat_oracle_length(to_light);
+        psplat_oracle_normalise(to_light);
+        factor = falloff(light, to_light, distance);
+    }
+    if (light->casts_shadow && factor > 0 &&
+        is_in_shadow(lighting, light, point, to_light, distance))
+        factor = 0;
+    for (int i = 0; i < 3; ++i) irradiance[i] = factor * light->color[i];
+}

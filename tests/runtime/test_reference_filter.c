@@ -1,0 +1,451 @@
+/* SPDX-License-Identifier: MIT
+ * The reference rasteriser's screen-space filter (spec 5.8) against closed forms. Parallel views of
+ * unlit splats make everything readable: (u, v) is affine in the pixel, L = B. */
+#include "camera.h"
+#include "scene.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "near.h"
+
+#define SIZE 32
+#define FLOAT_STEP 1.2e-7 /* colours are returned as float, at most 1 here */
+#define CENTER 1e-6       /* pixels: centres are floats of up to 16 */
+
+/* One unit of the scene is a pixel; pixel (0, 0) has its corner at the origin, +z to the eye. */
+static psplat_view pixel_view(void) {
+    psplat_view view = camera_view(SIZE, SIZE);
+    view.no_filter = 0;
+    camera_look(&view, (double[]){SIZE / 2.0, SIZE / 2.0, 20},
+                (double[]){SIZE / 2.0, SIZE / 2.0, 0});
+    camera_parallel(&view, SIZE / 2.0, 10, 30);
+    return view;
+}
+
+static void place(psplat_splat *splat, double x, double y, double z, double ru, double rv) {
+    splat->center[0] = (float)x;
+    splat->center[1] = (float)y;
+    splat->center[2] = (float)z;
+    splat->radius[0] = (float)ru;
+    splat->radius[1] = (float)rv;
+}
+
+static void paint(psplat_splat *splat, int channel) {
+    for (int c = 0; c < 3; ++c) splat->color[c] = c == channel;
+}
+
+/* Turns a splat about the x axis, so that its normal leaves the direction of +z by the angle. */
+static void tilt(psplat_splat *splat, double degrees) {
+    double c = cos(degrees * CAMERA_PI / 180), n = sin(degrees * CAMERA_PI / 180);
+    scene_set_axes(splat, (double[]){1, 0, 0}, (double[]){0, c, n});
+    splat->normal[0] = 0, splat->normal[1] = (float)-n, splat->normal[2] = (float)c;
+}
+
+static scene unlit_scene(size_t count) {
+    scene s = scene_blank(count);
+    s.material.unlit = 1;
+    s.has_color = 1;
+    s.depth_tolerance = 5;
+    return s;
+}
+
+static double distance_to(const psplat_splat *splat, int pixel) {
+    return hypot(pixel % SIZE + 0.5 - (double)splat->center[0],
+                 pixel / SIZE + 0.5 - (double)splat->center[1]);
+}
+
+static double psi(double r) {
+    return exp(-2 * r * r);
+}
+
+/* ---- far below a pixel ----------------------------------------------------------------------- */
+
+/* A disc of any size below a pixel covers the pixels whose centres are a pixel from its own, at its
+ * depth; without the filter, none that its ellipse misses. */
+static void test_small(void **state) {
+    (void)state;
+    const double radii[] = {1e-6, 1e-3, 0.4, 0.999};
+    const double at[][2] = {{16.5, 16.5}, {16, 16}, {10.9, 7.3}, {0.01, 31.99}};
+    for (int r = 0; r < 4; ++r)
+        for (int k = 0; k < 4; ++k) {
+            scene s = unlit_scene(1);
+            psplat_splat splat = s.splats[0];
+            place(&splat, at[k][0], at[k][1], 1.5, radii[r], radii[r] / 3);
+            tilt(&splat, 50);
+            s.splats[0] = splat;
+            psplat_view view = pixel_view();
+            picture p = picture_of(&s, NULL, &view);
+            size_t covered = 0;
+            for (int i = 0; i < SIZE * SIZE; ++i) {
+                double d = distance_to(&splat, i);
+                if (fabs(d - 1) < CENTER) continue;
+                assert_int_equal(p.image.count[i], d <= 1);
+                assert_near(p.image.depth[i], d <= 1 ? (20 - 1.5 - 10) / 20 : 1, 1e-7);
+                covered += d <= 1;
+            }
+            assert_true(covered >= 1);
+            picture_free(&p);
+            scene_free(&s);
+        }
+}
+
+/* Two of them in a pixel are weighted by psi of their distances in pixels. */
+static void test_small_weights(void **state) {
+    (void)state;
+    scene s = unlit_scene(2);
+    place(&s.splats[0], 16.3, 16.1, 0, 0.01, 0.01);
+    place(&s.splats[1], 16.7, 15.9, -1, 0.02, 0.005);
+    for (int i = 0; i < 2; ++i) paint(&s.splats[i], i);
+    psplat_view view = pixel_view();
+    picture p = picture_of(&s, NULL, &view);
+    size_t shared = 0;
+    for (int i = 0; i < SIZE * SIZE; ++i) {
+        double d[2] = {distance_to(&s.splats[0], i), distance_to(&s.splats[1], i)};
+        double w[2] = {d[0] <= 1 ? psi(d[0]) : 0, d[1] <= 1 ? psi(d[1]) : 0};
+        assert_int_equal(p.image.count[i], (w[0] > 0) + (w[1] > 0));
+        if (w[0] + w[1] == 0) continue;
+        for (int c = 0; c < 2; ++c)
+            assert_near((double)p.image.color[4 * i + c], w[c] / (w[0] + w[1]), 1e-6);
+        assert_near(p.image.depth[i], (w[0] * 0.5 + w[1] * 0.55) / (w[0] + w[1]), 1e-7);
+        shared += w[0] > 0 && w[1] > 0;
+    }
+    assert_true(shared >= 2);
+    picture_free(&p);
+    scene_free(&s);
+}
+
+/* They hide each other beyond epsilon only where the nearer one's own ellipse meets the ray: what
+ * the filter adds is not visible to other splats (5.3). */
+static void test_small_visibility(void **state) {
+    (void)state;
+    for (int hit = 0; hit < 2; ++hit) {
+        scene s = unlit_scene(2);
+        s.depth_tolerance = 0.1f;
+        place(&s.splats[0], hit ? 16.5 : 16.7, 16.5, 1, 0.01, 0.01);
+        place(&s.splats[1], 16.6, 16.5, -1, 0.01, 0.01);
+        psplat_view view = pixel_view();
+        picture p = picture_of(&s, NULL, &view);
+        assert_int_equal(p.image.count[16 * SIZE + 16], hit ? 1 : 2);
+        assert_int_equal(p.image.splat[16 * SIZE + 16], hit ? 0 : -1);
+        picture_free(&p);
+        scene_free(&s);
+    }
+}
+
+/* Seen along its plane, a small disc still is the disc of a pixel, of its one visible side. */
+static void test_edge_on(void **state) {
+    (void)state;
+    const double degrees[] = {89.9, 90, 90.1};
+    const psplat_culling cullings[] = {PSPLAT_CULL_ALWAYS, PSPLAT_CULL_NEVER};
+    for (int k = 0; k < 3; ++k)
+        for (int c = 0; c < 2; ++c) {
+            scene s = unlit_scene(1);
+            place(&s.splats[0], 16.5, 16.5, 0, 0.7, 0.7);
+            tilt(&s.splats[0], degrees[k]);
+            psplat_view view = pixel_view();
+            view.culling = cullings[c];
+            picture p = picture_of(&s, NULL, &view);
+            /* 90 degrees in float are neither more nor less by more than 4e-8 rad. */
+            if (k != 1 || c == 1) assert_int_equal(picture_covered(&p), k == 0 || c == 1 ? 5 : 0);
+            picture_free(&p);
+            scene_free(&s);
+        }
+}
+
+/* ---- thin ------------------------------------------------------------------------------------ */
+
+/* Along x 6 pixels, along y less than one, over a disc that lights every pixel: coverage, weight,
+ * normal and depth of what it adds. */
+static void check_thin(double rv, double degrees) {
+    const double alpha = 0.3, beta = 0.5;
+    scene s = unlit_scene(2);
+    place(&s.splats[0], 16.2, 16.45, 0, 6, 1);
+    tilt(&s.splats[0], degrees);
+    double slant = cos(degrees * CAMERA_PI / 180), s2 = rv * slant;
+    s.splats[0].radius[1] = (float)rv;
+    s.splats[0].gradient[0] = (float)alpha;
+    s.splats[0].gradient[1] = (float)beta;
+    place(&s.splats[1], 16, 16, -4, 1000, 1000);
+    psplat_view view = pixel_view();
+    view.shading = PSPLAT_SHADING_NORMAL;
+    picture p = picture_of(&s, NULL, &view);
+    size_t added = 0, inside = 0;
+    for (int i = 0; i < SIZE * SIZE; ++i) {
+        double dx = i % SIZE + 0.5 - (double)s.splats[0].center[0];
+        double dy = i / SIZE + 0.5 - (double)s.splats[0].center[1];
+        double u = dx / 6, v = dy / s2, r = hypot(u, v), d = hypot(dx, dy);
+        int adds = r <= 1 || (d <= 1 && r <= 4);
+        assert_int_equal(p.image.count[i], 1 + adds);
+        if (!adds) continue;
+        added += r > 1;
+        inside += r <= 1;
+        double w = psi(fmin(r, d)), x = alpha * u, y = beta * v * fmax(s2, 0.25);
+        double n[3] = {x, y * slant - sqrt(1 - slant * slant), slant + y * sqrt(1 - slant * slant)};
+        double far = psi(distance_to(&s.splats[1], i) / 1000);
+        for (int c = 0; c < 3; ++c) n[c] = w * n[c] + (c == 2 ? far : 0);
+        double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        for (int c = 0; c < 3; ++c)
+            assert_near((double)p.image.color[4 * i + c], 0.5 + 0.5 * n[c] / length, 2e-6);
+        double depth = (10 - dy * tan(degrees * CAMERA_PI / 180)) / 20;
+        assert_near(p.image.depth[i], (w * depth + far * 0.7) / (w + far), 1e-6);
+    }
+    assert_true(inside >= 1 && (added >= 1 || s2 < 0.2));
+    picture_free(&p);
+    scene_free(&s);
+}
+
+static void test_thin(void **state) {
+    (void)state;
+    check_thin(0.6, 0);
+    check_thin(0.3, 0);
+    check_thin(0.1, 0); /* below a quarter: only four radii are added */
+    check_thin(1, 60);
+    check_thin(1.5, 75);
+}
+
+/* ---- clip lines ------------------------------------------------------------------------------ */
+
+/* A red splat with a clip line in pixels, a green one without, equal otherwise: red's share tells
+ * the line's factor. */
+static size_t check_line(double ru, double rv, double degrees, double angle, double offset) {
+    const double center[2] = {16.3, 16.6};
+    double a = cos(angle) * ru, b = sin(angle) * rv * cos(degrees * CAMERA_PI / 180);
+    scene s = unlit_scene(2);
+    for (int k = 0; k < 2; ++k) {
+        place(&s.splats[k], center[0], center[1], 0, ru, rv);
+        tilt(&s.splats[k], degrees);
+        paint(&s.splats[k], k);
+    }
+    s.splats[0].clip_count = 1;
+    s.splats[0].clip[0][0] = (float)a;
+    s.splats[0].clip[0][1] = (float)b;
+    s.splats[0].clip[0][2] = (float)offset;
+    psplat_view view = pixel_view();
+    picture p = picture_of(&s, NULL, &view);
+    size_t partly = 0;
+    for (int i = 0; i < SIZE * SIZE; ++i) {
+        double dx = i % SIZE + 0.5 - (double)s.splats[0].center[0];
+        double dy = i / SIZE + 0.5 - (double)s.splats[0].center[1];
+        double factor = fmin(fmax(0.5 + cos(angle) * dx + sin(angle) * dy + offset, 0), 1);
+        if (p.image.count[i] == 0) continue;
+        if (fabs(factor) > 1e-5) assert_int_equal(p.image.count[i], factor > 0 ? 2 : 1);
+        /* Lines are floats: 6e-8 of up to 20 pixels. */
+        assert_near((double)p.image.color[4 * i], factor / (1 + factor), 5e-6);
+        partly += factor > 0.1 && factor < 0.9;
+    }
+    picture_free(&p);
+    scene_free(&s);
+    return partly;
+}
+
+static void test_soft_lines(void **state) {
+    (void)state;
+    const struct {
+        double ru, rv, degrees, offset;
+    } splats[] = {{9, 5, 0, 0.2},   /* large */
+                  {9, 5, 60, -0.3}, /* large, slanted */
+                  {8, 0.8, 0, 0.1}, /* thin */
+                  {0.5, 0.2, 0, 0}, /* small */
+                  {0.05, 0.04, 70, 0.2} /* far below a pixel */};
+    for (int i = 0; i < 5; ++i) {
+        size_t partly = 0;
+        for (int k = 0; k < 8; ++k)
+            partly +=
+                check_line(splats[i].ru, splats[i].rv, splats[i].degrees, k, splats[i].offset);
+        assert_true(partly >= 4);
+    }
+}
+
+/* Through a pixel's centre: one half. Two lines: a quarter. Both drop nothing by themselves. */
+static void test_half(void **state) {
+    (void)state;
+    for (uint32_t lines = 0; lines <= 2; ++lines) {
+        scene s = unlit_scene(2);
+        for (int k = 0; k < 2; ++k) {
+            place(&s.splats[k], 16.5, 16.5, 0, 8, 8);
+            paint(&s.splats[k], k);
+        }
+        s.splats[0].clip_count = lines;
+        s.splats[0].clip[0][0] = s.splats[0].clip[1][1] = 1;
+        psplat_view view = pixel_view();
+        view.shading = PSPLAT_SHADING_OVERDRAW;
+        picture overdraw = picture_of(&s, NULL, &view);
+        view.shading = PSPLAT_SHADING_LIT;
+        picture p = picture_of(&s, NULL, &view);
+        double factor = pow(0.5, lines);
+        int middle = 16 * SIZE + 16;
+        assert_near((double)p.image.color[4 * middle], factor / (1 + factor), FLOAT_STEP);
+        assert_near((double)overdraw.image.color[4 * middle], 1 + factor, FLOAT_STEP);
+        assert_int_equal(p.image.count[middle], 2);
+        picture_free(&p);
+        picture_free(&overdraw);
+        scene_free(&s);
+    }
+}
+
+/* Two halves of a disc that meet at a line: the picture of the whole disc, with no seam. */
+static void test_no_seam(void **state) {
+    (void)state;
+    scene whole = unlit_scene(1), halves = unlit_scene(2);
+    place(&whole.splats[0], 16.4, 16.2, 0, 11, 9);
+    for (int k = 0; k < 2; ++k) {
+        halves.splats[k] = whole.splats[0];
+        halves.splats[k].clip_count = 1;
+        for (int i = 0; i < 3; ++i)
+            halves.splats[k].clip[0][i] = (k ? -1 : 1) * (float[]){0.6f, 0.8f, 0.1f}[i];
+    }
+    psplat_view view = pixel_view();
+    view.shading = PSPLAT_SHADING_OVERDRAW;
+    picture p = picture_of(&whole, NULL, &view), q = picture_of(&halves, NULL, &view);
+    for (int i = 0; i < SIZE * SIZE; ++i) {
+        assert_int_equal(q.image.count[i] > 0, p.image.count[i] > 0);
+        assert_near((double)q.image.color[4 * i], (double)p.image.color[4 * i], FLOAT_STEP);
+    }
+    assert_true(picture_covered(&p) > 250);
+    picture_free(&p);
+    picture_free(&q);
+    scene_free(&whole);
+    scene_free(&halves);
+}
+
+/* ---- what the filter leaves alone ------------------------------------------------------------ */
+
+static void check_equal(const picture *p, const picture *q) {
+    size_t n = SIZE * SIZE;
+    assert_memory_equal(p->image.color, q->image.color, n * 4 * sizeof(float));
+    assert_memory_equal(p->image.depth, q->image.depth, n * sizeof(double));
+    assert_memory_equal(p->image.count, q->image.count, n * sizeof(uint32_t));
+}
+
+static void check_same(const scene *s, psplat_view view) {
+    view.no_filter = 0;
+    picture with = picture_of(s, NULL, &view);
+    view.no_filter = 1;
+    picture without = picture_of(s, NULL, &view);
+    assert_true(picture_covered(&with) >= 5);
+    check_equal(&with, &without);
+    picture_free(&with);
+    picture_free(&without);
+}
+
+/* Large splats without clip lines; modes that blend nothing; splats whose centre is not between the
+ * near and the far plane, clip lines included. */
+static void test_unfiltered(void **state) {
+    (void)state;
+    scene s = unlit_scene(2);
+    place(&s.splats[0], 16.4, 16.2, 0, 11, 9);
+    place(&s.splats[1], 14.4, 12.2, -1, 3, 1.001);
+    check_same(&s, pixel_view());
+    for (int k = 0; k < 2; ++k) s.splats[k].clip_count = 1, s.splats[k].clip[0][0] = 1;
+    s.splats[1].radius[0] = s.splats[1].radius[1] = 0.6f;
+    for (int mode = PSPLAT_MODE_FLAT; mode <= PSPLAT_MODE_PARAMETERS; ++mode) {
+        psplat_view view = pixel_view();
+        view.mode = (psplat_mode)mode;
+        check_same(&s, view);
+    }
+    scene_free(&s);
+    s = unlit_scene(1);
+    place(&s.splats[0], 16.5, 16.5, 10.5, 5, 5); /* half a unit before the near plane */
+    tilt(&s.splats[0], 45);
+    s.splats[0].clip_count = 1;
+    s.splats[0].clip[0][0] = 0.8f;
+    s.splats[0].clip[0][1] = 0.6f;
+    check_same(&s, pixel_view());
+    s.splats[0].center[2] = -10.2f; /* beyond the far one */
+    check_same(&s, pixel_view());
+    scene_free(&s);
+}
+
+/* ---- coverage -------------------------------------------------------------------------------- */
+
+/* A covered pixel has a point of an unfiltered splat within a pixel of its centre: looked for in a
+ * picture of eight times the size, whose pixels are a sixteenth from their corners. */
+static void test_growth(void **state) {
+    (void)state;
+    enum { finer = 8 };
+    scene s = scene_ellipses(60, 3, 11);
+    s.depth_tolerance = 5; /* nothing is hidden */
+    psplat_view view = pixel_view(), fine = view;
+    size_t grown = 0, shrunk = 0;
+    camera_parallel(&view, 8, 10, 30); /* two pixels a unit: splats of a tenth to half a pixel */
+    camera_look(&view, (double[]){0.2, 0.1, 20}, (double[]){0.2, 0.1, 0});
+    view.culling = PSPLAT_CULL_NEVER;
+    fine = view;
+    fine.no_filter = 1;
+    fine.width = fine.height = SIZE * finer;
+    psplat_view off = view;
+    off.no_filter = 1;
+    picture p = picture_of(&s, NULL, &view), q = picture_of(&s, NULL, &fine);
+    picture hard = picture_of(&s, NULL, &off);
+    for (int i = 0; i < SIZE * SIZE; ++i) {
+        int x = i % SIZE, y = i / SIZE;
+        double nearest = HUGE_VAL;
+        for (int k = 0; k < SIZE * SIZE * finer * finer; ++k)
+            if (q.image.count[k])
+                nearest = fmin(nearest, hypot((k % q.width + 0.5) / finer - x - 0.5,
+                                              (k / q.width + 0.5) / finer - y - 0.5));
+        if (p.image.count[i]) assert_true(nearest <= 1 + 2.0 / finer);
+        grown += p.image.count[i] && !hard.image.count[i];
+        shrunk += !p.image.count[i] && hard.image.count[i];
+    }
+    assert_true(grown >= 10);
+    assert_int_equal(shrunk, 0);
+    picture_free(&p);
+    picture_free(&q);
+    picture_free(&hard);
+    scene_free(&s);
+}
+
+/* ---- ties ------------------------------------------------------------------------------------ */
+
+static double tie_at(const scene *s, int x, int y) {
+    psplat_view view = pixel_view();
+    picture p = picture_of(s, NULL, &view);
+    double tie = p.image.tie[y * SIZE + x];
+    picture_free(&p);
+    return tie;
+}
+
+static void test_ties(void **state) {
+    (void)state;
+    scene s = unlit_scene(1);
+    place(&s.splats[0], 16.5, 16.5, 0, 0.5, 0.25);
+    assert_near(tie_at(&s, 16, 16), 0.25 * 2, 1e-7); /* s1: s2 is farther from 1; r = 0 */
+    place(&s.splats[0], 16.5, 16.5, 0, 1.01, 0.25);
+    assert_near(tie_at(&s, 16, 16), 0.01, 1e-6);
+    place(&s.splats[0], 16.5, 16.5, 0, 7, 0.97);
+    assert_near(tie_at(&s, 16, 16), 0.03, 1e-6);
+    place(&s.splats[0], 16.5, 16.5, 0, 0.5, 0.25);
+    s.splats[0].center[0] = 16.5f - 0.995f; /* d = 0.995 */
+    assert_near(tie_at(&s, 16, 16), 0.005, 1e-6);
+    assert_near(tie_at(&s, 14, 16), 0.005, 1e-6); /* and 1.005: by s1 = 0.5 it is not */
+    s.splats[0].clip_count = 1;
+    s.splats[0].clip[0][0] = 0.5f;
+    s.splats[0].clip[0][2] = -0.497f; /* keeps half a pixel before x = 16.5 - 0.001 on */
+    place(&s.splats[0], 16.5, 16.5, 0, 0.5, 0.25);
+    assert_near(tie_at(&s, 16, 16), 0.003, 1e-6);
+    scene_free(&s);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_small),
+        cmocka_unit_test(test_small_weights),
+        cmocka_unit_test(test_small_visibility),
+        cmocka_unit_test(test_edge_on),
+        cmocka_unit_test(test_thin),
+        cmocka_unit_test(test_soft_lines),
+        cmocka_unit_test(test_half),
+        cmocka_unit_test(test_no_seam),
+        cmocka_unit_test(test_unfiltered),
+        cmocka_unit_test(test_growth),
+        cmocka_unit_test(test_ties),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
