@@ -4,9 +4,11 @@
 
 #include <math.h>
 
-/* Eq. (4); above 0, so that a covered pixel stays covered where a sharp kernel underflows. */
-static double kernel_weight(const psplat_kernel *kernel, double r) {
-    return fmax(exp(-(double)kernel->sharpness * pow(r, kernel->exponent)), 1e-300);
+/* Eq. (4) times the filter's factor; above 0, so that a covered pixel stays covered where a sharp
+ * kernel underflows or a splat is seen along its plane. */
+static double weight_of(const psplat_kernel *kernel, const psplat_oracle_share *share) {
+    double psi = exp(-(double)kernel->sharpness * pow(share->r, kernel->exponent));
+    return fmax(psi * share->factor, 1e-300);
 }
 
 static psplat_oracle_surface surface_of(const psplat_splat *splat,
@@ -39,12 +41,11 @@ static int bends(const psplat_oracle_drawing *d) {
 static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                        const psplat_oracle_ray *ray, const psplat_oracle_share *share,
                        psplat_oracle_pixel *p) {
-    double weight = d->blends ? kernel_weight(&at->batch->kernel, share->r) * share->factor : 1;
+    double weight = d->blends ? weight_of(&at->batch->kernel, share) : 1;
     double sign = at->placed.cosine > -0.5 ? 1 : -1, normal[3], shown[3];
     psplat_oracle_surface surface = surface_of(at->splat, &at->batch->material);
     p->weight += weight;
     p->depth += weight * share->depth;
-    p->overdraw += share->factor;
     ++p->count;
     for (int i = 0; i < 3; ++i)
         normal[i] =
@@ -96,28 +97,13 @@ static void note_limit(const psplat_oracle_drawing *d, const psplat_oracle_visit
         p->epsilon_tie = fmin(p->epsilon_tie, fabs(share->t - p->limit) / (2 * at->space->epsilon));
 }
 
-/* Which case of the filter the splat falls into; the second border changes little else than which
- * pixels it adds to. */
-static void note_size(const psplat_oracle_visit *at, const psplat_oracle_ray *ray,
-                      const psplat_oracle_margins *margins, psplat_oracle_pixel *p) {
-    const psplat_oracle_filter *filter = &at->filter;
-    if (filter->size == PSPLAT_ORACLE_UNFILTERED) return;
-    double distance = hypot(ray->x - filter->center[0], ray->y - filter->center[1]);
-    if (distance < 1 + close || margins->edge > -close) {
-        p->edge_tie = fmin(p->edge_tie, fabs(filter->singular[0] - 1));
-        p->edge_tie = fmin(p->edge_tie, fabs(filter->singular[1] - 1));
-        p->depth_tie = fmin(p->depth_tie, fmin(filter->depth, 1 - filter->depth));
-    }
-}
-
 void psplat_oracle_blend(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                          const psplat_oracle_sight *sight, psplat_oracle_pixel *p) {
-    psplat_oracle_share share = {.t = HUGE_VAL};
+    psplat_oracle_share share;
     psplat_oracle_margins margins;
     int exists = psplat_oracle_filter_share(sight, &share, d->ties ? &margins : NULL);
     if (d->ties) {
         note_visibility(d, at, sight, p);
-        note_size(at, sight->ray, &margins, p);
         if (exists) note_limit(d, at, sight->ray, &share, p);
         if (share.t <= p->limit) note_margins(&margins, p); /* hidden edges do not show */
     }

@@ -1,190 +1,176 @@
 /* SPDX-License-Identifier: MIT
- * Spec 5.8: the screen-space filter (Botsch et al. 2005, section 5), which widens to a pixel what
- * is smaller and softens clip lines. */
+ * Spec 5.8: the screen-space filter, which widens to a pixel what is smaller and softens clip
+ * lines. */
 #include "oracle.h"
 
 #include <math.h>
 
+/* ---- a splat's filter ------------------------------------------------------------------------ */
+
 /* Window coordinates of clip space point C are size / 2 (C_i / C_w + 1), and their derivative in
  * the direction of A is size / 2 (A_i C_w - C_i A_w) / C_w^2. */
-static void project(psplat_oracle_filter *filter, const psplat_oracle_camera *camera,
-                    const psplat_oracle_splat *splat, double center[4]) {
-    double half[2] = {0.5 * camera->width, 0.5 * camera->height}, moved[4];
-    psplat_oracle_transform(camera->projection, splat->center, 1, center);
-    for (int i = 0; i < 2; ++i) filter->center[i] = half[i] * (center[i] / center[3] + 1);
-    for (int axis = 0; axis < 2; ++axis) {
-        psplat_oracle_transform(camera->projection, splat->axis[axis], 0, moved);
-        for (int i = 0; i < 2; ++i)
-            filter->jacobian[i][axis] =
-                half[i] * (moved[i] * center[3] - center[i] * moved[3]) / (center[3] * center[3]);
-    }
+static void jacobian_of(double frame[3][4], const double half[2], double jacobian[2][2]) {
+    const double *center = frame[0];
+    for (int i = 0; i < 2; ++i)
+        for (int axis = 0; axis < 2; ++axis) {
+            const double *along = frame[1 + axis];
+            jacobian[i][axis] =
+                half[i] * (along[i] * center[3] - center[i] * along[3]) / (center[3] * center[3]);
+        }
 }
 
-/* Of J^T J the eigenvectors lie along the angle atan2(2 m01, m00 - m11) / 2 and across it. s1 and
- * s2 are the sum and the difference of the lengths of J's parts that keep and flip orientation;
- * |det J| / s1 does not cancel. */
-static void decompose(psplat_oracle_filter *filter) {
-    double a = filter->jacobian[0][0], b = filter->jacobian[0][1];
-    double c = filter->jacobian[1][0], d = filter->jacobian[1][1];
-    filter->determinant = a * d - b * c;
-    filter->singular[0] = (hypot(a + d, b - c) + hypot(a - d, b + c)) / 2;
-    filter->singular[1] =
-        filter->singular[0] > 0 ? fabs(filter->determinant) / filter->singular[0] : 0;
-    double angle = atan2(2 * (a * b + c * d), a * a + c * c - b * b - d * d) / 2;
-    filter->minor[0] = -sin(angle);
-    filter->minor[1] = cos(angle);
+static double determinant_of(double m[2][2]) {
+    return m[0][0] * m[1][1] - m[0][1] * m[1][0];
+}
+
+/* Eq. (10) as the spec words it: J^T J has its eigenvectors, m1 and m2, along half the angle of
+ * (m00 - m11, 2 m01) and across it; J m_i is s_i l_i. Where s_i is 0, l_i is across the other. */
+static void widen(double jacobian[2][2], double widened[2][2]) {
+    double(*j)[2] = jacobian, m[2][2], l[2][2], s[2];
+    double angle =
+        atan2(2 * (j[0][0] * j[0][1] + j[1][0] * j[1][1]),
+              j[0][0] * j[0][0] + j[1][0] * j[1][0] - j[0][1] * j[0][1] - j[1][1] * j[1][1]) /
+        2;
+    m[0][0] = m[1][1] = cos(angle);
+    m[0][1] = sin(angle);
+    m[1][0] = -m[0][1];
+    for (int i = 0; i < 2; ++i) l[0][i] = j[i][0] * m[0][0] + j[i][1] * m[0][1];
+    s[0] = hypot(l[0][0], l[0][1]);
+    s[1] = s[0] > 0 ? determinant_of(j) / s[0] : 0; /* with its sign; no difference cancels */
+    for (int i = 0; i < 2; ++i) l[0][i] = s[0] > 0 ? l[0][i] / s[0] : m[0][i];
+    l[1][0] = -l[0][1];
+    l[1][1] = l[0][0];
+    s[0] = fmax(s[0], 1);
+    s[1] = s[1] < 0 ? fmin(s[1], -1) : fmax(s[1], 1);
+    for (int row = 0; row < 2; ++row)
+        for (int column = 0; column < 2; ++column)
+            widened[row][column] =
+                s[0] * l[0][row] * m[0][column] + s[1] * l[1][row] * m[1][column];
+}
+
+static double least_singular_value(double m[2][2]) {
+    double more = hypot(m[0][0] + m[1][1], m[0][1] - m[1][0]);
+    double less = hypot(m[0][0] - m[1][1], m[0][1] + m[1][0]);
+    return fabs(more - less) / 2;
 }
 
 void psplat_oracle_filter_set(psplat_oracle_filter *filter, const psplat_oracle_camera *camera,
-                              const psplat_oracle_splat *splat, int is_on) {
-    double center[4];
-    *filter = (psplat_oracle_filter){.size = PSPLAT_ORACLE_UNFILTERED};
-    if (!is_on) return;
-    project(filter, camera, splat, center);
-    filter->depth = 0.5 + 0.5 * center[2] / center[3];
-    if (!(center[3] > 0 && fabs(center[2]) < center[3])) return;
-    decompose(filter);
-    filter->size = filter->singular[1] >= 1  ? PSPLAT_ORACLE_LARGE
-                   : filter->singular[0] > 1 ? PSPLAT_ORACLE_THIN
-                                             : PSPLAT_ORACLE_SMALL;
+                              const psplat_oracle_splat *splat, int may_filter) {
+    double half[2] = {0.5 * camera->width, 0.5 * camera->height}, before[2][2];
+    *filter = (psplat_oracle_filter){.ratio = 1};
+    psplat_oracle_camera_frame(camera, splat, filter->frame);
+    double *center = filter->frame[0];
+    if (!may_filter || !(center[3] > 0 && fabs(center[2]) < center[3])) return;
+    filter->is_on = 1;
+    jacobian_of(filter->frame, half, before);
+    filter->is_widened = least_singular_value(before) < 1;
+    for (int i = 0; i < 2; ++i)
+        for (int k = 0; k < 2; ++k) filter->jacobian[i][k] = before[i][k];
+    if (filter->is_widened) widen(before, filter->jacobian);
+    filter->determinant = determinant_of(filter->jacobian);
+    if (!filter->is_widened) return;
+    filter->ratio = determinant_of(before) / filter->determinant;
+    for (int i = 0; i < 2; ++i)
+        for (int k = 0; k < 2; ++k)
+            filter->frame[1 + k][i] +=
+                (filter->jacobian[i][k] - before[i][k]) * center[3] / half[i];
 }
 
-static int within(double at, int size) {
-    return (int)fmin(fmax(at, 0), size);
+/* ---- at a pixel ------------------------------------------------------------------------------ */
+
+/* The splat's point on the ray, and the derivatives of its (u, v) by the pixel's x and y. */
+typedef struct point {
+    psplat_oracle_fragment f;
+    double steps[2][2];
+} point;
+
+/* The point C'(u, v) whose x and y are those of the pixel times its w: two linear equations. */
+static int find_widened(const psplat_oracle_sight *sight, point *found) {
+    const psplat_oracle_camera *camera = sight->camera;
+    const double(*frame)[4] = sight->filter->frame;
+    const double at[2] = {2 * sight->ray->x / camera->width - 1,
+                          2 * sight->ray->y / camera->height - 1};
+    const double pixel[2] = {2.0 / camera->width, 2.0 / camera->height};
+    double m[2][2], right[2], center[4];
+    for (int i = 0; i < 2; ++i) {
+        for (int k = 0; k < 2; ++k) m[i][k] = frame[1 + k][i] - at[i] * frame[1 + k][3];
+        right[i] = at[i] * frame[0][3] - frame[0][i];
+    }
+    double determinant = determinant_of(m);
+    double u = (right[0] * m[1][1] - right[1] * m[0][1]) / determinant;
+    double v = (right[1] * m[0][0] - right[0] * m[1][0]) / determinant;
+    for (int i = 0; i < 4; ++i) center[i] = frame[0][i] + u * frame[1][i] + v * frame[2][i];
+    if (!(isfinite(u) && isfinite(v) && center[3] > 0)) return 0;
+    found->f = (psplat_oracle_fragment){
+        .depth = 0.5 + 0.5 * center[2] / center[3], .u = u, .v = v, .r = hypot(u, v)};
+    found->f.t = psplat_oracle_camera_reach(camera, sight->ray, found->f.depth);
+    found->steps[0][0] = m[1][1] * pixel[0] * center[3] / determinant;
+    found->steps[0][1] = -m[1][0] * pixel[0] * center[3] / determinant;
+    found->steps[1][0] = -m[0][1] * pixel[1] * center[3] / determinant;
+    found->steps[1][1] = m[0][0] * pixel[1] * center[3] / determinant;
+    return 1;
 }
 
-void psplat_oracle_filter_widen(const psplat_oracle_filter *filter,
-                                const psplat_oracle_camera *camera, psplat_oracle_box *box) {
-    if (filter->size < PSPLAT_ORACLE_THIN) return;
-    const double reach = 2; /* d <= 1, and one pixel around */
-    psplat_oracle_box disc = {within(floor(filter->center[0] - reach), camera->width),
-                              within(ceil(filter->center[0] + reach), camera->width),
-                              within(floor(filter->center[1] - reach), camera->height),
-                              within(ceil(filter->center[1] + reach), camera->height)};
-    if (box->x0 >= box->x1 || box->y0 >= box->y1) *box = disc;
-    box->x0 = disc.x0 < box->x0 ? disc.x0 : box->x0;
-    box->x1 = disc.x1 > box->x1 ? disc.x1 : box->x1;
-    box->y0 = disc.y0 < box->y0 ? disc.y0 : box->y0;
-    box->y1 = disc.y1 > box->y1 ? disc.y1 : box->y1;
+static int find_point(const psplat_oracle_sight *sight, int with_steps, point *found) {
+    if (sight->filter->is_widened) return find_widened(sight, found);
+    if (!sight->fragment) return 0;
+    found->f = *sight->fragment;
+    if (with_steps)
+        psplat_oracle_fragment_steps(sight->camera, sight->splat, sight->ray, found->f.s,
+                                     found->steps);
+    return 1;
 }
 
-/* ---- clip lines ------------------------------------------------------------------------------ */
-
-/* A line's distance in pixels and how many pixels a unit of (u, v) is across it. J^-T = cof J / det
- * J, and J^-1 is the transpose of that: multiplied out, nothing is divided by det J, which is 0 for
- * splats seen along their plane. */
-typedef struct soft_line {
-    double delta, scale;
-} soft_line;
-
-static soft_line soften(const psplat_oracle_sight *sight, const double line[3],
-                        const double from_center[2]) {
-    const psplat_oracle_filter *filter = sight->filter;
-    const psplat_oracle_fragment *f = sight->fragment;
-    const double sharp = 1e6; /* a line without a direction in the image, which is hard */
+/* delta of a clip line, and how many pixels a unit of (u, v) is across it. J'^-T is the matrix of
+ * cofactors over det J'. */
+static double soft_distance(const psplat_oracle_filter *filter, const double line[3],
+                            const psplat_oracle_fragment *f, double *scale) {
     double x = filter->jacobian[1][1] * line[0] - filter->jacobian[1][0] * line[1];
     double y = filter->jacobian[0][0] * line[1] - filter->jacobian[0][1] * line[0];
-    double length = hypot(x, y), area = fabs(filter->determinant);
-    if (!(length > 0)) return (soft_line){sharp * line[2], sharp};
-    double scale = area * hypot(line[0], line[1]) / length;
-    double across = x * from_center[0] + y * from_center[1];
-    double value = filter->size == PSPLAT_ORACLE_SMALL
-                       ? line[2] * area + (filter->determinant < 0 ? -across : across)
-                       : (line[0] * f->u + line[1] * f->v + line[2]) * area;
-    return (soft_line){value / length, scale};
+    double pixels = fabs(filter->determinant) / hypot(x, y);
+    *scale = pixels * hypot(line[0], line[1]);
+    return (line[0] * f->u + line[1] * f->v + line[2]) * pixels;
 }
 
 /* The product of the lines' factors; least becomes the least margin to a factor of 0. */
-static double factor_of(const psplat_oracle_sight *sight, const double from_center[2],
-                        double *least) {
-    double factor = 1;
+static double factor_of_lines(const psplat_oracle_sight *sight, const psplat_oracle_fragment *f,
+                              double *least) {
+    double factor = 1, scale = 1;
     for (uint32_t k = 0; k < sight->splat->clip_count; ++k) {
-        soft_line line = soften(sight, sight->splat->clip[k], from_center);
-        factor *= fmin(fmax(0.5 + line.delta, 0), 1);
-        *least = fmin(*least, (0.5 + line.delta) / fmax(1, line.scale));
+        double delta = soft_distance(sight->filter, sight->splat->clip[k], f, &scale);
+        factor *= fmin(fmax(0.5 + delta, 0), 1);
+        *least = fmin(*least, (0.5 + delta) / fmax(1, scale));
     }
     return factor;
 }
 
-/* ---- shares ---------------------------------------------------------------------------------- */
-
-static double ellipse_margin(const psplat_oracle_sight *sight, double radius) {
-    const psplat_oracle_fragment *f = sight->fragment;
-    double steps[2][2], inverse = f->r > 0 ? 1 / f->r : 0;
-    psplat_oracle_fragment_steps(sight->camera, sight->splat, sight->ray, f->s, steps);
-    return psplat_oracle_edge(radius - f->r, f->u * inverse, f->v * inverse, steps);
-}
-
-/* s2 < 1 < s1: within the ellipse, or within a pixel of c and four radii. */
-static double thin_margin(const psplat_oracle_sight *sight, double distance) {
-    return fmax(ellipse_margin(sight, 1), fmin(1 - distance, ellipse_margin(sight, 4)));
-}
-
-static int is_seen(const psplat_oracle_sight *sight, double depth) {
-    return depth >= 0 && depth <= 1 && !(sight->cull && !(sight->splat->cosine > 0));
-}
-
-/* Fragments of the plane: 5.1 without the filter. */
-static int share_of_fragment(const psplat_oracle_sight *sight, psplat_oracle_share *share,
-                             psplat_oracle_margins *margins) {
-    const psplat_oracle_fragment *f = sight->fragment;
-    *share = (psplat_oracle_share){f->t, f->depth, f->r, f->u, f->v, 1};
+static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share *share,
+                          psplat_oracle_margins *margins) {
+    point at;
+    double cosine = sight->splat->cosine, edge = sight->cull ? cosine : fabs(cosine);
+    if (!find_point(sight, margins != NULL, &at)) return 0;
+    const psplat_oracle_fragment *f = &at.f;
+    double factor = factor_of_lines(sight, f, &edge);
+    *share = (psplat_oracle_share){f->t, f->depth, f->u, f->v, f->r, factor * sight->filter->ratio};
+    double inverse = f->r > 0 ? 1 / f->r : 0;
     if (margins)
-        *margins =
-            psplat_oracle_fragment_margins(sight->camera, sight->splat, sight->ray, f, sight->cull);
-    return psplat_oracle_fragment_exists(sight->splat, f, sight->cull);
-}
-
-/* s1 > 1: on the plane. */
-static int share_of_plane(const psplat_oracle_sight *sight, const double from_center[2],
-                          psplat_oracle_share *share, psplat_oracle_margins *margins) {
-    const psplat_oracle_filter *filter = sight->filter;
-    const psplat_oracle_fragment *f = sight->fragment;
-    int is_thin = filter->size == PSPLAT_ORACLE_THIN;
-    double distance = hypot(from_center[0], from_center[1]), cosine = sight->splat->cosine;
-    double along = filter->minor[0] * f->u + filter->minor[1] * f->v;
-    double less = is_thin ? along * (1 - fmax(filter->singular[1], 0.25)) : 0;
-    double edge = sight->cull ? cosine : fabs(cosine);
-    *share = (psplat_oracle_share){
-        .t = f->t,
-        .depth = f->depth,
-        .r = is_thin ? fmin(f->r, distance) : f->r,
-        .u = f->u - less * filter->minor[0],
-        .v = f->v - less * filter->minor[1],
-        .factor = factor_of(sight, from_center, &edge),
-    };
-    if (margins) {
-        double inside = is_thin ? thin_margin(sight, distance) : ellipse_margin(sight, 1);
-        *margins = (psplat_oracle_margins){fmin(edge, inside), fmin(f->depth, 1 - f->depth)};
-    }
-    int is_inside = f->r <= 1 || (is_thin && distance <= 1 && f->r <= 4);
-    return is_inside && share->factor > 0 && is_seen(sight, f->depth);
-}
-
-/* s1 <= 1: a disc of a pixel's radius that faces the eye. */
-static int share_of_disc(const psplat_oracle_sight *sight, const double from_center[2],
-                         psplat_oracle_share *share, psplat_oracle_margins *margins) {
-    const psplat_oracle_filter *filter = sight->filter;
-    double distance = hypot(from_center[0], from_center[1]), edge = 1 - distance;
-    *share = (psplat_oracle_share){
-        .t = psplat_oracle_camera_reach(sight->camera, sight->ray, filter->depth),
-        .depth = filter->depth,
-        .r = distance,
-        .factor = factor_of(sight, from_center, &edge),
-    };
-    if (sight->cull) edge = fmin(edge, sight->splat->cosine);
-    if (margins) *margins = (psplat_oracle_margins){edge, fmin(filter->depth, 1 - filter->depth)};
-    return distance <= 1 && share->factor > 0 && is_seen(sight, filter->depth);
+        *margins = (psplat_oracle_margins){
+            fmin(edge, psplat_oracle_edge(1 - f->r, f->u * inverse, f->v * inverse, at.steps)),
+            fmin(f->depth, 1 - f->depth)};
+    if (sight->cull && !(cosine > 0)) return 0;
+    return f->r <= 1 && factor > 0 && f->depth >= 0 && f->depth <= 1;
 }
 
 int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_share *share,
                                psplat_oracle_margins *margins) {
-    const psplat_oracle_filter *filter = sight->filter;
-    double from_center[2] = {sight->ray->x - filter->center[0], sight->ray->y - filter->center[1]};
+    const psplat_oracle_fragment *f = sight->fragment;
+    *share = (psplat_oracle_share){.t = HUGE_VAL};
     if (margins) *margins = (psplat_oracle_margins){-1, -1};
-    if (filter->size == PSPLAT_ORACLE_SMALL)
-        return share_of_disc(sight, from_center, share, margins);
-    if (!sight->fragment) return 0;
-    if (filter->size == PSPLAT_ORACLE_UNFILTERED) return share_of_fragment(sight, share, margins);
-    return share_of_plane(sight, from_center, share, margins);
+    if (sight->filter->is_on) return share_filtered(sight, share, margins);
+    if (!f) return 0;
+    *share = (psplat_oracle_share){f->t, f->depth, f->u, f->v, f->r, 1};
+    if (margins)
+        *margins =
+            psplat_oracle_fragment_margins(sight->camera, sight->splat, sight->ray, f, sight->cull);
+    return psplat_oracle_fragment_exists(sight->splat, f, sight->cull);
 }

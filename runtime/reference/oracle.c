@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- splats and pixels ----------------------------------------------------------------------- */
 
@@ -40,13 +41,27 @@ static void visit_splats(psplat_oracle_drawing *d, splat_visitor call) {
 typedef void (*pixel_visitor)(psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                               const psplat_oracle_sight *sight, psplat_oracle_pixel *p);
 
+/* Around the splat and around what the filter makes of it. */
+static psplat_oracle_box box_of(const psplat_oracle_drawing *d, const psplat_oracle_visit *at) {
+    double frame[3][4];
+    psplat_oracle_camera_frame(&d->camera, &at->placed, frame);
+    psplat_oracle_box box = psplat_oracle_camera_bounds(&d->camera, frame);
+    if (!at->filter.is_widened) return box;
+    memcpy(frame, at->filter.frame, sizeof frame);
+    psplat_oracle_box wide = psplat_oracle_camera_bounds(&d->camera, frame);
+    if (box.x0 >= box.x1 || box.y0 >= box.y1) return wide;
+    if (wide.x0 >= wide.x1 || wide.y0 >= wide.y1) return box;
+    return (psplat_oracle_box){
+        wide.x0 < box.x0 ? wide.x0 : box.x0, wide.x1 > box.x1 ? wide.x1 : box.x1,
+        wide.y0 < box.y0 ? wide.y0 : box.y0, wide.y1 > box.y1 ? wide.y1 : box.y1};
+}
+
 static void visit_pixels(psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                          pixel_visitor call) {
     psplat_oracle_ray ray;
     psplat_oracle_fragment f;
     psplat_oracle_sight sight = {&d->camera, &at->placed, &at->filter, &ray, NULL, at->cull};
-    psplat_oracle_box box = psplat_oracle_camera_bounds(&d->camera, &at->placed);
-    psplat_oracle_filter_widen(&at->filter, &d->camera, &box);
+    psplat_oracle_box box = box_of(d, at);
     for (int y = box.y0; y < box.y1; ++y)
         for (int x = box.x0; x < box.x1; ++x) {
             psplat_oracle_camera_ray(&d->camera, x + 0.5, y + 0.5, &ray);

@@ -97,13 +97,17 @@ double psplat_oracle_camera_reach(const psplat_oracle_camera *camera, const pspl
 void psplat_oracle_camera_face(const psplat_oracle_camera *camera, const psplat_oracle_space *space,
                                psplat_oracle_splat *splat);
 
-/* Pixels x0 <= x < x1, y0 <= y < y1 hold every fragment of the splat and one pixel around. */
+/* Clip coordinates: (u, v) has frame[0] + u frame[1] + v frame[2]. */
+void psplat_oracle_camera_frame(const psplat_oracle_camera *camera,
+                                const psplat_oracle_splat *splat, double frame[3][4]);
+
+/* Pixels x0 <= x < x1, y0 <= y < y1 hold every fragment of the ellipse and one pixel around. */
 typedef struct psplat_oracle_box {
     int x0, x1, y0, y1;
 } psplat_oracle_box;
 
 psplat_oracle_box psplat_oracle_camera_bounds(const psplat_oracle_camera *camera,
-                                              const psplat_oracle_splat *splat);
+                                              double frame[3][4]);
 
 /* ---- fragment.c: sections 5.1 and 5.2 ----------------------------------------------------- */
 
@@ -144,30 +148,18 @@ psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera 
 
 /* ---- filter.c: section 5.8 ---------------------------------------------------------------- */
 
-/* Which of the filter's cases a splat falls into. */
-typedef enum psplat_oracle_size {
-    PSPLAT_ORACLE_UNFILTERED, /* no filter, or the centre is not between near and far */
-    PSPLAT_ORACLE_LARGE,      /* 1 <= s2 */
-    PSPLAT_ORACLE_THIN,       /* s2 < 1 < s1 */
-    PSPLAT_ORACLE_SMALL       /* s1 <= 1 */
-} psplat_oracle_size;
-
 typedef struct psplat_oracle_filter {
-    psplat_oracle_size size;
-    double center[2], depth; /* c in pixels, its window depth */
-    double jacobian[2][2];   /* J: of x (0) and y (1) in pixels by u and v */
-    double determinant;      /* of J */
-    double singular[2];      /* s1 >= s2 */
-    double minor[2];         /* the unit direction of (u, v) that J shrinks to s2 */
+    int is_on;             /* 0: hard clip lines and the splat as it is */
+    int is_widened;        /* 0: s2 >= 1, J' = J */
+    double frame[3][4];    /* C'(u, v), see psplat_oracle_camera_frame */
+    double jacobian[2][2]; /* J': of x (0) and y (1) in pixels by u and v */
+    double determinant;    /* of J' */
+    double ratio;          /* det J / det J' */
 } psplat_oracle_filter;
 
-/* is_on: 0 leaves the splat unfiltered. */
+/* may_filter: 0 leaves the splat as it is. */
 void psplat_oracle_filter_set(psplat_oracle_filter *filter, const psplat_oracle_camera *camera,
-                              const psplat_oracle_splat *splat, int is_on);
-
-/* Widens the box to the pixels that the filter may add. */
-void psplat_oracle_filter_widen(const psplat_oracle_filter *filter,
-                                const psplat_oracle_camera *camera, psplat_oracle_box *box);
+                              const psplat_oracle_splat *splat, int may_filter);
 
 /* A splat at a pixel. */
 typedef struct psplat_oracle_sight {
@@ -182,13 +174,12 @@ typedef struct psplat_oracle_sight {
 /* What a splat adds to a pixel, visibility apart. */
 typedef struct psplat_oracle_share {
     double t, depth; /* where it lies on the ray */
-    double r;        /* the kernel's argument */
-    double u, v;     /* the normal field's arguments */
-    double factor;   /* of the softened clip lines, 0 ... 1 */
+    double u, v, r;
+    double factor; /* of the filter, 0 ... 1 */
 } psplat_oracle_share;
 
-/* Returns 0 where the splat adds nothing. margins may be NULL; they are -1 where the ray had to
- * meet the plane and did not. */
+/* Returns 0 where the splat adds nothing; t is HUGE_VAL where its plane is not met. margins may be
+ * NULL. */
 int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_share *share,
                                psplat_oracle_margins *margins);
 
@@ -273,7 +264,6 @@ typedef struct psplat_oracle_pixel {
     double edge_tie, depth_tie, epsilon_tie;
     /* The sums of eq. (6); radiance is that of the comparison modes (5.7). */
     double weight, depth, normal[3], radiance[3];
-    double overdraw; /* splats, counted by the factors of their clip lines */
     psplat_oracle_surface surface;
 } psplat_oracle_pixel;
 

@@ -94,6 +94,13 @@ double psplat_oracle_camera_reach(const psplat_oracle_camera *camera, const pspl
     return s * ray->length;
 }
 
+void psplat_oracle_camera_frame(const psplat_oracle_camera *camera,
+                                const psplat_oracle_splat *splat, double frame[3][4]) {
+    psplat_oracle_transform(camera->projection, splat->center, 1, frame[0]);
+    psplat_oracle_transform(camera->projection, splat->axis[0], 0, frame[1]);
+    psplat_oracle_transform(camera->projection, splat->axis[1], 0, frame[2]);
+}
+
 /* ---- bounds --------------------------------------------------------------------------------- */
 
 #define CORNERS 8
@@ -105,17 +112,13 @@ typedef struct polygon {
 } polygon;
 
 /* The octagon around the ellipse: bounds that need no case distinction, at 8 % more width. */
-static void octagon(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
-                    polygon *out) {
-    const double pi = 3.14159265358979323846;
-    double center[4], u[4], v[4], radius = 1 / cos(pi / CORNERS);
-    psplat_oracle_transform(camera->projection, splat->center, 1, center);
-    psplat_oracle_transform(camera->projection, splat->axis[0], 0, u);
-    psplat_oracle_transform(camera->projection, splat->axis[1], 0, v);
+static void octagon(double frame[3][4], polygon *out) {
+    const double pi = 3.14159265358979323846, radius = 1 / cos(pi / CORNERS);
     for (int k = 0; k < CORNERS; ++k) {
         double angle = 2 * pi * k / CORNERS;
-        double x = radius * cos(angle), y = radius * sin(angle);
-        for (int i = 0; i < 4; ++i) out->corner[k][i] = center[i] + x * u[i] + y * v[i];
+        double u = radius * cos(angle), v = radius * sin(angle);
+        for (int i = 0; i < 4; ++i)
+            out->corner[k][i] = frame[0][i] + u * frame[1][i] + v * frame[2][i];
     }
     out->count = CORNERS;
 }
@@ -143,12 +146,12 @@ static int pixel_of(double window, int size) {
 }
 
 psplat_oracle_box psplat_oracle_camera_bounds(const psplat_oracle_camera *camera,
-                                              const psplat_oracle_splat *splat) {
+                                              double frame[3][4]) {
     const double margin = 1;
     int size[2] = {camera->width, camera->height};
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
     polygon shape;
-    octagon(camera, splat, &shape);
+    octagon(frame, &shape);
     clip_depth(&shape, -1);
     if (shape.count) clip_depth(&shape, 1);
     if (!shape.count) return (psplat_oracle_box){0, 0, 0, 0};

@@ -39,10 +39,8 @@ typedef struct psplat_reference_image {
     double *tie;     /* least distance to an edge (|1 - r|, or to a clip line with a, b normalised),
                         in (u, v) or in pixels, whichever is less; least |cosine| between a splat's
                         normal and the ray, which decides front or back. With the filter, edges are
-                        those of the ellipse that decide visibility, and those of what the splat
-                        adds: of the filter's region, and where a softened clip line's factor becomes
-                        0; and it is |s1 - 1| or |s2 - 1| at most for splats of singular values s1, s2
-                        that add to the pixel or lie within a pixel of it, hidden or not */
+                        both those of the ellipses that decide visibility and those of the widened
+                        ones, and a softened clip line's is where its factor becomes 0 */
     double *depth_tie;   /* least difference of window depth to the near and far plane and to the
                             visibility limit */
     double *epsilon_tie; /* least |t - limit| over the greatest epsilon of eq. (5); always 1 in flat
