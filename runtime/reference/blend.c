@@ -34,31 +34,31 @@ static void add_surface(psplat_oracle_surface *sum, double weight,
     sum->unlit += weight * surface->unlit;
 }
 
-static int bends(const psplat_oracle_drawing *d) {
-    return d->view->mode == PSPLAT_MODE_PHONG;
+/* Gaussian and flat splats are lit one by one. */
+static int is_lit_alone(const psplat_view *view) {
+    return view->mode != PSPLAT_MODE_PHONG && view->shading == PSPLAT_SHADING_LIT;
 }
 
 static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                        const psplat_oracle_ray *ray, const psplat_oracle_share *share,
                        psplat_oracle_pixel *p) {
+    int bends = d->view->mode == PSPLAT_MODE_PHONG;
     double weight = d->blends ? weight_of(&at->batch->kernel, share) : 1;
-    double sign = at->placed.cosine > -0.5 ? 1 : -1, normal[3], shown[3];
+    double sign = at->placed.cosine > -0.5 ? 1 : -1, normal[3], radiance[3];
+    double u = bends ? share->u : 0, v = bends ? share->v : 0;
     psplat_oracle_surface surface = surface_of(at->splat, &at->batch->material);
     p->weight += weight;
     p->depth += weight * share->depth;
     ++p->count;
-    for (int i = 0; i < 3; ++i)
-        normal[i] =
-            sign * (at->placed.normal[0][i] + (bends(d) ? share->u * at->placed.normal[1][i] +
-                                                              share->v * at->placed.normal[2][i]
-                                                        : 0));
-    if (bends(d)) {
-        for (int i = 0; i < 3; ++i) p->normal[i] += weight * normal[i];
-        add_surface(&p->surface, weight, &surface);
-        return;
+    for (int i = 0; i < 3; ++i) {
+        normal[i] = sign * (at->placed.normal[0][i] + u * at->placed.normal[1][i] +
+                            v * at->placed.normal[2][i]);
+        p->normal[i] += weight * normal[i];
     }
-    psplat_oracle_show(d, ray, share->t, &surface, normal, shown);
-    for (int i = 0; i < 3; ++i) p->radiance[i] += weight * shown[i];
+    add_surface(&p->surface, weight, &surface);
+    if (!is_lit_alone(d->view)) return;
+    psplat_oracle_show(d, ray, share->t, &surface, normal, radiance);
+    for (int i = 0; i < 3; ++i) p->radiance[i] += weight * radiance[i];
 }
 
 /* ---- ties ------------------------------------------------------------------------------------ */
@@ -89,12 +89,14 @@ static void note_limit(const psplat_oracle_drawing *d, const psplat_oracle_visit
     double limit[3], w = 0;
     if (!isfinite(p->limit)) return;
     /* The nearest fragment always lies before the limit, which is not before it. */
-    if (at->index == p->nearest_splat && share->t <= p->nearest) return;
+    if (at->index == p->nearest_splat && share->tested <= p->nearest) return;
     psplat_oracle_along(ray->origin, p->limit / ray->length, ray->direction, limit);
-    double difference = psplat_oracle_camera_depth(&d->camera, limit, &w) - share->depth;
+    double difference =
+        psplat_oracle_camera_depth(&d->camera, limit, &w) + at->filter.nearer - share->depth;
     p->depth_tie = fmin(p->depth_tie, fabs(difference));
     if (d->blends && at->space->epsilon > 0)
-        p->epsilon_tie = fmin(p->epsilon_tie, fabs(share->t - p->limit) / (2 * at->space->epsilon));
+        p->epsilon_tie =
+            fmin(p->epsilon_tie, fabs(share->tested - p->limit) / (2 * at->space->epsilon));
 }
 
 void psplat_oracle_blend(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
@@ -104,9 +106,10 @@ void psplat_oracle_blend(const psplat_oracle_drawing *d, const psplat_oracle_vis
     int exists = psplat_oracle_filter_share(sight, &share, d->ties ? &margins : NULL);
     if (d->ties) {
         note_visibility(d, at, sight, p);
+        note_margins(&at->filter.margins, p);
         if (exists) note_limit(d, at, sight->ray, &share, p);
-        if (share.t <= p->limit) note_margins(&margins, p); /* hidden edges do not show */
+        if (share.tested <= p->limit) note_margins(&margins, p); /* hidden edges do not show */
     }
-    int chosen = d->blends ? share.t <= p->limit : at->index == p->nearest_splat;
+    int chosen = d->blends ? share.tested <= p->limit : at->index == p->nearest_splat;
     if (exists && chosen) contribute(d, at, sight->ray, &share, p);
 }

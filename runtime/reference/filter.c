@@ -4,6 +4,7 @@
 #include "oracle.h"
 
 #include <math.h>
+#include <string.h>
 
 /* ---- a splat's filter ------------------------------------------------------------------------ */
 
@@ -54,22 +55,42 @@ static double least_singular_value(double m[2][2]) {
     return fabs(more - less) / 2;
 }
 
+/* How far the splat is from being left alone (negative: it is): its w changes little, and its
+ * centre lies between the planes, by more than 2 |g| behind the near one. */
+static psplat_oracle_margins margins_of(double frame[3][4], double depth, double slope) {
+    double w = frame[0][3];
+    if (!(w > 0)) return (psplat_oracle_margins){-1, -1};
+    double change = (fabs(frame[1][3]) + fabs(frame[2][3])) / w;
+    return (psplat_oracle_margins){1 - 4 * change, fmin(depth - 2 * slope, 1 - depth)};
+}
+
+/* |g| of 5.8 in window depth, which is 1/2 + C_z / C_w / 2. */
+static double slope_of(double frame[3][4]) {
+    double by[2], w = frame[0][3], z = frame[0][2] / w;
+    for (int k = 0; k < 2; ++k) by[k] = (frame[1 + k][2] - z * frame[1 + k][3]) / w;
+    return hypot(by[0], by[1]) / 2;
+}
+
 void psplat_oracle_filter_set(psplat_oracle_filter *filter, const psplat_oracle_camera *camera,
                               const psplat_oracle_splat *splat, int may_filter) {
     double half[2] = {0.5 * camera->width, 0.5 * camera->height}, before[2][2];
-    *filter = (psplat_oracle_filter){.ratio = 1};
+    *filter = (psplat_oracle_filter){.ratio = 1, .margins = {1, 1}};
     psplat_oracle_camera_frame(camera, splat, filter->frame);
-    double *center = filter->frame[0];
-    if (!may_filter || !(center[3] > 0 && fabs(center[2]) < center[3])) return;
-    filter->is_on = 1;
+    if (!may_filter) return;
+    double *center = filter->frame[0], slope = slope_of(filter->frame);
+    psplat_oracle_margins margins =
+        margins_of(filter->frame, 0.5 + 0.5 * center[2] / center[3], slope);
     jacobian_of(filter->frame, half, before);
-    filter->is_widened = least_singular_value(before) < 1;
-    for (int i = 0; i < 2; ++i)
-        for (int k = 0; k < 2; ++k) filter->jacobian[i][k] = before[i][k];
+    double least = least_singular_value(before);
+    if (least < 1 || splat->clip_count) filter->margins = margins;
+    filter->is_on = margins.edge > 0 && margins.depth > 0;
+    filter->is_widened = filter->is_on && least < 1;
+    memcpy(filter->jacobian, before, sizeof before);
     if (filter->is_widened) widen(before, filter->jacobian);
     filter->determinant = determinant_of(filter->jacobian);
     if (!filter->is_widened) return;
     filter->ratio = determinant_of(before) / filter->determinant;
+    filter->nearer = 1.1 * (1 - least) * slope;
     for (int i = 0; i < 2; ++i)
         for (int k = 0; k < 2; ++k)
             filter->frame[1 + k][i] +=
@@ -151,24 +172,28 @@ static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share 
     if (!find_point(sight, margins != NULL, &at)) return 0;
     const psplat_oracle_fragment *f = &at.f;
     double factor = factor_of_lines(sight, f, &edge);
-    *share = (psplat_oracle_share){f->t, f->depth, f->u, f->v, f->r, factor * sight->filter->ratio};
+    *share = (psplat_oracle_share){
+        f->t, f->t, f->depth, f->u, f->v, f->r, factor * sight->filter->ratio};
+    double tested = f->depth - sight->filter->nearer;
+    if (sight->filter->is_widened)
+        share->tested = psplat_oracle_camera_reach(sight->camera, sight->ray, tested);
     double inverse = f->r > 0 ? 1 / f->r : 0;
     if (margins)
         *margins = (psplat_oracle_margins){
             fmin(edge, psplat_oracle_edge(1 - f->r, f->u * inverse, f->v * inverse, at.steps)),
-            fmin(f->depth, 1 - f->depth)};
+            fmin(tested, 1 - tested)};
     if (sight->cull && !(cosine > 0)) return 0;
-    return f->r <= 1 && factor > 0 && f->depth >= 0 && f->depth <= 1;
+    return f->r <= 1 && factor > 0 && tested >= 0 && tested <= 1;
 }
 
 int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_share *share,
                                psplat_oracle_margins *margins) {
     const psplat_oracle_fragment *f = sight->fragment;
-    *share = (psplat_oracle_share){.t = HUGE_VAL};
+    *share = (psplat_oracle_share){.tested = HUGE_VAL};
     if (margins) *margins = (psplat_oracle_margins){-1, -1};
     if (sight->filter->is_on) return share_filtered(sight, share, margins);
     if (!f) return 0;
-    *share = (psplat_oracle_share){f->t, f->depth, f->u, f->v, f->r, 1};
+    *share = (psplat_oracle_share){f->t, f->t, f->depth, f->u, f->v, f->r, 1};
     if (margins)
         *margins =
             psplat_oracle_fragment_margins(sight->camera, sight->splat, sight->ray, f, sight->cull);

@@ -149,12 +149,14 @@ psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera 
 /* ---- filter.c: section 5.8 ---------------------------------------------------------------- */
 
 typedef struct psplat_oracle_filter {
-    int is_on;             /* 0: hard clip lines and the splat as it is */
-    int is_widened;        /* 0: s2 >= 1, J' = J */
-    double frame[3][4];    /* C'(u, v), see psplat_oracle_camera_frame */
-    double jacobian[2][2]; /* J': of x (0) and y (1) in pixels by u and v */
-    double determinant;    /* of J' */
-    double ratio;          /* det J / det J' */
+    int is_on;                     /* 0: hard clip lines and the splat as it is */
+    psplat_oracle_margins margins; /* of that decision, where it changes something; else 1 */
+    int is_widened;                /* 0: s2 >= 1, J' = J */
+    double frame[3][4];            /* C'(u, v), see psplat_oracle_camera_frame */
+    double jacobian[2][2];         /* J': of x (0) and y (1) in pixels by u and v */
+    double determinant;            /* of J' */
+    double ratio;                  /* det J / det J' */
+    double nearer; /* window depth that it lacks where it is compared with the limit */
 } psplat_oracle_filter;
 
 /* may_filter: 0 leaves the splat as it is. */
@@ -173,13 +175,14 @@ typedef struct psplat_oracle_sight {
 
 /* What a splat adds to a pixel, visibility apart. */
 typedef struct psplat_oracle_share {
+    double tested;   /* the distance that is compared with the limit */
     double t, depth; /* where it lies on the ray */
     double u, v, r;
     double factor; /* of the filter, 0 ... 1 */
 } psplat_oracle_share;
 
-/* Returns 0 where the splat adds nothing; t is HUGE_VAL where its plane is not met. margins may be
- * NULL. */
+/* Returns 0 where the splat adds nothing; tested is HUGE_VAL where its plane is not met. margins
+ * may be NULL. */
 int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_share *share,
                                psplat_oracle_margins *margins);
 

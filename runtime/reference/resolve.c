@@ -50,7 +50,7 @@ static void show_pixel(const psplat_oracle_drawing *d, const psplat_oracle_pixel
         for (int i = 0; i < 3; ++i) shown[i] = nearness(&d->camera, ray, t);
     else if (d->view->shading == PSPLAT_SHADING_OVERDRAW)
         for (int i = 0; i < 3; ++i) shown[i] = p->count;
-    else if (d->view->mode == PSPLAT_MODE_PHONG)
+    else if (d->view->mode == PSPLAT_MODE_PHONG || d->view->shading != PSPLAT_SHADING_LIT)
         psplat_oracle_show(d, ray, t, &mean, p->normal, shown);
     else
         for (int i = 0; i < 3; ++i) shown[i] = p->radiance[i] / p->weight;

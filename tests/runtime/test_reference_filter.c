@@ -147,7 +147,7 @@ static void test_small_visibility(void **state) {
 /* Seen along its plane a disc still is two pixels wide, of its one visible side. */
 static void test_edge_on(void **state) {
     (void)state;
-    const double degrees[] = {89.9, 90, 90.1}, radii[] = {0.7, 6};
+    const double degrees[] = {89.9, 90, 90.1}, radii[] = {0.7, 4};
     for (int k = 0; k < 12; ++k) {
         scene s = unlit_scene(1);
         double radius = radii[k / 6];
@@ -373,6 +373,40 @@ static void test_unfiltered(void **state) {
     scene_free(&s);
 }
 
+/* Where w changes by more than a quarter over the axes, or the centre is closer to the near plane
+ * than twice its depth's change over them, too. */
+static void test_unfiltered_perspective(void **state) {
+    (void)state;
+    for (int k = 0; k < 4; ++k) {
+        int is_small = k < 2; /* what the limits are, or a little within */
+        scene s = unlit_scene(1);
+        s.splats[0].clip_count = 1;
+        s.splats[0].clip[0][0] = 0.8f;
+        s.splats[0].clip[0][1] = 0.6f;
+        psplat_view view = pixel_view();
+        if (k % 2) {
+            /* Of w = 20 a quarter is 5: |C_u.w| = 0 and |C_v.w| = r sin 45. */
+            double r = (is_small ? 4.99 : 5.01) * sqrt(2);
+            place(&s.splats[0], 16, 16, 0, r, r);
+            camera_perspective(&view, 20, 1, 100);
+        } else {
+            /* |g| is r sin 45 over 20, the centre's depth 1/4. */
+            double r = (is_small ? 2.49 : 2.51) * sqrt(2);
+            place(&s.splats[0], 16, 16, 5, r, r);
+        }
+        tilt(&s.splats[0], 45);
+        picture with = picture_of(&s, NULL, &view);
+        view.no_filter = 1;
+        picture without = picture_of(&s, NULL, &view);
+        assert_true(picture_covered(&without) >= 5);
+        if (!is_small) check_equal(&with, &without);
+        if (is_small) assert_true(picture_covered(&with) > picture_covered(&without));
+        picture_free(&with);
+        picture_free(&without);
+        scene_free(&s);
+    }
+}
+
 /* ---- coverage -------------------------------------------------------------------------------- */
 
 /* The distance from pixel i to the nearest covered one in a picture `finer` times the size. */
@@ -391,7 +425,7 @@ static double nearest_of(const picture *p, int i, int finer) {
 static void check_growth(uint32_t clip_lines) {
     enum { finer = 8 };
     scene s = scene_ellipses(60, clip_lines, 11);
-    s.depth_tolerance = 5; /* nothing is hidden */
+    s.depth_tolerance = 0; /* no splat hides what it is widened to */
     psplat_view view = pixel_view();
     camera_parallel(&view, 8, 10, 30); /* two pixels a unit: splats of a tenth to half a pixel */
     camera_look(&view, (double[]){0.2, 0.1, 20}, (double[]){0.2, 0.1, 0});
@@ -462,6 +496,7 @@ int main(void) {
         cmocka_unit_test(test_half),
         cmocka_unit_test(test_no_seam),
         cmocka_unit_test(test_unfiltered),
+        cmocka_unit_test(test_unfiltered_perspective),
         cmocka_unit_test(test_growth),
         cmocka_unit_test(test_ties),
     };
