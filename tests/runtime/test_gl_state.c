@@ -161,7 +161,7 @@ static void disturb(const fixture *f) {
         gl->Enable(capabilities[i]);
     gl->Disable(GL_DITHER);
     if (f->api == PSPLAT_API_GL) {
-        void(GL_APIENTRY * polygon_mode)(GLenum face, GLenum mode);
+        void(APIENTRY * polygon_mode)(GLenum face, GLenum mode);
         host_gl_load(f->canvas->host, "glPolygonMode", &polygon_mode);
         polygon_mode(GL_FRONT_AND_BACK, LINE);
         gl->Disable(CUBE_MAP_SEAMLESS);

@@ -8,7 +8,7 @@
 
 #include <phongsplat/host.h>
 
-#include <GLES3/gl3.h>
+#include <GL/glcorearb.h>
 #include <string.h>
 
 #define HOST_GL_FUNCTIONS(X)                                                                       \
