@@ -23,30 +23,52 @@ static void find_rays(psplat_camera *camera, const double inverse[16], int width
     }
 }
 
-static void find_light(psplat_camera *camera, const psplat_light *light) {
-    double eye[3], length2 = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        eye[i] = 0.0;
-        for (int k = 0; k < 3; ++k) eye[i] -= camera->view[k * 4 + i] * light->direction[k];
-        length2 += eye[i] * eye[i];
-    }
-    double scale = length2 > 0.0 ? 1.0 / sqrt(length2) : 0.0;
-    for (int i = 0; i < 3; ++i) camera->light_direction[i] = (float)(eye[i] * scale);
+/* inverse times the map from pixels and window depth to normalised device coordinates. */
+static void find_unproject(psplat_camera *camera, const double inverse[16],
+                           const psplat_camera_desc *desc) {
+    double near = desc->depth_range[0], far = desc->depth_range[1];
+    double range = far != near ? far - near : 1.0, product[16];
+    const double to_device[16] = {[0] = 2.0 / desc->width,
+                                  [5] = 2.0 / desc->height,
+                                  [10] = 2.0 / range,
+                                  [12] = -1.0,
+                                  [13] = -1.0,
+                                  [14] = -1.0 - 2.0 * near / range,
+                                  [15] = 1.0};
+    psplat_matrix_multiply(inverse, to_device, product);
+    psplat_matrix_to_float(product, 16, camera->unproject);
+    camera->half_viewport[0] = 0.5f * (float)desc->width;
+    camera->half_viewport[1] = 0.5f * (float)desc->height;
+    camera->half_viewport[2] = (float)(0.5 * (far - near));
+    camera->margin[0] = 2.0 / desc->width;
+    camera->margin[1] = 2.0 / desc->height;
 }
 
-psplat_result psplat_camera_from_view(psplat_camera *camera, const psplat_view *view,
-                                      psplat_error *error) {
+static void find_planes(psplat_camera *camera, const double inverse[16]) {
+    double near = -(inverse[14] - inverse[10]) / (inverse[15] - inverse[11]);
+    double far = -(inverse[14] + inverse[10]) / (inverse[15] + inverse[11]);
+    int is_finite = isfinite(far) && far > near;
+    camera->planes[0] = (float)near;
+    camera->planes[1] = is_finite ? (float)(1.0 / (far - near)) : 0.0f;
+    camera->planes[2] = is_finite ? 1.0f : 0.0f;
+}
+
+psplat_result psplat_camera_set(psplat_camera *camera, const psplat_camera_desc *desc,
+                                psplat_error *error) {
     double inverse[16];
-    const double *p = view->projection;
+    const double *p = desc->projection;
     if (!psplat_matrix_invert(p, inverse))
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "the projection has no inverse");
-    memcpy(camera->view, view->view, sizeof camera->view);
+    memcpy(camera->view, desc->view, sizeof camera->view);
     memcpy(camera->projection, p, sizeof camera->projection);
-    psplat_matrix_to_float(p, 16, camera->projection_float);
     camera->is_perspective = p[3] != 0.0 || p[7] != 0.0 || p[11] != 0.0;
     camera->is_mirrored = p[0] * p[5] - p[4] * p[1] < 0.0;
-    find_rays(camera, inverse, view->width, view->height);
-    find_light(camera, &view->lights[0]);
+    psplat_matrix_to_float(p, 16, camera->projection_float);
+    find_rays(camera, inverse, desc->width, desc->height);
+    for (int i = 0; i < 3; ++i)
+        camera->direction[i] = camera->is_perspective ? 0.0 : inverse[8 + i];
+    find_unproject(camera, inverse, desc);
+    find_planes(camera, inverse);
     return PSPLAT_OK;
 }
 
@@ -77,24 +99,29 @@ static int is_zero(const double m[16]) {
     return 1;
 }
 
-int psplat_camera_place(const psplat_camera *camera, const double transform[16],
-                        const double model[16], double depth_tolerance, const float bounds_min[3],
-                        const float bounds_max[3], psplat_placement *placement) {
-    double scene[16], modelview[16], clip[16], normal[9];
+void psplat_camera_compose(const double transform[16], const double model[16], double scene[16]) {
     if (is_zero(transform))
-        memcpy(scene, model, sizeof scene);
+        memcpy(scene, model, 16 * sizeof *scene);
     else
         psplat_matrix_multiply(transform, model, scene);
+}
+
+int psplat_camera_place(const psplat_camera *camera, const psplat_placement_desc *desc,
+                        psplat_placement *placement) {
+    double scene[16], modelview[16], clip[16], normal[9], inverse[16];
+    psplat_camera_compose(desc->transform, desc->model, scene);
     psplat_matrix_multiply(camera->view, scene, modelview);
     psplat_matrix_multiply(camera->projection, modelview, clip);
     double det = psplat_matrix_determinant3(modelview);
-    if (det == 0.0 || !isfinite(det)) return 0;
+    if (det == 0.0 || !isfinite(det) || !psplat_matrix_invert(modelview, inverse)) return 0;
 
     psplat_matrix_normal(modelview, det, normal);
     psplat_matrix_to_float(modelview, 16, placement->modelview);
     psplat_matrix_to_float(normal, 9, placement->normal);
-    find_shift(camera, depth_tolerance * cbrt(fabs(det)), placement->shift);
+    find_shift(camera, desc->depth_tolerance * cbrt(fabs(det)), placement->shift);
     placement->is_mirrored = (det < 0.0) != camera->is_mirrored;
-    placement->is_near = crosses_near(clip, bounds_min, bounds_max);
+    placement->is_near = crosses_near(clip, desc->bounds_min, desc->bounds_max);
+    psplat_chunk_view_set(&placement->chunk_view, clip, inverse, camera->margin,
+                          camera->is_perspective, camera->direction, desc->is_culled);
     return 1;
 }

@@ -7,16 +7,28 @@
 #ifndef PHONGSPLAT_CAMERA_H
 #define PHONGSPLAT_CAMERA_H
 
-#include <phongsplat/phongsplat.h>
+#include "chunk.h"
 
 typedef struct psplat_camera {
     double view[16], projection[16];
+    double direction[3]; /* eye space, away from the eye; 0 0 0 in perspective */
+    double margin[2];    /* of psplat_chunk_view_set: one pixel */
+    float ray[9];        /* times (pixel x, pixel y, 1): the view ray of a pixel, eye space, any
+                            length */
+    float unproject[16]; /* pixel x, y and window depth to eye space */
+    float planes[3];     /* near distance, 1 / (far - near), whether far is finite */
     float projection_float[16];
-    float ray[9]; /* times (pixel x, pixel y, 1): the view ray of a pixel, eye space, any length */
-    float light_direction[3]; /* unit, eye space; 0 where the view has no direction */
+    float half_viewport[3]; /* in pixels; of the depth range */
     int is_perspective;
     int is_mirrored; /* the projection turns counter-clockwise into clockwise */
 } psplat_camera;
+
+/* What a camera is made of. */
+typedef struct psplat_camera_desc {
+    const double *view, *projection; /* 16 each, as in psplat_view */
+    int width, height;
+    float depth_range[2]; /* window depth of the near and the far plane */
+} psplat_camera_desc;
 
 /* A model matrix in a camera. */
 typedef struct psplat_placement {
@@ -25,15 +37,27 @@ typedef struct psplat_placement {
     float shift[3];  /* of shift_of() in splat.vert */
     int is_mirrored; /* front faces are clockwise in the window */
     int is_near;     /* the near plane may cut the box */
+    psplat_chunk_view chunk_view;
 } psplat_placement;
 
 /* Errors: ARGUMENT where the projection has no inverse. */
-psplat_result psplat_camera_from_view(psplat_camera *camera, const psplat_view *view,
-                                      psplat_error *error);
+psplat_result psplat_camera_set(psplat_camera *camera, const psplat_camera_desc *desc,
+                                psplat_error *error);
 
-/* 0 where transform (all zeros: the identity) times model is singular: nothing to draw (spec 4). */
-int psplat_camera_place(const psplat_camera *camera, const double transform[16],
-                        const double model[16], double depth_tolerance, const float bounds_min[3],
-                        const float bounds_max[3], psplat_placement *placement);
+/* What psplat_camera_place asks of a batch. */
+typedef struct psplat_placement_desc {
+    const double *transform; /* of the item; all zeros: the identity */
+    const double *model;     /* of the batch */
+    double depth_tolerance;
+    const float *bounds_min, *bounds_max;
+    int is_culled;
+} psplat_placement_desc;
+
+/* 0 where transform times model is singular: nothing to draw (spec 4). */
+int psplat_camera_place(const psplat_camera *camera, const psplat_placement_desc *desc,
+                        psplat_placement *placement);
+
+/* transform (all zeros: the identity) times model. */
+void psplat_camera_compose(const double transform[16], const double model[16], double scene[16]);
 
 #endif

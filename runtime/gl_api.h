@@ -48,6 +48,7 @@ enum {
     GL_DEPTH_WRITEMASK = 0x0B72,
     GL_DEPTH_FUNC = 0x0B74,
     GL_STENCIL_TEST = 0x0B90,
+    GL_DEPTH_RANGE = 0x0B70,
     GL_VIEWPORT = 0x0BA2,
     GL_DITHER = 0x0BD0,
     GL_BLEND = 0x0BE2,
@@ -105,6 +106,12 @@ enum {
     GL_TEXTURE_CUBE_MAP_POSITIVE_X = 0x8515,
     GL_VERTEX_ARRAY_BINDING = 0x85B5,
     GL_DEPTH_CLAMP = 0x864F,
+    GL_RED = 0x1903,
+    GL_RG = 0x8227,
+    GL_R16F = 0x822D,
+    GL_R32F = 0x822E,
+    GL_RG16F = 0x822F,
+    GL_RG32F = 0x8230,
     GL_RGBA32F = 0x8814,
     GL_RGB32F = 0x8815,
     GL_RGBA16F = 0x881A,
@@ -169,6 +176,7 @@ enum {
     X(void, GenTextures, (GLsizei count, GLuint * textures))                                       \
     X(void, GenVertexArrays, (GLsizei count, GLuint * arrays))                                     \
     X(void, GetBooleanv, (GLenum name, GLboolean * values))                                        \
+    X(void, GetFloatv, (GLenum name, GLfloat * values))                                            \
     X(GLenum, GetError, (void))                                                                    \
     X(void, GetIntegerv, (GLenum name, GLint * values))                                            \
     X(void, GetProgramInfoLog, (GLuint program, GLsizei size, GLsizei * length, GLchar * log))     \
@@ -190,10 +198,12 @@ enum {
     X(void, TexSubImage2D,                                                                         \
       (GLenum target, GLint level, GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, \
        GLenum type, const void *pixels))                                                           \
+    X(void, Uniform1f, (GLint location, GLfloat x))                                                \
     X(void, Uniform1i, (GLint location, GLint x))                                                  \
     X(void, Uniform2f, (GLint location, GLfloat x, GLfloat y))                                     \
     X(void, Uniform2i, (GLint location, GLint x, GLint y))                                         \
     X(void, Uniform3fv, (GLint location, GLsizei count, const GLfloat *values))                    \
+    X(void, Uniform4fv, (GLint location, GLsizei count, const GLfloat *values))                    \
     X(void, UniformMatrix3fv,                                                                      \
       (GLint location, GLsizei count, GLboolean transpose, const GLfloat *values))                 \
     X(void, UniformMatrix4fv,                                                                      \

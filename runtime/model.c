@@ -110,9 +110,15 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
     if (twin) {
         out->splats = twin->splats;
         out->clips = twin->clips;
+        out->chunks = twin->chunks;
         return PSPLAT_OK;
     }
-    out->owns_textures = 1;
+    out->is_owner = 1;
+    size_t chunk_count = psplat_chunk_count(batch->splat_count);
+    out->chunks = psplat_allocate(&renderer->allocator, chunk_count, sizeof *out->chunks);
+    if (!out->chunks)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu chunks", chunk_count);
+    psplat_chunks_find(batch->splats, batch->splat_count, out->chunks);
     int texels = PSPLAT_SPLAT_TEXELS + (out->has_color || out->has_gamma);
     psplat_result result = upload(renderer, batch, 4 * texels, 4, staging, &out->splats, error);
     if (result == PSPLAT_OK && batch->clip_count)
@@ -187,9 +193,14 @@ psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset 
 void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model) {
     if (!renderer || !model) return;
     for (size_t i = 0; i < model->batch_count; ++i) {
-        if (!model->batches[i].owns_textures) continue;
-        psplat_texture_delete(&renderer->gl, &model->batches[i].splats);
-        psplat_texture_delete(&renderer->gl, &model->batches[i].clips);
+        psplat_model_batch *batch = &model->batches[i];
+        if (!batch->is_owner) continue;
+        psplat_texture_delete(&renderer->gl, &batch->splats);
+        psplat_texture_delete(&renderer->gl, &batch->clips);
+        size_t chunk_count = psplat_chunk_count((size_t)batch->splat_count);
+        if (batch->chunks)
+            psplat_resize(&renderer->allocator, batch->chunks, chunk_count * sizeof(psplat_chunk),
+                          0);
     }
     size_t size = model->batch_count * sizeof *model->batches;
     psplat_resize(&renderer->allocator, model->batches, size ? size : 1, 0);
@@ -202,7 +213,7 @@ psplat_model_info psplat_model_describe(const psplat_model *model) {
         const psplat_model_batch *batch = &model->batches[i];
         info.splat_count += (size_t)batch->splat_count;
         info.batch_count += 1;
-        if (batch->owns_textures) info.bytes += batch->splats.bytes + batch->clips.bytes;
+        if (batch->is_owner) info.bytes += batch->splats.bytes + batch->clips.bytes;
     }
     return info;
 }

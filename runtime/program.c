@@ -3,9 +3,11 @@
  * Shader programs. One source serves GL 3.3 core, GLES 3.0 and WebGL 2; they differ in the prelude.
  */
 #include "program.h"
+#include "memory.h"
 #include "shaders.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static const char prelude_gl[] = "#version 330 core\n";
 static const char prelude_es[] = "#version 300 es\n"
@@ -13,10 +15,87 @@ static const char prelude_es[] = "#version 300 es\n"
                                  "precision highp int;\n"
                                  "precision highp sampler2D;\n";
 
-static GLuint compile(const psplat_gl *gl, GLenum type, const char *defines, const char *library,
-                      const char *body, psplat_error *error) {
-    const GLchar *const sources[] = {gl->is_es ? prelude_es : prelude_gl, defines,
-                                     psplat_shader_layout_h, library, body};
+/* ---- shadings ---------------------------------------------------------------------------- */
+
+enum { READS_NOTHING, READS_COLOR, READS_LIGHT };
+
+#define DECLARE(name, file, reads) extern const char psplat_shader_resolve_##file##_glsl[];
+PSPLAT_SHADINGS(DECLARE)
+#undef DECLARE
+
+static const struct {
+    const char *source;
+    int reads;
+} shadings[PSPLAT_SHADING_COUNT] = {
+#define SHADING(name, file, reads) {psplat_shader_resolve_##file##_glsl, READS_##reads},
+    PSPLAT_SHADINGS(SHADING)
+#undef SHADING
+};
+
+int psplat_shading_reads_color(int shading) {
+    return shadings[shading].reads >= READS_COLOR;
+}
+
+int psplat_shading_reads_light(int shading) {
+    return shadings[shading].reads == READS_LIGHT;
+}
+
+/* ---- keys -------------------------------------------------------------------------------- */
+
+static unsigned used_by_splats(const psplat_program_key *key) {
+    unsigned used = PSPLAT_OPTION_WIDE;
+    if (key->pass == PSPLAT_PASS_VISIBILITY) return used | PSPLAT_OPTION_NEAR;
+    if (key->pass == PSPLAT_PASS_PARAMETERS) return used;
+    used |= PSPLAT_OPTION_COLOR | PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_COUNT |
+            PSPLAT_OPTION_FILTER | PSPLAT_OPTION_POWER;
+    if (key->pass == PSPLAT_PASS_RADIANCE) return used | PSPLAT_OPTIONS_LIGHT;
+    return used | PSPLAT_OPTION_FIELD | PSPLAT_OPTION_GAMMA | PSPLAT_OPTIONS_TARGETS;
+}
+
+static unsigned used_by_resolve(const psplat_program_key *key) {
+    unsigned used = PSPLAT_OPTION_ENCODE | PSPLAT_OPTION_AS_IS;
+    if (key->options & PSPLAT_OPTION_AS_IS) return used;
+    if (psplat_shading_reads_color(key->shading)) used |= PSPLAT_OPTIONS_TARGETS;
+    if (psplat_shading_reads_light(key->shading)) used |= PSPLAT_OPTIONS_LIGHT;
+    return used;
+}
+
+/* Options that mean nothing without others. */
+static unsigned implied(unsigned options) {
+    if (!(options & PSPLAT_OPTION_FIELD)) options &= ~(unsigned)PSPLAT_OPTION_GAMMA;
+    if (options & PSPLAT_OPTION_COUNT) options &= ~(unsigned)PSPLAT_OPTION_POWER;
+    if (options & PSPLAT_OPTION_MATERIALS) options |= PSPLAT_OPTION_COLORS;
+    if (options & (PSPLAT_OPTION_COLOR | PSPLAT_OPTION_GAMMA)) options |= PSPLAT_OPTION_WIDE;
+    return options;
+}
+
+psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
+    key.options &= key.is_resolve ? used_by_resolve(&key) : used_by_splats(&key);
+    key.options = implied(key.options);
+    int shades = key.is_resolve ? !(key.options & PSPLAT_OPTION_AS_IS) &&
+                                      psplat_shading_reads_light(key.shading)
+                                : key.pass == PSPLAT_PASS_RADIANCE;
+    if (!shades || key.light_count == 0) {
+        key.light_count = 0;
+        key.options &= ~(unsigned)(PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_SHADOWS);
+    }
+    if (!key.is_resolve || key.options & PSPLAT_OPTION_AS_IS) key.shading = 0;
+    if (key.is_resolve) key.pass = key.clip_count = 0;
+    return key;
+}
+
+static int is_same_key(const psplat_program_key *a, const psplat_program_key *b) {
+    return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
+           a->clip_count == b->clip_count && a->shading == b->shading &&
+           a->light_count == b->light_count;
+}
+
+/* ---- building ---------------------------------------------------------------------------- */
+
+static GLuint compile(const psplat_gl *gl, GLenum type, const char *defines, const char *head,
+                      const char *body, const char *tail, psplat_error *error) {
+    const GLchar *const sources[] = {
+        gl->is_es ? prelude_es : prelude_gl, defines, psplat_shader_layout_h, head, body, tail};
     GLuint shader = gl->CreateShader(type);
     GLint compiled = GL_FALSE;
     gl->ShaderSource(shader, sizeof sources / sizeof *sources, sources, NULL);
@@ -50,10 +129,11 @@ static GLuint link_shaders(const psplat_gl *gl, GLuint vertex, GLuint fragment,
 }
 
 GLuint psplat_program_build(const psplat_gl *gl, const char *defines, const char *vertex,
-                            const char *library, const char *fragment, psplat_error *error) {
-    GLuint first = compile(gl, GL_VERTEX_SHADER, defines, "", vertex, error);
+                            const char *head, const char *fragment, const char *tail,
+                            psplat_error *error) {
+    GLuint first = compile(gl, GL_VERTEX_SHADER, defines, "", vertex, "", error);
     if (!first) return 0;
-    GLuint second = compile(gl, GL_FRAGMENT_SHADER, defines, library, fragment, error);
+    GLuint second = compile(gl, GL_FRAGMENT_SHADER, defines, head, fragment, tail, error);
     GLuint program = second ? link_shaders(gl, first, second, error) : 0;
     gl->DeleteShader(first);
     if (second) gl->DeleteShader(second);
@@ -71,7 +151,11 @@ static void find_uniforms(const psplat_gl *gl, psplat_program *program) {
                     {"u_target1", 1},
                     {"u_target2", 2},
                     {"u_target3", 3},
-                    {"u_depth", PSPLAT_UNIT_DEPTH}};
+                    {"u_depth", PSPLAT_UNIT_DEPTH},
+                    {"u_shadows", PSPLAT_UNIT_SHADOWS},
+                    {"u_diffuse", PSPLAT_UNIT_DIFFUSE},
+                    {"u_glossy", PSPLAT_UNIT_GLOSSY},
+                    {"u_split_sum", PSPLAT_UNIT_SPLIT_SUM}};
 #define PSPLAT_UNIFORM_FIND(name) program->name = gl->GetUniformLocation(program->id, "u_" #name);
     PSPLAT_UNIFORMS(PSPLAT_UNIFORM_FIND)
 #undef PSPLAT_UNIFORM_FIND
@@ -80,49 +164,83 @@ static void find_uniforms(const psplat_gl *gl, psplat_program *program) {
         gl->Uniform1i(gl->GetUniformLocation(program->id, samplers[i].name), samplers[i].unit);
 }
 
-static const psplat_program *build(psplat_program *program, const psplat_gl *gl, int pass,
-                                   uint32_t clip_count, unsigned options, const char *vertex,
-                                   const char *fragment, psplat_error *error) {
+static void write_defines(const psplat_gl *gl, const psplat_program_key *key, char *out,
+                          size_t size) {
     static const char *const clip_types[] = {"none", "float", "vec2", "vec3", "vec4"};
-    char defines[400];
+    static const struct {
+        const char *name;
+        unsigned option;
+    } options[] = {
+#define OPTION(name, value) {#name, value},
+        PSPLAT_OPTIONS(OPTION)
+#undef OPTION
+    };
     /* Weights must stay above the least number of the targets. */
-    snprintf(defines, sizeof defines,
-             "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n#define COLOR %d\n"
-             "#define GAMMA %d\n#define MATERIALS %d\n#define NEAR %d\n#define POWER %d\n"
-             "#define WEIGHT_FLOOR %s\n#define HALF_TARGETS %d\n",
-             pass, (int)clip_count, clip_types[clip_count], !!(options & PSPLAT_OPTION_COLOR),
-             !!(options & PSPLAT_OPTION_GAMMA), !!(options & PSPLAT_OPTION_MATERIALS),
-             !!(options & PSPLAT_OPTION_NEAR), !!(options & PSPLAT_OPTION_POWER),
-             gl->half_targets ? "1e-3" : "1e-30", gl->half_targets);
-    program->id =
-        psplat_program_build(gl, defines, vertex, psplat_shader_shading_glsl, fragment, error);
-    if (!program->id) return NULL;
-    find_uniforms(gl, program);
-    return program;
+    int used = snprintf(out, size,
+                        "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n"
+                        "#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
+                        "#define HALF_TARGETS %d\n",
+                        key->pass, key->clip_count, clip_types[key->clip_count], key->light_count,
+                        gl->half_targets ? "1e-3" : "1e-30", gl->half_targets);
+    for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
+        used += snprintf(out + used, size - (size_t)used, "#define %s %d\n", options[i].name,
+                         !!(key->options & options[i].option));
 }
 
-const psplat_program *psplat_programs_splat(psplat_programs *programs, const psplat_gl *gl,
-                                            int pass, uint32_t clip_count, unsigned options,
-                                            psplat_error *error) {
-    psplat_program *program = &programs->splat[pass][clip_count][options];
-    if (program->id) return program;
-    return build(program, gl, pass, clip_count, options, psplat_shader_splat_vert,
-                 psplat_shader_splat_frag, error);
+static int build(const psplat_gl *gl, psplat_program *program, psplat_error *error) {
+    const psplat_program_key *key = &program->key;
+    char defines[800];
+    write_defines(gl, key, defines, sizeof defines);
+    if (key->is_resolve)
+        program->id = psplat_program_build(
+            gl, defines, psplat_shader_resolve_vert, psplat_shader_shading_glsl,
+            psplat_shader_resolve_frag,
+            key->options & PSPLAT_OPTION_AS_IS ? "" : shadings[key->shading].source, error);
+    else
+        program->id = psplat_program_build(
+            gl, defines, psplat_shader_splat_vert,
+            key->pass == PSPLAT_PASS_RADIANCE ? psplat_shader_shading_glsl : "",
+            psplat_shader_splat_frag, "", error);
+    if (program->id) find_uniforms(gl, program);
+    return program->id != 0;
 }
 
-const psplat_program *psplat_programs_resolve(psplat_programs *programs, const psplat_gl *gl,
-                                              int pass, unsigned options, psplat_error *error) {
-    psplat_program *program = &programs->resolve[pass][!!(options & PSPLAT_OPTION_MATERIALS)];
-    if (program->id) return program;
-    return build(program, gl, pass, 0, options & PSPLAT_OPTION_MATERIALS,
-                 psplat_shader_resolve_vert, psplat_shader_resolve_frag, error);
+/* ---- the list ---------------------------------------------------------------------------- */
+
+static int reserve(psplat_programs *programs, const psplat_allocator *allocator) {
+    if (programs->count < programs->capacity) return 1;
+    size_t capacity = programs->capacity ? 2 * programs->capacity : 8;
+    psplat_program *list = psplat_resize(
+        allocator, programs->list, programs->capacity * sizeof *list, capacity * sizeof *list);
+    if (!list) return 0;
+    programs->list = list;
+    programs->capacity = capacity;
+    return 1;
 }
 
-void psplat_programs_destroy(psplat_programs *programs, const psplat_gl *gl) {
-    for (int pass = 0; pass < PSPLAT_PASS_COUNT; ++pass) {
-        for (int clip = 0; clip <= PSPLAT_MAX_CLIP_LINES; ++clip)
-            for (int set = 0; set < PSPLAT_OPTION_SETS; ++set)
-                gl->DeleteProgram(programs->splat[pass][clip][set].id);
-        for (int set = 0; set < 2; ++set) gl->DeleteProgram(programs->resolve[pass][set].id);
+psplat_result psplat_programs_find(psplat_programs *programs, const psplat_gl *gl,
+                                   const psplat_allocator *allocator, psplat_program_key key,
+                                   const psplat_program **program, psplat_error *error) {
+    key = psplat_program_key_reduce(key);
+    for (size_t i = 0; i < programs->count; ++i) {
+        *program = &programs->list[i];
+        if (is_same_key(&programs->list[i].key, &key)) return PSPLAT_OK;
     }
+    if (!reserve(programs, allocator))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for another program");
+    psplat_program *made = &programs->list[programs->count];
+    memset(made, 0, sizeof *made);
+    made->key = key;
+    if (!build(gl, made, error)) return PSPLAT_ERROR_GRAPHICS;
+    ++programs->count;
+    *program = made;
+    return PSPLAT_OK;
+}
+
+void psplat_programs_destroy(psplat_programs *programs, const psplat_gl *gl,
+                             const psplat_allocator *allocator) {
+    for (size_t i = 0; i < programs->count; ++i) gl->DeleteProgram(programs->list[i].id);
+    if (programs->list)
+        psplat_resize(allocator, programs->list, programs->capacity * sizeof *programs->list, 0);
+    memset(programs, 0, sizeof *programs);
 }

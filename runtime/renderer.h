@@ -5,8 +5,10 @@
 #ifndef PHONGSPLAT_RENDERER_H
 #define PHONGSPLAT_RENDERER_H
 
+#include "chunk.h"
 #include "gl_api.h"
 #include "program.h"
+#include "shadow.h"
 #include "target.h"
 #include "texture.h"
 
@@ -17,6 +19,7 @@ struct psplat_renderer {
     psplat_allocator allocator;
     psplat_programs programs;
     psplat_target target;
+    psplat_shadows shadows;
     psplat_memory memory; /* ledgers of texture.h */
     GLuint vertex_array;  /* without attributes: GL core draws nothing without one */
 };
@@ -24,7 +27,8 @@ struct psplat_renderer {
 /* An uploaded psplat_batch. */
 typedef struct psplat_model_batch {
     psplat_texture splats, clips; /* layout.h; clips is zero where clip_count is */
-    int owns_textures;            /* 0: they are those of an earlier batch of the same primitive */
+    psplat_chunk *chunks;         /* psplat_chunk_count(splat_count) of them */
+    int is_owner; /* 0: textures and chunks are those of an earlier batch of the same primitive */
     uint32_t primitive;
     GLsizei splat_count;
     uint32_t clip_count;
@@ -35,6 +39,13 @@ typedef struct psplat_model_batch {
     psplat_material material;
     float bounds_min[3], bounds_max[3];
 } psplat_model_batch;
+
+struct psplat_environment {
+    psplat_texture diffuse;   /* cube: irradiance by normal */
+    psplat_texture glossy;    /* cube: mean radiance by reflected direction, rougher by level */
+    psplat_texture split_sum; /* a and b of eq. (9) by n.e and roughness */
+    float glossy_levels;      /* roughness times this is the level */
+};
 
 struct psplat_model {
     psplat_model_batch *batches;

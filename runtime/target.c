@@ -18,16 +18,21 @@ static psplat_result add_texture(const psplat_target *target, const psplat_gl *g
     return result;
 }
 
+static psplat_texel texel_of(const psplat_target *target, const psplat_gl *gl, int index) {
+    if (index != 1) return gl->half_targets ? PSPLAT_TEXEL_RGBA16F : PSPLAT_TEXEL_RGBA32F;
+    if (target->is_wide) return gl->half_targets ? PSPLAT_TEXEL_RG16F : PSPLAT_TEXEL_RG32F;
+    return gl->half_targets ? PSPLAT_TEXEL_R16F : PSPLAT_TEXEL_R32F;
+}
+
 /* Makes what is missing, with the target's framebuffer bound. */
 static psplat_result complete(psplat_target *target, const psplat_gl *gl, size_t *ledger,
                               int color_count, psplat_error *error) {
-    psplat_texel color = gl->half_targets ? PSPLAT_TEXEL_RGBA16F : PSPLAT_TEXEL_RGBA32F;
     psplat_result result = PSPLAT_OK;
     if (!target->depth.id)
         result = add_texture(target, gl, ledger, PSPLAT_TEXEL_DEPTH32F, GL_DEPTH_ATTACHMENT,
                              &target->depth, error);
     for (; result == PSPLAT_OK && target->color_count < color_count; ++target->color_count)
-        result = add_texture(target, gl, ledger, color,
+        result = add_texture(target, gl, ledger, texel_of(target, gl, target->color_count),
                              GL_COLOR_ATTACHMENT0 + (GLenum)target->color_count,
                              &target->colors[target->color_count], error);
     return result;
@@ -47,7 +52,10 @@ psplat_result psplat_target_bind(psplat_target *target, const psplat_gl *gl, siz
     static const GLenum buffers[PSPLAT_TARGET_COUNT_MATERIALS] = {
         GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT0 + 1, GL_COLOR_ATTACHMENT0 + 2,
         GL_COLOR_ATTACHMENT0 + 3};
-    if (target->width != width || target->height != height) psplat_target_destroy(target, gl);
+    int is_wide = color_count == PSPLAT_TARGET_COUNT_MATERIALS;
+    if (target->width != width || target->height != height || target->is_wide < is_wide)
+        psplat_target_destroy(target, gl);
+    target->is_wide |= is_wide;
     target->width = width;
     target->height = height;
     if (!target->framebuffer) gl->GenFramebuffers(1, &target->framebuffer);

@@ -8,11 +8,12 @@
 
 /* What the splat shaders compute; the resolve shaders use all but the first. */
 #define PSPLAT_PASS_VISIBILITY 0
-#define PSPLAT_PASS_PHONG 1
-#define PSPLAT_PASS_GAUSSIAN 2
-#define PSPLAT_PASS_FLAT 3
-#define PSPLAT_PASS_PARAMETERS 4
-#define PSPLAT_PASS_COUNT 5
+#define PSPLAT_PASS_NORMALS 1    /* normals, colours and materials, to be lit once per pixel */
+#define PSPLAT_PASS_RADIANCE 2   /* splats lit one by one (spec 5.7) */
+#define PSPLAT_PASS_PARAMETERS 3 /* u, v, index */
+
+/* Shadow maps lie side by side in one texture. */
+#define PSPLAT_SHADOW_COUNT 4
 
 /* Splats lie in rows of an RGBA32F texture. A row of 512 times the 4 texels of a coloured splat is
  * 2048 texels wide, the least size that GLES 3.0 guarantees.
@@ -24,6 +25,7 @@
  *     texel 3: linear colour and gamma, in batches that have either
  *
  * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. */
+#define PSPLAT_ROW_BITS 9
 #define PSPLAT_ROW_SPLATS 512
 #define PSPLAT_SPLAT_TEXELS 3
 
@@ -31,15 +33,20 @@
 #define PSPLAT_UNIT_SPLATS 0
 #define PSPLAT_UNIT_CLIPS 1
 #define PSPLAT_UNIT_DEPTH 4
-#define PSPLAT_UNIT_COUNT 5
+#define PSPLAT_UNIT_SHADOWS 5
+#define PSPLAT_UNIT_DIFFUSE 6
+#define PSPLAT_UNIT_GLOSSY 7
+#define PSPLAT_UNIT_SPLIT_SUM 8
+#define PSPLAT_UNIT_COUNT 9
 
 /* Colour attachments of the attribute pass; in the resolve pass, their texture units.
  *
- *     0: sum of w n (phong), of w L (gaussian), L (flat) or (u, v, index); sum of w
- *     1: sum of w colour; sum of w z
- *     2: sum of w emissive; sum of w metallic          2 and 3 only where materials differ
- *     3: sum of w roughness; sum of w unlit */
+ *     0: sum of w n, of w L or (u, v, index); sum of w
+ *     1: sum of w z, and of w unlit where materials differ
+ *     2: sum of w colour; sum of w metallic            where colours or materials differ
+ *     3: sum of w emissive; sum of w roughness         where materials differ */
 #define PSPLAT_TARGET_COUNT 2
+#define PSPLAT_TARGET_COUNT_COLORS 3
 #define PSPLAT_TARGET_COUNT_MATERIALS 4
 
 #endif

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Once per pixel: divides the sums by their weight (spec 5.4), shades (spec 5.6), writes colour and
- * the blended window depth (spec 5.5) into the host's framebuffer.
+ * Once per pixel: divides the sums by their weight (spec 5.4), lets one of the files resolve_*.glsl
+ * make a colour of them, writes it and the blended window depth (spec 5.5) into the host's
+ * framebuffer.
  *
- * Defined outside: PASS, MATERIALS, HALF_TARGETS.
+ * Defined outside: AS_IS (what was summed is a colour), COLORS, MATERIALS, HALF_TARGETS, ENCODE.
  */
 uniform highp sampler2D u_target0;
 uniform highp sampler2D u_target1;
@@ -11,12 +12,43 @@ uniform highp sampler2D u_target2;
 uniform highp sampler2D u_target3;
 uniform highp sampler2D u_depth;
 uniform ivec2 u_origin;
-uniform mat3 u_ray;
+uniform vec3 u_base_color;
 uniform vec3 u_emissive;
 uniform vec3 u_surface;
-uniform int u_linear_output;
 
 layout(location = 0) out vec4 o_color;
+
+/* What the splats of a pixel amount to. */
+struct Pixel {
+    vec3 window;   /* pixel x and y in the view, window depth */
+    vec3 normal;   /* any length; of the other passes what they sum */
+    float weight;  /* 0: nothing is here, and the rest is undefined */
+    vec3 color;    /* base colour */
+    vec3 emissive;
+    vec3 surface;  /* metallic, roughness, unlit */
+};
+
+Pixel pixel_at(ivec2 at) {
+    vec4 sum = texelFetch(u_target0, at, 0);
+    vec2 depth = texelFetch(u_target1, at, 0).rg;
+    float scale = 1.0 / sum.a;
+    Pixel pixel = Pixel(vec3(vec2(at) + 0.5, depth.r * scale), sum.rgb, sum.a, u_base_color,
+                        u_emissive, u_surface);
+#if HALF_TARGETS
+    /* Eleven bits are no depth: take that of the visibility pass, epsilon behind the nearest. */
+    pixel.window.z = texelFetch(u_depth, at, 0).r;
+#endif
+#if COLORS
+    vec4 colors = texelFetch(u_target2, at, 0) * scale;
+    pixel.color = colors.rgb;
+#endif
+#if MATERIALS
+    vec4 surface = texelFetch(u_target3, at, 0) * scale;
+    pixel.emissive = surface.rgb;
+    pixel.surface = vec3(colors.a, surface.a, depth.g * scale);
+#endif
+    return pixel;
+}
 
 vec3 encode_srgb(vec3 linear) {
     vec3 c = clamp(linear, 0.0, 1.0);
@@ -24,42 +56,25 @@ vec3 encode_srgb(vec3 linear) {
     return mix(high, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
 
-#if PASS == PSPLAT_PASS_PHONG
-vec3 shade_sums(ivec2 pixel, vec4 sum0, vec4 sum1) {
-    vec3 emissive = u_emissive;
-    vec3 surface = u_surface;
-#if MATERIALS
-    vec4 sum2 = texelFetch(u_target2, pixel, 0) / sum0.a;
-    vec4 sum3 = texelFetch(u_target3, pixel, 0) / sum0.a;
-    emissive = sum2.rgb;
-    surface = vec3(sum2.a, sum3.xy);
+/* For light; colours that stand for numbers are written as they are. */
+vec3 encode(vec3 linear) {
+#if ENCODE
+    return encode_srgb(linear);
+#else
+    return linear;
 #endif
-    vec3 view = -normalize(u_ray * vec3(gl_FragCoord.xy - vec2(u_origin), 1.0));
-    return shade(sum0.xyz, view, sum1.rgb / sum0.a, emissive, surface);
 }
-#endif
+
+/* Of the files resolve_*.glsl. */
+vec3 resolve(Pixel pixel);
 
 void main() {
-    ivec2 pixel = ivec2(gl_FragCoord.xy) - u_origin;
-    vec4 sum0 = texelFetch(u_target0, pixel, 0);
-    if (!(sum0.a > 0.0)) discard;
-    vec4 sum1 = texelFetch(u_target1, pixel, 0);
-
-#if HALF_TARGETS
-    /* Eleven bits are no depth: take that of the visibility pass, epsilon behind the nearest. */
-    gl_FragDepth = texelFetch(u_depth, pixel, 0).r;
+    Pixel pixel = pixel_at(ivec2(gl_FragCoord.xy) - u_origin);
+    if (!(pixel.weight > 0.0)) discard;
+    gl_FragDepth = pixel.window.z;
+#if AS_IS
+    o_color = vec4(encode(pixel.normal / pixel.weight), 1.0);
 #else
-    gl_FragDepth = sum1.a / sum0.a;
-#endif
-
-#if PASS == PSPLAT_PASS_PARAMETERS
-    o_color = vec4(sum0.xyz, 1.0);
-#else
-#if PASS == PSPLAT_PASS_PHONG
-    vec3 color = shade_sums(pixel, sum0, sum1);
-#else
-    vec3 color = sum0.rgb / sum0.a;
-#endif
-    o_color = vec4(u_linear_output != 0 ? color : encode_srgb(color), 1.0);
+    o_color = vec4(resolve(pixel), 1.0);
 #endif
 }

@@ -1,13 +1,42 @@
 /* SPDX-License-Identifier: MIT
  *
- * Spec 5.6: glTF 2.0's metallic-roughness material (appendix B of that document) under one
- * directional light and a constant ambient radiance. Directions in eye space.
+ * Spec 5.6: glTF 2.0's metallic-roughness material (appendix B of that document) under lights with
+ * the units of KHR_lights_punctual, a constant ambient radiance and an environment. Eye space.
+ *
+ * Defined outside: LIGHT_COUNT, PUNCTUAL (some light is not directional), ENVIRONMENT, SHADOWS.
  */
-uniform vec3 u_light_direction;
-uniform vec3 u_light_color;
+uniform mat3 u_ray;
+uniform mat4 u_unproject; /* pixel x, y and window depth to eye space */
 uniform vec3 u_ambient;
+#if LIGHT_COUNT > 0
+uniform vec4 u_light_position[LIGHT_COUNT]; /* w = 0: the direction towards a directional light */
+uniform vec4 u_light_color[LIGHT_COUNT];    /* w: 1 / range^2, 0 without a range */
+uniform vec3 u_light_axis[LIGHT_COUNT];     /* in which it shines */
+uniform vec4 u_light_cone[LIGHT_COUNT];     /* as psplat_lights.cone */
+#endif
+#if ENVIRONMENT
+uniform highp samplerCube u_diffuse;
+uniform highp samplerCube u_glossy;
+uniform highp sampler2D u_split_sum;
+uniform mat3 u_eye_to_scene;
+uniform float u_glossy_levels;
+#endif
+#if SHADOWS
+uniform highp sampler2DShadow u_shadows;
+uniform mat4 u_shadow_matrix[PSPLAT_SHADOW_COUNT];
+uniform float u_shadow_scale; /* width of a map in the texture */
+#endif
 
 const float PI = 3.14159265358979;
+
+vec3 view_direction(vec2 pixel) {
+    return -normalize(u_ray * vec3(pixel, 1.0));
+}
+
+vec3 position_of(vec3 window) {
+    vec4 position = u_unproject * vec4(window, 1.0);
+    return position.xyz / position.w;
+}
 
 /* D times V: Trowbridge-Reitz distribution and height-correlated Smith visibility. Written with
  * |n x h| where n and h are close: 1 - (n.h)^2 has no digits left at low roughness. */
@@ -20,23 +49,83 @@ float specular_lobe(vec3 n, vec3 h, float nl, float nv, float alpha) {
     return a2 / (PI * d * d) * 0.5 / max(smith, 1e-7);
 }
 
-/* surface: metallic, roughness, unlit (1: unlit; between, where such splats blend with lit ones). */
-vec3 shade(vec3 normal, vec3 view, vec3 color, vec3 emissive, vec3 surface) {
-    float length2 = dot(normal, normal);
-    vec3 n = length2 > 0.0 ? normal * inversesqrt(length2) : view;
-    vec3 l = u_light_direction;
+/* What a light of unit irradiance sends to the eye, times n.l. */
+vec3 reflect_light(vec3 n, vec3 view, vec3 l, vec3 diffuse, vec3 f0, float alpha) {
     vec3 h = normalize(l + view + 1e-12 * n);
     float nl = dot(n, l);
+    float nv = max(dot(n, view), 1e-4);
+    float s = 1.0 - clamp(dot(view, h), 0.0, 1.0);
+    float s2 = s * s;
+    vec3 fresnel = f0 + (1.0 - f0) * (s2 * s2 * s);
+    vec3 lobes = (1.0 - fresnel) * diffuse / PI +
+                 fresnel * specular_lobe(n, h, max(nl, 1e-7), nv, alpha);
+    return max(nl, 0.0) * lobes;
+}
 
+#if SHADOWS
+/* Share of a light that reaches a point: a shadow map's texels are compared, then filtered. The
+ * point is lifted off the surface by a texel and a half, so that the slope within a texel does not
+ * shade. */
+float lit_part(vec4 cone, vec3 position, vec3 normal, float distance) {
+    if (cone.z < 0.0) return 1.0;
+    vec3 lifted = position + normal * (1.5 * cone.w * distance);
+    vec4 at = u_shadow_matrix[int(cone.z)] * vec4(lifted, 1.0);
+    at.xyz /= at.w;
+    vec3 outside = abs(at.xyz * 2.0 - 1.0);
+    if (at.w <= 0.0 || max(outside.x, max(outside.y, outside.z)) >= 1.0) return 1.0;
+    return textureLod(u_shadows, vec3((at.x + cone.z) * u_shadow_scale, at.yz), 0.0);
+}
+#endif
+
+#if ENVIRONMENT
+/* Eq. (9). */
+vec3 reflect_environment(vec3 n, vec3 view, vec3 diffuse, vec3 f0, float roughness) {
+    float nv = clamp(dot(n, view), 0.0, 1.0);
+    vec3 direction = u_eye_to_scene * (2.0 * dot(n, view) * n - view);
+    vec3 glossy = textureLod(u_glossy, direction, roughness * u_glossy_levels).rgb;
+    vec2 split_sum = textureLod(u_split_sum, vec2(nv, roughness), 0.0).rg;
+    return diffuse / PI * textureLod(u_diffuse, u_eye_to_scene * n, 0.0).rgb +
+           (f0 * split_sum.x + split_sum.y) * glossy;
+}
+#endif
+
+/* window: pixel x and y, depth. surface: metallic, roughness, unlit (1: unlit; between, where such
+ * splats blend with lit ones). */
+vec3 shade(vec3 normal, vec3 window, vec3 color, vec3 emissive, vec3 surface) {
+    vec3 view = view_direction(window.xy);
+    float length2 = dot(normal, normal);
+    vec3 n = length2 > 0.0 ? normal * inversesqrt(length2) : view;
     vec3 diffuse = color * (1.0 - surface.x);
     vec3 f0 = mix(vec3(0.04), color, surface.x);
     vec3 result = u_ambient * (diffuse + f0) + emissive;
-    if (nl > 0.0) {
-        float alpha = max(surface.y * surface.y, 0.002);
-        float nv = max(dot(n, view), 1e-4);
-        vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - clamp(dot(view, h), 0.0, 1.0), 5.0);
-        vec3 lobes = (1.0 - fresnel) * diffuse / PI + fresnel * specular_lobe(n, h, nl, nv, alpha);
-        result += u_light_color * nl * lobes;
+#if LIGHT_COUNT > 0
+    float alpha = max(surface.y * surface.y, 0.002);
+#if PUNCTUAL || SHADOWS
+    vec3 position = position_of(window);
+#endif
+    for (int i = 0; i < LIGHT_COUNT; ++i) {
+        vec3 l = u_light_position[i].xyz;
+        vec3 irradiance = u_light_color[i].rgb;
+        float distance = 1.0;
+#if PUNCTUAL
+        if (u_light_position[i].w > 0.0) {
+            l -= position;
+            distance = max(length(l), 1e-15);
+            l /= distance;
+            float far = distance * distance * u_light_color[i].w;
+            float cone =
+                clamp(u_light_cone[i].y - u_light_cone[i].x * dot(l, u_light_axis[i]), 0.0, 1.0);
+            irradiance *= cone * cone * max(1.0 - far * far, 0.0) / (distance * distance);
+        }
+#endif
+#if SHADOWS
+        irradiance *= lit_part(u_light_cone[i], position, n, distance);
+#endif
+        result += irradiance * reflect_light(n, view, l, diffuse, f0, alpha);
     }
+#endif
+#if ENVIRONMENT
+    result += reflect_environment(n, view, diffuse, f0, surface.y);
+#endif
     return mix(result, color, surface.z);
 }

@@ -3,9 +3,14 @@
  * Fragments of one splat: outside the ellipse or a clip line they are dropped, the others add to
  * the sums of spec 5.4 (see layout.h for the targets).
  *
- * Defined outside: PASS, CLIP_COUNT, COLOR, MATERIALS, NEAR, POWER, WEIGHT_FLOOR.
+ * Defined outside: PASS, CLIP_COUNT, CLIP_TYPE, COLOR, COLORS, MATERIALS, NEAR, POWER, FILTER,
+ * COUNT, WEIGHT_FLOOR; for the passes that shade, what shading.glsl asks for.
  */
+#if FILTER
+in vec4 v_uv;
+#else
 in vec2 v_uv;
+#endif
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR
 in float v_near;
@@ -23,26 +28,31 @@ in CLIP_TYPE v_clip;
 #endif
 
 #if PASS != PSPLAT_PASS_VISIBILITY
-layout(location = 0) out vec4 o_target0;
-layout(location = 1) out vec4 o_target1;
+layout(location = 0) out vec4 o_sum;
+#if MATERIALS
+layout(location = 1) out vec2 o_depth;
+#else
+layout(location = 1) out float o_depth;
+#endif
+#endif
+#if COLORS
+layout(location = 2) out vec4 o_color;
 #endif
 #if MATERIALS
-layout(location = 2) out vec4 o_target2;
-layout(location = 3) out vec4 o_target3;
+layout(location = 3) out vec4 o_surface;
 #endif
 
 uniform vec2 u_kernel;
 uniform vec3 u_base_color;
 uniform vec3 u_emissive;
 uniform vec3 u_surface; /* metallic, roughness, unlit */
-uniform mat3 u_ray;
 
 void discard_outside(float r2) {
     if (r2 > 1.0) discard;
 #if CLIP_COUNT == 1
-    if (v_clip < 0.0) discard;
+    if (v_clip < (FILTER == 1 ? -0.5 : 0.0)) discard;
 #elif CLIP_COUNT > 1
-    if (any(lessThan(v_clip, CLIP_TYPE(0.0)))) discard;
+    if (any(lessThan(v_clip, CLIP_TYPE(FILTER == 1 ? -0.5 : 0.0)))) discard;
 #endif
 #if PASS == PSPLAT_PASS_VISIBILITY && NEAR
     /* Only the shifted point lies beyond the near plane: there is nothing to see here. */
@@ -50,41 +60,69 @@ void discard_outside(float r2) {
 #endif
 }
 
+/* Of spec 5.8. */
+float filter_of() {
+    float factor = 1.0;
+#if FILTER
+    factor = v_uv.z;
+#if CLIP_COUNT > 0
+    CLIP_TYPE inside = clamp(v_clip + 0.5, 0.0, 1.0);
+#if CLIP_COUNT == 1
+    factor *= inside;
+#elif CLIP_COUNT == 2
+    factor *= inside.x * inside.y;
+#elif CLIP_COUNT == 3
+    factor *= inside.x * inside.y * inside.z;
+#else
+    factor *= inside.x * inside.y * inside.z * inside.w;
+#endif
+#endif
+#endif
+    return factor;
+}
+
 /* psi of spec 3.7; u_kernel holds -sharpness and half the exponent. The floor keeps a covered pixel
  * covered where a sharp kernel underflows. */
 float weight_of(float r2) {
-#if PASS == PSPLAT_PASS_FLAT
+#if COUNT
     return 1.0;
 #elif POWER
-    return max(exp(u_kernel.x * pow(r2, u_kernel.y)), WEIGHT_FLOOR);
+    return max(exp(u_kernel.x * pow(r2, u_kernel.y)) * filter_of(), WEIGHT_FLOOR);
 #else
-    return max(exp(u_kernel.x * r2), WEIGHT_FLOOR);
+    return max(exp(u_kernel.x * r2) * filter_of(), WEIGHT_FLOOR);
 #endif
 }
 
 void main() {
-    float r2 = dot(v_uv, v_uv);
+    float r2 = dot(v_uv.xy, v_uv.xy);
     discard_outside(r2);
 
 #if PASS == PSPLAT_PASS_PARAMETERS
-    o_target0 = vec4(v_uv, v_index, 1.0);
-    o_target1 = vec4(0.0, 0.0, 0.0, gl_FragCoord.z);
+    o_sum = vec4(v_uv.xy, v_index, 1.0);
+    o_depth = gl_FragCoord.z;
 #elif PASS != PSPLAT_PASS_VISIBILITY
+    float weight = weight_of(r2);
+    float depth = gl_FragCoord.z;
+#if FILTER
+    depth += v_uv.w;
+#endif
     vec3 color = u_base_color;
 #if COLOR
     color *= v_color;
 #endif
-    float weight = weight_of(r2);
-#if PASS == PSPLAT_PASS_PHONG
-    o_target0 = weight * vec4(v_normal, 1.0);
+#if PASS == PSPLAT_PASS_NORMALS
+    o_sum = weight * vec4(v_normal, 1.0);
 #else
-    vec3 view = -normalize(u_ray * vec3(gl_FragCoord.xy, 1.0));
-    o_target0 = weight * vec4(shade(v_normal, view, color, u_emissive, u_surface), 1.0);
+    o_sum = weight * vec4(shade(v_normal, vec3(gl_FragCoord.xy, depth), color, u_emissive, u_surface), 1.0);
 #endif
-    o_target1 = weight * vec4(color, gl_FragCoord.z);
 #if MATERIALS
-    o_target2 = weight * vec4(u_emissive, u_surface.x);
-    o_target3 = weight * vec4(u_surface.yz, 0.0, 0.0);
+    o_depth = weight * vec2(depth, u_surface.z);
+    o_surface = weight * vec4(u_emissive, u_surface.y);
+#else
+    o_depth = weight * depth;
+#endif
+#if COLORS
+    o_color = weight * vec4(color, u_surface.x);
 #endif
 #endif
 }

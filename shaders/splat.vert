@@ -4,15 +4,9 @@
  * (u, v), the normal field and the clip distances, all linear in (u, v), are exact at the corners
  * and the hardware interpolates them with perspective. Vertices are pulled by gl_VertexID.
  *
- * Defined outside: PASS, CLIP_COUNT, COLOR, GAMMA, NEAR.
+ * Defined outside: PASS, CLIP_COUNT, CLIP_TYPE, WIDE, COLOR, FIELD, GAMMA, NEAR, TWO_SIDED, FILTER.
  */
 invariant gl_Position;
-
-#if COLOR || GAMMA
-#define SPLAT_TEXELS (PSPLAT_SPLAT_TEXELS + 1)
-#else
-#define SPLAT_TEXELS PSPLAT_SPLAT_TEXELS
-#endif
 
 uniform highp sampler2D u_splats;
 uniform highp sampler2D u_clips;
@@ -20,11 +14,15 @@ uniform mat4 u_modelview;
 uniform mat4 u_projection;
 uniform mat3 u_normal_matrix;
 uniform vec3 u_shift;
-uniform mat3 u_ray;
-uniform int u_two_sided;
+uniform vec3 u_view_direction; /* of orthographic views, away from the eye; 0 0 0: perspective */
+uniform vec3 u_half_viewport; /* in pixels; half the depth range */
 uniform int u_first_index;
 
+#if FILTER
+out vec4 v_uv; /* u, v; ratio of areas and what the depth lacks (spec 5.8) */
+#else
 out vec2 v_uv;
+#endif
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR
 out float v_near;
@@ -58,15 +56,16 @@ mat3 axes_of(vec4 q) {
                 vec3(2.0 * (p.z + w.y), 2.0 * (p.y - w.x), d - s.x - s.y + s.z));
 }
 
-/* Along the ray of a splat's centre, away from the eye; any length. */
-vec3 view_ray(vec3 eye_center) {
-    return u_shift.y > 0.0 ? eye_center : u_ray[2];
+#if PASS == PSPLAT_PASS_VISIBILITY || TWO_SIDED
+/* Along the ray of a point, away from the eye; any length. */
+vec3 view_ray(vec3 eye) {
+    return u_shift.y > 0.0 ? eye : u_view_direction;
 }
+#endif
 
 #if PASS == PSPLAT_PASS_VISIBILITY
 /* 1 / max(|cos|, 1/2) of eq. (5), of the angle between the splat's normal and the view ray. */
-float grazing_of(vec3 normal, vec3 eye_center) {
-    vec3 ray = view_ray(eye_center);
+float grazing_of(vec3 normal, vec3 ray) {
     float cosine = abs(dot(normal, ray)) * inversesqrt(dot(normal, normal) * dot(ray, ray));
     return 1.0 / max(cosine, 0.5);
 }
@@ -83,29 +82,90 @@ float shift_of(vec3 eye, float w, float grazing) {
 }
 #endif
 
+#if FILTER
+/* Spec 5.8. A 2 x 2 matrix is a rotation times q plus a reflection times r, its singular values are
+ * q + r and q - r (negative: seen from behind), and others with the same vectors only change q and
+ * r: no vectors are needed. */
+struct Footprint {
+    mat2 widened; /* J' */
+    mat2 change;  /* J' - J */
+    float ratio;  /* det J / det J' */
+    float nearer; /* in normalised device coordinates */
+    bool is_known;
+};
+
+Footprint footprint_of(vec4 center, vec4 along_u, vec4 along_v) {
+    /* J times w; the quotient rule at the centre. */
+    vec3 ndc = center.xyz / center.w;
+    vec3 by_u = along_u.xyz - ndc * along_u.w, by_v = along_v.xyz - ndc * along_v.w;
+    mat2 j = mat2(u_half_viewport.xy * by_u.xy, u_half_viewport.xy * by_v.xy);
+    vec2 turn = 0.5 * vec2(j[0].x + j[1].y, j[0].y - j[1].x);
+    vec2 flip = 0.5 * vec2(j[0].x - j[1].y, j[0].y + j[1].x);
+    float q = length(turn), r = length(flip), w = abs(center.w);
+    float slope = length(vec2(by_u.z, by_v.z)) / w;
+
+    Footprint result = Footprint(j / w, mat2(0.0), 1.0, 0.0, true);
+    result.is_known = ndc.z - 2.0 * slope > -1.0 && ndc.z < 1.0 &&
+                      abs(along_u.w) + abs(along_v.w) < 0.25 * center.w;
+    if (abs(q - r) < w) {
+        float large = max(q + r, w);
+        float small = q < r ? -w : w;
+        turn *= 0.5 * (large + small) / max(q, 1e-30);
+        flip *= 0.5 * (large - small) / max(r, 1e-30);
+        result.widened =
+            mat2(turn.x + flip.x, turn.y + flip.y, flip.y - turn.y, turn.x - flip.x) / w;
+        result.change = result.widened - j / w;
+        result.ratio = (q + r) * abs(q - r) / (large * w);
+        result.nearer = 1.1 * (1.0 - abs(q - r) / w) * slope;
+    }
+    return result;
+}
+#endif
+
 #if CLIP_COUNT > 0
-float clip_distance(ivec2 first, int line, vec2 uv) {
+/* In (u, v), or where filtered in pixels. */
+float clip_distance(ivec2 first, int line, vec2 uv, mat2 widened) {
     vec3 abc = texelFetch(u_clips, first + ivec2(line, 0), 0).xyz;
-    return dot(abc.xy, uv) + abc.z;
+    float value = dot(abc.xy, uv) + abc.z;
+#if FILTER
+    /* |J'^-T (a, b)| by cofactors. */
+    vec2 turned = abc.x * vec2(widened[1].y, -widened[1].x) + abc.y * vec2(-widened[0].y, widened[0].x);
+    value *= abs(determinant(widened)) * inversesqrt(dot(turned, turned));
+#endif
+    return value;
 }
 
-CLIP_TYPE clip_distances(int column, int row, vec2 uv) {
+CLIP_TYPE clip_distances(int column, int row, vec2 uv, mat2 widened) {
     ivec2 first = ivec2(column * CLIP_COUNT, row);
 #if CLIP_COUNT == 1
-    return clip_distance(first, 0, uv);
+    return clip_distance(first, 0, uv, widened);
 #elif CLIP_COUNT == 2
-    return vec2(clip_distance(first, 0, uv), clip_distance(first, 1, uv));
+    return vec2(clip_distance(first, 0, uv, widened), clip_distance(first, 1, uv, widened));
 #elif CLIP_COUNT == 3
-    return vec3(clip_distance(first, 0, uv), clip_distance(first, 1, uv),
-                clip_distance(first, 2, uv));
+    return vec3(clip_distance(first, 0, uv, widened), clip_distance(first, 1, uv, widened),
+                clip_distance(first, 2, uv, widened));
 #else
-    return vec4(clip_distance(first, 0, uv), clip_distance(first, 1, uv),
-                clip_distance(first, 2, uv), clip_distance(first, 3, uv));
+    return vec4(clip_distance(first, 0, uv, widened), clip_distance(first, 1, uv, widened),
+                clip_distance(first, 2, uv, widened), clip_distance(first, 3, uv, widened));
 #endif
 }
 #endif
 
 #if PASS != PSPLAT_PASS_VISIBILITY && PASS != PSPLAT_PASS_PARAMETERS
+/* The normal field at uv (spec 3.5), in eye space. */
+vec3 normal_of(ivec2 texel, mat3 axes, float length2, float ratio, vec2 uv) {
+    vec4 field = texelFetch(u_splats, texel + ivec2(2, 0), 0);
+#if FIELD
+    field.xy += field.zw * uv;
+#if GAMMA
+    field.xy += texelFetch(u_splats, texel + ivec2(3, 0), 0).w * vec2(ratio * uv.y, uv.x);
+#endif
+#endif
+    return u_normal_matrix * (axes * vec3(field.xy, 1.0) / length2);
+}
+#endif
+
+#if TWO_SIDED
 /* Whether the splat clearly turns its back to the eye (spec 5.2), which gl_FrontFacing cannot
  * tell. */
 bool is_behind(vec3 normal, vec3 eye_center) {
@@ -117,45 +177,57 @@ bool is_behind(vec3 normal, vec3 eye_center) {
 void main() {
     int splat = gl_VertexID / 3;
     vec2 uv = corner_uv(gl_VertexID - 3 * splat);
-    int row = splat / PSPLAT_ROW_SPLATS;
-    int column = splat - row * PSPLAT_ROW_SPLATS;
-    ivec2 texel = ivec2(column * SPLAT_TEXELS, row);
+    int row = splat >> PSPLAT_ROW_BITS;
+    int column = splat & (PSPLAT_ROW_SPLATS - 1);
+    ivec2 texel = ivec2(column * (PSPLAT_SPLAT_TEXELS + WIDE), row);
     vec4 center = texelFetch(u_splats, texel, 0);
     vec4 rotation = texelFetch(u_splats, texel + ivec2(1, 0), 0);
     mat3 axes = axes_of(rotation);
 
+    /* Through eye space: z and w of a point come from one rounded number, and so does its depth. */
     vec3 eye_center = (u_modelview * vec4(center.xyz, 1.0)).xyz;
     vec3 offset = axes[0] * uv.x + axes[1] * (center.w * uv.y);
     vec3 eye = eye_center + mat3(u_modelview) * offset;
     gl_Position = u_projection * vec4(eye, 1.0);
+
+    mat2 widened = mat2(1.0);
+#if FILTER
+    vec4 clip_center = u_projection * vec4(eye_center, 1.0);
+    mat3 to_eye = mat3(u_modelview);
+    vec4 along_u = u_projection * vec4(to_eye * axes[0], 0.0);
+    vec4 along_v = u_projection * vec4(to_eye * (axes[1] * center.w), 0.0);
+    Footprint footprint = footprint_of(clip_center, along_u, along_v);
+    v_uv = vec4(uv, 1.0, 0.0);
+    /* Clip lines so steep that they are as good as hard. */
+    widened *= 1e6;
+    if (footprint.is_known) {
+        widened = footprint.widened;
+        gl_Position.xy += clip_center.w / u_half_viewport.xy * (footprint.change * uv);
+        gl_Position.z -= footprint.nearer * gl_Position.w;
+        v_uv.zw = vec2(footprint.ratio, footprint.nearer * u_half_viewport.z);
+    }
+#else
     v_uv = uv;
+#endif
 #if CLIP_COUNT > 0
-    v_clip = clip_distances(column, row, uv);
+    v_clip = clip_distances(column, row, uv, widened);
 #endif
 
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR
     v_near = gl_Position.z + gl_Position.w;
 #endif
-    float grazing = grazing_of(u_normal_matrix * axes[2], eye_center);
+    float grazing = grazing_of(u_normal_matrix * axes[2], view_ray(eye_center));
     gl_Position.z += shift_of(eye, gl_Position.w, grazing);
 #elif PASS == PSPLAT_PASS_PARAMETERS
     v_index = float(u_first_index + splat);
 #else
-    vec4 field = texelFetch(u_splats, texel + ivec2(2, 0), 0);
-#if COLOR || GAMMA
-    vec4 extra = texelFetch(u_splats, texel + ivec2(3, 0), 0);
+    v_normal = normal_of(texel, axes, dot(rotation, rotation), center.w, uv);
+#if TWO_SIDED
+    if (is_behind(u_normal_matrix * axes[2], eye_center)) v_normal = -v_normal;
 #endif
-#if PASS == PSPLAT_PASS_PHONG
-    field.xy += field.zw * uv;
-#if GAMMA
-    field.xy += extra.w * vec2(center.w * uv.y, uv.x);
-#endif
-#endif
-    v_normal = u_normal_matrix * (axes * vec3(field.xy, 1.0) / dot(rotation, rotation));
-    if (u_two_sided != 0 && is_behind(u_normal_matrix * axes[2], eye_center)) v_normal = -v_normal;
 #if COLOR
-    v_color = extra.rgb;
+    v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
 #endif
 #endif
 }

@@ -52,6 +52,7 @@ SPY_VOID(FramebufferTexture2D,
          BOUND(FRAMEBUFFER, GL_DRAW_FRAMEBUFFER_BINDING) OWN(TEXTURE, texture))
 SPY_VOID(FrontFace, (GLenum mode), (mode), INTEGER(GL_FRONT_FACE))
 SPY_VOID(GetBooleanv, (GLenum name, GLboolean *values), (name, values), NOTHING)
+SPY_VOID(GetFloatv, (GLenum name, GLfloat *values), (name, values), NOTHING)
 SPY_VOID(GetIntegerv, (GLenum name, GLint *values), (name, values), NOTHING)
 SPY_VOID(GetProgramInfoLog, (GLuint program, GLsizei size, GLsizei *length, GLchar *log),
          (program, size, length, log), NOTHING)
@@ -66,6 +67,9 @@ SPY_VOID(ShaderSource,
 SPY_VOID(TexParameteri, (GLenum target, GLenum name, GLint value), (target, name, value),
          BOUND(TEXTURE, texture_binding(target)))
 SPY_VOID(Uniform1i, (GLint location, GLint x), (location, x), BOUND(PROGRAM, GL_CURRENT_PROGRAM))
+SPY_VOID(Uniform1f, (GLint location, GLfloat x), (location, x), BOUND(PROGRAM, GL_CURRENT_PROGRAM))
+SPY_VOID(Uniform4fv, (GLint location, GLsizei count, const GLfloat *values),
+         (location, count, values), BOUND(PROGRAM, GL_CURRENT_PROGRAM))
 SPY_VOID(Uniform2f, (GLint location, GLfloat x, GLfloat y), (location, x, y),
          BOUND(PROGRAM, GL_CURRENT_PROGRAM))
 SPY_VOID(Uniform2i, (GLint location, GLint x, GLint y), (location, x, y),

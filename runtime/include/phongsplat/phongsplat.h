@@ -166,8 +166,8 @@ typedef enum psplat_culling {
     PSPLAT_CULL_ALWAYS
 } psplat_culling;
 
-/* What the resolve pass makes of a pixel's normal, colour and depth. Each is
- * shaders/resolve_<file>.glsl and a line of this table. All but LIT and TOON need no light.
+/* What the resolve pass makes of a pixel's normal, colour and depth: X(name, file, what it reads),
+ * the file being shaders/resolve_<file>.glsl. What a shading does not read is not drawn.
  *
  *     LIT       the material under the view's lights (spec 5.6)
  *     UNLIT     the base colour alone, the albedo
@@ -178,16 +178,16 @@ typedef enum psplat_culling {
  * more; the number itself where linear_output is set SPLATS    the nearest splat alone, each in a
  * colour of its own */
 #define PSPLAT_SHADINGS(X)                                                                         \
-    X(LIT, lit)                                                                                    \
-    X(UNLIT, unlit)                                                                                \
-    X(TOON, toon)                                                                                  \
-    X(NORMAL, normal)                                                                              \
-    X(DEPTH, depth)                                                                                \
-    X(OVERDRAW, overdraw)                                                                          \
-    X(SPLATS, splats)
+    X(LIT, lit, LIGHT)                                                                             \
+    X(UNLIT, unlit, COLOR)                                                                         \
+    X(TOON, toon, LIGHT)                                                                           \
+    X(NORMAL, normal, NOTHING)                                                                     \
+    X(DEPTH, depth, NOTHING)                                                                       \
+    X(OVERDRAW, overdraw, NOTHING)                                                                 \
+    X(SPLATS, splats, NOTHING)
 
 typedef enum psplat_shading {
-#define PSPLAT_SHADING_ENUM(name, file) PSPLAT_SHADING_##name,
+#define PSPLAT_SHADING_ENUM(name, file, reads) PSPLAT_SHADING_##name,
     PSPLAT_SHADINGS(PSPLAT_SHADING_ENUM)
 #undef PSPLAT_SHADING_ENUM
         PSPLAT_SHADING_COUNT

@@ -31,7 +31,7 @@ static const char *const mode_names[PSPLAT_MODE_COUNT] = {"phong", "gaussian", "
                                                           "parameters"};
 
 static const char *const shading_names[PSPLAT_SHADING_COUNT] = {
-#define SHADING_NAME(name, file) #file,
+#define SHADING_NAME(name, file, reads) #file,
     PSPLAT_SHADINGS(SHADING_NAME)
 #undef SHADING_NAME
 };

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Shadow maps (BHZK05 section 6): the visibility pass from the light. Its splats are shifted away
+ * from the light by epsilon, which is the bias that keeps a surface from shading itself.
+ */
+#include "frame.h"
+#include "matrix.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { DEFAULT_SIZE = 1024 };
+
+typedef struct box {
+    double min[3], max[3];
+} box;
+
+/* ---- where a light looks ----------------------------------------------------------------- */
+
+/* Rotation and translation to a space at position that looks along direction. */
+static void look_along(const float direction[3], const double position[3], double view[16]) {
+    double z[3], length = 0.0;
+    for (int i = 0; i < 3; ++i) length += (double)direction[i] * (double)direction[i];
+    length = length > 0.0 ? sqrt(length) : 1.0;
+    for (int i = 0; i < 3; ++i) z[i] = -(double)direction[i] / length;
+    if (z[0] == 0.0 && z[1] == 0.0 && z[2] == 0.0) z[2] = 1.0;
+    /* An orthonormal basis without a branch on the axis (Duff et al. 2017). */
+    double sign = copysign(1.0, z[2]), a = -1.0 / (sign + z[2]), b = z[0] * z[1] * a;
+    const double x[3] = {1.0 + sign * z[0] * z[0] * a, sign * b, -sign * z[0]};
+    const double y[3] = {b, sign + z[1] * z[1] * a, -z[1]};
+    const double *rows[3] = {x, y, z};
+    memset(view, 0, 16 * sizeof *view);
+    view[15] = 1.0;
+    for (int row = 0; row < 3; ++row)
+        for (int i = 0; i < 3; ++i) {
+            view[4 * i + row] = rows[row][i];
+            view[12 + row] -= rows[row][i] * position[i];
+        }
+}
+
+/* Box of all batches in the space that view leads to. */
+static box bounds_in(const psplat_frame *f, const double view[16]) {
+    box b = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    for (size_t i = 0; i < f->item_count; ++i)
+        for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
+            const psplat_model_batch *batch = &f->items[i].model->batches[k];
+            double scene[16], m[16];
+            psplat_camera_compose(f->items[i].transform, batch->model, scene);
+            psplat_matrix_multiply(view, scene, m);
+            for (int corner = 0; corner < 8; ++corner)
+                for (int row = 0; row < 3; ++row) {
+                    double at = m[12 + row];
+                    for (int axis = 0; axis < 3; ++axis)
+                        at += m[4 * axis + row] * (double)(corner >> axis & 1
+                                                               ? batch->bounds_max[axis]
+                                                               : batch->bounds_min[axis]);
+                    b.min[row] = fmin(b.min[row], at);
+                    b.max[row] = fmax(b.max[row], at);
+                }
+        }
+    return b;
+}
+
+/* Around the box, two texels wider, so that what is sampled at its edge lies in the map. Returns
+ * the width of a texel. */
+static double parallel_projection(const box *b, int size, double projection[16]) {
+    double extent = fmax(fmax(b->max[0] - b->min[0], b->max[1] - b->min[1]), 1e-30);
+    double half = 0.5 * extent * size / (size - 4.0);
+    double depth = fmax(b->max[2] - b->min[2], 1e-6 * extent);
+    memset(projection, 0, 16 * sizeof *projection);
+    projection[0] = projection[5] = 1.0 / half;
+    projection[10] = -2.0 / (1.1 * depth);
+    projection[12] = -0.5 * (b->min[0] + b->max[0]) / half;
+    projection[13] = -0.5 * (b->min[1] + b->max[1]) / half;
+    projection[14] = (b->min[2] + b->max[2]) / (1.1 * depth);
+    projection[15] = 1.0;
+    return 2.0 * half / size;
+}
+
+/* Of a spot light: its cone, and what of the box lies in front of it. Returns the width of a texel
+ * at distance 1. */
+static double cone_projection(const box *b, double outer_angle, int size, double projection[16]) {
+    double tangent = tan(fmin(outer_angle, 1.5)) * size / (size - 4.0);
+    double far = fmax(-b->min[2], 1e-30) * 1.01, near = fmax(-b->max[2] * 0.99, 1e-3 * far);
+    memset(projection, 0, 16 * sizeof *projection);
+    projection[0] = projection[5] = 1.0 / tangent;
+    projection[10] = -(far + near) / (far - near);
+    projection[11] = -1.0;
+    projection[14] = -2.0 * far * near / (far - near);
+    return 2.0 * tangent / size;
+}
+
+/* ---- maps -------------------------------------------------------------------------------- */
+
+static psplat_result bind_maps(psplat_renderer *renderer, int size, int count,
+                               psplat_error *error) {
+    static const GLenum none = GL_NONE;
+    psplat_shadows *shadows = &renderer->shadows;
+    const psplat_gl *gl = &renderer->gl;
+    if (shadows->size != size || shadows->count < count) psplat_shadows_destroy(shadows, gl);
+    if (shadows->framebuffer) {
+        gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, shadows->framebuffer);
+        return PSPLAT_OK;
+    }
+    psplat_texture_desc desc = {.texel = PSPLAT_TEXEL_DEPTH32F,
+                                .width = size * count,
+                                .height = size,
+                                .is_linear = 1,
+                                .compares = 1};
+    psplat_result result =
+        psplat_texture_create(gl, &renderer->memory.shadows, &desc, &shadows->maps, error);
+    if (result != PSPLAT_OK) return result;
+    shadows->size = size;
+    shadows->count = count;
+    gl->GenFramebuffers(1, &shadows->framebuffer);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, shadows->framebuffer);
+    gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D,
+                             shadows->maps.id, 0);
+    gl->DrawBuffers(1, &none);
+    GLenum status = gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER);
+    if (status == GL_FRAMEBUFFER_COMPLETE) return PSPLAT_OK;
+    psplat_shadows_destroy(shadows, gl);
+    return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0,
+                       "shadow maps of %d x %d texels are refused (status 0x%x)", size, size,
+                       status);
+}
+
+void psplat_shadows_destroy(psplat_shadows *shadows, const psplat_gl *gl) {
+    gl->DeleteFramebuffers(1, &shadows->framebuffer);
+    psplat_texture_delete(gl, &shadows->maps);
+    memset(shadows, 0, sizeof *shadows);
+}
+
+/* Eye space of the view to the map's 0 ... 1, by way of the scene. */
+static psplat_result find_matrix(const psplat_frame *f, const psplat_camera *light,
+                                 float matrix[16]) {
+    const double *range = f->depth_range;
+    const double to_map[16] = {[0] = 0.5,  [5] = 0.5,  [10] = 0.5 * (range[1] - range[0]),
+                               [12] = 0.5, [13] = 0.5, [14] = 0.5 * (range[0] + range[1]),
+                               [15] = 1.0};
+    double scene[16], a[16], b[16];
+    if (!psplat_matrix_invert(f->view->view, scene))
+        return psplat_fail(f->error, PSPLAT_ERROR_ARGUMENT, 0, "the view has no inverse");
+    psplat_matrix_multiply(light->view, scene, a);
+    psplat_matrix_multiply(light->projection, a, b);
+    psplat_matrix_multiply(to_map, b, a);
+    psplat_matrix_to_float(a, 16, matrix);
+    return PSPLAT_OK;
+}
+
+static psplat_result draw_map(psplat_frame *f, int map, int size) {
+    const psplat_gl *gl = &f->renderer->gl;
+    int index = f->lights.casters[map];
+    const psplat_light *light = &f->view->lights[index];
+    const double origin[3] = {0.0, 0.0, 0.0};
+    int is_spot = light->type == PSPLAT_LIGHT_SPOT;
+    double view[16], projection[16];
+    look_along(light->direction, is_spot ? light->position : origin, view);
+    box b = bounds_in(f, view);
+    double texel = is_spot ? cone_projection(&b, psplat_light_outer_angle(light), size, projection)
+                           : parallel_projection(&b, size, projection);
+    f->lights.cone[index][3] = (float)texel;
+
+    psplat_camera camera;
+    const psplat_camera_desc desc = {
+        .view = view,
+        .projection = projection,
+        .width = size,
+        .height = size,
+        .depth_range = {(float)f->depth_range[0], (float)f->depth_range[1]}};
+    psplat_result result = psplat_camera_set(&camera, &desc, f->error);
+    if (result == PSPLAT_OK) result = find_matrix(f, &camera, f->renderer->shadows.matrices[map]);
+    if (result != PSPLAT_OK) return result;
+    gl->Viewport(map * size, 0, size, size);
+    /* Backs cast shadows too: an open surface is lit from one side only. */
+    psplat_program_key key = {.pass = PSPLAT_PASS_VISIBILITY};
+    return psplat_frame_draw_batches(f, &camera, key, PSPLAT_CULL_NEVER);
+}
+
+psplat_result psplat_frame_draw_shadows(psplat_frame *f) {
+    static const float one = 1.0f;
+    const psplat_gl *gl = &f->renderer->gl;
+    int size = f->view->shadow_size ? f->view->shadow_size : DEFAULT_SIZE;
+    psplat_result result = bind_maps(f->renderer, size, f->lights.shadow_count, f->error);
+    if (result != PSPLAT_OK) return result;
+    gl->DepthMask(GL_TRUE);
+    gl->DepthFunc(GL_LESS);
+    gl->Enable(GL_DEPTH_TEST);
+    gl->ClearBufferfv(GL_DEPTH, 0, &one);
+    for (int map = 0; map < f->lights.shadow_count && result == PSPLAT_OK; ++map)
+        result = draw_map(f, map, size);
+    return result;
+}
+
+void psplat_shadows_use(const psplat_shadows *shadows, const psplat_gl *gl,
+                        const psplat_program *program) {
+    psplat_frame_bind_texture(gl, PSPLAT_UNIT_SHADOWS, &shadows->maps, GL_TEXTURE_2D);
+    gl->UniformMatrix4fv(program->shadow_matrix, shadows->count, GL_FALSE, shadows->matrices[0]);
+    gl->Uniform1f(program->shadow_scale, 1.0f / (float)shadows->count);
+}
