@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * main.c - phongsplat-viewer: shows Phong splats in a window. Arguments and the loop.
+ *
+ *     phongsplat-viewer [options] [A.glb ...]
+ */
+#define _POSIX_C_SOURCE 200809L
+
+#include "gl.h"
+#include "viewer.h"
+
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double title_seconds = 0.2;   /* between changes of the title */
+static const double turn_per_second = 0.1; /* of the turntable, in drags across the window */
+
+static void on_signal(int number) {
+    static const char line[] = "phongsplat-viewer: interrupted\n";
+    (void)number;
+    ssize_t written = write(STDERR_FILENO, line, sizeof line - 1);
+    (void)written;
+    _exit(report_exit_code(PSPLAT_ERROR_INTERRUPTED));
+}
+
+/* Before a window is asked for, so that a wrong name is told of without a display too. */
+static psplat_result check_files(const options *o, const char **path, psplat_error *error) {
+    for (int i = 0; i < o->file_count; ++i) {
+        *path = o->files[i];
+        if (access(*path, R_OK))
+            return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s", strerror(errno));
+    }
+    *path = NULL;
+    return PSPLAT_OK;
+}
+
+/* ---- the loop ------------------------------------------------------------------------------- */
+
+/* The frame after a change compiles shaders and makes targets: it is drawn again to be timed. */
+static void note_time(viewer *v, double seconds) {
+    if (v->is_cold)
+        v->needs_redraw = 1;
+    else
+        v->frame_time = v->frame_time > 0 ? 0.7 * v->frame_time + 0.3 * seconds : seconds;
+    if (v->is_cold) v->frame_time = 0;
+    v->is_cold = 0;
+}
+
+static psplat_result draw(viewer *v, psplat_error *error) {
+    int width, height;
+    window_size(v->window, &width, &height);
+    v->needs_redraw = 0;
+    if (width < 1 || height < 1) return PSPLAT_OK;
+    double start = window_seconds();
+    psplat_result result = frame_draw(v, width, height, error);
+    canvas_gl(v->canvas)->Finish();
+    note_time(v, window_seconds() - start);
+    overlay_draw(v, width, height);
+    window_present(v->window);
+    return result;
+}
+
+static void turn(viewer *v) {
+    double now = window_seconds();
+    orbit_turn(&v->orbit, turn_per_second * (now - v->turn_time), 0);
+    v->turn_time = now;
+    v->needs_redraw = 1;
+}
+
+/* What a command line names and cannot be shown ends the program; what is dropped later does not.
+ */
+static psplat_result take_loads(viewer *v, psplat_error *error) {
+    for (load *l; (l = loader_take(v->loader)) != NULL;) {
+        int width, height;
+        scene_change change = scene_take(&v->scene, l);
+        window_size(v->window, &width, &height);
+        if (change == SCENE_OPENED)
+            orbit_fit(&v->orbit, &v->scene.bounds, height ? (double)width / height : 1);
+        v->is_cold = v->needs_redraw = 1;
+        if (!v->scene.entry_count && v->options.file_count) {
+            *error = v->scene.refused;
+            return error->code;
+        }
+    }
+    return PSPLAT_OK;
+}
+
+static void update_overlay(viewer *v) {
+    int is_busy = loader_is_busy(v->loader);
+    if (is_busy != v->was_busy) v->needs_redraw = 1;
+    v->was_busy = is_busy;
+    if (v->message_end > 0 && window_seconds() >= v->message_end) {
+        v->message_end = 0;
+        v->needs_redraw = 1;
+    }
+}
+
+static void update_title(viewer *v) {
+    char text[sizeof v->title];
+    double now = window_seconds();
+    if (now - v->title_time < title_seconds) return;
+    title_write(v, text, sizeof text);
+    if (!strcmp(text, v->title)) return;
+    memcpy(v->title, text, sizeof text);
+    v->title_time = now;
+    window_set_title(v->window, text);
+}
+
+static psplat_result loop(viewer *v, psplat_error *error) {
+    psplat_result result = PSPLAT_OK;
+    while (!result && !window_is_closing(v->window)) {
+        window_wait(v->window, v->needs_redraw || v->settings.is_turning ? 0 : title_seconds);
+        result = take_loads(v, error);
+        if (v->settings.is_turning) turn(v);
+        update_overlay(v);
+        if (!result && v->needs_redraw) result = draw(v, error);
+        update_title(v);
+    }
+    return result;
+}
+
+/* ---- beginning and end ---------------------------------------------------------------------- */
+
+static psplat_result begin(viewer *v, psplat_error *error) {
+    v->settings = v->options.settings;
+    v->orbit = (orbit){.azimuth = 0.52, .elevation = 0.35, .distance = 1, .reach = 1};
+    v->needs_redraw = 1;
+    v->window = window_create(v, &v->options, error);
+    if (!v->window) return error->code;
+    v->canvas = canvas_create(window_get_proc, NULL, error);
+    if (!v->canvas) return error->code;
+    psplat_renderer_desc desc = {.get_proc = window_get_proc};
+    psplat_result result = psplat_renderer_create(&desc, &v->renderer, error);
+    if (result) return result;
+    v->scene.renderer = v->renderer;
+    v->loader = loader_create(window_wake);
+    if (!v->loader) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no thread to load files on");
+    if (v->options.file_count)
+        input_drop(v, (const char *const *)v->options.files, (size_t)v->options.file_count);
+    return PSPLAT_OK;
+}
+
+static void end(viewer *v) {
+    loader_destroy(v->loader);
+    if (v->renderer) scene_clear(&v->scene);
+    psplat_renderer_destroy(v->renderer);
+    canvas_destroy(v->canvas);
+    window_destroy(v->window);
+}
+
+static int show(viewer *v) {
+    psplat_error error = {0};
+    psplat_result result = begin(v, &error);
+    if (!result) result = loop(v, &error);
+    char path[sizeof v->scene.refused_path] = "";
+    if (!v->scene.entry_count) memcpy(path, v->scene.refused_path, sizeof path);
+    end(v);
+    return result ? report_error(*path ? path : NULL, &error) : 0;
+}
+
+int main(int argc, char **argv) {
+    viewer v = {0};
+    psplat_error error = {0};
+    const char *path = NULL;
+    switch (options_parse(argc, argv, &v.options, &error)) {
+    case PARSE_ERROR:
+        return report_error(NULL, &error);
+    case PARSE_HELP:
+        options_print_help();
+        return 0;
+    case PARSE_VERSION:
+        printf("phongsplat-viewer %d.%d.%d\n", PSPLAT_VERSION_MAJOR, PSPLAT_VERSION_MINOR,
+               PSPLAT_VERSION_PATCH);
+        return 0;
+    case PARSE_OK:
+        break;
+    }
+    if (check_files(&v.options, &path, &error)) return report_error(path, &error);
+    signal(SIGINT, on_signal);
+    signal(SIGTERM, on_signal);
+    return show(&v);
+}

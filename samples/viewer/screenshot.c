@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * screenshot.c - the picture without what is written over it, as a PNG that replaces no file.
+ *
+ * It is drawn into a framebuffer of its own: what a window holds where others cover it is
+ * undefined.
+ */
+#define _POSIX_C_SOURCE 200809L
+
+#include "gl.h"
+#include "viewer.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ---- the file ------------------------------------------------------------------------------ */
+
+enum { MAX_NUMBER = 9999 };
+
+int screenshot_name(const char *asset, const char *directory, int n, char *path, size_t size) {
+    const char *name = scene_name(asset), *dot = strrchr(name, '.');
+    int stem = (int)(dot && dot > name ? (size_t)(dot - name) : strlen(name));
+    int prefix = directory ? (int)strlen(directory) : (int)(name - asset);
+    int written = snprintf(path, size, "%.*s%s%.*s-%03d.png", prefix, directory ? directory : asset,
+                           directory && prefix ? "/" : "", stem, name, n);
+    return written > 0 && (size_t)written < size;
+}
+
+int screenshot_create(const char *asset, const char *directory, char *path, size_t size) {
+    for (int n = 1; n <= MAX_NUMBER; ++n) {
+        if (!screenshot_name(asset, directory, n, path, size)) return errno = ENAMETOOLONG, -1;
+        int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file >= 0 || errno != EEXIST) return file;
+    }
+    return errno = EEXIST, -1;
+}
+
+static int write_all(int file, const uint8_t *data, size_t size) {
+    while (size) {
+        ssize_t written = write(file, data, size);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) return 0;
+        data += written;
+        size -= (size_t)written;
+    }
+    return 1;
+}
+
+static psplat_result store(const viewer *v, const uint8_t *png, size_t png_size, char *path,
+                           size_t size, psplat_error *error) {
+    const char *asset = v->scene.entry_count ? v->scene.entries[0].path : "phongsplat";
+    const char *directory = v->options.screenshots;
+    int file = screenshot_create(asset, directory, path, size);
+    if (file < 0 && !directory) file = screenshot_create(asset, ".", path, size);
+    if (file < 0)
+        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.150s: %s", path, strerror(errno));
+    int is_written = write_all(file, png, png_size);
+    if (close(file)) is_written = 0;
+    if (is_written) return PSPLAT_OK;
+    int cause = errno;
+    unlink(path);
+    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.150s: %s", path, strerror(cause));
+}
+
+/* ---- the picture --------------------------------------------------------------------------- */
+
+typedef struct target {
+    GLuint framebuffer, color, depth;
+} target;
+
+static GLuint make_renderbuffer(const gl *gl, GLenum format, GLenum attachment, int width,
+                                int height) {
+    GLuint name;
+    gl->GenRenderbuffers(1, &name);
+    gl->BindRenderbuffer(GL_RENDERBUFFER, name);
+    gl->RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
+    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, name);
+    return name;
+}
+
+static target make_target(const gl *gl, int width, int height) {
+    target t;
+    gl->GenFramebuffers(1, &t.framebuffer);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, t.framebuffer);
+    t.color = make_renderbuffer(gl, GL_RGBA8, GL_COLOR_ATTACHMENT0, width, height);
+    t.depth = make_renderbuffer(gl, GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, width, height);
+    return t;
+}
+
+static void free_target(const gl *gl, target *t) {
+    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
+    gl->DeleteFramebuffers(1, &t->framebuffer);
+    gl->DeleteRenderbuffers(1, &t->color);
+    gl->DeleteRenderbuffers(1, &t->depth);
+}
+
+/* rgba: width x height, row 0 at the bottom. */
+static psplat_result draw(viewer *v, int width, int height, uint8_t *rgba, psplat_error *error) {
+    const gl *gl = canvas_gl(v->canvas);
+    target t = make_target(gl, width, height);
+    psplat_result result = PSPLAT_OK;
+    if (gl->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        result = psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "no framebuffer for a screenshot");
+    if (!result) result = frame_draw(v, width, height, error);
+    if (!result) {
+        gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+        gl->ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+    }
+    free_target(gl, &t);
+    return result;
+}
+
+/* To RGB, without the alpha that the framebuffer happens to hold. */
+static void drop_alpha(uint8_t *pixels, size_t count) {
+    for (size_t i = 0; i < count; ++i) memmove(pixels + 3 * i, pixels + 4 * i, 3);
+}
+
+/* libpng's simplified interface writes into memory of the size it asks for first. */
+static psplat_result encode(uint8_t *rgb, int width, int height, uint8_t **data, size_t *size,
+                            psplat_error *error) {
+    png_image image = {.version = PNG_IMAGE_VERSION,
+                       .width = (png_uint_32)width,
+                       .height = (png_uint_32)height,
+                       .format = PNG_FORMAT_RGB};
+    png_alloc_size_t needed = PNG_IMAGE_PNG_SIZE_MAX(image);
+    *data = malloc(needed);
+    if (!*data) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a screenshot");
+    int stride = -3 * width; /* the last row first */
+    if (!png_image_write_to_memory(&image, *data, &needed, 0, rgb, stride, NULL))
+        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s", image.message);
+    *size = needed;
+    return PSPLAT_OK;
+}
+
+psplat_result screenshot_take(viewer *v, char *path, size_t size, psplat_error *error) {
+    int width, height;
+    window_size(v->window, &width, &height);
+    if (width < 1 || height < 1)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "the window has no size");
+    size_t png_size = 0, count = (size_t)width * (size_t)height;
+    uint8_t *pixels = malloc(4 * count), *png = NULL;
+    if (!pixels) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a screenshot");
+    psplat_result result = draw(v, width, height, pixels, error);
+    if (!result) {
+        drop_alpha(pixels, count);
+        result = encode(pixels, width, height, &png, &png_size, error);
+    }
+    if (!result) result = store(v, png, png_size, path, size, error);
+    free(pixels);
+    free(png);
+    return result;
+}
