@@ -22,7 +22,7 @@ const char psplat_exit_help[] =
     "  3  an input is malformed, has a value out of range, or holds nothing to work on\n"
     "  4  an input is of a kind that is not supported\n"
     "  5  the output exists already or cannot be written\n"
-    "  6  no usable graphics context\n"
+    "  6  no usable graphics context, or no viewer is installed\n"
     "  7  out of memory\n"
     "  8  interrupted by a signal; nothing was written\n"
     "  9  the output was written, but a promise of the conversion is broken in places\n"

@@ -23,7 +23,7 @@ typedef enum psplat_exit {
     PSPLAT_EXIT_INVALID = 3,     /* an input is malformed, out of range or holds no surface */
     PSPLAT_EXIT_UNSUPPORTED = 4, /* an input is well-formed but of no supported kind */
     PSPLAT_EXIT_WRITE = 5,       /* the output exists or cannot be written */
-    PSPLAT_EXIT_GRAPHICS = 6,    /* no usable graphics context */
+    PSPLAT_EXIT_GRAPHICS = 6,    /* no usable graphics context, or no viewer */
     PSPLAT_EXIT_MEMORY = 7,      /* out of memory */
     PSPLAT_EXIT_INTERRUPTED = 8, /* stopped by a signal */
     PSPLAT_EXIT_BROKEN = 9,      /* the output is written, but not all that was asked for is kept */
@@ -116,6 +116,7 @@ int psplat_command_convert(int argc, char **argv);
 int psplat_command_render(int argc, char **argv);
 int psplat_command_inspect(int argc, char **argv);
 int psplat_command_validate(int argc, char **argv);
+int psplat_command_view(int argc, char **argv);
 
 /* ---- progress.c --------------------------------------------------------------------------- */
 

@@ -10,8 +10,10 @@ packages="gcc g++ clang libc6-dev cmake ninja-build pkg-config"
 packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev libpng-dev"
 # runtime: JSON; host: EGL with Mesa's software rasteriser
 packages="$packages libjsmn-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
-# tests
-packages="$packages libcmocka-dev"
+# viewer: windows, GL in them
+packages="$packages libglfw3-dev libgl1 libglx-mesa0"
+# tests; xvfb and XTest drive the viewer
+packages="$packages libcmocka-dev xvfb libx11-dev libxtst-dev"
 
 missing=""
 for package in $packages; do

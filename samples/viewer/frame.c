@@ -34,8 +34,8 @@ static psplat_view view_of(const viewer *v, int width, int height) {
         .culling = (psplat_culling)s->culling,
         .no_filter = s->has_no_filter,
     };
-    orbit_view(&v->orbit, &v->scene.bounds, s->is_orthographic, &view);
-    lights_set(s->lights, !s->has_no_shadows, &v->orbit, &v->scene.bounds, &view);
+    orbit_view(&v->orbit, &v->exhibit.bounds, s->is_orthographic, &view);
+    lights_set(s->lights, !s->has_no_shadows, &v->orbit, &v->exhibit.bounds, &view);
     return view;
 }
 
@@ -55,10 +55,10 @@ static void pick(viewer *v, const psplat_view *view) {
 
 psplat_result frame_draw(viewer *v, int width, int height, psplat_error *error) {
     draw_backdrop(v, width, height);
-    if (!v->scene.item_count) return PSPLAT_OK;
+    if (!v->exhibit.item_count) return PSPLAT_OK;
     psplat_view view = view_of(v, width, height);
     psplat_result result =
-        psplat_draw(v->renderer, &view, v->scene.items, v->scene.item_count, error);
+        psplat_draw(v->renderer, &view, v->exhibit.items, v->exhibit.item_count, error);
     if (!result && v->has_pick) pick(v, &view);
     return result;
 }

@@ -33,7 +33,7 @@ static void act_fit(viewer *v, int value) {
     int width, height;
     (void)value;
     window_size(v->window, &width, &height);
-    orbit_fit(&v->orbit, &v->scene.bounds, height ? (double)width / height : 1);
+    orbit_fit(&v->orbit, &v->exhibit.bounds, height ? (double)width / height : 1);
     v->needs_redraw = 1;
 }
 
@@ -102,8 +102,8 @@ static void act_backdrop(viewer *v, int value) {
 }
 
 static void act_side_by_side(viewer *v, int value) {
-    v->scene.is_side_by_side = !v->scene.is_side_by_side;
-    scene_arrange(&v->scene);
+    v->exhibit.is_side_by_side = !v->exhibit.is_side_by_side;
+    exhibit_arrange(&v->exhibit);
     act_fit(v, value);
     changed(v);
 }

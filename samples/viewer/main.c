@@ -76,13 +76,13 @@ static void turn(viewer *v) {
 static psplat_result take_loads(viewer *v, psplat_error *error) {
     for (load *l; (l = loader_take(v->loader)) != NULL;) {
         int width, height;
-        scene_change change = scene_take(&v->scene, l);
+        exhibit_change change = exhibit_take(&v->exhibit, l);
         window_size(v->window, &width, &height);
-        if (change == SCENE_OPENED)
-            orbit_fit(&v->orbit, &v->scene.bounds, height ? (double)width / height : 1);
+        if (change == EXHIBIT_OPENED)
+            orbit_fit(&v->orbit, &v->exhibit.bounds, height ? (double)width / height : 1);
         v->is_cold = v->needs_redraw = 1;
-        if (!v->scene.entry_count && v->options.file_count) {
-            *error = v->scene.refused;
+        if (!v->exhibit.entry_count && v->options.file_count) {
+            *error = v->exhibit.refused;
             return error->code;
         }
     }
@@ -136,7 +136,7 @@ static psplat_result begin(viewer *v, psplat_error *error) {
     psplat_renderer_desc desc = {.get_proc = window_get_proc};
     psplat_result result = psplat_renderer_create(&desc, &v->renderer, error);
     if (result) return result;
-    v->scene.renderer = v->renderer;
+    v->exhibit.renderer = v->renderer;
     v->loader = loader_create(window_wake);
     if (!v->loader) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no thread to load files on");
     if (v->options.file_count)
@@ -146,7 +146,7 @@ static psplat_result begin(viewer *v, psplat_error *error) {
 
 static void end(viewer *v) {
     loader_destroy(v->loader);
-    if (v->renderer) scene_clear(&v->scene);
+    if (v->renderer) exhibit_clear(&v->exhibit);
     psplat_renderer_destroy(v->renderer);
     canvas_destroy(v->canvas);
     window_destroy(v->window);
@@ -156,8 +156,8 @@ static int show(viewer *v) {
     psplat_error error = {0};
     psplat_result result = begin(v, &error);
     if (!result) result = loop(v, &error);
-    char path[sizeof v->scene.refused_path] = "";
-    if (!v->scene.entry_count) memcpy(path, v->scene.refused_path, sizeof path);
+    char path[sizeof v->exhibit.refused_path] = "";
+    if (!v->exhibit.entry_count) memcpy(path, v->exhibit.refused_path, sizeof path);
     end(v);
     return result ? report_error(*path ? path : NULL, &error) : 0;
 }

@@ -86,16 +86,16 @@ static void error_line(const viewer *v, const char *path, const psplat_error *er
                        size_t size) {
     char place[40] = "";
     if (error->offset) snprintf(place, sizeof place, "byte %zu: ", error->offset);
-    snprintf(text, size, "%s: %s%s%s", scene_name(path), place,
+    snprintf(text, size, "%s: %s%s%s", exhibit_name(path), place,
              *error->text ? error->text : psplat_result_text(error->code),
-             v->scene.item_count ? " (showing what was there before)" : "");
+             v->exhibit.item_count ? " (showing what was there before)" : "");
 }
 
 static void draw_lines(viewer *v, int width, int height) {
     int size = text_size(width, height, 40 * FONT_ADVANCE, FONT_LINE), bottom = height;
     char text[600];
     const char *path;
-    const psplat_error *error = scene_error(&v->scene, &path);
+    const psplat_error *error = exhibit_error(&v->exhibit, &path);
     if (error) {
         error_line(v, path, error, text, sizeof text);
         draw_line(v->canvas, width, &bottom, error_panel, error_color, size, text);
@@ -110,7 +110,7 @@ static void draw_hint(viewer *v, int width, int height) {
     static const char hint[] = "Drop .glb files here - H shows the keys";
     int columns = (int)sizeof hint - 1, across = columns * FONT_ADVANCE;
     int size = text_size(width, height, across, FONT_LINE);
-    if (v->scene.item_count || v->has_help || loader_is_busy(v->loader)) return;
+    if (v->exhibit.item_count || v->has_help || loader_is_busy(v->loader)) return;
     canvas_text(v->canvas, (width - size * across) / 2, (height - size * FONT_LINE) / 2, size,
                 title_color, hint);
 }

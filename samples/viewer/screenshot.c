@@ -23,7 +23,7 @@
 enum { MAX_NUMBER = 9999 };
 
 int screenshot_name(const char *asset, const char *directory, int n, char *path, size_t size) {
-    const char *name = scene_name(asset), *dot = strrchr(name, '.');
+    const char *name = exhibit_name(asset), *dot = strrchr(name, '.');
     int stem = (int)(dot && dot > name ? (size_t)(dot - name) : strlen(name));
     int prefix = directory ? (int)strlen(directory) : (int)(name - asset);
     int written = snprintf(path, size, "%.*s%s%.*s-%03d.png", prefix, directory ? directory : asset,
@@ -53,7 +53,7 @@ static int write_all(int file, const uint8_t *data, size_t size) {
 
 static psplat_result store(const viewer *v, const uint8_t *png, size_t png_size, char *path,
                            size_t size, psplat_error *error) {
-    const char *asset = v->scene.entry_count ? v->scene.entries[0].path : "phongsplat";
+    const char *asset = v->exhibit.entry_count ? v->exhibit.entries[0].path : "phongsplat";
     const char *directory = v->options.screenshots;
     int file = screenshot_create(asset, directory, path, size);
     if (file < 0 && !directory) file = screenshot_create(asset, ".", path, size);

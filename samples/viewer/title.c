@@ -36,22 +36,23 @@ static void append_count(writer *w, size_t count) {
         append(w, "%s%c", i && (length - i) % 3 == 0 ? "," : "", digits[i]);
 }
 
-static void append_files(writer *w, const scene *s) {
-    for (size_t i = 0; i < s->entry_count && i < 3; ++i)
-        append(w, "%s%s%s", i ? ", " : "", scene_name(s->entries[i].path),
-               s->entries[i].error.code ? " (broken)" : "");
-    if (s->entry_count > 3) append(w, " and %zu more", s->entry_count - 3);
+static void append_files(writer *w, const exhibit *e) {
+    for (size_t i = 0; i < e->entry_count && i < 3; ++i)
+        append(w, "%s%s%s", i ? ", " : "", exhibit_name(e->entries[i].path),
+               e->entries[i].error.code ? " (broken)" : "");
+    if (e->entry_count > 3) append(w, " and %zu more", e->entry_count - 3);
     append(w, " - ");
-    append_count(w, s->splat_count);
-    append(w, s->splat_count == 1 ? " splat" : " splats");
+    append_count(w, e->splat_count);
+    append(w, e->splat_count == 1 ? " splat" : " splats");
 }
 
 void title_write(const viewer *v, char *text, size_t size) {
     writer w = {text, size, 0};
     const settings *s = &v->settings;
-    if (*v->scene.refused_path) append(&w, "%s (broken) - ", scene_name(v->scene.refused_path));
-    if (v->scene.entry_count) {
-        append_files(&w, &v->scene);
+    if (*v->exhibit.refused_path)
+        append(&w, "%s (broken) - ", exhibit_name(v->exhibit.refused_path));
+    if (v->exhibit.entry_count) {
+        append_files(&w, &v->exhibit);
         append(&w, " - %s, %s", mode_names[s->mode], shading_names[s->shading]);
         if (v->frame_time > 0) append(&w, " - %.1f ms", 1e3 * v->frame_time);
         append(&w, " - ");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * viewer.h - what the parts of phongsplat-viewer share, in the order in which a frame comes about:
- * settings, options, files, camera, lights, picture, window, keys. One section = one file.
+ * settings, options, files, models, camera, lights, picture, window, keys. One section = one file.
  *
  * All but loader.c's worker runs on the main thread. Everything is zero-initialised and belongs to
  * the viewer struct at the end; there are no globals.
@@ -111,19 +111,19 @@ int loader_is_busy(loader *l); /* with a new set */
 load *loader_take(loader *l);
 void load_destroy(load *l); /* NULL is accepted */
 
-/* ---- scene.c: what is shown ---------------------------------------------------------------- */
+/* ---- exhibit.c: what is shown ---------------------------------------------------------------- */
 
-typedef struct scene_entry {
+typedef struct exhibit_entry {
     char *path;
     psplat_model *model; /* NULL: never opened successfully */
     sphere bounds;
     size_t splat_count;
     psplat_error error; /* of the latest load; code 0: none */
-} scene_entry;
+} exhibit_entry;
 
-typedef struct scene {
+typedef struct exhibit {
     psplat_renderer *renderer;
-    scene_entry *entries;
+    exhibit_entry *entries;
     psplat_item *items; /* one per entry with a model */
     size_t entry_count, item_count;
     sphere bounds;
@@ -131,19 +131,19 @@ typedef struct scene {
     int is_side_by_side; /* models in a row, equally large; otherwise where the files place them */
     char refused_path[256]; /* the file because of which a set was not shown; "": none */
     psplat_error refused;
-} scene;
+} exhibit;
 
-typedef enum scene_change { SCENE_SAME, SCENE_RELOADED, SCENE_OPENED } scene_change;
+typedef enum exhibit_change { EXHIBIT_RELOADED, EXHIBIT_OPENED } exhibit_change;
 
 /* Takes over what a load brings: models are uploaded, those they replace are freed. What cannot be
  * opened leaves what was shown before in place. */
-scene_change scene_take(scene *s, load *l);
+exhibit_change exhibit_take(exhibit *e, load *l);
 /* After is_side_by_side has changed. */
-void scene_arrange(scene *s);
-void scene_clear(scene *s);
+void exhibit_arrange(exhibit *e);
+void exhibit_clear(exhibit *e);
 /* The first error to tell of, and the file it concerns; NULL where all is well. */
-const psplat_error *scene_error(const scene *s, const char **path);
-const char *scene_name(const char *path); /* without directories */
+const psplat_error *exhibit_error(const exhibit *e, const char **path);
+const char *exhibit_name(const char *path); /* without directories */
 
 /* ---- orbit.c: the camera ------------------------------------------------------------------- */
 
@@ -286,7 +286,7 @@ struct viewer {
     psplat_renderer *renderer;
     canvas *canvas;
     loader *loader;
-    scene scene;
+    exhibit exhibit;
     orbit orbit;
     int has_help;      /* the overlay shows the keys */
     int needs_redraw;  /* something on the screen has changed */

@@ -15,7 +15,7 @@ static const double double_click_seconds = 0.35, double_click_distance = 4;
 
 struct window {
     GLFWwindow *handle;
-    double x, y; /* of the pointer, window units */
+    double x, y; /* of the pointer by the events so far, window units */
     int button;  /* that drags, or -1 */
     int modifiers;
     double press_time, press_x, press_y; /* of the left button */
@@ -63,7 +63,6 @@ static void on_button(GLFWwindow *handle, int button, int action, int modifiers)
         if (button == w->button) w->button = -1;
         return;
     }
-    glfwGetCursorPos(handle, &w->x, &w->y);
     w->button = button;
     w->modifiers = modifiers;
     if (button != GLFW_MOUSE_BUTTON_LEFT || !is_double_click(w, glfwGetTime())) return;
@@ -84,11 +83,11 @@ static void on_move(GLFWwindow *handle, double x, double y) {
 }
 
 static void on_scroll(GLFWwindow *handle, double x, double y) {
-    double at[2], px, py;
+    viewer *v = viewer_of(handle);
+    double at[2];
     (void)x;
-    glfwGetCursorPos(handle, &px, &py);
-    from_middle(handle, px, py, at);
-    input_scroll(viewer_of(handle), y, at[0], at[1]);
+    from_middle(handle, v->window->x, v->window->y, at);
+    input_scroll(v, y, at[0], at[1]);
 }
 
 static void on_drop(GLFWwindow *handle, int count, const char **paths) {

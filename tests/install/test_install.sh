@@ -8,7 +8,8 @@ prefix="$work/prefix"
 asset="$SOURCE_DIR/schema/minimal.gltf"
 
 CXX=/bin/false "$CMAKE" -S "$SOURCE_DIR" -B "$work/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
-    -DCMAKE_INSTALL_PREFIX="$prefix" -DPHONGSPLAT_CONVERTER=OFF -DPHONGSPLAT_WERROR=ON
+    -DCMAKE_INSTALL_PREFIX="$prefix" -DPHONGSPLAT_CONVERTER=OFF -DPHONGSPLAT_WERROR=ON \
+    "-DPHONGSPLAT_VIEWER=$VIEWER"
 "$CMAKE" --build "$work/build"
 "$CMAKE" --install "$work/build"
 
@@ -20,6 +21,9 @@ done
 rm -rf "$work/build"
 mv "$prefix" "$work/moved"
 prefix="$work/moved"
+if [ "$VIEWER" = 1 ]; then
+    [ "$("$prefix/bin/phongsplat-viewer" --version)" = "phongsplat-viewer $VERSION" ]
+fi
 
 "$CMAKE" -S "$SOURCE_DIR/tests/install/outside" -B "$work/outside" -G Ninja -DCMAKE_PREFIX_PATH="$prefix"
 "$CMAKE" --build "$work/outside"

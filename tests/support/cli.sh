@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: MIT
 # What the shell tests of the command line share; sourced. PHONGSPLAT is the program, SOURCE_DIR
-# the repository. Each test works in a directory of its own.
+# the repository. Each test works in a directory of its own. A test of another program sets program
+# to its name.
 set -eu
 test_file=$(realpath "$0")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 checks=0
+program=phongsplat
 
 fail() {
     echo "FAILED: $*" >&2
@@ -35,7 +37,7 @@ expect_success() {
 expect_error() {
     expect_code "$1"
     [ "$(wc -l <stderr.txt)" -eq 1 ] || fail "$command_line: not one line: $(cat stderr.txt)"
-    grep -q '^phongsplat: [^ ]' stderr.txt || fail "$command_line: form: $(cat stderr.txt)"
+    grep -q "^$program: [^ ]" stderr.txt || fail "$command_line: form: $(cat stderr.txt)"
     grep -Eqe "$2" stderr.txt || fail "$command_line: '$2' is not in: $(cat stderr.txt)"
     [ ! -s stdout.txt ] || fail "$command_line: stdout: $(cat stdout.txt)"
 }

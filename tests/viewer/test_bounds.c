@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT
+ * The sphere that the camera fits into the window. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <viewer.h>
+
+#include "scene.h"
+
+#include <math.h>
+
+static sphere sphere_of(scene s) {
+    psplat_asset *asset = scene_open(&s);
+    sphere result = bounds_of(asset);
+    psplat_asset_destroy(asset);
+    scene_free(&s);
+    return result;
+}
+
+/* Faces of a cube are splats that clip lines cut down to it: corners at sqrt 3, nothing beyond.
+ * 1e-3: what the file's quantisation may move. */
+static void test_clip_lines_count(void **state) {
+    (void)state;
+    sphere s = sphere_of(scene_cube(1));
+    for (int i = 0; i < 3; ++i) assert_true(fabs(s.center[i]) < 1e-3);
+    assert_true(fabs(s.radius - sqrt(3)) < 1e-3);
+}
+
+/* A twelve-sided polygon around a disc reaches 1 / cos 15 degrees. */
+static void test_a_disc_is_inside(void **state) {
+    (void)state;
+    scene s = scene_disc(2);
+    s.origin[0] = 1e7;
+    sphere b = sphere_of(s);
+    assert_true(fabs(b.center[0] - 1e7) < 1e-2);
+    assert_true(b.radius >= 2 && b.radius < 2 * 1.036);
+}
+
+/* A line that leaves nothing of the only splat: there still is a sphere to look at. */
+static void test_what_is_cut_away_has_bounds(void **state) {
+    (void)state;
+    scene s = scene_disc(1);
+    s.splats[0].clip_count = 1;
+    s.splats[0].clip[0][0] = 1;
+    s.splats[0].clip[0][2] = -3;
+    sphere b = sphere_of(s);
+    assert_true(isfinite(b.center[0]) && isfinite(b.radius));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_clip_lines_count),
+        cmocka_unit_test(test_a_disc_is_inside),
+        cmocka_unit_test(test_what_is_cut_away_has_bounds),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
