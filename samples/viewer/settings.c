@@ -7,7 +7,7 @@
 const char *const mode_names[] = {"phong", "gaussian", "flat", NULL};
 
 const char *const shading_names[] = {
-#define SHADING_NAME(constant, file) #file,
+#define SHADING_NAME(constant, file, reads) #file,
     PSPLAT_SHADINGS(SHADING_NAME)
 #undef SHADING_NAME
         NULL};
