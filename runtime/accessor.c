@@ -107,38 +107,70 @@ psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value value,
     return PSPLAT_OK;
 }
 
-static uint32_t little_endian(const uint8_t *bytes, size_t size) {
-    uint32_t value = 0;
-    for (size_t i = size; i-- > 0;) value = value << 8 | bytes[i];
+/* ---- values: glTF 2.0 section 3.6.2.2, whatever the machine's byte order and integers are -----
+ */
+
+static float float_at(const uint8_t *bytes) {
+    uint32_t bits = (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
+                    (uint32_t)bytes[3] << 24;
+    float value;
+    memcpy(&value, &bits, sizeof value);
     return value;
 }
 
-/* glTF 2.0 section 3.6.2.2; signed values in two's complement, whatever the machine's. */
-static float component_value(const uint8_t *bytes, size_t type) {
-    uint32_t bits = little_endian(bytes, component_size(type));
-    float value = 0;
-    switch (type) {
+static uint32_t short_at(const uint8_t *bytes) {
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8;
+}
+
+static float byte_value(const uint8_t *bytes) {
+    return fmaxf((float)((int32_t)(bytes[0] ^ 0x80u) - 0x80) / 127.0f, -1.0f);
+}
+
+static float unsigned_byte_value(const uint8_t *bytes) {
+    return (float)bytes[0] / 255.0f;
+}
+
+static float short_value(const uint8_t *bytes) {
+    return fmaxf((float)((int32_t)(short_at(bytes) ^ 0x8000u) - 0x8000) / 32767.0f, -1.0f);
+}
+
+static float unsigned_short_value(const uint8_t *bytes) {
+    return (float)short_at(bytes) / 65535.0f;
+}
+
+/* Inlined, so that the loops know value and size: reading is what opening a large asset takes. */
+static inline void read_as(const psplat_reader *reader, size_t first, size_t count,
+                           float (*value)(const uint8_t *), size_t size, float *values) {
+    const uint8_t *bytes = reader->buffer->data + reader->start + first * reader->stride;
+    size_t components = reader->components, stride = reader->stride;
+    if (stride == components * size) { /* tightly packed: as one element */
+        components *= count;
+        count = 1;
+    }
+    for (size_t i = 0; i < count; ++i)
+        for (size_t k = 0; k < components; ++k)
+            values[i * components + k] = value(bytes + i * stride + k * size);
+}
+
+void psplat_reader_get(const psplat_reader *reader, size_t first, size_t count, float *values) {
+    switch (reader->component_type) {
     case PSPLAT_BYTE:
-        return fmaxf((float)((int32_t)(bits ^ 0x80u) - 0x80) / 127.0f, -1.0f);
+        read_as(reader, first, count, byte_value, 1, values);
+        break;
     case PSPLAT_UNSIGNED_BYTE:
-        return (float)bits / 255.0f;
+        read_as(reader, first, count, unsigned_byte_value, 1, values);
+        break;
     case PSPLAT_SHORT:
-        return fmaxf((float)((int32_t)(bits ^ 0x8000u) - 0x8000) / 32767.0f, -1.0f);
+        read_as(reader, first, count, short_value, 2, values);
+        break;
     case PSPLAT_UNSIGNED_SHORT:
-        return (float)bits / 65535.0f;
+        read_as(reader, first, count, unsigned_short_value, 2, values);
+        break;
     default:
-        memcpy(&value, &bits, sizeof value);
-        return value;
+        read_as(reader, first, count, float_at, 4, values);
     }
 }
 
 size_t psplat_reader_bytes(const psplat_reader *reader) {
     return reader->count * reader->components * component_size(reader->component_type);
-}
-
-void psplat_reader_get(const psplat_reader *reader, size_t index, float *values) {
-    const uint8_t *bytes = reader->buffer->data + reader->start + index * reader->stride;
-    size_t size = component_size(reader->component_type);
-    for (size_t i = 0; i < reader->components; ++i)
-        values[i] = component_value(bytes + i * size, reader->component_type);
 }

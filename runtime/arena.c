@@ -31,16 +31,20 @@ psplat_allocator psplat_allocator_default(const psplat_allocator *allocator) {
     return (psplat_allocator){.resize = resize_with_libc};
 }
 
-void *psplat_arena_take(psplat_arena *arena, size_t count, size_t size) {
+void *psplat_arena_reserve(psplat_arena *arena, size_t count, size_t size) {
     if (size && count > (SIZE_MAX - HEADER) / size) return NULL;
     size_t total = HEADER + count * size;
     psplat_block *block = arena->allocator.resize(arena->allocator.user, NULL, 0, total);
     if (!block) return NULL;
-    memset(block, 0, total);
-    block->next = arena->blocks;
-    block->size = total;
+    *block = (psplat_block){.next = arena->blocks, .size = total};
     arena->blocks = block;
     return (char *)block + HEADER;
+}
+
+void *psplat_arena_take(psplat_arena *arena, size_t count, size_t size) {
+    void *memory = psplat_arena_reserve(arena, count, size);
+    if (memory) memset(memory, 0, count * size);
+    return memory;
 }
 
 psplat_result psplat_arena_adopt(psplat_arena *arena, void *memory, size_t size) {

@@ -23,6 +23,10 @@ psplat_allocator psplat_allocator_default(const psplat_allocator *allocator);
  * when the product is not representable. */
 void *psplat_arena_take(psplat_arena *arena, size_t count, size_t size);
 
+/* The same without zeroing: for what is written at once, whose pages are not worth touching twice.
+ */
+void *psplat_arena_reserve(psplat_arena *arena, size_t count, size_t size);
+
 /* Makes the arena owner of a block that came from its allocator. On failure (PSPLAT_ERROR_MEMORY)
  * the block has been freed. */
 psplat_result psplat_arena_adopt(psplat_arena *arena, void *memory, size_t size);

@@ -7,7 +7,8 @@
  *     accessor.c   checked access to an accessor's elements as floats
  *     material.c   materials
  *     primitive.c  meshes: which of their primitives are splats
- *     attributes.c one primitive of splats, decoded and checked
+ *     attributes.c one primitive of splats: its extension object and attributes
+ *     values.c     the values of these, decoded and checked
  *     node.c       the node tree and its transforms
  *     asset.c      the public asset made of all that
  *
@@ -150,8 +151,34 @@ psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value accessor,
 /* Bytes of all elements without what lies between them. */
 size_t psplat_reader_bytes(const psplat_reader *reader);
 
-/* Element index as floats; signed normalized integers as max(c / 127, -1) and so on. */
-void psplat_reader_get(const psplat_reader *reader, size_t index, float *values);
+/* Elements first ... first + count - 1 as floats, one after another; signed normalized integers as
+ * max(c / 127, -1) and so on. */
+void psplat_reader_get(const psplat_reader *reader, size_t first, size_t count, float *values);
+
+/* The attributes of a primitive of splats. */
+enum {
+    PSPLAT_POSITION = 0,
+    PSPLAT_NORMAL,
+    PSPLAT_COLOR,
+    PSPLAT_ROTATION,
+    PSPLAT_SCALE,
+    PSPLAT_NORMAL_FIELD,
+    PSPLAT_FIRST_CLIP,
+    PSPLAT_ATTRIBUTES = PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES
+};
+
+typedef struct psplat_readers {
+    psplat_reader of[PSPLAT_ATTRIBUTES];
+    int is_present[PSPLAT_ATTRIBUTES];
+} psplat_readers;
+
+/* What an attribute is called in messages. */
+const char *psplat_attribute_name(size_t attribute);
+
+/* Decodes set->count splats into set->splats and checks every value (spec 3.3 to 3.8). Finds the
+ * set's bounds, and the size of the box around the centres. */
+psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers *readers,
+                                   psplat_set *set, double extent[3]);
 
 psplat_result psplat_materials_parse(psplat_gltf *gltf);
 

@@ -339,6 +339,35 @@ static void test_values(void **state) {
     check_values(CLIP_1, 12, (float[]){1, 0, NAN});
 }
 
+/* Splats are decoded in blocks: whichever is at fault, first or last of its block, is named. */
+static void test_blocks(void **state) {
+    (void)state;
+    enum { MANY = 300 };
+    static const size_t places[] = {0, 127, 128, 255, 256, MANY - 1};
+    scene s = scene_blank(MANY);
+    size_t size = 0;
+    uint8_t *data = scene_glb(&s, &size);
+    size_t bin = 20 + read_u32(data + 12) + 8;
+    for (size_t i = 0; i < 2 * sizeof places / sizeof *places; ++i) {
+        size_t splat = places[i / 2], attribute = i % 2 ? NORMAL : 0;
+        size_t at = bin + MANY * attribute + splat * 12;
+        const float bad[3] = {0, i % 2 ? 0 : NAN, 0};
+        uint8_t good[sizeof bad];
+        char name[32];
+        psplat_asset *asset = NULL;
+        psplat_error error = {0};
+        snprintf(name, sizeof name, "splat %zu:", splat);
+        memcpy(good, data + at, sizeof good);
+        memcpy(data + at, bad, sizeof bad);
+        assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, &error), RANGE);
+        assert_int_equal(error.offset, at);
+        assert_non_null(strstr(error.text, name));
+        memcpy(data + at, good, sizeof good);
+    }
+    free(data);
+    scene_free(&s);
+}
+
 /* A field in a file whose first splat has a gamma; the normal's slope is 0 or 3 / 4. */
 static void check_field(int tilted, const float gradient[3], psplat_result expected) {
     enum { FIELD = 48 };
@@ -467,13 +496,14 @@ static void test_not_gltf(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_document),  cmocka_unit_test(test_extension_object),
-        cmocka_unit_test(test_primitive), cmocka_unit_test(test_accessor),
-        cmocka_unit_test(test_uri),       cmocka_unit_test(test_paths),
-        cmocka_unit_test(test_nodes),     cmocka_unit_test(test_stripped),
-        cmocka_unit_test(test_values),    cmocka_unit_test(test_fields),
-        cmocka_unit_test(test_reach),     cmocka_unit_test(test_color_range),
-        cmocka_unit_test(test_container), cmocka_unit_test(test_not_gltf),
+        cmocka_unit_test(test_document),    cmocka_unit_test(test_extension_object),
+        cmocka_unit_test(test_primitive),   cmocka_unit_test(test_accessor),
+        cmocka_unit_test(test_uri),         cmocka_unit_test(test_paths),
+        cmocka_unit_test(test_nodes),       cmocka_unit_test(test_stripped),
+        cmocka_unit_test(test_values),      cmocka_unit_test(test_blocks),
+        cmocka_unit_test(test_fields),      cmocka_unit_test(test_reach),
+        cmocka_unit_test(test_color_range), cmocka_unit_test(test_container),
+        cmocka_unit_test(test_not_gltf),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

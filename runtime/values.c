@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * values.c - the values of a primitive's attributes, decoded and checked one by one (spec 3.3 to
+ * 3.8). They are read in blocks that stay in the cache; most of what opening a large asset takes is
+ * spent here and in touching the memory of its splats, which is done once.
+ */
+#include "gltf.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { BLOCK = 128, MAX_COMPONENTS = 4 };
+
+typedef struct decoder {
+    const psplat_gltf *gltf;
+    const psplat_readers *readers;
+    size_t first, count; /* splats of the block */
+    size_t index;        /* of the splat being decoded, in the primitive */
+    float values[PSPLAT_ATTRIBUTES][BLOCK * MAX_COMPONENTS];
+    double low[3], high[3];              /* of the ellipses */
+    float center_low[3], center_high[3]; /* of their centres */
+} decoder;
+
+static psplat_result fail_value(const decoder *d, size_t attribute, const char *what) {
+    const psplat_reader *reader = &d->readers->of[attribute];
+    const psplat_buffer *buffer = reader->buffer;
+    size_t at = psplat_buffer_offset(buffer, reader->start + d->index * reader->stride);
+    return psplat_fail(d->gltf->error, PSPLAT_ERROR_RANGE, at, "splat %zu%s%.80s: %s %s", d->index,
+                       buffer->path ? " in " : "", buffer->path ? buffer->path : "",
+                       psplat_attribute_name(attribute), what);
+}
+
+/* ---- blocks ------------------------------------------------------------------------------- */
+
+/* By the exponent's bits, without a branch, so that it takes several at once. */
+static int all_finite(const float *values, size_t count) {
+    uint32_t found = 0;
+    for (size_t i = 0; i < count; ++i) {
+        uint32_t bits;
+        memcpy(&bits, &values[i], sizeof bits);
+        found |= (bits & 0x7fffffffu) >= 0x7f800000u;
+    }
+    return !found;
+}
+
+static psplat_result fail_infinite(decoder *d, size_t attribute) {
+    size_t components = d->readers->of[attribute].components, i = 0;
+    while (isfinite(d->values[attribute][i])) ++i;
+    d->index = d->first + i / components;
+    return fail_value(d, attribute, "is not finite");
+}
+
+static psplat_result read_block(decoder *d) {
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
+        const psplat_reader *reader = &d->readers->of[i];
+        if (!d->readers->is_present[i]) continue;
+        psplat_reader_get(reader, d->first, d->count, d->values[i]);
+        if (!all_finite(d->values[i], d->count * reader->components)) return fail_infinite(d, i);
+    }
+    return PSPLAT_OK;
+}
+
+/* The values of an attribute of the splat being decoded. */
+static const float *values_of(const decoder *d, size_t attribute) {
+    return d->values[attribute] + (d->index - d->first) * d->readers->of[attribute].components;
+}
+
+/* ---- splats ------------------------------------------------------------------------------- */
+
+/* Refuses lengths more than 1 % away from 1 (spec 3.3, 3.5) and normalises, but leaves values that
+ * are unit up to float rounding as they are stored: a round trip changes no bit. */
+static int normalise(float *values, size_t count) {
+    double square = 0;
+    for (size_t i = 0; i < count; ++i) square += (double)values[i] * (double)values[i];
+    if (fabs(square - 1) <= 2 * (double)FLT_EPSILON) return 1; /* most: without a root */
+    double length = sqrt(square);
+    if (!(length >= 0.99 && length <= 1.01)) return 0;
+    if (fabs(length - 1) > 2 * (double)FLT_EPSILON)
+        for (size_t i = 0; i < count; ++i) values[i] = (float)((double)values[i] / length);
+    return 1;
+}
+
+/* Columns U, V, N of the rotation by quaternion q. */
+static void rotation_axes(const float q[4], double axes[3][3]) {
+    double x = (double)q[0], y = (double)q[1], z = (double)q[2], w = (double)q[3];
+    axes[0][0] = 1 - 2 * (y * y + z * z);
+    axes[0][1] = 2 * (x * y + z * w);
+    axes[0][2] = 2 * (x * z - y * w);
+    axes[1][0] = 2 * (x * y - z * w);
+    axes[1][1] = 1 - 2 * (x * x + z * z);
+    axes[1][2] = 2 * (y * z + x * w);
+    axes[2][0] = 2 * (x * z + y * w);
+    axes[2][1] = 2 * (y * z - x * w);
+    axes[2][2] = 1 - 2 * (x * x + y * y);
+}
+
+static psplat_result decode_frame(const decoder *d, psplat_splat *splat, double axes[3][3]) {
+    memcpy(splat->center, values_of(d, PSPLAT_POSITION), sizeof splat->center);
+    memcpy(splat->rotation, values_of(d, PSPLAT_ROTATION), sizeof splat->rotation);
+    memcpy(splat->radius, values_of(d, PSPLAT_SCALE), sizeof splat->radius);
+    if (!normalise(splat->rotation, 4))
+        return fail_value(d, PSPLAT_ROTATION, "is not a unit quaternion");
+    if (!(splat->radius[0] >= splat->radius[1] && splat->radius[1] > 0))
+        return fail_value(d, PSPLAT_SCALE, "is not two radii, the larger first, above 0");
+    rotation_axes(splat->rotation, axes);
+    return PSPLAT_OK;
+}
+
+/* Spec 3.5, eq. (3a): what keeps n(u, v) within 90 degrees of N, and finite, all over the ellipse.
+ */
+static psplat_result decode_gradient(const decoder *d, psplat_splat *splat, double cosine) {
+    memcpy(splat->gradient, values_of(d, PSPLAT_NORMAL_FIELD),
+           d->readers->of[PSPLAT_NORMAL_FIELD].components * sizeof *splat->gradient);
+    double alpha = (double)splat->gradient[0], beta = (double)splat->gradient[1];
+    double gamma = (double)splat->gradient[2];
+    /* Far from the bound, where fields are, it takes no root: neither term exceeds 10. */
+    if (cosine > 0.1 && alpha * alpha + beta * beta + 2 * gamma * gamma < 100) return PSPLAT_OK;
+    double ratio = (double)splat->radius[1] / (double)splat->radius[0];
+    double center = sqrt(fmax(1 / (cosine * cosine) - 1, 0));
+    double change = sqrt(alpha * alpha + beta * beta + gamma * gamma * (1 + ratio * ratio));
+    if (center + change <= 20) return PSPLAT_OK;
+    return fail_value(d, PSPLAT_NORMAL_FIELD, "bends the normal by more than spec 3.5 allows");
+}
+
+static psplat_result decode_normals(const decoder *d, psplat_splat *splat, double axes[3][3]) {
+    memcpy(splat->normal, values_of(d, PSPLAT_NORMAL), sizeof splat->normal);
+    if (!normalise(splat->normal, 3)) return fail_value(d, PSPLAT_NORMAL, "is not unit");
+    double cosine = 0;
+    for (size_t i = 0; i < 3; ++i) cosine += (double)splat->normal[i] * axes[2][i];
+    if (!(cosine >= 0.05))
+        return fail_value(d, PSPLAT_NORMAL, "leaves the plane's normal N by more than acos 0.05");
+    if (!d->readers->is_present[PSPLAT_NORMAL_FIELD]) return PSPLAT_OK;
+    return decode_gradient(d, splat, cosine);
+}
+
+static psplat_result decode_color(const decoder *d, psplat_splat *splat) {
+    if (!d->readers->is_present[PSPLAT_COLOR]) return PSPLAT_OK;
+    memcpy(splat->color, values_of(d, PSPLAT_COLOR),
+           d->readers->of[PSPLAT_COLOR].components * sizeof *splat->color);
+    for (size_t i = 0; i < 4; ++i)
+        if (splat->color[i] < 0 || splat->color[i] > 1)
+            return fail_value(d, PSPLAT_COLOR, "is not from 0 to 1");
+    return PSPLAT_OK;
+}
+
+static psplat_result decode_clip_lines(const decoder *d, psplat_splat *splat) {
+    for (uint32_t i = 0; i < splat->clip_count; ++i) {
+        float *line = splat->clip[i];
+        memcpy(line, values_of(d, PSPLAT_FIRST_CLIP + i), sizeof splat->clip[i]);
+        if (line[0] == 0 && line[1] == 0)
+            return fail_value(d, PSPLAT_FIRST_CLIP + i, "is no line: a and b are 0");
+    }
+    return PSPLAT_OK;
+}
+
+/* Enlarges the boxes by the centre and the unclipped ellipse. */
+static psplat_result enlarge_bounds(decoder *d, const psplat_splat *splat, double axes[3][3]) {
+    for (size_t i = 0; i < 3; ++i) {
+        double center = (double)splat->center[i];
+        double u = (double)splat->radius[0] * axes[0][i], v = (double)splat->radius[1] * axes[1][i];
+        double reach = sqrt(u * u + v * v), low = center - reach, high = center + reach;
+        if (high > (double)FLT_MAX || low < -(double)FLT_MAX)
+            return fail_value(d, PSPLAT_SCALE,
+                              "makes the splat reach beyond what a float can hold");
+        if (low < d->low[i]) d->low[i] = low;
+        if (high > d->high[i]) d->high[i] = high;
+        if (splat->center[i] < d->center_low[i]) d->center_low[i] = splat->center[i];
+        if (splat->center[i] > d->center_high[i]) d->center_high[i] = splat->center[i];
+    }
+    return PSPLAT_OK;
+}
+
+static psplat_result decode_splat(decoder *d, psplat_splat *splat, uint32_t clip_count) {
+    double axes[3][3];
+    *splat = (psplat_splat){.color = {1, 1, 1, 1}, .clip_count = clip_count};
+    psplat_result result = decode_frame(d, splat, axes);
+    if (!result) result = decode_normals(d, splat, axes);
+    if (!result) result = decode_color(d, splat);
+    if (!result) result = decode_clip_lines(d, splat);
+    if (!result) result = enlarge_bounds(d, splat, axes);
+    return result;
+}
+
+/* ---- the primitive ------------------------------------------------------------------------ */
+
+/* Rounds the bounds outwards. */
+static void store_bounds(const decoder *d, psplat_set *set, double extent[3]) {
+    for (size_t i = 0; i < 3; ++i) {
+        float low = (float)d->low[i], high = (float)d->high[i];
+        if ((double)low > d->low[i]) low = nextafterf(low, -FLT_MAX);
+        if ((double)high < d->high[i]) high = nextafterf(high, FLT_MAX);
+        set->bounds_min[i] = low;
+        set->bounds_max[i] = high;
+        extent[i] = (double)d->center_high[i] - (double)d->center_low[i];
+    }
+}
+
+psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers *readers,
+                                   psplat_set *set, double extent[3]) {
+    decoder d;
+    d.gltf = gltf;
+    d.readers = readers;
+    for (size_t i = 0; i < 3; ++i) {
+        d.low[i] = HUGE_VAL;
+        d.high[i] = -HUGE_VAL;
+        d.center_low[i] = FLT_MAX;
+        d.center_high[i] = -FLT_MAX;
+    }
+    for (d.first = 0; d.first < set->count; d.first += d.count) {
+        d.count = set->count - d.first < BLOCK ? set->count - d.first : BLOCK;
+        psplat_result result = read_block(&d);
+        for (size_t i = 0; i < d.count && !result; ++i) {
+            d.index = d.first + i;
+            result = decode_splat(&d, &set->splats[d.index], set->clip_count);
+        }
+        if (result) return result;
+    }
+    store_bounds(&d, set, extent);
+    return PSPLAT_OK;
+}
