@@ -15,8 +15,8 @@ static struct {
     probe_pass pass;
     instant start;
     GLuint timers[MAX_SPANS], counters[MAX_SPANS];
-    probe_pass spans[MAX_SPANS]; /* pass of each timer in use */
-    size_t timer_count, counter_count;
+    probe_pass spans[MAX_SPANS]; /* pass of each timer and counter in use */
+    size_t span_count;
     probe_report report;
 } probe;
 
@@ -37,17 +37,22 @@ void probe_close(void) {
 static void open_span(probe_pass pass) {
     probe.pass = pass;
     probe.start = measure_now();
-    if (!(probe.options & PROBE_PASSES) || probe.timer_count == MAX_SPANS) return;
-    probe.spans[probe.timer_count] = pass;
-    probe.gl.BeginQuery(BENCH_TIME_ELAPSED, probe.timers[probe.timer_count]);
+    if (probe.span_count == MAX_SPANS) return; /* more passes than any frame has */
+    probe.spans[probe.span_count] = pass;
+    if (probe.options & PROBE_PASSES)
+        probe.gl.BeginQuery(BENCH_TIME_ELAPSED, probe.timers[probe.span_count]);
+    if (probe.options & PROBE_FRAGMENTS)
+        probe.gl.BeginQuery(BENCH_SAMPLES_PASSED, probe.counters[probe.span_count]);
 }
 
 static void close_span(void) {
-    int timed = (probe.options & PROBE_PASSES) && probe.timer_count < MAX_SPANS;
-    if (timed) probe.gl.EndQuery(BENCH_TIME_ELAPSED);
+    if (probe.span_count < MAX_SPANS) {
+        if (probe.options & PROBE_PASSES) probe.gl.EndQuery(BENCH_TIME_ELAPSED);
+        if (probe.options & PROBE_FRAGMENTS) probe.gl.EndQuery(BENCH_SAMPLES_PASSED);
+        ++probe.span_count;
+    }
     probe.gl.Finish();
     measure_add(&probe.report.passes[probe.pass], measure_since(probe.start));
-    if (timed) ++probe.timer_count;
 }
 
 static probe_pass pass_of_draw(void) {
@@ -55,14 +60,10 @@ static probe_pass pass_of_draw(void) {
     return probe.colors ? PROBE_ATTRIBUTES : PROBE_VISIBILITY;
 }
 
-static double query_sum(const GLuint *queries, size_t count) {
-    double sum = 0;
-    for (size_t i = 0; i < count; ++i) {
-        BENCH_uint64 value = 0;
-        probe.gl.GetQueryObjectui64v(queries[i], BENCH_QUERY_RESULT, &value);
-        sum += (double)value;
-    }
-    return sum;
+static double result_of(GLuint query) {
+    BENCH_uint64 value = 0;
+    probe.gl.GetQueryObjectui64v(query, BENCH_QUERY_RESULT, &value);
+    return (double)value;
 }
 
 void probe_begin(unsigned options) {
@@ -70,16 +71,19 @@ void probe_begin(unsigned options) {
     probe.gl.base.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &probe.framebuffer);
     probe.wanted = (GLuint)probe.framebuffer;
     probe.colors = GL_TRUE;
-    probe.timer_count = probe.counter_count = 0;
+    probe.span_count = 0;
     memset(&probe.report, 0, sizeof probe.report);
     open_span(PROBE_CLEAR);
 }
 
 probe_report probe_end(void) {
     close_span();
-    for (size_t i = 0; i < probe.timer_count; ++i)
-        probe.report.gpu[probe.spans[i]] += 1e-6 * query_sum(&probe.timers[i], 1);
-    probe.report.fragments = query_sum(probe.counters, probe.counter_count);
+    for (size_t i = 0; i < probe.span_count; ++i) {
+        if (probe.options & PROBE_PASSES)
+            probe.report.gpu[probe.spans[i]] += 1e-6 * result_of(probe.timers[i]);
+        if ((probe.options & PROBE_FRAGMENTS) && probe.spans[i] == PROBE_ATTRIBUTES)
+            probe.report.fragments += result_of(probe.counters[i]);
+    }
     probe.options = 0;
     return probe.report;
 }
@@ -127,28 +131,15 @@ static int before_draw(void) {
         if (pass == PROBE_RESOLVE) return 0;
         probe.gl.base.BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)probe.framebuffer);
     }
-    if ((probe.options & PROBE_PASSES) && pass != probe.pass) {
+    if ((probe.options & (PROBE_PASSES | PROBE_FRAGMENTS)) && pass != probe.pass) {
         close_span();
         open_span(pass);
     }
-    if ((probe.options & PROBE_FRAGMENTS) && pass == PROBE_ATTRIBUTES &&
-        probe.counter_count < MAX_SPANS)
-        probe.gl.BeginQuery(BENCH_SAMPLES_PASSED, probe.counters[probe.counter_count]);
     return 1;
 }
 
-static void after_draw(void) {
-    if ((probe.options & PROBE_FRAGMENTS) && pass_of_draw() == PROBE_ATTRIBUTES &&
-        probe.counter_count < MAX_SPANS) {
-        probe.gl.EndQuery(BENCH_SAMPLES_PASSED);
-        ++probe.counter_count;
-    }
-}
-
 static void PSPLAT_GL_CALL draw_arrays(GLenum mode, GLint first, GLsizei count) {
-    if (!before_draw()) return;
-    probe.gl.base.DrawArrays(mode, first, count);
-    after_draw();
+    if (before_draw()) probe.gl.base.DrawArrays(mode, first, count);
 }
 
 /* ISO C has no cast from function to object pointers. */
