@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * screen.h - what the engine draws into: a framebuffer of four samples a pixel that encodes sRGB,
+ * and the picture file that stands for a window here.
+ */
+#ifndef ENGINE_SCREEN_H
+#define ENGINE_SCREEN_H
+
+#include "gl.h"
+
+enum { SCREEN_WIDTH = 960, SCREEN_HEIGHT = 640, SCREEN_SAMPLES = 4 };
+
+typedef struct screen {
+    GLuint many, one; /* framebuffers: with samples, resolved */
+} screen;
+
+screen screen_make(const engine_gl *gl);
+void screen_begin(const screen *s, const engine_gl *gl);
+int screen_save(const screen *s, const engine_gl *gl, const char *path); /* PPM; 0 on failure */
+
+#endif
