@@ -40,23 +40,30 @@ static void read_bytes(gpu *g, float *color, size_t count) {
     free(bytes);
 }
 
-static drawn draw(gpu *g, const psplat_asset *asset, const double transform[16],
-                  const psplat_view *view, int is_float) {
+static drawn draw(gpu *g, const psplat_reference_scene *scene, const psplat_view *from,
+                  int is_float) {
     const float clear[4] = {0, 0, 0, 0};
-    size_t pixels = (size_t)view->width * (size_t)view->height;
+    psplat_view view = *from;
+    size_t pixels = (size_t)view.width * (size_t)view.height;
     drawn d = {malloc(pixels * 4 * sizeof(float)), malloc(pixels * sizeof(float))};
     psplat_item item = {.model = NULL};
+    psplat_environment *environment = NULL;
     psplat_error error;
-    if (transform) memcpy(item.transform, transform, sizeof item.transform);
-    check(psplat_model_create(g->renderer, asset, &item.model, &error), &error);
-    check(psplat_host_begin(g->host, view->width, view->height, is_float, clear, &error), &error);
-    check(psplat_draw(g->renderer, view, &item, 1, &error), &error);
+    memcpy(item.transform, scene->transform, sizeof item.transform);
+    if (scene->environment)
+        check(psplat_environment_create(g->renderer, scene->environment, &environment, &error),
+              &error);
+    view.environment = environment;
+    check(psplat_model_create(g->renderer, scene->asset, &item.model, &error), &error);
+    check(psplat_host_begin(g->host, view.width, view.height, is_float, clear, &error), &error);
+    check(psplat_draw(g->renderer, &view, &item, 1, &error), &error);
     if (is_float)
         check(psplat_host_read_float(g->host, d.color, &error), &error);
     else
         read_bytes(g, d.color, pixels * 4);
     check(psplat_host_read_depth(g->host, d.depth, &error), &error);
     psplat_model_destroy(g->renderer, item.model);
+    psplat_environment_destroy(g->renderer, environment);
     return d;
 }
 
@@ -77,8 +84,8 @@ static int shows(const picture *p, int x, int y, int32_t splat) {
 /* See agreement.thin_uv. */
 static int is_thin(const picture *p, int x, int y) {
     int32_t splat = p->image.splat[y * p->width + x];
-    return !((shows(p, x - 1, y, splat) || shows(p, x + 1, y, splat)) &&
-             (shows(p, x, y - 1, splat) || shows(p, x, y + 1, splat)));
+    return splat < 0 || !((shows(p, x - 1, y, splat) || shows(p, x + 1, y, splat)) &&
+                          (shows(p, x, y - 1, splat) || shows(p, x, y + 1, splat)));
 }
 
 static void compare_pixel(const drawn *d, const picture *p, int x, int y, psplat_mode mode,
@@ -104,9 +111,17 @@ static void compare_pixel(const drawn *d, const picture *p, int x, int y, psplat
 
 agreement agreement_measure(gpu *g, const psplat_asset *asset, const double transform[16],
                             const psplat_view *view, int is_float, const agreement_ties *ties) {
+    psplat_reference_scene scene = {.asset = asset};
+    if (transform) memcpy(scene.transform, transform, sizeof scene.transform);
+    return agreement_measure_scene(g, &scene, view, is_float, ties);
+}
+
+agreement agreement_measure_scene(gpu *g, const psplat_reference_scene *scene,
+                                  const psplat_view *view, int is_float,
+                                  const agreement_ties *ties) {
     agreement result = {0};
-    picture p = picture_draw(asset, transform, view);
-    drawn d = draw(g, asset, transform, view, is_float);
+    picture p = picture_of_scene(scene, view);
+    drawn d = draw(g, scene, view, is_float);
     for (int y = 0; y < p.height; ++y)
         for (int x = 0; x < p.width; ++x) {
             int at = y * p.width + x;

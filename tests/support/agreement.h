@@ -43,6 +43,11 @@ typedef struct agreement {
 agreement agreement_measure(gpu *g, const psplat_asset *asset, const double transform[16],
                             const psplat_view *view, int is_float, const agreement_ties *ties);
 
+/* The same of a scene, with its environment. */
+agreement agreement_measure_scene(gpu *g, const psplat_reference_scene *scene,
+                                  const psplat_view *view, int is_float,
+                                  const agreement_ties *ties);
+
 /* Largest of each figure, sums of the counts. */
 void agreement_add(agreement *total, const agreement *a);
 

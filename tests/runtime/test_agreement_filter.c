@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: MIT
+ * With the screen-space filter (spec 5.8) the renderer draws what the reference rasteriser draws:
+ * from splats of many pixels to splats far below one, with clip lines, in all kinds of views. */
+#include "agreement.h"
+#include "scene.h"
+
+#include <phongsplat/host.h>
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+
+#define WIDTH 160
+#define HEIGHT 120
+
+/* As in test_agreement.c. */
+static const agreement_ties ordinary = {2e-4, 2e-6, 0.015};
+
+/* What a scene is allowed. */
+typedef struct bars {
+    double depth, color;
+    double skipped; /* of the covered pixels; or the test would see little */
+} bars;
+
+static const bars strict = {1e-6, 1e-4, 0.1};
+/* The depth of a slanted splat that is widened to a pixel changes by its whole extent a pixel: each
+ * 1e-4 of a pixel's position error counts, as where splats show in single pixels in
+ * test_agreement.c. */
+static const bars slanted = {2e-5, 1e-4, 0.25};
+/* Hundreds of splats a pixel, one of which is near an edge more often than not. Rasterisers round
+ * corners to 1/256 of a pixel and may lose a pixel at the rim, where a splat weighs least. */
+static const bars crowded = {5e-5, 2e-4, 0.75};
+
+static void assert_agrees(const char *name, const agreement *a, const bars *allowed, size_t least) {
+    print_message("%-32s covered %6zu skipped %4zu depth %.1e color %.1e\n", name, a->covered,
+                  a->skipped, fmax(a->depth, a->thin_depth), a->color);
+    assert_true(a->covered >= least);
+    assert_true((double)a->skipped <= allowed->skipped * (double)a->covered);
+    assert_int_equal(a->mismatches, 0);
+    assert_true(a->depth <= allowed->depth && a->thin_depth <= allowed->depth);
+    assert_true(a->color <= allowed->color);
+}
+
+/* From (1, 2, 3) times the distance that makes a sphere of radius 1 this wide. */
+static psplat_view view_of(double pixels, int is_parallel) {
+    psplat_view view = camera_view(WIDTH, HEIGHT);
+    const float light[3] = {1, 0.5f, 2}, color[3] = {2.5f, 2, 1.5f};
+    view.no_filter = 0;
+    camera_look(&view, (double[]){1, 2, 3}, (double[]){0, 0, 0});
+    camera_perspective(&view, pixels / 2 * sqrt(14), 1, 8);
+    if (is_parallel) camera_parallel(&view, HEIGHT / pixels, 1, 8);
+    for (int i = 0; i < 3; ++i) {
+        view.lights[0].direction[i] = -light[i];
+        view.lights[0].color[i] = color[i];
+        view.ambient[i] = 0.1f;
+    }
+    return view;
+}
+
+static void check(gpu *g, const char *name, const scene *s, const double transform[16],
+                  psplat_view view, const bars *allowed, size_t least) {
+    psplat_asset *asset = scene_open(s);
+    for (int mode = PSPLAT_MODE_PHONG; mode <= PSPLAT_MODE_GAUSSIAN; ++mode) {
+        view.mode = (psplat_mode)mode;
+        agreement a = agreement_measure(g, asset, transform, &view, 1, &ordinary);
+        assert_agrees(mode ? " gaussian" : name, &a, allowed, least);
+    }
+    psplat_asset_destroy(asset);
+}
+
+/* Radii of 9.6, 2.8, 0.9 and a tenth of a pixel. */
+static void test_spheres(void **state) {
+    const struct {
+        size_t count;
+        double pixels;
+        const char *name;
+        const bars *allowed;
+    } spheres[] = {{400, 110, "sphere, splats of 9 px", &strict},
+                   {4000, 110, "sphere, splats of 2.8 px", &strict},
+                   {10000, 55, "sphere, splats of 0.9 px", &strict},
+                   {20000, 8.5, "sphere, splats of 0.1 px", &crowded}};
+    for (int k = 0; k < 4; ++k) {
+        scene s = scene_sphere(spheres[k].count, 1);
+        s.material.metallic = 0.3f;
+        size_t least = (size_t)(spheres[k].pixels * spheres[k].pixels * 0.7);
+        for (int parallel = 0; parallel < 2; ++parallel)
+            check(*state, parallel ? " parallel" : spheres[k].name, &s, NULL,
+                  view_of(spheres[k].pixels, parallel), spheres[k].allowed, least);
+        scene_free(&s);
+    }
+}
+
+/* Ellipses of 1 to 10, 0 to 4 clip lines each, from large to far below a pixel. */
+static void test_ellipses(void **state) {
+    const double pixels[] = {150, 40, 12, 3};
+    const size_t least[] = {5000, 1000, 100, 20};
+    for (int k = 0; k < 8; ++k) {
+        char name[64];
+        scene s = scene_ellipses(200, 4, 7);
+        psplat_view view = view_of(pixels[k / 2], k % 2);
+        s.material.double_sided = k / 2 % 2;
+        snprintf(name, sizeof name, "ellipses over %g px%s", pixels[k / 2],
+                 k % 2 ? ", parallel" : "");
+        check(*state, name, &s, NULL, view, &slanted, least[k / 2]);
+        s.kernel = (psplat_kernel){4, 1.5f};
+        s.depth_tolerance = 0.2f;
+        check(*state, " sharper, deeper", &s, NULL, view, &slanted, least[k / 2]);
+        scene_free(&s);
+    }
+}
+
+/* A cube of six splats: creases are two soft clip lines that meet. */
+static void test_cube(void **state) {
+    const double pixels[] = {100, 20, 5};
+    for (int k = 0; k < 3; ++k) {
+        scene s = scene_cube(0.8f);
+        check(*state, "cube of 6 splats", &s, NULL, view_of(pixels[k], 0), &strict,
+              (size_t)(pixels[k] * pixels[k] * 0.7));
+        scene_free(&s);
+    }
+}
+
+static void test_transforms(void **state) {
+    const double stretched[16] = {1.2, 0, 0, 0, 0.3, 0.7, 0, 0, 0, 0.2, 1, 0, 0.1, 0, 0, 1};
+    const double mirrored[16] = {0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    const double flat[16] = {1, 0, 0, 0, 0, 0.05, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    const double *transforms[] = {stretched, mirrored, flat};
+    const char *names[] = {"ellipses, sheared", "ellipses, mirrored", "ellipses, flattened"};
+    for (int k = 0; k < 3; ++k) {
+        scene s = scene_ellipses(300, 2, 3);
+        check(*state, names[k], &s, transforms[k], view_of(25, k == 2), &slanted, 300);
+        scene_free(&s);
+    }
+}
+
+/* Where the filter stops, before the near plane and for splats large against their distance: a
+ * mixture of both. */
+static void test_close(void **state) {
+    scene s = scene_ellipses(300, 2, 9);
+    psplat_view view = view_of(60, 0);
+    s.material.double_sided = 1;
+    camera_look(&view, (double[]){-0.4, 0.3, 0.9}, (double[]){0, 0, 0});
+    camera_perspective(&view, 20, 0.2, 4);
+    agreement_ties ties = ordinary;
+    ties.epsilon = 0.1; /* as of near views in test_agreement.c */
+    psplat_asset *asset = scene_open(&s);
+    agreement a = agreement_measure(*state, asset, NULL, &view, 1, &ties);
+    assert_agrees("ellipses, from among them", &a, &slanted, 4000);
+    psplat_asset_destroy(asset);
+    scene_free(&s);
+}
+
+/* Discs from 0.01 of a pixel to 40 pixels, turned to within a tenth of a degree of their edge. */
+static void test_edge_on(void **state) {
+    const double radii[] = {0.01, 0.3, 0.9, 3, 40}, degrees[] = {80, 89, 89.9, 90.1, 95};
+    for (int k = 0; k < 25; ++k) {
+        char name[64];
+        double angle = degrees[k % 5] * CAMERA_PI / 180, n[3] = {0, -sin(angle), cos(angle)};
+        scene s = scene_disc((float)(radii[k / 5] / 10)); /* ten pixels a unit */
+        s.material.double_sided = 1;
+        scene_set_axes(&s.splats[0], (double[]){1, 0, 0}, (double[]){0, cos(angle), sin(angle)});
+        for (int i = 0; i < 3; ++i) s.splats[0].normal[i] = (float)n[i];
+        s.splats[0].center[0] = 0.013f, s.splats[0].center[1] = 0.027f;
+        psplat_view view = view_of(20, 0);
+        camera_look(&view, (double[]){0, 0, 30}, (double[]){0, 0, 0});
+        camera_perspective(&view, 300, 5, 60);
+        snprintf(name, sizeof name, "disc of %g px, %g degrees", radii[k / 5], degrees[k % 5]);
+        check(*state, name, &s, NULL, view, &strict, radii[k / 5] > 10 ? 80 : 3);
+        scene_free(&s);
+    }
+}
+
+static int open_gl(void **state) {
+    static gpu g;
+    g = gpu_open(PSPLAT_API_GL);
+    *state = &g;
+    return 0;
+}
+
+static int open_gles(void **state) {
+    static gpu g;
+    g = gpu_open(PSPLAT_API_GLES);
+    *state = &g;
+    return 0;
+}
+
+static int close_gpu(void **state) {
+    gpu_close(*state);
+    return 0;
+}
+
+/* The shaders are the same in GLES but for their prelude: a part of the tests will do. */
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_spheres), cmocka_unit_test(test_ellipses),
+        cmocka_unit_test(test_cube),    cmocka_unit_test(test_transforms),
+        cmocka_unit_test(test_close),   cmocka_unit_test(test_edge_on),
+    };
+    const struct CMUnitTest gles_tests[] = {
+        cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_transforms),
+    };
+    int failed = cmocka_run_group_tests_name("GL", tests, open_gl, close_gpu);
+    return failed + cmocka_run_group_tests_name("GLES", gles_tests, open_gles, close_gpu);
+}
