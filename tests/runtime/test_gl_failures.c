@@ -28,11 +28,16 @@ typedef struct stage {
 
 enum { SIZE = 24 };
 
+static const float radiance[6 * 3] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 0, 1};
+static const psplat_environment_desc sky = {radiance, 1};
+
 static psplat_view make_view(void) {
     const double eye[3] = {0.3, 0.2, 2}, target[3] = {0, 0, 0};
     psplat_view view = camera_view(SIZE, SIZE);
     camera_look(&view, eye, target);
     camera_parallel(&view, 1.2, 0.5, 4.0);
+    view.lights[0].casts_shadow = 1;
+    view.shadow_size = 16;
     return view;
 }
 
@@ -183,7 +188,7 @@ static void test_faults(void **state) {
     } cases[] = {
         {SPY_FAULT_TEXTURE_MEMORY, PSPLAT_ERROR_MEMORY, "memory", 5}, /* splats, clips, targets */
         {SPY_FAULT_UPLOAD_MEMORY, PSPLAT_ERROR_MEMORY, "memory", 2},
-        {SPY_FAULT_FRAMEBUFFER, PSPLAT_ERROR_GRAPHICS, "refused", 1},
+        {SPY_FAULT_FRAMEBUFFER, PSPLAT_ERROR_GRAPHICS, "refused", 2},    /* target, shadow */
         {SPY_FAULT_COMPILE, PSPLAT_ERROR_GRAPHICS, "shader refused", 6}, /* three programs */
         {SPY_FAULT_LINK, PSPLAT_ERROR_GRAPHICS, "program refused", 3},
     };
@@ -192,6 +197,44 @@ static void test_faults(void **state) {
             int count = try_fault((psplat_api)api, cases[i].fault, cases[i].result, cases[i].word);
             assert_true(count >= cases[i].least);
         }
+}
+
+/* An environment is several textures, most of many levels and faces, and takes long to filter: the
+ * first, one in the middle and the last that can fail do. */
+static void test_environments(void **state) {
+    (void)state;
+    psplat_environment *environment = NULL;
+    psplat_error error = {0};
+    stage s = stage_open(PSPLAT_API_GL);
+    canvas_check(make(&s, &error), &error);
+    ledger before = s.ledger;
+    s.spy.at = -1; /* counts */
+    s.spy.fault = SPY_FAULT_TEXTURE_MEMORY;
+    canvas_check(psplat_environment_create(s.renderer, &sky, &environment, &error), &error);
+    int last = s.spy.happened - 1, allocations = s.ledger.calls - before.calls;
+    psplat_environment_destroy(s.renderer, environment);
+    assert_int_equal(s.ledger.bytes, before.bytes);
+    size_t live = spy_live(&s.spy);
+    for (int i = 0; i < 3; ++i) {
+        s.spy.at = i * last / 2;
+        s.spy.happened = 0;
+        psplat_result result = psplat_environment_create(s.renderer, &sky, &environment, &error);
+        expect_failure(result, &error, PSPLAT_ERROR_MEMORY);
+        assert_null(environment);
+        assert_int_equal(psplat_renderer_memory(s.renderer).environments, 0);
+        assert_int_equal(spy_live(&s.spy), live);
+    }
+    s.spy.fault = SPY_FAULT_NONE;
+    for (int i = 0; i < allocations; ++i) {
+        s.ledger.calls = 0;
+        s.ledger.fail_at = i;
+        psplat_result result = psplat_environment_create(s.renderer, &sky, &environment, &error);
+        expect_failure(result, &error, PSPLAT_ERROR_MEMORY);
+        assert_int_equal(s.ledger.bytes, before.bytes);
+    }
+    end(&s);
+    expect_nothing_left(&s);
+    stage_close(&s);
 }
 
 /* ---- lost contexts ------------------------------------------------------------------------------
@@ -216,6 +259,9 @@ static void expect_loss(stage *s) {
         expect_failure(result, &error, PSPLAT_ERROR_GRAPHICS);
         assert_null(model);
     }
+    psplat_environment *environment = NULL;
+    result = psplat_environment_create(s->renderer, &sky, &environment, &error);
+    expect_failure(result, &error, PSPLAT_ERROR_GRAPHICS);
 }
 
 /* Destroyed while the context that follows is current: none of its objects may go. In it a new
@@ -283,9 +329,8 @@ static void test_loss_by_errors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_allocations),
-        cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_loss),
+        cmocka_unit_test(test_allocations),    cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_environments),   cmocka_unit_test(test_loss),
         cmocka_unit_test(test_loss_by_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

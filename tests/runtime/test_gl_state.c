@@ -272,6 +272,48 @@ static void test_drawing(void **state) {
     psplat_model_destroy(f->calm->renderer, calm.model);
 }
 
+static psplat_environment *make_environment(psplat_renderer *renderer) {
+    static const float radiance[6 * 3] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 0, 1};
+    const psplat_environment_desc desc = {radiance, 1};
+    psplat_environment *environment = NULL;
+    psplat_error error = {0};
+    canvas_check(psplat_environment_create(renderer, &desc, &environment, &error), &error);
+    return environment;
+}
+
+/* Cube maps, comparing samplers and a framebuffer more: an environment and two shadow maps. */
+static void test_lights(void **state) {
+    fixture *f = *state;
+    psplat_item item = {.model = canvas_model(f->canvas, f->asset)};
+    begin(f);
+    psplat_environment *environment = make_environment(f->canvas->renderer);
+    expect_unchanged(f);
+    canvas_begin(f->calm);
+    psplat_item calm = {.model = canvas_model(f->calm, f->asset)};
+    psplat_environment *calm_environment = make_environment(f->calm->renderer);
+    f->view.lights[0].casts_shadow = f->view.lights[2].casts_shadow = 1;
+    f->view.shadow_size = 64;
+    for (int mode = 0; mode < PSPLAT_MODE_COUNT; ++mode) {
+        f->view.mode = (psplat_mode)mode;
+        f->view.environment = calm_environment;
+        psplat_error error = {0};
+        canvas_draw(f->calm, &f->view, &calm, 1);
+        canvas_check(psplat_host_make_current(f->canvas->host, &error), &error);
+        f->view.environment = environment;
+        begin(f);
+        canvas_check(psplat_draw(f->canvas->renderer, &f->view, &item, 1, &error), &error);
+        expect_unchanged(f);
+        expect_picture(f, f->calm->color);
+    }
+    begin(f);
+    psplat_environment_destroy(f->canvas->renderer, environment);
+    expect_unchanged(f);
+    psplat_model_destroy(f->canvas->renderer, item.model);
+    canvas_begin(f->calm);
+    psplat_environment_destroy(f->calm->renderer, calm_environment);
+    psplat_model_destroy(f->calm->renderer, calm.model);
+}
+
 /* A first frame makes targets, one of another size makes them anew, later ones find them. */
 static void test_sizes(void **state) {
     fixture *f = *state;
@@ -413,7 +455,8 @@ static int teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        BOTH(test_drawing), BOTH(test_sizes), BOTH(test_lives), BOTH(test_failures), BOTH(test_spy),
+        BOTH(test_drawing), BOTH(test_lights),   BOTH(test_sizes),
+        BOTH(test_lives),   BOTH(test_failures), BOTH(test_spy),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

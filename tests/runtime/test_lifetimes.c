@@ -97,6 +97,59 @@ static void test_models(void **state) {
     expect_same(s, &before);
 }
 
+static psplat_result make_environment(stage *s, psplat_environment **environment) {
+    static const float radiance[6 * 3] = {1, 1, 1};
+    const psplat_environment_desc desc = {radiance, 1};
+    return psplat_environment_create(s->canvas->renderer, &desc, environment, NULL);
+}
+
+/* Most of them fail at their first texture or upload, since filtering one takes its time. */
+static void test_environments(void **state) {
+    stage *s = *state;
+    psplat_environment *environment = NULL;
+    count before = take(s);
+    for (int i = 0; i < TIMES; ++i) {
+        s->spy.fault = SPY_FAULT_TEXTURE_MEMORY;
+        s->spy.at = s->spy.happened = 0;
+        assert_int_equal(make_environment(s, &environment), PSPLAT_ERROR_MEMORY);
+        assert_null(environment);
+    }
+    s->spy.fault = SPY_FAULT_NONE;
+    expect_same(s, &before);
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(make_environment(s, &environment), PSPLAT_OK);
+        assert_true(take(s).memory.environments > 0);
+        psplat_environment_destroy(s->canvas->renderer, environment);
+        expect_same(s, &before);
+    }
+    psplat_environment_destroy(s->canvas->renderer, NULL);
+}
+
+/* Maps stay while their size does and no view needs more of them. */
+static void test_shadows(void **state) {
+    stage *s = *state;
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    s->view.light_count = 2;
+    s->view.lights[1] = s->view.lights[0];
+    s->view.lights[0].casts_shadow = 1;
+    s->view.shadow_size = 16;
+    draw(s, model, 8);
+    count before = take(s);
+    assert_int_equal(before.memory.shadows, 16 * 16 * 4);
+    for (int i = 0; i < TIMES; ++i) {
+        s->view.shadow_size = 16 + i % 24;
+        s->view.lights[1].casts_shadow = i % 2;
+        draw(s, model, 8);
+        size_t least = (size_t)(s->view.shadow_size * s->view.shadow_size * 4);
+        assert_in_range(take(s).memory.shadows, least, 2 * least);
+    }
+    s->view.lights[1].casts_shadow = 0;
+    s->view.shadow_size = 16;
+    draw(s, model, 8);
+    expect_same(s, &before);
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
 /* A target lasts until a view of another size comes; it never holds more than one size needs. */
 static void test_targets(void **state) {
     stage *s = *state;
@@ -176,8 +229,8 @@ static int teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        BOTH(test_renderers), BOTH(test_used_renderers), BOTH(test_models),
-        BOTH(test_targets),   BOTH(test_nothing),
+        BOTH(test_renderers), BOTH(test_used_renderers), BOTH(test_models),  BOTH(test_targets),
+        BOTH(test_shadows),   BOTH(test_environments),   BOTH(test_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
