@@ -24,6 +24,14 @@ static void draw_backdrop(viewer *v, int width, int height) {
     canvas_end(v->canvas);
 }
 
+/* Under the sky, which is the better ambient light and bright enough by itself. */
+static void dim_lights(psplat_view *view) {
+    for (int i = 0; i < 3; ++i) {
+        view->ambient[i] = 0;
+        for (int k = 0; k < view->light_count; ++k) view->lights[k].color[i] *= 0.4f;
+    }
+}
+
 static psplat_view view_of(const viewer *v, int width, int height) {
     const settings *s = &v->settings;
     psplat_view view = {
@@ -33,9 +41,11 @@ static psplat_view view_of(const viewer *v, int width, int height) {
         .shading = (psplat_shading)s->shading,
         .culling = (psplat_culling)s->culling,
         .no_filter = s->has_no_filter,
+        .environment = s->has_environment ? v->sky : NULL,
     };
     orbit_view(&v->orbit, &v->exhibit.bounds, s->is_orthographic, &view);
     lights_set(s->lights, !s->has_no_shadows, &v->orbit, &v->exhibit.bounds, &view);
+    if (view.environment) dim_lights(&view);
     return view;
 }
 

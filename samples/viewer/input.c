@@ -85,6 +85,17 @@ static void act_shadows(viewer *v, int value) {
     say_choice(v, "shadows", v->settings.has_no_shadows ? "off" : "on");
 }
 
+static void act_environment(viewer *v, int value) {
+    psplat_error error = {0};
+    (void)value;
+    if (!v->sky) v->sky = sky_create(v->renderer, &error);
+    v->settings.has_environment = v->sky && !v->settings.has_environment;
+    say_choice(v, "environment",
+               !v->sky                       ? error.text
+               : v->settings.has_environment ? "a hazy sky"
+                                             : "none");
+}
+
 static void act_filter(viewer *v, int value) {
     (void)value;
     v->settings.has_no_filter = !v->settings.has_no_filter;
@@ -185,6 +196,7 @@ const key_binding key_bindings[] = {
     {GLFW_KEY_6, 0, NULL, NULL, act_shading, PSPLAT_SHADING_OVERDRAW, 0},
     {GLFW_KEY_7, 0, NULL, NULL, act_shading, PSPLAT_SHADING_SPLATS, 0},
     {GLFW_KEY_L, 0, "L", "lights: headlight, studio, spots, none", act_lights, 1, 0},
+    {GLFW_KEY_E, 0, "E", "environment: none, a hazy sky", act_environment, 0, 0},
     {GLFW_KEY_S, 0, "S", "shadows on, off", act_shadows, 0, 0},
     {GLFW_KEY_F, 0, "F", "screen-space filter on, off", act_filter, 0, 0},
     {GLFW_KEY_C, 0, "C", "back faces: by material, shown, culled", act_culling, 1, 0},

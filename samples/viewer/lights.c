@@ -61,8 +61,8 @@ static void set_spots(const sphere *scene, int has_shadows, psplat_view *view) {
     const struct {
         double color[3], power, at[3];
     } lights[] = {
-        {{1, 0.85, 0.65}, 1.0, {-1.6, 2.2, 1.4}},
-        {{0.6, 0.75, 1}, 0.8, {1.9, 1.6, 0.6}},
+        {{1, 0.85, 0.65}, 0.8, {-1.6, 2.2, 1.4}},
+        {{0.6, 0.75, 1}, 0.55, {1.9, 1.6, 0.6}},
         {{1, 0.6, 0.5}, 0.12, {0.4, -1.3, 1.2}},
     };
     double reach = scene->radius > 0 ? scene->radius : 1;

@@ -10,11 +10,13 @@
 
 #include "viewer.h"
 
+#include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
 
 /* Between looks at the files. A file is loaded when two looks find it the same, so that one that
  * is still being written is left alone. */
@@ -86,9 +88,19 @@ static int stamps_equal(const stamp *a, const stamp *b) {
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
+/* The runtime cannot tell why a file is not readable, and reading a pipe may never end. */
+psplat_result loader_check(const char *path, psplat_error *error) {
+    struct stat status;
+    if (stat(path, &status) || access(path, R_OK))
+        return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s", strerror(errno));
+    if (!S_ISREG(status.st_mode)) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "is not a file");
+    return PSPLAT_OK;
+}
+
 static int open_file(const char *path, loaded_file *file) {
     file->path = strdup(path);
     if (!file->path) return 0;
+    if (loader_check(path, &file->error)) return 1;
     if (psplat_asset_open(path, NULL, &file->asset, &file->error)) return 1;
     file->bounds = bounds_of(file->asset);
     for (size_t i = 0; i < psplat_asset_batch_count(file->asset); ++i)

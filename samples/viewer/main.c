@@ -9,8 +9,6 @@
 #include "gl.h"
 #include "viewer.h"
 
-#include <errno.h>
-#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -29,13 +27,10 @@ static void on_signal(int number) {
 
 /* Before a window is asked for, so that a wrong name is told of without a display too. */
 static psplat_result check_files(const options *o, const char **path, psplat_error *error) {
-    for (int i = 0; i < o->file_count; ++i) {
-        *path = o->files[i];
-        if (access(*path, R_OK))
-            return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s", strerror(errno));
-    }
-    *path = NULL;
-    return PSPLAT_OK;
+    psplat_result result = PSPLAT_OK;
+    for (int i = 0; i < o->file_count && !result; ++i)
+        result = loader_check(*path = o->files[i], error);
+    return result;
 }
 
 /* ---- the loop ------------------------------------------------------------------------------- */
@@ -137,6 +132,8 @@ static psplat_result begin(viewer *v, psplat_error *error) {
     psplat_result result = psplat_renderer_create(&desc, &v->renderer, error);
     if (result) return result;
     v->exhibit.renderer = v->renderer;
+    if (v->settings.has_environment) v->sky = sky_create(v->renderer, error);
+    if (v->settings.has_environment && !v->sky) return error->code;
     v->loader = loader_create(window_wake);
     if (!v->loader) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no thread to load files on");
     if (v->options.file_count)
@@ -147,6 +144,7 @@ static psplat_result begin(viewer *v, psplat_error *error) {
 static void end(viewer *v) {
     loader_destroy(v->loader);
     if (v->renderer) exhibit_clear(&v->exhibit);
+    if (v->sky) psplat_environment_destroy(v->renderer, v->sky);
     psplat_renderer_destroy(v->renderer);
     canvas_destroy(v->canvas);
     window_destroy(v->window);
@@ -182,5 +180,6 @@ int main(int argc, char **argv) {
     if (check_files(&v.options, &path, &error)) return report_error(path, &error);
     signal(SIGINT, on_signal);
     signal(SIGTERM, on_signal);
+    signal(SIGHUP, on_signal);
     return show(&v);
 }

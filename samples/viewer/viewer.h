@@ -86,6 +86,9 @@ typedef struct loaded_file {
     size_t splat_count;
 } loaded_file;
 
+/* Whether path names a file that can be read. */
+psplat_result loader_check(const char *path, psplat_error *error);
+
 /* Files that were opened together. */
 typedef struct load {
     loaded_file *files;
@@ -175,6 +178,11 @@ void orbit_aim(orbit *o, const psplat_view *view, double x, double y, double dep
 
 /* Fills lights and ambient of view for a rig of lights_names. */
 void lights_set(int rig, int has_shadows, const orbit *o, const sphere *scene, psplat_view *view);
+
+/* ---- sky.c: an environment ----------------------------------------------------------------- */
+
+/* For psplat_environment_destroy; NULL where it failed. */
+psplat_environment *sky_create(psplat_renderer *renderer, psplat_error *error);
 
 /* ---- canvas.c, font.c: rectangles and text ------------------------------------------------- */
 
@@ -286,6 +294,7 @@ struct viewer {
     psplat_renderer *renderer;
     canvas *canvas;
     loader *loader;
+    psplat_environment *sky; /* NULL until it is asked for */
     exhibit exhibit;
     orbit orbit;
     int has_help;      /* the overlay shows the keys */

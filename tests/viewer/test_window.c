@@ -304,6 +304,96 @@ static void test_lights_change_the_picture(void **state) {
     quit(f);
 }
 
+/* Seen straight on, the face's normal is (0, 0, 1) in eye space: 1/2, 1/2, 1. */
+static int is_normal_in_the_middle(void *user, const program *p) {
+    picture now = program_picture(p);
+    const uint8_t *middle = now.rgb + 3 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
+    const uint8_t expected[3] = {128, 128, 255};
+    int is_normal = largest_difference(middle, expected) <= 1;
+    (void)user;
+    free(now.rgb);
+    return is_normal;
+}
+
+static void test_debug_views(void **state) {
+    static const char *const names[] = {"lit",   "unlit",    "toon",  "normal",
+                                        "depth", "overdraw", "splats"};
+    fixture *f = *state;
+    free(covered_cube(f).rgb);
+    program_key(&f->viewer, "z", 0);
+    program_key(&f->viewer, "4", 0);
+    program_await(&f->viewer, "the normal is shown", is_normal_in_the_middle, NULL);
+    picture before = program_picture(&f->viewer);
+    for (int i = 0; i < 7; ++i) {
+        char key[2] = {(char)('1' + i), 0}, part[32];
+        if (!strcmp(names[i], "normal")) continue;
+        program_key(&f->viewer, key, 0);
+        snprintf(part, sizeof part, "phong, %s - ", names[i]);
+        program_await_title(&f->viewer, part);
+        await_change(f, part, &before);
+        free(before.rgb);
+        before = program_picture(&f->viewer);
+    }
+    free(before.rgb);
+    quit(f);
+}
+
+/* What a key changes and, pressed again, changes back. */
+static void expect_toggle(const fixture *f, const char *key, int at_least) {
+    picture first = program_picture(&f->viewer);
+    program_key(&f->viewer, key, 0);
+    program_await(&f->viewer, key, is_like, &(wish){&first, at_least, ALL});
+    program_key(&f->viewer, key, 0);
+    await_return(f, key, &first);
+    free(first.rgb);
+}
+
+/* A ball above the cube, such that the strongest light of the studio throws its shadow onto the
+ * middle of the cube's upper side. */
+static void test_shadows_and_sky(void **state) {
+    fixture *f = *state;
+    scene ball = scene_sphere(500, 0.5f);
+    const double above[3] = {-0.6, 2, 0.8};
+    memcpy(ball.origin, above, sizeof above);
+    write_scene(f->b, ball);
+    start(f, "--lights=studio", f->a, f->b);
+    program_await_title(&f->viewer, "a.glb, b.glb - 506 splats");
+    free(await_covered(f, "both are drawn", ALL / 20, ALL).rgb);
+    expect_toggle(f, "s", 200); /* the shadow */
+    expect_toggle(f, "e", MANY);
+    quit(f);
+}
+
+static void test_filter(void **state) {
+    fixture *f = *state;
+    start(f, "--mode=phong", f->b, NULL);
+    picture large = await_covered(f, "the sphere is drawn", ALL / 20, ALL);
+    for (int i = 0; i < 20; ++i) { /* to splats of a pixel */
+        program_button(&f->viewer, 5, 1);
+        program_button(&f->viewer, 5, 0);
+    }
+    /* Its area shrinks by 0.88^40 = 0.006. */
+    int covered = count_covered(&large);
+    free(await_covered(f, "the sphere is small", covered / 250, covered / 100).rgb);
+    expect_toggle(f, "f", 8);
+    free(large.rgb);
+    quit(f);
+}
+
+static void test_culling(void **state) {
+    fixture *f = *state;
+    write_scene(f->a, scene_disc(1));
+    start(f, "--mode=flat", f->a, NULL);
+    free(await_covered(f, "the disc is drawn", ALL / 20, ALL).rgb);
+    program_key(&f->viewer, "z", 1);
+    free(await_covered(f, "its back is culled", 0, 0).rgb);
+    program_key(&f->viewer, "c", 0);
+    free(await_covered(f, "its back is shown", ALL / 20, ALL).rgb);
+    program_key(&f->viewer, "c", 0);
+    free(await_covered(f, "its back is culled again", 0, 0).rgb);
+    quit(f);
+}
+
 static void test_help_covers_and_leaves(void **state) {
     fixture *f = *state;
     picture first = covered_cube(f);
@@ -458,6 +548,10 @@ int main(void) {
         WINDOW_TEST(test_turntable_turns),
         WINDOW_TEST(test_mode_key_goes_round),
         WINDOW_TEST(test_lights_change_the_picture),
+        WINDOW_TEST(test_debug_views),
+        WINDOW_TEST(test_shadows_and_sky),
+        WINDOW_TEST(test_filter),
+        WINDOW_TEST(test_culling),
         WINDOW_TEST(test_help_covers_and_leaves),
         WINDOW_TEST(test_screenshots_are_numbered),
         WINDOW_TEST(test_changed_file_is_loaded_again),
