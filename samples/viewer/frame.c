@@ -28,7 +28,7 @@ static void draw_backdrop(viewer *v, int width, int height) {
 static void dim_lights(psplat_view *view) {
     for (int i = 0; i < 3; ++i) {
         view->ambient[i] = 0;
-        for (int k = 0; k < view->light_count; ++k) view->lights[k].color[i] *= 0.4f;
+        for (int k = 0; k < view->light_count; ++k) view->lights[k].color[i] *= 0.3f;
     }
 }
 
