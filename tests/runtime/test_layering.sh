@@ -67,6 +67,17 @@ converter_uses_public_headers() {
         only '<phongsplat/(splat|phongsplat|reference|host)\.h>'
 }
 
+# Samples show what others can do: with headers that are installed and their own.
+samples_use_public_headers() {
+    for directory in $(cd "$1" && find samples -type d | sort); do
+        files=$(sources "$1" "$directory")
+        [ -n "$files" ] || continue
+        includes "$1" $files | grep -E ': "' | only "$(quoted "$1" "$directory")"
+    done
+    includes "$1" $(sources "$1" samples 9) | grep -E 'phongsplat/' |
+        only '<phongsplat/(splat|phongsplat|reference|host)\.h>'
+}
+
 # CGAL, OpenMesh and tinygltf stay behind their C headers.
 adapters_fence_cpp() {
     includes "$1" $(cd "$1" && find converter runtime samples shaders -type f -name '*.[ch]*' |
@@ -116,10 +127,11 @@ self_check() {
     echo '#include "anything.glsl"' >"$bad/shaders/a.frag"
     echo '#include "../runtime/json.h"' >"$bad/converter/a.c"
     echo '#include <CGAL/Random.h>' >"$bad/converter/b.c"
+    echo '#include "../runtime/gl_api.h"' >"$bad/samples/a.c"
     [ "$(runtime_keeps_to_itself "$bad" | wc -l)" -eq 2 ] || must_report runtime_keeps_to_itself ''
     for rule in public_headers_stand_alone reference_shares_public_headers_only \
         host_knows_gl_and_no_more shaders_include_nothing converter_uses_public_headers \
-        adapters_fence_cpp; do
+        samples_use_public_headers adapters_fence_cpp; do
         must_report $rule "$($rule "$bad")"
     done
     rm "$bad/converter/b.c"
@@ -155,6 +167,7 @@ check reference_shares_public_headers_only "$SOURCE_DIR"
 check host_knows_gl_and_no_more "$SOURCE_DIR"
 check shaders_include_nothing "$SOURCE_DIR"
 check converter_uses_public_headers "$SOURCE_DIR"
+check samples_use_public_headers "$SOURCE_DIR"
 check adapters_fence_cpp "$SOURCE_DIR"
 check calls "$RUNTIME" 'memory\.c\.o'
 check calls "$REFERENCE" 'oracle\.c\.o'
