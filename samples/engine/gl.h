@@ -7,6 +7,7 @@
 #define ENGINE_GL_H
 
 #include <GL/glcorearb.h>
+#include <string.h>
 
 #define ENGINE_GL_FUNCTIONS(X)                                                                     \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                                         \
@@ -48,6 +49,15 @@ typedef struct engine_gl {
 } engine_gl;
 
 /* 0 where the loader lacks a function. */
-int engine_gl_load(engine_gl *gl, void *(*get_proc)(void *user, const char *name), void *user);
+static inline int engine_gl_load(engine_gl *gl, void *(*get_proc)(void *user, const char *name),
+                                 void *user) {
+    void *address;
+#define ENGINE_GL_LOAD(type, name)                                                                 \
+    if (!(address = get_proc(user, "gl" #name))) return 0;                                         \
+    memcpy(&gl->name, &address, sizeof address);
+    ENGINE_GL_FUNCTIONS(ENGINE_GL_LOAD)
+#undef ENGINE_GL_LOAD
+    return 1;
+}
 
 #endif

@@ -25,6 +25,7 @@ typedef struct engine {
     paint paint;
     mesh floor, plinth, ring;
     psplat_renderer *renderer;
+    psplat_environment *sky;
     psplat_model *models[2];
     int model_count;
     psplat_item items[ITEMS];
@@ -32,14 +33,19 @@ typedef struct engine {
     matrix view, projection;
 } engine;
 
-static const float sun_direction[3] = {-0.5f, -1, -0.45f}, sun = 3.2f, ambient = 0.16f;
+static const float sun_direction[3] = {0.9f, -1, -0.45f}, sun[3] = {2.3f, 2.3f, 2.2f},
+                   ambient[3] = {0.16f, 0.17f, 0.2f};
+/* Faces +x -x +y -y +z -z: bright above, dark below. */
+static const float sky_radiance[6 * 3] = {0.18f, 0.18f, 0.20f, 0.18f, 0.18f, 0.20f,
+                                          0.40f, 0.45f, 0.55f, 0.08f, 0.08f, 0.07f,
+                                          0.18f, 0.18f, 0.20f, 0.18f, 0.18f, 0.20f};
 
 static int fail(const char *text) {
     fprintf(stderr, "engine: %s\n", text);
     return 0;
 }
 
-static int make_world(engine *e) {
+static void make_meshes(engine *e) {
     static const float floor[][2] = {{7, 0}, {0, 0}};
     static const float plinth[][2] = {{1.2f, 0}, {1.2f, 0.25f}, {1, 0.35f}, {0, 0.35f}};
     float ring[25][2];
@@ -48,26 +54,28 @@ static int make_world(engine *e) {
         ring[i][0] = (float)(0.75 + 0.13 * cos(angle));
         ring[i][1] = (float)(1.1 + 0.13 * sin(angle));
     }
-    if (!paint_make(&e->paint, &e->gl)) return fail("the shader of the meshes is refused");
-    e->screen = screen_make(&e->gl);
     e->floor = mesh_lathe(&e->gl, floor, 2);
     e->plinth = mesh_lathe(&e->gl, plinth, 4);
     e->ring = mesh_lathe(&e->gl, (const float(*)[2])ring, 25);
-    return 1;
 }
 
 static int start(engine *e) {
     psplat_error error = {0};
     if (psplat_host_create(PSPLAT_API_GL, 0, &e->host, &error)) return fail(error.text);
-    if (!engine_gl_load(&e->gl, psplat_host_get_proc, e->host))
-        return fail("the loader lacks a GL function");
     psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = e->host};
     if (psplat_renderer_create(&desc, &e->renderer, &error)) return fail(error.text);
-    return make_world(e);
+    const psplat_environment_desc sky = {.radiance = sky_radiance, .size = 1};
+    if (psplat_environment_create(e->renderer, &sky, &e->sky, &error)) return fail(error.text);
+    if (!engine_gl_load(&e->gl, psplat_host_get_proc, e->host) || !paint_make(&e->paint, &e->gl))
+        return fail("GL lacks a function or refuses a shader");
+    e->screen = screen_make(&e->gl);
+    make_meshes(e);
+    return 1;
 }
 
 static void stop(engine *e) {
     for (int i = 0; i < e->model_count; ++i) psplat_model_destroy(e->renderer, e->models[i]);
+    psplat_environment_destroy(e->renderer, e->sky);
     psplat_renderer_destroy(e->renderer);
     psplat_host_destroy(e->host);
 }
@@ -101,7 +109,7 @@ static int add_model(engine *e, const psplat_asset *asset) {
     for (int i = 0; i < INSTANCES; ++i) {
         double angle = 6.283185307179586 * (i + 0.5) / INSTANCES;
         double stretch = i == 1 ? 1.6 : i == 2 ? -1 : 1;
-        place(e, asset, 1.1, 2.6 * sin(angle), 0.2, 2.6 * cos(angle), 2 * angle, stretch);
+        place(e, asset, 1.1, 2.6 * sin(angle), 0.1, 2.6 * cos(angle), 2 * angle, stretch);
     }
     return 1;
 }
@@ -129,12 +137,11 @@ static int draw_splats(const engine *e) {
     view.linear_output = 1; /* the framebuffer encodes */
     memcpy(view.view, e->view.m, sizeof view.view);
     memcpy(view.projection, e->projection.m, sizeof view.projection);
-    for (int i = 0; i < 3; ++i) {
-        view.lights[0].direction[i] = sun_direction[i];
-        view.lights[0].color[i] = sun;
-        view.ambient[i] = ambient;
-    }
+    memcpy(view.lights[0].direction, sun_direction, sizeof sun_direction);
+    memcpy(view.lights[0].color, sun, sizeof sun);
     view.lights[0].casts_shadow = 1;
+    view.shadow_size = 2048;
+    view.environment = e->sky;
     if (psplat_draw(e->renderer, &view, e->items, e->item_count, &error)) return fail(error.text);
     return 1;
 }
@@ -143,19 +150,16 @@ static int draw_splats(const engine *e) {
  * and all other state are as the engine set them. */
 static int draw_frame(const engine *e) {
     static const float stone[3] = {0.42f, 0.40f, 0.37f}, slate[3] = {0.16f, 0.18f, 0.22f},
-                       brass[3] = {0.75f, 0.45f, 0.10f}, gray[3] = {ambient, ambient, ambient};
+                       brass[3] = {0.75f, 0.45f, 0.10f};
     const engine_gl *gl = &e->gl;
     matrix clip = matrix_multiply(&e->projection, &e->view);
-    float light[3],
-        length = sqrtf(sun_direction[0] * sun_direction[0] + sun_direction[1] * sun_direction[1] +
-                       sun_direction[2] * sun_direction[2]);
-    for (int i = 0; i < 3; ++i) light[i] = sun * sun_direction[i] / length;
     screen_begin(&e->screen, gl);
     gl->Enable(GL_DEPTH_TEST);
     gl->Enable(GL_FRAMEBUFFER_SRGB);
     gl->UseProgram(e->paint.program);
-    gl->Uniform3fv(e->paint.light, 1, light);
-    gl->Uniform3fv(e->paint.ambient, 1, gray);
+    gl->Uniform3fv(e->paint.light, 1, sun_direction);
+    gl->Uniform3fv(e->paint.sun, 1, sun);
+    gl->Uniform3fv(e->paint.ambient, 1, ambient);
     mesh_draw(&e->floor, gl, &e->paint, &clip, slate);
     mesh_draw(&e->plinth, gl, &e->paint, &clip, stone);
     if (!draw_splats(e)) return 0;
@@ -181,8 +185,7 @@ int main(int argc, char **argv) {
     if (argc != 4) return fprintf(stderr, "usage: engine A.glb B.glb OUT.ppm\n"), 1;
     loader *l = loader_start((const char *const *)argv + 1, 2);
     int is_fine = l ? start(&e) && run(&e, l) : fail("no thread to load on");
-    if (is_fine && !screen_save(&e.screen, &e.gl, argv[3]))
-        is_fine = fail("the picture cannot be written");
+    if (is_fine && !screen_save(&e.screen, &e.gl, argv[3])) is_fine = fail("cannot write OUT.ppm");
     stop(&e);
     loader_stop(l);
     return !is_fine;

@@ -20,10 +20,10 @@ static const char vertex_source[] = "#version 330 core\n"
 static const char fragment_source[] =
     "#version 330 core\n"
     "in vec3 n;\n"
-    "uniform vec3 color, light, ambient;\n"
+    "uniform vec3 color, light, sun, ambient;\n"
     "out vec4 pixel;\n"
     "void main() {\n"
-    "    float lit = max(-dot(normalize(n), normalize(light)), 0.0) * length(light);\n"
+    "    vec3 lit = sun * max(-dot(normalize(n), normalize(light)), 0.0);\n"
     "    pixel = vec4(color * (lit / 3.14159 + ambient), 1.0);\n"
     "}\n";
 
@@ -46,6 +46,7 @@ int paint_make(paint *p, const engine_gl *gl) {
     p->clip = gl->GetUniformLocation(p->program, "clip");
     p->color = gl->GetUniformLocation(p->program, "color");
     p->light = gl->GetUniformLocation(p->program, "light");
+    p->sun = gl->GetUniformLocation(p->program, "sun");
     p->ambient = gl->GetUniformLocation(p->program, "ambient");
     return linked;
 }

@@ -11,7 +11,7 @@
 /* The shader that all meshes share. */
 typedef struct paint {
     GLuint program;
-    GLint clip, color, light, ambient;
+    GLint clip, color, light, sun, ambient;
 } paint;
 
 typedef struct mesh {
