@@ -29,3 +29,4 @@ echo "  $(field splats) splats, by number of clip lines $(field splats_by_clip_l
 echo "  greatest distance $(rounded max_distance_percent) % of the diagonal (tolerance $(field tolerance_percent) %)"
 echo "  normals off by $(rounded rms_normal_degrees) degrees (root mean square), $(field uncovered_samples) samples uncovered"
 echo "All figures: build/demo/part.json. The picture: $PWD/build/demo/part.png"
+echo "In a window: $phongsplat view build/demo/part.glb"
