@@ -115,7 +115,13 @@ typedef struct psplat_model psplat_model;
  * must be GL >= 3.3 core or GLES >= 3.0 and current during every call below. GLES and WebGL 2 need
  * EXT_color_buffer_float (GLES before 3.2) and EXT_float_blend; without the second, or with only
  * EXT_color_buffer_half_float, sums are kept in 16 bits: colours lose precision where many splats
- * meet, and depth is that of the nearest splat plus its tolerance. */
+ * meet, and depth is that of the nearest splat plus its tolerance.
+ *
+ * Renderers, in one context or several, know nothing of each other. Where a context is lost, as
+ * glGetGraphicsResetStatus or glGetError say, the call returns GRAPHICS and so does every later one
+ * with that renderer. Its destroy functions then free memory and leave GL alone, so that it does not
+ * matter which context is current, if any; start anew in another context. Errors other than a lost
+ * context leave the renderer as usable as before. */
 typedef struct psplat_renderer_desc {
     void *(*get_proc)(void *user, const char *name);
     void *user;
@@ -127,12 +133,13 @@ psplat_result psplat_renderer_create(const psplat_renderer_desc *desc, psplat_re
 /* Destroy models first. NULL is accepted. */
 void psplat_renderer_destroy(psplat_renderer *renderer);
 
-/* Bytes of textures on the GPU, as asked of GL; drivers may round up, and keep programs beside. */
+/* Bytes of textures on the GPU, as asked of GL; drivers may round up, and keep programs beside.
+ * Targets and shadow maps go with the renderer. */
 typedef struct psplat_memory {
     size_t models;
-    size_t targets; /* grow with the largest view, go with the renderer */
+    size_t targets; /* of the last view's size */
     size_t environments;
-    size_t shadows; /* grow with the number of shadows and their size, go with the renderer */
+    size_t shadows; /* of the last size asked for */
 } psplat_memory;
 
 /* What the renderer and all that belongs to it hold now; zeros for NULL. */
@@ -174,9 +181,9 @@ typedef enum psplat_culling {
  *     TOON      light in three steps, black contours where depth or normal jump (BHZK05 section 6)
  *     NORMAL    the normal in eye space, 1/2 + n/2
  *     DEPTH     white at the near plane, black at the far one, linear in between
- *     OVERDRAW  splats blended into the pixel: blue 1, green 8, yellow 16, red 32, white 64 and
- * more; the number itself where linear_output is set SPLATS    the nearest splat alone, each in a
- * colour of its own */
+ *     OVERDRAW  splats blended into a pixel: 1 blue, 8 green, 16 yellow, 32 red, 64 white; the
+ *               number itself where linear_output is set
+ *     SPLATS    the nearest splat alone, each in a colour of its own */
 #define PSPLAT_SHADINGS(X)                                                                         \
     X(LIT, lit, LIGHT)                                                                             \
     X(UNLIT, unlit, COLOR)                                                                         \
@@ -260,11 +267,27 @@ typedef struct psplat_item {
     double transform[16];
 } psplat_item;
 
-/* Draws into the framebuffer bound for drawing: colour and depth of covered pixels are written
- * where the depth test against what is already there passes (GL_LEQUAL), other pixels are left as
- * they are; the host clears. The host's scissor test and depth range apply. GL state it touches is
- * restored (per draw buffer: as that of buffer 0). No allocation after the first frame of
- * a size. */
+/* Draws into the framebuffer bound for drawing, of any colour and depth format: colour (alpha 1, to
+ * draw buffer 0) and depth of covered pixels are written where the depth test against what is there
+ * already passes (GL_LEQUAL); other pixels are left as they are; the host clears. So splats and the
+ * host's geometry hide each other pixel by pixel, whichever is drawn first. Of the host's own state
+ * the scissor test and the depth range apply, and nothing else. In a framebuffer of several samples
+ * a pixel all samples take the pixel's one colour and depth: the host's edges before and behind
+ * splats stay smooth, those of splats are as without. Per size of view, nothing is allocated after
+ * the first frame.
+ *
+ * State that is set is put back, here and in every function above: framebuffer, program, vertex
+ * array, viewport, capabilities, blending, masks, depth function, culling, polygon mode, pixel
+ * unpacking, and of the texture units 0 ... 8 the 2D texture, the cube map and the sampler. State of
+ * several draw buffers or viewports (glEnablei, glColorMaski, glViewportIndexed) is read and put
+ * back as that of number 0. Not put back:
+ *
+ *     glGetError                the flags are read where something is made or fails
+ *     glGetGraphicsResetStatus  is asked once a call, where the context has it
+ *
+ * and to be at its default: glClipControl, conditional rendering, transform feedback; in WebGL
+ * UNPACK_FLIP_Y and UNPACK_PREMULTIPLY_ALPHA; in GLES EXT_clip_cull_distance. Depth that is reversed
+ * (greater is nearer) cannot be shared. Active queries count what is drawn here too. */
 psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
                           const psplat_item *items, size_t item_count, psplat_error *error);
 
