@@ -40,7 +40,7 @@ static _Thread_local spy *active;
 
 /* ... and for pointers to the real ones: real_Enable()(GL_BLEND). */
 #define REAL(type, name, parameters)                                                               \
-    typedef type(APIENTRY *type_##name) parameters;                                             \
+    typedef type(APIENTRY *type_##name) parameters;                                                \
     static inline type_##name real_##name(void) {                                                  \
         return (type_##name)active->real[FUNCTION_##name];                                         \
     }
@@ -182,24 +182,24 @@ static int is_due(spy_fault fault) {
 #define OWN(kind, object) must_own(call, SPY_##kind, object);
 
 #define SPY_VOID(name, parameters, arguments, before)                                              \
-    static void APIENTRY spy_##name parameters {                                                \
+    static void APIENTRY spy_##name parameters {                                                   \
         const char *call = #name;                                                                  \
         (void)call;                                                                                \
         if (!enter()) return;                                                                      \
         before real_##name() arguments;                                                            \
     }
 #define SPY_VALUE(type, none, name, parameters, arguments)                                         \
-    static type APIENTRY spy_##name parameters {                                                \
+    static type APIENTRY spy_##name parameters {                                                   \
         return enter() ? real_##name() arguments : none;                                           \
     }
 #define SPY_GEN(kind, name)                                                                        \
-    static void APIENTRY spy_##name(GLsizei count, GLuint *names) {                             \
+    static void APIENTRY spy_##name(GLsizei count, GLuint *names) {                                \
         if (!enter()) return;                                                                      \
         real_##name()(count, names);                                                               \
         for (GLsizei i = 0; i < count; ++i) born(SPY_##kind, names[i]);                            \
     }
 #define SPY_DELETE(kind, name)                                                                     \
-    static void APIENTRY spy_##name(GLsizei count, const GLuint *names) {                       \
+    static void APIENTRY spy_##name(GLsizei count, const GLuint *names) {                          \
         if (!enter()) return;                                                                      \
         for (GLsizei i = 0; i < count; ++i) died(#name, SPY_##kind, names[i]);                     \
         real_##name()(count, names);                                                               \

@@ -119,9 +119,9 @@ typedef struct psplat_model psplat_model;
  *
  * Renderers, in one context or several, know nothing of each other. Where a context is lost, as
  * glGetGraphicsResetStatus or glGetError say, the call returns GRAPHICS and so does every later one
- * with that renderer. Its destroy functions then free memory and leave GL alone, so that it does not
- * matter which context is current, if any; start anew in another context. Errors other than a lost
- * context leave the renderer as usable as before. */
+ * with that renderer. Its destroy functions then free memory and leave GL alone, so that it does
+ * not matter which context is current, if any; start anew in another context. Errors other than a
+ * lost context leave the renderer as usable as before. */
 typedef struct psplat_renderer_desc {
     void *(*get_proc)(void *user, const char *name);
     void *user;
@@ -278,16 +278,16 @@ typedef struct psplat_item {
  *
  * State that is set is put back, here and in every function above: framebuffer, program, vertex
  * array, viewport, capabilities, blending, masks, depth function, culling, polygon mode, pixel
- * unpacking, and of the texture units 0 ... 8 the 2D texture, the cube map and the sampler. State of
- * several draw buffers or viewports (glEnablei, glColorMaski, glViewportIndexed) is read and put
+ * unpacking, and of the texture units 0 ... 8 the 2D texture, the cube map and the sampler. State
+ * of several draw buffers or viewports (glEnablei, glColorMaski, glViewportIndexed) is read and put
  * back as that of number 0. Not put back:
  *
  *     glGetError                the flags are read where something is made or fails
  *     glGetGraphicsResetStatus  is asked once a call, where the context has it
  *
  * and to be at its default: glClipControl, conditional rendering, transform feedback; in WebGL
- * UNPACK_FLIP_Y and UNPACK_PREMULTIPLY_ALPHA; in GLES EXT_clip_cull_distance. Depth that is reversed
- * (greater is nearer) cannot be shared. Active queries count what is drawn here too. */
+ * UNPACK_FLIP_Y and UNPACK_PREMULTIPLY_ALPHA; in GLES EXT_clip_cull_distance. Depth that is
+ * reversed (greater is nearer) cannot be shared. Active queries count what is drawn here too. */
 psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
                           const psplat_item *items, size_t item_count, psplat_error *error);
 
