@@ -410,6 +410,7 @@ static int setup(void **state, psplat_api api) {
     w->asset = scene_open(&w->scene);
     w->item.model = canvas_model(w->canvas, w->asset);
     w->view = camera_view(SIZE, SIZE);
+    w->view.no_filter = 0;
     for (int i = 0; i < 3; ++i) w->view.ambient[i] = 0.1f;
     camera_look(&w->view, eye, target);
     camera_perspective(&w->view, 150, 1, 6);

@@ -273,8 +273,8 @@ typedef struct psplat_item {
  * host's geometry hide each other pixel by pixel, whichever is drawn first. Of the host's own state
  * the scissor test and the depth range apply, and nothing else. In a framebuffer of several samples
  * a pixel all samples take the pixel's one colour and depth: the host's edges before and behind
- * splats stay smooth, those of splats are as without. Per size of view, nothing is allocated after
- * the first frame.
+ * splats stay smooth, those of splats are as without. What draw buffers other than 0 receive in
+ * covered pixels is undefined in GL. Per size of view, nothing is allocated after the first frame.
  *
  * State that is set is put back, here and in every function above: framebuffer, program, vertex
  * array, viewport, capabilities, blending, masks, depth function, culling, polygon mode, pixel
