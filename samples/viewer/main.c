@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 static const double title_seconds = 0.2;   /* between changes of the title */
+static const double idle_seconds = 60;     /* events end a wait, so does the loader */
 static const double turn_per_second = 0.1; /* of the turntable, in drags across the window */
 
 static void on_signal(int number) {
@@ -97,7 +98,8 @@ static void update_overlay(viewer *v) {
 static void update_title(viewer *v) {
     char text[sizeof v->title];
     double now = window_seconds();
-    if (now - v->title_time < title_seconds) return;
+    v->is_title_late = now - v->title_time < title_seconds;
+    if (v->is_title_late) return;
     title_write(v, text, sizeof text);
     if (!strcmp(text, v->title)) return;
     memcpy(v->title, text, sizeof text);
@@ -105,10 +107,18 @@ static void update_title(viewer *v) {
     window_set_title(v->window, text);
 }
 
+/* Until something happens; or, while something is due by itself, that long. */
+static void wait_for_events(viewer *v) {
+    int is_due = v->is_title_late || v->message_end > 0;
+    window_wait(v->window, v->needs_redraw || v->settings.is_turning ? 0
+                           : is_due                                  ? title_seconds
+                                                                     : idle_seconds);
+}
+
 static psplat_result loop(viewer *v, psplat_error *error) {
     psplat_result result = PSPLAT_OK;
     while (!result && !window_is_closing(v->window)) {
-        window_wait(v->window, v->needs_redraw || v->settings.is_turning ? 0 : title_seconds);
+        wait_for_events(v);
         result = take_loads(v, error);
         if (v->settings.is_turning) turn(v);
         update_overlay(v);

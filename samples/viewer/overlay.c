@@ -61,7 +61,9 @@ static void draw_help(canvas *c, int width, int height) {
         rows += row_height(&key_bindings[i]);
     }
     int across = (labels + texts) * FONT_ADVANCE, size = text_size(width, height, across, rows);
-    int x = (width - size * across) / 2, y = (height - size * rows) / 2;
+    /* In windows that are too small the beginnings are what can be read. */
+    int x = longest(size * MARGIN, (width - size * across) / 2);
+    int y = longest(size * MARGIN, (height - size * rows) / 2);
     draw_panel(c, x, y, size, across, rows, panel_color);
     canvas_text(c, x, y, size, title_color, heading);
     draw_rows(c, x, y + 2 * size * FONT_LINE, size, labels);

@@ -305,6 +305,7 @@ struct viewer {
     char message[320]; /* of overlay_say */
     double message_end;
     char title[512];
+    int is_title_late;            /* it was changed too shortly ago to be changed again */
     double title_time, turn_time; /* when the title was set, the turntable last turned */
     double pick[2];               /* of a double click, for orbit_aim */
     int has_pick;

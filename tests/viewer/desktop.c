@@ -262,6 +262,11 @@ void program_button(const program *p, unsigned button, int is_down) {
     XSync(p->desktop->display, False);
 }
 
+void program_resize(const program *p, int width, int height) {
+    XResizeWindow(p->desktop->display, p->window, (unsigned)width, (unsigned)height);
+    XSync(p->desktop->display, False);
+}
+
 /* ---- messages ----------------------------------------------------------------------------- */
 
 static void send(const program *p, const char *type, const long data[5]) {

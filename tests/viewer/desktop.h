@@ -49,6 +49,7 @@ picture program_picture(const program *p);
 void program_key(const program *p, const char *name, int shift);
 void program_move(const program *p, int x, int y); /* in the window */
 void program_button(const program *p, unsigned button, int is_down);
+void program_resize(const program *p, int width, int height);
 void program_close(const program *p); /* as the button of a window manager does */
 /* Drops files by the protocol XDND, version 5; paths are absolute, up to NULL. */
 void program_drop(const program *p, const char *const *paths);

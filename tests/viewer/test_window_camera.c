@@ -120,6 +120,29 @@ static void test_turntable_turns(void **state) {
     quit(f);
 }
 
+/* The whole width and height are drawn again, and what fitted before fits the height as before. */
+static int is_resized(void *user, const program *p) {
+    picture now = program_picture(p);
+    const int *from_to = user;
+    int covered = 0;
+    for (int i = 0; i < now.width * now.height; ++i) covered += now.rgb[3 * i] != 0;
+    free(now.rgb);
+    return now.width == 640 && now.height == 480 && covered > from_to[0] && covered < from_to[1];
+}
+
+static void test_resizing_scales_the_picture(void **state) {
+    fixture *f = *state;
+    free(start_cube(f).rgb);
+    program_key(&f->viewer, "z", 0);
+    picture first = await_covered(f, "the cube is seen from the front", 23500, 25000);
+    /* Twice the height: four times the area, to a row of pixels at the edges. */
+    int covered = count_covered(&first), between[] = {4 * covered - 700, 4 * covered + 700};
+    program_resize(&f->viewer, 640, 480);
+    program_await(&f->viewer, "the picture is scaled", is_resized, between);
+    free(first.rgb);
+    quit(f);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_drag_orbits_and_back),
@@ -127,6 +150,7 @@ int main(void) {
         cmocka_unit_test(test_wheel_zooms),
         cmocka_unit_test(test_double_click_aims),
         cmocka_unit_test(test_turntable_turns),
+        cmocka_unit_test(test_resizing_scales_the_picture),
     };
     return window_run(tests, sizeof tests / sizeof *tests);
 }
