@@ -96,6 +96,12 @@ static void act_environment(viewer *v, int value) {
                                              : "none");
 }
 
+static void act_smooth(viewer *v, int value) {
+    (void)value;
+    v->settings.is_smooth = !v->settings.is_smooth;
+    say_choice(v, "smooth edges", v->settings.is_smooth ? "on" : "off");
+}
+
 static void act_filter(viewer *v, int value) {
     (void)value;
     v->settings.has_no_filter = !v->settings.has_no_filter;
@@ -199,6 +205,7 @@ const key_binding key_bindings[] = {
     {GLFW_KEY_E, 0, "E", "environment: none, a hazy sky", act_environment, 0, 0},
     {GLFW_KEY_S, 0, "S", "shadows on, off", act_shadows, 0, 0},
     {GLFW_KEY_F, 0, "F", "screen-space filter on, off", act_filter, 0, 0},
+    {GLFW_KEY_V, 0, "V", "smooth edges on, off", act_smooth, 0, 0},
     {GLFW_KEY_C, 0, "C", "back faces: by material, shown, culled", act_culling, 1, 0},
     {GLFW_KEY_B, 0, "B", "background", act_backdrop, 1, 0},
     GAP,

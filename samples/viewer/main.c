@@ -52,7 +52,7 @@ static psplat_result draw(viewer *v, psplat_error *error) {
     v->needs_redraw = 0;
     if (width < 1 || height < 1) return PSPLAT_OK;
     double start = window_seconds();
-    psplat_result result = frame_draw(v, width, height, error);
+    psplat_result result = frame_draw(v, 0, width, height, error);
     canvas_gl(v->canvas)->Finish();
     note_time(v, window_seconds() - start);
     overlay_draw(v, width, height);
@@ -156,6 +156,7 @@ static void end(viewer *v) {
     if (v->renderer) exhibit_clear(&v->exhibit);
     if (v->sky) psplat_environment_destroy(v->renderer, v->sky);
     psplat_renderer_destroy(v->renderer);
+    if (v->canvas) target_free(&v->fine, canvas_gl(v->canvas));
     canvas_destroy(v->canvas);
     window_destroy(v->window);
 }

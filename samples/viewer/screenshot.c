@@ -69,49 +69,20 @@ static psplat_result store(const viewer *v, const uint8_t *png, size_t png_size,
 
 /* ---- the picture --------------------------------------------------------------------------- */
 
-typedef struct target {
-    GLuint framebuffer, color, depth;
-} target;
-
-static GLuint make_renderbuffer(const gl *gl, GLenum format, GLenum attachment, int width,
-                                int height) {
-    GLuint name;
-    gl->GenRenderbuffers(1, &name);
-    gl->BindRenderbuffer(GL_RENDERBUFFER, name);
-    gl->RenderbufferStorage(GL_RENDERBUFFER, format, width, height);
-    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, attachment, GL_RENDERBUFFER, name);
-    return name;
-}
-
-static target make_target(const gl *gl, int width, int height) {
-    target t;
-    gl->GenFramebuffers(1, &t.framebuffer);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, t.framebuffer);
-    t.color = make_renderbuffer(gl, GL_RGBA8, GL_COLOR_ATTACHMENT0, width, height);
-    t.depth = make_renderbuffer(gl, GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT, width, height);
-    return t;
-}
-
-static void free_target(const gl *gl, target *t) {
-    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
-    gl->DeleteFramebuffers(1, &t->framebuffer);
-    gl->DeleteRenderbuffers(1, &t->color);
-    gl->DeleteRenderbuffers(1, &t->depth);
-}
-
 /* rgba: width x height, row 0 at the bottom. */
 static psplat_result draw(viewer *v, int width, int height, uint8_t *rgba, psplat_error *error) {
     const gl *gl = canvas_gl(v->canvas);
-    target t = make_target(gl, width, height);
+    target t = {0};
     psplat_result result = PSPLAT_OK;
-    if (gl->CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    if (!target_resize(&t, gl, width, height))
         result = psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "no framebuffer for a screenshot");
-    if (!result) result = frame_draw(v, width, height, error);
+    if (!result) result = frame_draw(v, t.framebuffer, width, height, error);
     if (!result) {
         gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
         gl->ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
     }
-    free_target(gl, &t);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
+    target_free(&t, gl);
     return result;
 }
 

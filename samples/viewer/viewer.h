@@ -31,6 +31,7 @@ typedef struct settings {
     int has_no_filter;
     int has_environment;
     int is_orthographic;
+    int is_smooth;  /* four samples a pixel */
     int is_turning; /* the turntable runs */
 } settings;
 
@@ -210,6 +211,20 @@ void canvas_rectangle(canvas *c, int x, int y, int width, int height, uint32_t t
 void canvas_text(canvas *c, int x, int y, int size, uint32_t color, const char *text);
 void canvas_end(canvas *c); /* draws into the bound framebuffer; writes no depth */
 
+/* ---- target.c: where else to draw ---------------------------------------------------------- */
+
+/* Zeros: none. */
+typedef struct target {
+    unsigned framebuffer, color, depth; /* GL's names */
+    int width, height;
+    int is_complete;
+} target;
+
+/* Makes it anew where its size differs; 0 where GL cannot draw into it. Changes the bound
+ * framebuffer. */
+int target_resize(target *t, const gl *gl, int width, int height);
+void target_free(target *t, const gl *gl);
+
 /* ---- overlay.c: what is written over the picture ------------------------------------------ */
 
 void overlay_draw(viewer *v, int width, int height);
@@ -227,8 +242,9 @@ void title_write(const viewer *v, char *text, size_t size);
 
 /* ---- frame.c: one picture ------------------------------------------------------------------ */
 
-/* Backdrop and splats into the bound framebuffer. */
-psplat_result frame_draw(viewer *v, int width, int height, psplat_error *error);
+/* Backdrop and splats into a framebuffer (0: the window), which is bound afterwards. */
+psplat_result frame_draw(viewer *v, unsigned framebuffer, int width, int height,
+                         psplat_error *error);
 
 /* ---- screenshot.c -------------------------------------------------------------------------- */
 
@@ -296,6 +312,7 @@ struct viewer {
     loader *loader;
     psplat_environment *sky; /* NULL until it is asked for */
     exhibit exhibit;
+    target fine; /* of settings.is_smooth */
     orbit orbit;
     int has_help;      /* the overlay shows the keys */
     int needs_redraw;  /* something on the screen has changed */

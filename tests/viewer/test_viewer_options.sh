@@ -11,7 +11,7 @@ for option in --help -h; do
     run "$VIEWER" x.glb $option
     expect_success
     expect_output '^usage: phongsplat-viewer '
-    for name in --size --mode --shading --lights --background --environment --screenshots --gles; do expect_output "^  $name"; done
+    for name in --size --mode --shading --lights --background --environment --smooth --screenshots --gles; do expect_output "^  $name"; done
     expect_output '^  F12  *save'
     [ "$(awk 'length > 100' stdout.txt | wc -l)" -eq 0 ] || fail "--help: lines over 100 columns"
 done

@@ -100,6 +100,30 @@ static void test_shadows_and_sky(void **state) {
     quit(f);
 }
 
+/* Colours between the cube's and the backdrop's, which is black: a fifth of the way at least from
+ * both. */
+static int has_edges(void *user, const program *p) {
+    picture now = program_picture(p);
+    int count = 0, at_least = *(const int *)user;
+    for (int i = 0; i < WIDTH * 200; ++i) count += now.rgb[3 * i] > 20 && now.rgb[3 * i] < 60;
+    free(now.rgb);
+    return count >= at_least;
+}
+
+/* The key light alone leaves no side of the cube darker than its ambient part, 0.12: 97 of 255. */
+static void test_smooth_edges(void **state) {
+    fixture *f = *state;
+    int some = 20;
+    picture hard = start_cube(f);
+    for (int i = 0; i < WIDTH * 200; ++i) assert_true(hard.rgb[3 * i] == 0 || hard.rgb[3 * i] > 90);
+    program_key(&f->viewer, "v", 0);
+    program_await(&f->viewer, "edges are smooth", has_edges, &some);
+    program_key(&f->viewer, "v", 0);
+    await_return(f, "edges are hard", &hard);
+    free(hard.rgb);
+    quit(f);
+}
+
 static void test_filter(void **state) {
     fixture *f = *state;
     start(f, "--mode=phong", f->b, NULL);
@@ -147,6 +171,7 @@ int main(void) {
         cmocka_unit_test(test_lights_change_the_picture),
         cmocka_unit_test(test_debug_views),
         cmocka_unit_test(test_shadows_and_sky),
+        cmocka_unit_test(test_smooth_edges),
         cmocka_unit_test(test_filter),
         cmocka_unit_test(test_culling),
         cmocka_unit_test(test_help_covers_and_leaves),
