@@ -125,6 +125,29 @@ static void test_environments(void **state) {
     psplat_environment_destroy(s->canvas->renderer, NULL);
 }
 
+/* The second frame of every mode and shading, shadows too, allocates and makes nothing. */
+static void test_frames(void **state) {
+    stage *s = *state;
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    s->view.lights[0].casts_shadow = 1;
+    s->view.shadow_size = 16;
+    size_t made = 0;
+    int calls = 0;
+    for (int frame = 0; frame < 2; ++frame) {
+        made = s->spy.made;
+        calls = s->ledger.calls;
+        for (int mode = 0; mode < PSPLAT_MODE_COUNT; ++mode)
+            for (int shading = 0; shading < PSPLAT_SHADING_COUNT; ++shading) {
+                s->view.mode = (psplat_mode)mode;
+                s->view.shading = (psplat_shading)shading;
+                draw(s, model, 16);
+            }
+    }
+    assert_int_equal(s->spy.made, made);
+    assert_int_equal(s->ledger.calls, calls);
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
 /* Maps stay while their size does and no view needs more of them. */
 static void test_shadows(void **state) {
     stage *s = *state;
@@ -230,7 +253,7 @@ static int teardown(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         BOTH(test_renderers), BOTH(test_used_renderers), BOTH(test_models),  BOTH(test_targets),
-        BOTH(test_shadows),   BOTH(test_environments),   BOTH(test_nothing),
+        BOTH(test_shadows),   BOTH(test_environments),   BOTH(test_nothing), BOTH(test_frames),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -143,6 +143,7 @@ static void born(spy_object kind, GLuint name) {
     }
     active->owned[kind][name] = 1;
     ++active->live[kind];
+    ++active->made;
 }
 
 static void died(const char *call, spy_object kind, GLuint name) {

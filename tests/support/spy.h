@@ -58,6 +58,7 @@ typedef struct spy {
     int no_reset_status; /* 1: glGetGraphicsResetStatus says nothing of a loss, glGetError does */
     void (*real[SPY_FUNCTION_MAX])(void);
     size_t live[SPY_OBJECT_COUNT];
+    size_t made;    /* objects of all kinds, ever */
     size_t calls;   /* counted while the fault is SPY_FAULT_LOST */
     unsigned error; /* that the next glGetError returns */
     unsigned char owned[SPY_OBJECT_COUNT][SPY_NAME_MAX];
