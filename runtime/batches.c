@@ -81,11 +81,16 @@ static void set_culling(const psplat_gl *gl, int is_culled, int is_mirrored) {
 }
 
 /* Runs of chunks that may show. */
-static void draw_chunks(const psplat_gl *gl, const psplat_model_batch *batch,
-                        const psplat_chunk_view *view) {
+static void draw_chunks(psplat_frame *f, const psplat_model_batch *batch,
+                        const psplat_placement *placement) {
+    const psplat_gl *gl = &f->renderer->gl;
+    const psplat_chunk_view *view = &placement->chunk_view;
     GLsizei count = batch->splat_count, first = 0, end = 0;
     for (GLsizei at = 0; at < count; at += PSPLAT_CHUNK_SPLATS) {
-        if (psplat_chunk_is_visible(&batch->chunks[at / PSPLAT_CHUNK_SPLATS], view)) {
+        const psplat_chunk *chunk = &batch->chunks[at / PSPLAT_CHUNK_SPLATS];
+        if (psplat_chunk_is_visible(chunk, view)) {
+            psplat_extent_add(&f->extent, chunk->center, chunk->radius, placement->clip,
+                              f->view->width, f->view->height);
             end = at + PSPLAT_CHUNK_SPLATS < count ? at + PSPLAT_CHUNK_SPLATS : count;
             continue;
         }
@@ -95,7 +100,7 @@ static void draw_chunks(const psplat_gl *gl, const psplat_model_batch *batch,
     if (end > first) gl->DrawArrays(GL_TRIANGLES, 3 * first, 3 * (end - first));
 }
 
-static psplat_result draw_batch(const psplat_frame *f, const psplat_model_batch *batch,
+static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch,
                                 const psplat_camera *camera, const psplat_placement *placement,
                                 psplat_program_key key, int first_index) {
     psplat_renderer *renderer = f->renderer;
@@ -118,7 +123,7 @@ static psplat_result draw_batch(const psplat_frame *f, const psplat_model_batch 
     set_culling(gl, is_culled, placement->is_mirrored);
     psplat_frame_bind_texture(gl, PSPLAT_UNIT_SPLATS, &batch->splats, GL_TEXTURE_2D);
     psplat_frame_bind_texture(gl, PSPLAT_UNIT_CLIPS, &batch->clips, GL_TEXTURE_2D);
-    draw_chunks(gl, batch, &placement->chunk_view);
+    draw_chunks(f, batch, placement);
     return PSPLAT_OK;
 }
 
@@ -127,9 +132,10 @@ static int is_culled(psplat_culling culling, const psplat_material *material) {
            (culling == PSPLAT_CULL_BY_MATERIAL && !material->double_sided);
 }
 
-psplat_result psplat_frame_draw_batches(const psplat_frame *f, const psplat_camera *camera,
+psplat_result psplat_frame_draw_batches(psplat_frame *f, const psplat_camera *camera,
                                         psplat_program_key key, psplat_culling culling) {
     int first_index = 0;
+    f->extent = (psplat_extent){0, 0, 0, 0};
     for (size_t i = 0; i < f->item_count; ++i) {
         const psplat_item *item = &f->items[i];
         for (size_t k = 0; k < item->model->batch_count; ++k) {

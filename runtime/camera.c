@@ -108,7 +108,7 @@ void psplat_camera_compose(const double transform[16], const double model[16], d
 
 int psplat_camera_place(const psplat_camera *camera, const psplat_placement_desc *desc,
                         psplat_placement *placement) {
-    double scene[16], modelview[16], clip[16], normal[9], inverse[16];
+    double scene[16], modelview[16], normal[9], inverse[16], *clip = placement->clip;
     psplat_camera_compose(desc->transform, desc->model, scene);
     psplat_matrix_multiply(camera->view, scene, modelview);
     psplat_matrix_multiply(camera->projection, modelview, clip);

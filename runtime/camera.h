@@ -32,6 +32,7 @@ typedef struct psplat_camera_desc {
 
 /* A model matrix in a camera. */
 typedef struct psplat_placement {
+    double clip[16]; /* object to clip space */
     float modelview[16];
     float normal[9];
     float shift[3];  /* of shift_of() in splat.vert */

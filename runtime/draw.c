@@ -134,7 +134,7 @@ static psplat_result bind_target(const psplat_frame *f) {
     return PSPLAT_OK;
 }
 
-static psplat_result draw_splats(const psplat_frame *f) {
+static psplat_result draw_splats(psplat_frame *f) {
     const psplat_gl *gl = &f->renderer->gl;
     psplat_culling culling = f->view->culling;
     if (!f->blends) return psplat_frame_draw_batches(f, &f->camera, f->key, culling);
@@ -153,6 +153,8 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     psplat_renderer *renderer = f->renderer;
     const psplat_gl *gl = &renderer->gl;
     const psplat_view *view = f->view;
+    const psplat_extent *extent = &f->extent;
+    if (!(extent->x0 < extent->x1)) return PSPLAT_OK;
     psplat_program_key key = f->key;
     key.is_resolve = 1;
     const psplat_program *program = NULL;
@@ -161,7 +163,8 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     if (result != PSPLAT_OK) return result;
 
     psplat_gl_state_bind_host(state, gl);
-    gl->Viewport(view->x, view->y, view->width, view->height);
+    gl->Viewport(view->x + extent->x0, view->y + extent->y0, extent->x1 - extent->x0,
+                 extent->y1 - extent->y0);
     gl->Disable(GL_BLEND);
     gl->Disable(GL_CULL_FACE);
     gl->Enable(GL_DEPTH_TEST);

@@ -38,28 +38,24 @@ vec3 position_of(vec3 window) {
     return position.xyz / position.w;
 }
 
-/* D times V: Trowbridge-Reitz distribution and height-correlated Smith visibility. Written with
- * |n x h| where n and h are close: 1 - (n.h)^2 has no digits left at low roughness. */
-float specular_lobe(vec3 n, vec3 h, float nl, float nv, float alpha) {
-    float a2 = alpha * alpha;
-    vec3 c = cross(n, h);
-    float nh = dot(n, h);
-    float d = nh > 0.0 ? dot(c, c) + nh * nh * a2 : 1.0;
-    float smith = nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2);
-    return a2 / (PI * d * d) * 0.5 / max(smith, 1e-7);
-}
-
-/* What a light of unit irradiance sends to the eye, times n.l. */
+/* What a light of unit irradiance sends to the eye, times n.l: D and V of (7) over one denominator,
+ * with h of any length, as |h|^2 = 2 + 2 l.e and e.h = |h|^2 / 2. 1 - (n.h)^2 has no digits left at
+ * low roughness where n and h are close: it is |n x h|^2. */
 vec3 reflect_light(vec3 n, vec3 view, vec3 l, vec3 diffuse, vec3 f0, float alpha) {
-    vec3 h = normalize(l + view + 1e-12 * n);
-    float nl = dot(n, l);
+    float a2 = alpha * alpha;
+    float nl = max(dot(n, l), 0.0);
     float nv = max(dot(n, view), 1e-4);
-    float s = 1.0 - clamp(dot(view, h), 0.0, 1.0);
+    vec3 h = l + view;
+    vec3 across = cross(n, h);
+    float h2 = max(dot(h, h), 1e-12);
+    float nh = dot(n, h);
+    float d = nh > 0.0 ? dot(across, across) + nh * nh * a2 : h2;
+    float smith = nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2);
+    float specular = 0.5 / PI * a2 * h2 * h2 / max(d * d * smith, 1e-30);
+    float s = 1.0 - 0.5 * sqrt(h2);
     float s2 = s * s;
     vec3 fresnel = f0 + (1.0 - f0) * (s2 * s2 * s);
-    vec3 lobes = (1.0 - fresnel) * diffuse / PI +
-                 fresnel * specular_lobe(n, h, max(nl, 1e-7), nv, alpha);
-    return max(nl, 0.0) * lobes;
+    return nl * ((diffuse - fresnel * diffuse) / PI + fresnel * specular);
 }
 
 #if SHADOWS

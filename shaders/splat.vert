@@ -66,8 +66,8 @@ vec3 view_ray(vec3 eye) {
 #if PASS == PSPLAT_PASS_VISIBILITY
 /* 1 / max(|cos|, 1/2) of eq. (5), of the angle between the splat's normal and the view ray. */
 float grazing_of(vec3 normal, vec3 ray) {
-    float cosine = abs(dot(normal, ray)) * inversesqrt(dot(normal, normal) * dot(ray, ray));
-    return 1.0 / max(cosine, 0.5);
+    float projected = dot(normal, ray), both = dot(normal, normal) * dot(ray, ray);
+    return sqrt(both / max(projected * projected, 0.25 * both));
 }
 
 /* What to add to gl_Position.z so that the point lies epsilon further along its own view ray
