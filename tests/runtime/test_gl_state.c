@@ -97,8 +97,9 @@ typedef struct snapshot {
 
 typedef struct fixture {
     psplat_api api;
-    canvas *canvas; /* its renderer draws through the spy */
-    canvas *calm;   /* another context, where nothing is disturbed and nobody spies */
+    int capability_count, integer_count; /* that the context knows */
+    canvas *canvas;                      /* its renderer draws through the spy */
+    canvas *calm; /* another context, where nothing is disturbed and nobody spies */
     spy spy;
     host_gl gl;
     scene scene;
@@ -111,10 +112,9 @@ static void take(const fixture *f, snapshot *s) {
     const host_gl *gl = &f->gl;
     GLint unit = 0;
     memset(s, 0, sizeof *s);
-    for (int i = 0; i < (f->api == PSPLAT_API_GL ? CAPABILITIES : ES_CAPABILITIES); ++i)
+    for (int i = 0; i < f->capability_count; ++i)
         s->capabilities[i] = gl->IsEnabled(capabilities[i]);
-    for (int i = 0; i < (f->api == PSPLAT_API_GL ? INTEGERS : ES_INTEGERS); ++i)
-        gl->GetIntegerv(integers[i], s->integers[i]);
+    for (int i = 0; i < f->integer_count; ++i) gl->GetIntegerv(integers[i], s->integers[i]);
     gl->GetFloatv(GL_COLOR_CLEAR_VALUE, s->clear_color);
     gl->GetFloatv(GL_DEPTH_CLEAR_VALUE, &s->clear_depth);
     gl->GetFloatv(GL_DEPTH_RANGE, s->depth_range);
@@ -157,8 +157,7 @@ static void disturb_unpacking(const fixture *f) {
 static void disturb(const fixture *f) {
     const host_gl *gl = &f->gl;
     GLuint name;
-    for (int i = 0; i < (f->api == PSPLAT_API_GL ? CAPABILITIES : ES_CAPABILITIES); ++i)
-        gl->Enable(capabilities[i]);
+    for (int i = 0; i < f->capability_count; ++i) gl->Enable(capabilities[i]);
     gl->Disable(GL_DITHER);
     if (f->api == PSPLAT_API_GL) {
         void(APIENTRY * polygon_mode)(GLenum face, GLenum mode);
@@ -422,6 +421,13 @@ static int setup(void **state, psplat_api api) {
     psplat_renderer_desc desc = {.get_proc = spy_get_proc, .user = &f->spy};
     canvas_check(psplat_renderer_create(&desc, &f->canvas->renderer, &error), &error);
     f->gl = host_gl_of(f->canvas->host);
+    int is_gl = api == PSPLAT_API_GL;
+    GLint version[2] = {0};
+    f->gl.GetIntegerv(GL_MAJOR_VERSION, &version[0]);
+    f->gl.GetIntegerv(GL_MINOR_VERSION, &version[1]);
+    int has_mask = is_gl || version[0] * 10 + version[1] >= 31;
+    f->capability_count = is_gl ? CAPABILITIES : ES_CAPABILITIES - !has_mask;
+    f->integer_count = is_gl ? INTEGERS : ES_INTEGERS;
     f->scene = scene_ellipses(40, 2, 5);
     f->asset = scene_open(&f->scene);
     f->view = top_view();

@@ -304,11 +304,19 @@ static const struct {
 #include "spy_calls.h"
 };
 
+/* Extensions call functions of the core by the same name with three letters more. */
+static int is_named(const char *name, const char *core) {
+    size_t length = strlen(core);
+    const char *suffix = name + length;
+    return strncmp(name, core, length) == 0 &&
+           (!*suffix || !strcmp(suffix, "KHR") || !strcmp(suffix, "ARB") || !strcmp(suffix, "EXT"));
+}
+
 void *spy_get_proc(void *user, const char *name) {
     spy *s = user;
     spy_use(s);
     for (int i = 0; i < FUNCTION_COUNT; ++i) {
-        if (strcmp(functions[i].name, name) != 0) continue;
+        if (!is_named(name, functions[i].name)) continue;
         void *address = s->get_proc(s->user, name), *stand_in;
         memcpy(&s->real[i], &address, sizeof address);
         memcpy(&stand_in, &functions[i].function, sizeof stand_in);
