@@ -26,37 +26,41 @@ static void normal_of(const psplat_splat *splat, double normal[3]) {
     for (int i = 0; i < 3; ++i) normal[i] *= scale;
 }
 
+/* Comparisons, not fmin and fmax: these are calls, and there are millions of splats. */
 static void find_sphere(const psplat_splat *splats, size_t count, psplat_chunk *chunk) {
-    double min[3], max[3], center[3], radius = 0.0;
+    float min[3], max[3], largest = 0.0f;
+    double square = 0.0;
     for (int i = 0; i < 3; ++i) min[i] = max[i] = splats[0].center[i];
-    for (size_t k = 1; k < count; ++k)
+    for (size_t k = 0; k < count; ++k) {
         for (int i = 0; i < 3; ++i) {
-            min[i] = fmin(min[i], splats[k].center[i]);
-            max[i] = fmax(max[i], splats[k].center[i]);
+            float x = splats[k].center[i];
+            min[i] = x < min[i] ? x : min[i];
+            max[i] = x > max[i] ? x : max[i];
         }
-    for (int i = 0; i < 3; ++i) {
-        chunk->center[i] = (float)(0.5 * (min[i] + max[i]));
-        center[i] = chunk->center[i];
+        if (splats[k].radius[0] > largest) largest = splats[k].radius[0];
     }
+    for (int i = 0; i < 3; ++i) chunk->center[i] = (float)(0.5 * ((double)min[i] + (double)max[i]));
     for (size_t k = 0; k < count; ++k) {
         double d[3];
-        for (int i = 0; i < 3; ++i) d[i] = splats[k].center[i] - center[i];
-        radius = fmax(radius, sqrt(dot(d, d)) + (double)splats[k].radius[0]);
+        for (int i = 0; i < 3; ++i) d[i] = (double)splats[k].center[i] - (double)chunk->center[i];
+        double d2 = dot(d, d);
+        square = d2 > square ? d2 : square;
     }
+    double radius = sqrt(square) + (double)largest;
     chunk->radius = (float)(radius * (1.0 + 1e-6)); /* rounded outwards */
 }
 
 static void find_cone(const psplat_splat *splats, size_t count, psplat_chunk *chunk) {
-    double axis[3] = {0.0, 0.0, 0.0}, normal[3], cosine = 1.0;
+    double axis[3] = {0.0, 0.0, 0.0}, normals[PSPLAT_CHUNK_SPLATS][3], cosine = 1.0;
     for (size_t k = 0; k < count; ++k) {
-        normal_of(&splats[k], normal);
-        for (int i = 0; i < 3; ++i) axis[i] += normal[i];
+        normal_of(&splats[k], normals[k]);
+        for (int i = 0; i < 3; ++i) axis[i] += normals[k][i];
     }
     double length = sqrt(dot(axis, axis));
     for (int i = 0; i < 3; ++i) axis[i] = length > 0.0 ? axis[i] / length : 0.0;
     for (size_t k = 0; k < count; ++k) {
-        normal_of(&splats[k], normal);
-        cosine = fmin(cosine, dot(axis, normal));
+        double c = dot(axis, normals[k]);
+        cosine = c < cosine ? c : cosine;
     }
     for (int i = 0; i < 3; ++i) chunk->axis[i] = (float)axis[i];
     chunk->cosine = (float)(cosine - 1e-6);
