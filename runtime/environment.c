@@ -14,7 +14,7 @@ enum {
     DIFFUSE_SIZE = 16,
     GLOSSY_SIZE = 64,
     GLOSSY_LEVELS = 5, /* down to 4 texels */
-    SPLIT_SUM_SIZE = 32,
+    SPLIT_SUM_SIZE = PSPLAT_SPLIT_SUM_SIZE,
     MAX_SIZE = 1024,
     FACE_FLOATS = 4 * GLOSSY_SIZE * GLOSSY_SIZE
 };
@@ -76,6 +76,7 @@ static psplat_result make_glossy(psplat_renderer *renderer, const psplat_cube *c
     return result;
 }
 
+/* The centres of the first and the last texels stand for 0 and 1. */
 static psplat_result make_split_sum(psplat_renderer *renderer, float *staging,
                                     psplat_texture *texture, psplat_error *error) {
     psplat_texture_desc desc = {.texel = PSPLAT_TEXEL_RG16F,
@@ -87,8 +88,8 @@ static psplat_result make_split_sum(psplat_renderer *renderer, float *staging,
     if (result != PSPLAT_OK) return result;
     for (int y = 0; y < SPLIT_SUM_SIZE; ++y)
         for (int x = 0; x < SPLIT_SUM_SIZE; ++x) {
-            double roughness = (y + 0.5) / SPLIT_SUM_SIZE;
-            psplat_split_sum((x + 0.5) / SPLIT_SUM_SIZE, fmax(roughness * roughness, 0.002),
+            double roughness = y / (SPLIT_SUM_SIZE - 1.0), root = x / (SPLIT_SUM_SIZE - 1.0);
+            psplat_split_sum(fmax(root * root, 1e-4), fmax(roughness * roughness, 0.002),
                              staging + 2 * (y * SPLIT_SUM_SIZE + x));
         }
     renderer->gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, SPLIT_SUM_SIZE, SPLIT_SUM_SIZE, GL_RG,

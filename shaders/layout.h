@@ -39,6 +39,10 @@
 #define PSPLAT_UNIT_SPLIT_SUM 8
 #define PSPLAT_UNIT_COUNT 9
 
+/* Edge of the table of a and b of eq. (9): by the root of n.e, as they change most at grazing
+ * angles, and by roughness. */
+#define PSPLAT_SPLIT_SUM_SIZE 32
+
 /* Colour attachments of the attribute pass; in the resolve pass, their texture units.
  *
  *     0: sum of w n, of w L or (u, v, index); sum of w

@@ -79,7 +79,9 @@ vec3 reflect_environment(vec3 n, vec3 view, vec3 diffuse, vec3 f0, float roughne
     float nv = clamp(dot(n, view), 0.0, 1.0);
     vec3 direction = u_eye_to_scene * (2.0 * dot(n, view) * n - view);
     vec3 glossy = textureLod(u_glossy, direction, roughness * u_glossy_levels).rgb;
-    vec2 split_sum = textureLod(u_split_sum, vec2(nv, roughness), 0.0).rg;
+    const float table = float(PSPLAT_SPLIT_SUM_SIZE);
+    vec2 entry = (vec2(sqrt(nv), roughness) * (table - 1.0) + 0.5) / table;
+    vec2 split_sum = textureLod(u_split_sum, entry, 0.0).rg;
     return diffuse / PI * textureLod(u_diffuse, u_eye_to_scene * n, 0.0).rgb +
            (f0 * split_sum.x + split_sum.y) * glossy;
 }

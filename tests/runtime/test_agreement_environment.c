@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT
+ * Under an environment the renderer, whose maps are prefiltered, shows what the reference
+ * rasteriser integrates pixel by pixel (spec 5.6, eq. (9)). */
+#include "agreement.h"
+#include "scene.h"
+
+#include <phongsplat/host.h>
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#define TEXELS 32
+
+/* As in test_agreement.c. */
+static const agreement_ties ordinary = {2e-4, 2e-6, 0.015};
+
+/* R between 0 and 1.1: constant, or a polynomial of degree 2 in the direction, another one in each
+ * channel and without a symmetry. */
+static void fill(float *texels, int is_constant) {
+    for (int i = 0; i < 6 * TEXELS * TEXELS; ++i) {
+        double s = (i % TEXELS + 0.5) / TEXELS * 2 - 1;
+        double t = (i / TEXELS % TEXELS + 0.5) / TEXELS * 2 - 1;
+        const double directions[6][3] = {{1, -t, -s}, {-1, -t, s}, {s, 1, t},
+                                         {s, -1, -t}, {s, -t, 1},  {-s, -t, -1}};
+        const double *l = directions[i / TEXELS / TEXELS];
+        double length2 = 1 + s * s + t * t, length = sqrt(length2);
+        texels[3 * i] = (float)(0.6 + 0.3 * l[0] / length + 0.2 * l[1] * l[2] / length2);
+        texels[3 * i + 1] = (float)(0.5 + 0.4 * l[1] / length);
+        texels[3 * i + 2] = (float)(0.4 + 0.5 * l[2] * l[2] / length2);
+        for (int k = 0; k < 3 && is_constant; ++k) texels[3 * i + k] = 1;
+    }
+}
+
+/* A sphere from above: normals and reflections in most directions, many of them grazing. */
+static void check(gpu *g, float metallic, float roughness, int is_constant, double bar) {
+    static float texels[6 * TEXELS * TEXELS * 3];
+    const psplat_environment_desc cube = {texels, TEXELS};
+    scene s = scene_sphere(200, 1);
+    s.material.metallic = metallic;
+    s.material.roughness = roughness;
+    s.material.base_color[1] = 0.7f;
+    fill(texels, is_constant);
+    psplat_asset *asset = scene_open(&s);
+    psplat_reference_scene scene = {.asset = asset, .environment = &cube};
+    psplat_view view = camera_view(20, 15);
+    view.light_count = view.no_filter = 0;
+    camera_look(&view, (double[]){1, 2, 3}, (double[]){0, 0, 0});
+    camera_perspective(&view, 20, 0.3, 10);
+    agreement a = agreement_measure_scene(g, &scene, &view, 1, &ordinary);
+    print_message("metallic %g, roughness %.1f, %s: covered %zu skipped %zu color %.1e\n",
+                  (double)metallic, (double)roughness, is_constant ? "constant" : "smooth",
+                  a.covered, a.skipped, a.color);
+    psplat_asset_destroy(asset);
+    scene_free(&s);
+    assert_true(a.covered > 100 && a.skipped * 10 < a.covered);
+    assert_int_equal(a.mismatches, 0);
+    assert_true(a.color <= bar);
+}
+
+/* Nothing but a and b, from a table of 32 by 32, which is coarse for a mirror at half a degree of
+ * grazing. */
+static void test_constant(void **state) {
+    check(*state, 1, 0, 1, 2e-2);
+    check(*state, 1, 0.3f, 1, 1e-2);
+    check(*state, 1, 1, 1, 6e-3);
+}
+
+/* The renderer interpolates between 5 lobes, on cubes of 64 to 4 texels. */
+static void test_smooth(void **state) {
+    check(*state, 0, 0.4f, 0, 1e-2);
+    check(*state, 1, 0.1f, 0, 2e-2);
+    check(*state, 1, 0.8f, 0, 2e-2);
+}
+
+static int open_gl(void **state) {
+    static gpu g;
+    g = gpu_open(PSPLAT_API_GL);
+    *state = &g;
+    return 0;
+}
+
+static int open_gles(void **state) {
+    static gpu g;
+    g = gpu_open(PSPLAT_API_GLES);
+    *state = &g;
+    return 0;
+}
+
+static int close_gpu(void **state) {
+    gpu_close(*state);
+    return 0;
+}
+
+static void test_dielectric(void **state) {
+    check(*state, 0, 0.4f, 0, 1e-2);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_constant),
+                                       cmocka_unit_test(test_smooth)};
+    const struct CMUnitTest gles_tests[] = {cmocka_unit_test(test_dielectric)};
+    int failed = cmocka_run_group_tests_name("GL", tests, open_gl, close_gpu);
+    return failed + cmocka_run_group_tests_name("GLES", gles_tests, open_gles, close_gpu);
+}
