@@ -87,6 +87,39 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     }
 }
 
+/* With the filter of spec 5.8, from near and from so far that splats are below a pixel, and creases
+ * between soft clip lines. */
+static void check_filter(gpu *g, const psplat_asset *asset, const double from[3], double pixels) {
+    const agreement_ties ties = {2e-4, 2e-6, 0.16};
+    psplat_view view = view_of(asset, from, 4);
+    view.no_filter = 0;
+    view.projection[0] *= pixels / 150; /* of 150 pixels across */
+    view.projection[5] *= pixels / 150;
+    for (int mode = PSPLAT_MODE_PHONG; mode <= PSPLAT_MODE_GAUSSIAN; ++mode) {
+        view.mode = (psplat_mode)mode;
+        agreement a = agreement_measure(g, asset, NULL, &view, 1, &ties);
+        print_message("filtered, %g px: covered %zu skipped %zu mismatches %zu depth %.1e "
+                      "(thin %.1e) color %.1e\n",
+                      pixels, a.covered, a.skipped, a.mismatches, a.depth, a.thin_depth, a.color);
+        assert_true((double)a.covered > 0.07 * pixels * pixels && a.skipped * 3 < a.covered);
+        assert_int_equal(a.mismatches, 0);
+        assert_true(a.depth <= 1e-6 && a.thin_depth <= 1e-6 && a.color <= 1e-4);
+    }
+}
+
+static void test_filtered_part(void **state) {
+    (void)state;
+    gpu g = gpu_open(PSPLAT_API_GL);
+    psplat_asset *asset = convert_part();
+    const double pixels[] = {150, 40, 12};
+    for (int k = 0; k < 3; ++k) {
+        check_filter(&g, asset, (double[]){1, 2, 3}, pixels[k]);
+        check_filter(&g, asset, (double[]){-3, 1, -1}, pixels[k]);
+    }
+    psplat_asset_destroy(asset);
+    gpu_close(&g);
+}
+
 static void test_part(void **state) {
     (void)state;
     gpu g = gpu_open(PSPLAT_API_GL);
@@ -99,6 +132,7 @@ static void test_part(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_part)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_part),
+                                       cmocka_unit_test(test_filtered_part)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
