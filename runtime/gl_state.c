@@ -25,6 +25,7 @@ static const struct {
     {GL_SAMPLE_MASK, 31, GL_FALSE},
     {GL_COLOR_LOGIC_OP, 0, GL_FALSE},
     {GL_DEPTH_CLAMP, 0, GL_FALSE},
+    {GL_POLYGON_SMOOTH, 0, GL_FALSE},
     {GL_TEXTURE_CUBE_MAP_SEAMLESS, 0, GL_TRUE}, /* GLES is always seamless */
     {GL_CLIP_DISTANCE0, 0, GL_FALSE},
     {GL_CLIP_DISTANCE0 + 1, 0, GL_FALSE},

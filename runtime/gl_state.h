@@ -13,7 +13,7 @@
 #include "gl_api.h"
 #include "layout.h"
 
-#define PSPLAT_GL_CAPABILITY_COUNT 22
+#define PSPLAT_GL_CAPABILITY_COUNT 23
 
 typedef struct psplat_gl_state {
     GLboolean capabilities[PSPLAT_GL_CAPABILITY_COUNT];

@@ -19,11 +19,16 @@
 /* GL only. */
 enum {
     POLYGON_MODE = 0x0B40,
+    POLYGON_SMOOTH = 0x0B41,
     COLOR_LOGIC_OP = 0x0BF2,
     UNPACK_SWAP_BYTES = 0x0CF0,
     LINE = 0x1B01,
     CLIP_DISTANCE0 = 0x3000,
+    MULTISAMPLE = 0x809D,
     DEPTH_CLAMP = 0x864F,
+    PROGRAM_POINT_SIZE = 0x8642,
+    FRAMEBUFFER_SRGB = 0x8DB9,
+    PRIMITIVE_RESTART = 0x8F9D,
     CUBE_MAP_SEAMLESS = 0x884F,
     SAMPLE_MASK = 0x8E51
 };
@@ -42,6 +47,11 @@ static const GLenum capabilities[] = {
     SAMPLE_MASK,
     /* GL only */
     COLOR_LOGIC_OP,
+    FRAMEBUFFER_SRGB,
+    MULTISAMPLE,
+    POLYGON_SMOOTH,
+    PRIMITIVE_RESTART,
+    PROGRAM_POINT_SIZE,
     DEPTH_CLAMP,
     CUBE_MAP_SEAMLESS,
     CLIP_DISTANCE0,
@@ -153,18 +163,21 @@ static void disturb_unpacking(const fixture *f) {
     if (f->api == PSPLAT_API_GL) gl->PixelStorei(UNPACK_SWAP_BYTES, 1);
 }
 
+/* What GLES does not have. */
+static void disturb_desktop(const fixture *f) {
+    PFNGLPOLYGONMODEPROC polygon_mode;
+    host_gl_load(f->canvas->host, "glPolygonMode", &polygon_mode);
+    polygon_mode(GL_FRONT_AND_BACK, LINE);
+    f->gl.Disable(CUBE_MAP_SEAMLESS);
+}
+
 /* Everything away from its default, or from what the runtime wants. */
 static void disturb(const fixture *f) {
     const host_gl *gl = &f->gl;
     GLuint name;
     for (int i = 0; i < f->capability_count; ++i) gl->Enable(capabilities[i]);
     gl->Disable(GL_DITHER);
-    if (f->api == PSPLAT_API_GL) {
-        void(APIENTRY * polygon_mode)(GLenum face, GLenum mode);
-        host_gl_load(f->canvas->host, "glPolygonMode", &polygon_mode);
-        polygon_mode(GL_FRONT_AND_BACK, LINE);
-        gl->Disable(CUBE_MAP_SEAMLESS);
-    }
+    if (f->api == PSPLAT_API_GL) disturb_desktop(f);
     gl->BlendFuncSeparate(GL_DST_COLOR, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_DST_ALPHA);
     gl->BlendEquationSeparate(GL_FUNC_SUBTRACT, GL_MIN);
     gl->DepthFunc(GL_GREATER);

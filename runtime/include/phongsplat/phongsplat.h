@@ -285,9 +285,10 @@ typedef struct psplat_item {
  *     glGetError                the flags are read where something is made or fails
  *     glGetGraphicsResetStatus  is asked once a call, where the context has it
  *
- * and to be at its default: glClipControl, conditional rendering, transform feedback; in WebGL
- * UNPACK_FLIP_Y and UNPACK_PREMULTIPLY_ALPHA; in GLES EXT_clip_cull_distance. Depth that is
- * reversed (greater is nearer) cannot be shared. Active queries count what is drawn here too. */
+ * and to be at its default: glClipControl, conditional rendering, transform feedback, and what
+ * extensions add to rasterisation (EXT_depth_bounds_test, in GLES EXT_clip_cull_distance); in WebGL
+ * UNPACK_FLIP_Y and UNPACK_PREMULTIPLY_ALPHA. Depth that is reversed (greater is nearer) cannot be
+ * shared. Active queries count what is drawn here too. */
 psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
                           const psplat_item *items, size_t item_count, psplat_error *error);
 
