@@ -8,9 +8,9 @@
  * The files are the mesh converted at several tolerances, coarse ones first. The mesh is drawn with
  * the normals that the converter gives it, lit per pixel, from six directions, and so are the
  * splats in the modes phong, gaussian and flat (BSK04 figure 9). Errors are mean absolute
- * differences of the sRGB-encoded images in percent of white: of all pixels that either covers,
- * and, in parentheses, of those that both cover. CPU ms are medians of frames in turn with the
- * mesh's.
+ * differences of the sRGB-encoded images in percent of white: of all pixels that either covers
+ * (the other is black there), and, in parentheses, of those that both cover. CPU ms are medians of
+ * frames in turn with the mesh's.
  *
  * Below: how many splats the other modes need for the error that phong has inside the outline,
  * interpolated between the files on logarithmic axes, and beyond the last one ("~") continued for
@@ -34,7 +34,7 @@ typedef struct settings {
 } settings;
 
 typedef struct record {
-    double splats[MAX_FILES], shading[MODES][MAX_FILES];
+    double splats[MAX_FILES], shading[MODES][MAX_FILES], covered;
     size_t count;
 } record;
 
@@ -65,6 +65,7 @@ static void run_file(psplat_host *host, const char *path, const contestant *mesh
         quality q = quality_measure(host, &s, &splats, modes[i], &reference);
         printf(" %.2f (%.2f) |", q.image, q.shading);
         r->shading[i][r->count] = q.shading;
+        r->covered = q.covered;
     }
     ++r->count;
     print_cost(host, &s, &splats, mesh, set);
@@ -86,8 +87,10 @@ static void print_needed(double needed, const record *r, size_t file) {
 }
 
 static void print_equal(const record *r) {
-    printf("\n| error | phong | gaussian | of phong | flat | of phong |\n"
-           "|--:|--:|--:|--:|--:|--:|\n");
+    printf("\n%.0f %% of the pixels are covered.\n\n| error | phong | gaussian | of phong | flat | "
+           "of phong |\n"
+           "|--:|--:|--:|--:|--:|--:|\n",
+           r->covered);
     for (size_t k = 0; k < r->count; ++k) {
         double error = r->shading[0][k];
         printf("| %.2f | %.0f |", error, r->splats[k]);

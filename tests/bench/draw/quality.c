@@ -74,7 +74,8 @@ quality quality_measure(psplat_host *host, const subject *s, const contestant *s
     }
     free(image);
     return (quality){100 * sum.image / (white * fmax((double)sum.either, 1)),
-                     100 * sum.shading / (white * fmax((double)sum.both, 1))};
+                     100 * sum.shading / (white * fmax((double)sum.both, 1)),
+                     100 * (double)sum.either / ((double)pixels * VIEWS)};
 }
 
 double quality_splats_for(double error, const double *splats, const double *errors, size_t count) {

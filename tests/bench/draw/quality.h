@@ -11,6 +11,7 @@
 typedef struct quality {
     double image;   /* of pixels that either covers, the other's being black there */
     double shading; /* of pixels that both cover */
+    double covered; /* the former's share of the image, percent */
 } quality;
 
 /* The mesh's images of a subject from six fixed directions, size x size pixels each. */
