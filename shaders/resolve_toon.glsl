@@ -20,7 +20,8 @@ bool ends(vec3 position, vec3 normal, Pixel other) {
 
 bool is_contour(Pixel pixel, vec3 normal, ivec2 step) {
     ivec2 at = ivec2(pixel.window.xy);
-    Pixel before = pixel_at(at - step), after = pixel_at(at + step);
+    ivec2 last = textureSize(u_target0, 0) - 1; /* surfaces go on beyond the edge of the view */
+    Pixel before = pixel_at(max(at - step, 0)), after = pixel_at(min(at + step, last));
     vec3 position = position_of(pixel.window);
     return ends(position, normal, before) || ends(position, normal, after) ||
            dot(unit(before.normal), unit(after.normal)) < TURN;

@@ -332,6 +332,28 @@ static void test_offset(void **state) {
     free(depth);
 }
 
+/* A plane that the view cuts off looks the same up to the view's edge: no contour there. */
+static void test_border(void **state) {
+    world *w = *state;
+    canvas *c = w->canvas;
+    scene disc = scene_disc(3.0f);
+    psplat_asset *asset = scene_open(&disc);
+    psplat_item item = {.model = canvas_model(c, asset)};
+    psplat_view view = camera_view(SIZE, SIZE);
+    const double eye[3] = {0, 0, 2}, target[3] = {0, 0, 0};
+    camera_look(&view, eye, target);
+    camera_parallel(&view, 1.0, 1.0, 3.0);
+    for (int shading = 0; shading < PSPLAT_SHADING_SPLATS; ++shading) {
+        view.shading = (psplat_shading)shading;
+        canvas_draw(c, &view, &item, 1);
+        for (int at = 0; at < SIZE * SIZE; ++at)
+            for (int k = 0; k < 4; ++k) assert_near(c->color[4 * at + k], c->color[k], 1e-4);
+    }
+    psplat_model_destroy(c->renderer, item.model);
+    psplat_asset_destroy(asset);
+    scene_free(&disc);
+}
+
 static void test_depth_range(void **state) {
     world *w = *state;
     canvas *c = w->canvas;
@@ -445,8 +467,8 @@ static int teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        BOTH(test_colors), BOTH(test_depths),      BOTH(test_samples),
-        BOTH(test_offset), BOTH(test_depth_range), BOTH(test_host_pixels),
+        BOTH(test_colors), BOTH(test_depths),      BOTH(test_samples),     BOTH(test_offset),
+        BOTH(test_border), BOTH(test_depth_range), BOTH(test_host_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
