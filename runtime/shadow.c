@@ -177,12 +177,27 @@ static psplat_result draw_map(psplat_frame *f, int map, int size) {
     return psplat_frame_draw_batches(f, &camera, key, PSPLAT_CULL_NEVER);
 }
 
+/* Epsilon of a facing splat, in scene units. */
+static float largest_tolerance(const psplat_frame *f) {
+    double most = 0.0;
+    for (size_t i = 0; i < f->item_count; ++i)
+        for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
+            const psplat_model_batch *batch = &f->items[i].model->batches[k];
+            double scene[16];
+            psplat_camera_compose(f->items[i].transform, batch->model, scene);
+            double scale = cbrt(fabs(psplat_matrix_determinant3(scene)));
+            most = fmax(most, scale * (double)batch->depth_tolerance);
+        }
+    return (float)most;
+}
+
 psplat_result psplat_frame_draw_shadows(psplat_frame *f) {
     static const float one = 1.0f;
     const psplat_gl *gl = &f->renderer->gl;
     int size = f->view->shadow_size ? f->view->shadow_size : DEFAULT_SIZE;
     psplat_result result = bind_maps(f->renderer, size, f->lights.shadow_count, f->error);
     if (result != PSPLAT_OK) return result;
+    f->renderer->shadows.lift = 2.0f * largest_tolerance(f);
     gl->DepthMask(GL_TRUE);
     gl->DepthFunc(GL_LESS);
     gl->Enable(GL_DEPTH_TEST);
@@ -196,5 +211,5 @@ void psplat_shadows_use(const psplat_shadows *shadows, const psplat_gl *gl,
                         const psplat_program *program) {
     psplat_frame_bind_texture(gl, PSPLAT_UNIT_SHADOWS, &shadows->maps, GL_TEXTURE_2D);
     gl->UniformMatrix4fv(program->shadow_matrix, shadows->count, GL_FALSE, shadows->matrices[0]);
-    gl->Uniform1f(program->shadow_scale, 1.0f / (float)shadows->count);
+    gl->Uniform2f(program->shadow_scale, 1.0f / (float)shadows->count, shadows->lift);
 }

@@ -11,7 +11,8 @@
 typedef struct psplat_shadows {
     GLuint framebuffer;
     psplat_texture maps;
-    int size, count;                         /* texels along an edge of each; how many there are */
+    float lift;      /* off the surface, of what is compared with the maps */
+    int size, count; /* texels along an edge of each; how many there are */
     float matrices[PSPLAT_SHADOW_COUNT][16]; /* eye space of the view to the map: 0 ... 1 each */
 } psplat_shadows;
 

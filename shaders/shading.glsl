@@ -24,7 +24,7 @@ uniform float u_glossy_levels;
 #if SHADOWS
 uniform highp sampler2DShadow u_shadows;
 uniform mat4 u_shadow_matrix[PSPLAT_SHADOW_COUNT];
-uniform float u_shadow_scale; /* width of a map in the texture */
+uniform vec2 u_shadow_scale; /* width of a map in the texture; twice the largest epsilon */
 #endif
 
 const float PI = 3.14159265358979;
@@ -61,15 +61,15 @@ vec3 reflect_light(vec3 n, vec3 view, vec3 l, vec3 diffuse, vec3 f0, float alpha
 #if SHADOWS
 /* Share of a light that reaches a point: a shadow map's texels are compared, then filtered. The
  * point is lifted off the surface by a texel and a half, so that the slope within a texel does not
- * shade. */
+ * shade, and by what splats of one surface lie apart. */
 float lit_part(vec4 cone, vec3 position, vec3 normal, float distance) {
     if (cone.z < 0.0) return 1.0;
-    vec3 lifted = position + normal * (1.5 * cone.w * distance);
+    vec3 lifted = position + normal * (1.5 * cone.w * distance + u_shadow_scale.y);
     vec4 at = u_shadow_matrix[int(cone.z)] * vec4(lifted, 1.0);
     at.xyz /= at.w;
     vec3 outside = abs(at.xyz * 2.0 - 1.0);
     if (at.w <= 0.0 || max(outside.x, max(outside.y, outside.z)) >= 1.0) return 1.0;
-    return textureLod(u_shadows, vec3((at.x + cone.z) * u_shadow_scale, at.yz), 0.0);
+    return textureLod(u_shadows, vec3((at.x + cone.z) * u_shadow_scale.x, at.yz), 0.0);
 }
 #endif
 
