@@ -123,8 +123,8 @@ static psplat_result bind_target(const psplat_frame *f) {
     const psplat_gl *gl = &renderer->gl;
     static const float zeros[4] = {0}, one = 1.0f;
     int colors = target_count(f->key.options);
-    psplat_result result = psplat_target_bind(&renderer->target, gl, &renderer->memory.targets,
-                                              f->view->width, f->view->height, colors, f->error);
+    psplat_result result = psplat_targets_bind(&renderer->targets, gl, &renderer->memory.targets,
+                                               f->view->width, f->view->height, colors, f->error);
     if (result != PSPLAT_OK) return result;
     gl->Viewport(0, 0, f->view->width, f->view->height);
     set_writes(gl, GL_TRUE, GL_TRUE, GL_LESS);
@@ -154,6 +154,7 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     const psplat_gl *gl = &renderer->gl;
     const psplat_view *view = f->view;
     const psplat_extent *extent = &f->extent;
+    const psplat_target *target = renderer->targets.current;
     if (!(extent->x0 < extent->x1)) return PSPLAT_OK;
     psplat_program_key key = f->key;
     key.is_resolve = 1;
@@ -174,9 +175,9 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     if (first_material(f)) psplat_frame_use_material(gl, program, first_material(f));
     gl->Uniform3fv(program->planes, 1, f->camera.planes);
     gl->Uniform2i(program->origin, view->x, view->y);
-    for (int i = 0; i < renderer->target.color_count; ++i)
-        psplat_frame_bind_texture(gl, (GLenum)i, &renderer->target.colors[i], GL_TEXTURE_2D);
-    psplat_frame_bind_texture(gl, PSPLAT_UNIT_DEPTH, &renderer->target.depth, GL_TEXTURE_2D);
+    for (int i = 0; i < target->color_count; ++i)
+        psplat_frame_bind_texture(gl, (GLenum)i, &target->colors[i], GL_TEXTURE_2D);
+    psplat_frame_bind_texture(gl, PSPLAT_UNIT_DEPTH, &target->depth, GL_TEXTURE_2D);
     gl->DrawArrays(GL_TRIANGLES, 0, 3);
     return PSPLAT_OK;
 }

@@ -32,7 +32,7 @@ void psplat_renderer_destroy(psplat_renderer *renderer) {
     if (!renderer) return;
     psplat_allocator allocator = renderer->allocator;
     psplat_programs_destroy(&renderer->programs, &renderer->gl, &allocator);
-    psplat_target_destroy(&renderer->target, &renderer->gl);
+    psplat_targets_destroy(&renderer->targets, &renderer->gl);
     psplat_shadows_destroy(&renderer->shadows, &renderer->gl);
     renderer->gl.DeleteVertexArrays(1, &renderer->vertex_array);
     psplat_resize(&allocator, renderer, sizeof *renderer, 0);

@@ -18,7 +18,7 @@ struct psplat_renderer {
     psplat_gl gl;
     psplat_allocator allocator;
     psplat_programs programs;
-    psplat_target target;
+    psplat_targets targets;
     psplat_shadows shadows;
     psplat_memory memory; /* ledgers of texture.h */
     GLuint vertex_array;  /* without attributes: GL core draws nothing without one */

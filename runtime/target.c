@@ -47,17 +47,19 @@ static psplat_result check_status(const psplat_target *target, const psplat_gl *
                        target->height, status);
 }
 
-psplat_result psplat_target_bind(psplat_target *target, const psplat_gl *gl, size_t *ledger,
-                                 int width, int height, int color_count, psplat_error *error) {
+static void destroy(psplat_target *target, const psplat_gl *gl) {
+    gl->DeleteFramebuffers(1, &target->framebuffer);
+    for (int i = 0; i < PSPLAT_TARGET_COUNT_MATERIALS; ++i)
+        psplat_texture_delete(gl, &target->colors[i]);
+    psplat_texture_delete(gl, &target->depth);
+    memset(target, 0, sizeof *target);
+}
+
+static psplat_result bind(psplat_target *target, const psplat_gl *gl, size_t *ledger,
+                          int color_count, psplat_error *error) {
     static const GLenum buffers[PSPLAT_TARGET_COUNT_MATERIALS] = {
         GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT0 + 1, GL_COLOR_ATTACHMENT0 + 2,
         GL_COLOR_ATTACHMENT0 + 3};
-    int is_wide = color_count == PSPLAT_TARGET_COUNT_MATERIALS;
-    if (target->width != width || target->height != height || target->is_wide < is_wide)
-        psplat_target_destroy(target, gl);
-    target->is_wide |= is_wide;
-    target->width = width;
-    target->height = height;
     if (!target->framebuffer) gl->GenFramebuffers(1, &target->framebuffer);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, target->framebuffer);
 
@@ -65,14 +67,45 @@ psplat_result psplat_target_bind(psplat_target *target, const psplat_gl *gl, siz
     psplat_result result = complete(target, gl, ledger, color_count, error);
     gl->DrawBuffers(color_count, buffers);
     if (result == PSPLAT_OK && is_new) result = check_status(target, gl, error);
-    if (result != PSPLAT_OK) psplat_target_destroy(target, gl);
+    if (result != PSPLAT_OK) destroy(target, gl);
     return result;
 }
 
-void psplat_target_destroy(psplat_target *target, const psplat_gl *gl) {
-    gl->DeleteFramebuffers(1, &target->framebuffer);
-    for (int i = 0; i < PSPLAT_TARGET_COUNT_MATERIALS; ++i)
-        psplat_texture_delete(gl, &target->colors[i]);
-    psplat_texture_delete(gl, &target->depth);
-    memset(target, 0, sizeof *target);
+/* The target that has the size, or the one that was not used for longest. */
+static psplat_target *choose(psplat_targets *targets, int width, int height) {
+    psplat_target *chosen = &targets->list[0];
+    for (int i = 0; i < PSPLAT_TARGET_SIZES; ++i) {
+        psplat_target *target = &targets->list[i];
+        if (target->width == width && target->height == height) return target;
+        if (targets->clock - target->used > targets->clock - chosen->used) chosen = target;
+    }
+    return chosen;
+}
+
+static void destroy_idle(psplat_targets *targets, const psplat_gl *gl) {
+    for (int i = 0; i < PSPLAT_TARGET_SIZES; ++i) {
+        psplat_target *target = &targets->list[i];
+        if (target->framebuffer && targets->clock - target->used > PSPLAT_TARGET_IDLE)
+            destroy(target, gl);
+    }
+}
+
+psplat_result psplat_targets_bind(psplat_targets *targets, const psplat_gl *gl, size_t *ledger,
+                                  int width, int height, int color_count, psplat_error *error) {
+    int is_wide = color_count == PSPLAT_TARGET_COUNT_MATERIALS;
+    ++targets->clock;
+    psplat_target *target = choose(targets, width, height);
+    if (target->width != width || target->height != height || target->is_wide < is_wide)
+        destroy(target, gl);
+    target->is_wide |= is_wide;
+    target->width = width;
+    target->height = height;
+    target->used = targets->clock;
+    targets->current = target;
+    destroy_idle(targets, gl);
+    return bind(target, gl, ledger, color_count, error);
+}
+
+void psplat_targets_destroy(psplat_targets *targets, const psplat_gl *gl) {
+    for (int i = 0; i < PSPLAT_TARGET_SIZES; ++i) destroy(&targets->list[i], gl);
 }

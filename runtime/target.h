@@ -16,13 +16,24 @@ typedef struct psplat_target {
     int width, height;
     int color_count; /* textures that exist */
     int is_wide;     /* the second holds two numbers: 0 where there are fewer than all */
+    unsigned used;   /* psplat_targets.clock of the last frame */
 } psplat_target;
 
-/* Gives the target the size and at least color_count colour textures (layout.h), keeps what fits,
- * and leaves its framebuffer bound for drawing, its first color_count buffers enabled. Textures are
- * entered in the ledger. On failure the target is empty. Errors: GRAPHICS, MEMORY. */
-psplat_result psplat_target_bind(psplat_target *target, const psplat_gl *gl, size_t *ledger,
-                                 int width, int height, int color_count, psplat_error *error);
-void psplat_target_destroy(psplat_target *target, const psplat_gl *gl);
+/* Of two sizes, so that a host's frame may have a second view of another size without making
+ * textures anew; the one that some frames have not used goes. */
+enum { PSPLAT_TARGET_SIZES = 2, PSPLAT_TARGET_IDLE = 8 };
+
+typedef struct psplat_targets {
+    psplat_target list[PSPLAT_TARGET_SIZES];
+    psplat_target *current; /* of this frame */
+    unsigned clock;         /* frames, may wrap */
+} psplat_targets;
+
+/* Finds or makes the target of a size with at least color_count colour textures (layout.h), and
+ * leaves its framebuffer bound for drawing, its first color_count buffers enabled. Textures are
+ * entered in the ledger. On failure there is none of that size. Errors: GRAPHICS, MEMORY. */
+psplat_result psplat_targets_bind(psplat_targets *targets, const psplat_gl *gl, size_t *ledger,
+                                  int width, int height, int color_count, psplat_error *error);
+void psplat_targets_destroy(psplat_targets *targets, const psplat_gl *gl);
 
 #endif

@@ -173,21 +173,39 @@ static void test_shadows(void **state) {
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
-/* A target lasts until a view of another size comes; it never holds more than one size needs. */
+/* Targets are those of the last view and, for some frames, of the one before. */
 static void test_targets(void **state) {
     stage *s = *state;
     psplat_model *model = canvas_model(s->canvas, s->asset);
     draw(s, model, 50);
     count before = take(s);
+    size_t last = 50 * 50;
     for (int i = 0; i < TIMES; ++i) {
         int size = 1 + i % 64;
         draw(s, model, size);
         /* At least a depth and a normal, at most four colours in 32 bits. */
         size_t pixels = (size_t)(size * size), bytes = take(s).memory.targets;
-        assert_true(bytes >= pixels * (4 + 8) && bytes <= pixels * (4 + 4 * 16));
+        assert_true(bytes >= pixels * (4 + 8) && bytes <= (pixels + last) * (4 + 4 * 16));
+        last = pixels;
     }
-    draw(s, model, 50);
+    for (int i = 0; i < 10; ++i) draw(s, model, 50);
     expect_same(s, &before);
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
+/* Two views of different sizes in each frame, where the second is not always there, make nothing
+ * after the first time. */
+static void test_two_views(void **state) {
+    stage *s = *state;
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    draw(s, model, 50);
+    draw(s, model, 20);
+    size_t made = s->spy.made;
+    for (int i = 0; i < 60; ++i) {
+        draw(s, model, 50);
+        if (i % 4 == 0) draw(s, model, 20);
+    }
+    assert_int_equal(s->spy.made, made);
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
@@ -252,8 +270,9 @@ static int teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        BOTH(test_renderers), BOTH(test_used_renderers), BOTH(test_models),  BOTH(test_targets),
-        BOTH(test_shadows),   BOTH(test_environments),   BOTH(test_nothing), BOTH(test_frames),
+        BOTH(test_renderers), BOTH(test_used_renderers), BOTH(test_models),
+        BOTH(test_targets),   BOTH(test_shadows),        BOTH(test_environments),
+        BOTH(test_two_views), BOTH(test_nothing),        BOTH(test_frames),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

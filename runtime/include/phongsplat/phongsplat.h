@@ -137,7 +137,7 @@ void psplat_renderer_destroy(psplat_renderer *renderer);
  * Targets and shadow maps go with the renderer. */
 typedef struct psplat_memory {
     size_t models;
-    size_t targets; /* of the last view's size */
+    size_t targets; /* of the last size of view, and of the one before while both are in use */
     size_t environments;
     size_t shadows; /* of the last size asked for */
 } psplat_memory;
