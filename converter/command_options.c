@@ -274,6 +274,10 @@ static void print_option(const psplat_option *option) {
     const char *line = option->help;
     for (const char *left = head; line; left = "") {
         size_t width = strcspn(line, "\n");
+        if (strlen(left) > 34) {
+            printf("%s\n", left);
+            left = "";
+        }
         printf("%-34s %.*s", left, (int)width, line);
         line = line[width] ? line + width + 1 : NULL;
         if (!line && option->max > option->min) printf(", %g to %g", option->min, option->max);

@@ -24,7 +24,8 @@ typedef struct arguments {
     const char *output;
     int size[2];
     psplat_viewpoint viewpoint;
-    int mode;
+    int mode, shading;
+    int shadows, no_filter;
     float background[4]; /* sRGB-encoded */
     int supersample;
     int software;
@@ -45,6 +46,11 @@ typedef struct tile {
 } tile;
 
 static const char *const mode_names[] = {"phong", "gaussian", "flat", NULL};
+static const char *const shading_names[] = {
+#define SHADING_NAME(name, file, reads) #file,
+    PSPLAT_SHADINGS(SHADING_NAME)
+#undef SHADING_NAME
+        NULL};
 static const psplat_mode modes[] = {PSPLAT_MODE_PHONG, PSPLAT_MODE_GAUSSIAN, PSPLAT_MODE_FLAT};
 
 static psplat_parse parse_options(const psplat_option *options, size_t count, arguments *a,
@@ -77,6 +83,13 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          1e3, NULL},
         {0, "mode", PSPLAT_OPTION_CHOICE, &a->mode, "phong|gaussian|flat",
          "how normals are made (default phong)", 0, 0, mode_names},
+        {0, "shading", PSPLAT_OPTION_CHOICE, &a->shading,
+         "lit|unlit|toon|normal|depth|overdraw|splats", "what is made of them (default lit)", 0, 0,
+         shading_names},
+        {0, "shadows", PSPLAT_OPTION_FLAG, &a->shadows, NULL, "the light casts shadows", 0, 0,
+         NULL},
+        {0, "no-filter", PSPLAT_OPTION_FLAG, &a->no_filter, NULL,
+         "leave splats below a pixel as small as they are", 0, 0, NULL},
         {0, "background", PSPLAT_OPTION_COLOR, a->background, "COLOR",
          "RRGGBB, R,G,B or transparent (default FFFFFF)", 0, 0, NULL},
         {0, "supersample", PSPLAT_OPTION_COUNT, &a->supersample, "N",
@@ -111,6 +124,12 @@ static float decode_srgb(float encoded) {
     return encoded <= 0.04045f ? encoded / 12.92f : powf((encoded + 0.055f) / 1.055f, 2.4f);
 }
 
+/* Shadings whose colours stand for numbers come as they are to be seen. */
+static int shows_numbers(int shading) {
+    return shading != PSPLAT_SHADING_LIT && shading != PSPLAT_SHADING_UNLIT &&
+           shading != PSPLAT_SHADING_TOON;
+}
+
 /* The whole picture before averaging. */
 static psplat_view whole_view(const arguments *a, const scene *s) {
     double center[3], radius;
@@ -118,10 +137,13 @@ static psplat_view whole_view(const arguments *a, const scene *s) {
         .width = a->size[0] * a->supersample,
         .height = a->size[1] * a->supersample,
         .mode = modes[a->mode],
-        .linear_output = 1,
+        .shading = (psplat_shading)a->shading,
+        .no_filter = a->no_filter,
+        .linear_output = !shows_numbers(a->shading),
     };
     psplat_viewpoint_sphere(s->asset, center, &radius);
     psplat_viewpoint_fit(&a->viewpoint, center, radius, &view);
+    view.lights[0].casts_shadow = a->shadows;
     return view;
 }
 
@@ -132,11 +154,16 @@ static psplat_result draw(const arguments *a, scene *s, const psplat_view *whole
     int n = a->supersample, bottom = a->size[1] - t->y - t->height;
     psplat_viewpoint_crop(&view, n * t->x, n * bottom, n * t->width, n * t->height);
     float clear[4] = {0, 0, 0, a->background[3]};
-    for (int i = 0; i < 3; ++i) clear[i] = decode_srgb(a->background[i]);
+    for (int i = 0; i < 3; ++i)
+        clear[i] = shows_numbers(a->shading) ? a->background[i] : decode_srgb(a->background[i]);
     psplat_item item = {.model = s->model};
     psplat_result result = psplat_host_begin(s->host, view.width, view.height, 1, clear, error);
     if (!result) result = psplat_draw(s->renderer, &view, &item, 1, error);
-    return result ? result : psplat_host_read_float(s->host, rgba, error);
+    if (!result) result = psplat_host_read_float(s->host, rgba, error);
+    size_t samples = (size_t)view.width * (size_t)view.height;
+    for (size_t i = 0; i < samples && !result && shows_numbers(a->shading); ++i)
+        for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = decode_srgb(rgba[4 * i + c]);
+    return result;
 }
 
 /* Straight alpha where the background shows through. */

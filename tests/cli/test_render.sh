@@ -36,6 +36,11 @@ for mode in phong gaussian flat; do
     draw --size 64x64 --azimuth 0 --elevation 0 --mode $mode
     [ "${front:=$picture}" = "$picture" ] || fail "$mode: $picture instead of $front"
 done
+# The debug views show what they say: the normal of that face is (0, 0, 1), its colour that of a mesh without any, 0.8; one splat covers it.
+for shown in normal=128,128,255 unlit=231,231,231 overdraw=0,0,128; do
+    draw --size 64x64 --azimuth 0 --elevation 0 --shading "${shown%%=*}"
+    [ "${picture##* }" = "${shown#*=}" ] || fail "$shown: $picture"
+done
 # From above, the light meets the top at the same angle; from the side below it does not matter
 # which way is around: 360 degrees more are the same picture.
 draw --size 64x64 --azimuth 360 --elevation 0
