@@ -39,10 +39,12 @@ flat out vec3 v_color;
 out CLIP_TYPE v_clip;
 #endif
 
-/* Equilateral, its inscribed circle the unit circle; counter-clockwise seen from N. */
+/* Equilateral, counter-clockwise seen from N. Its inscribed circle is the unit circle and 1/256 more:
+ * rasterisers round corners to that part of a pixel, and without it splats of a pixel would lose
+ * some at the three points where the circles touch. */
 vec2 corner_uv(int corner) {
-    return corner == 0 ? vec2(-1.7320508, -1.0)
-                       : corner == 1 ? vec2(1.7320508, -1.0) : vec2(0.0, 2.0);
+    return corner == 0 ? vec2(-1.7388, -1.0039)
+                       : corner == 1 ? vec2(1.7388, -1.0039) : vec2(0.0, 2.0078);
 }
 
 /* Columns are |q|^2 times U, V, N. */

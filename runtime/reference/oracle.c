@@ -48,6 +48,7 @@ static psplat_oracle_box box_of(const psplat_oracle_drawing *d, const psplat_ora
     psplat_oracle_box box = psplat_oracle_camera_bounds(&d->camera, frame);
     if (!at->filter.is_widened) return box;
     memcpy(frame, at->filter.frame, sizeof frame);
+    for (int i = 0; i < 3; ++i) frame[i][2] -= 2 * at->filter.nearer * frame[i][3];
     psplat_oracle_box wide = psplat_oracle_camera_bounds(&d->camera, frame);
     if (box.x0 >= box.x1 || box.y0 >= box.y1) return wide;
     if (wide.x0 >= wide.x1 || wide.y0 >= wide.y1) return box;

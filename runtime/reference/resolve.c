@@ -82,7 +82,8 @@ void psplat_oracle_resolve(const psplat_oracle_drawing *d, int x, int y,
     psplat_oracle_ray ray;
     psplat_oracle_camera_ray(&d->camera, x + 0.5, y + 0.5, &ray);
     if (image->color) write_color(d, p, &ray, image->color + 4 * at);
-    if (image->depth) image->depth[at] = p->count ? p->depth / p->weight : 1;
+    /* What is widened may reach beyond the far plane. */
+    if (image->depth) image->depth[at] = p->count ? fmin(p->depth / p->weight, 1) : 1;
     if (image->uv) {
         image->uv[2 * at] = p->u;
         image->uv[2 * at + 1] = p->v;

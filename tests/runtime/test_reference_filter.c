@@ -407,6 +407,29 @@ static void test_unfiltered_perspective(void **state) {
     }
 }
 
+/* A slanted splat before the far plane is widened to beyond it, where it is compared as if it lay
+ * nearer; as depth, 1 is written. */
+static void test_far_plane(void **state) {
+    (void)state;
+    scene s = unlit_scene(1);
+    place(&s.splats[0], 16.2, 16.6, -9.999, 0.9, 0.9);
+    tilt(&s.splats[0], 50);
+    psplat_view view = pixel_view();
+    picture p = picture_of(&s, NULL, &view);
+    size_t before = 0, beyond = 0;
+    for (int i = 0; i < SIZE * SIZE; ++i) {
+        double v = i / SIZE + 0.5 - 16.6; /* grows towards the eye; J' is the unit matrix */
+        double depth = 0.99995 - v * 0.9 * sin(50 * CAMERA_PI / 180) / 20;
+        if (!p.image.count[i]) continue;
+        assert_near(p.image.depth[i], fmin(depth, 1), 1e-6);
+        before += depth < 1;
+        beyond += depth > 1;
+    }
+    assert_true(before >= 1 && beyond >= 2);
+    picture_free(&p);
+    scene_free(&s);
+}
+
 /* ---- coverage -------------------------------------------------------------------------------- */
 
 /* The distance from pixel i to the nearest covered one in a picture `finer` times the size. */
@@ -497,6 +520,7 @@ int main(void) {
         cmocka_unit_test(test_no_seam),
         cmocka_unit_test(test_unfiltered),
         cmocka_unit_test(test_unfiltered_perspective),
+        cmocka_unit_test(test_far_plane),
         cmocka_unit_test(test_growth),
         cmocka_unit_test(test_ties),
     };
