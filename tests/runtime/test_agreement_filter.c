@@ -175,6 +175,63 @@ static void test_edge_on(void **state) {
     }
 }
 
+/* ---- anything ------------------------------------------------------------------------------- */
+
+static double between(uint32_t *random, double low, double high) {
+    return low + (high - low) * (double)scene_random(random);
+}
+
+/* From 2.5 to 6 away, of 5 to 300 pixels a radian or a unit, near and far planes that may cut. */
+static psplat_view random_view(uint32_t *random) {
+    psplat_view view = camera_view(80, 60);
+    double eye[3], length = 0, distance = between(random, 2.5, 6);
+    for (int i = 0; i < 3; ++i) {
+        eye[i] = between(random, -1, 1);
+        length += eye[i] * eye[i];
+    }
+    for (int i = 0; i < 3; ++i) eye[i] *= distance / sqrt(length);
+    camera_look(&view, eye, (double[]){between(random, -0.3, 0.3), 0, 0});
+    double near = between(random, 0.05, 0.6), far = near + between(random, 2, 12);
+    camera_perspective(&view, pow(10, between(random, 0.7, 2.5)), near, far);
+    if (scene_random(random) < 0.4f)
+        camera_parallel(&view, pow(10, between(random, -0.5, 1.5)), -1, 12);
+    view.mode = scene_random(random) < 0.5f ? PSPLAT_MODE_PHONG : PSPLAT_MODE_GAUSSIAN;
+    view.culling = (psplat_culling)between(random, 0, 2.99);
+    view.no_filter = 0;
+    return view;
+}
+
+/* Scales by 0.5 to 1.5, shears, mirrors. */
+static void random_transform(uint32_t *random, double m[16]) {
+    for (int i = 0; i < 16; ++i) m[i] = i % 4 == 3 || i > 11 ? 0 : between(random, -0.4, 0.4);
+    for (int i = 0; i < 3; ++i)
+        m[5 * i] = between(random, 0.5, 1.5) * (scene_random(random) < 0.3f ? -1 : 1);
+    m[15] = 1;
+}
+
+static void test_random_views(void **state) {
+    uint32_t random = 2005;
+    agreement all = {0};
+    agreement_ties ties = ordinary;
+    ties.epsilon = 0.15; /* radii of up to a fifth of the distance: (2 / 5)^2 of epsilon */
+    for (int k = 0; k < 200; ++k) {
+        double transform[16];
+        scene s = scene_ellipses((size_t)between(&random, 20, 300), 4, (uint32_t)k + 1);
+        s.depth_tolerance = (float)pow(10, between(&random, -4, -0.5));
+        s.material.double_sided = scene_random(&random) < 0.5f;
+        random_transform(&random, transform);
+        psplat_view view = random_view(&random);
+        psplat_asset *asset = scene_open(&s);
+        agreement a = agreement_measure(*state, asset, transform, &view, 1, &ties);
+        agreement_add(&all, &a);
+        psplat_asset_destroy(asset);
+        scene_free(&s);
+    }
+    const bars allowed = {1e-4, 1e-3,
+                          0.1}; /* needles within 0.1 degrees of their edges are there */
+    assert_agrees("200 random views", &all, &allowed, 50000);
+}
+
 static int open_gl(void **state) {
     static gpu g;
     g = gpu_open(PSPLAT_API_GL);
@@ -197,9 +254,10 @@ static int close_gpu(void **state) {
 /* The shaders are the same in GLES but for their prelude: a part of the tests will do. */
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spheres), cmocka_unit_test(test_ellipses),
-        cmocka_unit_test(test_cube),    cmocka_unit_test(test_transforms),
-        cmocka_unit_test(test_close),   cmocka_unit_test(test_edge_on),
+        cmocka_unit_test(test_spheres),      cmocka_unit_test(test_ellipses),
+        cmocka_unit_test(test_cube),         cmocka_unit_test(test_transforms),
+        cmocka_unit_test(test_close),        cmocka_unit_test(test_edge_on),
+        cmocka_unit_test(test_random_views),
     };
     const struct CMUnitTest gles_tests[] = {
         cmocka_unit_test(test_cube),
