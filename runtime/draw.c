@@ -52,8 +52,9 @@ static unsigned differences(const psplat_frame *f) {
 
 /* ---- what is drawn ----------------------------------------------------------------------- */
 
-/* Of what the attribute pass draws. Gaussian and flat splats are lit one by one (spec 5.7); for all
- * that is not light their normals take the way of the Phong splats'. */
+/* Of what the attribute pass draws. Gaussian splats are lit one by one (spec 5.7). Flat ones too,
+ * but one of them makes a pixel, so that lighting pixels is the same; and for all that is not light
+ * normals of either kind take the way of the Phong splats'. */
 static void choose_pass(psplat_frame *f) {
     const psplat_view *view = f->view;
     psplat_program_key *key = &f->key;
@@ -64,7 +65,7 @@ static void choose_pass(psplat_frame *f) {
         key->pass = PSPLAT_PASS_PARAMETERS;
     else if (view->mode == PSPLAT_MODE_PHONG)
         key->options |= PSPLAT_OPTION_FIELD;
-    else if (view->shading == PSPLAT_SHADING_LIT)
+    else if (view->mode == PSPLAT_MODE_GAUSSIAN && view->shading == PSPLAT_SHADING_LIT)
         key->pass = PSPLAT_PASS_RADIANCE;
     if (is_parameters || key->pass == PSPLAT_PASS_RADIANCE) key->options |= PSPLAT_OPTION_AS_IS;
     f->blends = view->mode != PSPLAT_MODE_FLAT && key->pass != PSPLAT_PASS_PARAMETERS;

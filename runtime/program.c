@@ -46,10 +46,11 @@ static unsigned used_by_splats(const psplat_program_key *key) {
     unsigned used = PSPLAT_OPTION_WIDE;
     if (key->pass == PSPLAT_PASS_VISIBILITY) return used | PSPLAT_OPTION_NEAR;
     if (key->pass == PSPLAT_PASS_PARAMETERS) return used;
-    used |= PSPLAT_OPTION_COLOR | PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_COUNT |
-            PSPLAT_OPTION_FILTER | PSPLAT_OPTION_POWER;
-    if (key->pass == PSPLAT_PASS_RADIANCE) return used | PSPLAT_OPTIONS_LIGHT;
-    return used | PSPLAT_OPTION_FIELD | PSPLAT_OPTION_GAMMA | PSPLAT_OPTIONS_TARGETS;
+    used |= PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_FILTER | PSPLAT_OPTION_POWER;
+    if (key->pass == PSPLAT_PASS_RADIANCE) return used | PSPLAT_OPTION_COLOR | PSPLAT_OPTIONS_LIGHT;
+    used |= PSPLAT_OPTION_FIELD | PSPLAT_OPTION_GAMMA | PSPLAT_OPTION_COUNT;
+    if (key->options & PSPLAT_OPTIONS_TARGETS) used |= PSPLAT_OPTION_COLOR;
+    return used | PSPLAT_OPTIONS_TARGETS;
 }
 
 static unsigned used_by_resolve(const psplat_program_key *key) {
