@@ -24,9 +24,9 @@ void table_head(const options *o, psplat_host *host) {
            psplat_host_renderer(host), psplat_host_version(host), o->frames,
            options_shading_name(o->shading), o->lights, o->lights > 1 ? "s" : "",
            o->no_filter ? "off" : "on");
-    printf("| subject | splats | pixels | mode | who | CPU ms | wall ms | %s, %s, %s, %s: CPU ms "
-           "(GPU ms) | generated / px | blended / px | ours / it |\n",
-           passes[0], passes[1], passes[2], passes[3]);
+    printf("| subject | splats | pixels | mode | who | CPU ms | wall ms | %s, %s, %s, %s: CPU ms%s "
+           "| generated / px | blended / px | ours / it |\n",
+           passes[0], passes[1], passes[2], passes[3], o->hardware ? " (GPU ms)" : "");
     printf("|---|--:|--:|---|---|--:|--:|---|--:|--:|--:|\n");
 }
 
