@@ -54,9 +54,10 @@ static void print_cost(psplat_host *host, const subject *s, const contestant *sp
            results[0].frame.cpu / results[1].frame.cpu);
 }
 
-static void run_file(psplat_host *host, const char *path, const contestant *mesh,
-                     const settings *set, record *r) {
+static void run_file(psplat_host *host, const char *path, const mesh *source,
+                     const contestant *mesh, const settings *set, record *r) {
     subject s = subject_open(path);
+    mesh_ball(source, s.center, &s.radius); /* the same views for all files */
     contestant splats = contestant_splats(host, &s, 0);
     quality_reference reference = quality_draw_mesh(host, &s, mesh, set->size);
     printf("| %s | %zu |", s.name, s.splat_count);
@@ -130,7 +131,7 @@ int main(int argc, char **argv) {
            psplat_host_renderer(host));
     printf("| file | splats | phong | gaussian | flat | phong CPU ms | mesh CPU ms | of mesh |\n"
            "|---|--:|--:|--:|--:|--:|--:|--:|\n");
-    for (int i = first + 1; i < argc; ++i) run_file(host, argv[i], &drawn, &set, &r);
+    for (int i = first + 1; i < argc; ++i) run_file(host, argv[i], &source, &drawn, &set, &r);
     print_equal(&r);
     contestant_destroy(&drawn);
     mesh_free(&source);

@@ -6,6 +6,7 @@
 #include "probe.h"
 #include "shaders/shaders.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 typedef struct drawn {
@@ -86,4 +87,25 @@ void mesh_free(mesh *m) {
     free(m->vertices);
     free(m->indices);
     *m = (mesh){0};
+}
+
+void mesh_ball(const mesh *m, double center[3], double *radius) {
+    double square = 0;
+    for (int i = 0; i < 3; ++i) {
+        float low = m->vertices[0].position[i], high = low;
+        for (size_t k = 1; k < m->vertex_count; ++k) {
+            low = fminf(low, m->vertices[k].position[i]);
+            high = fmaxf(high, m->vertices[k].position[i]);
+        }
+        center[i] = m->origin[i] + 0.5 * ((double)low + (double)high);
+    }
+    for (size_t k = 0; k < m->vertex_count; ++k) {
+        double sum = 0;
+        for (int i = 0; i < 3; ++i) {
+            double d = (double)m->vertices[k].position[i] + m->origin[i] - center[i];
+            sum += d * d;
+        }
+        square = fmax(square, sum);
+    }
+    *radius = sqrt(square);
 }

@@ -24,6 +24,9 @@ typedef struct mesh {
 mesh mesh_read(const char *path);
 void mesh_free(mesh *m);
 
+/* A ball around it, scene space. */
+void mesh_ball(const mesh *m, double center[3], double *radius);
+
 /* Sides and lights as the view and the material say, always phong and lit. */
 contestant contestant_mesh(psplat_host *host, const mesh *m);
 

@@ -48,33 +48,47 @@ static void sort(scene *s) {
 
 /* ---- subjects -------------------------------------------------------------------------------- */
 
-static void grow(double low[3], double high[3], const psplat_batch *batch) {
-    for (int corner = 0; corner < 8; ++corner) {
-        double p[3];
-        for (int i = 0; i < 3; ++i)
-            p[i] = (double)(corner >> i & 1 ? batch->bounds_max[i] : batch->bounds_min[i]);
-        for (int i = 0; i < 3; ++i) {
-            const double *m = batch->model + i;
-            double x = m[0] * p[0] + m[4] * p[1] + m[8] * p[2] + m[12];
-            low[i] = fmin(low[i], x);
-            high[i] = fmax(high[i], x);
+static void place_center(const psplat_batch *batch, size_t splat, double out[3]) {
+    const float *p = batch->splats[splat].center;
+    for (int i = 0; i < 3; ++i) {
+        const double *m = batch->model + i;
+        out[i] = m[0] * (double)p[0] + m[4] * (double)p[1] + m[8] * (double)p[2] + m[12];
+    }
+}
+
+/* A function of each centre in turn. */
+static void for_each_center(subject *s, void (*use)(subject *s, const double center[3])) {
+    for (size_t i = 0; i < psplat_asset_batch_count(s->asset); ++i) {
+        const psplat_batch *batch = psplat_asset_batch(s->asset, i);
+        for (size_t k = 0; k < batch->splat_count; ++k) {
+            double center[3];
+            place_center(batch, k, center);
+            use(s, center);
         }
     }
 }
 
+static void enlarge_box(subject *s, const double center[3]) {
+    for (int i = 0; i < 3; ++i) {
+        s->low[i] = s->splat_count ? fmin(s->low[i], center[i]) : center[i];
+        s->high[i] = s->splat_count ? fmax(s->high[i], center[i]) : center[i];
+    }
+    ++s->splat_count;
+}
+
+static void enlarge_ball(subject *s, const double center[3]) {
+    double square = 0;
+    for (int i = 0; i < 3; ++i) square += (center[i] - s->center[i]) * (center[i] - s->center[i]);
+    s->radius = fmax(s->radius, sqrt(square));
+}
+
+/* The asset's own bounds are those of whole ellipses, which clip lines may cut to a small part. */
 static subject describe(const char *name, psplat_asset *asset) {
     subject s = {.name = name, .asset = asset};
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i) {
-        grow(low, high, psplat_asset_batch(asset, i));
-        s.splat_count += psplat_asset_batch(asset, i)->splat_count;
-    }
-    double square = 0;
-    for (int i = 0; i < 3; ++i) {
-        s.center[i] = 0.5 * (low[i] + high[i]);
-        square += 0.25 * (high[i] - low[i]) * (high[i] - low[i]);
-    }
-    s.radius = sqrt(square);
+    for_each_center(&s, enlarge_box);
+    for (int i = 0; i < 3; ++i) s.center[i] = 0.5 * (s.low[i] + s.high[i]);
+    for_each_center(&s, enlarge_ball);
+    if (!(s.radius > 0)) s.radius = 1;
     return s;
 }
 
@@ -82,7 +96,6 @@ subject subject_sphere(size_t count) {
     scene s = scene_sphere(count, 1.0f);
     sort(&s);
     subject sphere = describe("sphere", scene_open(&s));
-    sphere.radius = 1.0; /* that of the box is larger */
     scene_free(&s);
     return sphere;
 }
@@ -111,8 +124,8 @@ psplat_view subject_view(const subject *s, const double direction[3], int size, 
                          direction[2] * direction[2]);
     for (int i = 0; i < 3; ++i) eye[i] = s->center[i] + distance * direction[i] / length;
     camera_look(&view, eye, s->center);
-    camera_perspective(&view, 0.5 * size / tan(half_angle), distance - 1.2 * s->radius,
-                       distance + 1.2 * s->radius);
+    camera_perspective(&view, 0.5 * size / tan(half_angle), distance - 1.6 * s->radius,
+                       distance + 1.6 * s->radius);
     view.light_count = light_count;
     for (int k = 0; k < light_count; ++k) {
         double angle = 2 * CAMERA_PI * k / light_count;

@@ -10,7 +10,8 @@
 typedef struct subject {
     const char *name;
     psplat_asset *asset;
-    double center[3], radius; /* of a ball around it, scene space */
+    double center[3], radius; /* of a ball around the splats' centres, scene space */
+    double low[3], high[3];   /* of a box around them */
     size_t splat_count;
 } subject;
 
