@@ -21,7 +21,8 @@ enum {
 
 static const float largest_half = 65504.0f;
 
-/* One RGBA face; level 0 of the glossy map is a mirror but for the lobe that a texel sees. */
+/* One RGBA face; level 0 of the glossy map is a mirror: the lobe of its alpha is less than a texel.
+ */
 static void fill_face(const psplat_cube *cube, int face, int size, int level, float *out) {
     double alpha = (double)level / (GLOSSY_LEVELS - 1);
     for (int y = 0; y < size; ++y)
@@ -30,8 +31,10 @@ static void fill_face(const psplat_cube *cube, int face, int size, int level, fl
             psplat_cube_direction(face, (x + 0.5) / size, (y + 0.5) / size, direction);
             if (level < 0)
                 psplat_cube_irradiance(cube, direction, out);
+            else if (level == 0)
+                psplat_cube_mirror(cube, direction, GLOSSY_SIZE, out);
             else
-                psplat_cube_glossy(cube, direction, fmax(alpha * alpha, 0.002), out);
+                psplat_cube_glossy(cube, direction, alpha * alpha, out);
             for (int i = 0; i < 3; ++i) out[i] = fminf(out[i], largest_half);
             out[3] = 1.0f;
         }

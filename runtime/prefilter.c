@@ -188,6 +188,13 @@ static void complete_basis(const double z[3], double x[3], double y[3]) {
     y[2] = -z[1];
 }
 
+void psplat_cube_mirror(const psplat_cube *cube, const double direction[3], int size,
+                        float rgb[3]) {
+    double value[3];
+    sample(cube, log2((double)cube->size / size), direction, value);
+    for (int k = 0; k < 3; ++k) rgb[k] = (float)value[k];
+}
+
 void psplat_cube_glossy(const psplat_cube *cube, const double direction[3], double alpha,
                         float rgb[3]) {
     double x[3], y[3], sum[3] = {0.0, 0.0, 0.0}, weights = 0.0;

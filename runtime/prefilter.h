@@ -27,6 +27,9 @@ void psplat_cube_direction(int face, double x, double y, double direction[3]);
 /* Irradiance on a surface with this normal: the first integral of (9). */
 void psplat_cube_irradiance(const psplat_cube *cube, const double normal[3], float rgb[3]);
 
+/* Radiance from a direction, at the resolution of a cube of this size. */
+void psplat_cube_mirror(const psplat_cube *cube, const double direction[3], int size, float rgb[3]);
+
 /* The mean radiance of (9) around the reflected direction, for alpha > 0. */
 void psplat_cube_glossy(const psplat_cube *cube, const double direction[3], double alpha,
                         float rgb[3]);

@@ -232,7 +232,7 @@ typedef struct psplat_environment_desc {
     int size;              /* texels along an edge, 1 ... 1024 */
 } psplat_environment_desc;
 
-/* Takes some 0.2 s on one core. The radiance is not needed after it returns. */
+/* Takes some tenths of a second. The radiance is not needed after it returns. */
 psplat_result psplat_environment_create(psplat_renderer *renderer,
                                         const psplat_environment_desc *desc,
                                         psplat_environment **environment, psplat_error *error);
