@@ -35,8 +35,10 @@ Pixel pixel_at(ivec2 at) {
     Pixel pixel = Pixel(vec3(vec2(at) + 0.5, depth.r * scale), sum.rgb, sum.a, u_base_color,
                         u_emissive, u_surface);
 #if HALF_TARGETS
-    /* Eleven bits are no depth: take that of the visibility pass, epsilon behind the nearest. */
-    pixel.window.z = texelFetch(u_depth, at, 0).r;
+    /* Eleven bits are no depth: take that of the visibility pass, epsilon behind the nearest. Where
+     * the filter alone reaches they have to do. */
+    float behind = texelFetch(u_depth, at, 0).r;
+    if (behind < 1.0) pixel.window.z = behind;
 #endif
 #if COLORS
     vec4 colors = texelFetch(u_target2, at, 0) * scale;
