@@ -3,6 +3,7 @@
  * Batches: each with the program that has what it needs and nothing else.
  */
 #include "frame.h"
+#include "matrix.h"
 
 void psplat_frame_bind_texture(const psplat_gl *gl, GLenum unit, const psplat_texture *texture,
                                GLenum target) {
@@ -48,6 +49,9 @@ static void use_placement(const psplat_gl *gl, const psplat_program *program,
                           const psplat_camera *camera, const psplat_placement *placement) {
     const float direction[3] = {(float)camera->direction[0], (float)camera->direction[1],
                                 (float)camera->direction[2]};
+    float clip[16];
+    psplat_matrix_to_float(placement->clip, 16, clip);
+    gl->UniformMatrix4fv(program->clip_matrix, 1, GL_FALSE, clip);
     gl->UniformMatrix4fv(program->projection, 1, GL_FALSE, camera->projection_float);
     gl->UniformMatrix4fv(program->modelview, 1, GL_FALSE, placement->modelview);
     gl->UniformMatrix3fv(program->normal_matrix, 1, GL_FALSE, placement->normal);

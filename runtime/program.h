@@ -53,6 +53,7 @@ typedef struct psplat_program_key {
 } psplat_program_key;
 
 #define PSPLAT_UNIFORMS(X)                                                                         \
+    X(clip_matrix)                                                                                 \
     X(projection)                                                                                  \
     X(modelview)                                                                                   \
     X(normal_matrix)                                                                               \

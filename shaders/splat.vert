@@ -12,6 +12,7 @@ uniform highp sampler2D u_splats;
 uniform highp sampler2D u_clips;
 uniform mat4 u_modelview;
 uniform mat4 u_projection;
+uniform mat4 u_clip_matrix; /* both at once, for what need not be as exact */
 uniform mat3 u_normal_matrix;
 uniform vec3 u_shift;
 uniform vec3 u_view_direction; /* of orthographic views, away from the eye; 0 0 0: perspective */
@@ -194,10 +195,9 @@ void main() {
 
     mat2 widened = mat2(1.0);
 #if FILTER
-    vec4 clip_center = u_projection * vec4(eye_center, 1.0);
-    mat3 to_eye = mat3(u_modelview);
-    vec4 along_u = u_projection * vec4(to_eye * axes[0], 0.0);
-    vec4 along_v = u_projection * vec4(to_eye * (axes[1] * center.w), 0.0);
+    vec4 clip_center = u_clip_matrix * vec4(center.xyz, 1.0);
+    vec4 along_u = u_clip_matrix * vec4(axes[0], 0.0);
+    vec4 along_v = u_clip_matrix * vec4(axes[1] * center.w, 0.0);
     Footprint footprint = footprint_of(clip_center, along_u, along_v);
     v_uv = vec4(uv, 1.0, 0.0);
     /* Clip lines so steep that they are as good as hard. */
