@@ -173,27 +173,6 @@ static void test_far_from_origin(void **state) {
 
 /* ---- the two APIs ---------------------------------------------------------------------------- */
 
-static int open_gl(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GL);
-    print_message("%s, %s\n", psplat_host_renderer(g.host), psplat_host_version(g.host));
-    *state = &g;
-    return 0;
-}
-
-static int open_gles(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GLES);
-    print_message("%s, %s\n", psplat_host_renderer(g.host), psplat_host_version(g.host));
-    *state = &g;
-    return 0;
-}
-
-static int close_gpu(void **state) {
-    gpu_close(*state);
-    return 0;
-}
-
 /* The shaders are the same in GLES but for their prelude: a part of the tests will do. */
 int main(void) {
     const struct CMUnitTest tests[] = {
@@ -204,6 +183,6 @@ int main(void) {
     const struct CMUnitTest gles_tests[] = {
         cmocka_unit_test(test_ellipses),
     };
-    int failed = cmocka_run_group_tests_name("GL", tests, open_gl, close_gpu);
-    return failed + cmocka_run_group_tests_name("GLES", gles_tests, open_gles, close_gpu);
+    int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);
+    return failed + cmocka_run_group_tests_name("GLES", gles_tests, gpu_setup_gles, gpu_teardown);
 }

@@ -76,25 +76,6 @@ static void test_smooth(void **state) {
     check(*state, 1, 0.8f, 0, 2e-2);
 }
 
-static int open_gl(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GL);
-    *state = &g;
-    return 0;
-}
-
-static int open_gles(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GLES);
-    *state = &g;
-    return 0;
-}
-
-static int close_gpu(void **state) {
-    gpu_close(*state);
-    return 0;
-}
-
 static void test_dielectric(void **state) {
     check(*state, 0, 0.4f, 0, 1e-2);
 }
@@ -103,6 +84,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_constant),
                                        cmocka_unit_test(test_smooth)};
     const struct CMUnitTest gles_tests[] = {cmocka_unit_test(test_dielectric)};
-    int failed = cmocka_run_group_tests_name("GL", tests, open_gl, close_gpu);
-    return failed + cmocka_run_group_tests_name("GLES", gles_tests, open_gles, close_gpu);
+    int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);
+    return failed + cmocka_run_group_tests_name("GLES", gles_tests, gpu_setup_gles, gpu_teardown);
 }

@@ -192,18 +192,6 @@ static void test_viewport(void **state) {
     scene_free(&e.s);
 }
 
-static int open_gpu(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GL);
-    *state = &g;
-    return 0;
-}
-
-static int close_gpu(void **state) {
-    gpu_close(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_edge_on),       cmocka_unit_test(test_near_crossing),
@@ -213,5 +201,5 @@ int main(void) {
         cmocka_unit_test(test_far_over_near), cmocka_unit_test(test_tiny_images),
         cmocka_unit_test(test_viewport),
     };
-    return cmocka_run_group_tests(tests, open_gpu, close_gpu);
+    return cmocka_run_group_tests(tests, gpu_setup_gl, gpu_teardown);
 }

@@ -232,25 +232,6 @@ static void test_random_views(void **state) {
     assert_agrees("200 random views", &all, &allowed, 50000);
 }
 
-static int open_gl(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GL);
-    *state = &g;
-    return 0;
-}
-
-static int open_gles(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GLES);
-    *state = &g;
-    return 0;
-}
-
-static int close_gpu(void **state) {
-    gpu_close(*state);
-    return 0;
-}
-
 /* The shaders are the same in GLES but for their prelude: a part of the tests will do. */
 int main(void) {
     const struct CMUnitTest tests[] = {
@@ -263,6 +244,6 @@ int main(void) {
         cmocka_unit_test(test_cube),
         cmocka_unit_test(test_transforms),
     };
-    int failed = cmocka_run_group_tests_name("GL", tests, open_gl, close_gpu);
-    return failed + cmocka_run_group_tests_name("GLES", gles_tests, open_gles, close_gpu);
+    int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);
+    return failed + cmocka_run_group_tests_name("GLES", gles_tests, gpu_setup_gles, gpu_teardown);
 }

@@ -140,25 +140,6 @@ static void test_shadings(void **state) {
     for (int k = 0; k < 2; ++k) scene_free(&scenes[k]);
 }
 
-static int open_gl(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GL);
-    *state = &g;
-    return 0;
-}
-
-static int open_gles(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GLES);
-    *state = &g;
-    return 0;
-}
-
-static int close_gpu(void **state) {
-    gpu_close(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lights),
@@ -169,6 +150,6 @@ int main(void) {
         cmocka_unit_test(test_eight_lights),
         cmocka_unit_test(test_shadings),
     };
-    int failed = cmocka_run_group_tests_name("GL", tests, open_gl, close_gpu);
-    return failed + cmocka_run_group_tests_name("GLES", gles_tests, open_gles, close_gpu);
+    int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);
+    return failed + cmocka_run_group_tests_name("GLES", gles_tests, gpu_setup_gles, gpu_teardown);
 }

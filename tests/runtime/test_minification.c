@@ -220,22 +220,10 @@ static void test_bumpy(void **state) {
     assert_true(f[2].error * 1.4 < f[1].error);
 }
 
-static int open_gpu(void **state) {
-    static gpu g;
-    g = gpu_open(PSPLAT_API_GL);
-    *state = &g;
-    return 0;
-}
-
-static int close_gpu(void **state) {
-    gpu_close(*state);
-    return 0;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_checkered),
         cmocka_unit_test(test_bumpy),
     };
-    return cmocka_run_group_tests(tests, open_gpu, close_gpu);
+    return cmocka_run_group_tests(tests, gpu_setup_gl, gpu_teardown);
 }

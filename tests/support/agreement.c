@@ -27,6 +27,27 @@ void gpu_close(gpu *g) {
     psplat_host_destroy(g->host);
 }
 
+static int setup(psplat_api api, void **state) {
+    static gpu g;
+    g = gpu_open(api);
+    printf("%s, %s\n", psplat_host_renderer(g.host), psplat_host_version(g.host));
+    *state = &g;
+    return 0;
+}
+
+int gpu_setup_gl(void **state) {
+    return setup(PSPLAT_API_GL, state);
+}
+
+int gpu_setup_gles(void **state) {
+    return setup(PSPLAT_API_GLES, state);
+}
+
+int gpu_teardown(void **state) {
+    gpu_close(*state);
+    return 0;
+}
+
 /* What the renderer made of a view, as floats. */
 typedef struct drawn {
     float *color, *depth;

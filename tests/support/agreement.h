@@ -20,6 +20,11 @@ typedef struct gpu {
 gpu gpu_open(psplat_api api);
 void gpu_close(gpu *g);
 
+/* Group fixtures for cmocka: *state is a gpu, one at a time. */
+int gpu_setup_gl(void **state);
+int gpu_setup_gles(void **state);
+int gpu_teardown(void **state);
+
 /* A pixel is skipped where a tie of psplat_reference_image is below these. */
 typedef struct agreement_ties {
     double edge, depth, epsilon;
