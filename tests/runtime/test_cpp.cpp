@@ -13,7 +13,6 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
-#include <regex>
 #include <set>
 #include <string>
 #include <vector>
@@ -80,10 +79,14 @@ std::set<std::string> declared(const std::string &path) {
         code += text.substr(at, comment - at);
         at = comment == std::string::npos ? comment : text.find("*/", comment) + 2;
     }
-    const std::regex name("(?:^|[ *])(psplat_[a-z0-9_]+)\\(");
     std::set<std::string> names;
-    for (std::sregex_iterator i(code.begin(), code.end(), name), end; i != end; ++i)
-        names.insert((*i)[1]);
+    for (std::size_t at = 0; (at = code.find("psplat_", at)) != std::string::npos;) {
+        std::size_t end = code.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_", at);
+        bool is_call = end != std::string::npos && code[end] == '(';
+        bool starts = at == 0 || std::string(" *\n").find(code[at - 1]) != std::string::npos;
+        if (is_call && starts) names.insert(code.substr(at, end - at));
+        at = end;
+    }
     return names;
 }
 
