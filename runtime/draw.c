@@ -44,7 +44,7 @@ static unsigned differences(const psplat_frame *f) {
             const psplat_model_batch *batch = &model->batches[k];
             if (batch->has_color || !same_color(first, &batch->material))
                 options |= PSPLAT_OPTION_COLORS;
-            if (!same_surface(first, &batch->material)) options |= PSPLAT_OPTIONS_TARGETS;
+            if (!same_surface(first, &batch->material)) options |= PSPLAT_OPTION_MATERIALS;
         }
     }
     return options;
@@ -242,7 +242,8 @@ static psplat_result draw_frame(psplat_frame *f) {
 psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
                           const psplat_item *items, size_t item_count, psplat_error *error) {
     psplat_result result = check(renderer, view, items, item_count, error);
-    if (result != PSPLAT_OK || item_count == 0) return result;
+    if (result != PSPLAT_OK) return result;
+    if (item_count == 0) return psplat_gl_finish(&renderer->gl, PSPLAT_OK, error);
     psplat_frame f = {.renderer = renderer,
                       .view = view,
                       .items = items,

@@ -133,6 +133,7 @@ enum {
     GL_DRAW_FRAMEBUFFER_BINDING = 0x8CA6,
     GL_READ_FRAMEBUFFER = 0x8CA8,
     GL_DRAW_FRAMEBUFFER = 0x8CA9,
+    GL_READ_FRAMEBUFFER_BINDING = 0x8CAA,
     GL_DEPTH_COMPONENT32F = 0x8CAC,
     GL_FRAMEBUFFER_COMPLETE = 0x8CD5,
     GL_COLOR_ATTACHMENT0 = 0x8CE0,
@@ -190,6 +191,7 @@ enum {
     X(GLboolean, IsEnabled, (GLenum capability))                                                   \
     X(void, LinkProgram, (GLuint program))                                                         \
     X(void, PixelStorei, (GLenum name, GLint value))                                               \
+    X(void, ReadBuffer, (GLenum source))                                                           \
     X(void, ShaderSource,                                                                          \
       (GLuint shader, GLsizei count, const GLchar *const *strings, const GLint *lengths))          \
     X(void, TexImage2D,                                                                            \

@@ -92,9 +92,25 @@ static double cone_projection(const box *b, double outer_angle, int size, double
 
 /* ---- maps -------------------------------------------------------------------------------- */
 
+/* Depth alone. GL 3.3 takes a framebuffer without the colour buffer that is to be read from for
+ * incomplete (section 4.4.4; ARB_ES2_compatibility does not), so that none is. */
+static GLenum make_framebuffer(psplat_shadows *shadows, const psplat_gl *gl) {
+    static const GLenum none = GL_NONE;
+    GLint host = 0;
+    gl->GenFramebuffers(1, &shadows->framebuffer);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, shadows->framebuffer);
+    gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D,
+                             shadows->maps.id, 0);
+    gl->DrawBuffers(1, &none);
+    gl->GetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &host);
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, shadows->framebuffer);
+    gl->ReadBuffer(GL_NONE);
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, (GLuint)host);
+    return gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER);
+}
+
 static psplat_result bind_maps(psplat_renderer *renderer, int size, int count,
                                psplat_error *error) {
-    static const GLenum none = GL_NONE;
     psplat_shadows *shadows = &renderer->shadows;
     const psplat_gl *gl = &renderer->gl;
     if (shadows->size != size || shadows->count < count) psplat_shadows_destroy(shadows, gl);
@@ -112,12 +128,7 @@ static psplat_result bind_maps(psplat_renderer *renderer, int size, int count,
     if (result != PSPLAT_OK) return result;
     shadows->size = size;
     shadows->count = count;
-    gl->GenFramebuffers(1, &shadows->framebuffer);
-    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, shadows->framebuffer);
-    gl->FramebufferTexture2D(GL_DRAW_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D,
-                             shadows->maps.id, 0);
-    gl->DrawBuffers(1, &none);
-    GLenum status = gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER);
+    GLenum status = make_framebuffer(shadows, gl);
     if (status == GL_FRAMEBUFFER_COMPLETE) return PSPLAT_OK;
     psplat_shadows_destroy(shadows, gl);
     return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0,

@@ -255,6 +255,8 @@ static void expect_loss(stage *s) {
         result = psplat_draw(s->renderer, &s->view, &s->item, 1, &error);
         expect_failure(result, &error, PSPLAT_ERROR_GRAPHICS);
         assert_non_null(strstr(error.text, "lost"));
+        result = psplat_draw(s->renderer, &s->view, NULL, 0, &error);
+        expect_failure(result, &error, PSPLAT_ERROR_GRAPHICS);
         result = psplat_model_create(s->renderer, s->asset, &model, &error);
         expect_failure(result, &error, PSPLAT_ERROR_GRAPHICS);
         assert_null(model);

@@ -44,24 +44,30 @@ typedef struct drawn {
 } drawn;
 
 /* One frame of a new renderer. */
-static drawn draw(const scene *s, const psplat_view *view) {
+static drawn draw_all(const scene *const *scenes, size_t count, const psplat_view *view) {
     psplat_error error = {0};
     psplat_renderer *renderer = NULL;
     const float zeros[4] = {0};
-    psplat_asset *asset = scene_open(s);
-    psplat_item item = {.model = NULL};
+    psplat_item items[2] = {{.model = NULL}};
     const psplat_renderer_desc desc = {.get_proc = counting_get_proc};
     canvas_check(psplat_renderer_create(&desc, &renderer, &error), &error);
-    canvas_check(psplat_model_create(renderer, asset, &item.model, &error), &error);
+    for (size_t i = 0; i < count; ++i) {
+        psplat_asset *asset = scene_open(scenes[i]);
+        canvas_check(psplat_model_create(renderer, asset, &items[i].model, &error), &error);
+        psplat_asset_destroy(asset);
+    }
     canvas_check(psplat_host_begin(counter.host, view->width, view->height, 1, zeros, &error),
                  &error);
     counter.draws = counter.vertices = 0;
-    canvas_check(psplat_draw(renderer, view, &item, 1, &error), &error);
+    canvas_check(psplat_draw(renderer, view, items, count, &error), &error);
     drawn result = {counter.draws, counter.vertices, psplat_renderer_memory(renderer)};
-    psplat_model_destroy(renderer, item.model);
+    for (size_t i = 0; i < count; ++i) psplat_model_destroy(renderer, items[i].model);
     psplat_renderer_destroy(renderer);
-    psplat_asset_destroy(asset);
     return result;
+}
+
+static drawn draw(const scene *s, const psplat_view *view) {
+    return draw_all(&s, 1, view);
 }
 
 static psplat_view view_of(void) {
@@ -130,6 +136,25 @@ static void test_targets(void **state) {
     scene_free(&s);
 }
 
+/* Metallic, roughness and unlit take a target of colours, one of the rest and half of that of depth,
+ * and only light looks at them. */
+static void test_materials(void **state) {
+    (void)state;
+    const size_t pixels = 64 * 64;
+    scene s = scene_sphere(100, 1), rough = scene_sphere(100, 1);
+    const scene *both[] = {&s, &rough};
+    psplat_view view = view_of();
+    assert_int_equal(draw_all(both, 2, &view).memory.targets, pixels * (16 + 4 + 4));
+    rough.material.roughness = 1;
+    assert_int_equal(draw_all(both, 2, &view).memory.targets, pixels * (16 + 8 + 4 + 16 + 16));
+    view.shading = PSPLAT_SHADING_UNLIT;
+    assert_int_equal(draw_all(both, 2, &view).memory.targets, pixels * (16 + 4 + 4));
+    rough.material.base_color[1] = 0.5f;
+    assert_int_equal(draw_all(both, 2, &view).memory.targets, pixels * (16 + 4 + 4 + 16));
+    scene_free(&s);
+    scene_free(&rough);
+}
+
 /* ---- many splats in a pixel ------------------------------------------------------------------ */
 
 /* Ten thousand splats in every pixel: sums stay finite, and their quotients are those of one. */
@@ -185,6 +210,7 @@ int main(void) {
         cmocka_unit_test(test_passes),
         cmocka_unit_test(test_vertices),
         cmocka_unit_test(test_targets),
+        cmocka_unit_test(test_materials),
         cmocka_unit_test(test_overdraw),
     };
     return cmocka_run_group_tests(tests, open_host, close_host);

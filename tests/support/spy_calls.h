@@ -61,6 +61,7 @@ SPY_VOID(GetShaderInfoLog, (GLuint shader, GLsizei size, GLsizei *length, GLchar
 SPY_VOID(LinkProgram, (GLuint program), (program), OWN(PROGRAM, program))
 SPY_VOID(PixelStorei, (GLenum name, GLint value), (name, value), INTEGER(name))
 SPY_VOID(PolygonMode, (GLenum face, GLenum mode), (face, mode), INTEGER(SPY_GL_POLYGON_MODE))
+SPY_VOID(ReadBuffer, (GLenum source), (source), BOUND(FRAMEBUFFER, GL_READ_FRAMEBUFFER_BINDING))
 SPY_VOID(ShaderSource,
          (GLuint shader, GLsizei count, const GLchar *const *strings, const GLint *lengths),
          (shader, count, strings, lengths), OWN(SHADER, shader))
