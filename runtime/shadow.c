@@ -205,7 +205,10 @@ static float largest_tolerance(const psplat_frame *f) {
 psplat_result psplat_frame_draw_shadows(psplat_frame *f) {
     static const float one = 1.0f;
     const psplat_gl *gl = &f->renderer->gl;
-    int size = f->view->shadow_size ? f->view->shadow_size : DEFAULT_SIZE;
+    int most = gl->max_texture_size / PSPLAT_SHADOW_COUNT;
+    int size = f->view->shadow_size  ? f->view->shadow_size
+               : most < DEFAULT_SIZE ? most
+                                     : DEFAULT_SIZE;
     psplat_result result = bind_maps(f->renderer, size, f->lights.shadow_count, f->error);
     if (result != PSPLAT_OK) return result;
     f->renderer->shadows.lift = 2.0f * largest_tolerance(f);

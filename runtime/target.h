@@ -16,17 +16,17 @@ typedef struct psplat_target {
     int width, height;
     int color_count; /* textures that exist */
     int is_wide;     /* the second holds two numbers: 0 where there are fewer than all */
-    unsigned used;   /* psplat_targets.clock of the last frame */
+    unsigned used;   /* psplat_targets.clock when it was */
 } psplat_target;
 
-/* Of two sizes, so that a host's frame may have a second view of another size without making
- * textures anew; the one that some frames have not used goes. */
-enum { PSPLAT_TARGET_SIZES = 2, PSPLAT_TARGET_IDLE = 8 };
+/* Of two sizes, so that a host's frame may have views of another size without making textures
+ * anew; the one that so many calls of psplat_draw have not used goes. */
+enum { PSPLAT_TARGET_SIZES = 2, PSPLAT_TARGET_IDLE = 60 };
 
 typedef struct psplat_targets {
     psplat_target list[PSPLAT_TARGET_SIZES];
-    psplat_target *current; /* of this frame */
-    unsigned clock;         /* frames, may wrap */
+    psplat_target *current; /* of this call of psplat_draw */
+    unsigned clock;         /* calls, may wrap */
 } psplat_targets;
 
 /* Finds or makes the target of a size with at least color_count colour textures (layout.h), and

@@ -179,12 +179,54 @@ static void test_half_targets(void **state) {
     canvas_destroy(c);
 }
 
+static void (*real_get_integer)(unsigned name, int *values);
+
+static void get_integer_of_small_textures(unsigned name, int *values) {
+    real_get_integer(name, values);
+    if (name == 0x0D33) *values = 2048; /* GL_MAX_TEXTURE_SIZE */
+}
+
+static void *get_proc_of_small_textures(void *user, const char *name) {
+    void *address = psplat_host_get_proc(user, name);
+    if (strcmp(name, "glGetIntegerv") != 0) return address;
+    memcpy(&real_get_integer, &address, sizeof address);
+    return address_of((void (*)(void))get_integer_of_small_textures);
+}
+
+/* 2048 is the least that GLES 3.0 guarantees: four shadow maps side by side have to fit. */
+static void test_small_textures(void **state) {
+    (void)state;
+    canvas *c = canvas_create(PSPLAT_API_GLES);
+    scene s = scene_sphere(200, 0.8f);
+    psplat_asset *asset = scene_open(&s);
+    psplat_view view = camera_view(CANVAS_SIZE, CANVAS_SIZE);
+    camera_look(&view, (double[]){0, 0, 2}, (double[]){0, 0, 0});
+    camera_parallel(&view, 1.0, 1.0, 3.0);
+    view.lights[0].casts_shadow = 1;
+    for (int i = 1; i < 4; ++i) view.lights[i] = view.lights[0];
+    view.light_count = 4;
+    psplat_renderer_desc desc = {.get_proc = get_proc_of_small_textures, .user = c->host};
+    psplat_renderer *renderer = NULL;
+    psplat_item item = {.model = NULL};
+    psplat_error error = {0};
+    canvas_check(psplat_renderer_create(&desc, &renderer, &error), &error);
+    canvas_check(psplat_model_create(renderer, asset, &item.model, &error), &error);
+    canvas_check(psplat_draw(renderer, &view, &item, 1, &error), &error);
+    assert_int_equal(psplat_renderer_memory(renderer).shadows, 2048 * 512 * 4);
+    view.shadow_size = 513;
+    assert_int_equal(psplat_draw(renderer, &view, &item, 1, &error), PSPLAT_ERROR_ARGUMENT);
+    psplat_model_destroy(renderer, item.model);
+    psplat_renderer_destroy(renderer);
+    psplat_asset_destroy(asset);
+    scene_free(&s);
+    canvas_destroy(c);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_missing_functions),
-        cmocka_unit_test(test_versions),
-        cmocka_unit_test(test_arguments),
-        cmocka_unit_test(test_half_targets),
+        cmocka_unit_test(test_missing_functions), cmocka_unit_test(test_versions),
+        cmocka_unit_test(test_arguments),         cmocka_unit_test(test_half_targets),
+        cmocka_unit_test(test_small_textures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -173,7 +173,7 @@ static void test_shadows(void **state) {
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
-/* Targets are those of the last view and, for some frames, of the one before. */
+/* Targets are those of the last view and, for some draws, of the one before. */
 static void test_targets(void **state) {
     stage *s = *state;
     psplat_model *model = canvas_model(s->canvas, s->asset);
@@ -188,22 +188,22 @@ static void test_targets(void **state) {
         assert_true(bytes >= pixels * (4 + 8) && bytes <= (pixels + last) * (4 + 4 * 16));
         last = pixels;
     }
-    for (int i = 0; i < 10; ++i) draw(s, model, 50);
+    for (int i = 0; i < 70; ++i) draw(s, model, 50);
     expect_same(s, &before);
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
-/* Two views of different sizes in each frame, where the second is not always there, make nothing
- * after the first time. */
+/* Views of two sizes in each frame, many of one and the other not always there, make nothing after
+ * the first time. */
 static void test_two_views(void **state) {
     stage *s = *state;
     psplat_model *model = canvas_model(s->canvas, s->asset);
     draw(s, model, 50);
     draw(s, model, 20);
     size_t made = s->spy.made;
-    for (int i = 0; i < 60; ++i) {
+    for (int i = 0; i < 120; ++i) {
         draw(s, model, 50);
-        if (i % 4 == 0) draw(s, model, 20);
+        if (i % 40 == 0) draw(s, model, 20);
     }
     assert_int_equal(s->spy.made, made);
     psplat_model_destroy(s->canvas->renderer, model);

@@ -136,8 +136,8 @@ static void test_targets(void **state) {
     scene_free(&s);
 }
 
-/* Metallic, roughness and unlit take a target of colours, one of the rest and half of that of depth,
- * and only light looks at them. */
+/* Metallic, roughness and unlit take a target of colours, one of the rest and half of that of
+ * depth, and only light looks at them. */
 static void test_materials(void **state) {
     (void)state;
     const size_t pixels = 64 * 64;
@@ -207,10 +207,8 @@ static int close_host(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_passes),
-        cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_targets),
-        cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_passes),   cmocka_unit_test(test_vertices),
+        cmocka_unit_test(test_targets),  cmocka_unit_test(test_materials),
         cmocka_unit_test(test_overdraw),
     };
     return cmocka_run_group_tests(tests, open_host, close_host);

@@ -163,7 +163,8 @@ typedef enum psplat_mode {
     PSPLAT_MODE_PHONG = 0,  /* linear normal fields blended, lit once per pixel */
     PSPLAT_MODE_GAUSSIAN,   /* splats lit with their centre normal, colours blended */
     PSPLAT_MODE_FLAT,       /* splats lit with their centre normal, nearest one wins */
-    PSPLAT_MODE_PARAMETERS, /* debug: nearest splat's (u, v, index in draw order, 1), unencoded */
+    PSPLAT_MODE_PARAMETERS, /* debug: nearest splat's (u, v, index in draw order, 1), unencoded;
+                               indices as a float, exact below 2^24 */
     PSPLAT_MODE_COUNT
 } psplat_mode;
 
@@ -254,9 +255,10 @@ typedef struct psplat_view {
     int light_count;                       /* of lights that shine */
     float ambient[3];                      /* radiance from everywhere, linear */
     const psplat_environment *environment; /* NULL: none */
-    int shadow_size;                       /* edge of a shadow map, texels, at most 8192; 0: 1024 */
-    int no_filter; /* 1: without the screen-space filter of spec 5.8, splats below a pixel may be
-                      missed */
+    int shadow_size; /* edge of a shadow map, texels: 16 ... 8192, and at most a quarter of GL's
+                        largest texture; 0: 1024 or that quarter */
+    int no_filter;   /* 1: without the screen-space filter of spec 5.8, splats below a pixel may be
+                        missed */
     int linear_output; /* 0: sRGB-encode colours; 1: the framebuffer is float or encodes itself */
 } psplat_view;
 
@@ -271,10 +273,12 @@ typedef struct psplat_item {
  * draw buffer 0) and depth of covered pixels are written where the depth test against what is there
  * already passes (GL_LEQUAL); other pixels are left as they are; the host clears. So splats and the
  * host's geometry hide each other pixel by pixel, whichever is drawn first. Of the host's own state
- * the scissor test and the depth range apply, and nothing else. In a framebuffer of several samples
- * a pixel all samples take the pixel's one colour and depth: the host's edges before and behind
- * splats stay smooth, those of splats are as without. What draw buffers other than 0 receive in
- * covered pixels is undefined in GL. Per size of view, nothing is allocated after the first frame.
+ * the scissor test, the depth range and GL_FRAMEBUFFER_SRGB (see linear_output) apply, and nothing
+ * else. In a framebuffer of several samples a pixel all samples take the pixel's one colour and
+ * depth: the host's edges before and behind splats stay smooth, those of splats are as without.
+ * What draw buffers other than 0 receive in covered pixels is undefined in GL; in WebGL there must
+ * be none. After the first frame of its kind nothing is allocated, as long as frames have views of
+ * no more than two sizes.
  *
  * State that is set is put back, here and in every function above: framebuffer, program, vertex
  * array, viewport, capabilities, blending, masks, depth function, culling, polygon mode, pixel
