@@ -23,6 +23,10 @@ contestant contestant_splats(psplat_host *host, const subject *s, unsigned optio
 /* The papers' own method. Sides, lights and filter as the view says; always phong and lit. */
 contestant contestant_sprites(psplat_host *host, const subject *s, unsigned options);
 
+/* The same but for what the filter adds outside a splat's ellipse: it has the depth of the splat's
+ * plane there, as BHZK05 can be read, not that of its centre. */
+contestant contestant_sprites_plane(psplat_host *host, const subject *s, unsigned options);
+
 void contestant_destroy(contestant *c);
 
 #endif

@@ -31,8 +31,8 @@ void lighting_ray(const bench_gl *gl, GLuint program, const psplat_view *view) {
                           0,
                           (float)(2 * y / view->height),
                           0,
-                          (float)-x,
-                          (float)-y,
+                          (float)(x * (view->projection[8] - 1)),
+                          (float)(y * (view->projection[9] - 1)),
                           -1};
     gl->base.UniformMatrix3fv(at(gl, program, "u_ray"), 1, GL_FALSE, ray);
 }

@@ -16,7 +16,7 @@ void lighting_place(const bench_gl *gl, GLuint program, const psplat_view *view,
 void lighting_light(const bench_gl *gl, GLuint program, const psplat_view *view,
                     const psplat_material *material);
 /* u_ray: times (pixel x, y, 1) the ray through the pixel in eye space, z = -1. The projection is a
- * symmetric perspective one. */
+ * perspective one. */
 void lighting_ray(const bench_gl *gl, GLuint program, const psplat_view *view);
 
 int lighting_two_sided(const psplat_view *view, const psplat_material *material);

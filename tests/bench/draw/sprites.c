@@ -35,6 +35,7 @@ typedef struct sprites {
     GLuint resolve, screen;                              /* screen: an empty vertex array */
     GLuint framebuffer, textures[3];                     /* normals, colours, depth */
     int width, height;
+    int filter; /* FILTER of sprite.frag, where the view has one */
 } sprites;
 
 /* ---- vertices -------------------------------------------------------------------------------- */
@@ -110,7 +111,7 @@ static GLuint program_of(sprites *s, int visibility, uint32_t clip_count, int fi
     char defines[200];
     snprintf(defines, sizeof defines,
              "#define VISIBILITY %d\n#define CLIP_COUNT %d\n#define FILTER %d\n#define POWER %d\n",
-             visibility, (int)clip_count, filter, power);
+             visibility, (int)clip_count, filter ? s->filter : 0, power);
     *program =
         bench_gl_program(&s->gl, defines, "", bench_shader_sprite_vert, bench_shader_sprite_frag);
     return *program;
@@ -234,9 +235,10 @@ static void destroy(void *self) {
     free(s);
 }
 
-contestant contestant_sprites(psplat_host *host, const subject *subject, unsigned options) {
+static sprites *make(psplat_host *host, const subject *subject, int filter) {
     sprites *s = calloc(1, sizeof *s);
     if (!s) abort();
+    s->filter = filter;
     s->group_count = psplat_asset_batch_count(subject->asset);
     s->groups = calloc(s->group_count, sizeof *s->groups);
     if (!s->groups) abort();
@@ -244,5 +246,13 @@ contestant contestant_sprites(psplat_host *host, const subject *subject, unsigne
     for (size_t i = 0; i < s->group_count; ++i)
         s->groups[i] = make_group(&s->gl, psplat_asset_batch(subject->asset, i));
     make_resolve(s);
-    return (contestant){"sprites", draw, destroy, s, options};
+    return s;
+}
+
+contestant contestant_sprites(psplat_host *host, const subject *subject, unsigned options) {
+    return (contestant){"sprites", draw, destroy, make(host, subject, 1), options};
+}
+
+contestant contestant_sprites_plane(psplat_host *host, const subject *subject, unsigned options) {
+    return (contestant){"sprites, plane's depth", draw, destroy, make(host, subject, 2), options};
 }

@@ -6,6 +6,8 @@
  *
  * Defined outside: VISIBILITY, CLIP_COUNT, FILTER, POWER.
  */
+#define FILTER_CENTER_DEPTH 1
+
 flat in vec3 v_plane;
 flat in vec4 v_u, v_v;
 #if !VISIBILITY
@@ -34,7 +36,9 @@ void main() {
     float z = q.z;
 #if !VISIBILITY && FILTER
     vec2 d = gl_FragCoord.xy - v_center.xy;
+#if FILTER == FILTER_CENTER_DEPTH
     if (r2 > 1.0) z = v_center.z; /* the plane may be far from the splat there */
+#endif
     r2 = min(r2, dot(d, d));
 #endif
     if (r2 > 1.0) discard;

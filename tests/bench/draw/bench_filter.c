@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * bench_filter.c - the screen-space filter of spec 5.8 beside the one of BHZK05 section 5.
+ *
+ *     bench_filter [--size N] [--finer N]
+ *
+ * Models full of detail (detail.h) are drawn N pixels across (16, 32 and 64) under a camera that
+ * moves by a fraction of a pixel (film.h): by the renderer and by the papers' sprites, each with
+ * its filter and without; by the sprites in two ways, since the paper does not say which depth its
+ * filter's disc has outside the ellipse (contestant.h). The truth is the same renderer's picture
+ * without filter at N (8) times the size, averaged in linear light. In percent:
+ *
+ *     error    from the truth: mean, and root of the mean square
+ *     flicker  how much more than in truth a pixel changes from frame to frame: mean and most
+ *
+ * "inside" are values, linear, of pixels that the model fills in truth; "outline" is the coverage
+ * of others that the truth or the way to draw covers. "covered" are pixels a frame, as a share of
+ * the truth's.
+ */
+#include "contestant.h"
+#include "detail.h"
+#include "film.h"
+#include "probe.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WAYS = 3 }; /* the first two also without filter */
+
+typedef struct detail {
+    const char *name;
+    scene (*make)(void);
+} detail;
+
+static const detail details[] = {{"checkered sphere", detail_checkered},
+                                 {"bumpy sphere", detail_bumpy},
+                                 {"torus", detail_torus},
+                                 {"grazed plate", detail_plate}};
+
+typedef struct settings {
+    int sizes[3], size_count, finer;
+} settings;
+
+static void fail(const char *what, const char *why) {
+    fprintf(stderr, "bench_filter: %s: %s\n", what, why);
+    exit(2);
+}
+
+static settings parse(int argc, char **argv) {
+    settings set = {{16, 32, 64}, 3, FILM_FINER};
+    for (int i = 1; i < argc; i += 2) {
+        long value = i + 1 < argc ? strtol(argv[i + 1], NULL, 10) : 0;
+        if (strcmp(argv[i], "--size") == 0 && value > 0 && value <= 256) {
+            set.sizes[0] = (int)value;
+            set.size_count = 1;
+        } else if (strcmp(argv[i], "--finer") == 0 && value > 0 && value <= 16) {
+            set.finer = (int)value;
+        } else {
+            fail(argv[i], "unknown, or its value out of range");
+        }
+    }
+    return set;
+}
+
+/* At this size, beside the way's own truth. */
+static void run_way(psplat_host *host, const contestant *c, const char *model, int size,
+                    int no_filter, const film *truth) {
+    film f = film_shoot(host, c->draw, c->self, size, no_filter, 1);
+    film_report r = film_compare(&f, truth), true_r = film_compare(truth, truth);
+    printf("| %s | %d | %s%s | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f | %.3f |\n", model, size,
+           c->name, no_filter ? ", no filter" : "", 100 * r.inside.error,
+           100 * r.inside.squared_error, 100 * r.inside.flicker, 100 * r.inside.most_flicker,
+           100 * r.outline.error, 100 * r.outline.flicker, r.covered / true_r.covered);
+    fflush(stdout);
+    film_free(&f);
+}
+
+static void run_model(psplat_host *host, const detail *d, const settings *set) {
+    scene s = d->make();
+    subject drawn = {.name = d->name, .asset = scene_open(&s)};
+    contestant ways[WAYS] = {contestant_splats(host, &drawn, 0),
+                             contestant_sprites(host, &drawn, 0),
+                             contestant_sprites_plane(host, &drawn, 0)};
+    for (int i = 0; i < set->size_count; ++i)
+        for (int way = 0; way < WAYS; ++way) {
+            const contestant *c = &ways[way];
+            film truth = film_shoot(host, c->draw, c->self, set->sizes[i], 1, set->finer);
+            run_way(host, c, d->name, set->sizes[i], 0, &truth);
+            if (way < 2) run_way(host, c, d->name, set->sizes[i], 1, &truth);
+            film_free(&truth);
+        }
+    for (int way = 0; way < WAYS; ++way) contestant_destroy(&ways[way]);
+    psplat_asset_destroy(drawn.asset);
+    scene_free(&s);
+}
+
+int main(int argc, char **argv) {
+    settings set = parse(argc, argv);
+    psplat_host *host = NULL;
+    psplat_error error;
+    if (psplat_host_create(PSPLAT_API_GL, 1, &host, &error)) fail("host", error.text);
+    probe_open(host);
+    printf("%s; truth of %d x %d samples a pixel; percent\n\n", psplat_host_renderer(host),
+           set.finer, set.finer);
+    printf("| model | pixels | who | inside: error | rms | flicker | most | outline: error | "
+           "flicker | covered |\n"
+           "|---|--:|---|--:|--:|--:|--:|--:|--:|--:|\n");
+    for (size_t i = 0; i < sizeof details / sizeof *details; ++i)
+        run_model(host, &details[i], &set);
+    probe_close();
+    psplat_host_destroy(host);
+    return 0;
+}
