@@ -134,6 +134,47 @@ static void test_far_over_near(void **state) {
     check(*state, "far / near = 1e7", &e, 0, 4 * 1500);
 }
 
+/* ---- projections ------------------------------------------------------------------------------
+ */
+
+/* A ball of which the backs are culled: where sides are taken for each other, its inside shows. */
+static extreme ball(void) {
+    extreme e = extreme_of(scene_sphere(300, 1));
+    e.s.material.double_sided = 0;
+    camera_perspective(&e.view, 120, 1, 20);
+    return e;
+}
+
+static void test_infinite_far_plane(void **state) {
+    extreme e = ball();
+    e.view.projection[10] = -1;
+    e.view.projection[14] = -2;
+    check(*state, "far plane at infinity", &e, 5e-4, 4 * 1500);
+}
+
+/* As planar reflections and framebuffers with row 0 on top have it. */
+static void test_mirrored_projection(void **state) {
+    for (int axis = 0; axis < 2; ++axis) {
+        extreme e = ball();
+        for (int i = 0; i < 4; ++i) e.view.projection[4 * i + axis] *= -1;
+        check(*state, axis ? "mirrored in y" : "mirrored in x", &e, 5e-4, 4 * 1500);
+    }
+}
+
+/* Off the axis, turned a quarter, and all of the matrix times 3, which is the same projection. */
+static void test_odd_projection(void **state) {
+    extreme e = ball();
+    double *p = e.view.projection;
+    const double x = p[0], y = p[5];
+    p[0] = p[5] = 0;
+    p[1] = x;
+    p[4] = -y;
+    p[8] = 0.2;
+    p[9] = -0.1;
+    for (int i = 0; i < 16; ++i) p[i] *= 3;
+    check(*state, "off the axis, turned, times 3", &e, 5e-4, 4 * 1500);
+}
+
 /* One pixel, and images one pixel high and wide. */
 static void test_tiny_images(void **state) {
     const int sizes[][2] = {{1, 1}, {97, 1}, {1, 61}};
@@ -194,12 +235,20 @@ static void test_viewport(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_edge_on),       cmocka_unit_test(test_near_crossing),
-        cmocka_unit_test(test_eye_inside),    cmocka_unit_test(test_huge),
-        cmocka_unit_test(test_needle),        cmocka_unit_test(test_below_a_pixel),
-        cmocka_unit_test(test_far_away),      cmocka_unit_test(test_no_tolerance),
-        cmocka_unit_test(test_far_over_near), cmocka_unit_test(test_tiny_images),
+        cmocka_unit_test(test_edge_on),
+        cmocka_unit_test(test_near_crossing),
+        cmocka_unit_test(test_eye_inside),
+        cmocka_unit_test(test_huge),
+        cmocka_unit_test(test_needle),
+        cmocka_unit_test(test_below_a_pixel),
+        cmocka_unit_test(test_far_away),
+        cmocka_unit_test(test_no_tolerance),
+        cmocka_unit_test(test_far_over_near),
+        cmocka_unit_test(test_tiny_images),
         cmocka_unit_test(test_viewport),
+        cmocka_unit_test(test_infinite_far_plane),
+        cmocka_unit_test(test_mirrored_projection),
+        cmocka_unit_test(test_odd_projection),
     };
     return cmocka_run_group_tests(tests, gpu_setup_gl, gpu_teardown);
 }

@@ -188,11 +188,26 @@ static void test_four(void **state) {
     scene_free(&s);
 }
 
+/* Maps hold depth in the host's range, as the pixels that they are compared with do. */
+static void test_depth_range(void **state) {
+    gpu *g = *state;
+    psplat_view view = view_of();
+    void *address = psplat_host_get_proc(g->host, "glDepthRangef");
+    void (*depth_range)(float near, float far);
+    memcpy(&depth_range, &address, sizeof address);
+    scene s = cube_over_floor();
+    depth_range(0.25f, 0.75f);
+    check(g, "cube, depth from 0.25 to 0.75", &s, &view);
+    depth_range(0, 1);
+    scene_free(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_directional),
         cmocka_unit_test(test_spot),
         cmocka_unit_test(test_four),
+        cmocka_unit_test(test_depth_range),
     };
     const struct CMUnitTest gles_tests[] = {cmocka_unit_test(test_four)};
     int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);

@@ -371,6 +371,32 @@ static void test_depth_range(void **state) {
     free(depth);
 }
 
+/* Places are found from window depth: under near lights, at contours. */
+static void test_depth_range_of_places(void **state) {
+    world *w = *state;
+    canvas *c = w->canvas;
+    static float colors[4 * SIZE * SIZE];
+    psplat_view view = w->view;
+    view.lights[1] = (psplat_light){.type = PSPLAT_LIGHT_POINT, .color = {1, 1, 1}};
+    for (int i = 0; i < 3; ++i) view.lights[1].position[i] = 1.5;
+    view.light_count = 2;
+    const psplat_shading shadings[] = {PSPLAT_SHADING_LIT, PSPLAT_SHADING_TOON,
+                                       PSPLAT_SHADING_DEPTH};
+    for (int i = 0; i < 3; ++i) {
+        int other = 0;
+        view.shading = shadings[i];
+        canvas_draw(c, &view, &w->item, 1);
+        memcpy(colors, c->color, sizeof colors);
+        w->gl.DepthRangef(0.25f, 0.75f);
+        canvas_draw(c, &view, &w->item, 1);
+        w->gl.DepthRangef(0, 1);
+        for (int at = 0; at < 4 * SIZE * SIZE; ++at)
+            other += fabsf(c->color[at] - colors[at]) > 1e-3f;
+        /* Depths have fewer digits, so that outlines of tones may move a little. */
+        assert_true(other <= 4 * SIZE * SIZE / 500);
+    }
+}
+
 /* Geometry of the host at window depth 0.3 in the left half and 0.7 in the right, and a scissor box
  * that leaves the lower half: a disc at 0.5 appears in the lower right quarter alone, and all other
  * pixels keep their colour and depth. */
@@ -467,8 +493,14 @@ static int teardown(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        BOTH(test_colors), BOTH(test_depths),      BOTH(test_samples),     BOTH(test_offset),
-        BOTH(test_border), BOTH(test_depth_range), BOTH(test_host_pixels),
+        BOTH(test_colors),
+        BOTH(test_depths),
+        BOTH(test_samples),
+        BOTH(test_offset),
+        BOTH(test_border),
+        BOTH(test_depth_range),
+        BOTH(test_depth_range_of_places),
+        BOTH(test_host_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
