@@ -7,6 +7,8 @@
 #include <math.h>
 #include <string.h>
 
+_Static_assert(PSPLAT_SHADOW_COUNT == PSPLAT_MAX_SHADOWS, "shaders and header agree");
+
 static const double quarter_pi = 0.78539816339744831;
 
 double psplat_light_outer_angle(const psplat_light *light) {
