@@ -14,6 +14,8 @@
 #include "frame.h"
 #include "gl_state.h"
 
+#include <math.h>
+
 enum { MAX_SHADOW_SIZE = 8192 };
 
 /* ---- what differs between batches -------------------------------------------------------- */
@@ -29,10 +31,9 @@ static int same_surface(const psplat_material *a, const psplat_material *b) {
            a->roughness == b->roughness && !a->unlit == !b->unlit;
 }
 
+/* A model has at least one batch. */
 static const psplat_material *first_material(const psplat_frame *f) {
-    for (size_t i = 0; i < f->item_count; ++i)
-        if (f->items[i].model->batch_count) return &f->items[i].model->batches[0].material;
-    return NULL;
+    return &f->items[0].model->batches[0].material;
 }
 
 static unsigned differences(const psplat_frame *f) {
@@ -121,7 +122,7 @@ static int target_count(unsigned options) {
 
 static psplat_result bind_target(const psplat_frame *f) {
     psplat_renderer *renderer = f->renderer;
-    const psplat_gl *gl = &renderer->gl;
+    psplat_gl *gl = &renderer->gl;
     static const float zeros[4] = {0}, one = 1.0f;
     int colors = target_count(f->key.options);
     psplat_result result = psplat_targets_bind(&renderer->targets, gl, &renderer->memory.targets,
@@ -172,8 +173,8 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     gl->Enable(GL_DEPTH_TEST);
     set_writes(gl, GL_TRUE, GL_TRUE, GL_LEQUAL);
     gl->UseProgram(program->id);
-    psplat_frame_use_light(f, program);
-    if (first_material(f)) psplat_frame_use_material(gl, program, first_material(f));
+    if (!(key.options & PSPLAT_OPTION_AS_IS)) psplat_frame_use_light(f, program);
+    psplat_frame_use_material(gl, program, first_material(f));
     gl->Uniform3fv(program->planes, 1, f->camera.planes);
     gl->Uniform2i(program->origin, view->x, view->y);
     for (int i = 0; i < target->color_count; ++i)
@@ -184,6 +185,23 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
 }
 
 /* ---- psplat_draw ------------------------------------------------------------------------- */
+
+static psplat_result check_light(const psplat_light *light, int index, psplat_error *error) {
+    if ((unsigned)light->type > PSPLAT_LIGHT_SPOT)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "light %d has unknown type %d", index,
+                           (int)light->type);
+    for (int i = 0; i < 3; ++i)
+        if (!(light->color[i] >= 0.0f) || !isfinite(light->color[i]))
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "light %d has a colour that is negative or not finite", index);
+    double outer = psplat_light_outer_angle(light), inner = (double)light->inner_angle;
+    if (light->type == PSPLAT_LIGHT_SPOT && !(inner >= 0.0 && inner < outer && outer < 1.5708))
+        return psplat_fail(
+            error, PSPLAT_ERROR_ARGUMENT, 0,
+            "light %d has cone angles of %g and %g, not 0 <= inner < outer <= pi / 2", index, inner,
+            outer);
+    return PSPLAT_OK;
+}
 
 static psplat_result check_view(const psplat_renderer *renderer, const psplat_view *view,
                                 psplat_error *error) {
@@ -206,10 +224,10 @@ static psplat_result check_view(const psplat_renderer *renderer, const psplat_vi
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                            "a shadow map of %d texels is outside 16 ... %d", view->shadow_size,
                            shadow);
-    for (int i = 0; i < view->light_count; ++i)
-        if ((unsigned)view->lights[i].type > PSPLAT_LIGHT_SPOT)
-            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "light %d has unknown type %d", i,
-                               (int)view->lights[i].type);
+    for (int i = 0; i < view->light_count; ++i) {
+        psplat_result result = check_light(&view->lights[i], i, error);
+        if (result != PSPLAT_OK) return result;
+    }
     return PSPLAT_OK;
 }
 

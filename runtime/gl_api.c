@@ -96,19 +96,6 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
 }
 
 /* A flag a kind of error at most: six in GL 4.6. */
-psplat_result psplat_gl_errors(const psplat_gl *gl, psplat_error *error) {
-    int is_full = 0, is_lost = 0;
-    for (int i = 0; i < 16; ++i) {
-        GLenum flag = gl->GetError();
-        if (flag == GL_NO_ERROR) break;
-        if (flag == GL_OUT_OF_MEMORY) is_full = 1;
-        if (flag == GL_CONTEXT_LOST || flag == GL_CONTEXT_LOST_WEBGL) is_lost = 1;
-    }
-    if (is_lost) return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is lost");
-    if (is_full) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "GL is out of memory");
-    return PSPLAT_OK;
-}
-
 static void PSPLAT_GL_CALL keep_object(GLuint name) {
     (void)name;
 }
@@ -127,11 +114,24 @@ static void lose(psplat_gl *gl) {
     gl->DeleteVertexArrays = keep_objects;
 }
 
+psplat_result psplat_gl_errors(psplat_gl *gl, psplat_error *error) {
+    int is_full = 0, is_lost = 0;
+    for (int i = 0; i < 16; ++i) {
+        GLenum flag = gl->GetError();
+        if (flag == GL_NO_ERROR) break;
+        if (flag == GL_OUT_OF_MEMORY) is_full = 1;
+        if (flag == GL_CONTEXT_LOST || flag == GL_CONTEXT_LOST_WEBGL) is_lost = 1;
+    }
+    if (is_lost) lose(gl); /* some contexts tell it once */
+    if (is_lost) return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is lost");
+    if (is_full) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "GL is out of memory");
+    return PSPLAT_OK;
+}
+
 psplat_result psplat_gl_finish(psplat_gl *gl, psplat_result result, psplat_error *error) {
     if (!gl->is_lost && gl->GetGraphicsResetStatus && gl->GetGraphicsResetStatus() != GL_NO_ERROR)
         lose(gl);
-    if (!gl->is_lost && result != PSPLAT_OK && psplat_gl_errors(gl, NULL) == PSPLAT_ERROR_GRAPHICS)
-        lose(gl);
+    if (!gl->is_lost && result != PSPLAT_OK) psplat_gl_errors(gl, NULL);
     if (!gl->is_lost) return result;
     return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is lost");
 }

@@ -236,7 +236,7 @@ int psplat_gl_has_extension(const psplat_gl *gl, const char *name);
 
 /* Reads GL's error flags: MEMORY where GL ran out of it, GRAPHICS where the context is lost. Other
  * errors are the host's own from before, and not ours to report. */
-psplat_result psplat_gl_errors(const psplat_gl *gl, psplat_error *error);
+psplat_result psplat_gl_errors(psplat_gl *gl, psplat_error *error);
 
 /* What a public function that used GL returns: its result, or GRAPHICS where the context was lost
  * meanwhile. From then on no object is deleted, because the names died with the context and may

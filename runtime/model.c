@@ -141,7 +141,7 @@ static psplat_result check_sizes(const psplat_gl *gl, const psplat_asset *asset,
 
 static psplat_result upload_batches(psplat_renderer *renderer, const psplat_asset *asset,
                                     psplat_model *model, float *staging, psplat_error *error) {
-    const psplat_gl *gl = &renderer->gl;
+    psplat_gl *gl = &renderer->gl;
     psplat_gl_state state;
     psplat_result result = psplat_gl_state_take(&state, gl, error);
     if (result != PSPLAT_OK) return result;

@@ -112,7 +112,7 @@ static GLenum make_framebuffer(psplat_shadows *shadows, const psplat_gl *gl) {
 static psplat_result bind_maps(psplat_renderer *renderer, int size, int count,
                                psplat_error *error) {
     psplat_shadows *shadows = &renderer->shadows;
-    const psplat_gl *gl = &renderer->gl;
+    psplat_gl *gl = &renderer->gl;
     if (shadows->size != size || shadows->count < count) psplat_shadows_destroy(shadows, gl);
     if (shadows->framebuffer) {
         gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, shadows->framebuffer);

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Depth in 32 bits: its steps near 1 are those of a 24-bit buffer, everywhere else finer. */
-static psplat_result add_texture(const psplat_target *target, const psplat_gl *gl, size_t *ledger,
+static psplat_result add_texture(const psplat_target *target, psplat_gl *gl, size_t *ledger,
                                  psplat_texel texel, GLenum attachment, psplat_texture *texture,
                                  psplat_error *error) {
     psplat_texture_desc desc = {.texel = texel, .width = target->width, .height = target->height};
@@ -25,8 +25,8 @@ static psplat_texel texel_of(const psplat_target *target, const psplat_gl *gl, i
 }
 
 /* Makes what is missing, with the target's framebuffer bound. */
-static psplat_result complete(psplat_target *target, const psplat_gl *gl, size_t *ledger,
-                              int color_count, psplat_error *error) {
+static psplat_result complete(psplat_target *target, psplat_gl *gl, size_t *ledger, int color_count,
+                              psplat_error *error) {
     psplat_result result = PSPLAT_OK;
     if (!target->depth.id)
         result = add_texture(target, gl, ledger, PSPLAT_TEXEL_DEPTH32F, GL_DEPTH_ATTACHMENT,
@@ -55,8 +55,8 @@ static void destroy(psplat_target *target, const psplat_gl *gl) {
     memset(target, 0, sizeof *target);
 }
 
-static psplat_result bind(psplat_target *target, const psplat_gl *gl, size_t *ledger,
-                          int color_count, psplat_error *error) {
+static psplat_result bind(psplat_target *target, psplat_gl *gl, size_t *ledger, int color_count,
+                          psplat_error *error) {
     static const GLenum buffers[PSPLAT_TARGET_COUNT_MATERIALS] = {
         GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT0 + 1, GL_COLOR_ATTACHMENT0 + 2,
         GL_COLOR_ATTACHMENT0 + 3};
@@ -90,8 +90,8 @@ static void destroy_idle(psplat_targets *targets, const psplat_gl *gl) {
     }
 }
 
-psplat_result psplat_targets_bind(psplat_targets *targets, const psplat_gl *gl, size_t *ledger,
-                                  int width, int height, int color_count, psplat_error *error) {
+psplat_result psplat_targets_bind(psplat_targets *targets, psplat_gl *gl, size_t *ledger, int width,
+                                  int height, int color_count, psplat_error *error) {
     int is_wide = color_count == PSPLAT_TARGET_COUNT_MATERIALS;
     ++targets->clock;
     psplat_target *target = choose(targets, width, height);

@@ -32,8 +32,8 @@ typedef struct psplat_targets {
 /* Finds or makes the target of a size with at least color_count colour textures (layout.h), and
  * leaves its framebuffer bound for drawing, its first color_count buffers enabled. Textures are
  * entered in the ledger. On failure there is none of that size. Errors: GRAPHICS, MEMORY. */
-psplat_result psplat_targets_bind(psplat_targets *targets, const psplat_gl *gl, size_t *ledger,
-                                  int width, int height, int color_count, psplat_error *error);
+psplat_result psplat_targets_bind(psplat_targets *targets, psplat_gl *gl, size_t *ledger, int width,
+                                  int height, int color_count, psplat_error *error);
 void psplat_targets_destroy(psplat_targets *targets, const psplat_gl *gl);
 
 #endif

@@ -60,9 +60,8 @@ static void set_sampling(const psplat_gl *gl, GLenum target, const psplat_textur
     gl->TexParameteri(target, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
 }
 
-psplat_result psplat_texture_create(const psplat_gl *gl, size_t *ledger,
-                                    const psplat_texture_desc *desc, psplat_texture *texture,
-                                    psplat_error *error) {
+psplat_result psplat_texture_create(psplat_gl *gl, size_t *ledger, const psplat_texture_desc *desc,
+                                    psplat_texture *texture, psplat_error *error) {
     GLenum target = desc->is_cube ? GL_TEXTURE_CUBE_MAP : GL_TEXTURE_2D;
     int levels = desc->levels ? desc->levels : 1;
     *texture = (psplat_texture){.ledger = ledger};

@@ -41,9 +41,8 @@ typedef struct psplat_texture {
  * psplat_renderer.memory) and leaves it bound to unit 0, which is left active. Between
  * psplat_gl_state_take and _restore only. On failure the texture is zero and nothing is left
  * behind. Errors: MEMORY, GRAPHICS (the context is lost). */
-psplat_result psplat_texture_create(const psplat_gl *gl, size_t *ledger,
-                                    const psplat_texture_desc *desc, psplat_texture *texture,
-                                    psplat_error *error);
+psplat_result psplat_texture_create(psplat_gl *gl, size_t *ledger, const psplat_texture_desc *desc,
+                                    psplat_texture *texture, psplat_error *error);
 
 /* Subtracts its bytes and leaves it zero, which is accepted. */
 void psplat_texture_delete(const psplat_gl *gl, psplat_texture *texture);

@@ -90,7 +90,8 @@ void psplat_oracle_filter_set(psplat_oracle_filter *filter, const psplat_oracle_
     filter->determinant = determinant_of(filter->jacobian);
     if (!filter->is_widened) return;
     filter->ratio = determinant_of(before) / filter->determinant;
-    filter->nearer = 1.1 * (1 - least) * slope;
+    filter->nearer = fmin(1.1 * (1 / fmax(least, 0.05) - 1) * slope,
+                          0.5 + 0.5 * center[2] / center[3] - 2 * slope);
     for (int i = 0; i < 2; ++i)
         for (int k = 0; k < 2; ++k)
             filter->frame[1 + k][i] +=

@@ -137,7 +137,8 @@ static int widen(double frame[3][4], double cofactors[2][2], double *area, doubl
     for (int i = 0; i < 2; ++i)
         for (int k = 0; k < 2; ++k) frame[k][i] += (to[i][k] - j[i][k]) * c[3] / half[i];
     *area = large * fabs(small);
-    *nearer = 1.1 * fmax(1 - fabs(q - r), 0) * slope / c[3];
+    *nearer = 1.1 * (1 / fmin(fmax(fabs(q - r), 0.05), 1) - 1) * slope / c[3];
+    *nearer = fmin(*nearer, (c[2] - 2 * slope) / c[3] + 1);
     cofactors[0][0] = to[1][1], cofactors[0][1] = -to[1][0];
     cofactors[1][0] = -to[0][1], cofactors[1][1] = to[0][0];
     return 1;

@@ -387,6 +387,29 @@ static void expect_argument(canvas *c, psplat_view view, const psplat_item *item
     assert_true(error.text[0] != '\0');
 }
 
+static void expect_bad_lights(canvas *c, const psplat_item *item) {
+    psplat_view view = top_view();
+    view.light_count = PSPLAT_MAX_LIGHTS + 1;
+    expect_argument(c, view, item, 1);
+    view.light_count = -1;
+    expect_argument(c, view, item, 1);
+    view.light_count = 1;
+    view.lights[0].type = (psplat_light_type)(PSPLAT_LIGHT_SPOT + 1);
+    expect_argument(c, view, item, 1);
+    view = top_view();
+    view.lights[0].color[1] = -1;
+    expect_argument(c, view, item, 1);
+    view.lights[0].color[1] = NAN;
+    expect_argument(c, view, item, 1);
+    view = top_view();
+    view.lights[0].type = PSPLAT_LIGHT_SPOT;
+    view.lights[0].inner_angle = 0.5f;
+    view.lights[0].outer_angle = 0.5f;
+    expect_argument(c, view, item, 1);
+    view.lights[0].outer_angle = 2;
+    expect_argument(c, view, item, 1);
+}
+
 static void test_bad_arguments(void **state) {
     canvas *c = *state;
     scene s = scene_disc(0.8f);
@@ -406,6 +429,13 @@ static void test_bad_arguments(void **state) {
     view = top_view();
     view.projection[5] = 0.0;
     expect_argument(c, view, &item, 1);
+    view = top_view();
+    view.shading = PSPLAT_SHADING_COUNT;
+    expect_argument(c, view, &item, 1);
+    view = top_view();
+    view.shadow_size = 15;
+    expect_argument(c, view, &item, 1);
+    expect_bad_lights(c, &item);
     psplat_model_destroy(c->renderer, item.model);
     psplat_asset_destroy(asset);
     scene_free(&s);
