@@ -61,6 +61,16 @@ int psplat_matrix_invert(const double m[16], double inverse[16]) {
     return 1;
 }
 
+void psplat_matrix_basis(const double z[3], double x[3], double y[3]) {
+    double sign = copysign(1.0, z[2]), a = -1.0 / (sign + z[2]), b = z[0] * z[1] * a;
+    x[0] = 1.0 + sign * z[0] * z[0] * a;
+    x[1] = sign * b;
+    x[2] = -sign * z[0];
+    y[0] = b;
+    y[1] = sign + z[1] * z[1] * a;
+    y[2] = -z[1];
+}
+
 void psplat_matrix_to_float(const double *m, int count, float *out) {
     for (int i = 0; i < count; ++i) out[i] = (float)m[i];
 }

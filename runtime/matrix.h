@@ -17,6 +17,9 @@ void psplat_matrix_normal(const double m[16], double det, double normal[9]);
 /* 0 where m is singular or not finite. */
 int psplat_matrix_invert(const double m[16], double inverse[16]);
 
+/* x and y complete the unit vector z to a right-handed basis (Duff et al. 2017). */
+void psplat_matrix_basis(const double z[3], double x[3], double y[3]);
+
 void psplat_matrix_to_float(const double *m, int count, float *out);
 
 #endif

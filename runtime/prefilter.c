@@ -5,6 +5,7 @@
  * (Karis 2013; Krivanek and Colbert 2008).
  */
 #include "prefilter.h"
+#include "matrix.h"
 #include "memory.h"
 
 #include <math.h>
@@ -177,17 +178,6 @@ static double distribution(double cosine, double alpha) {
     return a2 / (pi * d * d);
 }
 
-/* x and y complete z to a basis (Duff et al. 2017). */
-static void complete_basis(const double z[3], double x[3], double y[3]) {
-    double sign = copysign(1.0, z[2]), a = -1.0 / (sign + z[2]), b = z[0] * z[1] * a;
-    x[0] = 1.0 + sign * z[0] * z[0] * a;
-    x[1] = sign * b;
-    x[2] = -sign * z[0];
-    y[0] = b;
-    y[1] = sign + z[1] * z[1] * a;
-    y[2] = -z[1];
-}
-
 void psplat_cube_mirror(const psplat_cube *cube, const double direction[3], int size,
                         float rgb[3]) {
     double value[3];
@@ -199,7 +189,7 @@ void psplat_cube_glossy(const psplat_cube *cube, const double direction[3], doub
                         float rgb[3]) {
     double x[3], y[3], sum[3] = {0.0, 0.0, 0.0}, weights = 0.0;
     double texel = 4.0 * pi / (6.0 * cube->size * cube->size);
-    complete_basis(direction, x, y);
+    psplat_matrix_basis(direction, x, y);
     for (int i = 0; i < GLOSSY_SAMPLES; ++i) {
         double h[3], l[3], value[3];
         double angle = 2.0 * pi * mirrored((unsigned)i);

@@ -19,15 +19,12 @@ typedef struct box {
 
 /* Rotation and translation to a space at position that looks along direction. */
 static void look_along(const float direction[3], const double position[3], double view[16]) {
-    double z[3], length = 0.0;
+    double x[3], y[3], z[3], length = 0.0;
     for (int i = 0; i < 3; ++i) length += (double)direction[i] * (double)direction[i];
     length = length > 0.0 ? sqrt(length) : 1.0;
     for (int i = 0; i < 3; ++i) z[i] = -(double)direction[i] / length;
     if (z[0] == 0.0 && z[1] == 0.0 && z[2] == 0.0) z[2] = 1.0;
-    /* An orthonormal basis without a branch on the axis (Duff et al. 2017). */
-    double sign = copysign(1.0, z[2]), a = -1.0 / (sign + z[2]), b = z[0] * z[1] * a;
-    const double x[3] = {1.0 + sign * z[0] * z[0] * a, sign * b, -sign * z[0]};
-    const double y[3] = {b, sign + z[1] * z[1] * a, -z[1]};
+    psplat_matrix_basis(z, x, y);
     const double *rows[3] = {x, y, z};
     memset(view, 0, 16 * sizeof *view);
     view[15] = 1.0;
