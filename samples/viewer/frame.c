@@ -65,7 +65,10 @@ static void pick(viewer *v, const psplat_view *view) {
 
 static psplat_result draw(viewer *v, int width, int height, psplat_error *error) {
     draw_backdrop(v, width, height);
-    if (!v->exhibit.item_count) return PSPLAT_OK;
+    if (!v->exhibit.item_count) {
+        v->has_pick = 0; /* of nothing */
+        return PSPLAT_OK;
+    }
     psplat_view view = view_of(v, width, height);
     psplat_result result =
         psplat_draw(v->renderer, &view, v->exhibit.items, v->exhibit.item_count, error);
