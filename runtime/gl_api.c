@@ -95,7 +95,6 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
     return PSPLAT_OK;
 }
 
-/* A flag a kind of error at most: six in GL 4.6. */
 static void PSPLAT_GL_CALL keep_object(GLuint name) {
     (void)name;
 }
@@ -114,6 +113,7 @@ static void lose(psplat_gl *gl) {
     gl->DeleteVertexArrays = keep_objects;
 }
 
+/* A flag a kind of error at most: six in GL 4.6. */
 psplat_result psplat_gl_errors(psplat_gl *gl, psplat_error *error) {
     int is_full = 0, is_lost = 0;
     for (int i = 0; i < 16; ++i) {

@@ -234,7 +234,8 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
 /* Whether the current context lists an extension. */
 int psplat_gl_has_extension(const psplat_gl *gl, const char *name);
 
-/* Reads GL's error flags: MEMORY where GL ran out of it, GRAPHICS where the context is lost. Other
+/* Reads GL's error flags: MEMORY where GL ran out of it, GRAPHICS where the context is lost, which
+ * is remembered. Other
  * errors are the host's own from before, and not ours to report. */
 psplat_result psplat_gl_errors(psplat_gl *gl, psplat_error *error);
 

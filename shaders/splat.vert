@@ -119,6 +119,8 @@ Footprint footprint_of(vec4 center, vec4 along_u, vec4 along_v) {
             mat2(turn.x + flip.x, turn.y + flip.y, flip.y - turn.y, turn.x - flip.x) / w;
         result.change = result.widened - j / w;
         result.ratio = (q + r) * abs(q - r) / (large * w);
+        /* What the plane rises within a pixel, so that the near half of the kernel is not lost on
+         * slanted surfaces: up to 87 degrees of a splat of a pixel, and not before the near plane. */
         result.nearer = min(1.1 * (w / max(abs(q - r), 0.05 * w) - 1.0) * slope,
                             ndc.z + 1.0 - 2.0 * slope);
     }

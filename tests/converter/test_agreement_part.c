@@ -103,7 +103,8 @@ static void check_filter(gpu *g, const psplat_asset *asset, const double from[3]
                       pixels, a.covered, a.skipped, a.mismatches, a.depth, a.thin_depth, a.color);
         assert_true((double)a.covered > 0.07 * pixels * pixels && a.skipped * 3 < a.covered);
         assert_int_equal(a.mismatches, 0);
-        assert_true(a.depth <= 1e-6 && a.thin_depth <= 2e-5 && a.color <= 1e-4);
+        /* Where a splat shows in single pixels, their position error counts times depth a pixel. */
+        assert_true(a.depth <= 1e-6 && a.thin_depth <= 5e-6 && a.color <= 1e-4);
     }
 }
 

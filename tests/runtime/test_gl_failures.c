@@ -287,7 +287,7 @@ static void expect_new_context(stage *s, const float *expected) {
     stage_close(&next);
 }
 
-static void try_loss(psplat_api api, int no_reset_status) {
+static void try_loss(psplat_api api, int no_reset_status, int tells_once) {
     static float expected[SIZE * SIZE * 4];
     stage s = stage_open(api);
     draw_expected(&s, expected);
@@ -305,6 +305,7 @@ static void try_loss(psplat_api api, int no_reset_status) {
         s = stage_open(api);
         s.spy.fault = SPY_FAULT_LOST;
         s.spy.no_reset_status = no_reset_status;
+        s.spy.tells_once = tells_once;
         s.spy.at = at;
         expect_loss(&s);
         if (tries % 8 == 5 && s.renderer) {
@@ -320,13 +321,14 @@ static void try_loss(psplat_api api, int no_reset_status) {
 
 static void test_loss(void **state) {
     (void)state;
-    try_loss(PSPLAT_API_GL, 0);
-    try_loss(PSPLAT_API_GLES, 0);
+    try_loss(PSPLAT_API_GL, 0, 0);
+    try_loss(PSPLAT_API_GLES, 0, 0);
 }
 
 static void test_loss_by_errors(void **state) {
     (void)state;
-    try_loss(PSPLAT_API_GL, 1);
+    try_loss(PSPLAT_API_GL, 1, 0);
+    try_loss(PSPLAT_API_GLES, 1, 1);
 }
 
 int main(void) {

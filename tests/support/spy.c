@@ -160,7 +160,7 @@ static void died(const char *call, spy_object kind, GLuint name) {
 /* Counts a call; 0 where the context is lost, so that it must not be made. */
 static int enter(void) {
     if (active->fault == SPY_FAULT_LOST && active->calls++ >= (size_t)active->at) {
-        active->error = SPY_GL_CONTEXT_LOST;
+        if (!active->has_told) active->error = SPY_GL_CONTEXT_LOST;
         return 0;
     }
     return 1;
@@ -246,6 +246,7 @@ static void spy_DeleteShader(GLuint shader) {
 static GLenum spy_GetError(void) {
     GLenum error = active->error;
     active->error = GL_NO_ERROR;
+    if (error == SPY_GL_CONTEXT_LOST) active->has_told = active->tells_once;
     return error ? error : real_GetError()();
 }
 

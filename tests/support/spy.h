@@ -56,6 +56,8 @@ typedef struct spy {
     int at;              /* of the fault */
     int happened;        /* opportunities so far */
     int no_reset_status; /* 1: glGetGraphicsResetStatus says nothing of a loss, glGetError does */
+    int tells_once;      /* 1: but only the first time, as WebGL's does; */
+    int has_told;        /* that it did */
     void (*real[SPY_FUNCTION_MAX])(void);
     size_t live[SPY_OBJECT_COUNT];
     size_t made;    /* objects of all kinds, ever */
