@@ -11,6 +11,7 @@
 #define PHONGSPLAT_COMMAND_H
 
 #include "converter.h"
+#include "picture.h"
 
 #include <phongsplat/phongsplat.h>
 
@@ -138,40 +139,5 @@ int psplat_progress_update(psplat_progress *progress, double now, const char *st
  * process at once, since nothing unfinished is ever on disk (output.c). */
 int psplat_progress_show(void *user, const char *stage, double fraction);
 void psplat_progress_end(psplat_progress *progress); /* clears the line */
-
-/* ---- viewpoint.c: where render looks from ------------------------------------------------- */
-
-/* Zeros are a view from the front at the fitting distance. */
-typedef struct psplat_viewpoint {
-    double azimuth_degrees;   /* about +y; 0 looks along -z from the front, 90 from +x */
-    double elevation_degrees; /* -90 ... 90, positive looks down */
-    double distance;          /* in units of the distance at which the sphere fits */
-} psplat_viewpoint;
-
-/* A sphere around what an asset's splats show: unlike psplat_asset_bounds it leaves out what
- * their clip lines cut away. */
-void psplat_viewpoint_sphere(const psplat_asset *asset, double center[3], double *radius);
-
-/* Fills view's matrices and light so that the sphere fills width x height (which must be set), with
- * near and far planes around the sphere. */
-void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double center[3], double radius,
-                          psplat_view *view);
-
-/* Narrows view, whose width and height are those of the whole picture, to the width x height pixels
- * from column x and row y (row 0 at the bottom) on. */
-void psplat_viewpoint_crop(psplat_view *view, int x, int y, int width, int height);
-
-/* ---- png.c -------------------------------------------------------------------------------- */
-
-/* Encodes 8-bit sRGB, row 0 on top, 3 channels or 4 (straight alpha), into memory from malloc. */
-psplat_result psplat_png_encode(const uint8_t *pixels, int width, int height, int channels,
-                                uint8_t **data, size_t *size, psplat_error *error);
-
-/* ---- picture.c: what was drawn, reduced to what is stored ---------------------------------- */
-
-/* Averages blocks of factor x factor linear, premultiplied RGBA pixels (row 0 at the bottom) into
- * width x height sRGB-encoded pixels (row 0 on top) of 3 channels, or 4 with straight alpha. */
-void psplat_picture_reduce(const float *rgba, int width, int height, int factor, int channels,
-                           uint8_t *pixels);
 
 #endif

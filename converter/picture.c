@@ -4,7 +4,7 @@
  * mean is taken in linear light, where light adds up; taken of encoded values it would
  * darken edges.
  */
-#include "command.h"
+#include "picture.h"
 
 #include <math.h>
 

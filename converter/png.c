@@ -3,7 +3,7 @@
  * png.c - pixels to PNG through libpng, in memory. libpng reports errors by longjmp; it stays in
  * this file, and what must survive it lives in one struct.
  */
-#include "command.h"
+#include "picture.h"
 
 #include <png.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  *
  * viewpoint.c - a view of a whole model: a camera on a sphere around it, lit over the shoulder.
  */
-#include "command.h"
+#include "picture.h"
 
 #include <math.h>
 #include <string.h>
