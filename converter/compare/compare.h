@@ -18,17 +18,18 @@
 extern "C" {
 #endif
 
-/* ---- source.c: the mesh that is compared with ----------------------------------------------- */
+/* ---- original.c: the mesh that is compared with -----------------------------------------------
+ */
 
 /* A mesh with what measuring it takes: creases, normals as the converter gives them, and a tree of
  * its triangles. Opaque. */
-typedef struct psplat_source psplat_source;
+typedef struct psplat_original psplat_original;
 
 /* crease_angle_degrees as in psplat_convert_desc (0: 30). The mesh must outlive the source. Errors:
  * MEMORY, RANGE. */
-psplat_result psplat_source_create(const psplat_mesh *mesh, double crease_angle_degrees,
-                                   psplat_source **source, psplat_error *error);
-void psplat_source_destroy(psplat_source *source); /* NULL is accepted */
+psplat_result psplat_original_create(const psplat_mesh *mesh, double crease_angle_degrees,
+                                     psplat_original **source, psplat_error *error);
+void psplat_original_destroy(psplat_original *source); /* NULL is accepted */
 
 /* ---- shape.c: distances, normals, coverage --------------------------------------------------- */
 
@@ -69,17 +70,18 @@ typedef struct psplat_shape_desc {
 } psplat_shape_desc;
 
 /* Measures an asset whose scene space is the source file's. Errors: ARGUMENT, MEMORY, RANGE. */
-psplat_result psplat_shape_compare(const psplat_source *source, const psplat_asset *asset,
+psplat_result psplat_shape_compare(const psplat_original *source, const psplat_asset *asset,
                                    const psplat_shape_desc *desc, psplat_shape_errors *errors,
                                    psplat_error *error);
 /* The same for another mesh, as a mesh simplifier leaves it. */
-psplat_result psplat_shape_compare_mesh(const psplat_source *source, const psplat_source *target,
+psplat_result psplat_shape_compare_mesh(const psplat_original *source,
+                                        const psplat_original *target,
                                         const psplat_shape_desc *desc, psplat_shape_errors *errors,
                                         psplat_error *error);
 
 /* What a place of the source is like in the target, for maps of where errors sit. */
 typedef struct psplat_shape_probe psplat_shape_probe;
-psplat_result psplat_shape_probe_create(const psplat_source *source, const psplat_asset *asset,
+psplat_result psplat_shape_probe_create(const psplat_original *source, const psplat_asset *asset,
                                         const psplat_shape_desc *desc, psplat_shape_probe **probe,
                                         psplat_error *error);
 /* point: in the coordinates of the source's file, on its surface but for rounding. *distance to the
@@ -99,7 +101,7 @@ typedef struct psplat_gallery psplat_gallery;
 
 typedef struct psplat_gallery_desc {
     psplat_host *host; /* its context is current in every call; GL or GLES */
-    const psplat_source *source;
+    const psplat_original *source;
     int size; /* pictures are size x size pixels; 0: 512 */
 } psplat_gallery_desc;
 
@@ -132,7 +134,7 @@ typedef struct psplat_exhibit {
     const psplat_model *model;
     psplat_mode mode;
     int no_filter;
-    const psplat_source *mesh;
+    const psplat_original *mesh;
 } psplat_exhibit;
 
 /* Errors of one view, or, where view is negative, of all of them as one long picture (covered
@@ -156,8 +158,8 @@ psplat_result psplat_gallery_heatmap(psplat_gallery *gallery, const psplat_exhib
                                      int *width, int *height, psplat_error *error);
 
 /* Draws the source itself into the framebuffer that is bound, for timing it beside splats. */
-psplat_result psplat_gallery_draw_source(psplat_gallery *gallery, const psplat_view *view,
-                                         psplat_error *error);
+psplat_result psplat_gallery_draw_original(psplat_gallery *gallery, const psplat_view *view,
+                                           psplat_error *error);
 
 #ifdef __cplusplus
 }
