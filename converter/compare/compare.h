@@ -28,8 +28,8 @@ typedef struct psplat_original psplat_original;
 /* crease_angle_degrees as in psplat_convert_desc (0: 30). The mesh must outlive the source. Errors:
  * MEMORY, RANGE. */
 psplat_result psplat_original_create(const psplat_mesh *mesh, double crease_angle_degrees,
-                                     psplat_original **source, psplat_error *error);
-void psplat_original_destroy(psplat_original *source); /* NULL is accepted */
+                                     psplat_original **original, psplat_error *error);
+void psplat_original_destroy(psplat_original *original); /* NULL is accepted */
 
 /* ---- shape.c: distances, normals, coverage --------------------------------------------------- */
 

@@ -30,7 +30,7 @@ quoted() {
 }
 
 sources() {
-    (cd "$1" && find "$2" -maxdepth "${3:-1}" \( -name '*.c' -o -name '*.h' \) | sort)
+    (cd "$1" && [ -d "$2" ] && find "$2" -maxdepth "${3:-1}" \( -name '*.c' -o -name '*.h' \) | sort)
 }
 
 # ---- what may be included -------------------------------------------------------------------
@@ -62,8 +62,18 @@ shaders_include_nothing() {
 
 converter_uses_public_headers() {
     includes "$1" $(sources "$1" converter) |
-        grep -E ': "' | only "$(quoted "$1" converter)"
+        grep -E ': "' | grep -v '^converter/command' | only "$(quoted "$1" converter)"
     includes "$1" $(sources "$1" converter) | grep -E 'phongsplat/' |
+        only '<phongsplat/(splat|phongsplat|reference|host)\.h>'
+}
+
+# convert, compare, tradeoff, commands: each knows those before it.
+comparing_follows_converting() {
+    set -- "$1" converter converter/compare converter/tradeoff
+    includes "$1" $(sources "$1" $3) | grep -E ': "' | only "$(quoted "$1" $2 $3)"
+    includes "$1" $(sources "$1" $4) | grep -E ': "' | only "$(quoted "$1" $2 $3 $4)"
+    includes "$1" $(sources "$1" $2) | grep -E '^converter/command.*: "' | only "$(quoted "$1" $2 $3 $4)"
+    includes "$1" $(sources "$1" $3) $(sources "$1" $4) | grep -E 'phongsplat/' |
         only '<phongsplat/(splat|phongsplat|reference|host)\.h>'
 }
 
@@ -115,7 +125,7 @@ must_report() {
 
 self_check() {
     bad=$scratch/bad
-    for d in runtime/include/phongsplat runtime/reference runtime/host shaders converter samples; do
+    for d in runtime/include/phongsplat runtime/reference runtime/host shaders converter/compare converter/tradeoff samples; do
         mkdir -p "$bad/$d"
     done
     echo '#include "converter.h"' >"$bad/runtime/a.c"
@@ -128,10 +138,12 @@ self_check() {
     echo '#include "../runtime/json.h"' >"$bad/converter/a.c"
     echo '#include <CGAL/Random.h>' >"$bad/converter/b.c"
     echo '#include "../runtime/gl_api.h"' >"$bad/samples/a.c"
+    echo '#include "tradeoff.h"' >"$bad/converter/compare/a.c"
+    touch "$bad/converter/tradeoff/tradeoff.h"
     [ "$(runtime_keeps_to_itself "$bad" | wc -l)" -eq 2 ] || must_report runtime_keeps_to_itself ''
     for rule in public_headers_stand_alone reference_shares_public_headers_only \
         host_knows_gl_and_no_more shaders_include_nothing converter_uses_public_headers \
-        samples_use_public_headers adapters_fence_cpp; do
+        comparing_follows_converting samples_use_public_headers adapters_fence_cpp; do
         must_report $rule "$($rule "$bad")"
     done
     rm "$bad/converter/b.c"
@@ -167,6 +179,7 @@ check reference_shares_public_headers_only "$SOURCE_DIR"
 check host_knows_gl_and_no_more "$SOURCE_DIR"
 check shaders_include_nothing "$SOURCE_DIR"
 check converter_uses_public_headers "$SOURCE_DIR"
+check comparing_follows_converting "$SOURCE_DIR"
 check samples_use_public_headers "$SOURCE_DIR"
 check adapters_fence_cpp "$SOURCE_DIR"
 check calls "$RUNTIME" 'memory\.c\.o'
