@@ -53,14 +53,27 @@ static void find_planes(psplat_camera *camera, const double inverse[16]) {
     camera->planes[2] = is_finite ? 1.0f : 0.0f;
 }
 
+/* Depth range r of middle c: window depth c + r z for z of either's near to far plane, and z of the
+ * host's is middle + half times ours. */
+static void find_to_host(psplat_camera *camera, const psplat_span *span, const float range[2]) {
+    double near = range[0], far = range[1], center = 0.5 * (far + near), reach = 0.5 * (far - near);
+    double half = psplat_span_half(span);
+    camera->to_host[0] = (float)half;
+    camera->to_host[1] = (float)(center + reach * psplat_span_middle(span) - half * center);
+}
+
 psplat_result psplat_camera_set(psplat_camera *camera, const psplat_camera_desc *desc,
                                 psplat_error *error) {
-    double inverse[16];
-    const double *p = desc->projection;
+    const psplat_span whole = PSPLAT_SPAN_WHOLE, *span = desc->span ? desc->span : &whole;
+    double inverse[16], *p = camera->projection;
+    if (!psplat_matrix_invert(desc->projection, inverse))
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "the projection has no inverse");
+    find_planes(camera, inverse);
+    find_to_host(camera, span, desc->depth_range);
+    psplat_span_project(span, desc->projection, p);
     if (!psplat_matrix_invert(p, inverse))
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "the projection has no inverse");
     memcpy(camera->view, desc->view, sizeof camera->view);
-    memcpy(camera->projection, p, sizeof camera->projection);
     camera->is_perspective = p[3] != 0.0 || p[7] != 0.0 || p[11] != 0.0;
     camera->is_mirrored = p[0] * p[5] - p[4] * p[1] < 0.0;
     psplat_matrix_to_float(p, 16, camera->projection_float);
@@ -68,7 +81,6 @@ psplat_result psplat_camera_set(psplat_camera *camera, const psplat_camera_desc 
     for (int i = 0; i < 3; ++i)
         camera->direction[i] = camera->is_perspective ? 0.0 : inverse[8 + i];
     find_unproject(camera, inverse, desc);
-    find_planes(camera, inverse);
     return PSPLAT_OK;
 }
 
@@ -84,13 +96,13 @@ static int crosses_near(const double clip[16], const float min[3], const float m
     return 0;
 }
 
-/* Numerator, factor of the distance and offset of what splat.vert adds to gl_Position.z. */
+/* Of what splat.vert adds to gl_Position.z: a factor, whether distances divide it, and epsilon. */
 static void find_shift(const psplat_camera *camera, double epsilon, float shift[3]) {
     const double *p = camera->projection;
-    shift[0] = (float)((camera->is_perspective ? -p[14] : -p[10]) * epsilon);
+    shift[0] = (float)(camera->is_perspective ? -p[14] : -p[10]);
     shift[1] = camera->is_perspective ? 1.0f : 0.0f;
     /* Keeps 0 / 0 away from an eye on a corner. */
-    shift[2] = camera->is_perspective ? fmaxf((float)epsilon, 1e-30f) : 1.0f;
+    shift[2] = fmaxf((float)epsilon, 1e-30f);
 }
 
 static int is_zero(const double m[16]) {

@@ -8,15 +8,18 @@
 #define PHONGSPLAT_CAMERA_H
 
 #include "chunk.h"
+#include "span.h"
 
 typedef struct psplat_camera {
-    double view[16], projection[16];
-    double direction[3]; /* eye space, away from the eye; 0 0 0 in perspective */
-    double margin[2];    /* of psplat_chunk_view_set: one pixel */
-    float ray[9];        /* times (pixel x, pixel y, 1): the view ray of a pixel, eye space, any
-                            length */
-    float unproject[16]; /* pixel x, y and window depth to eye space */
-    float planes[3];     /* near distance, 1 / (far - near), whether far is finite */
+    double view[16];
+    double projection[16]; /* fitted to a span: its depths are not the host's */
+    double direction[3];   /* eye space, away from the eye; 0 0 0 in perspective */
+    double margin[2];      /* of psplat_chunk_view_set: one pixel */
+    float ray[9];          /* times (pixel x, pixel y, 1): the view ray of a pixel, eye space, any
+                              length */
+    float unproject[16];   /* pixel x, y and window depth to eye space */
+    float to_host[2];      /* factor and offset that turn window depths into the host's */
+    float planes[3];       /* the host's: near distance, 1 / (far - near), whether far is finite */
     float projection_float[16];
     float half_viewport[3]; /* in pixels; of the depth range */
     int is_perspective;
@@ -27,7 +30,8 @@ typedef struct psplat_camera {
 typedef struct psplat_camera_desc {
     const double *view, *projection; /* 16 each, as in psplat_view */
     int width, height;
-    float depth_range[2]; /* window depth of the near and the far plane */
+    float depth_range[2];    /* window depth of the near and the far plane */
+    const psplat_span *span; /* where something is drawn; NULL: between the host's planes */
 } psplat_camera_desc;
 
 /* A model matrix in a camera. */

@@ -13,6 +13,7 @@
  */
 #include "frame.h"
 #include "gl_state.h"
+#include "matrix.h"
 
 #include <math.h>
 
@@ -91,16 +92,33 @@ static void choose_options(psplat_frame *f) {
     if (view->environment) key->options |= PSPLAT_OPTION_ENVIRONMENT;
 }
 
+/* Where the view shows splats; between its planes where it shows none. */
+static psplat_span find_span(const psplat_frame *f) {
+    psplat_span span = PSPLAT_SPAN_EMPTY;
+    for (size_t i = 0; i < f->item_count; ++i)
+        for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
+            const psplat_model_batch *batch = &f->items[i].model->batches[k];
+            double scene[16], modelview[16];
+            psplat_camera_compose(f->items[i].transform, batch->model, scene);
+            psplat_matrix_multiply(f->view->view, scene, modelview);
+            psplat_span_add(&span, modelview, f->view->projection, batch->bounds_min,
+                            batch->bounds_max);
+        }
+    return span.low < span.high ? span : PSPLAT_SPAN_WHOLE;
+}
+
 static psplat_result prepare(psplat_frame *f) {
     const psplat_view *view = f->view;
     GLfloat range[2] = {0.0f, 1.0f};
     f->renderer->gl.GetFloatv(GL_DEPTH_RANGE, range);
     for (int i = 0; i < 2; ++i) f->depth_range[i] = (double)range[i];
+    const psplat_span span = find_span(f);
     const psplat_camera_desc desc = {.view = view->view,
                                      .projection = view->projection,
                                      .width = view->width,
                                      .height = view->height,
-                                     .depth_range = {range[0], range[1]}};
+                                     .depth_range = {range[0], range[1]},
+                                     .span = &span};
     psplat_lights_set(&f->lights, view);
     choose_pass(f);
     choose_options(f);
@@ -177,6 +195,7 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     psplat_frame_use_material(gl, program, first_material(f));
     gl->Uniform3fv(program->planes, 1, f->camera.planes);
     gl->Uniform2i(program->origin, view->x, view->y);
+    gl->Uniform2f(program->to_host, f->camera.to_host[0], f->camera.to_host[1]);
     for (int i = 0; i < target->color_count; ++i)
         psplat_frame_bind_texture(gl, (GLenum)i, &target->colors[i], GL_TEXTURE_2D);
     psplat_frame_bind_texture(gl, PSPLAT_UNIT_DEPTH, &target->depth, GL_TEXTURE_2D);

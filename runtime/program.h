@@ -77,6 +77,7 @@ typedef struct psplat_program_key {
     X(eye_to_scene)                                                                                \
     X(glossy_levels)                                                                               \
     X(planes)                                                                                      \
+    X(to_host)                                                                                     \
     X(origin)
 
 /* Locations are -1 where a variant has no use for the uniform; GL ignores writes to it. */

@@ -58,8 +58,19 @@ static box bounds_in(const psplat_frame *f, const double view[16]) {
     return b;
 }
 
-/* Around the box, two texels wider, so that what is sampled at its edge lies in the map. Returns
- * the width of a texel. */
+/* Moves the space's origin to the box's middle: the coordinates that become float stay as small as
+ * the scene, wherever it is. */
+static void center(box *b, double view[16]) {
+    for (int row = 0; row < 3; ++row) {
+        double middle = 0.5 * (b->min[row] + b->max[row]);
+        view[12 + row] -= middle;
+        b->min[row] -= middle;
+        b->max[row] -= middle;
+    }
+}
+
+/* Around a box that has its middle at the origin, two texels wider, so that what is sampled at its
+ * edge lies in the map. Returns the width of a texel. */
 static double parallel_projection(const box *b, int size, double projection[16]) {
     double extent = fmax(fmax(b->max[0] - b->min[0], b->max[1] - b->min[1]), 1e-30);
     double half = 0.5 * extent * size / (size - 4.0);
@@ -67,9 +78,6 @@ static double parallel_projection(const box *b, int size, double projection[16])
     memset(projection, 0, 16 * sizeof *projection);
     projection[0] = projection[5] = 1.0 / half;
     projection[10] = -2.0 / (1.1 * depth);
-    projection[12] = -0.5 * (b->min[0] + b->max[0]) / half;
-    projection[13] = -0.5 * (b->min[1] + b->max[1]) / half;
-    projection[14] = (b->min[2] + b->max[2]) / (1.1 * depth);
     projection[15] = 1.0;
     return 2.0 * half / size;
 }
@@ -165,6 +173,7 @@ static psplat_result draw_map(psplat_frame *f, int map, int size) {
     double view[16], projection[16];
     look_along(light->direction, is_spot ? light->position : origin, view);
     box b = bounds_in(f, view);
+    if (!is_spot) center(&b, view);
     double texel = is_spot ? cone_projection(&b, psplat_light_outer_angle(light), size, projection)
                            : parallel_projection(&b, size, projection);
     f->lights.cone[index][3] = (float)texel;

@@ -12,6 +12,7 @@ uniform highp sampler2D u_target2;
 uniform highp sampler2D u_target3;
 uniform highp sampler2D u_depth;
 uniform ivec2 u_origin;
+uniform vec2 u_to_host; /* window depth as the host's planes have it: factor, offset */
 uniform vec3 u_base_color;
 uniform vec3 u_emissive;
 uniform vec3 u_surface;
@@ -76,7 +77,7 @@ vec3 resolve(Pixel pixel);
 void main() {
     Pixel pixel = pixel_at(ivec2(gl_FragCoord.xy) - u_origin);
     if (!(pixel.weight > 0.0)) discard;
-    gl_FragDepth = pixel.window.z;
+    gl_FragDepth = pixel.window.z * u_to_host.x + u_to_host.y;
 #if AS_IS
     o_color = vec4(encode(pixel.normal / pixel.weight), 1.0);
 #else

@@ -77,11 +77,12 @@ float grazing_of(vec3 normal, vec3 ray) {
  * (spec 5.3). With p the point and s = 1 + epsilon / |p| the shifted point is s p, and
  * z'/w' = (z_row.xyz * s p + z_row.w) / (s w); written over the old w that is
  * z - z_row.w * epsilon / (|p| + epsilon). x, y and w stay: both passes rasterise the same
- * pixels. u_shift holds the terms for a facing splat; grazing multiplies epsilon. Never less than
- * 2^-20 of w, eight steps of a 24-bit depth buffer. */
+ * pixels. Epsilon is never less than 2^-20 of the distance times grazing (spec 5.3), and the shift never less than 2^-20 of w, eight steps of a 24-bit depth buffer. */
 float shift_of(vec3 eye, float w, float grazing) {
-    float bottom = u_shift.y * length(eye) + u_shift.z * (u_shift.y > 0.0 ? grazing : 1.0);
-    return max(u_shift.x * grazing / bottom, abs(w) * 9.5367431640625e-7);
+    float distance = length(eye);
+    float epsilon = max(u_shift.z, 9.5367431640625e-7 * distance) * grazing;
+    float bottom = u_shift.y > 0.0 ? distance + epsilon : 1.0;
+    return max(u_shift.x * epsilon / bottom, abs(w) * 9.5367431640625e-7);
 }
 #endif
 

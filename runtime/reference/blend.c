@@ -76,7 +76,9 @@ static void note_visibility(const psplat_oracle_drawing *d, const psplat_oracle_
                             const psplat_oracle_sight *sight, psplat_oracle_pixel *p) {
     const double rounding = 1e-12;
     const psplat_oracle_fragment *f = sight->fragment;
-    if (!f || f->t + (d->blends ? at->placed.epsilon : 0) > p->limit * (1 + rounding)) return;
+    if (!f) return;
+    double limit = d->blends ? psplat_oracle_fragment_limit(&at->placed, sight->ray, f) : f->t;
+    if (limit > p->limit + rounding * fabs(p->limit)) return;
     psplat_oracle_margins margins =
         psplat_oracle_fragment_margins(&d->camera, &at->placed, sight->ray, f, at->cull);
     note_margins(&margins, p);

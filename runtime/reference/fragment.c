@@ -25,6 +25,14 @@ int psplat_oracle_fragment_find(const psplat_oracle_camera *camera,
     return w > 0;
 }
 
+double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
+                                    const psplat_oracle_fragment *fragment) {
+    double point[3];
+    psplat_oracle_along(ray->origin, fragment->s, ray->direction, point);
+    double least = 0x1p-20 * psplat_oracle_length(point) / fmax(fabs(splat->cosine), 0.5);
+    return fragment->t + fmax(splat->epsilon, least);
+}
+
 int psplat_oracle_fragment_exists(const psplat_oracle_splat *splat,
                                   const psplat_oracle_fragment *fragment, int cull) {
     double u = fragment->u, v = fragment->v;

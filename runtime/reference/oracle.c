@@ -78,7 +78,8 @@ static void see(psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                 const psplat_oracle_sight *sight, psplat_oracle_pixel *p) {
     const psplat_oracle_fragment *f = sight->fragment;
     if (!f || !psplat_oracle_fragment_exists(&at->placed, f, at->cull)) return;
-    p->limit = fmin(p->limit, f->t + (d->blends ? at->placed.epsilon : 0));
+    double limit = d->blends ? psplat_oracle_fragment_limit(&at->placed, sight->ray, f) : f->t;
+    p->limit = fmin(p->limit, limit);
     if (!(f->t < p->nearest)) return;
     p->nearest = f->t;
     p->nearest_splat = at->index;

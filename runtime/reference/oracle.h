@@ -121,6 +121,10 @@ int psplat_oracle_fragment_find(const psplat_oracle_camera *camera,
                                 const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
                                 psplat_oracle_fragment *fragment);
 
+/* How far along the ray other fragments contribute if this one is there (5.3). */
+double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
+                                    const psplat_oracle_fragment *fragment);
+
 /* Whether that point is a fragment: inside, kept, between near and far, on a visible side. */
 int psplat_oracle_fragment_exists(const psplat_oracle_splat *splat,
                                   const psplat_oracle_fragment *fragment, int cull);

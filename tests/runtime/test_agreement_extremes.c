@@ -2,9 +2,6 @@
  * The renderer against the reference rasteriser where renderers go wrong: splats seen along their
  * plane, through the near plane, from inside, far larger than the view or far smaller than a
  * pixel, and odd viewports. */
-#include "agreement.h"
-#include "scene.h"
-
 #include <phongsplat/host.h>
 
 #include <math.h>
@@ -16,21 +13,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-/* A scene and where it is seen from: at z = 5 against -z by default, 160 x 120, focal length 120.
- */
-typedef struct extreme {
-    scene s;
-    psplat_view view;
-} extreme;
-
-static extreme extreme_of(scene s) {
-    extreme e = {s, camera_view(160, 120)};
-    e.s.material.double_sided = 1;
-    e.view.lights[0].direction[0] = -1;
-    camera_look(&e.view, (double[]){0, 0, 5}, (double[]){0, 0, 0});
-    camera_perspective(&e.view, 120, 0.1, 20);
-    return e;
-}
+#include "extreme_view.h"
 
 static psplat_splat *turned(extreme *e, double radius, const double u[3], const double v[3]) {
     psplat_splat *splat = &e->s.splats[0];
@@ -42,31 +25,6 @@ static psplat_splat *turned(extreme *e, double radius, const double u[3], const 
     return splat;
 }
 
-/* Draws every mode; ends e. thin: bar for (u, v) in pixels where it changes by 1 or more a pixel.
- */
-static void check(gpu *g, const char *name, extreme *e, double thin, size_t least) {
-    /* As in test_agreement.c: edges nearer than 2e-4 of a radius or pixel are not decided. */
-    const agreement_ties ties = {2e-4, 2e-6, 0.02};
-    psplat_asset *asset = scene_open(&e->s);
-    agreement a = {0};
-    for (int mode = 0; mode < PSPLAT_MODE_COUNT; ++mode) {
-        e->view.mode = (psplat_mode)mode;
-        agreement one = agreement_measure(g, asset, NULL, &e->view, 1, &ties);
-        agreement_add(&a, &one);
-    }
-    print_message("%-28s covered %6zu skipped %4zu uv %.1e (thin %.1e) depth %.1e (thin %.1e) "
-                  "color %.1e\n",
-                  name, a.covered, a.skipped, a.uv, a.thin_uv, a.depth, a.thin_depth, a.color);
-    psplat_asset_destroy(asset);
-    scene_free(&e->s);
-    assert_true(a.covered - a.skipped >= least);
-    assert_int_equal(a.mismatches, 0);
-    assert_int_equal(a.other, 0);
-    assert_true(a.uv <= 5e-5 && a.thin_uv <= thin);
-    assert_true(a.depth <= 1e-6 && a.thin_depth <= 1e-5);
-    assert_true(a.color <= 1e-4);
-}
-
 /* A tenth of a degree: (u, v) changes by 1 within a 24th of a pixel, so that each 1e-5 of a pixel
  * counts 2.4e-4. */
 static void test_edge_on(void **state) {
@@ -74,7 +32,7 @@ static void test_edge_on(void **state) {
     double angle = 89.9 * CAMERA_PI / 180;
     psplat_splat *splat = turned(&e, 1, (double[]){1, 0, 0}, (double[]){0, cos(angle), sin(angle)});
     splat->center[1] = (float)(0.5 / 120 * 5); /* on a row of pixel centres */
-    check(*state, "edge-on", &e, 5e-4, 100);
+    extreme_check(*state, "edge-on", &e, (extreme_bars){.thin_uv = 5e-4, .least = 100});
 }
 
 static void test_near_crossing(void **state) {
@@ -82,7 +40,7 @@ static void test_near_crossing(void **state) {
     psplat_splat *splat = turned(&e, 4, (double[]){0, 0, -1}, (double[]){0, 1, 0});
     splat->center[0] = 0.5f;
     splat->center[2] = 6;
-    check(*state, "through the near plane", &e, 0, 4 * 5000);
+    extreme_check(*state, "through the near plane", &e, (extreme_bars){.least = 4 * 5000});
 }
 
 static void test_eye_inside(void **state) {
@@ -90,7 +48,7 @@ static void test_eye_inside(void **state) {
     psplat_splat *splat = turned(&e, 10, (double[]){1, 0, 0}, (double[]){0, 0, -1});
     splat->center[1] = -0.01f;
     splat->center[2] = 5;
-    check(*state, "the eye inside", &e, 0, 4 * 400);
+    extreme_check(*state, "the eye inside", &e, (extreme_bars){.least = 4 * 400});
 }
 
 static void test_huge(void **state) {
@@ -98,40 +56,42 @@ static void test_huge(void **state) {
     psplat_splat *splat = turned(&e, 1000, (double[]){1, 0, 0}, (double[]){0, 1, 0});
     splat->center[0] = 800;
     splat->center[1] = 500;
-    check(*state, "huge, its centre far outside", &e, 0, 4 * 160 * 120);
+    extreme_check(*state, "huge, its centre far outside", &e,
+                  (extreme_bars){.least = 4 * 160 * 120});
 }
 
 /* 4e-4 pixels wide and twice as long as the view is: (u, v) changes by 2 a pixel across. */
 static void test_needle(void **state) {
     extreme e = extreme_of(scene_disc(1));
     turned(&e, 200, (double[]){0.8, 0.6, 0}, (double[]){-0.6, 0.8, 0})->radius[1] = 0.02f;
-    check(*state, "200 x 0.02", &e, 1e-3, 4 * 100);
+    extreme_check(*state, "200 x 0.02", &e, (extreme_bars){.thin_uv = 1e-3, .least = 4 * 100});
 }
 
 /* 20000 splats of a 20th of a pixel. */
 static void test_below_a_pixel(void **state) {
     extreme e = extreme_of(scene_sphere(20000, 1));
     camera_perspective(&e.view, 40, 1, 10);
-    check(*state, "a 20th of a pixel each", &e, 1e-3, 4 * 150);
+    extreme_check(*state, "a 20th of a pixel each", &e,
+                  (extreme_bars){.thin_uv = 1e-3, .least = 4 * 150});
 }
 
 static void test_far_away(void **state) {
     extreme e = extreme_of(scene_sphere(2000, 1));
     camera_look(&e.view, (double[]){0, 0, 100}, (double[]){0, 0, 0});
     camera_perspective(&e.view, 2000, 90, 110);
-    check(*state, "from 100 radii", &e, 5e-4, 4 * 1000);
+    extreme_check(*state, "from 100 radii", &e, (extreme_bars){.thin_uv = 5e-4, .least = 4 * 1000});
 }
 
 static void test_no_tolerance(void **state) {
     extreme e = extreme_of(scene_ellipses(100, 2, 5));
     e.s.depth_tolerance = 0;
-    check(*state, "epsilon 0", &e, 5e-4, 500);
+    extreme_check(*state, "epsilon 0", &e, (extreme_bars){.thin_uv = 5e-4, .least = 500});
 }
 
 static void test_far_over_near(void **state) {
     extreme e = extreme_of(scene_disc(1));
     camera_perspective(&e.view, 120, 1e-3, 1e4);
-    check(*state, "far / near = 1e7", &e, 0, 4 * 1500);
+    extreme_check(*state, "far / near = 1e7", &e, (extreme_bars){.least = 4 * 1500});
 }
 
 /* ---- projections ------------------------------------------------------------------------------
@@ -149,7 +109,8 @@ static void test_infinite_far_plane(void **state) {
     extreme e = ball();
     e.view.projection[10] = -1;
     e.view.projection[14] = -2;
-    check(*state, "far plane at infinity", &e, 5e-4, 4 * 1500);
+    extreme_check(*state, "far plane at infinity", &e,
+                  (extreme_bars){.thin_uv = 5e-4, .least = 4 * 1500});
 }
 
 /* As planar reflections and framebuffers with row 0 on top have it. */
@@ -157,7 +118,8 @@ static void test_mirrored_projection(void **state) {
     for (int axis = 0; axis < 2; ++axis) {
         extreme e = ball();
         for (int i = 0; i < 4; ++i) e.view.projection[4 * i + axis] *= -1;
-        check(*state, axis ? "mirrored in y" : "mirrored in x", &e, 5e-4, 4 * 1500);
+        extreme_check(*state, axis ? "mirrored in y" : "mirrored in x", &e,
+                      (extreme_bars){.thin_uv = 5e-4, .least = 4 * 1500});
     }
 }
 
@@ -172,7 +134,8 @@ static void test_odd_projection(void **state) {
     p[8] = 0.2;
     p[9] = -0.1;
     for (int i = 0; i < 16; ++i) p[i] *= 3;
-    check(*state, "off the axis, turned, times 3", &e, 5e-4, 4 * 1500);
+    extreme_check(*state, "off the axis, turned, times 3", &e,
+                  (extreme_bars){.thin_uv = 5e-4, .least = 4 * 1500});
 }
 
 /* One pixel, and images one pixel high and wide. */
@@ -183,7 +146,8 @@ static void test_tiny_images(void **state) {
         e.view.width = sizes[i][0];
         e.view.height = sizes[i][1];
         camera_perspective(&e.view, 120, 1, 10);
-        check(*state, "1 x 1, 97 x 1, 1 x 61", &e, 1e-5, 4);
+        extreme_check(*state, "1 x 1, 97 x 1, 1 x 61", &e,
+                      (extreme_bars){.thin_uv = 1e-5, .least = 4});
     }
 }
 

@@ -114,13 +114,15 @@ static void test_ellipses(void **state) {
     }
 }
 
-/* A cube of six splats: creases are two soft clip lines that meet. */
+/* A cube of six splats: creases are two soft clip lines that meet. At 20 pixels a face is slanted
+ * so that depth changes by 0.14 a pixel: each 1e-5 of a pixel's position error counts 1.4e-6. */
 static void test_cube(void **state) {
     const double pixels[] = {100, 20, 5};
+    const bars steep = {2e-6, 1e-4, 0.1};
     for (int k = 0; k < 3; ++k) {
         scene s = scene_cube(0.8f);
-        check(*state, "cube of 6 splats", &s, NULL, view_of(pixels[k], 0), &strict,
-              (size_t)(pixels[k] * pixels[k] * 0.7));
+        check(*state, "cube of 6 splats", &s, NULL, view_of(pixels[k], 0),
+              k == 1 ? &steep : &strict, (size_t)(pixels[k] * pixels[k] * 0.7));
         scene_free(&s);
     }
 }

@@ -202,12 +202,32 @@ static void test_depth_range(void **state) {
     scene_free(&s);
 }
 
+/* A million units away the lights' spaces, too, have to be composed in double. */
+static void test_far_from_origin(void **state) {
+    const double at[3] = {1e6, -2e6, 3e6};
+    psplat_view view = view_of();
+    scene s = cube_over_floor();
+    camera_look(&view, (double[]){at[0] + 3, at[1] + 2, at[2] + 6},
+                (double[]){at[0], at[1], at[2] + 0.5});
+    memcpy(s.origin, at, sizeof at);
+    check(*state, "cube, 4e6 from the origin", &s, &view);
+    view.lights[0].type = PSPLAT_LIGHT_SPOT;
+    view.lights[0].outer_angle = 0.6f;
+    for (int i = 0; i < 3; ++i) {
+        view.lights[0].position[i] = at[i] + (double[]){-1.8, -0.9, 3}[i];
+        view.lights[0].color[i] *= 13;
+    }
+    check(*state, "cube, 4e6 from the origin, spot", &s, &view);
+    scene_free(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_directional),
         cmocka_unit_test(test_spot),
         cmocka_unit_test(test_four),
         cmocka_unit_test(test_depth_range),
+        cmocka_unit_test(test_far_from_origin),
     };
     const struct CMUnitTest gles_tests[] = {cmocka_unit_test(test_four)};
     int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);

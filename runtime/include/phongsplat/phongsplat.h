@@ -245,7 +245,9 @@ void psplat_environment_destroy(psplat_renderer *renderer, psplat_environment *e
  * defaults of all but the matrices and the size. */
 typedef struct psplat_view {
     double view[16];       /* scene to eye; rigid */
-    double projection[16]; /* eye to clip, GL conventions (z from -w to w) */
+    double projection[16]; /* eye to clip, GL conventions (z from -w to w); how far apart its near
+                              and far planes are makes no difference to splats, which are compared
+                              in a depth buffer fitted to what the view shows */
     int x, y;              /* lower left corner in the bound framebuffer, pixels */
     int width, height;     /* pixels, >= 1 */
     psplat_mode mode;

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Spans. z / w is monotonic along view rays, and its extremes over a box are those of its corners.
+ * Replacing the projection's z by (z - middle w) / half, w apart, leaves pixels and perspective as
+ * they are and makes depths an affine function of what they were: blended depths (spec 5.4) can be
+ * turned back.
+ */
+#include "span.h"
+#include "matrix.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct corners {
+    double clip[8][4];
+    double
+        by_scale[8]; /* derivative of z / w when the distance from the eye grows by its multiple */
+} corners;
+
+static corners corners_of(const double modelview[16], const double p[16], const float min[3],
+                          const float max[3]) {
+    corners c;
+    for (int k = 0; k < 8; ++k) {
+        double eye[3], *clip = c.clip[k];
+        for (int row = 0; row < 3; ++row) {
+            eye[row] = modelview[12 + row];
+            for (int axis = 0; axis < 3; ++axis)
+                eye[row] +=
+                    modelview[4 * axis + row] * (double)(k >> axis & 1 ? max[axis] : min[axis]);
+        }
+        for (int row = 0; row < 4; ++row)
+            clip[row] = p[row] * eye[0] + p[4 + row] * eye[1] + p[8 + row] * eye[2] + p[12 + row];
+        double z = clip[2] - p[14], w = clip[3] - p[15];
+        c.by_scale[k] = (z - clip[2] / clip[3] * w) / clip[3];
+    }
+    return c;
+}
+
+/* All of the box lies behind the eye or beyond one side of the view. */
+static int is_outside(const corners *c) {
+    unsigned outside = ~0u;
+    for (int k = 0; k < 8; ++k) {
+        const double *clip = c->clip[k], w = clip[3];
+        unsigned here = w <= 0.0;
+        for (int axis = 0; axis < 3; ++axis)
+            here |= (clip[axis] < -w ? 2u : 0u) << 2 * axis | (clip[axis] > w ? 4u : 0u)
+                                                                  << 2 * axis;
+        outside &= here;
+    }
+    return outside != 0;
+}
+
+/* Twice the box's depth before it, as far as the near plane allows: the filter draws splats nearer
+ * than they are, which must not take them out of the view, and does so by the depth of a splat at
+ * most where there is no more room (spec 5.8). Behind it, and where the box is flat, a 4096th of
+ * the distance, far above what rounding moves. */
+void psplat_span_add(psplat_span *span, const double modelview[16], const double projection[16],
+                     const float min[3], const float max[3]) {
+    corners c = corners_of(modelview, projection, min, max);
+    if (is_outside(&c)) return;
+    double low = HUGE_VAL, high = -HUGE_VAL, room = 0.0;
+    for (int k = 0; k < 8; ++k) {
+        double ndc = c.clip[k][2] / c.clip[k][3];
+        if (!(c.clip[k][3] > 0.0) || !isfinite(ndc)) {
+            *span = PSPLAT_SPAN_WHOLE;
+            return;
+        }
+        low = fmin(low, ndc);
+        high = fmax(high, ndc);
+        room = fmax(room, fabs(c.by_scale[k]) / 4096.0);
+    }
+    span->low = fmin(span->low, fmax(low - 2.0 * (high - low) - room, -1.0));
+    span->high = fmax(span->high, fmin(high + room, 1.0));
+}
+
+double psplat_span_middle(const psplat_span *span) {
+    return 0.5 * (span->low + span->high);
+}
+
+/* Never so little that double precision cannot tell its ends apart. */
+double psplat_span_half(const psplat_span *span) {
+    return fmax(0.5 * (span->high - span->low), 0x1p-44);
+}
+
+void psplat_span_project(const psplat_span *span, const double projection[16], double fitted[16]) {
+    double middle = psplat_span_middle(span), half = psplat_span_half(span);
+    memcpy(fitted, projection, 16 * sizeof *fitted);
+    for (int i = 0; i < 4; ++i)
+        fitted[4 * i + 2] = (projection[4 * i + 2] - middle * projection[4 * i + 3]) / half;
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * extreme_view.h - a scene and where it is seen from, drawn by the renderer and by the reference
+ * rasteriser. Include after cmocka.h.
+ */
+#ifndef PHONGSPLAT_TEST_EXTREME_VIEW_H
+#define PHONGSPLAT_TEST_EXTREME_VIEW_H
+
+#include "agreement.h"
+#include "extreme.h"
+#include "scene.h"
+
+#include <math.h>
+
+typedef struct extreme {
+    scene s;
+    double transform[16]; /* zeros: the identity */
+    psplat_view view;
+} extreme;
+
+/* At z = 5 against -z, 160 x 120 pixels, focal length 120, two-sided. */
+static inline extreme extreme_of(scene s) {
+    extreme e = {s, {0}, camera_view(160, 120)};
+    e.s.material.double_sided = 1;
+    e.view.lights[0].direction[0] = -1;
+    camera_look(&e.view, (double[]){0, 0, 5}, (double[]){0, 0, 0});
+    camera_perspective(&e.view, 120, 0.1, 20);
+    return e;
+}
+
+/* All of them but what is left 0 is checked. */
+typedef struct extreme_bars {
+    double uv;           /* of splats that show in neighbouring pixels too; 0: 5e-5 */
+    double thin_uv;      /* of others, where (u, v) may change by 1 or more a pixel */
+    double depth;        /* 0: 1e-6, and ten times that of the others */
+    double color;        /* 0: 1e-4 */
+    agreement_ties ties; /* zeros: as in test_agreement.c, but for closer views */
+    size_t least;        /* covered and compared pixels of all modes */
+} extreme_bars;
+
+static inline double extreme_or(double value, double otherwise) {
+    return value > 0 ? value : otherwise;
+}
+
+/* Draws every mode. */
+static inline agreement extreme_measure(gpu *g, extreme *e, const agreement_ties *ties) {
+    psplat_asset *asset = scene_open(&e->s);
+    agreement a = {0};
+    for (int mode = 0; mode < PSPLAT_MODE_COUNT; ++mode) {
+        e->view.mode = (psplat_mode)mode;
+        agreement one = agreement_measure(g, asset, e->transform, &e->view, 1, ties);
+        agreement_add(&a, &one);
+    }
+    psplat_asset_destroy(asset);
+    return a;
+}
+
+/* Ends e. */
+static inline void extreme_check(gpu *g, const char *name, extreme *e, extreme_bars bars) {
+    const agreement_ties none = {0}, usual = {2e-4, 2e-6, 0.02};
+    int is_usual = memcmp(&bars.ties, &none, sizeof none) == 0;
+    agreement a = extreme_measure(g, e, is_usual ? &usual : &bars.ties);
+    scene_free(&e->s);
+    double depth = extreme_or(bars.depth, 1e-6);
+    print_message("%s: %zu pixels, %zu of them not decided\n", name, a.covered, a.skipped);
+    assert_true(a.covered - a.skipped >= bars.least);
+    extreme_at_most(name, (double)(a.mismatches + a.other), "pixels of another splat or none", 0);
+    if (a.uv > 0 || !(bars.thin_uv > 0))
+        extreme_at_most(name, a.uv, "of a radius", extreme_or(bars.uv, 5e-5));
+    if (bars.thin_uv > 0)
+        extreme_at_most(name, a.thin_uv, "of a radius, in single pixels", bars.thin_uv);
+    assert_true(a.thin_uv <= bars.thin_uv);
+    extreme_at_most(name, a.depth, "of the depth range", depth);
+    assert_true(a.thin_depth <= 10 * depth);
+    extreme_at_most(name, a.color, "of white", extreme_or(bars.color, 1e-4));
+}
+
+#endif
