@@ -12,8 +12,8 @@ packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev libpng-dev"
 packages="$packages libjsmn-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
 # viewer: windows, GL in them
 packages="$packages libglfw3-dev libgl1 libglx-mesa0"
-# tests; xvfb and XTest drive the viewer
-packages="$packages libcmocka-dev xvfb libx11-dev libxtst-dev"
+# tests; xvfb and XTest drive the viewer; butteraugli_main
+packages="$packages libcmocka-dev xvfb libx11-dev libxtst-dev libjxl-devtools"
 
 missing=""
 for package in $packages; do

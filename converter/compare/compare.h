@@ -93,8 +93,9 @@ void psplat_shape_probe_destroy(psplat_shape_probe *probe); /* NULL is accepted 
 /* ---- gallery.c: pictures of the source, and of what stands for it ------------------------------
  */
 
-/* Views from the corners of an icosahedron, turned so that none looks along an axis; a camera as
- * psplat_viewpoint_fit places it around the source's bounding sphere, with its light. */
+/* Views from the corners of an icosahedron, turned so that none looks along an axis (views.c); a
+ * camera as psplat_viewpoint_fit places it around the source's bounding sphere and a twentieth
+ * more, for what sticks out in an exhibit, with its light. */
 #define PSPLAT_GALLERY_VIEWS 12
 
 typedef struct psplat_gallery psplat_gallery;
@@ -106,7 +107,8 @@ typedef struct psplat_gallery_desc {
 } psplat_gallery_desc;
 
 /* Draws the source, lit per pixel with the lights and the material that splats get, from all views.
- * host and source must outlive it. Errors: ARGUMENT, MEMORY, GRAPHICS. */
+ * host and source must outlive it. The host's framebuffer is used, here and below, and GL's state
+ * is to be at its defaults. Errors: ARGUMENT, MEMORY, GRAPHICS. */
 psplat_result psplat_gallery_create(const psplat_gallery_desc *desc, psplat_gallery **gallery,
                                     psplat_error *error);
 void psplat_gallery_destroy(psplat_gallery *gallery); /* NULL is accepted */
@@ -121,9 +123,10 @@ typedef struct psplat_picture_errors {
     double difference; /* mean absolute, % of white, of the pixels that either covers */
     double inside;     /* the same of those that both cover */
     double missing;    /* pixels that only the source covers, % of those that it covers */
-    double extra;      /* pixels that it does not cover, the same */
-    double perceptual; /* butteraugli's 3-norm (see gallery.c) where butteraugli_main is installed,
-                          negative elsewhere or where it was not asked for */
+    double extra;      /* pixels that it does not cover, the same; 100 where it covers none */
+    double perceptual; /* butteraugli's 3-norm (butteraugli.c) of the whole picture where
+                          butteraugli_main is installed, negative elsewhere or where it was not
+                          asked for */
     size_t covered;    /* pixels that the source covers */
 } psplat_picture_errors;
 
@@ -131,14 +134,15 @@ typedef struct psplat_picture_errors {
  * where mesh is given, another mesh, drawn as the source is. */
 typedef struct psplat_exhibit {
     psplat_renderer *renderer;
-    const psplat_model *model;
+    psplat_model *model;
     psplat_mode mode;
     int no_filter;
     const psplat_original *mesh;
 } psplat_exhibit;
 
 /* Errors of one view, or, where view is negative, of all of them as one long picture (covered
- * added up). perceptual: whether to ask for that too. */
+ * added up). perceptual: whether to ask for that too. Errors: ARGUMENT, MEMORY, GRAPHICS, and of
+ * butteraugli_main WRITE (no temporary file) and READ (it fails). */
 psplat_result psplat_gallery_compare(psplat_gallery *gallery, const psplat_exhibit *exhibit,
                                      int view, int perceptual, psplat_picture_errors *errors,
                                      psplat_error *error);
@@ -157,7 +161,8 @@ psplat_result psplat_gallery_heatmap(psplat_gallery *gallery, const psplat_exhib
                                      const psplat_heatmap_limits *limits, uint8_t **pixels,
                                      int *width, int *height, psplat_error *error);
 
-/* Draws the source itself into the framebuffer that is bound, for timing it beside splats. */
+/* Draws the source itself into the framebuffer that is bound, for timing it beside splats. Errors:
+ * ARGUMENT (light other than directional, shadows), MEMORY, GRAPHICS. */
 psplat_result psplat_gallery_draw_original(psplat_gallery *gallery, const psplat_view *view,
                                            psplat_error *error);
 

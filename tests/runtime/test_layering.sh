@@ -70,7 +70,7 @@ converter_uses_public_headers() {
 # convert, compare, tradeoff, commands: each knows those before it.
 comparing_follows_converting() {
     set -- "$1" converter converter/compare converter/tradeoff
-    includes "$1" $(sources "$1" $3) | grep -E ': "' | only "$(quoted "$1" $2 $3)"
+    includes "$1" $(sources "$1" $3) | grep -E ': "' | only "$(quoted "$1" $2 $3 $3/shaders)"
     includes "$1" $(sources "$1" $4) | grep -E ': "' | only "$(quoted "$1" $2 $3 $4)"
     includes "$1" $(sources "$1" $2) | grep -E '^converter/command.*: "' | only "$(quoted "$1" $2 $3 $4)"
     includes "$1" $(sources "$1" $3) $(sources "$1" $4) | grep -E 'phongsplat/' |

@@ -39,7 +39,8 @@ static field field_make(psplat_host *host, const subject *s, const options *o) {
     f.racing[f.count++] = contestant_sprites(host, s, 0);
 #ifdef BENCH_MESH
     if (o->mesh) {
-        mesh m = mesh_read(o->mesh);
+        mesh m;
+        mesh_read(o->mesh, &m);
         f.racing[f.count++] = contestant_mesh(host, &m);
         mesh_free(&m);
     }

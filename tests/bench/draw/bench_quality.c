@@ -57,7 +57,8 @@ static void print_cost(psplat_host *host, const subject *s, const contestant *sp
 static void run_file(psplat_host *host, const char *path, const mesh *source,
                      const contestant *mesh, const settings *set, record *r) {
     subject s = subject_open(path);
-    mesh_ball(source, s.center, &s.radius); /* the same views for all files */
+    memcpy(s.center, source->center, sizeof s.center); /* the same views for all files */
+    s.radius = source->radius;
     contestant splats = contestant_splats(host, &s, 0);
     quality_reference reference = quality_draw_mesh(host, &s, mesh, set->size);
     printf("| %s | %zu |", s.name, s.splat_count);
@@ -125,9 +126,10 @@ int main(int argc, char **argv) {
     psplat_error error;
     if (psplat_host_create(PSPLAT_API_GL, 1, &host, &error)) fail("host", error.text);
     probe_open(host);
-    mesh source = mesh_read(argv[first]);
+    mesh source;
+    mesh_read(argv[first], &source);
     contestant drawn = contestant_mesh(host, &source);
-    printf("%s, %zu triangles; %s\n\n", argv[first], source.triangle_count,
+    printf("%s, %zu triangles; %s\n\n", argv[first], source.source.triangle_count,
            psplat_host_renderer(host));
     printf("| file | splats | phong | gaussian | flat | phong CPU ms | mesh CPU ms | of mesh |\n"
            "|---|--:|--:|--:|--:|--:|--:|--:|\n");

@@ -62,6 +62,7 @@ void lighting_light(const bench_gl *gl, GLuint program, const psplat_view *view,
                     const psplat_material *material) {
     const float surface[3] = {material->metallic, material->roughness, material->unlit ? 1.f : 0.f};
     set_lights(gl, program, view);
+    gl->base.Uniform3fv(at(gl, program, "u_ambient"), 1, view->ambient);
     gl->base.Uniform3fv(at(gl, program, "u_base_color"), 1, material->base_color);
     gl->base.Uniform3fv(at(gl, program, "u_emissive"), 1, material->emissive);
     gl->base.Uniform3fv(at(gl, program, "u_surface"), 1, surface);

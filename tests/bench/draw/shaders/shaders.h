@@ -6,8 +6,6 @@
 #define PHONGSPLAT_BENCH_SHADERS_H
 
 extern const char bench_shader_light_glsl[];
-extern const char bench_shader_mesh_frag[];
-extern const char bench_shader_mesh_vert[];
 extern const char bench_shader_screen_vert[];
 extern const char bench_shader_sprite_frag[];
 extern const char bench_shader_sprite_resolve_frag[];

@@ -1,41 +1,47 @@
 /* SPDX-License-Identifier: MIT
  *
- * Spec 5.6 with directional lights alone: what the renderer's resolve pass computes for the views of the
- * benchmark. Directions in eye space.
+ * Spec 5.6 with directional lights and ambient radiance alone, written apart from the renderer's
+ * shading.glsl so that each tells of the other's mistakes. Directions in eye space.
  */
 #define MAX_LIGHTS 8
 uniform vec3 u_light_directions[MAX_LIGHTS]; /* towards the lights */
 uniform vec3 u_light_colors[MAX_LIGHTS];
 uniform int u_light_count;
+uniform vec3 u_ambient;
 uniform vec3 u_emissive;
 uniform vec3 u_surface; /* metallic, roughness, unlit */
 uniform int u_linear_output;
 
 const float PI = 3.14159265358979;
 
-/* D times V. */
-float specular_lobe(float nh, float nl, float nv, float alpha) {
+/* D times V. The denominator of D, (n.h)^2 (a2 - 1) + 1, as a sum: low roughness would lose all
+ * digits of the difference. */
+float specular_lobe(vec3 n, vec3 h, float nl, float nv, float alpha) {
     float a2 = alpha * alpha;
-    float d = nh * nh * (a2 - 1.0) + 1.0;
+    float nh = dot(n, h);
+    vec3 across = cross(n, h);
+    float d = nh > 0.0 ? dot(across, across) + nh * nh * a2 : 1.0;
     float smith = nl * sqrt(nv * nv * (1.0 - a2) + a2) + nv * sqrt(nl * nl * (1.0 - a2) + a2);
     return a2 / (PI * d * d) * 0.5 / max(smith, 1e-7);
 }
 
+/* normal: of any length; 0 looks at the eye. */
 vec3 light_surface(vec3 normal, vec3 view, vec3 color) {
-    vec3 n = normalize(normal);
+    float square = dot(normal, normal);
+    vec3 n = square > 0.0 ? normal * inversesqrt(square) : view;
     vec3 diffuse = color * (1.0 - u_surface.x);
     vec3 f0 = mix(vec3(0.04), color, u_surface.x);
     float alpha = max(u_surface.y * u_surface.y, 0.002);
     float nv = max(dot(n, view), 1e-4);
-    vec3 result = u_emissive;
+    vec3 result = u_ambient * (diffuse + f0) + u_emissive;
     for (int i = 0; i < u_light_count; ++i) {
         vec3 l = u_light_directions[i];
         float nl = dot(n, l);
         if (nl <= 0.0) continue;
         vec3 h = normalize(l + view);
         vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - clamp(dot(view, h), 0.0, 1.0), 5.0);
-        vec3 lobes = (1.0 - fresnel) * diffuse / PI +
-                     fresnel * specular_lobe(max(dot(n, h), 0.0), nl, nv, alpha);
+        vec3 lobes =
+            (1.0 - fresnel) * diffuse / PI + fresnel * specular_lobe(n, h, nl, nv, alpha);
         result += u_light_colors[i] * nl * lobes;
     }
     return mix(result, color, u_surface.z);
