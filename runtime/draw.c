@@ -101,8 +101,11 @@ static psplat_span find_span(const psplat_frame *f) {
             double scene[16], modelview[16];
             psplat_camera_compose(f->items[i].transform, batch->model, scene);
             psplat_matrix_multiply(f->view->view, scene, modelview);
+            /* Epsilon of eq. (5) at most. */
+            double epsilon = 2.0 * (double)batch->depth_tolerance *
+                             cbrt(fabs(psplat_matrix_determinant3(modelview)));
             psplat_span_add(&span, modelview, f->view->projection, batch->bounds_min,
-                            batch->bounds_max);
+                            batch->bounds_max, epsilon);
         }
     return span.low < span.high ? span : PSPLAT_SPAN_WHOLE;
 }

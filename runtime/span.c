@@ -15,11 +15,13 @@ typedef struct corners {
     double clip[8][4];
     double
         by_scale[8]; /* derivative of z / w when the distance from the eye grows by its multiple */
+    double by_length[8]; /* and by a unit */
 } corners;
 
 static corners corners_of(const double modelview[16], const double p[16], const float min[3],
                           const float max[3]) {
     corners c;
+    double length = sqrt(p[3] * p[3] + p[7] * p[7] + p[11] * p[11]);
     for (int k = 0; k < 8; ++k) {
         double eye[3], *clip = c.clip[k];
         for (int row = 0; row < 3; ++row) {
@@ -31,7 +33,9 @@ static corners corners_of(const double modelview[16], const double p[16], const 
         for (int row = 0; row < 4; ++row)
             clip[row] = p[row] * eye[0] + p[4 + row] * eye[1] + p[8 + row] * eye[2] + p[12 + row];
         double z = clip[2] - p[14], w = clip[3] - p[15];
-        c.by_scale[k] = (z - clip[2] / clip[3] * w) / clip[3];
+        c.by_scale[k] = fabs(z - clip[2] / clip[3] * w) / clip[3];
+        /* Of all points with this w none is nearer to the eye than w / length. */
+        c.by_length[k] = length > 0.0 ? c.by_scale[k] * length / clip[3] : fabs(p[10] / clip[3]);
     }
     return c;
 }
@@ -53,9 +57,10 @@ static int is_outside(const corners *c) {
 /* Twice the box's depth before it, as far as the near plane allows: the filter draws splats nearer
  * than they are, which must not take them out of the view, and does so by the depth of a splat at
  * most where there is no more room (spec 5.8). Behind it, and where the box is flat, a 4096th of
- * the distance, far above what rounding moves. */
+ * the distance, far above what rounding moves, and what visibility is shifted by at most, or
+ * nothing would tell that the farthest splats are there. */
 void psplat_span_add(psplat_span *span, const double modelview[16], const double projection[16],
-                     const float min[3], const float max[3]) {
+                     const float min[3], const float max[3], double shift) {
     corners c = corners_of(modelview, projection, min, max);
     if (is_outside(&c)) return;
     double low = HUGE_VAL, high = -HUGE_VAL, room = 0.0;
@@ -67,7 +72,7 @@ void psplat_span_add(psplat_span *span, const double modelview[16], const double
         }
         low = fmin(low, ndc);
         high = fmax(high, ndc);
-        room = fmax(room, fabs(c.by_scale[k]) / 4096.0);
+        room = fmax(room, c.by_scale[k] / 4096.0 + c.by_length[k] * shift);
     }
     span->low = fmin(span->low, fmax(low - 2.0 * (high - low) - room, -1.0));
     span->high = fmax(span->high, fmin(high + room, 1.0));

@@ -16,9 +16,10 @@ typedef struct psplat_span {
 #define PSPLAT_SPAN_EMPTY ((psplat_span){1.0, -1.0})
 #define PSPLAT_SPAN_WHOLE ((psplat_span){-1.0, 1.0})
 
-/* Adds what a view shows of a box of object space, with room before and behind it: see span.c. */
+/* Adds what a view shows of a box of object space, with room before and behind it: see span.c.
+ * shift: by how much visibility lies behind splats at most (spec 5.3), eye space. */
 void psplat_span_add(psplat_span *span, const double modelview[16], const double projection[16],
-                     const float min[3], const float max[3]);
+                     const float min[3], const float max[3], double shift);
 
 double psplat_span_middle(const psplat_span *span);
 double psplat_span_half(const psplat_span *span);

@@ -31,15 +31,14 @@ struct Pixel {
 
 Pixel pixel_at(ivec2 at) {
     vec4 sum = texelFetch(u_target0, at, 0);
+    float behind = texelFetch(u_depth, at, 0).r; /* 1: no splat covers the pixel (spec 5.3) */
     vec2 depth = texelFetch(u_target1, at, 0).rg;
     float scale = 1.0 / sum.a;
-    Pixel pixel = Pixel(vec3(vec2(at) + 0.5, depth.r * scale), sum.rgb, sum.a, u_base_color,
-                        u_emissive, u_surface);
+    Pixel pixel = Pixel(vec3(vec2(at) + 0.5, depth.r * scale), sum.rgb,
+                        behind < 1.0 ? sum.a : 0.0, u_base_color, u_emissive, u_surface);
 #if HALF_TARGETS
-    /* Eleven bits are no depth: take that of the visibility pass, epsilon behind the nearest. Where
-     * the filter alone reaches they have to do. */
-    float behind = texelFetch(u_depth, at, 0).r;
-    if (behind < 1.0) pixel.window.z = behind;
+    /* Eleven bits are no depth: take that of the visibility pass, epsilon behind the nearest. */
+    pixel.window.z = behind;
 #endif
 #if COLORS
     vec4 colors = texelFetch(u_target2, at, 0) * scale;

@@ -77,12 +77,17 @@ float grazing_of(vec3 normal, vec3 ray) {
  * (spec 5.3). With p the point and s = 1 + epsilon / |p| the shifted point is s p, and
  * z'/w' = (z_row.xyz * s p + z_row.w) / (s w); written over the old w that is
  * z - z_row.w * epsilon / (|p| + epsilon). x, y and w stay: both passes rasterise the same
- * pixels. Epsilon is never less than 2^-20 of the distance times grazing (spec 5.3), and the shift never less than 2^-20 of w, eight steps of a 24-bit depth buffer. */
-float shift_of(vec3 eye, float w, float grazing) {
+ * pixels. Epsilon is never less than 2^-20 of the distance times grazing (spec 5.3), and the shift
+ * never less than 2^-20 of w, eight steps of a 24-bit depth buffer, though not for that beyond the
+ * far plane, where nothing would be left to tell that the pixel is covered. */
+float shift_of(vec3 eye, vec2 zw, float grazing) {
     float distance = length(eye);
     float epsilon = max(u_shift.z, 9.5367431640625e-7 * distance) * grazing;
     float bottom = u_shift.y > 0.0 ? distance + epsilon : 1.0;
-    return max(u_shift.x * epsilon / bottom, abs(w) * 9.5367431640625e-7);
+    float room = zw.y * (1.0 - 1.1920929e-7) - zw.x;
+    float least = abs(zw.y) * 9.5367431640625e-7;
+    if (room > 0.0) least = min(least, room);
+    return max(u_shift.x * epsilon / bottom, least);
 }
 #endif
 
@@ -224,7 +229,7 @@ void main() {
     v_near = gl_Position.z + gl_Position.w;
 #endif
     float grazing = grazing_of(u_normal_matrix * axes[2], view_ray(eye_center));
-    gl_Position.z += shift_of(eye, gl_Position.w, grazing);
+    gl_Position.z += shift_of(eye, gl_Position.zw, grazing);
 #elif PASS == PSPLAT_PASS_PARAMETERS
     v_index = float(u_first_index + splat);
 #else

@@ -84,6 +84,14 @@ static void note_visibility(const psplat_oracle_drawing *d, const psplat_oracle_
     note_margins(&margins, p);
 }
 
+/* A limit beyond the far plane may count as none (5.3): how near it is to that. */
+static void note_far_limit(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
+                           const psplat_oracle_ray *ray, psplat_oracle_pixel *p) {
+    if (!d->blends || !isfinite(p->limit) || !(at->space->epsilon > 0)) return;
+    double before = psplat_oracle_camera_reach(&d->camera, ray, 1) - p->limit;
+    p->epsilon_tie = fmin(p->epsilon_tie, fmax(before, 0) / (2 * at->space->epsilon));
+}
+
 /* How near what exists is to the limit. */
 static void note_limit(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                        const psplat_oracle_ray *ray, const psplat_oracle_share *share,
@@ -108,10 +116,13 @@ void psplat_oracle_blend(const psplat_oracle_drawing *d, const psplat_oracle_vis
     int exists = psplat_oracle_filter_share(sight, &share, d->ties ? &margins : NULL);
     if (d->ties) {
         note_visibility(d, at, sight, p);
+        note_far_limit(d, at, sight->ray, p);
         note_margins(&at->filter.margins, p);
         if (exists) note_limit(d, at, sight->ray, &share, p);
         if (share.tested <= p->limit) note_margins(&margins, p); /* hidden edges do not show */
     }
-    int chosen = d->blends ? share.tested <= p->limit : at->index == p->nearest_splat;
+    /* Where no splat is met, what the filter adds beside splats does not count. */
+    int chosen =
+        d->blends ? isfinite(p->limit) && share.tested <= p->limit : at->index == p->nearest_splat;
     if (exists && chosen) contribute(d, at, sight->ray, &share, p);
 }

@@ -189,15 +189,18 @@ typedef struct tally {
 
 static void compare(const psplat_splat *splat, const double transform[16], const psplat_view *view,
                     const picture *p, tally *counts) {
-    double frame[3][4], cofactors[2][2], area = 0, nearer = 0;
+    double frame[3][4], own[3][4], cofactors[2][2] = {{0}}, area = 0, nearer = 0;
     size_t before = counts->covered;
     clip_frame(splat, transform, view, frame);
+    clip_frame(splat, transform, view, own);
     int is_filtered = !view->no_filter && widen(frame, cofactors, &area, &nearer);
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
         double uv[2], depth = 0;
         double x = 2 * (i % WIDTH + 0.5) / WIDTH - 1, y = 2 * (i / WIDTH + 0.5) / HEIGHT - 1;
-        int kept = other_fragment(frame, nearer, x, y, uv, &depth) &&
-                   (is_filtered ? softness(splat, cofactors, area, uv) > 0 : is_kept(splat, uv));
+        int kept = other_fragment(own, 0, x, y, uv, &depth) && is_kept(splat, uv);
+        if (is_filtered)
+            kept = kept && other_fragment(frame, nearer, x, y, uv, &depth) &&
+                   softness(splat, cofactors, area, uv) > 0;
         /* Double rounding, magnified by aspect 1e4 and by edge-on splats. */
         if (p->image.tie[i] < 1e-7 || p->image.depth_tie[i] < 1e-9) {
             ++counts->skipped;

@@ -80,7 +80,7 @@ static void test_holds(void **state) {
             min[i] = (float)uniform(-2, 1);
             max[i] = min[i] + (float)(round % 7 ? uniform(0, 1) : 0); /* some are a point */
         }
-        psplat_span_add(&span, view.view, view.projection, min, max);
+        psplat_span_add(&span, view.view, view.projection, min, max, 0);
         size_t before = seen;
         assert_true(span.low >= -1 && span.high <= 1);
         if (span.low < span.high) check_points(&view, &span, min, max, &seen);
@@ -104,15 +104,50 @@ static void test_beyond(void **state) {
                  {{-1, -1, -30}, {1, 1, -2}, 1, 0}, {{0, 0, -3}, {0, 0, -3}, 1, 0}};
     for (size_t k = 0; k < sizeof boxes / sizeof *boxes; ++k) {
         psplat_span span = PSPLAT_SPAN_EMPTY;
-        psplat_span_add(&span, view.view, view.projection, boxes[k].min, boxes[k].max);
+        psplat_span_add(&span, view.view, view.projection, boxes[k].min, boxes[k].max, 0);
         assert_int_equal(span.low < span.high, boxes[k].is_seen);
         if (boxes[k].is_seen) assert_int_equal(span.low == -1 && span.high == 1, boxes[k].is_whole);
     }
 }
 
+/* What lies a shift behind the box, along any view ray, is before the span's end or the view's. */
+static void test_shift(void **state) {
+    size_t seen = 0;
+    (void)state;
+    for (int round = 0; round < 20000; ++round) {
+        psplat_view view = random_view(round % 3);
+        psplat_span span = PSPLAT_SPAN_EMPTY;
+        float min[3], max[3];
+        double shift = pow(10, uniform(-3, 0.5)), eye[4], clip[4];
+        for (int i = 0; i < 3; ++i) min[i] = (float)uniform(-2, 1), max[i] = min[i] + 0.5f;
+        psplat_span_add(&span, view.view, view.projection, min, max, shift);
+        if (!(span.low < span.high)) continue;
+        int is_parallel = view.projection[11] == 0;
+        for (int corner = 0; corner < 8; ++corner) {
+            for (int row = 0; row < 4; ++row) {
+                eye[row] = view.view[12 + row];
+                for (int axis = 0; axis < 3; ++axis)
+                    eye[row] += view.view[4 * axis + row] *
+                                (double)(corner >> axis & 1 ? max[axis] : min[axis]);
+            }
+            double length = sqrt(eye[0] * eye[0] + eye[1] * eye[1] + eye[2] * eye[2]);
+            for (int i = 0; i < 3; ++i) eye[i] *= is_parallel ? 1 : 1 + shift / length;
+            if (is_parallel) eye[2] -= shift;
+            for (int row = 0; row < 4; ++row)
+                clip[row] = view.projection[row] * eye[0] + view.projection[4 + row] * eye[1] +
+                            view.projection[8 + row] * eye[2] + view.projection[12 + row];
+            if (!(clip[3] > 0)) continue;
+            assert_true(clip[2] / clip[3] <= span.high + 1e-12 || span.high == 1);
+            seen += span.high < 1;
+        }
+    }
+    assert_true(seen > 5000);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_holds),
+        cmocka_unit_test(test_shift),
         cmocka_unit_test(test_beyond),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
