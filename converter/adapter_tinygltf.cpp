@@ -85,10 +85,9 @@ bool ignore_image(tinygltf::Image *, const int, std::string *, std::string *, in
     return true;
 }
 
-bool file_exists(const std::string &path, void *) {
-    FILE *file = std::fopen(path.c_str(), "rb");
-    if (file) std::fclose(file);
-    return file != nullptr;
+/* Left to the reading, so that tinygltf looks nowhere but beside the source. */
+bool always_exists(const std::string &, void *) {
+    return true;
 }
 
 /* tinygltf's own passes the path through a shell's expansion. */
@@ -96,11 +95,21 @@ std::string same_path(const std::string &path, void *) {
     return path;
 }
 
-bool read_whole_file(std::vector<unsigned char> *out, std::string *message, const std::string &path,
-                     void *) {
+/* Whether a part of the path between slashes is two dots. */
+bool has_parent_segment(const std::string &path) {
+    return ("/" + path + "/").find("/../") != std::string::npos;
+}
+
+/* directory is where all files have to be: a downloaded model reads none of the user's. */
+bool read_beside(std::vector<unsigned char> *out, std::string *message, const std::string &path,
+                 void *directory) {
     char *data = nullptr;
     size_t size = 0;
     psplat_error error;
+    if (has_parent_segment(path.substr(static_cast<std::string *>(directory)->size()))) {
+        if (message) *message += "it leaves its directory";
+        return false;
+    }
     if (psplat_source_read_file(path.c_str(), &data, &size, &error)) {
         if (message) *message += error.text;
         return false;
@@ -144,10 +153,10 @@ void check_extensions(const tinygltf::Model &model) {
 void parse(const psplat_source &source, tinygltf::Model &model) {
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(ignore_image, nullptr);
-    loader.SetFsCallbacks({file_exists, same_path, read_whole_file, nullptr, nullptr});
     std::string path = source.file;
     size_t slash = path.rfind('/');
     std::string directory = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+    loader.SetFsCallbacks({always_exists, same_path, read_beside, nullptr, &directory});
     std::string error, warning;
     unsigned int size = static_cast<unsigned int>(source.size); /* <= PSPLAT_MAX_SOURCE_BYTES */
     bool ok = false;

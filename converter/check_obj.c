@@ -68,7 +68,7 @@ static psplat_result check_values(obj_state *state, const char *what, int count,
 static psplat_result check_index(const obj_state *state, const char *what, const char *text,
                                  size_t so_far, size_t total, size_t *index, psplat_error *error) {
     long long number = strtoll(text, NULL, 10);
-    if (number < 0 && (unsigned long long)-number <= so_far) number += (long long)so_far + 1;
+    if (number < 0 && number >= -(long long)so_far) number += (long long)so_far + 1;
     if (number < 1 || (unsigned long long)number > total)
         return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_RANGE,
                                  "%s %lld does not exist (%zu in the file)", what, number, total);

@@ -81,17 +81,21 @@ static psplat_result check_raw(const psplat_mesh *mesh, const char *path, psplat
     return PSPLAT_OK;
 }
 
+/* By the box of the vertices in use. */
 static void recentre(psplat_mesh *mesh) {
-    double low[3], high[3];
-    memcpy(low, mesh->positions, sizeof low);
-    memcpy(high, mesh->positions, sizeof high);
-    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        double value = mesh->positions[i];
-        if (value < low[i % 3]) low[i % 3] = value;
-        if (value > high[i % 3]) high[i % 3] = value;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (size_t i = 0; i < mesh->triangle_count * 3; ++i)
+        for (size_t axis = 0; axis < 3; ++axis) {
+            double value = mesh->positions[(size_t)mesh->triangles[i] * 3 + axis];
+            low[axis] = fmin(low[axis], value);
+            high[axis] = fmax(high[axis], value);
+        }
+    if (mesh->triangle_count == 0) return;
+    for (size_t axis = 0; axis < 3; ++axis) {
+        double centre = low[axis] / 2 + high[axis] / 2;
+        mesh->origin[axis] += centre;
+        for (size_t v = 0; v < mesh->vertex_count; ++v) mesh->positions[v * 3 + axis] -= centre;
     }
-    for (int axis = 0; axis < 3; ++axis) mesh->origin[axis] = low[axis] / 2 + high[axis] / 2;
-    for (size_t i = 0; i < mesh->vertex_count * 3; ++i) mesh->positions[i] -= mesh->origin[i % 3];
 }
 
 /* A normal of no length or no number is not an opinion: it becomes 0 0 0. */
@@ -123,6 +127,20 @@ static void default_material(psplat_mesh *mesh, int closed) {
                                        .double_sided = !closed};
 }
 
+/* Drops what has no area and the vertices of all that was dropped. Recentring may round vertices
+ * onto each other, so that welding has more to drop. */
+static psplat_result settle(psplat_mesh *mesh, psplat_error *error) {
+    psplat_result result;
+    size_t dropped;
+    do {
+        psplat_mesh_drop_flat(mesh);
+        recentre(mesh);
+        dropped = mesh->dropped;
+        result = psplat_mesh_weld(mesh, error);
+    } while (!result && mesh->dropped > dropped);
+    return result;
+}
+
 static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, psplat_error *error) {
     int closed = 0, consistent = 0, turned = 0;
     psplat_result result = check_raw(mesh, source->path, error);
@@ -132,15 +150,11 @@ static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, pspla
     /* Closed or not is asked before flat triangles go: they may be all that closes a T-junction. */
     if (!result) result = psplat_mesh_close_seams(mesh, &closed, error);
     if (!result) result = psplat_mesh_orient(mesh, &consistent, error);
-    if (result) return result;
-    size_t dropped = mesh->dropped;
-    psplat_mesh_drop_flat(mesh);
-    if (mesh->dropped > dropped) result = psplat_mesh_weld(mesh, error); /* drops their vertices */
+    if (!result) result = settle(mesh, error);
     if (result) return result;
     if (mesh->triangle_count == 0)
         return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area",
                            source->path);
-    recentre(mesh);
     if (!is_gltf(source)) default_material(mesh, closed && consistent && !turned);
     mesh->material.double_sided |= turned;
     fold_uniform_color(mesh);

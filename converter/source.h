@@ -55,7 +55,8 @@ typedef struct psplat_source {
 psplat_result psplat_source_load(const char *path, psplat_source *source, psplat_error *error);
 void psplat_source_free(psplat_source *source);
 
-/* Loads a file next to the source: used for the external buffers of a .gltf. *data is malloc'ed. */
+/* bytes.c: a whole file, the source itself or an external buffer of a .gltf (READ, RANGE, MEMORY).
+ * *data is malloc'ed, with a 0 byte after *size bytes. */
 psplat_result psplat_source_read_file(const char *path, char **data, size_t *size,
                                       psplat_error *error);
 

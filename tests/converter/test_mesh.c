@@ -177,6 +177,23 @@ static void test_welding(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* What only dropped triangles use is no part of the mesh, nor of the box that it is centred by. */
+static void test_left_over(void **state) {
+    (void)state;
+    psplat_mesh mesh = read_text("l.obj", "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 9 9 9\nv 9 9 9\n"
+                                          "f 1 2 3\nf 4 5 1\n");
+    assert_int_equal(mesh.vertex_count, 3);
+    assert_true(mesh.origin[0] == 1 && mesh.origin[1] == 1 && mesh.origin[2] == 0);
+    psplat_mesh_free(&mesh);
+    /* Different, until 0.5 is subtracted: the flat face at the one edge goes, the rest is joined.
+     */
+    mesh = read_text("r.off", "OFF\n6 5 0\n0 0 0\n1 0 0\n1 0 1e-45\n0.5 1 0\n1 1 1\n0 0 1\n"
+                              "3 0 1 3\n3 2 3 1\n3 2 4 3\n3 0 3 5\n3 4 5 3\n");
+    assert_int_equal(mesh.vertex_count, 5);
+    assert_int_equal(mesh.triangle_count, 4);
+    psplat_mesh_free(&mesh);
+}
+
 static void test_seams(void **state) {
     (void)state;
     /* The last face uses copies of its corners that are off by the rounding of single precision. */
@@ -336,6 +353,7 @@ int main(void) {
         cmocka_unit_test(test_ply_binary),
         cmocka_unit_test(test_stl),
         cmocka_unit_test(test_welding),
+        cmocka_unit_test(test_left_over),
         cmocka_unit_test(test_seams),
         cmocka_unit_test(test_non_manifold),
         cmocka_unit_test(test_repeated),

@@ -368,6 +368,16 @@ static void test_refused_accessors(void **state) {
                 "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"missing."
                 "bin\"}]}",
                 PSPLAT_ERROR_FORMAT, "missing.bin");
+    /* A model may name no file but those beside it and below. */
+    static const char *const outside[] = {"../bad.gltf", "a/../../bad.gltf", "%2e%2e/bad.gltf"};
+    for (size_t i = 0; i < 3; ++i) {
+        char text[128];
+        snprintf(
+            text, sizeof text,
+            "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"%s\"}]}",
+            outside[i]);
+        refuse_text("bad.gltf", text, PSPLAT_ERROR_FORMAT, "leaves its directory");
+    }
     refuse_text("bad.gltf",
                 "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":400,"
                 "\"uri\":\"data:application/octet-stream;base64,AAAA\"}]}",

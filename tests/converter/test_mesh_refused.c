@@ -61,6 +61,8 @@ static void test_obj(void **state) {
          "line 4: vertex -4 does not exist"},
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n", PSPLAT_ERROR_RANGE,
          "line 4: vertex"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -99999999999999999999\n", PSPLAT_ERROR_RANGE,
+         "line 4: vertex"}, /* strtoll's most negative number, which has no positive one */
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2//1 3//1\n", PSPLAT_ERROR_RANGE, "line 4: normal 1"},
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", PSPLAT_ERROR_RANGE,
          "line 4: texture coordinate 1"},

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * fuzz_asset.c - any bytes as an asset. Beyond what the sanitizers see, the promises of
+ * phongsplat.h on whatever opens, and those on memory and time on everything. Buffers in files
+ * are the input once more: each uri whose first letter is not one of those that fail names it.
+ */
+#include "fuzz.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct input {
+    const uint8_t *data;
+    size_t size;
+    size_t served; /* bytes handed out as external buffers */
+} input;
+
+/* ---- files -------------------------------------------------------------------------------- */
+
+/* Whether a path is absolute or a part of it two dots. */
+static int leaves_directory(const char *path) {
+    size_t length = strlen(path);
+    return path[0] == '/' || strstr(path, "/../") || !strncmp(path, "../", 3) ||
+           !strcmp(path, "..") || (length >= 3 && !strcmp(path + length - 3, "/.."));
+}
+
+/* dir/r..., dir/m... and dir/e... stand for files that cannot be read, take too much memory, or
+ * are empty. */
+static psplat_result read_input(void *user, const psplat_allocator *allocator, const char *path,
+                                size_t max_size, void **data, size_t *size) {
+    input *in = user;
+    FUZZ_DEMAND(!strncmp(path, "dir/", 4) && !leaves_directory(path + 4));
+    if (path[4] == 'r') return PSPLAT_ERROR_READ;
+    if (path[4] == 'm') return PSPLAT_ERROR_MEMORY;
+    if (in->size > max_size) return PSPLAT_ERROR_RANGE;
+    size_t wanted = path[4] == 'e' ? 0 : in->size;
+    void *copy = wanted ? allocator->resize(allocator->user, NULL, 0, wanted) : NULL;
+    if (wanted && !copy) return PSPLAT_ERROR_MEMORY;
+    if (wanted) memcpy(copy, in->data, wanted);
+    in->served += wanted;
+    *data = copy;
+    *size = wanted;
+    return PSPLAT_OK;
+}
+
+/* ---- promises ----------------------------------------------------------------------------- */
+
+static void check_splat(const psplat_splat *splat, const psplat_batch *batch) {
+    FUZZ_DEMAND(splat->clip_count == batch->clip_count);
+    FUZZ_DEMAND(splat->radius[0] >= splat->radius[1] && splat->radius[1] > 0);
+    for (int i = 0; i < 3; ++i) {
+        FUZZ_DEMAND(isfinite(splat->normal[i]) && isfinite(splat->gradient[i]));
+        FUZZ_DEMAND(splat->center[i] >= batch->bounds_min[i]);
+        FUZZ_DEMAND(splat->center[i] <= batch->bounds_max[i]);
+    }
+    for (int i = 0; i < 4; ++i) {
+        FUZZ_DEMAND(isfinite(splat->rotation[i]));
+        FUZZ_DEMAND(splat->color[i] >= 0 && splat->color[i] <= 1);
+        FUZZ_DEMAND(batch->has_color || splat->color[i] == 1);
+    }
+    FUZZ_DEMAND(batch->has_gamma || splat->gradient[2] == 0);
+    for (uint32_t k = 0; k < PSPLAT_MAX_CLIP_LINES; ++k) {
+        int is_line = splat->clip[k][0] != 0 || splat->clip[k][1] != 0;
+        FUZZ_DEMAND(is_line == (k < splat->clip_count));
+        FUZZ_DEMAND(isfinite(splat->clip[k][2]));
+    }
+}
+
+static void check_material(const psplat_material *material) {
+    for (int i = 0; i < 4; ++i)
+        FUZZ_DEMAND(material->base_color[i] >= 0 && material->base_color[i] <= 1);
+    for (int i = 0; i < 3; ++i)
+        FUZZ_DEMAND(material->emissive[i] >= 0 && isfinite(material->emissive[i]));
+    FUZZ_DEMAND(material->metallic >= 0 && material->metallic <= 1);
+    FUZZ_DEMAND(material->roughness >= 0 && material->roughness <= 1);
+}
+
+static void check_batch(const psplat_batch *batch) {
+    FUZZ_DEMAND(batch->splat_count > 0 && batch->clip_count <= PSPLAT_MAX_CLIP_LINES);
+    FUZZ_DEMAND(batch->depth_tolerance >= 0 && isfinite(batch->depth_tolerance));
+    FUZZ_DEMAND(batch->kernel.sharpness > 0 && isfinite(batch->kernel.sharpness));
+    FUZZ_DEMAND(batch->kernel.exponent > 0 && isfinite(batch->kernel.exponent));
+    FUZZ_DEMAND(batch->attribute_count >= 4 + batch->clip_count);
+    check_material(&batch->material);
+    for (int i = 0; i < 16; ++i) FUZZ_DEMAND(isfinite(batch->model[i]));
+    for (int i = 0; i < 3; ++i)
+        FUZZ_DEMAND(isfinite(batch->bounds_min[i]) && isfinite(batch->bounds_max[i]));
+    for (size_t i = 0; i < batch->splat_count; ++i) check_splat(&batch->splats[i], batch);
+}
+
+static void check_asset(const psplat_asset *asset) {
+    size_t count = psplat_asset_batch_count(asset);
+    FUZZ_DEMAND(count > 0 && !psplat_asset_batch(asset, count));
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_batch *batch = psplat_asset_batch(asset, i);
+        FUZZ_DEMAND(!i || psplat_asset_batch(asset, i - 1)->clip_count <= batch->clip_count);
+        if (i < 16) check_batch(batch); /* instances share the rest */
+    }
+    double min[3], max[3];
+    psplat_asset_bounds(asset, min, max);
+    for (int i = 0; i < 3; ++i)
+        FUZZ_DEMAND(isfinite(min[i]) && isfinite(max[i]) && min[i] <= max[i]);
+}
+
+/* 128 bytes of memory for each of the file and of the files it names, the densest being tables of
+ * empty objects; and the batches: a node that shows a mesh takes 11 bytes of JSON at least, a
+ * primitive of splats 200, so that half a file of the one and half of the other make most. */
+static size_t memory_promised(const input *in) {
+    size_t most = (in->size / 22) * (in->size / 400), limit = (size_t)1 << 18;
+    return 4096 + 128 * (in->size + in->served) +
+           (most < limit ? most : limit) * sizeof(psplat_batch);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    fuzz_meter meter = {0};
+    input in = {data, size, 0};
+    psplat_asset_desc desc = {.allocator = fuzz_meter_allocator(&meter),
+                              .files = {read_input, &in},
+                              .base_path = "dir",
+                              .max_file_size = 1 << 16};
+    psplat_asset *asset = NULL;
+    psplat_error error = {0};
+    fuzz_meter_start(&meter);
+    psplat_result result = psplat_asset_open_memory(data, size, &desc, &asset, &error);
+    fuzz_meter_stop(&meter, 1.0);
+    FUZZ_DEMAND((result == PSPLAT_OK) == (asset != NULL));
+    FUZZ_DEMAND(meter.peak <= memory_promised(&in));
+    if (asset)
+        check_asset(asset);
+    else
+        FUZZ_DEMAND(error.code == result && error.text[0] && error.offset <= size);
+    psplat_asset_destroy(asset);
+    FUZZ_DEMAND(meter.bytes == 0);
+    return 0;
+}

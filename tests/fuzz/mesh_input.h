@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * mesh_input.h - the fuzz input as the content of files that psplat_mesh_read opens, by a linker's
+ * wrap of psplat_source_read_file, and what holds of every mesh that is read.
+ */
+#ifndef PHONGSPLAT_FUZZ_MESH_INPUT_H
+#define PHONGSPLAT_FUZZ_MESH_INPUT_H
+
+#include "converter.h"
+#include "fuzz.h"
+
+/* Reads the input as a file of each of the names that its content leaves open, checks what comes
+ * out, or that the error is told, and hands each mesh to use (may be NULL). */
+void fuzz_read_mesh(const uint8_t *data, size_t size, void (*use)(const psplat_mesh *mesh));
+
+/* The promises of converter.h. */
+void fuzz_check_mesh(const psplat_mesh *mesh);
+
+#endif
