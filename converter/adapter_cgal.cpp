@@ -13,6 +13,7 @@
 #include <CGAL/point_generators_3.h>
 
 #include <cmath>
+#include <iterator>
 #include <new>
 #include <vector>
 
@@ -82,6 +83,35 @@ extern "C" psplat_result psplat_distance_query(const psplat_distance *distance,
             i ? distance->tree.closest_point(query, nearest) : distance->tree.closest_point(query);
         result[i] = std::sqrt(CGAL::squared_distance(query, nearest));
     }
+    return PSPLAT_OK;
+} catch (...) {
+    return PSPLAT_ERROR_MEMORY;
+}
+
+extern "C" psplat_result psplat_distance_nearest(const psplat_distance *distance,
+                                                 const double point_[3], double nearest[3],
+                                                 uint32_t *triangle) try {
+    const auto found = distance->tree.closest_point_and_primitive(point(point_));
+    for (int k = 0; k < 3; ++k) nearest[k] = found.first[k];
+    *triangle = static_cast<uint32_t>(found.second - distance->triangles.begin());
+    return PSPLAT_OK;
+} catch (...) {
+    return PSPLAT_ERROR_MEMORY;
+}
+
+extern "C" psplat_result psplat_distance_meets(const psplat_distance *distance,
+                                               const double from[3], const double to[3],
+                                               int *meets) try {
+    const Kernel::Segment_3 segment(point(from), point(to));
+    const Kernel::Vector_3 way = segment.to_vector();
+    std::vector<Iterator> met;
+    distance->tree.all_intersected_primitives(segment, std::back_inserter(met));
+    *meets = 0;
+    for (const Iterator &triangle : met)
+        *meets |= CGAL::cross_product(triangle->vertex(1) - triangle->vertex(0),
+                                      triangle->vertex(2) - triangle->vertex(0)) *
+                      way <
+                  0;
     return PSPLAT_OK;
 } catch (...) {
     return PSPLAT_ERROR_MEMORY;

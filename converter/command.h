@@ -117,6 +117,7 @@ int psplat_command_convert(int argc, char **argv);
 int psplat_command_render(int argc, char **argv);
 int psplat_command_inspect(int argc, char **argv);
 int psplat_command_validate(int argc, char **argv);
+int psplat_command_compare(int argc, char **argv);
 int psplat_command_view(int argc, char **argv);
 
 /* ---- progress.c --------------------------------------------------------------------------- */

@@ -239,7 +239,7 @@ static void take_votes(const voter *shared, const psplat_samples *samples) {
 /* Drops crossings of creases that are not those of the splat's own patch. */
 static psplat_result keep_own(const psplat_surface *surface, const psplat_samples *samples,
                               const psplat_measured *measured, crossing_list *list) {
-    size_t splats = measured->splats->count, kept = 0;
+    size_t splats = measured->count, kept = 0;
     uint32_t *first = calloc(splats + 2, sizeof *first);
     vote *votes = calloc(splats + 1, sizeof *votes);
     if (first && votes) {

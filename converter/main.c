@@ -23,6 +23,7 @@ static const command commands[] = {
     {"render", psplat_command_render, "an asset becomes a PNG"},
     {"inspect", psplat_command_inspect, "what an asset holds"},
     {"validate", psplat_command_validate, "whether an asset keeps the rules"},
+    {"compare", psplat_command_compare, "how far an asset is from its mesh"},
     {"view", psplat_command_view, "assets are shown in a window"},
 };
 

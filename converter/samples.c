@@ -43,23 +43,6 @@ static const double *vertex(const psplat_mesh *mesh, uint32_t triangle, uint32_t
     return mesh->positions + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + corner];
 }
 
-/* Barycentric coordinates of a point of a triangle. */
-static void find_barycentric(const psplat_surface *surface, uint32_t t, const double p[3],
-                             double weights[3]) {
-    const double *normal = surface->face_normals + 3 * (size_t)t;
-    double total = 0;
-    for (uint32_t k = 0; k < 3; ++k) {
-        double a[3], b[3], c[3];
-        sub3(a, vertex(surface->mesh, t, (k + 1) % 3), p);
-        sub3(b, vertex(surface->mesh, t, (k + 2) % 3), p);
-        cross3(c, a, b);
-        double twice_area = dot3(c, normal);
-        weights[k] = twice_area > 0 ? twice_area : 0;
-        total += weights[k];
-    }
-    for (int k = 0; k < 3; ++k) weights[k] = total > 0 ? weights[k] / total : 1.0 / 3.0;
-}
-
 static int buffer_push(sample_buffer *buffer, const psplat_surface *surface, uint32_t triangle,
                        const double p[3]) {
     psplat_samples *s = &buffer->samples;
@@ -67,7 +50,7 @@ static int buffer_push(sample_buffer *buffer, const psplat_surface *surface, uin
     if (s->count == PSPLAT_NONE) return 0; /* indices of samples have 32 bits */
     if (!buffer_reserve(buffer, s->count + 1, has_color)) return 0;
     double weights[3];
-    find_barycentric(surface, triangle, p, weights);
+    psplat_surface_barycentric(surface, triangle, p, weights);
     memcpy(s->positions + 3 * s->count, p, 3 * sizeof(double));
     psplat_surface_normal(surface, triangle, weights, s->normals + 3 * s->count);
     if (has_color) psplat_surface_color(surface, triangle, weights, s->colors + 4 * s->count);

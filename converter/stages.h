@@ -118,6 +118,9 @@ psplat_result psplat_crease_follow(psplat_surface *surface, const psplat_relief 
 psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle,
                                  const uint8_t *authored);
 
+/* Barycentric coordinates of a point of a triangle. */
+void psplat_surface_barycentric(const psplat_surface *surface, uint32_t triangle,
+                                const double point[3], double barycentric[3]);
 /* Interpolated unit normal and linear colour at barycentric coordinates of a triangle. */
 void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,
                            const double barycentric[3], float normal[3]);
@@ -166,6 +169,12 @@ psplat_distance *psplat_distance_create(const psplat_mesh *mesh);
 /* Distances of count points (x 3) to the mesh. */
 psplat_result psplat_distance_query(const psplat_distance *distance, const double *points,
                                     size_t count, double *result);
+/* The point of the mesh that is nearest to one, and its triangle. */
+psplat_result psplat_distance_nearest(const psplat_distance *distance, const double point[3],
+                                      double nearest[3], uint32_t *triangle);
+/* Whether the segment between two points meets the front of a triangle on its way. */
+psplat_result psplat_distance_meets(const psplat_distance *distance, const double from[3],
+                                    const double to[3], int *meets);
 /* Whether all points lie within a distance of the mesh: faster than asking how far they are. */
 psplat_result psplat_distance_within(const psplat_distance *distance, const double *points,
                                      size_t count, double tolerance, int *within);
@@ -515,15 +524,25 @@ psplat_result psplat_repair_holes(psplat_conversion *c, psplat_error *error);
 
 /* ---- measured.c ---------------------------------------------------------------------------- */
 
+/* How a splat blends: its normals n(u, v) = normals[0] + u normals[1] + v normals[2] (spec 3.5), in
+ * the space of its region, and its weight. */
+typedef struct psplat_field {
+    double normals[3][3];
+    psplat_kernel kernel;
+    double depth; /* epsilon of spec 5.3 along its normal */
+} psplat_field;
+
 /* Stored splats, ready to be measured. */
 typedef struct psplat_measured {
-    const psplat_splats *splats; /* as given */
-    psplat_region *regions;      /* theirs */
+    psplat_region *regions; /* count */
+    psplat_field *fields;   /* count */
+    size_t count;
     psplat_locator *locator;
     double tolerance; /* wider than promised by rounding */
 } psplat_measured;
 
-/* reach: how far from a point its splats may be. MEMORY is the only failure. */
+/* reach: how far from a point its splats may be. No depth of a field hides anything. MEMORY is the
+ * only failure. */
 psplat_result psplat_measured_create(const psplat_splats *splats, double tolerance, double reach,
                                      psplat_measured *measured);
 void psplat_measured_free(psplat_measured *measured);
@@ -531,6 +550,36 @@ void psplat_measured_free(psplat_measured *measured);
  * splat of the other side of a thin part does not. */
 int psplat_measured_covers(const psplat_measured *measured, uint32_t splat, const double normal[3],
                            const double uvh[3]);
+/* The normal fields of a splat in its region, and the normal at (u, v), of any length. */
+void psplat_field_of(const psplat_splat *splat, const psplat_region *region, psplat_field *field);
+void psplat_field_normal(const psplat_field *field, const double uv[2], double normal[3]);
+
+/* ---- nearest.c ----------------------------------------------------------------------------- */
+
+/* Distance of a point to a region; HUGE_VAL where its lines leave nothing. */
+double psplat_region_distance(const psplat_region *region, const double point[3]);
+/* Distance of a point to the nearest of count regions, which the locator finds; HUGE_VAL: there is
+ * none. expected > 0: about how far, to begin with. */
+double psplat_nearest_distance(const psplat_region *regions, size_t count,
+                               const psplat_locator *locator, double expected,
+                               const double point[3]);
+
+/* ---- look.c -------------------------------------------------------------------------------- */
+
+/* What one who faces a surface at a point of it sees of the splats there (spec 5.1 to 5.4). */
+typedef struct psplat_look {
+    const psplat_measured *measured;
+    double point[3], normal[3]; /* unit */
+    double reach;               /* fragments farther along the normal do not count, */
+    double limit; /* nor those below this height: they are hidden; at first -HUGE_VAL */
+    double blended[3], constant[3]; /* sums (6) of normals, with and without gradients; 0 0 0:
+                                       nothing is seen */
+} psplat_look;
+
+/* Raises the limit to what a splat leaves to be seen, where it shows its front. */
+void psplat_look_limit(psplat_look *look, uint32_t splat);
+/* Adds a splat's fragment. */
+void psplat_look_add(psplat_look *look, uint32_t splat);
 
 /* ---- holes.c ------------------------------------------------------------------------------- */
 

@@ -178,6 +178,22 @@ static void interpolate(const float *corners, size_t components, const double we
     }
 }
 
+void psplat_surface_barycentric(const psplat_surface *surface, uint32_t triangle, const double p[3],
+                                double weights[3]) {
+    const double *normal = surface->face_normals + 3 * (size_t)triangle;
+    double total = 0;
+    for (int k = 0; k < 3; ++k) {
+        double a[3], b[3], c[3];
+        sub3(a, corner_position(surface->mesh, triangle, (k + 1) % 3), p);
+        sub3(b, corner_position(surface->mesh, triangle, (k + 2) % 3), p);
+        cross3(c, a, b);
+        double twice_area = dot3(c, normal);
+        weights[k] = twice_area > 0 ? twice_area : 0;
+        total += weights[k];
+    }
+    for (int k = 0; k < 3; ++k) weights[k] = total > 0 ? weights[k] / total : 1.0 / 3.0;
+}
+
 void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,
                            const double barycentric[3], float normal[3]) {
     double sum[3];

@@ -9,11 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLES_PER_SPLAT = 100, LEAST_SAMPLES = 50000, MOST_SAMPLES = 1000000, FINE_CORNERS = 68 };
+enum { SAMPLES_PER_SPLAT = 100, LEAST_SAMPLES = 50000, MOST_SAMPLES = 1000000 };
 
 static const double degree = 3.141592653589793 / 180;
-/* Splats seen more edge-on than this do not show. */
-static const double least_cosine = 0.1;
 /* Measured values may exceed limits by this part: rounding. */
 static const double rounding = 1e-6;
 
@@ -73,123 +71,29 @@ static void keep_promise(psplat_report *report, psplat_promise promise, double l
     report->promises[promise] = (psplat_kept){limit, worst, broken};
 }
 
-/* ---- the distance of a point that nothing covers ------------------------------------------------
- */
-
-/* Distance in the plane from a point outside a convex polygon, in units of length. */
-static double polygon_distance(const psplat_region *region, double (*polygon)[2], size_t count,
-                               const double uv[2]) {
-    double least = HUGE_VAL, p[2] = {uv[0] * region->radius[0], uv[1] * region->radius[1]};
-    for (size_t i = 0; i < count; ++i) {
-        const double *from = polygon[i], *to = polygon[i + 1 < count ? i + 1 : 0];
-        double a[2] = {from[0] * region->radius[0], from[1] * region->radius[1]};
-        double d[2] = {to[0] * region->radius[0] - a[0], to[1] * region->radius[1] - a[1]};
-        double length = d[0] * d[0] + d[1] * d[1];
-        double t = length > 0 ? ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / length : 0;
-        t = min2(max2(t, 0), 1);
-        least = min2(least, hypot(p[0] - a[0] - t * d[0], p[1] - a[1] - t * d[1]));
-    }
-    return least;
-}
-
-typedef struct nearest {
-    const psplat_measured *measured;
-    const double *point;
-    double distance;
-} nearest;
-
-static int visit_nearer(void *user, uint32_t index) {
-    nearest *n = user;
-    const psplat_region *region = &n->measured->regions[index];
-    double uvh[3], polygon[FINE_CORNERS][2];
-    psplat_region_local(region, n->point, uvh);
-    if (fabs(uvh[2]) >= n->distance) return 0;
-    double aside = 0;
-    if (!psplat_region_contains(region, uvh, 1, 0)) {
-        size_t count = psplat_region_polygon(region, 1, polygon, FINE_CORNERS);
-        aside = polygon_distance(region, polygon, count, uvh);
-    }
-    n->distance = min2(n->distance, hypot(uvh[2], aside));
-    return 0;
-}
-
-/* In boxes that grow until the nearest splat found must be the nearest of all. */
-static double nearest_distance(const psplat_measured *measured, const double point[3]) {
-    nearest n = {measured, point, HUGE_VAL};
-    double low[3], high[3];
-    for (double reach = measured->tolerance; measured->splats->count; reach *= 4) {
-        for (int k = 0; k < 3; ++k) low[k] = point[k] - reach, high[k] = point[k] + reach;
-        psplat_locator_visit_box(measured->locator, low, high, visit_nearer, &n);
-        if (n.distance <= reach || !(reach < HUGE_VAL)) break;
-    }
-    return n.distance;
-}
-
 /* ---- surface to splats ---------------------------------------------------------------------- */
 
 /* What the splats near one surface point make of it. */
 typedef struct probe {
-    const psplat_measured *measured;
-    const double *point;
-    double normal[3];
-    double height;                  /* least over the splats that cover it; HUGE_VAL: none does */
-    double cosine;                  /* greatest between the normal and their fields */
-    double blended[3], constant[3]; /* weighted normals, with and without gradients */
+    psplat_look look;
+    double height; /* least over the splats that cover it; HUGE_VAL: none does */
+    double cosine; /* greatest between the normal and their fields */
 } probe;
-
-/* The splat's normal at (u, v), of any length, and at (0, 0) of the same N (spec 3.5). */
-static void field_normal(const psplat_splat *splat, const psplat_region *region, const double uv[2],
-                         double constant[3], double field[3]) {
-    double center[3] = {(double)splat->normal[0], (double)splat->normal[1],
-                        (double)splat->normal[2]};
-    double scale = 1 / dot3(center, region->n);
-    for (int k = 0; k < 3; ++k) field[k] = constant[k] = scale * center[k];
-    const double linear[5] = {0, 0, (double)splat->gradient[0], (double)splat->gradient[1],
-                              (double)splat->gradient[2]};
-    double change[2];
-    psplat_fit_normal_at(linear, region->radius, uv, change);
-    mad3(field, change[0], region->u);
-    mad3(field, change[1], region->v);
-}
 
 static double cosine3(const double a[3], const double unit[3]) {
     return dot3(a, unit) / length3(a);
 }
 
-static void cover(probe *p, uint32_t index) {
-    double uvh[3], constant[3], field[3];
-    psplat_region_local(&p->measured->regions[index], p->point, uvh);
-    if (!psplat_measured_covers(p->measured, index, p->normal, uvh)) return;
-    p->height = min2(p->height, fabs(uvh[2]));
-    field_normal(&p->measured->splats->splats[index], &p->measured->regions[index], uvh, constant,
-                 field);
-    p->cosine = max2(p->cosine, cosine3(field, p->normal));
-}
-
-/* Adds a splat's normal as seen along the surface's own normal, which is what a viewer facing the
- * surface there gets (spec 5.4). */
-static void blend(probe *p, uint32_t index) {
-    const psplat_region *region = &p->measured->regions[index];
-    double cosine = dot3(p->normal, region->n), d[3], q[3], uvh[3], constant[3], field[3];
-    if (cosine < least_cosine) return;
-    sub3(d, region->center, p->point);
-    double t = dot3(d, region->n) / cosine;
-    if (fabs(t) > 2 * p->measured->tolerance) return;
-    memcpy(q, p->point, sizeof q);
-    mad3(q, t, p->normal);
-    psplat_region_local(region, q, uvh);
-    if (!psplat_region_contains(region, uvh, 1, 0)) return;
-    const psplat_kernel *kernel = &p->measured->splats->kernel;
-    double r = hypot(uvh[0], uvh[1]);
-    double weight = exp(-(double)kernel->sharpness * pow(r, (double)kernel->exponent));
-    field_normal(&p->measured->splats->splats[index], region, uvh, constant, field);
-    mad3(p->blended, weight, field);
-    mad3(p->constant, weight, constant);
-}
-
 static int visit_splat(void *user, uint32_t index) {
-    cover(user, index);
-    blend(user, index);
+    probe *p = user;
+    const psplat_measured *measured = p->look.measured;
+    double uvh[3], field[3];
+    psplat_look_add(&p->look, index);
+    psplat_region_local(&measured->regions[index], p->look.point, uvh);
+    if (!psplat_measured_covers(measured, index, p->look.normal, uvh)) return 0;
+    p->height = min2(p->height, fabs(uvh[2]));
+    psplat_field_normal(&measured->fields[index], uvh, field);
+    p->cosine = max2(p->cosine, cosine3(field, p->look.normal));
     return 0;
 }
 
@@ -206,19 +110,23 @@ static double angle_degrees(double cosine) {
 
 static void measure_sample(const psplat_samples *samples, size_t i, const psplat_measured *measured,
                            measurements *m) {
-    probe p = {.measured = measured,
-               .point = samples->positions + 3 * i,
+    probe p = {.look = {.measured = measured, .reach = 2 * measured->tolerance, .limit = -HUGE_VAL},
                .height = HUGE_VAL,
                .cosine = -1};
-    for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)samples->normals[3 * i + k];
-    normalize3(p.normal);
-    psplat_locator_visit(measured->locator, p.point, visit_splat, &p);
-    int shows = dot3(p.blended, p.blended) > 0;
+    psplat_look *look = &p.look;
+    memcpy(look->point, samples->positions + 3 * i, sizeof look->point);
+    for (size_t k = 0; k < 3; ++k) look->normal[k] = (double)samples->normals[3 * i + k];
+    normalize3(look->normal);
+    psplat_locator_visit(measured->locator, look->point, visit_splat, &p);
+    int shows = dot3(look->blended, look->blended) > 0;
     m->uncovered[i] = p.height == HUGE_VAL;
-    m->distances[i] = m->uncovered[i] ? nearest_distance(measured, p.point) : p.height;
+    m->distances[i] = m->uncovered[i] ? psplat_nearest_distance(measured->regions, measured->count,
+                                                                measured->locator,
+                                                                measured->tolerance, look->point)
+                                      : p.height;
     m->own[i] = m->uncovered[i] ? -1 : angle_degrees(p.cosine);
-    m->blended[i] = shows ? angle_degrees(cosine3(p.blended, p.normal)) : -1;
-    m->constant[i] = shows ? angle_degrees(cosine3(p.constant, p.normal)) : -1;
+    m->blended[i] = shows ? angle_degrees(cosine3(look->blended, look->normal)) : -1;
+    m->constant[i] = shows ? angle_degrees(cosine3(look->constant, look->normal)) : -1;
 }
 
 /* Hoare's selection: the value that sorting would put at `at`. values is reordered. */
@@ -417,7 +325,7 @@ psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,
     psplat_result result =
         psplat_samples_draw_uniform(v->surface, wanted, v->seed, &r.samples, error);
     if (result) return result;
-    result = psplat_measured_create(v->splats, tolerance, tolerance, &r.measured);
+    result = psplat_measured_create(v->splats, tolerance, 2 * tolerance, &r.measured);
     if (!result) result = measure_surface(&r);
     if (!result) result = measure_splats(&r);
     if (!result) result = measure_creases(&r);

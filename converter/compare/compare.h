@@ -84,6 +84,11 @@ typedef struct psplat_shape_probe psplat_shape_probe;
 psplat_result psplat_shape_probe_create(const psplat_original *source, const psplat_asset *asset,
                                         const psplat_shape_desc *desc, psplat_shape_probe **probe,
                                         psplat_error *error);
+/* The same for another mesh, which must outlive the probe. */
+psplat_result psplat_shape_probe_create_mesh(const psplat_original *source,
+                                             const psplat_original *target,
+                                             const psplat_shape_desc *desc,
+                                             psplat_shape_probe **probe, psplat_error *error);
 /* point: in the coordinates of the source's file, on its surface but for rounding. *distance to the
  * nearest point of the target, %; *angle of the blended normal, degrees, negative: not covered. */
 void psplat_shape_probe_at(const psplat_shape_probe *probe, const double point[3],

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * comparison.c - a comparison as JSON.
+ */
+#include "comparison.h"
+#include "json_writer.h"
+
+#include <stdio.h>
+
+/* X_max_percent, X_rms_percent, X_p95_percent, or the same of degrees. */
+static void add_spread(psplat_writer *json, const char *name, const char *unit,
+                       const psplat_spread *spread) {
+    const char *const kinds[] = {"max", "rms", "p95"};
+    const double values[] = {spread->max, spread->rms, spread->p95};
+    for (int i = 0; i < 3; ++i) {
+        char key[64];
+        snprintf(key, sizeof key, "%s_%s_%s", name, kinds[i], unit);
+        psplat_writer_number(json, key, values[i]);
+    }
+}
+
+static void add_shape(psplat_writer *json, const psplat_shape_errors *e) {
+    psplat_writer_count(json, "elements", e->elements);
+    psplat_writer_count(json, "source_samples", e->source_samples);
+    psplat_writer_count(json, "target_samples", e->target_samples);
+    psplat_writer_number(json, "diagonal", e->diagonal);
+    psplat_writer_number(json, "reach_percent", e->reach);
+    psplat_writer_number(json, "crease_width_percent", e->crease_width);
+    add_spread(json, "outward", "percent", &e->outward);
+    add_spread(json, "inward", "percent", &e->inward);
+    add_spread(json, "distance", "percent", &e->distance);
+    add_spread(json, "normal", "degrees", &e->normal);
+    add_spread(json, "face_normal", "degrees", &e->face_normal);
+    add_spread(json, "crease_normal", "degrees", &e->crease_normal);
+    psplat_writer_number(json, "uncovered_area_percent", e->uncovered_area);
+    psplat_writer_number(json, "overhang_area_percent", e->overhang_area);
+    psplat_writer_number(json, "crease_area_percent", e->crease_area);
+}
+
+psplat_result psplat_comparison_json(const psplat_comparison *c, char **text, size_t *size,
+                                     psplat_error *error) {
+    psplat_writer json = {0};
+    psplat_writer_open(&json, NULL, '{');
+    psplat_writer_string(&json, "source", c->source);
+    psplat_writer_string(&json, "target", c->target);
+    psplat_writer_string(&json, "kind", c->is_mesh ? "triangles" : "splats");
+    psplat_writer_count(&json, "source_triangles", c->source_triangles);
+    add_shape(&json, &c->shape);
+    psplat_writer_number(&json, "seconds", c->seconds);
+    psplat_writer_close(&json, '}');
+    if (!psplat_writer_finish(&json))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the report");
+    *text = json.text;
+    *size = json.size;
+    return PSPLAT_OK;
+}
