@@ -224,18 +224,20 @@ void main() {
     v_clip = clip_distances(column, row, uv, widened);
 #endif
 
+    /* Of length 1 times scale, so that squares stay in float's range whatever the unit is. */
+    vec3 normal = u_normal_matrix * (axes[2] / dot(rotation, rotation));
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR
     v_near = gl_Position.z + gl_Position.w;
 #endif
-    float grazing = grazing_of(u_normal_matrix * axes[2], view_ray(eye_center));
+    float grazing = grazing_of(normal, view_ray(eye_center));
     gl_Position.z += shift_of(eye, gl_Position.zw, grazing);
 #elif PASS == PSPLAT_PASS_PARAMETERS
     v_index = float(u_first_index + splat);
 #else
     v_normal = normal_of(texel, axes, dot(rotation, rotation), center.w, uv);
 #if TWO_SIDED
-    if (is_behind(u_normal_matrix * axes[2], eye_center)) v_normal = -v_normal;
+    if (is_behind(normal, eye_center)) v_normal = -v_normal;
 #endif
 #if COLOR
     v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;

@@ -64,7 +64,8 @@ static inline void extreme_check(gpu *g, const char *name, extreme *e, extreme_b
     double depth = extreme_or(bars.depth, 1e-6);
     print_message("%s: %zu pixels, %zu of them not decided\n", name, a.covered, a.skipped);
     assert_true(a.covered - a.skipped >= bars.least);
-    extreme_at_most(name, (double)(a.mismatches + a.other), "pixels of another splat or none", 0);
+    extreme_at_most(name, (double)a.mismatches, "pixels covered by one alone", 0);
+    assert_int_equal(a.other, 0);
     if (a.uv > 0 || !(bars.thin_uv > 0))
         extreme_at_most(name, a.uv, "of a radius", extreme_or(bars.uv, 5e-5));
     if (bars.thin_uv > 0)
