@@ -106,7 +106,7 @@ static void draw_chunks(psplat_frame *f, const psplat_model_batch *batch,
 
 static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch,
                                 const psplat_camera *camera, const psplat_placement *placement,
-                                psplat_program_key key, int first_index) {
+                                psplat_program_key key, unsigned first_index) {
     psplat_renderer *renderer = f->renderer;
     const psplat_gl *gl = &renderer->gl;
     int is_culled = placement->chunk_view.is_culled;
@@ -120,7 +120,7 @@ static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch
     use_placement(gl, program, camera, placement);
     if (key.pass != PSPLAT_PASS_VISIBILITY) {
         psplat_frame_use_material(gl, program, &batch->material);
-        gl->Uniform1i(program->first_index, first_index);
+        gl->Uniform1i(program->first_index, (GLint)(first_index & 0x7fffffffu));
         gl->Uniform2f(program->kernel, -batch->kernel.sharpness, 0.5f * batch->kernel.exponent);
     }
     if (key.pass == PSPLAT_PASS_RADIANCE) psplat_frame_use_light(f, program);
@@ -138,7 +138,7 @@ static int is_culled(psplat_culling culling, const psplat_material *material) {
 
 psplat_result psplat_frame_draw_batches(psplat_frame *f, const psplat_camera *camera,
                                         psplat_program_key key, psplat_culling culling) {
-    int first_index = 0;
+    unsigned first_index = 0; /* wraps: instances have no limit but patience */
     f->extent = (psplat_extent){0, 0, 0, 0};
     for (size_t i = 0; i < f->item_count; ++i) {
         const psplat_item *item = &f->items[i];
@@ -157,7 +157,7 @@ psplat_result psplat_frame_draw_batches(psplat_frame *f, const psplat_camera *ca
             if (psplat_camera_place(camera, &desc, &placement))
                 result = draw_batch(f, batch, camera, &placement, key, first_index);
             if (result != PSPLAT_OK) return result;
-            first_index += batch->splat_count;
+            first_index += (unsigned)batch->splat_count;
         }
     }
     return PSPLAT_OK;

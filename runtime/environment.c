@@ -106,6 +106,7 @@ static psplat_result make_textures(psplat_renderer *renderer, const psplat_cube 
     psplat_gl_state state;
     psplat_result result = psplat_gl_state_take(&state, &renderer->gl, error);
     if (result != PSPLAT_OK) return result;
+    psplat_gl_errors(&renderer->gl, NULL);
     result = make_diffuse(renderer, cube, staging, &environment->diffuse, error);
     if (result == PSPLAT_OK)
         result = make_glossy(renderer, cube, staging, &environment->glossy, error);

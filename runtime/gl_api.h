@@ -235,8 +235,8 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
 int psplat_gl_has_extension(const psplat_gl *gl, const char *name);
 
 /* Reads GL's error flags: MEMORY where GL ran out of it, GRAPHICS where the context is lost, which
- * is remembered. Other
- * errors are the host's own from before, and not ours to report. */
+ * is remembered. Flags that the host left are read by a first call, before something is made, and
+ * not reported. */
 psplat_result psplat_gl_errors(psplat_gl *gl, psplat_error *error);
 
 /* What a public function that used GL returns: its result, or GRAPHICS where the context was lost

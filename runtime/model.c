@@ -145,6 +145,7 @@ static psplat_result upload_batches(psplat_renderer *renderer, const psplat_asse
     psplat_gl_state state;
     psplat_result result = psplat_gl_state_take(&state, gl, error);
     if (result != PSPLAT_OK) return result;
+    psplat_gl_errors(gl, NULL);
     for (size_t i = 0; i < model->batch_count && result == PSPLAT_OK; ++i)
         result = upload_batch(renderer, model, i, psplat_asset_batch(asset, i), staging, error);
     if (result == PSPLAT_OK) result = psplat_gl_errors(gl, error);

@@ -83,6 +83,10 @@ static void sample(const psplat_cube *cube, double level, const double direction
     for (int i = 0; i < 3; ++i) rgb[i] = a[i] + (b[i] - a[i]) * (level - low);
 }
 
+/* Nothing that is averaged may leave float's range; a texel of the largest cube with this radiance
+ * alone is still far above the largest half, which is all that can be stored. */
+static const float most_radiance = 1e30f;
+
 /* Level 0 by the nearest texel where radiance has another size, which then is larger. */
 static void fill_base(const psplat_cube *cube, const float *radiance, int size) {
     float *out = cube->levels[0];
@@ -93,7 +97,8 @@ static void fill_base(const psplat_cube *cube, const float *radiance, int size) 
                 int from_y = (2 * y + 1) * size / (2 * cube->size);
                 size_t at =
                     ((size_t)face * (size_t)size + (size_t)from_y) * (size_t)size + (size_t)from_x;
-                memcpy(out, radiance + 3 * at, 3 * sizeof *out);
+                const float *texel = radiance + 3 * at;
+                for (int i = 0; i < 3; ++i) out[i] = fminf(texel[i], most_radiance);
             }
 }
 

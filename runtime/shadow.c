@@ -123,6 +123,7 @@ static psplat_result bind_maps(psplat_renderer *renderer, int size, int count,
         gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, shadows->framebuffer);
         return PSPLAT_OK;
     }
+    psplat_gl_errors(gl, NULL);
     psplat_texture_desc desc = {.texel = PSPLAT_TEXEL_DEPTH32F,
                                 .width = size * count,
                                 .height = size,

@@ -64,6 +64,7 @@ static psplat_result bind(psplat_target *target, psplat_gl *gl, size_t *ledger, 
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, target->framebuffer);
 
     int is_new = target->color_count < color_count;
+    if (is_new) psplat_gl_errors(gl, NULL);
     psplat_result result = complete(target, gl, ledger, color_count, error);
     gl->DrawBuffers(color_count, buffers);
     if (result == PSPLAT_OK && is_new) result = check_status(target, gl, error);

@@ -6,12 +6,16 @@
 
 #include <phongsplat/host.h>
 
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 #include <cmocka.h>
+
+#include "extreme.h"
 
 #define TEXELS 32
 
@@ -80,9 +84,50 @@ static void test_dielectric(void **state) {
     check(*state, 0, 0.4f, 0, 1e-2);
 }
 
+/* As much light as float holds, from behind a surface: none of it comes through. */
+static void test_most_radiance(void **state) {
+    gpu *g = *state;
+    enum { SIZE = 8 };
+    static float texels[6 * TEXELS * TEXELS * 3], rgba[SIZE * SIZE * 4];
+    const psplat_environment_desc cube = {texels, TEXELS};
+    psplat_environment *environment = NULL;
+    psplat_error error;
+    memset(texels, 0, sizeof texels);
+    for (size_t i = 0; i < 3 * TEXELS * TEXELS; ++i)
+        texels[5 * 3 * TEXELS * TEXELS + i] = FLT_MAX; /* -z */
+    scene s = scene_disc(10);
+    s.material.roughness = 1;
+    s.material.double_sided = 1;
+    psplat_asset *asset = scene_open(&s);
+    psplat_item item = {.model = NULL};
+    assert_int_equal(psplat_model_create(g->renderer, asset, &item.model, &error), 0);
+    assert_int_equal(psplat_environment_create(g->renderer, &cube, &environment, &error), 0);
+    for (int side = -1; side <= 1; side += 2) {
+        psplat_view view = camera_view(SIZE, SIZE);
+        view.light_count = 0;
+        view.environment = environment;
+        camera_look(&view, (double[]){0, 0, 3.0 * side}, (double[]){0, 0, 0});
+        camera_perspective(&view, 20, 0.3, 10);
+        assert_int_equal(psplat_host_begin(g->host, SIZE, SIZE, 1, (float[4]){0}, &error), 0);
+        assert_int_equal(psplat_draw(g->renderer, &view, &item, 1, &error), 0);
+        assert_int_equal(psplat_host_read_float(g->host, rgba, &error), 0);
+        float most = 0;
+        for (int i = 0; i < SIZE * SIZE; ++i)
+            most = rgba[4 * i] <= most ? most : rgba[4 * i]; /* NaN wins */
+        extreme_at_most(side > 0 ? "radiance 3.4e38 behind a surface" : "radiance 3.4e38 before it",
+                        (double)most, "of white", side > 0 ? 0 : 65504);
+        assert_true(side > 0 || most > 1000);
+    }
+    psplat_environment_destroy(g->renderer, environment);
+    psplat_model_destroy(g->renderer, item.model);
+    psplat_asset_destroy(asset);
+    scene_free(&s);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_constant),
-                                       cmocka_unit_test(test_smooth)};
+                                       cmocka_unit_test(test_smooth),
+                                       cmocka_unit_test(test_most_radiance)};
     const struct CMUnitTest gles_tests[] = {cmocka_unit_test(test_dielectric)};
     int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);
     return failed + cmocka_run_group_tests_name("GLES", gles_tests, gpu_setup_gles, gpu_teardown);

@@ -237,6 +237,33 @@ static void test_environments(void **state) {
     stage_close(&s);
 }
 
+/* What the host did not ask about is its own: a flag from before fails nothing of ours. */
+static void test_flags_of_the_host(void **state) {
+    const unsigned out_of_memory = 0x0505;
+    (void)state;
+    psplat_error error = {0};
+    psplat_environment *environment = NULL;
+    stage s = stage_open(PSPLAT_API_GL);
+    psplat_renderer_desc desc = {
+        .get_proc = spy_get_proc, .user = &s.spy, .allocator = ledger_allocator(&s.ledger)};
+    s.spy.error = out_of_memory;
+    canvas_check(psplat_renderer_create(&desc, &s.renderer, &error), &error);
+    s.spy.error = out_of_memory;
+    canvas_check(psplat_model_create(s.renderer, s.asset, &s.item.model, &error), &error);
+    s.spy.error = out_of_memory;
+    canvas_check(psplat_environment_create(s.renderer, &sky, &environment, &error), &error);
+    s.spy.error = out_of_memory;
+    canvas_check(draw(&s, &error), &error); /* makes shadow maps */
+    s.view.light_count = 0;
+    s.view.width = SIZE / 2;
+    s.spy.error = out_of_memory;
+    canvas_check(draw(&s, &error), &error); /* makes targets alone */
+    psplat_environment_destroy(s.renderer, environment);
+    end(&s);
+    expect_nothing_left(&s);
+    stage_close(&s);
+}
+
 /* ---- lost contexts ------------------------------------------------------------------------------
  */
 
@@ -335,7 +362,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_allocations),    cmocka_unit_test(test_faults),
         cmocka_unit_test(test_environments),   cmocka_unit_test(test_loss),
-        cmocka_unit_test(test_loss_by_errors),
+        cmocka_unit_test(test_loss_by_errors), cmocka_unit_test(test_flags_of_the_host),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

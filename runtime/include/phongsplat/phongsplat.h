@@ -288,7 +288,8 @@ typedef struct psplat_item {
  * of several draw buffers or viewports (glEnablei, glColorMaski, glViewportIndexed) is read and put
  * back as that of number 0. Not put back:
  *
- *     glGetError                the flags are read where something is made or fails
+ *     glGetError                the flags are read where something is made or fails; what the host
+ *                               left there is dropped and fails nothing
  *     glGetGraphicsResetStatus  is asked once a call, where the context has it
  *
  * and to be at its default: glClipControl, conditional rendering, transform feedback, and what
