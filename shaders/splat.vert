@@ -224,7 +224,7 @@ void main() {
     v_clip = clip_distances(column, row, uv, widened);
 #endif
 
-    /* Of length 1 times scale, so that squares stay in float's range whatever the unit is. */
+    /* Of about length 1 in whatever unit, so that squares stay in the range of float. */
     vec3 normal = u_normal_matrix * (axes[2] / dot(rotation, rotation));
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR
