@@ -108,7 +108,7 @@ typedef struct psplat_gallery psplat_gallery;
 typedef struct psplat_gallery_desc {
     psplat_host *host; /* its context is current in every call; GL or GLES */
     const psplat_original *source;
-    int size; /* pictures are size x size pixels; 0: 512 */
+    int size; /* pictures are size x size pixels, at most 8192; 0: 512 */
 } psplat_gallery_desc;
 
 /* Draws the source, lit per pixel with the lights and the material that splats get, from all views.
@@ -155,7 +155,8 @@ psplat_result psplat_gallery_compare(psplat_gallery *gallery, const psplat_exhib
 /* Five panels of size x size pixels side by side, 8-bit RGB, row 0 on top, from malloc: the source,
  * the exhibit, the difference of both, the distance and the normal error of what is seen of the
  * source. Colours run from black (0) over violet and orange to pale yellow (the limits and more).
- */
+ * Cyan: not covered, as the probe says; dark grey: nothing is there. Errors: ARGUMENT, MEMORY,
+ * GRAPHICS; *pixels is NULL then. */
 typedef struct psplat_heatmap_limits {
     double difference; /* % of white */
     double distance;   /* % */

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { DEFAULT_SIZE = 512 };
+enum { DEFAULT_SIZE = 512, MOST_SIZE = 8192 };
 
 /* ---- making ---------------------------------------------------------------------------------- */
 
@@ -65,9 +65,9 @@ static psplat_result hang(psplat_gallery *gallery, psplat_error *error) {
 psplat_result psplat_gallery_create(const psplat_gallery_desc *desc, psplat_gallery **gallery,
                                     psplat_error *error) {
     *gallery = NULL;
-    if (!desc->host || !desc->source || desc->size < 0)
+    if (!desc->host || !desc->source || desc->size < 0 || desc->size > MOST_SIZE)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
-                           "a gallery needs a host, a source and a size of at least 0");
+                           "a gallery needs a host, a source and a size from 0 to %d", MOST_SIZE);
     psplat_gallery *g = calloc(1, sizeof *g);
     if (!g) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a gallery");
     g->host = desc->host;

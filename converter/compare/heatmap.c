@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * heatmap.c - where errors sit: the source, an exhibit and their differences side by side, in
+ * pixels of one view. What a pixel shows of the source is found by its depth, unprojected in
+ * double, and its interpolated normal, which is drawn into a float target.
+ */
+#include "gallery.h"
+
+#include "vector.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { PANELS = 5 };
+
+/* ---- colours ----------------------------------------------------------------------------------
+ */
+
+/* Where nothing is, and where a look at the target meets nothing. */
+static const uint8_t background[3] = {48, 48, 48}, uncovered[3] = {0, 220, 220};
+
+/* "Inferno" by S. van der Walt and N. Smith (matplotlib, CC0), nine of its colours. Lightness rises
+ * evenly, so that it can be read in grey as well. */
+static const uint8_t inferno[][3] = {{0, 0, 4},      {31, 12, 72},   {85, 15, 109},
+                                     {136, 34, 106}, {186, 54, 85},  {227, 89, 51},
+                                     {249, 140, 10}, {249, 201, 50}, {252, 255, 164}};
+
+/* What is not a number is as bad as can be. */
+static void set_heat(double value, double limit, uint8_t *rgb) {
+    const int last = (int)(sizeof inferno / sizeof *inferno) - 1;
+    double part = value <= 0 ? 0 : value < limit ? value / limit : 1, at = part * last;
+    int below = at < last ? (int)at : last - 1;
+    for (int c = 0; c < 3; ++c) {
+        double low = inferno[below][c], high = inferno[below + 1][c];
+        rgb[c] = (uint8_t)(low + (high - low) * (at - below) + 0.5);
+    }
+}
+
+static void set_color(const uint8_t color[3], uint8_t *rgb) {
+    memcpy(rgb, color, 3);
+}
+
+/* ---- places ------------------------------------------------------------------------------------
+ */
+
+/* What the source shows in each pixel, row 0 at the bottom. */
+typedef struct sight {
+    float *normals; /* and 1 where it is, RGBA */
+    float *depth;
+    psplat_view view;
+} sight;
+
+static psplat_result look(psplat_gallery *gallery, int view, sight *s, psplat_error *error) {
+    size_t pixels = psplat_gallery_bytes(gallery) / 4;
+    *s = (sight){malloc(4 * pixels * sizeof *s->normals), malloc(pixels * sizeof *s->depth),
+                 psplat_gallery_view(gallery, view)};
+    if (!s->normals || !s->depth)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a map of %zu pixels",
+                           pixels);
+    psplat_result result = psplat_gallery_begin(gallery, 1, error);
+    if (!result)
+        result = psplat_facets_draw(gallery->facets, &s->view, PSPLAT_FACETS_NORMALS, error);
+    if (!result) result = psplat_host_read_float(gallery->host, s->normals, error);
+    if (!result) result = psplat_host_read_depth(gallery->host, s->depth, error);
+    return result;
+}
+
+/* A direction from eye space to the scene. */
+static void turn_back(const psplat_view *view, const double eye[3], double scene[3]) {
+    for (int i = 0; i < 3; ++i) scene[i] = dot3(view->view + 4 * i, eye);
+}
+
+/* The views of a gallery look straight ahead: no element of the projection's third column but z and
+ * w is set. */
+static void place_of(const sight *s, int x, int y, double point[3], double normal[3]) {
+    const psplat_view *view = &s->view;
+    const double *p = view->projection;
+    size_t pixel = (size_t)y * (size_t)view->width + (size_t)x;
+    double z = -p[14] / (2 * (double)s->depth[pixel] - 1 + p[10]);
+    double eye[3] = {-z * (2 * (x + 0.5) / view->width - 1) / p[0],
+                     -z * (2 * (y + 0.5) / view->height - 1) / p[5], z};
+    double turned[3];
+    for (int i = 0; i < 3; ++i) turned[i] = (double)s->normals[4 * pixel + (size_t)i];
+    turn_back(view, turned, normal);
+    normalize3(normal);
+    sub3(eye, eye, view->view + 12);
+    turn_back(view, eye, point);
+}
+
+/* ---- panels ------------------------------------------------------------------------------------
+ */
+
+typedef struct map {
+    const psplat_gallery *gallery;
+    const uint8_t *source; /* the picture */
+    const psplat_shape_probe *probe;
+    const psplat_heatmap_limits *limits;
+    sight sight;
+    uint8_t *pixels;
+} map;
+
+static uint8_t *pixel_of(const map *m, int panel, int x, int y) {
+    size_t size = (size_t)m->gallery->size, row = size - 1 - (size_t)y;
+    return m->pixels + 3 * (row * PANELS * size + (size_t)panel * size + (size_t)x);
+}
+
+static void set_difference(const map *m, size_t pixel, uint8_t *rgb) {
+    const uint8_t *a = m->source + 4 * pixel, *b = m->gallery->shown + 4 * pixel;
+    int sum = 0;
+    for (int c = 0; c < 3; ++c) sum += abs(a[c] - b[c]);
+    if (a[3] || b[3])
+        set_heat(100 * sum / (3 * 255.0), m->limits->difference, rgb);
+    else
+        set_color(background, rgb);
+}
+
+static void set_shape(const map *m, int x, int y, uint8_t *distance_rgb, uint8_t *angle_rgb) {
+    double point[3], normal[3], distance, angle;
+    place_of(&m->sight, x, y, point, normal);
+    psplat_shape_probe_at(m->probe, point, normal, &distance, &angle);
+    set_heat(distance, m->limits->distance, distance_rgb);
+    if (angle < 0)
+        set_color(uncovered, angle_rgb);
+    else
+        set_heat(angle, m->limits->angle, angle_rgb);
+}
+
+static void set_row(const map *m, int y) {
+    int size = m->gallery->size;
+    for (int x = 0; x < size; ++x) {
+        size_t pixel = (size_t)y * (size_t)size + (size_t)x;
+        uint8_t *distance = pixel_of(m, 3, x, y), *angle = pixel_of(m, 4, x, y);
+        memcpy(pixel_of(m, 0, x, y), m->source + 4 * pixel, 3);
+        memcpy(pixel_of(m, 1, x, y), m->gallery->shown + 4 * pixel, 3);
+        set_difference(m, pixel, pixel_of(m, 2, x, y));
+        if (m->sight.normals[4 * pixel + 3] > 0) {
+            set_shape(m, x, y, distance, angle);
+        } else {
+            set_color(background, distance);
+            set_color(background, angle);
+        }
+    }
+}
+
+static psplat_result paint(map *m, psplat_error *error) {
+    size_t bytes = psplat_gallery_bytes(m->gallery) / 4 * 3 * PANELS;
+    m->pixels = malloc(bytes);
+    if (!m->pixels)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a map of %zu bytes",
+                           bytes);
+    int size = m->gallery->size;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(dynamic, 4)
+#endif
+    for (int y = 0; y < size; ++y) set_row(m, y);
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_gallery_heatmap(psplat_gallery *gallery, const psplat_exhibit *exhibit,
+                                     const psplat_shape_probe *probe, int view,
+                                     const psplat_heatmap_limits *limits, uint8_t **pixels,
+                                     int *width, int *height, psplat_error *error) {
+    *pixels = NULL;
+    if (view < 0 || view >= PSPLAT_GALLERY_VIEWS || !probe)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "a heat map needs a probe and a view from 0 to %d",
+                           PSPLAT_GALLERY_VIEWS - 1);
+    map m = {.gallery = gallery,
+             .source = gallery->pictures + (size_t)view * psplat_gallery_bytes(gallery),
+             .probe = probe,
+             .limits = limits};
+    psplat_result result = psplat_gallery_show(gallery, exhibit, view, error);
+    if (!result) result = look(gallery, view, &m.sight, error);
+    if (!result) result = paint(&m, error);
+    free(m.sight.normals);
+    free(m.sight.depth);
+    *pixels = m.pixels;
+    *width = PANELS * gallery->size;
+    *height = gallery->size;
+    return result;
+}
