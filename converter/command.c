@@ -24,9 +24,9 @@ const char psplat_exit_help[] =
     "  5  the output exists already or cannot be written\n"
     "  6  no usable graphics context, or no viewer is installed\n"
     "  7  out of memory\n"
-    "  8  interrupted by a signal; nothing was written\n"
+    "  8  interrupted by a signal; no output was written in part\n"
     "  9  the output was written, but a promise of the conversion is broken in places\n"
-    " 10  no conversion fits the budget; nothing was written\n";
+    " 10  no conversion fits the budget\n";
 
 static const int codes[PSPLAT_RESULT_COUNT] = {
     [PSPLAT_OK] = PSPLAT_EXIT_SUCCESS,

@@ -118,6 +118,7 @@ int psplat_command_render(int argc, char **argv);
 int psplat_command_inspect(int argc, char **argv);
 int psplat_command_validate(int argc, char **argv);
 int psplat_command_compare(int argc, char **argv);
+int psplat_command_tradeoff(int argc, char **argv);
 int psplat_command_view(int argc, char **argv);
 
 /* ---- progress.c --------------------------------------------------------------------------- */
@@ -139,6 +140,9 @@ int psplat_progress_update(psplat_progress *progress, double now, const char *st
 /* For psplat_convert_desc; user is the psplat_progress. Never asks to stop: a signal ends the
  * process at once, since nothing unfinished is ever on disk (output.c). */
 int psplat_progress_show(void *user, const char *stage, double fraction);
+/* The same for work other than a conversion, of which done is the part that is done. */
+int psplat_progress_advance(psplat_progress *progress, double now, const char *what, double done);
+int psplat_progress_show_done(void *user, const char *what, double done);
 void psplat_progress_end(psplat_progress *progress); /* clears the line */
 
 #endif

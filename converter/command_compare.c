@@ -59,7 +59,7 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
     static const char *const formats[] = {"pretty", "json", NULL};
     const psplat_option options[] = {
         {0, "samples", PSPLAT_OPTION_COUNT, &a->samples, "N",
-         "points to measure at on either side (default 200000)", 100, 1e8, NULL},
+         "points to measure at on either side\n(default 200000)", 100, 1e8, NULL},
         {0, "reach", PSPLAT_OPTION_PERCENT, &a->shape.reach, "PERCENT",
          "how far along its normal a surface point is covered; what\n"
          "hangs over is farther than half of it (default: twice the\n"

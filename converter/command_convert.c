@@ -25,6 +25,7 @@ typedef struct arguments {
     int splats, bytes; /* budgets */
     int effort;        /* -1: the default */
     int no_creases;
+    int constant_normals;
     int overwrite;
     int quiet;
 } arguments;
@@ -73,6 +74,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "angle between two faces from which their edge stays\nsharp (default 30)", 1, 180, NULL},
         {0, "no-creases", PSPLAT_OPTION_FLAG, &a->no_creases, NULL,
          "no edge stays sharp but borders and where more than two\nfaces meet", 0, 0, NULL},
+        {0, "constant-normals", PSPLAT_OPTION_FLAG, &a->constant_normals, NULL,
+         "one normal a splat instead of a linear field: smaller files\nthat need more splats for "
+         "the same shading",
+         0, 0, NULL},
         {0, "seed", PSPLAT_OPTION_UNSIGNED, &a->seed, "N",
          "seed of the sampling (default 0); equal input, options\nand seed give equal bytes", 0, 0,
          NULL},
@@ -164,6 +169,7 @@ static psplat_result convert(const arguments *a, const char *name, psplat_progre
         .normal_tolerance_degrees = a->normal_tolerance,
         .crease_angle_degrees = a->crease_angle,
         .no_creases = a->no_creases,
+        .constant_normals = a->constant_normals,
         .effort = a->effort + 1,
         .seed = a->seed,
         .progress = psplat_progress_show,

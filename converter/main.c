@@ -24,6 +24,7 @@ static const command commands[] = {
     {"inspect", psplat_command_inspect, "what an asset holds"},
     {"validate", psplat_command_validate, "whether an asset keeps the rules"},
     {"compare", psplat_command_compare, "how far an asset is from its mesh"},
+    {"tradeoff", psplat_command_tradeoff, "what settings cost and buy on a mesh, measured"},
     {"view", psplat_command_view, "assets are shown in a window"},
 };
 

@@ -51,26 +51,34 @@ static void describe_left(const psplat_progress *progress, char text[48]) {
         snprintf(text, 48, ", about %.0f s left", fmax(ceil(left), 1));
 }
 
-int psplat_progress_update(psplat_progress *progress, double now, const char *stage,
-                           double fraction) {
+int psplat_progress_advance(psplat_progress *progress, double now, const char *what, double done) {
     char left[48], line[sizeof progress->shown];
-    progress->done = fmax(progress->done, psplat_schedule_done(stage, fraction));
+    progress->done = fmax(progress->done, done);
     estimate(progress, now);
     progress->updated = now;
     describe_left(progress, left);
-    snprintf(line, sizeof line, "%d %%, %.32s%s", (int)(100 * progress->done), stage, left);
+    snprintf(line, sizeof line, "%d %%, %.32s%s", (int)(100 * progress->done), what, left);
     int changed = strcmp(line, progress->shown) != 0;
     memcpy(progress->shown, line, sizeof line);
     return changed;
 }
 
-int psplat_progress_show(void *user, const char *stage, double fraction) {
+int psplat_progress_update(psplat_progress *progress, double now, const char *stage,
+                           double fraction) {
+    return psplat_progress_advance(progress, now, stage, psplat_schedule_done(stage, fraction));
+}
+
+int psplat_progress_show_done(void *user, const char *what, double done) {
     psplat_progress *progress = user;
     if (!progress->enabled) return 0;
-    if (!psplat_progress_update(progress, seconds_now(), stage, fraction)) return 0;
+    if (!psplat_progress_advance(progress, seconds_now(), what, done)) return 0;
     fprintf(stderr, "\r\033[K%s", progress->shown);
     fflush(stderr);
     return 0;
+}
+
+int psplat_progress_show(void *user, const char *stage, double fraction) {
+    return psplat_progress_show_done(user, stage, psplat_schedule_done(stage, fraction));
 }
 
 void psplat_progress_end(psplat_progress *progress) {

@@ -8,10 +8,10 @@ expect_output "^phongsplat $VERSION\$"
 
 run "$PHONGSPLAT" --help
 expect_success
-for command in convert render inspect validate view; do expect_output "^  $command"; done
+for command in convert render inspect validate compare tradeoff view; do expect_output "^  $command"; done
 for exit_code in 0 1 2 3 4 5 6 7 8 9 10; do expect_output "^ +$exit_code  [a-z]"; done
 
-for command in convert render inspect validate; do
+for command in convert render inspect validate compare tradeoff; do
     for option in --help -h; do
         run "$PHONGSPLAT" $command $option
         expect_success

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * command_tradeoff.c - phongsplat tradeoff: a sweep of settings is measured, one is recommended.
+ */
+#include "command.h"
+#include "tradeoff.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef struct arguments {
+    const char *source;
+    const char *directory;
+    const char *tolerances, *ratios; /* lists, as given */
+    const char *gltfpack;
+    psplat_sweep_desc desc;
+    psplat_demand demand;
+    int error_kind;
+    int max_bytes;
+    int effort; /* -1: not given */
+    int no_gltfpack;
+    int quiet;
+} arguments;
+
+static psplat_parse refuse(const char *cause) {
+    psplat_command_error("tradeoff: %s (phongsplat tradeoff --help lists what it takes)", cause);
+    return PSPLAT_PARSE_ERROR;
+}
+
+/* What single options cannot say. */
+static psplat_parse finish(arguments *a) {
+    psplat_tradeoff_options *o = &a->desc.options;
+    if (a->tolerances && !psplat_ladder_read(a->tolerances, 1e-4, 50, &o->tolerances))
+        return refuse("tolerances: not up to 16 percentages from 0.0001 to 50 with commas between");
+    if (a->ratios && !psplat_ladder_read(a->ratios, 1e-6, 1, &o->ratios))
+        return refuse("ratios: not up to 16 numbers from 1e-06 to 1 with commas between");
+    if (o->no_creases && o->crease_angle > 0)
+        return refuse("no-creases: not together with crease-angle");
+    if (a->gltfpack && a->no_gltfpack) return refuse("gltfpack: not together with no-gltfpack");
+    a->desc.source = a->source;
+    a->desc.directory = a->directory;
+    a->desc.gltfpack = a->no_gltfpack ? "" : a->gltfpack;
+    o->effort = a->effort + 1;
+    a->demand.kind = (psplat_error_kind)a->error_kind;
+    a->demand.bytes = a->max_bytes;
+    return PSPLAT_PARSE_OK;
+}
+
+static psplat_parse parse_options(const psplat_option *options, size_t count, arguments *a,
+                                  int argc, char **argv) {
+    const char **const slots[] = {&a->source, &a->directory};
+    const psplat_syntax syntax = {
+        .command = "tradeoff",
+        .operands = "SOURCE DIR",
+        .summary =
+            "Converts a mesh by a ladder of tolerances, measures and draws each conversion\n"
+            "in every way, writes table, charts and page into DIR, and recommends a setting.",
+        .notes =
+            "DIR is made, or is one of an earlier sweep. It holds tradeoff.csv, index.html, "
+            "charts\n"
+            "as SVG, and the assets. A sweep that was interrupted goes on when it is started "
+            "again;\n"
+            "one that is finished answers at once. Options that are not given are those of the\n"
+            "sweep before; what a changed source or option concerns is measured anew.\n\n"
+            "With --max-error the cheapest setting that keeps it is recommended, with budgets\n"
+            "alone the one whose pictures differ least, and without either the knee of the front.\n"
+            "Where nothing fits, the exit code is 10 and the line names the nearest miss.",
+        .options = options,
+        .option_count = count,
+        .slots = slots,
+        .slot_count = 2,
+    };
+    psplat_parse parsed = psplat_options_parse(&syntax, argc, argv);
+    return parsed == PSPLAT_PARSE_OK ? finish(a) : parsed;
+}
+
+static psplat_parse parse(int argc, char **argv, arguments *a) {
+    psplat_tradeoff_options *o = &a->desc.options;
+    const psplat_option options[] = {
+        {0, "max-error", PSPLAT_OPTION_PERCENT, &a->demand.error, "E",
+         "recommend the cheapest setting (bytes, then ms) whose error\nis at most this", 1e-9, 1e6,
+         NULL},
+        {0, "error", PSPLAT_OPTION_CHOICE, &a->error_kind, "distance|normal|image",
+         "which error that is: greatest two-sided distance, % of the\n"
+         "diagonal; normals, RMS degrees; mean difference of pictures,\n% of white (default "
+         "distance)",
+         0, 0, psplat_error_kind_names},
+        {0, "max-bytes", PSPLAT_OPTION_COUNT, &a->max_bytes, "N", "a budget for the file", 1, 2e9,
+         NULL},
+        {0, "max-ms", PSPLAT_OPTION_NUMBER, &a->demand.ms, "MS",
+         "a budget for a frame: time of the GPU, or, where GL is\ndrawn in software, of all its "
+         "threads",
+         1e-6, 1e6, NULL},
+        {0, "tolerances", PSPLAT_OPTION_TEXT, &a->tolerances, "LIST",
+         "tolerances of conversions, % (default 2,1,0.5,0.2,0.1)", 0, 0, NULL},
+        {0, "normal-tolerance", PSPLAT_OPTION_NUMBER, &o->normal_tolerance, "DEG", "as of convert",
+         0.1, 90, NULL},
+        {0, "crease-angle", PSPLAT_OPTION_NUMBER, &o->crease_angle, "DEG", "as of convert", 1, 180,
+         NULL},
+        {0, "no-creases", PSPLAT_OPTION_FLAG, &o->no_creases, NULL, "as of convert", 0, 0, NULL},
+        {0, "effort", PSPLAT_OPTION_COUNT, &a->effort, "N", "as of convert (default 2)", 0, 9,
+         NULL},
+        {0, "seed", PSPLAT_OPTION_UNSIGNED, &o->seed, "N", "as of convert", 0, 0, NULL},
+        {0, "samples", PSPLAT_OPTION_COUNT, &o->samples, "N",
+         "points on either side of a comparison\n(default 200000)", 100, 1e8, NULL},
+        {0, "size", PSPLAT_OPTION_COUNT, &o->size, "N",
+         "pixels along an edge of the pictures (default 512)", 16, 8192, NULL},
+        {0, "frames", PSPLAT_OPTION_COUNT, &o->frames, "N",
+         "frames of each setting that are timed (default 24)", 1, 1e5, NULL},
+        {0, "perceptual", PSPLAT_OPTION_FLAG, &o->perceptual, NULL,
+         "ask butteraugli about pictures, too, where it is installed", 0, 0, NULL},
+        {0, "gltfpack", PSPLAT_OPTION_TEXT, &a->gltfpack, "PATH",
+         "the program (default: the one in PATH, if there is)", 0, 0, NULL},
+        {0, "ratios", PSPLAT_OPTION_TEXT, &a->ratios, "LIST",
+         "of triangles that gltfpack keeps\n(default 0.5,0.2,0.1,0.05,0.02,0.01)", 0, 0, NULL},
+        {0, "no-gltfpack", PSPLAT_OPTION_FLAG, &a->no_gltfpack, NULL, "do not look for it", 0, 0,
+         NULL},
+        {0, "fresh", PSPLAT_OPTION_FLAG, &a->desc.fresh, NULL, "forget what DIR holds", 0, 0, NULL},
+        {0, "software", PSPLAT_OPTION_FLAG, &a->desc.software, NULL,
+         "draw with Mesa's software rasteriser", 0, 0, NULL},
+        {'q', "quiet", PSPLAT_OPTION_FLAG, &a->quiet, NULL,
+         "print the recommendation and errors only", 0, 0, NULL},
+    };
+    return parse_options(options, sizeof options / sizeof *options, a, argc, argv);
+}
+
+/* ---- printing ----------------------------------------------------------------------------- */
+
+static const char *cost_name(psplat_column cost) {
+    return cost == PSPLAT_COLUMN_GPU_MS ? "GPU" : "CPU";
+}
+
+static void add_value(psplat_text *text, const psplat_row *row, psplat_column column,
+                      const char *before, const char *after) {
+    if (isnan(row->values[column])) return;
+    psplat_text_add(text, "%s", before);
+    psplat_text_figure(text, row->values[column]);
+    psplat_text_add(text, "%s", after);
+}
+
+static void add_values(psplat_text *text, const psplat_journal *j, const psplat_row *row) {
+    psplat_column cost = psplat_rows_cost(j->rows, j->count);
+    add_value(text, row, PSPLAT_COLUMN_BYTES, "", " bytes");
+    add_value(text, row, PSPLAT_COLUMN_ELEMENTS, ", ", " splats");
+    add_value(text, row, cost, ", ", " ms of ");
+    psplat_text_add(text, "the %s a frame", cost_name(cost));
+    add_value(text, row, PSPLAT_COLUMN_DISTANCE_MAX, ", distance ", " %");
+    add_value(text, row, PSPLAT_COLUMN_NORMAL_RMS, ", normals ", " degrees");
+    add_value(text, row, PSPLAT_COLUMN_DIFFERENCE, ", pictures ", " %");
+}
+
+/* The command, how to draw, what that was measured to give, and what gltfpack needs for it. */
+static void add_recommendation(psplat_text *text, const arguments *a, const psplat_journal *j,
+                               const psplat_advice *advice) {
+    const psplat_row *row = &j->rows[advice->row];
+    psplat_setting_command(&row->setting, &j->options, a->source, text);
+    psplat_text_add(
+        text, "\ndraw with: mode %s, filter %s\nmeasured: ", psplat_mode_names[row->setting.mode],
+        psplat_filter_names[row->setting.no_filter]);
+    add_values(text, j, row);
+    psplat_text_add(text, "\n");
+    if (advice->simplified == SIZE_MAX) return;
+    psplat_text_add(text, "compare: ");
+    psplat_setting_describe(&j->rows[advice->simplified].setting, text);
+    add_value(text, &j->rows[advice->simplified], PSPLAT_COLUMN_BYTES, " does it with ", " bytes");
+    add_value(text, &j->rows[advice->simplified], PSPLAT_COLUMN_ELEMENTS, ", ", " triangles");
+    psplat_text_add(text, "\n");
+}
+
+static void add_cell(psplat_text *text, const psplat_row *row, psplat_column column) {
+    psplat_text cell = {0};
+    psplat_text_figure(&cell, row->values[column]);
+    /* A dash is one column wide and three bytes long. */
+    int is_dash = isnan(row->values[column]);
+    psplat_text_add(text, "%*s", is_dash ? 13 : 11, cell.data ? cell.data : "");
+    text->failed |= cell.failed;
+    free(cell.data);
+}
+
+/* The front of bytes and pictures; the knee is what is recommended. */
+static void add_front(psplat_text *text, const psplat_journal *j, const size_t *order, size_t count,
+                      size_t knee) {
+    psplat_column cost = psplat_rows_cost(j->rows, j->count);
+    const psplat_column columns[] = {PSPLAT_COLUMN_BYTES,        PSPLAT_COLUMN_ELEMENTS,
+                                     PSPLAT_COLUMN_DISTANCE_MAX, PSPLAT_COLUMN_NORMAL_RMS,
+                                     PSPLAT_COLUMN_DIFFERENCE,   cost};
+    psplat_text_add(text, "%-42s%11s%11s%11s%11s%11s%8s ms\n", "setting", "bytes", "splats",
+                    "distance %", "normals", "pictures %", cost_name(cost));
+    for (size_t i = 0; i < count; ++i) {
+        psplat_text name = {0};
+        psplat_setting_describe(&j->rows[order[i]].setting, &name);
+        psplat_text_add(text, "%-42s", name.data ? name.data : "");
+        text->failed |= name.failed;
+        free(name.data);
+        for (size_t k = 0; k < sizeof columns / sizeof *columns; ++k)
+            add_cell(text, &j->rows[order[i]], columns[k]);
+        psplat_text_add(text, "%s\n", i == knee ? "  knee" : "");
+    }
+}
+
+/* Without limits: the knee of the front, after the front itself. 0 where memory ran out. */
+static int choose_knee(psplat_text *text, const psplat_journal *j, psplat_advice *advice) {
+    const psplat_column columns[] = {PSPLAT_COLUMN_BYTES, PSPLAT_COLUMN_DIFFERENCE};
+    uint8_t *is_front = malloc(j->count + 1);
+    size_t *order = malloc((j->count + 1) * sizeof *order);
+    if (is_front && order) {
+        psplat_pareto_mark(j->rows, j->count, PSPLAT_CONTENDER_SPLATS, columns, 2, is_front);
+        size_t count = psplat_pareto_sort(j->rows, j->count, is_front, columns[0], order);
+        size_t knee = psplat_pareto_knee(j->rows, order, count, columns[0], columns[1]);
+        *advice = (psplat_advice){count ? order[knee] : SIZE_MAX, count > 0, SIZE_MAX};
+        add_front(text, j, order, count, knee);
+    }
+    int is_done = is_front && order;
+    free(is_front);
+    free(order);
+    return is_done;
+}
+
+static int choose(psplat_text *text, const arguments *a, const psplat_journal *j,
+                  psplat_advice *advice) {
+    if (a->demand.error <= 0 && a->demand.bytes <= 0 && a->demand.ms <= 0)
+        return choose_knee(text, j, advice);
+    size_t *scratch = malloc((j->count + 1) * sizeof *scratch);
+    if (scratch) *advice = psplat_advise(j->rows, j->count, &a->demand, scratch);
+    free(scratch);
+    return scratch != NULL;
+}
+
+static void add_counts(psplat_text *text, const arguments *a, const psplat_journal *j,
+                       const psplat_sweep_counts *counts) {
+    psplat_text_add(text,
+                    "%s: %zu settings; measured anew: %zu conversions, %zu simplified meshes, %zu "
+                    "shapes, %zu pictures, %zu times\n",
+                    a->directory, j->count, counts->conversions, counts->simplifications,
+                    counts->shapes, counts->pictures, counts->timings);
+}
+
+static int fail_budget(const arguments *a, const psplat_journal *j, const psplat_row *nearest) {
+    psplat_text text = {0};
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(a->source, shown);
+    psplat_setting_describe(&nearest->setting, &text);
+    psplat_text_add(&text, ", gives ");
+    add_values(&text, j, nearest);
+    psplat_command_error("%s: no setting keeps to this; the nearest, %s", shown,
+                         text.data ? text.data : "");
+    free(text.data);
+    return PSPLAT_EXIT_BUDGET;
+}
+
+static int recommend(const arguments *a, const psplat_journal *j,
+                     const psplat_sweep_counts *counts) {
+    psplat_text text = {0};
+    psplat_advice advice = {.row = SIZE_MAX};
+    int code = PSPLAT_EXIT_SUCCESS;
+    if (!a->quiet) add_counts(&text, a, j, counts);
+    if (!choose(&text, a, j, &advice)) text.failed = 1;
+    if (!text.failed && advice.row == SIZE_MAX) {
+        psplat_command_error("%s: no conversion is left to recommend", a->source);
+        code = PSPLAT_EXIT_INVALID;
+    } else if (!text.failed && !advice.fits) {
+        code = fail_budget(a, j, &j->rows[advice.row]);
+    } else if (!text.failed) {
+        add_recommendation(&text, a, j, &advice);
+    }
+    if (text.failed) {
+        psplat_command_error("no memory for a text");
+        code = PSPLAT_EXIT_MEMORY;
+    }
+    if (!code) fputs(text.data, stdout);
+    free(text.data);
+    return code;
+}
+
+/* ---- the command -------------------------------------------------------------------------- */
+
+static void warn(void *user, const char *text) {
+    psplat_progress_end(user);
+    psplat_command_error("%s", text);
+}
+
+int psplat_command_tradeoff(int argc, char **argv) {
+    arguments a = {.effort = -1};
+    psplat_parse parsed = parse(argc, argv, &a);
+    if (parsed != PSPLAT_PARSE_OK)
+        return parsed == PSPLAT_PARSE_HELP ? PSPLAT_EXIT_SUCCESS : PSPLAT_EXIT_USAGE;
+    psplat_progress progress = psplat_progress_begin(a.quiet);
+    psplat_journal journal = {.count = 0};
+    psplat_sweep_counts counts = {0};
+    psplat_error error = {0};
+    a.desc.progress = psplat_progress_show_done;
+    a.desc.warn = warn;
+    a.desc.user = &progress;
+    psplat_result result = psplat_sweep_run(&a.desc, &journal, &counts, &error);
+    psplat_progress_end(&progress);
+    int code = result ? psplat_command_fail(result == PSPLAT_ERROR_WRITE ? NULL : a.source, &error)
+                      : recommend(&a, &journal, &counts);
+    psplat_journal_free(&journal);
+    return code;
+}

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * advice.c - one setting for what somebody asks for.
+ */
+#include "tradeoff.h"
+
+#include <math.h>
+
+const char *const psplat_error_kind_names[] = {"distance", "normal", "image", NULL};
+
+/* What differs by less is measured no better than that: times between runs, differences of images
+ * between views. */
+static const double equal_time = 1.05, equal_difference = 1.01;
+
+psplat_column psplat_error_kind_column(psplat_error_kind kind) {
+    static const psplat_column columns[] = {PSPLAT_COLUMN_DISTANCE_MAX, PSPLAT_COLUMN_NORMAL_RMS,
+                                            PSPLAT_COLUMN_DIFFERENCE};
+    return columns[kind];
+}
+
+/* The rows that are chosen from, and by what. */
+typedef struct choice {
+    const psplat_row *rows;
+    size_t count;
+    const psplat_demand *limits;
+    psplat_column error, cost;
+    psplat_contender contender;
+    int is_free; /* to leave the defaults of what the error does not see */
+} choice;
+
+static double value_of(const choice *c, size_t row, psplat_column column) {
+    return c->rows[row].values[column];
+}
+
+/* How many steps a setting is from the defaults. */
+static int departures(const psplat_setting *s) {
+    return (int)s->field + (int)s->mode + s->no_filter;
+}
+
+static int is_default_unseen(const choice *c, const psplat_setting *s) {
+    if (s->no_filter) return 0;
+    if (c->limits->error <= 0 || c->limits->kind == PSPLAT_ERROR_KIND_IMAGE) return 1;
+    int sees_field = c->limits->kind == PSPLAT_ERROR_KIND_NORMAL;
+    return s->mode == PSPLAT_MODE_PHONG && (sees_field || s->field == PSPLAT_FIELD_LINEAR);
+}
+
+static double ratio(double value, double limit) {
+    if (limit <= 0) return 0;
+    return isnan(value) || value < 0 ? INFINITY : value / limit;
+}
+
+/* The greatest ratio of a value to its limit: at most 1 where all are kept, infinite where a value
+ * is missing. */
+static double miss(const choice *c, size_t row) {
+    const psplat_demand *l = c->limits;
+    double worst = ratio(value_of(c, row, c->error), l->error);
+    worst = fmax(worst, ratio(value_of(c, row, PSPLAT_COLUMN_BYTES), l->bytes));
+    return fmax(worst, ratio(value_of(c, row, c->cost), l->ms));
+}
+
+static int is_candidate(const choice *c, size_t row) {
+    const psplat_setting *s = &c->rows[row].setting;
+    return s->contender == c->contender && (c->is_free || is_default_unseen(c, s)) &&
+           miss(c, row) <= 1;
+}
+
+/* A number for a value that is missing or makes no sense: then it is never the least. */
+static double or_infinite(double value) {
+    return isnan(value) || value < 0 ? INFINITY : value;
+}
+
+static double least(const choice *c, const size_t *rows, size_t count, psplat_column column) {
+    double found = INFINITY;
+    for (size_t i = 0; i < count; ++i)
+        found = fmin(found, or_infinite(value_of(c, rows[i], column)));
+    return found;
+}
+
+/* Keeps those whose value is at most factor times the least; returns how many. */
+static size_t narrow(const choice *c, size_t *rows, size_t count, psplat_column column,
+                     double factor) {
+    double most = least(c, rows, count, column) * factor;
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i)
+        if (or_infinite(value_of(c, rows[i], column)) <= most) rows[kept++] = rows[i];
+    return kept;
+}
+
+/* The cheapest of the candidates, or the best. */
+static size_t choose(const choice *c, size_t *candidates, size_t count) {
+    if (c->limits->error <= 0)
+        count = narrow(c, candidates, count, PSPLAT_COLUMN_DIFFERENCE, equal_difference);
+    count = narrow(c, candidates, count, PSPLAT_COLUMN_BYTES, 1);
+    count = narrow(c, candidates, count, c->cost, equal_time);
+    size_t chosen = count ? candidates[0] : SIZE_MAX;
+    for (size_t i = 1; i < count; ++i)
+        if (departures(&c->rows[candidates[i]].setting) < departures(&c->rows[chosen].setting))
+            chosen = candidates[i];
+    return chosen;
+}
+
+static size_t choose_fitting(const choice *c, size_t *candidates) {
+    size_t count = 0;
+    for (size_t i = 0; i < c->count; ++i)
+        if (is_candidate(c, i)) candidates[count++] = i;
+    return choose(c, candidates, count);
+}
+
+static size_t nearest_miss(const choice *c) {
+    size_t nearest = SIZE_MAX;
+    double smallest = INFINITY;
+    for (size_t i = 0; i < c->count; ++i) {
+        if (c->rows[i].setting.contender != c->contender || !(miss(c, i) < smallest)) continue;
+        smallest = miss(c, i);
+        nearest = i;
+    }
+    return nearest;
+}
+
+psplat_advice psplat_advise(const psplat_row *rows, size_t count, const psplat_demand *limits,
+                            size_t *scratch) {
+    psplat_advice advice = {.row = SIZE_MAX, .simplified = SIZE_MAX};
+    choice c = {.rows = rows,
+                .count = count,
+                .limits = limits,
+                .error = psplat_error_kind_column(limits->kind),
+                .cost = psplat_rows_cost(rows, count),
+                .contender = PSPLAT_CONTENDER_SPLATS};
+    for (c.is_free = 0; c.is_free < 2 && advice.row == SIZE_MAX; ++c.is_free)
+        advice.row = choose_fitting(&c, scratch);
+    advice.fits = advice.row != SIZE_MAX;
+    if (!advice.fits) advice.row = nearest_miss(&c);
+    c.contender = PSPLAT_CONTENDER_GLTFPACK;
+    c.is_free = 1;
+    advice.simplified = choose_fitting(&c, scratch);
+    return advice;
+}

@@ -1,0 +1,147 @@
+/* SPDX-License-Identifier: MIT
+ * What is recommended for limits. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "rows.h"
+
+static psplat_advice advise(const psplat_journal *journal, psplat_demand demand) {
+    size_t scratch[128];
+    assert_true(journal->count <= 128);
+    return psplat_advise(journal->rows, journal->count, &demand, scratch);
+}
+
+static const psplat_setting *setting_of(const psplat_journal *journal, psplat_advice advice) {
+    assert_true(advice.row < journal->count);
+    return &journal->rows[advice.row].setting;
+}
+
+static void assert_setting(const psplat_journal *journal, psplat_demand demand, double tolerance,
+                           psplat_normal_field field, psplat_mode mode) {
+    psplat_advice advice = advise(journal, demand);
+    const psplat_setting *s = setting_of(journal, advice);
+    assert_true(advice.fits);
+    assert_true(s->tolerance == tolerance);
+    assert_int_equal(s->field, field);
+    assert_int_equal(s->mode, mode);
+    assert_int_equal(s->no_filter, 0);
+}
+
+/* Distances are 0.97 of the tolerance; constant normals take fewer bytes, flat splats less time. */
+static void test_error_limits(void **state) {
+    (void)state;
+    psplat_journal j = make_journal(1);
+    /* Distance says nothing of normals and modes: their defaults stay, though others are cheaper.
+     */
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.5, 0, 0}, 0.5,
+                   PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.48, 0, 0}, 0.2,
+                   PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    /* Of normals: linear 4 degrees at 1 %, constant 3.6 only at 0.2 %. */
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_NORMAL, 4.1, 0, 0}, 1, PSPLAT_FIELD_LINEAR,
+                   PSPLAT_MODE_PHONG);
+    /* Of pictures: 1.2 % at 1 % with linear normals. */
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 1.25, 0, 0}, 1, PSPLAT_FIELD_LINEAR,
+                   PSPLAT_MODE_PHONG);
+    psplat_journal_free(&j);
+}
+
+static void test_budgets(void **state) {
+    (void)state;
+    psplat_journal j = make_journal(0);
+    /* The finest linear one that fits. At 1 %: 120 splats of 64 bytes and 2,000 more. */
+    assert_setting(&j, (psplat_demand){.bytes = 9680}, 1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    assert_setting(&j, (psplat_demand){.bytes = 1e9}, 0.1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    assert_setting(&j, (psplat_demand){.ms = 1e9}, 0.1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    /* Both at once: the smaller one rules. */
+    assert_setting(&j, (psplat_demand){.bytes = 9680, .ms = 1e9}, 1, PSPLAT_FIELD_LINEAR,
+                   PSPLAT_MODE_PHONG);
+    /* Phong takes 6 n^0.2 ms, flat 3 n^0.2: where only flat is fast enough, flat it is. */
+    double fastest = INFINITY;
+    for (size_t i = 0; i < j.count; ++i)
+        if (j.rows[i].setting.mode == PSPLAT_MODE_PHONG && j.rows[i].setting.contender)
+            fastest = fmin(fastest, j.rows[i].values[PSPLAT_COLUMN_CPU_MS]);
+    psplat_advice advice = advise(&j, (psplat_demand){.ms = 0.9 * fastest});
+    assert_true(advice.fits);
+    assert_int_not_equal(setting_of(&j, advice)->mode, PSPLAT_MODE_PHONG);
+    /* A distance within that time: the default mode does not fit, so it is left. */
+    advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 2, 0, 0.9 * fastest});
+    assert_true(advice.fits);
+    assert_int_not_equal(setting_of(&j, advice)->mode, PSPLAT_MODE_PHONG);
+    psplat_journal_free(&j);
+}
+
+static void test_nearest_miss(void **state) {
+    (void)state;
+    psplat_journal j = make_journal(0);
+    psplat_advice advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.01, 0, 0});
+    assert_false(advice.fits);
+    assert_true(setting_of(&j, advice)->tolerance == 0.1);
+    advice = advise(&j, (psplat_demand){.bytes = 10});
+    assert_false(advice.fits);
+    assert_true(setting_of(&j, advice)->tolerance == 2);
+    assert_int_equal(setting_of(&j, advice)->field, PSPLAT_FIELD_CONSTANT);
+    psplat_journal_free(&j);
+}
+
+/* Times within 5 % are equal, and the default is taken; without filter nothing is recommended that
+ * has an alternative. */
+static void test_noise(void **state) {
+    (void)state;
+    psplat_row rows[3] = {plain_row(100, 2, 1), plain_row(100, 2, 1.04), plain_row(90, 1, 0.5)};
+    rows[0].setting.mode = PSPLAT_MODE_FLAT;
+    rows[2].setting.no_filter = 1;
+    const psplat_journal j = {.rows = rows, .count = 3};
+    assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 2, 0, 0}).row, 1);
+    rows[1].values[PSPLAT_COLUMN_CPU_MS] = 1.06;
+    assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 2, 0, 0}).row, 0);
+    assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 1, 0, 0}).row, 2);
+    /* Differences within 1 %: the smaller file. */
+    rows[0] = plain_row(200, 2, 1);
+    rows[1] = plain_row(100, 2.019, 1);
+    rows[2] = plain_row(90, 2.021, 1);
+    assert_int_equal(advise(&j, (psplat_demand){.bytes = 1000}).row, 1);
+}
+
+static void test_missing_values(void **state) {
+    (void)state;
+    psplat_row rows[3] = {plain_row(100, NAN, 1), plain_row(200, 2, NAN), plain_row(300, 4, 3)};
+    const psplat_journal j = {.rows = rows, .count = 3};
+    /* What is not known, or makes no sense, keeps no limit. */
+    assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 3, 0, 0}).row, 1);
+    assert_int_equal(advise(&j, (psplat_demand){.ms = 5}).row, 2);
+    rows[0].values[PSPLAT_COLUMN_DIFFERENCE] = -1;
+    assert_int_equal(advise(&j, (psplat_demand){.ms = 5}).row, 2);
+    rows[2].values[PSPLAT_COLUMN_DIFFERENCE] = INFINITY;
+    psplat_advice advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 3, 0, 5});
+    assert_false(advice.fits);
+    assert_true(advice.row == SIZE_MAX); /* no row knows both */
+    const psplat_journal empty = {.count = 0};
+    assert_true(advise(&empty, (psplat_demand){.bytes = 5}).row == SIZE_MAX);
+}
+
+/* gltfpack's smallest that keeps the limits is named beside. */
+static void test_simplified(void **state) {
+    (void)state;
+    psplat_journal j = make_journal(1);
+    psplat_advice advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.2, 0, 0});
+    assert_true(advice.simplified < j.count);
+    const psplat_row *row = &j.rows[advice.simplified];
+    assert_int_equal(row->setting.contender, PSPLAT_CONTENDER_GLTFPACK);
+    assert_true(row->setting.ratio == 0.2); /* 0.97 / 6; the next, 0.97 / 3, is too much */
+    advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 1e-6, 0, 0});
+    assert_true(advice.simplified == SIZE_MAX);
+    psplat_journal_free(&j);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_error_limits),   cmocka_unit_test(test_budgets),
+        cmocka_unit_test(test_nearest_miss),   cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_missing_values), cmocka_unit_test(test_simplified),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
