@@ -10,7 +10,7 @@
 /* name: what is extreme; unit: what is measured, and in what. A NaN keeps no bound. */
 static inline void extreme_at_most(const char *name, double figure, const char *unit,
                                    double bound) {
-    print_message("extreme: %s: %.2g %s (bound %.2g)\n", name, figure, unit, bound);
+    print_message("extreme: %s: %.2g %s (bound %.6g)\n", name, figure, unit, bound);
     if (!(figure <= bound)) fail_msg("%s: %g %s is more than %g", name, figure, unit, bound);
 }
 
