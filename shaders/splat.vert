@@ -79,7 +79,8 @@ float grazing_of(vec3 normal, vec3 ray) {
  * z - z_row.w * epsilon / (|p| + epsilon). x, y and w stay: both passes rasterise the same
  * pixels. Epsilon is never less than 2^-20 of the distance times grazing (spec 5.3), and the shift
  * never less than 2^-20 of w, eight steps of a 24-bit depth buffer, though not for that beyond the
- * far plane, where nothing would be left to tell that the pixel is covered. */
+ * far plane, where nothing would be left to tell that the pixel is covered. Between the corners of
+ * a splat of radius R at distance D the shift errs by up to (2 R / D)^2 of epsilon. */
 float shift_of(vec3 eye, vec2 zw, float grazing) {
     float distance = length(eye);
     float epsilon = max(u_shift.z, 9.5367431640625e-7 * distance) * grazing;

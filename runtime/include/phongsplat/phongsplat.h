@@ -241,8 +241,9 @@ psplat_result psplat_environment_create(psplat_renderer *renderer,
 void psplat_environment_destroy(psplat_renderer *renderer, psplat_environment *environment);
 
 /* A camera and how to draw. All matrices are double: they are composed in double and only
- * their product becomes float, so that models far from the origin do not tremble. Zeros are the
- * defaults of all but the matrices and the size. */
+ * their product becomes float, so that models far from the origin do not tremble. Lengths in eye
+ * space may be from 1e-18 to 1e18; surfaces closer than 2e-6 of their distance from the eye blend
+ * (spec 5.3). Zeros are the defaults of all but the matrices and the size. */
 typedef struct psplat_view {
     double view[16];       /* scene to eye; rigid */
     double projection[16]; /* eye to clip, GL conventions (z from -w to w); how far apart its near
