@@ -237,9 +237,10 @@ psplat_result psplat_report_json(const psplat_report *report, char **text, size_
 
 /* ---- output.c: files that are whole or absent --------------------------------------------- */
 
-/* Writes size bytes to path through a temporary file beside it, fsync and rename, so that path
- * holds the old content or the new one and never a part. overwrite 0 refuses an existing path. path
- * "-" is standard output. Errors: WRITE, its text naming path and cause. */
+/* Writes size bytes to a file that has no name yet or a temporary one, syncs it and puts it in
+ * place, so that path holds the old content or the new one and never a part, whatever ends the
+ * process. overwrite 0 refuses an existing path. path "-" is standard output. Errors: WRITE, its
+ * text naming path and cause. */
 psplat_result psplat_output_write(const char *path, const void *data, size_t size, int overwrite,
                                   psplat_error *error);
 

@@ -5,7 +5,7 @@
  * It is drawn into a framebuffer of its own: what a window holds where others cover it is
  * undefined.
  */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE /* O_TMPFILE */
 
 #include "gl.h"
 #include "viewer.h"
@@ -31,15 +31,6 @@ int screenshot_name(const char *asset, const char *directory, int n, char *path,
     return written > 0 && (size_t)written < size;
 }
 
-int screenshot_create(const char *asset, const char *directory, char *path, size_t size) {
-    for (int n = 1; n <= MAX_NUMBER; ++n) {
-        if (!screenshot_name(asset, directory, n, path, size)) return errno = ENAMETOOLONG, -1;
-        int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file >= 0 || errno != EEXIST) return file;
-    }
-    return errno = EEXIST, -1;
-}
-
 static int write_all(int file, const uint8_t *data, size_t size) {
     while (size) {
         ssize_t written = write(file, data, size);
@@ -51,19 +42,57 @@ static int write_all(int file, const uint8_t *data, size_t size) {
     return 1;
 }
 
+/* Opens a file that has no name yet, so that one who kills the viewer finds no half picture. -1
+ * where the file system has no such files. */
+static int open_nameless(const char *path) {
+    const char *slash = strrchr(path, '/');
+    char *directory = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
+    int file = directory ? open(directory, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666) : -1;
+    free(directory);
+    return file;
+}
+
+/* Gives it a name that must be free. */
+static int link_nameless(int file, const char *path) {
+    char link[64];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+    return linkat(AT_FDCWD, link, AT_FDCWD, path, AT_SYMLINK_FOLLOW);
+}
+
+/* 0 or an errno. */
+static int create(const char *path, const uint8_t *png, size_t size) {
+    int file = open_nameless(path), cause = EOPNOTSUPP;
+    if (file >= 0) {
+        cause = write_all(file, png, size) && !link_nameless(file, path) ? 0 : errno;
+        close(file);
+    }
+    if (!cause || cause == EEXIST) return cause;
+    file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (file < 0) return errno;
+    cause = write_all(file, png, size) ? 0 : errno;
+    if (close(file) && !cause) cause = errno;
+    if (cause) unlink(path);
+    return cause;
+}
+
+int screenshot_create(const char *asset, const char *directory, const uint8_t *png, size_t png_size,
+                      char *path, size_t size) {
+    for (int n = 1; n <= MAX_NUMBER; ++n) {
+        if (!screenshot_name(asset, directory, n, path, size)) return ENAMETOOLONG;
+        if (!access(path, F_OK)) continue;
+        int cause = create(path, png, png_size);
+        if (cause != EEXIST) return cause;
+    }
+    return EEXIST;
+}
+
 static psplat_result store(const viewer *v, const uint8_t *png, size_t png_size, char *path,
                            size_t size, psplat_error *error) {
     const char *asset = v->exhibit.entry_count ? v->exhibit.entries[0].path : "phongsplat";
     const char *directory = v->options.screenshots;
-    int file = screenshot_create(asset, directory, path, size);
-    if (file < 0 && !directory) file = screenshot_create(asset, ".", path, size);
-    if (file < 0)
-        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.150s: %s", path, strerror(errno));
-    int is_written = write_all(file, png, png_size);
-    if (close(file)) is_written = 0;
-    if (is_written) return PSPLAT_OK;
-    int cause = errno;
-    unlink(path);
+    int cause = screenshot_create(asset, directory, png, png_size, path, size);
+    if (cause && !directory) cause = screenshot_create(asset, ".", png, png_size, path, size);
+    if (!cause) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%.150s: %s", path, strerror(cause));
 }
 

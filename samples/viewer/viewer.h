@@ -256,8 +256,9 @@ psplat_result screenshot_take(viewer *v, char *path, size_t size, psplat_error *
 /* The name of number n for an asset: "dir/part.glb" gives "part-007.png", in directory where that
  * is not NULL, otherwise in "dir". Returns 0 where size is too small. */
 int screenshot_name(const char *asset, const char *directory, int n, char *path, size_t size);
-/* Creates the first of these files that does not exist; returns its descriptor or -1 with errno. */
-int screenshot_create(const char *asset, const char *directory, char *path, size_t size);
+/* Writes the first of these files that does not exist, whole or not at all. 0 or an errno. */
+int screenshot_create(const char *asset, const char *directory, const uint8_t *png,
+                      size_t png_size, char *path, size_t size);
 
 /* ---- window.c: GLFW ------------------------------------------------------------------------ */
 

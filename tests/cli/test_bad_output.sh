@@ -74,6 +74,10 @@ case_unwritable_directory() {
         expect_error 5 '^phongsplat: /proc/x: cannot be created: '
     fi
     expect_files there
+    mkdir readonly
+    mount -t tmpfs -o ro tmpfs readonly 2>/dev/null || return 0
+    trap 'cd /; umount "$work/readonly"; rm -rf "$work"' EXIT
+    each_writer readonly/x refused_directory
 }
 
 case_is_a_directory() {

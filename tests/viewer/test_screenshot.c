@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Names of screenshots: beside the asset, numbered, never one that exists. */
+ * Names of screenshots: beside the asset, numbered, never one that exists; whole, whatever happens.
+ */
+#define _GNU_SOURCE /* O_TMPFILE */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,11 +10,21 @@
 
 #include <viewer.h>
 
+#include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+static int create(const char *asset, const char *text, char *path, size_t size) {
+    return screenshot_create(asset, NULL, (const uint8_t *)text, strlen(text), path, size);
+}
 
 static void assert_name(const char *asset, const char *directory, int n, const char *expected) {
     char path[64];
@@ -38,8 +50,7 @@ static void test_names_too_long_are_refused(void **state) {
     char path[13] = "";
     assert_int_equal(screenshot_name("part.glb", NULL, 1, path, sizeof path), 1);
     assert_int_equal(screenshot_name("parts.glb", NULL, 1, path, sizeof path), 0);
-    assert_int_equal(screenshot_create("parts.glb", NULL, path, sizeof path), -1);
-    assert_int_equal(errno, ENAMETOOLONG);
+    assert_int_equal(create("parts.glb", "", path, sizeof path), ENAMETOOLONG);
 }
 
 static void test_the_first_free_number_is_taken(void **state) {
@@ -48,17 +59,14 @@ static void test_the_first_free_number_is_taken(void **state) {
     assert_non_null(mkdtemp(directory));
     snprintf(asset, sizeof asset, "%s/x.glb", directory);
     for (int n = 1; n <= 3; ++n) {
-        int file = screenshot_create(asset, NULL, path, sizeof path);
-        assert_true(file >= 0);
-        assert_int_equal(write(file, "kept", 4), 4);
-        close(file);
+        assert_int_equal(create(asset, "kept", path, sizeof path), 0);
         snprintf(expected, sizeof expected, "%s/x-%03d.png", directory, n);
         assert_string_equal(path, expected);
     }
     /* A gap is filled, what is there stays. */
     snprintf(expected, sizeof expected, "%s/x-002.png", directory);
     assert_int_equal(unlink(expected), 0);
-    close(screenshot_create(asset, NULL, path, sizeof path));
+    assert_int_equal(create(asset, "new", path, sizeof path), 0);
     assert_string_equal(path, expected);
     snprintf(expected, sizeof expected, "%s/x-003.png", directory);
     FILE *file = fopen(expected, "rb");
@@ -70,8 +78,69 @@ static void test_the_first_free_number_is_taken(void **state) {
         assert_int_equal(unlink(path), 0);
     }
     assert_int_equal(rmdir(directory), 0);
-    assert_int_equal(screenshot_create(asset, NULL, path, sizeof path), -1);
-    assert_int_equal(errno, ENOENT);
+    assert_int_equal(create(asset, "", path, sizeof path), ENOENT);
+}
+
+/* Removes what is in the directory; returns how many files there were. All have the size. */
+static int empty(const char *directory, size_t size) {
+    int count = 0;
+    DIR *listing = opendir(directory);
+    for (struct dirent *entry; (entry = readdir(listing));) {
+        char path[sizeof entry->d_name + 64];
+        struct stat status;
+        snprintf(path, sizeof path, "%s/%s", directory, entry->d_name);
+        assert_int_equal(stat(path, &status), 0);
+        if (S_ISDIR(status.st_mode)) continue;
+        assert_int_equal(status.st_size, size);
+        assert_int_equal(unlink(path), 0);
+        ++count;
+    }
+    closedir(listing);
+    return count;
+}
+
+static uint8_t picture[1 << 20];
+
+/* Killed while it takes one screenshot after the other, at a different time each time. */
+static void test_killed_leaves_whole_pictures(void **state) {
+    (void)state;
+    char directory[] = "/tmp/phongsplat-XXXXXX", asset[64], path[64];
+    assert_non_null(mkdtemp(directory));
+    snprintf(asset, sizeof asset, "%s/x.glb", directory);
+    int probe = open(directory, O_TMPFILE | O_WRONLY, 0600), pictures = 0;
+    if (probe < 0) {
+        rmdir(directory);
+        skip(); /* no file of this file system may lack a name */
+    }
+    close(probe);
+    for (useconds_t time = 0; time < 20; ++time) {
+        pid_t child = fork();
+        while (!child) screenshot_create(asset, NULL, picture, sizeof picture, path, sizeof path);
+        usleep(5000 + 777 * time);
+        assert_int_equal(kill(child, SIGKILL), 0);
+        assert_int_equal(waitpid(child, NULL, 0), child);
+        pictures += empty(directory, sizeof picture);
+    }
+    assert_true(pictures > 0);
+    assert_int_equal(rmdir(directory), 0);
+}
+
+/* A file that outgrows its limit fails half-way, as on a full disk. */
+static void test_partial_pictures_go(void **state) {
+    (void)state;
+    char directory[] = "/tmp/phongsplat-XXXXXX", asset[64], path[64];
+    assert_non_null(mkdtemp(directory));
+    snprintf(asset, sizeof asset, "%s/x.glb", directory);
+    struct rlimit before, limit;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    limit = before;
+    limit.rlim_cur = sizeof picture / 2;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    int cause = screenshot_create(asset, NULL, picture, sizeof picture, path, sizeof path);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    assert_int_equal(cause, EFBIG);
+    assert_int_equal(rmdir(directory), 0);
 }
 
 int main(void) {
@@ -79,6 +148,8 @@ int main(void) {
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_names_too_long_are_refused),
         cmocka_unit_test(test_the_first_free_number_is_taken),
+        cmocka_unit_test(test_killed_leaves_whole_pictures),
+        cmocka_unit_test(test_partial_pictures_go),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

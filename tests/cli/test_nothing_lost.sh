@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: MIT
+# Whatever happens to a command that writes, its output is the old file or the new one, whole, and nothing else is left behind;
+# test_output_faults does the same for each system call. Each case is a test of its own.
+. "$SOURCE_DIR/tests/support/cli.sh"
+mkdir out
+write_cube cube.obj
+run "$PHONGSPLAT" convert cube.obj cube.glb -t 2
+expect_success
+
+export OMP_NUM_THREADS=1 # threads do not help where tests run beside each other
+
+now() { date +%s%3N; }
+
+# same FILE FILE: but for how long it took and what it needed.
+same() {
+    measured='"(seconds|peak_memory_bytes)":'
+    grep -avE "$measured" "$1" >one.txt
+    grep -avE "$measured" "$2" >other.txt
+    cmp one.txt other.txt
+}
+
+# kill_at_moments FILES COMMAND...: COMMAND, which replaces FILES, is killed at moments of the time it takes, most of them in the
+# second half and one after it. Each file is always what it was before or what COMMAND writes, and both are seen.
+kill_at_moments() {
+    targets=$1 is_old=0 is_new=0
+    shift
+    command_line="$* killed"
+    begin=$(now)
+    "$@" >stdout.txt 2>stderr.txt || fail "$*: $(cat stderr.txt)"
+    took=$(($(now) - begin))
+    mkdir new
+    cp out/* new
+    echo old >old
+    for percent in 2 50 70 80 90 95 100 105 120 500; do
+        for target in $targets; do cp old "out/$target"; done
+        "$@" >stdout.txt 2>stderr.txt &
+        process=$!
+        sleep "$(awk "BEGIN { print $percent * $took / 100000 }")"
+        kill -KILL $process 2>kill.txt || true
+        wait $process 2>wait.txt || true
+        for target in $targets; do
+            if cmp -s "out/$target" old; then
+                is_old=$((is_old + 1))
+            else
+                same "out/$target" "new/$target" || fail "$command_line after $percent % of $took ms: $target is neither old nor new"
+                is_new=$((is_new + 1))
+            fi
+            checks=$((checks + 1))
+        done
+    done
+    # A temporary file that was about to replace the target may be left, as README says: in an instant hardly ever met.
+    rm -f out/.phongsplat-*.tmp
+    expect_files $targets
+    [ $is_old -gt 0 ] || fail "$command_line: never early enough"
+    [ $is_new -gt 0 ] || fail "$command_line: never late enough"
+}
+
+case_killed_convert() {
+    kill_at_moments "x.glb x.json" "$PHONGSPLAT" convert cube.obj out/x.glb --report out/x.json -w -t 2
+}
+
+case_killed_render() {
+    kill_at_moments x.png "$PHONGSPLAT" render cube.glb out/x.png -w --size 64x64 --software
+}
+
+# Two converters write the same output at once. Both may replace it: both succeed. Neither may: one succeeds, and the other says
+# why not. The output is what one of them writes.
+case_two_at_once() {
+    "$PHONGSPLAT" convert cube.obj a.glb -t 2 -q
+    "$PHONGSPLAT" convert cube.obj b.glb -t 9 -q --no-creases
+    cmp -s a.glb b.glb && fail "one cannot be told from the other"
+    for flag in -w -q; do
+        for time in $(seq 4); do
+            rm -f out/x.glb
+            [ $flag = -q ] || [ $((time % 2)) = 0 ] || echo old >out/x.glb
+            "$PHONGSPLAT" convert cube.obj out/x.glb -t 2 $flag >stdout_a.txt 2>stderr_a.txt &
+            first=$!
+            code_b=0
+            "$PHONGSPLAT" convert cube.obj out/x.glb -t 9 --no-creases $flag >stdout_b.txt 2>stderr_b.txt || code_b=$?
+            code_a=0
+            wait $first || code_a=$?
+            case "$flag $code_a $code_b" in
+            "-w 0 0" | "-q 0 5" | "-q 5 0") ;;
+            *) fail "two at once with $flag: exit codes $code_a, $code_b: $(cat stderr_a.txt stderr_b.txt)" ;;
+            esac
+            cmp -s out/x.glb a.glb || cmp -s out/x.glb b.glb || fail "two at once with $flag: the output is of neither"
+            expect_files x.glb
+            checks=$((checks + 1))
+        done
+    done
+}
+
+# What another process left behind is nobody's obstacle, and is not taken away: it might be at work still.
+case_leftovers() {
+    touch out/.phongsplat-1-0-0.tmp
+    run "$PHONGSPLAT" convert cube.obj out/x.glb -t 2 -q
+    expect_success
+    run "$PHONGSPLAT" convert cube.obj out/x.glb -t 2 -q -w
+    expect_success
+    expect_files .phongsplat-1-0-0.tmp x.glb
+}
+
+run_cases "$@"
