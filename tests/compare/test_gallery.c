@@ -215,7 +215,7 @@ static void test_splats(void **state) {
     psplat_picture_errors e[3][2];
     open_source(&r, "torus.off");
     open_gallery(g, &r, SIZE);
-    psplat_model *models[2] = {convert(g, &r, 2), convert(g, &r, 0.5)};
+    psplat_model *models[2] = {convert(g, &r, 3), convert(g, &r, 1)};
     for (int mode = 0; mode < 3; ++mode)
         for (int i = 0; i < 2; ++i) {
             const psplat_exhibit exhibit = {
