@@ -38,11 +38,11 @@ static void scale_asset(scene *s, double scale) {
 /* The asset's own unit, and the host's. */
 static void test_units(void **state) {
     const double scales[] = {1e-15, 1e-9, 1e9, 1e15};
-    for (int k = 0; k < 8; ++k) {
+    for (int k = 0; k < 4; ++k) {
         char name[64];
         extreme e = ball(300);
-        double scale = scales[k / 2];
-        int in_asset = k % 2;
+        double scale = scales[k];
+        int in_asset = k % 3 == 0;
         if (in_asset) scale_asset(&e.s, scale);
         for (int i = 0; i < 16 && !in_asset; i += 5) e.transform[i] = i < 15 ? scale : 1;
         camera_look(&e.view, (double[]){0, 0, 5 * scale}, (double[]){0, 0, 0});
@@ -126,12 +126,12 @@ static void test_long_images(void **state) {
     for (int axis = 0; axis < 2; ++axis) {
         extreme e = ball(300);
         agreement_ties ties = usual;
-        e.view.width = axis ? 3 : 16384;
-        e.view.height = axis ? 16384 : 3;
+        e.view.width = axis ? 2 : 16384;
+        e.view.height = axis ? 16384 : 2;
         ties.edge = 0.005;
         camera_perspective(&e.view, 30000, 1, 10);
-        extreme_check(*state, axis ? "3 x 16384 pixels" : "16384 x 3 pixels", &e,
-                      (extreme_bars){.thin_uv = 5e-5, .ties = ties, .least = 100000});
+        extreme_check(*state, axis ? "2 x 16384 pixels" : "16384 x 2 pixels", &e,
+                      (extreme_bars){.thin_uv = 5e-5, .ties = ties, .least = 80000});
     }
 }
 
