@@ -5,22 +5,30 @@
 #define _XOPEN_SOURCE 700
 
 #include "command.h"
-#include "comparison.h"
+#include "exhibition.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <time.h>
+#include <unistd.h>
+
+enum { MAX_SIDE = 4096, PATH_ROOM = 16 };
 
 typedef struct arguments {
     const char *source;
     const char *target;
     const char *report;
+    const char *maps; /* directory of heat maps */
     psplat_shape_desc shape;
     double crease_angle;
     int samples;
     int format;
+    int mode, no_filter, size;
+    int perceptual, no_images, software;
     int overwrite;
     int quiet;
 } arguments;
@@ -33,8 +41,18 @@ typedef struct subjects {
     psplat_original *source;
     psplat_original *target; /* or */
     psplat_asset *asset;
+    psplat_host *host;
+    psplat_exhibition *exhibition;
+    psplat_shape_probe *probe;
+    uint8_t *maps[PSPLAT_GALLERY_VIEWS]; /* PNG */
+    size_t map_sizes[PSPLAT_GALLERY_VIEWS];
     psplat_comparison comparison;
 } subjects;
+
+static const char *const mode_names[] = {"phong", "gaussian", "flat", NULL};
+static const psplat_mode modes[] = {PSPLAT_MODE_PHONG, PSPLAT_MODE_GAUSSIAN, PSPLAT_MODE_FLAT};
+/* Beyond these heat maps tell no more: % of white, of the reach, degrees. */
+static const double most_difference = 20, most_distance = 0.25, most_angle = 20;
 
 static psplat_parse parse_options(const psplat_option *options, size_t count, arguments *a,
                                   int argc, char **argv) {
@@ -55,6 +73,13 @@ static psplat_parse parse_options(const psplat_option *options, size_t count, ar
     return psplat_options_parse(&syntax, argc, argv);
 }
 
+static psplat_parse check_combination(const arguments *a) {
+    if (!a->no_images || !a->maps) return PSPLAT_PARSE_OK;
+    psplat_command_error("compare: heatmap: not together with no-images (phongsplat compare --help "
+                         "lists what it takes)");
+    return PSPLAT_PARSE_ERROR;
+}
+
 static psplat_parse parse(int argc, char **argv, arguments *a) {
     static const char *const formats[] = {"pretty", "json", NULL};
     const psplat_option options[] = {
@@ -71,15 +96,32 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "angle between two faces from which their edge is a\ncrease (default 30)", 1, 180, NULL},
         {0, "seed", PSPLAT_OPTION_UNSIGNED, &a->shape.seed, "N", "seed of the points (default 0)",
          0, 0, NULL},
+        {0, "mode", PSPLAT_OPTION_CHOICE, &a->mode, "phong|gaussian|flat",
+         "how the asset is drawn (default phong)", 0, 0, mode_names},
+        {0, "no-filter", PSPLAT_OPTION_FLAG, &a->no_filter, NULL,
+         "draw splats below a pixel as small as they are", 0, 0, NULL},
+        {0, "size", PSPLAT_OPTION_COUNT, &a->size, "N", "pictures of N x N pixels (default 512)",
+         16, MAX_SIDE, NULL},
+        {0, "perceptual", PSPLAT_OPTION_FLAG, &a->perceptual, NULL,
+         "ask butteraugli_main (libjxl-tools) how alike they look", 0, 0, NULL},
+        {0, "no-images", PSPLAT_OPTION_FLAG, &a->no_images, NULL,
+         "draw nothing: no graphics context is needed", 0, 0, NULL},
+        {0, "software", PSPLAT_OPTION_FLAG, &a->software, NULL,
+         "draw with Mesa's software rasteriser", 0, 0, NULL},
+        {0, "heatmap", PSPLAT_OPTION_TEXT, &a->maps, "DIR",
+         "write maps of where the errors are: view_01.png ...\nview_12.png; DIR is made where its "
+         "parent exists",
+         0, 0, NULL},
         {0, "report", PSPLAT_OPTION_TEXT, &a->report, "R.json",
          "write what was measured as JSON; - is standard output", 0, 0, NULL},
         {0, "format", PSPLAT_OPTION_CHOICE, &a->format, "pretty|json",
          "of standard output (default pretty)", 0, 0, formats},
         {'w', "overwrite", PSPLAT_OPTION_FLAG, &a->overwrite, NULL,
-         "replace R.json where it exists", 0, 0, NULL},
+         "replace R.json and maps where they exist", 0, 0, NULL},
         {'q', "quiet", PSPLAT_OPTION_FLAG, &a->quiet, NULL, "print errors only", 0, 0, NULL},
     };
-    return parse_options(options, sizeof options / sizeof *options, a, argc, argv);
+    psplat_parse parsed = parse_options(options, sizeof options / sizeof *options, a, argc, argv);
+    return parsed == PSPLAT_PARSE_OK ? check_combination(a) : parsed;
 }
 
 static double seconds_now(void) {
@@ -112,17 +154,129 @@ static psplat_result read_target(const arguments *a, subjects *s, psplat_error *
     return read_mesh(a->target, a->crease_angle, &s->target_mesh, &s->target, error);
 }
 
+/* ---- outputs ----------------------------------------------------------------------------------
+ */
+
+/* DIR/view_NN.png, which the caller frees; NULL where memory ran out. */
+static char *map_path(const arguments *a, int view) {
+    size_t size = strlen(a->maps) + PATH_ROOM;
+    char *path = malloc(size);
+    if (path) snprintf(path, size, "%s/view_%02d.png", a->maps, view + 1);
+    return path;
+}
+
+static psplat_result check_output(const arguments *a, const char *path, psplat_error *error) {
+    psplat_result result = psplat_output_check(a->source, path, a->overwrite, error);
+    return result ? result : psplat_output_check(a->target, path, a->overwrite, error);
+}
+
+/* A directory that is not there yet is looked at as a file that can be made. */
+static psplat_result check_maps(const arguments *a, psplat_error *error) {
+    struct stat status;
+    if (stat(a->maps, &status)) return psplat_output_check(NULL, a->maps, 0, error);
+    psplat_result result = PSPLAT_OK;
+    for (int view = 0; view < PSPLAT_GALLERY_VIEWS && !result; ++view) {
+        char *path = map_path(a, view);
+        result = path ? check_output(a, path, error)
+                      : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a name");
+        free(path);
+    }
+    return result;
+}
+
+static psplat_result check_outputs(const arguments *a, psplat_error *error) {
+    psplat_result result = a->report ? check_output(a, a->report, error) : PSPLAT_OK;
+    return result || !a->maps ? result : check_maps(a, error);
+}
+
+static psplat_result make_directory(const char *path, psplat_error *error) {
+    char shown[PSPLAT_SHOWN_PATH];
+    if (!mkdir(path, 0777) || errno == EEXIST) return PSPLAT_OK;
+    int cause = errno;
+    psplat_path_shorten(path, shown);
+    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: cannot be created: %s", shown,
+                       strerror(cause));
+}
+
+static psplat_result write_maps(const arguments *a, const subjects *s, psplat_error *error) {
+    psplat_result result = make_directory(a->maps, error);
+    for (int view = 0; view < PSPLAT_GALLERY_VIEWS && !result; ++view) {
+        char *path = map_path(a, view);
+        result =
+            path ? psplat_output_write(path, s->maps[view], s->map_sizes[view], a->overwrite, error)
+                 : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a name");
+        free(path);
+    }
+    return result;
+}
+
 /* ---- comparing --------------------------------------------------------------------------------
  */
+
+static psplat_result measure(const arguments *a, subjects *s, psplat_error *error) {
+    psplat_shape_errors *shape = &s->comparison.shape;
+    return s->target ? psplat_shape_compare_mesh(s->source, s->target, &a->shape, shape, error)
+                     : psplat_shape_compare(s->source, s->asset, &a->shape, shape, error);
+}
+
+static psplat_result hang(const arguments *a, subjects *s, psplat_error *error) {
+    psplat_result result = psplat_command_host(a->software, &s->host, error);
+    if (result) return result;
+    const psplat_exhibition_desc desc = {.host = s->host,
+                                         .source = s->source,
+                                         .asset = s->asset,
+                                         .mesh = s->target,
+                                         .mode = modes[a->mode],
+                                         .no_filter = a->no_filter,
+                                         .size = a->size};
+    return psplat_exhibition_create(&desc, &s->exhibition, error);
+}
+
+/* The parts of the time that the steps take are those of a part at the default settings. */
+static psplat_result look(const arguments *a, subjects *s, psplat_progress *progress,
+                          psplat_error *error) {
+    psplat_comparison *c = &s->comparison;
+    psplat_progress_show_done(progress, "drawing", 0.5);
+    psplat_result result = hang(a, s, error);
+    for (int view = 0; view < PSPLAT_GALLERY_VIEWS && !result; ++view) {
+        psplat_progress_show_done(progress, "drawing", 0.6 + 0.02 * view);
+        result = psplat_exhibition_compare(s->exhibition, view, 0, &c->views[view], error);
+    }
+    psplat_progress_show_done(progress, "comparing pictures", 0.85);
+    if (!result)
+        result = psplat_exhibition_compare(s->exhibition, -1, a->perceptual, &c->picture, error);
+    c->has_pictures = 1;
+    c->mode = modes[a->mode];
+    c->no_filter = a->no_filter;
+    c->size = a->size;
+    return result;
+}
+
+static psplat_result make_maps(const arguments *a, subjects *s, psplat_progress *progress,
+                               psplat_error *error) {
+    const psplat_heatmap_limits limits = {most_difference,
+                                          most_distance * s->comparison.shape.reach, most_angle};
+    psplat_result result =
+        s->target
+            ? psplat_shape_probe_create_mesh(s->source, s->target, &a->shape, &s->probe, error)
+            : psplat_shape_probe_create(s->source, s->asset, &a->shape, &s->probe, error);
+    for (int view = 0; view < PSPLAT_GALLERY_VIEWS && !result; ++view) {
+        psplat_progress_show_done(progress, "drawing maps",
+                                  0.9 + 0.1 * view / PSPLAT_GALLERY_VIEWS);
+        result = psplat_exhibition_map(s->exhibition, s->probe, view, &limits, &s->maps[view],
+                                       &s->map_sizes[view], error);
+    }
+    return result;
+}
 
 static psplat_result compare(const arguments *a, subjects *s, psplat_progress *progress,
                              psplat_error *error) {
     psplat_comparison *c = &s->comparison;
     double start = seconds_now();
-    psplat_progress_show(progress, "measuring", 0);
-    psplat_result result =
-        s->target ? psplat_shape_compare_mesh(s->source, s->target, &a->shape, &c->shape, error)
-                  : psplat_shape_compare(s->source, s->asset, &a->shape, &c->shape, error);
+    psplat_progress_show_done(progress, "measuring", 0.1);
+    psplat_result result = measure(a, s, error);
+    if (!result && !a->no_images) result = look(a, s, progress, error);
+    if (!result && a->maps) result = make_maps(a, s, progress, error);
     c->source = a->source;
     c->target = a->target;
     c->source_triangles = s->source_mesh.triangle_count;
@@ -133,15 +287,12 @@ static psplat_result compare(const arguments *a, subjects *s, psplat_progress *p
 
 /* *path: what an error concerns; NULL where its text says so. */
 static psplat_result work(const arguments *a, subjects *s, const char **path, psplat_error *error) {
-    psplat_progress progress = psplat_progress_begin(a->quiet);
     *path = NULL;
-    psplat_result result =
-        a->report ? psplat_output_check(a->source, a->report, a->overwrite, error) : PSPLAT_OK;
-    if (!result && a->report)
-        result = psplat_output_check(a->target, a->report, a->overwrite, error);
+    psplat_result result = check_outputs(a, error);
     if (result) return result;
+    psplat_progress progress = psplat_progress_begin(a->quiet);
     *path = a->source;
-    psplat_progress_show(&progress, "reading", 0);
+    psplat_progress_show_done(&progress, "reading", 0);
     result = read_mesh(a->source, a->crease_angle, &s->source_mesh, &s->source, error);
     if (!result) {
         *path = a->target;
@@ -176,6 +327,26 @@ static void print_spread(const char *name, const psplat_spread *spread, const ch
     printf("%-28s %9.4g %9.4g %9.4g %s\n", name, spread->max, spread->rms, spread->p95, unit);
 }
 
+/* The view with the least PSNR. */
+static int worst_view(const psplat_comparison *c) {
+    int worst = 0;
+    for (int view = 1; view < PSPLAT_GALLERY_VIEWS; ++view)
+        if (c->views[view].psnr < c->views[worst].psnr) worst = view;
+    return worst;
+}
+
+static void print_pictures(const psplat_comparison *c) {
+    const psplat_picture_errors *p = &c->picture;
+    int worst = worst_view(c);
+    printf("\n%d pictures of %d x %d%s%s: PSNR %.2f dB, SSIM %.4f, mean difference %.3g %% of "
+           "white\n",
+           PSPLAT_GALLERY_VIEWS, c->size, c->size, c->is_mesh ? "" : ", ",
+           c->is_mesh ? "" : mode_names[c->mode], p->psnr, p->ssim, p->difference);
+    printf("outline: %.3g %% of %zu pixels missing, %.3g %% extra; worst view %d, %.2f dB\n",
+           p->missing, p->covered, p->extra, worst + 1, c->views[worst].psnr);
+    if (p->perceptual >= 0) printf("butteraugli's 3-norm: %.4g\n", p->perceptual);
+}
+
 static void print_table(const psplat_comparison *c) {
     const psplat_shape_errors *e = &c->shape;
     const char *kind = c->is_mesh ? "triangles" : "splats";
@@ -195,11 +366,16 @@ static void print_table(const psplat_comparison *c) {
     printf("hanging over by more than %.3g %%: %.4g %% of the area of %s\n", e->reach / 2,
            e->overhang_area, kind);
     printf("%.4g %% of the source's area is near creases\n", e->crease_area);
-    printf("diagonal %.6g, %zu and %zu points, %.2f s\n", e->diagonal, e->source_samples,
+    if (c->has_pictures) print_pictures(c);
+    printf("\ndiagonal %.6g, %zu and %zu points, %.2f s\n", e->diagonal, e->source_samples,
            e->target_samples, c->seconds);
 }
 
 static void free_subjects(subjects *s) {
+    for (int view = 0; view < PSPLAT_GALLERY_VIEWS; ++view) free(s->maps[view]);
+    psplat_shape_probe_destroy(s->probe);
+    psplat_exhibition_destroy(s->exhibition);
+    psplat_host_destroy(s->host);
     psplat_original_destroy(s->source);
     psplat_original_destroy(s->target);
     psplat_asset_destroy(s->asset);
@@ -213,13 +389,14 @@ static int run(const arguments *a, subjects *s) {
     psplat_result result = work(a, s, &path, &error);
     if (result) return psplat_command_fail(path, &error);
     result = write_report(a, &s->comparison, &error);
+    if (!result && a->maps) result = write_maps(a, s, &error);
     if (result) return psplat_command_fail(NULL, &error);
     if (prints(a) && a->format == FORMAT_PRETTY) print_table(&s->comparison);
     return PSPLAT_EXIT_SUCCESS;
 }
 
 int psplat_command_compare(int argc, char **argv) {
-    arguments a = {0};
+    arguments a = {.size = 512};
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK)
         return parsed == PSPLAT_PARSE_HELP ? PSPLAT_EXIT_SUCCESS : PSPLAT_EXIT_USAGE;

@@ -9,8 +9,6 @@
 
 #include "command.h"
 
-#include <phongsplat/host.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -102,17 +100,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
     return parse_options(options, sizeof options / sizeof *options, a, argc, argv);
 }
 
-/* GL where there is one, GLES where that is all. Mesa prints warnings of its own about each device
- * that it tries; what matters of them is in the error. */
-static psplat_result create_host(int software, psplat_host **host, psplat_error *error) {
-    setenv("EGL_LOG_LEVEL", "fatal", 0);
-    psplat_result result = psplat_host_create(PSPLAT_API_GL, software, host, error);
-    if (result != PSPLAT_ERROR_GRAPHICS) return result;
-    return psplat_host_create(PSPLAT_API_GLES, software, host, NULL);
-}
-
 static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) {
-    psplat_result result = create_host(a->software, &s->host, error);
+    psplat_result result = psplat_command_host(a->software, &s->host, error);
     if (result) return result;
     psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = s->host};
     result = psplat_renderer_create(&desc, &s->renderer, error);

@@ -5,6 +5,7 @@
 #include "comparison.h"
 #include "json_writer.h"
 
+#include <math.h>
 #include <stdio.h>
 
 /* X_max_percent, X_rms_percent, X_p95_percent, or the same of degrees. */
@@ -37,6 +38,46 @@ static void add_shape(psplat_writer *json, const psplat_shape_errors *e) {
     psplat_writer_number(json, "crease_area_percent", e->crease_area);
 }
 
+/* Keys begin with prefix. */
+static void add_picture(psplat_writer *json, const char *prefix, const psplat_picture_errors *p) {
+    const struct {
+        const char *name;
+        double value;
+    } fields[] = {
+        {"psnr_db", p->psnr},
+        {"ssim", p->ssim},
+        {"difference_percent", p->difference},
+        {"inside_percent", p->inside},
+        {"missing_percent", p->missing},
+        {"extra_percent", p->extra},
+        {"covered", (double)p->covered},
+    };
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; ++i) {
+        char key[64];
+        snprintf(key, sizeof key, "%s%s", prefix, fields[i].name);
+        psplat_writer_number(json, key, fields[i].value);
+    }
+}
+
+static void add_pictures(psplat_writer *json, const psplat_comparison *c) {
+    static const char *const modes[] = {"phong", "gaussian", "flat"};
+    psplat_writer_count(json, "image_size", (size_t)c->size);
+    if (!c->is_mesh) {
+        psplat_writer_string(json, "mode", modes[c->mode]);
+        psplat_writer_boolean(json, "filter", !c->no_filter);
+    }
+    add_picture(json, "image_", &c->picture);
+    psplat_writer_number(json, "image_perceptual",
+                         c->picture.perceptual < 0 ? NAN : c->picture.perceptual);
+    psplat_writer_open(json, "views", '[');
+    for (int i = 0; i < PSPLAT_GALLERY_VIEWS; ++i) {
+        psplat_writer_open(json, NULL, '{');
+        add_picture(json, "", &c->views[i]);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
 psplat_result psplat_comparison_json(const psplat_comparison *c, char **text, size_t *size,
                                      psplat_error *error) {
     psplat_writer json = {0};
@@ -46,6 +87,7 @@ psplat_result psplat_comparison_json(const psplat_comparison *c, char **text, si
     psplat_writer_string(&json, "kind", c->is_mesh ? "triangles" : "splats");
     psplat_writer_count(&json, "source_triangles", c->source_triangles);
     add_shape(&json, &c->shape);
+    if (c->has_pictures) add_pictures(&json, c);
     psplat_writer_number(&json, "seconds", c->seconds);
     psplat_writer_close(&json, '}');
     if (!psplat_writer_finish(&json))
