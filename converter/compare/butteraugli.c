@@ -64,6 +64,7 @@ static int open_temporary(void) {
     char path[MOST_PATH];
     int size = snprintf(path, sizeof path, "%s/psplat-XXXXXX",
                         directory && *directory ? directory : "/tmp");
+    errno = ENAMETOOLONG;
     int file = size < MOST_PATH ? mkstemp(path) : -1;
     if (file < 0) return -1;
     unlink(path);
@@ -140,7 +141,10 @@ static int run(job *j) {
     if (started) {
         read_output(j);
         while (waitpid(child, &status, 0) < 0)
-            if (errno != EINTR) started = 0, errno = 0;
+            if (errno != EINTR) {
+                started = 0;
+                break;
+            }
     }
     close(j->ends[0]);
     return started && WIFEXITED(status) && WEXITSTATUS(status) == 0;

@@ -137,6 +137,11 @@ static void test_failures(void **state) {
            PSPLAT_ERROR_READ); /* more than is kept, and no end of line */
     setenv("TMPDIR", "/nowhere", 1);
     expect("echo '3-norm: 1'", PSPLAT_ERROR_WRITE);
+    char endless[5000];
+    memset(endless, 'a', sizeof endless - 1);
+    endless[sizeof endless - 1] = 0;
+    setenv("TMPDIR", endless, 1);
+    expect("echo '3-norm: 1'", PSPLAT_ERROR_WRITE);
     setenv("TMPDIR", directory, 1);
 }
 
