@@ -24,6 +24,9 @@ static const double reach = 3;
  * away from each other: noise, or normals without direction. */
 static const double level_height = 0.05;
 static const double most_opposed = 0.05;
+/* Coordinates below this, in spacings, are 0 to the front, which divides by lengths whose squares
+ * would be, where three points are this close to a line. */
+static const double least_coordinate = 1e-30;
 /* How far points of one sheet are moved from those of the other, while connecting: in spacings. */
 static const double sheet_offset = 1.5;
 enum { SHEET_SMOOTHING = 5 };
@@ -286,6 +289,8 @@ static psplat_result connect(psplat_cloud *cloud, int sides) {
     if (positions && reaches && rescale(cloud)) {
         result = psplat_points_smooth(cloud, sides);
         memcpy(positions, cloud->kept_positions, 3 * count * sizeof(double));
+        for (size_t i = 0; i < 3 * count; ++i)
+            if (fabs(positions[i]) < least_coordinate) positions[i] = 0;
         for (size_t i = 0; i < count; ++i) reaches[i] = reach * cloud->spacings[i];
         if (!result && sides && !part_sheets(cloud, positions)) result = PSPLAT_ERROR_MEMORY;
         if (!result)

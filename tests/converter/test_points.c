@@ -427,6 +427,17 @@ static void test_refused(void **state) {
     assert_string_equal(error.text, "point 1: a coordinate is not finite");
 }
 
+/* Not on a line, but by so little that its square is 0: no surface, and no failure of another kind.
+ */
+static void test_nearly_on_a_line(void **state) {
+    (void)state;
+    psplat_mesh mesh;
+    psplat_error error;
+    double positions[12] = {1e-321, 0, 0, 3e-5, 0, 8.207e-304, 1, 0, 8.208e-304, 1e-289, 2e-307, 0};
+    psplat_points points = {.positions = positions, .count = 4};
+    assert_int_equal(psplat_mesh_from_points(&points, &mesh, &error), PSPLAT_ERROR_NO_SPLATS);
+}
+
 /* ---- converted ------------------------------------------------------------------------------ */
 
 static psplat_splats convert(const psplat_mesh *mesh, double percent, psplat_report *report) {
@@ -512,7 +523,7 @@ int main(void) {
         cmocka_unit_test(test_densities), cmocka_unit_test(test_duplicates),
         cmocka_unit_test(test_sheets),    cmocka_unit_test(test_alone),
         cmocka_unit_test(test_refused),   cmocka_unit_test(test_converted),
-        cmocka_unit_test(test_repeated),
+        cmocka_unit_test(test_repeated),  cmocka_unit_test(test_nearly_on_a_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

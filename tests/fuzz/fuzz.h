@@ -28,8 +28,9 @@ size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size);
 
 /* Memory asked of an injected allocator, and processor time. Zero-initialise. */
 typedef struct fuzz_meter {
-    size_t bytes, peak; /* alive now, and at most */
-    double start;       /* seconds of processor time */
+    size_t bytes, peak;    /* alive now, and at most */
+    size_t calls, fail_at; /* for memory, and the one that gets none; 0: all get some */
+    double start;          /* seconds of processor time */
 } fuzz_meter;
 
 /* An allocator that counts; every size that comes back must be the one that went out. */

@@ -2,7 +2,9 @@
  *
  * fuzz_asset.c - any bytes as an asset. Beyond what the sanitizers see, the promises of
  * phongsplat.h on whatever opens, and those on memory and time on everything. Buffers in files
- * are the input once more: each uri whose first letter is not one of those that fail names it.
+ * are the input once more: each uri whose first letter is not one of those that fail names it. A
+ * hash of the bytes chooses inputs that are opened by name, have no directory, or run out of
+ * memory.
  */
 #include "fuzz.h"
 
@@ -111,17 +113,33 @@ static size_t memory_promised(const input *in) {
            (most < limit ? most : limit) * sizeof(psplat_batch);
 }
 
+/* FNV-1a, by Fowler, Noll and Vo. */
+static uint32_t hash_of(const uint8_t *data, size_t size) {
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < size; ++i) hash = (hash ^ data[i]) * 16777619u;
+    return hash ^ hash >> 16;
+}
+
+enum { BY_NAME, NO_DIRECTORY, NO_MEMORY, WAYS = 16, MOST_ALLOCATIONS = 32 };
+
+static psplat_result open_one(const input *in, const psplat_asset_desc *desc, uint32_t way,
+                              psplat_asset **asset, psplat_error *error) {
+    if (way == BY_NAME) return psplat_asset_open("dir/asset", desc, asset, error);
+    return psplat_asset_open_memory(in->data, in->size, desc, asset, error);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    fuzz_meter meter = {0};
+    uint32_t hash = hash_of(data, size), way = hash % WAYS;
+    fuzz_meter meter = {.fail_at = way == NO_MEMORY ? 1 + hash / WAYS % MOST_ALLOCATIONS : 0};
     input in = {data, size, 0};
     psplat_asset_desc desc = {.allocator = fuzz_meter_allocator(&meter),
                               .files = {read_input, &in},
-                              .base_path = "dir",
+                              .base_path = way == NO_DIRECTORY ? NULL : "dir",
                               .max_file_size = 1 << 16};
     psplat_asset *asset = NULL;
     psplat_error error = {0};
     fuzz_meter_start(&meter);
-    psplat_result result = psplat_asset_open_memory(data, size, &desc, &asset, &error);
+    psplat_result result = open_one(&in, &desc, way, &asset, &error);
     fuzz_meter_stop(&meter, 1.0);
     FUZZ_DEMAND((result == PSPLAT_OK) == (asset != NULL));
     FUZZ_DEMAND(meter.peak <= memory_promised(&in));

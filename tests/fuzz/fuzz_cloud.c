@@ -1,38 +1,38 @@
 /* SPDX-License-Identifier: MIT
  *
  * fuzz_cloud.c - any coordinates as points that psplat_mesh_from_points connects. The low bits of
- * the first byte say whether there are normals and colours, and whether coordinates are single
- * precision, of any magnitude, or whole numbers of one byte, which fall on lines and grids.
+ * the first byte say whether there are normals and colours, and whether numbers are single
+ * precision, double, or whole ones of a byte, which fall on lines and grids.
  */
 #include "mesh_input.h"
 
 #include <string.h>
 
-enum { HAS_NORMALS = 1, HAS_COLORS = 2, IS_GRID = 4, MOST_POINTS = 100 };
+enum { HAS_NORMALS = 1, HAS_COLORS = 2, IS_GRID = 4, IS_DOUBLE = 8, MOST_POINTS = 100 };
 
 typedef struct cursor {
     const uint8_t *data;
     size_t size;
-    int is_grid;
+    size_t width; /* bytes of a number */
 } cursor;
 
-static float next_number(cursor *c) {
-    float value = 0;
-    if (c->is_grid) {
-        value = (float)(int8_t)c->data[0];
-        ++c->data;
-        --c->size;
-    } else {
-        memcpy(&value, c->data, sizeof value);
-        c->data += sizeof value;
-        c->size -= sizeof value;
-    }
-    return value;
+static double next_number(cursor *c) {
+    double wide = 0;
+    float single = 0;
+    if (c->width == sizeof wide)
+        memcpy(&wide, c->data, sizeof wide);
+    else if (c->width == sizeof single)
+        memcpy(&single, c->data, sizeof single);
+    else
+        wide = (int8_t)c->data[0];
+    c->data += c->width;
+    c->size -= c->width;
+    return c->width == sizeof single ? (double)single : wide;
 }
 
 /* Colours are made of the number, whatever it is. */
-static float color_of(float number) {
-    return number > 0 ? number < 1 ? number : 1 : 0;
+static float color_of(double number) {
+    return number > 0 ? number < 1 ? (float)number : 1 : 0;
 }
 
 static void connect(const psplat_points *points) {
@@ -52,16 +52,17 @@ static void connect(const psplat_points *points) {
 static void connect_coordinates(cursor c, int kind) {
     static double positions[3 * MOST_POINTS];
     static float normals[3 * MOST_POINTS], colors[4 * MOST_POINTS];
-    size_t numbers = kind & HAS_NORMALS ? 6 : 3, width = c.is_grid ? 1 : sizeof(float);
+    size_t numbers = kind & HAS_NORMALS ? 6 : 3;
     psplat_points points = {.positions = positions,
                             .normals = kind & HAS_NORMALS ? normals : NULL,
                             .colors = kind & HAS_COLORS ? colors : NULL};
-    for (; c.size >= numbers * width && points.count < MOST_POINTS; ++points.count) {
+    for (; c.size >= numbers * c.width && points.count < MOST_POINTS; ++points.count) {
         size_t i = points.count;
-        for (size_t k = 0; k < 3; ++k) positions[3 * i + k] = (double)next_number(&c);
-        for (size_t k = 0; k < 3 && points.normals; ++k) normals[3 * i + k] = next_number(&c);
+        for (size_t k = 0; k < 3; ++k) positions[3 * i + k] = next_number(&c);
+        for (size_t k = 0; k < 3 && points.normals; ++k)
+            normals[3 * i + k] = (float)next_number(&c);
         for (size_t k = 0; k < 4; ++k)
-            colors[4 * i + k] = k < 3 ? color_of((float)positions[3 * i + k]) : 1;
+            colors[4 * i + k] = k < 3 ? color_of(positions[3 * i + k]) : 1;
     }
     connect(&points);
 }
@@ -69,8 +70,11 @@ static void connect_coordinates(cursor c, int kind) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_meter meter = {0};
     if (!size) return 0;
+    size_t width = data[0] & IS_GRID     ? sizeof(uint8_t)
+                   : data[0] & IS_DOUBLE ? sizeof(double)
+                                         : sizeof(float);
     fuzz_meter_start(&meter);
-    connect_coordinates((cursor){data + 1, size - 1, data[0] & IS_GRID}, data[0]);
+    connect_coordinates((cursor){data + 1, size - 1, width}, data[0]);
     fuzz_meter_stop(&meter, 2.0);
     return 0;
 }

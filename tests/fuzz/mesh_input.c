@@ -33,6 +33,24 @@ psplat_result __wrap_psplat_source_read_file(const char *path, char **data, size
     return PSPLAT_OK;
 }
 
+/* ---- points -------------------------------------------------------------------------------- */
+
+psplat_result __wrap_psplat_mesh_from_points(const psplat_points *points, psplat_mesh *mesh,
+                                             psplat_error *error);
+
+psplat_result __wrap_psplat_mesh_from_points(const psplat_points *points, psplat_mesh *mesh,
+                                             psplat_error *error) {
+    *mesh = (psplat_mesh){0};
+    for (size_t i = 0; i < 3 * points->count; ++i) FUZZ_DEMAND(isfinite(points->positions[i]));
+    for (size_t i = 0; i < 4 * points->count && points->colors; ++i)
+        FUZZ_DEMAND(points->colors[i] >= 0 && points->colors[i] <= 1);
+    /* Of any length or none, but there. */
+    float sum = 0;
+    for (size_t i = 0; i < 3 * points->count && points->normals; ++i) sum += points->normals[i];
+    return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%zu points of sum %g", points->count,
+                       (double)sum);
+}
+
 /* ---- promises ----------------------------------------------------------------------------- */
 
 /* The box of a mesh is around the origin but for the rounding of one subtraction from what was

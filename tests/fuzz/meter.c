@@ -9,6 +9,7 @@ static void *resize_metered(void *user, void *memory, size_t old_size, size_t ne
     FUZZ_DEMAND(meter->bytes >= old_size && (memory != NULL) == (old_size != 0));
     void *resized = NULL;
     if (new_size) {
+        if (++meter->calls == meter->fail_at) return NULL;
         resized = realloc(memory, new_size);
         if (!resized) return NULL;
     } else {
