@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct arguments {
     const char *source;
@@ -199,17 +200,24 @@ static void add_front(psplat_text *text, const psplat_journal *j, const size_t *
     }
 }
 
+/* The smallest simplified mesh that looks as good as a setting. */
+static size_t find_simplified(const psplat_journal *j, size_t row, size_t *scratch) {
+    double difference = j->rows[row].values[PSPLAT_COLUMN_DIFFERENCE];
+    const psplat_demand demand = {.kind = PSPLAT_ERROR_KIND_IMAGE, .error = difference};
+    return psplat_advise(j->rows, j->count, &demand, scratch).simplified;
+}
+
 /* Without limits: the knee of the front, after the front itself. 0 where memory ran out. */
 static int choose_knee(psplat_text *text, const psplat_journal *j, psplat_advice *advice) {
-    const psplat_column columns[] = {PSPLAT_COLUMN_BYTES, PSPLAT_COLUMN_DIFFERENCE};
     uint8_t *is_front = malloc(j->count + 1);
     size_t *order = malloc((j->count + 1) * sizeof *order);
     if (is_front && order) {
-        psplat_pareto_mark(j->rows, j->count, PSPLAT_CONTENDER_SPLATS, columns, 2, is_front);
-        size_t count = psplat_pareto_sort(j->rows, j->count, is_front, columns[0], order);
-        size_t knee = psplat_pareto_knee(j->rows, order, count, columns[0], columns[1]);
-        *advice = (psplat_advice){count ? order[knee] : SIZE_MAX, count > 0, SIZE_MAX};
+        size_t count = psplat_advise_front(j->rows, j->count, order, is_front);
+        size_t knee = psplat_pareto_knee(j->rows, order, count, PSPLAT_COLUMN_BYTES,
+                                         PSPLAT_COLUMN_DIFFERENCE);
         add_front(text, j, order, count, knee);
+        *advice = (psplat_advice){count ? order[knee] : SIZE_MAX, count > 0, SIZE_MAX};
+        if (count) advice->simplified = find_simplified(j, order[knee], order);
     }
     int is_done = is_front && order;
     free(is_front);
@@ -273,6 +281,14 @@ static int recommend(const arguments *a, const psplat_journal *j,
     return code;
 }
 
+/* Errors of the directory begin with its path; others are about the source. */
+static int fail(const arguments *a, const psplat_error *error) {
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(a->directory, shown);
+    int is_named = !strncmp(error->text, shown, strlen(shown));
+    return psplat_command_fail(is_named ? NULL : a->source, error);
+}
+
 /* ---- the command -------------------------------------------------------------------------- */
 
 static void warn(void *user, const char *text) {
@@ -294,8 +310,7 @@ int psplat_command_tradeoff(int argc, char **argv) {
     a.desc.user = &progress;
     psplat_result result = psplat_sweep_run(&a.desc, &journal, &counts, &error);
     psplat_progress_end(&progress);
-    int code = result ? psplat_command_fail(result == PSPLAT_ERROR_WRITE ? NULL : a.source, &error)
-                      : recommend(&a, &journal, &counts);
+    int code = result ? fail(&a, &error) : recommend(&a, &journal, &counts);
     psplat_journal_free(&journal);
     return code;
 }

@@ -8,9 +8,12 @@
 
 const char *const psplat_error_kind_names[] = {"distance", "normal", "image", NULL};
 
-/* What differs by less is measured no better than that: times between runs, differences of images
- * between views. */
-static const double equal_time = 1.05, equal_difference = 1.01;
+/* What differs by less is the same to whoever looks: times differ so between runs, and nobody sees
+ * so little of a difference between pictures. */
+static const double equal_time = 1.05, equal_difference = 1.03;
+
+/* Of a front without limits. */
+static const psplat_column front_columns[] = {PSPLAT_COLUMN_BYTES, PSPLAT_COLUMN_DIFFERENCE};
 
 psplat_column psplat_error_kind_column(psplat_error_kind kind) {
     static const psplat_column columns[] = {PSPLAT_COLUMN_DISTANCE_MAX, PSPLAT_COLUMN_NORMAL_RMS,
@@ -86,17 +89,22 @@ static size_t narrow(const choice *c, size_t *rows, size_t count, psplat_column 
     return kept;
 }
 
+/* Of those that cost alike, the nearest to the defaults. */
+static size_t choose_default(const choice *c, const size_t *candidates, size_t count) {
+    size_t chosen = count ? candidates[0] : SIZE_MAX;
+    for (size_t i = 1; i < count; ++i)
+        if (departures(&c->rows[candidates[i]].setting) < departures(&c->rows[chosen].setting))
+            chosen = candidates[i];
+    return chosen;
+}
+
 /* The cheapest of the candidates, or the best. */
 static size_t choose(const choice *c, size_t *candidates, size_t count) {
     if (c->limits->error <= 0)
         count = narrow(c, candidates, count, PSPLAT_COLUMN_DIFFERENCE, equal_difference);
     count = narrow(c, candidates, count, PSPLAT_COLUMN_BYTES, 1);
     count = narrow(c, candidates, count, c->cost, equal_time);
-    size_t chosen = count ? candidates[0] : SIZE_MAX;
-    for (size_t i = 1; i < count; ++i)
-        if (departures(&c->rows[candidates[i]].setting) < departures(&c->rows[chosen].setting))
-            chosen = candidates[i];
-    return chosen;
+    return choose_default(c, candidates, count);
 }
 
 static size_t choose_fitting(const choice *c, size_t *candidates) {
@@ -134,4 +142,30 @@ psplat_advice psplat_advise(const psplat_row *rows, size_t count, const psplat_d
     c.is_free = 1;
     advice.simplified = choose_fitting(&c, scratch);
     return advice;
+}
+
+/* ---- without limits ----------------------------------------------------------------------- */
+
+/* The best way to draw the asset of a row: of those whose pictures differ alike, the fastest. */
+static size_t choose_drawing(const choice *c, size_t row, size_t *candidates) {
+    size_t count = 0;
+    for (size_t i = 0; i < c->count; ++i)
+        if (!c->rows[i].setting.no_filter && !isnan(value_of(c, i, PSPLAT_COLUMN_DIFFERENCE)) &&
+            psplat_setting_shares_asset(&c->rows[i].setting, &c->rows[row].setting))
+            candidates[count++] = i;
+    count = narrow(c, candidates, count, PSPLAT_COLUMN_DIFFERENCE, equal_difference);
+    count = narrow(c, candidates, count, c->cost, equal_time);
+    return choose_default(c, candidates, count);
+}
+
+size_t psplat_advise_front(const psplat_row *rows, size_t count, size_t *order, uint8_t *is_front) {
+    const choice c = {.rows = rows, .count = count, .cost = psplat_rows_cost(rows, count)};
+    for (size_t i = 0; i < count; ++i)
+        is_front[i] = rows[i].setting.contender == PSPLAT_CONTENDER_SPLATS &&
+                      choose_drawing(&c, i, order) == i;
+    for (size_t i = 0; i < count; ++i)
+        for (size_t k = 0; k < count && is_front[i]; ++k)
+            if (is_front[k] && psplat_pareto_beats(&rows[k], &rows[i], front_columns, 2))
+                is_front[i] = 0;
+    return psplat_pareto_sort(rows, count, is_front, front_columns[0], order);
 }

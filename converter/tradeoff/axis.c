@@ -75,6 +75,6 @@ psplat_axis psplat_axis_fit(const double *values, size_t count) {
 }
 
 double psplat_axis_place(const psplat_axis *axis, double value) {
-    if (!(value > axis->low)) return 0;
-    return fmin((log(value) - log(axis->low)) / (log(axis->high) - log(axis->low)), 1);
+    if (!(value > 0)) return 0;
+    return (log(value) - log(axis->low)) / (log(axis->high) - log(axis->low));
 }

@@ -98,8 +98,9 @@ static const char about_gltfpack[] =
     "<p>gltfpack's rows are simplified meshes of the same source. Their size is that of the "
     "compressed file (<code>-cc -sv</code>); all else was measured on the same triangles written "
     "without compression and quantisation (<code>-noq</code>), for this version cannot read "
-    "EXT_meshopt_compression. Sources without normals are handed over with those that the "
-    "conversion to splats starts from. They are drawn as the source is, lit per pixel.</p>\n";
+    "EXT_meshopt_compression. Sources without normals, or in a format that it does not read, are "
+    "handed over with the normals that the conversion to splats starts from, and without colours. "
+    "They are drawn as the source is, lit per pixel.</p>\n";
 
 static void add_setting(const psplat_setting *setting, psplat_text *html) {
     psplat_text name = {0};
@@ -194,9 +195,11 @@ static void add_front(const psplat_journal *journal, const size_t *order, size_t
     const size_t column_count = sizeof columns / sizeof *columns;
     size_t knee = psplat_pareto_knee(journal->rows, order, count, PSPLAT_COLUMN_BYTES,
                                      PSPLAT_COLUMN_DIFFERENCE);
-    psplat_text_add(html, "<h2>What to choose</h2>\n<p>The settings that no other beats in size "
-                          "and in how the model looks. Highlighted: the knee, up to which bytes "
-                          "buy most.</p>\n");
+    psplat_text_add(html,
+                    "<h2>What to choose</h2>\n<p>The settings that no other beats in size "
+                    "and in how the model looks, each drawn in the way that does most for it. "
+                    "Highlighted: the knee, up to which bytes "
+                    "buy most.</p>\n");
     add_head(journal, "setting", columns, column_count, html);
     for (size_t i = 0; i < count; ++i)
         add_row(journal, order[i], i == knee ? " class=\"front\"" : "", columns, column_count,
@@ -256,11 +259,8 @@ static void add_introduction(const psplat_journal *journal, psplat_text *html) {
 
 static void write_body(const psplat_journal *journal, uint8_t *is_front, size_t *order,
                        psplat_text *html) {
-    const psplat_column columns[] = {PSPLAT_COLUMN_BYTES, PSPLAT_COLUMN_DIFFERENCE};
     psplat_column cost = psplat_rows_cost(journal->rows, journal->count);
-    psplat_pareto_mark(journal->rows, journal->count, PSPLAT_CONTENDER_SPLATS, columns, 2,
-                       is_front);
-    size_t count = psplat_pareto_sort(journal->rows, journal->count, is_front, columns[0], order);
+    size_t count = psplat_advise_front(journal->rows, journal->count, order, is_front);
     add_front(journal, order, count, cost, html);
     add_charts(journal, cost, html);
     psplat_text_add(html, "<h2>Files</h2>\n");

@@ -15,8 +15,8 @@ static int is_complete(const psplat_row *row, psplat_contender contender,
     return 1;
 }
 
-static int beats(const psplat_row *a, const psplat_row *b, const psplat_column *columns,
-                 size_t column_count) {
+int psplat_pareto_beats(const psplat_row *a, const psplat_row *b, const psplat_column *columns,
+                        size_t column_count) {
     int is_less = 0;
     for (size_t i = 0; i < column_count; ++i) {
         double x = a->values[columns[i]], y = b->values[columns[i]];
@@ -32,7 +32,7 @@ void psplat_pareto_mark(const psplat_row *rows, size_t count, psplat_contender c
         is_front[i] = (uint8_t)is_complete(&rows[i], contender, columns, column_count);
         for (size_t k = 0; k < count && is_front[i]; ++k)
             if (is_complete(&rows[k], contender, columns, column_count) &&
-                beats(&rows[k], &rows[i], columns, column_count))
+                psplat_pareto_beats(&rows[k], &rows[i], columns, column_count))
                 is_front[i] = 0;
     }
 }

@@ -462,6 +462,9 @@ psplat_result psplat_sweep_run(const psplat_sweep_desc *desc, psplat_journal *jo
 
 /* ---- pareto.c: what nothing else beats ------------------------------------------------------- */
 
+/* Whether a is at most as great as b in all columns and smaller in one. */
+int psplat_pareto_beats(const psplat_row *a, const psplat_row *b, const psplat_column *columns,
+                        size_t column_count);
 /* Marks the rows of one contender that no other of them beats: none is at most as great in all
  * columns and smaller in one. Rows that lack a value are not on the front; equal rows all are. Rows
  * without filter are no choice: what the filter is for, models that are small and move, is not in
@@ -503,7 +506,7 @@ typedef struct psplat_advice {
 
 /* The cheapest setting - bytes, then ms - that keeps limits->error and the others; without a limit
  * of the error the one with the least difference of images. Times that differ by less than 5 %,
- * and differences by less than 1 %, are equal: the default is taken then.
+ * and differences by less than 3 %, are equal: the default is taken then.
  *
  * What the error does not see stays at its default where that fits: distances tell nothing of
  * normals and modes, normals nothing of modes, and none tells of the filter (see pareto.c). The
@@ -511,6 +514,12 @@ typedef struct psplat_advice {
  * count numbers. */
 psplat_advice psplat_advise(const psplat_row *rows, size_t count, const psplat_demand *limits,
                             size_t *scratch);
+
+/* What there is to choose between without limits: of each asset the best way to draw it - of those
+ * whose pictures differ alike the fastest -, and of these the ones that no other beats in bytes and
+ * difference of pictures. By ascending size in order; order and is_front have room for count.
+ * Returns how many. */
+size_t psplat_advise_front(const psplat_row *rows, size_t count, size_t *order, uint8_t *is_front);
 
 /* ---- axis.c: logarithmic axes ---------------------------------------------------------------- */
 
@@ -526,7 +535,7 @@ typedef struct psplat_axis {
 /* Around the positive ones of the values, with some room on either side and three labelled ticks at
  * least. */
 psplat_axis psplat_axis_fit(const double *values, size_t count);
-/* 0 at low, 1 at high; values below low, zero among them, are at 0. */
+/* 0 at low, 1 at high, less and more beyond; values that have no logarithm are at 0. */
 double psplat_axis_place(const psplat_axis *axis, double value);
 
 /* ---- chart.c: two columns of a journal as SVG ------------------------------------------------ */

@@ -137,16 +137,16 @@ case_gltfpack() {
 case_refused() {
     mkdir full && echo >full/thesis.tex
     sweep "$cube" full
-    expect_error 5 'full: is no directory of a sweep: it holds thesis.tex'
+    expect_error 5 '^phongsplat: full: is no directory of a sweep: it holds thesis.tex'
     sweep "$cube" "$cube"
     expect_error 5 'is not a directory'
     sweep "$cube" no/where
     expect_error 5 'cannot be made'
     sweep absent.obj d
-    expect_error 2 'absent.obj'
+    expect_error 2 '^phongsplat: absent.obj: [^:]*$'
     echo 'v 1 2' >bad.obj
     sweep bad.obj d
-    expect_error 3 'bad.obj: line 1'
+    expect_error 3 '^phongsplat: bad.obj: line 1'
     [ ! -e d ] || fail "a source that cannot be read leaves a directory"
     for arguments in '--tolerances 2,x' '--tolerances 0' '--ratios 2' '--error nothing' '--max-error 0' '--frames 0' \
         '--max-bytes 1.5' '--no-creases --crease-angle 40' '--gltfpack x --no-gltfpack'; do
@@ -163,19 +163,19 @@ case_refused() {
     holder=$!
     while [ ! -e locked ]; do sleep 0.1; done
     sweep "$cube" d
-    expect_error 5 'd: another sweep is writing into it'
+    expect_error 5 '^phongsplat: d: another sweep is writing into it'
     kill $holder
     wait $holder 2>/dev/null || true
     # Changed by hand, cut off, something else.
     sed '9s/phong/flat/' good.csv >d/tradeoff.csv
     sweep "$cube" d
-    expect_error 3 'd/tradeoff.csv: line 9: the row was changed by something else; --fresh starts over'
+    expect_error 3 '^phongsplat: d/tradeoff.csv: line 9: the row was changed by something else; --fresh starts over'
     head -c 3000 good.csv >d/tradeoff.csv
     sweep "$cube" d
-    expect_error 3 'd/tradeoff.csv: line [0-9]+: the line is cut off'
+    expect_error 3 '^phongsplat: d/tradeoff.csv: line [0-9]+: the line is cut off'
     cp "$cube" d/tradeoff.csv
     sweep "$cube" d
-    expect_error 3 'd/tradeoff.csv: line 1: this is no journal'
+    expect_error 3 '^phongsplat: d/tradeoff.csv: line 1: this is no journal'
     # Whole lines that are missing are measured.
     head -n 9 good.csv >d/tradeoff.csv
     sweep "$cube" d
@@ -190,7 +190,7 @@ case_refused() {
 case_full_disk() {
     command_line="tradeoff without room" code=0
     (ulimit -f 4 && "$PHONGSPLAT" tradeoff $small "$cube" d --no-gltfpack) >stdout.txt 2>stderr.txt || code=$?
-    expect_error 5 'd/assets/linear-2.glb: cannot be written'
+    expect_error 5 '^phongsplat: d/assets/linear-2.glb: cannot be written'
     [ -z "$(find d -type f -size +0)" ] || fail "something is left: $(find d -type f)"
     sweep "$cube" d --tolerances 2 --no-gltfpack
     expect_success

@@ -99,10 +99,10 @@ static void test_noise(void **state) {
     rows[1].values[PSPLAT_COLUMN_CPU_MS] = 1.06;
     assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 2, 0, 0}).row, 0);
     assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 1, 0, 0}).row, 2);
-    /* Differences within 1 %: the smaller file. */
+    /* Differences within 3 %: the smaller file. */
     rows[0] = plain_row(200, 2, 1);
-    rows[1] = plain_row(100, 2.019, 1);
-    rows[2] = plain_row(90, 2.021, 1);
+    rows[1] = plain_row(100, 2.059, 1);
+    rows[2] = plain_row(90, 2.061, 1);
     assert_int_equal(advise(&j, (psplat_demand){.bytes = 1000}).row, 1);
 }
 
@@ -137,11 +137,44 @@ static void test_simplified(void **state) {
     psplat_journal_free(&j);
 }
 
+/* Without limits each asset has one row at most, drawn in the best way. */
+static void test_front(void **state) {
+    (void)state;
+    psplat_journal j = make_journal(1);
+    size_t order[128];
+    uint8_t is_front[128];
+    size_t count = psplat_advise_front(j.rows, j.count, order, is_front);
+    /* Linear normals beat constant ones but where these make the smallest file of all. */
+    assert_int_equal(count, 6);
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_setting *s = &j.rows[order[i]].setting;
+        assert_int_equal(s->contender, PSPLAT_CONTENDER_SPLATS);
+        assert_int_equal(s->mode, PSPLAT_MODE_PHONG);
+        assert_false(s->no_filter);
+        assert_int_equal(s->field, i ? PSPLAT_FIELD_LINEAR : PSPLAT_FIELD_CONSTANT);
+        assert_true(is_front[order[i]]);
+        assert_true(!i || j.rows[order[i]].values[PSPLAT_COLUMN_BYTES] >
+                              j.rows[order[i - 1]].values[PSPLAT_COLUMN_BYTES]);
+    }
+    psplat_journal_free(&j);
+    /* Flat looks half a percent better and takes longer: phong. It is 4 % better: flat. */
+    psplat_row rows[2] = {plain_row(100, 2, 1), plain_row(100, 1.99, 1.5)};
+    rows[1].setting.mode = PSPLAT_MODE_FLAT;
+    assert_int_equal(psplat_advise_front(rows, 2, order, is_front), 1);
+    assert_int_equal(order[0], 0);
+    rows[1].values[PSPLAT_COLUMN_DIFFERENCE] = 1.92;
+    assert_int_equal(psplat_advise_front(rows, 2, order, is_front), 1);
+    assert_int_equal(order[0], 1);
+    rows[0].values[PSPLAT_COLUMN_DIFFERENCE] = rows[1].values[PSPLAT_COLUMN_DIFFERENCE] = NAN;
+    assert_int_equal(psplat_advise_front(rows, 2, order, is_front), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_error_limits),   cmocka_unit_test(test_budgets),
         cmocka_unit_test(test_nearest_miss),   cmocka_unit_test(test_noise),
         cmocka_unit_test(test_missing_values), cmocka_unit_test(test_simplified),
+        cmocka_unit_test(test_front),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
