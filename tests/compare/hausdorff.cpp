@@ -32,8 +32,8 @@ Mesh mesh_of(const hausdorff_soup &soup) {
 
 extern "C" double hausdorff_bounded(const hausdorff_soup *from, const hausdorff_soup *to,
                                     double bound) try {
-    return processing::bounded_error_Hausdorff_distance<CGAL::Sequential_tag>(
-        mesh_of(*from), mesh_of(*to), bound);
+    return processing::bounded_error_Hausdorff_distance<CGAL::Sequential_tag>(mesh_of(*from),
+                                                                              mesh_of(*to), bound);
 } catch (...) {
     return -1;
 }
@@ -42,7 +42,7 @@ extern "C" double hausdorff_sampled(const hausdorff_soup *from, const hausdorff_
                                     std::size_t count) try {
     return processing::approximate_Hausdorff_distance<CGAL::Sequential_tag>(
         mesh_of(*from), mesh_of(*to),
-        CGAL::parameters::random_seed(1).number_of_points_on_faces(count));
+        CGAL::parameters::random_seed(1).number_of_points_on_faces(count).do_sample_edges(false));
 } catch (...) {
     return -1;
 }

@@ -24,8 +24,8 @@ typedef struct hausdorff_soup {
  * most bound; where it is less than bound, bound is returned (Polygon_mesh_processing::
  * bounded_error_Hausdorff_distance). Negative: CGAL failed. */
 double hausdorff_bounded(const hausdorff_soup *from, const hausdorff_soup *to, double bound);
-/* The same of points that CGAL spreads over one: count by area, its edges and its vertices
- * (max_distance_to_triangle_mesh). */
+/* The same of points that CGAL spreads over one: count by area, and its vertices
+ * (approximate_Hausdorff_distance). */
 double hausdorff_sampled(const hausdorff_soup *from, const hausdorff_soup *to, size_t count);
 
 #ifdef __cplusplus
