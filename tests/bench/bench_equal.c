@@ -6,16 +6,16 @@
  *     bench_equal [--size N] [--most SPLATS] [--picture FILE.png] [MESH...]
  *
  * Phong splats are converted at 2, 1, 0.5 and 0.2 %. The other modes get splats with constant
- * normals, made for them in two ways, of which the better one counts: by ever smaller tolerances,
- * and at 0.5 % by ever smaller angles between a splat and the surface's normals, until their
- * pictures are as good or there are more than SPLATS (60000) of them. None is drawn with the
- * screen-space filter: what is compared is splats.
+ * normals, made for them in two ways, of which the better one counts: by ever smaller tolerances
+ * (up to a twentieth of SPLATS), and at 0.5 % by ever smaller angles between a splat and the
+ * surface's normals, until their shading is as good or there are more than SPLATS (60000) of them.
+ * None is drawn with the screen-space filter: what is compared is splats.
  *
  * Pictures are those of `compare`: twelve views, size x size pixels, beside the mesh lit per pixel.
  * Errors are mean absolute differences of sRGB-encoded colours in percent of white: of the pixels
- * that both cover ("shading"), and of those that either covers ("picture", outlines in it). The
- * tables of equal errors interpolate between measurements on logarithmic axes; "> " tells that the
- * most splats tried are not enough.
+ * that both cover, which is what the modes differ in, and, in parentheses, of those that either
+ * covers, outlines in it. The table of equal errors is of the former and interpolates between
+ * measurements on logarithmic axes; "> " tells that the most splats tried are not enough.
  *
  * With --picture, the first mesh is shown beside its 0.5 % phong splats and as many gaussian and
  * flat ones.
@@ -29,10 +29,9 @@
 #include <string.h>
 #include <time.h>
 
-enum { MODES = 3, MOST_POINTS = 64, KINDS = 2 };
+enum { MODES = 3, MOST_POINTS = 64, FEWER = 20 };
 
 static const psplat_mode modes[MODES] = {PSPLAT_MODE_PHONG, PSPLAT_MODE_GAUSSIAN, PSPLAT_MODE_FLAT};
-static const char *const kind_names[KINDS] = {"shading", "picture"};
 
 typedef struct settings {
     int size;
@@ -42,7 +41,7 @@ typedef struct settings {
 
 /* Pictures of so many splats. */
 typedef struct point {
-    double splats, errors[KINDS];
+    double splats, error;
 } point;
 
 /* In order of splats, of one mode and one way to make splats for it. */
@@ -101,8 +100,7 @@ static void measure(bench *b, psplat_model *model, size_t count, int mode, int b
     psplat_error error;
     check(psplat_gallery_compare(b->gallery, &exhibit, -1, 0, &errors, &error), &error);
     curve *c = &b->curves[mode][by_angle];
-    if (c->count < MOST_POINTS)
-        c->points[c->count++] = (point){(double)count, {errors.inside, errors.difference}};
+    if (c->count < MOST_POINTS) c->points[c->count++] = (point){(double)count, errors.inside};
     printf(" %.3f (%.3f) |", errors.inside, errors.difference);
 }
 
@@ -130,29 +128,23 @@ static size_t run(bench *b, const psplat_convert_desc *desc, int first, int end)
 
 /* ---- ladders --------------------------------------------------------------------------------- */
 
-/* Whether a curve has come down to an error of another. */
-static int reaches(const curve *c, const curve *goal, int kind) {
-    return c->count &&
-           c->points[c->count - 1].errors[kind] <= goal->points[goal->count - 1].errors[kind];
-}
-
 /* Until flat splats, which need the most, are as good as the best of the phong ones, or too many.
- * The outlines of splats made by angle stay as coarse as their tolerance. */
+ */
 static void climb(bench *b, int by_angle) {
     psplat_convert_desc desc = {.tolerance_percent = by_angle ? 0.5 : 2,
                                 .effort = 1,
                                 .constant_normals = 1,
                                 .unverified = 1};
-    double angle = 24, done = 0;
-    while (!done) {
+    const curve *flat = &b->curves[2][by_angle], *phong = &b->curves[0][0];
+    size_t most = by_angle ? b->set.most : b->set.most / FEWER, count = 0;
+    double angle = 24;
+    do {
         desc.normal_tolerance_degrees = by_angle ? angle : 0;
-        size_t count = run(b, &desc, 1, MODES);
-        const curve *flat = &b->curves[2][by_angle], *phong = &b->curves[0][0];
-        done = count > b->set.most || flat->count == MOST_POINTS ||
-               (reaches(flat, phong, 0) && (by_angle || reaches(flat, phong, 1)));
+        count = run(b, &desc, 1, MODES);
         angle /= sqrt(2);
         if (!by_angle) desc.tolerance_percent /= 2;
-    }
+    } while (count <= most && flat->count < MOST_POINTS &&
+             flat->points[flat->count - 1].error > phong->points[phong->count - 1].error);
 }
 
 static void run_ladders(bench *b) {
@@ -169,11 +161,11 @@ static void run_ladders(bench *b) {
 
 /* Splats for an error on a curve, its first ones where these will do; negative: more than its last
  * ones. */
-static double splats_for(const curve *c, int kind, double error) {
+static double splats_for(const curve *c, double error) {
     const point *p = c->points;
-    if (p[0].errors[kind] <= error) return p[0].splats;
+    if (p[0].error <= error) return p[0].splats;
     for (size_t i = 1; i < c->count; ++i) {
-        double before = p[i - 1].errors[kind], after = p[i].errors[kind];
+        double before = p[i - 1].error, after = p[i].error;
         if (after > error) continue;
         double t = log(before / error) / log(before / after);
         return p[i - 1].splats * pow(p[i].splats / p[i - 1].splats, t);
@@ -182,9 +174,9 @@ static double splats_for(const curve *c, int kind, double error) {
 }
 
 /* The better of both ways; a bound only where neither reaches the error. */
-static double best_for(const bench *b, int mode, int kind, double error) {
-    double first = splats_for(&b->curves[mode][0], kind, error);
-    double second = splats_for(&b->curves[mode][1], kind, error);
+static double best_for(const bench *b, int mode, double error) {
+    double first = splats_for(&b->curves[mode][0], error);
+    double second = splats_for(&b->curves[mode][1], error);
     if (first > 0 && second > 0) return fmin(first, second);
     if (first > 0 || second > 0) return fmax(first, second);
     return fmin(first, second);
@@ -192,18 +184,16 @@ static double best_for(const bench *b, int mode, int kind, double error) {
 
 static void print_equal(const bench *b) {
     const curve *phong = &b->curves[0][0];
-    for (int kind = 0; kind < KINDS; ++kind)
-        for (size_t i = 0; i < phong->count; ++i) {
-            const point *p = &phong->points[i];
-            printf("| %s | %s | %.3f | %.0f |", b->name, kind_names[kind], p->errors[kind],
-                   p->splats);
-            for (int mode = 1; mode < MODES; ++mode) {
-                double splats = best_for(b, mode, kind, p->errors[kind]);
-                const char *mark = splats < 0 ? "> " : "";
-                printf(" %s%.0f | %s%.1f |", mark, fabs(splats), mark, fabs(splats) / p->splats);
-            }
-            printf("\n");
+    for (size_t i = 0; i < phong->count; ++i) {
+        const point *p = &phong->points[i];
+        printf("| %s | %.3f | %.0f |", b->name, p->error, p->splats);
+        for (int mode = 1; mode < MODES; ++mode) {
+            double splats = best_for(b, mode, p->error);
+            const char *mark = splats < 0 ? "> " : "";
+            printf(" %s%.0f | %s%.1f |", mark, fabs(splats), mark, fabs(splats) / p->splats);
         }
+        printf("\n");
+    }
 }
 
 /* ---- models ---------------------------------------------------------------------------------- */
@@ -323,8 +313,8 @@ int main(int argc, char **argv) {
         open_model(&models[i], paths[i]);
         run_ladders(&models[i]);
     }
-    printf("\n| model | error | %% of white | phong | gaussian | of phong | flat | of phong |\n"
-           "|---|---|--:|--:|--:|--:|--:|--:|\n");
+    printf("\n| model | error %% | phong | gaussian | of phong | flat | of phong |\n"
+           "|---|--:|--:|--:|--:|--:|--:|\n");
     for (int i = 0; i < count; ++i) print_equal(&models[i]);
     if (shared.set.picture) write_picture(&models[0]);
     for (int i = 0; i < count; ++i) close_model(&models[i]);
