@@ -129,6 +129,9 @@ typedef struct psplat_picture_errors {
     double inside;     /* the same of those that both cover */
     double missing;    /* pixels that only the source covers, % of those that it covers */
     double extra;      /* pixels that it does not cover, the same; 100 where it covers none */
+    double distant; /* mean absolute, % of white, at an eighth of the size, of the pixels that the
+                       source fills and the exhibit covers there; the source as it should look,
+                       its full size averaged in linear light */
     double perceptual; /* butteraugli's 3-norm (butteraugli.c) of the whole picture where
                           butteraugli_main is installed, negative elsewhere or where it was not
                           asked for */

@@ -7,6 +7,7 @@
 #include "gallery.h"
 
 #include "butteraugli.h"
+#include "distant.h"
 #include "likeness.h"
 #include "original.h"
 #include "views.h"
@@ -18,24 +19,33 @@ enum { DEFAULT_SIZE = 512, MOST_SIZE = 8192 };
 
 /* ---- making ---------------------------------------------------------------------------------- */
 
-size_t psplat_gallery_bytes(const psplat_gallery *gallery) {
-    return 4 * (size_t)gallery->size * (size_t)gallery->size;
+static size_t bytes_of(int size) {
+    return 4 * (size_t)size * (size_t)size;
 }
 
-psplat_result psplat_gallery_begin(psplat_gallery *gallery, int is_float, psplat_error *error) {
+size_t psplat_gallery_bytes(const psplat_gallery *gallery) {
+    return bytes_of(gallery->size);
+}
+
+psplat_result psplat_gallery_begin(psplat_gallery *gallery, int size, int is_float,
+                                   psplat_error *error) {
     static const float nothing[4] = {0, 0, 0, 0};
-    return psplat_host_begin(gallery->host, gallery->size, gallery->size, is_float, nothing, error);
+    return psplat_host_begin(gallery->host, size, size, is_float, nothing, error);
+}
+
+static psplat_view view_of(const psplat_gallery *gallery, int view, int size) {
+    const psplat_original *source = gallery->source;
+    return psplat_views_at(view, source->center, source->radius, size);
 }
 
 psplat_view psplat_gallery_view(const psplat_gallery *gallery, int view) {
-    const psplat_original *source = gallery->source;
-    return psplat_views_at(view, source->center, source->radius, gallery->size);
+    return view_of(gallery, view, gallery->size);
 }
 
-static psplat_result draw_mesh(psplat_gallery *gallery, psplat_facets *facets, int view,
+static psplat_result draw_mesh(psplat_gallery *gallery, psplat_facets *facets, int view, int size,
                                uint8_t *picture, psplat_error *error) {
-    psplat_view at = psplat_gallery_view(gallery, view);
-    psplat_result result = psplat_gallery_begin(gallery, 0, error);
+    psplat_view at = view_of(gallery, view, size);
+    psplat_result result = psplat_gallery_begin(gallery, size, 0, error);
     if (!result) result = psplat_facets_draw(facets, &at, PSPLAT_FACETS_LIGHT, error);
     if (!result) result = psplat_host_read_rgba8(gallery->host, picture, error);
     return result;
@@ -48,17 +58,30 @@ static psplat_result create_facets(psplat_gallery *gallery, const psplat_origina
     return result ? result : psplat_facets_create(&desc, facets, error);
 }
 
+/* One view, and what is to be seen of it from far away. */
+static psplat_result draw_source(psplat_gallery *gallery, int view, psplat_error *error) {
+    size_t bytes = psplat_gallery_bytes(gallery);
+    int fine = PSPLAT_DISTANT * gallery->distant_size;
+    uint8_t *picture = gallery->pictures + (size_t)view * bytes;
+    uint8_t *distant = gallery->distant + (size_t)view * bytes_of(gallery->distant_size);
+    psplat_result result = draw_mesh(gallery, gallery->facets, view, fine, gallery->shown, error);
+    if (result) return result;
+    psplat_distant_shrink(gallery->shown, gallery->distant_size, distant);
+    return draw_mesh(gallery, gallery->facets, view, gallery->size, picture, error);
+}
+
 static psplat_result hang(psplat_gallery *gallery, psplat_error *error) {
     size_t bytes = psplat_gallery_bytes(gallery);
+    gallery->distant_size = (gallery->size + PSPLAT_DISTANT - 1) / PSPLAT_DISTANT;
     gallery->pictures = malloc(PSPLAT_GALLERY_VIEWS * bytes);
-    gallery->shown = malloc(bytes);
-    if (!gallery->pictures || !gallery->shown)
+    gallery->distant = malloc(PSPLAT_GALLERY_VIEWS * bytes_of(gallery->distant_size));
+    gallery->shown = malloc(bytes_of(PSPLAT_DISTANT * gallery->distant_size));
+    if (!gallery->pictures || !gallery->distant || !gallery->shown)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %d pictures of %d x %d",
                            PSPLAT_GALLERY_VIEWS, gallery->size, gallery->size);
     psplat_result result = create_facets(gallery, gallery->source, &gallery->facets, error);
     for (int i = 0; i < PSPLAT_GALLERY_VIEWS && !result; ++i)
-        result =
-            draw_mesh(gallery, gallery->facets, i, gallery->pictures + (size_t)i * bytes, error);
+        result = draw_source(gallery, i, error);
     return result;
 }
 
@@ -85,6 +108,7 @@ void psplat_gallery_destroy(psplat_gallery *gallery) {
     if (!gallery) return;
     psplat_facets_destroy(gallery->facets);
     free(gallery->pictures);
+    free(gallery->distant);
     free(gallery->shown);
     free(gallery);
 }
@@ -97,12 +121,12 @@ psplat_result psplat_gallery_draw_original(psplat_gallery *gallery, const psplat
 }
 
 static psplat_result show_splats(psplat_gallery *gallery, const psplat_exhibit *exhibit, int view,
-                                 psplat_error *error) {
-    psplat_view at = psplat_gallery_view(gallery, view);
+                                 int size, psplat_error *error) {
+    psplat_view at = view_of(gallery, view, size);
     const psplat_item item = {.model = exhibit->model};
     at.mode = exhibit->mode;
     at.no_filter = exhibit->no_filter;
-    psplat_result result = psplat_gallery_begin(gallery, 0, error);
+    psplat_result result = psplat_gallery_begin(gallery, size, 0, error);
     if (!result) result = psplat_draw(exhibit->renderer, &at, &item, 1, error);
     if (!result) result = psplat_host_read_rgba8(gallery->host, gallery->shown, error);
     return result;
@@ -123,17 +147,17 @@ static psplat_result open_display(psplat_gallery *gallery, const psplat_exhibit 
                        "an exhibit is a renderer and a model, or a mesh");
 }
 
-static psplat_result show(psplat_gallery *gallery, const display *d, int view,
+static psplat_result show(psplat_gallery *gallery, const display *d, int view, int size,
                           psplat_error *error) {
-    if (d->mesh) return draw_mesh(gallery, d->mesh, view, gallery->shown, error);
-    return show_splats(gallery, d->exhibit, view, error);
+    if (d->mesh) return draw_mesh(gallery, d->mesh, view, size, gallery->shown, error);
+    return show_splats(gallery, d->exhibit, view, size, error);
 }
 
 psplat_result psplat_gallery_show(psplat_gallery *gallery, const psplat_exhibit *exhibit, int view,
                                   psplat_error *error) {
     display d;
     psplat_result result = open_display(gallery, exhibit, &d, error);
-    if (!result) result = show(gallery, &d, view, error);
+    if (!result) result = show(gallery, &d, view, gallery->size, error);
     psplat_facets_destroy(d.mesh);
     return result;
 }
@@ -169,6 +193,21 @@ static void append(strip *s, const psplat_gallery *gallery, const uint8_t *sourc
         psplat_gallery_turn(pictures[i], gallery->size, s->pixels[i] + begin, side);
 }
 
+/* The exhibit beside what the source should look like from far away. */
+static psplat_result measure_distant(psplat_gallery *gallery, const display *d, int first, int last,
+                                     double *difference, psplat_error *error) {
+    size_t bytes = bytes_of(gallery->distant_size);
+    uint64_t differences = 0, pixels = 0;
+    for (int i = first; i <= last; ++i) {
+        psplat_result result = show(gallery, d, i, gallery->distant_size, error);
+        if (result) return result;
+        psplat_distant_add(gallery->distant + (size_t)i * bytes, gallery->shown,
+                           gallery->distant_size, &differences, &pixels);
+    }
+    *difference = pixels ? 100 * (double)differences / (3 * 255 * (double)pixels) : 0;
+    return PSPLAT_OK;
+}
+
 static psplat_result measure(psplat_gallery *gallery, const display *d, int first, int last,
                              strip *s, psplat_picture_errors *errors, psplat_error *error) {
     psplat_likeness sums = {0};
@@ -176,11 +215,12 @@ static psplat_result measure(psplat_gallery *gallery, const display *d, int firs
     errors->perceptual = -1;
     for (int i = first; i <= last && !result; ++i) {
         const uint8_t *source = gallery->pictures + (size_t)i * psplat_gallery_bytes(gallery);
-        result = show(gallery, d, i, error);
+        result = show(gallery, d, i, gallery->size, error);
         if (!result)
             result = psplat_likeness_add(&sums, source, gallery->shown, gallery->size, error);
         if (!result && s->pixels[0]) append(s, gallery, source);
     }
+    if (!result) result = measure_distant(gallery, d, first, last, &errors->distant, error);
     if (result) return result;
     psplat_likeness_report(&sums, errors);
     if (!s->pixels[0]) return PSPLAT_OK;

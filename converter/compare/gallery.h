@@ -14,12 +14,15 @@ struct psplat_gallery {
     int size;
     psplat_facets *facets; /* the source */
     uint8_t *pictures;     /* RGBA of it, size x size from each view, row 0 at the bottom */
-    uint8_t *shown;        /* one of the exhibit */
+    int distant_size;
+    uint8_t *distant; /* the same from far away, as it should look (distant.h) */
+    uint8_t *shown;   /* one of the exhibit */
 };
 
 size_t psplat_gallery_bytes(const psplat_gallery *gallery); /* of a picture */
-/* Clears the host's framebuffer to nothing and makes it current. */
-psplat_result psplat_gallery_begin(psplat_gallery *gallery, int is_float, psplat_error *error);
+/* Clears the host's framebuffer of size x size pixels to nothing and makes it current. */
+psplat_result psplat_gallery_begin(psplat_gallery *gallery, int size, int is_float,
+                                   psplat_error *error);
 /* Draws an exhibit from a view into gallery->shown. */
 psplat_result psplat_gallery_show(psplat_gallery *gallery, const psplat_exhibit *exhibit, int view,
                                   psplat_error *error);

@@ -57,7 +57,7 @@ static psplat_result look(psplat_gallery *gallery, int view, sight *s, psplat_er
     if (!s->normals || !s->depth)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a map of %zu pixels",
                            pixels);
-    psplat_result result = psplat_gallery_begin(gallery, 1, error);
+    psplat_result result = psplat_gallery_begin(gallery, gallery->size, 1, error);
     if (!result)
         result = psplat_facets_draw(gallery->facets, &s->view, PSPLAT_FACETS_NORMALS, error);
     if (!result) result = psplat_host_read_float(gallery->host, s->normals, error);

@@ -35,6 +35,7 @@ static const shown drawn_columns[] = {
     {PSPLAT_COLUMN_BYTES, "size", "bytes"},
     {PSPLAT_COLUMN_DIFFERENCE, "difference", "%"},
     {PSPLAT_COLUMN_INSIDE, "inside", "%"},
+    {PSPLAT_COLUMN_DISTANT, "from afar", "%"},
     {PSPLAT_COLUMN_PSNR, "PSNR", "dB"},
     {PSPLAT_COLUMN_SSIM, "SSIM", ""},
     {PSPLAT_COLUMN_MISSING, "missing", "%"},

@@ -90,6 +90,7 @@ psplat_result psplat_specimen_picture(const psplat_specimen *specimen, psplat_wo
     values[PSPLAT_COLUMN_SSIM] = errors.ssim;
     values[PSPLAT_COLUMN_DIFFERENCE] = errors.difference;
     values[PSPLAT_COLUMN_INSIDE] = errors.inside;
+    values[PSPLAT_COLUMN_DISTANT] = errors.distant;
     values[PSPLAT_COLUMN_MISSING] = errors.missing;
     values[PSPLAT_COLUMN_EXTRA] = errors.extra;
     values[PSPLAT_COLUMN_PERCEPTUAL] = errors.perceptual < 0 ? NAN : errors.perceptual;

@@ -177,6 +177,7 @@ void psplat_setting_command(const psplat_setting *setting, const psplat_tradeoff
     X(SSIM, ssim, PICTURED)                                                                        \
     X(DIFFERENCE, difference, PICTURED)                                                            \
     X(INSIDE, inside_difference, PICTURED)                                                         \
+    X(DISTANT, distant_difference, PICTURED)                                                       \
     X(MISSING, missing_pixels, PICTURED)                                                           \
     X(EXTRA, extra_pixels, PICTURED)                                                               \
     X(PERCEPTUAL, perceptual, PICTURED)                                                            \
