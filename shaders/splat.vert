@@ -101,6 +101,7 @@ struct Footprint {
     mat2 change;  /* J' - J */
     float ratio;  /* det J / det J' */
     float nearer; /* in normalised device coordinates */
+    float lines;  /* 1 / t of spec 5.8, or so steep that it is as good as hard */
     bool is_known;
 };
 
@@ -114,7 +115,7 @@ Footprint footprint_of(vec4 center, vec4 along_u, vec4 along_v) {
     float q = length(turn), r = length(flip), w = abs(center.w);
     float slope = length(vec2(by_u.z, by_v.z)) / w;
 
-    Footprint result = Footprint(j / w, mat2(0.0), 1.0, 0.0, true);
+    Footprint result = Footprint(j / w, mat2(0.0), 1.0, 0.0, 1e6, true);
     result.is_known = ndc.z - 2.0 * slope > -1.0 && ndc.z < 1.0 &&
                       abs(along_u.w) + abs(along_v.w) < 0.25 * center.w;
     if (abs(q - r) < w) {
@@ -126,6 +127,7 @@ Footprint footprint_of(vec4 center, vec4 along_u, vec4 along_v) {
             mat2(turn.x + flip.x, turn.y + flip.y, flip.y - turn.y, turn.x - flip.x) / w;
         result.change = result.widened - j / w;
         result.ratio = (q + r) * abs(q - r) / (large * w);
+        result.lines = 1.0 / clamp(w / max(abs(q - r), 1e-30) - 1.0, 1e-6, 1.0);
         /* What the plane rises within a pixel, so that the near half of the kernel is not lost on
          * slanted surfaces: up to 87 degrees of a splat of a pixel, and not before the near plane. */
         result.nearer = min(1.1 * (w / max(abs(q - r), 0.05 * w) - 1.0) * slope,
@@ -136,7 +138,7 @@ Footprint footprint_of(vec4 center, vec4 along_u, vec4 along_v) {
 #endif
 
 #if CLIP_COUNT > 0
-/* In (u, v), or where filtered in pixels. */
+/* In (u, v), or where filtered in pixels, times what widened is scaled by. */
 float clip_distance(ivec2 first, int line, vec2 uv, mat2 widened) {
     vec3 abc = texelFetch(u_clips, first + ivec2(line, 0), 0).xyz;
     float value = dot(abc.xy, uv) + abc.z;
@@ -210,10 +212,9 @@ void main() {
     vec4 along_v = u_clip_matrix * vec4(axes[1] * center.w, 0.0);
     Footprint footprint = footprint_of(clip_center, along_u, along_v);
     v_uv = vec4(uv, 1.0, 0.0);
-    /* Clip lines so steep that they are as good as hard. */
-    widened *= 1e6;
+    widened *= 1e6; /* as Footprint.lines */
     if (footprint.is_known) {
-        widened = footprint.widened;
+        widened = footprint.lines * footprint.widened;
         gl_Position.xy += clip_center.w / u_half_viewport.xy * (footprint.change * uv);
         gl_Position.z -= footprint.nearer * gl_Position.w;
         v_uv.zw = vec2(footprint.ratio, footprint.nearer * u_half_viewport.z);

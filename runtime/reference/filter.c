@@ -4,7 +4,6 @@
 #include "oracle.h"
 
 #include <math.h>
-#include <string.h>
 
 /* ---- a splat's filter ------------------------------------------------------------------------ */
 
@@ -82,13 +81,13 @@ void psplat_oracle_filter_set(psplat_oracle_filter *filter, const psplat_oracle_
         margins_of(filter->frame, 0.5 + 0.5 * center[2] / center[3], slope);
     jacobian_of(filter->frame, half, before);
     double least = least_singular_value(before);
-    if (least < 1 || splat->clip_count) filter->margins = margins;
+    if (!(least < 1)) return;
+    filter->margins = margins;
     filter->is_on = margins.edge > 0 && margins.depth > 0;
-    filter->is_widened = filter->is_on && least < 1;
-    memcpy(filter->jacobian, before, sizeof before);
-    if (filter->is_widened) widen(before, filter->jacobian);
+    if (!filter->is_on) return;
+    widen(before, filter->jacobian);
     filter->determinant = determinant_of(filter->jacobian);
-    if (!filter->is_widened) return;
+    filter->softness = fmin(1 / least - 1, 1);
     filter->ratio = determinant_of(before) / filter->determinant;
     filter->nearer = fmin(1.1 * (1 / fmax(least, 0.05) - 1) * slope,
                           0.5 + 0.5 * center[2] / center[3] - 2 * slope);
@@ -107,7 +106,7 @@ typedef struct point {
 } point;
 
 /* The point C'(u, v) whose x and y are those of the pixel times its w: two linear equations. */
-static int find_widened(const psplat_oracle_sight *sight, point *found) {
+static int find_point(const psplat_oracle_sight *sight, point *found) {
     const psplat_oracle_camera *camera = sight->camera;
     const double(*frame)[4] = sight->filter->frame;
     const double at[2] = {2 * sight->ray->x / camera->width - 1,
@@ -133,16 +132,6 @@ static int find_widened(const psplat_oracle_sight *sight, point *found) {
     return 1;
 }
 
-static int find_point(const psplat_oracle_sight *sight, int with_steps, point *found) {
-    if (sight->filter->is_widened) return find_widened(sight, found);
-    if (!sight->fragment) return 0;
-    found->f = *sight->fragment;
-    if (with_steps)
-        psplat_oracle_fragment_steps(sight->camera, sight->splat, sight->ray, found->f.s,
-                                     found->steps);
-    return 1;
-}
-
 /* delta of a clip line, and how many pixels a unit of (u, v) is across it. J'^-T is the matrix of
  * cofactors over det J'. */
 static double soft_distance(const psplat_oracle_filter *filter, const double line[3],
@@ -160,8 +149,9 @@ static double factor_of_lines(const psplat_oracle_sight *sight, const psplat_ora
     double factor = 1, scale = 1;
     for (uint32_t k = 0; k < sight->splat->clip_count; ++k) {
         double delta = soft_distance(sight->filter, sight->splat->clip[k], f, &scale);
-        factor *= fmin(fmax(0.5 + delta, 0), 1);
-        *least = fmin(*least, (0.5 + delta) / fmax(1, scale));
+        double t = sight->filter->softness;
+        factor *= fmin(fmax(0.5 + delta / t, 0), 1);
+        *least = fmin(*least, (0.5 * t + delta) / fmax(1, scale));
     }
     return factor;
 }
@@ -170,14 +160,13 @@ static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share 
                           psplat_oracle_margins *margins) {
     point at;
     double cosine = sight->splat->cosine, edge = sight->cull ? cosine : fabs(cosine);
-    if (!find_point(sight, margins != NULL, &at)) return 0;
+    if (!find_point(sight, &at)) return 0;
     const psplat_oracle_fragment *f = &at.f;
     double factor = factor_of_lines(sight, f, &edge);
     *share = (psplat_oracle_share){
         f->t, f->t, f->depth, f->u, f->v, f->r, factor * sight->filter->ratio};
     double tested = f->depth - sight->filter->nearer;
-    if (sight->filter->is_widened)
-        share->tested = psplat_oracle_camera_reach(sight->camera, sight->ray, tested);
+    share->tested = psplat_oracle_camera_reach(sight->camera, sight->ray, tested);
     double inverse = f->r > 0 ? 1 / f->r : 0;
     if (margins)
         *margins = (psplat_oracle_margins){

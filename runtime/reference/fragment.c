@@ -51,10 +51,10 @@ double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2
     return value / fmax(1, sqrt(x * x + y * y));
 }
 
-/* q = o + s d with s = n.(c - o) / n.d. */
-void psplat_oracle_fragment_steps(const psplat_oracle_camera *camera,
-                                  const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
-                                  double s, double steps[2][2]) {
+/* Derivatives of (u, v) by the pixel's x (0) and y (1), where the plane lies at s of the ray:
+ * q = o + s d with s = n.(c - o) / n.d. */
+static void find_steps(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                       const psplat_oracle_ray *ray, double s, double steps[2][2]) {
     psplat_oracle_ray_steps by;
     psplat_oracle_camera_ray_steps(camera, ray, &by);
     double facing = psplat_oracle_dot(splat->plane, ray->direction);
@@ -74,7 +74,7 @@ psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera 
                                                      const psplat_oracle_fragment *fragment,
                                                      int cull) {
     double steps[2][2], u = fragment->u, v = fragment->v, r = fragment->r;
-    psplat_oracle_fragment_steps(camera, splat, ray, fragment->s, steps);
+    find_steps(camera, splat, ray, fragment->s, steps);
     double inverse = r > 0 ? 1 / r : 0;
     double least = psplat_oracle_edge(1 - r, u * inverse, v * inverse, steps);
     for (uint32_t k = 0; k < splat->clip_count; ++k) {

@@ -46,7 +46,7 @@ static psplat_oracle_box box_of(const psplat_oracle_drawing *d, const psplat_ora
     double frame[3][4];
     psplat_oracle_camera_frame(&d->camera, &at->placed, frame);
     psplat_oracle_box box = psplat_oracle_camera_bounds(&d->camera, frame);
-    if (!at->filter.is_widened) return box;
+    if (!at->filter.is_on) return box;
     memcpy(frame, at->filter.frame, sizeof frame);
     for (int i = 0; i < 3; ++i) frame[i][2] -= 2 * at->filter.nearer * frame[i][3];
     psplat_oracle_box wide = psplat_oracle_camera_bounds(&d->camera, frame);

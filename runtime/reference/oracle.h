@@ -129,11 +129,6 @@ double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const pspl
 int psplat_oracle_fragment_exists(const psplat_oracle_splat *splat,
                                   const psplat_oracle_fragment *fragment, int cull);
 
-/* Derivatives of (u, v) by the pixel's x (0) and y (1), where the plane lies at s of the ray. */
-void psplat_oracle_fragment_steps(const psplat_oracle_camera *camera,
-                                  const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
-                                  double s, double steps[2][2]);
-
 /* A linear or distance function of (u, v) that decides by its sign: its value, or its distance from
  * 0 in pixels (to first order) where that is less. by_* are its derivatives by u and v. */
 double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2][2]);
@@ -153,13 +148,13 @@ psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera 
 /* ---- filter.c: section 5.8 ---------------------------------------------------------------- */
 
 typedef struct psplat_oracle_filter {
-    int is_on;                     /* 0: hard clip lines and the splat as it is */
+    int is_on;                     /* 0: the splat as it is, s2 >= 1 in most cases */
     psplat_oracle_margins margins; /* of that decision, where it changes something; else 1 */
-    int is_widened;                /* 0: s2 >= 1, J' = J */
     double frame[3][4];            /* C'(u, v), see psplat_oracle_camera_frame */
     double jacobian[2][2];         /* J': of x (0) and y (1) in pixels by u and v */
     double determinant;            /* of J' */
     double ratio;                  /* det J / det J' */
+    double softness;               /* t */
     double nearer; /* window depth that it lacks where it is compared with the limit */
 } psplat_oracle_filter;
 

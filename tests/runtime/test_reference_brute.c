@@ -115,7 +115,8 @@ static void clip_frame(const psplat_splat *splat, const double transform[16],
 /* A matrix is a rotation times q plus a reflection times r, and q + r and |q - r| are its singular
  * values. Widens the frame and stores, row by row, |det J'| J'^-T up to the sign; returns 0 where
  * the splat is not filtered. nearer: what its tested depth lacks, in device coordinates. */
-static int widen(double frame[3][4], double cofactors[2][2], double *area, double *nearer) {
+static int widen(double frame[3][4], double cofactors[2][2], double *area, double *nearer,
+                 double *soft) {
     const double half[2] = {WIDTH / 2.0, HEIGHT / 2.0}, *c = frame[2];
     double j[2][2], to[2][2];
     double by_u = frame[0][2] - c[2] / c[3] * frame[0][3];
@@ -128,6 +129,8 @@ static int widen(double frame[3][4], double cofactors[2][2], double *area, doubl
     double e = (j[0][0] + j[1][1]) / 2, h = (j[1][0] - j[0][1]) / 2;
     double f = (j[0][0] - j[1][1]) / 2, g = (j[1][0] + j[0][1]) / 2;
     double q = hypot(e, h), r = hypot(f, g);
+    if (fabs(q - r) >= 1) return 0;
+    *soft = fmin(1 / fabs(q - r) - 1, 1);
     double large = fmax(q + r, 1), small = copysign(fmax(fabs(q - r), 1), q - r);
     double turn = (large + small) / 2 / q, flip = (large - small) / 2 / r;
     to[0][0] = turn * e + flip * f;
@@ -144,8 +147,8 @@ static int widen(double frame[3][4], double cofactors[2][2], double *area, doubl
     return 1;
 }
 
-/* Least (a u + b v + c) in pixels of J', plus a half, over the lines. */
-static double softness(const psplat_splat *splat, double cofactors[2][2], double area,
+/* Least (a u + b v + c) in pixels of J', plus half of soft, over the lines. */
+static double softness(const psplat_splat *splat, double cofactors[2][2], double area, double soft,
                        const double uv[2]) {
     double least = HUGE_VAL;
     for (uint32_t k = 0; k < splat->clip_count; ++k) {
@@ -153,7 +156,7 @@ static double softness(const psplat_splat *splat, double cofactors[2][2], double
         double a = line[0], b = line[1];
         double across = hypot(cofactors[0][0] * a + cofactors[0][1] * b,
                               cofactors[1][0] * a + cofactors[1][1] * b);
-        least = fmin(least, (a * uv[0] + b * uv[1] + (double)line[2]) * area / across + 0.5);
+        least = fmin(least, (a * uv[0] + b * uv[1] + (double)line[2]) * area / across + 0.5 * soft);
     }
     return least;
 }
@@ -189,18 +192,18 @@ typedef struct tally {
 
 static void compare(const psplat_splat *splat, const double transform[16], const psplat_view *view,
                     const picture *p, tally *counts) {
-    double frame[3][4], own[3][4], cofactors[2][2] = {{0}}, area = 0, nearer = 0;
+    double frame[3][4], own[3][4], cofactors[2][2] = {{0}}, area = 0, nearer = 0, soft = 0;
     size_t before = counts->covered;
     clip_frame(splat, transform, view, frame);
     clip_frame(splat, transform, view, own);
-    int is_filtered = !view->no_filter && widen(frame, cofactors, &area, &nearer);
+    int is_filtered = !view->no_filter && widen(frame, cofactors, &area, &nearer, &soft);
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
         double uv[2], depth = 0;
         double x = 2 * (i % WIDTH + 0.5) / WIDTH - 1, y = 2 * (i / WIDTH + 0.5) / HEIGHT - 1;
         int kept = other_fragment(own, 0, x, y, uv, &depth) && is_kept(splat, uv);
         if (is_filtered)
             kept = kept && other_fragment(frame, nearer, x, y, uv, &depth) &&
-                   softness(splat, cofactors, area, uv) > 0;
+                   softness(splat, cofactors, area, soft, uv) > 0;
         /* Double rounding, magnified by aspect 1e4 and by edge-on splats. */
         if (p->image.tie[i] < 1e-7 || p->image.depth_tie[i] < 1e-9) {
             ++counts->skipped;

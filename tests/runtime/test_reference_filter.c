@@ -244,7 +244,8 @@ static void test_thin(void **state) {
 static size_t check_line(double ru, double rv, double degrees, double angle, double offset) {
     const double center[2] = {16.3, 16.6};
     double a = cos(angle) * fmax(ru, 1);
-    double b = sin(angle) * fmax(rv * cos(degrees * CAMERA_PI / 180), 1);
+    double slim = rv * cos(degrees * CAMERA_PI / 180), b = sin(angle) * fmax(slim, 1);
+    double soft = fmin(fmax(1 / slim - 1, 0), 1);
     scene s = unlit_scene(2);
     for (int k = 0; k < 2; ++k) {
         place(&s.splats[k], center[0], center[1], 0, ru, rv);
@@ -261,7 +262,8 @@ static size_t check_line(double ru, double rv, double degrees, double angle, dou
     for (int i = 0; i < SIZE * SIZE; ++i) {
         double dx = i % SIZE + 0.5 - (double)s.splats[0].center[0];
         double dy = i / SIZE + 0.5 - (double)s.splats[0].center[1];
-        double factor = fmin(fmax(0.5 + cos(angle) * dx + sin(angle) * dy + offset, 0), 1);
+        double delta = cos(angle) * dx + sin(angle) * dy + offset;
+        double factor = soft > 0 ? fmin(fmax(0.5 + delta / soft, 0), 1) : delta >= 0;
         double red = (double)p.image.color[4 * i], green = (double)p.image.color[4 * i + 1];
         if (!(green > 0)) continue;
         if (fabs(factor) > 1e-5) assert_int_equal(p.image.count[i], factor > 0 ? 3 : 2);
@@ -278,9 +280,9 @@ static void test_soft_lines(void **state) {
     (void)state;
     const struct {
         double ru, rv, degrees, offset;
-    } splats[] = {{9, 5, 0, 0.2},   /* large */
+    } splats[] = {{9, 5, 0, 0.2},   /* large: hard */
                   {9, 5, 60, -0.3}, /* large, slanted */
-                  {8, 0.8, 0, 0.1}, /* thin */
+                  {8, 0.7, 0, 0.1}, /* thin */
                   {0.5, 0.2, 0, 0}, /* small */
                   {0.05, 0.04, 70, 0.2} /* far below a pixel */};
     for (int i = 0; i < 5; ++i) {
@@ -288,7 +290,7 @@ static void test_soft_lines(void **state) {
         for (int k = 0; k < 8; ++k)
             partly +=
                 check_line(splats[i].ru, splats[i].rv, splats[i].degrees, k, splats[i].offset);
-        assert_true(partly >= 4);
+        assert_true(i < 2 ? partly == 0 : partly >= 4);
     }
 }
 
@@ -298,7 +300,7 @@ static void test_half(void **state) {
     for (uint32_t lines = 0; lines <= 2; ++lines) {
         scene s = unlit_scene(2);
         for (int k = 0; k < 2; ++k) {
-            place(&s.splats[k], 16.5, 16.5, 0, 8, 8);
+            place(&s.splats[k], 16.5, 16.5, 0, 8, 0.5);
             paint(&s.splats[k], k);
         }
         s.splats[0].clip_count = lines;
@@ -307,8 +309,8 @@ static void test_half(void **state) {
         picture p = picture_of(&s, NULL, &view);
         double factor = pow(0.5, lines);
         int middle = 16 * SIZE + 16;
-        assert_near((double)p.image.color[4 * middle], factor / (1 + factor + behind(middle)),
-                    FLOAT_STEP);
+        assert_near((double)p.image.color[4 * middle],
+                    0.5 * factor / (0.5 + 0.5 * factor + behind(middle)), FLOAT_STEP);
         assert_int_equal(p.image.count[middle], 3);
         picture_free(&p);
         scene_free(&s);
@@ -320,7 +322,7 @@ static void test_half(void **state) {
 static void test_no_seam(void **state) {
     (void)state;
     scene whole = unlit_scene(2), halves = unlit_scene(3);
-    place(&whole.splats[0], 16.4, 16.2, 0, 11, 9);
+    place(&whole.splats[0], 16.4, 16.2, 0, 11, 0.4);
     place(&whole.splats[1], 15.4, 17.2, 0, 20, 20);
     paint(&whole.splats[1], 1);
     halves.splats[2] = whole.splats[1];
@@ -339,7 +341,7 @@ static void test_no_seam(void **state) {
                         FLOAT_STEP);
         seam += q.image.count[i] == 4;
     }
-    assert_true(seam >= 10);
+    assert_true(seam >= 2);
     picture_free(&p);
     picture_free(&q);
     scene_free(&whole);
@@ -398,8 +400,8 @@ static void test_unfiltered(void **state) {
  * than twice its depth's change over them, too. */
 static void test_unfiltered_perspective(void **state) {
     (void)state;
-    for (int k = 0; k < 4; ++k) {
-        int is_small = k < 2; /* what the limits are, or a little within */
+    for (int k = 0; k < 4; ++k) { /* slanted and thin */
+        int is_small = k < 2;     /* what the limits are, or a little within */
         scene s = unlit_scene(1);
         s.depth_tolerance = 30;
         s.splats[0].clip_count = 1;
@@ -407,20 +409,21 @@ static void test_unfiltered_perspective(void **state) {
         s.splats[0].clip[0][1] = 0.6f;
         psplat_view view = pixel_view();
         if (k % 2) {
-            /* Of w = 20 a quarter is 5: |C_u.w| = 0 and |C_v.w| = r sin 45. */
+            /* Of w = 20 a quarter is 5: |C_u.w| = r sin 45 and |C_v.w| = 0. */
             double r = (is_small ? 4.99 : 5.01) * sqrt(2);
-            place(&s.splats[0], 16, 16, 0, r, r);
+            place(&s.splats[0], 16.5, 16, 0, r, 0.4);
             camera_perspective(&view, 20, 1, 100);
         } else {
             /* |g| is r sin 45 over 20, the centre's depth 1/4. */
             double r = (is_small ? 2.49 : 2.51) * sqrt(2);
-            place(&s.splats[0], 16, 16, 5, r, r);
+            place(&s.splats[0], 16.5, 16, 5, r, 0.4);
         }
         tilt(&s.splats[0], 45);
+        scene_set_axes(&s.splats[0], (double[]){0, sqrt(0.5), sqrt(0.5)}, (double[]){-1, 0, 0});
         picture with = picture_of(&s, NULL, &view);
         view.no_filter = 1;
         picture without = picture_of(&s, NULL, &view);
-        assert_true(count_before(&without) >= 5);
+        assert_true(count_before(&without) >= 1);
         if (!is_small) check_equal(&with, &without);
         if (is_small) assert_true(count_before(&with) > count_before(&without));
         picture_free(&with);
@@ -511,9 +514,9 @@ static void test_ties(void **state) {
     s.splats[0].clip[0][0] = 1;
     s.splats[0].clip[0][2] = -0.497f;
     assert_near(tie_at(&s, 16, 16), 0.003, 1e-6);
-    place(&s.splats[0], 16.5, 16.5, 0, 8, 8); /* (u, v) is less than pixels here */
-    s.splats[0].clip[0][2] = -0.497f / 8;
-    assert_near(tie_at(&s, 16, 16), 0.003 / 8, 1e-6);
+    place(&s.splats[0], 16.5, 16.5, 0, 8, 8); /* hard, and (u, v) is less than pixels here */
+    s.splats[0].clip[0][2] = -0.003f;
+    assert_near(tie_at(&s, 16, 16), 0.003, 1e-6);
     scene_free(&s);
 }
 
