@@ -239,6 +239,21 @@ static void test_creases(void **state) {
     fixture_free(&f);
 }
 
+/* Where three sheets meet is a crease; their outer ends are borders and none. */
+static void test_junction(void **state) {
+    (void)state;
+    static const double positions[] = {0,  0, 0, 0,  1, 0, 1, 0, 0, 1, 1, 0,
+                                       -1, 0, 0, -1, 1, 0, 0, 0, 1, 0, 1, 1};
+    static const uint32_t triangles[] = {0, 2, 3, 0, 3, 1, 4, 0, 1, 4, 1, 5, 0, 6, 7, 0, 7, 1};
+    fixture f;
+    fixture_mesh(&f, positions, 8, triangles, 6);
+    /* A tenth of each of the three unit squares; the diagonal is sqrt(4 + 1 + 1). */
+    const psplat_shape_desc desc = {.crease_width = 100 * 0.1 / sqrt(6)};
+    psplat_shape_errors e = fixture_compare(&f, fixture_rectangle(-1, 1, 0, 1, 0), &desc);
+    assert_near(e.crease_area, 10, five_sigma(0.1, FIXTURE_SAMPLES));
+    fixture_free(&f);
+}
+
 /* ---- meshes ---------------------------------------------------------------------------------- */
 
 static void test_mesh_same(void **state) {
@@ -369,7 +384,7 @@ int main(void) {
         cmocka_unit_test(test_hidden),    cmocka_unit_test(test_creases),
         cmocka_unit_test(test_mesh_same), cmocka_unit_test(test_mesh_shifted),
         cmocka_unit_test(test_probe),     cmocka_unit_test(test_settings),
-        cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_nothing),   cmocka_unit_test(test_junction),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
