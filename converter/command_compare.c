@@ -103,7 +103,7 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "size", PSPLAT_OPTION_COUNT, &a->size, "N", "pictures of N x N pixels (default 512)",
          16, MAX_SIDE, NULL},
         {0, "perceptual", PSPLAT_OPTION_FLAG, &a->perceptual, NULL,
-         "ask butteraugli_main (libjxl-tools) how alike they look", 0, 0, NULL},
+         "ask butteraugli_main (libjxl-devtools) how alike they look", 0, 0, NULL},
         {0, "no-images", PSPLAT_OPTION_FLAG, &a->no_images, NULL,
          "draw nothing: no graphics context is needed", 0, 0, NULL},
         {0, "software", PSPLAT_OPTION_FLAG, &a->software, NULL,
@@ -342,6 +342,7 @@ static void print_pictures(const psplat_comparison *c) {
            "white\n",
            PSPLAT_GALLERY_VIEWS, c->size, c->size, c->is_mesh ? "" : ", ",
            c->is_mesh ? "" : mode_names[c->mode], p->psnr, p->ssim, p->difference);
+    printf("from afar, an eighth as large: mean difference %.3g %% of white\n", p->distant);
     printf("outline: %.3g %% of %zu pixels missing, %.3g %% extra; worst view %d, %.2f dB\n",
            p->missing, p->covered, p->extra, worst + 1, c->views[worst].psnr);
     if (p->perceptual >= 0) printf("butteraugli's 3-norm: %.4g\n", p->perceptual);

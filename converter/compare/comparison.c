@@ -48,6 +48,7 @@ static void add_picture(psplat_writer *json, const char *prefix, const psplat_pi
         {"ssim", p->ssim},
         {"difference_percent", p->difference},
         {"inside_percent", p->inside},
+        {"distant_percent", p->distant},
         {"missing_percent", p->missing},
         {"extra_percent", p->extra},
         {"covered", (double)p->covered},

@@ -19,7 +19,7 @@ case_report() {
 const r = JSON.parse(require('fs').readFileSync(process.argv[2], 'utf8'));
 const keys = ['source', 'target', 'kind', 'source_triangles', 'elements', 'source_samples', 'target_samples', 'diagonal',
               'reach_percent', 'crease_width_percent', 'uncovered_area_percent', 'overhang_area_percent', 'crease_area_percent', 'seconds', 'image_size', 'mode', 'filter', 'image_perceptual', 'views'];
-const picture = ['psnr_db', 'ssim', 'difference_percent', 'inside_percent', 'missing_percent', 'extra_percent', 'covered'];
+const picture = ['psnr_db', 'ssim', 'difference_percent', 'inside_percent', 'distant_percent', 'missing_percent', 'extra_percent', 'covered'];
 for (const name of picture) keys.push('image_' + name);
 for (const [unit, names] of [['percent', ['outward', 'inward', 'distance']], ['degrees', ['normal', 'face_normal', 'crease_normal']]])
     for (const name of names) for (const kind of ['max', 'rms', 'p95']) keys.push(`${name}_${kind}_${unit}`);
