@@ -63,9 +63,10 @@ static void draw_label(const psplat_plot *p, const psplat_row *row) {
     if (!is_simplified && (s->field || s->mode || s->no_filter)) return;
     double x = psplat_plot_x(p, row->values[p->chart->x]),
            y = psplat_plot_y(p, row->values[p->chart->y]);
-    int is_beside = is_simplified || p->chart->y == PSPLAT_COLUMN_DISTANCE_MAX;
+    int is_time = psplat_plot_is_time(p->chart->x);
+    int is_beside = is_simplified || is_time || p->chart->y == PSPLAT_COLUMN_DISTANCE_MAX;
     int is_right = is_beside && x < PSPLAT_PLOT_RIGHT - 50;
-    int is_above = is_simplified || is_right;
+    int is_above = is_simplified || (is_right && !is_time);
     psplat_text_add(p->svg,
                     "<text x=\"%.1f\" y=\"%.1f\" font-size=\"11\" text-anchor=\"%s\" "
                     "fill=\"%s\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\">",
@@ -93,6 +94,8 @@ void psplat_series_draw(const psplat_plot *p) {
         if (begins_series(p, i)) draw_series_line(p, &j->rows[i].setting);
     draw_spreads(p);
     psplat_text_add(p->svg, "</g>\n");
+    for (size_t i = 0; i < j->count; ++i)
+        if (psplat_plot_holds(p, &j->rows[i])) draw_label(p, &j->rows[i]);
     for (size_t i = 0; i < j->count; ++i) {
         if (!begins_series(p, i)) continue;
         const psplat_look l = psplat_mark_look(&j->rows[i].setting);
@@ -103,8 +106,6 @@ void psplat_series_draw(const psplat_plot *p) {
                 psplat_mark_draw(p, &j->rows[k]);
         psplat_text_add(p->svg, "</g>\n");
     }
-    for (size_t i = 0; i < j->count; ++i)
-        if (psplat_plot_holds(p, &j->rows[i])) draw_label(p, &j->rows[i]);
 }
 
 void psplat_series_front(const psplat_plot *p) {
