@@ -16,6 +16,8 @@ each_writer() {
     "$2" "$1"
     run "$PHONGSPLAT" render cube.glb "$1" --size 8x8
     "$2" "$1"
+    run "$PHONGSPLAT" compare cube.obj cube.glb --samples 100 --report "$1" -q
+    "$2" "$1"
 }
 
 # It is there, and -w was not given.
@@ -131,6 +133,8 @@ case_full_disk() {
         run "$PHONGSPLAT" convert cube.obj "$1" -w -t 2
         refused_full "$1"
         run "$PHONGSPLAT" render cube.glb "$1" -w --size 200x200 --supersample 1
+        refused_full "$1"
+        run "$PHONGSPLAT" compare cube.obj cube.glb "--report=$1" -wq --samples 100
         refused_full "$1"
     }
     each_writer_over /dev/full

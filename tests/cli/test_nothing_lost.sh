@@ -63,6 +63,10 @@ case_killed_render() {
     kill_at_moments x.png "$PHONGSPLAT" render cube.glb out/x.png -w --size 64x64 --software
 }
 
+case_killed_compare() {
+    kill_at_moments r.json "$PHONGSPLAT" compare cube.obj cube.glb --samples 1000 --report out/r.json -w -q
+}
+
 # Two converters write the same output at once. Both may replace it: both succeed. Neither may: one succeeds, and the other says
 # why not. The output is what one of them writes.
 case_two_at_once() {
