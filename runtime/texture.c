@@ -22,14 +22,6 @@ static const struct {
     [PSPLAT_TEXEL_DEPTH32F] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4},
 };
 
-GLenum psplat_texel_format(psplat_texel texel) {
-    return texels[texel].format;
-}
-
-GLenum psplat_texel_type(psplat_texel texel) {
-    return texels[texel].type;
-}
-
 static GLsizei halved(GLsizei size, int times) {
     size >>= times;
     return size > 0 ? size : 1;

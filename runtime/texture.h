@@ -47,8 +47,4 @@ psplat_result psplat_texture_create(psplat_gl *gl, size_t *ledger, const psplat_
 /* Subtracts its bytes and leaves it zero, which is accepted. */
 void psplat_texture_delete(const psplat_gl *gl, psplat_texture *texture);
 
-/* The format and type in which pixels for glTexSubImage2D are handed over: GL_RGBA, GL_FLOAT ... */
-GLenum psplat_texel_format(psplat_texel texel);
-GLenum psplat_texel_type(psplat_texel texel);
-
 #endif

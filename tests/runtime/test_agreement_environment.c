@@ -124,10 +124,34 @@ static void test_most_radiance(void **state) {
     scene_free(&s);
 }
 
+/* Nothing is made of a cube map of no texels, or of light that is none. */
+static void test_refused(void **state) {
+    const gpu *g = *state;
+    float texels[18] = {0};
+    const float wrong[] = {-1, NAN, INFINITY};
+    psplat_environment *environment = NULL;
+    psplat_environment_desc desc = {.radiance = texels, .size = 0};
+    psplat_error error = {0};
+    assert_int_equal(psplat_environment_create(g->renderer, &desc, &environment, &error),
+                     PSPLAT_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "0 texels"));
+    desc.size = 1;
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        texels[17] = wrong[i];
+        assert_int_equal(psplat_environment_create(g->renderer, &desc, &environment, &error),
+                         PSPLAT_ERROR_ARGUMENT);
+        assert_non_null(strstr(error.text, "radiance 17"));
+    }
+    desc.radiance = NULL;
+    assert_int_equal(psplat_environment_create(g->renderer, &desc, &environment, NULL),
+                     PSPLAT_ERROR_ARGUMENT);
+    assert_null(environment);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_constant),
-                                       cmocka_unit_test(test_smooth),
-                                       cmocka_unit_test(test_most_radiance)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_constant), cmocka_unit_test(test_smooth),
+        cmocka_unit_test(test_most_radiance), cmocka_unit_test(test_refused)};
     const struct CMUnitTest gles_tests[] = {cmocka_unit_test(test_dielectric)};
     int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);
     return failed + cmocka_run_group_tests_name("GLES", gles_tests, gpu_setup_gles, gpu_teardown);
