@@ -32,24 +32,15 @@ static const shown asset_columns[] = {
 };
 
 static const shown drawn_columns[] = {
-    {PSPLAT_COLUMN_BYTES, "size", "bytes"},
-    {PSPLAT_COLUMN_DIFFERENCE, "difference", "%"},
-    {PSPLAT_COLUMN_INSIDE, "inside", "%"},
-    {PSPLAT_COLUMN_DISTANT, "from afar", "%"},
-    {PSPLAT_COLUMN_PSNR, "PSNR", "dB"},
-    {PSPLAT_COLUMN_SSIM, "SSIM", ""},
-    {PSPLAT_COLUMN_MISSING, "missing", "%"},
-    {PSPLAT_COLUMN_EXTRA, "extra", "%"},
-    {PSPLAT_COLUMN_PERCEPTUAL, "perceptual", ""},
-    {PSPLAT_COLUMN_CPU_MS, "CPU", "ms"},
-    {PSPLAT_COLUMN_CPU_MS_Q1, "quartiles", "ms"},
-    {PSPLAT_COLUMN_CPU_MS_Q3, "", "ms"},
-    {PSPLAT_COLUMN_WALL_MS, "wall", "ms"},
-    {PSPLAT_COLUMN_WALL_MS_Q1, "quartiles", "ms"},
-    {PSPLAT_COLUMN_WALL_MS_Q3, "", "ms"},
-    {PSPLAT_COLUMN_GPU_MS, "GPU", "ms"},
-    {PSPLAT_COLUMN_GPU_MS_Q1, "quartiles", "ms"},
-    {PSPLAT_COLUMN_GPU_MS_Q3, "", "ms"},
+    {PSPLAT_COLUMN_BYTES, "size", "bytes"},       {PSPLAT_COLUMN_DIFFERENCE, "difference", "%"},
+    {PSPLAT_COLUMN_INSIDE, "inside", "%"},        {PSPLAT_COLUMN_DISTANT, "from afar", "%"},
+    {PSPLAT_COLUMN_PSNR, "PSNR", "dB"},           {PSPLAT_COLUMN_SSIM, "SSIM", ""},
+    {PSPLAT_COLUMN_MISSING, "missing", "%"},      {PSPLAT_COLUMN_EXTRA, "extra", "%"},
+    {PSPLAT_COLUMN_PERCEPTUAL, "perceptual", ""}, {PSPLAT_COLUMN_CPU_MS, "CPU", "ms"},
+    {PSPLAT_COLUMN_CPU_MS_Q1, "quartiles", "ms"}, {PSPLAT_COLUMN_CPU_MS_Q3, "", "ms"},
+    {PSPLAT_COLUMN_WALL_MS, "wall", "ms"},        {PSPLAT_COLUMN_WALL_MS_Q1, "quartiles", "ms"},
+    {PSPLAT_COLUMN_WALL_MS_Q3, "", "ms"},         {PSPLAT_COLUMN_GPU_MS, "GPU", "ms"},
+    {PSPLAT_COLUMN_GPU_MS_Q1, "quartiles", "ms"}, {PSPLAT_COLUMN_GPU_MS_Q3, "", "ms"},
 };
 
 enum {

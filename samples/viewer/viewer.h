@@ -257,8 +257,8 @@ psplat_result screenshot_take(viewer *v, char *path, size_t size, psplat_error *
  * is not NULL, otherwise in "dir". Returns 0 where size is too small. */
 int screenshot_name(const char *asset, const char *directory, int n, char *path, size_t size);
 /* Writes the first of these files that does not exist, whole or not at all. 0 or an errno. */
-int screenshot_create(const char *asset, const char *directory, const uint8_t *png,
-                      size_t png_size, char *path, size_t size);
+int screenshot_create(const char *asset, const char *directory, const uint8_t *png, size_t png_size,
+                      char *path, size_t size);
 
 /* ---- window.c: GLFW ------------------------------------------------------------------------ */
 

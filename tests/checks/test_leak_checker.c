@@ -1,18 +1,19 @@
-// SPDX-License-Identifier: MIT
-// The leak checker sees leaks, and does not crash. That of gcc 12 and clang 14 takes a thread-local
-// block whose address is 16 bytes past a page for one of glibc 2.19 and reads its bounds from what
-// lies before it (DTLS_on_tls_get_addr in sanitizer_tls_get_addr.cpp), which are then no addresses:
-// "Tracer caught signal 11" at the end of the process, wherever the heap happened to put a driver's
-// block there. phongsplat_test_settings turns that guess off (intercept_tls_get_addr=0); blocks are
-// still searched for pointers, being memory that the loader asked for.
+/* SPDX-License-Identifier: MIT
+ *
+ * The leak checker sees leaks, and does not crash. That of gcc 12 and clang 14 takes a thread-local
+ * block whose address is 16 bytes past a page for one of glibc 2.19 and reads its bounds from what
+ * lies before it (DTLS_on_tls_get_addr in sanitizer_tls_get_addr.cpp), which are then no addresses:
+ * "Tracer caught signal 11" at the end of the process, wherever the heap happened to put a driver's
+ * block there. phongsplat_test_settings turns that guess off (intercept_tls_get_addr=0); blocks are
+ * still searched for pointers, being memory that the loader asked for. */
 #include <dlfcn.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-// Small blocks come one after the other: takes them until the next lies 16 bytes past a page. They
-// are reachable from the last.
+/* Small blocks come one after the other: takes them until the next lies 16 bytes past a page. They
+ * are reachable from the last. */
 static void *fill_page(void) {
     void **last = NULL;
     uintptr_t step = 0;
@@ -37,10 +38,10 @@ int main(int argc, char **argv) {
     }
     memcpy(&block, &symbol, sizeof block);
     kept = fill_page();
-    void **place = block(); // allocated now
+    void **place = block(); /* allocated now */
     printf("block at %p, after %p\n", (void *)place, kept);
     if ((uintptr_t)place % 4096 != 16) return 1;
-    *place = malloc(100); // what only the block knows of is no leak
+    *place = malloc(100); /* what only the block knows of is no leak */
     if (argc > 1 && strcmp(argv[1], "leak") == 0) *place = NULL;
     return 0;
 }
