@@ -5,7 +5,7 @@
 # threads are not instrumented and ignored. First, that a race is seen at all. Needs libomp-14-dev.
 set -eu
 cd "$(dirname "$0")/.."
-archer=$(clang -print-file-name=libarcher.so)
+archer=$(dirname "$(realpath "$(command -v clang)")")/../lib/libarcher.so
 [ -e "$archer" ] || { echo "tsan.sh: libarcher.so is missing (Debian: libomp-14-dev)" >&2; exit 1; }
 
 cmake --preset tsan
