@@ -13,7 +13,6 @@
 #include "converter.h"
 #include "picture.h"
 
-#include <phongsplat/host.h>
 #include <phongsplat/phongsplat.h>
 
 /* ---- command.c: exit codes, errors, checks ------------------------------------------------ */
@@ -111,12 +110,6 @@ psplat_parse psplat_options_parse(const psplat_syntax *syntax, int argc, char **
 int psplat_option_read(const psplat_option *option, const char *text, const char **expected);
 
 void psplat_options_help(const psplat_syntax *syntax);
-
-/* ---- command_host.c: a graphics context -------------------------------------------------------
- */
-
-/* GL where there is one, GLES where that is all. software: Mesa's rasteriser. */
-psplat_result psplat_command_host(int software, psplat_host **host, psplat_error *error);
 
 /* ---- the commands: arguments after the command's name; return a psplat_exit ---------------- */
 

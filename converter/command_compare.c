@@ -5,6 +5,7 @@
 #define _XOPEN_SOURCE 700
 
 #include "command.h"
+#include "compare.h"
 #include "exhibition.h"
 
 #include <errno.h>
@@ -220,7 +221,7 @@ static psplat_result measure(const arguments *a, subjects *s, psplat_error *erro
 }
 
 static psplat_result hang(const arguments *a, subjects *s, psplat_error *error) {
-    psplat_result result = psplat_command_host(a->software, &s->host, error);
+    psplat_result result = psplat_context_create(a->software, &s->host, error);
     if (result) return result;
     const psplat_exhibition_desc desc = {.host = s->host,
                                          .source = s->source,

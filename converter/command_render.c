@@ -8,6 +8,7 @@
 #define _XOPEN_SOURCE 700
 
 #include "command.h"
+#include "compare.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -101,7 +102,7 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
 }
 
 static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) {
-    psplat_result result = psplat_command_host(a->software, &s->host, error);
+    psplat_result result = psplat_context_create(a->software, &s->host, error);
     if (result) return result;
     psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = s->host};
     result = psplat_renderer_create(&desc, &s->renderer, error);

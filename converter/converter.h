@@ -115,8 +115,9 @@ typedef struct psplat_splats {
 void psplat_splats_free(psplat_splats *splats);
 
 /* What a conversion promises of its splats, each as its clip lines leave it. Whether it kept its
- * word is found out on samples of the surface and points of the splats other than those it worked
- * with; the limits allow for single precision. A splat covers a surface point that lies over or
+ * word is found out on samples of the surface other than those it worked with, and at 145 points of
+ * each splat, the same that it worked with: between them some may be farther from the surface. The
+ * limits allow for single precision. A splat covers a surface point that lies over or
  * under it by at most the tolerance and whose normal is on the same side as its own. */
 typedef enum psplat_promise {
     PSPLAT_PROMISE_COVERAGE, /* each surface point is covered by a splat */
@@ -149,7 +150,7 @@ typedef struct psplat_place {
     double value;       /* found there, in the unit of its promise */
 } psplat_place;
 
-/* What the converter measured, on samples other than those it fitted. */
+/* What the converter measured, on samples of the surface other than those it fitted. */
 typedef struct psplat_report {
     size_t splats;
     size_t splats_by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1];

@@ -13,9 +13,8 @@
 
 typedef struct corners {
     double clip[8][4];
-    double
-        by_scale[8]; /* derivative of z / w when the distance from the eye grows by its multiple */
-    double by_length[8]; /* and by a unit */
+    /* Derivative of z / w when the distance from the eye grows by its multiple, and by a unit. */
+    double by_scale[8], by_length[8];
 } corners;
 
 static corners corners_of(const double modelview[16], const double p[16], const float min[3],

@@ -95,6 +95,13 @@ void psplat_shape_probe_at(const psplat_shape_probe *probe, const double point[3
                            const double normal[3], double *distance, double *angle);
 void psplat_shape_probe_destroy(psplat_shape_probe *probe); /* NULL is accepted */
 
+/* ---- context.c: what pictures are drawn in ----------------------------------------------------
+ */
+
+/* GL where there is one, GLES where that is all. software: Mesa's rasteriser. Errors: those of
+ * psplat_host_create. */
+psplat_result psplat_context_create(int software, psplat_host **host, psplat_error *error);
+
 /* ---- gallery.c: pictures of the source, and of what stands for it ------------------------------
  */
 

@@ -42,12 +42,8 @@ static psplat_result stamp_source(psplat_workbench *bench, psplat_error *error) 
     return PSPLAT_OK;
 }
 
-/* GL where there is one, GLES where that is all; Mesa warns of every device that it tries. */
 static psplat_result open_graphics(psplat_workbench *bench, psplat_error *error) {
-    setenv("EGL_LOG_LEVEL", "fatal", 0);
-    psplat_result result = psplat_host_create(PSPLAT_API_GL, bench->software, &bench->host, error);
-    if (result == PSPLAT_ERROR_GRAPHICS)
-        result = psplat_host_create(PSPLAT_API_GLES, bench->software, &bench->host, error);
+    psplat_result result = psplat_context_create(bench->software, &bench->host, error);
     const psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = bench->host};
     return result ? result : psplat_renderer_create(&desc, &bench->renderer, error);
 }
