@@ -26,6 +26,42 @@ extern "C" {
  * middle, so that the cause behind it fits into a psplat_error. */
 void psplat_path_shorten(const char *path, char shown[PSPLAT_SHOWN_PATH]);
 
+/* ---- what a surface looks like ------------------------------------------------------------ */
+
+/* Pixels of a texture as its file has them, 8 bits a channel, RGBA, the first row at the top. */
+typedef struct psplat_image {
+    uint8_t *pixels; /* height x width x 4; NULL: an image that could not be read */
+    uint32_t width, height;
+} psplat_image;
+
+typedef enum psplat_wrap {
+    PSPLAT_WRAP_REPEAT = 0,
+    PSPLAT_WRAP_CLAMP,
+    PSPLAT_WRAP_MIRROR
+} psplat_wrap;
+
+#define PSPLAT_TEXCOORDS 2
+
+/* One use of an image by a material. Zeros: none. */
+typedef struct psplat_texture {
+    const psplat_image *image; /* owned by the scene; NULL: no texture */
+    psplat_wrap wrap[2];       /* of s and t */
+    int nearest;               /* texels have hard edges */
+    uint32_t texcoord;         /* which of the mesh's, below PSPLAT_TEXCOORDS */
+    double transform[6];       /* KHR_texture_transform: rows of a 2 x 3 matrix of (s, t, 1) */
+    float strength;            /* normal scale or occlusion strength */
+} psplat_texture;
+
+/* A material of the source. Factors of textures that are baked are multiplied in by baking. */
+typedef struct psplat_appearance {
+    psplat_material material; /* factors */
+    psplat_texture base_color, metallic_roughness, normal, occlusion, emissive;
+    int is_masked; /* alphaMode MASK: */
+    float alpha_cutoff;
+    char *name;   /* malloc'ed, or NULL */
+    char *extras; /* JSON, malloc'ed, or NULL */
+} psplat_appearance;
+
 /* ---- mesh.c: triangles as they were read ------------------------------------------------- */
 
 /* Attributes live on corners (3 per triangle), so that a hard edge or a colour seam of the file
@@ -36,12 +72,17 @@ typedef struct psplat_mesh {
     float *corner_normals; /* triangle_count x 3 x 3 unit normals, 0 0 0 where a corner has none;
                             * or NULL: none in the file */
     float *corner_colors;  /* triangle_count x 3 x 4 linear RGBA, or NULL: uniform */
-    uint32_t *groups;      /* triangle_count ids; edges between groups are creases; or NULL */
+    uint32_t *groups;      /* triangle_count ids; edges between groups are creases; or NULL.
+                            * Indices of appearances, where there are any */
+    float *corner_uvs[PSPLAT_TEXCOORDS]; /* triangle_count x 3 x 2 texture coordinates; or NULL */
+    float *corner_tangents; /* triangle_count x 3 x 4 (glTF 2.0 section 3.7.2.1); or NULL */
     size_t vertex_count;
     size_t triangle_count;
     double origin[3];
-    psplat_material material; /* factors common to all triangles */
-    size_t dropped;           /* triangles dropped as degenerate or repeated */
+    psplat_material material;             /* factors common to all triangles */
+    const psplat_appearance *appearances; /* by group, owned by the scene; NULL: material is all */
+    size_t appearance_count;
+    size_t dropped; /* triangles dropped as degenerate or repeated */
     /* Of a point set: all its points, and for each a triangle that it lies on or beside. The
      * triangles tell then which points are neighbours, and where the set has holes and ends;
      * distances are measured to the points as well. NULL for a mesh. */

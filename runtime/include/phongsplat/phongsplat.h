@@ -72,11 +72,12 @@ typedef struct psplat_attribute {
 
 /* Splats of one clip class of one mesh as one node of the default scene places them (spec 3.1). */
 typedef struct psplat_batch {
-    const psplat_splat *splats; /* splat_count of them; shared between instances of a mesh */
-    size_t splat_count;         /* >= 1 */
-    uint32_t clip_count;        /* clip lines of every splat in this batch, 0 ... 4 */
-    uint32_t primitive;         /* batches with the same number share their splats */
-    double model[16];           /* affine: the node's transform to the scene, composed in double */
+    const psplat_splat *splats;    /* splat_count of them; shared between instances of a mesh */
+    const psplat_finish *finishes; /* splat_count of them, or NULL: none is stored */
+    size_t splat_count;            /* >= 1 */
+    uint32_t clip_count;           /* clip lines of every splat in this batch, 0 ... 4 */
+    uint32_t primitive;            /* batches with the same number share their splats */
+    double model[16]; /* affine: the node's transform to the scene, composed in double */
     psplat_kernel kernel;
     float depth_tolerance; /* epsilon of the visibility pass (spec 5.3), in the units of center */
     psplat_material material;

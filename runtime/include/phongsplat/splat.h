@@ -45,6 +45,16 @@ typedef struct psplat_splat {
     uint32_t clip_count;                  /* 0 ... PSPLAT_MAX_CLIP_LINES */
 } psplat_splat;
 
+/* What of a splat's look varies beyond one colour, in sets of splats that store any of it (spec
+ * 3.10). Its colour is color + u color_u + v color_v, clamped to 0 ... 1. */
+typedef struct psplat_finish {
+    float color_u[3], color_v[3]; /* 0 where unstored */
+    float occlusion;              /* 0 ... 1: the part of light from all around that arrives */
+    float roughness, metallic;    /* 0 ... 1: multiply the material's factors */
+    float emissive[3];            /* 0 ... 1: multiplies the material's; 1 where unstored, as the
+                                     three before */
+} psplat_finish;
+
 /* Blending kernel psi(r) = exp(-sharpness * r^exponent) for r = sqrt(u*u + v*v) in 0 ... 1, and 0
  * beyond (Pajarola, Sainz, Guidotti 2003, section 4.2, with the support radius b at 1). */
 typedef struct psplat_kernel {
