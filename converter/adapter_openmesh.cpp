@@ -297,9 +297,10 @@ psplat_result store(const Collector &collector, const psplat_source &source, psp
                            "%s: OpenMesh understood %zu of %zu faces and %zu of %zu vertices",
                            source.path, faces, source.faces, collector.points.size(),
                            source.vertices);
-    psplat_result result =
-        psplat_mesh_allocate(&mesh, collector.points.size(), collector.corners.size() - 2 * faces,
-                             collector.has_normals, collector.has_colors, 0, error);
+    unsigned parts = (collector.has_normals ? PSPLAT_MESH_NORMALS : 0u) |
+                     (collector.has_colors ? PSPLAT_MESH_COLORS : 0u);
+    psplat_result result = psplat_mesh_allocate(&mesh, collector.points.size(),
+                                                collector.corners.size() - 2 * faces, parts, error);
     if (result) return result;
     mesh.dropped = source.dropped + source.faces - faces;
     store_positions(collector, source, mesh);

@@ -245,11 +245,12 @@ static void store_disc(const attachment *a, size_t disc, size_t first_vertex) {
 static psplat_result store_mesh(attachment *a, psplat_error *error) {
     const psplat_cloud *cloud = a->cloud;
     size_t used = 0, count = cloud->points->count;
+    unsigned parts = (cloud->kept_normals ? PSPLAT_MESH_NORMALS : 0u) |
+                     (cloud->points->colors ? PSPLAT_MESH_COLORS : 0u);
     for (size_t i = 0; i < cloud->kept_count; ++i) used += a->starts[i] < a->starts[i + 1];
     psplat_result result =
         psplat_mesh_allocate(a->mesh, used + (DISC_TRIANGLES + 1) * a->disc_count,
-                             cloud->triangle_count + DISC_TRIANGLES * a->disc_count,
-                             cloud->kept_normals != NULL, cloud->points->colors != NULL, 0, error);
+                             cloud->triangle_count + DISC_TRIANGLES * a->disc_count, parts, error);
     if (result) return result;
     a->mesh->points = malloc(count * 3 * sizeof(double));
     a->mesh->point_triangles = malloc(count * sizeof(uint32_t));

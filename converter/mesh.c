@@ -13,8 +13,30 @@
 #define DEFAULT_GREY 0.8f
 #define DEFAULT_ROUGHNESS 0.5f
 
+size_t psplat_mesh_corners(const psplat_mesh *mesh, psplat_corners arrays[PSPLAT_CORNER_ARRAYS]) {
+    const psplat_corners all[PSPLAT_CORNER_ARRAYS] = {
+        {mesh->corner_normals, 3}, {mesh->corner_colors, 4}, {mesh->corner_tangents, 4},
+        {mesh->corner_uvs[0], 2},  {mesh->corner_uvs[1], 2},
+    };
+    size_t count = 0;
+    for (size_t i = 0; i < PSPLAT_CORNER_ARRAYS; ++i)
+        if (all[i].values) arrays[count++] = all[i];
+    return count;
+}
+
+/* Room for the corners of all triangles; NULL where it is not wanted or, counted in failed, where
+ * there is none. */
+static float *allocate_corners(const psplat_mesh *mesh, unsigned wanted, size_t components,
+                               int *failed) {
+    if (!wanted) return NULL;
+    float *values = calloc(mesh->triangle_count + 1, 3 * components * sizeof *values);
+    if (!values) ++*failed;
+    return values;
+}
+
 psplat_result psplat_mesh_allocate(psplat_mesh *mesh, size_t vertex_count, size_t triangle_count,
-                                   int normals, int colors, int groups, psplat_error *error) {
+                                   unsigned parts, psplat_error *error) {
+    int failed = 0;
     *mesh = (psplat_mesh){.vertex_count = vertex_count, .triangle_count = triangle_count};
     if (vertex_count > PSPLAT_MAX_VERTICES || triangle_count > PSPLAT_MAX_TRIANGLES)
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
@@ -22,11 +44,14 @@ psplat_result psplat_mesh_allocate(psplat_mesh *mesh, size_t vertex_count, size_
                            vertex_count, triangle_count, PSPLAT_MAX_VERTICES, PSPLAT_MAX_TRIANGLES);
     mesh->positions = calloc(vertex_count + 1, 3 * sizeof(double));
     mesh->triangles = calloc(triangle_count + 1, 3 * sizeof(uint32_t));
-    if (normals) mesh->corner_normals = calloc(triangle_count + 1, 9 * sizeof(float));
-    if (colors) mesh->corner_colors = calloc(triangle_count + 1, 12 * sizeof(float));
-    if (groups) mesh->groups = calloc(triangle_count + 1, sizeof(uint32_t));
-    if (mesh->positions && mesh->triangles && (!normals || mesh->corner_normals) &&
-        (!colors || mesh->corner_colors) && (!groups || mesh->groups))
+    if (parts & PSPLAT_MESH_GROUPS) mesh->groups = calloc(triangle_count + 1, sizeof(uint32_t));
+    mesh->corner_normals = allocate_corners(mesh, parts & PSPLAT_MESH_NORMALS, 3, &failed);
+    mesh->corner_colors = allocate_corners(mesh, parts & PSPLAT_MESH_COLORS, 4, &failed);
+    mesh->corner_tangents = allocate_corners(mesh, parts & PSPLAT_MESH_TANGENTS, 4, &failed);
+    for (unsigned i = 0; i < PSPLAT_TEXCOORDS; ++i)
+        mesh->corner_uvs[i] = allocate_corners(mesh, parts & PSPLAT_MESH_UVS << i, 2, &failed);
+    if (mesh->positions && mesh->triangles && (!(parts & PSPLAT_MESH_GROUPS) || mesh->groups) &&
+        !failed)
         return PSPLAT_OK;
     psplat_mesh_free(mesh);
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for %zu triangles",
@@ -34,11 +59,12 @@ psplat_result psplat_mesh_allocate(psplat_mesh *mesh, size_t vertex_count, size_
 }
 
 void psplat_mesh_free(psplat_mesh *mesh) {
+    psplat_corners arrays[PSPLAT_CORNER_ARRAYS];
     if (!mesh) return;
+    size_t count = psplat_mesh_corners(mesh, arrays);
+    for (size_t i = 0; i < count; ++i) free(arrays[i].values);
     free(mesh->positions);
     free(mesh->triangles);
-    free(mesh->corner_normals);
-    free(mesh->corner_colors);
     free(mesh->groups);
     free(mesh->points);
     free(mesh->point_triangles);
@@ -57,7 +83,7 @@ static psplat_result check(psplat_source *source, psplat_error *error) {
     case PSPLAT_SOURCE_STL_BINARY:
         return psplat_check_stl(source, error);
     default:
-        return PSPLAT_OK; /* tinygltf's adapter checks as it reads */
+        return PSPLAT_OK; /* the glTF reader checks as it reads */
     }
 }
 
@@ -180,7 +206,7 @@ static psplat_result read_points(psplat_source *source, psplat_mesh *mesh, pspla
 }
 
 static psplat_result read_mesh(psplat_source *source, psplat_mesh *mesh, psplat_error *error) {
-    psplat_result result = is_gltf(source) ? psplat_mesh_read_tinygltf(source, mesh, error)
+    psplat_result result = is_gltf(source) ? psplat_mesh_read_gltf(source, mesh, error)
                                            : psplat_mesh_read_openmesh(source, mesh, error);
     return result ? result : clean(mesh, source, error);
 }

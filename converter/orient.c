@@ -111,13 +111,12 @@ static void swap_floats(float *a, float *b, size_t count) {
 static void flip(psplat_mesh *mesh, uint32_t triangle) {
     uint32_t *t = mesh->triangles + 3 * (size_t)triangle, held = t[1];
     t[1] = t[2], t[2] = held;
-    if (mesh->corner_normals) {
-        float *normals = mesh->corner_normals + 9 * (size_t)triangle;
-        swap_floats(normals + 3, normals + 6, 3);
-    }
-    if (mesh->corner_colors) {
-        float *colors = mesh->corner_colors + 12 * (size_t)triangle;
-        swap_floats(colors + 4, colors + 8, 4);
+    psplat_corners arrays[PSPLAT_CORNER_ARRAYS];
+    size_t count = psplat_mesh_corners(mesh, arrays);
+    for (size_t i = 0; i < count; ++i) {
+        size_t components = arrays[i].components;
+        float *corners = arrays[i].values + 3 * components * (size_t)triangle;
+        swap_floats(corners + components, corners + 2 * components, components);
     }
 }
 

@@ -124,10 +124,27 @@ void psplat_rewrite_replace(psplat_rewrite *rewrite, psplat_source *source);
 psplat_result psplat_polygon_triangulate(const double *points, size_t count, uint32_t *triangles,
                                          psplat_error *error);
 
-/* mesh.c: allocates the arrays of a mesh; normals, colors, groups say which of the optional ones.
- */
+/* The optional arrays of a mesh. */
+#define PSPLAT_MESH_NORMALS 1u
+#define PSPLAT_MESH_COLORS 2u
+#define PSPLAT_MESH_GROUPS 4u
+#define PSPLAT_MESH_TANGENTS 8u
+#define PSPLAT_MESH_UVS 16u /* << which of them */
+
+/* mesh.c: allocates the arrays of a mesh, zeroed; parts are the optional ones, or-ed. */
 psplat_result psplat_mesh_allocate(psplat_mesh *mesh, size_t vertex_count, size_t triangle_count,
-                                   int normals, int colors, int groups, psplat_error *error);
+                                   unsigned parts, psplat_error *error);
+
+/* What lives on corners, of any kind: whoever moves corners moves all of it. */
+#define PSPLAT_CORNER_ARRAYS (3 + PSPLAT_TEXCOORDS)
+
+typedef struct psplat_corners {
+    float *values;
+    size_t components; /* of each corner */
+} psplat_corners;
+
+/* mesh.c: those that the mesh has; returns their number. */
+size_t psplat_mesh_corners(const psplat_mesh *mesh, psplat_corners arrays[PSPLAT_CORNER_ARRAYS]);
 
 /* weld.c, seam.c and orient.c: the steps between a raw mesh and what psplat_mesh_read promises, in
  * order. */
@@ -142,12 +159,12 @@ psplat_result psplat_mesh_close_seams(psplat_mesh *mesh, int *closed, psplat_err
 psplat_result psplat_mesh_orient(psplat_mesh *mesh, int *consistent, psplat_error *error);
 void psplat_mesh_drop_flat(psplat_mesh *mesh);
 
-/* adapter_openmesh.cpp (OBJ, PLY, OFF, STL) and adapter_tinygltf.cpp (glTF, GLB) fill a raw mesh:
+/* adapter_openmesh.cpp (OBJ, PLY, OFF, STL) and adapter_gltf.cpp (glTF, GLB) fill a raw mesh:
  * unwelded, not recentred, every index in range. Faces that the checks dropped are counted. */
 psplat_result psplat_mesh_read_openmesh(const psplat_source *source, psplat_mesh *mesh,
                                         psplat_error *error);
-psplat_result psplat_mesh_read_tinygltf(const psplat_source *source, psplat_mesh *mesh,
-                                        psplat_error *error);
+psplat_result psplat_mesh_read_gltf(const psplat_source *source, psplat_mesh *mesh,
+                                    psplat_error *error);
 
 /* Point sets: adapter_openmesh.cpp (PLY and OFF without faces), and xyz.c, which checks as it
  * reads.

@@ -50,10 +50,13 @@ static uint32_t number_of(uint32_t *table, size_t size, double *positions, size_
 static void move_triangle(psplat_mesh *mesh, size_t to, size_t from) {
     if (to == from) return;
     memcpy(mesh->triangles + to * 3, mesh->triangles + from * 3, 3 * sizeof(uint32_t));
-    if (mesh->corner_normals)
-        memcpy(mesh->corner_normals + to * 9, mesh->corner_normals + from * 9, 9 * sizeof(float));
-    if (mesh->corner_colors)
-        memcpy(mesh->corner_colors + to * 12, mesh->corner_colors + from * 12, 12 * sizeof(float));
+    psplat_corners arrays[PSPLAT_CORNER_ARRAYS];
+    size_t count = psplat_mesh_corners(mesh, arrays);
+    for (size_t i = 0; i < count; ++i) {
+        size_t floats = 3 * arrays[i].components;
+        memcpy(arrays[i].values + to * floats, arrays[i].values + from * floats,
+               floats * sizeof(float));
+    }
     if (mesh->groups) mesh->groups[to] = mesh->groups[from];
 }
 

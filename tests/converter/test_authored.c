@@ -174,7 +174,7 @@ static void test_components(void **state) {
     const psplat_mesh *parts[2] = {&roof.mesh, &sphere.mesh};
     size_t vertices = roof.mesh.vertex_count + sphere.mesh.vertex_count;
     size_t triangles = roof.mesh.triangle_count + sphere.mesh.triangle_count;
-    assert_int_equal(psplat_mesh_allocate(&both, vertices, triangles, 0, 0, 0, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_mesh_allocate(&both, vertices, triangles, 0, NULL), PSPLAT_OK);
     size_t v = 0, t = 0;
     for (int i = 0; i < 2; ++i) {
         memcpy(both.positions + 3 * v, parts[i]->positions,

@@ -184,6 +184,68 @@ static void test_normals(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+static void test_uvs_and_tangents(void **state) {
+    (void)state;
+    /* The first triangle has no area: what follows moves up with its corners. Mirrored, so that the
+     * second and third corner change places and the tangent's hand turns; unsigned shorts stand for
+     * 0 ... 1, others for themselves (KHR_mesh_quantization). */
+    static const float corners[6][3] = {{5, 5, 5}, {5, 5, 5}, {5, 5, 5},
+                                        {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    static const float tangents[6][4] = {{0}, {0}, {0}, {1, 1, 0, 1}, {0, 1, 0, -1}, {1, 0, 0, 1}};
+    static const uint16_t first[6][2] = {{0}, {0}, {0}, {65535, 0}, {0, 13107}, {0, 0}};
+    static const uint16_t second[6][2] = {{0}, {0}, {0}, {7, 0}, {0, 3}, {0, 0}};
+    gltf g = {0};
+    add(&g, corners, sizeof corners, FLOAT, "VEC3", 6, "");
+    add(&g, tangents, sizeof tangents, FLOAT, "VEC4", 6, "");
+    add(&g, first, sizeof first, USHORT, "VEC2", 6, ",\"normalized\":true");
+    add(&g, second, sizeof second, USHORT, "VEC2", 6, "");
+    psplat_mesh mesh = read_text(
+        "t.gltf", finish(&g, SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[-2,1,1]}],\"meshes\":[{"
+                                   "\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TANGENT\":1,"
+                                   "\"TEXCOORD_0\":2,\"TEXCOORD_1\":3}}]}]"));
+    assert_int_equal(mesh.triangle_count, 1);
+    assert_non_null(mesh.corner_tangents);
+    assert_non_null(mesh.corner_uvs[0]);
+    assert_non_null(mesh.corner_uvs[1]);
+    const float turned[12] = {-1, 0.5f, 0, -1, -1, 0, 0, -1, 0, 1, 0, 1};
+    const double uvs[2][6] = {{1, 0, 0, 0, 0, 0.2}, {7, 0, 0, 0, 0, 3}};
+    assert_memory_equal(mesh.corner_tangents, turned, sizeof turned);
+    for (size_t i = 0; i < 12; ++i)
+        assert_near((double)mesh.corner_uvs[i / 6][i % 6], uvs[i / 6][i % 6], 1e-7);
+    psplat_mesh_free(&mesh);
+}
+
+/* A primitive without colours, normals and uvs after one that has them, and before. */
+static void test_attributes_of_some(void **state) {
+    (void)state;
+    static const float normals[4][3] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}};
+    static const float colors[4][3] = {{0.5f, 0, 0}, {0.5f, 0, 0}, {0.5f, 0, 0}, {0.5f, 0, 0}};
+    static const float uvs[4][2] = {{2, 3}, {2, 3}, {2, 3}, {2, 3}};
+    static const char *const orders[2] = {"1,0", "0,1"};
+    for (size_t kind = 0; kind < 2; ++kind) {
+        char nodes[512];
+        gltf g = tetrahedron();
+        add(&g, normals, sizeof normals, FLOAT, "VEC3", 4, "");
+        add(&g, colors, sizeof colors, FLOAT, "VEC3", 4, "");
+        add(&g, uvs, sizeof uvs, FLOAT, "VEC2", 4, "");
+        snprintf(nodes, sizeof nodes,
+                 "\"scenes\":[{\"nodes\":[%s]}],\"nodes\":[{\"mesh\":0,\"translation\":[9,0,0]},{"
+                 "\"mesh\":1}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
+                 "\"NORMAL\":2,\"COLOR_0\":3,\"TEXCOORD_0\":4},\"indices\":1}]},{\"primitives\":[{"
+                 "\"attributes\":{\"POSITION\":0},\"indices\":1}]}]",
+                 orders[kind]);
+        psplat_mesh mesh = read_text("s.gltf", finish(&g, nodes));
+        size_t with = kind ? 0 : 12, without = 12 - with; /* the first corners of each */
+        assert_int_equal(mesh.triangle_count, 8);
+        assert_true(mesh.corner_normals[3 * with] == 1 && mesh.corner_normals[3 * without] == 0);
+        assert_true(mesh.corner_colors[4 * with] == 0.5f && mesh.corner_colors[4 * without] == 1);
+        assert_true(mesh.corner_uvs[0][2 * with] == 2 && mesh.corner_uvs[0][2 * without] == 0);
+        assert_null(mesh.corner_uvs[1]);
+        assert_null(mesh.corner_tangents);
+        psplat_mesh_free(&mesh);
+    }
+}
+
 static void test_colors(void **state) {
     (void)state;
     static const unsigned char bytes[16] = {255, 0, 51, 102, 0, 255, 0, 255, 0, 0, 255, 255};
@@ -389,11 +451,12 @@ static void test_refused_accessors(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_index_types),   cmocka_unit_test(test_strips_and_fans),
-        cmocka_unit_test(test_transforms),    cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_colors),        cmocka_unit_test(test_one_material),
-        cmocka_unit_test(test_two_materials), cmocka_unit_test(test_glb),
-        cmocka_unit_test(test_refused),       cmocka_unit_test(test_refused_accessors),
+        cmocka_unit_test(test_index_types),      cmocka_unit_test(test_strips_and_fans),
+        cmocka_unit_test(test_transforms),       cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_uvs_and_tangents), cmocka_unit_test(test_attributes_of_some),
+        cmocka_unit_test(test_colors),           cmocka_unit_test(test_one_material),
+        cmocka_unit_test(test_two_materials),    cmocka_unit_test(test_glb),
+        cmocka_unit_test(test_refused),          cmocka_unit_test(test_refused_accessors),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

@@ -91,10 +91,10 @@ samples_use_public_headers() {
 # CGAL, OpenMesh and tinygltf stay behind their C headers.
 adapters_fence_cpp() {
     includes "$1" $(cd "$1" && find converter runtime samples shaders -type f -name '*.[ch]*' |
-        grep -v '^converter/adapter_.*\.cpp$' | sort) | grep -E '<(CGAL|OpenMesh|Eigen)/|tiny_gltf' || true
+        grep -v '^converter/adapter_[^/]*\.[ch]pp$' | sort) | grep -E '<(CGAL|OpenMesh|Eigen)/|tiny_gltf' || true
     (cd "$1" && find converter runtime samples shaders -type f \
         \( -name '*.cpp' -o -name '*.cc' -o -name '*.cxx' -o -name '*.hpp' \) |
-        grep -v '^converter/adapter_[^/]*\.cpp$') || true
+        grep -v '^converter/adapter_[^/]*\.[ch]pp$') || true
 }
 
 # ---- what objects may hold ------------------------------------------------------------------

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * adapter_gltf.hpp - what the parts of the glTF reader share. tinygltf parses and decodes; it
+ * checks few of the numbers that it passes on, so every index, offset and length is checked here
+ * before it is used. Its headers stay inside the adapters, and what is thrown ends in
+ * adapter_gltf.cpp.
+ */
+#ifndef PHONGSPLAT_ADAPTER_GLTF_HPP
+#define PHONGSPLAT_ADAPTER_GLTF_HPP
+
+#include "source.h"
+
+#include <tiny_gltf.h>
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace psplat_gltf {
+
+/* ---- failures: adapter_gltf.cpp catches them ------------------------------------------------- */
+
+/* Leaves a stage early with what psplat_fail needs. */
+struct Failure {
+    psplat_result code;
+    std::string text;
+};
+
+[[noreturn]] inline void fail(psplat_result code, const std::string &text) {
+    throw Failure{code, text};
+}
+
+inline std::string named(const char *what, size_t index) {
+    return std::string(what) + " " + std::to_string(index);
+}
+
+template <typename T> const T &element(const std::vector<T> &list, int index, const char *what) {
+    if (index < 0 || static_cast<size_t>(index) >= list.size())
+        fail(PSPLAT_ERROR_RANGE, std::string(what) + " " + std::to_string(index) +
+                                     " does not exist (" + std::to_string(list.size()) +
+                                     " in the file)");
+    return list[static_cast<size_t>(index)];
+}
+
+/* ---- adapter_gltf_document.cpp: JSON and buffers --------------------------------------------- */
+
+constexpr size_t max_depth = 64; /* of nested JSON and of nested nodes */
+
+/* text for messages: control characters become spaces. */
+std::string one_line(std::string text);
+
+/* The whole document, its buffers loaded; images are left to who needs them. */
+void read_document(const psplat_source &source, tinygltf::Model &model);
+
+/* ---- adapter_gltf_accessor.cpp: numbers in buffers ------------------------------------------- */
+
+/* An accessor whose every element is known to lie inside its buffer. */
+struct View {
+    const unsigned char *data;
+    size_t count, stride;
+    int component_type, components;
+    bool normalized;
+};
+
+View view_of(const tinygltf::Model &model, int accessor);
+
+/* A component as a number, normalised as glTF 2.0 section 3.6.2.2 says. */
+double component(const View &view, size_t row, size_t column);
+
+/* ---- adapter_gltf_node.cpp: the graph -------------------------------------------------------- */
+
+using Matrix = std::array<double, 16>; /* column-major */
+
+Matrix identity();
+
+/* Cofactors of the upper left 3 x 3, column-major: M^-T times det M, so that no division is needed
+ * and a mirroring M turns normals as it turns the winding. Returns det M. */
+double cofactors(const Matrix &m, std::array<double, 9> &c);
+
+struct Soup;
+
+/* The triangles of the default scene, where its nodes put them; of a file without scenes, all. */
+void add_scene(Soup &soup, const tinygltf::Model &model);
+
+/* ---- adapter_gltf_mesh.cpp: triangles -------------------------------------------------------- */
+
+/* A mesh under construction. What lives on corners is either of all corners so far or empty: the
+ * first primitive that has an attribute gives those before it the value that stands for none. */
+struct Soup {
+    std::vector<double> positions;
+    std::vector<uint32_t> triangles;
+    std::vector<float> normals, colors, tangents; /* 3, 4 and 4 a corner */
+    std::vector<float> uvs[PSPLAT_TEXCOORDS];     /* 2 a corner */
+    std::vector<int> materials;                   /* of each triangle, -1: the default material */
+};
+
+void add_primitive(Soup &soup, const tinygltf::Model &model, const tinygltf::Primitive &primitive,
+                   const Matrix &m);
+
+/* Gives every corner a value, where some have none. */
+void pad(std::vector<float> &values, size_t corners, const std::vector<float> &value);
+
+/* Soup as a mesh; its materials, and the groups for which it makes room, are the caller's. */
+psplat_result store(const Soup &soup, bool groups, psplat_mesh &mesh, psplat_error *error);
+
+/* ---- adapter_gltf_material.cpp: what surfaces look like -------------------------------------- */
+
+psplat_material material_of(const tinygltf::Model &model, int index);
+
+/* The group of triangles of a material: its index, and one beyond for the default material. */
+inline uint32_t group_of(const tinygltf::Model &model, int material) {
+    return material < 0 ? static_cast<uint32_t>(model.materials.size())
+                        : static_cast<uint32_t>(material);
+}
+
+/* Whether triangles of the soup have different materials. */
+bool materials_differ(const Soup &soup);
+
+/* Material of the mesh that soup is stored as. One material: its factors as they are. Several: base
+ * colours go into the corners' colours, the rest is the first one's, seen from both sides where any
+ * of them is. */
+psplat_material bake_materials(const tinygltf::Model &model, Soup &soup);
+
+} // namespace psplat_gltf
+
+#endif
