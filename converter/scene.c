@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * scene.c - what a file holds, owned in one place: freeing it, warnings, and the scene of a file
+ * that is one mesh.
+ */
+#define _XOPEN_SOURCE 700
+
+#include "scene.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WARNING_SIZE = 400 };
+
+static void free_strings(char *name, char *extras) {
+    free(name);
+    free(extras);
+}
+
+static void free_appearances(psplat_scene *scene) {
+    for (size_t i = 0; i < scene->appearance_count; ++i)
+        free_strings(scene->appearances[i].name, scene->appearances[i].extras);
+    for (size_t i = 0; i < scene->image_count; ++i) free(scene->images[i].pixels);
+    free(scene->appearances);
+    free(scene->images);
+}
+
+static void free_graph(psplat_scene *scene) {
+    for (size_t i = 0; i < scene->node_count; ++i) {
+        free_strings(scene->nodes[i].name, scene->nodes[i].extras);
+        free(scene->nodes[i].children);
+    }
+    for (size_t i = 0; i < scene->camera_count; ++i)
+        free_strings(scene->cameras[i].name, scene->cameras[i].extras);
+    for (size_t i = 0; i < scene->light_count; ++i)
+        free_strings(scene->lights[i].name, scene->lights[i].extras);
+    for (size_t i = 0; i < scene->scene_count; ++i) {
+        free_strings(scene->scenes[i].name, scene->scenes[i].extras);
+        free(scene->scenes[i].roots);
+    }
+    free(scene->nodes);
+    free(scene->cameras);
+    free(scene->lights);
+    free(scene->scenes);
+}
+
+void psplat_scene_free(psplat_scene *scene) {
+    if (!scene) return;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        psplat_mesh_free(&scene->meshes[i].mesh);
+        free_strings(scene->meshes[i].name, scene->meshes[i].extras);
+    }
+    for (size_t i = 0; i < scene->warning_count; ++i) free(scene->warnings[i]);
+    free(scene->meshes);
+    free(scene->warnings);
+    free_appearances(scene);
+    free_graph(scene);
+    free_strings(scene->copyright, scene->extras);
+    free(scene->asset_extras);
+    *scene = (psplat_scene){0};
+}
+
+void psplat_scene_warn(psplat_scene *scene, const char *format, ...) {
+    char text[WARNING_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    for (size_t i = 0; i < scene->warning_count; ++i)
+        if (!strcmp(scene->warnings[i], text)) return;
+    char **warnings =
+        realloc(scene->warnings, (scene->warning_count + 1) * sizeof *scene->warnings);
+    if (!warnings) return;
+    scene->warnings = warnings;
+    warnings[scene->warning_count] = strdup(text);
+    if (warnings[scene->warning_count]) ++scene->warning_count;
+}

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * scene.h - a whole file: meshes, what they look like, and the graph that places them.
+ *
+ *     psplat_scene_read -> psplat_scene_convert (each mesh) -> psplat_glb_write (the same graph)
+ *
+ * What an index names keeps its index: nodes, meshes, cameras, lights, scenes. What a scene holds
+ * that splats cannot be or the converter does not know is dropped by a rule that README lists, with
+ * one warning for each rule.
+ */
+#ifndef PHONGSPLAT_SCENE_H
+#define PHONGSPLAT_SCENE_H
+
+#include "converter.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PSPLAT_NO_INDEX UINT32_MAX
+
+/* Strings are malloc'ed, UTF-8, or NULL: absent. extras is JSON of any kind. */
+
+/* A mesh in its own coordinates, whoever places it. */
+typedef struct psplat_scene_mesh {
+    psplat_mesh mesh; /* no triangles: nothing of it can become splats */
+    char *name, *extras;
+} psplat_scene_mesh;
+
+/* Either matrix or the rest, as the file has it; glTF 2.0 section 3.5.3. */
+typedef struct psplat_scene_node {
+    char *name, *extras;
+    int has_matrix;
+    double matrix[16];                            /* column-major */
+    double translation[3], rotation[4], scale[3]; /* 0 0 0, 0 0 0 1, 1 1 1 where not in the file */
+    uint32_t mesh, camera, light;                 /* or PSPLAT_NO_INDEX */
+    uint32_t *children;
+    size_t child_count;
+} psplat_scene_node;
+
+typedef struct psplat_scene_camera {
+    char *name, *extras;
+    int is_orthographic;
+    double aspect_ratio, yfov; /* perspective; aspect ratio 0: not given */
+    double xmag, ymag;         /* orthographic */
+    double znear, zfar;        /* zfar 0: not given */
+} psplat_scene_camera;
+
+typedef enum psplat_scene_light_type {
+    PSPLAT_SCENE_DIRECTIONAL = 0,
+    PSPLAT_SCENE_POINT,
+    PSPLAT_SCENE_SPOT
+} psplat_scene_light_type;
+
+/* KHR_lights_punctual. */
+typedef struct psplat_scene_light {
+    char *name, *extras;
+    psplat_scene_light_type type;
+    double color[3], intensity;
+    double range;                  /* 0: not given */
+    double inner_cone, outer_cone; /* of spot lights */
+} psplat_scene_light;
+
+/* One of the file's scenes: what is shown together. */
+typedef struct psplat_scene_view {
+    char *name, *extras;
+    uint32_t *roots; /* nodes */
+    size_t root_count;
+} psplat_scene_view;
+
+/* Zero-initialised: empty. */
+typedef struct psplat_scene {
+    psplat_scene_mesh *meshes;
+    size_t mesh_count;
+    psplat_appearance *appearances; /* by index of the file's materials; then the default material,
+                                       where triangles have none. Groups of meshes index it */
+    size_t appearance_count;
+    psplat_image *images;
+    size_t image_count;
+    psplat_scene_node *nodes; /* a strict forest, at most 64 deep */
+    size_t node_count;
+    psplat_scene_camera *cameras;
+    size_t camera_count;
+    psplat_scene_light *lights;
+    size_t light_count;
+    psplat_scene_view *scenes;
+    size_t scene_count;
+    uint32_t default_scene; /* PSPLAT_NO_INDEX: the file names none */
+    int is_made; /* nodes and names are ours, since the file has no graph: one node with one mesh */
+    char *copyright, *asset_extras, *extras;
+    char **warnings; /* a line each, without the file's name */
+    size_t warning_count;
+} psplat_scene;
+
+/* Frees what scene holds; zero-initialised scenes too. */
+void psplat_scene_free(psplat_scene *scene);
+
+/* Adds a warning, once: printf-style. Without memory it is left out. */
+void psplat_scene_warn(psplat_scene *scene, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+
+#ifdef __cplusplus
+}
+#endif
+#endif
