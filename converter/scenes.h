@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * scene.h - a whole file: meshes, what they look like, and the graph that places them.
+ * scenes.h - a whole file: meshes, what they look like, and the graph that places them.
  *
  *     psplat_scene_read -> psplat_scene_convert (each mesh) -> psplat_glb_write (the same graph)
  *
@@ -8,8 +8,8 @@
  * that splats cannot be or the converter does not know is dropped by a rule that README lists, with
  * one warning for each rule.
  */
-#ifndef PHONGSPLAT_SCENE_H
-#define PHONGSPLAT_SCENE_H
+#ifndef PHONGSPLAT_SCENES_H
+#define PHONGSPLAT_SCENES_H
 
 #include "converter.h"
 

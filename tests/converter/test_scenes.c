@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_scene.c - scenes as they are owned: warnings that are said once.
+ * test_scenes.c - scenes as they are owned: warnings that are said once.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-#include "scene.h"
+#include "scenes.h"
 
 static void test_warnings(void **state) {
     (void)state;

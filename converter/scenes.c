@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * scene.c - what a file holds, owned in one place: freeing it, warnings, and the scene of a file
+ * scenes.c - what a file holds, owned in one place: freeing it, warnings, and the scene of a file
  * that is one mesh.
  */
 #define _XOPEN_SOURCE 700
 
-#include "scene.h"
+#include "scenes.h"
 
 #include <stdarg.h>
 #include <stdio.h>
