@@ -6,8 +6,8 @@ set -eu
 
 # compilers and build
 packages="gcc g++ clang libc6-dev cmake ninja-build pkg-config"
-# converter: geometry, mesh files, PNG
-packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev libpng-dev"
+# converter: geometry, mesh files, PNG, JPEG
+packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev libpng-dev libjpeg62-turbo-dev"
 # runtime: JSON; host: EGL with Mesa's software rasteriser
 packages="$packages libjsmn-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
 # viewer: windows, GL in them
