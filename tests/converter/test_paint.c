@@ -92,8 +92,8 @@ static void test_normal_map(void **state) {
     painted_make(&p, 1, 4, leaning);
     p.appearance.normal = (psplat_texture){.image = &p.image, .strength = 1};
     const double expected[3] = {0.6, 0.2, 2 * 230 / 255.0 - 1};
-    double length = sqrt(expected[0] * expected[0] + expected[1] * expected[1] +
-                         expected[2] * expected[2]);
+    double length =
+        sqrt(expected[0] * expected[0] + expected[1] * expected[1] + expected[2] * expected[2]);
     psplat_shade shade = shade_at(&p, 0.5, -0.5);
     for (int k = 0; k < 3; ++k) assert_near(shade.normal[k], expected[k] / length, 1e-5);
     /* Twice as strong. */
@@ -134,7 +134,8 @@ static void test_tangents(void **state) {
     painted_free(&p);
 }
 
-/* Without texture coordinates, or where they are all one, textures turn nothing and give numbers. */
+/* Without texture coordinates, or where they are all one, textures turn nothing and give numbers.
+ */
 static void test_degenerate(void **state) {
     (void)state;
     painted p;
