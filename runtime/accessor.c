@@ -2,7 +2,6 @@
  * Accessors as floats (glTF 2.0 sections 3.6.2 and 3.11). */
 #include "gltf.h"
 
-#include <math.h>
 #include <string.h>
 
 static size_t component_size(size_t type) {
@@ -18,36 +17,70 @@ static size_t component_size(size_t type) {
     }
 }
 
-/* Type, components and count against what the attribute may be. */
-static psplat_result check_type(const psplat_gltf *gltf, const psplat_accessor *accessor,
-                                const psplat_attribute_type *type, size_t count) {
-    size_t at = psplat_gltf_offset(gltf, accessor->json);
-    size_t component = accessor->component_type;
-    int allowed = component >= PSPLAT_BYTE && component <= PSPLAT_FLOAT &&
-                  (type->component_types >> (component - PSPLAT_BYTE) & 1);
-    if (!allowed)
+/* Whether component type and number of components are as in a form of the attribute. */
+static int is_typed(const psplat_attribute_form *form, size_t component_type) {
+    return form->version && component_type >= PSPLAT_BYTE && component_type <= PSPLAT_FLOAT &&
+           (form->component_types >> (component_type - PSPLAT_BYTE) & 1);
+}
+
+/* The form that an accessor has, or NULL; *low and *high become what those of its component type
+ * allow of components, 0 where there are none. */
+static const psplat_attribute_form *find_form(const psplat_attribute_type *type,
+                                              const psplat_accessor *accessor, size_t *low,
+                                              size_t *high) {
+    const psplat_attribute_form *found = NULL;
+    *low = *high = 0;
+    for (size_t i = 0; i < sizeof type->forms / sizeof *type->forms; ++i) {
+        const psplat_attribute_form *form = &type->forms[i];
+        if (!is_typed(form, accessor->component_type)) continue;
+        if (!*low || form->min_components < *low) *low = form->min_components;
+        if (form->max_components > *high) *high = form->max_components;
+        if (accessor->components >= form->min_components &&
+            accessor->components <= form->max_components)
+            found = form;
+    }
+    return found;
+}
+
+static psplat_result check_form(const psplat_gltf *gltf, const psplat_accessor *accessor,
+                                const psplat_attribute_type *type, size_t version) {
+    static const char *const names[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+    size_t at = psplat_gltf_offset(gltf, accessor->json), low, high;
+    const psplat_attribute_form *form = find_form(type, accessor, &low, &high);
+    if (!low)
         return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
                            "%s: component type %zu is none of those the extension allows",
-                           type->name, component);
-    if (component != PSPLAT_FLOAT && !accessor->normalized)
+                           type->name, accessor->component_type);
+    if (!form)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
+                           low == high ? "%s: must be %s" : "%s: must be %s or %s", type->name,
+                           names[low - 1], names[high - 1]);
+    if (form->version > version)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
+                           "%s: %s of component type %zu is of version %zu of " PSPLAT_EXTENSION
+                           ", the primitive states %zu",
+                           type->name, names[accessor->components - 1], accessor->component_type,
+                           form->version, version);
+    if (accessor->component_type != PSPLAT_FLOAT && !accessor->normalized && !form->is_plain)
         return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
                            "%s: integers must be normalized", type->name);
-    size_t low = type->min_components, high = type->max_components;
-    if (accessor->components < low || accessor->components > high)
-        return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
-                           low == high ? "%s: must be VEC%zu" : "%s: must be VEC%zu or VEC%zu",
-                           type->name, low, high);
+    return PSPLAT_OK;
+}
+
+/* What does not depend on the attribute; count PSPLAT_NONE: any. */
+static psplat_result check_elements(const psplat_gltf *gltf, const psplat_accessor *accessor,
+                                    const char *name, size_t count) {
+    size_t at = psplat_gltf_offset(gltf, accessor->json);
     if (count != PSPLAT_NONE && accessor->count != count)
         return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, at,
-                           "%s: has %zu elements, POSITION has %zu", type->name, accessor->count,
-                           count);
+                           "%s: has %zu elements, POSITION has %zu", name, accessor->count, count);
     if (accessor->sparse)
         return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED,
                            psplat_gltf_offset(gltf, accessor->sparse),
-                           "%s: sparse accessors are not read", type->name);
+                           "%s: sparse accessors are not read", name);
     if (accessor->view == PSPLAT_NONE)
         return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
-                           "%s: an accessor without bufferView holds only zeros", type->name);
+                           "%s: an accessor without bufferView holds only zeros", name);
     return PSPLAT_OK;
 }
 
@@ -83,13 +116,14 @@ static psplat_result check_range(const psplat_gltf *gltf, const psplat_accessor 
 }
 
 psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value value,
-                                 const psplat_attribute_type *type, size_t count,
+                                 const psplat_attribute_type *type, size_t version, size_t count,
                                  psplat_reader *reader) {
     size_t index = 0;
     psplat_result result = psplat_gltf_index(gltf, value, type->name, gltf->accessor_count, &index);
     if (result) return result;
     const psplat_accessor *accessor = &gltf->accessors[index];
-    result = check_type(gltf, accessor, type, count);
+    result = check_form(gltf, accessor, type, version);
+    if (!result) result = check_elements(gltf, accessor, type->name, count);
     if (result) return result;
     const psplat_view_range *view = &gltf->views[accessor->view];
     psplat_buffer *buffer = &gltf->buffers[view->buffer];
@@ -103,11 +137,12 @@ psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value value,
                               .stride = stride,
                               .components = accessor->components,
                               .component_type = accessor->component_type,
+                              .normalized = accessor->normalized,
                               .count = accessor->count};
     return PSPLAT_OK;
 }
 
-/* ---- values: glTF 2.0 section 3.6.2.2, whatever the machine's byte order and integers are -----
+/* ---- values: whatever the machine's byte order and integers are -------------------------------
  */
 
 static float float_at(const uint8_t *bytes) {
@@ -118,24 +153,24 @@ static float float_at(const uint8_t *bytes) {
     return value;
 }
 
-static uint32_t short_at(const uint8_t *bytes) {
+static uint32_t bits_at(const uint8_t *bytes) {
     return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8;
 }
 
-static float byte_value(const uint8_t *bytes) {
-    return fmaxf((float)((int32_t)(bytes[0] ^ 0x80u) - 0x80) / 127.0f, -1.0f);
+static float byte_at(const uint8_t *bytes) {
+    return (float)((int32_t)(bytes[0] ^ 0x80u) - 0x80);
 }
 
-static float unsigned_byte_value(const uint8_t *bytes) {
-    return (float)bytes[0] / 255.0f;
+static float unsigned_byte_at(const uint8_t *bytes) {
+    return (float)bytes[0];
 }
 
-static float short_value(const uint8_t *bytes) {
-    return fmaxf((float)((int32_t)(short_at(bytes) ^ 0x8000u) - 0x8000) / 32767.0f, -1.0f);
+static float short_at(const uint8_t *bytes) {
+    return (float)((int32_t)(bits_at(bytes) ^ 0x8000u) - 0x8000);
 }
 
-static float unsigned_short_value(const uint8_t *bytes) {
-    return (float)short_at(bytes) / 65535.0f;
+static float unsigned_short_at(const uint8_t *bytes) {
+    return (float)bits_at(bytes);
 }
 
 /* Inlined, so that the loops know value and size: reading is what opening a large asset takes. */
@@ -152,22 +187,34 @@ static inline void read_as(const psplat_reader *reader, size_t first, size_t cou
             values[i * components + k] = value(bytes + i * stride + k * size);
 }
 
+/* glTF 2.0 section 3.6.2.2; 0 where integers are as they are. */
+static float largest_integer(const psplat_reader *reader) {
+    static const float largest[] = {127, 255, 32767, 65535};
+    if (!reader->normalized || reader->component_type == PSPLAT_FLOAT) return 0;
+    return largest[reader->component_type - PSPLAT_BYTE];
+}
+
 void psplat_reader_get(const psplat_reader *reader, size_t first, size_t count, float *values) {
+    float largest = largest_integer(reader);
     switch (reader->component_type) {
     case PSPLAT_BYTE:
-        read_as(reader, first, count, byte_value, 1, values);
+        read_as(reader, first, count, byte_at, 1, values);
         break;
     case PSPLAT_UNSIGNED_BYTE:
-        read_as(reader, first, count, unsigned_byte_value, 1, values);
+        read_as(reader, first, count, unsigned_byte_at, 1, values);
         break;
     case PSPLAT_SHORT:
-        read_as(reader, first, count, short_value, 2, values);
+        read_as(reader, first, count, short_at, 2, values);
         break;
     case PSPLAT_UNSIGNED_SHORT:
-        read_as(reader, first, count, unsigned_short_value, 2, values);
+        read_as(reader, first, count, unsigned_short_at, 2, values);
         break;
     default:
         read_as(reader, first, count, float_at, 4, values);
+    }
+    for (size_t i = 0; largest > 0 && i < count * reader->components; ++i) {
+        float value = values[i] / largest;
+        values[i] = value < -1 ? -1 : value; /* the least integer has no counterpart */
     }
 }
 

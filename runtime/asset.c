@@ -39,6 +39,7 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, siz
     const psplat_set *set = &gltf->sets[set_index];
     psplat_batch *batch = &asset->batches[asset->batch_count++];
     *batch = (psplat_batch){.splats = set->splats,
+                            .finishes = set->finishes,
                             .splat_count = set->count,
                             .clip_count = set->clip_count,
                             .primitive = (uint32_t)set_index,

@@ -33,9 +33,8 @@ psplat_result psplat_gltf_index(const psplat_gltf *gltf, psplat_json_value value
     return psplat_json_integer(&gltf->json, value, what, count - 1, index);
 }
 
-/* The required member of an object. */
-static psplat_result require(const psplat_gltf *gltf, psplat_json_value object,
-                             psplat_json_value member, const char *what) {
+psplat_result psplat_gltf_require(const psplat_gltf *gltf, psplat_json_value object,
+                                  psplat_json_value member, const char *what) {
     if (member) return PSPLAT_OK;
     return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, object),
                        "%s is missing", what);
@@ -46,9 +45,9 @@ static psplat_result require(const psplat_gltf *gltf, psplat_json_value object,
 static psplat_result check_version(psplat_gltf *gltf, psplat_json_value asset) {
     static const char *const names[] = {"version", "minVersion"};
     psplat_json_value members[2];
-    psplat_result result = require(gltf, 0, asset, "asset");
+    psplat_result result = psplat_gltf_require(gltf, 0, asset, "asset");
     if (!result) result = psplat_json_members(&gltf->json, asset, names, 2, members);
-    if (!result) result = require(gltf, asset, members[0], "asset.version");
+    if (!result) result = psplat_gltf_require(gltf, asset, members[0], "asset.version");
     for (size_t i = 0; i < 2 && !result; ++i) {
         if (!members[i]) continue;
         result = psplat_json_expect(&gltf->json, members[i], PSPLAT_JSON_STRING, names[i]);
@@ -107,7 +106,7 @@ static psplat_result parse_buffer(psplat_gltf *gltf, psplat_buffer *buffer) {
     static const char *const names[] = {"byteLength", "uri"};
     psplat_json_value members[2];
     psplat_result result = psplat_json_members(&gltf->json, buffer->json, names, 2, members);
-    if (!result) result = require(gltf, buffer->json, members[0], "byteLength");
+    if (!result) result = psplat_gltf_require(gltf, buffer->json, members[0], "byteLength");
     if (!result)
         result = psplat_json_integer(&gltf->json, members[0], names[0], SIZE_MAX, &buffer->length);
     if (!result) result = psplat_json_expect(&gltf->json, members[1], PSPLAT_JSON_STRING, names[1]);
@@ -119,8 +118,8 @@ static psplat_result parse_view(psplat_gltf *gltf, psplat_view_range *view) {
     static const char *const names[] = {"buffer", "byteLength", "byteOffset", "byteStride"};
     psplat_json_value members[4];
     psplat_result result = psplat_json_members(&gltf->json, view->json, names, 4, members);
-    if (!result) result = require(gltf, view->json, members[0], "buffer");
-    if (!result) result = require(gltf, view->json, members[1], "byteLength");
+    if (!result) result = psplat_gltf_require(gltf, view->json, members[0], "buffer");
+    if (!result) result = psplat_gltf_require(gltf, view->json, members[1], "byteLength");
     if (!result)
         result = psplat_gltf_index(gltf, members[0], names[0], gltf->buffer_count, &view->buffer);
     if (!result)
@@ -162,7 +161,7 @@ static psplat_result parse_accessor(psplat_gltf *gltf, psplat_accessor *accessor
     const psplat_json *json = &gltf->json;
     psplat_result result = psplat_json_members(json, accessor->json, names, 7, members);
     for (size_t i = 0; i < 3 && !result; ++i)
-        result = require(gltf, accessor->json, members[i], names[i]);
+        result = psplat_gltf_require(gltf, accessor->json, members[i], names[i]);
     if (!result)
         result = psplat_json_integer(json, members[0], names[0], 65535, &accessor->component_type);
     if (!result)

@@ -7,8 +7,10 @@
  *     accessor.c   checked access to an accessor's elements as floats
  *     material.c   materials
  *     primitive.c  meshes: which of their primitives are splats
- *     attributes.c one primitive of splats: its extension object and attributes
+ *     extension.c  the extension object of a primitive of splats
+ *     attributes.c one primitive of splats and its attributes
  *     values.c     the values of these, decoded and checked
+ *     unpack.c     what integers among them stand for
  *     node.c       the node tree and its transforms
  *     asset.c      the public asset made of all that
  *
@@ -21,6 +23,7 @@
 #include "json.h"
 
 #define PSPLAT_EXTENSION "PSPLAT_surface_splats"
+#define PSPLAT_EXTENSION_VERSION 2 /* the newest that is read; older ones are read, too */
 #define PSPLAT_NONE SIZE_MAX
 
 typedef struct psplat_buffer {
@@ -47,6 +50,7 @@ typedef struct psplat_accessor {
 /* The splats of one primitive. */
 typedef struct psplat_set {
     psplat_splat *splats;
+    psplat_finish *finishes; /* or NULL */
     size_t count;
     uint32_t clip_count;
     psplat_kernel kernel;
@@ -54,6 +58,9 @@ typedef struct psplat_set {
     psplat_material material;
     float bounds_min[3], bounds_max[3];
     int has_color, has_gamma;
+    size_t version;
+    double scale_range[2]; /* zeros where unstated, as the next (spec 3.9) */
+    float tilt_range, field_range, color_range;
     psplat_attribute *attributes; /* attribute_count of them, in the asset's arena */
     size_t attribute_count;
 } psplat_set;
@@ -103,6 +110,10 @@ typedef struct psplat_gltf {
 /* Offset in the file of a value, for psplat_fail. */
 size_t psplat_gltf_offset(const psplat_gltf *gltf, psplat_json_value value);
 
+/* FORMAT where the member of an object, 0, is missing. */
+psplat_result psplat_gltf_require(const psplat_gltf *gltf, psplat_json_value object,
+                                  psplat_json_value member, const char *what);
+
 /* Fills everything up to and including accessors. */
 psplat_result psplat_gltf_parse(psplat_gltf *gltf);
 
@@ -130,29 +141,37 @@ enum {
     PSPLAT_FLOAT = 5126
 };
 
-/* What an attribute may be (spec 3.2). */
+/* One way to store an attribute (spec 3.2). */
+typedef struct psplat_attribute_form {
+    size_t version; /* of the extension, from which on it is allowed; 0: no form */
+    size_t min_components, max_components;
+    unsigned component_types; /* bit t - PSPLAT_BYTE */
+    int is_plain;             /* integers need not be normalized */
+} psplat_attribute_form;
+
 typedef struct psplat_attribute_type {
     const char *name;
-    size_t min_components, max_components;
-    unsigned component_types; /* bit t - PSPLAT_BYTE; integers must be normalized */
+    psplat_attribute_form forms[2];
 } psplat_attribute_type;
 
 /* An accessor whose bytes are all inside its buffer. */
 typedef struct psplat_reader {
     const psplat_buffer *buffer;
     size_t start, stride, components, component_type, count;
+    int normalized;
 } psplat_reader;
 
-/* Checks accessor (a JSON index) against type and count (PSPLAT_NONE: any) and loads its buffer. */
+/* Checks accessor (a JSON index) against type, version and count (PSPLAT_NONE: any) and loads its
+ * buffer. */
 psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value accessor,
-                                 const psplat_attribute_type *type, size_t count,
+                                 const psplat_attribute_type *type, size_t version, size_t count,
                                  psplat_reader *reader);
 
 /* Bytes of all elements without what lies between them. */
 size_t psplat_reader_bytes(const psplat_reader *reader);
 
 /* Elements first ... first + count - 1 as floats, one after another; signed normalized integers as
- * max(c / 127, -1) and so on. */
+ * max(c / 127, -1) and so on, others as they are. */
 void psplat_reader_get(const psplat_reader *reader, size_t first, size_t count, float *values);
 
 /* The attributes of a primitive of splats. */
@@ -161,10 +180,17 @@ enum {
     PSPLAT_NORMAL,
     PSPLAT_COLOR,
     PSPLAT_ROTATION,
+    PSPLAT_TURN,
+    PSPLAT_TILT,
     PSPLAT_SCALE,
     PSPLAT_NORMAL_FIELD,
     PSPLAT_FIRST_CLIP,
-    PSPLAT_ATTRIBUTES = PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES
+    PSPLAT_COLOR_U = PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES,
+    PSPLAT_FIRST_FINISH = PSPLAT_COLOR_U, /* these fill a psplat_finish */
+    PSPLAT_COLOR_V,
+    PSPLAT_ORM, /* occlusion, roughness, metallic */
+    PSPLAT_EMISSIVE,
+    PSPLAT_ATTRIBUTES
 };
 
 typedef struct psplat_readers {
@@ -175,8 +201,17 @@ typedef struct psplat_readers {
 /* What an attribute is called in messages. */
 const char *psplat_attribute_name(size_t attribute);
 
-/* Decodes set->count splats into set->splats and checks every value (spec 3.3 to 3.8). Finds the
- * set's bounds, and the size of the box around the centres. */
+/* Of count elements that come as integers are read, in place; lines become three numbers. step is
+ * what the integers of radii differ by at least (spec 3.9). */
+void psplat_unpack_lines(float *values, size_t count);
+void psplat_unpack_radii(float *values, size_t count, const double range[2], double step);
+void psplat_unpack_scaled(float *values, size_t value_count, float range);
+
+/* The unit quaternion of unit N and a turn from -1 to 1 (spec 3.3). */
+void psplat_unpack_turn(const float normal[3], float turn, float quaternion[4]);
+
+/* Decodes set->count splats into set->splats and set->finishes and checks every value (spec 3.3
+ * to 3.8). Finds the set's bounds, and the size of the box around the centres. */
 psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers *readers,
                                    psplat_set *set, double extent[3]);
 
@@ -188,6 +223,10 @@ psplat_result psplat_material_get(const psplat_gltf *gltf, psplat_json_value val
 
 /* Decodes every primitive of splats into gltf->sets. NO_SPLATS where there is none. */
 psplat_result psplat_meshes_parse(psplat_gltf *gltf);
+
+/* The extension object; *extent becomes its positionExtent. */
+psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value object,
+                                     psplat_set *set, psplat_json_value *extent);
 
 /* The splats of one primitive, whose members attributes and extension are; material is given. */
 psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,

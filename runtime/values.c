@@ -15,11 +15,13 @@ enum { BLOCK = 128, MAX_COMPONENTS = 4 };
 typedef struct decoder {
     const psplat_gltf *gltf;
     const psplat_readers *readers;
+    const psplat_set *set;
     size_t first, count; /* splats of the block */
     size_t index;        /* of the splat being decoded, in the primitive */
     float values[PSPLAT_ATTRIBUTES][BLOCK * MAX_COMPONENTS];
-    double low[3], high[3];              /* of the ellipses */
-    float center_low[3], center_high[3]; /* of their centres */
+    size_t components[PSPLAT_ATTRIBUTES]; /* of each splat, as the floats that they are */
+    double low[3], high[3];               /* of the ellipses */
+    float center_low[3], center_high[3];  /* of their centres */
 } decoder;
 
 static psplat_result fail_value(const decoder *d, size_t attribute, const char *what) {
@@ -45,25 +47,50 @@ static int all_finite(const float *values, size_t count) {
 }
 
 static psplat_result fail_infinite(decoder *d, size_t attribute) {
-    size_t components = d->readers->of[attribute].components, i = 0;
+    size_t i = 0;
     while (isfinite(d->values[attribute][i])) ++i;
-    d->index = d->first + i / components;
+    d->index = d->first + i / d->components[attribute];
     return fail_value(d, attribute, "is not finite");
+}
+
+/* Integers to floats (spec 3.9). */
+static void unpack(decoder *d, size_t attribute) {
+    const psplat_reader *reader = &d->readers->of[attribute];
+    const psplat_set *set = d->set;
+    float *values = d->values[attribute];
+    if (reader->component_type == PSPLAT_FLOAT) return;
+    if (attribute == PSPLAT_SCALE)
+        psplat_unpack_radii(values, d->count, set->scale_range,
+                            reader->component_type == PSPLAT_UNSIGNED_BYTE ? 1.0 / 255
+                                                                           : 1.0 / 65535);
+    if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U)
+        psplat_unpack_lines(values, d->count);
+    if (attribute == PSPLAT_TILT) psplat_unpack_scaled(values, d->count * 2, set->tilt_range);
+    if (attribute == PSPLAT_NORMAL_FIELD)
+        psplat_unpack_scaled(values, d->count * reader->components, set->field_range);
+    if (attribute == PSPLAT_COLOR_U || attribute == PSPLAT_COLOR_V)
+        psplat_unpack_scaled(values, d->count * reader->components, set->color_range);
+}
+
+/* Components of an attribute once it is unpacked. */
+static size_t unpacked_components(const psplat_reader *reader, size_t attribute) {
+    if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U) return 3;
+    return reader->components;
 }
 
 static psplat_result read_block(decoder *d) {
     for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
-        const psplat_reader *reader = &d->readers->of[i];
         if (!d->readers->is_present[i]) continue;
-        psplat_reader_get(reader, d->first, d->count, d->values[i]);
-        if (!all_finite(d->values[i], d->count * reader->components)) return fail_infinite(d, i);
+        psplat_reader_get(&d->readers->of[i], d->first, d->count, d->values[i]);
+        unpack(d, i);
+        if (!all_finite(d->values[i], d->count * d->components[i])) return fail_infinite(d, i);
     }
     return PSPLAT_OK;
 }
 
 /* The values of an attribute of the splat being decoded. */
 static const float *values_of(const decoder *d, size_t attribute) {
-    return d->values[attribute] + (d->index - d->first) * d->readers->of[attribute].components;
+    return d->values[attribute] + (d->index - d->first) * d->components[attribute];
 }
 
 /* ---- splats ------------------------------------------------------------------------------- */
@@ -95,12 +122,34 @@ static void rotation_axes(const float q[4], double axes[3][3]) {
     axes[2][2] = 1 - 2 * (x * x + y * y);
 }
 
+static psplat_result decode_normal(const decoder *d, float normal[3]) {
+    memcpy(normal, values_of(d, PSPLAT_NORMAL), 3 * sizeof *normal);
+    return normalise(normal, 3) ? PSPLAT_OK : fail_value(d, PSPLAT_NORMAL, "is not unit");
+}
+
+static psplat_result decode_rotation(const decoder *d, float rotation[4]) {
+    memcpy(rotation, values_of(d, PSPLAT_ROTATION), 4 * sizeof *rotation);
+    if (normalise(rotation, 4)) return PSPLAT_OK;
+    return fail_value(d, PSPLAT_ROTATION, "is not a unit quaternion");
+}
+
+/* Spec 3.3: NORMAL is N. */
+static psplat_result decode_turn(const decoder *d, float rotation[4]) {
+    float normal[3], turn = *values_of(d, PSPLAT_TURN);
+    psplat_result result = decode_normal(d, normal);
+    if (!result && !(turn >= -1 && turn <= 1))
+        result = fail_value(d, PSPLAT_TURN, "is not from -1 to 1");
+    if (!result) psplat_unpack_turn(normal, turn, rotation);
+    return result;
+}
+
 static psplat_result decode_frame(const decoder *d, psplat_splat *splat, double axes[3][3]) {
     memcpy(splat->center, values_of(d, PSPLAT_POSITION), sizeof splat->center);
-    memcpy(splat->rotation, values_of(d, PSPLAT_ROTATION), sizeof splat->rotation);
     memcpy(splat->radius, values_of(d, PSPLAT_SCALE), sizeof splat->radius);
-    if (!normalise(splat->rotation, 4))
-        return fail_value(d, PSPLAT_ROTATION, "is not a unit quaternion");
+    psplat_result result = d->readers->is_present[PSPLAT_TURN]
+                               ? decode_turn(d, splat->rotation)
+                               : decode_rotation(d, splat->rotation);
+    if (result) return result;
     if (!(splat->radius[0] >= splat->radius[1] && splat->radius[1] > 0))
         return fail_value(d, PSPLAT_SCALE, "is not two radii, the larger first, above 0");
     rotation_axes(splat->rotation, axes);
@@ -111,7 +160,7 @@ static psplat_result decode_frame(const decoder *d, psplat_splat *splat, double 
  */
 static psplat_result decode_gradient(const decoder *d, psplat_splat *splat, double cosine) {
     memcpy(splat->gradient, values_of(d, PSPLAT_NORMAL_FIELD),
-           d->readers->of[PSPLAT_NORMAL_FIELD].components * sizeof *splat->gradient);
+           d->components[PSPLAT_NORMAL_FIELD] * sizeof *splat->gradient);
     double alpha = (double)splat->gradient[0], beta = (double)splat->gradient[1];
     double gamma = (double)splat->gradient[2];
     /* Far from the bound, where fields are, it takes no root: neither term exceeds 10. */
@@ -123,9 +172,17 @@ static psplat_result decode_gradient(const decoder *d, psplat_splat *splat, doub
     return fail_value(d, PSPLAT_NORMAL_FIELD, "bends the normal by more than spec 3.5 allows");
 }
 
+/* Beside TURN, x and y of eq. (2) are stored and NORMAL is N (spec 3.5). */
+static void tilt(const float by[2], double axes[3][3], float normal[3]) {
+    double x = (double)by[0], y = (double)by[1], scale = 1 / sqrt(1 + x * x + y * y);
+    for (size_t i = 0; i < 3; ++i)
+        normal[i] = (float)(scale * (axes[2][i] + x * axes[0][i] + y * axes[1][i]));
+}
+
 static psplat_result decode_normals(const decoder *d, psplat_splat *splat, double axes[3][3]) {
-    memcpy(splat->normal, values_of(d, PSPLAT_NORMAL), sizeof splat->normal);
-    if (!normalise(splat->normal, 3)) return fail_value(d, PSPLAT_NORMAL, "is not unit");
+    psplat_result result = decode_normal(d, splat->normal);
+    if (result) return result;
+    if (d->readers->is_present[PSPLAT_TILT]) tilt(values_of(d, PSPLAT_TILT), axes, splat->normal);
     double cosine = 0;
     for (size_t i = 0; i < 3; ++i) cosine += (double)splat->normal[i] * axes[2][i];
     if (!(cosine >= 0.05))
@@ -134,14 +191,39 @@ static psplat_result decode_normals(const decoder *d, psplat_splat *splat, doubl
     return decode_gradient(d, splat, cosine);
 }
 
+/* From 0 to 1, as all of COLOR_0, OCCLUSION_ROUGHNESS_METALLIC and EMISSIVE is. */
+static int are_parts(const float *values, size_t count) {
+    int are = 1;
+    for (size_t i = 0; i < count; ++i) are &= values[i] >= 0 && values[i] <= 1;
+    return are;
+}
+
 static psplat_result decode_color(const decoder *d, psplat_splat *splat) {
     if (!d->readers->is_present[PSPLAT_COLOR]) return PSPLAT_OK;
     memcpy(splat->color, values_of(d, PSPLAT_COLOR),
-           d->readers->of[PSPLAT_COLOR].components * sizeof *splat->color);
-    for (size_t i = 0; i < 4; ++i)
-        if (splat->color[i] < 0 || splat->color[i] > 1)
-            return fail_value(d, PSPLAT_COLOR, "is not from 0 to 1");
-    return PSPLAT_OK;
+           d->components[PSPLAT_COLOR] * sizeof *splat->color);
+    if (are_parts(splat->color, 4)) return PSPLAT_OK;
+    return fail_value(d, PSPLAT_COLOR, "is not from 0 to 1");
+}
+
+static psplat_result decode_finish(const decoder *d, psplat_finish *finish) {
+    const int *is_present = d->readers->is_present;
+    *finish = (psplat_finish){.occlusion = 1, .roughness = 1, .metallic = 1, .emissive = {1, 1, 1}};
+    if (is_present[PSPLAT_COLOR_U]) {
+        memcpy(finish->color_u, values_of(d, PSPLAT_COLOR_U), sizeof finish->color_u);
+        memcpy(finish->color_v, values_of(d, PSPLAT_COLOR_V), sizeof finish->color_v);
+    }
+    if (is_present[PSPLAT_ORM]) {
+        const float *orm = values_of(d, PSPLAT_ORM);
+        if (!are_parts(orm, 3)) return fail_value(d, PSPLAT_ORM, "is not from 0 to 1");
+        finish->occlusion = orm[0];
+        finish->roughness = orm[1];
+        finish->metallic = orm[2];
+    }
+    if (!is_present[PSPLAT_EMISSIVE]) return PSPLAT_OK;
+    memcpy(finish->emissive, values_of(d, PSPLAT_EMISSIVE), sizeof finish->emissive);
+    if (are_parts(finish->emissive, 3)) return PSPLAT_OK;
+    return fail_value(d, PSPLAT_EMISSIVE, "is not from 0 to 1");
 }
 
 static psplat_result decode_clip_lines(const decoder *d, psplat_splat *splat) {
@@ -201,6 +283,9 @@ psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers
     decoder d;
     d.gltf = gltf;
     d.readers = readers;
+    d.set = set;
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i)
+        d.components[i] = unpacked_components(&readers->of[i], i);
     for (size_t i = 0; i < 3; ++i) {
         d.low[i] = HUGE_VAL;
         d.high[i] = -HUGE_VAL;
@@ -213,6 +298,7 @@ psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers
         for (size_t i = 0; i < d.count && !result; ++i) {
             d.index = d.first + i;
             result = decode_splat(&d, &set->splats[d.index], set->clip_count);
+            if (!result && set->finishes) result = decode_finish(&d, &set->finishes[d.index]);
         }
         if (result) return result;
     }
