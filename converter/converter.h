@@ -30,7 +30,8 @@ void psplat_path_shorten(const char *path, char shown[PSPLAT_SHOWN_PATH]);
 
 /* Pixels of a texture as its file has them, 8 bits a channel, RGBA, the first row at the top. */
 typedef struct psplat_image {
-    uint8_t *pixels; /* height x width x 4; NULL: an image that could not be read */
+    uint8_t *pixels; /* height x width x 4; NULL: an image that could not be read, */
+    char *problem;   /* and why, malloc'ed; or NULL: nothing asks for it */
     uint32_t width, height;
 } psplat_image;
 
@@ -58,9 +59,21 @@ typedef struct psplat_appearance {
     psplat_texture base_color, metallic_roughness, normal, occlusion, emissive;
     int is_masked; /* alphaMode MASK: */
     float alpha_cutoff;
-    char *name;   /* malloc'ed, or NULL */
-    char *extras; /* JSON, malloc'ed, or NULL */
+    int is_blended; /* alphaMode BLEND; drawn opaque */
+    char *name;     /* malloc'ed, or NULL */
+    char *extras;   /* JSON, malloc'ed, or NULL */
 } psplat_appearance;
+
+/* What the meshes of a file look like. */
+typedef struct psplat_palette {
+    psplat_appearance *appearances;
+    size_t appearance_count;
+    psplat_image *images; /* that the appearances' textures point to */
+    size_t image_count;
+} psplat_palette;
+
+/* Frees what palette holds. */
+void psplat_palette_free(psplat_palette *palette);
 
 /* ---- mesh.c: triangles as they were read ------------------------------------------------- */
 
@@ -82,7 +95,8 @@ typedef struct psplat_mesh {
     psplat_material material;             /* factors common to all triangles */
     const psplat_appearance *appearances; /* by group, owned by the scene; NULL: material is all */
     size_t appearance_count;
-    size_t dropped; /* triangles dropped as degenerate or repeated */
+    psplat_palette *palette; /* of psplat_mesh_read: owns the appearances; NULL: others do */
+    size_t dropped;          /* triangles dropped as degenerate or repeated */
     /* Of a point set: all its points, and for each a triangle that it lies on or beside. The
      * triangles tell then which points are neighbours, and where the set has holes and ends;
      * distances are measured to the points as well. NULL for a mesh. */

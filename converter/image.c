@@ -26,6 +26,7 @@ psplat_result psplat_image_allocate(psplat_image *image, size_t width, size_t he
 void psplat_image_free(psplat_image *image) {
     if (!image) return;
     free(image->pixels);
+    free(image->problem);
     *image = (psplat_image){0};
 }
 

@@ -68,6 +68,8 @@ void psplat_mesh_free(psplat_mesh *mesh) {
     free(mesh->groups);
     free(mesh->points);
     free(mesh->point_triangles);
+    psplat_palette_free(mesh->palette);
+    free(mesh->palette);
     *mesh = (psplat_mesh){0};
 }
 

@@ -19,14 +19,6 @@ static void free_strings(char *name, char *extras) {
     free(extras);
 }
 
-static void free_appearances(psplat_scene *scene) {
-    for (size_t i = 0; i < scene->appearance_count; ++i)
-        free_strings(scene->appearances[i].name, scene->appearances[i].extras);
-    for (size_t i = 0; i < scene->image_count; ++i) free(scene->images[i].pixels);
-    free(scene->appearances);
-    free(scene->images);
-}
-
 static void free_graph(psplat_scene *scene) {
     for (size_t i = 0; i < scene->node_count; ++i) {
         free_strings(scene->nodes[i].name, scene->nodes[i].extras);
@@ -55,7 +47,7 @@ void psplat_scene_free(psplat_scene *scene) {
     for (size_t i = 0; i < scene->warning_count; ++i) free(scene->warnings[i]);
     free(scene->meshes);
     free(scene->warnings);
-    free_appearances(scene);
+    psplat_palette_free(&scene->palette);
     free_graph(scene);
     free_strings(scene->copyright, scene->extras);
     free(scene->asset_extras);

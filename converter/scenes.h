@@ -72,11 +72,8 @@ typedef struct psplat_scene_view {
 typedef struct psplat_scene {
     psplat_scene_mesh *meshes;
     size_t mesh_count;
-    psplat_appearance *appearances; /* by index of the file's materials; then the default material,
-                                       where triangles have none. Groups of meshes index it */
-    size_t appearance_count;
-    psplat_image *images;
-    size_t image_count;
+    psplat_palette palette;   /* appearances by index of the file's materials, then the default
+                                 material. Groups of meshes index it */
     psplat_scene_node *nodes; /* a strict forest, at most 64 deep */
     size_t node_count;
     psplat_scene_camera *cameras;
