@@ -6,6 +6,7 @@
 #include "vector.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const double degree = 3.141592653589793 / 180;
 static const double default_tolerance_percent = 0.5;
@@ -55,7 +56,6 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     if (degrees > 0) fine = fmin(percent, normal_tolerance_percent(degrees));
     double spacing = spacing_percent / 100 * diagonal * sqrt(fine);
     c->tolerance = percent / 100 * diagonal;
-    c->splats->flat_depth_tolerance = (float)(2 * flat_part * c->tolerance);
     c->finest = spacing;
     c->limits = (psplat_limits){.tolerance = fitted_part * c->tolerance,
                                 .crease_tolerance = crease_part * c->tolerance,
@@ -81,8 +81,20 @@ static float depth_tolerance(const psplat_conversion *c) {
 }
 
 static psplat_result store(psplat_conversion *c, psplat_error *error) {
-    if (!psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats)) return PSPLAT_OK;
-    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
+    const psplat_mesh *mesh = c->surface.mesh;
+    const psplat_storing storing = {.depth_tolerance = depth_tolerance(c),
+                                    .flat_depth_tolerance = (float)(2 * flat_part * c->tolerance),
+                                    .groups = mesh->appearances ? mesh->groups : NULL,
+                                    .has_color = c->samples.colors != NULL};
+    size_t materials = mesh->appearances ? mesh->appearance_count : 1;
+    c->splats->materials = malloc((materials + 1) * sizeof *c->splats->materials);
+    if (!c->splats->materials || psplat_store_splats(&c->selection, &storing, c->splats))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
+    c->splats->material_count = materials;
+    for (size_t i = 0; i < materials; ++i)
+        c->splats->materials[i] =
+            mesh->appearances ? mesh->appearances[i].material : mesh->material;
+    return PSPLAT_OK;
 }
 
 /* Grows candidates beside those taken, a random sample of each for every seed. */
@@ -135,15 +147,14 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
 static void fill_splats(const psplat_conversion *c, const psplat_mesh *mesh) {
     c->splats->kernel =
         (psplat_kernel){PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT};
-    c->splats->depth_tolerance = depth_tolerance(c);
-    c->splats->material = mesh->material;
     for (int k = 0; k < 3; ++k) c->splats->origin[k] = mesh->origin[k];
 }
 
 static void count_for_report(const psplat_conversion *c, psplat_report *report) {
     report->splats = c->splats->count;
-    for (int k = 0; k <= PSPLAT_MAX_CLIP_LINES; ++k)
-        report->splats_by_clip_lines[k] = c->splats->count_by_clip_lines[k];
+    memset(report->splats_by_clip_lines, 0, sizeof report->splats_by_clip_lines);
+    for (size_t i = 0; i < c->splats->run_count; ++i)
+        report->splats_by_clip_lines[c->splats->runs[i].clip_lines] += c->splats->runs[i].count;
     report->triangles = c->surface.mesh->triangle_count;
     report->patches = c->surface.patch_count;
     report->crease_edges = c->surface.crease_edges;

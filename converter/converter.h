@@ -152,19 +152,28 @@ typedef struct psplat_convert_desc {
     void *user;
 } psplat_convert_desc;
 
-/* The splats of one model, sorted by clip_count; in each class first the flat ones, which lie on
- * their surface and need next to no depth tolerance, then the others; each in spatial order. */
+/* Consecutive splats that may become one primitive. */
+typedef struct psplat_run {
+    size_t count;
+    uint32_t clip_lines; /* of each splat */
+    uint32_t material;   /* index of the materials */
+    float depth_tolerance;
+} psplat_run;
+
+/* The splats of one mesh in runs: sorted by clip_count; in each class first the flat ones, which
+ * lie on their surface and need next to no depth tolerance, then the others; of those each material
+ * for itself, in spatial order. */
 typedef struct psplat_splats {
     psplat_splat *splats;
+    psplat_finish *finishes; /* count; NULL: none (spec 3.10) */
     size_t count;
-    size_t count_by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1];
+    psplat_run *runs; /* their counts add up to count */
+    size_t run_count;
+    psplat_material *materials; /* by index of the mesh's appearances; at least one */
+    size_t material_count;
     psplat_kernel kernel;
-    float depth_tolerance;
-    size_t flat_by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1]; /* of count_by_clip_lines; may be 0 */
-    float flat_depth_tolerance;                           /* of those */
-    int has_color;                                        /* 0: color is 1 1 1 1 in every splat */
-    double origin[3];                                     /* goes into the node's translation */
-    psplat_material material;
+    int has_color;    /* 0: color is 1 1 1 1 in every splat */
+    double origin[3]; /* goes into the node's translation */
 } psplat_splats;
 
 void psplat_splats_free(psplat_splats *splats);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * glb.c - splats to a complete GLB (spec 3): one node, one mesh, one primitive per number of clip
- * lines, unclipped first (BSK04 section 4.1). Only what a model needs is written: no NORMAL_FIELD
+ * glb.c - splats to a complete GLB (spec 3): one node, one mesh, one primitive per run,
+ * unclipped first (BSK04 section 4.1). Only what a model needs is written: no NORMAL_FIELD
  * where every gradient of a primitive is 0, no gamma where every one is, no COLOR_0 where the
  * colour is uniform, no glTF default. Equal splats give equal bytes, whatever the locale and the
  * machine's byte order.
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1, RUNS = 2 * CLASSES, COLUMNS = 10 };
+enum { COLUMNS = 10 };
 enum { FLOAT = 5126, UNSIGNED_SHORT = 5123 };
 
 /* One attribute: components floats of each splat, from byte offset on. Colours are written as
@@ -48,11 +48,12 @@ static const column columns[COLUMNS] = {
     CLIP_COLUMN(3),
 };
 
-/* A run of splats with the same number of clip lines and depth tolerance: one primitive. */
+/* One primitive. */
 typedef struct run {
     const psplat_splat *splats;
     size_t count;
     size_t clip_lines;
+    size_t material;
     float depth_tolerance;
     size_t components[COLUMNS]; /* that are written of each column; 0: the column is left out */
     size_t column_count;
@@ -112,24 +113,29 @@ static int all_finite(const float *values, size_t count) {
     return 1;
 }
 
+static psplat_result check_runs(const psplat_splats *splats, psplat_error *error) {
+    size_t index = 0;
+    for (size_t r = 0; r < splats->run_count; ++r) {
+        const psplat_run *run = &splats->runs[r];
+        if (!run->count || run->material >= splats->material_count ||
+            run->clip_lines > PSPLAT_MAX_CLIP_LINES)
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "run %zu is empty or has a material or lines that there are not", r);
+        for (size_t i = 0; i < run->count; ++i, ++index)
+            if (index >= splats->count || splats->splats[index].clip_count != run->clip_lines)
+                return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                                   "splat %zu has not the %u clip lines of run %zu", index,
+                                   (unsigned)run->clip_lines, r);
+    }
+    if (index == splats->count) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "runs add up to %zu of %zu splats", index,
+                       splats->count);
+}
+
 static psplat_result check_splats(const psplat_splats *splats, psplat_error *error) {
     if (!splats->count) return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "no splats to write");
-    size_t index = 0;
-    for (size_t clip_lines = 0; clip_lines < CLASSES; ++clip_lines)
-        for (size_t i = 0; i < splats->count_by_clip_lines[clip_lines]; ++i, ++index)
-            if (index >= splats->count || splats->splats[index].clip_count != clip_lines)
-                return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
-                                   "splat %zu is not in the class of %zu clip lines that "
-                                   "count_by_clip_lines puts it in",
-                                   index, clip_lines);
-    for (size_t i = 0; i < CLASSES; ++i)
-        if (splats->flat_by_clip_lines[i] > splats->count_by_clip_lines[i])
-            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
-                               "more flat splats than splats with %zu clip lines", i);
-    if (index != splats->count)
-        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
-                           "count_by_clip_lines adds up to %zu of %zu splats", index,
-                           splats->count);
+    psplat_result result = check_runs(splats, error);
+    if (result) return result;
     for (size_t i = 0; i < splats->count; ++i)
         for (size_t c = 0; c < COLUMNS; ++c) {
             const char *splat = (const char *)&splats->splats[i];
@@ -143,6 +149,42 @@ static psplat_result check_splats(const psplat_splats *splats, psplat_error *err
 }
 
 /* ---- JSON --------------------------------------------------------------------------------- */
+
+static int is_emissive(const psplat_material *m) {
+    /* Unlit materials show their base colour alone (spec 5.6). */
+    return !m->unlit &&
+           (m->emissive[0] != 0.0f || m->emissive[1] != 0.0f || m->emissive[2] != 0.0f);
+}
+
+/* glTF's factor ends at 1; KHR_materials_emissive_strength carries the rest. */
+static float emissive_strength(const psplat_material *m) {
+    if (!is_emissive(m)) return 1.0f;
+    return fmaxf(1.0f, fmaxf(fmaxf(m->emissive[0], m->emissive[1]), m->emissive[2]));
+}
+
+static int is_white(const float color[4]) {
+    return color[0] == 1.0f && color[1] == 1.0f && color[2] == 1.0f && color[3] == 1.0f;
+}
+
+static int is_default_material(const psplat_material *m) {
+    return is_white(m->base_color) && m->metallic == 1.0f && m->roughness == 1.0f &&
+           !is_emissive(m) && !m->double_sided && !m->unlit;
+}
+
+static int is_written_material(const psplat_splats *splats, size_t index) {
+    if (is_default_material(&splats->materials[index])) return 0;
+    for (size_t i = 0; i < splats->run_count; ++i)
+        if (splats->runs[i].material == index) return 1;
+    return 0;
+}
+
+/* The index that a material has in the file; SIZE_MAX: none. */
+static size_t written_material(const psplat_splats *splats, size_t index) {
+    size_t written = 0;
+    if (!is_written_material(splats, index)) return SIZE_MAX;
+    for (size_t i = 0; i < index; ++i) written += (size_t)is_written_material(splats, i);
+    return written;
+}
 
 static void add_attributes(psplat_writer *json, const run *r, size_t accessor) {
     psplat_writer_open(json, "attributes", '{');
@@ -162,13 +204,14 @@ static void add_kernel(psplat_writer *json, const psplat_kernel *kernel) {
 }
 
 static void add_primitive(psplat_writer *json, const run *r, size_t accessor,
-                          const psplat_splats *splats, int has_material) {
+                          const psplat_splats *splats) {
+    size_t material = written_material(splats, r->material);
     float extent[3];
     for (size_t i = 0; i < 3; ++i) extent[i] = (float)((double)r->max[i] - (double)r->min[i]);
     psplat_writer_open(json, NULL, '{');
     psplat_writer_count(json, "mode", 0);
     add_attributes(json, r, accessor);
-    if (has_material) psplat_writer_count(json, "material", 0);
+    if (material != SIZE_MAX) psplat_writer_count(json, "material", material);
     psplat_writer_open(json, "extensions", '{');
     psplat_writer_open(json, "PSPLAT_surface_splats", '{');
     psplat_writer_count(json, "version", 1);
@@ -201,40 +244,19 @@ static void add_scene(psplat_writer *json, const psplat_splats *splats, const ch
 }
 
 static void add_mesh(psplat_writer *json, const psplat_splats *splats, const char *name,
-                     const run *runs, size_t run_count, int has_material) {
+                     const run *runs, size_t run_count) {
     size_t accessor = 0;
     psplat_writer_open(json, "meshes", '[');
     psplat_writer_open(json, NULL, '{');
     if (name && *name) psplat_writer_string(json, "name", name);
     psplat_writer_open(json, "primitives", '[');
     for (size_t i = 0; i < run_count; ++i) {
-        add_primitive(json, &runs[i], accessor, splats, has_material);
+        add_primitive(json, &runs[i], accessor, splats);
         accessor += runs[i].column_count;
     }
     psplat_writer_close(json, ']');
     psplat_writer_close(json, '}');
     psplat_writer_close(json, ']');
-}
-
-static int is_emissive(const psplat_material *m) {
-    /* Unlit materials show their base colour alone (spec 5.6). */
-    return !m->unlit &&
-           (m->emissive[0] != 0.0f || m->emissive[1] != 0.0f || m->emissive[2] != 0.0f);
-}
-
-/* glTF's factor ends at 1; KHR_materials_emissive_strength carries the rest. */
-static float emissive_strength(const psplat_material *m) {
-    if (!is_emissive(m)) return 1.0f;
-    return fmaxf(1.0f, fmaxf(fmaxf(m->emissive[0], m->emissive[1]), m->emissive[2]));
-}
-
-static int is_white(const float color[4]) {
-    return color[0] == 1.0f && color[1] == 1.0f && color[2] == 1.0f && color[3] == 1.0f;
-}
-
-static int is_default_material(const psplat_material *m) {
-    return is_white(m->base_color) && m->metallic == 1.0f && m->roughness == 1.0f &&
-           !is_emissive(m) && !m->double_sided && !m->unlit;
 }
 
 static void add_emissive(psplat_writer *json, const psplat_material *m) {
@@ -250,7 +272,6 @@ static void add_emissive(psplat_writer *json, const psplat_material *m) {
 }
 
 static void add_material(psplat_writer *json, const psplat_material *m) {
-    psplat_writer_open(json, "materials", '[');
     psplat_writer_open(json, NULL, '{');
     psplat_writer_open(json, "pbrMetallicRoughness", '{');
     if (!is_white(m->base_color)) psplat_writer_floats(json, "baseColorFactor", m->base_color, 4);
@@ -266,7 +287,28 @@ static void add_material(psplat_writer *json, const psplat_material *m) {
         psplat_writer_close(json, '}');
     }
     psplat_writer_close(json, '}');
-    psplat_writer_close(json, ']');
+}
+
+/* Those that runs use and that are not glTF's default. */
+static void add_materials(psplat_writer *json, const psplat_splats *splats) {
+    int any = 0;
+    for (size_t i = 0; i < splats->material_count; ++i) {
+        if (!is_written_material(splats, i)) continue;
+        if (!any++) psplat_writer_open(json, "materials", '[');
+        add_material(json, &splats->materials[i]);
+    }
+    if (any) psplat_writer_close(json, ']');
+}
+
+static void add_material_extensions(psplat_writer *json, const psplat_splats *splats) {
+    int unlit = 0, strength = 0;
+    for (size_t i = 0; i < splats->material_count; ++i) {
+        if (!is_written_material(splats, i)) continue;
+        unlit |= splats->materials[i].unlit;
+        strength |= emissive_strength(&splats->materials[i]) > 1.0f;
+    }
+    if (unlit) psplat_writer_string(json, NULL, "KHR_materials_unlit");
+    if (strength) psplat_writer_string(json, NULL, "KHR_materials_emissive_strength");
 }
 
 static void add_accessor(psplat_writer *json, const run *r, size_t index, size_t view) {
@@ -320,8 +362,6 @@ static void add_data(psplat_writer *json, const run *runs, size_t run_count) {
 
 static void add_document(psplat_writer *json, const psplat_splats *splats, const char *name,
                          const run *runs, size_t run_count) {
-    const psplat_material *material = &splats->material;
-    int has_material = !is_default_material(material);
     psplat_writer_open(json, NULL, '{');
     psplat_writer_open(json, "asset", '{');
     psplat_writer_string(json, "version", "2.0");
@@ -329,13 +369,11 @@ static void add_document(psplat_writer *json, const psplat_splats *splats, const
     psplat_writer_close(json, '}');
     psplat_writer_open(json, "extensionsUsed", '[');
     psplat_writer_string(json, NULL, "PSPLAT_surface_splats");
-    if (material->unlit) psplat_writer_string(json, NULL, "KHR_materials_unlit");
-    if (emissive_strength(material) > 1.0f)
-        psplat_writer_string(json, NULL, "KHR_materials_emissive_strength");
+    add_material_extensions(json, splats);
     psplat_writer_close(json, ']');
     add_scene(json, splats, name);
-    add_mesh(json, splats, name, runs, run_count, has_material);
-    if (has_material) add_material(json, material);
+    add_mesh(json, splats, name, runs, run_count);
+    add_materials(json, splats);
     add_data(json, runs, run_count);
     psplat_writer_close(json, '}');
 }
@@ -396,22 +434,20 @@ static psplat_result pack(const psplat_writer *json, const run *runs, size_t run
     return PSPLAT_OK;
 }
 
-/* Returns the number of runs: of each class the flat splats, then the others, where there are any.
- */
-static size_t make_runs(const psplat_splats *splats, run runs[RUNS]) {
-    size_t run_count = 0;
+static run *make_runs(const psplat_splats *splats) {
+    run *runs = malloc((splats->run_count + 1) * sizeof *runs);
     const psplat_splat *next = splats->splats;
-    for (size_t i = 0; i < RUNS; ++i) {
-        size_t clip_lines = i / 2, flat = splats->flat_by_clip_lines[clip_lines];
-        size_t count = i % 2 ? splats->count_by_clip_lines[clip_lines] - flat : flat;
-        if (!count) continue;
-        run *r = &runs[run_count++];
-        *r = (run){.splats = next, .count = count, .clip_lines = clip_lines};
-        r->depth_tolerance = i % 2 ? splats->depth_tolerance : splats->flat_depth_tolerance;
-        run_measure(r, splats);
-        next += count;
+    for (size_t i = 0; runs && i < splats->run_count; ++i) {
+        const psplat_run *from = &splats->runs[i];
+        runs[i] = (run){.splats = next,
+                        .count = from->count,
+                        .clip_lines = from->clip_lines,
+                        .material = from->material,
+                        .depth_tolerance = from->depth_tolerance};
+        run_measure(&runs[i], splats);
+        next += from->count;
     }
-    return run_count;
+    return runs;
 }
 
 psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, uint8_t **data,
@@ -423,13 +459,14 @@ psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, ui
     psplat_result result = check_splats(splats, error);
     if (result) return result;
 
-    run runs[RUNS];
-    size_t run_count = make_runs(splats, runs);
+    run *runs = make_runs(splats);
     psplat_writer json = {.compact = 1};
-    add_document(&json, splats, name, runs, run_count);
-    if (!psplat_writer_finish(&json))
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the JSON");
-    result = pack(&json, runs, run_count, data, size, error);
+    if (runs) add_document(&json, splats, name, runs, splats->run_count);
+    if (!runs || !psplat_writer_finish(&json))
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the JSON");
+    else
+        result = pack(&json, runs, splats->run_count, data, size, error);
     free(json.text);
+    free(runs);
     return result;
 }

@@ -33,9 +33,10 @@ static psplat_result widen_taken(void *user, size_t index, psplat_growth *growth
 static psplat_result find_holes(psplat_conversion *c, size_t *count, psplat_error *error) {
     psplat_measured measured;
     psplat_holes holes = {0};
+    const psplat_storing storing = {0}; /* only where they are matters here */
     double tolerance = c->limits.tolerance, spacing = c->samples.spacing;
     psplat_result result = psplat_growth_each(c->selection.count, widen_taken, c);
-    if (!result) result = psplat_store_splats(&c->selection, c->samples.colors != NULL, c->splats);
+    if (!result) result = psplat_store_splats(&c->selection, &storing, c->splats);
     if (!result) result = psplat_measured_create(c->splats, tolerance, tolerance, &measured);
     if (!result) {
         result =

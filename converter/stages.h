@@ -451,10 +451,17 @@ size_t psplat_selection_taken(const psplat_selection *selection);
 /* The plane regions of stored splats, in double; malloc'ed, NULL when out of memory. */
 psplat_region *psplat_splat_regions(const psplat_splats *splats);
 
-/* The selection in its stored form: single precision, sorted by clip lines, flat ones first, and
- * then along a Morton curve. Flat are those that leave the surface by less than half of
- * splats->flat_depth_tolerance. Fills splats, counts and has_color. */
-psplat_result psplat_store_splats(const psplat_selection *selection, int has_color,
+/* Flat are splats that leave the surface by less than half of flat_depth_tolerance. */
+typedef struct psplat_storing {
+    float depth_tolerance, flat_depth_tolerance;
+    const uint32_t *groups; /* by triangle: the materials; NULL: all are 0 */
+    int has_color;
+} psplat_storing;
+
+/* The selection in its stored form: single precision, sorted by clip lines, flat ones first, by
+ * materials, and then along a Morton curve. Fills splats, runs, their counts and has_color; what of
+ * these there was is freed. */
+psplat_result psplat_store_splats(const psplat_selection *selection, const psplat_storing *storing,
                                   psplat_splats *splats);
 
 /* ---- locate.c: which regions are near a point ------------------------------------------------ */
@@ -495,9 +502,8 @@ typedef struct psplat_conversion {
     double finest;    /* spacing of samples that suffices everywhere; the same */
 } psplat_conversion;
 
-/* Builds the surface and sets the limits: all that does not depend on samples. c holds desc, and
- * splats, whose depth tolerance it sets. psplat_conversion_free must follow, also where it fails.
- */
+/* Builds the surface and sets the limits of c, which holds desc: all that does not depend on
+ * samples. psplat_conversion_free must follow, also where it fails. */
 psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
                                       psplat_error *error);
 /* Frees all but the splats. */

@@ -74,7 +74,7 @@ psplat_region *psplat_splat_regions(const psplat_splats *splats) {
 }
 
 typedef struct order_entry {
-    uint32_t class, index; /* class: twice the clip lines, plus 1 unless flat */
+    uint32_t class, material, index; /* class: twice the clip lines, plus 1 unless flat */
     uint64_t code;
 } order_entry;
 
@@ -98,11 +98,12 @@ static uint64_t morton_code(const float center[3], const double low[3], double s
 static int compare_entries(const void *left, const void *right) {
     const order_entry *a = left, *b = right;
     if (a->class != b->class) return a->class < b->class ? -1 : 1;
+    if (a->material != b->material) return a->material < b->material ? -1 : 1;
     if (a->code != b->code) return a->code < b->code ? -1 : 1;
     return a->index < b->index ? -1 : a->index > b->index;
 }
 
-/* Fills everything but the entries' classes, and sorts. */
+/* Fills codes and indices of the entries, and sorts. */
 static void sort_entries(const psplat_splat *splats, order_entry *entries, size_t count) {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, extent = 0;
     for (int k = 0; k < 3; ++k) {
@@ -121,45 +122,68 @@ static void sort_entries(const psplat_splat *splats, order_entry *entries, size_
     qsort(entries, count, sizeof *entries, compare_entries);
 }
 
-psplat_result psplat_store_splats(const psplat_selection *selection, int has_color,
+static void take_candidates(const psplat_selection *selection, const psplat_storing *storing,
+                            psplat_splat *splats, order_entry *entries) {
+    for (size_t i = 0, count = 0; i < selection->count; ++i) {
+        const psplat_candidate *candidate = &selection->candidates[i];
+        if (!candidate->taken) continue;
+        int flat = 2 * candidate->deviation < (double)storing->flat_depth_tolerance;
+        candidate_to_splat(candidate, &splats[count]);
+        entries[count].class = 2 * candidate->region.line_count + !flat;
+        entries[count++].material = storing->groups ? storing->groups[candidate->triangle] : 0;
+    }
+}
+
+/* Returns how many there are; runs: room for count. */
+static size_t find_runs(const order_entry *entries, size_t count, const psplat_storing *storing,
+                        psplat_run *runs) {
+    size_t run_count = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (!i || entries[i].class != entries[i - 1].class ||
+            entries[i].material != entries[i - 1].material)
+            runs[run_count++] = (psplat_run){
+                .clip_lines = entries[i].class / 2,
+                .material = entries[i].material,
+                .depth_tolerance = entries[i].class % 2 ? storing->depth_tolerance
+                                                        : storing->flat_depth_tolerance};
+        runs[run_count - 1].count++;
+    }
+    return run_count;
+}
+
+psplat_result psplat_store_splats(const psplat_selection *selection, const psplat_storing *storing,
                                   psplat_splats *splats) {
     size_t count = 0;
     for (size_t i = 0; i < selection->count; ++i) count += selection->candidates[i].taken != 0;
     psplat_splat *unsorted = malloc((count + 1) * sizeof *unsorted);
     order_entry *entries = malloc((count + 1) * sizeof *entries);
     psplat_splat *sorted = malloc((count + 1) * sizeof *sorted);
-    if (!unsorted || !entries || !sorted) {
-        free(unsorted);
-        free(entries);
+    psplat_run *runs = malloc((count + 1) * sizeof *runs);
+    int failed = !unsorted || !entries || !sorted || !runs;
+    if (!failed) {
+        take_candidates(selection, storing, unsorted, entries);
+        sort_entries(unsorted, entries, count);
+        for (size_t i = 0; i < count; ++i) sorted[i] = unsorted[entries[i].index];
+        free(splats->splats);
+        free(splats->runs);
+        splats->splats = sorted;
+        splats->count = count;
+        splats->runs = runs;
+        splats->run_count = find_runs(entries, count, storing, runs);
+        splats->has_color = storing->has_color;
+    } else {
         free(sorted);
-        return PSPLAT_ERROR_MEMORY;
-    }
-    count = 0;
-    for (size_t i = 0; i < selection->count; ++i) {
-        const psplat_candidate *candidate = &selection->candidates[i];
-        if (!candidate->taken) continue;
-        int flat = 2 * candidate->deviation < (double)splats->flat_depth_tolerance;
-        candidate_to_splat(candidate, &unsorted[count]);
-        entries[count++].class = 2 * candidate->region.line_count + !flat;
-    }
-    sort_entries(unsorted, entries, count);
-    memset(splats->count_by_clip_lines, 0, sizeof splats->count_by_clip_lines);
-    memset(splats->flat_by_clip_lines, 0, sizeof splats->flat_by_clip_lines);
-    for (size_t i = 0; i < count; ++i) {
-        sorted[i] = unsorted[entries[i].index];
-        splats->count_by_clip_lines[sorted[i].clip_count]++;
-        splats->flat_by_clip_lines[sorted[i].clip_count] += entries[i].class % 2 == 0;
+        free(runs);
     }
     free(unsorted);
     free(entries);
-    free(splats->splats);
-    splats->splats = sorted;
-    splats->count = count;
-    splats->has_color = has_color;
-    return PSPLAT_OK;
+    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }
 
 void psplat_splats_free(psplat_splats *splats) {
     free(splats->splats);
+    free(splats->finishes);
+    free(splats->runs);
+    free(splats->materials);
     *splats = (psplat_splats){0};
 }

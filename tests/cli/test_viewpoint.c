@@ -129,7 +129,14 @@ static void test_sphere_leaves_out_what_is_clipped(void **state) {
     for (int i = 0; i < 2; ++i) splats[i].clip_count = 2;
     memcpy(splats[1].clip[0], other, sizeof other); /* keeps x >= 1 of the second */
     memcpy(splats[1].clip[1], other, sizeof other);
-    psplat_splats set = {.splats = splats, .count = 2, .count_by_clip_lines = {0, 0, 2}};
+    psplat_run run = {.count = 2, .clip_lines = 2};
+    psplat_material material = {.base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
+    psplat_splats set = {.splats = splats,
+                         .count = 2,
+                         .runs = &run,
+                         .run_count = 1,
+                         .materials = &material,
+                         .material_count = 1};
     set.kernel = (psplat_kernel){2, 2};
     set.origin[1] = 100;
     uint8_t *data = NULL;

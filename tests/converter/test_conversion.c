@@ -81,7 +81,8 @@ static void test_cube(void **state) {
     psplat_splats splats = convert(&mesh, 0.5, &r);
     double half = r.diagonal / sqrt(3) / 2;
     assert_int_equal(splats.count, 6);
-    assert_int_equal(splats.count_by_clip_lines[4], 6);
+    assert_int_equal(splats.runs[0].clip_lines, 4);
+    assert_int_equal(splats.runs[0].count, 6);
     psplat_region *regions = psplat_splat_regions(&splats);
     assert_non_null(regions);
     for (size_t i = 0; i < 6; ++i) {
@@ -128,7 +129,7 @@ static void test_sphere(void **state) {
             assert_near(length3(p), radius, tolerance + 0.001 * radius);
         }
     }
-    assert_int_equal(splats.count_by_clip_lines[0], splats.count);
+    assert_int_equal(r.splats_by_clip_lines[0], splats.count);
     assert_true(r.rms_normal_degrees < 0.5);
     assert_true(r.rms_normal_constant_degrees > 10 * r.rms_normal_degrees);
     free(regions);

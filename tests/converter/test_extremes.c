@@ -129,7 +129,7 @@ static void test_triangle(void **state) {
     shape_triangle(&s, 0, 1, 2);
     extreme e = extreme_right("one triangle", &s, 0.5);
     assert_int_equal(e.splats.count, 1);
-    assert_int_equal(e.splats.count_by_clip_lines[3], 1);
+    assert_int_equal(e.report.splats_by_clip_lines[3], 1);
     extreme_free(&e);
 }
 

@@ -84,7 +84,7 @@ static int is_open(const scene *s, const double p[3]) {
 static size_t find(scene *s, double coarse, double fine) {
     psplat_holes_free(&s->holes);
     psplat_measured_free(&s->measured);
-    assert_int_equal(psplat_store_splats(&s->discs, 0, &s->splats), PSPLAT_OK);
+    assert_int_equal(psplat_store_splats(&s->discs, &(psplat_storing){0}, &s->splats), PSPLAT_OK);
     assert_int_equal(psplat_measured_create(&s->splats, tolerance, tolerance, &s->measured),
                      PSPLAT_OK);
     assert_int_equal(psplat_holes_find(&s->f.surface, &s->measured, coarse, fine, &s->holes),

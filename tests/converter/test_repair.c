@@ -38,7 +38,8 @@ static void repair_begin(repair *r, double tolerance, double spacing, double mar
                                          &r->c.selection, NULL),
                      PSPLAT_OK);
     assert_int_equal(fixture_improve(&r->c.selection, r->c.samples.count, 0, 0, 0), PSPLAT_OK);
-    assert_int_equal(psplat_store_splats(&r->c.selection, 0, &r->splats), PSPLAT_OK);
+    assert_int_equal(psplat_store_splats(&r->c.selection, &(psplat_storing){0}, &r->splats),
+                     PSPLAT_OK);
 }
 
 static void repair_end(repair *r) {
@@ -110,7 +111,8 @@ static void test_lost(void **state) {
             lost = i;
     r.c.selection.candidates[lost].taken = 0;
     psplat_selection_settle(&r.c.selection); /* nor does the pool hold it */
-    assert_int_equal(psplat_store_splats(&r.c.selection, 0, &r.splats), PSPLAT_OK);
+    assert_int_equal(psplat_store_splats(&r.c.selection, &(psplat_storing){0}, &r.splats),
+                     PSPLAT_OK);
     assert_true(count_holes(&r) > 50); /* the rest of it others cover as well */
     assert_true(repair_and_check(&r) > 0);
     assert_in_range(r.splats.count, splats, splats + 4);

@@ -12,10 +12,12 @@
 /* Rounding to single precision, twice over: of the quaternion and of what it turns. */
 static const double single = 4 * 0x1p-24;
 
+static const psplat_storing coloured = {.has_color = 1}, plain;
+
 static psplat_splats store(psplat_candidate *candidates, size_t count) {
     psplat_splats splats = {0};
     psplat_selection selection = {candidates, count, count};
-    assert_int_equal(psplat_store_splats(&selection, 1, &splats), PSPLAT_OK);
+    assert_int_equal(psplat_store_splats(&selection, &coloured, &splats), PSPLAT_OK);
     assert_int_equal(splats.count, count);
     return splats;
 }
@@ -141,8 +143,11 @@ static void test_round_trip(void **state) {
     psplat_region *back = psplat_splat_regions(&splats);
     assert_non_null(back);
     assert_int_equal(splats.has_color, 1);
-    for (int k = 0; k <= PSPLAT_MAX_CLIP_LINES; ++k)
-        assert_int_equal(splats.count_by_clip_lines[k], classes[k]);
+    assert_int_equal(splats.run_count, PSPLAT_MAX_CLIP_LINES + 1);
+    for (uint32_t k = 0; k <= PSPLAT_MAX_CLIP_LINES; ++k) {
+        assert_int_equal(splats.runs[k].clip_lines, k);
+        assert_int_equal(splats.runs[k].count, classes[k]);
+    }
     for (size_t i = 0; i < COUNT; ++i) {
         if (i) assert_true(splats.splats[i].clip_count >= splats.splats[i - 1].clip_count);
         for (size_t k = 0; k < COUNT; ++k) {
@@ -175,8 +180,9 @@ static void test_morton(void **state) {
             candidates[i] = (psplat_candidate){.region = r, .taken = 1};
         }
         psplat_splats splats = store(candidates, 2 * COUNT);
-        assert_int_equal(splats.count_by_clip_lines[0], COUNT);
-        assert_int_equal(splats.count_by_clip_lines[2], COUNT);
+        assert_int_equal(splats.run_count, 2);
+        assert_int_equal(splats.runs[0].count, COUNT);
+        assert_int_equal(splats.runs[1].count, COUNT);
         for (uint32_t i = 0; i < 2 * COUNT; ++i) {
             uint32_t code = 0;
             for (int k = 0; k < 3; ++k) {
@@ -188,6 +194,35 @@ static void test_morton(void **state) {
         }
         psplat_splats_free(&splats);
     }
+}
+
+/* Runs: by clip lines, flat or not, and material, each with what it promises. */
+static void test_runs(void **state) {
+    (void)state;
+    enum { COUNT = 12 };
+    static const uint32_t groups[] = {1, 0, 2};
+    psplat_candidate candidates[COUNT];
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        candidates[i] = (psplat_candidate){
+            .region = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}},
+            .triangle = i % 3,
+            .deviation = i / 3 % 2 ? 0.04 : 0.06,
+            .taken = 1};
+        if (i >= 6) candidates[i].region.line_count = 1, candidates[i].region.lines[0][0] = 1;
+    }
+    psplat_splats splats = {0};
+    psplat_selection selection = {candidates, COUNT, COUNT};
+    const psplat_storing storing = {1, 0.1f, groups, 0};
+    assert_int_equal(psplat_store_splats(&selection, &storing, &splats), PSPLAT_OK);
+    assert_int_equal(splats.run_count, COUNT);
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        const psplat_run *run = &splats.runs[i];
+        assert_int_equal(run->count, 1);
+        assert_int_equal(run->clip_lines, i / 6);
+        assert_int_equal(run->material, i % 3);
+        assert_true(run->depth_tolerance == (i / 3 % 2 ? 1 : 0.1f));
+    }
+    psplat_splats_free(&splats);
 }
 
 /* No candidates, and candidates all in one place, have an order too. */
@@ -206,9 +241,10 @@ static void test_degenerate(void **state) {
     for (int i = 0; i < 5; ++i) assert_near((double)splats.splats[i].color[0], i, 0); /* stable */
     /* Storing again replaces what was stored. */
     psplat_selection fewer = {same, 2, 5};
-    assert_int_equal(psplat_store_splats(&fewer, 0, &splats), PSPLAT_OK);
+    assert_int_equal(psplat_store_splats(&fewer, &plain, &splats), PSPLAT_OK);
     assert_int_equal(splats.count, 2);
-    assert_int_equal(splats.count_by_clip_lines[0], 2);
+    assert_int_equal(splats.run_count, 1);
+    assert_int_equal(splats.runs[0].count, 2);
     assert_int_equal(splats.has_color, 0);
     psplat_splats_free(&splats);
 }
@@ -217,7 +253,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rotations),  cmocka_unit_test(test_cube_rotations),
         cmocka_unit_test(test_round_trip), cmocka_unit_test(test_morton),
-        cmocka_unit_test(test_degenerate),
+        cmocka_unit_test(test_runs),       cmocka_unit_test(test_degenerate),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

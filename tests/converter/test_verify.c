@@ -48,7 +48,8 @@ static void make_cube(cube *c) {
     psplat_selection selection = {faces, 6, 6};
     c->splats = (psplat_splats){
         .kernel = {PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT}};
-    assert_int_equal(psplat_store_splats(&selection, 0, &c->splats), PSPLAT_OK);
+    const psplat_storing storing = {0};
+    assert_int_equal(psplat_store_splats(&selection, &storing, &c->splats), PSPLAT_OK);
 }
 
 static void free_cube(cube *c) {
@@ -363,7 +364,8 @@ static void test_crease_of_another_sheet(void **state) {
     psplat_selection selection = {&candidate, 1, 1};
     c.splats = (psplat_splats){
         .kernel = {PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT}};
-    assert_int_equal(psplat_store_splats(&selection, 0, &c.splats), PSPLAT_OK);
+    const psplat_storing storing = {0};
+    assert_int_equal(psplat_store_splats(&selection, &storing, &c.splats), PSPLAT_OK);
     psplat_report r = verify(&c);
     assert_kept(&r, PSPLAT_PROMISE_COUNT);
     free_cube(&c);

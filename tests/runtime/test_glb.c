@@ -15,18 +15,31 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* A set of one splat, whose runs and material lie here too. */
+typedef struct single {
+    psplat_splat splat[3];
+    psplat_run runs[2];
+    psplat_material material;
+} single;
+
 /* One splat in the given class, with a default material. */
-static psplat_splats one(psplat_splat *splat, uint32_t clip_lines) {
+static psplat_splats one(single *s, uint32_t clip_lines) {
+    psplat_splat *splat = s->splat;
     *splat = (psplat_splat){.rotation = {0, 0, 0, 1},
                             .radius = {1, 1},
                             .normal = {0, 0, 1},
                             .color = {1, 1, 1, 1},
                             .clip_count = clip_lines};
     for (uint32_t k = 0; k < clip_lines; ++k) splat->clip[k][0] = 1;
-    psplat_splats splats = {.splats = splat, .count = 1, .kernel = {2, 2}};
-    splats.count_by_clip_lines[clip_lines] = 1;
-    splats.material = (psplat_material){.base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
-    return splats;
+    s->runs[0] = (psplat_run){.count = 1, .clip_lines = clip_lines};
+    s->material = (psplat_material){.base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
+    return (psplat_splats){.splats = splat,
+                           .count = 1,
+                           .runs = s->runs,
+                           .run_count = 1,
+                           .materials = &s->material,
+                           .material_count = 1,
+                           .kernel = {2, 2}};
 }
 
 /* The JSON of a written file, terminated; freed by the caller. */
@@ -57,8 +70,8 @@ static void assert_holds(const psplat_splats *splats, const char *name, const ch
 
 static void test_refuses(void **state) {
     (void)state;
-    psplat_splat splat;
-    psplat_splats splats = one(&splat, 1);
+    single s;
+    psplat_splats splats = one(&s, 1);
     uint8_t *data = (uint8_t *)1;
     size_t size = 1;
     assert_int_equal(psplat_glb_write(NULL, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
@@ -66,19 +79,24 @@ static void test_refuses(void **state) {
     psplat_splats empty = {0};
     assert_int_equal(psplat_glb_write(&empty, NULL, &data, &size, NULL), PSPLAT_ERROR_NO_SPLATS);
     assert_null(data);
-    splat.clip_count = 0; /* not the class it is counted in */
+    s.splat->clip_count = 0; /* not the class it is counted in */
     assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
-    splat.clip_count = 1;
-    splats.count_by_clip_lines[2] = 1; /* one more than there are */
+    s.splat->clip_count = 1;
+    s.runs[0].count = 2; /* one more than there are */
     assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
-    splats.count_by_clip_lines[2] = 0;
-    splats.count = 2; /* one less */
+    s.runs[0].count = 0; /* an empty one */
+    assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
+    s.runs[0].count = 1;
+    splats.count = 2; /* one less than there are */
     assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
     splats.count = 1;
-    splat.clip[0][2] = NAN;
+    s.runs[0].material = 1;
+    assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
+    s.runs[0].material = 0;
+    s.splat->clip[0][2] = NAN;
     assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, NULL), PSPLAT_ERROR_RANGE);
-    splat.clip[0][2] = 0;
-    splat.center[1] = INFINITY;
+    s.splat->clip[0][2] = 0;
+    s.splat->center[1] = INFINITY;
     psplat_error error;
     assert_int_equal(psplat_glb_write(&splats, NULL, &data, &size, &error), PSPLAT_ERROR_RANGE);
     assert_non_null(strstr(error.text, "POSITION"));
@@ -91,15 +109,15 @@ static void test_leaves_out_defaults(void **state) {
     static const char *const words[] = {"COLOR_0",   "NORMAL_FIELD", "CLIP_",
                                         "materials", "kernel",       "translation",
                                         "name",      "KHR_",         "\"material\""};
-    psplat_splat splat;
-    psplat_splats splats = one(&splat, 0);
+    single s;
+    psplat_splats splats = one(&s, 0);
     for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
         assert_holds(&splats, NULL, words[i], 0);
-    splat.gradient[1] = 1e-30f;
+    s.splat->gradient[1] = 1e-30f;
     splats.has_color = 1;
     splats.kernel.sharpness = 3;
     splats.origin[2] = 5;
-    splats.material.unlit = 1;
+    s.material.unlit = 1;
     for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
         if (strcmp(words[i], "CLIP_")) assert_holds(&splats, "x", words[i], 1);
 }
@@ -107,13 +125,16 @@ static void test_leaves_out_defaults(void **state) {
 /* gamma is stored where one splat has it, for all of its class and no other. */
 static void test_gradients(void **state) {
     (void)state;
-    psplat_splat splat[3];
-    psplat_splats splats = one(&splat[0], 0);
-    one(&splat[1], 0);
-    one(&splat[2], 1);
+    single s;
+    psplat_splats splats = one(&s, 1);
+    psplat_splat *splat = s.splat;
+    splat[2] = splat[0];
+    one(&s, 0);
+    splat[1] = splat[0];
+    s.runs[0].count = 2;
+    s.runs[1] = (psplat_run){.count = 1, .clip_lines = 1};
     splats.count = 3;
-    splats.count_by_clip_lines[0] = 2;
-    splats.count_by_clip_lines[1] = 1;
+    splats.run_count = 2;
     splat[0].gradient[0] = splat[2].gradient[1] = 0.5f;
     assert_holds(&splats, NULL, "\"count\":2,\"type\":\"VEC2\"},{\"bufferView\":5", 1);
     splat[1].gradient[2] = -0.25f;
@@ -136,15 +157,15 @@ static void test_gradients(void **state) {
 /* The shortest decimals that read back exactly. */
 static void test_numbers(void **state) {
     (void)state;
-    psplat_splat splat;
-    psplat_splats splats = one(&splat, 0);
-    splats.depth_tolerance = 0.1f;
+    single s;
+    psplat_splats splats = one(&s, 0);
+    s.runs[0].depth_tolerance = 0.1f;
     splats.origin[0] = 0.1;
     splats.origin[1] = 1.0 / 3;
     splats.origin[2] = -1e21;
-    splat.center[0] = 16777216;
-    splat.center[1] = 3.4028235e38f;
-    splat.center[2] = 1e-45f;
+    s.splat->center[0] = 16777216;
+    s.splat->center[1] = 3.4028235e38f;
+    s.splat->center[2] = 1e-45f;
     assert_holds(&splats, NULL, "\"depthTolerance\":0.1,", 1);
     assert_holds(&splats, NULL, "\"translation\":[0.1,0.3333333333333333,-1e+21]", 1);
     assert_holds(&splats, NULL, "\"min\":[16777216,3.4028235e+38,1e-45]", 1);
@@ -160,8 +181,8 @@ static void test_numbers_with_comma(void **state) {
 
 static void test_names(void **state) {
     (void)state;
-    psplat_splat splat;
-    psplat_splats splats = one(&splat, 0);
+    single s;
+    psplat_splats splats = one(&s, 0);
     assert_holds(&splats, "a \"b\" \\ \n", "\"a \\u0022b\\u0022 \\u005c \\u000a\"", 1);
     assert_holds(&splats, "\xc3\xa9 \xf0\x9f\x98\x80", "\"\xc3\xa9 \xf0\x9f\x98\x80\"", 1);
     /* Not UTF-8: a Latin-1 letter, a cut sequence, a surrogate, an overlong slash. */
@@ -174,15 +195,15 @@ static void test_names(void **state) {
 /* glTF ends emissive factors at 1; the rest goes into an extension, and unlit drops it all. */
 static void test_emissive(void **state) {
     (void)state;
-    psplat_splat splat;
-    psplat_splats splats = one(&splat, 0);
-    splats.material.emissive[1] = 0.5f;
+    single s;
+    psplat_splats splats = one(&s, 0);
+    s.material.emissive[1] = 0.5f;
     assert_holds(&splats, NULL, "\"emissiveFactor\":[0,0.5,0]", 1);
     assert_holds(&splats, NULL, "emissive_strength", 0);
-    splats.material.emissive[1] = 8;
+    s.material.emissive[1] = 8;
     assert_holds(&splats, NULL, "\"emissiveFactor\":[0,1,0]", 1);
     assert_holds(&splats, NULL, "\"emissiveStrength\":8", 1);
-    splats.material.unlit = 1;
+    s.material.unlit = 1;
     assert_holds(&splats, NULL, "emissive", 0);
 }
 

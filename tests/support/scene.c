@@ -172,17 +172,22 @@ scene scene_ellipses(size_t count, uint32_t max_clip_lines, uint32_t seed) {
 
 uint8_t *scene_glb(const scene *s, size_t *size) {
     psplat_splats splats = {.kernel = s->kernel,
-                            .depth_tolerance = s->depth_tolerance,
                             .has_color = s->has_color,
-                            .material = s->material};
+                            .materials = (psplat_material[]){s->material},
+                            .material_count = 1};
+    psplat_run runs[PSPLAT_MAX_CLIP_LINES + 1];
+    splats.runs = runs;
     memcpy(splats.origin, s->origin, sizeof splats.origin);
     splats.splats = allocate(s->count ? s->count : 1, sizeof *splats.splats);
-    for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines)
+    for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines) {
+        psplat_run run = {.clip_lines = lines, .depth_tolerance = s->depth_tolerance};
         for (size_t i = 0; i < s->count; ++i)
             if (s->splats[i].clip_count == lines) {
                 splats.splats[splats.count++] = s->splats[i];
-                ++splats.count_by_clip_lines[lines];
+                ++run.count;
             }
+        if (run.count) runs[splats.run_count++] = run;
+    }
     psplat_error error;
     uint8_t *data = NULL;
     if (psplat_glb_write(&splats, "scene", &data, size, &error)) {
