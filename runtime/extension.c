@@ -53,23 +53,44 @@ static psplat_result parse_scale_range(const psplat_gltf *gltf, psplat_json_valu
                        "scaleRange must be two floats above 0, the larger one last");
 }
 
-static psplat_result parse_ranges(const psplat_gltf *gltf, const psplat_json_value members[4],
+/* What the integers of a line's turn and distance are multiples of; 65536 is what the parts of a
+ * turn that a short may count make, and more. */
+static psplat_result parse_clip_range(const psplat_gltf *gltf, psplat_json_value value,
+                                      float range[2]) {
+    double numbers[2] = {1, 1};
+    psplat_result result = PSPLAT_OK;
+    if (value) result = psplat_json_numbers(&gltf->json, value, "clipRange", 2, numbers);
+    if (result) return result;
+    for (size_t i = 0; i < 2; ++i) {
+        range[i] = (float)numbers[i];
+        if (!(range[i] > 0 && numbers[i] <= 65536))
+            return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, value),
+                               "clipRange must be two floats above 0, at most 65536");
+    }
+    return PSPLAT_OK;
+}
+
+static psplat_result parse_ranges(const psplat_gltf *gltf, const psplat_json_value members[6],
                                   psplat_set *set) {
+    set->turn_range = 1;
     psplat_result result = parse_scale_range(gltf, members[0], set->scale_range);
     if (!result) result = parse_positive(gltf, members[1], "tiltRange", 0, &set->tilt_range);
     if (!result) result = parse_positive(gltf, members[2], "fieldRange", 0, &set->field_range);
     if (!result) result = parse_positive(gltf, members[3], "colorRange", 0, &set->color_range);
+    if (!result) result = parse_positive(gltf, members[4], "turnRange", 0, &set->turn_range);
+    if (!result) result = parse_clip_range(gltf, members[5], set->clip_range);
     return result;
 }
 
 psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value object,
                                      psplat_set *set, psplat_json_value *extent) {
-    static const char *const names[] = {"version",        "clipLines",  "depthTolerance",
-                                        "positionExtent", "kernel",     "scaleRange",
-                                        "tiltRange",      "fieldRange", "colorRange"};
-    psplat_json_value members[9];
+    static const char *const names[] = {
+        "version",   "clipLines",  "depthTolerance", "positionExtent", "kernel",   "scaleRange",
+        "tiltRange", "fieldRange", "colorRange",     "turnRange",      "clipRange"};
+    enum { MEMBERS = sizeof names / sizeof *names };
+    psplat_json_value members[MEMBERS];
     size_t clip_lines = 0;
-    psplat_result result = psplat_json_members(&gltf->json, object, names, 9, members);
+    psplat_result result = psplat_json_members(&gltf->json, object, names, MEMBERS, members);
     for (size_t i = 0; i < 4 && !result; ++i)
         result = psplat_gltf_require(gltf, object, members[i], names[i]);
     if (!result) result = parse_version(gltf, members[0], &set->version);

@@ -61,7 +61,8 @@ typedef struct psplat_set {
     size_t version;
     double scale_range[2]; /* zeros where unstated, as the next (spec 3.9) */
     float tilt_range, field_range, color_range;
-    psplat_attribute *attributes; /* attribute_count of them, in the asset's arena */
+    float turn_range, clip_range[2]; /* 1 where unstated */
+    psplat_attribute *attributes;    /* attribute_count of them, in the asset's arena */
     size_t attribute_count;
 } psplat_set;
 
@@ -203,7 +204,7 @@ const char *psplat_attribute_name(size_t attribute);
 
 /* Of count elements that come as integers are read, in place; lines become three numbers. step is
  * what the integers of radii differ by at least (spec 3.9). */
-void psplat_unpack_lines(float *values, size_t count);
+void psplat_unpack_lines(float *values, size_t count, const float range[2]);
 void psplat_unpack_radii(float *values, size_t count, const double range[2], double step);
 void psplat_unpack_scaled(float *values, size_t value_count, float range);
 

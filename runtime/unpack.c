@@ -38,11 +38,11 @@ void psplat_unpack_turn(const float normal[3], float turn, float quaternion[4]) 
 }
 
 /* Backwards, as what is written takes more room than what is read. */
-void psplat_unpack_lines(float *values, size_t count) {
+void psplat_unpack_lines(float *values, size_t count, const float range[2]) {
     for (size_t i = count; i-- > 0;) {
         double cosine, sine;
-        float distance = values[2 * i + 1];
-        turn_by((double)values[2 * i], &cosine, &sine);
+        float turn = values[2 * i] * range[0], distance = values[2 * i + 1] * range[1];
+        turn_by((double)turn, &cosine, &sine);
         values[3 * i] = (float)cosine;
         values[3 * i + 1] = (float)sine;
         values[3 * i + 2] = distance;

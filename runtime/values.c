@@ -64,7 +64,8 @@ static void unpack(decoder *d, size_t attribute) {
                             reader->component_type == PSPLAT_UNSIGNED_BYTE ? 1.0 / 255
                                                                            : 1.0 / 65535);
     if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U)
-        psplat_unpack_lines(values, d->count);
+        psplat_unpack_lines(values, d->count, set->clip_range);
+    if (attribute == PSPLAT_TURN) psplat_unpack_scaled(values, d->count, set->turn_range);
     if (attribute == PSPLAT_TILT) psplat_unpack_scaled(values, d->count * 2, set->tilt_range);
     if (attribute == PSPLAT_NORMAL_FIELD)
         psplat_unpack_scaled(values, d->count * reader->components, set->field_range);

@@ -315,6 +315,35 @@ static void test_lines(void **state) {
     }
 }
 
+/* Integers of few bits stand for parts of a turn by clipRange and turnRange. */
+static void test_narrow_turns(void **state) {
+    (void)state;
+    packed p = packed_default();
+    const double line[2] = {-5, 3}, turn[1] = {11}, normal[3] = {0, 0, 1};
+    p.attributes[2] = (packed_attribute){"TURN", PACKED_UNSIGNED_BYTE, 1, 0, turn};
+    p.attributes[4] = (packed_attribute){"CLIP_0", PACKED_BYTE, 2, 0, line};
+    p.extension = "\"version\":2,\"clipLines\":1,\"depthTolerance\":0,\"positionExtent\":[0,0,0],"
+                  "\"turnRange\":15.9375,\"clipRange\":[15.875,31.75]";
+    psplat_asset *asset = open_packed(&p);
+    const float *clip = splats_of(asset)->clip[0];
+    double expected[3][3];
+    axes_of(normal, 11.0 / 16, expected);
+    assert_axes(splats_of(asset)->rotation, expected);
+    assert_near((double)clip[0], cos(pi * 5 / 8), 3e-7); /* as in test_lines */
+    assert_near((double)clip[1], -sin(pi * 5 / 8), 3e-7);
+    assert_near((double)clip[2], 0.75, 6e-8);
+    psplat_asset_destroy(asset);
+    p.extension = "\"version\":2,\"clipLines\":1,\"depthTolerance\":0,\"positionExtent\":[0,0,0],"
+                  "\"turnRange\":24,\"clipRange\":[1,1]";
+    refuse(&p, PSPLAT_ERROR_RANGE, NULL); /* more than a half turn */
+    p.extension = "\"version\":2,\"clipLines\":1,\"depthTolerance\":0,\"positionExtent\":[0,0,0],"
+                  "\"clipRange\":[1,65537]";
+    refuse(&p, PSPLAT_ERROR_RANGE, "[1,65537]");
+    p.extension = "\"version\":2,\"clipLines\":1,\"depthTolerance\":0,\"positionExtent\":[0,0,0],"
+                  "\"clipRange\":[0,1]";
+    refuse(&p, PSPLAT_ERROR_RANGE, "[0,1]");
+}
+
 /* ---- materials that vary -------------------------------------------------------------------- */
 
 static void test_finishes(void **state) {
@@ -466,13 +495,14 @@ static void test_values(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_positions),     cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_turns),         cmocka_unit_test(test_turn_of_integers),
-        cmocka_unit_test(test_turns_refused), cmocka_unit_test(test_radii),
-        cmocka_unit_test(test_fields),        cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_finishes),      cmocka_unit_test(test_finish_defaults),
-        cmocka_unit_test(test_version_1),     cmocka_unit_test(test_types),
-        cmocka_unit_test(test_ranges),        cmocka_unit_test(test_values),
+        cmocka_unit_test(test_positions),       cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_turns),           cmocka_unit_test(test_turn_of_integers),
+        cmocka_unit_test(test_turns_refused),   cmocka_unit_test(test_radii),
+        cmocka_unit_test(test_fields),          cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_narrow_turns),    cmocka_unit_test(test_finishes),
+        cmocka_unit_test(test_finish_defaults), cmocka_unit_test(test_version_1),
+        cmocka_unit_test(test_types),           cmocka_unit_test(test_ranges),
+        cmocka_unit_test(test_values),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
