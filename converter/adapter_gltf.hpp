@@ -8,12 +8,16 @@
 #ifndef PHONGSPLAT_ADAPTER_GLTF_HPP
 #define PHONGSPLAT_ADAPTER_GLTF_HPP
 
+#include "scenes.h"
 #include "source.h"
 
 #include <tiny_gltf.h>
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -41,6 +45,29 @@ template <typename T> const T &element(const std::vector<T> &list, int index, co
                                      " does not exist (" + std::to_string(list.size()) +
                                      " in the file)");
     return list[static_cast<size_t>(index)];
+}
+
+/* ---- what goes to C: malloc'ed, and owned by the scene at once ------------------------------- */
+
+/* Zeroed room for an array. */
+template <typename T> void allocate(T *&list, size_t &count, size_t wanted) {
+    list = static_cast<T *>(std::calloc(wanted + 1, sizeof(T)));
+    if (!list) throw std::bad_alloc();
+    count = wanted;
+}
+
+/* NULL where text is empty. */
+inline char *text_of(const std::string &text) {
+    if (text.empty()) return nullptr;
+    char *copy = static_cast<char *>(std::malloc(text.size() + 1));
+    if (!copy) throw std::bad_alloc();
+    std::memcpy(copy, text.c_str(), text.size() + 1);
+    return copy;
+}
+
+template <typename In, typename Out> void describe(const In &in, Out &out) {
+    out.name = text_of(in.name);
+    out.extras = text_of(in.extras_json_string);
 }
 
 /* ---- adapter_gltf_document.cpp: JSON and buffers --------------------------------------------- */
@@ -95,18 +122,32 @@ struct Soup {
     std::vector<int> materials;                   /* of each triangle, -1: the default material */
 };
 
-void add_primitive(Soup &soup, const tinygltf::Model &model, const tinygltf::Primitive &primitive,
-                   const Matrix &m);
+bool is_drawn_as_triangles(const tinygltf::Primitive &primitive);
+
+/* The mesh's triangles where m puts them, morphed by the mesh's own weights. */
+void add_mesh(Soup &soup, const tinygltf::Model &model, const tinygltf::Mesh &mesh,
+              const Matrix &m);
 
 /* Gives every corner a value, where some have none. */
 void pad(std::vector<float> &values, size_t corners, const std::vector<float> &value);
 
 /* Soup as a mesh; its materials, and the groups for which it makes room, are the caller's. */
-psplat_result store(const Soup &soup, bool groups, psplat_mesh &mesh, psplat_error *error);
+void store(const Soup &soup, bool groups, psplat_mesh &mesh);
+
+/* ---- adapter_gltf_scene.cpp: the file as it stands ------------------------------------------- */
+
+/* Nodes, cameras, lights, scenes and all that they are called, and warnings of what is dropped. */
+void read_graph(const tinygltf::Model &model, psplat_scene &scene);
+
+/* Each mesh in its own coordinates, raw; those without triangles stay empty. */
+void read_meshes(const tinygltf::Model &model, psplat_scene &scene);
 
 /* ---- adapter_gltf_material.cpp: what surfaces look like -------------------------------------- */
 
 psplat_material material_of(const tinygltf::Model &model, int index);
+
+/* The file's materials and, behind them, the default one. */
+void read_palette(const tinygltf::Model &model, psplat_palette &palette);
 
 /* The group of triangles of a material: its index, and one beyond for the default material. */
 inline uint32_t group_of(const tinygltf::Model &model, int material) {

@@ -128,6 +128,7 @@ void check_extensions(const tinygltf::Model &model) {
 void read_document(const psplat_source &source, tinygltf::Model &model) {
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(ignore_image, nullptr);
+    loader.SetStoreOriginalJSONForExtrasAndExtensions(true); /* extras are kept as they are */
     std::string path = source.file;
     size_t slash = path.rfind('/');
     std::string directory = slash == std::string::npos ? "." : path.substr(0, slash + 1);

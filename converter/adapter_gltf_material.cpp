@@ -31,6 +31,15 @@ psplat_material material_of(const tinygltf::Model &model, int index) {
     return out;
 }
 
+void read_palette(const tinygltf::Model &model, psplat_palette &palette) {
+    allocate(palette.appearances, palette.appearance_count, model.materials.size() + 1);
+    for (size_t i = 0; i < model.materials.size(); ++i) {
+        describe(model.materials[i], palette.appearances[i]);
+        palette.appearances[i].material = material_of(model, static_cast<int>(i));
+    }
+    palette.appearances[model.materials.size()].material = material_of(model, -1);
+}
+
 bool materials_differ(const Soup &soup) {
     for (int index : soup.materials)
         if (index != soup.materials.front()) return true;

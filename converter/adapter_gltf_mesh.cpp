@@ -11,12 +11,6 @@
 namespace psplat_gltf {
 namespace {
 
-bool is_drawn_as_triangles(const tinygltf::Primitive &primitive) {
-    int mode = primitive.mode == -1 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-    return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
-           mode == TINYGLTF_MODE_TRIANGLE_FAN;
-}
-
 std::vector<uint32_t> indices_of(const tinygltf::Model &model, const tinygltf::Primitive &primitive,
                                  size_t vertex_count) {
     std::vector<uint32_t> indices;
@@ -58,13 +52,18 @@ std::vector<uint32_t> list_of(const std::vector<uint32_t> &in, int mode) {
     return out;
 }
 
-View attribute(const tinygltf::Model &model, const tinygltf::Primitive &primitive, const char *name,
-               size_t count, int least, int most) {
-    View view = view_of(model, primitive.attributes.at(name));
+View attribute(const tinygltf::Model &model, int accessor, const char *name, size_t count,
+               int least, int most) {
+    View view = view_of(model, accessor);
     if ((count && view.count != count) || view.components < least || view.components > most)
         fail(PSPLAT_ERROR_FORMAT,
              std::string("attribute ") + name + ": its type or count is wrong");
     return view;
+}
+
+View attribute(const tinygltf::Model &model, const tinygltf::Primitive &primitive, const char *name,
+               size_t count, int least, int most) {
+    return attribute(model, primitive.attributes.at(name), name, count, least, most);
 }
 
 /* Corners are new vertices here; welding joins them again. */
@@ -165,19 +164,25 @@ void pad_soup(Soup &soup) {
         if (!uvs.empty()) pad(uvs, corners, {0, 0});
 }
 
-void copy_floats(const std::vector<float> &from, float *to) {
-    if (to) std::copy(from.begin(), from.end(), to);
-}
-
-} // namespace
-
-void pad(std::vector<float> &values, size_t corners, const std::vector<float> &value) {
-    while (values.size() < corners * value.size())
-        values.insert(values.end(), value.begin(), value.end());
+/* Moves the primitive's vertices, the last of the soup, by its targets (glTF 2.0 3.7.2.2). Normals
+ * stay those of the base shape. */
+void morph(Soup &soup, const tinygltf::Model &model, const tinygltf::Primitive &primitive,
+           const std::vector<double> &weights, size_t vertices, const Matrix &m) {
+    size_t first = soup.positions.size() - 3 * vertices;
+    for (size_t t = 0; t < primitive.targets.size() && t < weights.size(); ++t) {
+        auto position = primitive.targets[t].find("POSITION");
+        if (weights[t] == 0 || position == primitive.targets[t].end()) continue;
+        View view = attribute(model, position->second, "POSITION of a target", vertices, 3, 3);
+        for (size_t i = 0; i < vertices; ++i)
+            for (size_t k = 0; k < 3; ++k)
+                for (size_t row = 0; row < 3; ++row)
+                    soup.positions[first + 3 * i + row] +=
+                        weights[t] * m[4 * k + row] * component(view, i, k);
+    }
 }
 
 void add_primitive(Soup &soup, const tinygltf::Model &model, const tinygltf::Primitive &primitive,
-                   const Matrix &m) {
+                   const std::vector<double> &weights, const Matrix &m) {
     if (!is_drawn_as_triangles(primitive)) return;
     if (!primitive.attributes.count("POSITION")) return; /* glTF 2.0 3.7.2.1: nothing is drawn */
     View points = attribute(model, primitive, "POSITION", 0, 3, 3);
@@ -192,22 +197,47 @@ void add_primitive(Soup &soup, const tinygltf::Model &model, const tinygltf::Pri
     if (cofactors(m, c) < 0)
         for (size_t i = 0; i + 2 < list.size(); i += 3) std::swap(list[i + 1], list[i + 2]);
     add_positions(soup, points, m);
+    morph(soup, model, primitive, weights, points.count, m);
     add_corners(soup, model, primitive, list, points.count, m);
     for (uint32_t vertex : list) soup.triangles.push_back(static_cast<uint32_t>(first) + vertex);
     soup.materials.insert(soup.materials.end(), list.size() / 3, primitive.material);
     pad_soup(soup);
 }
 
-psplat_result store(const Soup &soup, bool groups, psplat_mesh &mesh, psplat_error *error) {
+void copy_floats(const std::vector<float> &from, float *to) {
+    if (to) std::copy(from.begin(), from.end(), to);
+}
+
+} // namespace
+
+bool is_drawn_as_triangles(const tinygltf::Primitive &primitive) {
+    int mode = primitive.mode == -1 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
+    return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+           mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
+void pad(std::vector<float> &values, size_t corners, const std::vector<float> &value) {
+    while (values.size() < corners * value.size())
+        values.insert(values.end(), value.begin(), value.end());
+}
+
+void add_mesh(Soup &soup, const tinygltf::Model &model, const tinygltf::Mesh &mesh,
+              const Matrix &m) {
+    for (const tinygltf::Primitive &primitive : mesh.primitives)
+        add_primitive(soup, model, primitive, mesh.weights, m);
+}
+
+void store(const Soup &soup, bool groups, psplat_mesh &mesh) {
     unsigned parts = groups ? PSPLAT_MESH_GROUPS : 0;
     if (!soup.normals.empty()) parts |= PSPLAT_MESH_NORMALS;
     if (!soup.tangents.empty()) parts |= PSPLAT_MESH_TANGENTS;
     if (!soup.colors.empty()) parts |= PSPLAT_MESH_COLORS;
     for (unsigned set = 0; set < PSPLAT_TEXCOORDS; ++set)
         if (!soup.uvs[set].empty()) parts |= PSPLAT_MESH_UVS << set;
+    psplat_error error;
     psplat_result result = psplat_mesh_allocate(&mesh, soup.positions.size() / 3,
-                                                soup.triangles.size() / 3, parts, error);
-    if (result) return result;
+                                                soup.triangles.size() / 3, parts, &error);
+    if (result) fail(result, error.text);
     std::copy(soup.positions.begin(), soup.positions.end(), mesh.positions);
     std::copy(soup.triangles.begin(), soup.triangles.end(), mesh.triangles);
     copy_floats(soup.normals, mesh.corner_normals);
@@ -215,7 +245,6 @@ psplat_result store(const Soup &soup, bool groups, psplat_mesh &mesh, psplat_err
     copy_floats(soup.colors, mesh.corner_colors);
     for (size_t set = 0; set < PSPLAT_TEXCOORDS; ++set)
         copy_floats(soup.uvs[set], mesh.corner_uvs[set]);
-    return PSPLAT_OK;
 }
 
 } // namespace psplat_gltf

@@ -86,26 +86,33 @@ void add_node(Soup &soup, const tinygltf::Model &model, int index, const Matrix 
         if (!std::isfinite(value))
             fail(PSPLAT_ERROR_RANGE,
                  named("node", static_cast<size_t>(index)) + ": its transform is not finite");
-    if (node.mesh >= 0)
-        for (const auto &primitive : element(model.meshes, node.mesh, "mesh").primitives)
-            add_primitive(soup, model, primitive, global);
+    if (node.mesh >= 0) add_mesh(soup, model, element(model.meshes, node.mesh, "mesh"), global);
     for (int child : node.children) add_node(soup, model, child, global, depth + 1, visits);
+}
+
+/* The nodes that the default scene shows; without scenes, all that are nobody's child. */
+std::vector<int> roots_of(const tinygltf::Model &model) {
+    int index = model.defaultScene < 0 ? 0 : model.defaultScene;
+    if (!model.scenes.empty()) return element(model.scenes, index, "scene").nodes;
+    std::vector<bool> is_child(model.nodes.size());
+    for (const tinygltf::Node &node : model.nodes)
+        for (int child : node.children)
+            if (child >= 0 && static_cast<size_t>(child) < is_child.size())
+                is_child[static_cast<size_t>(child)] = true;
+    std::vector<int> roots;
+    for (size_t i = 0; i < is_child.size(); ++i)
+        if (!is_child[i]) roots.push_back(static_cast<int>(i));
+    return roots;
 }
 
 } // namespace
 
 void add_scene(Soup &soup, const tinygltf::Model &model) {
     size_t visits = 0;
-    if (model.scenes.empty()) {
-        /* A file without scenes is a library of meshes: take them as they are. */
-        for (const tinygltf::Mesh &mesh : model.meshes)
-            for (const auto &primitive : mesh.primitives)
-                add_primitive(soup, model, primitive, identity());
-        return;
-    }
-    int index = model.defaultScene < 0 ? 0 : model.defaultScene;
-    for (int node : element(model.scenes, index, "scene").nodes)
-        add_node(soup, model, node, identity(), 0, visits);
+    for (int node : roots_of(model)) add_node(soup, model, node, identity(), 0, visits);
+    /* A file without scenes and nodes is a library of meshes: take them as they are. */
+    if (model.scenes.empty() && model.nodes.empty())
+        for (const tinygltf::Mesh &mesh : model.meshes) add_mesh(soup, model, mesh, identity());
 }
 
 } // namespace psplat_gltf

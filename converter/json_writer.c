@@ -171,6 +171,11 @@ void psplat_writer_string(psplat_writer *json, const char *key, const char *stri
     add_quoted(json, string);
 }
 
+void psplat_writer_raw(psplat_writer *json, const char *key, const char *value) {
+    begin_member(json, key);
+    add_text(json, value);
+}
+
 int psplat_writer_finish(psplat_writer *json) {
     if (!json->compact) add_text(json, "\n");
     if (!json->failed) return 1;

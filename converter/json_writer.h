@@ -40,6 +40,8 @@ void psplat_writer_floats(psplat_writer *json, const char *key, const float *num
 void psplat_writer_boolean(psplat_writer *json, const char *key, int value);
 /* Bytes that are not UTF-8 become U+FFFD: names of files may hold any. */
 void psplat_writer_string(psplat_writer *json, const char *key, const char *string);
+/* A value that is JSON already. */
+void psplat_writer_raw(psplat_writer *json, const char *key, const char *value);
 
 /* Ends the text, with a newline unless it is compact. Returns 0 where memory ran out; text is then
  * NULL. */

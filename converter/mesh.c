@@ -89,22 +89,22 @@ static psplat_result check(psplat_source *source, psplat_error *error) {
     }
 }
 
-static int is_gltf(const psplat_source *source) {
+int psplat_source_is_gltf(const psplat_source *source) {
     return source->format == PSPLAT_SOURCE_GLTF || source->format == PSPLAT_SOURCE_GLB;
 }
 
 /* The last line of defence behind the adapters: nothing after this checks an index again. */
-static psplat_result check_raw(const psplat_mesh *mesh, const char *path, psplat_error *error) {
+static psplat_result check_raw(const psplat_mesh *mesh, const char *label, psplat_error *error) {
     for (size_t i = 0; i < mesh->triangle_count * 3; ++i) {
         uint32_t vertex = mesh->triangles[i];
         if (vertex >= mesh->vertex_count)
             return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
-                               "%s: triangle %zu: vertex %u of %zu does not exist", path, i / 3,
+                               "%s: triangle %zu: vertex %u of %zu does not exist", label, i / 3,
                                vertex, mesh->vertex_count);
         const double *p = mesh->positions + (size_t)vertex * 3;
         if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
             return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
-                               "%s: vertex %u: a coordinate is not finite", path, vertex);
+                               "%s: vertex %u: a coordinate is not finite", label, vertex);
     }
     return PSPLAT_OK;
 }
@@ -137,10 +137,11 @@ static void normalise_normals(psplat_mesh *mesh) {
     }
 }
 
-/* One colour on every corner is not worth a colour per splat: it joins the base colour. */
+/* One colour on every corner is not worth a colour per splat: it joins the base colour, where that
+ * is this mesh's own. */
 static void fold_uniform_color(psplat_mesh *mesh) {
     float *colors = mesh->corner_colors;
-    if (!colors) return;
+    if (!colors || mesh->appearances) return;
     for (size_t corner = 1; corner < mesh->triangle_count * 3; ++corner)
         if (memcmp(colors, colors + corner * 4, 4 * sizeof(float)) != 0) return;
     for (int k = 0; k < 4; ++k) mesh->material.base_color[k] *= colors[k];
@@ -169,9 +170,10 @@ static psplat_result settle(psplat_mesh *mesh, psplat_error *error) {
     return result;
 }
 
-static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, psplat_error *error) {
+psplat_result psplat_mesh_clean(psplat_mesh *mesh, const char *label, int has_material,
+                                psplat_error *error) {
     int closed = 0, consistent = 0, turned = 0;
-    psplat_result result = check_raw(mesh, source->path, error);
+    psplat_result result = check_raw(mesh, label, error);
     normalise_normals(mesh);
     if (!result) result = psplat_mesh_weld(mesh, error);
     if (!result) result = psplat_mesh_drop_repeated(mesh, &turned, error);
@@ -181,9 +183,8 @@ static psplat_result clean(psplat_mesh *mesh, const psplat_source *source, pspla
     if (!result) result = settle(mesh, error);
     if (result) return result;
     if (mesh->triangle_count == 0)
-        return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area",
-                           source->path);
-    if (!is_gltf(source)) default_material(mesh, closed && consistent && !turned);
+        return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area", label);
+    if (!has_material) default_material(mesh, closed && consistent && !turned);
     mesh->material.double_sided |= turned;
     fold_uniform_color(mesh);
     return PSPLAT_OK;
@@ -207,10 +208,15 @@ static psplat_result read_points(psplat_source *source, psplat_mesh *mesh, pspla
     return PSPLAT_OK;
 }
 
-static psplat_result read_mesh(psplat_source *source, psplat_mesh *mesh, psplat_error *error) {
-    psplat_result result = is_gltf(source) ? psplat_mesh_read_gltf(source, mesh, error)
-                                           : psplat_mesh_read_openmesh(source, mesh, error);
-    return result ? result : clean(mesh, source, error);
+psplat_result psplat_mesh_from_source(psplat_source *source, psplat_mesh *mesh,
+                                      psplat_error *error) {
+    psplat_result result = check(source, error);
+    if (!result && source->is_point_set) return read_points(source, mesh, error);
+    int gltf = psplat_source_is_gltf(source);
+    if (!result)
+        result = gltf ? psplat_mesh_read_gltf(source, mesh, error)
+                      : psplat_mesh_read_openmesh(source, mesh, error);
+    return result ? result : psplat_mesh_clean(mesh, source->path, gltf, error);
 }
 
 psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error *error) {
@@ -221,10 +227,7 @@ psplat_result psplat_mesh_read(const char *path, psplat_mesh *mesh, psplat_error
     psplat_source source;
     psplat_result result = psplat_source_load(path, &source, error);
     if (result) return result;
-    result = check(&source, error);
-    if (!result)
-        result = source.is_point_set ? read_points(&source, mesh, error)
-                                     : read_mesh(&source, mesh, error);
+    result = psplat_mesh_from_source(&source, mesh, error);
     if (result) psplat_mesh_free(mesh);
     psplat_source_free(&source);
     return result;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * scenes.c - what a file holds, owned in one place: freeing it, warnings, and the scene of a file
- * that is one mesh.
+ * scenes.c - all that a file holds, owned in one place: reading, warnings, freeing.
  */
 #define _XOPEN_SOURCE 700
 
-#include "scenes.h"
+#include "source.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,4 +68,114 @@ void psplat_scene_warn(psplat_scene *scene, const char *format, ...) {
     scene->warnings = warnings;
     warnings[scene->warning_count] = strdup(text);
     if (warnings[scene->warning_count]) ++scene->warning_count;
+}
+
+/* ---- a graph for files that have none ---------------------------------------------------------
+ */
+
+static const psplat_scene_node no_node = {.rotation = {0, 0, 0, 1},
+                                          .scale = {1, 1, 1},
+                                          .mesh = PSPLAT_NO_INDEX,
+                                          .camera = PSPLAT_NO_INDEX,
+                                          .light = PSPLAT_NO_INDEX};
+
+/* One node for each mesh, all in one scene. */
+static psplat_result make_graph(psplat_scene *scene, psplat_error *error) {
+    size_t count = scene->mesh_count;
+    scene->nodes = calloc(count + 1, sizeof *scene->nodes);
+    scene->scenes = calloc(1, sizeof *scene->scenes);
+    uint32_t *roots = calloc(count + 1, sizeof *roots);
+    if (!scene->nodes || !scene->scenes || !roots) {
+        free(roots);
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for %zu nodes", count);
+    }
+    scene->is_made = 1;
+    scene->node_count = count;
+    scene->scene_count = 1;
+    scene->default_scene = 0;
+    scene->scenes[0] = (psplat_scene_view){.roots = roots, .root_count = count};
+    for (uint32_t i = 0; i < count; ++i) {
+        scene->nodes[i] = no_node;
+        scene->nodes[i].mesh = roots[i] = i;
+        if (scene->meshes[i].name) scene->nodes[i].name = strdup(scene->meshes[i].name);
+    }
+    return PSPLAT_OK;
+}
+
+/* ---- reading -----------------------------------------------------------------------------------
+ */
+
+/* "path: mesh 3 'Teapot'", as far as there is room. */
+static void label_mesh(const psplat_scene *scene, size_t index, const char *path,
+                       char label[2 * PSPLAT_SHOWN_PATH]) {
+    const char *name = scene->meshes[index].name;
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(name ? name : "", shown);
+    snprintf(label, 2 * PSPLAT_SHOWN_PATH, "%s%smesh %zu%s%.60s%s", path ? path : "",
+             path ? ": " : "", index, name ? " '" : "", shown, name ? "'" : "");
+}
+
+/* A mesh of no area is none, unless all are like it. */
+static psplat_result clean_meshes(psplat_scene *scene, const char *path, psplat_error *error) {
+    char label[2 * PSPLAT_SHOWN_PATH];
+    size_t left = 0;
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        psplat_mesh *mesh = &scene->meshes[i].mesh;
+        mesh->appearances = scene->palette.appearances;
+        mesh->appearance_count = scene->palette.appearance_count;
+        psplat_result result = PSPLAT_ERROR_NO_SPLATS;
+        label_mesh(scene, i, path, label);
+        if (mesh->triangle_count) result = psplat_mesh_clean(mesh, label, 1, error);
+        if (result && result != PSPLAT_ERROR_NO_SPLATS) return result;
+        left += !result;
+        if (!result) continue;
+        psplat_mesh_free(mesh);
+        label_mesh(scene, i, NULL, label);
+        psplat_scene_warn(scene, "%s has no triangle with an area and is dropped", label);
+    }
+    if (left) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area", path);
+}
+
+static psplat_result read_single(psplat_source *source, const char *name, psplat_scene *scene,
+                                 psplat_error *error) {
+    scene->meshes = calloc(1, sizeof *scene->meshes);
+    if (!scene->meshes) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory");
+    scene->mesh_count = 1;
+    if (name && *name) scene->meshes[0].name = strdup(name);
+    psplat_mesh *mesh = &scene->meshes[0].mesh;
+    psplat_result result = psplat_mesh_from_source(source, mesh, error);
+    if (result || !mesh->palette) return result;
+    scene->palette = *mesh->palette; /* whose appearances stay where they are */
+    free(mesh->palette);
+    mesh->palette = NULL;
+    return PSPLAT_OK;
+}
+
+static psplat_result read_scene(psplat_source *source, const char *name, psplat_scene *scene,
+                                psplat_error *error) {
+    psplat_result result;
+    if (psplat_source_is_gltf(source)) {
+        result = psplat_scene_read_gltf(source, scene, error);
+        if (!result) result = clean_meshes(scene, source->path, error);
+    } else {
+        result = read_single(source, name, scene, error);
+    }
+    if (!result && !scene->node_count && !scene->scene_count) result = make_graph(scene, error);
+    return result ? result : psplat_scene_check(scene, source->path, error);
+}
+
+psplat_result psplat_scene_read(const char *path, const char *name, psplat_scene *scene,
+                                psplat_error *error) {
+    if (!path || !scene)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "psplat_scene_read: path or scene is NULL");
+    *scene = (psplat_scene){.default_scene = PSPLAT_NO_INDEX};
+    psplat_source source;
+    psplat_result result = psplat_source_load(path, &source, error);
+    if (result) return result;
+    result = read_scene(&source, name, scene, error);
+    if (result) psplat_scene_free(scene);
+    psplat_source_free(&source);
+    return result;
 }

@@ -89,7 +89,12 @@ typedef struct psplat_scene {
     size_t warning_count;
 } psplat_scene;
 
-/* Frees what scene holds; zero-initialised scenes too. */
+/* Reads any supported file (see psplat_mesh_read) with all of its meshes, nodes and appearances.
+ * Each mesh is welded, oriented and recentred by itself. A file without a graph becomes one mesh
+ * and one node, both called name. Errors are those of psplat_mesh_read; NO_SPLATS where no mesh
+ * has a triangle with area. */
+psplat_result psplat_scene_read(const char *path, const char *name, psplat_scene *scene,
+                                psplat_error *error);
 void psplat_scene_free(psplat_scene *scene);
 
 /* Adds a warning, once: printf-style. Without memory it is left out. */
@@ -98,6 +103,33 @@ void psplat_scene_warn(psplat_scene *scene, const char *format, ...)
     __attribute__((format(printf, 2, 3)))
 #endif
     ;
+
+/* ---- transform.c: where nodes stand ---------------------------------------------------------- */
+
+/* The node's transform to that of its parent, column-major. */
+void psplat_scene_local(const psplat_scene_node *node, double matrix[16]);
+
+/* One appearance of a mesh in a scene. */
+typedef struct psplat_instance {
+    uint32_t mesh, node;
+    double matrix[16]; /* global, column-major */
+    double stretch;    /* greatest singular value of its upper left 3 x 3 */
+} psplat_instance;
+
+/* Where the scene of this index shows meshes, in the order of a walk from its roots; of index
+ * PSPLAT_NO_INDEX where any node puts one. Left out are meshes without triangles, and instances
+ * that their nodes flatten, since splats are not drawn so (spec 4). *instances is malloc'ed.
+ * Errors: MEMORY. */
+psplat_result psplat_scene_instances(const psplat_scene *scene, uint32_t index,
+                                     psplat_instance **instances, size_t *count,
+                                     psplat_error *error);
+
+/* The index of the scene that a viewer shows at first; PSPLAT_NO_INDEX of files without scenes. */
+uint32_t psplat_scene_shown(const psplat_scene *scene);
+
+/* The diagonal of the box around the vertices of instances; 0 without any. */
+double psplat_scene_diagonal(const psplat_scene *scene, const psplat_instance *instances,
+                             size_t count);
 
 #ifdef __cplusplus
 }

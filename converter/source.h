@@ -11,7 +11,7 @@
 #ifndef PHONGSPLAT_SOURCE_H
 #define PHONGSPLAT_SOURCE_H
 
-#include "converter.h"
+#include "scenes.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -54,6 +54,8 @@ typedef struct psplat_source {
  * format by content, then by extension (UNSUPPORTED). */
 psplat_result psplat_source_load(const char *path, psplat_source *source, psplat_error *error);
 void psplat_source_free(psplat_source *source);
+
+int psplat_source_is_gltf(const psplat_source *source);
 
 /* bytes.c: a whole file, the source itself or an external buffer of a .gltf (READ, RANGE, MEMORY).
  * *data is malloc'ed, with a 0 byte after *size bytes. */
@@ -146,6 +148,14 @@ typedef struct psplat_corners {
 /* mesh.c: those that the mesh has; returns their number. */
 size_t psplat_mesh_corners(const psplat_mesh *mesh, psplat_corners arrays[PSPLAT_CORNER_ARRAYS]);
 
+/* mesh.c: a raw mesh becomes what psplat_mesh_read promises; label names it in errors. Without
+ * has_material it gets one that suits its colours and whether it is closed. */
+psplat_result psplat_mesh_clean(psplat_mesh *mesh, const char *label, int has_material,
+                                psplat_error *error);
+/* The same from a loaded file. The mesh is freed by the caller also where it fails. */
+psplat_result psplat_mesh_from_source(psplat_source *source, psplat_mesh *mesh,
+                                      psplat_error *error);
+
 /* weld.c, seam.c and orient.c: the steps between a raw mesh and what psplat_mesh_read promises, in
  * order. */
 psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error);
@@ -165,6 +175,15 @@ psplat_result psplat_mesh_read_openmesh(const psplat_source *source, psplat_mesh
                                         psplat_error *error);
 psplat_result psplat_mesh_read_gltf(const psplat_source *source, psplat_mesh *mesh,
                                     psplat_error *error);
+
+/* adapter_gltf.cpp: the same of each mesh of the scene, and all else that the scene has; freed by
+ * the caller also where it fails. */
+psplat_result psplat_scene_read_gltf(const psplat_source *source, psplat_scene *scene,
+                                     psplat_error *error);
+
+/* transform.c: refuses nodes that are nowhere, since their numbers overflow; warns of flattening.
+ */
+psplat_result psplat_scene_check(psplat_scene *scene, const char *path, psplat_error *error);
 
 /* Point sets: adapter_openmesh.cpp (PLY and OFF without faces), and xyz.c, which checks as it
  * reads.
