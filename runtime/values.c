@@ -158,7 +158,7 @@ static psplat_result decode_frame(const decoder *d, psplat_splat *splat, double 
 }
 
 /* Spec 3.5, eq. (3a): what keeps n(u, v) within 90 degrees of N, and finite, all over the ellipse.
- */
+ * Fields of two numbers may be older than the bound and are brought down to it. */
 static psplat_result decode_gradient(const decoder *d, psplat_splat *splat, double cosine) {
     memcpy(splat->gradient, values_of(d, PSPLAT_NORMAL_FIELD),
            d->components[PSPLAT_NORMAL_FIELD] * sizeof *splat->gradient);
@@ -170,7 +170,11 @@ static psplat_result decode_gradient(const decoder *d, psplat_splat *splat, doub
     double center = sqrt(fmax(1 / (cosine * cosine) - 1, 0));
     double change = sqrt(alpha * alpha + beta * beta + gamma * gamma * (1 + ratio * ratio));
     if (center + change <= 20) return PSPLAT_OK;
-    return fail_value(d, PSPLAT_NORMAL_FIELD, "bends the normal by more than spec 3.5 allows");
+    if (d->components[PSPLAT_NORMAL_FIELD] == 3)
+        return fail_value(d, PSPLAT_NORMAL_FIELD, "bends the normal by more than spec 3.5 allows");
+    splat->gradient[0] = (float)(alpha * ((20 - center) / change));
+    splat->gradient[1] = (float)(beta * ((20 - center) / change));
+    return PSPLAT_OK;
 }
 
 /* Beside TURN, x and y of eq. (2) are stored and NORMAL is N (spec 3.5). */
