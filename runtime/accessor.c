@@ -90,6 +90,11 @@ static int fits(size_t offset, size_t element, size_t stride, size_t count, size
     return count - 1 <= (size - offset - element) / stride;
 }
 
+/* Compressed views have bytes of their own. */
+static int is_compressed(const psplat_view_range *view) {
+    return view->compression && psplat_meshopt_is_built();
+}
+
 /* Alignment and range; sums cannot overflow once the view lies within its buffer. */
 static psplat_result check_range(const psplat_gltf *gltf, const psplat_accessor *accessor,
                                  const psplat_view_range *view, size_t element, size_t stride,
@@ -115,25 +120,37 @@ static psplat_result check_range(const psplat_gltf *gltf, const psplat_accessor 
     return PSPLAT_OK;
 }
 
+/* The buffer in which a view's bytes begin at start. */
+static psplat_result load_view(psplat_gltf *gltf, psplat_view_range *view,
+                               const psplat_buffer **buffer, size_t *start) {
+    psplat_result result = is_compressed(view)
+                               ? psplat_meshopt_load(gltf, view)
+                               : psplat_buffer_load(gltf, &gltf->buffers[view->buffer]);
+    *buffer = is_compressed(view) ? view->decoded : &gltf->buffers[view->buffer];
+    *start = is_compressed(view) ? 0 : view->offset;
+    return result;
+}
+
 psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value value,
                                  const psplat_attribute_type *type, size_t version, size_t count,
                                  psplat_reader *reader) {
-    size_t index = 0;
+    size_t index = 0, start = 0;
     psplat_result result = psplat_gltf_index(gltf, value, type->name, gltf->accessor_count, &index);
     if (result) return result;
     const psplat_accessor *accessor = &gltf->accessors[index];
     result = check_form(gltf, accessor, type, version);
     if (!result) result = check_elements(gltf, accessor, type->name, count);
     if (result) return result;
-    const psplat_view_range *view = &gltf->views[accessor->view];
-    psplat_buffer *buffer = &gltf->buffers[view->buffer];
+    psplat_view_range *view = &gltf->views[accessor->view];
+    const psplat_buffer *buffer = NULL;
     size_t element = accessor->components * component_size(accessor->component_type);
     size_t stride = view->stride ? view->stride : element;
     result = check_range(gltf, accessor, view, element, stride, type->name);
-    if (!result) result = psplat_buffer_load(gltf, buffer);
+    if (!result) result = load_view(gltf, view, &buffer, &start);
     if (result) return result;
     *reader = (psplat_reader){.buffer = buffer,
-                              .start = view->offset + accessor->offset,
+                              .view = view,
+                              .start = start + accessor->offset,
                               .stride = stride,
                               .components = accessor->components,
                               .component_type = accessor->component_type,
@@ -220,4 +237,15 @@ void psplat_reader_get(const psplat_reader *reader, size_t first, size_t count, 
 
 size_t psplat_reader_bytes(const psplat_reader *reader) {
     return reader->count * reader->components * component_size(reader->component_type);
+}
+
+/* Of a compressed view the bytes at the same place in each element are stored together. */
+size_t psplat_reader_stored(const psplat_reader *reader) {
+    const psplat_view_range *view = reader->view;
+    if (!view->decoded) return psplat_reader_bytes(reader);
+    if (!view->planes) return 0;
+    size_t element = reader->components * component_size(reader->component_type), sum = 0;
+    for (size_t i = 0; i < element; ++i) sum += view->planes[(reader->start + i) % reader->stride];
+    double part = (double)reader->count * (double)reader->stride / (double)view->length;
+    return (size_t)((double)sum * part + 0.5);
 }

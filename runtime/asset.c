@@ -105,6 +105,7 @@ typedef struct opening {
     psplat_allocator allocator;
     psplat_files files;
     size_t max_size;
+    int measures;
 } opening;
 
 static opening resolve(const psplat_asset_desc *desc) {
@@ -112,6 +113,7 @@ static opening resolve(const psplat_asset_desc *desc) {
                  .files = psplat_files_default(desc ? &desc->files : NULL),
                  .max_size = (size_t)1 << 31};
     if (desc && desc->max_file_size) o.max_size = desc->max_file_size;
+    if (desc) o.measures = desc->measures;
     return o;
 }
 
@@ -151,6 +153,7 @@ static psplat_result open_bytes(const uint8_t *data, size_t size, const opening 
                         .files = o->files,
                         .base_path = base_path,
                         .file_budget = o->max_size - size,
+                        .measures = o->measures,
                         .bin = container.bin_size ? data + container.bin_offset : NULL,
                         .bin_size = container.bin_size,
                         .bin_offset = container.bin_offset};

@@ -188,7 +188,9 @@ static psplat_result describe(const psplat_gltf *gltf, const psplat_readers *r, 
             (psplat_attribute){.name = types[i].name,
                                .component_type = (uint32_t)reader->component_type,
                                .components = (uint32_t)reader->components,
-                               .bytes = psplat_reader_bytes(reader)};
+                               .is_compressed = reader->view->decoded != NULL,
+                               .bytes = psplat_reader_bytes(reader),
+                               .stored = psplat_reader_stored(reader)};
     }
     return PSPLAT_OK;
 }

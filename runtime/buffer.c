@@ -13,6 +13,9 @@ static psplat_result fail_buffer(const psplat_gltf *gltf, const psplat_buffer *b
 }
 
 static psplat_result load_bin(psplat_gltf *gltf, psplat_buffer *buffer, size_t *size) {
+    if (buffer->is_fallback)
+        return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED,
+                           "it is an empty fallback of EXT_meshopt_compression");
     if (buffer != gltf->buffers || !gltf->bin)
         return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED,
                            "it has no uri and is not the BIN chunk");
@@ -87,6 +90,7 @@ psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer) {
 }
 
 size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position) {
+    if (buffer->is_decoded) return buffer->origin;
     /* Base64 writes three bytes with four digits; the digit where the byte begins. */
     return buffer->origin + (buffer->is_base64 ? position / 3 * 4 + position % 3 : position);
 }

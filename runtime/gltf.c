@@ -2,11 +2,13 @@
  * The document's tables of buffers, views and accessors (glTF 2.0 section 3.6). */
 #include "gltf.h"
 
-/* Extensions a file may require. Quantised meshes are none of our business, and the component
- * types of splats are checked one by one, so KHR_mesh_quantization may be required, too. */
+#define PSPLAT_MESHOPT "EXT_meshopt_compression"
+
+/* Extensions a file may require. Component types of splats are checked one by one, and what else
+ * KHR_mesh_quantization and KHR_texture_transform allow is none of our business. */
 static const char *const known_extensions[] = {
     PSPLAT_EXTENSION,      "KHR_materials_unlit",   "KHR_materials_emissive_strength",
-    "KHR_lights_punctual", "KHR_mesh_quantization",
+    "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform",
 };
 
 size_t psplat_gltf_offset(const psplat_gltf *gltf, psplat_json_value value) {
@@ -80,6 +82,8 @@ static psplat_result check_required(psplat_gltf *gltf, psplat_json_value require
         result =
             psplat_json_expect(&gltf->json, extension, PSPLAT_JSON_STRING, "an extension's name");
         if (result) return result;
+        if (psplat_meshopt_is_built())
+            known = psplat_json_equals(&gltf->json, extension, PSPLAT_MESHOPT);
         for (size_t i = 0; i < sizeof known_extensions / sizeof *known_extensions; ++i)
             known |= psplat_json_equals(&gltf->json, extension, known_extensions[i]);
         if (!known) return fail_unknown_extension(gltf, extension);
@@ -102,36 +106,49 @@ static psplat_result check_used(psplat_gltf *gltf, psplat_json_value used) {
 
 /* ---- tables ------------------------------------------------------------------------------- */
 
+/* The object of EXT_meshopt_compression among extensions, or 0. */
+static psplat_result find_compression(psplat_gltf *gltf, psplat_json_value extensions,
+                                      psplat_json_value *object) {
+    static const char *const name[] = {PSPLAT_MESHOPT};
+    *object = 0;
+    return extensions ? psplat_json_members(&gltf->json, extensions, name, 1, object) : PSPLAT_OK;
+}
+
 static psplat_result parse_buffer(psplat_gltf *gltf, psplat_buffer *buffer) {
-    static const char *const names[] = {"byteLength", "uri"};
-    psplat_json_value members[2];
-    psplat_result result = psplat_json_members(&gltf->json, buffer->json, names, 2, members);
+    static const char *const names[] = {"byteLength", "uri", "extensions"};
+    static const char *const fallback[] = {"fallback"};
+    psplat_json_value members[3], compression = 0, is_fallback = 0;
+    psplat_result result = psplat_json_members(&gltf->json, buffer->json, names, 3, members);
     if (!result) result = psplat_gltf_require(gltf, buffer->json, members[0], "byteLength");
     if (!result)
         result = psplat_json_integer(&gltf->json, members[0], names[0], SIZE_MAX, &buffer->length);
     if (!result) result = psplat_json_expect(&gltf->json, members[1], PSPLAT_JSON_STRING, names[1]);
+    if (!result) result = find_compression(gltf, members[2], &compression);
+    if (!result && compression)
+        result = psplat_json_members(&gltf->json, compression, fallback, 1, &is_fallback);
+    if (!result)
+        result = psplat_json_boolean(&gltf->json, is_fallback, fallback[0], &buffer->is_fallback);
     buffer->uri = members[1];
     return result;
 }
 
 static psplat_result parse_view(psplat_gltf *gltf, psplat_view_range *view) {
-    static const char *const names[] = {"buffer", "byteLength", "byteOffset", "byteStride"};
-    psplat_json_value members[4];
-    psplat_result result = psplat_json_members(&gltf->json, view->json, names, 4, members);
+    static const char *const names[] = {"buffer", "byteLength", "byteOffset", "byteStride",
+                                        "extensions"};
+    psplat_json_value members[5];
+    const psplat_json *json = &gltf->json;
+    psplat_result result = psplat_json_members(json, view->json, names, 5, members);
     if (!result) result = psplat_gltf_require(gltf, view->json, members[0], "buffer");
     if (!result) result = psplat_gltf_require(gltf, view->json, members[1], "byteLength");
     if (!result)
         result = psplat_gltf_index(gltf, members[0], names[0], gltf->buffer_count, &view->buffer);
-    if (!result)
-        result = psplat_json_integer(&gltf->json, members[1], names[1], SIZE_MAX, &view->length);
-    if (!result)
-        result = psplat_json_integer(&gltf->json, members[2], names[2], SIZE_MAX, &view->offset);
-    if (!result)
-        result = psplat_json_integer(&gltf->json, members[3], names[3], 252, &view->stride);
+    if (!result) result = psplat_json_integer(json, members[1], names[1], SIZE_MAX, &view->length);
+    if (!result) result = psplat_json_integer(json, members[2], names[2], SIZE_MAX, &view->offset);
+    if (!result) result = psplat_json_integer(json, members[3], names[3], 252, &view->stride);
     if (!result && members[3] && (view->stride < 4 || view->stride % 4))
         result = psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, members[3]),
                              "byteStride must be a multiple of 4 from 4 to 252");
-    return result;
+    return result ? result : find_compression(gltf, members[4], &view->compression);
 }
 
 static psplat_result parse_accessor_type(psplat_gltf *gltf, psplat_json_value value,

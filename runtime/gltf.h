@@ -4,6 +4,7 @@
  *
  *     gltf.c       the document: versions, extensions, buffers, views, accessors
  *     buffer.c     a buffer's bytes: BIN chunk, data URI or file
+ *     meshopt.c    a view's bytes where they are compressed
  *     accessor.c   checked access to an accessor's elements as floats
  *     material.c   materials
  *     primitive.c  meshes: which of their primitives are splats
@@ -32,12 +33,16 @@ typedef struct psplat_buffer {
     const uint8_t *data; /* NULL: not loaded yet */
     size_t origin;       /* offset of data[0] in the file, or of its base64 digit */
     int is_base64;
+    int is_decoded;   /* all of it came out of compressed bytes at origin */
+    int is_fallback;  /* of EXT_meshopt_compression: without a uri it has no bytes */
     const char *path; /* of an external file, whose offsets begin at its start; or NULL */
 } psplat_buffer;
 
 typedef struct psplat_view_range {
-    psplat_json_value json;
+    psplat_json_value json, compression;   /* the object of EXT_meshopt_compression, or 0 */
     size_t buffer, offset, length, stride; /* stride 0: tightly packed */
+    psplat_buffer *decoded;                /* all of a compressed view; NULL: not loaded yet */
+    size_t *planes; /* bytes that each byte of its stride takes; NULL unless gltf.measures */
 } psplat_view_range;
 
 typedef struct psplat_accessor {
@@ -96,6 +101,7 @@ typedef struct psplat_gltf {
     psplat_json_value
         json_stripped; /* first attribute of ours outside a primitive of splats, or 0 */
     int is_listed;     /* whether extensionsUsed names our extension */
+    int measures;      /* as psplat_asset_desc */
 
     psplat_buffer *buffers;
     psplat_view_range *views;
@@ -132,6 +138,12 @@ psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer);
 /* Offset in the file (or in the external one) of byte position of a loaded buffer. */
 size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position);
 
+/* Whether EXT_meshopt_compression is read: with PSPLAT_MESHOPTIMIZER. */
+int psplat_meshopt_is_built(void);
+
+/* Makes view->decoded, of a view with compression. */
+psplat_result psplat_meshopt_load(psplat_gltf *gltf, psplat_view_range *view);
+
 /* Component types of glTF 2.0 section 3.6.2.2. */
 enum {
     PSPLAT_BYTE = 5120,
@@ -158,6 +170,7 @@ typedef struct psplat_attribute_type {
 /* An accessor whose bytes are all inside its buffer. */
 typedef struct psplat_reader {
     const psplat_buffer *buffer;
+    const psplat_view_range *view;
     size_t start, stride, components, component_type, count;
     int normalized;
 } psplat_reader;
@@ -168,8 +181,9 @@ psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value accessor,
                                  const psplat_attribute_type *type, size_t version, size_t count,
                                  psplat_reader *reader);
 
-/* Bytes of all elements without what lies between them. */
+/* Bytes of all elements without what lies between them; and what the file takes for them. */
 size_t psplat_reader_bytes(const psplat_reader *reader);
+size_t psplat_reader_stored(const psplat_reader *reader);
 
 /* Elements first ... first + count - 1 as floats, one after another; signed normalized integers as
  * max(c / 127, -1) and so on, others as they are. */

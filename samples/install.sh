@@ -8,8 +8,8 @@ set -eu
 packages="gcc g++ clang libc6-dev cmake ninja-build pkg-config"
 # converter: geometry, mesh files, PNG, JPEG
 packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev libpng-dev libjpeg62-turbo-dev"
-# runtime: JSON; host: EGL with Mesa's software rasteriser
-packages="$packages libjsmn-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
+# runtime: JSON, compressed views; host: EGL with Mesa's software rasteriser
+packages="$packages libjsmn-dev libmeshoptimizer-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
 # viewer: windows, GL in them
 packages="$packages libglfw3-dev libgl1 libglx-mesa0"
 # tests; xvfb and XTest drive the viewer; butteraugli_main

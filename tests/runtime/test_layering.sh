@@ -42,7 +42,7 @@ public_headers_stand_alone() {
 
 runtime_keeps_to_itself() {
     includes "$1" $(sources "$1" runtime) |
-        only "<phongsplat/(splat|phongsplat)\\.h>|<jsmn\\.h>|$(quoted "$1" runtime shaders)"
+        only "<phongsplat/(splat|phongsplat)\\.h>|<jsmn\\.h>|<meshoptimizer\\.h>|$(quoted "$1" runtime shaders)"
 }
 
 reference_shares_public_headers_only() {

@@ -2,6 +2,9 @@
  * Documents with attributes of any type; see packed.h. */
 #include "packed.h"
 
+#ifdef PSPLAT_MESHOPTIMIZER
+#include <meshoptimizer.h>
+#endif
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,7 +74,7 @@ static char *put_accessors(const packed *p, char *out, char *end) {
                         "\"count\":%zu,\"type\":\"%s\"}",
                         i ? "," : "", i, a->component_type,
                         a->component_type == PACKED_FLOAT || a->is_plain ? "false" : "true",
-                        p->count, types[a->components - 1]);
+                        p->count * (p->repeat ? p->repeat : 1), types[a->components - 1]);
     }
     return out;
 }
@@ -85,16 +88,125 @@ static char *put_attributes(const packed *p, char *out, char *end) {
     return out;
 }
 
+/* ---- views ---------------------------------------------------------------------------------- */
+
+#ifdef PSPLAT_MESHOPTIMIZER
+/* Values as the library's filters take them: four floats an element, or as many as there are. */
+static void filter_all(const packed_attribute *a, packed_filter filter, size_t count,
+                       uint8_t *out) {
+    size_t components = (size_t)a->components;
+    size_t width = filter == PACKED_EXPONENTIAL ? components : 4;
+    int bits = a->component_type == PACKED_BYTE ? 8 : 16;
+    float *values = calloc(count * width, sizeof *values);
+    if (!values) abort();
+    for (size_t i = 0; i < count; ++i)
+        for (size_t k = 0; k < components; ++k)
+            values[i * width + k] = (float)a->values[i * components + k];
+    if (filter == PACKED_OCTAHEDRAL)
+        meshopt_encodeFilterOct(out, count, stride_of(a), bits, values);
+    else if (filter == PACKED_QUATERNION)
+        meshopt_encodeFilterQuat(out, count, stride_of(a), 16, values);
+    else
+        meshopt_encodeFilterExp(out, count, stride_of(a), 15, values);
+    free(values);
+}
+
+static size_t compress(const uint8_t *bytes, size_t count, size_t stride, uint8_t *out) {
+    meshopt_encodeVertexVersion(0);
+    return meshopt_encodeVertexBuffer(out, MAX_BYTES, bytes, count, stride);
+}
+#else
+static void filter_all(const packed_attribute *a, packed_filter filter, size_t count,
+                       uint8_t *out) {
+    (void)a, (void)filter, (void)count, (void)out;
+    abort(); /* tests of compressed files ask first whether they can be made */
+}
+
+static size_t compress(const uint8_t *bytes, size_t count, size_t stride, uint8_t *out) {
+    (void)bytes, (void)count, (void)stride, (void)out;
+    abort();
+}
+#endif
+
+int packed_can_compress(void) {
+#ifdef PSPLAT_MESHOPTIMIZER
+    return 1;
+#else
+    return 0;
+#endif
+}
+
+/* What views take of the buffer, and of the fallback where there is one. */
+typedef struct layout {
+    uint8_t *bytes;
+    size_t used, fallback;
+} layout;
+
+static char *put_view(const packed *p, size_t index, layout *l, char *out, char *end) {
+    static const char *const filters[] = {"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+    const packed_attribute *a = &p->attributes[index];
+    packed_filter filter = p->filters[index];
+    size_t times = p->repeat ? p->repeat : 1, stride = stride_of(a), size = p->count * stride;
+    uint8_t *bytes = calloc(times, size);
+    if (!bytes || l->used + times * size + 3 > MAX_BYTES) abort();
+    if (filter)
+        filter_all(a, filter, p->count, bytes);
+    else
+        store_all(a, p->count, bytes);
+    for (size_t i = 1; i < times; ++i) memcpy(bytes + i * size, bytes, size);
+    size_t taken = times * size;
+    if (p->is_compressed)
+        taken = compress(bytes, times * p->count, stride, l->bytes + l->used);
+    else
+        memcpy(l->bytes + l->used, bytes, taken);
+    free(bytes);
+    if (p->is_compressed)
+        out += snprintf(out, (size_t)(end - out),
+                        "{\"buffer\":1,\"byteOffset\":%zu,\"byteLength\":%zu,\"byteStride\":%zu,"
+                        "\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,"
+                        "\"byteOffset\":%zu,\"byteLength\":%zu,\"byteStride\":%zu,"
+                        "\"count\":%zu,\"mode\":\"ATTRIBUTES\",\"filter\":\"%s\"}}}",
+                        l->fallback, times * size, stride, l->used, taken, stride, times * p->count,
+                        filters[filter]);
+    else
+        out += snprintf(out, (size_t)(end - out),
+                        "{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"byteStride\":%zu}",
+                        l->used, taken, stride);
+    l->fallback += times * size;
+    l->used = (l->used + taken + 3) / 4 * 4;
+    return out;
+}
+
+static char *put_buffers(const packed *p, const layout *l, char *out, char *end) {
+    out += snprintf(out, (size_t)(end - out),
+                    "],\"buffers\":[{\"byteLength\":%zu,\"uri\":"
+                    "\"data:;base64,",
+                    l->used);
+    put_base64(l->bytes, l->used, out);
+    out += strlen(out);
+    out += snprintf(out, (size_t)(end - out), "\"}");
+    if (p->is_compressed)
+        out += snprintf(out, (size_t)(end - out),
+                        ",{\"byteLength\":%zu,\"extensions\":{\"EXT_meshopt_compression\":"
+                        "{\"fallback\":true}}}",
+                        l->fallback);
+    return out;
+}
+
+/* ---- the document --------------------------------------------------------------------------- */
+
 char *packed_text(const packed *p) {
-    uint8_t *bytes = calloc(MAX_BYTES, 1);
+    layout l = {.bytes = calloc(MAX_BYTES, 1)};
     char *text = malloc(MAX_TEXT), *out = text, *end = text + MAX_TEXT;
-    if (!bytes || !text) abort();
-    size_t used = 0;
-    out += sprintf(out, "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":"
-                        "[\"PSPLAT_surface_splats\",\"KHR_mesh_quantization\"],"
-                        "\"extensionsRequired\":[\"KHR_mesh_quantization\"],"
-                        "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"mode\":0,"
-                        "\"attributes\":{");
+    const char *meshopt = p->is_compressed ? ",\"EXT_meshopt_compression\"" : "";
+    if (!l.bytes || !text) abort();
+    out += sprintf(out,
+                   "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":"
+                   "[\"PSPLAT_surface_splats\",\"KHR_mesh_quantization\"%s],"
+                   "\"extensionsRequired\":[\"KHR_mesh_quantization\"%s],"
+                   "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"mode\":0,"
+                   "\"attributes\":{",
+                   meshopt, meshopt);
     out = put_attributes(p, out, end);
     out += snprintf(out, (size_t)(end - out),
                     "},\"extensions\":{\"PSPLAT_surface_splats\":{%s}}}]}],\"accessors\":[",
@@ -102,18 +214,11 @@ char *packed_text(const packed *p) {
     out = put_accessors(p, out, end);
     out += sprintf(out, "],\"bufferViews\":[");
     for (size_t i = 0; i < PACKED_MAX_ATTRIBUTES && p->attributes[i].name; ++i) {
-        const packed_attribute *a = &p->attributes[i];
-        size_t size = p->count * stride_of(a);
-        if (used + size + 3 > MAX_BYTES) abort();
-        store_all(a, p->count, bytes + used);
-        out += snprintf(out, (size_t)(end - out),
-                        "%s{\"buffer\":0,\"byteOffset\":%zu,\"byteLength\":%zu,\"byteStride\":%zu}",
-                        i ? "," : "", used, size, stride_of(a));
-        used += size;
+        if (i) *out++ = ',';
+        out = put_view(p, i, &l, out, end);
     }
-    out += sprintf(out, "],\"buffers\":[{\"byteLength\":%zu,\"uri\":\"data:;base64,", used);
-    put_base64(bytes, used, out);
-    strcat(out, "\"}]}");
-    free(bytes);
+    out = put_buffers(p, &l, out, end);
+    strcpy(out, "]}");
+    free(l.bytes);
     return text;
 }

@@ -59,15 +59,20 @@ typedef struct psplat_asset_desc {
     psplat_allocator allocator;
     psplat_files files;
     const char *base_path; /* memory input only: directory of external buffers; NULL refuses them */
-    size_t max_file_size;  /* bytes; 0 means 2 GiB */
+    size_t max_file_size;  /* bytes, of all files and of what comes out of compressed ones; 0 means
+                              2 GiB */
+    int measures;          /* 1: find psplat_attribute.stored */
 } psplat_asset_desc;
 
 /* How a file stores one attribute of a batch (spec 3.2), for tools that show it. */
 typedef struct psplat_attribute {
     const char *name;        /* without a leading underscore; constant */
     uint32_t component_type; /* as in glTF: 5126 is float, 5123 unsigned short, ... */
-    uint32_t components;     /* of each splat, 2 ... 4 */
-    size_t bytes;            /* of all splats, without padding between them */
+    uint32_t components;     /* of each splat, 1 ... 4 */
+    int is_compressed;       /* by EXT_meshopt_compression */
+    size_t bytes;            /* of all splats, without padding between them, uncompressed */
+    size_t stored;           /* what the file takes for them: bytes, or their share of what was
+                                compressed, 0 there unless psplat_asset_desc.measures */
 } psplat_attribute;
 
 /* Splats of one clip class of one mesh as one node of the default scene places them (spec 3.1). */
