@@ -5,6 +5,7 @@
  */
 #include "adapter_gltf.hpp"
 
+#include <cstdlib>
 #include <exception>
 #include <new>
 
@@ -12,16 +13,27 @@ using namespace psplat_gltf;
 
 namespace {
 
+/* Each group is a material; the first one's factors stand for the mesh where one has to. */
+void paint(const tinygltf::Model &model, const Soup &soup, psplat_mesh &mesh) {
+    const psplat_appearance *all = mesh.palette->appearances;
+    mesh.appearances = all;
+    mesh.appearance_count = mesh.palette->appearance_count;
+    mesh.material = all[group_of(model, soup.materials.front())].material;
+    for (size_t t = 0; t < soup.materials.size(); ++t)
+        mesh.groups[t] = group_of(model, soup.materials[t]);
+}
+
 void read_flat(const tinygltf::Model &model, psplat_mesh &mesh) {
     Soup soup;
     add_scene(soup, model);
     if (soup.triangles.empty()) fail(PSPLAT_ERROR_NO_SPLATS, "the scene has no triangles");
-    bool differ = materials_differ(soup);
-    psplat_material material = bake_materials(model, soup);
-    store(soup, differ, mesh);
-    mesh.material = material;
-    for (size_t t = 0; mesh.groups && t < mesh.triangle_count; ++t)
-        mesh.groups[t] = group_of(model, soup.materials[t]);
+    for (int material : soup.materials)
+        if (material != -1) element(model.materials, material, "material");
+    store(soup, true, mesh);
+    mesh.palette = static_cast<psplat_palette *>(std::calloc(1, sizeof *mesh.palette));
+    if (!mesh.palette) throw std::bad_alloc();
+    read_palette(model, *mesh.palette);
+    paint(model, soup, mesh);
 }
 
 /* Calls read(model) with the document; whatever is thrown ends here. */

@@ -10,6 +10,7 @@
 
 #include "scenes.h"
 #include "source.h"
+#include "texture.h"
 
 #include <tiny_gltf.h>
 
@@ -144,9 +145,11 @@ void read_meshes(const tinygltf::Model &model, psplat_scene &scene);
 
 /* ---- adapter_gltf_material.cpp: what surfaces look like -------------------------------------- */
 
+/* Factors of a material; a negative index is the default one. */
 psplat_material material_of(const tinygltf::Model &model, int index);
 
-/* The file's materials and, behind them, the default one. */
+/* All materials, and behind them the default one of triangles that name none; the images that their
+ * textures show. palette is the caller's to free, also where it fails. */
 void read_palette(const tinygltf::Model &model, psplat_palette &palette);
 
 /* The group of triangles of a material: its index, and one beyond for the default material. */
@@ -154,14 +157,6 @@ inline uint32_t group_of(const tinygltf::Model &model, int material) {
     return material < 0 ? static_cast<uint32_t>(model.materials.size())
                         : static_cast<uint32_t>(material);
 }
-
-/* Whether triangles of the soup have different materials. */
-bool materials_differ(const Soup &soup);
-
-/* Material of the mesh that soup is stored as. One material: its factors as they are. Several: base
- * colours go into the corners' colours, the rest is the first one's, seen from both sides where any
- * of them is. */
-psplat_material bake_materials(const tinygltf::Model &model, Soup &soup);
 
 } // namespace psplat_gltf
 

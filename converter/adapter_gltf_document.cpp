@@ -60,8 +60,11 @@ void check_glb(const psplat_source &source) {
     check_depth(source.data + 20, json);
 }
 
-bool ignore_image(tinygltf::Image *, const int, std::string *, std::string *, int, int,
-                  const unsigned char *, int, void *) {
+/* Keeps the file of an image as it is; of one in a buffer view nothing, since tinygltf has not
+ * checked that view. */
+bool keep_image(tinygltf::Image *image, const int, std::string *, std::string *, int, int,
+                const unsigned char *bytes, int size, void *) {
+    if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
     return true;
 }
 
@@ -127,7 +130,7 @@ void check_extensions(const tinygltf::Model &model) {
 
 void read_document(const psplat_source &source, tinygltf::Model &model) {
     tinygltf::TinyGLTF loader;
-    loader.SetImageLoader(ignore_image, nullptr);
+    loader.SetImageLoader(keep_image, nullptr);
     loader.SetStoreOriginalJSONForExtrasAndExtensions(true); /* extras are kept as they are */
     std::string path = source.file;
     size_t slash = path.rfind('/');

@@ -85,15 +85,19 @@ static psplat_result store(psplat_conversion *c, psplat_error *error) {
     const psplat_storing storing = {.depth_tolerance = depth_tolerance(c),
                                     .flat_depth_tolerance = (float)(2 * flat_part * c->tolerance),
                                     .groups = mesh->appearances ? mesh->groups : NULL,
-                                    .has_color = c->samples.colors != NULL};
+                                    .has_color = c->samples.colors != NULL,
+                                    .has_finish = c->samples.colors || c->samples.finishes ||
+                                                  c->samples.emissive};
     size_t materials = mesh->appearances ? mesh->appearance_count : 1;
     c->splats->materials = malloc((materials + 1) * sizeof *c->splats->materials);
     if (!c->splats->materials || psplat_store_splats(&c->selection, &storing, c->splats))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
     c->splats->material_count = materials;
-    for (size_t i = 0; i < materials; ++i)
+    for (size_t i = 0; i < materials; ++i) {
         c->splats->materials[i] =
             mesh->appearances ? mesh->appearances[i].material : mesh->material;
+        c->splats->materials[i].double_sided |= mesh->both_sides;
+    }
     return PSPLAT_OK;
 }
 
@@ -141,6 +145,7 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     psplat_selection_settle(&c->selection);
     if (psplat_join_lines(&c->surface, &c->limits, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
+    psplat_tint(&c->samples, 1, &c->selection);
     return store(c, error);
 }
 
@@ -188,7 +193,11 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     double crease_angle = desc->no_creases ? PSPLAT_NO_CREASES : degrees * degree;
     psplat_result result = psplat_surface_build(mesh, crease_angle, &c->surface, error);
-    return result ? result : set_limits(c, error);
+    if (!result) result = set_limits(c, error);
+    if (result) return result;
+    c->surface.paint = &c->paint;
+    if (!psplat_paint_build(mesh, c->finest, &c->paint)) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the textures do not fit into memory");
 }
 
 static psplat_result run(psplat_conversion *c, const psplat_mesh *mesh, psplat_report *report,
@@ -211,6 +220,7 @@ void psplat_conversion_free(psplat_conversion *c) {
     psplat_selection_free(&c->selection);
     psplat_samples_free(&c->samples);
     psplat_distance_destroy(c->distance);
+    psplat_paint_free(&c->paint);
     psplat_surface_free(&c->surface);
 }
 

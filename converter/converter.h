@@ -97,6 +97,8 @@ typedef struct psplat_mesh {
     size_t appearance_count;
     psplat_palette *palette; /* of psplat_mesh_read: owns the appearances; NULL: others do */
     size_t dropped;          /* triangles dropped as degenerate or repeated */
+    int both_sides; /* some were there twice, facing both ways: double-sided, whatever the material
+                     */
     /* Of a point set: all its points, and for each a triangle that it lies on or beside. The
      * triangles tell then which points are neighbours, and where the set has holes and ends;
      * distances are measured to the points as well. NULL for a mesh. */

@@ -185,6 +185,7 @@ psplat_result psplat_mesh_clean(psplat_mesh *mesh, const char *label, int has_ma
     if (mesh->triangle_count == 0)
         return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area", label);
     if (!has_material) default_material(mesh, closed && consistent && !turned);
+    mesh->both_sides = turned;
     mesh->material.double_sided |= turned;
     fold_uniform_color(mesh);
     return PSPLAT_OK;

@@ -51,9 +51,10 @@ static size_t group_of(const psplat_mesh *mesh, size_t triangle) {
     return mesh->groups ? mesh->groups[triangle] : 0;
 }
 
-psplat_result psplat_paint_build(const psplat_mesh *mesh, psplat_paint *paint) {
+psplat_result psplat_paint_build(const psplat_mesh *mesh, double diameter, psplat_paint *paint) {
     size_t count = mesh->appearance_count;
-    *paint = (psplat_paint){.mesh = mesh, .has_color = mesh->corner_colors != NULL};
+    *paint = (psplat_paint){
+        .mesh = mesh, .diameter = diameter, .has_color = mesh->corner_colors != NULL};
     if (!count) return PSPLAT_OK;
     uint8_t *used = calloc(count, 1);
     paint->coats = calloc(count, sizeof *paint->coats);
@@ -88,12 +89,13 @@ typedef struct place {
     double radius;
 } place;
 
-static place place_at(const psplat_paint *paint, uint32_t triangle, const double barycentric[3],
-                      double diameter) {
+static place place_at(const psplat_paint *paint, uint32_t triangle, const double barycentric[3]) {
     const psplat_mesh *mesh = paint->mesh;
     const uint32_t *v = mesh->triangles + 3 * (size_t)triangle;
-    place p = {
-        .paint = paint, .triangle = triangle, .barycentric = barycentric, .radius = diameter / 2};
+    place p = {.paint = paint,
+               .triangle = triangle,
+               .barycentric = barycentric,
+               .radius = paint->diameter / 2};
     for (int k = 0; k < 2; ++k)
         sub3(p.edges[k], mesh->positions + 3 * (size_t)v[k + 1],
              mesh->positions + 3 * (size_t)v[0]);
@@ -218,10 +220,10 @@ static void multiply_corner_color(const place *p, float color[4]) {
 }
 
 void psplat_paint_shade(const psplat_paint *paint, uint32_t triangle, const double barycentric[3],
-                        const float normal[3], double diameter, psplat_shade *shade) {
+                        const float normal[3], psplat_shade *shade) {
     const psplat_appearance *a;
     const psplat_coat *coat = coat_of(paint, triangle, &a);
-    place p = place_at(paint, triangle, barycentric, diameter);
+    place p = place_at(paint, triangle, barycentric);
     float rgba[4];
     *shade = (psplat_shade){.color = {1, 1, 1, 1}, .finish = {1, 1, 1}, .emissive = {1, 1, 1}};
     memcpy(shade->normal, normal, sizeof shade->normal);
@@ -242,13 +244,13 @@ void psplat_paint_shade(const psplat_paint *paint, uint32_t triangle, const doub
     }
 }
 
-double psplat_paint_alpha(const psplat_paint *paint, uint32_t triangle, const double barycentric[3],
-                          double diameter) {
+double psplat_paint_alpha(const psplat_paint *paint, uint32_t triangle,
+                          const double barycentric[3]) {
     const psplat_appearance *a;
     const psplat_coat *coat = coat_of(paint, triangle, &a);
     float color[4] = {1, 1, 1, 1};
     if (!a || !a->is_masked) return 1;
-    place p = place_at(paint, triangle, barycentric, diameter);
+    place p = place_at(paint, triangle, barycentric);
     if (coat->base_color) read_texture(&p, &a->base_color, coat->base_color, color);
     multiply_corner_color(&p, color);
     return (double)color[3] * (double)a->material.base_color[3];

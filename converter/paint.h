@@ -22,13 +22,14 @@ typedef struct psplat_paint {
     psplat_coat *coats; /* of each appearance */
     psplat_pyramid *pyramids;
     size_t pyramid_count;
+    double diameter; /* that textures are averaged over: what a sample stands for */
     /* What differs between points of the mesh, by its file: */
     int has_color, has_normals, has_finish, has_emissive;
 } psplat_paint;
 
-/* Makes the textures that the mesh's groups use ready to be read. MEMORY is the only failure;
- * psplat_paint_free also then. */
-psplat_result psplat_paint_build(const psplat_mesh *mesh, psplat_paint *paint);
+/* Makes the textures that the mesh's groups use ready to be read. diameter may be set anew later.
+ * MEMORY is the only failure; psplat_paint_free also then. */
+psplat_result psplat_paint_build(const psplat_mesh *mesh, double diameter, psplat_paint *paint);
 void psplat_paint_free(psplat_paint *paint);
 
 /* The look of one place. */
@@ -39,13 +40,13 @@ typedef struct psplat_shade {
     float emissive[3]; /* times the emissive factor */
 } psplat_shade;
 
-/* The mean look of the mesh over a disc of this diameter about a point of a triangle, as far as the
- * triangle's plane goes. normal: the surface's there, unit. */
+/* The mean look of the mesh over a disc about a point of a triangle, in the triangle's plane.
+ * normal: the surface's there, unit. */
 void psplat_paint_shade(const psplat_paint *paint, uint32_t triangle, const double barycentric[3],
-                        const float normal[3], double diameter, psplat_shade *shade);
-/* The alpha of one place, with its factor; 1 where the triangle's appearance has no mask. */
-double psplat_paint_alpha(const psplat_paint *paint, uint32_t triangle, const double barycentric[3],
-                          double diameter);
+                        const float normal[3], psplat_shade *shade);
+/* The mean alpha there, with its factor; 1 where the triangle's appearance has no mask. */
+double psplat_paint_alpha(const psplat_paint *paint, uint32_t triangle,
+                          const double barycentric[3]);
 
 #ifdef __cplusplus
 }

@@ -22,39 +22,56 @@ typedef struct sample_buffer {
     size_t capacity;
 } sample_buffer;
 
-static int buffer_reserve(sample_buffer *buffer, size_t count, int has_color) {
+/* Makes room in one array, which stays as it is where that fails. */
+static int grow(float **values, size_t capacity, size_t components) {
+    float *grown = realloc(*values, capacity * components * sizeof *grown);
+    if (grown) *values = grown;
+    return grown != NULL;
+}
+
+static int buffer_reserve(sample_buffer *buffer, size_t count, const psplat_paint *paint) {
     psplat_samples *s = &buffer->samples;
     if (count <= buffer->capacity && s->positions) return 1;
     size_t capacity = count + buffer->capacity / 2 + 64;
-    void *positions = realloc(s->positions, capacity * 3 * sizeof(double));
+    double *positions = realloc(s->positions, capacity * 3 * sizeof *positions);
     if (positions) s->positions = positions;
-    void *normals = realloc(s->normals, capacity * 3 * sizeof(float));
-    if (normals) s->normals = normals;
-    void *triangles = realloc(s->triangles, capacity * sizeof(uint32_t));
+    uint32_t *triangles = realloc(s->triangles, capacity * sizeof *triangles);
     if (triangles) s->triangles = triangles;
-    void *colors = has_color ? realloc(s->colors, capacity * 4 * sizeof(float)) : NULL;
-    if (colors) s->colors = colors;
-    if (!positions || !normals || !triangles || (has_color && !colors)) return 0;
-    buffer->capacity = capacity;
-    return 1;
+    int ok = positions && triangles && grow(&s->normals, capacity, 3);
+    if (ok && paint && paint->has_color) ok = grow(&s->colors, capacity, 4);
+    if (ok && paint && paint->has_normals) ok = grow(&s->turned, capacity, 3);
+    if (ok && paint && paint->has_finish) ok = grow(&s->finishes, capacity, 3);
+    if (ok && paint && paint->has_emissive) ok = grow(&s->emissive, capacity, 3);
+    if (ok) buffer->capacity = capacity;
+    return ok;
 }
 
 static const double *vertex(const psplat_mesh *mesh, uint32_t triangle, uint32_t corner) {
     return mesh->positions + 3 * (size_t)mesh->triangles[3 * (size_t)triangle + corner];
 }
 
+static void put(float *values, size_t index, size_t components, const float *value) {
+    if (values) memcpy(values + index * components, value, components * sizeof *value);
+}
+
 static int buffer_push(sample_buffer *buffer, const psplat_surface *surface, uint32_t triangle,
                        const double p[3]) {
     psplat_samples *s = &buffer->samples;
-    int has_color = surface->mesh->corner_colors != NULL;
     if (s->count == PSPLAT_NONE) return 0; /* indices of samples have 32 bits */
-    if (!buffer_reserve(buffer, s->count + 1, has_color)) return 0;
+    if (!buffer_reserve(buffer, s->count + 1, surface->paint)) return 0;
     double weights[3];
+    size_t index = s->count++;
     psplat_surface_barycentric(surface, triangle, p, weights);
-    memcpy(s->positions + 3 * s->count, p, 3 * sizeof(double));
-    psplat_surface_normal(surface, triangle, weights, s->normals + 3 * s->count);
-    if (has_color) psplat_surface_color(surface, triangle, weights, s->colors + 4 * s->count);
-    s->triangles[s->count++] = triangle;
+    memcpy(s->positions + 3 * index, p, 3 * sizeof(double));
+    psplat_surface_normal(surface, triangle, weights, s->normals + 3 * index);
+    s->triangles[index] = triangle;
+    if (!s->colors && !s->turned && !s->finishes && !s->emissive) return 1;
+    psplat_shade shade;
+    psplat_paint_shade(surface->paint, triangle, weights, s->normals + 3 * index, &shade);
+    put(s->colors, index, 4, shade.color);
+    put(s->turned, index, 3, shade.normal);
+    put(s->finishes, index, 3, shade.finish);
+    put(s->emissive, index, 3, shade.emissive);
     return 1;
 }
 
@@ -307,7 +324,7 @@ psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing,
                psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
                            "%.3g samples are needed; the tolerance is too small", expected);
     int ok = grid_create(&thin.grid, (size_t)expected, spacing) &&
-             buffer_reserve(&buffer, (size_t)expected, surface->mesh->corner_colors != NULL) &&
+             buffer_reserve(&buffer, (size_t)expected, surface->paint) &&
              offer_creases(&buffer, &thin.grid, surface, spacing / 2) &&
              offer_vertices(&buffer, &thin.grid, surface, spacing / 4, expected) &&
              offer_points(&buffer, &thin.grid, surface, spacing) &&
@@ -332,7 +349,7 @@ psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surfac
                                     psplat_error *error) {
     sample_buffer buffer = {.samples = *samples};
     int ok = count < PSPLAT_NONE - samples->count &&
-             buffer_reserve(&buffer, samples->count + count, samples->colors != NULL);
+             buffer_reserve(&buffer, samples->count + count, surface->paint);
     for (size_t i = 0; ok && i < count; ++i)
         ok = buffer_push(&buffer, surface, triangles[i], points + 3 * i);
     if (ok) ok = group(&buffer.samples, surface->mesh->triangle_count);
@@ -345,6 +362,9 @@ void psplat_samples_free(psplat_samples *samples) {
     free(samples->positions);
     free(samples->normals);
     free(samples->colors);
+    free(samples->turned);
+    free(samples->finishes);
+    free(samples->emissive);
     free(samples->triangles);
     free(samples->first);
     free(samples->order);

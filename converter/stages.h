@@ -9,6 +9,7 @@
 #define PHONGSPLAT_STAGES_H
 
 #include "converter.h"
+#include "paint.h"
 
 #include <math.h>
 
@@ -39,12 +40,13 @@ void psplat_edge_vector(const psplat_mesh *mesh, uint32_t edge, double vector[3]
  * smooth patch: sharp, border, non-manifold, inconsistently oriented, or between two groups. */
 typedef struct psplat_surface {
     const psplat_mesh *mesh;
-    double *face_normals;  /* triangle_count x 3, unit */
-    double *face_areas;    /* triangle_count */
-    uint32_t *neighbors;   /* triangle_count x 3: triangle across the edge, or PSPLAT_NONE */
-    uint8_t *creases;      /* triangle_count x 3 flags */
-    uint32_t *patches;     /* triangle_count ids 0 ... patch_count - 1 */
-    float *corner_normals; /* triangle_count x 9: the file's, or averaged within creases */
+    const psplat_paint *paint; /* NULL: the surface has no look, nor its samples */
+    double *face_normals;      /* triangle_count x 3, unit */
+    double *face_areas;        /* triangle_count */
+    uint32_t *neighbors;       /* triangle_count x 3: triangle across the edge, or PSPLAT_NONE */
+    uint8_t *creases;          /* triangle_count x 3 flags */
+    uint32_t *patches;         /* triangle_count ids 0 ... patch_count - 1 */
+    float *corner_normals;     /* triangle_count x 9: the file's, or averaged within creases */
     size_t patch_count;
     size_t crease_edges; /* half-edges counted once, borders not included */
     size_t border_edges;
@@ -121,11 +123,9 @@ psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle,
 /* Barycentric coordinates of a point of a triangle. */
 void psplat_surface_barycentric(const psplat_surface *surface, uint32_t triangle,
                                 const double point[3], double barycentric[3]);
-/* Interpolated unit normal and linear colour at barycentric coordinates of a triangle. */
+/* Interpolated unit normal at barycentric coordinates of a triangle. */
 void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,
                            const double barycentric[3], float normal[3]);
-void psplat_surface_color(const psplat_surface *surface, uint32_t triangle,
-                          const double barycentric[3], float color[4]);
 
 /* ---- samples.c ---------------------------------------------------------------------------- */
 
@@ -133,7 +133,11 @@ void psplat_surface_color(const psplat_surface *surface, uint32_t triangle,
 typedef struct psplat_samples {
     double *positions; /* count x 3 */
     float *normals;    /* count x 3, unit */
-    float *colors;     /* count x 4, or NULL where the mesh has none */
+    /* What the surface's paint says varies; NULL where it does not (psplat_shade): */
+    float *colors;   /* count x 4 */
+    float *turned;   /* count x 3, unit: normals as normal maps turn them */
+    float *finishes; /* count x 3 */
+    float *emissive; /* count x 3 */
     uint32_t *triangles;
     uint32_t *first; /* triangle_count + 1 */
     uint32_t *order; /* count */
@@ -353,7 +357,8 @@ typedef struct psplat_candidate {
     psplat_region region;
     double field[5];  /* x, y, alpha, beta, gamma */
     double deviation; /* greatest distance from the samples covered */
-    float color[4];
+    float color[4];   /* by psplat_tint, as the finish */
+    psplat_finish finish;
     uint32_t triangle; /* that the candidate grew from */
     uint32_t *covered; /* sample indices, covered_count; the seed among them */
     size_t covered_count;
@@ -446,6 +451,12 @@ psplat_result psplat_improve(psplat_selection *selection, const psplat_improveme
 /* How many candidates are taken. */
 size_t psplat_selection_taken(const psplat_selection *selection);
 
+/* ---- tint.c -------------------------------------------------------------------------------- */
+
+/* Gives taken candidates colours and finishes, those of the samples they cover; gradients: colours
+ * may change over a splat. */
+void psplat_tint(const psplat_samples *samples, int gradients, psplat_selection *selection);
+
 /* ---- store.c ------------------------------------------------------------------------------- */
 
 /* The plane regions of stored splats, in double; malloc'ed, NULL when out of memory. */
@@ -455,12 +466,12 @@ psplat_region *psplat_splat_regions(const psplat_splats *splats);
 typedef struct psplat_storing {
     float depth_tolerance, flat_depth_tolerance;
     const uint32_t *groups; /* by triangle: the materials; NULL: all are 0 */
-    int has_color;
+    int has_color, has_finish;
 } psplat_storing;
 
 /* The selection in its stored form: single precision, sorted by clip lines, flat ones first, by
- * materials, and then along a Morton curve. Fills splats, runs, their counts and has_color; what of
- * these there was is freed. */
+ * materials, and then along a Morton curve. Fills splats, finishes, runs, their counts and
+ * has_color; what of these there was is freed. */
 psplat_result psplat_store_splats(const psplat_selection *selection, const psplat_storing *storing,
                                   psplat_splats *splats);
 
@@ -493,6 +504,7 @@ psplat_result psplat_join_lines(const psplat_surface *surface, const psplat_limi
 typedef struct psplat_conversion {
     const psplat_convert_desc *desc;
     psplat_surface surface;
+    psplat_paint paint;
     psplat_samples samples;
     psplat_limits limits;
     psplat_distance *distance;

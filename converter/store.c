@@ -122,13 +122,15 @@ static void sort_entries(const psplat_splat *splats, order_entry *entries, size_
     qsort(entries, count, sizeof *entries, compare_entries);
 }
 
+/* finishes may be NULL. */
 static void take_candidates(const psplat_selection *selection, const psplat_storing *storing,
-                            psplat_splat *splats, order_entry *entries) {
+                            psplat_splat *splats, psplat_finish *finishes, order_entry *entries) {
     for (size_t i = 0, count = 0; i < selection->count; ++i) {
         const psplat_candidate *candidate = &selection->candidates[i];
         if (!candidate->taken) continue;
         int flat = 2 * candidate->deviation < (double)storing->flat_depth_tolerance;
         candidate_to_splat(candidate, &splats[count]);
+        if (finishes) finishes[count] = candidate->finish;
         entries[count].class = 2 * candidate->region.line_count + !flat;
         entries[count++].material = storing->groups ? storing->groups[candidate->triangle] : 0;
     }
@@ -151,33 +153,68 @@ static size_t find_runs(const order_entry *entries, size_t count, const psplat_s
     return run_count;
 }
 
+/* A selection on its way to splats. */
+typedef struct storage {
+    psplat_splat *unsorted, *sorted;
+    psplat_finish *unsorted_finishes, *sorted_finishes; /* NULL: not wanted */
+    order_entry *entries;
+    psplat_run *runs;
+} storage;
+
+static int allocate(storage *s, size_t count, int finishes) {
+    *s = (storage){.unsorted = malloc((count + 1) * sizeof *s->unsorted),
+                   .sorted = malloc((count + 1) * sizeof *s->sorted),
+                   .entries = malloc((count + 1) * sizeof *s->entries),
+                   .runs = malloc((count + 1) * sizeof *s->runs)};
+    if (finishes) {
+        s->unsorted_finishes = malloc((count + 1) * sizeof *s->unsorted_finishes);
+        s->sorted_finishes = malloc((count + 1) * sizeof *s->sorted_finishes);
+    }
+    return s->unsorted && s->sorted && s->entries && s->runs &&
+           (!finishes || (s->unsorted_finishes && s->sorted_finishes));
+}
+
+static void sort_splats(storage *s, size_t count) {
+    sort_entries(s->unsorted, s->entries, count);
+    for (size_t i = 0; i < count; ++i) s->sorted[i] = s->unsorted[s->entries[i].index];
+    for (size_t i = 0; i < count && s->sorted_finishes; ++i)
+        s->sorted_finishes[i] = s->unsorted_finishes[s->entries[i].index];
+}
+
+/* Exchanges what splats hold with what is stored. */
+static void hand_over(storage *s, psplat_splats *splats) {
+    psplat_splat *sorted = s->sorted;
+    psplat_finish *finishes = s->sorted_finishes;
+    psplat_run *runs = s->runs;
+    s->sorted = splats->splats;
+    s->sorted_finishes = splats->finishes;
+    s->runs = splats->runs;
+    splats->splats = sorted;
+    splats->finishes = finishes;
+    splats->runs = runs;
+}
+
 psplat_result psplat_store_splats(const psplat_selection *selection, const psplat_storing *storing,
                                   psplat_splats *splats) {
+    storage s;
     size_t count = 0;
     for (size_t i = 0; i < selection->count; ++i) count += selection->candidates[i].taken != 0;
-    psplat_splat *unsorted = malloc((count + 1) * sizeof *unsorted);
-    order_entry *entries = malloc((count + 1) * sizeof *entries);
-    psplat_splat *sorted = malloc((count + 1) * sizeof *sorted);
-    psplat_run *runs = malloc((count + 1) * sizeof *runs);
-    int failed = !unsorted || !entries || !sorted || !runs;
-    if (!failed) {
-        take_candidates(selection, storing, unsorted, entries);
-        sort_entries(unsorted, entries, count);
-        for (size_t i = 0; i < count; ++i) sorted[i] = unsorted[entries[i].index];
-        free(splats->splats);
-        free(splats->runs);
-        splats->splats = sorted;
+    int ok = allocate(&s, count, storing->has_finish);
+    if (ok) {
+        take_candidates(selection, storing, s.unsorted, s.unsorted_finishes, s.entries);
+        sort_splats(&s, count);
         splats->count = count;
-        splats->runs = runs;
-        splats->run_count = find_runs(entries, count, storing, runs);
+        splats->run_count = find_runs(s.entries, count, storing, s.runs);
         splats->has_color = storing->has_color;
-    } else {
-        free(sorted);
-        free(runs);
+        hand_over(&s, splats);
     }
-    free(unsorted);
-    free(entries);
-    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+    free(s.unsorted);
+    free(s.sorted);
+    free(s.unsorted_finishes);
+    free(s.sorted_finishes);
+    free(s.entries);
+    free(s.runs);
+    return ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
 }
 
 void psplat_splats_free(psplat_splats *splats) {

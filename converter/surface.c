@@ -201,10 +201,3 @@ void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,
     const double *n = normalize3(sum) > 1e-9 ? sum : surface->face_normals + 3 * (size_t)triangle;
     for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
 }
-
-void psplat_surface_color(const psplat_surface *surface, uint32_t triangle,
-                          const double barycentric[3], float color[4]) {
-    double sum[4];
-    interpolate(surface->mesh->corner_colors + 12 * (size_t)triangle, 4, barycentric, sum);
-    for (int k = 0; k < 4; ++k) color[k] = (float)sum[k];
-}

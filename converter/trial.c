@@ -189,8 +189,12 @@ size_t psplat_trial_cover(psplat_seedling *s, const psplat_region *region) {
 /* Local normals (x, y) with third coordinate 1 of growth->chosen, into growth->plane. */
 static void local_normals(const psplat_seedling *s, const psplat_region *region, size_t count) {
     psplat_growth *g = s->growth;
+    const float *turned = s->samples->turned;
     for (size_t i = 0; i < count; ++i) {
-        const double *n = g->near.samples[g->chosen[i]].n;
+        const psplat_near_sample *sample = &g->near.samples[g->chosen[i]];
+        double n[3];
+        for (size_t k = 0; k < 3; ++k)
+            n[k] = turned ? (double)turned[3 * (size_t)sample->index + k] : sample->n[k];
         double height = max2(dot3(n, region->n), least_cosine);
         g->plane[i][0] = dot3(n, region->u) / height;
         g->plane[i][1] = dot3(n, region->v) / height;
@@ -243,16 +247,6 @@ int psplat_trial_field(const psplat_seedling *s, const psplat_region *region, si
     if (hypot(field[0], field[1]) > greatest_slope) return 0;
     return s->limits->normal_tolerance <= 0 ||
            field_error(g, region, count, field) <= s->limits->normal_tolerance;
-}
-
-static void mean_color(const psplat_seedling *s, size_t count, float color[4]) {
-    const psplat_growth *g = s->growth;
-    double sum[4] = {0};
-    for (size_t i = 0; i < count; ++i) {
-        size_t sample = g->near.samples[g->chosen[i]].index;
-        for (size_t k = 0; k < 4; ++k) sum[k] += (double)s->samples->colors[4 * sample + k];
-    }
-    for (int k = 0; k < 4; ++k) color[k] = (float)(sum[k] / (double)count);
 }
 
 /* ---- outline ------------------------------------------------------------------------------- */
@@ -326,8 +320,6 @@ void psplat_trial_adopt(psplat_seedling *s, const psplat_region *region, const d
     candidate->region = *region;
     candidate->triangle = s->triangle;
     memcpy(candidate->field, field, sizeof candidate->field);
-    for (int k = 0; k < 4; ++k) candidate->color[k] = 1;
-    if (s->samples->colors) mean_color(s, count, candidate->color);
 }
 
 void psplat_trial_order_axes(psplat_region *region) {

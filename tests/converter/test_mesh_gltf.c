@@ -209,7 +209,7 @@ static void test_one_material(void **state) {
     assert_near((double)mesh.material.roughness, 0.75, 0);
     assert_int_equal(mesh.material.double_sided, 1);
     assert_int_equal(mesh.material.unlit, 1);
-    assert_null(mesh.groups);
+    for (int t = 0; t < 4; ++t) assert_int_equal(mesh.groups[t], 0);
     assert_null(mesh.corner_colors);
     psplat_mesh_free(&mesh);
 }
@@ -232,10 +232,17 @@ static void test_two_materials(void **state) {
     assert_non_null(mesh.groups);
     assert_int_equal(mesh.groups[0], mesh.groups[3]);
     assert_int_not_equal(mesh.groups[3], mesh.groups[4]);
-    assert_non_null(mesh.corner_colors);
-    assert_near((double)mesh.corner_colors[1], 0, 0);          /* green of the red one */
-    assert_near((double)mesh.corner_colors[4 * 12 + 1], 1, 0); /* and of the white one */
-    assert_near((double)mesh.material.base_color[1], 1, 0);
+    assert_null(mesh.corner_colors);
+    assert_int_equal(mesh.appearance_count, 2);
+    const psplat_appearance *red = &mesh.appearances[mesh.groups[0]];
+    const psplat_appearance *white = &mesh.appearances[mesh.groups[4]];
+    assert_near((double)red->material.base_color[1], 0, 0);
+    assert_near((double)white->material.base_color[1], 1, 0);
+    assert_near((double)white->material.metallic, 1, 0);
+    /* An image that cannot be read says why, and the factor stands alone. */
+    assert_null(red->base_color.image->pixels);
+    assert_non_null(strstr(red->base_color.image->problem, "missing.png"));
+    assert_null(white->base_color.image);
     assert_near((double)mesh.material.metallic, 0, 0); /* the first one's */
     psplat_mesh_free(&mesh);
 }

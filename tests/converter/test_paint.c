@@ -31,8 +31,8 @@ static psplat_shade shade_at(const painted *p, double x, double y) {
     psplat_shade shade;
     double barycentric[3];
     at(x, y, barycentric);
-    assert_int_equal(psplat_paint_build(&p->mesh, &paint), PSPLAT_OK);
-    psplat_paint_shade(&paint, 0, barycentric, up, 1e-6, &shade);
+    assert_int_equal(psplat_paint_build(&p->mesh, 1e-6, &paint), PSPLAT_OK);
+    psplat_paint_shade(&paint, 0, barycentric, up, &shade);
     psplat_paint_free(&paint);
     return shade;
 }
@@ -164,19 +164,19 @@ static void test_what_varies(void **state) {
     painted_make(&p, 1, 4, ramps);
     p.appearance.base_color = (psplat_texture){.image = &unreadable};
     p.appearance.emissive = (psplat_texture){.image = &p.image};
-    assert_int_equal(psplat_paint_build(&p.mesh, &paint), PSPLAT_OK);
+    assert_int_equal(psplat_paint_build(&p.mesh, 1e-6, &paint), PSPLAT_OK);
     assert_false(paint.has_color || paint.has_normals || paint.has_finish);
     assert_true(paint.has_emissive);
     psplat_paint_free(&paint);
     /* One picture for two uses of a kind, and one more for the other kind. */
     p.appearance.base_color.image = &p.image;
     p.appearance.metallic_roughness.image = &p.image;
-    assert_int_equal(psplat_paint_build(&p.mesh, &paint), PSPLAT_OK);
+    assert_int_equal(psplat_paint_build(&p.mesh, 1e-6, &paint), PSPLAT_OK);
     assert_int_equal(paint.pyramid_count, 2);
     psplat_paint_free(&paint);
     p.mesh.appearances = NULL;
     p.mesh.appearance_count = 0;
-    assert_int_equal(psplat_paint_build(&p.mesh, &paint), PSPLAT_OK);
+    assert_int_equal(psplat_paint_build(&p.mesh, 1e-6, &paint), PSPLAT_OK);
     assert_false(paint.has_color || paint.has_emissive);
     psplat_paint_free(&paint);
     painted_free(&p);
@@ -191,10 +191,10 @@ static void test_alpha(void **state) {
     p.appearance.base_color = (psplat_texture){.image = &p.image};
     p.appearance.material.base_color[3] = 0.5f;
     at(0.5, -0.5, barycentric);
-    assert_int_equal(psplat_paint_build(&p.mesh, &paint), PSPLAT_OK);
-    assert_near(psplat_paint_alpha(&paint, 0, barycentric, 1e-6), 1, 0);
+    assert_int_equal(psplat_paint_build(&p.mesh, 1e-6, &paint), PSPLAT_OK);
+    assert_near(psplat_paint_alpha(&paint, 0, barycentric), 1, 0);
     p.appearance.is_masked = 1;
-    assert_near(psplat_paint_alpha(&paint, 0, barycentric, 1e-6), (1 - 16 * 11.5 / 255) / 2, 1e-5);
+    assert_near(psplat_paint_alpha(&paint, 0, barycentric), (1 - 16 * 11.5 / 255) / 2, 1e-5);
     psplat_paint_free(&paint);
     painted_free(&p);
 }

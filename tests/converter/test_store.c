@@ -212,7 +212,7 @@ static void test_runs(void **state) {
     }
     psplat_splats splats = {0};
     psplat_selection selection = {candidates, COUNT, COUNT};
-    const psplat_storing storing = {1, 0.1f, groups, 0};
+    const psplat_storing storing = {1, 0.1f, groups, 0, 0};
     assert_int_equal(psplat_store_splats(&selection, &storing, &splats), PSPLAT_OK);
     assert_int_equal(splats.run_count, COUNT);
     for (uint32_t i = 0; i < COUNT; ++i) {
