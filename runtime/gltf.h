@@ -8,6 +8,7 @@
  *     accessor.c   checked access to an accessor's elements as floats
  *     material.c   materials
  *     primitive.c  meshes: which of their primitives are splats
+ *     stand_in.c   meshes for those that know no splats
  *     extension.c  the extension object of a primitive of splats
  *     attributes.c one primitive of splats and its attributes
  *     values.c     the values of these, decoded and checked
@@ -71,8 +72,11 @@ typedef struct psplat_set {
     size_t attribute_count;
 } psplat_set;
 
+/* What is drawn of a mesh. */
 typedef struct psplat_mesh_sets {
     size_t first_set, set_count;
+    size_t splat_mesh; /* that it stands in for (spec 6.1), or PSPLAT_NONE */
+    psplat_json_value json_splat_mesh;
 } psplat_mesh_sets;
 
 typedef struct psplat_node {
@@ -238,6 +242,13 @@ psplat_result psplat_material_get(const psplat_gltf *gltf, psplat_json_value val
 
 /* Decodes every primitive of splats into gltf->sets. NO_SPLATS where there is none. */
 psplat_result psplat_meshes_parse(psplat_gltf *gltf);
+
+/* Whether a mesh, which has sets->set_count sets of its own, stands in for another; its extensions
+ * may be 0. FORMAT, RANGE. */
+psplat_result psplat_stand_in_parse(psplat_gltf *gltf, psplat_json_value extensions,
+                                    psplat_mesh_sets *sets);
+/* Gives meshes that stand in the sets of what they stand in for. */
+psplat_result psplat_stand_ins_resolve(psplat_gltf *gltf);
 
 /* The extension object; *extent becomes its positionExtent. */
 psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value object,

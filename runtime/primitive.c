@@ -71,20 +71,18 @@ static psplat_result parse_primitive(psplat_gltf *gltf, psplat_json_value primit
 
 /* The sets of a mesh lie side by side in gltf->sets. */
 static psplat_result parse_mesh(psplat_gltf *gltf, psplat_json_value mesh, psplat_mesh_sets *sets) {
-    static const char *const name[] = {"primitives"};
-    psplat_json_value array = 0;
-    psplat_result result = psplat_json_members(&gltf->json, mesh, name, 1, &array);
-    if (!result && !array)
-        result = psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, mesh),
-                             "primitives is missing");
-    if (!result) result = psplat_json_expect(&gltf->json, array, PSPLAT_JSON_ARRAY, name[0]);
+    static const char *const members[] = {"primitives", "extensions"};
+    psplat_json_value found[2];
+    psplat_result result = psplat_json_members(&gltf->json, mesh, members, 2, found);
+    if (!result) result = psplat_gltf_require(gltf, mesh, found[0], members[0]);
+    if (!result) result = psplat_json_expect(&gltf->json, found[0], PSPLAT_JSON_ARRAY, members[0]);
     if (result) return result;
     sets->first_set = gltf->set_count;
-    psplat_json_value primitive = psplat_json_first(&gltf->json, array);
+    psplat_json_value array = found[0], primitive = psplat_json_first(&gltf->json, array);
     for (; primitive && !result; primitive = psplat_json_next(&gltf->json, array, primitive))
         result = parse_primitive(gltf, primitive);
     sets->set_count = gltf->set_count - sets->first_set;
-    return result;
+    return result ? result : psplat_stand_in_parse(gltf, found[1], sets);
 }
 
 /* An upper bound of the number of sets: primitives of all meshes, whatever they are. */
@@ -131,5 +129,6 @@ psplat_result psplat_meshes_parse(psplat_gltf *gltf) {
         result = parse_mesh(gltf, mesh, &gltf->meshes[i]);
     }
     if (!result && !gltf->set_count) result = fail_no_splats(gltf);
+    if (!result) result = psplat_stand_ins_resolve(gltf);
     return result;
 }

@@ -10,6 +10,7 @@ import { assetPaths, extensionName, readAsset, schemaDirectory, splatPrimitives 
 const load = (name) => JSON.parse(readFileSync(join(schemaDirectory, name), 'utf8'));
 const ajv = new Ajv2020({ allErrors: true, strictTypes: false });
 ajv.addSchema(load(`mesh.primitive.${extensionName}.schema.json`));
+ajv.addSchema(load(`mesh.${extensionName}.schema.json`));
 const validate = ajv.compile(load(`glTF.${extensionName}.schema.json`));
 
 for (const path of assetPaths()) {
@@ -37,6 +38,7 @@ const faults = {
   'no rotation': (json) => delete splatPrimitives(json)[0].attributes[`_${extensionName}:ROTATION`],
   'a clip line too few': (json) => delete splatPrimitives(json)[2].attributes[`_${extensionName}:CLIP_1`],
   'a clip line too many': (json) => (splatPrimitives(json)[1].attributes[`_${extensionName}:CLIP_1`] = 0),
+  'a mesh that stands in for nothing': (json) => (json.meshes[0].extensions = { [extensionName]: {} }),
   'not listed as used': (json) => (json.extensionsUsed = []),
   'listed as required': (json) => (json.extensionsRequired = [extensionName]),
 };
