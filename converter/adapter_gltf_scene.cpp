@@ -224,7 +224,7 @@ void read_meshes(const tinygltf::Model &model, psplat_scene &scene) {
             if (soup.materials[t] != -1) element(model.materials, soup.materials[t], "material");
             mesh.groups[t] = group_of(model, soup.materials[t]);
         }
-        mesh.material = material_of(model, soup.materials.front());
+        mesh.material = material_of(model, -1); /* each triangle has its own */
     }
 }
 

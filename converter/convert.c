@@ -10,6 +10,9 @@
 
 static const double degree = 3.141592653589793 / 180;
 static const double default_tolerance_percent = 0.5;
+/* Of a part of something larger, its own diagonal: a coarser tolerance would leave nothing to be
+ * recognised, and gain next to nothing. */
+static const double coarsest_part_percent = 20;
 static const double default_crease_angle_degrees = 30;
 
 /* Part of the tolerance that fitting may use; the rest is for single precision. */
@@ -50,12 +53,21 @@ int psplat_improving_rounds(const psplat_convert_desc *desc) {
     return rounds_of_effort[desc->effort > 0 ? desc->effort - 1 : DEFAULT_EFFORT];
 }
 
+/* What percentages are of, and the tolerance in them. Returns the tolerance in percent of the
+ * mesh's own diagonal. */
+static double set_tolerance(psplat_conversion *c) {
+    double own = c->surface.diagonal, whole = c->desc->diagonal;
+    c->diagonal = whole > 0 ? whole : own;
+    c->percent = tolerance_percent(c->desc);
+    if (whole > 0) c->percent = fmin(c->percent, coarsest_part_percent * own / whole);
+    c->tolerance = c->percent / 100 * c->diagonal;
+    return c->percent * (c->diagonal / own);
+}
+
 static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
-    double percent = tolerance_percent(c->desc), diagonal = c->surface.diagonal;
-    double degrees = c->desc->normal_tolerance_degrees, fine = percent;
-    if (degrees > 0) fine = fmin(percent, normal_tolerance_percent(degrees));
-    double spacing = spacing_percent / 100 * diagonal * sqrt(fine);
-    c->tolerance = percent / 100 * diagonal;
+    double degrees = c->desc->normal_tolerance_degrees, fine = set_tolerance(c);
+    if (degrees > 0) fine = fmin(fine, normal_tolerance_percent(degrees));
+    double spacing = spacing_percent / 100 * c->surface.diagonal * sqrt(fine);
     c->finest = spacing;
     c->limits = (psplat_limits){.tolerance = fitted_part * c->tolerance,
                                 .crease_tolerance = crease_part * c->tolerance,
@@ -66,7 +78,7 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     if (!(expected <= most_samples))
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
                            "a tolerance of %g %% needs %.3g million samples, more than %g million",
-                           percent, expected / 1e6, most_samples / 1e6);
+                           c->percent, expected / 1e6, most_samples / 1e6);
     c->limits.distance = c->distance = psplat_distance_create(c->surface.mesh);
     if (c->distance) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the mesh's tree does not fit into memory");
@@ -165,8 +177,8 @@ static void count_for_report(const psplat_conversion *c, psplat_report *report) 
     report->crease_edges = c->surface.crease_edges;
     report->border_edges = c->surface.border_edges;
     report->samples = c->samples.count;
-    report->diagonal = c->surface.diagonal;
-    report->tolerance_percent = tolerance_percent(c->desc);
+    report->diagonal = c->diagonal;
+    report->tolerance_percent = c->percent;
 }
 
 static psplat_result verify(const psplat_conversion *c, psplat_report *report,
@@ -177,7 +189,8 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
         .surface = &c->surface,
         .splats = c->splats,
         .distance = c->distance,
-        .tolerance_percent = tolerance_percent(c->desc),
+        .tolerance_percent = c->percent,
+        .diagonal = c->diagonal,
         .normal_tolerance_degrees = c->desc->normal_tolerance_degrees,
         .seed = c->desc->seed + verify_seed,
     };

@@ -145,9 +145,12 @@ typedef struct psplat_convert_desc {
                                   * noise; twice of it where the file's normals agree; 0: 30 */
     int no_creases;              /* 1: only borders and non-manifold edges bound splats */
     int constant_normals;        /* 1: fields without gradients, as Gaussian splats have */
-    int effort;     /* 1 ... 10: how long the selection is improved; 0 means the default, 3 */
-    uint64_t seed;  /* of the sampling */
-    int unverified; /* 1: a report gets counts only; psplat_convert_verify adds the rest */
+    int effort;      /* 1 ... 10: how long the selection is improved; 0 means the default, 3 */
+    uint64_t seed;   /* of the sampling */
+    int unverified;  /* 1: a report gets counts only; psplat_convert_verify adds the rest */
+    double diagonal; /* that all percentages are of, where the mesh is a part of something larger,
+                      * in units of the mesh; the tolerance is then at most 20 % of its own; 0: its
+                      * own box's */
     /* Called now and then with the stage's name and its fraction done 0 ... 1; a return other than
      * 0 stops with INTERRUPTED. May be NULL. */
     int (*progress)(void *user, const char *stage, double fraction);
@@ -212,8 +215,9 @@ typedef struct psplat_kept {
 /* Where a promise is broken. */
 typedef struct psplat_place {
     psplat_promise promise;
-    double position[3]; /* in the coordinates of the input */
+    double position[3]; /* in the coordinates of the mesh */
     double value;       /* found there, in the unit of its promise */
+    uint32_t mesh;      /* of the scene; 0 where there is one alone */
 } psplat_place;
 
 /* What the converter measured, on samples of the surface other than those it fitted. */
@@ -226,7 +230,7 @@ typedef struct psplat_report {
     size_t bytes;                /* of the file written */
     double seconds;              /* wall clock, reading and writing included */
     size_t peak_memory_bytes;    /* of the process */
-    double diagonal;             /* of the bounding box */
+    double diagonal;             /* that percentages are of: the bounding box's */
     double tolerance_percent;
     double max_distance_percent;         /* two-sided */
     double max_distance_surface_percent; /* surface to the nearest splat that covers it, along that

@@ -105,32 +105,30 @@ static psplat_result make_graph(psplat_scene *scene, psplat_error *error) {
 /* ---- reading -----------------------------------------------------------------------------------
  */
 
-/* "path: mesh 3 'Teapot'", as far as there is room. */
-static void label_mesh(const psplat_scene *scene, size_t index, const char *path,
-                       char label[2 * PSPLAT_SHOWN_PATH]) {
-    const char *name = scene->meshes[index].name;
+void psplat_scene_label(const psplat_scene *scene, size_t mesh, char label[PSPLAT_SHOWN_PATH]) {
+    const char *name = scene->meshes[mesh].name;
     char shown[PSPLAT_SHOWN_PATH];
     psplat_path_shorten(name ? name : "", shown);
-    snprintf(label, 2 * PSPLAT_SHOWN_PATH, "%s%smesh %zu%s%.60s%s", path ? path : "",
-             path ? ": " : "", index, name ? " '" : "", shown, name ? "'" : "");
+    snprintf(label, PSPLAT_SHOWN_PATH, "mesh %zu%s%.60s%s", mesh, name ? " '" : "", shown,
+             name ? "'" : "");
 }
 
 /* A mesh of no area is none, unless all are like it. */
 static psplat_result clean_meshes(psplat_scene *scene, const char *path, psplat_error *error) {
-    char label[2 * PSPLAT_SHOWN_PATH];
+    char label[PSPLAT_SHOWN_PATH], place[2 * PSPLAT_SHOWN_PATH];
     size_t left = 0;
     for (size_t i = 0; i < scene->mesh_count; ++i) {
         psplat_mesh *mesh = &scene->meshes[i].mesh;
         mesh->appearances = scene->palette.appearances;
         mesh->appearance_count = scene->palette.appearance_count;
         psplat_result result = PSPLAT_ERROR_NO_SPLATS;
-        label_mesh(scene, i, path, label);
-        if (mesh->triangle_count) result = psplat_mesh_clean(mesh, label, 1, error);
+        psplat_scene_label(scene, i, label);
+        snprintf(place, sizeof place, "%s: %s", path, label);
+        if (mesh->triangle_count) result = psplat_mesh_clean(mesh, place, 1, error);
         if (result && result != PSPLAT_ERROR_NO_SPLATS) return result;
         left += !result;
         if (!result) continue;
         psplat_mesh_free(mesh);
-        label_mesh(scene, i, NULL, label);
         psplat_scene_warn(scene, "%s has no triangle with an area and is dropped", label);
     }
     if (left) return PSPLAT_OK;

@@ -127,9 +127,46 @@ psplat_result psplat_scene_instances(const psplat_scene *scene, uint32_t index,
 /* The index of the scene that a viewer shows at first; PSPLAT_NO_INDEX of files without scenes. */
 uint32_t psplat_scene_shown(const psplat_scene *scene);
 
+/* For each mesh of the scene the length that percentages of errors are of, in the mesh's own units:
+ * the diagonal of the shown scene's box, divided by the greatest stretch of the mesh's instances
+ * there. What only other scenes show takes theirs, and what none shows 0: the mesh's own box.
+ * lengths: room for mesh_count. Errors: MEMORY. */
+psplat_result psplat_scene_lengths(const psplat_scene *scene, double *lengths, psplat_error *error);
+
 /* The diagonal of the box around the vertices of instances; 0 without any. */
 double psplat_scene_diagonal(const psplat_scene *scene, const psplat_instance *instances,
                              size_t count);
+
+/* ---- convert_scene.c: every mesh of a scene -------------------------------------------------- */
+
+/* Percentages are of the diagonal of the shown scene's box, of errors that its instances stretch
+ * most: so one bound holds wherever a mesh is shown. */
+typedef struct psplat_scene_report {
+    psplat_report total;   /* sums, greatest errors, means over all samples; p95 the greatest */
+    psplat_report *meshes; /* by mesh of the scene; of those that have no splats zeros */
+    size_t mesh_count;
+} psplat_scene_report;
+
+void psplat_scene_report_free(psplat_scene_report *report);
+
+/* Converts each mesh with the same desc, whose diagonal is ignored. splats: by mesh, room for
+ * mesh_count, zeroed; meshes without triangles leave theirs so. A mesh's tolerance is at most 20 %
+ * of its own box. report may be NULL. Errors are those of psplat_convert and name the mesh; all
+ * splats are free then. */
+psplat_result psplat_scene_convert(const psplat_scene *scene, const psplat_convert_desc *desc,
+                                   psplat_splats *splats, psplat_scene_report *report,
+                                   psplat_error *error);
+
+/* Fills what psplat_scene_convert with desc->unverified left out of its report. */
+psplat_result psplat_scene_verify(const psplat_scene *scene, const psplat_convert_desc *desc,
+                                  const psplat_splats *splats, psplat_scene_report *report,
+                                  psplat_error *error);
+
+/* Frees the splats of all meshes, but not the array. */
+void psplat_scene_splats_free(const psplat_scene *scene, psplat_splats *splats);
+
+/* scenes.c: what messages call a mesh: "mesh 3 'Teapot'". */
+void psplat_scene_label(const psplat_scene *scene, size_t mesh, char label[PSPLAT_SHOWN_PATH]);
 
 #ifdef __cplusplus
 }

@@ -16,16 +16,22 @@ static const struct stage {
     {"improving", 0.28}, {"closing holes", 0.32},   {"verifying", 0.03}, {"writing", 0.01},
 };
 
-/* A search for a budget goes through all stages between these many times, as one. */
-static const char *const searching = "searching", *const search_first = "finding creases",
-                         *const search_end = "verifying";
+/* What goes through stages several times, as one: a search for a budget, and the meshes of a scene.
+ */
+static const struct loop {
+    const char *name, *first, *end;
+} loops[] = {
+    {"searching", "finding creases", "verifying"},
+    {"converting meshes", "finding creases", "writing"},
+};
 
 double psplat_schedule_done(const char *stage, double fraction) {
     double before = 0;
     fraction = fmin(fmax(fraction, 0), 1);
-    if (!strcmp(stage, searching)) {
-        double begin = psplat_schedule_done(search_first, 0);
-        return begin + fraction * (psplat_schedule_done(search_end, 0) - begin);
+    for (size_t i = 0; i < sizeof loops / sizeof *loops; ++i) {
+        if (strcmp(stage, loops[i].name) != 0) continue;
+        double begin = psplat_schedule_done(loops[i].first, 0);
+        return begin + fraction * (psplat_schedule_done(loops[i].end, 0) - begin);
     }
     for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) {
         if (!strcmp(stages[i].name, stage)) return before + fraction * stages[i].share;

@@ -512,6 +512,8 @@ typedef struct psplat_conversion {
     psplat_splats *splats;
     double tolerance; /* in the mesh's units */
     double finest;    /* spacing of samples that suffices everywhere; the same */
+    double percent;   /* tolerance as a part of diagonal */
+    double diagonal;
 } psplat_conversion;
 
 /* Builds the surface and sets the limits of c, which holds desc: all that does not depend on
@@ -639,6 +641,7 @@ typedef struct psplat_verification {
     const psplat_splats *splats;
     const psplat_distance *distance; /* to the mesh */
     double tolerance_percent;
+    double diagonal;                 /* that percentages are of */
     double normal_tolerance_degrees; /* 0: none was promised */
     uint64_t seed;                   /* of the samples, another than that of the fitted ones */
 } psplat_verification;

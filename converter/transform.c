@@ -181,3 +181,30 @@ double psplat_scene_diagonal(const psplat_scene *scene, const psplat_instance *i
     if (!count) return 0;
     return hypot(hypot(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
 }
+
+/* Of one scene: the lengths of meshes that have none yet. */
+static psplat_result add_lengths(const psplat_scene *scene, uint32_t index, double *lengths,
+                                 psplat_error *error) {
+    psplat_instance *instances;
+    size_t count;
+    double *stretches = calloc(scene->mesh_count + 1, sizeof *stretches);
+    if (!stretches) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for meshes");
+    psplat_result result = psplat_scene_instances(scene, index, &instances, &count, error);
+    double diagonal = psplat_scene_diagonal(scene, instances, count);
+    for (size_t i = 0; i < count; ++i)
+        stretches[instances[i].mesh] = fmax(stretches[instances[i].mesh], instances[i].stretch);
+    for (size_t i = 0; i < scene->mesh_count && !result; ++i)
+        if (!(lengths[i] > 0) && stretches[i] > 0) lengths[i] = diagonal / stretches[i];
+    free(instances);
+    free(stretches);
+    return result;
+}
+
+psplat_result psplat_scene_lengths(const psplat_scene *scene, double *lengths,
+                                   psplat_error *error) {
+    memset(lengths, 0, scene->mesh_count * sizeof *lengths);
+    psplat_result result = add_lengths(scene, psplat_scene_shown(scene), lengths, error);
+    for (uint32_t i = 0; i < scene->scene_count && !result; ++i)
+        result = add_lengths(scene, i, lengths, error);
+    return result;
+}

@@ -177,7 +177,7 @@ typedef struct verifier {
 } verifier;
 
 static double percent(const verifier *r, double length) {
-    return 100 * length / r->v->surface->diagonal;
+    return 100 * length / r->v->diagonal;
 }
 
 static void judge_coverage(verifier *r, const measurements *m) {
@@ -318,7 +318,7 @@ psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,
     size_t wanted = v->splats->count * SAMPLES_PER_SPLAT;
     if (wanted < LEAST_SAMPLES) wanted = LEAST_SAMPLES;
     if (wanted > MOST_SAMPLES) wanted = MOST_SAMPLES;
-    double tolerance = v->tolerance_percent / 100 * v->surface->diagonal;
+    double tolerance = v->tolerance_percent / 100 * v->diagonal;
     verifier r = {.v = v,
                   .report = report,
                   .places = {.apart = 2 * tolerance, .origin = v->surface->mesh->origin}};

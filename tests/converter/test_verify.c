@@ -66,6 +66,7 @@ static psplat_report verify(const cube *c) {
                                               .distance = distance,
                                               .tolerance_percent =
                                                   100 * c->tolerance / c->f.surface.diagonal,
+                                              .diagonal = c->f.surface.diagonal,
                                               .normal_tolerance_degrees = c->normal_tolerance,
                                               .seed = 5};
     assert_int_equal(psplat_verify(&verification, &r, NULL), PSPLAT_OK);
