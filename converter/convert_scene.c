@@ -77,9 +77,10 @@ static void add_place(psplat_report *total, const psplat_place *place, uint32_t 
     total->places[at].mesh = mesh;
 }
 
-static void join_reports(const psplat_convert_desc *desc, psplat_scene_report *report) {
+static void join_reports(const psplat_convert_desc *desc, double diagonal,
+                         psplat_scene_report *report) {
     psplat_report *total = &report->total;
-    *total = (psplat_report){0};
+    *total = (psplat_report){.diagonal = diagonal};
     for (uint32_t i = 0; i < report->mesh_count; ++i) {
         psplat_report *part = &report->meshes[i];
         if (!part->splats) continue;
@@ -91,6 +92,7 @@ static void join_reports(const psplat_convert_desc *desc, psplat_scene_report *r
             add_place(total, &part->places[k], i);
         }
         raise(&total->tolerance_percent, part->tolerance_percent);
+        if (!(diagonal > 0)) raise(&total->diagonal, part->diagonal);
     }
     /* Meshes that are small beside the scene get less. */
     if (desc->tolerance_percent > 0) total->tolerance_percent = desc->tolerance_percent;
@@ -109,6 +111,7 @@ typedef struct work {
     psplat_convert_desc desc; /* of the mesh at hand */
     const psplat_convert_desc *all;
     double *lengths;
+    double diagonal;    /* of the shown scene; 0 where it shows nothing */
     double *shares;     /* of the time, of each mesh */
     double before, now; /* shares of the meshes before, and of the one at hand */
 } work;
@@ -154,7 +157,7 @@ static psplat_result begin(work *w, const psplat_scene *scene, const psplat_conv
         w->desc.user = w;
     }
     share_time(w);
-    return psplat_scene_lengths(scene, w->lengths, error);
+    return psplat_scene_lengths(scene, w->lengths, &w->diagonal, error);
 }
 
 static void end(work *w) {
@@ -211,7 +214,7 @@ psplat_result psplat_scene_convert(const psplat_scene *scene, const psplat_conve
     }
     psplat_result result = begin(&w, scene, desc, error);
     if (!result) result = convert_meshes(&w, splats, report ? report->meshes : NULL, error);
-    if (!result && report) join_reports(w.all, report);
+    if (!result && report) join_reports(w.all, w.diagonal, report);
     if (result) psplat_scene_splats_free(scene, splats);
     if (result && report) psplat_scene_report_free(report);
     end(&w);
@@ -230,7 +233,7 @@ psplat_result psplat_scene_verify(const psplat_scene *scene, const psplat_conver
                                        &report->meshes[i], error);
         if (result) name_mesh(&w, i, error);
     }
-    if (!result) join_reports(w.all, report);
+    if (!result) join_reports(w.all, w.diagonal, report);
     end(&w);
     return result;
 }

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * glb.c - splats to a complete GLB (spec 3): one node, one mesh, one primitive per run,
+ * glb.c - splats to a complete GLB (spec 3): the graph of their scene, one primitive per run,
  * unclipped first (BSK04 section 4.1). Only what a model needs is written: no NORMAL_FIELD
  * where every gradient of a primitive is 0, no gamma where every one is, no COLOR_0 where the
  * colour is uniform, no glTF default. Equal splats give equal bytes, whatever the locale and the
  * machine's byte order.
  */
-#include "converter.h"
-#include "json_writer.h"
+#include "graph.h"
+#include "materials.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -50,15 +50,27 @@ static const column columns[COLUMNS] = {
 
 /* One primitive. */
 typedef struct run {
+    const psplat_splats *set;
     const psplat_splat *splats;
     size_t count;
     size_t clip_lines;
-    size_t material;
+    uint32_t material; /* in the file, or PSPLAT_NO_INDEX */
     float depth_tolerance;
     size_t components[COLUMNS]; /* that are written of each column; 0: the column is left out */
     size_t column_count;
     float min[3], max[3];
 } run;
+
+/* All that is written. */
+typedef struct document {
+    const psplat_scene *scene;
+    const psplat_splats *splats; /* by mesh of the scene */
+    run *runs;                   /* of all meshes, one after the other */
+    size_t run_count;
+    uint32_t *meshes;             /* by mesh of the scene: its index in the file */
+    psplat_placement *placements; /* by mesh of the scene */
+    psplat_materials materials;
+} document;
 
 /* ---- runs --------------------------------------------------------------------------------- */
 
@@ -150,42 +162,6 @@ static psplat_result check_splats(const psplat_splats *splats, psplat_error *err
 
 /* ---- JSON --------------------------------------------------------------------------------- */
 
-static int is_emissive(const psplat_material *m) {
-    /* Unlit materials show their base colour alone (spec 5.6). */
-    return !m->unlit &&
-           (m->emissive[0] != 0.0f || m->emissive[1] != 0.0f || m->emissive[2] != 0.0f);
-}
-
-/* glTF's factor ends at 1; KHR_materials_emissive_strength carries the rest. */
-static float emissive_strength(const psplat_material *m) {
-    if (!is_emissive(m)) return 1.0f;
-    return fmaxf(1.0f, fmaxf(fmaxf(m->emissive[0], m->emissive[1]), m->emissive[2]));
-}
-
-static int is_white(const float color[4]) {
-    return color[0] == 1.0f && color[1] == 1.0f && color[2] == 1.0f && color[3] == 1.0f;
-}
-
-static int is_default_material(const psplat_material *m) {
-    return is_white(m->base_color) && m->metallic == 1.0f && m->roughness == 1.0f &&
-           !is_emissive(m) && !m->double_sided && !m->unlit;
-}
-
-static int is_written_material(const psplat_splats *splats, size_t index) {
-    if (is_default_material(&splats->materials[index])) return 0;
-    for (size_t i = 0; i < splats->run_count; ++i)
-        if (splats->runs[i].material == index) return 1;
-    return 0;
-}
-
-/* The index that a material has in the file; SIZE_MAX: none. */
-static size_t written_material(const psplat_splats *splats, size_t index) {
-    size_t written = 0;
-    if (!is_written_material(splats, index)) return SIZE_MAX;
-    for (size_t i = 0; i < index; ++i) written += (size_t)is_written_material(splats, i);
-    return written;
-}
-
 static void add_attributes(psplat_writer *json, const run *r, size_t accessor) {
     psplat_writer_open(json, "attributes", '{');
     for (size_t i = 0; i < COLUMNS; ++i)
@@ -203,112 +179,51 @@ static void add_kernel(psplat_writer *json, const psplat_kernel *kernel) {
     psplat_writer_close(json, '}');
 }
 
-static void add_primitive(psplat_writer *json, const run *r, size_t accessor,
-                          const psplat_splats *splats) {
-    size_t material = written_material(splats, r->material);
+static void add_primitive(psplat_writer *json, const run *r, size_t accessor) {
     float extent[3];
     for (size_t i = 0; i < 3; ++i) extent[i] = (float)((double)r->max[i] - (double)r->min[i]);
     psplat_writer_open(json, NULL, '{');
     psplat_writer_count(json, "mode", 0);
     add_attributes(json, r, accessor);
-    if (material != SIZE_MAX) psplat_writer_count(json, "material", material);
+    if (r->material != PSPLAT_NO_INDEX) psplat_writer_count(json, "material", r->material);
     psplat_writer_open(json, "extensions", '{');
     psplat_writer_open(json, "PSPLAT_surface_splats", '{');
     psplat_writer_count(json, "version", 1);
     psplat_writer_count(json, "clipLines", r->clip_lines);
     psplat_writer_float(json, "depthTolerance", r->depth_tolerance);
     psplat_writer_floats(json, "positionExtent", extent, 3);
-    add_kernel(json, &splats->kernel);
+    add_kernel(json, &r->set->kernel);
     psplat_writer_close(json, '}');
     psplat_writer_close(json, '}');
     psplat_writer_close(json, '}');
 }
 
-static void add_scene(psplat_writer *json, const psplat_splats *splats, const char *name) {
-    const double *origin = splats->origin;
-    const double root = 0;
-    psplat_writer_count(json, "scene", 0);
-    psplat_writer_open(json, "scenes", '[');
+/* runs: those of the mesh, and accessor the first of theirs. Returns the first after them. */
+static size_t add_mesh(psplat_writer *json, const psplat_scene_mesh *mesh, const run *runs,
+                       size_t run_count, size_t accessor) {
     psplat_writer_open(json, NULL, '{');
-    psplat_writer_numbers(json, "nodes", &root, 1);
-    psplat_writer_close(json, '}');
-    psplat_writer_close(json, ']');
-    psplat_writer_open(json, "nodes", '[');
-    psplat_writer_open(json, NULL, '{');
-    psplat_writer_count(json, "mesh", 0);
-    if (name && *name) psplat_writer_string(json, "name", name);
-    if (origin[0] != 0.0 || origin[1] != 0.0 || origin[2] != 0.0)
-        psplat_writer_numbers(json, "translation", origin, 3);
-    psplat_writer_close(json, '}');
-    psplat_writer_close(json, ']');
-}
-
-static void add_mesh(psplat_writer *json, const psplat_splats *splats, const char *name,
-                     const run *runs, size_t run_count) {
-    size_t accessor = 0;
-    psplat_writer_open(json, "meshes", '[');
-    psplat_writer_open(json, NULL, '{');
-    if (name && *name) psplat_writer_string(json, "name", name);
+    if (mesh->name) psplat_writer_string(json, "name", mesh->name);
     psplat_writer_open(json, "primitives", '[');
     for (size_t i = 0; i < run_count; ++i) {
-        add_primitive(json, &runs[i], accessor, splats);
+        add_primitive(json, &runs[i], accessor);
         accessor += runs[i].column_count;
     }
     psplat_writer_close(json, ']');
+    if (mesh->extras) psplat_writer_raw(json, "extras", mesh->extras);
     psplat_writer_close(json, '}');
+    return accessor;
+}
+
+static void add_meshes(psplat_writer *json, const document *d) {
+    size_t accessor = 0, run = 0;
+    psplat_writer_open(json, "meshes", '[');
+    for (size_t i = 0; i < d->scene->mesh_count; ++i) {
+        if (!d->splats[i].count) continue;
+        accessor =
+            add_mesh(json, &d->scene->meshes[i], d->runs + run, d->splats[i].run_count, accessor);
+        run += d->splats[i].run_count;
+    }
     psplat_writer_close(json, ']');
-}
-
-static void add_emissive(psplat_writer *json, const psplat_material *m) {
-    float strength = emissive_strength(m), factor[3];
-    for (size_t i = 0; i < 3; ++i) factor[i] = m->emissive[i] / strength;
-    psplat_writer_floats(json, "emissiveFactor", factor, 3);
-    if (strength <= 1.0f) return;
-    psplat_writer_open(json, "extensions", '{');
-    psplat_writer_open(json, "KHR_materials_emissive_strength", '{');
-    psplat_writer_float(json, "emissiveStrength", strength);
-    psplat_writer_close(json, '}');
-    psplat_writer_close(json, '}');
-}
-
-static void add_material(psplat_writer *json, const psplat_material *m) {
-    psplat_writer_open(json, NULL, '{');
-    psplat_writer_open(json, "pbrMetallicRoughness", '{');
-    if (!is_white(m->base_color)) psplat_writer_floats(json, "baseColorFactor", m->base_color, 4);
-    if (m->metallic != 1.0f) psplat_writer_float(json, "metallicFactor", m->metallic);
-    if (m->roughness != 1.0f) psplat_writer_float(json, "roughnessFactor", m->roughness);
-    psplat_writer_close(json, '}');
-    if (m->double_sided) psplat_writer_boolean(json, "doubleSided", 1);
-    if (is_emissive(m)) add_emissive(json, m);
-    if (m->unlit) {
-        psplat_writer_open(json, "extensions", '{');
-        psplat_writer_open(json, "KHR_materials_unlit", '{');
-        psplat_writer_close(json, '}');
-        psplat_writer_close(json, '}');
-    }
-    psplat_writer_close(json, '}');
-}
-
-/* Those that runs use and that are not glTF's default. */
-static void add_materials(psplat_writer *json, const psplat_splats *splats) {
-    int any = 0;
-    for (size_t i = 0; i < splats->material_count; ++i) {
-        if (!is_written_material(splats, i)) continue;
-        if (!any++) psplat_writer_open(json, "materials", '[');
-        add_material(json, &splats->materials[i]);
-    }
-    if (any) psplat_writer_close(json, ']');
-}
-
-static void add_material_extensions(psplat_writer *json, const psplat_splats *splats) {
-    int unlit = 0, strength = 0;
-    for (size_t i = 0; i < splats->material_count; ++i) {
-        if (!is_written_material(splats, i)) continue;
-        unlit |= splats->materials[i].unlit;
-        strength |= emissive_strength(&splats->materials[i]) > 1.0f;
-    }
-    if (unlit) psplat_writer_string(json, NULL, "KHR_materials_unlit");
-    if (strength) psplat_writer_string(json, NULL, "KHR_materials_emissive_strength");
 }
 
 static void add_accessor(psplat_writer *json, const run *r, size_t index, size_t view) {
@@ -360,21 +275,31 @@ static void add_data(psplat_writer *json, const run *runs, size_t run_count) {
     psplat_writer_close(json, ']');
 }
 
-static void add_document(psplat_writer *json, const psplat_splats *splats, const char *name,
-                         const run *runs, size_t run_count) {
+static void add_extensions_used(psplat_writer *json, const document *d) {
+    psplat_writer_open(json, "extensionsUsed", '[');
+    psplat_writer_string(json, NULL, "PSPLAT_surface_splats");
+    psplat_materials_write_extensions(json, &d->materials);
+    if (d->scene->light_count) psplat_writer_string(json, NULL, "KHR_lights_punctual");
+    psplat_writer_close(json, ']');
+}
+
+static void add_document(psplat_writer *json, const document *d) {
     psplat_writer_open(json, NULL, '{');
     psplat_writer_open(json, "asset", '{');
     psplat_writer_string(json, "version", "2.0");
     psplat_writer_string(json, "generator", "phongsplat 0.1.0");
+    psplat_graph_write_asset(json, d->scene);
     psplat_writer_close(json, '}');
-    psplat_writer_open(json, "extensionsUsed", '[');
-    psplat_writer_string(json, NULL, "PSPLAT_surface_splats");
-    add_material_extensions(json, splats);
-    psplat_writer_close(json, ']');
-    add_scene(json, splats, name);
-    add_mesh(json, splats, name, runs, run_count);
-    add_materials(json, splats);
-    add_data(json, runs, run_count);
+    add_extensions_used(json, d);
+    psplat_graph_write(json, d->scene, d->placements, d->meshes);
+    if (d->scene->light_count) {
+        psplat_writer_open(json, "extensions", '{');
+        psplat_graph_write_lights(json, d->scene);
+        psplat_writer_close(json, '}');
+    }
+    add_meshes(json, d);
+    psplat_materials_write(json, &d->materials);
+    add_data(json, d->runs, d->run_count);
     psplat_writer_close(json, '}');
 }
 
@@ -434,39 +359,106 @@ static psplat_result pack(const psplat_writer *json, const run *runs, size_t run
     return PSPLAT_OK;
 }
 
-static run *make_runs(const psplat_splats *splats) {
-    run *runs = malloc((splats->run_count + 1) * sizeof *runs);
+/* ---- the whole ---------------------------------------------------------------------------------
+ */
+
+static run *make_runs(const document *d, const psplat_splats *splats, run *out) {
     const psplat_splat *next = splats->splats;
-    for (size_t i = 0; runs && i < splats->run_count; ++i) {
+    for (size_t i = 0; i < splats->run_count; ++i) {
         const psplat_run *from = &splats->runs[i];
-        runs[i] = (run){.splats = next,
-                        .count = from->count,
-                        .clip_lines = from->clip_lines,
-                        .material = from->material,
-                        .depth_tolerance = from->depth_tolerance};
-        run_measure(&runs[i], splats);
+        *out = (run){.set = splats,
+                     .splats = next,
+                     .count = from->count,
+                     .clip_lines = from->clip_lines,
+                     .depth_tolerance = from->depth_tolerance};
+        out->material = psplat_materials_index(&d->materials, d->scene, splats, from->material);
+        run_measure(out++, splats);
         next += from->count;
     }
-    return runs;
+    return out;
+}
+
+/* Everything but the JSON. */
+static psplat_result prepare(document *d) {
+    size_t count = d->scene->mesh_count, runs = 0;
+    uint32_t written = 0;
+    for (size_t i = 0; i < count; ++i) runs += d->splats[i].run_count;
+    d->meshes = malloc((count + 1) * sizeof *d->meshes);
+    d->placements = malloc((count + 1) * sizeof *d->placements);
+    d->runs = malloc((runs + 1) * sizeof *d->runs);
+    if (!d->meshes || !d->placements || !d->runs ||
+        psplat_materials_collect(d->scene, d->splats, &d->materials))
+        return PSPLAT_ERROR_MEMORY;
+    run *next = d->runs;
+    for (size_t i = 0; i < count; ++i) {
+        const double *origin = d->splats[i].origin;
+        d->meshes[i] = d->splats[i].count ? written++ : PSPLAT_NO_INDEX;
+        d->placements[i] = (psplat_placement){{origin[0], origin[1], origin[2]}, 1};
+        next = make_runs(d, &d->splats[i], next);
+    }
+    d->run_count = (size_t)(next - d->runs);
+    return PSPLAT_OK;
+}
+
+static psplat_result check_all(const psplat_scene *scene, const psplat_splats *splats,
+                               psplat_error *error) {
+    size_t count = 0;
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < scene->mesh_count && !result; ++i) {
+        if (splats[i].count || splats[i].run_count) result = check_splats(&splats[i], error);
+        count += splats[i].count;
+    }
+    if (result || count) return result;
+    return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "no splats to write");
+}
+
+psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats *splats,
+                                 uint8_t **data, size_t *size, psplat_error *error) {
+    if (!scene || !splats || !data || !size)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "scene, splats, data and size are required");
+    *data = NULL;
+    *size = 0;
+    psplat_result result = check_all(scene, splats, error);
+    if (result) return result;
+    document d = {.scene = scene, .splats = splats};
+    psplat_writer json = {.compact = 1};
+    result = prepare(&d);
+    if (!result) add_document(&json, &d);
+    if (result || !psplat_writer_finish(&json))
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the JSON");
+    else
+        result = pack(&json, d.runs, d.run_count, data, size, error);
+    free(json.text);
+    free(d.runs);
+    free(d.meshes);
+    free(d.placements);
+    psplat_materials_free(&d.materials);
+    return result;
 }
 
 psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, uint8_t **data,
                                size_t *size, psplat_error *error) {
-    if (!splats || !data || !size)
-        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "splats, data and size are required");
-    *data = NULL;
-    *size = 0;
-    psplat_result result = check_splats(splats, error);
-    if (result) return result;
-
-    run *runs = make_runs(splats);
-    psplat_writer json = {.compact = 1};
-    if (runs) add_document(&json, splats, name, runs, splats->run_count);
-    if (!runs || !psplat_writer_finish(&json))
-        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the JSON");
-    else
-        result = pack(&json, runs, splats->run_count, data, size, error);
-    free(json.text);
-    free(runs);
+    uint32_t root = 0;
+    size_t length = name ? strlen(name) : 0;
+    char *copy = calloc(length + 1, 1);
+    if (!copy) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the name");
+    if (length) memcpy(copy, name, length);
+    psplat_scene_mesh mesh = {.name = length ? copy : NULL};
+    psplat_scene_node node = {.name = mesh.name,
+                              .rotation = {0, 0, 0, 1},
+                              .scale = {1, 1, 1},
+                              .camera = PSPLAT_NO_INDEX,
+                              .light = PSPLAT_NO_INDEX};
+    psplat_scene_view view = {.roots = &root, .root_count = 1};
+    const psplat_scene scene = {.meshes = &mesh,
+                                .mesh_count = 1,
+                                .nodes = &node,
+                                .node_count = 1,
+                                .scenes = &view,
+                                .scene_count = 1,
+                                .is_made = 1};
+    psplat_result result = psplat_scene_write(&scene, splats, data, size, error);
+    free(copy);
     return result;
 }

@@ -115,7 +115,7 @@ void psplat_scene_label(const psplat_scene *scene, size_t mesh, char label[PSPLA
 
 /* A mesh of no area is none, unless all are like it. */
 static psplat_result clean_meshes(psplat_scene *scene, const char *path, psplat_error *error) {
-    char label[PSPLAT_SHOWN_PATH], place[2 * PSPLAT_SHOWN_PATH];
+    char label[PSPLAT_SHOWN_PATH], place[2 * PSPLAT_SHOWN_PATH + 2];
     size_t left = 0;
     for (size_t i = 0; i < scene->mesh_count; ++i) {
         psplat_mesh *mesh = &scene->meshes[i].mesh;

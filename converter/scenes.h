@@ -104,7 +104,7 @@ void psplat_scene_warn(psplat_scene *scene, const char *format, ...)
 #endif
     ;
 
-/* ---- transform.c: where nodes stand ---------------------------------------------------------- */
+/* ---- graph.c, transform.c: where nodes stand ------------------------------------------------- */
 
 /* The node's transform to that of its parent, column-major. */
 void psplat_scene_local(const psplat_scene_node *node, double matrix[16]);
@@ -130,8 +130,9 @@ uint32_t psplat_scene_shown(const psplat_scene *scene);
 /* For each mesh of the scene the length that percentages of errors are of, in the mesh's own units:
  * the diagonal of the shown scene's box, divided by the greatest stretch of the mesh's instances
  * there. What only other scenes show takes theirs, and what none shows 0: the mesh's own box.
- * lengths: room for mesh_count. Errors: MEMORY. */
-psplat_result psplat_scene_lengths(const psplat_scene *scene, double *lengths, psplat_error *error);
+ * lengths: room for mesh_count. *diagonal: of the shown scene, or 0. Errors: MEMORY. */
+psplat_result psplat_scene_lengths(const psplat_scene *scene, double *lengths, double *diagonal,
+                                   psplat_error *error);
 
 /* The diagonal of the box around the vertices of instances; 0 without any. */
 double psplat_scene_diagonal(const psplat_scene *scene, const psplat_instance *instances,
@@ -167,6 +168,14 @@ void psplat_scene_splats_free(const psplat_scene *scene, psplat_splats *splats);
 
 /* scenes.c: what messages call a mesh: "mesh 3 'Teapot'". */
 void psplat_scene_label(const psplat_scene *scene, size_t mesh, char label[PSPLAT_SHOWN_PATH]);
+
+/* ---- glb.c: a scene of splats to a file --------------------------------------------------------
+ */
+
+/* Serialises the scene's graph with splats (by mesh) where its meshes were as a complete GLB (spec
+ * 3) into *data, allocated with malloc and owned by the caller. Pure: no file is touched. */
+psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats *splats,
+                                 uint8_t **data, size_t *size, psplat_error *error);
 
 #ifdef __cplusplus
 }

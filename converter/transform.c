@@ -18,22 +18,6 @@ static const double least_volume = 1e-14;
 /* ---- matrices ----------------------------------------------------------------------------------
  */
 
-/* Translation x rotation x scale (glTF 2.0 section 3.5.3), or the node's matrix. */
-void psplat_scene_local(const psplat_scene_node *node, double matrix[16]) {
-    memcpy(matrix, node->has_matrix ? node->matrix : identity, sizeof identity);
-    if (node->has_matrix) return;
-    double x = node->rotation[0], y = node->rotation[1], z = node->rotation[2],
-           w = node->rotation[3];
-    const double rotation[9] = {
-        1 - 2 * (y * y + z * z), 2 * (x * y + z * w),     2 * (x * z - y * w),
-        2 * (x * y - z * w),     1 - 2 * (x * x + z * z), 2 * (y * z + x * w),
-        2 * (x * z + y * w),     2 * (y * z - x * w),     1 - 2 * (x * x + y * y)};
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row)
-            matrix[4 * column + row] = rotation[3 * column + row] * node->scale[column];
-    memcpy(matrix + 12, node->translation, sizeof node->translation);
-}
-
 static void multiply(const double a[16], const double b[16], double product[16]) {
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row) {
@@ -184,27 +168,29 @@ double psplat_scene_diagonal(const psplat_scene *scene, const psplat_instance *i
 
 /* Of one scene: the lengths of meshes that have none yet. */
 static psplat_result add_lengths(const psplat_scene *scene, uint32_t index, double *lengths,
-                                 psplat_error *error) {
+                                 double *diagonal, psplat_error *error) {
     psplat_instance *instances;
     size_t count;
     double *stretches = calloc(scene->mesh_count + 1, sizeof *stretches);
     if (!stretches) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for meshes");
     psplat_result result = psplat_scene_instances(scene, index, &instances, &count, error);
-    double diagonal = psplat_scene_diagonal(scene, instances, count);
+    *diagonal = psplat_scene_diagonal(scene, instances, count);
     for (size_t i = 0; i < count; ++i)
         stretches[instances[i].mesh] = fmax(stretches[instances[i].mesh], instances[i].stretch);
     for (size_t i = 0; i < scene->mesh_count && !result; ++i)
-        if (!(lengths[i] > 0) && stretches[i] > 0) lengths[i] = diagonal / stretches[i];
+        if (!(lengths[i] > 0) && stretches[i] > 0) lengths[i] = *diagonal / stretches[i];
     free(instances);
     free(stretches);
     return result;
 }
 
-psplat_result psplat_scene_lengths(const psplat_scene *scene, double *lengths,
+psplat_result psplat_scene_lengths(const psplat_scene *scene, double *lengths, double *diagonal,
                                    psplat_error *error) {
+    uint32_t shown = psplat_scene_shown(scene);
+    double other;
     memset(lengths, 0, scene->mesh_count * sizeof *lengths);
-    psplat_result result = add_lengths(scene, psplat_scene_shown(scene), lengths, error);
+    psplat_result result = add_lengths(scene, shown, lengths, diagonal, error);
     for (uint32_t i = 0; i < scene->scene_count && !result; ++i)
-        result = add_lengths(scene, i, lengths, error);
+        if (i != shown) result = add_lengths(scene, i, lengths, &other, error);
     return result;
 }

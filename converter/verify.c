@@ -33,7 +33,7 @@ static int is_near(const psplat_place *place, const double position[3], double d
 
 /* position: in the mesh's own coordinates. */
 static void add_place(places *p, psplat_promise promise, const double position[3], double value) {
-    psplat_place *list = p->worst[promise], place = {promise, {0, 0, 0}, value};
+    psplat_place *list = p->worst[promise], place = {.promise = promise, .value = value};
     size_t count = p->count[promise], at = 0, kept = 0;
     if (count == PSPLAT_MOST_PLACES && value <= list[count - 1].value) return;
     for (int k = 0; k < 3; ++k) place.position[k] = position[k] + p->origin[k];
