@@ -29,7 +29,8 @@ psplat_result __wrap_psplat_convert(const psplat_mesh *mesh, const psplat_conver
     psplat_result result = __real_psplat_convert(mesh, desc, splats, report, error);
     if (broken == PSPLAT_PROMISE_COUNT || !report) return result;
     report->promises[broken] = (psplat_kept){2, 3.5, 41};
-    report->places[0] = (psplat_place){broken, {0.25, -1.5, 1e6}, 3.5};
+    report->places[0] =
+        (psplat_place){.promise = broken, .position = {0.25, -1.5, 1e6}, .value = 3.5};
     report->place_count = 1;
     return result;
 }
