@@ -110,18 +110,20 @@ static void measure_splats(const bench *b, const char *path, point *p) {
     measure(&errors, p);
 }
 
-static void measure_mesh(const bench *b, const char *path, point *p) {
+/* 0: nothing is left of the mesh. */
+static int measure_mesh(const bench *b, const char *path, point *p) {
     const psplat_shape_desc desc = {0};
     psplat_shape_errors errors;
     psplat_mesh mesh = {0};
     psplat_original *original = NULL;
     psplat_error error;
-    check(psplat_mesh_read(path, &mesh, &error), &error);
+    if (psplat_mesh_read(path, &mesh, &error)) return 0;
     check(psplat_original_create(&mesh, 0, &original, &error), &error);
     check(psplat_shape_compare_mesh(b->original, original, &desc, &errors, &error), &error);
     psplat_original_destroy(original);
     psplat_mesh_free(&mesh);
     measure(&errors, p);
+    return 1;
 }
 
 static void record(const bench *b, const char *kind, const point *p) {
@@ -164,7 +166,7 @@ static void simplify(bench *b) {
         p.bytes = bytes_of(packed);
         const char *plain = b->files[PLAIN];
         check(psplat_gltfpack_run(&b->gltfpack, input, p.setting, 1, plain, &error), &error);
-        measure_mesh(b, plain, &p);
+        if (!measure_mesh(b, plain, &p)) continue;
         record(b, "gltfpack", &p);
         b->meshes[b->mesh_count++] = p;
         printf("| %s | %g | %.0f | %.0f | %.4g | %.3g |\n", b->name, p.setting, p.elements, p.bytes,

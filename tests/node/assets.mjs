@@ -4,6 +4,7 @@
 import { readFileSync, readdirSync } from 'node:fs';
 import { basename, delimiter, dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { MeshoptDecoder } from 'three/examples/jsm/libs/meshopt_decoder.module.js';
 
 export const schemaDirectory = join(dirname(fileURLToPath(import.meta.url)), '../../schema');
 export const extensionName = 'PSPLAT_surface_splats';
@@ -36,4 +37,77 @@ export function readAsset(path) {
 
 export function splatPrimitives(json) {
   return json.meshes.flatMap((mesh) => mesh.primitives).filter((p) => p.extensions?.[extensionName]);
+}
+
+// What placed primitives there are, in the order of the scene's tree: { node, primitive, matrix } with the column-major
+// product of all matrices from the root down.
+export function placedPrimitives(json) {
+  const placed = [];
+  const visit = (index, parent) => {
+    const node = json.nodes[index];
+    const matrix = multiply(parent, localMatrix(node));
+    for (const primitive of json.meshes[node.mesh]?.primitives ?? []) placed.push({ node, primitive, matrix });
+    for (const child of node.children ?? []) visit(child, matrix);
+  };
+  for (const root of json.scenes[json.scene ?? 0].nodes) visit(root, localMatrix({}));
+  return placed;
+}
+
+function localMatrix(node) {
+  if (node.matrix) return node.matrix;
+  const [x, y, z, w] = node.rotation ?? [0, 0, 0, 1];
+  const scale = node.scale ?? [1, 1, 1];
+  const columns = [
+    [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0],
+    [2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0],
+    [2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y), 0],
+  ];
+  return [...columns.flatMap((column, i) => column.map((value) => value * scale[i])), ...(node.translation ?? [0, 0, 0]), 1];
+}
+
+function multiply(a, b) {
+  const product = [];
+  for (let column = 0; column < 4; ++column)
+    for (let row = 0; row < 4; ++row)
+      product.push([0, 1, 2, 3].reduce((sum, k) => sum + a[4 * k + row] * b[4 * column + k], 0));
+  return product;
+}
+
+// [how to read it, bytes, what stands for 1 where it is normalized] of a component.
+const components = {
+  5120: ['readInt8', 1, 127],
+  5121: ['readUInt8', 1, 255],
+  5122: ['readInt16LE', 2, 32767],
+  5123: ['readUInt16LE', 2, 65535],
+  5125: ['readUInt32LE', 4, 4294967295],
+  5126: ['readFloatLE', 4, 1],
+};
+const widths = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
+
+// The bytes of a buffer view, which EXT_meshopt_compression may have compressed.
+function viewBytes(asset, index) {
+  const view = asset.json.bufferViews[index];
+  const packed = view.extensions?.EXT_meshopt_compression;
+  if (!packed) return asset.bin.subarray(view.byteOffset ?? 0, (view.byteOffset ?? 0) + view.byteLength);
+  const start = packed.byteOffset ?? 0;
+  const bytes = Buffer.alloc(packed.count * packed.byteStride);
+  MeshoptDecoder.decodeGltfBuffer(
+    bytes, packed.count, packed.byteStride, asset.bin.subarray(start, start + packed.byteLength), packed.mode, packed.filter);
+  return bytes;
+}
+
+// The elements of an accessor as arrays of numbers, normalized ones divided.
+export async function readAccessor(asset, index) {
+  await MeshoptDecoder.ready;
+  const accessor = asset.json.accessors[index];
+  const [read, size, greatest] = components[accessor.componentType];
+  const width = widths[accessor.type];
+  const bytes = viewBytes(asset, accessor.bufferView);
+  const stride = asset.json.bufferViews[accessor.bufferView].byteStride ?? width * size;
+  const element = (i) =>
+    Array.from({ length: width }, (_, k) => {
+      const value = bytes[read]((accessor.byteOffset ?? 0) + i * stride + k * size);
+      return accessor.normalized ? Math.max(value / greatest, -1) : value;
+    });
+  return Array.from({ length: accessor.count }, (_, i) => element(i));
 }

@@ -1,50 +1,59 @@
 // SPDX-License-Identifier: MIT
 // The fallback of the specification's section 6.1: a viewer that does not know the extension, here
-// three.js' GLTFLoader, shows one Points object per primitive, with the file's centres and normals.
+// three.js' GLTFLoader, shows one Points object per primitive of splats that is placed, with the file's centres,
+// normals and colours where the nodes put them; or the triangles of the mesh that stands in.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
-import { assetPaths, readAsset, splatPrimitives } from './assets.mjs';
+import { MeshoptDecoder } from 'three/examples/jsm/libs/meshopt_decoder.module.js';
+import { assetPaths, extensionName, placedPrimitives, readAccessor, readAsset, splatPrimitives } from './assets.mjs';
 
 // What the loader takes from a browser to fetch a data URI, and Node does not have.
 globalThis.ProgressEvent ??= class extends Event {};
 
 function openWithThree(bytes) {
   const copy = bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength);
-  return new Promise((resolve, reject) => new GLTFLoader().parse(copy, '', resolve, reject));
+  const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder);
+  return new Promise((resolve, reject) => loader.parse(copy, '', resolve, reject));
 }
 
-// Element index of a VEC3 of floats.
-function vec3(asset, accessorIndex, index) {
-  const accessor = asset.json.accessors[accessorIndex];
-  const view = asset.json.bufferViews[accessor.bufferView];
-  const start = (view.byteOffset ?? 0) + (accessor.byteOffset ?? 0) + index * (view.byteStride ?? 12);
-  return [0, 4, 8].map((offset) => asset.bin.readFloatLE(start + offset));
+// Elements of a three.js attribute, decoded as it decodes them.
+function elements(attribute) {
+  const getters = ['getX', 'getY', 'getZ', 'getW'].slice(0, attribute.itemSize);
+  return Array.from({ length: attribute.count }, (_, i) => getters.map((get) => attribute[get](i)));
 }
 
-function read(attribute, index) {
-  return [attribute.getX(index), attribute.getY(index), attribute.getZ(index)];
+function assertNear(found, expected, tolerance, what) {
+  assert.equal(found.length, expected.length, what);
+  found.flat().forEach((value, i) => {
+    const other = expected.flat()[i];
+    assert.ok(Math.abs(value - other) <= tolerance * Math.max(1, Math.abs(other)), `${what} ${i}: ${value}, not ${other}`);
+  });
 }
+
+const semantics = { POSITION: 'position', NORMAL: 'normal', COLOR_0: 'color' };
 
 for (const path of assetPaths()) {
   test(`three.js: ${path}`, async () => {
     const asset = readAsset(path);
     const { scene } = await openWithThree(asset.bytes);
-    const points = [];
-    scene.traverse((object) => object.isPoints && points.push(object));
-    const primitives = splatPrimitives(asset.json);
-    assert.equal(points.length, primitives.length);
-    primitives.forEach(({ attributes }, k) => {
-      const { position, normal } = points[k].geometry.attributes;
-      const { count } = asset.json.accessors[attributes.POSITION];
-      assert.equal(position.count, count);
-      for (let i = 0; i < count; ++i) {
-        assert.deepEqual(read(position, i), vec3(asset, attributes.POSITION, i));
-        assert.deepEqual(read(normal, i), vec3(asset, attributes.NORMAL, i));
-      }
-    });
-    const node = asset.json.nodes.find((n) => n.mesh !== undefined);
     scene.updateMatrixWorld(true);
-    assert.deepEqual(points[0].matrixWorld.elements.slice(12, 15), node.translation ?? [0, 0, 0]);
+    const shown = [];
+    scene.traverse((object) => (object.isPoints || object.isMesh) && shown.push(object));
+    const placed = placedPrimitives(asset.json);
+    assert.ok(splatPrimitives(asset.json).length > 0 && placed.length > 0);
+    assert.equal(shown.length, placed.length);
+    for (const [k, { primitive, matrix }] of placed.entries()) {
+      assert.equal(shown[k].isPoints === true, (primitive.mode ?? 4) === 0);
+      assertNear(shown[k].matrixWorld.elements, matrix, 1e-12, 'matrix'); // both in double
+      for (const [name, as] of Object.entries(semantics)) {
+        const found = shown[k].geometry.attributes[as];
+        assert.equal(found !== undefined, primitive.attributes[name] !== undefined, name);
+        // Normalized integers are divided in single precision by some and in double by others.
+        if (found) assertNear(elements(found), await readAccessor(asset, primitive.attributes[name]), 1e-6, name);
+      }
+    }
+    const standsIn = asset.json.meshes.some((mesh) => mesh.extensions?.[extensionName]);
+    assert.equal(shown.some((object) => object.isPoints), !standsIn);
   });
 }

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT
+ * tinygltf, a reader that does not know the extension, opens each .glb of the directories named,
+ * without a warning, finds points where splats are, and hands their objects on. */
+#include <tiny_gltf.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <string>
+
+static const char extension[] = "PSPLAT_surface_splats";
+
+static int fail(const std::string &path, const std::string &why) {
+    std::fprintf(stderr, "%s: %s\n", path.c_str(), why.c_str());
+    return 1;
+}
+
+static int check_splats(const std::string &path, const tinygltf::Model &model,
+                        const tinygltf::Primitive &primitive) {
+    const tinygltf::Value &object = primitive.extensions.at(extension);
+    if (primitive.mode != TINYGLTF_MODE_POINTS) return fail(path, "splats are no points");
+    if (!object.Has("version") || !object.Has("positionExtent"))
+        return fail(path, "lost an object");
+    size_t count = model.accessors.at((size_t)primitive.attributes.at("POSITION")).count;
+    for (const auto &[name, index] : primitive.attributes)
+        if (model.accessors.at((size_t)index).count != count) return fail(path, name);
+    return count == 0;
+}
+
+static int check(const std::string &path) {
+    tinygltf::TinyGLTF reader;
+    tinygltf::Model model;
+    std::string error, warning;
+    if (!reader.LoadBinaryFromFile(&model, &error, &warning, path) || !error.empty())
+        return fail(path, error);
+    if (!warning.empty()) return fail(path, warning);
+    int failed = 0, splats = 0;
+    for (const tinygltf::Mesh &mesh : model.meshes)
+        for (const tinygltf::Primitive &primitive : mesh.primitives)
+            if (primitive.extensions.count(extension)) {
+                failed += check_splats(path, model, primitive);
+                ++splats;
+            }
+    return failed + (splats ? 0 : fail(path, "no splats"));
+}
+
+int main(int argc, char **argv) {
+    int failed = 0, files = 0;
+    for (int i = 1; i < argc; ++i)
+        for (const auto &entry : std::filesystem::directory_iterator(argv[i]))
+            if (entry.path().extension() == ".glb") failed += check(entry.path()), ++files;
+    std::printf("%d files\n", files);
+    return failed || !files;
+}
