@@ -266,10 +266,19 @@ void store_positions(const Collector &collector, const psplat_source &source, ps
                                             : static_cast<double>(collector.points[i][k]);
 }
 
-psplat_result store_faces(const Collector &collector, psplat_mesh &mesh, psplat_error *error) {
+/* Corners and faces are those of the check, in its order. */
+void store_extras(const psplat_obj_faces &obj, size_t face, size_t corner, psplat_mesh &mesh,
+                  size_t target) {
+    if (mesh.corner_uvs[0]) psplat_obj_uv(&obj, corner, mesh.corner_uvs[0] + 2 * target);
+    if (mesh.groups)
+        mesh.groups[target / 3] = std::min(obj.groups[face], static_cast<uint32_t>(obj.name_count));
+}
+
+psplat_result store_faces(const Collector &collector, const psplat_source &source,
+                          psplat_mesh &mesh, psplat_error *error) {
     std::vector<double> outline;
     std::vector<uint32_t> split;
-    size_t begin = 0, target = 0;
+    size_t begin = 0, target = 0, face = 0;
     for (size_t end : collector.face_ends) {
         size_t count = end - begin;
         outline.clear();
@@ -281,8 +290,12 @@ psplat_result store_faces(const Collector &collector, psplat_mesh &mesh, psplat_
         psplat_result result =
             psplat_polygon_triangulate(outline.data(), count, split.data(), error);
         if (result) return result;
-        for (uint32_t corner : split) store_corner(collector, begin + corner, mesh, target++);
+        for (uint32_t corner : split) {
+            store_extras(source.obj, face, begin + corner, mesh, target);
+            store_corner(collector, begin + corner, mesh, target++);
+        }
         begin = end;
+        ++face;
     }
     return PSPLAT_OK;
 }
@@ -297,14 +310,21 @@ psplat_result store(const Collector &collector, const psplat_source &source, psp
                            "%s: OpenMesh understood %zu of %zu faces and %zu of %zu vertices",
                            source.path, faces, source.faces, collector.points.size(),
                            source.vertices);
+    const psplat_obj_faces &obj = source.obj;
+    if (obj.corner_count && obj.corner_count != collector.corners.size())
+        return psplat_fail(error, PSPLAT_ERROR_FORMAT, 0,
+                           "%s: OpenMesh understood %zu of %zu corners", source.path,
+                           collector.corners.size(), obj.corner_count);
     unsigned parts = (collector.has_normals ? PSPLAT_MESH_NORMALS : 0u) |
                      (collector.has_colors ? PSPLAT_MESH_COLORS : 0u);
+    if (obj.library && obj.name_count) /* else there is nothing to be looked up by them */
+        parts |= PSPLAT_MESH_GROUPS | (obj.texcoord_count ? PSPLAT_MESH_UVS : 0u);
     psplat_result result = psplat_mesh_allocate(&mesh, collector.points.size(),
                                                 collector.corners.size() - 2 * faces, parts, error);
     if (result) return result;
     mesh.dropped = source.dropped + source.faces - faces;
     store_positions(collector, source, mesh);
-    return store_faces(collector, mesh, error);
+    return store_faces(collector, source, mesh, error);
 }
 
 float *float_array(size_t count) {

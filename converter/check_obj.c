@@ -3,7 +3,8 @@
  * check_obj.c - the strict pass over an OBJ before OpenMesh reads it.
  *
  * Blanks what would mislead the library: material statements (it would open whatever file they
- * name), line continuations, and faces with fewer than three different vertices.
+ * name; obj_faces.c keeps them), line continuations, and faces with fewer than three different
+ * vertices.
  */
 #include "source.h"
 
@@ -78,7 +79,8 @@ static psplat_result check_index(const obj_state *state, const char *what, const
 
 /* v, v/t, v//n or v/t/n. */
 static psplat_result check_corner(const psplat_source *source, const obj_state *state, char *token,
-                                  size_t length, size_t *vertex, psplat_error *error) {
+                                  size_t length, size_t *vertex, uint32_t *texcoord,
+                                  psplat_error *error) {
     if (strspn(token, "0123456789-/") < length || token[0] == '/')
         return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_FORMAT,
                                  "'%.*s' is not a corner of a face",
@@ -89,40 +91,83 @@ static psplat_result check_corner(const psplat_source *source, const obj_state *
     char *second = slash ? memchr(slash + 1, '/', (size_t)(end - slash - 1)) : NULL;
     psplat_result result =
         check_index(state, "vertex", token, source->vertices, state->all_vertices, vertex, error);
-    if (!result && slash && slash + 1 < end && slash[1] != '/')
+    if (!result && slash && slash + 1 < end && slash[1] != '/') {
         result = check_index(state, "texture coordinate", slash + 1, state->texcoords,
                              state->all_texcoords, &index, error);
+        *texcoord = (uint32_t)index;
+    }
     if (!result && second && second + 1 < end)
         result = check_index(state, "normal", second + 1, state->normals, state->all_normals,
                              &index, error);
     return result;
 }
 
+/* Corners of one face: vertices, for telling which come again. */
+typedef struct obj_face {
+    size_t vertices[PSPLAT_MAX_CORNERS], distinct, corners;
+} obj_face;
+
+static psplat_result add_corner(psplat_source *source, obj_state *state, char *token, size_t length,
+                                obj_face *face, psplat_error *error) {
+    size_t vertex = 0;
+    uint32_t texcoord = UINT32_MAX;
+    psplat_result result = check_corner(source, state, token, length, &vertex, &texcoord, error);
+    if (result) return result;
+    if (++face->corners > PSPLAT_MAX_CORNERS)
+        return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_RANGE,
+                                 "the face has more than %u corners", PSPLAT_MAX_CORNERS);
+    for (size_t i = 0; i < face->distinct; ++i)
+        if (face->vertices[i] == vertex) return PSPLAT_OK;
+    face->vertices[face->distinct++] = vertex;
+    return psplat_obj_corner(&source->obj, texcoord, error);
+}
+
 static psplat_result check_face(psplat_source *source, obj_state *state, psplat_error *error) {
     char *line = state->lines.line;
-    size_t length, corners = 0, distinct = 0, seen[3] = {0};
+    size_t length, corners_before = source->obj.corner_count;
+    obj_face face;
     char *token;
+    face.distinct = face.corners = 0;
     while ((token = psplat_lines_token(&state->lines, &length)) != NULL) {
-        size_t vertex = 0;
-        psplat_result result = check_corner(source, state, token, length, &vertex, error);
+        psplat_result result = add_corner(source, state, token, length, &face, error);
         if (result) return result;
-        int known = 0;
-        for (size_t i = 0; i < distinct; ++i) known |= seen[i] == vertex;
-        if (!known && distinct < 3) seen[distinct++] = vertex;
-        if (++corners > PSPLAT_MAX_CORNERS)
-            return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_RANGE,
-                                     "the face has more than %u corners", PSPLAT_MAX_CORNERS);
     }
-    if (corners < 3)
+    if (face.corners < 3)
         return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_FORMAT,
-                                 "the face has %zu corners", corners);
-    if (distinct < 3) {
+                                 "the face has %zu corners", face.corners);
+    if (face.distinct < 3) {
         ++source->dropped;
+        source->obj.corner_count = corners_before;
         *line = '#';
-    } else {
-        ++source->faces;
+        return PSPLAT_OK;
     }
-    return PSPLAT_OK;
+    ++source->faces;
+    return psplat_obj_face(&source->obj, error);
+}
+
+static psplat_result check_texcoord(psplat_source *source, obj_state *state, psplat_error *error) {
+    double u, v = 0;
+    size_t length;
+    psplat_result result = psplat_lines_number(&state->lines, "the texture coordinate", &u, error);
+    char *rest = state->lines.cursor;
+    if (!result && psplat_lines_token(&state->lines, &length)) { /* v may be left out */
+        state->lines.cursor = rest;
+        result = psplat_lines_number(&state->lines, "the texture coordinate", &v, error);
+    }
+    ++state->texcoords;
+    return result ? result : psplat_obj_texcoord(&source->obj, u, v, error);
+}
+
+/* The library and the material that follow are ours to read: to OpenMesh the line is a comment. */
+static psplat_result check_material(psplat_source *source, obj_state *state, char *word,
+                                    psplat_error *error) {
+    int is_use = word[0] == 'u';
+    *word = '#';
+    if (!is_use) return psplat_obj_library(&source->obj, state->lines.cursor, error);
+    psplat_result result = psplat_obj_material(&source->obj, state->lines.cursor, error);
+    if (result != PSPLAT_ERROR_RANGE) return result;
+    return psplat_lines_fail(&state->lines, error, result, "more than %d materials",
+                             PSPLAT_MAX_OBJ_MATERIALS);
 }
 
 static psplat_result check_line(psplat_source *source, obj_state *state, psplat_error *error) {
@@ -133,15 +178,13 @@ static psplat_result check_line(psplat_source *source, obj_state *state, psplat_
         ++state->normals;
         return check_values(state, "a component of the normal", 3, error);
     }
-    if (is_word(word, length, "vt")) {
-        ++state->texcoords;
-        return check_values(state, "the texture coordinate", 1, error);
-    }
+    if (is_word(word, length, "vt")) return check_texcoord(source, state, error);
     if (is_word(word, length, "f")) {
         state->lines.line = word;
         return check_face(source, state, error);
     }
-    if (is_word(word, length, "mtllib") || is_word(word, length, "usemtl")) *word = '#';
+    if (is_word(word, length, "mtllib") || is_word(word, length, "usemtl"))
+        return check_material(source, state, word, error);
     return PSPLAT_OK;
 }
 

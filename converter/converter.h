@@ -70,6 +70,7 @@ typedef struct psplat_palette {
     size_t appearance_count;
     psplat_image *images; /* that the appearances' textures point to */
     size_t image_count;
+    char *problem; /* why a library of materials could not be read, malloc'ed; or NULL */
 } psplat_palette;
 
 /* Frees what palette holds. */

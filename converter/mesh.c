@@ -154,6 +154,49 @@ static void default_material(psplat_mesh *mesh, int closed) {
     mesh->material = (psplat_material){.base_color = {grey, grey, grey, 1.0f},
                                        .roughness = DEFAULT_ROUGHNESS,
                                        .double_sided = !closed};
+    for (size_t i = 0; mesh->palette && i < mesh->palette->appearance_count; ++i)
+        mesh->palette->appearances[i].material.double_sided = !closed;
+}
+
+/* The first appearance that looks like this one. */
+static uint32_t first_like(const psplat_palette *palette, uint32_t index) {
+    psplat_appearance own = palette->appearances[index];
+    own.name = NULL;
+    for (uint32_t i = 0; i < index; ++i) {
+        psplat_appearance other = palette->appearances[i];
+        other.name = NULL;
+        if (memcmp(&own, &other, sizeof own) == 0) return i;
+    }
+    return index;
+}
+
+/* Materials that look alike are one group: between them there is no edge to be seen. */
+static psplat_result unite_groups(psplat_mesh *mesh) {
+    size_t count = mesh->palette->appearance_count;
+    uint32_t *first = malloc((count + 1) * sizeof *first);
+    if (!first) return PSPLAT_ERROR_MEMORY;
+    for (uint32_t i = 0; i < count; ++i) first[i] = first_like(mesh->palette, i);
+    for (size_t t = 0; t < mesh->triangle_count; ++t) mesh->groups[t] = first[mesh->groups[t]];
+    free(first);
+    return PSPLAT_OK;
+}
+
+/* The materials of an OBJ. */
+static psplat_result read_library(const psplat_source *source, psplat_mesh *mesh,
+                                  psplat_error *error) {
+    float grey = mesh->corner_colors ? 1.0f : DEFAULT_GREY;
+    const psplat_material base = {.base_color = {grey, grey, grey, 1.0f},
+                                  .roughness = DEFAULT_ROUGHNESS};
+    if (!mesh->groups) return PSPLAT_OK;
+    mesh->palette = calloc(1, sizeof *mesh->palette);
+    if (!mesh->palette)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "%s: out of memory", source->path);
+    psplat_result result = psplat_mtl_read(source, &base, mesh->palette, error);
+    mesh->appearances = mesh->palette->appearances;
+    mesh->appearance_count = mesh->palette->appearance_count;
+    if (!result && unite_groups(mesh))
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "%s: out of memory", source->path);
+    return result;
 }
 
 /* Drops what has no area and the vertices of all that was dropped. Recentring may round vertices
@@ -217,6 +260,7 @@ psplat_result psplat_mesh_from_source(psplat_source *source, psplat_mesh *mesh,
     if (!result)
         result = gltf ? psplat_mesh_read_gltf(source, mesh, error)
                       : psplat_mesh_read_openmesh(source, mesh, error);
+    if (!result && !gltf) result = read_library(source, mesh, error);
     return result ? result : psplat_mesh_clean(mesh, source->path, gltf, error);
 }
 

@@ -15,5 +15,6 @@ void psplat_palette_free(psplat_palette *palette) {
     for (size_t i = 0; i < palette->image_count; ++i) psplat_image_free(&palette->images[i]);
     free(palette->appearances);
     free(palette->images);
+    free(palette->problem);
     *palette = (psplat_palette){0};
 }

@@ -156,6 +156,7 @@ void psplat_source_free(psplat_source *source) {
     if (!source) return;
     free(source->data);
     free(source->positions);
+    psplat_obj_faces_free(&source->obj);
     source->data = NULL;
     source->positions = NULL;
     source->size = 0;

@@ -22,6 +22,7 @@ extern "C" {
 #define PSPLAT_MAX_TRIANGLES 0x3fffffffu
 #define PSPLAT_MAX_VERTICES 0x7ffffffeu
 #define PSPLAT_MAX_CORNERS 4096u /* of one polygon */
+#define PSPLAT_MAX_OBJ_MATERIALS 4096
 
 typedef enum psplat_source_format {
     PSPLAT_SOURCE_UNKNOWN = 0,
@@ -34,6 +35,23 @@ typedef enum psplat_source_format {
     PSPLAT_SOURCE_GLB,
     PSPLAT_SOURCE_XYZ
 } psplat_source_format;
+
+/* What an OBJ says of its faces beside their vertices, as its check reads it: OpenMesh is told
+ * nothing of materials, since it would open whatever file they name. Of a vertex that a face names
+ * several times only the first corner counts, as OpenMesh has it. */
+typedef struct psplat_obj_faces {
+    float *texcoords; /* texcoord_count x 2, as in the file: v runs upwards */
+    size_t texcoord_count, texcoord_capacity;
+    uint32_t *corners; /* of the faces kept: texture coordinate, or UINT32_MAX */
+    size_t corner_count, corner_capacity;
+    uint32_t
+        *groups; /* of each face kept: number of its material's name; name_count: it has none */
+    size_t face_count, face_capacity;
+    char **names; /* as usemtl has them, malloc'ed */
+    size_t name_count;
+    char *library; /* the first mtllib, malloc'ed, or NULL */
+    uint32_t group;
+} psplat_obj_faces;
 
 /* A file and what the checks found out about it. Zero-initialise; psplat_source_free releases. */
 typedef struct psplat_source {
@@ -48,6 +66,7 @@ typedef struct psplat_source {
     int has_colors;    /* every vertex has a colour */
     int is_point_set;  /* vertices alone, no faces */
     double *positions; /* vertices x 3, where the file says more than single precision; or NULL */
+    psplat_obj_faces obj; /* of an OBJ */
 } psplat_source;
 
 /* source.c: loads the whole file (READ, RANGE, MEMORY; FORMAT where it is empty) and recognises its
@@ -68,6 +87,25 @@ psplat_result psplat_check_obj(psplat_source *source, psplat_error *error);
 psplat_result psplat_check_off(psplat_source *source, psplat_error *error);
 psplat_result psplat_check_ply(psplat_source *source, psplat_error *error);
 psplat_result psplat_check_stl(psplat_source *source, psplat_error *error);
+
+/* obj_faces.c: what check_obj.c has seen: a texture coordinate, a corner that has one (or
+ * UINT32_MAX), the end of a face that is kept (and how many corners it had), or is not, names. Line
+ * ends may be in names. MEMORY; RANGE, without a text: too many materials. */
+psplat_result psplat_obj_texcoord(psplat_obj_faces *faces, double u, double v, psplat_error *error);
+psplat_result psplat_obj_corner(psplat_obj_faces *faces, uint32_t texcoord, psplat_error *error);
+psplat_result psplat_obj_face(psplat_obj_faces *faces, psplat_error *error);
+psplat_result psplat_obj_material(psplat_obj_faces *faces, const char *name, psplat_error *error);
+psplat_result psplat_obj_library(psplat_obj_faces *faces, const char *name, psplat_error *error);
+/* Coordinates of a corner in an image, as glTF has them: t runs downwards. 0 0 where it has none.
+ */
+void psplat_obj_uv(const psplat_obj_faces *faces, size_t corner, float uv[2]);
+void psplat_obj_faces_free(psplat_obj_faces *faces);
+
+/* mtl.c: the appearances of an OBJ, by the numbers of its materials' names, then that of faces
+ * without one; images beside the library. Files that cannot be read leave problems in the palette
+ * and its images. base: what a material is where the library says nothing. MEMORY. */
+psplat_result psplat_mtl_read(const psplat_source *source, const psplat_material *base,
+                              psplat_palette *palette, psplat_error *error);
 
 /* lines.c: a cursor over the text of a source, one line at a time. Lines end with a newline, which
  * is replaced by 0 while the line is the current one. */

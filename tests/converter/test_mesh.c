@@ -26,7 +26,8 @@ static void test_obj(void **state) {
     psplat_mesh mesh = read_text("t.obj", tetrahedron_obj);
     assert_null(mesh.corner_normals);
     assert_null(mesh.corner_colors);
-    assert_null(mesh.groups);
+    for (int i = 0; i < 4; ++i) assert_int_equal(mesh.groups[i], 0);
+    assert_non_null(strstr(mesh.palette->problem, "missing.mtl"));
     check_tetrahedron(&mesh);
 }
 
