@@ -163,6 +163,21 @@ static psplat_result read_scene(psplat_source *source, const char *name, psplat_
     return result ? result : psplat_scene_check(scene, source->path, error);
 }
 
+/* Appearances that are not drawn as the file says. */
+static void warn_of_palette(psplat_scene *scene) {
+    const psplat_palette *palette = &scene->palette;
+    size_t blended = 0;
+    if (palette->problem) psplat_scene_warn(scene, "materials: %s", palette->problem);
+    for (size_t i = 0; i < palette->image_count; ++i)
+        if (palette->images[i].problem)
+            psplat_scene_warn(scene, "%s; the material's factor stands alone",
+                              palette->images[i].problem);
+    for (size_t i = 0; i < palette->appearance_count; ++i)
+        blended += palette->appearances[i].is_blended != 0;
+    if (blended)
+        psplat_scene_warn(scene, "%zu materials are transparent and drawn opaque", blended);
+}
+
 psplat_result psplat_scene_read(const char *path, const char *name, psplat_scene *scene,
                                 psplat_error *error) {
     if (!path || !scene)
@@ -173,6 +188,7 @@ psplat_result psplat_scene_read(const char *path, const char *name, psplat_scene
     psplat_result result = psplat_source_load(path, &source, error);
     if (result) return result;
     result = read_scene(&source, name, scene, error);
+    if (!result) warn_of_palette(scene);
     if (result) psplat_scene_free(scene);
     psplat_source_free(&source);
     return result;

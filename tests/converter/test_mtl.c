@@ -3,6 +3,7 @@
 #include "mesh_fixture.h"
 
 #include "picture_bytes.h"
+#include "scenes.h"
 
 #include <math.h>
 #include <sys/stat.h>
@@ -127,6 +128,23 @@ static void test_unreadable(void **state) {
     drop("broken.png");
 }
 
+static void test_warnings(void **state) {
+    (void)state;
+    static const char library[] = "newmtl one\nmap_Kd missing.png\nd 0.5\n"
+                                  "newmtl two words\nmap_Kd missing.png\nnorm missing.png\n";
+    psplat_scene scene;
+    psplat_error error;
+    put("m.mtl", library, sizeof library - 1);
+    write_bytes("m.obj", SQUARE FACES, sizeof(SQUARE FACES) - 1);
+    if (psplat_scene_read(fixture_path, NULL, &scene, &error)) fail_msg("%s", error.text);
+    assert_int_equal(scene.warning_count, 2);
+    assert_non_null(strstr(scene.warnings[0], "missing.png"));
+    assert_string_equal(scene.warnings[1], "1 materials are transparent and drawn opaque");
+    psplat_scene_free(&scene);
+    drop("m.obj");
+    drop("m.mtl");
+}
+
 /* Libraries are looked for beside the OBJ alone, and textures beside the library. */
 static void test_directories(void **state) {
     (void)state;
@@ -196,10 +214,10 @@ static void test_many_materials(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_factors),        cmocka_unit_test(test_texture),
-        cmocka_unit_test(test_unreadable),     cmocka_unit_test(test_directories),
-        cmocka_unit_test(test_groups),         cmocka_unit_test(test_repeated_corners),
-        cmocka_unit_test(test_many_materials),
+        cmocka_unit_test(test_factors),          cmocka_unit_test(test_texture),
+        cmocka_unit_test(test_unreadable),       cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_directories),      cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_repeated_corners), cmocka_unit_test(test_many_materials),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }
