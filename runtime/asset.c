@@ -48,6 +48,9 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, siz
                             .material = set->material,
                             .has_color = set->has_color,
                             .has_gamma = set->has_gamma,
+                            .has_color_gradient = set->has_color_gradient,
+                            .has_surface = set->has_surface,
+                            .has_emissive = set->has_emissive,
                             .attributes = set->attributes,
                             .attribute_count = set->attribute_count};
     memcpy(batch->model, node->world, sizeof batch->model);

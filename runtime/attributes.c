@@ -218,6 +218,9 @@ psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
     set->count = readers.of[PSPLAT_POSITION].count;
     set->has_color = readers.is_present[PSPLAT_COLOR];
     set->has_gamma = readers.of[PSPLAT_NORMAL_FIELD].components == 3;
+    set->has_color_gradient = readers.is_present[PSPLAT_COLOR_U];
+    set->has_surface = readers.is_present[PSPLAT_ORM];
+    set->has_emissive = readers.is_present[PSPLAT_EMISSIVE];
     result = check_total(gltf, attributes, set->count);
     if (!result) result = reserve(gltf, attributes, &readers, set);
     if (!result) result = describe(gltf, &readers, set);

@@ -68,6 +68,7 @@ static unsigned options_of(const psplat_model_batch *batch, const psplat_placeme
     if (batch->has_color || batch->has_gamma) options |= PSPLAT_OPTION_WIDE;
     if (batch->has_color) options |= PSPLAT_OPTION_COLOR;
     if (batch->has_gamma) options |= PSPLAT_OPTION_GAMMA;
+    if (batch->finish) options |= PSPLAT_OPTION_FINISH;
     if (placement->is_near) options |= PSPLAT_OPTION_NEAR;
     if (!is_culled) options |= PSPLAT_OPTION_TWO_SIDED;
     if (batch->kernel.exponent != 2.0f) options |= PSPLAT_OPTION_POWER;
@@ -121,12 +122,15 @@ static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch
     if (key.pass != PSPLAT_PASS_VISIBILITY) {
         psplat_frame_use_material(gl, program, &batch->material);
         gl->Uniform1i(program->first_index, (GLint)(first_index & 0x7fffffffu));
+        gl->Uniform1i(program->finish, (GLint)batch->finish);
         gl->Uniform2f(program->kernel, -batch->kernel.sharpness, 0.5f * batch->kernel.exponent);
     }
     if (key.pass == PSPLAT_PASS_RADIANCE) psplat_frame_use_light(f, program);
     set_culling(gl, is_culled, placement->is_mirrored);
     psplat_frame_bind_texture(gl, PSPLAT_UNIT_SPLATS, &batch->splats, GL_TEXTURE_2D);
     psplat_frame_bind_texture(gl, PSPLAT_UNIT_CLIPS, &batch->clips, GL_TEXTURE_2D);
+    if (batch->finish)
+        psplat_frame_bind_texture(gl, PSPLAT_UNIT_FINISHES, &batch->finishes, GL_TEXTURE_2D);
     draw_chunks(f, batch, placement);
     return PSPLAT_OK;
 }

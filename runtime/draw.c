@@ -44,9 +44,13 @@ static unsigned differences(const psplat_frame *f) {
         const psplat_model *model = f->items[i].model;
         for (size_t k = 0; k < model->batch_count; ++k) {
             const psplat_model_batch *batch = &model->batches[k];
-            if (batch->has_color || !same_color(first, &batch->material))
+            const unsigned rest = PSPLAT_FINISH_SURFACE | PSPLAT_FINISH_EMISSIVE;
+            if (batch->has_color || batch->finish & PSPLAT_FINISH_GRADIENT ||
+                !same_color(first, &batch->material))
                 options |= PSPLAT_OPTION_COLORS;
-            if (!same_surface(first, &batch->material)) options |= PSPLAT_OPTION_MATERIALS;
+            if (batch->finish & rest || !same_surface(first, &batch->material))
+                options |= PSPLAT_OPTION_MATERIALS;
+            if (batch->finish & PSPLAT_FINISH_SURFACE) options |= PSPLAT_OPTION_OCCLUSION;
         }
     }
     return options;
@@ -141,13 +145,20 @@ static int target_count(unsigned options) {
     return options & PSPLAT_OPTION_COLORS ? PSPLAT_TARGET_COUNT_COLORS : PSPLAT_TARGET_COUNT;
 }
 
+/* Of the second target. */
+static int depth_numbers(unsigned options) {
+    if (options & PSPLAT_OPTION_OCCLUSION) return 3;
+    return options & PSPLAT_OPTION_MATERIALS ? 2 : 1;
+}
+
 static psplat_result bind_target(const psplat_frame *f) {
     psplat_renderer *renderer = f->renderer;
     psplat_gl *gl = &renderer->gl;
     static const float zeros[4] = {0}, one = 1.0f;
-    int colors = target_count(f->key.options);
-    psplat_result result = psplat_targets_bind(&renderer->targets, gl, &renderer->memory.targets,
-                                               f->view->width, f->view->height, colors, f->error);
+    int colors = target_count(f->key.options), numbers = depth_numbers(f->key.options);
+    psplat_result result =
+        psplat_targets_bind(&renderer->targets, gl, &renderer->memory.targets, f->view->width,
+                            f->view->height, colors, numbers, f->error);
     if (result != PSPLAT_OK) return result;
     gl->Viewport(0, 0, f->view->width, f->view->height);
     set_writes(gl, GL_TRUE, GL_TRUE, GL_LESS);

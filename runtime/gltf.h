@@ -63,7 +63,7 @@ typedef struct psplat_set {
     float depth_tolerance;
     psplat_material material;
     float bounds_min[3], bounds_max[3];
-    int has_color, has_gamma;
+    int has_color, has_gamma, has_color_gradient, has_surface, has_emissive;
     size_t version;
     double scale_range[2]; /* zeros where unstated, as the next (spec 3.9) */
     float tilt_range, field_range, color_range;

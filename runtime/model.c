@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Models: an asset's splats packed into float textures (layout.h), from which the vertex shader
- * pulls them. 48 bytes a splat, 16 more where it has a colour or a gamma, 12 a clip line.
+ * pulls them. 48 bytes a splat, 16 more where it has a colour or a gamma, 12 a clip line and for
+ * each of what else varies.
  */
 #include "gl_state.h"
 #include "memory.h"
@@ -12,7 +13,7 @@
 /* Rows packed before each upload: at most 0.5 MB in flight. */
 enum { ROWS_PER_UPLOAD = 16, MAX_SPLAT_FLOATS = 4 * (PSPLAT_SPLAT_TEXELS + 1) };
 
-static void pack_splat(const psplat_splat *splat, int texels, float *out) {
+static void pack_splat(const psplat_splat *splat, float *out) {
     const float *q = splat->rotation;
     double length2 = 0.0;
     for (int i = 0; i < 4; ++i) length2 += (double)q[i] * (double)q[i];
@@ -34,48 +35,79 @@ static void pack_splat(const psplat_splat *splat, int texels, float *out) {
     out[9] = (float)(local[1] / local[2]);
     out[10] = splat->gradient[0];
     out[11] = splat->gradient[1];
-    if (texels == PSPLAT_SPLAT_TEXELS) return;
-    for (int i = 0; i < 3; ++i) out[12 + i] = splat->color[i];
-    out[15] = splat->gradient[2];
 }
 
-static void pack_clips(const psplat_splat *splat, uint32_t clip_count, float *out) {
-    for (uint32_t line = 0; line < clip_count; ++line)
-        for (int i = 0; i < 3; ++i) *out++ = splat->clip[line][i];
+/* What a texture holds of a batch's splats: floats of each, channels of each texel, and how splats
+ * first ... end - 1 are written one after another. */
+typedef struct packing {
+    int floats, channels;
+    void (*pack)(const psplat_batch *batch, size_t first, size_t end, float *out);
+} packing;
+
+static void pack_narrow(const psplat_batch *batch, size_t first, size_t end, float *out) {
+    for (size_t i = first; i < end; ++i, out += 4 * PSPLAT_SPLAT_TEXELS)
+        pack_splat(&batch->splats[i], out);
 }
 
-/* Packs and uploads bands of rows to the bound texture. floats is what one splat takes, channels
- * what one texel takes; clips are packed where channels is 3, splats where it is 4. */
-static void upload_rows(const psplat_gl *gl, const psplat_batch *batch, int floats, int channels,
+static void pack_wide(const psplat_batch *batch, size_t first, size_t end, float *out) {
+    for (size_t i = first; i < end; ++i, out += MAX_SPLAT_FLOATS) {
+        pack_splat(&batch->splats[i], out);
+        for (int k = 0; k < 3; ++k) out[12 + k] = batch->splats[i].color[k];
+        out[15] = batch->splats[i].gradient[2];
+    }
+}
+
+static packing packing_of_splats(const psplat_batch *batch) {
+    if (batch->has_color || batch->has_gamma) return (packing){MAX_SPLAT_FLOATS, 4, pack_wide};
+    return (packing){4 * PSPLAT_SPLAT_TEXELS, 4, pack_narrow};
+}
+
+static void pack_clips(const psplat_batch *batch, size_t first, size_t end, float *out) {
+    for (size_t i = first; i < end; ++i)
+        for (uint32_t line = 0; line < batch->clip_count; ++line)
+            for (int k = 0; k < 3; ++k) *out++ = batch->splats[i].clip[line][k];
+}
+
+static float *put_texel(float *out, const float texel[3]) {
+    for (int i = 0; i < 3; ++i) out[i] = texel[i];
+    return out + 3;
+}
+
+static void pack_finishes(const psplat_batch *batch, size_t first, size_t end, float *out) {
+    for (size_t i = first; i < end; ++i) {
+        const psplat_finish *finish = &batch->finishes[i];
+        const float surface[3] = {finish->occlusion, finish->roughness, finish->metallic};
+        if (batch->has_surface) out = put_texel(out, surface);
+        if (batch->has_emissive) out = put_texel(out, finish->emissive);
+        if (!batch->has_color_gradient) continue;
+        out = put_texel(out, finish->color_u);
+        out = put_texel(out, finish->color_v);
+    }
+}
+
+/* Packs and uploads bands of rows to the bound texture. */
+static void upload_rows(const psplat_gl *gl, const psplat_batch *batch, const packing *p,
                         GLsizei width, GLsizei height, float *staging) {
-    GLenum format = channels == 4 ? GL_RGBA : GL_RGB;
+    GLenum format = p->channels == 4 ? GL_RGBA : GL_RGB;
     for (GLsizei row = 0; row < height; row += ROWS_PER_UPLOAD) {
         GLsizei rows = height - row < ROWS_PER_UPLOAD ? height - row : ROWS_PER_UPLOAD;
         size_t first = (size_t)row * PSPLAT_ROW_SPLATS;
         size_t end = first + (size_t)rows * PSPLAT_ROW_SPLATS;
-        if (end > batch->splat_count) end = batch->splat_count;
-        for (size_t i = first; i < end; ++i) {
-            float *out = staging + (i - first) * (size_t)floats;
-            if (channels == 4)
-                pack_splat(&batch->splats[i], floats / 4, out);
-            else
-                pack_clips(&batch->splats[i], batch->clip_count, out);
-        }
+        p->pack(batch, first, end < batch->splat_count ? end : batch->splat_count, staging);
         gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, row, width, rows, format, GL_FLOAT, staging);
     }
 }
 
-static psplat_result upload(psplat_renderer *renderer, const psplat_batch *batch, int floats,
-                            int channels, float *staging, psplat_texture *texture,
-                            psplat_error *error) {
+static psplat_result upload(psplat_renderer *renderer, const psplat_batch *batch, packing p,
+                            float *staging, psplat_texture *texture, psplat_error *error) {
     psplat_texture_desc desc = {
-        .texel = channels == 4 ? PSPLAT_TEXEL_RGBA32F : PSPLAT_TEXEL_RGB32F,
-        .width = PSPLAT_ROW_SPLATS * floats / channels,
+        .texel = p.channels == 4 ? PSPLAT_TEXEL_RGBA32F : PSPLAT_TEXEL_RGB32F,
+        .width = PSPLAT_ROW_SPLATS * p.floats / p.channels,
         .height = (GLsizei)((batch->splat_count + PSPLAT_ROW_SPLATS - 1) / PSPLAT_ROW_SPLATS)};
     psplat_result result =
         psplat_texture_create(&renderer->gl, &renderer->memory.models, &desc, texture, error);
     if (result == PSPLAT_OK)
-        upload_rows(&renderer->gl, batch, floats, channels, desc.width, desc.height, staging);
+        upload_rows(&renderer->gl, batch, &p, desc.width, desc.height, staging);
     return result;
 }
 
@@ -92,6 +124,9 @@ static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
     out->clip_count = batch->clip_count;
     out->has_color = batch->has_color;
     out->has_gamma = batch->has_gamma;
+    out->finish = (batch->has_surface ? PSPLAT_FINISH_SURFACE : 0u) |
+                  (batch->has_emissive ? PSPLAT_FINISH_EMISSIVE : 0u) |
+                  (batch->has_color_gradient ? PSPLAT_FINISH_GRADIENT : 0u);
     out->kernel = batch->kernel;
     out->depth_tolerance = batch->depth_tolerance;
     out->material = batch->material;
@@ -102,6 +137,20 @@ static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
     }
 }
 
+static psplat_result upload_textures(psplat_renderer *renderer, const psplat_batch *batch,
+                                     psplat_model_batch *out, float *staging, psplat_error *error) {
+    const packing clips = {3 * (int)batch->clip_count, 3, pack_clips};
+    const int texels = batch->has_surface + batch->has_emissive + 2 * batch->has_color_gradient;
+    const packing finishes = {3 * texels, 3, pack_finishes};
+    psplat_result result =
+        upload(renderer, batch, packing_of_splats(batch), staging, &out->splats, error);
+    if (result == PSPLAT_OK && clips.floats)
+        result = upload(renderer, batch, clips, staging, &out->clips, error);
+    if (result == PSPLAT_OK && finishes.floats)
+        result = upload(renderer, batch, finishes, staging, &out->finishes, error);
+    return result;
+}
+
 static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model, size_t index,
                                   const psplat_batch *batch, float *staging, psplat_error *error) {
     const psplat_model_batch *twin = find_primitive(model, index, batch->primitive);
@@ -110,6 +159,7 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
     if (twin) {
         out->splats = twin->splats;
         out->clips = twin->clips;
+        out->finishes = twin->finishes;
         out->chunks = twin->chunks;
         return PSPLAT_OK;
     }
@@ -119,12 +169,7 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
     if (!out->chunks)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu chunks", chunk_count);
     psplat_chunks_find(batch->splats, batch->splat_count, out->chunks);
-    int texels = PSPLAT_SPLAT_TEXELS + (out->has_color || out->has_gamma);
-    psplat_result result = upload(renderer, batch, 4 * texels, 4, staging, &out->splats, error);
-    if (result == PSPLAT_OK && batch->clip_count)
-        result =
-            upload(renderer, batch, 3 * (int)batch->clip_count, 3, staging, &out->clips, error);
-    return result;
+    return upload_textures(renderer, batch, out, staging, error);
 }
 
 static psplat_result check_sizes(const psplat_gl *gl, const psplat_asset *asset,
@@ -198,6 +243,7 @@ void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model) {
         if (!batch->is_owner) continue;
         psplat_texture_delete(&renderer->gl, &batch->splats);
         psplat_texture_delete(&renderer->gl, &batch->clips);
+        psplat_texture_delete(&renderer->gl, &batch->finishes);
         size_t chunk_count = psplat_chunk_count((size_t)batch->splat_count);
         if (batch->chunks)
             psplat_resize(&renderer->allocator, batch->chunks, chunk_count * sizeof(psplat_chunk),
@@ -214,7 +260,8 @@ psplat_model_info psplat_model_describe(const psplat_model *model) {
         const psplat_model_batch *batch = &model->batches[i];
         info.splat_count += (size_t)batch->splat_count;
         info.batch_count += 1;
-        if (batch->is_owner) info.bytes += batch->splats.bytes + batch->clips.bytes;
+        if (batch->is_owner)
+            info.bytes += batch->splats.bytes + batch->clips.bytes + batch->finishes.bytes;
     }
     return info;
 }

@@ -47,9 +47,10 @@ static unsigned used_by_splats(const psplat_program_key *key) {
     if (key->pass == PSPLAT_PASS_VISIBILITY) return used | PSPLAT_OPTION_NEAR;
     if (key->pass == PSPLAT_PASS_PARAMETERS) return used;
     used |= PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_FILTER | PSPLAT_OPTION_POWER;
-    if (key->pass == PSPLAT_PASS_RADIANCE) return used | PSPLAT_OPTION_COLOR | PSPLAT_OPTIONS_LIGHT;
+    const unsigned colors = PSPLAT_OPTION_COLOR | PSPLAT_OPTION_FINISH;
+    if (key->pass == PSPLAT_PASS_RADIANCE) return used | colors | PSPLAT_OPTIONS_LIGHT;
     used |= PSPLAT_OPTION_FIELD | PSPLAT_OPTION_GAMMA | PSPLAT_OPTION_COUNT;
-    if (key->options & PSPLAT_OPTIONS_TARGETS) used |= PSPLAT_OPTION_COLOR;
+    if (key->options & PSPLAT_OPTIONS_TARGETS) used |= colors;
     return used | PSPLAT_OPTIONS_TARGETS;
 }
 
@@ -65,6 +66,7 @@ static unsigned used_by_resolve(const psplat_program_key *key) {
 static unsigned implied(unsigned options) {
     if (!(options & PSPLAT_OPTION_FIELD)) options &= ~(unsigned)PSPLAT_OPTION_GAMMA;
     if (options & PSPLAT_OPTION_COUNT) options &= ~(unsigned)PSPLAT_OPTION_POWER;
+    if (options & PSPLAT_OPTION_OCCLUSION) options |= PSPLAT_OPTION_MATERIALS;
     if (options & PSPLAT_OPTION_MATERIALS) options |= PSPLAT_OPTION_COLORS;
     if (options & (PSPLAT_OPTION_COLOR | PSPLAT_OPTION_GAMMA)) options |= PSPLAT_OPTION_WIDE;
     return options;
@@ -148,6 +150,7 @@ static void find_uniforms(const psplat_gl *gl, psplat_program *program) {
         GLint unit;
     } samplers[] = {{"u_splats", PSPLAT_UNIT_SPLATS},
                     {"u_clips", PSPLAT_UNIT_CLIPS},
+                    {"u_finishes", PSPLAT_UNIT_FINISHES},
                     {"u_target0", 0},
                     {"u_target1", 1},
                     {"u_target2", 2},

@@ -32,13 +32,17 @@
     X(SHADOWS, 8192)                                                                               \
     /* of the resolve pass: */                                                                     \
     X(ENCODE, 16384) /* to sRGB */                                                                 \
-    X(AS_IS, 32768)  /* what was summed is a colour: no shading */
+    X(AS_IS, 32768)  /* what was summed is a colour: no shading */                                 \
+    /* of splats, and of what goes through the targets, where materials vary (spec 3.10): */       \
+    X(FINISH, 65536)                                                                               \
+    X(OCCLUSION, 131072) /* comes with MATERIALS */
 
 enum {
 #define PSPLAT_OPTION_ENUM(name, value) PSPLAT_OPTION_##name = value,
     PSPLAT_OPTIONS(PSPLAT_OPTION_ENUM)
 #undef PSPLAT_OPTION_ENUM
-        PSPLAT_OPTIONS_TARGETS = PSPLAT_OPTION_COLORS | PSPLAT_OPTION_MATERIALS,
+        PSPLAT_OPTIONS_TARGETS =
+            PSPLAT_OPTION_COLORS | PSPLAT_OPTION_MATERIALS | PSPLAT_OPTION_OCCLUSION,
     PSPLAT_OPTIONS_LIGHT =
         PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_ENVIRONMENT | PSPLAT_OPTION_SHADOWS
 };
@@ -61,6 +65,7 @@ typedef struct psplat_program_key {
     X(view_direction)                                                                              \
     X(half_viewport)                                                                               \
     X(first_index)                                                                                 \
+    X(finish)                                                                                      \
     X(kernel)                                                                                      \
     X(base_color)                                                                                  \
     X(emissive)                                                                                    \

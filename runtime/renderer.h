@@ -26,13 +26,14 @@ struct psplat_renderer {
 
 /* An uploaded psplat_batch. */
 typedef struct psplat_model_batch {
-    psplat_texture splats, clips; /* layout.h; clips is zero where clip_count is */
-    psplat_chunk *chunks;         /* psplat_chunk_count(splat_count) of them */
+    psplat_texture splats, clips, finishes; /* layout.h; zero where clip_count or finish is */
+    psplat_chunk *chunks;                   /* psplat_chunk_count(splat_count) of them */
     int is_owner; /* 0: textures and chunks are those of an earlier batch of the same primitive */
     uint32_t primitive;
     GLsizei splat_count;
     uint32_t clip_count;
     int has_color, has_gamma;
+    unsigned finish; /* PSPLAT_FINISH_ bits */
     double model[16];
     psplat_kernel kernel;
     float depth_tolerance;

@@ -19,8 +19,9 @@ static psplat_result add_texture(const psplat_target *target, psplat_gl *gl, siz
 }
 
 static psplat_texel texel_of(const psplat_target *target, const psplat_gl *gl, int index) {
-    if (index != 1) return gl->half_targets ? PSPLAT_TEXEL_RGBA16F : PSPLAT_TEXEL_RGBA32F;
-    if (target->is_wide) return gl->half_targets ? PSPLAT_TEXEL_RG16F : PSPLAT_TEXEL_RG32F;
+    if (index != 1 || target->numbers > 2)
+        return gl->half_targets ? PSPLAT_TEXEL_RGBA16F : PSPLAT_TEXEL_RGBA32F;
+    if (target->numbers > 1) return gl->half_targets ? PSPLAT_TEXEL_RG16F : PSPLAT_TEXEL_RG32F;
     return gl->half_targets ? PSPLAT_TEXEL_R16F : PSPLAT_TEXEL_R32F;
 }
 
@@ -92,13 +93,12 @@ static void destroy_idle(psplat_targets *targets, const psplat_gl *gl) {
 }
 
 psplat_result psplat_targets_bind(psplat_targets *targets, psplat_gl *gl, size_t *ledger, int width,
-                                  int height, int color_count, psplat_error *error) {
-    int is_wide = color_count == PSPLAT_TARGET_COUNT_MATERIALS;
+                                  int height, int color_count, int numbers, psplat_error *error) {
     ++targets->clock;
     psplat_target *target = choose(targets, width, height);
-    if (target->width != width || target->height != height || target->is_wide < is_wide)
+    if (target->width != width || target->height != height || target->numbers < numbers)
         destroy(target, gl);
-    target->is_wide |= is_wide;
+    if (target->numbers < numbers) target->numbers = numbers;
     target->width = width;
     target->height = height;
     target->used = targets->clock;

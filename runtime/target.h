@@ -15,7 +15,7 @@ typedef struct psplat_target {
     psplat_texture depth;
     int width, height;
     int color_count; /* textures that exist */
-    int is_wide;     /* the second holds two numbers: 0 where there are fewer than all */
+    int numbers;     /* that the second can hold: 1, 2 or 3 */
     unsigned used;   /* psplat_targets.clock when it was */
 } psplat_target;
 
@@ -30,10 +30,11 @@ typedef struct psplat_targets {
 } psplat_targets;
 
 /* Finds or makes the target of a size with at least color_count colour textures (layout.h), and
- * leaves its framebuffer bound for drawing, its first color_count buffers enabled. Textures are
+ * leaves its framebuffer bound for drawing, its first color_count buffers enabled. The second holds
+ * as many numbers a pixel. Textures are
  * entered in the ledger. On failure there is none of that size. Errors: GRAPHICS, MEMORY. */
 psplat_result psplat_targets_bind(psplat_targets *targets, psplat_gl *gl, size_t *ledger, int width,
-                                  int height, int color_count, psplat_error *error);
+                                  int height, int color_count, int numbers, psplat_error *error);
 void psplat_targets_destroy(psplat_targets *targets, const psplat_gl *gl);
 
 #endif

@@ -24,14 +24,20 @@
  *     texel 2: normal field at the center and its gradient (x, y, alpha, beta of spec 3.5)
  *     texel 3: linear colour and gamma, in batches that have either
  *
- * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. */
+ * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. So does what else
+ * varies of a material (spec 3.10), up to 4 texels a splat: occlusion, roughness, metallic; emissive;
+ * change of colour with u; with v. PSPLAT_FINISH_ bits say which there are. */
 #define PSPLAT_ROW_BITS 9
 #define PSPLAT_ROW_SPLATS 512
 #define PSPLAT_SPLAT_TEXELS 3
+#define PSPLAT_FINISH_SURFACE 1
+#define PSPLAT_FINISH_EMISSIVE 2
+#define PSPLAT_FINISH_GRADIENT 4 /* two texels */
 
 /* Texture units of the splat passes and of the resolve pass. */
 #define PSPLAT_UNIT_SPLATS 0
 #define PSPLAT_UNIT_CLIPS 1
+#define PSPLAT_UNIT_FINISHES 2
 #define PSPLAT_UNIT_DEPTH 4
 #define PSPLAT_UNIT_SHADOWS 5
 #define PSPLAT_UNIT_DIFFUSE 6
@@ -46,7 +52,7 @@
 /* Colour attachments of the attribute pass; in the resolve pass, their texture units.
  *
  *     0: sum of w n, of w L or (u, v, index); sum of w
- *     1: sum of w z, and of w unlit where materials differ
+ *     1: sum of w z; of w unlit where materials differ; of w occlusion where that does
  *     2: sum of w colour; sum of w metallic            where colours or materials differ
  *     3: sum of w emissive; sum of w roughness         where materials differ */
 #define PSPLAT_TARGET_COUNT 2

@@ -4,7 +4,7 @@
  * make a colour of them, writes it and the blended window depth (spec 5.5) into the host's
  * framebuffer.
  *
- * Defined outside: AS_IS (what was summed is a colour), COLORS, MATERIALS, HALF_TARGETS, ENCODE.
+ * Defined outside: AS_IS (what was summed is a colour), COLORS, MATERIALS, OCCLUSION, HALF_TARGETS, ENCODE.
  */
 uniform highp sampler2D u_target0;
 uniform highp sampler2D u_target1;
@@ -26,16 +26,16 @@ struct Pixel {
     float weight;  /* 0: nothing is here, and the rest is undefined */
     vec3 color;    /* base colour */
     vec3 emissive;
-    vec3 surface;  /* metallic, roughness, unlit */
+    vec4 surface;  /* metallic, roughness, unlit, occlusion */
 };
 
 Pixel pixel_at(ivec2 at) {
     vec4 sum = texelFetch(u_target0, at, 0);
     float behind = texelFetch(u_depth, at, 0).r; /* 1: no splat covers the pixel (spec 5.3) */
-    vec2 depth = texelFetch(u_target1, at, 0).rg;
+    vec3 depth = texelFetch(u_target1, at, 0).rgb;
     float scale = 1.0 / sum.a;
     Pixel pixel = Pixel(vec3(vec2(at) + 0.5, depth.r * scale), sum.rgb,
-                        behind < 1.0 ? sum.a : 0.0, u_base_color, u_emissive, u_surface);
+                        behind < 1.0 ? sum.a : 0.0, u_base_color, u_emissive, vec4(u_surface, 1.0));
 #if HALF_TARGETS
     /* Eleven bits are no depth: take that of the visibility pass, epsilon behind the nearest. */
     pixel.window.z = behind;
@@ -47,7 +47,10 @@ Pixel pixel_at(ivec2 at) {
 #if MATERIALS
     vec4 surface = texelFetch(u_target3, at, 0) * scale;
     pixel.emissive = surface.rgb;
-    pixel.surface = vec3(colors.a, surface.a, depth.g * scale);
+    pixel.surface.xyz = vec3(colors.a, surface.a, depth.g * scale);
+#endif
+#if OCCLUSION
+    pixel.surface.w = depth.b * scale;
 #endif
     return pixel;
 }

@@ -31,7 +31,7 @@ vec3 resolve(Pixel pixel) {
     vec3 normal = unit(pixel.normal);
     if (is_contour(pixel, normal, ivec2(1, 0)) || is_contour(pixel, normal, ivec2(0, 1)))
         return vec3(0.0);
-    vec3 white = shade(normal, pixel.window, vec3(1.0), vec3(0.0), vec3(0.0, 1.0, 0.0));
+    vec3 white = shade(normal, pixel.window, vec3(1.0), vec3(0.0), vec4(0.0, 1.0, 0.0, 1.0));
     float light = dot(white, vec3(0.2126, 0.7152, 0.0722));
     float level = light < 0.25 ? 0.3 : light < 0.65 ? 0.65 : 1.0;
     return encode(level * pixel.color + pixel.emissive);

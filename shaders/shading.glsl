@@ -88,14 +88,14 @@ vec3 reflect_environment(vec3 n, vec3 view, vec3 diffuse, vec3 f0, float roughne
 #endif
 
 /* window: pixel x and y, depth. surface: metallic, roughness, unlit (1: unlit; between, where such
- * splats blend with lit ones). */
-vec3 shade(vec3 normal, vec3 window, vec3 color, vec3 emissive, vec3 surface) {
+ * splats blend with lit ones), occlusion. */
+vec3 shade(vec3 normal, vec3 window, vec3 color, vec3 emissive, vec4 surface) {
     vec3 view = view_direction(window.xy);
     float length2 = dot(normal, normal);
     vec3 n = length2 > 0.0 ? normal * inversesqrt(length2) : view;
     vec3 diffuse = color * (1.0 - surface.x);
     vec3 f0 = mix(vec3(0.04), color, surface.x);
-    vec3 result = u_ambient * (diffuse + f0) + emissive;
+    vec3 result = surface.w * u_ambient * (diffuse + f0) + emissive;
 #if LIGHT_COUNT > 0
     float alpha = max(surface.y * surface.y, 0.002);
 #if PUNCTUAL || SHADOWS
@@ -123,7 +123,7 @@ vec3 shade(vec3 normal, vec3 window, vec3 color, vec3 emissive, vec3 surface) {
     }
 #endif
 #if ENVIRONMENT
-    result += reflect_environment(n, view, diffuse, f0, surface.y);
+    result += surface.w * reflect_environment(n, view, diffuse, f0, surface.y);
 #endif
     return mix(result, color, surface.z);
 }

@@ -3,8 +3,8 @@
  * Fragments of one splat: outside the ellipse or a clip line they are dropped, the others add to
  * the sums of spec 5.4 (see layout.h for the targets).
  *
- * Defined outside: PASS, CLIP_COUNT, CLIP_TYPE, COLOR, COLORS, MATERIALS, NEAR, POWER, FILTER,
- * COUNT, WEIGHT_FLOOR; for the passes that shade, what shading.glsl asks for.
+ * Defined outside: PASS, CLIP_COUNT, CLIP_TYPE, COLOR, FINISH, COLORS, MATERIALS, OCCLUSION, NEAR,
+ * POWER, FILTER, COUNT, WEIGHT_FLOOR; for the passes that shade, what shading.glsl asks for.
  */
 #if FILTER
 in vec4 v_uv;
@@ -19,7 +19,11 @@ in float v_near;
 flat in float v_index;
 #else
 in vec3 v_normal;
-#if COLOR
+#if FINISH
+in vec3 v_color;
+flat in vec3 v_surface;
+flat in vec3 v_emissive;
+#elif COLOR
 flat in vec3 v_color;
 #endif
 #endif
@@ -29,7 +33,9 @@ in CLIP_TYPE v_clip;
 
 #if PASS != PSPLAT_PASS_VISIBILITY
 layout(location = 0) out vec4 o_sum;
-#if MATERIALS
+#if OCCLUSION
+layout(location = 1) out vec4 o_depth;
+#elif MATERIALS
 layout(location = 1) out vec2 o_depth;
 #else
 layout(location = 1) out float o_depth;
@@ -107,22 +113,32 @@ void main() {
     depth += v_uv.w;
 #endif
     vec3 color = u_base_color;
-#if COLOR
+    vec3 emissive = u_emissive;
+    vec4 surface = vec4(u_surface, 1.0);
+#if FINISH
+    color *= clamp(v_color, 0.0, 1.0);
+    emissive *= v_emissive;
+    surface *= vec4(v_surface.zy, 1.0, v_surface.x);
+#elif COLOR
     color *= v_color;
 #endif
 #if PASS == PSPLAT_PASS_NORMALS
     o_sum = weight * vec4(v_normal, 1.0);
 #else
-    o_sum = weight * vec4(shade(v_normal, vec3(gl_FragCoord.xy, depth), color, u_emissive, u_surface), 1.0);
+    o_sum = weight * vec4(shade(v_normal, vec3(gl_FragCoord.xy, depth), color, emissive, surface), 1.0);
 #endif
-#if MATERIALS
-    o_depth = weight * vec2(depth, u_surface.z);
-    o_surface = weight * vec4(u_emissive, u_surface.y);
+#if OCCLUSION
+    o_depth = weight * vec4(depth, surface.zw, 0.0);
+#elif MATERIALS
+    o_depth = weight * vec2(depth, surface.z);
 #else
     o_depth = weight * depth;
 #endif
+#if MATERIALS
+    o_surface = weight * vec4(emissive, surface.y);
+#endif
 #if COLORS
-    o_color = weight * vec4(color, u_surface.x);
+    o_color = weight * vec4(color, surface.x);
 #endif
 #endif
 }

@@ -4,12 +4,17 @@
  * (u, v), the normal field and the clip distances, all linear in (u, v), are exact at the corners
  * and the hardware interpolates them with perspective. Vertices are pulled by gl_VertexID.
  *
- * Defined outside: PASS, CLIP_COUNT, CLIP_TYPE, WIDE, COLOR, FIELD, GAMMA, NEAR, TWO_SIDED, FILTER.
+ * Defined outside: PASS, CLIP_COUNT, CLIP_TYPE, WIDE, COLOR, FINISH, FIELD, GAMMA, NEAR, TWO_SIDED,
+ * FILTER.
  */
 invariant gl_Position;
 
 uniform highp sampler2D u_splats;
 uniform highp sampler2D u_clips;
+#if FINISH
+uniform highp sampler2D u_finishes;
+uniform int u_finish; /* PSPLAT_FINISH_ bits */
+#endif
 uniform mat4 u_modelview;
 uniform mat4 u_projection;
 uniform mat4 u_clip_matrix; /* both at once, for what need not be as exact */
@@ -32,7 +37,11 @@ out float v_near;
 flat out float v_index;
 #else
 out vec3 v_normal;
-#if COLOR
+#if FINISH
+out vec3 v_color; /* not clamped */
+flat out vec3 v_surface;
+flat out vec3 v_emissive;
+#elif COLOR
 flat out vec3 v_color;
 #endif
 #endif
@@ -180,6 +189,26 @@ vec3 normal_of(ivec2 texel, mat3 axes, float length2, float ratio, vec2 uv) {
 }
 #endif
 
+#if FINISH
+/* Spec 3.10, but for what is the same in all splats; eq. (4a) is linear, as the rasteriser is. */
+void find_finish(int column, int row, vec2 uv) {
+    int surface = u_finish & PSPLAT_FINISH_SURFACE;
+    int emissive = (u_finish & PSPLAT_FINISH_EMISSIVE) / PSPLAT_FINISH_EMISSIVE;
+    int gradient = (u_finish & PSPLAT_FINISH_GRADIENT) / PSPLAT_FINISH_GRADIENT;
+    ivec2 texel = ivec2(column * (surface + emissive + 2 * gradient), row);
+    v_surface = v_emissive = vec3(1.0);
+    if (surface > 0) v_surface = texelFetch(u_finishes, texel, 0).rgb;
+    texel.x += surface;
+    if (emissive > 0) v_emissive = texelFetch(u_finishes, texel, 0).rgb;
+#if FIELD
+    texel.x += emissive;
+    if (gradient > 0)
+        v_color += uv.x * texelFetch(u_finishes, texel, 0).rgb +
+                   uv.y * texelFetch(u_finishes, texel + ivec2(1, 0), 0).rgb;
+#endif
+}
+#endif
+
 #if TWO_SIDED
 /* Whether the splat clearly turns its back to the eye (spec 5.2), which gl_FrontFacing cannot
  * tell. */
@@ -243,6 +272,11 @@ void main() {
 #endif
 #if COLOR
     v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
+#elif FINISH
+    v_color = vec3(1.0);
+#endif
+#if FINISH
+    find_finish(column, row, uv);
 #endif
 #endif
 }

@@ -11,14 +11,25 @@ static double weight_of(const psplat_kernel *kernel, const psplat_oracle_share *
     return fmax(psi * share->factor, 1e-300);
 }
 
-static psplat_oracle_surface surface_of(const psplat_splat *splat,
-                                        const psplat_material *material) {
-    psplat_oracle_surface surface = {.metallic = material->metallic,
-                                     .roughness = material->roughness,
-                                     .unlit = material->unlit != 0};
+/* Spec 3.10: what a splat without a finish is made of is one that changes nothing. */
+static psplat_finish finish_of(const psplat_oracle_visit *at) {
+    if (at->batch->finishes) return at->batch->finishes[at->splat - at->batch->splats];
+    return (psplat_finish){.occlusion = 1, .roughness = 1, .metallic = 1, .emissive = {1, 1, 1}};
+}
+
+static psplat_oracle_surface surface_of(const psplat_oracle_visit *at, double u, double v) {
+    const psplat_material *material = &at->batch->material;
+    const psplat_finish finish = finish_of(at);
+    psplat_oracle_surface surface = {
+        .metallic = (double)material->metallic * (double)finish.metallic,
+        .roughness = (double)material->roughness * (double)finish.roughness,
+        .occlusion = (double)finish.occlusion,
+        .unlit = material->unlit != 0};
     for (int i = 0; i < 3; ++i) {
-        surface.base[i] = (double)material->base_color[i] * (double)splat->color[i];
-        surface.emissive[i] = material->emissive[i];
+        double color = (double)at->splat->color[i] + u * (double)finish.color_u[i] +
+                       v * (double)finish.color_v[i];
+        surface.base[i] = (double)material->base_color[i] * fmin(fmax(color, 0), 1);
+        surface.emissive[i] = (double)material->emissive[i] * (double)finish.emissive[i];
     }
     return surface;
 }
@@ -31,6 +42,7 @@ static void add_surface(psplat_oracle_surface *sum, double weight,
     }
     sum->metallic += weight * surface->metallic;
     sum->roughness += weight * surface->roughness;
+    sum->occlusion += weight * surface->occlusion;
     sum->unlit += weight * surface->unlit;
 }
 
@@ -46,7 +58,7 @@ static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit
     double weight = d->blends ? weight_of(&at->batch->kernel, share) : 1;
     double sign = at->placed.cosine > -0.5 ? 1 : -1, normal[3], radiance[3];
     double u = bends ? share->u : 0, v = bends ? share->v : 0;
-    psplat_oracle_surface surface = surface_of(at->splat, &at->batch->material);
+    psplat_oracle_surface surface = surface_of(at, u, v);
     p->weight += weight;
     p->depth += weight * share->depth;
     ++p->count;

@@ -166,7 +166,7 @@ void psplat_oracle_environment_add(const psplat_oracle_environment *environment,
     split_sums(fmin(fmax(normal_eye, 1e-4), 1), alpha, sums);
     for (int i = 0; i < 3; ++i) {
         double base = surface->base[i], f0 = 0.04 + (base - 0.04) * surface->metallic;
-        radiance[i] +=
-            base * (1 - surface->metallic) / PI * diffuse[i] + (f0 * sums[0] + sums[1]) * glossy[i];
+        radiance[i] += surface->occlusion * (base * (1 - surface->metallic) / PI * diffuse[i] +
+                                             (f0 * sums[0] + sums[1]) * glossy[i]);
     }
 }

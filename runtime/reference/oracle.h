@@ -190,7 +190,7 @@ int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_s
 /* The numbers of a material that vary over an image once colours are applied. */
 typedef struct psplat_oracle_surface {
     double base[3], emissive[3];
-    double metallic, roughness;
+    double metallic, roughness, occlusion;
     double unlit; /* 0 ... 1 */
 } psplat_oracle_surface;
 

@@ -40,11 +40,11 @@ static void show_pixel(const psplat_oracle_drawing *d, const psplat_oracle_pixel
                        const psplat_oracle_ray *ray, double shown[3]) {
     double t = psplat_oracle_camera_reach(&d->camera, ray, p->depth / p->weight);
     psplat_oracle_surface mean = p->surface;
-    double *numbers[] = {&mean.metallic, &mean.roughness, &mean.unlit};
+    double *numbers[] = {&mean.metallic, &mean.roughness, &mean.unlit, &mean.occlusion};
+    for (int i = 0; i < 4; ++i) *numbers[i] /= p->weight;
     for (int i = 0; i < 3; ++i) {
         mean.base[i] /= p->weight;
         mean.emissive[i] /= p->weight;
-        *numbers[i] /= p->weight;
     }
     if (d->view->shading == PSPLAT_SHADING_DEPTH)
         for (int i = 0; i < 3; ++i) shown[i] = nearness(&d->camera, ray, t);

@@ -53,7 +53,8 @@ void psplat_oracle_shade(const psplat_oracle_surface *surface,
     for (int i = 0; i < 3; ++i) {
         double diffuse = surface->base[i] * (1 - surface->metallic);
         double f0 = mix(0.04, surface->base[i], surface->metallic);
-        radiance[i] = lighting->ambient[i] * (diffuse + f0) + surface->emissive[i];
+        radiance[i] = surface->occlusion * lighting->ambient[i] * (diffuse + f0);
+        radiance[i] += surface->emissive[i];
     }
     for (int k = 0; k < lighting->count; ++k) {
         double to_light[3], irradiance[3];

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALL_OPTIONS = 1 << 16, MAX_KEYS = 20000 };
+enum { ALL_OPTIONS = 1 << 18, MAX_KEYS = 20000 };
 
 typedef struct key_list {
     psplat_program_key *keys;

@@ -209,8 +209,10 @@ char *packed_text(const packed *p) {
                    meshopt, meshopt);
     out = put_attributes(p, out, end);
     out += snprintf(out, (size_t)(end - out),
-                    "},\"extensions\":{\"PSPLAT_surface_splats\":{%s}}}]}],\"accessors\":[",
-                    p->extension);
+                    "}%s,\"extensions\":{\"PSPLAT_surface_splats\":{%s}}}]}],",
+                    p->material ? ",\"material\":0" : "", p->extension);
+    out += snprintf(out, (size_t)(end - out), "\"materials\":[%s],\"accessors\":[",
+                    p->material ? p->material : "");
     out = put_accessors(p, out, end);
     out += sprintf(out, "],\"bufferViews\":[");
     for (size_t i = 0; i < PACKED_MAX_ATTRIBUTES && p->attributes[i].name; ++i) {

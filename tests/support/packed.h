@@ -39,6 +39,7 @@ typedef struct packed {
     size_t count; /* splats */
     packed_attribute attributes[PACKED_MAX_ATTRIBUTES];
     const char *extension; /* members of the extension object, "version" first */
+    const char *material;  /* an object; NULL: none */
     int is_compressed;     /* each view by EXT_meshopt_compression */
     packed_filter filters[PACKED_MAX_ATTRIBUTES]; /* of the attributes, where compressed */
     size_t repeat; /* elements are stored as often, so that views are long; 0: once */

@@ -88,8 +88,11 @@ typedef struct psplat_batch {
     psplat_material material;
     float bounds_min[3]; /* box around the unclipped ellipses, object space */
     float bounds_max[3];
-    int has_color;                      /* 0: color is 1 1 1 1 in every splat */
-    int has_gamma;                      /* 0: gradient[2] is 0 in every splat */
+    int has_color;          /* 0: color is 1 1 1 1 in every splat */
+    int has_gamma;          /* 0: gradient[2] is 0 in every splat */
+    int has_color_gradient; /* 0: color_u and color_v are 0 in every finish */
+    int has_surface;        /* 0: occlusion, roughness and metallic are 1 in every finish */
+    int has_emissive;       /* 0: emissive is 1 in every finish */
     const psplat_attribute *attributes; /* attribute_count of them, in the order of spec 3.2 */
     size_t attribute_count;
 } psplat_batch;
