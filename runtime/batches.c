@@ -122,7 +122,8 @@ static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch
     if (key.pass != PSPLAT_PASS_VISIBILITY) {
         psplat_frame_use_material(gl, program, &batch->material);
         gl->Uniform1i(program->first_index, (GLint)(first_index & 0x7fffffffu));
-        gl->Uniform1i(program->finish, (GLint)batch->finish);
+        gl->Uniform1i(program->finish,
+                      (GLint)(batch->finish | (batch->has_color ? PSPLAT_FINISH_COLOR : 0u)));
         gl->Uniform2f(program->kernel, -batch->kernel.sharpness, 0.5f * batch->kernel.exponent);
     }
     if (key.pass == PSPLAT_PASS_RADIANCE) psplat_frame_use_light(f, program);

@@ -66,6 +66,8 @@ static unsigned used_by_resolve(const psplat_program_key *key) {
 static unsigned implied(unsigned options) {
     if (!(options & PSPLAT_OPTION_FIELD)) options &= ~(unsigned)PSPLAT_OPTION_GAMMA;
     if (options & PSPLAT_OPTION_COUNT) options &= ~(unsigned)PSPLAT_OPTION_POWER;
+    if (options & PSPLAT_OPTION_FINISH && options & PSPLAT_OPTION_COLOR)
+        options = (options & ~(unsigned)PSPLAT_OPTION_COLOR) | PSPLAT_OPTION_WIDE;
     if (options & PSPLAT_OPTION_OCCLUSION) options |= PSPLAT_OPTION_MATERIALS;
     if (options & PSPLAT_OPTION_MATERIALS) options |= PSPLAT_OPTION_COLORS;
     if (options & (PSPLAT_OPTION_COLOR | PSPLAT_OPTION_GAMMA)) options |= PSPLAT_OPTION_WIDE;

@@ -33,6 +33,7 @@
 #define PSPLAT_FINISH_SURFACE 1
 #define PSPLAT_FINISH_EMISSIVE 2
 #define PSPLAT_FINISH_GRADIENT 4 /* two texels */
+#define PSPLAT_FINISH_COLOR 8    /* texel 3 of the splats holds a colour */
 
 /* Texture units of the splat passes and of the resolve pass. */
 #define PSPLAT_UNIT_SPLATS 0

@@ -270,13 +270,13 @@ void main() {
 #if TWO_SIDED
     if (is_behind(normal, eye_center)) v_normal = -v_normal;
 #endif
-#if COLOR
-    v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
-#elif FINISH
-    v_color = vec3(1.0);
-#endif
 #if FINISH
+    v_color = vec3(1.0);
+    if ((u_finish & PSPLAT_FINISH_COLOR) > 0)
+        v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
     find_finish(column, row, uv);
+#elif COLOR
+    v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
 #endif
 #endif
 }

@@ -69,8 +69,15 @@ static key_list list_create(void) {
     return list;
 }
 
+/* Whether what clip lines add has nothing to do with what else the program does. */
+static int is_like_others(const psplat_program_key *key) {
+    const unsigned varied = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_OCCLUSION;
+    return key->options & varied && key->clip_count % PSPLAT_MAX_CLIP_LINES != 0;
+}
+
 /* All, but that programs that shade are not made for each number of lights, and of those that shade
- * splats one by one the ones with clip lines without lights alone. */
+ * splats one by one the ones with clip lines without lights alone; and that of materials that vary
+ * those with one to three clip lines are left out. */
 static key_list all_keys(int clip_step) {
     key_list list = list_create();
     for (int pass = PSPLAT_PASS_VISIBILITY; pass <= PSPLAT_PASS_PARAMETERS; ++pass)
@@ -99,8 +106,9 @@ static void test_bounded(void **state) {
         if (list.count > most) most = list.count;
         free(list.keys);
     }
-    /* Normals: 27 of colours, gammas, fields and targets, by sides, filter and three weights. */
-    assert_true(most <= 27 * 2 * 2 * 3);
+    /* Normals: 5 of gammas, fields and what is stepped over; three times these and 8 of colours and
+     * finishes where there are more targets; by sides, filter and three weights. */
+    assert_true(most <= (5 + 3 * 13) * 2 * 2 * 3);
 }
 
 static void test_no_use(void **state) {
@@ -129,8 +137,11 @@ static void compile_all(psplat_api api, int clip_step) {
     psplat_allocator allocator = {0};
     psplat_programs programs = {0};
     key_list list = all_keys(clip_step);
+    size_t made = 0;
     for (size_t i = 0; i < list.count; ++i) {
         const psplat_program *program = NULL;
+        if (is_like_others(&list.keys[i])) continue;
+        ++made;
         psplat_result result =
             psplat_programs_find(&programs, &gl, &allocator, list.keys[i], &program, &error);
         if (result)
@@ -138,8 +149,8 @@ static void compile_all(psplat_api api, int clip_step) {
                      error.text);
         assert_true(same(&program->key, &list.keys[i]));
     }
-    assert_int_equal(programs.count, list.count);
-    print_message("%zu programs\n", list.count);
+    assert_int_equal(programs.count, made);
+    print_message("%zu of %zu programs\n", made, list.count);
     psplat_programs_destroy(&programs, &gl, &allocator);
     free(list.keys);
     psplat_host_destroy(host);
