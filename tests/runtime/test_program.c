@@ -72,12 +72,12 @@ static key_list list_create(void) {
 /* Whether what clip lines add has nothing to do with what else the program does. */
 static int is_like_others(const psplat_program_key *key) {
     const unsigned varied = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_OCCLUSION;
-    return key->options & varied && key->clip_count % PSPLAT_MAX_CLIP_LINES != 0;
+    return key->options & varied && key->clip_count > 0;
 }
 
 /* All, but that programs that shade are not made for each number of lights, and of those that shade
  * splats one by one the ones with clip lines without lights alone; and that of materials that vary
- * those with one to three clip lines are left out. */
+ * those with clip lines are left out. */
 static key_list all_keys(int clip_step) {
     key_list list = list_create();
     for (int pass = PSPLAT_PASS_VISIBILITY; pass <= PSPLAT_PASS_PARAMETERS; ++pass)
