@@ -97,8 +97,9 @@ typedef struct psplat_gltf {
     size_t file_budget;    /* bytes that external buffers may still take */
     const uint8_t *bin;    /* BIN chunk, or NULL */
     size_t bin_size, bin_offset;
-    size_t loaded_bytes; /* of all buffers loaded so far */
-    size_t splat_total;  /* of all sets decoded so far */
+    size_t loaded_bytes;  /* of all buffers loaded so far, and of */
+    size_t decoded_bytes; /* all compressed views */
+    size_t splat_total;   /* of all sets decoded so far */
 
     /* Members of the document, or 0. */
     psplat_json_value json_materials, json_meshes, json_nodes, json_scenes, json_scene;

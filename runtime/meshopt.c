@@ -188,10 +188,19 @@ static psplat_result measure(psplat_gltf *gltf, psplat_view_range *view, const s
 
 /* ---- the view ------------------------------------------------------------------------------- */
 
+/* Views may share their compressed bytes, but not to fill the memory. */
+static psplat_result check_total(const psplat_gltf *gltf, const psplat_view_range *view,
+                                 const stream *s) {
+    size_t most = (gltf->loaded_bytes - gltf->decoded_bytes) * MOST_FROM_A_BYTE;
+    if (view->length <= most && gltf->decoded_bytes <= most - view->length) return PSPLAT_OK;
+    return fail(gltf, s, PSPLAT_ERROR_RANGE, "uses the file's bytes too many times over");
+}
+
 /* The decoded bytes as a buffer of their own; offsets in them are that of the compressed ones. */
 static psplat_result decode_view(psplat_gltf *gltf, psplat_view_range *view, const stream *s) {
     psplat_buffer *source = &gltf->buffers[s->buffer];
     psplat_result result = psplat_buffer_load(gltf, source);
+    if (!result) result = check_total(gltf, view, s);
     if (result) return result;
     uint8_t *data = psplat_arena_reserve(gltf->scratch, view->length, 1);
     psplat_buffer *decoded = psplat_arena_take(gltf->scratch, 1, sizeof *decoded);
@@ -209,6 +218,7 @@ static psplat_result decode_view(psplat_gltf *gltf, psplat_view_range *view, con
                            "the bytes of a compressed bufferView are damaged");
     gltf->file_budget -= view->length;
     gltf->loaded_bytes += view->length;
+    gltf->decoded_bytes += view->length;
     view->decoded = decoded;
     return gltf->measures ? measure(gltf, view, s, source->data + s->offset) : PSPLAT_OK;
 }

@@ -68,6 +68,24 @@ static void check_splat(const psplat_splat *splat, const psplat_batch *batch) {
     }
 }
 
+static int is_part(float value) {
+    return value >= 0 && value <= 1;
+}
+
+static void check_finish(const psplat_finish *finish, const psplat_batch *batch) {
+    FUZZ_DEMAND(is_part(finish->occlusion) && is_part(finish->roughness));
+    FUZZ_DEMAND(is_part(finish->metallic));
+    FUZZ_DEMAND(batch->has_surface ||
+                (finish->occlusion == 1 && finish->roughness == 1 && finish->metallic == 1));
+    for (int i = 0; i < 3; ++i) {
+        FUZZ_DEMAND(is_part(finish->emissive[i]));
+        FUZZ_DEMAND(batch->has_emissive || finish->emissive[i] == 1);
+        FUZZ_DEMAND(isfinite(finish->color_u[i]) && isfinite(finish->color_v[i]));
+        FUZZ_DEMAND(batch->has_color_gradient ||
+                    (finish->color_u[i] == 0 && finish->color_v[i] == 0));
+    }
+}
+
 static void check_material(const psplat_material *material) {
     for (int i = 0; i < 4; ++i)
         FUZZ_DEMAND(material->base_color[i] >= 0 && material->base_color[i] <= 1);
@@ -87,7 +105,12 @@ static void check_batch(const psplat_batch *batch) {
     for (int i = 0; i < 16; ++i) FUZZ_DEMAND(isfinite(batch->model[i]));
     for (int i = 0; i < 3; ++i)
         FUZZ_DEMAND(isfinite(batch->bounds_min[i]) && isfinite(batch->bounds_max[i]));
-    for (size_t i = 0; i < batch->splat_count; ++i) check_splat(&batch->splats[i], batch);
+    int varies = batch->has_surface || batch->has_emissive || batch->has_color_gradient;
+    FUZZ_DEMAND(varies == (batch->finishes != NULL));
+    for (size_t i = 0; i < batch->splat_count; ++i) {
+        check_splat(&batch->splats[i], batch);
+        if (batch->finishes) check_finish(&batch->finishes[i], batch);
+    }
 }
 
 static void check_asset(const psplat_asset *asset) {
@@ -104,12 +127,24 @@ static void check_asset(const psplat_asset *asset) {
         FUZZ_DEMAND(isfinite(min[i]) && isfinite(max[i]) && min[i] <= max[i]);
 }
 
+enum { MOST_BYTES = 1 << 16 };
+
+static int is_compressed(const input *in) {
+    static const char name[] = "EXT_meshopt_compression";
+    for (size_t i = 0; i + sizeof name <= in->size; ++i)
+        if (!memcmp(in->data + i, name, sizeof name - 1)) return 1;
+    return 0;
+}
+
 /* 128 bytes of memory for each of the file and of the files it names, the densest being tables of
- * empty objects; and the batches: a node that shows a mesh takes 11 bytes of JSON at least, a
- * primitive of splats 200, so that half a file of the one and half of the other make most. */
+ * empty objects; where views are compressed as many bytes more as a file may have, and the largest
+ * splats for each 8 of them; and the batches: a node that shows a mesh takes 11 bytes of JSON at
+ * least, a primitive of splats 200, so that half a file of the one and half of the other make most.
+ */
 static size_t memory_promised(const input *in) {
     size_t most = (in->size / 22) * (in->size / 400), limit = (size_t)1 << 18;
-    return 4096 + 128 * (in->size + in->served) +
+    size_t decoded = MOST_BYTES + MOST_BYTES / 8 * (sizeof(psplat_splat) + sizeof(psplat_finish));
+    return 4096 + 128 * (in->size + in->served) + (is_compressed(in) ? decoded : 0) +
            (most < limit ? most : limit) * sizeof(psplat_batch);
 }
 
@@ -135,7 +170,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     psplat_asset_desc desc = {.allocator = fuzz_meter_allocator(&meter),
                               .files = {read_input, &in},
                               .base_path = way == NO_DIRECTORY ? NULL : "dir",
-                              .max_file_size = 1 << 16};
+                              .max_file_size = MOST_BYTES,
+                              .measures = (int)(hash >> 8 & 1)};
     psplat_asset *asset = NULL;
     psplat_error error = {0};
     fuzz_meter_start(&meter);

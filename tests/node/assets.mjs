@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The files under test: minimal.gltf and every .glb in the directories of PHONGSPLAT_ASSETS, which
+// The files under test: those of the specification and every .glb in the directories of PHONGSPLAT_ASSETS, which
 // ctest's fixtures fill before the tests run. An empty list would pass everything: it is an error.
 import { readFileSync, readdirSync } from 'node:fs';
 import { basename, delimiter, dirname, join } from 'node:path';
@@ -12,7 +12,7 @@ export const extensionName = 'PSPLAT_surface_splats';
 export function assetPaths() {
   const directories = (process.env.PHONGSPLAT_ASSETS ?? '').split(delimiter).filter(Boolean);
   if (!directories.length) throw new Error('PHONGSPLAT_ASSETS names no directory');
-  const paths = [join(schemaDirectory, 'minimal.gltf')];
+  const paths = [join(schemaDirectory, 'minimal.gltf'), join(schemaDirectory, 'integers.gltf')];
   for (const directory of directories) {
     const files = readdirSync(directory).filter((name) => name.endsWith('.glb')).sort();
     if (!files.length) throw new Error(`${directory} holds no .glb`);

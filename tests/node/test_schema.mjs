@@ -22,9 +22,22 @@ for (const path of assetPaths()) {
 }
 
 const extension = (json, index) => splatPrimitives(json)[index].extensions[extensionName];
+
+// Other attributes in the first primitive, undefined for none.
+function change(json, attributes, version = 2) {
+  extension(json, 0).version = version;
+  for (const [name, accessor] of Object.entries(attributes))
+    splatPrimitives(json)[0].attributes[`_${extensionName}:${name}`] = accessor;
+  Object.assign(json, JSON.parse(JSON.stringify(json)));
+}
+
 const faults = {
   'version is missing': (json) => delete extension(json, 0).version,
-  'version is of the future': (json) => (extension(json, 0).version = 2),
+  'version is of the future': (json) => (extension(json, 0).version = 3),
+  'a radius of nothing': (json) => (extension(json, 0).scaleRange = [0, 1]),
+  'one radius': (json) => (extension(json, 0).scaleRange = [1]),
+  'a field of nothing': (json) => (extension(json, 0).fieldRange = 0),
+  'a line out of range': (json) => (extension(json, 0).clipRange = [1, 1e6]),
   'five clip lines': (json) => (extension(json, 0).clipLines = 5),
   'a fraction of a clip line': (json) => (extension(json, 0).clipLines = 0.5),
   'a negative depth tolerance': (json) => (extension(json, 0).depthTolerance = -1),
@@ -36,6 +49,11 @@ const faults = {
   'indices': (json) => (splatPrimitives(json)[0].indices = 0),
   'morph targets': (json) => (splatPrimitives(json)[0].targets = [{ POSITION: 0 }]),
   'no rotation': (json) => delete splatPrimitives(json)[0].attributes[`_${extensionName}:ROTATION`],
+  'a rotation and a turn': (json) => change(json, { TURN: 0 }),
+  'a turn in version 1': (json) => change(json, { TURN: 0, ROTATION: undefined }, 1),
+  'a tilt without a turn': (json) => change(json, { TILT: 0 }),
+  'half a gradient': (json) => change(json, { COLOR_U: 0 }),
+  'an emissive in version 1': (json) => change(json, { EMISSIVE: 0 }, 1),
   'a clip line too few': (json) => delete splatPrimitives(json)[2].attributes[`_${extensionName}:CLIP_1`],
   'a clip line too many': (json) => (splatPrimitives(json)[1].attributes[`_${extensionName}:CLIP_1`] = 0),
   'a mesh that stands in for nothing': (json) => (json.meshes[0].extensions = { [extensionName]: {} }),
@@ -49,5 +67,22 @@ for (const [what, breakIt] of Object.entries(faults)) {
     assert.ok(validate(json));
     breakIt(json);
     assert.equal(validate(json), false);
+  });
+}
+
+const additions = {
+  'a turn': { TURN: 0, ROTATION: undefined },
+  'a turn and a tilt': { TURN: 0, TILT: 0, ROTATION: undefined },
+  'materials that vary': { COLOR_U: 0, COLOR_V: 0, OCCLUSION_ROUGHNESS_METALLIC: 0, EMISSIVE: 0 },
+};
+
+for (const [what, attributes] of Object.entries(additions)) {
+  test(`schema takes: ${what}`, () => {
+    const { json } = readAsset(join(schemaDirectory, 'minimal.gltf'));
+    change(json, attributes);
+    Object.assign(extension(json, 0), {
+      scaleRange: [0.1, 2], turnRange: 1, tiltRange: 0.5, fieldRange: 1.5, clipRange: [1, 1], colorRange: 0.25,
+    });
+    assert.ok(validate(json), ajv.errorsText(validate.errors));
   });
 }

@@ -493,6 +493,35 @@ static void test_values(void **state) {
     }
 }
 
+/* ---- the specification's example ------------------------------------------------------------ */
+
+static void test_example(void **state) {
+    (void)state;
+    psplat_asset *asset = NULL;
+    psplat_error error;
+    const char *path = PSPLAT_SOURCE_DIR "/schema/integers.gltf";
+    if (psplat_asset_open(path, NULL, &asset, &error)) fail_msg("%s", error.text);
+    const psplat_batch *batch = psplat_asset_batch(asset, 0);
+    const psplat_splat *first = batch->splats, *second = first + 1;
+    assert_int_equal(batch->splat_count, 2);
+    assert_near(batch->model[0], 0.001, 1e-15);
+    assert_near((double)first->radius[0], 500, 1e-4); /* float rounding, as all here */
+    assert_near((double)first->radius[1], 250, 1e-4);
+    assert_near((double)second->radius[1], 500, 1e-4);
+    assert_true(second->center[0] == 1000 && second->center[2] == 250);
+    const double normal[3] = {0, 1, 1}, x = 0.5 * 64 / 127, y = -0.5;
+    double axes[3][3], length = sqrt(1 + x * x + y * y);
+    axes_of(normal, 128.0 / 255, axes);
+    assert_axes(second->rotation, axes);
+    for (int i = 0; i < 3; ++i)
+        assert_near((double)second->normal[i],
+                    (axes[2][i] + x * axes[0][i] + y * axes[1][i]) / length, 6e-7);
+    assert_near((double)batch->finishes[1].occlusion, 0.2, 1e-7);
+    assert_near((double)batch->finishes[0].roughness, 128.0 / 255, 1e-7);
+    assert_true(batch->finishes[0].metallic == 0 && batch->finishes[1].metallic == 1);
+    psplat_asset_destroy(asset);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_positions),       cmocka_unit_test(test_normals),
@@ -502,7 +531,7 @@ int main(void) {
         cmocka_unit_test(test_narrow_turns),    cmocka_unit_test(test_finishes),
         cmocka_unit_test(test_finish_defaults), cmocka_unit_test(test_version_1),
         cmocka_unit_test(test_types),           cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_values),
+        cmocka_unit_test(test_values),          cmocka_unit_test(test_example),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
