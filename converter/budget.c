@@ -7,10 +7,11 @@
  * tolerance that was too fine and the finest that fitted. The counts are not quite monotone: the
  * best is the finest tolerance seen to fit.
  */
-#include "converter.h"
+#include "scenes.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { MOST_CONVERSIONS = 10, USUAL_CONVERSIONS = 5 };
 
@@ -31,11 +32,11 @@ typedef struct attempt {
 } attempt;
 
 typedef struct search {
-    const psplat_mesh *mesh;
+    const psplat_scene *scene;
     const psplat_convert_desc *desc;
     const psplat_budget *budget;
-    psplat_splats best;
-    psplat_report best_report;
+    psplat_splats *best, *tried; /* by mesh of the scene */
+    psplat_scene_report best_report;
     double best_percent;
     attempt fits, exceeds; /* the ends of the bracket */
     attempt coarser;       /* fitted before fits did */
@@ -57,16 +58,21 @@ static int show_progress(void *user, const char *stage, double fraction) {
     return s->desc->progress(s->desc->user, "searching", s->done);
 }
 
+static size_t count_splats(const search *s, const psplat_splats *splats) {
+    size_t count = 0;
+    for (size_t i = 0; i < s->scene->mesh_count; ++i) count += splats[i].count;
+    return count;
+}
+
 /* What the splats take of the budget: a ratio, above 1 where it is exceeded. */
-static psplat_result measure_cost(search *s, const psplat_splats *splats, double *cost,
-                                  psplat_error *error) {
+static psplat_result measure_cost(search *s, double *cost, psplat_error *error) {
     const psplat_budget *budget = s->budget;
-    *cost = budget->splats ? (double)splats->count / (double)budget->splats : 0;
-    s->needed = splats->count;
+    s->needed = count_splats(s, s->tried);
+    *cost = budget->splats ? (double)s->needed / (double)budget->splats : 0;
     if (!budget->bytes || *cost > 1) return PSPLAT_OK;
     uint8_t *data = NULL;
     size_t size = 0;
-    psplat_result result = psplat_glb_write(splats, budget->name, &data, &size, error);
+    psplat_result result = psplat_scene_write(s->scene, s->tried, &data, &size, error);
     free(data);
     if (result) return result;
     double bytes = (double)size / (double)budget->bytes;
@@ -75,31 +81,31 @@ static psplat_result measure_cost(search *s, const psplat_splats *splats, double
     return PSPLAT_OK;
 }
 
-static void keep_best(search *s, psplat_splats *splats, const psplat_report *report,
-                      double percent) {
-    psplat_splats_free(&s->best);
-    s->best = *splats;
+static void keep_best(search *s, psplat_scene_report *report, double percent) {
+    psplat_scene_report old = s->best_report;
+    psplat_scene_splats_free(s->scene, s->best);
+    memcpy(s->best, s->tried, s->scene->mesh_count * sizeof *s->best);
+    memset(s->tried, 0, s->scene->mesh_count * sizeof *s->tried);
     s->best_report = *report;
     s->best_percent = percent;
-    *splats = (psplat_splats){0};
+    *report = old;
 }
 
 /* Converts with exp(tolerance) percent and moves an end of the bracket there. */
 static psplat_result attempt_tolerance(search *s, double tolerance, psplat_error *error) {
     psplat_convert_desc desc = *s->desc;
-    psplat_splats splats = {0};
-    psplat_report report = {0};
+    psplat_scene_report report = {0};
     double cost = 0;
     desc.tolerance_percent = exp(tolerance);
     desc.unverified = 1;
     if (desc.progress) desc.progress = show_progress, desc.user = s;
-    psplat_result result = psplat_convert(s->mesh, &desc, &splats, &report, error);
+    psplat_result result = psplat_scene_convert(s->scene, &desc, s->tried, &report, error);
     ++s->conversions;
-    if (!result) result = measure_cost(s, &splats, &cost, error);
+    if (!result) result = measure_cost(s, &cost, error);
     if (!result && cost <= 1) {
         s->coarser = s->fits;
         s->fits = (attempt){tolerance, log(cost), 1};
-        keep_best(s, &splats, &report, desc.tolerance_percent);
+        keep_best(s, &report, desc.tolerance_percent);
     } else if (!result) {
         s->exceeds = (attempt){tolerance, log(cost), 1};
     } else if (result == PSPLAT_ERROR_RANGE && s->fits.tried) {
@@ -107,7 +113,8 @@ static psplat_result attempt_tolerance(search *s, double tolerance, psplat_error
         s->exceeds = (attempt){tolerance, HUGE_VAL, 1};
         result = PSPLAT_OK;
     }
-    psplat_splats_free(&splats);
+    psplat_scene_splats_free(s->scene, s->tried);
+    psplat_scene_report_free(&report);
     return result;
 }
 
@@ -173,32 +180,47 @@ static psplat_result fail_budget(const search *s, size_t *needed, psplat_error *
                        is_splats ? budget->splats : budget->bytes);
 }
 
-static psplat_result finish(search *s, psplat_splats *splats, psplat_report *report,
+static psplat_result finish(search *s, psplat_splats *splats, psplat_scene_report *report,
                             psplat_error *error) {
-    *splats = s->best;
-    if (!report) return PSPLAT_OK;
+    psplat_result result = PSPLAT_OK;
     psplat_convert_desc desc = *s->desc;
     desc.tolerance_percent = s->best_percent;
+    if (report) result = psplat_scene_verify(s->scene, &desc, s->best, &s->best_report, error);
+    if (result) return result;
+    memcpy(splats, s->best, s->scene->mesh_count * sizeof *splats);
+    memset(s->best, 0, s->scene->mesh_count * sizeof *s->best);
+    if (!report) return PSPLAT_OK;
     *report = s->best_report;
-    psplat_result result = psplat_convert_verify(s->mesh, &desc, splats, report, error);
-    if (result) psplat_splats_free(splats);
-    return result;
+    s->best_report = (psplat_scene_report){0};
+    return PSPLAT_OK;
 }
 
-psplat_result psplat_convert_budget(const psplat_mesh *mesh, const psplat_convert_desc *desc,
-                                    const psplat_budget *budget, psplat_splats *splats,
-                                    psplat_report *report, size_t *needed, psplat_error *error) {
+psplat_result psplat_scene_convert_budget(const psplat_scene *scene,
+                                          const psplat_convert_desc *desc,
+                                          const psplat_budget *budget, psplat_splats *splats,
+                                          psplat_scene_report *report, size_t *needed,
+                                          psplat_error *error) {
     static const psplat_convert_desc defaults;
-    if (!mesh || !budget || !splats || !needed || (!budget->splats && !budget->bytes))
+    if (!scene || !budget || !splats || !needed || (!budget->splats && !budget->bytes))
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
-                           "mesh, budget, splats or needed are NULL, or the budget is empty");
-    *splats = (psplat_splats){0};
+                           "scene, budget, splats or needed are NULL, or the budget is empty");
     *needed = 0;
-    search s = {.mesh = mesh, .desc = desc ? desc : &defaults, .budget = budget};
+    if (report) *report = (psplat_scene_report){0};
+    search s = {.scene = scene, .desc = desc ? desc : &defaults, .budget = budget};
     double coarsest = s.desc->tolerance_percent;
     s.coarsest = log(coarsest > 0 ? coarsest : PSPLAT_BUDGET_COARSEST);
-    psplat_result result = run(&s, error);
-    if (!result && s.fits.tried) return finish(&s, splats, report, error);
-    psplat_splats_free(&s.best);
-    return result ? result : fail_budget(&s, needed, error);
+    s.best = calloc(scene->mesh_count + 1, sizeof *s.best);
+    s.tried = calloc(scene->mesh_count + 1, sizeof *s.tried);
+    psplat_result result = PSPLAT_ERROR_MEMORY;
+    if (s.best && s.tried)
+        result = run(&s, error);
+    else
+        psplat_fail(error, result, 0, "out of memory for %zu meshes", scene->mesh_count);
+    if (!result)
+        result = s.fits.tried ? finish(&s, splats, report, error) : fail_budget(&s, needed, error);
+    psplat_scene_splats_free(scene, s.best);
+    psplat_scene_report_free(&s.best_report);
+    free(s.best);
+    free(s.tried);
+    return result;
 }

@@ -5,6 +5,7 @@
 #define _XOPEN_SOURCE 700
 
 #include "command.h"
+#include "scenes.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,9 +33,9 @@ typedef struct arguments {
 
 /* What the conversion makes; everything is freed by free_product. */
 typedef struct product {
-    psplat_mesh mesh;
-    psplat_splats splats;
-    psplat_report report;
+    psplat_scene scene;
+    psplat_splats *splats; /* by mesh of the scene */
+    psplat_scene_report report;
     uint8_t *bytes;
     size_t size;
     size_t needed; /* by the coarsest conversion, where the budget is too small */
@@ -143,11 +144,23 @@ static char *model_name(const char *path) {
     return strndup(base, dot && dot > base ? (size_t)(dot - base) : strlen(base));
 }
 
+/* Splats that the scene shows, each as often as it is shown. */
+static psplat_result count_shown(const product *p, size_t *count, psplat_error *error) {
+    psplat_instance *instances;
+    size_t instance_count;
+    psplat_result result = psplat_scene_instances(&p->scene, psplat_scene_shown(&p->scene),
+                                                  &instances, &instance_count, error);
+    *count = 0;
+    for (size_t i = 0; i < instance_count; ++i) *count += p->splats[instances[i].mesh].count;
+    free(instances);
+    return result;
+}
+
 /* What is about to be written must be something the runtime opens. */
 static psplat_result check_asset(const product *p, psplat_error *error) {
     psplat_asset *asset = NULL;
     psplat_error refused = {0};
-    size_t splats = 0;
+    size_t splats = 0, expected;
     psplat_result result = psplat_asset_open_memory(p->bytes, p->size, NULL, &asset, &refused);
     if (result == PSPLAT_ERROR_MEMORY) return psplat_fail(error, result, 0, "%s", refused.text);
     if (result)
@@ -156,14 +169,15 @@ static psplat_result check_asset(const product *p, psplat_error *error) {
     for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
         splats += psplat_asset_batch(asset, i)->splat_count;
     psplat_asset_destroy(asset);
-    if (splats == p->splats.count) return PSPLAT_OK;
+    result = count_shown(p, &expected, error);
+    if (result || splats == expected) return result;
     return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%zu splats became %zu in the result",
-                       p->splats.count, splats);
+                       expected, splats);
 }
 
-static psplat_result convert(const arguments *a, const char *name, psplat_progress *progress,
-                             product *p, psplat_error *error) {
-    const psplat_budget budget = {(size_t)a->splats, (size_t)a->bytes, name};
+static psplat_result convert(const arguments *a, psplat_progress *progress, product *p,
+                             psplat_error *error) {
+    const psplat_budget budget = {(size_t)a->splats, (size_t)a->bytes};
     const psplat_convert_desc desc = {
         .tolerance_percent = a->tolerance,
         .normal_tolerance_degrees = a->normal_tolerance,
@@ -175,20 +189,22 @@ static psplat_result convert(const arguments *a, const char *name, psplat_progre
         .progress = psplat_progress_show,
         .user = progress,
     };
+    p->splats = calloc(p->scene.mesh_count + 1, sizeof *p->splats);
+    if (!p->splats) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory");
     if (!a->splats && !a->bytes)
-        return psplat_convert(&p->mesh, &desc, &p->splats, &p->report, error);
-    return psplat_convert_budget(&p->mesh, &desc, &budget, &p->splats, &p->report, &p->needed,
-                                 error);
+        return psplat_scene_convert(&p->scene, &desc, p->splats, &p->report, error);
+    return psplat_scene_convert_budget(&p->scene, &desc, &budget, p->splats, &p->report, &p->needed,
+                                       error);
 }
 
 static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     psplat_progress progress = psplat_progress_begin(a->quiet);
     char *name = model_name(a->input);
     psplat_progress_show(&progress, "reading", 0);
-    psplat_result result = psplat_mesh_read(a->input, &p->mesh, error);
-    if (!result) result = convert(a, name, &progress, p, error);
+    psplat_result result = psplat_scene_read(a->input, name, &p->scene, error);
+    if (!result) result = convert(a, &progress, p, error);
     psplat_progress_show(&progress, "writing", 0);
-    if (!result) result = psplat_glb_write(&p->splats, name, &p->bytes, &p->size, error);
+    if (!result) result = psplat_scene_write(&p->scene, p->splats, &p->bytes, &p->size, error);
     if (!result) result = check_asset(p, error);
     psplat_progress_end(&progress);
     free(name);
@@ -198,7 +214,7 @@ static psplat_result make(const arguments *a, product *p, psplat_error *error) {
 static psplat_result write_report(const arguments *a, const product *p, psplat_error *error) {
     char *text = NULL;
     size_t size = 0;
-    psplat_result result = psplat_report_json(&p->report, &text, &size, error);
+    psplat_result result = psplat_scene_report_json(&p->scene, &p->report, &text, &size, error);
     if (!result) result = psplat_output_write(a->report, text, size, a->overwrite, error);
     free(text);
     return result;
@@ -245,19 +261,31 @@ static void describe_broken(const psplat_place *place, const psplat_kept *kept, 
 }
 
 /* One line for the first of the broken promises; the report has them all. */
-static void print_broken(const arguments *a, const psplat_report *r) {
+static void print_broken(const arguments *a, const product *p) {
+    const psplat_report *r = &p->report.total;
     const psplat_place *place = &r->places[0];
-    const double *p = place->position;
-    char shown[PSPLAT_SHOWN_PATH], text[160];
+    const double *at = place->position;
+    char shown[PSPLAT_SHOWN_PATH], text[160], mesh[PSPLAT_SHOWN_PATH] = "";
     describe_broken(place, &r->promises[place->promise], text);
     psplat_path_shorten(a->input, shown);
-    psplat_command_error("%s: at %.6g %.6g %.6g: %s; the output was written all the same", shown,
-                         p[0], p[1], p[2], text);
+    if (p->scene.mesh_count > 1) psplat_scene_label(&p->scene, place->mesh, mesh);
+    psplat_command_error("%s: %s%sat %.6g %.6g %.6g: %s; the output was written all the same",
+                         shown, mesh, *mesh ? " " : "", at[0], at[1], at[2], text);
+}
+
+/* What of the input is not in the output. */
+static void print_warnings(const arguments *a, const psplat_scene *scene) {
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(a->input, shown);
+    for (size_t i = 0; i < scene->warning_count && !a->quiet; ++i)
+        psplat_command_error("%s: %s", shown, scene->warnings[i]);
 }
 
 static void free_product(product *p) {
-    psplat_mesh_free(&p->mesh);
-    psplat_splats_free(&p->splats);
+    psplat_scene_splats_free(&p->scene, p->splats);
+    free(p->splats);
+    psplat_scene_free(&p->scene);
+    psplat_scene_report_free(&p->report);
     free(p->bytes);
 }
 
@@ -275,17 +303,18 @@ static int run(const arguments *a, product *p) {
         result = psplat_output_write(a->output, p->bytes, p->size, a->overwrite, &error);
         subject = NULL;
     }
-    p->report.bytes = p->size;
-    p->report.seconds = seconds_now() - start;
-    p->report.peak_memory_bytes = peak_memory();
+    p->report.total.bytes = p->size;
+    p->report.total.seconds = seconds_now() - start;
+    p->report.total.peak_memory_bytes = peak_memory();
     if (!result && a->report) result = write_report(a, p, &error);
     if (result) {
         int code = psplat_command_fail(subject, &error);
         return p->needed ? PSPLAT_EXIT_BUDGET : code;
     }
-    print_summary(a, &p->report);
-    if (psplat_report_broken(&p->report) == PSPLAT_PROMISE_COUNT) return PSPLAT_EXIT_SUCCESS;
-    print_broken(a, &p->report);
+    print_warnings(a, &p->scene);
+    print_summary(a, &p->report.total);
+    if (psplat_report_broken(&p->report.total) == PSPLAT_PROMISE_COUNT) return PSPLAT_EXIT_SUCCESS;
+    print_broken(a, p);
     return PSPLAT_EXIT_BROKEN;
 }
 

@@ -271,28 +271,6 @@ psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_conver
  */
 double psplat_schedule_done(const char *stage, double fraction);
 
-/* ---- budget.c: the smallest error that fits -------------------------------------------------- */
-
-typedef struct psplat_budget {
-    size_t splats;    /* at most; 0: any number */
-    size_t bytes;     /* of the complete GLB, at most; 0: any number */
-    const char *name; /* of the node and the mesh in it, as psplat_glb_write takes it */
-} psplat_budget;
-
-/* The tolerances, in %, between which psplat_convert_budget searches. */
-#define PSPLAT_BUDGET_COARSEST 20.0
-#define PSPLAT_BUDGET_FINEST 0.01
-
-/* Finds the smallest tolerance whose splats keep the budget, up to 3 % of it or what some ten
- * conversions reach, and returns the splats and the report (may be NULL) of that tolerance, which
- * is in report->tolerance_percent. desc->tolerance_percent is the greatest that will do; 0 means
- * PSPLAT_BUDGET_COARSEST. *needed becomes 0, or, where even that tolerance needs more than the
- * budget and RANGE is returned, how much: splats, or bytes where their number is what does not fit.
- * Other errors are those of psplat_convert. */
-psplat_result psplat_convert_budget(const psplat_mesh *mesh, const psplat_convert_desc *desc,
-                                    const psplat_budget *budget, psplat_splats *splats,
-                                    psplat_report *report, size_t *needed, psplat_error *error);
-
 /* ---- glb.c: splats to a file -------------------------------------------------------------- */
 
 /* Serialises splats as a complete GLB (spec 3) into *data, allocated with malloc and owned by the

@@ -3,8 +3,15 @@
  * report.c - the report as JSON. Keys are the names of psplat_report's fields; programs may rely
  * on them.
  */
-#include "converter.h"
 #include "json_writer.h"
+#include "scenes.h"
+
+/* Known of a conversion as a whole, not of one of its meshes. */
+static void add_cost(psplat_writer *json, const psplat_report *report) {
+    psplat_writer_count(json, "bytes", report->bytes);
+    psplat_writer_number(json, "seconds", report->seconds);
+    psplat_writer_count(json, "peak_memory_bytes", report->peak_memory_bytes);
+}
 
 static void add_splats(psplat_writer *json, const psplat_report *report) {
     double by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1];
@@ -12,9 +19,6 @@ static void add_splats(psplat_writer *json, const psplat_report *report) {
         by_clip_lines[i] = (double)report->splats_by_clip_lines[i];
     psplat_writer_count(json, "splats", report->splats);
     psplat_writer_numbers(json, "splats_by_clip_lines", by_clip_lines, PSPLAT_MAX_CLIP_LINES + 1);
-    psplat_writer_count(json, "bytes", report->bytes);
-    psplat_writer_number(json, "seconds", report->seconds);
-    psplat_writer_count(json, "peak_memory_bytes", report->peak_memory_bytes);
 }
 
 static void add_surface(psplat_writer *json, const psplat_report *report) {
@@ -66,12 +70,13 @@ static void add_promises(psplat_writer *json, const psplat_report *report) {
     psplat_writer_close(json, '}');
 }
 
-static void add_places(psplat_writer *json, const psplat_report *report) {
+static void add_places(psplat_writer *json, const psplat_report *report, int several) {
     psplat_writer_open(json, "places", '[');
     for (size_t i = 0; i < report->place_count; ++i) {
         const psplat_place *place = &report->places[i];
         psplat_writer_open(json, NULL, '{');
         psplat_writer_string(json, "promise", promise_names[place->promise]);
+        if (several) psplat_writer_count(json, "mesh", place->mesh);
         psplat_writer_numbers(json, "position", place->position, 3);
         psplat_writer_number(json, "value", place->value);
         psplat_writer_number(json, "limit", report->promises[place->promise].limit);
@@ -80,19 +85,57 @@ static void add_places(psplat_writer *json, const psplat_report *report) {
     psplat_writer_close(json, ']');
 }
 
+/* several: places are of one mesh among others. */
+static void add_report(psplat_writer *json, const psplat_report *report, int several) {
+    add_surface(json, report);
+    add_errors(json, report);
+    add_promises(json, report);
+    add_places(json, report, several);
+}
+
+static void add_meshes(psplat_writer *json, const psplat_scene *scene,
+                       const psplat_scene_report *report) {
+    psplat_writer_open(json, "meshes", '[');
+    for (size_t i = 0; i < report->mesh_count; ++i) {
+        if (!report->meshes[i].splats) continue;
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_count(json, "mesh", i);
+        if (scene->meshes[i].name) psplat_writer_string(json, "name", scene->meshes[i].name);
+        add_splats(json, &report->meshes[i]);
+        add_report(json, &report->meshes[i], 0);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
+static psplat_result finish(psplat_writer *json, char **text, size_t *size, psplat_error *error) {
+    if (!psplat_writer_finish(json))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the report");
+    *text = json->text;
+    *size = json->size;
+    return PSPLAT_OK;
+}
+
 psplat_result psplat_report_json(const psplat_report *report, char **text, size_t *size,
                                  psplat_error *error) {
     psplat_writer json = {0};
     psplat_writer_open(&json, NULL, '{');
     add_splats(&json, report);
-    add_surface(&json, report);
-    add_errors(&json, report);
-    add_promises(&json, report);
-    add_places(&json, report);
+    add_cost(&json, report);
+    add_report(&json, report, 0);
     psplat_writer_close(&json, '}');
-    if (!psplat_writer_finish(&json))
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the report");
-    *text = json.text;
-    *size = json.size;
-    return PSPLAT_OK;
+    return finish(&json, text, size, error);
+}
+
+psplat_result psplat_scene_report_json(const psplat_scene *scene, const psplat_scene_report *report,
+                                       char **text, size_t *size, psplat_error *error) {
+    int several = scene->mesh_count > 1;
+    psplat_writer json = {0};
+    psplat_writer_open(&json, NULL, '{');
+    add_splats(&json, &report->total);
+    add_cost(&json, &report->total);
+    add_report(&json, &report->total, several);
+    if (several) add_meshes(&json, scene, report);
+    psplat_writer_close(&json, '}');
+    return finish(&json, text, size, error);
 }

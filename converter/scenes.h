@@ -163,6 +163,11 @@ psplat_result psplat_scene_verify(const psplat_scene *scene, const psplat_conver
                                   const psplat_splats *splats, psplat_scene_report *report,
                                   psplat_error *error);
 
+/* report.c: psplat_report_json of the total; where the scene has several meshes, "mesh" in each of
+ * the places, and "meshes": for each that has splats its index, its name and its own report. */
+psplat_result psplat_scene_report_json(const psplat_scene *scene, const psplat_scene_report *report,
+                                       char **text, size_t *size, psplat_error *error);
+
 /* Frees the splats of all meshes, but not the array. */
 void psplat_scene_splats_free(const psplat_scene *scene, psplat_splats *splats);
 
@@ -176,6 +181,29 @@ void psplat_scene_label(const psplat_scene *scene, size_t mesh, char label[PSPLA
  * 3) into *data, allocated with malloc and owned by the caller. Pure: no file is touched. */
 psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats *splats,
                                  uint8_t **data, size_t *size, psplat_error *error);
+
+/* ---- budget.c: the smallest error that fits -------------------------------------------------- */
+
+typedef struct psplat_budget {
+    size_t splats; /* of all meshes, at most; 0: any number */
+    size_t bytes;  /* of the complete GLB, at most; 0: any number */
+} psplat_budget;
+
+/* The tolerances, in %, between which psplat_scene_convert_budget searches. */
+#define PSPLAT_BUDGET_COARSEST 20.0
+#define PSPLAT_BUDGET_FINEST 0.01
+
+/* Finds the smallest tolerance whose splats keep the budget, up to 3 % of it or what some ten
+ * conversions reach, and returns the splats and the report (may be NULL) of that tolerance, which
+ * is in report->total.tolerance_percent; both as of psplat_scene_convert. desc->tolerance_percent
+ * is the greatest that will do; 0 means PSPLAT_BUDGET_COARSEST. *needed becomes 0, or, where even
+ * that tolerance needs more than the budget and RANGE is returned, how much: splats, or bytes where
+ * their number is what does not fit. Other errors are those of psplat_scene_convert. */
+psplat_result psplat_scene_convert_budget(const psplat_scene *scene,
+                                          const psplat_convert_desc *desc,
+                                          const psplat_budget *budget, psplat_splats *splats,
+                                          psplat_scene_report *report, size_t *needed,
+                                          psplat_error *error);
 
 #ifdef __cplusplus
 }

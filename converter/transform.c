@@ -189,6 +189,9 @@ psplat_result psplat_scene_lengths(const psplat_scene *scene, double *lengths, d
     uint32_t shown = psplat_scene_shown(scene);
     double other;
     memset(lengths, 0, scene->mesh_count * sizeof *lengths);
+    *diagonal = 0;
+    if (scene->is_made && scene->mesh_count == 1)
+        return PSPLAT_OK; /* its own box, to the last bit */
     psplat_result result = add_lengths(scene, shown, lengths, diagonal, error);
     for (uint32_t i = 0; i < scene->scene_count && !result; ++i)
         if (i != shown) result = add_lengths(scene, i, lengths, &other, error);

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "converter.h"
+#include "scenes.h"
 
 static psplat_mesh read_model(const char *name) {
     psplat_mesh mesh;
@@ -20,13 +20,41 @@ static psplat_mesh read_model(const char *name) {
     return mesh;
 }
 
+/* A search for the splats of one mesh. */
+static psplat_result convert_budget(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                    const psplat_budget *budget, psplat_splats *splats,
+                                    psplat_report *report, size_t *needed, psplat_error *error) {
+    char name[] = "model";
+    uint32_t root = 0;
+    psplat_scene_mesh only = {.mesh = *mesh, .name = name};
+    psplat_scene_view view = {.roots = &root, .root_count = 1};
+    psplat_scene_node node = {.name = name,
+                              .rotation = {0, 0, 0, 1},
+                              .scale = {1, 1, 1},
+                              .camera = PSPLAT_NO_INDEX,
+                              .light = PSPLAT_NO_INDEX};
+    const psplat_scene scene = {.meshes = &only,
+                                .mesh_count = 1,
+                                .nodes = &node,
+                                .node_count = 1,
+                                .scenes = &view,
+                                .scene_count = 1,
+                                .is_made = 1};
+    psplat_scene_report all = {0};
+    *splats = (psplat_splats){0};
+    psplat_result result = psplat_scene_convert_budget(&scene, desc, budget, splats,
+                                                       report ? &all : NULL, needed, error);
+    if (report) *report = all.total;
+    psplat_scene_report_free(&all);
+    return result;
+}
+
 static psplat_report search(const psplat_mesh *mesh, psplat_budget budget, psplat_splats *splats) {
     psplat_report report = {0};
     psplat_error error = {0};
     size_t needed = 99;
-    budget.name = "model";
     const psplat_convert_desc quick = {.effort = 1};
-    if (psplat_convert_budget(mesh, &quick, &budget, splats, &report, &needed, &error))
+    if (convert_budget(mesh, &quick, &budget, splats, &report, &needed, &error))
         fail_msg("%s", error.text);
     assert_int_equal(needed, 0);
     assert_int_equal(report.splats, splats->count);
@@ -106,7 +134,7 @@ static void refuse(const psplat_mesh *mesh, double coarsest, psplat_budget budge
     psplat_report report = {0};
     psplat_error error = {0};
     size_t needed = 0, bound = budget.splats ? budget.splats : budget.bytes;
-    assert_int_equal(psplat_convert_budget(mesh, &desc, &budget, &splats, &report, &needed, &error),
+    assert_int_equal(convert_budget(mesh, &desc, &budget, &splats, &report, &needed, &error),
                      PSPLAT_ERROR_RANGE);
     assert_true(needed > bound);
     if (!strstr(error.text, unit)) fail_msg("no '%s' in: %s", unit, error.text);
@@ -131,9 +159,9 @@ static void test_arguments(void **state) {
     psplat_splats splats;
     psplat_budget none = {0};
     size_t needed;
-    assert_int_equal(psplat_convert_budget(&mesh, NULL, &none, &splats, NULL, &needed, NULL),
+    assert_int_equal(convert_budget(&mesh, NULL, &none, &splats, NULL, &needed, NULL),
                      PSPLAT_ERROR_ARGUMENT);
-    assert_int_equal(psplat_convert_budget(&mesh, NULL, NULL, &splats, NULL, &needed, NULL),
+    assert_int_equal(convert_budget(&mesh, NULL, NULL, &splats, NULL, &needed, NULL),
                      PSPLAT_ERROR_ARGUMENT);
 }
 
@@ -160,7 +188,7 @@ static void test_progress(void **state) {
         psplat_budget budget = {.splats = 6};
         psplat_splats splats;
         size_t needed;
-        assert_int_equal(psplat_convert_budget(&mesh, &desc, &budget, &splats, NULL, &needed, NULL),
+        assert_int_equal(convert_budget(&mesh, &desc, &budget, &splats, NULL, &needed, NULL),
                          stop ? PSPLAT_ERROR_INTERRUPTED : PSPLAT_OK);
         if (stop)
             assert_int_equal(l.calls, 5);
