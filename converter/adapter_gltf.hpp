@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <string>
 #include <vector>
@@ -81,10 +82,21 @@ std::string one_line(std::string text);
 /* The whole document, its buffers loaded; images are left to who needs them. */
 void read_document(const psplat_source &source, tinygltf::Model &model);
 
+/* ---- adapter_gltf_meshopt.cpp: EXT_meshopt_compression --------------------------------------- */
+
+/* Where the document has buffers without bytes that compression makes needless, the text with small
+ * ones in their place. Returns whether it has. */
+bool replace_fallbacks(const char *text, size_t size, std::string &replaced);
+
+/* Decodes all compressed buffer views, each into a buffer of its own. */
+void decompress(tinygltf::Model &model);
+
 /* ---- adapter_gltf_accessor.cpp: numbers in buffers ------------------------------------------- */
 
-/* An accessor whose every element is known to lie inside its buffer. */
+/* An accessor whose every element is known to lie inside its buffer, or in bytes of its own where
+ * it is sparse. */
 struct View {
+    std::shared_ptr<std::vector<unsigned char>> own;
     const unsigned char *data;
     size_t count, stride;
     int component_type, components;

@@ -32,39 +32,113 @@ template <typename T> T load(const unsigned char *bytes) {
     return value;
 }
 
+/* Bytes of the buffer view from offset on, in which count elements of a size must fit, each stride
+ * after the one before; stride 0: as the view says, or without gaps. */
+struct Range {
+    const unsigned char *data;
+    size_t stride;
+};
+
+Range range_of(const tinygltf::Model &model, int index, size_t offset, size_t count, size_t packed,
+               size_t stride, const std::string &name) {
+    const tinygltf::BufferView &view =
+        element(model.bufferViews, index, (name + ": bufferView").c_str());
+    const tinygltf::Buffer &buffer =
+        element(model.buffers, view.buffer, (name + ": buffer").c_str());
+    if (!stride) stride = view.byteStride ? view.byteStride : packed;
+    size_t total = buffer.data.size();
+    if (view.byteOffset > total || view.byteLength > total - view.byteOffset)
+        fail(PSPLAT_ERROR_RANGE, name + ": its bufferView ends beyond its buffer of " +
+                                     std::to_string(total) + " bytes");
+    if (stride < packed || stride > 252 + packed || offset > view.byteLength)
+        fail(PSPLAT_ERROR_RANGE, name + ": byteStride or byteOffset out of range");
+    size_t room = view.byteLength - offset;
+    if (count == 0 || room < packed || (room - packed) / stride < count - 1)
+        fail(PSPLAT_ERROR_RANGE,
+             name + ": " + std::to_string(count) + " elements do not fit into its bufferView");
+    return {buffer.data.data() + view.byteOffset + offset, stride};
+}
+
+/* An accessor without a buffer view has zeros. None is longer than the file: a small one must not
+ * fill the memory. */
+void add_zeros(const tinygltf::Model &model, size_t packed, const std::string &name, View &view) {
+    size_t bytes = 0;
+    for (const tinygltf::Buffer &buffer : model.buffers) bytes += buffer.data.size();
+    if (view.count == 0 || view.count > bytes)
+        fail(PSPLAT_ERROR_RANGE, name + ": " + std::to_string(view.count) +
+                                     " elements without a bufferView; the file has " +
+                                     std::to_string(bytes) + " bytes");
+    view.own = std::make_shared<std::vector<unsigned char>>(view.count * packed);
+}
+
+size_t sparse_index(const unsigned char *bytes, int type) {
+    if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return *bytes;
+    return type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ? load<uint16_t>(bytes)
+                                                          : load<uint32_t>(bytes);
+}
+
+/* Elements that replace others (glTF 2.0 section 3.6.2.3), in a copy of the view. */
+void add_sparse(const tinygltf::Model &model, const tinygltf::Accessor &accessor, size_t packed,
+                const std::string &name, View &view) {
+    const auto &sparse = accessor.sparse;
+    int type = sparse.indices.componentType;
+    bool is_index = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
+                    type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
+                    type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    if (sparse.count < 1 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0 ||
+        !is_index)
+        fail(PSPLAT_ERROR_FORMAT, name + ": its sparse elements make no sense");
+    size_t count = static_cast<size_t>(sparse.count), size = component_size(type);
+    Range indices =
+        range_of(model, sparse.indices.bufferView, static_cast<size_t>(sparse.indices.byteOffset),
+                 count, size, size, name);
+    Range values =
+        range_of(model, sparse.values.bufferView, static_cast<size_t>(sparse.values.byteOffset),
+                 count, packed, packed, name);
+    for (size_t i = 0; i < count; ++i) {
+        size_t index = sparse_index(indices.data + i * size, type);
+        if (index >= view.count)
+            fail(PSPLAT_ERROR_RANGE,
+                 name + ": sparse element " + std::to_string(index) + " does not exist");
+        std::memcpy(view.own->data() + index * packed, values.data + i * packed, packed);
+    }
+}
+
+/* Rows of the view without gaps, to be changed. */
+void copy_rows(size_t packed, View &view) {
+    view.own = std::make_shared<std::vector<unsigned char>>(view.count * packed);
+    for (size_t i = 0; i < view.count; ++i)
+        std::memcpy(view.own->data() + i * packed, view.data + i * view.stride, packed);
+}
+
 } // namespace
 
 View view_of(const tinygltf::Model &model, int index) {
     const tinygltf::Accessor &accessor = element(model.accessors, index, "accessor");
     std::string name = "accessor " + std::to_string(index);
-    if (accessor.sparse.isSparse)
-        fail(PSPLAT_ERROR_UNSUPPORTED, name + ": sparse accessors are not supported");
-    const tinygltf::BufferView &view =
-        element(model.bufferViews, accessor.bufferView, (name + ": bufferView").c_str());
-    const tinygltf::Buffer &buffer =
-        element(model.buffers, view.buffer, (name + ": buffer").c_str());
     size_t size = component_size(accessor.componentType);
     int components = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type));
     if (size == 0 || components < 1 || components > 4)
         fail(PSPLAT_ERROR_FORMAT, name + ": unknown type or component type");
     size_t packed = size * static_cast<size_t>(components);
-    size_t stride = view.byteStride ? view.byteStride : packed;
-    size_t total = buffer.data.size();
-    if (view.byteOffset > total || view.byteLength > total - view.byteOffset)
-        fail(PSPLAT_ERROR_RANGE, name + ": its bufferView ends beyond its buffer of " +
-                                     std::to_string(total) + " bytes");
-    if (stride < packed || stride > 252 + packed || accessor.byteOffset > view.byteLength)
-        fail(PSPLAT_ERROR_RANGE, name + ": byteStride or byteOffset out of range");
-    size_t room = view.byteLength - accessor.byteOffset;
-    if (accessor.count == 0 || room < packed || (room - packed) / stride < accessor.count - 1)
-        fail(PSPLAT_ERROR_RANGE, name + ": " + std::to_string(accessor.count) +
-                                     " elements do not fit into its bufferView");
-    return {buffer.data.data() + view.byteOffset + accessor.byteOffset,
-            accessor.count,
-            stride,
-            accessor.componentType,
-            components,
-            accessor.normalized};
+    View view{nullptr,
+              nullptr,
+              accessor.count,
+              packed,
+              accessor.componentType,
+              components,
+              accessor.normalized};
+    if (accessor.bufferView == -1) {
+        add_zeros(model, packed, name, view);
+    } else {
+        Range range = range_of(model, accessor.bufferView, accessor.byteOffset, accessor.count,
+                               packed, 0, name);
+        view.data = range.data, view.stride = range.stride;
+        if (accessor.sparse.isSparse) copy_rows(packed, view);
+    }
+    if (accessor.sparse.isSparse) add_sparse(model, accessor, packed, name, view);
+    if (view.own) view.data = view.own->data(), view.stride = packed;
+    return view;
 }
 
 double component(const View &view, size_t row, size_t column) {

@@ -102,6 +102,24 @@ bool read_beside(std::vector<unsigned char> *out, std::string *message, const st
     return true;
 }
 
+void append_u32(std::string &bytes, size_t value) {
+    for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<char>(value >> (8 * i)));
+}
+
+/* The GLB with another JSON chunk. size: that of its own. */
+std::string repack(const psplat_source &source, size_t size, std::string json) {
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    const char *rest = source.data + 20 + size;
+    size_t rest_size = source.size - 20 - size;
+    std::string glb(source.data, 8);
+    if (20 + json.size() + rest_size > PSPLAT_MAX_SOURCE_BYTES)
+        fail(PSPLAT_ERROR_RANGE, "larger than a GLB can be");
+    append_u32(glb, 20 + json.size() + rest_size);
+    append_u32(glb, json.size());
+    glb.append(source.data + 16, 4).append(json).append(rest, rest_size);
+    return glb;
+}
+
 /* glTF 2.0 section 3.2: minor versions stay readable unless minVersion says otherwise. */
 void check_version(const tinygltf::Asset &asset) {
     bool needs_more = !asset.minVersion.empty() && asset.minVersion != "2.0";
@@ -113,9 +131,10 @@ void check_version(const tinygltf::Asset &asset) {
 
 void check_extensions(const tinygltf::Model &model) {
     /* Required, but of no effect on shape; materials fall back to their core factors. */
-    static const char *const known[] = {"KHR_mesh_quantization", "KHR_texture_transform",
-                                        "KHR_lights_punctual",   "KHR_texture_basisu",
-                                        "EXT_texture_webp",      "KHR_materials_"};
+    static const char *const known[] = {"KHR_mesh_quantization",  "KHR_texture_transform",
+                                        "KHR_lights_punctual",    "KHR_texture_basisu",
+                                        "EXT_texture_webp",       "KHR_materials_",
+                                        "EXT_meshopt_compression"};
     for (const std::string &name : model.extensionsRequired) {
         bool is_known = false;
         for (const char *prefix : known)
@@ -136,21 +155,28 @@ void read_document(const psplat_source &source, tinygltf::Model &model) {
     size_t slash = path.rfind('/');
     std::string directory = slash == std::string::npos ? "." : path.substr(0, slash + 1);
     loader.SetFsCallbacks({always_exists, same_path, read_beside, nullptr, &directory});
-    std::string error, warning;
-    unsigned int size = static_cast<unsigned int>(source.size); /* <= PSPLAT_MAX_SOURCE_BYTES */
+    std::string error, warning, replaced;
     bool ok = false;
     if (source.format == PSPLAT_SOURCE_GLB) {
         check_glb(source);
-        ok = loader.LoadBinaryFromMemory(&model, &error, &warning,
-                                         reinterpret_cast<unsigned char *>(source.data), size,
-                                         directory);
+        size_t json = read_u32(source.data + 12);
+        bool is_replaced = replace_fallbacks(source.data + 20, json, replaced);
+        if (is_replaced) replaced = repack(source, json, std::move(replaced));
+        ok = loader.LoadBinaryFromMemory(
+            &model, &error, &warning,
+            reinterpret_cast<const unsigned char *>(is_replaced ? replaced.data() : source.data),
+            static_cast<unsigned int>(is_replaced ? replaced.size() : source.size), directory);
     } else {
         check_depth(source.data, source.size);
-        ok = loader.LoadASCIIFromString(&model, &error, &warning, source.data, size, directory);
+        bool is_replaced = replace_fallbacks(source.data, source.size, replaced);
+        ok = loader.LoadASCIIFromString(
+            &model, &error, &warning, is_replaced ? replaced.data() : source.data,
+            static_cast<unsigned int>(is_replaced ? replaced.size() : source.size), directory);
     }
     if (!ok) fail(PSPLAT_ERROR_FORMAT, error.empty() ? "tinygltf cannot read it" : one_line(error));
     check_version(model.asset);
     check_extensions(model);
+    decompress(model);
 }
 
 } // namespace psplat_gltf

@@ -7,7 +7,7 @@ set -eu
 # compilers and build
 packages="gcc g++ clang libc6-dev cmake ninja-build pkg-config"
 # converter: geometry, mesh files, PNG, JPEG
-packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev libpng-dev libjpeg62-turbo-dev"
+packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libpng-dev libjpeg62-turbo-dev"
 # runtime: JSON, compressed views; host: EGL with Mesa's software rasteriser
 packages="$packages libjsmn-dev libmeshoptimizer-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
 # viewer: windows, GL in them
