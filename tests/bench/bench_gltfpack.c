@@ -37,7 +37,7 @@
 #include <unistd.h>
 
 enum { MOST = 32, ARGUMENTS = 2 * MOST };
-enum { SOURCE, PACKED, PLAIN, SPLATS, FILES };
+enum { SOURCE, PACKED, SPLATS, FILES };
 
 typedef struct list {
     double values[MOST];
@@ -76,7 +76,7 @@ static void check(psplat_result result, const psplat_error *error) {
 }
 
 static void name_files(bench *b) {
-    static const char *const names[FILES] = {"source.obj", "packed.glb", "plain.glb", "splats.glb"};
+    static const char *const names[FILES] = {"source.obj", "packed.glb", "splats.glb"};
     for (size_t i = 0; i < FILES; ++i)
         snprintf(b->files[i], sizeof b->files[i], "%s/%s", b->directory, names[i]);
 }
@@ -153,8 +153,6 @@ static const char *input_of(const bench *b) {
     return path;
 }
 
-/* The compressed file for its bytes; the plain one, whose triangles are the same and whose numbers
- * are not rounded, for its errors. */
 static void simplify(bench *b) {
     const char *input = input_of(b);
     b->mesh_count = 0;
@@ -164,9 +162,7 @@ static void simplify(bench *b) {
         psplat_error error;
         check(psplat_gltfpack_run(&b->gltfpack, input, p.setting, 0, packed, &error), &error);
         p.bytes = bytes_of(packed);
-        const char *plain = b->files[PLAIN];
-        check(psplat_gltfpack_run(&b->gltfpack, input, p.setting, 1, plain, &error), &error);
-        if (!measure_mesh(b, plain, &p)) continue;
+        if (!measure_mesh(b, packed, &p)) continue;
         record(b, "gltfpack", &p);
         b->meshes[b->mesh_count++] = p;
         printf("| %s | %g | %.0f | %.0f | %.4g | %.3g |\n", b->name, p.setting, p.elements, p.bytes,
