@@ -214,8 +214,7 @@ static void add_member(fuzz_text *text, span s, uint32_t *random) {
         "'scaleRange':[0.5,2],",
         "'tiltRange':1,'fieldRange':2,'colorRange':0.5,",
         "'turnRange':0.5,'clipRange':[1,2],",
-        "'extensions':{'EXT_meshopt_compression':{'buffer':0,'byteLength':60,'byteStride':12,"
-        "'count':2,'mode':'ATTRIBUTES'}},",
+        "'EXT_meshopt_compression':{'buffer':0,'byteLength':60,'byteStride':12,'count':2},",
         "'extensions':{'EXT_meshopt_compression':{'fallback':true}},",
         "'kernel':{'sharpness':2,'exponent':3},",
         "'kernel':{},",
