@@ -13,6 +13,7 @@ enum { MAX_BATCHES = 1 << 18 };
 struct psplat_asset {
     psplat_arena arena; /* holds the asset itself */
     psplat_batch *batches;
+    const psplat_packed **packed; /* of each batch */
     size_t batch_count;
 };
 
@@ -37,6 +38,7 @@ static void enlarge(const psplat_batch *batch, double min[3], double max[3]) {
 static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, size_t set_index,
                                const psplat_node *node) {
     const psplat_set *set = &gltf->sets[set_index];
+    asset->packed[asset->batch_count] = set->packed;
     psplat_batch *batch = &asset->batches[asset->batch_count++];
     *batch = (psplat_batch){.splats = set->splats,
                             .finishes = set->finishes,
@@ -87,7 +89,8 @@ static psplat_result make_batches(psplat_asset *asset, const psplat_gltf *gltf) 
     psplat_result result = count_batches(gltf, &count);
     if (result) return result;
     asset->batches = psplat_arena_take(&asset->arena, count, sizeof *asset->batches);
-    if (!asset->batches)
+    asset->packed = psplat_arena_take(&asset->arena, count, sizeof *asset->packed);
+    if (!asset->batches || !asset->packed)
         return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches", count);
     for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines)
         for (size_t i = 0; i < gltf->node_count; ++i) {
@@ -108,7 +111,7 @@ typedef struct opening {
     psplat_allocator allocator;
     psplat_files files;
     size_t max_size;
-    int measures;
+    int measures, only_draws;
 } opening;
 
 static opening resolve(const psplat_asset_desc *desc) {
@@ -117,6 +120,7 @@ static opening resolve(const psplat_asset_desc *desc) {
                  .max_size = (size_t)1 << 31};
     if (desc && desc->max_file_size) o.max_size = desc->max_file_size;
     if (desc) o.measures = desc->measures;
+    if (desc) o.only_draws = desc->only_draws;
     return o;
 }
 
@@ -157,6 +161,7 @@ static psplat_result open_bytes(const uint8_t *data, size_t size, const opening 
                         .base_path = base_path,
                         .file_budget = o->max_size - size,
                         .measures = o->measures,
+                        .only_draws = o->only_draws,
                         .bin = container.bin_size ? data + container.bin_offset : NULL,
                         .bin_size = container.bin_size,
                         .bin_offset = container.bin_offset};
@@ -232,6 +237,10 @@ size_t psplat_asset_batch_count(const psplat_asset *asset) {
 
 const psplat_batch *psplat_asset_batch(const psplat_asset *asset, size_t index) {
     return asset && index < asset->batch_count ? &asset->batches[index] : NULL;
+}
+
+const psplat_packed *psplat_asset_packed(const psplat_asset *asset, size_t batch) {
+    return asset->packed[batch];
 }
 
 void psplat_asset_bounds(const psplat_asset *asset, double min[3], double max[3]) {

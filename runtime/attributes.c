@@ -195,13 +195,34 @@ static psplat_result describe(const psplat_gltf *gltf, const psplat_readers *r, 
     return PSPLAT_OK;
 }
 
-static psplat_result reserve(const psplat_gltf *gltf, psplat_json_value attributes,
-                             const psplat_readers *r, psplat_set *set) {
-    int varies = 0;
-    for (size_t i = PSPLAT_FIRST_FINISH; i < PSPLAT_ATTRIBUTES; ++i) varies |= r->is_present[i];
+/* Where the GPU's form is all that is kept, the other is made chunk by chunk. */
+static int reserve_packed(psplat_gltf *gltf, psplat_set *set) {
+    const psplat_batch like = {.clip_count = set->clip_count,
+                               .has_color = set->has_color,
+                               .has_gamma = set->has_gamma,
+                               .has_color_gradient = set->has_color_gradient,
+                               .has_surface = set->has_surface,
+                               .has_emissive = set->has_emissive};
+    set->packing = psplat_packing_of(&like);
+    set->packed = psplat_packed_reserve(gltf->kept, &set->packing, set->count);
+    if (!gltf->chunk_splats)
+        gltf->chunk_splats =
+            psplat_arena_reserve(gltf->scratch, PSPLAT_CHUNK_SPLATS, sizeof *gltf->chunk_splats);
+    if (!gltf->chunk_finishes)
+        gltf->chunk_finishes =
+            psplat_arena_reserve(gltf->scratch, PSPLAT_CHUNK_SPLATS, sizeof *gltf->chunk_finishes);
+    return set->packed && gltf->chunk_splats && gltf->chunk_finishes;
+}
+
+static int reserve_splats(psplat_gltf *gltf, psplat_set *set) {
+    int varies = set->has_surface || set->has_emissive || set->has_color_gradient;
     set->splats = psplat_arena_reserve(gltf->kept, set->count, sizeof *set->splats);
     if (varies) set->finishes = psplat_arena_reserve(gltf->kept, set->count, sizeof *set->finishes);
-    if (set->splats && (set->finishes || !varies)) return PSPLAT_OK;
+    return set->splats && (set->finishes || !varies);
+}
+
+static psplat_result reserve(psplat_gltf *gltf, psplat_json_value attributes, psplat_set *set) {
+    if (gltf->only_draws ? reserve_packed(gltf, set) : reserve_splats(gltf, set)) return PSPLAT_OK;
     return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, psplat_gltf_offset(gltf, attributes),
                        "no memory for %zu splats", set->count);
 }
@@ -222,7 +243,7 @@ psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
     set->has_surface = readers.is_present[PSPLAT_ORM];
     set->has_emissive = readers.is_present[PSPLAT_EMISSIVE];
     result = check_total(gltf, attributes, set->count);
-    if (!result) result = reserve(gltf, attributes, &readers, set);
+    if (!result) result = reserve(gltf, attributes, set);
     if (!result) result = describe(gltf, &readers, set);
     if (!result) result = psplat_values_decode(gltf, &readers, set, extent);
     if (!result) result = check_extent(gltf, stated, extent);

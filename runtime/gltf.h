@@ -23,6 +23,7 @@
 #define PHONGSPLAT_GLTF_H
 
 #include "json.h"
+#include "pack.h"
 
 #define PSPLAT_EXTENSION "PSPLAT_surface_splats"
 #define PSPLAT_EXTENSION_VERSION 2 /* the newest that is read; older ones are read, too */
@@ -55,8 +56,10 @@ typedef struct psplat_accessor {
 
 /* The splats of one primitive. */
 typedef struct psplat_set {
-    psplat_splat *splats;
-    psplat_finish *finishes; /* or NULL */
+    psplat_splat *splats;    /* NULL where packed is not, */
+    psplat_finish *finishes; /* and where nothing varies */
+    psplat_packed *packed;   /* in assets that only draw, else NULL */
+    psplat_packing packing;  /* of packed */
     size_t count;
     uint32_t clip_count;
     psplat_kernel kernel;
@@ -104,9 +107,11 @@ typedef struct psplat_gltf {
     /* Members of the document, or 0. */
     psplat_json_value json_materials, json_meshes, json_nodes, json_scenes, json_scene;
     psplat_json_value
-        json_stripped; /* first attribute of ours outside a primitive of splats, or 0 */
-    int is_listed;     /* whether extensionsUsed names our extension */
-    int measures;      /* as psplat_asset_desc */
+        json_stripped;          /* first attribute of ours outside a primitive of splats, or 0 */
+    int is_listed;              /* whether extensionsUsed names our extension */
+    int measures, only_draws;   /* as psplat_asset_desc */
+    psplat_splat *chunk_splats; /* of the chunk being decoded, where only_draws; or NULL */
+    psplat_finish *chunk_finishes;
 
     psplat_buffer *buffers;
     psplat_view_range *views;
@@ -221,14 +226,22 @@ typedef struct psplat_readers {
 /* What an attribute is called in messages. */
 const char *psplat_attribute_name(size_t attribute);
 
-/* Of count elements that come as integers are read, in place; lines become three numbers. step is
- * what the integers of radii differ by at least (spec 3.9). */
+/* What integers of radii stand for (spec 3.9): the product of an entry for each byte. */
+typedef struct psplat_radii {
+    double high[256], low[256];
+    float largest; /* integer */
+} psplat_radii;
+
+void psplat_radii_set(psplat_radii *radii, const double range[2], float largest);
+
+/* Of count elements that come as integers are read, in place; lines become three numbers. */
 void psplat_unpack_lines(float *values, size_t count, const float range[2]);
-void psplat_unpack_radii(float *values, size_t count, const double range[2], double step);
+void psplat_unpack_radii(float *values, size_t count, const psplat_radii *radii);
 void psplat_unpack_scaled(float *values, size_t value_count, float range);
 
-/* The unit quaternion of unit N and a turn from -1 to 1 (spec 3.3). */
-void psplat_unpack_turn(const float normal[3], float turn, float quaternion[4]);
+/* Unit quaternions of unit N and turns from -1 to 1 (spec 3.3). */
+void psplat_unpack_turns(const float *normals, const float *turns, size_t count,
+                         float *quaternions);
 
 /* Decodes set->count splats into set->splats and set->finishes and checks every value (spec 3.3
  * to 3.8). Finds the set's bounds, and the size of the box around the centres. */

@@ -6,108 +6,79 @@
  */
 #include "gl_state.h"
 #include "memory.h"
+#include "pack.h"
 #include "renderer.h"
 
-#include <math.h>
+#include <string.h>
 
 /* Rows packed before each upload: at most 0.5 MB in flight. */
 enum { ROWS_PER_UPLOAD = 16, MAX_SPLAT_FLOATS = 4 * (PSPLAT_SPLAT_TEXELS + 1) };
 
-static void pack_splat(const psplat_splat *splat, float *out) {
-    const float *q = splat->rotation;
-    double length2 = 0.0;
-    for (int i = 0; i < 4; ++i) length2 += (double)q[i] * (double)q[i];
-    double x = q[0], y = q[1], z = q[2], w = q[3], s = 2.0 / length2;
-    const double axes[3][3] = {
-        {1.0 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
-        {s * (x * y - w * z), 1.0 - s * (x * x + z * z), s * (y * z + w * x)},
-        {s * (x * z + w * y), s * (y * z - w * x), 1.0 - s * (x * x + y * y)}};
-    double local[3]; /* the normal in U, V, N (spec 3.5, eq. 3) */
-    for (int i = 0; i < 3; ++i)
-        local[i] = splat->normal[0] * axes[i][0] + splat->normal[1] * axes[i][1] +
-                   splat->normal[2] * axes[i][2];
-
-    double scale = sqrt((double)splat->radius[0] / length2);
-    for (int i = 0; i < 3; ++i) out[i] = splat->center[i];
-    out[3] = (float)((double)splat->radius[1] / (double)splat->radius[0]);
-    for (int i = 0; i < 4; ++i) out[4 + i] = (float)(q[i] * scale);
-    out[8] = (float)(local[0] / local[2]);
-    out[9] = (float)(local[1] / local[2]);
-    out[10] = splat->gradient[0];
-    out[11] = splat->gradient[1];
-}
-
-/* What a texture holds of a batch's splats: floats of each, channels of each texel, and how splats
- * first ... end - 1 are written one after another. */
-typedef struct packing {
+/* One of a batch's textures: floats of each splat, channels of each texel, and its splats, packed
+ * already or to be packed. */
+typedef struct source {
+    psplat_packing packing;
+    const psplat_batch *batch;
     int floats, channels;
-    void (*pack)(const psplat_batch *batch, size_t first, size_t end, float *out);
-} packing;
+    const float *packed; /* NULL: pack does it */
+    void (*pack)(const struct source *source, size_t first, size_t count, float *out);
+} source;
 
-static void pack_narrow(const psplat_batch *batch, size_t first, size_t end, float *out) {
-    for (size_t i = first; i < end; ++i, out += 4 * PSPLAT_SPLAT_TEXELS)
-        pack_splat(&batch->splats[i], out);
+static void pack_splats(const source *s, size_t first, size_t count, float *out) {
+    psplat_pack_splats(&s->packing, s->batch->splats + first, count, out);
 }
 
-static void pack_wide(const psplat_batch *batch, size_t first, size_t end, float *out) {
-    for (size_t i = first; i < end; ++i, out += MAX_SPLAT_FLOATS) {
-        pack_splat(&batch->splats[i], out);
-        for (int k = 0; k < 3; ++k) out[12 + k] = batch->splats[i].color[k];
-        out[15] = batch->splats[i].gradient[2];
-    }
+static void pack_clips(const source *s, size_t first, size_t count, float *out) {
+    psplat_pack_clips(&s->packing, s->batch->splats + first, count, out);
 }
 
-static packing packing_of_splats(const psplat_batch *batch) {
-    if (batch->has_color || batch->has_gamma) return (packing){MAX_SPLAT_FLOATS, 4, pack_wide};
-    return (packing){4 * PSPLAT_SPLAT_TEXELS, 4, pack_narrow};
+static void pack_finishes(const source *s, size_t first, size_t count, float *out) {
+    psplat_pack_finishes(&s->packing, s->batch->finishes + first, count, out);
 }
 
-static void pack_clips(const psplat_batch *batch, size_t first, size_t end, float *out) {
-    for (size_t i = first; i < end; ++i)
-        for (uint32_t line = 0; line < batch->clip_count; ++line)
-            for (int k = 0; k < 3; ++k) *out++ = batch->splats[i].clip[line][k];
+/* Rows from one on, of width texels, to the bound texture. */
+static void put_rows(const psplat_gl *gl, const source *s, GLsizei row, GLsizei rows, GLsizei width,
+                     const float *texels) {
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, row, width, rows, s->channels == 4 ? GL_RGBA : GL_RGB,
+                      GL_FLOAT, texels);
 }
 
-static float *put_texel(float *out, const float texel[3]) {
-    for (int i = 0; i < 3; ++i) out[i] = texel[i];
-    return out + 3;
+/* From where they are, the last row as far as it goes. */
+static void upload_packed(const psplat_gl *gl, const source *s) {
+    GLsizei texels = s->floats / s->channels, width = PSPLAT_ROW_SPLATS * texels;
+    GLsizei rows = (GLsizei)(s->batch->splat_count / PSPLAT_ROW_SPLATS);
+    GLsizei rest = (GLsizei)(s->batch->splat_count % PSPLAT_ROW_SPLATS);
+    if (rows) put_rows(gl, s, 0, rows, width, s->packed);
+    if (rest)
+        put_rows(gl, s, rows, 1, rest * texels,
+                 s->packed + (size_t)rows * PSPLAT_ROW_SPLATS * (size_t)s->floats);
 }
 
-static void pack_finishes(const psplat_batch *batch, size_t first, size_t end, float *out) {
-    for (size_t i = first; i < end; ++i) {
-        const psplat_finish *finish = &batch->finishes[i];
-        const float surface[3] = {finish->occlusion, finish->roughness, finish->metallic};
-        if (batch->has_surface) out = put_texel(out, surface);
-        if (batch->has_emissive) out = put_texel(out, finish->emissive);
-        if (!batch->has_color_gradient) continue;
-        out = put_texel(out, finish->color_u);
-        out = put_texel(out, finish->color_v);
-    }
-}
-
-/* Packs and uploads bands of rows to the bound texture. */
-static void upload_rows(const psplat_gl *gl, const psplat_batch *batch, const packing *p,
-                        GLsizei width, GLsizei height, float *staging) {
-    GLenum format = p->channels == 4 ? GL_RGBA : GL_RGB;
+/* In bands of rows. */
+static void upload_splats(const psplat_gl *gl, const source *s, GLsizei height, float *staging) {
+    GLsizei width = PSPLAT_ROW_SPLATS * s->floats / s->channels;
     for (GLsizei row = 0; row < height; row += ROWS_PER_UPLOAD) {
         GLsizei rows = height - row < ROWS_PER_UPLOAD ? height - row : ROWS_PER_UPLOAD;
-        size_t first = (size_t)row * PSPLAT_ROW_SPLATS;
-        size_t end = first + (size_t)rows * PSPLAT_ROW_SPLATS;
-        p->pack(batch, first, end < batch->splat_count ? end : batch->splat_count, staging);
-        gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, row, width, rows, format, GL_FLOAT, staging);
+        size_t first = (size_t)row * PSPLAT_ROW_SPLATS, count = (size_t)rows * PSPLAT_ROW_SPLATS;
+        if (count > s->batch->splat_count - first) count = s->batch->splat_count - first;
+        s->pack(s, first, count, staging);
+        put_rows(gl, s, row, rows, width, staging);
     }
 }
 
-static psplat_result upload(psplat_renderer *renderer, const psplat_batch *batch, packing p,
-                            float *staging, psplat_texture *texture, psplat_error *error) {
+static psplat_result upload(psplat_renderer *renderer, const source *s, float *staging,
+                            psplat_texture *texture, psplat_error *error) {
     psplat_texture_desc desc = {
-        .texel = p.channels == 4 ? PSPLAT_TEXEL_RGBA32F : PSPLAT_TEXEL_RGB32F,
-        .width = PSPLAT_ROW_SPLATS * p.floats / p.channels,
-        .height = (GLsizei)((batch->splat_count + PSPLAT_ROW_SPLATS - 1) / PSPLAT_ROW_SPLATS)};
+        .texel = s->channels == 4 ? PSPLAT_TEXEL_RGBA32F : PSPLAT_TEXEL_RGB32F,
+        .width = PSPLAT_ROW_SPLATS * s->floats / s->channels,
+        .height = (GLsizei)((s->batch->splat_count + PSPLAT_ROW_SPLATS - 1) / PSPLAT_ROW_SPLATS)};
+    if (!s->floats) return PSPLAT_OK;
     psplat_result result =
         psplat_texture_create(&renderer->gl, &renderer->memory.models, &desc, texture, error);
-    if (result == PSPLAT_OK)
-        upload_rows(&renderer->gl, batch, &p, desc.width, desc.height, staging);
+    if (result == PSPLAT_OK && s->packed)
+        upload_packed(&renderer->gl, s);
+    else if (result == PSPLAT_OK)
+        upload_splats(&renderer->gl, s, desc.height, staging);
     return result;
 }
 
@@ -124,9 +95,7 @@ static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
     out->clip_count = batch->clip_count;
     out->has_color = batch->has_color;
     out->has_gamma = batch->has_gamma;
-    out->finish = (batch->has_surface ? PSPLAT_FINISH_SURFACE : 0u) |
-                  (batch->has_emissive ? PSPLAT_FINISH_EMISSIVE : 0u) |
-                  (batch->has_color_gradient ? PSPLAT_FINISH_GRADIENT : 0u);
+    out->finish = psplat_packing_of(batch).finish;
     out->kernel = batch->kernel;
     out->depth_tolerance = batch->depth_tolerance;
     out->material = batch->material;
@@ -138,21 +107,24 @@ static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
 }
 
 static psplat_result upload_textures(psplat_renderer *renderer, const psplat_batch *batch,
-                                     psplat_model_batch *out, float *staging, psplat_error *error) {
-    const packing clips = {3 * (int)batch->clip_count, 3, pack_clips};
-    const int texels = batch->has_surface + batch->has_emissive + 2 * batch->has_color_gradient;
-    const packing finishes = {3 * texels, 3, pack_finishes};
-    psplat_result result =
-        upload(renderer, batch, packing_of_splats(batch), staging, &out->splats, error);
-    if (result == PSPLAT_OK && clips.floats)
-        result = upload(renderer, batch, clips, staging, &out->clips, error);
-    if (result == PSPLAT_OK && finishes.floats)
-        result = upload(renderer, batch, finishes, staging, &out->finishes, error);
+                                     const psplat_packed *packed, psplat_model_batch *out,
+                                     float *staging, psplat_error *error) {
+    psplat_packing p = psplat_packing_of(batch);
+    const psplat_packed none = {0}, *from = packed ? packed : &none;
+    const source sources[] = {{p, batch, p.splat_floats, 4, from->splats, pack_splats},
+                              {p, batch, p.clip_floats, 3, from->clips, pack_clips},
+                              {p, batch, p.finish_floats, 3, from->finishes, pack_finishes}};
+    psplat_texture *const textures[] = {&out->splats, &out->clips, &out->finishes};
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < 3 && result == PSPLAT_OK; ++i)
+        result = upload(renderer, &sources[i], staging, textures[i], error);
     return result;
 }
 
 static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model, size_t index,
-                                  const psplat_batch *batch, float *staging, psplat_error *error) {
+                                  const psplat_asset *asset, float *staging, psplat_error *error) {
+    const psplat_batch *batch = psplat_asset_batch(asset, index);
+    const psplat_packed *packed = psplat_asset_packed(asset, index);
     const psplat_model_batch *twin = find_primitive(model, index, batch->primitive);
     psplat_model_batch *out = &model->batches[index];
     describe_batch(batch, out);
@@ -168,8 +140,11 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
     out->chunks = psplat_allocate(&renderer->allocator, chunk_count, sizeof *out->chunks);
     if (!out->chunks)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu chunks", chunk_count);
-    psplat_chunks_find(batch->splats, batch->splat_count, out->chunks);
-    return upload_textures(renderer, batch, out, staging, error);
+    if (packed)
+        memcpy(out->chunks, packed->chunks, chunk_count * sizeof *out->chunks);
+    else
+        psplat_chunks_find(batch->splats, batch->splat_count, out->chunks);
+    return upload_textures(renderer, batch, packed, out, staging, error);
 }
 
 static psplat_result check_sizes(const psplat_gl *gl, const psplat_asset *asset,
@@ -192,7 +167,7 @@ static psplat_result upload_batches(psplat_renderer *renderer, const psplat_asse
     if (result != PSPLAT_OK) return result;
     psplat_gl_errors(gl, NULL);
     for (size_t i = 0; i < model->batch_count && result == PSPLAT_OK; ++i)
-        result = upload_batch(renderer, model, i, psplat_asset_batch(asset, i), staging, error);
+        result = upload_batch(renderer, model, i, asset, staging, error);
     if (result == PSPLAT_OK) result = psplat_gl_errors(gl, error);
     psplat_gl_state_restore(&state, gl);
     return result;

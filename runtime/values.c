@@ -20,6 +20,7 @@ typedef struct decoder {
     size_t index;        /* of the splat being decoded, in the primitive */
     float values[PSPLAT_ATTRIBUTES][BLOCK * MAX_COMPONENTS];
     size_t components[PSPLAT_ATTRIBUTES]; /* of each splat, as the floats that they are */
+    psplat_radii radii;                   /* where they are integers */
     double low[3], high[3];               /* of the ellipses */
     float center_low[3], center_high[3];  /* of their centres */
 } decoder;
@@ -59,10 +60,7 @@ static void unpack(decoder *d, size_t attribute) {
     const psplat_set *set = d->set;
     float *values = d->values[attribute];
     if (reader->component_type == PSPLAT_FLOAT) return;
-    if (attribute == PSPLAT_SCALE)
-        psplat_unpack_radii(values, d->count, set->scale_range,
-                            reader->component_type == PSPLAT_UNSIGNED_BYTE ? 1.0 / 255
-                                                                           : 1.0 / 65535);
+    if (attribute == PSPLAT_SCALE) psplat_unpack_radii(values, d->count, &d->radii);
     if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U)
         psplat_unpack_lines(values, d->count, set->clip_range);
     if (attribute == PSPLAT_TURN) psplat_unpack_scaled(values, d->count, set->turn_range);
@@ -76,6 +74,7 @@ static void unpack(decoder *d, size_t attribute) {
 /* Components of an attribute once it is unpacked. */
 static size_t unpacked_components(const psplat_reader *reader, size_t attribute) {
     if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U) return 3;
+    if (attribute == PSPLAT_ROTATION) return 4; /* made of a turn, if not stored */
     return reader->components;
 }
 
@@ -89,25 +88,54 @@ static psplat_result read_block(decoder *d) {
     return PSPLAT_OK;
 }
 
+/* Refuses lengths more than 1 % away from 1 (spec 3.3, 3.5) and normalises, but leaves values that
+ * are unit up to float rounding as they are stored: a round trip changes no bit. */
+static int normalise(float *values, size_t count) {
+    double square = 0;
+    for (size_t i = 0; i < count; ++i) square += (double)values[i] * (double)values[i];
+    if (fabs(square - 1) <= 2 * (double)FLT_EPSILON) return 1; /* most floats: without a root */
+    double length = sqrt(square), scale = 1 / length;
+    if (!(length >= 0.99 && length <= 1.01)) return 0;
+    if (fabs(length - 1) > 2 * (double)FLT_EPSILON)
+        for (size_t i = 0; i < count; ++i) values[i] = (float)((double)values[i] * scale);
+    return 1;
+}
+
+static psplat_result normalise_block(decoder *d, size_t attribute, const char *what) {
+    size_t components = d->components[attribute];
+    for (size_t i = 0; i < d->count; ++i) {
+        if (normalise(d->values[attribute] + i * components, components)) continue;
+        d->index = d->first + i;
+        return fail_value(d, attribute, what);
+    }
+    return PSPLAT_OK;
+}
+
+/* Spec 3.3: NORMAL is N. */
+static psplat_result turn_block(decoder *d) {
+    const float *turns = d->values[PSPLAT_TURN];
+    for (size_t i = 0; i < d->count; ++i)
+        if (!(turns[i] >= -1 && turns[i] <= 1)) {
+            d->index = d->first + i;
+            return fail_value(d, PSPLAT_TURN, "is not from -1 to 1");
+        }
+    psplat_unpack_turns(d->values[PSPLAT_NORMAL], turns, d->count, d->values[PSPLAT_ROTATION]);
+    return PSPLAT_OK;
+}
+
+static psplat_result make_frames(decoder *d) {
+    psplat_result result = normalise_block(d, PSPLAT_NORMAL, "is not unit");
+    if (result) return result;
+    if (d->readers->is_present[PSPLAT_TURN]) return turn_block(d);
+    return normalise_block(d, PSPLAT_ROTATION, "is not a unit quaternion");
+}
+
 /* The values of an attribute of the splat being decoded. */
 static const float *values_of(const decoder *d, size_t attribute) {
     return d->values[attribute] + (d->index - d->first) * d->components[attribute];
 }
 
 /* ---- splats ------------------------------------------------------------------------------- */
-
-/* Refuses lengths more than 1 % away from 1 (spec 3.3, 3.5) and normalises, but leaves values that
- * are unit up to float rounding as they are stored: a round trip changes no bit. */
-static int normalise(float *values, size_t count) {
-    double square = 0;
-    for (size_t i = 0; i < count; ++i) square += (double)values[i] * (double)values[i];
-    if (fabs(square - 1) <= 2 * (double)FLT_EPSILON) return 1; /* most: without a root */
-    double length = sqrt(square);
-    if (!(length >= 0.99 && length <= 1.01)) return 0;
-    if (fabs(length - 1) > 2 * (double)FLT_EPSILON)
-        for (size_t i = 0; i < count; ++i) values[i] = (float)((double)values[i] / length);
-    return 1;
-}
 
 /* Columns U, V, N of the rotation by quaternion q. */
 static void rotation_axes(const float q[4], double axes[3][3]) {
@@ -123,38 +151,13 @@ static void rotation_axes(const float q[4], double axes[3][3]) {
     axes[2][2] = 1 - 2 * (x * x + y * y);
 }
 
-static psplat_result decode_normal(const decoder *d, float normal[3]) {
-    memcpy(normal, values_of(d, PSPLAT_NORMAL), 3 * sizeof *normal);
-    return normalise(normal, 3) ? PSPLAT_OK : fail_value(d, PSPLAT_NORMAL, "is not unit");
-}
-
-static psplat_result decode_rotation(const decoder *d, float rotation[4]) {
-    memcpy(rotation, values_of(d, PSPLAT_ROTATION), 4 * sizeof *rotation);
-    if (normalise(rotation, 4)) return PSPLAT_OK;
-    return fail_value(d, PSPLAT_ROTATION, "is not a unit quaternion");
-}
-
-/* Spec 3.3: NORMAL is N. */
-static psplat_result decode_turn(const decoder *d, float rotation[4]) {
-    float normal[3], turn = *values_of(d, PSPLAT_TURN);
-    psplat_result result = decode_normal(d, normal);
-    if (!result && !(turn >= -1 && turn <= 1))
-        result = fail_value(d, PSPLAT_TURN, "is not from -1 to 1");
-    if (!result) psplat_unpack_turn(normal, turn, rotation);
-    return result;
-}
-
-static psplat_result decode_frame(const decoder *d, psplat_splat *splat, double axes[3][3]) {
+static psplat_result decode_frame(const decoder *d, psplat_splat *splat) {
     memcpy(splat->center, values_of(d, PSPLAT_POSITION), sizeof splat->center);
     memcpy(splat->radius, values_of(d, PSPLAT_SCALE), sizeof splat->radius);
-    psplat_result result = d->readers->is_present[PSPLAT_TURN]
-                               ? decode_turn(d, splat->rotation)
-                               : decode_rotation(d, splat->rotation);
-    if (result) return result;
-    if (!(splat->radius[0] >= splat->radius[1] && splat->radius[1] > 0))
-        return fail_value(d, PSPLAT_SCALE, "is not two radii, the larger first, above 0");
-    rotation_axes(splat->rotation, axes);
-    return PSPLAT_OK;
+    memcpy(splat->normal, values_of(d, PSPLAT_NORMAL), sizeof splat->normal);
+    memcpy(splat->rotation, values_of(d, PSPLAT_ROTATION), sizeof splat->rotation);
+    if (splat->radius[0] >= splat->radius[1] && splat->radius[1] > 0) return PSPLAT_OK;
+    return fail_value(d, PSPLAT_SCALE, "is not two radii, the larger first, above 0");
 }
 
 /* Spec 3.5, eq. (3a): what keeps n(u, v) within 90 degrees of N, and finite, all over the ellipse.
@@ -185,8 +188,6 @@ static void tilt(const float by[2], double axes[3][3], float normal[3]) {
 }
 
 static psplat_result decode_normals(const decoder *d, psplat_splat *splat, double axes[3][3]) {
-    psplat_result result = decode_normal(d, splat->normal);
-    if (result) return result;
     if (d->readers->is_present[PSPLAT_TILT]) tilt(values_of(d, PSPLAT_TILT), axes, splat->normal);
     double cosine = 0;
     for (size_t i = 0; i < 3; ++i) cosine += (double)splat->normal[i] * axes[2][i];
@@ -241,10 +242,16 @@ static psplat_result decode_clip_lines(const decoder *d, psplat_splat *splat) {
     return PSPLAT_OK;
 }
 
-/* Enlarges the boxes by the centre and the unclipped ellipse. */
+/* Enlarges the boxes by the centre and the unclipped ellipse, of most of which the circle around it
+ * tells that they are inside. */
 static psplat_result enlarge_bounds(decoder *d, const psplat_splat *splat, double axes[3][3]) {
     for (size_t i = 0; i < 3; ++i) {
-        double center = (double)splat->center[i];
+        double center = (double)splat->center[i], most = (double)splat->radius[0] * (1 + 1e-6);
+        if (center - most > d->low[i] && center + most < d->high[i]) {
+            if (splat->center[i] < d->center_low[i]) d->center_low[i] = splat->center[i];
+            if (splat->center[i] > d->center_high[i]) d->center_high[i] = splat->center[i];
+            continue;
+        }
         double u = (double)splat->radius[0] * axes[0][i], v = (double)splat->radius[1] * axes[1][i];
         double reach = sqrt(u * u + v * v), low = center - reach, high = center + reach;
         if (high > (double)FLT_MAX || low < -(double)FLT_MAX)
@@ -261,8 +268,10 @@ static psplat_result enlarge_bounds(decoder *d, const psplat_splat *splat, doubl
 static psplat_result decode_splat(decoder *d, psplat_splat *splat, uint32_t clip_count) {
     double axes[3][3];
     *splat = (psplat_splat){.color = {1, 1, 1, 1}, .clip_count = clip_count};
-    psplat_result result = decode_frame(d, splat, axes);
-    if (!result) result = decode_normals(d, splat, axes);
+    psplat_result result = decode_frame(d, splat);
+    if (result) return result;
+    rotation_axes(splat->rotation, axes);
+    result = decode_normals(d, splat, axes);
     if (!result) result = decode_color(d, splat);
     if (!result) result = decode_clip_lines(d, splat);
     if (!result) result = enlarge_bounds(d, splat, axes);
@@ -283,12 +292,60 @@ static void store_bounds(const decoder *d, psplat_set *set, double extent[3]) {
     }
 }
 
+static psplat_result decode_block(decoder *d, psplat_splat *splats, psplat_finish *finishes) {
+    int varies = 0;
+    for (size_t i = PSPLAT_FIRST_FINISH; i < PSPLAT_ATTRIBUTES; ++i)
+        varies |= d->readers->is_present[i];
+    psplat_result result = read_block(d);
+    if (!result) result = make_frames(d);
+    for (size_t i = 0; i < d->count && !result; ++i) {
+        d->index = d->first + i;
+        result = decode_splat(d, &splats[i], d->set->clip_count);
+        if (!result && varies) result = decode_finish(d, &finishes[i]);
+    }
+    return result;
+}
+
+static void pack(const psplat_set *set, const psplat_splat *splats, const psplat_finish *finishes,
+                 size_t first, size_t count) {
+    const psplat_packing *p = &set->packing;
+    const psplat_packed *packed = set->packed;
+    psplat_pack_splats(p, splats, count, packed->splats + first * (size_t)p->splat_floats);
+    if (packed->clips)
+        psplat_pack_clips(p, splats, count, packed->clips + first * (size_t)p->clip_floats);
+    if (packed->finishes)
+        psplat_pack_finishes(p, finishes, count,
+                             packed->finishes + first * (size_t)p->finish_floats);
+    psplat_chunks_find(splats, count, packed->chunks + first / PSPLAT_CHUNK_SPLATS);
+}
+
+/* Where they are packed, splats are decoded to a place that stays in the cache. */
+static psplat_result decode_chunk(decoder *d, psplat_set *set, size_t first, size_t count) {
+    const psplat_gltf *gltf = d->gltf;
+    psplat_splat *splats = set->packed ? gltf->chunk_splats : set->splats + first;
+    psplat_finish *finishes = set->packed     ? gltf->chunk_finishes
+                              : set->finishes ? set->finishes + first
+                                              : NULL;
+    for (size_t at = 0; at < count; at += d->count) {
+        d->first = first + at;
+        d->count = count - at < BLOCK ? count - at : BLOCK;
+        psplat_result result = decode_block(d, splats + at, finishes ? finishes + at : NULL);
+        if (result) return result;
+    }
+    if (set->packed) pack(set, splats, finishes, first, count);
+    return PSPLAT_OK;
+}
+
 psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers *readers,
                                    psplat_set *set, double extent[3]) {
     decoder d;
     d.gltf = gltf;
     d.readers = readers;
     d.set = set;
+    size_t scale_type = readers->of[PSPLAT_SCALE].component_type;
+    if (scale_type != PSPLAT_FLOAT)
+        psplat_radii_set(&d.radii, set->scale_range,
+                         scale_type == PSPLAT_UNSIGNED_BYTE ? 255.0f : 65535.0f);
     for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i)
         d.components[i] = unpacked_components(&readers->of[i], i);
     for (size_t i = 0; i < 3; ++i) {
@@ -297,14 +354,10 @@ psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers
         d.center_low[i] = FLT_MAX;
         d.center_high[i] = -FLT_MAX;
     }
-    for (d.first = 0; d.first < set->count; d.first += d.count) {
-        d.count = set->count - d.first < BLOCK ? set->count - d.first : BLOCK;
-        psplat_result result = read_block(&d);
-        for (size_t i = 0; i < d.count && !result; ++i) {
-            d.index = d.first + i;
-            result = decode_splat(&d, &set->splats[d.index], set->clip_count);
-            if (!result && set->finishes) result = decode_finish(&d, &set->finishes[d.index]);
-        }
+    for (size_t first = 0; first < set->count; first += PSPLAT_CHUNK_SPLATS) {
+        size_t count = set->count - first;
+        if (count > PSPLAT_CHUNK_SPLATS) count = PSPLAT_CHUNK_SPLATS;
+        psplat_result result = decode_chunk(&d, set, first, count);
         if (result) return result;
     }
     store_bounds(&d, set, extent);

@@ -67,7 +67,8 @@ int main(int argc, char **argv) {
     psplat_model *model = NULL;
     if (argc != 3) return fprintf(stderr, "usage: minimal IN.glb OUT.ppm\n"), 1;
 
-    if (psplat_asset_open(argv[1], NULL, &asset, &error)) return fail(&error);
+    psplat_asset_desc asset_desc = {.only_draws = 1};
+    if (psplat_asset_open(argv[1], &asset_desc, &asset, &error)) return fail(&error);
     if (psplat_host_create(PSPLAT_API_GL, 0, &host, &error)) return fail(&error);
     psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = host};
     if (psplat_renderer_create(&desc, &renderer, &error)) return fail(&error);

@@ -190,6 +190,9 @@ psplat_result psplat_reference_draw(const psplat_reference_scene *scene, const p
     psplat_oracle_drawing d = {.scene = scene, .view = view};
     if (!scene || !scene->asset || !view || !image)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "scene, asset, view or image is NULL");
+    const psplat_batch *first = psplat_asset_batch(scene->asset, 0);
+    if (first && !first->splats)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "the asset was opened to draw alone");
     psplat_result result = check(view, scene->environment, error);
     if (!result) result = prepare(&d, error);
     if (!result) draw(&d, image);

@@ -18,8 +18,9 @@ struct loader {
 
 static void *open_all(void *argument) {
     loader *l = argument;
+    const psplat_asset_desc desc = {.only_draws = 1};
     for (int i = 0; i < l->count; ++i) {
-        psplat_asset_open(l->paths[i], NULL, &l->assets[i], &l->errors[i]);
+        psplat_asset_open(l->paths[i], &desc, &l->assets[i], &l->errors[i]);
         atomic_store(&l->opened, i + 1);
     }
     return NULL;

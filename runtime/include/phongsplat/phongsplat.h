@@ -62,6 +62,8 @@ typedef struct psplat_asset_desc {
     size_t max_file_size;  /* bytes, of all files and of what comes out of compressed ones; 0 means
                               2 GiB */
     int measures;          /* 1: find psplat_attribute.stored */
+    int only_draws; /* 1: for psplat_model_create alone, with less memory and time: splats and
+                       finishes of batches are NULL */
 } psplat_asset_desc;
 
 /* How a file stores one attribute of a batch (spec 3.2), for tools that show it. */
@@ -77,7 +79,8 @@ typedef struct psplat_attribute {
 
 /* Splats of one clip class of one mesh as one node of the default scene places them (spec 3.1). */
 typedef struct psplat_batch {
-    const psplat_splat *splats;    /* splat_count of them; shared between instances of a mesh */
+    const psplat_splat *splats;    /* splat_count of them; shared between instances of a mesh;
+                                      NULL in assets that only draw, as the next */
     const psplat_finish *finishes; /* splat_count of them, or NULL: none is stored */
     size_t splat_count;            /* >= 1 */
     uint32_t clip_count;           /* clip lines of every splat in this batch, 0 ... 4 */

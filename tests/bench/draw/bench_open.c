@@ -93,7 +93,7 @@ static size_t run(psplat_renderer *renderer, const char *path, double phases[PHA
     psplat_asset *asset = NULL;
     psplat_model *model = NULL;
     psplat_error error;
-    psplat_asset_desc desc = {.files = {read_file, &phases[READ]}};
+    psplat_asset_desc desc = {.files = {read_file, &phases[READ]}, .only_draws = getenv("ONLY") != NULL};
     phases[READ] = upload.milliseconds = 0;
     instant start = measure_now();
     if (psplat_asset_open(path, &desc, &asset, &error)) fail(path, error.text);
