@@ -94,8 +94,7 @@ static void test_same_pixels(void **state) {
     static const size_t counts[] = {1, 255, 256, 257, 511, 512, 513, 1300};
     canvas *c = canvas_create(PSPLAT_API_GL);
     for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i) {
-        scene s = scene_sphere(counts[i], 1);
-        if (counts[i] == 1) s.splats[0].center[2] = 0; /* in view */
+        scene s = counts[i] == 1 ? scene_disc(1) : scene_sphere(counts[i], 1);
         check_scene(c, &s);
         scene_free(&s);
     }
