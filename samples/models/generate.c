@@ -39,6 +39,13 @@ static void write_painted(const char *directory, const char *name) {
     solid_free(&ribbon);
 }
 
+static void write_scene(const char *directory, const char *name) {
+    const char *path = path_in(directory, name);
+    if (!write_still_life(path)) return;
+    fprintf(stderr, "generate_models: cannot write %s\n", path);
+    ++failures;
+}
+
 int main(int argc, char **argv) {
     if (argc != 2) {
         fputs("usage: generate_models DIRECTORY\n", stderr);
@@ -54,5 +61,6 @@ int main(int argc, char **argv) {
     write_model(argv[1], "bracket.gltf", make_bracket(), write_gltf);
     write_model(argv[1], "scan.xyz", make_scan(1.2, 1, 0.8, 1200), write_xyz);
     write_painted(argv[1], "painted.glb");
+    write_scene(argv[1], "still-life.glb");
     return failures ? 1 : 0;
 }

@@ -86,6 +86,11 @@ int write_gltf(const char *path, const solid *s);
 /* The painted piece: a textured vase and two coloured rings under a tree of nodes. */
 int write_painted_glb(const char *path, const solid *vase, const solid *ribbon);
 
+/* ---- still_life.c: a scene --------------------------------------------------------------------
+ */
+
+int write_still_life(const char *path);
+
 /* ---- png.c: an RGB picture as PNG with stored deflate blocks; *size bytes, malloc'ed ----------
  */
 
