@@ -91,8 +91,8 @@ typedef struct psplat_scene {
 
 /* Reads any supported file (see psplat_mesh_read) with all of its meshes, nodes and appearances.
  * Each mesh is welded, oriented and recentred by itself. A file without a graph becomes one mesh
- * and one node, both called name. Errors are those of psplat_mesh_read; NO_SPLATS where no mesh
- * has a triangle with area. */
+ * and one node, both called name. Errors are those of psplat_mesh_read; NO_SPLATS where the scene
+ * that is shown has no triangle with area. */
 psplat_result psplat_scene_read(const char *path, const char *name, psplat_scene *scene,
                                 psplat_error *error);
 void psplat_scene_free(psplat_scene *scene);

@@ -123,6 +123,18 @@ psplat_result psplat_scene_instances(const psplat_scene *scene, uint32_t index,
     return result;
 }
 
+/* As the runtime, which has nothing to draw then. */
+static psplat_result check_shown(const psplat_scene *scene, const char *path, psplat_error *error) {
+    psplat_instance *instances;
+    size_t count;
+    psplat_result result =
+        psplat_scene_instances(scene, psplat_scene_shown(scene), &instances, &count, error);
+    free(instances);
+    if (result || count) return result;
+    return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0,
+                       "%s: the scene that it shows has no triangles", path);
+}
+
 psplat_result psplat_scene_check(psplat_scene *scene, const char *path, psplat_error *error) {
     walk w = {.scene = scene};
     psplat_result result = walk_scene(&w, PSPLAT_NO_INDEX, error);
@@ -133,7 +145,7 @@ psplat_result psplat_scene_check(psplat_scene *scene, const char *path, psplat_e
                           "%zu nodes flatten their mesh by a scale of 0: splats that are "
                           "flattened are not drawn",
                           w.flat);
-    if (w.broken == PSPLAT_NO_INDEX) return PSPLAT_OK;
+    if (w.broken == PSPLAT_NO_INDEX) return check_shown(scene, path, error);
     return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "%s: node %u: its transform is not finite",
                        path, w.broken);
 }

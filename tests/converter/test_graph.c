@@ -53,7 +53,7 @@ static void check_graph(const psplat_scene *scene, psplat_placement placement,
     "{\"matrix\":[1,0.5,0,0,0,1,0,0,0,0,-1,0,7,8,9,1],\"camera\":0,"                               \
     "\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}},\"extras\":3.25},"                     \
     "{\"children\":[3],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"                   \
-    "{\"name\":\"leaf\"},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}}],"
+    "{\"name\":\"leaf\",\"mesh\":0},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}}],"
 
 #define CAMERAS                                                                                    \
     "\"cameras\":[{\"name\":\"wide\",\"type\":\"perspective\",\"perspective\":{"                   \
@@ -88,17 +88,17 @@ static void test_as_it_was(void **state) {
         "g.gltf", document(NODES MESHES "," CAMERAS ",\"extras\":{\"z\":0},"
                                         "\"extensionsUsed\":[\"KHR_lights_punctual\"]," LIGHTS));
     /* tinygltf sorts the keys of extras; an escaped letter is written as itself. */
-    const char *expected = ASSET
-        "\"scene\":1,\"scenes\":[{\"name\":\"first\",\"nodes\":[0]},"
-        "{\"nodes\":[0,4],\"extras\":[1,[2,{\"a\":null}],true,\"x\"]}],"
-        "\"nodes\":[{\"name\":\"root \xc3\xa4\\u000a\\u0022\",\"translation\":[0.1,2,-3e-07],"
-        "\"rotation\":[0,0.6,0,0.8],\"scale\":[-1,2,1e+20],\"camera\":1,\"children\":[1,2],"
-        "\"extras\":{\"deep\":{\"er\":[{}]},\"unicode\":\"\xe2\x82\xac\"}},"
-        "{\"matrix\":[1,0.5,0,0,0,1,0,0,0,0,-1,0,7,8,9,1],\"camera\":0,"
-        "\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}},\"extras\":3.25},"
-        "{\"children\":[3],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
-        "{\"name\":\"leaf\"},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}}]," CAMERAS
-        ",\"extras\":{\"z\":0}," LIGHTS "}";
+    const char *expected =
+        ASSET "\"scene\":1,\"scenes\":[{\"name\":\"first\",\"nodes\":[0]},"
+              "{\"nodes\":[0,4],\"extras\":[1,[2,{\"a\":null}],true,\"x\"]}],"
+              "\"nodes\":[{\"name\":\"root \xc3\xa4\\u000a\\u0022\",\"translation\":[0.1,2,-3e-07],"
+              "\"rotation\":[0,0.6,0,0.8],\"scale\":[-1,2,1e+20],\"camera\":1,\"children\":[1,2],"
+              "\"extras\":{\"deep\":{\"er\":[{}]},\"unicode\":\"\xe2\x82\xac\"}},"
+              "{\"matrix\":[1,0.5,0,0,0,1,0,0,0,0,-1,0,7,8,9,1],\"camera\":0,"
+              "\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}},\"extras\":3.25},"
+              "{\"children\":[3],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+              "{\"name\":\"leaf\",\"mesh\":0},{\"extensions\":{\"KHR_lights_punctual\":{\"light\":"
+              "1}}}]," CAMERAS ",\"extras\":{\"z\":0}," LIGHTS "}";
     check_graph(&scene, nowhere, expected);
     assert_int_equal(scene.warning_count, 0);
     psplat_scene_free(&scene);

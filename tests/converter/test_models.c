@@ -21,8 +21,8 @@ static const struct {
     {"plate.stl", 8, 12, 2, 1},
     {"slab.ply", 8, 12, 2, 1},
     {"bracket.gltf", 12, 20, 2, 1},
-    {"painted.glb", 2160, 4224, 0, 0}, /* an open tube, two rings */
-    {"scan.xyz", 1200, 2386, 1, 0},    /* a bowl */
+    {"painted.glb", 2160, 4224, 0, 0},     /* an open tube, two rings */
+    {"scan.xyz", 1200, 2386, 1, 0},        /* a bowl */
     {"still-life.glb", 3516, 7000, 16, 1}, /* a table, three cups, two pears, two dice */
 };
 

@@ -108,8 +108,7 @@ static void test_inner_wall(void **state) {
     (void)state;
     psplat_mesh one = read_model("torus.off"), two = {0};
     size_t vertices = one.vertex_count, triangles = one.triangle_count;
-    assert_int_equal(psplat_mesh_allocate(&two, 2 * vertices, 2 * triangles, 0, NULL),
-                     PSPLAT_OK);
+    assert_int_equal(psplat_mesh_allocate(&two, 2 * vertices, 2 * triangles, 0, NULL), PSPLAT_OK);
     for (size_t i = 0; i < 3 * vertices; ++i) {
         two.positions[i] = one.positions[i];
         two.positions[3 * vertices + i] = 0.5 * one.positions[i];

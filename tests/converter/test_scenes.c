@@ -251,6 +251,8 @@ static void test_dropped(void **state) {
     assert_int_equal(scene.nodes[0].mesh, 0);
     psplat_scene_free(&scene);
     g = tetrahedron();
+    refuse_scene(finish(&g, "\"scenes\":[{}],\"nodes\":[{\"mesh\":0}]," INDEXED),
+                 PSPLAT_ERROR_NO_SPLATS, "the scene that it shows has no triangles");
     refuse_scene(finish(&g, NODE "\"meshes\":[{\"primitives\":[{\"mode\":1,\"attributes\":{"
                                  "\"POSITION\":0}}]}]"),
                  PSPLAT_ERROR_NO_SPLATS, "no triangle has an area");

@@ -138,14 +138,18 @@ void fuzz_check_mesh(const psplat_mesh *mesh) {
 
 /* ---- reading ------------------------------------------------------------------------------ */
 
+static void check_error(psplat_result result, const psplat_error *error) {
+    FUZZ_DEMAND(error->code == result && error->text[0] && error->offset <= input_size);
+    FUZZ_DEMAND(result != PSPLAT_ERROR_ARGUMENT && result != PSPLAT_ERROR_MEMORY);
+    FUZZ_DEMAND(!strpbrk(error->text, "\r\n"));
+}
+
 static psplat_result read_as(const char *name, void (*use)(const psplat_mesh *mesh)) {
     psplat_mesh mesh;
     psplat_error error = {0};
     psplat_result result = psplat_mesh_read(name, &mesh, &error);
     if (result) {
-        FUZZ_DEMAND(error.code == result && error.text[0] && error.offset <= input_size);
-        FUZZ_DEMAND(result != PSPLAT_ERROR_ARGUMENT && result != PSPLAT_ERROR_MEMORY);
-        FUZZ_DEMAND(!strpbrk(error.text, "\r\n"));
+        check_error(result, &error);
         return result;
     }
     fuzz_check_mesh(&mesh);
@@ -164,5 +168,24 @@ void fuzz_read_mesh(const uint8_t *data, size_t size, void (*use)(const psplat_m
     psplat_result result = read_as("input", use);
     for (size_t i = 0; i < 3 && result == PSPLAT_ERROR_UNSUPPORTED && size < 256; ++i)
         read_as(names[i], use);
+    fuzz_meter_stop(&meter, 2.0);
+}
+
+void fuzz_read_scene(const uint8_t *data, size_t size, void (*use)(const psplat_scene *scene)) {
+    fuzz_meter meter = {0};
+    psplat_scene scene;
+    psplat_error error = {0};
+    input = data;
+    input_size = size;
+    fuzz_meter_start(&meter);
+    psplat_result result = psplat_scene_read("input", NULL, &scene, &error);
+    if (result) {
+        check_error(result, &error);
+    } else {
+        for (size_t i = 0; i < scene.mesh_count; ++i)
+            if (scene.meshes[i].mesh.triangle_count) fuzz_check_mesh(&scene.meshes[i].mesh);
+        use(&scene);
+        psplat_scene_free(&scene);
+    }
     fuzz_meter_stop(&meter, 2.0);
 }

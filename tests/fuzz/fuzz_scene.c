@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * fuzz_scene.c - any bytes as a glTF scene. Whatever scene is read, the asset of its graph, with a
+ * splat for each mesh, is one that the runtime opens.
+ */
+#include "mesh_input.h"
+
+#include <phongsplat/phongsplat.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- what holds of scenes -----------------------------------------------------------------------
+ */
+
+static void check_index(uint32_t index, size_t count) {
+    FUZZ_DEMAND(index == PSPLAT_NO_INDEX || index < count);
+}
+
+static void check_nodes(const psplat_scene *scene) {
+    size_t children = 0;
+    for (size_t i = 0; i < scene->node_count; ++i) {
+        const psplat_scene_node *node = &scene->nodes[i];
+        check_index(node->mesh, scene->mesh_count);
+        check_index(node->camera, scene->camera_count);
+        check_index(node->light, scene->light_count);
+        for (size_t k = 0; k < node->child_count; ++k)
+            FUZZ_DEMAND(node->children[k] < scene->node_count);
+        children += node->child_count;
+    }
+    FUZZ_DEMAND(children <= scene->node_count); /* one parent each, and there is a root */
+    for (size_t i = 0; i < scene->scene_count; ++i)
+        for (size_t k = 0; k < scene->scenes[i].root_count; ++k)
+            FUZZ_DEMAND(scene->scenes[i].roots[k] < scene->node_count);
+    check_index(scene->default_scene, scene->scene_count);
+}
+
+static void check_groups(const psplat_scene *scene) {
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        const psplat_mesh *mesh = &scene->meshes[i].mesh;
+        for (size_t t = 0; t < mesh->triangle_count && mesh->appearances; ++t)
+            FUZZ_DEMAND(mesh->groups[t] < mesh->appearance_count);
+    }
+}
+
+static void check_instances(const psplat_scene *scene) {
+    psplat_instance *instances;
+    size_t count;
+    for (uint32_t i = 0; i <= scene->scene_count; ++i) {
+        uint32_t index = i < scene->scene_count ? i : PSPLAT_NO_INDEX;
+        if (psplat_scene_instances(scene, index, &instances, &count, NULL)) return;
+        for (size_t k = 0; k < count; ++k)
+            FUZZ_DEMAND(instances[k].mesh < scene->mesh_count && isfinite(instances[k].stretch) &&
+                        instances[k].stretch > 0);
+        free(instances);
+    }
+}
+
+/* ---- what is written
+ * ------------------------------------------------------------------------------ */
+
+static const psplat_splat one_splat = {
+    .normal = {0, 0, 1}, .rotation = {0, 0, 0, 1}, .radius = {1, 1}, .color = {1, 1, 1, 1}};
+static const psplat_run one_run = {.count = 1, .depth_tolerance = 0.5f};
+
+/* The splats of a mesh: one, in the file as it is in memory. */
+static psplat_splats stand_in(const psplat_mesh *mesh, psplat_splat *splat, psplat_run *run,
+                              psplat_material *material) {
+    *splat = one_splat;
+    *run = one_run;
+    *material = mesh->appearances ? mesh->appearances[mesh->groups[0]].material : mesh->material;
+    psplat_splats out = {
+        .splats = splat,
+        .count = 1,
+        .runs = run,
+        .run_count = 1,
+        .materials = material,
+        .material_count = 1,
+        .kernel = {PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT}};
+    for (int k = 0; k < 3; ++k) out.origin[k] = mesh->origin[k];
+    return out;
+}
+
+static void write_and_open(const psplat_scene *scene, const psplat_splats *splats) {
+    uint8_t *data = NULL;
+    size_t size = 0;
+    psplat_asset *asset = NULL;
+    psplat_error error = {0};
+    if (psplat_scene_write(scene, splats, &data, &size, &error)) return;
+    psplat_result result = psplat_asset_open_memory(data, size, NULL, &asset, &error);
+    /* A placement may carry a mesh out of what numbers hold, where its node almost did. */
+    FUZZ_DEMAND(!result || result == PSPLAT_ERROR_RANGE || result == PSPLAT_ERROR_UNSUPPORTED);
+    psplat_asset_destroy(asset);
+    free(data);
+}
+
+static void use_scene(const psplat_scene *scene) {
+    check_nodes(scene);
+    check_groups(scene);
+    check_instances(scene);
+    size_t count = scene->mesh_count;
+    psplat_splats *splats = calloc(count + 1, sizeof *splats);
+    psplat_splat *each = calloc(count + 1, sizeof *each);
+    psplat_run *runs = calloc(count + 1, sizeof *runs);
+    psplat_material *materials = calloc(count + 1, sizeof *materials);
+    for (size_t i = 0; splats && each && runs && materials && i < count; ++i)
+        if (scene->meshes[i].mesh.triangle_count)
+            splats[i] = stand_in(&scene->meshes[i].mesh, &each[i], &runs[i], &materials[i]);
+    if (splats && each && runs && materials) write_and_open(scene, splats);
+    free(splats);
+    free(each);
+    free(runs);
+    free(materials);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    fuzz_read_scene(data, size, use_scene);
+    return 0;
+}
