@@ -108,6 +108,7 @@ static trial_result judge(psplat_seedling *s, psplat_region *region, psplat_cand
     *covered = psplat_trial_cover(s, region);
     if (!*covered) return TRIAL_TOO_FAR;
     int better = *covered > candidate->covered_count;
+    if (!psplat_trial_tint(s, *covered)) return TRIAL_TOO_FAR;
     if (better && !psplat_trial_outline_near(s, region)) return TRIAL_TOO_FAR;
     if (!better && !(s->limits->normal_tolerance > 0)) return TRIAL_KEPT;
     if (!psplat_trial_field(s, region, *covered, field)) return TRIAL_TOO_FAR;

@@ -20,13 +20,13 @@ typedef struct arguments {
     const char *output;
     const char *report;
     double tolerance;
-    double normal_tolerance;
+    double normal_tolerance, color_tolerance;
     double crease_angle;
     uint64_t seed;
     int splats, bytes; /* budgets */
     int effort;        /* -1: the default */
     int no_creases;
-    int constant_normals;
+    int constant_normals, constant_colors;
     int overwrite;
     int quiet;
 } arguments;
@@ -65,6 +65,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "greatest angle between a surface point's normal and that of\n"
          "a splat covering it (default: not bounded)",
          0.1, 90, NULL},
+        {0, "color-tolerance", PSPLAT_OPTION_PERCENT, &a->color_tolerance, "PERCENT",
+         "greatest root mean square error of a splat's colour over\nits part of the surface, in % "
+         "of sRGB's range\n(default 100: not bounded)",
+         0.1, 100, NULL},
         {0, "splats", PSPLAT_OPTION_COUNT, &a->splats, "N",
          "find the smallest tolerance that takes at most N splats:\na budget", 1, 1e9, NULL},
         {0, "bytes", PSPLAT_OPTION_COUNT, &a->bytes, "N",
@@ -79,6 +83,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "one normal a splat instead of a linear field: smaller files\nthat need more splats for "
          "the same shading",
          0, 0, NULL},
+        {0, "constant-colors", PSPLAT_OPTION_FLAG, &a->constant_colors, NULL,
+         "one colour a splat instead of a linear change", 0, 0, NULL},
         {0, "seed", PSPLAT_OPTION_UNSIGNED, &a->seed, "N",
          "seed of the sampling (default 0); equal input, options\nand seed give equal bytes", 0, 0,
          NULL},
@@ -184,6 +190,8 @@ static psplat_result convert(const arguments *a, psplat_progress *progress, prod
         .crease_angle_degrees = a->crease_angle,
         .no_creases = a->no_creases,
         .constant_normals = a->constant_normals,
+        .color_tolerance_percent = a->color_tolerance,
+        .constant_colors = a->constant_colors,
         .effort = a->effort + 1,
         .seed = a->seed,
         .progress = psplat_progress_show,

@@ -14,6 +14,7 @@ static const double default_tolerance_percent = 0.5;
  * recognised, and gain next to nothing. */
 static const double coarsest_part_percent = 20;
 static const double default_crease_angle_degrees = 30;
+static const double default_color_tolerance_percent = 100;
 
 /* Part of the tolerance that fitting may use; the rest is for single precision. */
 static const double fitted_part = 0.99;
@@ -45,6 +46,12 @@ static double tolerance_percent(const psplat_convert_desc *desc) {
     return desc->tolerance_percent > 0 ? desc->tolerance_percent : default_tolerance_percent;
 }
 
+static double color_tolerance(const psplat_convert_desc *desc) {
+    double percent = desc->color_tolerance_percent;
+    if (!(percent > 0)) percent = default_color_tolerance_percent;
+    return percent < 100 ? percent / 100 : 0;
+}
+
 static int interrupted(const psplat_convert_desc *desc, const char *stage, double fraction) {
     return desc->progress && desc->progress(desc->user, stage, fraction);
 }
@@ -73,7 +80,9 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
                                 .crease_tolerance = crease_part * c->tolerance,
                                 .crease_slack = crease_slack_part * c->tolerance,
                                 .normal_tolerance = c->desc->normal_tolerance_degrees * degree,
-                                .constant_normals = c->desc->constant_normals};
+                                .constant_normals = c->desc->constant_normals,
+                                .color_tolerance = color_tolerance(c->desc),
+                                .constant_colors = c->desc->constant_colors};
     double expected = c->surface.area / (spacing * spacing);
     if (!(expected <= most_samples))
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
@@ -110,6 +119,8 @@ static psplat_result store(psplat_conversion *c, psplat_error *error) {
             mesh->appearances ? mesh->appearances[i].material : mesh->material;
         c->splats->materials[i].double_sided |= mesh->both_sides;
     }
+    if (psplat_fold(c->splats))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
     return PSPLAT_OK;
 }
 
@@ -157,7 +168,8 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     psplat_selection_settle(&c->selection);
     if (psplat_join_lines(&c->surface, &c->limits, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
-    psplat_tint(&c->samples, 1, &c->selection);
+    if (psplat_tint(&c->samples, !c->desc->constant_colors, &c->selection))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while colouring splats");
     return store(c, error);
 }
 

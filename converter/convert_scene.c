@@ -51,6 +51,12 @@ static void add_errors(psplat_report *total, const psplat_report *part) {
         join_rms(total->rms_normal_degrees, before, part->rms_normal_degrees, more);
     total->rms_normal_constant_degrees = join_rms(total->rms_normal_constant_degrees, before,
                                                   part->rms_normal_constant_degrees, more);
+    raise(&total->p95_color_percent, part->p95_color_percent);
+    raise(&total->p95_color_constant_percent, part->p95_color_constant_percent);
+    total->rms_color_percent =
+        join_rms(total->rms_color_percent, before, part->rms_color_percent, more);
+    total->rms_color_constant_percent =
+        join_rms(total->rms_color_constant_percent, before, part->rms_color_constant_percent, more);
     total->verification_samples += more;
 }
 

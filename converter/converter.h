@@ -146,6 +146,10 @@ typedef struct psplat_convert_desc {
                                   * noise; twice of it where the file's normals agree; 0: 30 */
     int no_creases;              /* 1: only borders and non-manifold edges bound splats */
     int constant_normals;        /* 1: fields without gradients, as Gaussian splats have */
+    double color_tolerance_percent; /* greatest root mean square error of a splat's colour over its
+                                     * samples, in % of the range of sRGB; 100: unbounded; 0 means
+                                     * the default, TODO */
+    int constant_colors;            /* 1: one colour a splat, without gradients */
     int effort;      /* 1 ... 10: how long the selection is improved; 0 means the default, 3 */
     uint64_t seed;   /* of the sampling */
     int unverified;  /* 1: a report gets counts only; psplat_convert_verify adds the rest */
@@ -242,6 +246,12 @@ typedef struct psplat_report {
     double p95_normal_degrees;
     double rms_normal_constant_degrees; /* the same with gradients set to 0 */
     double p95_normal_constant_degrees;
+    /* Blended base colour against the surface's, over R, G and B, in % of the range of sRGB; 0
+     * where the mesh has neither textures nor colours of vertices. */
+    double rms_color_percent;
+    double p95_color_percent;
+    double rms_color_constant_percent; /* the same with gradients set to 0 */
+    double p95_color_constant_percent;
     double max_normal_degrees; /* as PSPLAT_PROMISE_NORMAL, whether promised or not */
     size_t uncovered_samples;  /* of verification_samples */
     psplat_kept promises[PSPLAT_PROMISE_COUNT];

@@ -42,4 +42,11 @@ void psplat_look_add(psplat_look *look, uint32_t splat) {
     psplat_field_normal(blend, uvh, field);
     mad3(look->blended, weight, field);
     mad3(look->constant, weight, blend->normals[0]);
+    mad3(look->flat_color, weight, blend->colors[0]);
+    for (int k = 0; k < 3; ++k) { /* clamped as each fragment is (spec eq. 4a) */
+        double value =
+            blend->colors[0][k] + uvh[0] * blend->colors[1][k] + uvh[1] * blend->colors[2][k];
+        look->color[k] += weight * min2(max2(value, 0), blend->factor[k]);
+    }
+    look->weight += weight;
 }

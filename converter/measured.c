@@ -30,6 +30,18 @@ void psplat_field_of(const psplat_splat *splat, const psplat_region *region, psp
     mad3(field->normals[2], gradient[1], region->v);
 }
 
+/* What the splat's fragments have as colour; finish may be NULL. */
+static void color_field(const psplat_splat *splat, const psplat_finish *finish,
+                        const psplat_material *material, psplat_field *field) {
+    for (int k = 0; k < 3; ++k) {
+        double factor = material ? (double)material->base_color[k] : 1;
+        field->factor[k] = factor;
+        field->colors[0][k] = factor * (double)splat->color[k];
+        field->colors[1][k] = finish ? factor * (double)finish->color_u[k] : 0;
+        field->colors[2][k] = finish ? factor * (double)finish->color_v[k] : 0;
+    }
+}
+
 void psplat_field_normal(const psplat_field *field, const double uv[2], double normal[3]) {
     memcpy(normal, field->normals[0], 3 * sizeof(double));
     mad3(normal, uv[0], field->normals[1]);
@@ -51,6 +63,13 @@ psplat_result psplat_measured_create(const psplat_splats *splats, double toleran
         psplat_field_of(&splats->splats[i], &measured->regions[i], &measured->fields[i]);
         measured->fields[i].kernel = splats->kernel;
         measured->fields[i].depth = HUGE_VAL;
+    }
+    for (size_t run = 0, i = 0; run < splats->run_count; ++run) {
+        uint32_t material = splats->runs[run].material;
+        for (size_t end = i + splats->runs[run].count; i < end && i < splats->count; ++i)
+            color_field(&splats->splats[i], splats->finishes ? &splats->finishes[i] : NULL,
+                        material < splats->material_count ? &splats->materials[material] : NULL,
+                        &measured->fields[i]);
     }
     return PSPLAT_OK;
 }

@@ -43,6 +43,10 @@ static void add_errors(psplat_writer *json, const psplat_report *report) {
     psplat_writer_number(json, "rms_normal_constant_degrees", report->rms_normal_constant_degrees);
     psplat_writer_number(json, "p95_normal_constant_degrees", report->p95_normal_constant_degrees);
     psplat_writer_number(json, "max_normal_degrees", report->max_normal_degrees);
+    psplat_writer_number(json, "rms_color_percent", report->rms_color_percent);
+    psplat_writer_number(json, "p95_color_percent", report->p95_color_percent);
+    psplat_writer_number(json, "rms_color_constant_percent", report->rms_color_constant_percent);
+    psplat_writer_number(json, "p95_color_constant_percent", report->p95_color_constant_percent);
     psplat_writer_count(json, "uncovered_samples", report->uncovered_samples);
 }
 

@@ -348,6 +348,8 @@ typedef struct psplat_limits {
     double margin;           /* overlap beyond the covered samples */
     double normal_tolerance; /* greatest error of the normal field, radians; 0: none */
     int constant_normals;    /* fields without gradients */
+    double color_tolerance; /* greatest root mean square of a splat's colour error, sRGB; 0: none */
+    int constant_colors;    /* colours without gradients */
     const psplat_distance
         *distance; /* to the mesh; NULL: only the triangles of samples are asked */
 } psplat_limits;
@@ -453,9 +455,22 @@ size_t psplat_selection_taken(const psplat_selection *selection);
 
 /* ---- tint.c -------------------------------------------------------------------------------- */
 
+/* Means over samples in a region: what a linear fit to their values starts from. */
+typedef struct psplat_moments {
+    double count, mean[2], spread[3]; /* of (u, v); about the mean: uu uv vv */
+    int gradients;                    /* 0: fits are constant */
+} psplat_moments;
+
+void psplat_moments_of(const double (*uv)[2], size_t count, int gradients, psplat_moments *moments);
+/* value(u, v) = fitted[0] + u fitted[1] + v fitted[2] of values with this mean; along: sums of
+ * values times (u, v) from their mean. */
+void psplat_moments_solve(const psplat_moments *moments, double mean, const double along[2],
+                          double fitted[3]);
+
 /* Gives taken candidates colours and finishes, those of the samples they cover; gradients: colours
- * may change over a splat. */
-void psplat_tint(const psplat_samples *samples, int gradients, psplat_selection *selection);
+ * may change over a splat. MEMORY is the only failure. */
+psplat_result psplat_tint(const psplat_samples *samples, int gradients,
+                          psplat_selection *selection);
 
 /* ---- store.c ------------------------------------------------------------------------------- */
 
@@ -474,6 +489,12 @@ typedef struct psplat_storing {
  * has_color; what of these there was is freed. */
 psplat_result psplat_store_splats(const psplat_selection *selection, const psplat_storing *storing,
                                   psplat_splats *splats);
+
+/* ---- fold.c -------------------------------------------------------------------------------- */
+
+/* Colours and finishes that all splats of a material share become its factors; finishes of which
+ * then nothing is left go. MEMORY is the only failure. */
+psplat_result psplat_fold(psplat_splats *splats);
 
 /* ---- locate.c: which regions are near a point ------------------------------------------------ */
 
@@ -548,6 +569,8 @@ psplat_result psplat_repair_holes(psplat_conversion *c, psplat_error *error);
  * the space of its region, and its weight. */
 typedef struct psplat_field {
     double normals[3][3];
+    double colors[3][3]; /* the same of colours (spec 3.10), with the material's factor, */
+    double factor[3];    /* which they may not exceed */
     psplat_kernel kernel;
     double depth; /* epsilon of spec 5.3 along its normal */
 } psplat_field;
@@ -594,6 +617,8 @@ typedef struct psplat_look {
     double limit; /* nor those below this height: they are hidden; at first -HUGE_VAL */
     double blended[3], constant[3]; /* sums (6) of normals, with and without gradients; 0 0 0:
                                        nothing is seen */
+    double color[3], flat_color[3]; /* the same of colours */
+    double weight;                  /* sum of weights */
 } psplat_look;
 
 /* Raises the limit to what a splat leaves to be seen, where it shows its front. */

@@ -6,7 +6,7 @@
 #include "stages.h"
 #include "vector.h"
 
-#include <string.h>
+#include <stdlib.h>
 
 /* Added to the spread of parameters: few samples, or some in a row, say little about a gradient. A
  * disc full of samples has 1/4. */
@@ -14,31 +14,56 @@ static const double ridge = 0.01;
 /* Corners of a region's outline at which a gradient is tried. */
 enum { OUTLINE = 16 + PSPLAT_MAX_CLIP_LINES };
 
-/* Sums over the samples that a candidate covers. */
-typedef struct moments {
-    double count, mean[2], spread[3]; /* of (u, v): about the mean: uu uv vv */
-} moments;
+/* ---- least squares --------------------------------------------------------------------------- */
 
-static void local_of(const psplat_samples *samples, const psplat_candidate *candidate, size_t i,
-                     double uvh[3]) {
-    psplat_region_local(&candidate->region, samples->positions + 3 * (size_t)candidate->covered[i],
-                        uvh);
+void psplat_moments_of(const double (*uv)[2], size_t count, int gradients, psplat_moments *m) {
+    *m = (psplat_moments){.count = (double)count, .gradients = gradients};
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 2; ++k) m->mean[k] += uv[i][k] / m->count;
+    for (size_t i = 0; i < count; ++i) {
+        double u = uv[i][0] - m->mean[0], v = uv[i][1] - m->mean[1];
+        m->spread[0] += u * u / m->count, m->spread[1] += u * v / m->count;
+        m->spread[2] += v * v / m->count;
+    }
 }
 
-static moments moments_of(const psplat_samples *samples, const psplat_candidate *candidate) {
-    moments m = {.count = (double)candidate->covered_count};
-    double uvh[3];
-    for (size_t i = 0; i < candidate->covered_count; ++i) {
-        local_of(samples, candidate, i, uvh);
-        for (int k = 0; k < 2; ++k) m.mean[k] += uvh[k] / m.count;
+void psplat_moments_solve(const psplat_moments *m, double mean, const double along[2],
+                          double fitted[3]) {
+    double uu = m->spread[0] + ridge, uv = m->spread[1], vv = m->spread[2] + ridge;
+    double determinant = m->count * (uu * vv - uv * uv);
+    fitted[0] = mean;
+    fitted[1] = fitted[2] = 0;
+    if (!m->gradients) return;
+    fitted[1] = (vv * along[0] - uv * along[1]) / determinant;
+    fitted[2] = (uu * along[1] - uv * along[0]) / determinant;
+    fitted[0] -= fitted[1] * m->mean[0] + fitted[2] * m->mean[1];
+}
+
+/* ---- one splat ------------------------------------------------------------------------------- */
+
+/* Parameters of the samples that a candidate covers, of which most is known for the moments. */
+typedef struct local {
+    double (*uv)[2];
+    size_t capacity;
+    psplat_moments moments;
+} local;
+
+static int find_local(const psplat_samples *samples, const psplat_candidate *c, int gradients,
+                      local *l) {
+    if (c->covered_count > l->capacity) {
+        free(l->uv);
+        l->capacity = 2 * c->covered_count;
+        l->uv = malloc(l->capacity * sizeof *l->uv);
+        if (!l->uv) l->capacity = 0;
+        if (!l->uv) return 0;
     }
-    for (size_t i = 0; i < candidate->covered_count; ++i) {
-        local_of(samples, candidate, i, uvh);
-        double u = uvh[0] - m.mean[0], v = uvh[1] - m.mean[1];
-        m.spread[0] += u * u / m.count, m.spread[1] += u * v / m.count;
-        m.spread[2] += v * v / m.count;
+    for (size_t i = 0; i < c->covered_count; ++i) {
+        double uvh[3];
+        psplat_region_local(&c->region, samples->positions + 3 * (size_t)c->covered[i], uvh);
+        l->uv[i][0] = uvh[0], l->uv[i][1] = uvh[1];
     }
-    return m;
+    psplat_moments_of((const double(*)[2])l->uv, c->covered_count, gradients, &l->moments);
+    return 1;
 }
 
 /* A value over a candidate: at[0] + u at[1] + v at[2], and the least and greatest of its samples.
@@ -48,22 +73,16 @@ typedef struct fitted {
 } fitted;
 
 /* values: of samples, stride apart. */
-static fitted fit(const psplat_samples *samples, const psplat_candidate *candidate,
-                  const moments *m, const float *values, size_t stride) {
+static fitted fit(const psplat_candidate *c, const local *l, const float *values, size_t stride) {
     fitted f = {.low = HUGE_VAL, .high = -HUGE_VAL};
     double along[2] = {0, 0};
-    for (size_t i = 0; i < candidate->covered_count; ++i) {
-        double value = (double)values[candidate->covered[i] * stride], uvh[3];
-        local_of(samples, candidate, i, uvh);
-        f.mean += value / m->count;
+    for (size_t i = 0; i < c->covered_count; ++i) {
+        double value = (double)values[c->covered[i] * stride];
+        f.mean += value / l->moments.count;
         f.low = min2(f.low, value), f.high = max2(f.high, value);
-        for (int k = 0; k < 2; ++k) along[k] += (uvh[k] - m->mean[k]) * value / m->count;
+        for (int k = 0; k < 2; ++k) along[k] += (l->uv[i][k] - l->moments.mean[k]) * value;
     }
-    double uu = m->spread[0] + ridge, uv = m->spread[1], vv = m->spread[2] + ridge;
-    double determinant = uu * vv - uv * uv;
-    f.at[1] = (vv * along[0] - uv * along[1]) / determinant;
-    f.at[2] = (uu * along[1] - uv * along[0]) / determinant;
-    f.at[0] = f.mean - f.at[1] * m->mean[0] - f.at[2] * m->mean[1];
+    psplat_moments_solve(&l->moments, f.mean, along, f.at);
     return f;
 }
 
@@ -82,12 +101,12 @@ static float unit(double value) {
     return (float)min2(max2(value, 0), 1);
 }
 
-static void tint_color(const psplat_samples *samples, const moments *m, int gradients,
-                       psplat_candidate *c) {
+static void tint_color(const psplat_samples *samples, const local *l, psplat_candidate *c) {
     fitted f[4];
+    int gradients = l->moments.gradients;
     double outline[OUTLINE][2];
     size_t corners = psplat_region_polygon(&c->region, 1, outline, OUTLINE);
-    for (size_t k = 0; k < 4; ++k) f[k] = fit(samples, c, m, samples->colors + k, 4);
+    for (size_t k = 0; k < 4; ++k) f[k] = fit(c, l, samples->colors + k, 4);
     for (int k = 0; k < 3; ++k) gradients &= is_tame(&f[k], outline, corners);
     for (int k = 0; k < 4; ++k) c->color[k] = unit(gradients && k < 3 ? f[k].at[0] : f[k].mean);
     for (int k = 0; k < 3 && gradients; ++k) {
@@ -105,12 +124,14 @@ static float mean_of(const psplat_candidate *c, const float *values) {
 static const psplat_finish plain = {
     .occlusion = 1, .roughness = 1, .metallic = 1, .emissive = {1, 1, 1}};
 
-static void tint(const psplat_samples *samples, int gradients, psplat_candidate *c) {
+static int tint(const psplat_samples *samples, int gradients, local *l, psplat_candidate *c) {
     for (int k = 0; k < 4; ++k) c->color[k] = 1;
     c->finish = plain;
-    if (!c->covered_count) return;
-    moments m = moments_of(samples, c);
-    if (samples->colors) tint_color(samples, &m, gradients, c);
+    if (!c->covered_count) return 1;
+    if (samples->colors) {
+        if (!find_local(samples, c, gradients, l)) return 0;
+        tint_color(samples, l, c);
+    }
     if (samples->finishes) {
         c->finish.occlusion = mean_of(c, samples->finishes);
         c->finish.roughness = mean_of(c, samples->finishes + 1);
@@ -118,13 +139,25 @@ static void tint(const psplat_samples *samples, int gradients, psplat_candidate 
     }
     for (int k = 0; k < 3 && samples->emissive; ++k)
         c->finish.emissive[k] = mean_of(c, samples->emissive + k);
+    return 1;
 }
 
-void psplat_tint(const psplat_samples *samples, int gradients, psplat_selection *selection) {
+psplat_result psplat_tint(const psplat_samples *samples, int gradients,
+                          psplat_selection *selection) {
     long count = (long)selection->count;
+    int failed = 0;
 #if defined(_OPENMP)
-#pragma omp parallel for schedule(dynamic, 64)
+#pragma omp parallel reduction(| : failed)
 #endif
-    for (long i = 0; i < count; ++i)
-        if (selection->candidates[i].taken) tint(samples, gradients, &selection->candidates[i]);
+    {
+        local l = {0};
+#if defined(_OPENMP)
+#pragma omp for schedule(dynamic, 64)
+#endif
+        for (long i = 0; i < count; ++i)
+            if (selection->candidates[i].taken)
+                failed |= !tint(samples, gradients, &l, &selection->candidates[i]);
+        free(l.uv);
+    }
+    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }

@@ -465,7 +465,7 @@ int psplat_trial_accept(psplat_seedling *s, psplat_region *region, double least_
     if (!still_covers(s, region, candidate) || !psplat_trial_near_mesh(s, region)) return 0;
     size_t count = psplat_trial_cover(s, region);
     if (!count || (!large && count <= candidate->covered_count)) return 0;
-    if (!psplat_trial_field(s, region, count, field)) return 0;
+    if (!psplat_trial_field(s, region, count, field) || !psplat_trial_tint(s, count)) return 0;
     psplat_trial_adopt(s, region, field, count, candidate);
     return 1;
 }

@@ -48,6 +48,9 @@ size_t psplat_trial_cover(psplat_seedling *s, const psplat_region *region);
  * wanted. Returns 0 where it errs by more than the limit. */
 int psplat_trial_field(const psplat_seedling *s, const psplat_region *region, size_t count,
                        double field[5]);
+/* trial_tint.c: whether the colours of growth->chosen are near enough to one that changes linearly.
+ */
+int psplat_trial_tint(const psplat_seedling *s, size_t count);
 /* Whether the outline lies near the surface, going by samples. */
 int psplat_trial_outline_near(const psplat_seedling *s, const psplat_region *region);
 /* Whether all of a region is near the part of the mesh that is connected with the seed. The nearest

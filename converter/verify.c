@@ -76,8 +76,9 @@ static void keep_promise(psplat_report *report, psplat_promise promise, double l
 /* What the splats near one surface point make of it. */
 typedef struct probe {
     psplat_look look;
-    double height; /* least over the splats that cover it; HUGE_VAL: none does */
-    double cosine; /* greatest between the normal and their fields */
+    double normal[3]; /* unit: the surface's, as normal maps turn it */
+    double height;    /* least over the splats that cover it; HUGE_VAL: none does */
+    double cosine;    /* greatest between the normal and their fields */
 } probe;
 
 static double cosine3(const double a[3], const double unit[3]) {
@@ -93,7 +94,7 @@ static int visit_splat(void *user, uint32_t index) {
     if (!psplat_measured_covers(measured, index, p->look.normal, uvh)) return 0;
     p->height = min2(p->height, fabs(uvh[2]));
     psplat_field_normal(&measured->fields[index], uvh, field);
-    p->cosine = max2(p->cosine, cosine3(field, p->look.normal));
+    p->cosine = max2(p->cosine, cosine3(field, p->normal));
     return 0;
 }
 
@@ -101,6 +102,7 @@ static int visit_splat(void *user, uint32_t index) {
  * threads. Angles are in degrees; negative: no splat is there to give one. */
 typedef struct measurements {
     double *distances, *own, *blended, *constant;
+    double *color, *flat_color; /* root mean squares over the channels, % of sRGB's range */
     uint8_t *uncovered;
 } measurements;
 
@@ -108,15 +110,51 @@ static double angle_degrees(double cosine) {
     return acos(min2(max2(cosine, -1), 1)) / degree;
 }
 
-static void measure_sample(const psplat_samples *samples, size_t i, const psplat_measured *measured,
-                           measurements *m) {
+/* Of a sum of weighted colours from that of a sample; negative: nothing is seen there. */
+static double color_error(const double sum[3], double weight, const double expected[3]) {
+    double squares = 0;
+    if (!(weight > 0)) return -1;
+    for (int k = 0; k < 3; ++k) {
+        double d = (double)psplat_srgb_of_linear((float)(sum[k] / weight)) -
+                   (double)psplat_srgb_of_linear((float)expected[k]);
+        squares += d * d;
+    }
+    return 100 * sqrt(squares / 3);
+}
+
+/* The colour of a sample, with its material's factor. */
+static void expected_color(const psplat_surface *surface, const psplat_samples *samples, size_t i,
+                           double color[3]) {
+    const psplat_mesh *mesh = surface->mesh;
+    uint32_t group = mesh->groups ? mesh->groups[samples->triangles[i]] : 0;
+    const psplat_material *material =
+        group < mesh->appearance_count ? &mesh->appearances[group].material : &mesh->material;
+    for (size_t k = 0; k < 3; ++k) {
+        color[k] = (double)material->base_color[k];
+        if (samples->colors) color[k] *= (double)samples->colors[4 * i + k];
+    }
+}
+
+static void measure_color(const psplat_look *look, const psplat_surface *surface,
+                          const psplat_samples *samples, size_t i, measurements *m) {
+    double expected[3];
+    expected_color(surface, samples, i, expected);
+    m->color[i] = color_error(look->color, look->weight, expected);
+    m->flat_color[i] = color_error(look->flat_color, look->weight, expected);
+}
+
+static void measure_sample(const psplat_surface *surface, const psplat_samples *samples, size_t i,
+                           const psplat_measured *measured, measurements *m) {
     probe p = {.look = {.measured = measured, .reach = 2 * measured->tolerance, .limit = -HUGE_VAL},
                .height = HUGE_VAL,
                .cosine = -1};
     psplat_look *look = &p.look;
     memcpy(look->point, samples->positions + 3 * i, sizeof look->point);
+    const float *turned = samples->turned ? samples->turned : samples->normals;
     for (size_t k = 0; k < 3; ++k) look->normal[k] = (double)samples->normals[3 * i + k];
+    for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)turned[3 * i + k];
     normalize3(look->normal);
+    normalize3(p.normal);
     psplat_locator_visit(measured->locator, look->point, visit_splat, &p);
     int shows = dot3(look->blended, look->blended) > 0;
     m->uncovered[i] = p.height == HUGE_VAL;
@@ -125,8 +163,9 @@ static void measure_sample(const psplat_samples *samples, size_t i, const psplat
                                                                 measured->tolerance, look->point)
                                       : p.height;
     m->own[i] = m->uncovered[i] ? -1 : angle_degrees(p.cosine);
-    m->blended[i] = shows ? angle_degrees(cosine3(look->blended, look->normal)) : -1;
-    m->constant[i] = shows ? angle_degrees(cosine3(look->constant, look->normal)) : -1;
+    m->blended[i] = shows ? angle_degrees(cosine3(look->blended, p.normal)) : -1;
+    m->constant[i] = shows ? angle_degrees(cosine3(look->constant, p.normal)) : -1;
+    if (m->color) measure_color(look, surface, samples, i, m);
 }
 
 /* Hoare's selection: the value that sorting would put at `at`. values is reordered. */
@@ -150,17 +189,17 @@ static double select_value(double *values, size_t count, size_t at) {
     return values[at];
 }
 
-/* Root mean square and 95th percentile of the angles that are given; reorders them. */
-static void angle_statistics(double *angles, size_t count, double *rms, double *p95) {
+/* Root mean square and 95th percentile of the errors that are given; reorders them. */
+static void statistics(double *errors, size_t count, double *rms, double *p95) {
     size_t given = 0;
     double squares = 0;
     for (size_t i = 0; i < count; ++i) {
-        if (angles[i] < 0) continue;
-        squares += angles[i] * angles[i];
-        angles[given++] = angles[i];
+        if (errors[i] < 0) continue;
+        squares += errors[i] * errors[i];
+        errors[given++] = errors[i];
     }
     *rms = given ? sqrt(squares / (double)given) : 0;
-    *p95 = given ? select_value(angles, given, (given - 1) * 95 / 100) : 0;
+    *p95 = given ? select_value(errors, given, (given - 1) * 95 / 100) : 0;
 }
 
 /* ---- what the samples say -----------------------------------------------------------------------
@@ -215,29 +254,54 @@ static void judge_normals(verifier *r, const measurements *m) {
     keep_promise(r->report, PSPLAT_PROMISE_NORMAL, limit, greatest, broken);
 }
 
+static void free_measurements(measurements *m) {
+    double *lists[] = {m->distances, m->own, m->blended, m->constant, m->color, m->flat_color};
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) free(lists[i]);
+    free(m->uncovered);
+}
+
+static int allocate_measurements(measurements *m, size_t count, int colors) {
+    double **lists[] = {&m->distances, &m->own,   &m->blended,
+                        &m->constant,  &m->color, &m->flat_color};
+    int ok = 1;
+    *m = (measurements){.uncovered = malloc(count + 1)};
+    for (size_t i = 0; i < (colors ? 6u : 4u); ++i) {
+        *lists[i] = malloc((count + 1) * sizeof **lists[i]);
+        ok &= *lists[i] != NULL;
+    }
+    return ok && m->uncovered;
+}
+
+static void judge_looks(verifier *r, const measurements *m) {
+    size_t count = r->samples.count;
+    psplat_report *report = r->report;
+    statistics(m->blended, count, &report->rms_normal_degrees, &report->p95_normal_degrees);
+    statistics(m->constant, count, &report->rms_normal_constant_degrees,
+               &report->p95_normal_constant_degrees);
+    report->rms_color_percent = report->p95_color_percent = 0;
+    report->rms_color_constant_percent = report->p95_color_constant_percent = 0;
+    if (!m->color) return;
+    statistics(m->color, count, &report->rms_color_percent, &report->p95_color_percent);
+    statistics(m->flat_color, count, &report->rms_color_constant_percent,
+               &report->p95_color_constant_percent);
+}
+
 static psplat_result measure_surface(verifier *r) {
-    size_t count = r->samples.count, size = (count + 1) * sizeof(double);
-    measurements m = {malloc(size), malloc(size), malloc(size), malloc(size), malloc(count + 1)};
+    measurements m;
     psplat_result result = PSPLAT_ERROR_MEMORY;
-    if (m.distances && m.own && m.blended && m.constant && m.uncovered) {
-        long end = (long)count;
+    if (allocate_measurements(&m, r->samples.count, r->samples.colors != NULL)) {
+        long end = (long)r->samples.count;
 #if defined(_OPENMP)
 #pragma omp parallel for schedule(dynamic, 1024)
 #endif
-        for (long i = 0; i < end; ++i) measure_sample(&r->samples, (size_t)i, &r->measured, &m);
+        for (long i = 0; i < end; ++i)
+            measure_sample(r->v->surface, &r->samples, (size_t)i, &r->measured, &m);
         judge_coverage(r, &m);
         judge_normals(r, &m);
-        angle_statistics(m.blended, count, &r->report->rms_normal_degrees,
-                         &r->report->p95_normal_degrees);
-        angle_statistics(m.constant, count, &r->report->rms_normal_constant_degrees,
-                         &r->report->p95_normal_constant_degrees);
+        judge_looks(r, &m);
         result = PSPLAT_OK;
     }
-    free(m.distances);
-    free(m.own);
-    free(m.blended);
-    free(m.constant);
-    free(m.uncovered);
+    free_measurements(&m);
     return result;
 }
 

@@ -63,7 +63,7 @@ static void test_gradient(void **state) {
         for (int k = 0; k < 4; ++k) f.colors[4 * i + k] = (float)color[k];
     }
     f.samples.colors = f.colors;
-    psplat_tint(&f.samples, 1, &f.selection);
+    assert_int_equal(psplat_tint(&f.samples, 1, &f.selection), PSPLAT_OK);
     const psplat_finish *finish = &f.candidate.finish;
     assert_near(f.candidate.color[0], 0.5, 1e-6);
     assert_near(f.candidate.color[1], 0.4, 1e-6);
@@ -73,7 +73,7 @@ static void test_gradient(void **state) {
     assert_near(finish->color_v[1], -0.3, 0.05 * 0.3);
     assert_near(finish->color_v[0], 0, 1e-6);
     assert_near(finish->color_u[2], 0, 1e-6);
-    psplat_tint(&f.samples, 0, &f.selection);
+    assert_int_equal(psplat_tint(&f.samples, 0, &f.selection), PSPLAT_OK);
     assert_near(f.candidate.color[0], 0.5, 1e-6); /* the mean: samples lie alike on both sides */
     assert_near(finish->color_u[0], 0, 0);
 }
@@ -90,7 +90,7 @@ static void test_few_samples(void **state) {
     }
     f.candidate.covered_count = 3;
     f.samples.colors = f.colors;
-    psplat_tint(&f.samples, 1, &f.selection);
+    assert_int_equal(psplat_tint(&f.samples, 1, &f.selection), PSPLAT_OK);
     for (double angle = 0; angle < 6.28; angle += 0.1)
         for (int k = 0; k < 3; ++k) {
             double value = (double)f.candidate.color[k] +
@@ -111,14 +111,14 @@ static void test_finish(void **state) {
         }
     f.finishes[0] = 1000; /* of a sample that is not covered */
     f.samples.finishes = f.finishes;
-    psplat_tint(&f.samples, 1, &f.selection);
+    assert_int_equal(psplat_tint(&f.samples, 1, &f.selection), PSPLAT_OK);
     assert_near(f.candidate.finish.occlusion, 0, 1e-6);
     assert_near(f.candidate.finish.roughness, 0.2, 1e-6);
     assert_near(f.candidate.finish.metallic, 0.4, 1e-6);
     assert_near(f.candidate.finish.emissive[1], 1, 0);
     assert_near(f.candidate.color[2], 1, 0);
     f.samples.emissive = f.emissive;
-    psplat_tint(&f.samples, 1, &f.selection);
+    assert_int_equal(psplat_tint(&f.samples, 1, &f.selection), PSPLAT_OK);
     for (int k = 0; k < 3; ++k) assert_near(f.candidate.finish.emissive[k], 0.9 - 0.2 * k, 1e-6);
 }
 
@@ -129,11 +129,11 @@ static void test_nothing(void **state) {
     make(&f);
     f.samples.colors = f.colors;
     f.candidate.covered_count = 0;
-    psplat_tint(&f.samples, 1, &f.selection);
+    assert_int_equal(psplat_tint(&f.samples, 1, &f.selection), PSPLAT_OK);
     assert_near(f.candidate.color[0], 1, 0);
     f.candidate.color[0] = 0.25f;
     f.candidate.taken = 0;
-    psplat_tint(&f.samples, 1, &f.selection);
+    assert_int_equal(psplat_tint(&f.samples, 1, &f.selection), PSPLAT_OK);
     assert_near(f.candidate.color[0], 0.25, 0);
 }
 
