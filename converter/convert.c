@@ -14,7 +14,8 @@ static const double default_tolerance_percent = 0.5;
  * recognised, and gain next to nothing. */
 static const double coarsest_part_percent = 20;
 static const double default_crease_angle_degrees = 30;
-static const double default_color_tolerance_percent = 100;
+/* Of spot's and Duck's textures all that people would name is there, with edges a little frayed. */
+static const double default_color_tolerance_percent = 10;
 
 /* Part of the tolerance that fitting may use; the rest is for single precision. */
 static const double fitted_part = 0.99;
@@ -46,10 +47,13 @@ static double tolerance_percent(const psplat_convert_desc *desc) {
     return desc->tolerance_percent > 0 ? desc->tolerance_percent : default_tolerance_percent;
 }
 
-static double color_tolerance(const psplat_convert_desc *desc) {
-    double percent = desc->color_tolerance_percent;
-    if (!(percent > 0)) percent = default_color_tolerance_percent;
-    return percent < 100 ? percent / 100 : 0;
+/* Of colours in sRGB, 0 ... 1; 0: none. What is seen from near enough to tell distances of half the
+ * default apart shows more of its texture too. */
+static double color_tolerance(const psplat_convert_desc *desc, double percent) {
+    double of_color = desc->color_tolerance_percent;
+    if (!(of_color > 0))
+        of_color = default_color_tolerance_percent * sqrt(percent / default_tolerance_percent);
+    return of_color < 100 ? of_color / 100 : 0;
 }
 
 static int interrupted(const psplat_convert_desc *desc, const char *stage, double fraction) {
@@ -76,13 +80,14 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     if (degrees > 0) fine = fmin(fine, normal_tolerance_percent(degrees));
     double spacing = spacing_percent / 100 * c->surface.diagonal * sqrt(fine);
     c->finest = spacing;
-    c->limits = (psplat_limits){.tolerance = fitted_part * c->tolerance,
-                                .crease_tolerance = crease_part * c->tolerance,
-                                .crease_slack = crease_slack_part * c->tolerance,
-                                .normal_tolerance = c->desc->normal_tolerance_degrees * degree,
-                                .constant_normals = c->desc->constant_normals,
-                                .color_tolerance = color_tolerance(c->desc),
-                                .constant_colors = c->desc->constant_colors};
+    c->limits =
+        (psplat_limits){.tolerance = fitted_part * c->tolerance,
+                        .crease_tolerance = crease_part * c->tolerance,
+                        .crease_slack = crease_slack_part * c->tolerance,
+                        .normal_tolerance = c->desc->normal_tolerance_degrees * degree,
+                        .constant_normals = c->desc->constant_normals,
+                        .color_tolerance = color_tolerance(c->desc, c->percent),
+                        .constant_colors = c->desc->color_field != PSPLAT_COLOR_FIELD_LINEAR};
     double expected = c->surface.area / (spacing * spacing);
     if (!(expected <= most_samples))
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
@@ -168,7 +173,7 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     psplat_selection_settle(&c->selection);
     if (psplat_join_lines(&c->surface, &c->limits, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
-    if (psplat_tint(&c->samples, !c->desc->constant_colors, &c->selection))
+    if (psplat_tint(&c->samples, !c->limits.constant_colors, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while colouring splats");
     return store(c, error);
 }

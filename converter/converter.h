@@ -138,6 +138,13 @@ void psplat_points_free(psplat_points *points);
 
 /* ---- convert.c: the whole conversion ------------------------------------------------------ */
 
+/* How colours change over a splat that has them (spec 3.10). */
+typedef enum psplat_color_field {
+    PSPLAT_COLOR_FIELD_CHOSEN = 0, /* whichever promises the smaller file */
+    PSPLAT_COLOR_FIELD_CONSTANT,
+    PSPLAT_COLOR_FIELD_LINEAR
+} psplat_color_field;
+
 /* Zeros are the defaults. */
 typedef struct psplat_convert_desc {
     double tolerance_percent;        /* epsilon in % of the bounding-box diagonal; 0 means 0.5 */
@@ -146,10 +153,10 @@ typedef struct psplat_convert_desc {
                                   * noise; twice of it where the file's normals agree; 0: 30 */
     int no_creases;              /* 1: only borders and non-manifold edges bound splats */
     int constant_normals;        /* 1: fields without gradients, as Gaussian splats have */
-    double color_tolerance_percent; /* greatest root mean square error of a splat's colour over its
-                                     * samples, in % of the range of sRGB; 100: unbounded; 0 means
-                                     * the default, TODO */
-    int constant_colors;            /* 1: one colour a splat, without gradients */
+    double color_tolerance_percent; /* greatest root mean square of a splat's colour error over its
+                                     * samples, in % of sRGB's range; 100: unbounded; 0 means 10,
+                                     * times the root of epsilon over 0.5 % */
+    psplat_color_field color_field;
     int effort;      /* 1 ... 10: how long the selection is improved; 0 means the default, 3 */
     uint64_t seed;   /* of the sampling */
     int unverified;  /* 1: a report gets counts only; psplat_convert_verify adds the rest */

@@ -60,8 +60,11 @@ static void measure(psplat_splats *splats, size_t i, span *s) {
     extend(s, values);
 }
 
+/* Where it changes over a splat, it stays the splat's. */
 static int color_folds(const span *s) {
-    return is_constant(s, 0, COLOR) && is_constant(s, VALUES - 6, 6);
+    for (int k = VALUES - 6; k < VALUES; ++k)
+        if (s->low[k] < -same || s->high[k] > same) return 0;
+    return is_constant(s, 0, COLOR);
 }
 
 static void fold_material(const span *s, psplat_material *material) {

@@ -10,7 +10,7 @@
 
 /* Added to the spread of parameters: few samples, or some in a row, say little about a gradient. A
  * disc full of samples has 1/4. */
-static const double ridge = 0.01;
+static const double ridge = 0.001;
 /* Corners of a region's outline at which a gradient is tried. */
 enum { OUTLINE = 16 + PSPLAT_MAX_CLIP_LINES };
 
