@@ -51,13 +51,10 @@ static int leave(void **state) {
 }
 
 /* Runs convert and keeps what it writes to standard error. */
-static int convert(char *text, size_t size) {
-    const char *const list[] = {PSPLAT_SOURCE_DIR "/samples/models/cube.off",
-                                "out.glb",
-                                "-t2",
-                                "-qw",
-                                "--report",
-                                "out.json"};
+static int convert(const char *model, char *text, size_t size) {
+    char input[512];
+    snprintf(input, sizeof input, "%s/samples/models/%s", PSPLAT_SOURCE_DIR, model);
+    const char *const list[] = {input, "out.glb", "-t2", "-qw", "--report", "out.json"};
     char *arguments[6];
     for (int i = 0; i < 6; ++i) arguments[i] = (char *)(uintptr_t)list[i];
     int kept = dup(STDERR_FILENO);
@@ -76,7 +73,7 @@ static int convert(char *text, size_t size) {
 static void test_kept(void **state) {
     (void)state;
     char text[1024];
-    assert_int_equal(convert(text, sizeof text), PSPLAT_EXIT_SUCCESS);
+    assert_int_equal(convert("cube.off", text, sizeof text), PSPLAT_EXIT_SUCCESS);
     assert_string_equal(text, "");
 }
 
@@ -92,7 +89,7 @@ static void test_broken(void **state) {
         char text[1024];
         broken = (psplat_promise)k;
         unlink("out.glb");
-        assert_int_equal(convert(text, sizeof text), PSPLAT_EXIT_BROKEN);
+        assert_int_equal(convert("cube.off", text, sizeof text), PSPLAT_EXIT_BROKEN);
         broken = PSPLAT_PROMISE_COUNT;
         assert_ptr_equal(strchr(text, '\n'), text + strlen(text) - 1);
         if (strncmp(text, "phongsplat: ", 12) || !strstr(text, "cube.off: at 0.25 -1.5 1e+06: ") ||
@@ -110,7 +107,31 @@ static void test_broken(void **state) {
     }
 }
 
+/* Of a scene the mesh is named, each by itself in the report, and all count. */
+static void test_broken_scene(void **state) {
+    (void)state;
+    char text[1024];
+    broken = PSPLAT_PROMISE_DISTANCE;
+    unlink("out.glb");
+    assert_int_equal(convert("still-life.glb", text, sizeof text), PSPLAT_EXIT_BROKEN);
+    broken = PSPLAT_PROMISE_COUNT;
+    if (!strstr(text, "still-life.glb: mesh 0 'table' at 0.25 -1.5 1e+06: ") ||
+        !strstr(text, "by 3.5 %, not 2 % (164 splats)"))
+        fail_msg("%s", text);
+    FILE *file = fopen("out.json", "r");
+    assert_non_null(file);
+    char report[32768];
+    report[fread(report, 1, sizeof report - 1, file)] = 0;
+    fclose(file);
+    for (int i = 0; i < 4; ++i) {
+        char place[64];
+        snprintf(place, sizeof place, "\"mesh\": %d,\n      \"position\": [0.25", i);
+        if (!strstr(report, place)) fail_msg("no %s in %s", place, report);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_kept), cmocka_unit_test(test_broken)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_kept), cmocka_unit_test(test_broken),
+                                       cmocka_unit_test(test_broken_scene)};
     return cmocka_run_group_tests(tests, enter, leave);
 }
