@@ -7,6 +7,7 @@
 
 #include "camera.h"
 #include "canvas.h"
+#include "packed.h"
 #include "scene.h"
 
 #include <math.h>
@@ -155,6 +156,60 @@ static void test_materials(void **state) {
     scene_free(&rough);
 }
 
+/* ---- materials that vary -----------------------------------------------------------------------
+ */
+
+/* Memory of one splat with these attributes. */
+static psplat_memory draw_varied(const char *const names[2], const psplat_view *view) {
+    static const double values[3] = {0.5, 0.5, 0.5};
+    psplat_error error = {0};
+    psplat_renderer *renderer = NULL;
+    psplat_asset *asset = NULL;
+    psplat_item item = {.model = NULL};
+    const float zeros[4] = {0};
+    packed p = packed_default();
+    for (size_t i = 0; i < 2 && names[i]; ++i)
+        p.attributes[4 + i] = (packed_attribute){names[i], PACKED_FLOAT, 3, 0, values};
+    char *text = packed_text(&p);
+    canvas_check(psplat_asset_open_memory(text, strlen(text), NULL, &asset, &error), &error);
+    free(text);
+    const psplat_renderer_desc desc = {.get_proc = counting_get_proc};
+    canvas_check(psplat_renderer_create(&desc, &renderer, &error), &error);
+    canvas_check(psplat_model_create(renderer, asset, &item.model, &error), &error);
+    psplat_asset_destroy(asset);
+    canvas_check(psplat_host_begin(counter.host, view->width, view->height, 1, zeros, &error),
+                 &error);
+    canvas_check(psplat_draw(renderer, view, &item, 1, &error), &error);
+    psplat_memory memory = psplat_renderer_memory(renderer);
+    assert_int_equal(psplat_model_describe(item.model).bytes, memory.models);
+    psplat_model_destroy(renderer, item.model);
+    psplat_renderer_destroy(renderer);
+    return memory;
+}
+
+/* Twelve bytes a splat for three numbers; a pixel's targets as test_materials has them, and eight
+ * bytes more where occlusion varies. */
+static void test_finishes(void **state) {
+    (void)state;
+    static const char *const none[2] = {NULL, NULL}, *const glow[2] = {"EMISSIVE", NULL};
+    static const char *const surface[2] = {"OCCLUSION_ROUGHNESS_METALLIC", NULL};
+    static const char *const gradient[2] = {"COLOR_U", "COLOR_V"};
+    const size_t pixels = 64 * 64;
+    psplat_view view = view_of();
+    psplat_memory plain = draw_varied(none, &view), glowing = draw_varied(glow, &view);
+    psplat_memory rough = draw_varied(surface, &view), colored = draw_varied(gradient, &view);
+    assert_int_equal(plain.models, 512 * 48);
+    assert_int_equal(plain.targets, pixels * (16 + 4 + 4));
+    assert_int_equal(glowing.models, 512 * (48 + 12));
+    assert_int_equal(glowing.targets, pixels * (16 + 8 + 4 + 16 + 16));
+    assert_int_equal(rough.models, 512 * (48 + 12));
+    assert_int_equal(rough.targets, pixels * (16 + 16 + 4 + 16 + 16));
+    assert_int_equal(colored.models, 512 * (48 + 24));
+    assert_int_equal(colored.targets, pixels * (16 + 4 + 4 + 16));
+    view.shading = PSPLAT_SHADING_NORMAL;
+    assert_int_equal(draw_varied(surface, &view).targets, pixels * (16 + 4 + 4));
+}
+
 /* ---- many splats in a pixel ------------------------------------------------------------------ */
 
 /* Ten thousand splats in every pixel: sums stay finite, and their quotients are those of one. */
@@ -209,7 +264,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_passes),   cmocka_unit_test(test_vertices),
         cmocka_unit_test(test_targets),  cmocka_unit_test(test_materials),
-        cmocka_unit_test(test_overdraw),
+        cmocka_unit_test(test_finishes), cmocka_unit_test(test_overdraw), /* makes a context */
     };
     return cmocka_run_group_tests(tests, open_host, close_host);
 }
