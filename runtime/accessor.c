@@ -190,18 +190,31 @@ static float unsigned_short_at(const uint8_t *bytes) {
     return (float)bits_at(bytes);
 }
 
-/* Inlined, so that the loops know value and size: reading is what opening a large asset takes. */
-static inline void read_as(const psplat_reader *reader, size_t first, size_t count,
-                           float (*value)(const uint8_t *), size_t size, float *values) {
-    const uint8_t *bytes = reader->buffer->data + reader->start + first * reader->stride;
-    size_t components = reader->components, stride = reader->stride;
-    if (stride == components * size) { /* tightly packed: as one element */
-        components *= count;
-        count = 1;
-    }
+typedef float read_value(const uint8_t *bytes);
+
+/* This and the next are inlined, so that the loops know value, size and components: reading is what
+ * opening a large asset takes. */
+static inline void read_elements(const uint8_t *bytes, size_t stride, size_t count,
+                                 size_t components, read_value *value, size_t size, float *values) {
     for (size_t i = 0; i < count; ++i)
         for (size_t k = 0; k < components; ++k)
             values[i * components + k] = value(bytes + i * stride + k * size);
+}
+
+static inline void read_as(const psplat_reader *reader, size_t first, size_t count,
+                           read_value *value, size_t size, float *values) {
+    const uint8_t *bytes = reader->buffer->data + reader->start + first * reader->stride;
+    size_t stride = reader->stride, components = reader->components;
+    if (stride == components * size) /* tightly packed: as elements of one number */
+        read_elements(bytes, size, count * components, 1, value, size, values);
+    else if (components == 1)
+        read_elements(bytes, stride, count, 1, value, size, values);
+    else if (components == 2)
+        read_elements(bytes, stride, count, 2, value, size, values);
+    else if (components == 3)
+        read_elements(bytes, stride, count, 3, value, size, values);
+    else
+        read_elements(bytes, stride, count, 4, value, size, values);
 }
 
 /* glTF 2.0 section 3.6.2.2; 0 where integers are as they are. */

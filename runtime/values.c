@@ -83,7 +83,9 @@ static psplat_result read_block(decoder *d) {
         if (!d->readers->is_present[i]) continue;
         psplat_reader_get(&d->readers->of[i], d->first, d->count, d->values[i]);
         unpack(d, i);
-        if (!all_finite(d->values[i], d->count * d->components[i])) return fail_infinite(d, i);
+        int is_float = d->readers->of[i].component_type == PSPLAT_FLOAT; /* integers are finite */
+        if (is_float && !all_finite(d->values[i], d->count * d->components[i]))
+            return fail_infinite(d, i);
     }
     return PSPLAT_OK;
 }
