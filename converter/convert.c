@@ -2,6 +2,7 @@
  *
  * convert.c - the whole conversion: surface, samples, selection, repair, report.
  */
+#include "mask.h"
 #include "stages.h"
 #include "vector.h"
 
@@ -33,6 +34,8 @@ static const double spacing_percent = 0.5;
 static double normal_tolerance_percent(double degrees) {
     return 0.005 * degrees * degrees;
 }
+/* Edges of triangles along masks, in tolerances. */
+static const double mask_steps = 2;
 /* Beyond this a tolerance is refused, before the samples fill the memory. */
 static const double most_samples = 16e6;
 /* Rounds of improving for each effort, and moves in each for every splat: more candidates to choose
@@ -214,6 +217,29 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
     return psplat_verify(&verification, report, error);
 }
 
+/* Diagonal of a mesh's bounding box. */
+static double diagonal_of(const psplat_mesh *mesh) {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double extent[3];
+    for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) {
+        low[i % 3] = min2(low[i % 3], mesh->positions[i]);
+        high[i % 3] = max2(high[i % 3], mesh->positions[i]);
+    }
+    sub3(extent, high, low);
+    return mesh->vertex_count ? length3(extent) : 0;
+}
+
+/* The mesh without what its masks hide; straight pieces of a mask's edge are as long as may be
+ * between points that lie within the tolerance of each other. */
+static psplat_result show(psplat_conversion *c, const psplat_mesh **mesh, psplat_error *error) {
+    if (!psplat_mask_is_needed(*mesh)) return PSPLAT_OK;
+    double whole = c->desc->diagonal > 0 ? c->desc->diagonal : diagonal_of(*mesh);
+    double step = mask_steps * tolerance_percent(c->desc) / 100 * whole;
+    psplat_result result = psplat_mask_cut(*mesh, step, &c->shown, error);
+    *mesh = &c->shown;
+    return result;
+}
+
 psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
                                       psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
@@ -222,7 +248,8 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
     if (interrupted(desc, "finding creases", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     double crease_angle = desc->no_creases ? PSPLAT_NO_CREASES : degrees * degree;
-    psplat_result result = psplat_surface_build(mesh, crease_angle, &c->surface, error);
+    psplat_result result = show(c, &mesh, error);
+    if (!result) result = psplat_surface_build(mesh, crease_angle, &c->surface, error);
     if (!result) result = set_limits(c, error);
     if (result) return result;
     c->surface.paint = &c->paint;
@@ -252,6 +279,7 @@ void psplat_conversion_free(psplat_conversion *c) {
     psplat_distance_destroy(c->distance);
     psplat_paint_free(&c->paint);
     psplat_surface_free(&c->surface);
+    psplat_mesh_free(&c->shown);
 }
 
 static const psplat_convert_desc defaults;

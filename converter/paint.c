@@ -229,6 +229,7 @@ void psplat_paint_shade(const psplat_paint *paint, uint32_t triangle, const doub
     memcpy(shade->normal, normal, sizeof shade->normal);
     if (coat->base_color) read_texture(&p, &a->base_color, coat->base_color, shade->color);
     multiply_corner_color(&p, shade->color);
+    if (a && !a->is_blended) shade->color[3] = 1; /* glTF 2.0 section 3.9.4 */
     if (coat->normal) turn_normal(&p, &a->normal, coat->normal, shade->normal);
     if (coat->occlusion) {
         read_texture(&p, &a->occlusion, coat->occlusion, rgba);

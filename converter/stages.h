@@ -524,6 +524,7 @@ psplat_result psplat_join_lines(const psplat_surface *surface, const psplat_limi
 /* What a conversion is made of. */
 typedef struct psplat_conversion {
     const psplat_convert_desc *desc;
+    psplat_mesh shown; /* what masks leave of the mesh; empty: it has none */
     psplat_surface surface;
     psplat_paint paint;
     psplat_samples samples;

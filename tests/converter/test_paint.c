@@ -42,6 +42,8 @@ static void test_base_color(void **state) {
     painted p;
     painted_make(&p, 1, 16, ramps);
     p.appearance.base_color = (psplat_texture){.image = &p.image};
+    assert_near(shade_at(&p, 0.5, -0.5).color[3], 1, 0); /* opaque, whatever the texture */
+    p.appearance.is_blended = 1;
     psplat_shade shade = shade_at(&p, 0.5, -0.5); /* between texels 11 and 12, both ways */
     float low = psplat_linear_of_srgb(16 * 11 / 255.0f);
     float high = psplat_linear_of_srgb(16 * 12 / 255.0f);
