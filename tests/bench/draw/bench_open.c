@@ -4,11 +4,14 @@
  *
  *     bench_open [--splats N] [--rounds N] [FILE.glb]...
  *
- * Without a file: a sphere of N splats (1000000) in a file of its own, read from the system's
- * cache. Milliseconds of CPU time, medians of the rounds (9):
+ * Without a file: a sphere of N splats (1000000) as floats, as integers and as compressed integers,
+ * each in a file of its own, read from the system's cache. Each is opened with its splats and to
+ * draw alone (psplat_asset_desc.only_draws), in turn. Milliseconds of CPU time, medians of the
+ * rounds (9):
  *
  *     read    the file into memory
- *     parse   the rest of psplat_asset_open: JSON, checks, unpacking
+ *     parse   the rest of psplat_asset_open: JSON, decompression, checks, unpacking, and where
+ *             the asset only draws, packing
  *     upload  in glTexImage2D and glTexSubImage2D
  *     pack    the rest of psplat_model_create
  *     finish  glFinish after it
@@ -18,6 +21,7 @@
 #include "files.h"
 #include "gl.h"
 #include "measure.h"
+#include "rows.h"
 #include "scene.h"
 
 #include <phongsplat/phongsplat.h>
@@ -89,11 +93,12 @@ static void *get_proc(void *user, const char *name) {
  * -------------------------------------------------------------------------------------- */
 
 /* Returns the number of splats. */
-static size_t run(psplat_renderer *renderer, const char *path, double phases[PHASE_COUNT]) {
+static size_t run(psplat_renderer *renderer, const char *path, int only_draws,
+                  double phases[PHASE_COUNT]) {
     psplat_asset *asset = NULL;
     psplat_model *model = NULL;
     psplat_error error;
-    psplat_asset_desc desc = {.files = {read_file, &phases[READ]}, .only_draws = getenv("ONLY") != NULL};
+    psplat_asset_desc desc = {.files = {read_file, &phases[READ]}, .only_draws = only_draws};
     phases[READ] = upload.milliseconds = 0;
     instant start = measure_now();
     if (psplat_asset_open(path, &desc, &asset, &error)) fail(path, error.text);
@@ -118,32 +123,48 @@ static size_t run(psplat_renderer *renderer, const char *path, double phases[PHA
 
 static void run_rounds(psplat_renderer *renderer, const char *name, const char *path,
                        size_t rounds) {
-    static double phases[PHASE_COUNT][MAX_ROUNDS];
+    static double phases[2][PHASE_COUNT][MAX_ROUNDS];
+    static const char *const kinds[2] = {"splats", "only draws"};
     size_t splats = 0;
-    for (size_t round = 0; round < rounds; ++round) {
-        double taken[PHASE_COUNT];
-        splats = run(renderer, path, taken);
-        for (int i = 0; i < PHASE_COUNT; ++i) phases[i][round] = taken[i];
+    for (size_t round = 0; round < rounds; ++round)
+        for (int kind = 0; kind < 2; ++kind) {
+            double taken[PHASE_COUNT];
+            splats = run(renderer, path, kind, taken);
+            for (int i = 0; i < PHASE_COUNT; ++i) phases[kind][i][round] = taken[i];
+        }
+    for (int kind = 0; kind < 2; ++kind) {
+        printf("| %s | %s | %zu |", name, kinds[kind], splats);
+        for (int i = 0; i < PHASE_COUNT; ++i)
+            printf(" %.1f |", measure_median(phases[kind][i], rounds));
+        printf("\n");
     }
-    printf("| %s | %zu |", name, splats);
-    for (int i = 0; i < PHASE_COUNT; ++i) printf(" %.1f |", measure_median(phases[i], rounds));
-    printf("\n");
 }
 
-static void run_sphere(psplat_renderer *renderer, size_t count, size_t rounds) {
+/* From a file of its own; frees the bytes, NULL: there are none. */
+static void run_bytes(psplat_renderer *renderer, const char *name, uint8_t *glb, size_t size,
+                      size_t rounds) {
     char path[] = "/tmp/bench_open_XXXXXX";
-    scene s = scene_sphere(count, 1.0f);
-    size_t size = 0;
-    uint8_t *glb = scene_glb(&s, &size);
-    scene_free(&s);
+    if (!glb) return;
     int descriptor = mkstemp(path);
     if (descriptor < 0) fail(path, "cannot be made");
     FILE *file = fdopen(descriptor, "wb");
     if (!file || fwrite(glb, 1, size, file) != size || fclose(file))
         fail(path, "cannot be written");
     free(glb);
-    run_rounds(renderer, "sphere", path, rounds);
+    run_rounds(renderer, name, path, rounds);
     unlink(path);
+}
+
+static void run_spheres(psplat_renderer *renderer, size_t count, size_t rounds) {
+    scene s = scene_sphere(count, 1.0f);
+    size_t size = 0;
+    uint8_t *glb = scene_glb(&s, &size);
+    scene_free(&s);
+    run_bytes(renderer, "floats", glb, size, rounds);
+    glb = rows_glb(count, 0, &size);
+    run_bytes(renderer, "integers", glb, size, rounds);
+    glb = rows_glb(count, 1, &size);
+    run_bytes(renderer, "compressed", glb, size, rounds);
 }
 
 int main(int argc, char **argv) {
@@ -165,9 +186,10 @@ int main(int argc, char **argv) {
     bench_gl_load(&upload.gl, psplat_host_get_proc, host);
     psplat_renderer_desc desc = {.get_proc = get_proc, .user = host};
     if (psplat_renderer_create(&desc, &renderer, &error)) fail("renderer", error.text);
-    printf("| file | splats | read | parse | upload | pack | finish | CPU ms | wall ms |\n");
-    printf("|---|--:|--:|--:|--:|--:|--:|--:|--:|\n");
-    if (i == argc) run_sphere(renderer, splats, rounds);
+    printf(
+        "| file | asset | splats | read | parse | upload | pack | finish | CPU ms | wall ms |\n");
+    printf("|---|---|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+    if (i == argc) run_spheres(renderer, splats, rounds);
     for (; i < argc; ++i) run_rounds(renderer, argv[i], argv[i], rounds);
     psplat_renderer_destroy(renderer);
     psplat_host_destroy(host);
