@@ -40,22 +40,23 @@ static void pack_splat(const psplat_splat *splat, float *out) {
     const float *q = splat->rotation;
     double length2 = 0.0;
     for (int i = 0; i < 4; ++i) length2 += (double)q[i] * (double)q[i];
-    double x = q[0], y = q[1], z = q[2], w = q[3], s = 2.0 / length2;
+    double x = q[0], y = q[1], z = q[2], w = q[3];
     const double axes[3][3] = {
-        {1.0 - s * (y * y + z * z), s * (x * y + w * z), s * (x * z - w * y)},
-        {s * (x * y - w * z), 1.0 - s * (x * x + z * z), s * (y * z + w * x)},
-        {s * (x * z + w * y), s * (y * z - w * x), 1.0 - s * (x * x + y * y)}};
+        /* times length2 */
+        {length2 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+        {2 * (x * y - w * z), length2 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+        {2 * (x * z + w * y), 2 * (y * z - w * x), length2 - 2 * (x * x + y * y)}};
     double local[3]; /* the normal in U, V, N (spec 3.5, eq. 3) */
     for (int i = 0; i < 3; ++i)
         local[i] = splat->normal[0] * axes[i][0] + splat->normal[1] * axes[i][1] +
                    splat->normal[2] * axes[i][2];
 
-    double scale = sqrt((double)splat->radius[0] / length2);
+    double scale = sqrt((double)splat->radius[0] / length2), height = 1 / local[2];
     for (int i = 0; i < 3; ++i) out[i] = splat->center[i];
-    out[3] = (float)((double)splat->radius[1] / (double)splat->radius[0]);
+    out[3] = splat->radius[1] / splat->radius[0];
     for (int i = 0; i < 4; ++i) out[4 + i] = (float)(q[i] * scale);
-    out[8] = (float)(local[0] / local[2]);
-    out[9] = (float)(local[1] / local[2]);
+    out[8] = (float)(local[0] * height);
+    out[9] = (float)(local[1] * height);
     out[10] = splat->gradient[0];
     out[11] = splat->gradient[1];
 }

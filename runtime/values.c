@@ -16,10 +16,12 @@ typedef struct decoder {
     const psplat_gltf *gltf;
     const psplat_readers *readers;
     const psplat_set *set;
+    psplat_splat blank;  /* what is not stored */
     size_t first, count; /* splats of the block */
     size_t index;        /* of the splat being decoded, in the primitive */
     float values[PSPLAT_ATTRIBUTES][BLOCK * MAX_COMPONENTS];
     size_t components[PSPLAT_ATTRIBUTES]; /* of each splat, as the floats that they are */
+    double cosines[BLOCK];                /* of NORMAL and N */
     psplat_radii radii;                   /* where they are integers */
     double low[3], high[3];               /* of the ellipses */
     float center_low[3], center_high[3];  /* of their centres */
@@ -103,6 +105,20 @@ static int normalise(float *values, size_t count) {
     return 1;
 }
 
+/* Columns U, V, N of the rotation by quaternion q. */
+static inline void rotation_axes(const float q[4], double axes[3][3]) {
+    double x = (double)q[0], y = (double)q[1], z = (double)q[2], w = (double)q[3];
+    axes[0][0] = 1 - 2 * (y * y + z * z);
+    axes[0][1] = 2 * (x * y + z * w);
+    axes[0][2] = 2 * (x * z - y * w);
+    axes[1][0] = 2 * (x * y - z * w);
+    axes[1][1] = 1 - 2 * (x * x + z * z);
+    axes[1][2] = 2 * (y * z + x * w);
+    axes[2][0] = 2 * (x * z + y * w);
+    axes[2][1] = 2 * (y * z - x * w);
+    axes[2][2] = 1 - 2 * (x * x + y * y);
+}
+
 static psplat_result normalise_block(decoder *d, size_t attribute, const char *what) {
     size_t components = d->components[attribute];
     for (size_t i = 0; i < d->count; ++i) {
@@ -125,11 +141,45 @@ static psplat_result turn_block(decoder *d) {
     return PSPLAT_OK;
 }
 
+/* Beside TURN, x and y of eq. (2) are stored and NORMAL is N (spec 3.5). */
+static void tilt_block(decoder *d) {
+    const float *rotations = d->values[PSPLAT_ROTATION], *tilts = d->values[PSPLAT_TILT];
+    float *normals = d->values[PSPLAT_NORMAL];
+    for (size_t i = 0; i < d->count; ++i) {
+        double axes[3][3], x = (double)tilts[2 * i], y = (double)tilts[2 * i + 1];
+        double scale = 1 / sqrt(1 + x * x + y * y);
+        rotation_axes(rotations + 4 * i, axes);
+        for (size_t k = 0; k < 3; ++k)
+            normals[3 * i + k] =
+                (float)(scale * ((double)normals[3 * i + k] + x * axes[0][k] + y * axes[1][k]));
+        d->cosines[i] = scale;
+    }
+}
+
+static void find_cosines(decoder *d) {
+    const float *rotations = d->values[PSPLAT_ROTATION], *normals = d->values[PSPLAT_NORMAL];
+    for (size_t i = 0; i < d->count; ++i) {
+        double axes[3][3];
+        rotation_axes(rotations + 4 * i, axes);
+        d->cosines[i] = (double)normals[3 * i] * axes[2][0] +
+                        (double)normals[3 * i + 1] * axes[2][1] +
+                        (double)normals[3 * i + 2] * axes[2][2];
+    }
+}
+
+/* Rotations, normals, and how far these are from N. */
 static psplat_result make_frames(decoder *d) {
+    int is_turned = d->readers->is_present[PSPLAT_TURN];
     psplat_result result = normalise_block(d, PSPLAT_NORMAL, "is not unit");
+    if (!result)
+        result = is_turned ? turn_block(d)
+                           : normalise_block(d, PSPLAT_ROTATION, "is not a unit quaternion");
     if (result) return result;
-    if (d->readers->is_present[PSPLAT_TURN]) return turn_block(d);
-    return normalise_block(d, PSPLAT_ROTATION, "is not a unit quaternion");
+    if (d->readers->is_present[PSPLAT_TILT])
+        tilt_block(d);
+    else
+        find_cosines(d);
+    return PSPLAT_OK;
 }
 
 /* The values of an attribute of the splat being decoded. */
@@ -138,20 +188,6 @@ static const float *values_of(const decoder *d, size_t attribute) {
 }
 
 /* ---- splats ------------------------------------------------------------------------------- */
-
-/* Columns U, V, N of the rotation by quaternion q. */
-static void rotation_axes(const float q[4], double axes[3][3]) {
-    double x = (double)q[0], y = (double)q[1], z = (double)q[2], w = (double)q[3];
-    axes[0][0] = 1 - 2 * (y * y + z * z);
-    axes[0][1] = 2 * (x * y + z * w);
-    axes[0][2] = 2 * (x * z - y * w);
-    axes[1][0] = 2 * (x * y - z * w);
-    axes[1][1] = 1 - 2 * (x * x + z * z);
-    axes[1][2] = 2 * (y * z + x * w);
-    axes[2][0] = 2 * (x * z + y * w);
-    axes[2][1] = 2 * (y * z - x * w);
-    axes[2][2] = 1 - 2 * (x * x + y * y);
-}
 
 static psplat_result decode_frame(const decoder *d, psplat_splat *splat) {
     memcpy(splat->center, values_of(d, PSPLAT_POSITION), sizeof splat->center);
@@ -182,17 +218,8 @@ static psplat_result decode_gradient(const decoder *d, psplat_splat *splat, doub
     return PSPLAT_OK;
 }
 
-/* Beside TURN, x and y of eq. (2) are stored and NORMAL is N (spec 3.5). */
-static void tilt(const float by[2], double axes[3][3], float normal[3]) {
-    double x = (double)by[0], y = (double)by[1], scale = 1 / sqrt(1 + x * x + y * y);
-    for (size_t i = 0; i < 3; ++i)
-        normal[i] = (float)(scale * (axes[2][i] + x * axes[0][i] + y * axes[1][i]));
-}
-
-static psplat_result decode_normals(const decoder *d, psplat_splat *splat, double axes[3][3]) {
-    if (d->readers->is_present[PSPLAT_TILT]) tilt(values_of(d, PSPLAT_TILT), axes, splat->normal);
-    double cosine = 0;
-    for (size_t i = 0; i < 3; ++i) cosine += (double)splat->normal[i] * axes[2][i];
+static psplat_result decode_normals(const decoder *d, psplat_splat *splat) {
+    double cosine = d->cosines[d->index - d->first];
     if (!(cosine >= 0.05))
         return fail_value(d, PSPLAT_NORMAL, "leaves the plane's normal N by more than acos 0.05");
     if (!d->readers->is_present[PSPLAT_NORMAL_FIELD]) return PSPLAT_OK;
@@ -246,14 +273,19 @@ static psplat_result decode_clip_lines(const decoder *d, psplat_splat *splat) {
 
 /* Enlarges the boxes by the centre and the unclipped ellipse, of most of which the circle around it
  * tells that they are inside. */
-static psplat_result enlarge_bounds(decoder *d, const psplat_splat *splat, double axes[3][3]) {
+static psplat_result enlarge_bounds(decoder *d, const psplat_splat *splat) {
+    double axes[3][3], most = (double)splat->radius[0] * (1 + 1e-6);
+    int is_inside = 1;
     for (size_t i = 0; i < 3; ++i) {
-        double center = (double)splat->center[i], most = (double)splat->radius[0] * (1 + 1e-6);
-        if (center - most > d->low[i] && center + most < d->high[i]) {
-            if (splat->center[i] < d->center_low[i]) d->center_low[i] = splat->center[i];
-            if (splat->center[i] > d->center_high[i]) d->center_high[i] = splat->center[i];
-            continue;
-        }
+        double center = (double)splat->center[i];
+        is_inside &= center - most > d->low[i] && center + most < d->high[i];
+        if (splat->center[i] < d->center_low[i]) d->center_low[i] = splat->center[i];
+        if (splat->center[i] > d->center_high[i]) d->center_high[i] = splat->center[i];
+    }
+    if (is_inside) return PSPLAT_OK;
+    rotation_axes(splat->rotation, axes);
+    for (size_t i = 0; i < 3; ++i) {
+        double center = (double)splat->center[i];
         double u = (double)splat->radius[0] * axes[0][i], v = (double)splat->radius[1] * axes[1][i];
         double reach = sqrt(u * u + v * v), low = center - reach, high = center + reach;
         if (high > (double)FLT_MAX || low < -(double)FLT_MAX)
@@ -261,22 +293,17 @@ static psplat_result enlarge_bounds(decoder *d, const psplat_splat *splat, doubl
                               "makes the splat reach beyond what a float can hold");
         if (low < d->low[i]) d->low[i] = low;
         if (high > d->high[i]) d->high[i] = high;
-        if (splat->center[i] < d->center_low[i]) d->center_low[i] = splat->center[i];
-        if (splat->center[i] > d->center_high[i]) d->center_high[i] = splat->center[i];
     }
     return PSPLAT_OK;
 }
 
-static psplat_result decode_splat(decoder *d, psplat_splat *splat, uint32_t clip_count) {
-    double axes[3][3];
-    *splat = (psplat_splat){.color = {1, 1, 1, 1}, .clip_count = clip_count};
+static psplat_result decode_splat(decoder *d, psplat_splat *splat) {
+    *splat = d->blank;
     psplat_result result = decode_frame(d, splat);
-    if (result) return result;
-    rotation_axes(splat->rotation, axes);
-    result = decode_normals(d, splat, axes);
+    if (!result) result = decode_normals(d, splat);
     if (!result) result = decode_color(d, splat);
     if (!result) result = decode_clip_lines(d, splat);
-    if (!result) result = enlarge_bounds(d, splat, axes);
+    if (!result) result = enlarge_bounds(d, splat);
     return result;
 }
 
@@ -302,7 +329,7 @@ static psplat_result decode_block(decoder *d, psplat_splat *splats, psplat_finis
     if (!result) result = make_frames(d);
     for (size_t i = 0; i < d->count && !result; ++i) {
         d->index = d->first + i;
-        result = decode_splat(d, &splats[i], d->set->clip_count);
+        result = decode_splat(d, &splats[i]);
         if (!result && varies) result = decode_finish(d, &finishes[i]);
     }
     return result;
@@ -344,6 +371,7 @@ psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers
     d.gltf = gltf;
     d.readers = readers;
     d.set = set;
+    d.blank = (psplat_splat){.color = {1, 1, 1, 1}, .clip_count = set->clip_count};
     size_t scale_type = readers->of[PSPLAT_SCALE].component_type;
     if (scale_type != PSPLAT_FLOAT)
         psplat_radii_set(&d.radii, set->scale_range,
