@@ -51,10 +51,10 @@ template <typename T> const T &element(const std::vector<T> &list, int index, co
 
 /* ---- what goes to C: malloc'ed, and owned by the scene at once ------------------------------- */
 
-/* Zeroed room for an array. */
+/* Zeroed room for an array; NULL for none. */
 template <typename T> void allocate(T *&list, size_t &count, size_t wanted) {
-    list = static_cast<T *>(std::calloc(wanted + 1, sizeof(T)));
-    if (!list) throw std::bad_alloc();
+    list = wanted ? static_cast<T *>(std::calloc(wanted, sizeof(T))) : nullptr;
+    if (wanted && !list) throw std::bad_alloc();
     count = wanted;
 }
 
