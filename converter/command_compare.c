@@ -7,6 +7,7 @@
 #include "command.h"
 #include "compare.h"
 #include "exhibition.h"
+#include "mask.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -131,12 +132,16 @@ static double seconds_now(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* Pieces of the edges of masks: finer than most tolerances. */
+static const double mask_step_percent = 0.25;
+
 /* ---- reading ----------------------------------------------------------------------------------
  */
 
 static psplat_result read_mesh(const char *path, double crease_angle, psplat_mesh *mesh,
                                psplat_original **original, psplat_error *error) {
     psplat_result result = psplat_mesh_read(path, mesh, error);
+    if (!result) result = psplat_mask_apply(mesh, mask_step_percent, error);
     return result ? result : psplat_original_create(mesh, crease_angle, original, error);
 }
 

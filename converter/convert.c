@@ -217,23 +217,11 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
     return psplat_verify(&verification, report, error);
 }
 
-/* Diagonal of a mesh's bounding box. */
-static double diagonal_of(const psplat_mesh *mesh) {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    double extent[3];
-    for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) {
-        low[i % 3] = min2(low[i % 3], mesh->positions[i]);
-        high[i % 3] = max2(high[i % 3], mesh->positions[i]);
-    }
-    sub3(extent, high, low);
-    return mesh->vertex_count ? length3(extent) : 0;
-}
-
 /* The mesh without what its masks hide; straight pieces of a mask's edge are as long as may be
  * between points that lie within the tolerance of each other. */
 static psplat_result show(psplat_conversion *c, const psplat_mesh **mesh, psplat_error *error) {
     if (!psplat_mask_is_needed(*mesh)) return PSPLAT_OK;
-    double whole = c->desc->diagonal > 0 ? c->desc->diagonal : diagonal_of(*mesh);
+    double whole = c->desc->diagonal > 0 ? c->desc->diagonal : psplat_mask_diagonal(*mesh);
     double step = mask_steps * tolerance_percent(c->desc) / 100 * whole;
     psplat_result result = psplat_mask_cut(*mesh, step, &c->shown, error);
     *mesh = &c->shown;

@@ -362,3 +362,27 @@ psplat_result psplat_mask_cut(const psplat_mesh *mesh, double step, psplat_mesh 
     psplat_mesh_free(&c.mesh);
     return result;
 }
+
+double psplat_mask_diagonal(const psplat_mesh *mesh) {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    double extent[3];
+    for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) {
+        low[i % 3] = min2(low[i % 3], mesh->positions[i]);
+        high[i % 3] = max2(high[i % 3], mesh->positions[i]);
+    }
+    sub3(extent, high, low);
+    return mesh->vertex_count ? length3(extent) : 0;
+}
+
+psplat_result psplat_mask_apply(psplat_mesh *mesh, double step_percent, psplat_error *error) {
+    psplat_mesh shown;
+    if (!psplat_mask_is_needed(mesh)) return PSPLAT_OK;
+    double step = step_percent / 100 * psplat_mask_diagonal(mesh);
+    psplat_result result = psplat_mask_cut(mesh, step, &shown, error);
+    if (result) return result;
+    shown.palette = mesh->palette;
+    mesh->palette = NULL;
+    psplat_mesh_free(mesh);
+    *mesh = shown;
+    return PSPLAT_OK;
+}

@@ -20,6 +20,12 @@ int psplat_mask_is_needed(const psplat_mesh *mesh);
 psplat_result psplat_mask_cut(const psplat_mesh *mesh, double step, psplat_mesh *shown,
                               psplat_error *error);
 
+/* Replaces a mesh by what its masks show; triangles as above, the step in % of its diagonal. Stays
+ * as it is where it fails. */
+psplat_result psplat_mask_apply(psplat_mesh *mesh, double step_percent, psplat_error *error);
+/* Diagonal of a mesh's bounding box. */
+double psplat_mask_diagonal(const psplat_mesh *mesh);
+
 #ifdef __cplusplus
 }
 #endif

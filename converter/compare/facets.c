@@ -5,6 +5,7 @@
  */
 #include "facets.h"
 #include "facets_gl.h"
+#include "facets_paint.h"
 #include "original.h"
 #include "vector.h"
 #include "vertices.h"
@@ -17,26 +18,29 @@ struct psplat_facets {
     psplat_facets_gl gl;
     GLuint programs[2]; /* by psplat_facets_output; 0: not yet made */
     GLuint array, buffers[2];
-    GLsizei index_count;
+    psplat_wall *walls; /* what is drawn at once: one for each group of the mesh */
+    size_t wall_count;
     int has_color;
     double origin[3];
-    psplat_material material;
 };
 
 /* ---- making ---------------------------------------------------------------------------------- */
 
-static void set_attribute(const psplat_facets_gl *gl, GLuint index, size_t stride) {
+/* offset: floats before it in a vertex; moves behind the attribute. */
+static void set_attribute(const psplat_facets_gl *gl, GLuint index, GLint components,
+                          const psplat_vertices *vertices, size_t *offset) {
     gl->EnableVertexAttribArray(index);
-    gl->VertexAttribPointer(index, 3, GL_FLOAT, GL_FALSE, (GLsizei)stride,
-                            (const void *)(uintptr_t)(3 * index * sizeof(float)));
+    gl->VertexAttribPointer(index, components, GL_FLOAT, GL_FALSE,
+                            (GLsizei)(vertices->floats * sizeof(float)),
+                            (const void *)(uintptr_t)(*offset * sizeof(float)));
+    *offset += (size_t)components;
 }
 
 static psplat_result upload(psplat_facets *f, const psplat_vertices *vertices,
                             psplat_error *error) {
     const psplat_facets_gl *gl = &f->gl;
-    size_t stride = vertices->floats * sizeof *vertices->values;
-    f->index_count = (GLsizei)vertices->index_count;
-    f->has_color = vertices->floats > 6;
+    size_t stride = vertices->floats * sizeof *vertices->values, offset = 0;
+    f->has_color = vertices->has_color;
     (void)psplat_facets_gl_errors(gl, NULL); /* of others */
     gl->GenVertexArrays(1, &f->array);
     gl->BindVertexArray(f->array);
@@ -48,7 +52,10 @@ static psplat_result upload(psplat_facets *f, const psplat_vertices *vertices,
     gl->BufferData(GL_ELEMENT_ARRAY_BUFFER,
                    (GLsizeiptr)(vertices->index_count * sizeof *vertices->indices),
                    vertices->indices, GL_STATIC_DRAW);
-    for (GLuint i = 0; i < (f->has_color ? 3u : 2u); ++i) set_attribute(gl, i, stride);
+    set_attribute(gl, 0, 3, vertices, &offset);
+    set_attribute(gl, 1, 3, vertices, &offset);
+    if (vertices->has_color) set_attribute(gl, 2, 3, vertices, &offset);
+    if (vertices->has_texcoords) set_attribute(gl, 3, 4, vertices, &offset);
     gl->BindVertexArray(0);
     gl->BindBuffer(GL_ARRAY_BUFFER, 0);
     return psplat_facets_gl_errors(gl, error);
@@ -60,9 +67,11 @@ static psplat_result fill(psplat_facets *f, const psplat_original *original, psp
         return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "%zu triangles are too many for GL",
                            original->mesh->triangle_count);
     memcpy(f->origin, original->mesh->origin, sizeof f->origin);
-    f->material = original->mesh->material;
     psplat_result result = psplat_vertices_unite(original, &vertices, error);
     if (!result) result = upload(f, &vertices, error);
+    if (!result)
+        result = psplat_walls_create(&f->gl, original->mesh, &vertices, &f->walls, &f->wall_count,
+                                     error);
     psplat_vertices_free(&vertices);
     return result;
 }
@@ -92,6 +101,7 @@ void psplat_facets_destroy(psplat_facets *facets) {
     for (int i = 0; i < 2; ++i) gl->DeleteProgram(facets->programs[i]);
     gl->DeleteVertexArrays(1, &facets->array);
     gl->DeleteBuffers(2, facets->buffers);
+    psplat_walls_destroy(gl, facets->walls, facets->wall_count);
     free(facets);
 }
 
@@ -139,8 +149,6 @@ static void set_vectors(const psplat_facets *f, GLuint program, const char *name
 
 static void light(const psplat_facets *f, GLuint program, const psplat_view *view) {
     GLfloat directions[3 * PSPLAT_MAX_LIGHTS], colors[3 * PSPLAT_MAX_LIGHTS];
-    const psplat_material *m = &f->material;
-    const GLfloat surface[3] = {m->metallic, m->roughness, m->unlit ? 1.f : 0.f};
     for (int i = 0; i < view->light_count; ++i) {
         turn(view, view->lights[i].direction, directions + 3 * i);
         memcpy(colors + 3 * i, view->lights[i].color, sizeof view->lights[i].color);
@@ -148,9 +156,6 @@ static void light(const psplat_facets *f, GLuint program, const psplat_view *vie
     set_vectors(f, program, "u_light_directions", view->light_count, directions);
     set_vectors(f, program, "u_light_colors", view->light_count, colors);
     set_vectors(f, program, "u_ambient", 1, view->ambient);
-    set_vectors(f, program, "u_base_color", 1, m->base_color);
-    set_vectors(f, program, "u_emissive", 1, m->emissive);
-    set_vectors(f, program, "u_surface", 1, surface);
     f->gl.Uniform1i(f->gl.GetUniformLocation(program, "u_light_count"), view->light_count);
     f->gl.Uniform1i(f->gl.GetUniformLocation(program, "u_linear_output"), view->linear_output);
 }
@@ -165,21 +170,29 @@ static psplat_result check(const psplat_view *view, psplat_error *error) {
                        "meshes are drawn under directional lights without shadows alone");
 }
 
-static int is_two_sided(const psplat_facets *f, const psplat_view *view) {
+static int is_two_sided(const psplat_wall *wall, const psplat_view *view) {
     return view->culling == PSPLAT_CULL_NEVER ||
-           (view->culling == PSPLAT_CULL_BY_MATERIAL && f->material.double_sided);
+           (view->culling == PSPLAT_CULL_BY_MATERIAL && wall->material.double_sided);
 }
 
-static void draw_triangles(const psplat_facets *f, int two_sided) {
+static void draw_walls(const psplat_facets *f, GLuint program, const psplat_view *view) {
     const psplat_facets_gl *gl = &f->gl;
     gl->Enable(GL_DEPTH_TEST);
     gl->DepthFunc(GL_LESS);
     gl->FrontFace(GL_CCW);
     gl->CullFace(GL_BACK);
-    if (!two_sided) gl->Enable(GL_CULL_FACE);
     if (!f->has_color) gl->VertexAttrib3f(2, 1, 1, 1);
     gl->BindVertexArray(f->array);
-    gl->DrawElements(GL_TRIANGLES, f->index_count, GL_UNSIGNED_INT, NULL);
+    for (size_t i = 0; i < f->wall_count; ++i) {
+        const psplat_wall *wall = &f->walls[i];
+        int two_sided = is_two_sided(wall, view);
+        (two_sided ? gl->Disable : gl->Enable)(GL_CULL_FACE);
+        gl->Uniform1i(gl->GetUniformLocation(program, "u_two_sided"), two_sided);
+        psplat_wall_bind(gl, wall, program);
+        gl->DrawElements(GL_TRIANGLES, wall->index_count, GL_UNSIGNED_INT,
+                         (const void *)(uintptr_t)(wall->first_index * sizeof(uint32_t)));
+    }
+    psplat_wall_unbind(gl);
     gl->BindVertexArray(0);
     gl->Disable(GL_CULL_FACE);
     gl->Disable(GL_DEPTH_TEST);
@@ -193,14 +206,12 @@ psplat_result psplat_facets_draw(psplat_facets *facets, const psplat_view *view,
     if (!result && !*program)
         result = psplat_facets_gl_program(gl, output == PSPLAT_FACETS_NORMALS, program, error);
     if (result) return result;
-    int two_sided = is_two_sided(facets, view);
     (void)psplat_facets_gl_errors(gl, NULL); /* of others */
     gl->Viewport(view->x, view->y, view->width, view->height);
     gl->UseProgram(*program);
     place(facets, *program, view);
     if (output == PSPLAT_FACETS_LIGHT) light(facets, *program, view);
-    gl->Uniform1i(gl->GetUniformLocation(*program, "u_two_sided"), two_sided);
-    draw_triangles(facets, two_sided);
+    draw_walls(facets, *program, view);
     gl->UseProgram(0);
     return psplat_facets_gl_errors(gl, error);
 }

@@ -11,8 +11,10 @@
 #include <GL/glcorearb.h>
 
 #define PSPLAT_FACETS_GL_FUNCTIONS(X)                                                              \
+    X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                                       \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                                         \
     X(PFNGLBINDBUFFERPROC, BindBuffer)                                                             \
+    X(PFNGLBINDTEXTUREPROC, BindTexture)                                                           \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                   \
     X(PFNGLBUFFERDATAPROC, BufferData)                                                             \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                       \
@@ -22,6 +24,7 @@
     X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                                       \
     X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                                       \
     X(PFNGLDELETESHADERPROC, DeleteShader)                                                         \
+    X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                     \
     X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                                             \
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                               \
     X(PFNGLDISABLEPROC, Disable)                                                                   \
@@ -30,6 +33,8 @@
     X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                   \
     X(PFNGLFRONTFACEPROC, FrontFace)                                                               \
     X(PFNGLGENBUFFERSPROC, GenBuffers)                                                             \
+    X(PFNGLGENTEXTURESPROC, GenTextures)                                                           \
+    X(PFNGLGENERATEMIPMAPPROC, GenerateMipmap)                                                     \
     X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                   \
     X(PFNGLGETERRORPROC, GetError)                                                                 \
     X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                                               \
@@ -40,7 +45,10 @@
     X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                             \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                           \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                         \
+    X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                                             \
+    X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                                       \
     X(PFNGLUNIFORM1IPROC, Uniform1i)                                                               \
+    X(PFNGLUNIFORM1IVPROC, Uniform1iv)                                                             \
     X(PFNGLUNIFORM3FVPROC, Uniform3fv)                                                             \
     X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                 \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                             \

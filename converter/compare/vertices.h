@@ -7,13 +7,22 @@
 
 #include "compare.h"
 
+/* Triangles of one group of the mesh. */
+typedef struct psplat_range {
+    size_t first, count; /* indices */
+    uint32_t group;
+} psplat_range;
+
 typedef struct psplat_vertices {
-    float *values; /* count x floats: position relative to the mesh's origin, normal, and, where
-                      the mesh has any, linear colour */
-    size_t floats; /* 6, or 9 with colours */
+    float *values; /* count x floats: position relative to the mesh's origin, normal, linear colour
+                      (where the mesh has any), two pairs of texture coordinates (the same) */
+    size_t floats;
+    int has_color, has_texcoords;
     size_t count;
-    uint32_t *indices; /* index_count, three a triangle */
+    uint32_t *indices; /* index_count, three a triangle, by groups */
     size_t index_count;
+    psplat_range *ranges; /* range_count */
+    size_t range_count;
 } psplat_vertices;
 
 /* Errors: MEMORY. */

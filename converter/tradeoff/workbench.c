@@ -5,6 +5,7 @@
  */
 #define _XOPEN_SOURCE 700
 
+#include "mask.h"
 #include "source.h"
 #include "tradeoff.h"
 
@@ -51,6 +52,7 @@ static psplat_result open_graphics(psplat_workbench *bench, psplat_error *error)
 psplat_result psplat_workbench_open(psplat_workbench *bench, psplat_error *error) {
     psplat_result result = check_source(bench->path, error);
     if (!result) result = psplat_mesh_read(bench->path, &bench->mesh, error);
+    if (!result) result = psplat_mask_apply(&bench->mesh, 0.25, error);
     if (!result) result = stamp_source(bench, error);
     return result ? result : open_graphics(bench, error);
 }

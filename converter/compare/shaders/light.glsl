@@ -25,15 +25,25 @@ float specular_lobe(vec3 n, vec3 h, float nl, float nv, float alpha) {
     return a2 / (PI * d * d) * 0.5 / max(smith, 1e-7);
 }
 
+/* What the material says of a pixel. */
+struct surface {
+    vec3 color, emissive;
+    float metallic, roughness, occlusion;
+};
+
+surface plain_surface(vec3 color) {
+    return surface(color, u_emissive, u_surface.x, u_surface.y, 1.0);
+}
+
 /* normal: of any length; 0 looks at the eye. */
-vec3 light_surface(vec3 normal, vec3 view, vec3 color) {
+vec3 light_finished(vec3 normal, vec3 view, surface s) {
     float square = dot(normal, normal);
     vec3 n = square > 0.0 ? normal * inversesqrt(square) : view;
-    vec3 diffuse = color * (1.0 - u_surface.x);
-    vec3 f0 = mix(vec3(0.04), color, u_surface.x);
-    float alpha = max(u_surface.y * u_surface.y, 0.002);
+    vec3 diffuse = s.color * (1.0 - s.metallic);
+    vec3 f0 = mix(vec3(0.04), s.color, s.metallic);
+    float alpha = max(s.roughness * s.roughness, 0.002);
     float nv = max(dot(n, view), 1e-4);
-    vec3 result = u_ambient * (diffuse + f0) + u_emissive;
+    vec3 result = s.occlusion * u_ambient * (diffuse + f0) + s.emissive;
     for (int i = 0; i < u_light_count; ++i) {
         vec3 l = u_light_directions[i];
         float nl = dot(n, l);
@@ -44,7 +54,11 @@ vec3 light_surface(vec3 normal, vec3 view, vec3 color) {
             (1.0 - fresnel) * diffuse / PI + fresnel * specular_lobe(n, h, nl, nv, alpha);
         result += u_light_colors[i] * nl * lobes;
     }
-    return mix(result, color, u_surface.z);
+    return mix(result, s.color, u_surface.z);
+}
+
+vec3 light_surface(vec3 normal, vec3 view, vec3 color) {
+    return light_finished(normal, view, plain_surface(color));
 }
 
 vec3 encode(vec3 linear) {
