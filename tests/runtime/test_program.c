@@ -69,15 +69,16 @@ static key_list list_create(void) {
     return list;
 }
 
-/* Whether what clip lines add has nothing to do with what else the program does. */
+/* Materials that vary with what changes other lines of the shaders than they do. */
 static int is_like_others(const psplat_program_key *key) {
     const unsigned varied = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_OCCLUSION;
-    return key->options & varied && key->clip_count > 0;
+    const unsigned apart = PSPLAT_OPTION_POWER | PSPLAT_OPTION_COUNT | PSPLAT_OPTION_TWO_SIDED;
+    return key->options & varied && (key->clip_count > 0 || key->options & apart);
 }
 
 /* All, but that programs that shade are not made for each number of lights, and of those that shade
  * splats one by one the ones with clip lines without lights alone; and that of materials that vary
- * those with clip lines are left out. */
+ * those with clip lines and the like are left out. */
 static key_list all_keys(int clip_step) {
     key_list list = list_create();
     for (int pass = PSPLAT_PASS_VISIBILITY; pass <= PSPLAT_PASS_PARAMETERS; ++pass)
