@@ -124,10 +124,23 @@ static float mean_of(const psplat_candidate *c, const float *values) {
 static const psplat_finish plain = {
     .occlusion = 1, .roughness = 1, .metallic = 1, .emissive = {1, 1, 1}};
 
+/* A last resort that covers nothing by the measure of others looks like a sample of its triangle.
+ */
+static void tint_as_triangle(const psplat_samples *samples, psplat_candidate *c) {
+    if (!samples->colors || !samples->first) return;
+    uint32_t at = samples->first[c->triangle];
+    if (at == samples->first[c->triangle + 1]) return;
+    const float *color = samples->colors + 4 * (size_t)samples->order[at];
+    for (int k = 0; k < 4; ++k) c->color[k] = unit((double)color[k]);
+}
+
 static int tint(const psplat_samples *samples, int gradients, local *l, psplat_candidate *c) {
     for (int k = 0; k < 4; ++k) c->color[k] = 1;
     c->finish = plain;
-    if (!c->covered_count) return 1;
+    if (!c->covered_count) {
+        tint_as_triangle(samples, c);
+        return 1;
+    }
     if (samples->colors) {
         if (!find_local(samples, c, gradients, l)) return 0;
         tint_color(samples, l, c);
