@@ -20,12 +20,19 @@ typedef struct source {
     psplat_packing packing;
     const psplat_batch *batch;
     int floats, channels;
-    const float *packed; /* NULL: pack does it */
+    const float *packed; /* NULL: pack does it, and finds chunks of the splats */
+    psplat_chunk *chunks;
     void (*pack)(const struct source *source, size_t first, size_t count, float *out);
 } source;
 
+/* A chunk at a time, while it is in the cache. */
 static void pack_splats(const source *s, size_t first, size_t count, float *out) {
-    psplat_pack_splats(&s->packing, s->batch->splats + first, count, out);
+    for (size_t i = 0; i < count; i += PSPLAT_CHUNK_SPLATS) {
+        const psplat_splat *splats = s->batch->splats + first + i;
+        size_t here = count - i < PSPLAT_CHUNK_SPLATS ? count - i : PSPLAT_CHUNK_SPLATS;
+        psplat_chunks_find(splats, here, s->chunks + (first + i) / PSPLAT_CHUNK_SPLATS);
+        psplat_pack_splats(&s->packing, splats, here, out + i * (size_t)s->floats);
+    }
 }
 
 static void pack_clips(const source *s, size_t first, size_t count, float *out) {
@@ -111,9 +118,9 @@ static psplat_result upload_textures(psplat_renderer *renderer, const psplat_bat
                                      float *staging, psplat_error *error) {
     psplat_packing p = psplat_packing_of(batch);
     const psplat_packed none = {0}, *from = packed ? packed : &none;
-    const source sources[] = {{p, batch, p.splat_floats, 4, from->splats, pack_splats},
-                              {p, batch, p.clip_floats, 3, from->clips, pack_clips},
-                              {p, batch, p.finish_floats, 3, from->finishes, pack_finishes}};
+    const source sources[] = {{p, batch, p.splat_floats, 4, from->splats, out->chunks, pack_splats},
+                              {p, batch, p.clip_floats, 3, from->clips, NULL, pack_clips},
+                              {p, batch, p.finish_floats, 3, from->finishes, NULL, pack_finishes}};
     psplat_texture *const textures[] = {&out->splats, &out->clips, &out->finishes};
     psplat_result result = PSPLAT_OK;
     for (size_t i = 0; i < 3 && result == PSPLAT_OK; ++i)
@@ -140,10 +147,7 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
     out->chunks = psplat_allocate(&renderer->allocator, chunk_count, sizeof *out->chunks);
     if (!out->chunks)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu chunks", chunk_count);
-    if (packed)
-        memcpy(out->chunks, packed->chunks, chunk_count * sizeof *out->chunks);
-    else
-        psplat_chunks_find(batch->splats, batch->splat_count, out->chunks);
+    if (packed) memcpy(out->chunks, packed->chunks, chunk_count * sizeof *out->chunks);
     return upload_textures(renderer, batch, packed, out, staging, error);
 }
 
