@@ -58,6 +58,12 @@ void check_glb(const psplat_source &source) {
     if (json > source.size - 20)
         fail(PSPLAT_ERROR_FORMAT, "byte 12: the JSON chunk is longer than the file");
     check_depth(source.data + 20, json);
+    /* tinygltf 2.7 forgets the eight bytes of the second header, and reads so far beyond the file.
+     */
+    size_t rest = source.size - 20 - json;
+    if (rest >= 8 && read_u32(source.data + 20 + json) > rest - 8)
+        fail(PSPLAT_ERROR_FORMAT,
+             named("byte", 20 + json) + ": the BIN chunk is longer than the file");
 }
 
 /* Keeps the file of an image as it is; of one in a buffer view nothing, since tinygltf has not

@@ -61,17 +61,17 @@ JS
 
 # The promise holds of the scene as it is seen: mirrored, stretched by 1.9, turned and nested.
 case_promise() {
-    run "$PHONGSPLAT" convert "$still" out/still.glb -w -t 1 --report out/r.json
+    run "$PHONGSPLAT" convert "$still" out/still.glb -w -t 2 --effort 0 --report out/r.json
     expect_success
-    run "$PHONGSPLAT" compare "$still" out/still.glb --no-images --report out/c.json -q
+    run "$PHONGSPLAT" compare "$still" out/still.glb --no-images --samples 50000 --report out/c.json -q
     expect_success
     node - out/r.json out/c.json <<'JS' || fail "promise"
 const assert = require('assert'), [r, c] = process.argv.slice(2).map((p) => JSON.parse(require('fs').readFileSync(p)));
-assert.ok(r.kept && r.tolerance_percent === 1 && r.uncovered_samples === 0);
+assert.ok(r.kept && r.tolerance_percent === 2 && r.uncovered_samples === 0);
 assert.ok(Math.abs(r.diagonal / c.diagonal - 1) < 1e-9, 'percentages are of the scene as compare measures it');
 // compare looks between the points of splats at which the conversion measured (see README's known limits): 15 %.
-assert.ok(c.distance_max_percent <= 1.15, `${c.distance_max_percent}`);
-assert.ok(c.distance_max_percent > 0.5, 'and it is used');
+assert.ok(c.distance_max_percent <= 2 * 1.15, `${c.distance_max_percent}`);
+assert.ok(c.distance_max_percent > 1, 'and it is used');
 assert.deepStrictEqual(r.meshes.map((m) => m.name), ['table', 'cup', 'pear', 'die']);
 for (const key of ['splats', 'triangles', 'samples', 'verification_samples', 'patches'])
   assert.strictEqual(r.meshes.reduce((sum, m) => sum + m[key], 0), r[key], key);
@@ -80,10 +80,18 @@ assert.ok(Math.max(...r.meshes.map((m) => m.max_distance_percent)) === r.max_dis
 assert.ok(Math.abs(r.meshes[1].diagonal * 1.9 / r.diagonal - 1) < 1e-9);
 assert.ok(!('bytes' in r.meshes[0]) && r.bytes > 0);
 JS
-    # A budget is of the whole file.
-    run "$PHONGSPLAT" convert "$still" out/small.glb --splats 120 --effort 0
+}
+
+# A budget is of all meshes together: the four faces of each of two tetrahedra.
+case_budget() {
+    write_scene pair.gltf "\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0},{\"mesh\":1,\"translation\":[2,0,0]}],
+        \"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]},{\"primitives\":[{\"attributes\":
+        {\"POSITION\":0},\"indices\":1}]}]"
+    run "$PHONGSPLAT" convert pair.gltf out/pair.glb --splats 8 -t 1 --effort 0
     expect_success
-    expect_output '^out/small.glb: 1([01][0-9]|20) splats'
+    expect_output '^out/pair.glb: 8 splats'
+    run "$PHONGSPLAT" convert pair.gltf out/less.glb --splats 7 -t 1 --effort 0
+    expect_error 10 'pair.gltf: a tolerance of 1 % takes 8 splats, more than the budget of 7'
 }
 
 # What splats cannot be is said, once for each rule, and only said: the exit code is 0. Not with -q.

@@ -273,6 +273,11 @@ static void test_glb(void **state) {
     data[4] = 1;
     refuse_bytes("g.glb", data, total, PSPLAT_ERROR_UNSUPPORTED, "byte 4: GLB version 1");
     data[4] = 2;
+    /* As long as what follows with its own header: eight bytes too many. */
+    data[20 + length] = 44;
+    refuse_bytes("g.glb", data, total, PSPLAT_ERROR_FORMAT,
+                 "the BIN chunk is longer than the file");
+    data[20 + length] = 36;
     data[14] = 1;
     refuse_bytes("g.glb", data, total, PSPLAT_ERROR_FORMAT, "byte 12: the JSON chunk");
 }
