@@ -17,6 +17,9 @@ static const double coarsest_part_percent = 20;
 static const double default_crease_angle_degrees = 30;
 /* Of spot's and Duck's textures all that people would name is there, with edges a little frayed. */
 static const double default_color_tolerance_percent = 10;
+/* Colours that change over a splat take three times the bytes. Up to this tolerance they save as
+ * much in splats on pictures and on smooth colours alike (bench_color). */
+static const double linear_color_tolerance = 0.06;
 
 /* Part of the tolerance that fitting may use; the rest is for single precision. */
 static const double fitted_part = 0.99;
@@ -59,6 +62,13 @@ static double color_tolerance(const psplat_convert_desc *desc, double percent) {
     return of_color < 100 ? of_color / 100 : 0;
 }
 
+/* tolerance: of colours, 0: none. */
+static int has_constant_colors(const psplat_convert_desc *desc, double tolerance) {
+    if (desc->color_field != PSPLAT_COLOR_FIELD_CHOSEN)
+        return desc->color_field == PSPLAT_COLOR_FIELD_CONSTANT;
+    return !(tolerance > 0) || tolerance > linear_color_tolerance;
+}
+
 static int interrupted(const psplat_convert_desc *desc, const char *stage, double fraction) {
     return desc->progress && desc->progress(desc->user, stage, fraction);
 }
@@ -80,17 +90,17 @@ static double set_tolerance(psplat_conversion *c) {
 
 static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     double degrees = c->desc->normal_tolerance_degrees, fine = set_tolerance(c);
+    double of_color = color_tolerance(c->desc, c->percent);
     if (degrees > 0) fine = fmin(fine, normal_tolerance_percent(degrees));
     double spacing = spacing_percent / 100 * c->surface.diagonal * sqrt(fine);
     c->finest = spacing;
-    c->limits =
-        (psplat_limits){.tolerance = fitted_part * c->tolerance,
-                        .crease_tolerance = crease_part * c->tolerance,
-                        .crease_slack = crease_slack_part * c->tolerance,
-                        .normal_tolerance = c->desc->normal_tolerance_degrees * degree,
-                        .constant_normals = c->desc->constant_normals,
-                        .color_tolerance = color_tolerance(c->desc, c->percent),
-                        .constant_colors = c->desc->color_field != PSPLAT_COLOR_FIELD_LINEAR};
+    c->limits = (psplat_limits){.tolerance = fitted_part * c->tolerance,
+                                .crease_tolerance = crease_part * c->tolerance,
+                                .crease_slack = crease_slack_part * c->tolerance,
+                                .normal_tolerance = c->desc->normal_tolerance_degrees * degree,
+                                .constant_normals = c->desc->constant_normals,
+                                .color_tolerance = of_color,
+                                .constant_colors = has_constant_colors(c->desc, of_color)};
     double expected = c->surface.area / (spacing * spacing);
     if (!(expected <= most_samples))
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,

@@ -140,7 +140,8 @@ void psplat_points_free(psplat_points *points);
 
 /* How colours change over a splat that has them (spec 3.10). */
 typedef enum psplat_color_field {
-    PSPLAT_COLOR_FIELD_CHOSEN = 0, /* whichever promises the smaller file */
+    PSPLAT_COLOR_FIELD_CHOSEN =
+        0, /* linear where colours are bound to 6 % or less: it pays there */
     PSPLAT_COLOR_FIELD_CONSTANT,
     PSPLAT_COLOR_FIELD_LINEAR
 } psplat_color_field;

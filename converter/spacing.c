@@ -16,8 +16,6 @@ static const double coarsest = 3, samples_per_splat = 120;
 /* Overlap of splats beyond the samples that they cover, in spacings: few holes remain between
  * samples, for repair.c to close. */
 static const double margin_spacings = 0.2;
-/* Bytes of a splat with a change of colour over those of one without, about 21 over 15. */
-static const double gradient_cost = 1.4;
 /* Splats grown to see how large they become. */
 enum { SCOUTS = 128 };
 
@@ -44,27 +42,11 @@ static psplat_result scout(const psplat_conversion *c, double *covered) {
     return result;
 }
 
-/* Chooses between constant and linear colours by how many splats each would take. *covered: that of
- * the scouts with what is chosen. */
-static psplat_result scout_colors(psplat_conversion *c, double *covered) {
-    double constant = 0, linear = 0;
-    psplat_limits *limits = &c->limits;
-    int open = c->desc->color_field == PSPLAT_COLOR_FIELD_CHOSEN;
-    if (!c->samples.colors || !(limits->color_tolerance > 0) || !open) return scout(c, covered);
-    limits->constant_colors = 0;
-    psplat_result result = scout(c, &linear);
-    limits->constant_colors = 1;
-    if (!result) result = scout(c, &constant);
-    limits->constant_colors = linear < gradient_cost * constant;
-    *covered = limits->constant_colors ? constant : linear;
-    return result;
-}
-
 psplat_result psplat_sample(psplat_conversion *c, psplat_error *error) {
     double covered, coarse = coarsest * c->finest;
     psplat_result result = draw(c, coarse, error);
     if (result) return result;
-    if (scout_colors(c, &covered))
+    if (scout(c, &covered))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while sampling");
     double part = sqrt(covered / samples_per_splat);
     return part < 1 ? draw(c, fmax(part * coarse, c->finest), error) : PSPLAT_OK;
