@@ -82,10 +82,11 @@ static int check_input(const char *path) {
     return S_ISDIR(status.st_mode) ? EISDIR : 0;
 }
 
-psplat_result psplat_command_open(const char *path, psplat_asset **asset, psplat_error *error) {
+psplat_result psplat_command_open(const char *path, const psplat_asset_desc *desc,
+                                  psplat_asset **asset, psplat_error *error) {
     int cause = check_input(path);
     if (cause) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s", strerror(cause));
-    return psplat_asset_open(path, NULL, asset, error);
+    return psplat_asset_open(path, desc, asset, error);
 }
 
 static psplat_result refuse(psplat_error *error, const char *path, const char *cause) {

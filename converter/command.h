@@ -48,7 +48,8 @@ void psplat_command_error(const char *format, ...)
 int psplat_command_fail(const char *path, const psplat_error *error);
 
 /* psplat_asset_open that says why a file cannot be read. */
-psplat_result psplat_command_open(const char *path, psplat_asset **asset, psplat_error *error);
+psplat_result psplat_command_open(const char *path, const psplat_asset_desc *desc,
+                                  psplat_asset **asset, psplat_error *error);
 
 /* Refuses an output before any work is done for it: one that exists without overwrite, is the
  * input, is a directory or lies in a directory that cannot be written. "-" is always accepted. */

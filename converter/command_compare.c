@@ -152,7 +152,7 @@ static int is_gltf(const char *path) {
 
 /* An asset, or else a mesh: of glTF where it has no splats. */
 static psplat_result read_target(const arguments *a, subjects *s, psplat_error *error) {
-    psplat_result result = psplat_command_open(a->target, &s->asset, error);
+    psplat_result result = psplat_command_open(a->target, NULL, &s->asset, error);
     int is_mesh =
         result == PSPLAT_ERROR_NO_SPLATS || (result == PSPLAT_ERROR_FORMAT && !is_gltf(a->target));
     if (!is_mesh) return result;

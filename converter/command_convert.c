@@ -27,6 +27,9 @@ typedef struct arguments {
     int effort;        /* -1: the default */
     int no_creases;
     int constant_normals;
+    const char *precision;
+    double part; /* that it means: of psplat_convert_desc */
+    int no_compress;
     int overwrite;
     int quiet;
 } arguments;
@@ -41,10 +44,24 @@ typedef struct product {
     size_t needed; /* by the coarsest conversion, where the budget is too small */
 } product;
 
-static psplat_parse check_combination(const arguments *a) {
+/* auto, float, or how many tolerances a step of positions may be. */
+static int parse_precision(arguments *a) {
+    char *end = NULL;
+    a->part = PSPLAT_USUAL_PRECISION;
+    if (!a->precision || !strcmp(a->precision, "auto")) return 1;
+    if (!strcmp(a->precision, "float")) {
+        a->part = 0;
+        return 1;
+    }
+    a->part = strtod(a->precision, &end);
+    return end != a->precision && !*end && a->part >= 0.001 && a->part <= 10;
+}
+
+static psplat_parse check_combination(arguments *a) {
     const char *cause = NULL;
     if (a->splats && a->bytes) cause = "splats: not together with bytes: one budget at a time";
     if (a->no_creases && a->crease_angle > 0) cause = "no-creases: not together with crease-angle";
+    if (!parse_precision(a)) cause = "precision: neither auto, float nor a number of 0.001 to 10";
     if (!cause) return PSPLAT_PARSE_OK;
     psplat_command_error("convert: %s (phongsplat convert --help lists what it takes)", cause);
     return PSPLAT_PARSE_ERROR;
@@ -84,6 +101,12 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "one normal a splat instead of a linear field: smaller files\nthat need more splats for "
          "the same shading",
          0, 0, NULL},
+        {0, "precision", PSPLAT_OPTION_TEXT, &a->precision, "P",
+         "float: numbers keep all their bits; or the greatest step of\npositions, in tolerances, "
+         "0.001 to 10; other numbers follow\n(default auto: what makes small files)",
+         0, 0, NULL},
+        {0, "no-compress", PSPLAT_OPTION_FLAG, &a->no_compress, NULL,
+         "without EXT_meshopt_compression", 0, 0, NULL},
         {0, "seed", PSPLAT_OPTION_UNSIGNED, &a->seed, "N",
          "seed of the sampling (default 0); equal input, options\nand seed give equal bytes", 0, 0,
          NULL},
@@ -180,9 +203,9 @@ static psplat_result check_asset(const product *p, psplat_error *error) {
                        expected, splats);
 }
 
-static psplat_result convert(const arguments *a, psplat_progress *progress, product *p,
-                             psplat_error *error) {
-    const psplat_budget budget = {(size_t)a->splats, (size_t)a->bytes};
+static psplat_result convert(const arguments *a, const psplat_write_desc *written,
+                             psplat_progress *progress, product *p, psplat_error *error) {
+    const psplat_budget budget = {(size_t)a->splats, (size_t)a->bytes, written};
     const psplat_convert_desc desc = {
         .tolerance_percent = a->tolerance,
         .normal_tolerance_degrees = a->normal_tolerance,
@@ -190,6 +213,7 @@ static psplat_result convert(const arguments *a, psplat_progress *progress, prod
         .no_creases = a->no_creases,
         .constant_normals = a->constant_normals,
         .color_tolerance_percent = a->color_tolerance,
+        .precision = a->part,
         .effort = a->effort + 1,
         .seed = a->seed,
         .progress = psplat_progress_show,
@@ -206,11 +230,13 @@ static psplat_result convert(const arguments *a, psplat_progress *progress, prod
 static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     psplat_progress progress = psplat_progress_begin(a->quiet);
     char *name = model_name(a->input);
+    const psplat_write_desc written = {.codec = a->no_compress ? NULL : &psplat_meshopt_codec};
     psplat_progress_show(&progress, "reading", 0);
     psplat_result result = psplat_scene_read(a->input, name, &p->scene, error);
-    if (!result) result = convert(a, &progress, p, error);
+    if (!result) result = convert(a, &written, &progress, p, error);
     psplat_progress_show(&progress, "writing", 0);
-    if (!result) result = psplat_scene_write(&p->scene, p->splats, &p->bytes, &p->size, error);
+    if (!result)
+        result = psplat_scene_write(&p->scene, p->splats, &written, &p->bytes, &p->size, error);
     if (!result) result = check_asset(p, error);
     psplat_progress_end(&progress);
     free(name);

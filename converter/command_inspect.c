@@ -10,16 +10,17 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
-/* Attributes differ by name, type and components: 6 ways to store COLOR_0, 3 for ROTATION, one for
- * each of the other eight. */
-enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1, MAX_ATTRIBUTES = 17 };
+/* Attributes differ by name, type and components: of sixteen names each has a handful. */
+enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1, MAX_ATTRIBUTES = 64 };
 
 /* The sum over an asset. */
 typedef struct summary {
     size_t splats;
     size_t splats_by_clip_lines[CLASSES];
-    size_t attribute_bytes;
+    size_t attribute_bytes, stored_bytes; /* unpacked, and in the file */
+    size_t file_bytes;
     psplat_attribute attributes[MAX_ATTRIBUTES];
     size_t attribute_count;
     double min[3], max[3];
@@ -66,6 +67,7 @@ static const char *component_name(uint32_t type) {
 /* Attributes of equal name and type are one line, whichever primitives they come from. */
 static void add_attribute(summary *s, const psplat_attribute *attribute) {
     s->attribute_bytes += attribute->bytes;
+    s->stored_bytes += attribute->stored;
     for (size_t i = 0; i < s->attribute_count; ++i) {
         psplat_attribute *known = &s->attributes[i];
         if (strcmp(known->name, attribute->name) != 0 ||
@@ -73,6 +75,7 @@ static void add_attribute(summary *s, const psplat_attribute *attribute) {
             known->component_type != attribute->component_type)
             continue;
         known->bytes += attribute->bytes;
+        known->stored += attribute->stored;
         return;
     }
     if (s->attribute_count < MAX_ATTRIBUTES) s->attributes[s->attribute_count++] = *attribute;
@@ -117,13 +120,19 @@ static void print_pretty(const char *path, const psplat_asset *asset, const summ
            s->attribute_bytes);
     for (int i = 0; i < CLASSES; ++i)
         if (s->splats_by_clip_lines[i]) printf("%10d  %10zu\n", i, s->splats_by_clip_lines[i]);
-    printf("\n%-36s %-16s %10s\n", "attribute", "type", "bytes");
+    printf("\n%-36s %-16s %10s %10s %10s\n", "attribute", "type", "bytes", "in the file",
+           "a splat");
     for (size_t i = 0; i < s->attribute_count; ++i) {
         const psplat_attribute *a = &s->attributes[i];
         char type[32];
         snprintf(type, sizeof type, "%u %s", a->components, component_name(a->component_type));
-        printf("%-36s %-16s %10zu\n", a->name, type, a->bytes);
+        printf("%-36s %-16s %10zu %10zu %10.2f\n", a->name, type, a->bytes, a->stored,
+               (double)a->stored / (double)s->splats);
     }
+    printf("%-36s %-16s %10zu %10zu %10.2f\n", "together", "", s->attribute_bytes, s->stored_bytes,
+           (double)s->stored_bytes / (double)s->splats);
+    printf("%-36s %-16s %10s %10zu %10.2f\n", "file", "", "", s->file_bytes,
+           (double)s->file_bytes / (double)s->splats);
     printf("\nbounds  %.6g %.6g %.6g  to  %.6g %.6g %.6g\n\n", s->min[0], s->min[1], s->min[2],
            s->max[0], s->max[1], s->max[2]);
     for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
@@ -139,6 +148,8 @@ static void write_attributes(psplat_writer *json, const summary *s) {
         psplat_writer_string(json, "component_type", component_name(a->component_type));
         psplat_writer_count(json, "components", a->components);
         psplat_writer_count(json, "bytes", a->bytes);
+        psplat_writer_boolean(json, "is_compressed", a->is_compressed);
+        psplat_writer_count(json, "stored", a->stored);
         psplat_writer_close(json, '}');
     }
     psplat_writer_close(json, ']');
@@ -190,6 +201,8 @@ static int print_json(const char *path, const psplat_asset *asset, const summary
     psplat_writer_count(&json, "splats", s->splats);
     psplat_writer_numbers(&json, "splats_by_clip_lines", by_clip_lines, CLASSES);
     psplat_writer_count(&json, "attribute_bytes", s->attribute_bytes);
+    psplat_writer_count(&json, "stored_bytes", s->stored_bytes);
+    psplat_writer_count(&json, "file_bytes", s->file_bytes);
     write_attributes(&json, s);
     psplat_writer_numbers(&json, "bounds_min", s->min, 3);
     psplat_writer_numbers(&json, "bounds_max", s->max, 3);
@@ -210,7 +223,11 @@ int psplat_command_inspect(int argc, char **argv) {
     psplat_asset *asset = NULL;
     psplat_error error = {0};
     summary s = {0};
-    if (psplat_command_open(input, &asset, &error)) return psplat_command_fail(input, &error);
+    const psplat_asset_desc desc = {.measures = 1};
+    struct stat file;
+    if (psplat_command_open(input, &desc, &asset, &error))
+        return psplat_command_fail(input, &error);
+    if (!stat(input, &file)) s.file_bytes = (size_t)file.st_size;
     int is_whole = summarise(asset, &s);
     if (is_whole && format == FORMAT_PRETTY) print_pretty(input, asset, &s);
     if (is_whole && format == FORMAT_JSON) is_whole = print_json(input, asset, &s);

@@ -240,7 +240,8 @@ int psplat_command_render(int argc, char **argv) {
     psplat_error error = {0};
     psplat_result result = psplat_output_check(a.input, a.output, a.overwrite, &error);
     if (result) return psplat_command_fail(NULL, &error);
-    if (psplat_command_open(a.input, &s.asset, &error)) return psplat_command_fail(a.input, &error);
+    if (psplat_command_open(a.input, NULL, &s.asset, &error))
+        return psplat_command_fail(a.input, &error);
     result = render(&a, &s, &error);
     free_scene(&s);
     return result ? psplat_command_fail(result == PSPLAT_ERROR_WRITE ? NULL : a.input, &error)

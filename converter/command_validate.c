@@ -28,7 +28,7 @@ int psplat_command_validate(int argc, char **argv) {
         return parsed == PSPLAT_PARSE_HELP ? PSPLAT_EXIT_SUCCESS : PSPLAT_EXIT_USAGE;
     psplat_asset *asset = NULL;
     psplat_error error = {0};
-    if (psplat_command_open(input, &asset, &error)) return psplat_command_fail(input, &error);
+    if (psplat_command_open(input, NULL, &asset, &error)) return psplat_command_fail(input, &error);
     size_t splats = 0, batches = psplat_asset_batch_count(asset);
     for (size_t i = 0; i < batches; ++i) splats += psplat_asset_batch(asset, i)->splat_count;
     printf("%s: valid, %zu splats drawn in %zu batches\n", input, splats, batches);

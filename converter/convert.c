@@ -139,6 +139,7 @@ static psplat_result store(psplat_conversion *c, psplat_error *error) {
     }
     if (psplat_fold(c->splats))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
+    psplat_precision_apply(c->splats);
     return PSPLAT_OK;
 }
 
@@ -177,11 +178,24 @@ static psplat_result improve(psplat_conversion *c, psplat_error *error) {
     return psplat_fail(error, result, 0, "out of memory while improving the selection");
 }
 
+/* Moves the selection to the grid of the file, and closes what holes that leaves. */
+static psplat_result quantise(psplat_conversion *c, psplat_error *error) {
+    const psplat_improvement drop = {.samples = &c->samples, .focus = c->samples.count};
+    c->splats->precision = psplat_precision_choose(c);
+    if (!(c->splats->precision.unit > 0)) return PSPLAT_OK;
+    psplat_selection_settle(&c->selection);
+    psplat_result result = psplat_repair_holes(c, error);
+    if (!result && psplat_improve(&c->selection, &drop))
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while rounding splats");
+    return result;
+}
+
 static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     psplat_result result =
         psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, error);
     if (!result) result = improve(c, error);
     if (!result) result = psplat_repair_holes(c, error);
+    if (!result) result = quantise(c, error);
     if (result) return result;
     psplat_selection_settle(&c->selection);
     if (psplat_join_lines(&c->surface, &c->limits, &c->selection))

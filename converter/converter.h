@@ -136,6 +136,9 @@ psplat_result psplat_mesh_from_points(const psplat_points *points, psplat_mesh *
                                       psplat_error *error);
 void psplat_points_free(psplat_points *points);
 
+/* A step of positions, in tolerances, that makes files small. */
+#define PSPLAT_USUAL_PRECISION 0.1
+
 /* ---- convert.c: the whole conversion ------------------------------------------------------ */
 
 /* How colours change over a splat that has them (spec 3.10). */
@@ -153,7 +156,9 @@ typedef struct psplat_convert_desc {
     double crease_angle_degrees; /* dihedral angle from which an edge is a crease, where it is not
                                   * noise; twice of it where the file's normals agree; 0: 30 */
     int no_creases;              /* 1: only borders and non-manifold edges bound splats */
-    int constant_normals;        /* 1: fields without gradients, as Gaussian splats have */
+    double precision; /* greatest step of positions in tolerances, to which all that is stored is
+                         rounded; 0: all floats */
+    int constant_normals;           /* 1: fields without gradients, as Gaussian splats have */
     double color_tolerance_percent; /* greatest root mean square of a splat's colour error over its
                                      * samples, in % of sRGB's range; 100: unbounded; 0 means 10,
                                      * times the root of epsilon over 0.5 % */
@@ -178,6 +183,16 @@ typedef struct psplat_run {
     float depth_tolerance;
 } psplat_run;
 
+/* How exactly a file holds splats: each value is an integer times a step. Zeros: floats. */
+typedef struct psplat_precision {
+    double unit;                      /* length of one step of positions; what the node scales by */
+    double scale_step;                /* of the logarithm of radii */
+    double turn_step, line_turn_step; /* half turns: one over a whole number */
+    double tilt_step, field_step;     /* slopes */
+    double line_step;                 /* parts of the ellipse: one over a whole number */
+    int normal_bits;                  /* of each of the two octahedral coordinates of N, 4 ... 14 */
+} psplat_precision;
+
 /* The splats of one mesh in runs: sorted by clip_count; in each class first the flat ones, which
  * lie on their surface and need next to no depth tolerance, then the others; of those each material
  * for itself, in spatial order. */
@@ -192,6 +207,7 @@ typedef struct psplat_splats {
     psplat_kernel kernel;
     int has_color;    /* 0: color is 1 1 1 1 in every splat */
     double origin[3]; /* goes into the node's translation */
+    psplat_precision precision;
 } psplat_splats;
 
 void psplat_splats_free(psplat_splats *splats);
@@ -289,10 +305,30 @@ psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_conver
  */
 double psplat_schedule_done(const char *stage, double fraction);
 
-/* ---- glb.c: splats to a file -------------------------------------------------------------- */
+/* ---- columns.c, layout.c, document.c, glb.c: splats to a file ------------------------------- */
+
+/* Makes views smaller: rows of equal size to bytes of mode ATTRIBUTES of EXT_meshopt_compression.
+ */
+typedef struct psplat_codec {
+    /* How many bytes are enough. */
+    size_t (*bound)(size_t rows, size_t stride);
+    /* Returns how many there are; 0: failed. */
+    size_t (*encode)(uint8_t *out, size_t capacity, const void *rows, size_t row_count,
+                     size_t stride);
+} psplat_codec;
+
+/* compress.c: by libmeshoptimizer. */
+extern const psplat_codec psplat_meshopt_codec;
+
+/* Zeros are the defaults. */
+typedef struct psplat_write_desc {
+    const psplat_codec *codec; /* NULL: not compressed */
+    int unpadded;              /* 1: splats of few clip lines never join those of more (spec 3.6) */
+} psplat_write_desc;
 
 /* Serialises splats as a complete GLB (spec 3) into *data, allocated with malloc and owned by the
- * caller. Pure: no file is touched. name (may be NULL) becomes the node's and the mesh's name. */
+ * caller, neither compressed nor padded. Pure: no file is touched. name (may be NULL) becomes the
+ * node's and the mesh's name. */
 psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, uint8_t **data,
                                size_t *size, psplat_error *error);
 

@@ -20,13 +20,23 @@ enum { MOVES = 10 };
 /* What holes are looked for, in spacings: one in each cube of this side, but not narrower ones. */
 static const double coarse = 1, fine = 1.0 / 32;
 
-/* Widens a candidate that has come to be taken. Samples do not ask for it, so that exchange does
- * not use it up. */
-static psplat_result widen_taken(void *user, size_t index, psplat_growth *growth) {
+/* Widens a candidate, and moves it to the grid where there is one. */
+static psplat_result fit(void *user, size_t index, psplat_growth *growth) {
     psplat_conversion *c = user;
     psplat_candidate *candidate = &c->selection.candidates[index];
-    if (!candidate->taken || candidate->widened) return PSPLAT_OK;
-    return psplat_candidate_widen(&c->surface, &c->samples, &c->limits, growth, candidate);
+    psplat_result result = PSPLAT_OK;
+    if (!candidate->widened)
+        result = psplat_candidate_widen(&c->surface, &c->samples, &c->limits, growth, candidate);
+    if (!result && c->splats->precision.unit > 0 && !candidate->snapped)
+        result = psplat_candidate_snap(&c->surface, &c->samples, &c->limits, &c->splats->precision,
+                                       growth, candidate);
+    return result;
+}
+
+/* Samples do not ask taken candidates for width, so that exchange does not use it up. */
+static psplat_result fit_taken(void *user, size_t index, psplat_growth *growth) {
+    const psplat_conversion *c = user;
+    return c->selection.candidates[index].taken ? fit(user, index, growth) : PSPLAT_OK;
 }
 
 /* Appends points in holes to the samples, and stores how many. */
@@ -35,7 +45,7 @@ static psplat_result find_holes(psplat_conversion *c, size_t *count, psplat_erro
     psplat_holes holes = {0};
     const psplat_storing storing = {0}; /* only where they are matters here */
     double tolerance = c->limits.tolerance, spacing = c->samples.spacing;
-    psplat_result result = psplat_growth_each(c->selection.count, widen_taken, c);
+    psplat_result result = psplat_growth_each(c->selection.count, fit_taken, c);
     if (!result) result = psplat_store_splats(&c->selection, &storing, c->splats);
     if (!result) result = psplat_measured_create(c->splats, tolerance, tolerance, &measured);
     if (!result) {
@@ -141,6 +151,9 @@ psplat_result psplat_repair_holes(psplat_conversion *c, psplat_error *error) {
         if (!result)
             result = psplat_select_cover(&c->surface, &c->samples, &c->limits, desc, &c->selection,
                                          NULL);
+        /* Those that exchange may choose from all lie on the grid, or it would bring back holes. */
+        if (!result && round < EXCHANGING_ROUNDS && c->splats->precision.unit > 0)
+            result = psplat_growth_each(c->selection.count, fit, c);
         if (!result && round < EXCHANGING_ROUNDS) result = exchange(c, first, round);
         if (result)
             psplat_fail(error, result, 0, "%s while closing holes", psplat_result_text(result));

@@ -178,15 +178,18 @@ void psplat_scene_label(const psplat_scene *scene, size_t mesh, char label[PSPLA
  */
 
 /* Serialises the scene's graph with splats (by mesh) where its meshes were as a complete GLB (spec
- * 3) into *data, allocated with malloc and owned by the caller. Pure: no file is touched. */
+ * 3) into *data, allocated with malloc and owned by the caller, in the layout that takes the fewest
+ * bytes. desc may be NULL. Pure: no file is touched. */
 psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats *splats,
-                                 uint8_t **data, size_t *size, psplat_error *error);
+                                 const psplat_write_desc *desc, uint8_t **data, size_t *size,
+                                 psplat_error *error);
 
 /* ---- budget.c: the smallest error that fits -------------------------------------------------- */
 
 typedef struct psplat_budget {
-    size_t splats; /* of all meshes, at most; 0: any number */
-    size_t bytes;  /* of the complete GLB, at most; 0: any number */
+    size_t splats;                    /* of all meshes, at most; 0: any number */
+    size_t bytes;                     /* of the complete GLB, at most; 0: any number */
+    const psplat_write_desc *written; /* how psplat_scene_write makes it; may be NULL */
 } psplat_budget;
 
 /* The tolerances, in %, between which psplat_scene_convert_budget searches. */

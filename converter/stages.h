@@ -366,6 +366,7 @@ typedef struct psplat_candidate {
     size_t covered_count;
     int taken;   /* 0: only in the pool */
     int widened; /* by psplat_candidate_widen */
+    int snapped; /* by psplat_candidate_snap */
 } psplat_candidate;
 
 /* Scratch of one thread. Zero-initialise. */
@@ -406,6 +407,11 @@ psplat_result psplat_candidate_enclose(const psplat_surface *surface, const pspl
 psplat_result psplat_candidate_widen(const psplat_surface *surface, const psplat_samples *samples,
                                      const psplat_limits *limits, psplat_growth *growth,
                                      psplat_candidate *candidate);
+/* snap.c: moves a candidate to the grid of the precision, as little as the limits allow; it may
+ * then cover less. MEMORY is the only failure. */
+psplat_result psplat_candidate_snap(const psplat_surface *surface, const psplat_samples *samples,
+                                    const psplat_limits *limits, const psplat_precision *precision,
+                                    psplat_growth *growth, psplat_candidate *candidate);
 /* Finds the samples that an existing candidate covers, after samples were appended. */
 psplat_result psplat_candidate_cover(const psplat_surface *surface, const psplat_samples *samples,
                                      const psplat_limits *limits, psplat_growth *growth,
@@ -471,6 +477,14 @@ void psplat_moments_solve(const psplat_moments *moments, double mean, const doub
  * may change over a splat. MEMORY is the only failure. */
 psplat_result psplat_tint(const psplat_samples *samples, int gradients,
                           psplat_selection *selection);
+
+/* ---- frame.c ------------------------------------------------------------------------------- */
+
+/* The rotation whose columns are u, v, n; w >= 0. */
+void psplat_quaternion_of(const double u[3], const double v[3], const double n[3],
+                          float rotation[4]);
+/* The plane region of a stored splat, in double. */
+void psplat_splat_region(const psplat_splat *splat, psplat_region *region);
 
 /* ---- store.c ------------------------------------------------------------------------------- */
 
@@ -546,6 +560,14 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
 void psplat_conversion_free(psplat_conversion *c);
 /* How often the selection is improved. */
 int psplat_improving_rounds(const psplat_convert_desc *desc);
+
+/* ---- precision.c --------------------------------------------------------------------------- */
+
+/* The grid that suits the tolerance and the candidates taken, as desc->precision wants it; zeros
+ * where it wants floats, or no grid is fine enough. */
+psplat_precision psplat_precision_choose(const psplat_conversion *c);
+/* Rounds all of stored splats to their precision. */
+void psplat_precision_apply(psplat_splats *splats);
 
 /* ---- spacing.c ----------------------------------------------------------------------------- */
 

@@ -234,7 +234,7 @@ static int read_setting(char *const *cells, psplat_setting *s) {
     if (!read_name(cells[6], psplat_filter_names, &s->no_filter)) return 0;
     s->contender = (psplat_contender)contender;
     s->field = (psplat_normal_field)field;
-    s->precision = (psplat_precision)precision;
+    s->precision = (psplat_stored_as)precision;
     s->mode = (psplat_mode)mode;
     return 1;
 }

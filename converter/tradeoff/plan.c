@@ -30,7 +30,7 @@ psplat_result psplat_plan_rows(const psplat_tradeoff_options *options, int with_
                 const psplat_setting setting = {.contender = PSPLAT_CONTENDER_SPLATS,
                                                 .tolerance = options->tolerances.steps[i],
                                                 .field = (psplat_normal_field)field,
-                                                .precision = (psplat_precision)precision};
+                                                .precision = (psplat_stored_as)precision};
                 plan_splats(*rows, count, setting);
             }
     for (size_t i = 0; i < options->ratios.count && with_gltfpack; ++i) {

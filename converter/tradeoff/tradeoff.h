@@ -104,10 +104,10 @@ typedef enum psplat_normal_field {
 } psplat_normal_field;
 
 /* How the asset stores its numbers. */
-typedef enum psplat_precision {
+typedef enum psplat_stored_as {
     PSPLAT_PRECISION_FLOAT = 0,
     PSPLAT_PRECISION_COUNT
-} psplat_precision;
+} psplat_stored_as;
 
 enum { PSPLAT_DRAWN_MODES = PSPLAT_MODE_PARAMETERS }; /* phong, gaussian, flat */
 
@@ -117,7 +117,7 @@ typedef struct psplat_setting {
     double tolerance; /* %, of splats */
     double ratio;     /* of triangles kept, of gltfpack */
     psplat_normal_field field;
-    psplat_precision precision;
+    psplat_stored_as precision;
     psplat_mode mode;
     int no_filter;
 } psplat_setting;

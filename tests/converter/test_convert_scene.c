@@ -71,7 +71,7 @@ static void test_opened(void **state) {
     psplat_error error = {0};
     for (int i = 0; i < 2; ++i) {
         assert_int_equal(psplat_scene_convert(&scene, NULL, splats, NULL, NULL), PSPLAT_OK);
-        assert_int_equal(psplat_scene_write(&scene, splats, &data[i], &size[i], NULL), PSPLAT_OK);
+        assert_int_equal(psplat_scene_write(&scene, splats, NULL, &data[i], &size[i], NULL), PSPLAT_OK);
         psplat_scene_splats_free(&scene, splats);
     }
     assert_int_equal(size[0], size[1]);
@@ -156,7 +156,7 @@ static void test_arguments(void **state) {
     assert_int_equal(psplat_scene_convert(NULL, NULL, &splats, NULL, NULL), PSPLAT_ERROR_ARGUMENT);
     assert_int_equal(psplat_scene_convert(&scene, NULL, NULL, NULL, NULL), PSPLAT_ERROR_ARGUMENT);
     assert_int_equal(psplat_scene_convert(&scene, NULL, &splats, &report, NULL), PSPLAT_OK);
-    assert_int_equal(psplat_scene_write(&scene, &splats, &data, &size, NULL),
+    assert_int_equal(psplat_scene_write(&scene, &splats, NULL, &data, &size, NULL),
                      PSPLAT_ERROR_NO_SPLATS);
     psplat_scene_report_free(&report);
 }

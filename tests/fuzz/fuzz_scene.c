@@ -87,7 +87,7 @@ static void write_and_open(const psplat_scene *scene, const psplat_splats *splat
     size_t size = 0;
     psplat_asset *asset = NULL;
     psplat_error error = {0};
-    if (psplat_scene_write(scene, splats, &data, &size, &error)) return;
+    if (psplat_scene_write(scene, splats, NULL, &data, &size, &error)) return;
     psplat_result result = psplat_asset_open_memory(data, size, NULL, &asset, &error);
     /* A placement may carry a mesh out of what numbers hold, where its node almost did. */
     FUZZ_DEMAND(!result || result == PSPLAT_ERROR_RANGE || result == PSPLAT_ERROR_UNSUPPORTED);

@@ -49,6 +49,8 @@ for (const path of assetPaths()) {
     for (const name of primitives.flatMap(({ attributes }) => Object.keys(attributes)))
       assert.ok(listed.some((entry) => entry.startsWith(`${name}:`)), name);
 
+    // It reads what is compressed, but compresses by an encoder that it does not bring.
+    document.getRoot().listExtensionsUsed().find((used) => used.extensionName === 'EXT_meshopt_compression')?.dispose();
     const copy = parse(await io.writeBinary(document));
     const copied = copy.json.meshes.flatMap((mesh) => mesh.primitives).filter((p) =>
       Object.keys(p.attributes).some((name) => name.startsWith(`_${extensionName}:`)));

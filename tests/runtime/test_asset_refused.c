@@ -280,9 +280,9 @@ static void test_stripped(void **state) {
 
 /* ---- values ------------------------------------------------------------------------------- */
 
-/* Attributes of one class without colour and gradients, in the order in which glb.c writes them:
- * bytes of one splat before the attribute, and of the attribute. */
-enum { NORMAL = 12, ROTATION = 24, SCALE = 40, CLIP_0 = 48, CLIP_1 = 60 };
+/* Where attributes of splats with two lines, without colour and gradients, lie in the rows that
+ * glb.c writes, and the bytes of a row; without lines CLIP_0 is its end. */
+enum { NORMAL = 12, ROTATION = 24, SCALE = 40, CLIP_0 = 48, CLIP_1 = 60, ROW = 72 };
 
 enum { COUNT = 3, INDEX = 1 };
 
@@ -301,7 +301,7 @@ static void check_values(size_t attribute, size_t attribute_size, const float *v
     size_t size = 0;
     uint8_t *data = scene_glb(&s, &size);
     size_t bin = 20 + read_u32(data + 12) + 8;
-    size_t at = bin + COUNT * attribute + INDEX * attribute_size;
+    size_t at = bin + INDEX * ROW + attribute;
     psplat_asset *asset = NULL;
     psplat_error error = {0};
     assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, &error), PSPLAT_OK);
@@ -350,7 +350,7 @@ static void test_blocks(void **state) {
     size_t bin = 20 + read_u32(data + 12) + 8;
     for (size_t i = 0; i < 2 * sizeof places / sizeof *places; ++i) {
         size_t splat = places[i / 2], attribute = i % 2 ? NORMAL : 0;
-        size_t at = bin + MANY * attribute + splat * 12;
+        size_t at = bin + splat * CLIP_0 + attribute;
         const float bad[3] = {0, i % 2 ? 0 : NAN, 0};
         uint8_t good[sizeof bad];
         char name[32];
@@ -377,7 +377,7 @@ static void check_field(int tilted, const float gradient[3], psplat_result expec
     if (tilted) s.splats[INDEX].normal[0] = 0.6f, s.splats[INDEX].normal[2] = 0.8f;
     size_t size = 0;
     uint8_t *data = scene_glb(&s, &size);
-    size_t at = 20 + read_u32(data + 12) + 8 + COUNT * FIELD + INDEX * 12;
+    size_t at = 20 + read_u32(data + 12) + 8 + INDEX * (FIELD + 12) + FIELD;
     psplat_asset *asset = NULL;
     psplat_error error = {0};
     memcpy(data + at, gradient, 12);

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * compress.c - EXT_meshopt_compression by libmeshoptimizer: the first version of its format for
+ * vertices, which is that of the extension.
+ */
+#include "converter.h"
+
+#include <meshoptimizer.h>
+
+static size_t bound(size_t rows, size_t stride) {
+    return meshopt_encodeVertexBufferBound(rows, stride);
+}
+
+static size_t encode(uint8_t *out, size_t capacity, const void *rows, size_t row_count,
+                     size_t stride) {
+    meshopt_encodeVertexVersion(0);
+    return meshopt_encodeVertexBuffer(out, capacity, rows, row_count, stride);
+}
+
+const psplat_codec psplat_meshopt_codec = {bound, encode};

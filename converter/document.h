@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * document.h - the JSON of a file of splats. For the writer: columns.c, layout.c, document.c,
+ * glb.c.
+ */
+#ifndef PHONGSPLAT_DOCUMENT_H
+#define PHONGSPLAT_DOCUMENT_H
+
+#include "json_writer.h"
+#include "layout.h"
+#include "scenes.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Bytes of the binary chunk that a view takes. */
+size_t psplat_file_view_bytes(const psplat_file_view *view);
+/* The document, finished. The sheets' sets of splats lie one after another. 0 where memory ran out.
+ */
+int psplat_document_write(psplat_writer *json, const psplat_scene *scene,
+                          const psplat_layout *layout);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

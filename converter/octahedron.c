@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * octahedron.c - unit vectors in two integers.
+ */
+#include "encoding.h"
+#include "vector.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int32_t greatest(int bits) {
+    return (1 << (bits - 1)) - 1;
+}
+
+/* The arithmetic of the decoder of EXT_meshopt_compression's octahedral filter, in its single
+ * precision. */
+void psplat_octahedron_decode(const int32_t code[2], int bits, int32_t normal[3]) {
+    float x = (float)code[0], y = (float)code[1];
+    float z = (float)(greatest(bits) - abs(code[0]) - abs(code[1]));
+    float fold = z >= 0 ? 0 : z;
+    x += x >= 0 ? fold : -fold;
+    y += y >= 0 ? fold : -fold;
+    float scale = (bits <= 8 ? 127.0f : 32767.0f) / sqrtf(x * x + y * y + z * z);
+    const float v[3] = {x, y, z};
+    for (int k = 0; k < 3; ++k) normal[k] = (int32_t)(v[k] * scale + (v[k] >= 0 ? 0.5f : -0.5f));
+}
+
+void psplat_octahedron_normal(const int32_t code[2], int bits, double normal[3]) {
+    int32_t decoded[3];
+    psplat_octahedron_decode(code, bits, decoded);
+    for (int k = 0; k < 3; ++k) normal[k] = decoded[k];
+    normalize3(normal);
+}
+
+int psplat_octahedron_is_inside(const int32_t code[2], int bits) {
+    return abs(code[0]) <= greatest(bits) && abs(code[1]) <= greatest(bits);
+}
+
+void psplat_octahedron_encode(const double normal[3], int bits, int32_t code[2]) {
+    double sum = fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]), nearest = HUGE_VAL;
+    double x = normal[0] / sum, y = normal[1] / sum;
+    if (normal[2] < 0) {
+        double folded = (1 - fabs(y)) * (x >= 0 ? 1 : -1);
+        y = (1 - fabs(x)) * (y >= 0 ? 1 : -1);
+        x = folded;
+    }
+    int32_t most = greatest(bits), middle[2] = {(int32_t)lrint(x * most), (int32_t)lrint(y * most)};
+    for (int32_t i = -1; i <= 1; ++i)
+        for (int32_t k = -1; k <= 1; ++k) {
+            const int32_t tried[2] = {middle[0] + i, middle[1] + k};
+            double found[3];
+            if (!psplat_octahedron_is_inside(tried, bits)) continue;
+            psplat_octahedron_normal(tried, bits, found);
+            double distance2 = distance2_3(found, normal);
+            if (!(distance2 < nearest)) continue;
+            nearest = distance2;
+            memcpy(code, tried, sizeof tried);
+        }
+}
