@@ -11,6 +11,7 @@
 #include <string.h>
 
 #define OURS "_PSPLAT_surface_splats:"
+#define GAUSSIAN "KHR_gaussian_splatting:"
 
 const char *const psplat_column_names[PSPLAT_COLUMNS] = {"POSITION",
                                                          "NORMAL",
@@ -27,12 +28,16 @@ const char *const psplat_column_names[PSPLAT_COLUMNS] = {"POSITION",
                                                          OURS "COLOR_U",
                                                          OURS "COLOR_V",
                                                          OURS "OCCLUSION_ROUGHNESS_METALLIC",
-                                                         OURS "EMISSIVE"};
+                                                         OURS "EMISSIVE",
+                                                         GAUSSIAN "ROTATION",
+                                                         GAUSSIAN "SCALE",
+                                                         GAUSSIAN "OPACITY",
+                                                         GAUSSIAN "SH_DEGREE_0_COEF_0"};
 
-/* Largest integer of a type. */
+/* Largest integer of a type; 1 of floats, and of columns that there are not. */
 static int32_t most_of(int type) {
     static const int32_t most[] = {127, 255, 32767, 65535};
-    return type == PSPLAT_TYPE_FLOAT ? 1 : most[type - PSPLAT_TYPE_BYTE];
+    return !type || type == PSPLAT_TYPE_FLOAT ? 1 : most[type - PSPLAT_TYPE_BYTE];
 }
 
 static size_t component_bytes(int type) {
@@ -44,7 +49,8 @@ size_t psplat_column_bytes(const psplat_column *column) {
 }
 
 int psplat_column_is_normalized(const psplat_column *column, size_t kind) {
-    return column->type != PSPLAT_TYPE_FLOAT && kind != PSPLAT_COLUMN_POSITION;
+    return column->type != PSPLAT_TYPE_FLOAT && kind != PSPLAT_COLUMN_POSITION &&
+           kind != PSPLAT_COLUMN_GAUSSIAN_SCALE;
 }
 
 static int is_line(size_t kind) {
@@ -52,6 +58,18 @@ static int is_line(size_t kind) {
 }
 
 /* ---- values -------------------------------------------------------------------------------- */
+
+static int is_gaussian(size_t kind) {
+    return kind >= PSPLAT_COLUMN_GAUSSIAN_ROTATION;
+}
+
+static const float *gaussian_values(const psplat_gaussian *gaussian, size_t kind) {
+    static const float opaque = 1;
+    return kind == PSPLAT_COLUMN_GAUSSIAN_ROTATION ? gaussian->rotation
+           : kind == PSPLAT_COLUMN_GAUSSIAN_SCALE  ? gaussian->scale
+           : kind == PSPLAT_COLUMN_OPACITY         ? &opaque
+                                                   : gaussian->harmonic;
+}
 
 /* What a column has of a splat as floats: its value, or the part of its range. */
 static void values_of(const psplat_sheet *sheet, size_t kind, size_t index, float values[4]) {
@@ -61,7 +79,8 @@ static void values_of(const psplat_sheet *sheet, size_t kind, size_t index, floa
     const psplat_finish *f = sheet->splats->finishes ? &sheet->splats->finishes[index] : &plain;
     const float orm[3] = {f->occlusion, f->roughness, f->metallic};
     float sign = sheet->codes && sheet->codes[index].flipped ? -1.0f : 1.0f;
-    const float *from = kind == PSPLAT_COLUMN_POSITION   ? s->center
+    const float *from = is_gaussian(kind) ? gaussian_values(&sheet->gaussians[index], kind)
+                        : kind == PSPLAT_COLUMN_POSITION ? s->center
                         : kind == PSPLAT_COLUMN_NORMAL   ? s->normal
                         : kind == PSPLAT_COLUMN_COLOR    ? s->color
                         : kind == PSPLAT_COLUMN_ROTATION ? s->rotation
@@ -76,6 +95,9 @@ static void values_of(const psplat_sheet *sheet, size_t kind, size_t index, floa
     memcpy(values, from, components * sizeof *values);
     if (is_line(kind) && kind - PSPLAT_COLUMN_LINE >= s->clip_count)
         values[0] = values[2] = 1, values[1] = 0; /* spec 3.6: cuts nothing off */
+    if (kind == PSPLAT_COLUMN_GAUSSIAN_SCALE && sheet->codes)
+        for (size_t k = 0; k < 3; ++k)
+            values[k] = (float)((double)values[k] / sheet->splats->precision.unit);
     if (kind != PSPLAT_COLUMN_COLOR_U && kind != PSPLAT_COLUMN_COLOR_V) return;
     for (size_t k = 0; k < 3; ++k) values[k] *= sign;
     if (sheet->columns[kind].type != PSPLAT_TYPE_FLOAT)
@@ -97,6 +119,9 @@ static int codes_of(const psplat_sheet *sheet, size_t kind, size_t index, int32_
     else if (kind == PSPLAT_COLUMN_SCALE)
         for (int k = 0; k < 2; ++k)
             values[k] = (c->scale[k] - sheet->least_scale) * sheet->scale_factor;
+    else if (kind == PSPLAT_COLUMN_GAUSSIAN_SCALE && sheet->columns[kind].type != PSPLAT_TYPE_FLOAT)
+        for (int k = 0; k < 3; ++k)
+            values[k] = (int32_t)fmax(1, rint((double)sheet->gaussians[index].scale[k] / p->unit));
     else if (kind == PSPLAT_COLUMN_FIELD)
         memcpy(values, c->field, sizeof c->field);
     else if (is_line(kind) && kind - PSPLAT_COLUMN_LINE >= sheet->splats->splats[index].clip_count)
@@ -182,7 +207,7 @@ void psplat_sheet_columns(const psplat_sheet *sheet, size_t first, size_t count,
         psplat_column *column = &columns[kind];
         if (is_line(kind) && kind - PSPLAT_COLUMN_LINE >= lines) column->components = 0;
         if (kind == PSPLAT_COLUMN_TILT || kind == PSPLAT_COLUMN_FIELD ||
-            kind >= PSPLAT_COLUMN_COLOR_U)
+            (kind >= PSPLAT_COLUMN_COLOR_U && !is_gaussian(kind)))
             column->components = components_of(sheet, kind, first, count);
     }
     if (columns[PSPLAT_COLUMN_COLOR_U].components || columns[PSPLAT_COLUMN_COLOR_V].components)
@@ -333,6 +358,19 @@ psplat_result psplat_sheet_fill(const psplat_splats *splats, psplat_sheet *sheet
         set_floats(sheet);
     set_looks(sheet);
     return result;
+}
+
+void psplat_sheet_add_gaussians(psplat_sheet *sheet, const psplat_gaussian *gaussians) {
+    psplat_column *columns = sheet->columns;
+    sheet->gaussians = gaussians;
+    columns[PSPLAT_COLUMN_GAUSSIAN_ROTATION] =
+        (psplat_column){sheet->codes ? PSPLAT_TYPE_SHORT : PSPLAT_TYPE_FLOAT, 4};
+    columns[PSPLAT_COLUMN_GAUSSIAN_SCALE] =
+        (psplat_column){sheet->codes ? PSPLAT_TYPE_UNSIGNED_SHORT : PSPLAT_TYPE_FLOAT, 3};
+    if (sheet->codes && greatest(sheet, PSPLAT_COLUMN_GAUSSIAN_SCALE) > 65535)
+        columns[PSPLAT_COLUMN_GAUSSIAN_SCALE].type = PSPLAT_TYPE_FLOAT;
+    columns[PSPLAT_COLUMN_OPACITY] = (psplat_column){PSPLAT_TYPE_UNSIGNED_BYTE, 1};
+    columns[PSPLAT_COLUMN_HARMONIC] = (psplat_column){PSPLAT_TYPE_FLOAT, 3};
 }
 
 void psplat_sheet_free(psplat_sheet *sheet) {

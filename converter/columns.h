@@ -7,6 +7,7 @@
 #define PHONGSPLAT_COLUMNS_H
 
 #include "encoding.h"
+#include "gaussian.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -36,6 +37,10 @@ typedef enum psplat_column_kind {
     PSPLAT_COLUMN_COLOR_V,
     PSPLAT_COLUMN_ORM,
     PSPLAT_COLUMN_EMISSIVE,
+    PSPLAT_COLUMN_GAUSSIAN_ROTATION, /* of KHR_gaussian_splatting, as the rest */
+    PSPLAT_COLUMN_GAUSSIAN_SCALE,
+    PSPLAT_COLUMN_OPACITY,
+    PSPLAT_COLUMN_HARMONIC,
     PSPLAT_COLUMNS
 } psplat_column_kind;
 
@@ -55,6 +60,7 @@ int psplat_column_is_normalized(const psplat_column *column, size_t kind);
 typedef struct psplat_sheet {
     const psplat_splats *splats;
     psplat_code *codes;                    /* of each; NULL: floats */
+    const psplat_gaussian *gaussians;      /* of each; NULL: none */
     int32_t low[3];                        /* least position; what is written is relative to it */
     int32_t least_scale, scale_factor;     /* what is written is (scale - least) * factor */
     psplat_column columns[PSPLAT_COLUMNS]; /* of all splats together */
@@ -64,6 +70,10 @@ typedef struct psplat_sheet {
 /* Errors: RANGE, where positions are too many steps apart; MEMORY. psplat_sheet_free also then. */
 psplat_result psplat_sheet_fill(const psplat_splats *splats, psplat_sheet *sheet,
                                 psplat_error *error);
+/* Adds the columns of KHR_gaussian_splatting. gaussians: of each splat; they must outlive the
+ * sheet.
+ */
+void psplat_sheet_add_gaussians(psplat_sheet *sheet, const psplat_gaussian *gaussians);
 void psplat_sheet_free(psplat_sheet *sheet);
 
 /* Of columns of the sheet those that count splats from first on need; with lines clip lines. */

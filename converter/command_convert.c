@@ -5,6 +5,8 @@
 #define _XOPEN_SOURCE 700
 
 #include "command.h"
+#include "gaussian.h"
+#include "stand_in.h"
 #include "scenes.h"
 
 #include <stdio.h>
@@ -30,6 +32,8 @@ typedef struct arguments {
     const char *precision;
     double part; /* that it means: of psplat_convert_desc */
     int no_compress;
+    const char *fallback;
+    int gaussian;
     int overwrite;
     int quiet;
 } arguments;
@@ -39,6 +43,8 @@ typedef struct product {
     psplat_scene scene;
     psplat_splats *splats; /* by mesh of the scene */
     psplat_scene_report report;
+    psplat_stand_in *stand_ins;  /* by mesh of the scene; NULL: none */
+    psplat_gaussian **gaussians; /* the same */
     uint8_t *bytes;
     size_t size;
     size_t needed; /* by the coarsest conversion, where the budget is too small */
@@ -57,11 +63,19 @@ static int parse_precision(arguments *a) {
     return end != a->precision && !*end && a->part >= 0.001 && a->part <= 10;
 }
 
+static int stands_in(const arguments *a) {
+    return a->fallback && !strcmp(a->fallback, "mesh");
+}
+
 static psplat_parse check_combination(arguments *a) {
     const char *cause = NULL;
     if (a->splats && a->bytes) cause = "splats: not together with bytes: one budget at a time";
     if (a->no_creases && a->crease_angle > 0) cause = "no-creases: not together with crease-angle";
     if (!parse_precision(a)) cause = "precision: neither auto, float nor a number of 0.001 to 10";
+    if (a->fallback && strcmp(a->fallback, "points") != 0 && !stands_in(a))
+        cause = "fallback: neither points nor mesh";
+    if (a->bytes && stands_in(a)) cause = "fallback mesh: not together with bytes";
+    if (a->bytes && a->gaussian) cause = "gaussian: not together with bytes";
     if (!cause) return PSPLAT_PARSE_OK;
     psplat_command_error("convert: %s (phongsplat convert --help lists what it takes)", cause);
     return PSPLAT_PARSE_ERROR;
@@ -107,6 +121,14 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          0, 0, NULL},
         {0, "no-compress", PSPLAT_OPTION_FLAG, &a->no_compress, NULL,
          "without EXT_meshopt_compression", 0, 0, NULL},
+        {0, "fallback", PSPLAT_OPTION_TEXT, &a->fallback, "points|mesh",
+         "what viewers that know no splats show: a coloured point\n"
+         "cloud (default), or a simplified mesh, which makes OUT.glb\nlarger",
+         0, 0, NULL},
+        {0, "gaussian", PSPLAT_OPTION_FLAG, &a->gaussian, NULL,
+         "add attributes of KHR_gaussian_splatting: viewers of\n"
+         "Gaussians show the shape, lit for good and without sharp\nedges",
+         0, 0, NULL},
         {0, "seed", PSPLAT_OPTION_UNSIGNED, &a->seed, "N",
          "seed of the sampling (default 0); equal input, options\nand seed give equal bytes", 0, 0,
          NULL},
@@ -203,10 +225,8 @@ static psplat_result check_asset(const product *p, psplat_error *error) {
                        expected, splats);
 }
 
-static psplat_result convert(const arguments *a, const psplat_write_desc *written,
-                             psplat_progress *progress, product *p, psplat_error *error) {
-    const psplat_budget budget = {(size_t)a->splats, (size_t)a->bytes, written};
-    const psplat_convert_desc desc = {
+static psplat_convert_desc describe(const arguments *a, psplat_progress *progress) {
+    return (psplat_convert_desc){
         .tolerance_percent = a->tolerance,
         .normal_tolerance_degrees = a->normal_tolerance,
         .crease_angle_degrees = a->crease_angle,
@@ -219,6 +239,12 @@ static psplat_result convert(const arguments *a, const psplat_write_desc *writte
         .progress = psplat_progress_show,
         .user = progress,
     };
+}
+
+static psplat_result convert(const arguments *a, const psplat_write_desc *written,
+                             psplat_progress *progress, product *p, psplat_error *error) {
+    const psplat_budget budget = {(size_t)a->splats, (size_t)a->bytes, written};
+    const psplat_convert_desc desc = describe(a, progress);
     p->splats = calloc(p->scene.mesh_count + 1, sizeof *p->splats);
     if (!p->splats) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory");
     if (!a->splats && !a->bytes)
@@ -227,13 +253,27 @@ static psplat_result convert(const arguments *a, const psplat_write_desc *writte
                                        error);
 }
 
+/* Meshes that stand in are as near to the source as the splats are. */
+static psplat_result add_alternatives(const arguments *a, product *p, psplat_error *error) {
+    psplat_convert_desc desc = describe(a, NULL);
+    psplat_result result = PSPLAT_OK;
+    desc.tolerance_percent = p->report.total.tolerance_percent;
+    if (stands_in(a)) result = psplat_scene_stand_ins(&p->scene, &desc, &p->stand_ins, error);
+    if (a->gaussian && !result)
+        result = psplat_scene_gaussians(&p->scene, p->splats, &p->gaussians, error);
+    return result;
+}
+
 static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     psplat_progress progress = psplat_progress_begin(a->quiet);
     char *name = model_name(a->input);
-    const psplat_write_desc written = {.codec = a->no_compress ? NULL : &psplat_meshopt_codec};
+    psplat_write_desc written = {.codec = a->no_compress ? NULL : &psplat_meshopt_codec};
     psplat_progress_show(&progress, "reading", 0);
     psplat_result result = psplat_scene_read(a->input, name, &p->scene, error);
     if (!result) result = convert(a, &written, &progress, p, error);
+    if (!result) result = add_alternatives(a, p, error);
+    written.stand_ins = p->stand_ins;
+    written.gaussians = (const psplat_gaussian *const *)p->gaussians;
     psplat_progress_show(&progress, "writing", 0);
     if (!result)
         result = psplat_scene_write(&p->scene, p->splats, &written, &p->bytes, &p->size, error);
@@ -314,6 +354,8 @@ static void print_warnings(const arguments *a, const psplat_scene *scene) {
 }
 
 static void free_product(product *p) {
+    psplat_scene_stand_ins_free(&p->scene, p->stand_ins);
+    psplat_scene_gaussians_free(&p->scene, p->gaussians);
     psplat_scene_splats_free(&p->scene, p->splats);
     free(p->splats);
     psplat_scene_free(&p->scene);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
  * compress.c - EXT_meshopt_compression by libmeshoptimizer: the first version of its format for
- * vertices, which is that of the extension.
+ * vertices and the second for indices, which are those of the extension.
  */
 #include "converter.h"
 
@@ -17,4 +17,11 @@ static size_t encode(uint8_t *out, size_t capacity, const void *rows, size_t row
     return meshopt_encodeVertexBuffer(out, capacity, rows, row_count, stride);
 }
 
-const psplat_codec psplat_meshopt_codec = {bound, encode};
+static size_t index_encode(uint8_t *out, size_t capacity, const uint32_t *indices,
+                           size_t index_count) {
+    meshopt_encodeIndexVersion(1);
+    return meshopt_encodeIndexBuffer(out, capacity, indices, index_count);
+}
+
+const psplat_codec psplat_meshopt_codec = {bound, encode, meshopt_encodeIndexBufferBound,
+                                           index_encode};

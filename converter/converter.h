@@ -315,6 +315,10 @@ typedef struct psplat_codec {
     /* Returns how many there are; 0: failed. */
     size_t (*encode)(uint8_t *out, size_t capacity, const void *rows, size_t row_count,
                      size_t stride);
+    /* The same of the indices of triangles, mode TRIANGLES. */
+    size_t (*index_bound)(size_t index_count, size_t vertex_count);
+    size_t (*index_encode)(uint8_t *out, size_t capacity, const uint32_t *indices,
+                           size_t index_count);
 } psplat_codec;
 
 /* compress.c: by libmeshoptimizer. */
@@ -324,6 +328,9 @@ extern const psplat_codec psplat_meshopt_codec;
 typedef struct psplat_write_desc {
     const psplat_codec *codec; /* NULL: not compressed */
     int unpadded;              /* 1: splats of few clip lines never join those of more (spec 3.6) */
+    const struct psplat_stand_in *stand_ins; /* by mesh (stand_in.h); NULL: none */
+    /* Of each splat of each mesh (gaussian.h), written beside ours; NULL: none. */
+    const struct psplat_gaussian *const *gaussians;
 } psplat_write_desc;
 
 /* Serialises splats as a complete GLB (spec 3) into *data, allocated with malloc and owned by the

@@ -6,15 +6,24 @@
 #include "document.h"
 
 #include "graph.h"
-#include "materials.h"
+#include "stand_in_file.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static const char meshopt[] = "EXT_meshopt_compression";
+static const char meshopt[] = "EXT_meshopt_compression", gaussian[] = "KHR_gaussian_splatting";
 
 size_t psplat_file_view_bytes(const psplat_file_view *view) {
     return ((view->packed ? view->packed_size : view->rows * view->stride) + 3) / 4 * 4;
+}
+
+size_t psplat_document_view_count(const psplat_layout *layout) {
+    return layout->view_count + (layout->stand_ins ? layout->stand_ins->view_count : 0);
+}
+
+const psplat_file_view *psplat_document_view(const psplat_layout *layout, size_t index) {
+    return index < layout->view_count ? &layout->views[index]
+                                      : &layout->stand_ins->views[index - layout->view_count];
 }
 
 static int is_packed(const psplat_layout *layout) {
@@ -24,6 +33,12 @@ static int is_packed(const psplat_layout *layout) {
 static int is_quantised(const psplat_layout *layout) {
     for (size_t i = 0; i < layout->mesh_count; ++i)
         if (layout->sheets[i].codes) return 1;
+    return 0;
+}
+
+static int has_gaussians(const psplat_layout *layout) {
+    for (size_t i = 0; i < layout->mesh_count; ++i)
+        if (layout->sheets[i].gaussians) return 1;
     return 0;
 }
 
@@ -67,10 +82,16 @@ static void add_ranges(psplat_writer *json, const psplat_sheet *sheet, const psp
         psplat_writer_float(json, "colorRange", ranges.color);
 }
 
+static const psplat_stand_in_sheet *stand_in_of(const psplat_layout *layout, size_t mesh) {
+    const psplat_stand_in_sheet *sheet =
+        layout->stand_ins ? &layout->stand_ins->sheets[mesh] : NULL;
+    return sheet && sheet->stand_in ? sheet : NULL;
+}
+
 /* Version 1 suffices for what it has. */
-static size_t version_of(const psplat_part *part, const psplat_sheet *sheet) {
-    int more = sheet->codes != NULL;
-    for (size_t i = PSPLAT_COLUMN_COLOR_U; i < PSPLAT_COLUMNS; ++i)
+static size_t version_of(const psplat_layout *layout, const psplat_part *part) {
+    int more = layout->sheets[part->mesh].codes || stand_in_of(layout, part->mesh);
+    for (size_t i = PSPLAT_COLUMN_COLOR_U; i < PSPLAT_COLUMN_GAUSSIAN_ROTATION; ++i)
         more |= part->columns[i].components > 0;
     return more ? 2 : 1;
 }
@@ -91,18 +112,27 @@ static void extent_of(const psplat_sheet *sheet, const psplat_part *part, float 
     }
 }
 
-static void add_object(psplat_writer *json, const psplat_sheet *sheet, const psplat_part *part) {
+static void add_object(psplat_writer *json, const psplat_layout *layout, const psplat_part *part) {
+    const psplat_sheet *sheet = &layout->sheets[part->mesh];
     float low[3], high[3], extent[3];
     double unit = sheet->codes ? sheet->splats->precision.unit : 1;
     extent_of(sheet, part, low, high);
     for (size_t i = 0; i < 3; ++i) extent[i] = (float)((double)high[i] - (double)low[i]);
     psplat_writer_open(json, "PSPLAT_surface_splats", '{');
-    psplat_writer_count(json, "version", version_of(part, sheet));
+    psplat_writer_count(json, "version", version_of(layout, part));
     psplat_writer_count(json, "clipLines", part->clip_lines);
     psplat_writer_float(json, "depthTolerance", (float)((double)part->depth_tolerance / unit));
     psplat_writer_floats(json, "positionExtent", extent, 3);
     add_ranges(json, sheet, part);
     add_kernel(json, &sheet->splats->kernel);
+    psplat_writer_close(json, '}');
+}
+
+/* The Gaussians' colours are as they are shown. */
+static void add_gaussian(psplat_writer *json) {
+    psplat_writer_open(json, gaussian, '{');
+    psplat_writer_string(json, "kernel", "ellipse");
+    psplat_writer_string(json, "colorSpace", "srgb_rec709_display");
     psplat_writer_close(json, '}');
 }
 
@@ -117,9 +147,35 @@ static void add_primitive(psplat_writer *json, const psplat_layout *layout, size
     add_attributes(json, part, accessor);
     if (material != PSPLAT_NO_INDEX) psplat_writer_count(json, "material", material);
     psplat_writer_open(json, "extensions", '{');
-    add_object(json, &layout->sheets[part->mesh], part);
+    add_object(json, layout, part);
+    if (layout->sheets[part->mesh].gaussians) add_gaussian(json);
     psplat_writer_close(json, '}');
     psplat_writer_close(json, '}');
+}
+
+/* How many meshes have splats: those of them that stand in follow. */
+static size_t count_splat_meshes(const psplat_layout *layout) {
+    size_t count = 0;
+    for (size_t i = 0; i < layout->mesh_count; ++i) count += layout->sheets[i].splats->count > 0;
+    return count;
+}
+
+static void add_stand_ins(psplat_writer *json, const psplat_scene *scene,
+                          const psplat_layout *layout, const psplat_materials *materials,
+                          size_t accessor) {
+    size_t splat_mesh = 0;
+    for (size_t mesh = 0; mesh < layout->mesh_count; ++mesh) {
+        const psplat_scene_mesh *from = &scene->meshes[mesh];
+        const psplat_stand_in_sheet *sheet = stand_in_of(layout, mesh);
+        if (sheet) {
+            psplat_writer_open(json, NULL, '{');
+            if (from->name) psplat_writer_string(json, "name", from->name);
+            psplat_stand_in_file_write_mesh(json, sheet, scene, materials, accessor, splat_mesh);
+            if (from->extras) psplat_writer_raw(json, "extras", from->extras);
+            psplat_writer_close(json, '}');
+        }
+        splat_mesh += layout->sheets[mesh].splats->count > 0;
+    }
 }
 
 /* Meshes without splats are none. */
@@ -136,9 +192,11 @@ static void add_meshes(psplat_writer *json, const psplat_scene *scene, const psp
         for (; part < layout->part_count && layout->parts[part].mesh == mesh; ++part)
             add_primitive(json, layout, part, scene, materials, &accessor);
         psplat_writer_close(json, ']');
-        if (from->extras) psplat_writer_raw(json, "extras", from->extras);
+        if (from->extras && !stand_in_of(layout, mesh))
+            psplat_writer_raw(json, "extras", from->extras);
         psplat_writer_close(json, '}');
     }
+    add_stand_ins(json, scene, layout, materials, accessor);
     psplat_writer_close(json, ']');
 }
 
@@ -171,6 +229,8 @@ static void add_accessors(psplat_writer *json, const psplat_layout *layout) {
         for (size_t kind = 0; kind < PSPLAT_COLUMNS; ++kind)
             if (layout->parts[i].columns[kind].components)
                 add_accessor(json, layout, &layout->parts[i], kind);
+    if (layout->stand_ins)
+        psplat_stand_in_file_write_accessors(json, layout->stand_ins, layout->view_count);
     psplat_writer_close(json, ']');
 }
 
@@ -179,23 +239,25 @@ static void add_place(psplat_writer *json, size_t buffer, size_t offset, size_t 
     psplat_writer_count(json, "buffer", buffer);
     if (offset) psplat_writer_count(json, "byteOffset", offset);
     psplat_writer_count(json, "byteLength", bytes);
-    psplat_writer_count(json, "byteStride", stride);
+    if (stride) psplat_writer_count(json, "byteStride", stride);
 }
 
 /* A packed view says where it would be in a buffer that nobody stores. */
 static void add_view(psplat_writer *json, const psplat_file_view *view, size_t offset,
                      size_t unpacked_offset) {
+    enum { ARRAY_BUFFER = 34962, ELEMENT_ARRAY_BUFFER };
+    size_t bytes = view->rows * view->stride, stride = view->is_index ? 0 : view->stride;
     psplat_writer_open(json, NULL, '{');
     if (view->packed)
-        add_place(json, 1, unpacked_offset, view->rows * view->stride, view->stride);
+        add_place(json, 1, unpacked_offset, bytes, stride);
     else
-        add_place(json, 0, offset, view->rows * view->stride, view->stride);
-    psplat_writer_count(json, "target", 34962); /* ARRAY_BUFFER */
+        add_place(json, 0, offset, bytes, stride);
+    psplat_writer_count(json, "target", view->is_index ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
     if (view->packed) {
         psplat_writer_open(json, "extensions", '{');
         psplat_writer_open(json, meshopt, '{');
         add_place(json, 0, offset, view->packed_size, view->stride);
-        psplat_writer_string(json, "mode", "ATTRIBUTES");
+        psplat_writer_string(json, "mode", view->is_index ? "TRIANGLES" : "ATTRIBUTES");
         psplat_writer_count(json, "count", view->rows);
         if (view->is_octahedral) psplat_writer_string(json, "filter", "OCTAHEDRAL");
         psplat_writer_close(json, '}');
@@ -207,10 +269,11 @@ static void add_view(psplat_writer *json, const psplat_file_view *view, size_t o
 static void add_views(psplat_writer *json, const psplat_layout *layout) {
     size_t offset = 0, unpacked = 0;
     psplat_writer_open(json, "bufferViews", '[');
-    for (size_t i = 0; i < layout->view_count; ++i) {
-        add_view(json, &layout->views[i], offset, unpacked);
-        offset += psplat_file_view_bytes(&layout->views[i]);
-        unpacked += layout->views[i].rows * layout->views[i].stride;
+    for (size_t i = 0; i < psplat_document_view_count(layout); ++i) {
+        const psplat_file_view *view = psplat_document_view(layout, i);
+        add_view(json, view, offset, unpacked);
+        offset += psplat_file_view_bytes(view);
+        unpacked += (view->rows * view->stride + 3) / 4 * 4;
     }
     psplat_writer_close(json, ']');
     psplat_writer_open(json, "buffers", '[');
@@ -247,9 +310,11 @@ static int add_graph(psplat_writer *json, const psplat_scene *scene, const pspla
     size_t count = layout->mesh_count;
     psplat_placement *placements = malloc((count + 1) * sizeof *placements);
     uint32_t *meshes = malloc((count + 1) * sizeof *meshes), written = 0;
+    uint32_t stand_in = (uint32_t)count_splat_meshes(layout);
     for (size_t i = 0; i < count && placements && meshes; ++i) {
         placements[i] = placement_of(&layout->sheets[i]);
         meshes[i] = layout->sheets[i].splats->count ? written++ : PSPLAT_NO_INDEX;
+        if (stand_in_of(layout, i)) meshes[i] = stand_in++;
     }
     if (placements && meshes) psplat_graph_write(json, scene, placements, meshes);
     int is_written = placements && meshes;
@@ -265,6 +330,7 @@ static void add_extensions(psplat_writer *json, const psplat_scene *scene,
     psplat_writer_string(json, NULL, "PSPLAT_surface_splats");
     if (quantised) psplat_writer_string(json, NULL, "KHR_mesh_quantization");
     if (packed) psplat_writer_string(json, NULL, meshopt);
+    if (has_gaussians(layout)) psplat_writer_string(json, NULL, gaussian);
     psplat_materials_write_extensions(json, materials);
     if (scene->light_count) psplat_writer_string(json, NULL, "KHR_lights_punctual");
     psplat_writer_close(json, ']');
@@ -288,6 +354,8 @@ int psplat_document_write(psplat_writer *json, const psplat_scene *scene,
                           const psplat_layout *layout) {
     psplat_materials materials;
     int is_written = !psplat_materials_collect(scene, layout->sheets[0].splats, &materials);
+    if (is_written && layout->stand_ins)
+        is_written = !psplat_stand_in_file_collect(layout->stand_ins, scene, &materials);
     if (is_written) {
         psplat_writer_open(json, NULL, '{');
         add_asset(json, scene);

@@ -14,6 +14,9 @@
 extern "C" {
 #endif
 
+/* The views of a file: those of splats, then those of stand-ins. */
+size_t psplat_document_view_count(const psplat_layout *layout);
+const psplat_file_view *psplat_document_view(const psplat_layout *layout, size_t index);
 /* Bytes of the binary chunk that a view takes. */
 size_t psplat_file_view_bytes(const psplat_file_view *view);
 /* The document, finished. The sheets' sets of splats lie one after another. 0 where memory ran out.

@@ -4,7 +4,7 @@
  * Equal splats give equal bytes, whatever the locale and the machine's byte order.
  */
 #include "document.h"
-#include "scenes.h"
+#include "stand_in_file.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -88,8 +88,8 @@ static psplat_result pack(const psplat_writer *json, const psplat_layout *layout
                           size_t *size, psplat_error *error) {
     enum { HEADERS = 12 + 8 + 8, MAGIC = 0x46546c67, JSON = 0x4e4f534a, BIN = 0x004e4942 };
     size_t bytes = 0, json_size = (json->size + 3) / 4 * 4;
-    for (size_t i = 0; i < layout->view_count; ++i)
-        bytes += psplat_file_view_bytes(&layout->views[i]);
+    for (size_t i = 0; i < psplat_document_view_count(layout); ++i)
+        bytes += psplat_file_view_bytes(psplat_document_view(layout, i));
     size_t total = HEADERS + json_size + bytes;
     if (total > UINT32_MAX)
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
@@ -103,8 +103,8 @@ static psplat_result pack(const psplat_writer *json, const psplat_layout *layout
     memset(out, ' ', json_size);
     memcpy(out, json->text, json->size);
     out = put_u32(put_u32(out + json_size, (uint32_t)bytes), BIN);
-    for (size_t i = 0; i < layout->view_count; ++i) {
-        const psplat_file_view *view = &layout->views[i];
+    for (size_t i = 0; i < psplat_document_view_count(layout); ++i) {
+        const psplat_file_view *view = psplat_document_view(layout, i);
         memcpy(out, view->packed ? view->packed : view->bytes,
                view->packed ? view->packed_size : view->rows * view->stride);
         out += psplat_file_view_bytes(view);
@@ -159,6 +159,21 @@ static psplat_result try_plans(const psplat_scene *scene, const psplat_write_des
     return result;
 }
 
+/* What all plans have in common. */
+static psplat_result fill(const psplat_splats *splats, const psplat_write_desc *desc,
+                          psplat_layout *layout, psplat_stand_in_file *stand_ins,
+                          psplat_error *error) {
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < layout->mesh_count && !result; ++i)
+        result = psplat_sheet_fill(&splats[i], &layout->sheets[i], error);
+    for (size_t i = 0; i < layout->mesh_count && !result && desc->gaussians; ++i)
+        if (splats[i].count) psplat_sheet_add_gaussians(&layout->sheets[i], desc->gaussians[i]);
+    if (result || !desc->stand_ins) return result;
+    layout->stand_ins = stand_ins;
+    return psplat_stand_in_file_make(desc->stand_ins, layout->sheets, layout->mesh_count,
+                                     desc->codec, stand_ins, error);
+}
+
 psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats *splats,
                                  const psplat_write_desc *desc, uint8_t **data, size_t *size,
                                  psplat_error *error) {
@@ -166,17 +181,19 @@ psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats 
     if (!scene || !splats || !data || !size)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                            "scene, splats, data and size are required");
+    if (!desc) desc = &defaults;
     *data = NULL;
     *size = 0;
     psplat_result result = check(scene, splats, error);
     if (result) return result;
     psplat_layout layout = {.sheets = calloc(scene->mesh_count + 1, sizeof *layout.sheets),
                             .mesh_count = scene->mesh_count};
+    psplat_stand_in_file stand_ins = {0};
     if (!layout.sheets)
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the file");
-    for (size_t i = 0; i < scene->mesh_count && !result; ++i)
-        result = psplat_sheet_fill(&splats[i], &layout.sheets[i], error);
-    if (!result) result = try_plans(scene, desc ? desc : &defaults, &layout, data, size, error);
+    if (!result) result = fill(splats, desc, &layout, &stand_ins, error);
+    if (!result) result = try_plans(scene, desc, &layout, data, size, error);
+    psplat_stand_in_file_free(&stand_ins);
     for (size_t i = 0; i < scene->mesh_count && layout.sheets; ++i)
         psplat_sheet_free(&layout.sheets[i]);
     free(layout.sheets);

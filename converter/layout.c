@@ -276,5 +276,6 @@ void psplat_layout_clear(psplat_layout *layout) {
     }
     free(layout->parts);
     free(layout->views);
-    *layout = (psplat_layout){.sheets = layout->sheets, .mesh_count = layout->mesh_count};
+    *layout = (psplat_layout){
+        .sheets = layout->sheets, .mesh_count = layout->mesh_count, .stand_ins = layout->stand_ins};
 }

@@ -32,6 +32,7 @@ typedef struct psplat_part {
 typedef struct psplat_file_view {
     size_t stride, rows, capacity; /* bytes of a row; rows there are and there is room for */
     int is_octahedral;             /* before the filter of EXT_meshopt_compression */
+    int is_index;                  /* indices of triangles instead of attributes */
     uint8_t *bytes;
     uint8_t *packed; /* compressed; NULL: not */
     size_t packed_size;
@@ -44,6 +45,7 @@ typedef struct psplat_layout {
     size_t part_count;
     psplat_file_view *views;
     size_t view_count;
+    const struct psplat_stand_in_file *stand_ins; /* or NULL; made by stand_in_file.c */
 } psplat_layout;
 
 /* How a layout is made; glb.c tries several. */
@@ -58,7 +60,7 @@ typedef struct psplat_layout_plan {
 /* Lays out the sheets of layout. Errors: MEMORY. psplat_layout_clear also then. */
 psplat_result psplat_layout_make(const psplat_layout_plan *plan, psplat_layout *layout,
                                  psplat_error *error);
-/* Frees all but the sheets. */
+/* Frees all but the sheets and stand-ins. */
 void psplat_layout_clear(psplat_layout *layout);
 
 #ifdef __cplusplus

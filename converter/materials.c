@@ -39,12 +39,12 @@ static int is_same(const psplat_material *a, const psplat_material *b) {
            a->unlit == b->unlit;
 }
 
-static psplat_named_material named(const psplat_scene *scene, const psplat_splats *splats,
-                                   size_t material) {
-    psplat_named_material out = {.material = splats->materials[material]};
-    if (material < scene->palette.appearance_count) {
-        out.name = scene->palette.appearances[material].name;
-        out.extras = scene->palette.appearances[material].extras;
+static psplat_named_material named(const psplat_scene *scene, const psplat_material *material,
+                                   size_t appearance) {
+    psplat_named_material out = {.material = *material};
+    if (appearance < scene->palette.appearance_count) {
+        out.name = scene->palette.appearances[appearance].name;
+        out.extras = scene->palette.appearances[appearance].extras;
     }
     return out;
 }
@@ -74,6 +74,12 @@ static psplat_result add(psplat_materials *materials, const psplat_named_materia
     return PSPLAT_OK;
 }
 
+psplat_result psplat_materials_add(psplat_materials *materials, const psplat_scene *scene,
+                                   const psplat_material *material, size_t appearance) {
+    const psplat_named_material one = named(scene, material, appearance);
+    return add(materials, &one);
+}
+
 psplat_result psplat_materials_collect(const psplat_scene *scene, const psplat_splats *splats,
                                        psplat_materials *materials) {
     size_t most = 0;
@@ -84,8 +90,7 @@ psplat_result psplat_materials_collect(const psplat_scene *scene, const psplat_s
     for (size_t k = 0; k < most; ++k)
         for (size_t i = 0; i < scene->mesh_count && !result; ++i) {
             if (k >= splats[i].material_count || !is_used(&splats[i], k)) continue;
-            const psplat_named_material one = named(scene, &splats[i], k);
-            result = add(materials, &one);
+            result = psplat_materials_add(materials, scene, &splats[i].materials[k], k);
         }
     return result;
 }
@@ -95,10 +100,15 @@ void psplat_materials_free(psplat_materials *materials) {
     *materials = (psplat_materials){0};
 }
 
+uint32_t psplat_materials_find(const psplat_materials *materials, const psplat_scene *scene,
+                               const psplat_material *material, size_t appearance) {
+    const psplat_named_material one = named(scene, material, appearance);
+    return find(materials, &one);
+}
+
 uint32_t psplat_materials_index(const psplat_materials *materials, const psplat_scene *scene,
                                 const psplat_splats *splats, size_t material) {
-    const psplat_named_material one = named(scene, splats, material);
-    return find(materials, &one);
+    return psplat_materials_find(materials, scene, &splats->materials[material], material);
 }
 
 /* ---- JSON

@@ -25,6 +25,14 @@ psplat_result psplat_materials_collect(const psplat_scene *scene, const psplat_s
                                        psplat_materials *materials);
 void psplat_materials_free(psplat_materials *materials);
 
+/* Adds one that stands for an appearance of the scene. MEMORY. */
+psplat_result psplat_materials_add(psplat_materials *materials, const psplat_scene *scene,
+                                   const psplat_material *material, size_t appearance);
+
+/* The index in the file of a material, which stands for an appearance, or PSPLAT_NO_INDEX: the
+ * default. */
+uint32_t psplat_materials_find(const psplat_materials *materials, const psplat_scene *scene,
+                               const psplat_material *material, size_t appearance);
 /* The index in the file of a mesh's material, or PSPLAT_NO_INDEX: the default. */
 uint32_t psplat_materials_index(const psplat_materials *materials, const psplat_scene *scene,
                                 const psplat_splats *splats, size_t material);

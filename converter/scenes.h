@@ -174,6 +174,23 @@ void psplat_scene_splats_free(const psplat_scene *scene, psplat_splats *splats);
 /* scenes.c: what messages call a mesh: "mesh 3 'Teapot'". */
 void psplat_scene_label(const psplat_scene *scene, size_t mesh, char label[PSPLAT_SHOWN_PATH]);
 
+/* ---- alternatives.c: for viewers that know no splats -------------------------------------------
+ */
+
+/* Coarse meshes (stand_in.h) of all that have triangles, as near to them as their splats are, by
+ * mesh, in *stand_ins from malloc. desc: of the conversion, with the tolerance that it had; its
+ * diagonal and progress are ignored. Errors: those of psplat_stand_in_make.
+ * psplat_scene_stand_ins_free takes NULL. */
+psplat_result psplat_scene_stand_ins(const psplat_scene *scene, const psplat_convert_desc *desc,
+                                     struct psplat_stand_in **stand_ins, psplat_error *error);
+void psplat_scene_stand_ins_free(const psplat_scene *scene, struct psplat_stand_in *stand_ins);
+
+/* Gaussians (gaussian.h) of all splats, by mesh, in *gaussians from malloc. MEMORY.
+ * psplat_scene_gaussians_free takes NULL. */
+psplat_result psplat_scene_gaussians(const psplat_scene *scene, const psplat_splats *splats,
+                                     struct psplat_gaussian ***gaussians, psplat_error *error);
+void psplat_scene_gaussians_free(const psplat_scene *scene, struct psplat_gaussian **gaussians);
+
 /* ---- glb.c: a scene of splats to a file --------------------------------------------------------
  */
 

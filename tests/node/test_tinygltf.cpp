@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * tinygltf, a reader that does not know the extension, opens each .glb of the directories named,
- * without a warning, finds points where splats are, and hands their objects on. */
+ * tinygltf, a reader that does not know the extension, opens each uncompressed .glb of the
+ * directories named, without a warning, finds points where splats are, and hands their objects on.
+ */
 #include <tiny_gltf.h>
 
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 
 static const char extension[] = "PSPLAT_surface_splats";
@@ -24,6 +27,13 @@ static int check_splats(const std::string &path, const tinygltf::Model &model,
     for (const auto &[name, index] : primitive.attributes)
         if (model.accessors.at((size_t)index).count != count) return fail(path, name);
     return count == 0;
+}
+
+/* tinygltf 2.7 takes the buffer for those who cannot decompress for one that is stored. */
+static int is_compressed(const std::string &path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    return bytes.find("EXT_meshopt_compression") != std::string::npos;
 }
 
 static int check(const std::string &path) {
@@ -47,7 +57,8 @@ int main(int argc, char **argv) {
     int failed = 0, files = 0;
     for (int i = 1; i < argc; ++i)
         for (const auto &entry : std::filesystem::directory_iterator(argv[i]))
-            if (entry.path().extension() == ".glb") failed += check(entry.path()), ++files;
+            if (entry.path().extension() == ".glb" && !is_compressed(entry.path()))
+                failed += check(entry.path()), ++files;
     std::printf("%d files\n", files);
     return failed || !files;
 }

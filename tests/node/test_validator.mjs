@@ -5,13 +5,16 @@ import test from 'node:test';
 import validator from 'gltf-validator';
 import { assetPaths, readAsset } from './assets.mjs';
 
+// KHR_gaussian_splatting, which this validator does not know, prescribes names without an underscore.
+function isGaussianName({ code, pointer }) {
+  return code === 'MESH_PRIMITIVE_INVALID_ATTRIBUTE' && /\/attributes\/KHR_gaussian_splatting:[A-Z_0-9]+$/.test(pointer);
+}
+
 for (const path of assetPaths()) {
   test(`validator: ${path}`, async () => {
-    const report = await validator.validateBytes(new Uint8Array(readAsset(path).bytes), { maxIssues: 20 });
+    const report = await validator.validateBytes(new Uint8Array(readAsset(path).bytes), { maxIssues: 0 });
     const found = report.issues.messages.filter((message) => message.severity <= 1);
-    assert.deepEqual(found, []);
-    assert.equal(report.issues.numErrors, 0);
-    assert.equal(report.issues.numWarnings, 0);
+    assert.deepEqual(found.filter((message) => !isGaussianName(message)), []);
     assert.equal(report.issues.truncated, false);
   });
 }
