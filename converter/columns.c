@@ -245,15 +245,22 @@ static int type_for(int32_t most, int is_signed) {
     return most <= 255 ? PSPLAT_TYPE_UNSIGNED_BYTE : PSPLAT_TYPE_UNSIGNED_SHORT;
 }
 
-/* Whether bytes hold colours: linear light in 8 bits may be no more than 1 % off once encoded for
+/* Whether bytes hold a colour: linear light in 8 bits may be no more than 1 % off once encoded for
  * the eye, which dark colours are. */
-static int colors_fit_bytes(const psplat_splats *splats) {
-    for (size_t i = 0; i < splats->count; ++i)
-        for (size_t k = 0; k < 3; ++k) {
-            double c = (double)splats->splats[i].color[k], rounded = rint(c * 255) / 255;
-            if (fabs(pow(c, 1 / 2.4) - pow(rounded, 1 / 2.4)) > 0.01) return 0;
-        }
+static int fits_bytes(const float color[3]) {
+    for (size_t k = 0; k < 3; ++k) {
+        double c = (double)color[k], rounded = rint(c * 255) / 255;
+        if (fabs(pow(c, 1 / 2.4) - pow(rounded, 1 / 2.4)) > 0.01) return 0;
+    }
     return 1;
+}
+
+/* The type of integers that hold all of the colours, count of them with so many bytes between. */
+static int type_of_colors(const float *colors, size_t count, size_t stride) {
+    for (size_t i = 0; i < count; ++i)
+        if (!fits_bytes((const float *)((const char *)colors + i * stride)))
+            return PSPLAT_TYPE_UNSIGNED_SHORT;
+    return PSPLAT_TYPE_UNSIGNED_BYTE;
 }
 
 static int is_opaque(const psplat_splats *splats) {
@@ -262,25 +269,40 @@ static int is_opaque(const psplat_splats *splats) {
     return 1;
 }
 
-static void set_looks(psplat_sheet *sheet) {
-    const psplat_splats *splats = sheet->splats;
-    int bytes = sheet->codes && colors_fit_bytes(splats);
-    psplat_column *columns = sheet->columns;
-    /* Three shorts would save nothing, glTF aligns elements to 4 bytes. */
-    if (splats->has_color)
-        columns[PSPLAT_COLUMN_COLOR] =
-            (psplat_column){bytes ? PSPLAT_TYPE_UNSIGNED_BYTE : PSPLAT_TYPE_UNSIGNED_SHORT,
-                            sheet->codes && is_opaque(splats) ? 3 : 4};
-    if (!splats->finishes) return;
+static float color_range_of(const psplat_splats *splats) {
+    float range = 0;
     for (size_t i = 0; i < splats->count; ++i)
         for (size_t k = 0; k < 3; ++k)
-            sheet->color_range =
-                fmaxf(sheet->color_range, fmaxf(fabsf(splats->finishes[i].color_u[k]),
-                                                fabsf(splats->finishes[i].color_v[k])));
-    columns[PSPLAT_COLUMN_COLOR_U] = columns[PSPLAT_COLUMN_COLOR_V] =
-        (psplat_column){sheet->codes ? PSPLAT_TYPE_BYTE : PSPLAT_TYPE_FLOAT, 3};
+            range = fmaxf(range, fmaxf(fabsf(splats->finishes[i].color_u[k]),
+                                       fabsf(splats->finishes[i].color_v[k])));
+    return range;
+}
+
+static void set_finishes(psplat_sheet *sheet) {
+    const psplat_splats *splats = sheet->splats;
+    psplat_column *columns = sheet->columns;
+    sheet->color_range = color_range_of(splats);
+    /* A range of 0 is none (spec 3.1). */
+    if (sheet->color_range > 0)
+        columns[PSPLAT_COLUMN_COLOR_U] = columns[PSPLAT_COLUMN_COLOR_V] =
+            (psplat_column){sheet->codes ? PSPLAT_TYPE_BYTE : PSPLAT_TYPE_FLOAT, 3};
     columns[PSPLAT_COLUMN_ORM] = columns[PSPLAT_COLUMN_EMISSIVE] =
         (psplat_column){sheet->codes ? PSPLAT_TYPE_UNSIGNED_BYTE : PSPLAT_TYPE_FLOAT, 3};
+    if (sheet->codes)
+        columns[PSPLAT_COLUMN_EMISSIVE].type =
+            type_of_colors(splats->finishes->emissive, splats->count, sizeof *splats->finishes);
+}
+
+static void set_looks(psplat_sheet *sheet) {
+    const psplat_splats *splats = sheet->splats;
+    /* Three shorts would save nothing, glTF aligns elements to 4 bytes. */
+    if (splats->has_color)
+        sheet->columns[PSPLAT_COLUMN_COLOR] =
+            (psplat_column){sheet->codes ? type_of_colors(splats->splats->color, splats->count,
+                                                          sizeof *splats->splats)
+                                         : PSPLAT_TYPE_UNSIGNED_SHORT,
+                            sheet->codes && is_opaque(splats) ? 3 : 4};
+    if (splats->finishes) set_finishes(sheet);
 }
 
 static void set_floats(psplat_sheet *sheet) {
@@ -309,7 +331,30 @@ static void set_scale(psplat_sheet *sheet) {
     *column = (psplat_column){PSPLAT_TYPE_UNSIGNED_BYTE, 2};
     int32_t most = greatest(sheet, PSPLAT_COLUMN_SCALE);
     column->type = type_for(most, 0);
-    if (column->type == PSPLAT_TYPE_UNSIGNED_SHORT && most > 0) sheet->scale_factor = 65535 / most;
+    if (column->type == PSPLAT_TYPE_UNSIGNED_SHORT && most <= 65535)
+        sheet->scale_factor = 65535 / most;
+}
+
+/* Codes beyond what psplat_code_of rounds to are not what they should be. */
+static int are_near(const psplat_sheet *sheet) {
+    static const int32_t farthest = 999999999;
+    for (size_t i = 0; i < sheet->splats->count; ++i)
+        for (int k = 0; k < 3; ++k)
+            if (abs(sheet->codes[i].position[k]) > farthest) return 0;
+    return 1;
+}
+
+/* Nothing that a type does not hold is cut off. */
+static psplat_result check_integers(const psplat_sheet *sheet, psplat_error *error) {
+    for (size_t kind = 0; kind < PSPLAT_COLUMNS; ++kind) {
+        const psplat_column *column = &sheet->columns[kind];
+        if (column->components && greatest(sheet, kind) > most_of(column->type))
+            return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "%s: numbers are more than %d steps",
+                               psplat_column_names[kind], (int)most_of(column->type));
+    }
+    if (are_near(sheet)) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                       "positions are more than a billion steps from the origin");
 }
 
 static psplat_result set_integers(psplat_sheet *sheet, psplat_error *error) {
@@ -324,9 +369,6 @@ static psplat_result set_integers(psplat_sheet *sheet, psplat_error *error) {
                 sheet->low[k] = sheet->codes[i].position[k];
     }
     columns[PSPLAT_COLUMN_POSITION] = (psplat_column){PSPLAT_TYPE_UNSIGNED_SHORT, 3};
-    if (greatest(sheet, PSPLAT_COLUMN_POSITION) > 65535)
-        return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
-                           "positions are more than 65535 steps apart");
     columns[PSPLAT_COLUMN_NORMAL] = (psplat_column){
         splats->precision.normal_bits <= 8 ? PSPLAT_TYPE_BYTE : PSPLAT_TYPE_SHORT, 3};
     columns[PSPLAT_COLUMN_TURN].components = 1;
@@ -344,7 +386,7 @@ static psplat_result set_integers(psplat_sheet *sheet, psplat_error *error) {
     }
     for (size_t k = 0; k < PSPLAT_MAX_CLIP_LINES; ++k)
         columns[PSPLAT_COLUMN_LINE + k].type = type_for(most, 1);
-    return PSPLAT_OK;
+    return check_integers(sheet, error);
 }
 
 psplat_result psplat_sheet_fill(const psplat_splats *splats, psplat_sheet *sheet,

@@ -67,7 +67,8 @@ typedef struct psplat_sheet {
     float color_range;                     /* largest component of COLOR_U and COLOR_V */
 } psplat_sheet;
 
-/* Errors: RANGE, where positions are too many steps apart; MEMORY. psplat_sheet_free also then. */
+/* Errors: RANGE, where steps are so small that 16 bits do not hold how many there are; MEMORY.
+ * psplat_sheet_free also then. */
 psplat_result psplat_sheet_fill(const psplat_splats *splats, psplat_sheet *sheet,
                                 psplat_error *error);
 /* Adds the columns of KHR_gaussian_splatting. gaussians: of each splat; they must outlive the

@@ -22,15 +22,21 @@ static int all_finite(const float *values, size_t count) {
     return 1;
 }
 
-/* Which part of a splat is not finite; NULL: all are. */
-static const char *infinite_part(const psplat_splat *s) {
+/* Which part of a splat is not finite; NULL: all are. finish may be NULL. */
+static const char *infinite_part(const psplat_splat *s, const psplat_finish *finish) {
     if (!all_finite(s->center, 3)) return "POSITION";
     if (!all_finite(s->normal, 3)) return "NORMAL";
     if (!all_finite(s->color, 4)) return "COLOR_0";
     if (!all_finite(s->rotation, 4)) return "ROTATION";
     if (!all_finite(s->radius, 2)) return "SCALE";
     if (!all_finite(s->gradient, 3)) return "NORMAL_FIELD";
-    return all_finite(s->clip[0], 3 * PSPLAT_MAX_CLIP_LINES) ? NULL : "CLIP";
+    if (!all_finite(s->clip[0], 3 * PSPLAT_MAX_CLIP_LINES)) return "CLIP";
+    if (!finish) return NULL;
+    const float surface[3] = {finish->occlusion, finish->roughness, finish->metallic};
+    if (!all_finite(finish->color_u, 3)) return "COLOR_U";
+    if (!all_finite(finish->color_v, 3)) return "COLOR_V";
+    if (!all_finite(surface, 3)) return "OCCLUSION_ROUGHNESS_METALLIC";
+    return all_finite(finish->emissive, 3) ? NULL : "EMISSIVE";
 }
 
 static psplat_result check_runs(const psplat_splats *splats, psplat_error *error) {
@@ -56,7 +62,8 @@ static psplat_result check_splats(const psplat_splats *splats, psplat_error *err
     psplat_result result = check_runs(splats, error);
     if (result) return result;
     for (size_t i = 0; i < splats->count; ++i) {
-        const char *what = infinite_part(&splats->splats[i]);
+        const psplat_finish *finish = splats->finishes ? &splats->finishes[i] : NULL;
+        const char *what = infinite_part(&splats->splats[i], finish);
         if (what)
             return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "splat %zu: %s is not finite", i,
                                what);
