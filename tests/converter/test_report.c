@@ -75,7 +75,7 @@ static void test_report_names_every_field(void **state) {
         .rms_normal_degrees = NAN,
         .uncovered_samples = 7,
         .promises[PSPLAT_PROMISE_COVERAGE] = {0.25, 0.5, 7},
-        .places = {{PSPLAT_PROMISE_COVERAGE, {1, -2, 3e9}, 0.5}},
+        .places = {{PSPLAT_PROMISE_COVERAGE, {1, -2, 3e9}, 0.5, 0}},
         .place_count = 1,
     };
     char *text = NULL;
