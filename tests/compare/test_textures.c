@@ -39,7 +39,7 @@ static void draw(gpu *g, const psplat_mesh *mesh, psplat_facets_output output, f
     static const float nothing[4] = {0};
     psplat_view view = view_of();
     psplat_original *original;
-    psplat_facets *facets;
+    psplat_facets *facets = NULL;
     psplat_error error = {0};
     if (psplat_original_create(mesh, 0, &original, &error)) fail_msg("%s", error.text);
     const psplat_facets_desc desc = {psplat_host_get_proc, g->host, original};
