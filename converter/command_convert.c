@@ -60,7 +60,7 @@ static int parse_precision(arguments *a) {
         return 1;
     }
     a->part = strtod(a->precision, &end);
-    return end != a->precision && !*end && a->part >= 0.001 && a->part <= 10;
+    return end != a->precision && !*end && a->part >= 0.001 && a->part <= PSPLAT_GREATEST_PRECISION;
 }
 
 static int stands_in(const arguments *a) {
@@ -71,7 +71,7 @@ static psplat_parse check_combination(arguments *a) {
     const char *cause = NULL;
     if (a->splats && a->bytes) cause = "splats: not together with bytes: one budget at a time";
     if (a->no_creases && a->crease_angle > 0) cause = "no-creases: not together with crease-angle";
-    if (!parse_precision(a)) cause = "precision: neither auto, float nor a number of 0.001 to 10";
+    if (!parse_precision(a)) cause = "precision: neither auto, float nor a number of 0.001 to 0.5";
     if (a->fallback && strcmp(a->fallback, "points") != 0 && !stands_in(a))
         cause = "fallback: neither points nor mesh";
     if (a->bytes && stands_in(a)) cause = "fallback mesh: not together with bytes";
@@ -117,7 +117,7 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          0, 0, NULL},
         {0, "precision", PSPLAT_OPTION_TEXT, &a->precision, "P",
          "float: numbers keep all their bits; or the greatest step of\npositions, in tolerances, "
-         "0.001 to 10; other numbers follow\n(default auto: what makes small files)",
+         "0.001 to 0.5; other numbers follow\n(default auto: what makes small files)",
          0, 0, NULL},
         {0, "no-compress", PSPLAT_OPTION_FLAG, &a->no_compress, NULL,
          "without EXT_meshopt_compression", 0, 0, NULL},

@@ -183,6 +183,7 @@ static psplat_result quantise(psplat_conversion *c, psplat_error *error) {
     const psplat_improvement drop = {.samples = &c->samples, .focus = c->samples.count};
     c->splats->precision = psplat_precision_choose(c);
     if (!(c->splats->precision.unit > 0)) return PSPLAT_OK;
+    c->limits.precision = &c->splats->precision;
     psplat_selection_settle(&c->selection);
     psplat_result result = psplat_repair_holes(c, error);
     if (!result && psplat_improve(&c->selection, &drop))

@@ -138,6 +138,8 @@ void psplat_points_free(psplat_points *points);
 
 /* A step of positions, in tolerances, that makes files small. */
 #define PSPLAT_USUAL_PRECISION 0.1
+/* Beyond, a small splat next to a point would find no centre near enough to keep the tolerance. */
+#define PSPLAT_GREATEST_PRECISION 0.5
 
 /* ---- convert.c: the whole conversion ------------------------------------------------------ */
 
@@ -157,7 +159,7 @@ typedef struct psplat_convert_desc {
                                   * noise; twice of it where the file's normals agree; 0: 30 */
     int no_creases;              /* 1: only borders and non-manifold edges bound splats */
     double precision; /* greatest step of positions in tolerances, to which all that is stored is
-                         rounded; 0: all floats */
+                         rounded, at most PSPLAT_GREATEST_PRECISION; 0: all floats */
     int constant_normals;           /* 1: fields without gradients, as Gaussian splats have */
     double color_tolerance_percent; /* greatest root mean square of a splat's colour error over its
                                      * samples, in % of sRGB's range; 100: unbounded; 0 means 10,

@@ -70,6 +70,21 @@ static void encode_line(const psplat_precision *p, const double line[3], int32_t
     code[1] = (int32_t)fmin(fmax(steps, -1 / p->line_step), 1 / p->line_step);
 }
 
+void psplat_code_line(const psplat_precision *p, double line[3]) {
+    int32_t code[2];
+    encode_line(p, line, code);
+    line[0] = cos(pi * code[0] * p->line_turn_step);
+    line[1] = sin(pi * code[0] * p->line_turn_step);
+    line[2] = code[1] * p->line_step;
+}
+
+void psplat_code_field(const psplat_precision *p, double field[5]) {
+    for (int k = 0; k < 5; ++k) {
+        double step = k < 2 ? p->tilt_step : p->field_step;
+        field[k] = round_to(field[k], step) * step;
+    }
+}
+
 /* Slopes of the splat's normals in the axes of the code: at the centre, and their change. */
 static void encode_field(const psplat_precision *p, const psplat_region *region,
                          const psplat_splat *splat, const double axes[3][3], psplat_code *code) {

@@ -38,6 +38,11 @@ void psplat_turn_basis(const double normal[3], double b1[3], double b2[3]);
 void psplat_code_axes(const psplat_precision *precision, const int32_t normal[2], const double u[3],
                       double axes[3][3]);
 
+/* A line of a region that has the axes of a code, and the field in them (x, y, alpha, beta, gamma),
+ * as psplat_code_of rounds them. */
+void psplat_code_line(const psplat_precision *precision, double line[3]);
+void psplat_code_field(const psplat_precision *precision, double field[5]);
+
 /* A splat as integers, each a multiple of a step of psplat_precision. */
 typedef struct psplat_code {
     int32_t position[3];

@@ -8,6 +8,7 @@
  * all along the crease, the nearest plane from across it. Lines are never moved in: a splat that
  * reaches a little behind its neighbour is hidden, a crack is seen.
  */
+#include "encoding.h"
 #include "stages.h"
 #include "vector.h"
 
@@ -154,6 +155,8 @@ static psplat_result move_lines(const psplat_limits *limits, psplat_region *regi
         moved.lines[i][2] += moves[i] * line_outward(region, region->lines[i], outward);
     }
     if (most == 0) return PSPLAT_OK;
+    for (uint32_t i = 0; limits->precision && i < moved.line_count; ++i)
+        psplat_code_line(limits->precision, moved.lines[i]);
     psplat_result result = psplat_region_near(&moved, limits->distance, limits->tolerance, &near);
     if (!result && near) *region = moved;
     return result;

@@ -85,13 +85,14 @@ static void choose_lines(const psplat_conversion *c, psplat_precision *p) {
 }
 
 psplat_precision psplat_precision_choose(const psplat_conversion *c) {
-    double part = c->desc->precision, change, tilt;
+    double part = fmin(c->desc->precision, PSPLAT_GREATEST_PRECISION), change, tilt;
     psplat_precision p = {.unit = part * c->tolerance};
     if (!(part > 0) || c->surface.diagonal > most_steps * p.unit) return (psplat_precision){0};
     p.normal_bits = normal_bits(c);
     p.turn_step = 1.0 / TURNS;
     p.scale_step = radius_step;
     slopes(c, &change, &tilt);
+    if (c->limits.normal_tolerance > 0) change = fmin(change, c->limits.normal_tolerance);
     p.field_step = p.tilt_step = fmax(field_part * change, 1.0 / 1024);
     choose_lines(c, &p);
     return p;

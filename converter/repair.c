@@ -27,9 +27,8 @@ static psplat_result fit(void *user, size_t index, psplat_growth *growth) {
     psplat_result result = PSPLAT_OK;
     if (!candidate->widened)
         result = psplat_candidate_widen(&c->surface, &c->samples, &c->limits, growth, candidate);
-    if (!result && c->splats->precision.unit > 0 && !candidate->snapped)
-        result = psplat_candidate_snap(&c->surface, &c->samples, &c->limits, &c->splats->precision,
-                                       growth, candidate);
+    if (!result && c->limits.precision && !candidate->snapped)
+        result = psplat_candidate_snap(&c->surface, &c->samples, &c->limits, growth, candidate);
     return result;
 }
 
@@ -152,11 +151,14 @@ psplat_result psplat_repair_holes(psplat_conversion *c, psplat_error *error) {
             result = psplat_select_cover(&c->surface, &c->samples, &c->limits, desc, &c->selection,
                                          NULL);
         /* Those that exchange may choose from all lie on the grid, or it would bring back holes. */
-        if (!result && round < EXCHANGING_ROUNDS && c->splats->precision.unit > 0)
+        if (!result && round < EXCHANGING_ROUNDS && c->limits.precision)
             result = psplat_growth_each(c->selection.count, fit, c);
         if (!result && round < EXCHANGING_ROUNDS) result = exchange(c, first, round);
         if (result)
             psplat_fail(error, result, 0, "%s while closing holes", psplat_result_text(result));
     }
+    /* What the last round added. */
+    if (!result && holes && psplat_growth_each(c->selection.count, fit_taken, c))
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while closing holes");
     return result;
 }

@@ -157,26 +157,72 @@ static int shrink(snapping *s, psplat_candidate *candidate) {
     return 0;
 }
 
+/* ---- the last resort ------------------------------------------------------------------------ */
+
+/* A disc on the grid that covers a point near its middle, as near to it as may be: from there, what
+ * is farthest on the disc is three times as far as its middle is within the plane, plus its height.
+ */
+static psplat_region disc_at(snapping *s, const double point[3], uint32_t triangle) {
+    double tolerance = s->seedling.limits->tolerance, least = s->old.radius[1], d[3];
+    const double *n = s->seedling.surface->face_normals + 3 * (size_t)triangle;
+    s->old =
+        (psplat_region){.radius = {plane_cost / 1.5 * tolerance, plane_cost / 1.5 * tolerance}};
+    memcpy(s->old.center, point, sizeof s->old.center);
+    memcpy(s->old.n, n, sizeof s->old.n);
+    perpendicular3(s->old.u, n);
+    cross3(s->old.v, n, s->old.u);
+    find_options(s);
+    const option *o = &s->options[0];
+    sub3(d, o->center, point);
+    double within = hypot(dot3(d, o->axes[0]), dot3(d, o->axes[1]));
+    for (int k = 0; k < 2; ++k) s->old.radius[k] = max2(2 * within, min2(least, tolerance / 16));
+    return region_of(s, o, 1, growths[0]);
+}
+
+/* The disc's lines and normals, as those of a splat that covers its one sample. */
+static void force(snapping *s, uint32_t sample, uint32_t triangle, psplat_candidate *candidate) {
+    const psplat_precision *precision = s->seedling.limits->precision;
+    const double *point = sample == PSPLAT_NONE
+                              ? candidate->region.center
+                              : s->seedling.samples->positions + 3 * (size_t)sample;
+    double place[3] = {point[0], point[1], point[2]}, local[3], height, field[5] = {0};
+    psplat_region disc = disc_at(s, place, triangle);
+    psplat_seedling at = psplat_trial_at(s->seedling.surface, s->seedling.samples,
+                                         s->seedling.limits, s->seedling.growth, &disc, triangle);
+    psplat_growth *g = at.growth;
+    at.recorded = 1;
+    psplat_region_local(&disc, place, local);
+    s->seedling.failed = !psplat_trial_gather(&at, 2 * disc.radius[0] + fabs(local[2]));
+    if (s->seedling.failed) return;
+    size_t segments = psplat_trial_segments(&at, &disc, &height), count = 0;
+    psplat_clip_choose(&disc, g->segments, segments, local, s->seedling.limits->crease_slack);
+    for (uint32_t i = 0; i < disc.line_count; ++i) psplat_code_line(precision, disc.lines[i]);
+    for (uint32_t i = 0; i < g->near.count && !count; ++i)
+        if (g->near.samples[i].index == sample) g->chosen[count++] = i;
+    memcpy(g->local[0], local, sizeof g->local[0]);
+    if (count) memcpy(g->uvh[g->chosen[0]], local, sizeof local);
+    if (count) psplat_trial_field(&at, &disc, count, field);
+    psplat_trial_adopt(&at, &disc, field, count, candidate);
+}
+
 psplat_result psplat_candidate_snap(const psplat_surface *surface, const psplat_samples *samples,
-                                    const psplat_limits *limits, const psplat_precision *precision,
-                                    psplat_growth *growth, psplat_candidate *candidate) {
-    snapping s = {.precision = precision, .old = candidate->region};
+                                    const psplat_limits *limits, psplat_growth *growth,
+                                    psplat_candidate *candidate) {
+    snapping s = {.precision = limits->precision, .old = candidate->region};
+    int kept = 0;
     s.seedling = psplat_trial_at(surface, samples, limits, growth, &s.old, candidate->triangle);
     s.seedling.recorded = 1;
     candidate->snapped = 1;
-    find_options(&s);
-    int kept = 0;
-    for (int i = 0; i < GROWTHS && candidate->covered_count && !kept; ++i)
-        kept = try_options(&s, 1, growths[i], candidate);
-    if (!kept && candidate->covered_count) kept = shrink(&s, candidate);
-    if (s.seedling.failed) return PSPLAT_ERROR_MEMORY;
-    if (kept) return PSPLAT_OK;
-    /* No limit leaves room: next to the grid, with the lines it had. */
-    int is_fine = s.old.radius[0] < 4 * precision->unit;
-    candidate->region = region_of(&s, &s.options[0], is_fine ? 1 : 0.5, growths[1]);
-    for (int k = 0; k < 2 && is_fine; ++k) /* it still has to reach what is in its middle */
-        candidate->region.radius[k] = max2(candidate->region.radius[k], precision->unit);
-    memcpy(candidate->region.lines, s.old.lines, sizeof s.old.lines);
-    candidate->region.line_count = s.old.line_count;
-    return psplat_candidate_cover(surface, samples, limits, growth, candidate);
+    if (candidate->covered_count) {
+        find_options(&s);
+        for (int i = 0; i < GROWTHS && !kept; ++i) kept = try_options(&s, 1, growths[i], candidate);
+        if (!kept) kept = shrink(&s, candidate);
+    }
+    if (!kept && !s.seedling.failed) {
+        uint32_t sample = candidate->covered_count ? candidate->covered[0] : PSPLAT_NONE;
+        force(&s, sample,
+              candidate->covered_count ? samples->triangles[sample] : candidate->triangle,
+              candidate);
+    }
+    return s.seedling.failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }

@@ -350,6 +350,7 @@ typedef struct psplat_limits {
     int constant_normals;    /* fields without gradients */
     double color_tolerance; /* greatest root mean square of a splat's colour error, sRGB; 0: none */
     int constant_colors;    /* colours without gradients */
+    const psplat_precision *precision; /* what lines and fields are rounded to; NULL: not at all */
     const psplat_distance
         *distance; /* to the mesh; NULL: only the triangles of samples are asked */
 } psplat_limits;
@@ -407,11 +408,12 @@ psplat_result psplat_candidate_enclose(const psplat_surface *surface, const pspl
 psplat_result psplat_candidate_widen(const psplat_surface *surface, const psplat_samples *samples,
                                      const psplat_limits *limits, psplat_growth *growth,
                                      psplat_candidate *candidate);
-/* snap.c: moves a candidate to the grid of the precision, as little as the limits allow; it may
- * then cover less. MEMORY is the only failure. */
+/* snap.c: moves a candidate to the grid of the limits' precision, as little as they allow; it may
+ * then cover less, and in the worst case is a disc next to one of its samples, which covers that
+ * alone and lies as near as PSPLAT_GREATEST_PRECISION lets it. MEMORY is the only failure. */
 psplat_result psplat_candidate_snap(const psplat_surface *surface, const psplat_samples *samples,
-                                    const psplat_limits *limits, const psplat_precision *precision,
-                                    psplat_growth *growth, psplat_candidate *candidate);
+                                    const psplat_limits *limits, psplat_growth *growth,
+                                    psplat_candidate *candidate);
 /* Finds the samples that an existing candidate covers, after samples were appended. */
 psplat_result psplat_candidate_cover(const psplat_surface *surface, const psplat_samples *samples,
                                      const psplat_limits *limits, psplat_growth *growth,

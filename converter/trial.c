@@ -5,6 +5,7 @@
  */
 #include "trial.h"
 
+#include "encoding.h"
 #include "vector.h"
 
 #include <stdlib.h>
@@ -244,6 +245,7 @@ int psplat_trial_field(const psplat_seedling *s, const psplat_region *region, si
         field[0] = mean[0], field[1] = mean[1];
         field[2] = field[3] = field[4] = 0;
     }
+    if (s->limits->precision) psplat_code_field(s->limits->precision, field);
     if (hypot(field[0], field[1]) > greatest_slope) return 0;
     return s->limits->normal_tolerance <= 0 ||
            field_error(g, region, count, field) <= s->limits->normal_tolerance;
@@ -460,6 +462,8 @@ int psplat_trial_accept(psplat_seedling *s, psplat_region *region, double least_
     if (height > s->limits->crease_tolerance) return 0;
     if (!psplat_clip_choose(region, s->growth->segments, segments, seed, s->limits->crease_slack))
         return 0;
+    for (uint32_t i = 0; s->limits->precision && i < region->line_count; ++i)
+        psplat_code_line(s->limits->precision, region->lines[i]);
     int large = psplat_region_area(region) >= least_area;
     if (!large && s->recorded) return 0;
     if (!still_covers(s, region, candidate) || !psplat_trial_near_mesh(s, region)) return 0;
