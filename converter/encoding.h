@@ -23,7 +23,8 @@ extern "C" {
 
 /* The x and y whose decoded vector is nearest to a unit vector. */
 void psplat_octahedron_encode(const double normal[3], int bits, int32_t code[2]);
-int psplat_octahedron_is_inside(const int32_t code[2], int bits);
+/* Whether these are inside, and every decoder makes the same bytes of them. */
+int psplat_octahedron_is_code(const int32_t code[2], int bits);
 /* Normalized integers of 8 or 16 bits. */
 void psplat_octahedron_decode(const int32_t code[2], int bits, int32_t normal[3]);
 /* Their direction, unit. */

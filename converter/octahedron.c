@@ -13,8 +13,8 @@ static int32_t greatest(int bits) {
 }
 
 /* The arithmetic of the decoder of EXT_meshopt_compression's octahedral filter, in its single
- * precision. */
-void psplat_octahedron_decode(const int32_t code[2], int bits, int32_t normal[3]) {
+ * precision, up to the last rounding. */
+static void decode(const int32_t code[2], int bits, float normal[3]) {
     float x = (float)code[0], y = (float)code[1];
     float z = (float)(greatest(bits) - abs(code[0]) - abs(code[1]));
     float fold = z >= 0 ? 0 : z;
@@ -22,7 +22,13 @@ void psplat_octahedron_decode(const int32_t code[2], int bits, int32_t normal[3]
     y += y >= 0 ? fold : -fold;
     float scale = (bits <= 8 ? 127.0f : 32767.0f) / sqrtf(x * x + y * y + z * z);
     const float v[3] = {x, y, z};
-    for (int k = 0; k < 3; ++k) normal[k] = (int32_t)(v[k] * scale + (v[k] >= 0 ? 0.5f : -0.5f));
+    for (int k = 0; k < 3; ++k) normal[k] = v[k] * scale;
+}
+
+void psplat_octahedron_decode(const int32_t code[2], int bits, int32_t normal[3]) {
+    float v[3];
+    decode(code, bits, v);
+    for (int k = 0; k < 3; ++k) normal[k] = (int32_t)(v[k] + (v[k] >= 0 ? 0.5f : -0.5f));
 }
 
 void psplat_octahedron_normal(const int32_t code[2], int bits, double normal[3]) {
@@ -32,8 +38,23 @@ void psplat_octahedron_normal(const int32_t code[2], int bits, double normal[3])
     normalize3(normal);
 }
 
-int psplat_octahedron_is_inside(const int32_t code[2], int bits) {
-    return abs(code[0]) <= greatest(bits) && abs(code[1]) <= greatest(bits);
+/* libmeshoptimizer decodes bytes with an approximate root, at most 1.5 * 2^-12 off: what is that
+ * near to halfway between two integers becomes one here and the other there, half a degree away. */
+static int is_definite(const int32_t code[2], int bits) {
+    static const float most_off = 4e-4f;
+    float v[3];
+    if (bits > 8) return 1; /* it is exact there, and a step next to nothing */
+    decode(code, bits, v);
+    for (int k = 0; k < 3; ++k) {
+        float magnitude = fabsf(v[k]), from_half = magnitude - floorf(magnitude) - 0.5f;
+        if (fabsf(from_half) <= most_off * magnitude) return 0;
+    }
+    return 1;
+}
+
+int psplat_octahedron_is_code(const int32_t code[2], int bits) {
+    return abs(code[0]) <= greatest(bits) && abs(code[1]) <= greatest(bits) &&
+           is_definite(code, bits);
 }
 
 void psplat_octahedron_encode(const double normal[3], int bits, int32_t code[2]) {
@@ -49,7 +70,7 @@ void psplat_octahedron_encode(const double normal[3], int bits, int32_t code[2])
         for (int32_t k = -1; k <= 1; ++k) {
             const int32_t tried[2] = {middle[0] + i, middle[1] + k};
             double found[3];
-            if (!psplat_octahedron_is_inside(tried, bits)) continue;
+            if (!psplat_octahedron_is_code(tried, bits)) continue;
             psplat_octahedron_normal(tried, bits, found);
             double distance2 = distance2_3(found, normal);
             if (!(distance2 < nearest)) continue;

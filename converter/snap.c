@@ -92,7 +92,7 @@ static void find_options(snapping *s) {
         for (int32_t k = -1; k <= 1; ++k) {
             const int32_t code[2] = {middle[0] + i, middle[1] + k};
             double axes[3][3];
-            if (!psplat_octahedron_is_inside(code, s->precision->normal_bits)) continue;
+            if (!psplat_octahedron_is_code(code, s->precision->normal_bits)) continue;
             psplat_code_axes(s->precision, code, s->old.u, axes);
             find_centers(s, axes);
         }

@@ -23,7 +23,7 @@ static double error_of(const double normal[3], int bits) {
     int32_t code[2] = {INT32_MAX, INT32_MAX};
     double found[3];
     psplat_octahedron_encode(normal, bits, code);
-    assert_true(psplat_octahedron_is_inside(code, bits));
+    assert_true(psplat_octahedron_is_code(code, bits));
     psplat_octahedron_normal(code, bits, found);
     assert_true(fabs(dot3(found, found) - 1) < 1e-12); /* a dozen roundings of double */
     return 2 * asin(fmin(sqrt(distance2_3(found, normal)) / 2, 1));
@@ -32,9 +32,10 @@ static double error_of(const double normal[3], int bits) {
 /* On a face the codes are a hexagonal lattice of spacing sqrt(2)/greatest, so that nothing is
  * farther than 1/sqrt(3) of that from one of them; the face's middle, where that is the largest
  * angle, is 1/sqrt(3) from the centre. Rounding to bytes or shorts adds half a step of each
- * component. */
+ * component. Where a code is left out, as some are of bytes, its neighbours are a spacing away. */
 static double bound_of(int bits) {
-    return sqrt(2) / greatest(bits) + sqrt(3) / 2 / (bits <= 8 ? 127 : 32767);
+    return (bits <= 8 ? sqrt(6) : sqrt(2)) / greatest(bits) +
+           sqrt(3) / 2 / (bits <= 8 ? 127 : 32767);
 }
 
 static void test_error(void **state) {
@@ -50,7 +51,7 @@ static void test_error(void **state) {
         }
         if (!(worst <= bound_of(bits))) fail_msg("%d bits: %g of %g", bits, worst, bound_of(bits));
         /* It is a bound that something comes near to. */
-        assert_true(worst > 0.6 * bound_of(bits));
+        assert_true(worst > 0.4 * bound_of(bits));
     }
 }
 
@@ -93,6 +94,7 @@ static void test_every_code(void **state) {
                 const int32_t code[2] = {x, y};
                 int32_t again[2], first[3], second[3];
                 double n[3];
+                if (!psplat_octahedron_is_code(code, bits)) continue;
                 psplat_octahedron_normal(code, bits, n);
                 psplat_octahedron_encode(n, bits, again);
                 psplat_octahedron_decode(code, bits, first);
@@ -117,16 +119,16 @@ static void test_nearest(void **state) {
         for (int32_t x = -3; x <= 3; ++x)
             for (int32_t y = -3; y <= 3; ++y) {
                 const int32_t other[2] = {code[0] + x, code[1] + y};
-                if (!psplat_octahedron_is_inside(other, bits)) continue;
+                if (!psplat_octahedron_is_code(other, bits)) continue;
                 psplat_octahedron_normal(other, bits, found);
                 assert_true(distance2_3(found, n) >= distance2);
             }
     }
 }
 
-/* As the library decodes what the filter of EXT_meshopt_compression has, by other instructions and
- * for bytes with an approximate root: what is all but halfway between two integers, in at most one
- * code of twenty, may become the other one. */
+/* As the library decodes what the filter of EXT_meshopt_compression has, by other instructions:
+ * bytes alike; of shorts that are all but halfway between two, at most one in a hundred is a step
+ * off. */
 static void test_filter(void **state) {
     (void)state;
     for (int bits = PSPLAT_OCTAHEDRON_LEAST; bits <= PSPLAT_OCTAHEDRON_MOST; ++bits) {
@@ -136,6 +138,7 @@ static void test_filter(void **state) {
             for (int32_t y = -most; y <= most; y += 4 * step, ++count) {
                 const int32_t code[2] = {x, y};
                 int32_t expected[3];
+                if (!psplat_octahedron_is_code(code, bits)) continue;
                 /* Four of each, as the library takes them. */
                 int8_t bytes[4][4];
                 int16_t shorts[4][4];
@@ -153,10 +156,11 @@ static void test_filter(void **state) {
                 for (int k = 0; k < 3; ++k) {
                     int32_t found = bits <= 8 ? bytes[0][k] : shorts[0][k];
                     assert_in_range(found - expected[k] + 1, 0, 2);
+                    if (bits <= 8) assert_int_equal(found, expected[k]);
                     off += found != expected[k];
                 }
             }
-        assert_true(off * 20 <= count);
+        assert_true(off * 100 <= count);
     }
 }
 
