@@ -340,6 +340,10 @@ typedef struct psplat_write_desc {
  * node's and the mesh's name. */
 psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, uint8_t **data,
                                size_t *size, psplat_error *error);
+/* The same as desc says, for instance padded, as psplat_scene_write does. */
+psplat_result psplat_glb_write_as(const psplat_splats *splats, const char *name,
+                                  const psplat_write_desc *desc, uint8_t **data, size_t *size,
+                                  psplat_error *error);
 
 /* ---- report.c: the report as JSON --------------------------------------------------------- */
 

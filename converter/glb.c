@@ -214,6 +214,12 @@ psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats 
 psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, uint8_t **data,
                                size_t *size, psplat_error *error) {
     const psplat_write_desc desc = {.unpadded = 1};
+    return psplat_glb_write_as(splats, name, &desc, data, size, error);
+}
+
+psplat_result psplat_glb_write_as(const psplat_splats *splats, const char *name,
+                                  const psplat_write_desc *desc, uint8_t **data, size_t *size,
+                                  psplat_error *error) {
     uint32_t root = 0;
     size_t length = name ? strlen(name) : 0;
     char *copy = calloc(length + 1, 1);
@@ -233,7 +239,7 @@ psplat_result psplat_glb_write(const psplat_splats *splats, const char *name, ui
                                 .scenes = &view,
                                 .scene_count = 1,
                                 .is_made = 1};
-    psplat_result result = psplat_scene_write(&scene, splats, &desc, data, size, error);
+    psplat_result result = psplat_scene_write(&scene, splats, desc, data, size, error);
     free(copy);
     return result;
 }

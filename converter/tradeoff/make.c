@@ -83,13 +83,14 @@ static char *model_name(const char *path) {
 
 static psplat_result write_splats(const psplat_sweep *s, const psplat_setting *setting,
                                   const psplat_splats *splats, psplat_error *error) {
+    const psplat_write_desc desc = {0}; /* as convert --no-compress */
     uint8_t *data = NULL;
     size_t size = 0;
     char *model = model_name(s->desc->source);
     psplat_text name = {0};
     asset_name(setting, "", &name);
     psplat_result result = psplat_text_check(&name, error);
-    if (!result) result = psplat_glb_write(splats, model, &data, &size, error);
+    if (!result) result = psplat_glb_write_as(splats, model, &desc, &data, &size, error);
     if (!result) result = psplat_folder_write(&s->folder, name.data, data, size, error);
     free(name.data);
     free(model);

@@ -68,6 +68,7 @@ static void add_splat_options(const psplat_setting *setting, const psplat_tradeo
     if (options->no_creases) psplat_text_add(text, " --no-creases");
     if (options->effort) psplat_text_add(text, " --effort %d", options->effort - 1);
     if (options->seed) psplat_text_add(text, " --seed %llu", (unsigned long long)options->seed);
+    psplat_text_add(text, " --precision float --no-compress"); /* what sweeps measure */
 }
 
 void psplat_setting_command(const psplat_setting *setting, const psplat_tradeoff_options *options,
