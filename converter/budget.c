@@ -72,7 +72,8 @@ static psplat_result measure_cost(search *s, double *cost, psplat_error *error) 
     if (!budget->bytes || *cost > 1) return PSPLAT_OK;
     uint8_t *data = NULL;
     size_t size = 0;
-    psplat_result result = psplat_scene_write(s->scene, s->tried, budget->written, &data, &size, error);
+    psplat_result result =
+        psplat_scene_write(s->scene, s->tried, budget->written, &data, &size, error);
     free(data);
     if (result) return result;
     double bytes = (double)size / (double)budget->bytes;

@@ -24,9 +24,9 @@
  *     texel 2: normal field at the center and its gradient (x, y, alpha, beta of spec 3.5)
  *     texel 3: linear colour and gamma, in batches that have either
  *
- * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. So does what else
- * varies of a material (spec 3.10), up to 4 texels a splat: occlusion, roughness, metallic; emissive;
- * change of colour with u; with v. PSPLAT_FINISH_ bits say which there are. */
+ * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. So does what
+ * else varies of a material (spec 3.10), up to 4 texels a splat: occlusion, roughness, metallic;
+ * emissive; change of colour with u; with v. PSPLAT_FINISH_ bits say which there are. */
 #define PSPLAT_ROW_BITS 9
 #define PSPLAT_ROW_SPLATS 512
 #define PSPLAT_SPLAT_TEXELS 3

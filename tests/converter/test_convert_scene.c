@@ -71,7 +71,8 @@ static void test_opened(void **state) {
     psplat_error error = {0};
     for (int i = 0; i < 2; ++i) {
         assert_int_equal(psplat_scene_convert(&scene, NULL, splats, NULL, NULL), PSPLAT_OK);
-        assert_int_equal(psplat_scene_write(&scene, splats, NULL, &data[i], &size[i], NULL), PSPLAT_OK);
+        assert_int_equal(psplat_scene_write(&scene, splats, NULL, &data[i], &size[i], NULL),
+                         PSPLAT_OK);
         psplat_scene_splats_free(&scene, splats);
     }
     assert_int_equal(size[0], size[1]);
