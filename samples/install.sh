@@ -8,12 +8,14 @@ set -eu
 packages="gcc g++ clang libc6-dev cmake ninja-build pkg-config"
 # converter: geometry, mesh files, PNG, JPEG
 packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libpng-dev libjpeg62-turbo-dev"
-# runtime: JSON, compressed views; host: EGL with Mesa's software rasteriser
-packages="$packages libjsmn-dev libmeshoptimizer-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
-# viewer: windows, GL in them
-packages="$packages libglfw3-dev libgl1 libglx-mesa0"
-# tests; xvfb and XTest drive the viewer; butteraugli_main
-packages="$packages libcmocka-dev xvfb libx11-dev libxtst-dev libjxl-devtools"
+# runtime: compressed views; host: EGL with Mesa's software rasteriser
+packages="$packages libmeshoptimizer-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
+# viewer: windows, a font, GL in them
+packages="$packages libglfw3-dev libstb-dev libgl1 libglx-mesa0"
+# charts of `phongsplat tradeoff`
+packages="$packages gnuplot-nox"
+# tests; xvfb and XTest drive the viewer
+packages="$packages libcmocka-dev xvfb libx11-dev libxtst-dev"
 
 missing=""
 for package in $packages; do

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Depth as the four bytes of its float, lowest first, into an RGBA8 target: GLES cannot read a
- * depth buffer back and every context can read this.
+ * depth.frag - writes depth as the four bytes of its float, lowest first, to an RGBA8 target. GLES
+ * cannot read a depth buffer back, but every context can read bytes.
  */
 uniform highp sampler2D u_depth;
 

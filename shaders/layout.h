@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
- * layout.h - the numbers that the shaders and the runtime share. Preprocessor lines and comments
- * only, so that it is both valid C and valid GLSL.
+ * layout.h - the texture layouts, texture units and pass numbers that the shaders and the runtime
+ * share. It has preprocessor lines and comments only, so that it is both valid C and valid GLSL.
  */
 #ifndef PHONGSPLAT_LAYOUT_H
 #define PHONGSPLAT_LAYOUT_H
 
-/* What the splat shaders compute; the resolve shaders use all but the first. */
-#define PSPLAT_PASS_VISIBILITY 0
+/* The passes of the splat shaders. All but the first write to render targets, which the resolve
+ * pass reads. */
+#define PSPLAT_PASS_VISIBILITY 0 /* depth alone, shifted by epsilon (spec 5.3) */
 #define PSPLAT_PASS_NORMALS 1    /* normals, colours and materials, to be lit once per pixel */
 #define PSPLAT_PASS_RADIANCE 2   /* splats lit one by one (spec 5.7) */
-#define PSPLAT_PASS_PARAMETERS 3 /* u, v, index */
+#define PSPLAT_PASS_PARAMETERS 3 /* u, v and index of the nearest splat */
 
-/* Shadow maps lie side by side in one texture. */
+/* The greatest number of shadow maps, which lie side by side in one texture. */
 #define PSPLAT_SHADOW_COUNT 4
 
-/* Splats lie in rows of an RGBA32F texture. A row of 512 times the 4 texels of a coloured splat is
- * 2048 texels wide, the least size that GLES 3.0 guarantees.
+/* Splats lie in rows of an RGBA32F texture, 512 in each. With the 4 texels of a coloured splat a
+ * row is 2048 texels wide, the least size that GLES 3.0 guarantees.
  *
  *     texel 0: center x y z, ratio of radii r_v / r_u
  *     texel 1: quaternion x y z w times sqrt(r_u): a rotation matrix is quadratic in its
@@ -24,9 +25,10 @@
  *     texel 2: normal field at the center and its gradient (x, y, alpha, beta of spec 3.5)
  *     texel 3: linear colour and gamma, in batches that have either
  *
- * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. So does what
- * else varies of a material (spec 3.10), up to 4 texels a splat: occlusion, roughness, metallic;
- * emissive; change of colour with u; with v. PSPLAT_FINISH_ bits say which there are. */
+ * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. Finishes (the
+ * parts of a material that vary over a batch, spec 3.10) lie in another one, up to 4 texels a
+ * splat: occlusion, roughness, metallic; emissive; change of colour with u; change of colour with
+ * v. The PSPLAT_FINISH_ bits say which of them a batch has. */
 #define PSPLAT_ROW_BITS 9
 #define PSPLAT_ROW_SPLATS 512
 #define PSPLAT_SPLAT_TEXELS 3
@@ -35,7 +37,8 @@
 #define PSPLAT_FINISH_GRADIENT 4 /* two texels */
 #define PSPLAT_FINISH_COLOR 8    /* texel 3 of the splats holds a colour */
 
-/* Texture units of the splat passes and of the resolve pass. */
+/* Texture units of the splat passes and of the resolve pass. The resolve pass reads the colour
+ * attachments from units 0 to 3. */
 #define PSPLAT_UNIT_SPLATS 0
 #define PSPLAT_UNIT_CLIPS 1
 #define PSPLAT_UNIT_FINISHES 2
@@ -46,14 +49,15 @@
 #define PSPLAT_UNIT_SPLIT_SUM 8
 #define PSPLAT_UNIT_COUNT 9
 
-/* Edge of the table of a and b of eq. (9): by the root of n.e, as they change most at grazing
- * angles, and by roughness. */
+/* Texels along an edge of the table of a and b of eq. (9). Its axes are the square root of n.e,
+ * because a and b change most at grazing angles, and roughness. */
 #define PSPLAT_SPLIT_SUM_SIZE 32
 
-/* Colour attachments of the attribute pass; in the resolve pass, their texture units.
+/* The colour attachments of the attribute pass, which hold these sums over the splats of a pixel.
+ * PSPLAT_TARGET_COUNT and the two after it are the numbers of attachments.
  *
  *     0: sum of w n, of w L or (u, v, index); sum of w
- *     1: sum of w z; of w unlit where materials differ; of w occlusion where that does
+ *     1: sum of w z; of w unlit where materials differ; of w occlusion where occlusion differs
  *     2: sum of w colour; sum of w metallic            where colours or materials differ
  *     3: sum of w emissive; sum of w roughness         where materials differ */
 #define PSPLAT_TARGET_COUNT 2

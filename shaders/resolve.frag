@@ -1,34 +1,36 @@
 /* SPDX-License-Identifier: MIT
  *
- * Once per pixel: divides the sums by their weight (spec 5.4), lets one of the files resolve_*.glsl
- * make a colour of them, writes it and the blended window depth (spec 5.5) into the host's
- * framebuffer.
+ * resolve.frag - the resolve pass, deferred shading once per pixel: divides the sums by their
+ * weight (spec 5.4), calls resolve() of one of the files resolve_*.glsl for a colour, and writes
+ * the colour and the blended window depth (spec 5.5) to the host's framebuffer.
  *
- * Defined outside: AS_IS (what was summed is a colour), COLORS, MATERIALS, OCCLUSION, HALF_TARGETS, ENCODE.
+ * gl_program.c defines AS_IS (the sum is a colour already), COLORS, MATERIALS, OCCLUSION,
+ * HALF_TARGETS and ENCODE.
  */
 uniform highp sampler2D u_target0;
 uniform highp sampler2D u_target1;
 uniform highp sampler2D u_target2;
 uniform highp sampler2D u_target3;
 uniform highp sampler2D u_depth;
-uniform ivec2 u_origin;
-uniform vec2 u_to_host; /* window depth as the host's planes have it: factor, offset */
+uniform ivec2 u_origin; /* lower left pixel of the view in the host's framebuffer */
+uniform vec2 u_to_host; /* factor and offset from window depth to the host's window depth */
 uniform vec3 u_base_color;
 uniform vec3 u_emissive;
-uniform vec3 u_surface;
+uniform vec3 u_surface; /* metallic, roughness, unlit */
 
 layout(location = 0) out vec4 o_color;
 
-/* What the splats of a pixel amount to. */
+/* The blended attributes of a pixel. */
 struct Pixel {
     vec3 window;   /* pixel x and y in the view, window depth */
-    vec3 normal;   /* any length; of the other passes what they sum */
-    float weight;  /* 0: nothing is here, and the rest is undefined */
+    vec3 normal;   /* of any length; in passes other than NORMALS, radiance or (u, v, index) */
+    float weight;  /* 0: no splat covers the pixel, and the other members are undefined */
     vec3 color;    /* base colour */
     vec3 emissive;
     vec4 surface;  /* metallic, roughness, unlit, occlusion */
 };
 
+/* Reads the sums of a pixel and divides them by its weight. */
 Pixel pixel_at(ivec2 at) {
     vec4 sum = texelFetch(u_target0, at, 0);
     float behind = texelFetch(u_depth, at, 0).r; /* 1: no splat covers the pixel (spec 5.3) */
@@ -37,7 +39,8 @@ Pixel pixel_at(ivec2 at) {
     Pixel pixel = Pixel(vec3(vec2(at) + 0.5, depth.r * scale), sum.rgb,
                         behind < 1.0 ? sum.a : 0.0, u_base_color, u_emissive, vec4(u_surface, 1.0));
 #if HALF_TARGETS
-    /* Eleven bits are no depth: take that of the visibility pass, epsilon behind the nearest. */
+    /* The eleven bits of a half float are too few for depth, so this is the depth of the visibility
+     * pass, which is epsilon behind the nearest splat. */
     pixel.window.z = behind;
 #endif
 #if COLORS
@@ -55,8 +58,8 @@ Pixel pixel_at(ivec2 at) {
     return pixel;
 }
 
-/* 1.055 c^(1/2.4) - 0.055 as a polynomial in the fourth root, which is off by 3.5e-5 at most, less
- * than a hundredth of a step of 8 bits. */
+/* The sRGB transfer function. 1.055 c^(1/2.4) - 0.055 is a polynomial in the fourth root here, with
+ * an error of at most 3.5e-5, less than a hundredth of a step of 8 bits. */
 vec3 encode_srgb(vec3 linear) {
     vec3 c = clamp(linear, 0.0, 1.0);
     vec3 t = sqrt(sqrt(c));
@@ -64,7 +67,7 @@ vec3 encode_srgb(vec3 linear) {
     return mix(high, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
 
-/* For light; colours that stand for numbers are written as they are. */
+/* Encodes a colour where the view asks for it. Shadings that show numbers do not call it. */
 vec3 encode(vec3 linear) {
 #if ENCODE
     return encode_srgb(linear);
@@ -73,7 +76,7 @@ vec3 encode(vec3 linear) {
 #endif
 }
 
-/* Of the files resolve_*.glsl. */
+/* Returns the colour of a pixel; the files resolve_*.glsl define it. */
 vec3 resolve(Pixel pixel);
 
 void main() {

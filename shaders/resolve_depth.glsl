@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Distance along the view direction: 1 at the near plane, 0 at the far one; near / distance where
- * the far plane is at infinity.
+ * resolve_depth.glsl - debug shading: the distance along the view direction as grey, 1 at the near
+ * plane and 0 at the far one. Where the far plane is at infinity it is near / distance.
  */
-uniform vec3 u_planes; /* near, 1 / (far - near), whether far is finite */
+uniform vec3 u_planes; /* near; 1 / (far - near); 1 where far is finite */
 
 vec3 resolve(Pixel pixel) {
     float distance = -position_of(pixel.window).z;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The material under the view's lights.
+ * resolve_lit.glsl - the material under the view's lights.
  */
 vec3 resolve(Pixel pixel) {
     return encode(shade(pixel.normal, pixel.window, pixel.color, pixel.emissive, pixel.surface));

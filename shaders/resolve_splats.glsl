@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The nearest splat's index as a colour: neighbours in number lie far apart in hue (by the golden
- * ratio).
+ * resolve_splats.glsl - debug shading: the nearest splat's index as a colour. The hues of
+ * consecutive indices are a golden ratio apart, so they are easy to tell from each other.
  */
 vec3 resolve(Pixel pixel) {
     float hue = fract(pixel.normal.z * 0.61803399);

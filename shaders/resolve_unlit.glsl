@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The base colour alone.
+ * resolve_unlit.glsl - the base colour (albedo) without light.
  */
 vec3 resolve(Pixel pixel) {
     return encode(pixel.color);

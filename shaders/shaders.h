@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * shaders.h - the GLSL files of this directory as strings of the library.
+ * shaders.h - the GLSL files of this directory as zero-terminated strings. gl_program.c declares
+ * those of the resolve_*.glsl files.
  */
 #ifndef PHONGSPLAT_SHADERS_H
 #define PHONGSPLAT_SHADERS_H
@@ -11,6 +12,6 @@ extern const char psplat_shader_splat_vert[];
 extern const char psplat_shader_splat_frag[];
 extern const char psplat_shader_resolve_vert[];
 extern const char psplat_shader_resolve_frag[];
-extern const char psplat_shader_depth_frag[]; /* of the headless host */
+extern const char psplat_shader_depth_frag[]; /* for the headless host */
 
 #endif

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * Spec 5.6: glTF 2.0's metallic-roughness material (appendix B of that document) under lights with
- * the units of KHR_lights_punctual, a constant ambient radiance and an environment. Eye space.
+ * shading.glsl - lighting by spec 5.6: glTF 2.0's metallic-roughness material (appendix B of that
+ * document) under lights with the units of KHR_lights_punctual, their shadow maps, a constant
+ * ambient radiance and an environment. All positions and directions are in eye space.
  *
- * Defined outside: LIGHT_COUNT, PUNCTUAL (some light is not directional), ENVIRONMENT, SHADOWS.
+ * gl_program.c defines LIGHT_COUNT, PUNCTUAL (some light is not directional), ENVIRONMENT and
+ * SHADOWS.
  */
-uniform mat3 u_ray;
-uniform mat4 u_unproject; /* pixel x, y and window depth to eye space */
+uniform mat3 u_ray;       /* from (pixel x, pixel y, 1) to the view ray */
+uniform mat4 u_unproject; /* from pixel x, y and window depth to eye space */
 uniform vec3 u_ambient;
 #if LIGHT_COUNT > 0
 uniform vec4 u_light_position[LIGHT_COUNT]; /* w = 0: the direction towards a directional light */
 uniform vec4 u_light_color[LIGHT_COUNT];    /* w: 1 / range^2, 0 without a range */
-uniform vec3 u_light_axis[LIGHT_COUNT];     /* in which it shines */
-uniform vec4 u_light_cone[LIGHT_COUNT];     /* as psplat_lights.cone */
+uniform vec3 u_light_axis[LIGHT_COUNT];     /* the direction in which it shines */
+uniform vec4 u_light_cone[LIGHT_COUNT];     /* psplat_lights.cone */
 #endif
 #if ENVIRONMENT
 uniform highp samplerCube u_diffuse;
@@ -24,23 +26,25 @@ uniform float u_glossy_levels;
 #if SHADOWS
 uniform highp sampler2DShadow u_shadows;
 uniform mat4 u_shadow_matrix[PSPLAT_SHADOW_COUNT];
-uniform vec2 u_shadow_scale; /* width of a map in the texture; twice the largest epsilon */
+uniform vec2 u_shadow_scale; /* width of a map as part of the texture's; psplat_shadows.lift */
 #endif
 
 const float PI = 3.14159265358979;
 
+/* Returns the unit direction from a pixel's point to the eye. */
 vec3 view_direction(vec2 pixel) {
     return -normalize(u_ray * vec3(pixel, 1.0));
 }
 
+/* Returns the point of a pixel with this window depth. */
 vec3 position_of(vec3 window) {
     vec4 position = u_unproject * vec4(window, 1.0);
     return position.xyz / position.w;
 }
 
-/* What a light of unit irradiance sends to the eye, times n.l: D and V of (7) over one denominator,
- * with h of any length, as |h|^2 = 2 + 2 l.e and e.h = |h|^2 / 2. 1 - (n.h)^2 has no digits left at
- * low roughness where n and h are close: it is |n x h|^2. */
+/* Returns the radiance that a light of unit irradiance sends to the eye, times n.l. D and V of (7)
+ * share one denominator, and h keeps its length, as |h|^2 = 2 + 2 l.e and e.h = |h|^2 / 2. At low
+ * roughness, where n and h are close, 1 - (n.h)^2 would cancel, so |n x h|^2 takes its place. */
 vec3 reflect_light(vec3 n, vec3 view, vec3 l, vec3 diffuse, vec3 f0, float alpha) {
     float a2 = alpha * alpha;
     float nl = max(dot(n, l), 0.0);
@@ -59,9 +63,10 @@ vec3 reflect_light(vec3 n, vec3 view, vec3 l, vec3 diffuse, vec3 f0, float alpha
 }
 
 #if SHADOWS
-/* Share of a light that reaches a point: a shadow map's texels are compared, then filtered. The
- * point is lifted off the surface by a texel and a half, so that the slope within a texel does not
- * shade, and by what splats of one surface lie apart. */
+/* Returns the part of a light, 0 ... 1, that reaches a point: the texels of a shadow map are
+ * compared, then filtered. The point is lifted off the surface by a texel and a half, so that a
+ * slope within a texel casts no shadow, and by the distance that splats of one surface lie apart.
+ */
 float lit_part(vec4 cone, vec3 position, vec3 normal, float distance) {
     if (cone.z < 0.0) return 1.0;
     vec3 lifted = position + normal * (1.5 * cone.w * distance + u_shadow_scale.y);
@@ -74,7 +79,7 @@ float lit_part(vec4 cone, vec3 position, vec3 normal, float distance) {
 #endif
 
 #if ENVIRONMENT
-/* Eq. (9). */
+/* Returns L_env of eq. (9), from the textures of prefiltered radiance. */
 vec3 reflect_environment(vec3 n, vec3 view, vec3 diffuse, vec3 f0, float roughness) {
     float nv = clamp(dot(n, view), 0.0, 1.0);
     vec3 direction = u_eye_to_scene * (2.0 * dot(n, view) * n - view);
@@ -87,8 +92,8 @@ vec3 reflect_environment(vec3 n, vec3 view, vec3 diffuse, vec3 f0, float roughne
 }
 #endif
 
-/* window: pixel x and y, depth. surface: metallic, roughness, unlit (1: unlit; between, where such
- * splats blend with lit ones), occlusion. */
+/* Returns the radiance of eq. (7). window is pixel x, y and depth; surface is metallic, roughness,
+ * unlit (1 for unlit, and between 0 and 1 where unlit splats blend with lit ones) and occlusion. */
 vec3 shade(vec3 normal, vec3 window, vec3 color, vec3 emissive, vec4 surface) {
     vec3 view = view_direction(window.xy);
     float length2 = dot(normal, normal);

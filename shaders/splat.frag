@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fragments of one splat: outside the ellipse or a clip line they are dropped, the others add to
- * the sums of spec 5.4 (see layout.h for the targets).
+ * splat.frag - the fragments of one splat. Those outside the ellipse or a clip line are discarded;
+ * the others add to the sums of spec 5.4, which layout.h lists.
  *
- * Defined outside: PASS, CLIP_COUNT, CLIP_TYPE, COLOR, FINISH, COLORS, MATERIALS, OCCLUSION, NEAR,
- * POWER, FILTER, COUNT, WEIGHT_FLOOR; for the passes that shade, what shading.glsl asks for.
+ * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, COLOR, FINISH, COLORS, MATERIALS, OCCLUSION,
+ * NEAR, POWER, FILTER, COUNT and WEIGHT_FLOOR, and for the pass that shades the macros of
+ * shading.glsl.
  */
 #if FILTER
 in vec4 v_uv;
@@ -48,7 +49,7 @@ layout(location = 2) out vec4 o_color;
 layout(location = 3) out vec4 o_surface;
 #endif
 
-uniform vec2 u_kernel;
+uniform vec2 u_kernel; /* -sharpness, exponent / 2 */
 uniform vec3 u_base_color;
 uniform vec3 u_emissive;
 uniform vec3 u_surface; /* metallic, roughness, unlit */
@@ -61,12 +62,13 @@ void discard_outside(float r2) {
     if (any(lessThan(v_clip, CLIP_TYPE(FILTER == 1 ? -0.5 : 0.0)))) discard;
 #endif
 #if PASS == PSPLAT_PASS_VISIBILITY && NEAR
-    /* Only the shifted point lies beyond the near plane: there is nothing to see here. */
+    /* Here the splat itself lies between the eye and the near plane, outside the view; only the
+     * shifted point lies behind that plane. */
     if (v_near < 0.0) discard;
 #endif
 }
 
-/* Of spec 5.8. */
+/* Returns the factor of the weight that the filter of spec 5.8 gives, 1 without the filter. */
 float filter_of() {
     float factor = 1.0;
 #if FILTER
@@ -87,8 +89,8 @@ float filter_of() {
     return factor;
 }
 
-/* psi of spec 3.7; u_kernel holds -sharpness and half the exponent. The floor keeps a covered pixel
- * covered where a sharp kernel underflows. */
+/* Returns psi of spec 3.7 times the filter's factor. The lower bound keeps a covered pixel covered
+ * where a sharp kernel underflows. */
 float weight_of(float r2) {
 #if COUNT
     return 1.0;
@@ -125,7 +127,8 @@ void main() {
 #if PASS == PSPLAT_PASS_NORMALS
     o_sum = weight * vec4(v_normal, 1.0);
 #else
-    o_sum = weight * vec4(shade(v_normal, vec3(gl_FragCoord.xy, depth), color, emissive, surface), 1.0);
+    vec3 window = vec3(gl_FragCoord.xy, depth);
+    o_sum = weight * vec4(shade(v_normal, window, color, emissive, surface), 1.0);
 #endif
 #if OCCLUSION
     o_depth = weight * vec4(depth, surface.zw, 0.0);

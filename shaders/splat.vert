@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * One triangle in the splat's plane around its ellipse. The corners are constants in (u, v), so
- * (u, v), the normal field and the clip distances, all linear in (u, v), are exact at the corners
- * and the hardware interpolates them with perspective. Vertices are pulled by gl_VertexID.
+ * splat.vert - draws a splat as one triangle in its plane around its ellipse. The corners are
+ * constants in (u, v). The normal field and the clip distances are linear in (u, v), so they are
+ * exact at the corners, and the hardware interpolates them with perspective. Vertices are pulled
+ * from textures by gl_VertexID (layout.h).
  *
- * Defined outside: PASS, CLIP_COUNT, CLIP_TYPE, WIDE, COLOR, FINISH, FIELD, GAMMA, NEAR, TWO_SIDED,
- * FILTER.
+ * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, WIDE, COLOR, FINISH, FIELD, GAMMA, NEAR,
+ * TWO_SIDED and FILTER.
  */
 invariant gl_Position;
 
@@ -17,15 +18,15 @@ uniform int u_finish; /* PSPLAT_FINISH_ bits */
 #endif
 uniform mat4 u_modelview;
 uniform mat4 u_projection;
-uniform mat4 u_clip_matrix; /* both at once, for what need not be as exact */
+uniform mat4 u_clip_matrix; /* their product, used by the filter, which need not be as exact */
 uniform mat3 u_normal_matrix;
-uniform vec3 u_shift;
-uniform vec3 u_view_direction; /* of orthographic views, away from the eye; 0 0 0: perspective */
-uniform vec3 u_half_viewport; /* in pixels; half the depth range */
-uniform int u_first_index;
+uniform vec3 u_shift; /* psplat_placement.shift, see shift_of() */
+uniform vec3 u_view_direction; /* of orthographic views, away from the eye; 0 0 0 in perspective */
+uniform vec3 u_half_viewport; /* half the width and height in pixels, half the depth range */
+uniform int u_first_index; /* the batch's first splat, counted over all batches */
 
 #if FILTER
-out vec4 v_uv; /* u, v; ratio of areas and what the depth lacks (spec 5.8) */
+out vec4 v_uv; /* u, v; ratio of areas; window depth that was subtracted (spec 5.8) */
 #else
 out vec2 v_uv;
 #endif
@@ -49,15 +50,16 @@ flat out vec3 v_color;
 out CLIP_TYPE v_clip;
 #endif
 
-/* Equilateral, counter-clockwise seen from N. Its inscribed circle is the unit circle and 1/256 more:
- * rasterisers round corners to that part of a pixel, and without it splats of a pixel would lose
- * some at the three points where the circles touch. */
+/* Returns a corner of an equilateral triangle, counter-clockwise seen from N. Its inscribed circle
+ * is 1/256 larger than the unit circle. Rasterisers round corners to that part of a pixel, and
+ * without it splats of about a pixel would lose fragments at the three points where the circle
+ * touches the triangle. */
 vec2 corner_uv(int corner) {
     return corner == 0 ? vec2(-1.7388, -1.0039)
                        : corner == 1 ? vec2(1.7388, -1.0039) : vec2(0.0, 2.0078);
 }
 
-/* Columns are |q|^2 times U, V, N. */
+/* Returns the rotation matrix of a quaternion times |q|^2: its columns are |q|^2 U, V, N. */
 mat3 axes_of(vec4 q) {
     vec3 s = q.xyz * q.xyz;
     vec3 p = q.xyz * q.yzx; /* xy, yz, zx */
@@ -69,27 +71,30 @@ mat3 axes_of(vec4 q) {
 }
 
 #if PASS == PSPLAT_PASS_VISIBILITY || TWO_SIDED
-/* Along the ray of a point, away from the eye; any length. */
+/* Returns the view ray of a point, away from the eye and of any length. */
 vec3 view_ray(vec3 eye) {
     return u_shift.y > 0.0 ? eye : u_view_direction;
 }
 #endif
 
 #if PASS == PSPLAT_PASS_VISIBILITY
-/* 1 / max(|cos|, 1/2) of eq. (5), of the angle between the splat's normal and the view ray. */
+/* Returns 1 / max(|cos|, 1/2) of eq. (5) for the angle between the splat's normal and the view ray.
+ */
 float grazing_of(vec3 normal, vec3 ray) {
     float projected = dot(normal, ray), both = dot(normal, normal) * dot(ray, ray);
     return sqrt(both / max(projected * projected, 0.25 * both));
 }
 
-/* What to add to gl_Position.z so that the point lies epsilon further along its own view ray
- * (spec 5.3). With p the point and s = 1 + epsilon / |p| the shifted point is s p, and
- * z'/w' = (z_row.xyz * s p + z_row.w) / (s w); written over the old w that is
- * z - z_row.w * epsilon / (|p| + epsilon). x, y and w stay: both passes rasterise the same
- * pixels. Epsilon is never less than 2^-20 of the distance times grazing (spec 5.3), and the shift
- * never less than 2^-20 of w, eight steps of a 24-bit depth buffer, though not for that beyond the
- * far plane, where nothing would be left to tell that the pixel is covered. Between the corners of
- * a splat of radius R at distance D the shift errs by up to (2 R / D)^2 of epsilon. */
+/* Returns what to add to gl_Position.z so that the point lies epsilon further along its own view
+ * ray (spec 5.3). With p the point and s = 1 + epsilon / |p| the shifted point is s p, and
+ * z'/w' = (z_row.xyz * s p + z_row.w) / (s w). Over the old w that is
+ * z - z_row.w * epsilon / (|p| + epsilon). x, y and w stay, so both passes rasterise the same
+ * pixels.
+ *
+ * Epsilon is at least 2^-20 of the distance times grazing (spec 5.3). The shift is at least 2^-20
+ * of w, eight steps of a 24-bit depth buffer; but this least shift does not move a point beyond the
+ * far plane, because then nothing would tell that the pixel is covered. Between the corners of a
+ * splat of radius R at distance D the shift has an error of up to (2 R / D)^2 of epsilon. */
 float shift_of(vec3 eye, vec2 zw, float grazing) {
     float distance = length(eye);
     float epsilon = max(u_shift.z, 9.5367431640625e-7 * distance) * grazing;
@@ -102,20 +107,21 @@ float shift_of(vec3 eye, vec2 zw, float grazing) {
 #endif
 
 #if FILTER
-/* Spec 5.8. A 2 x 2 matrix is a rotation times q plus a reflection times r, its singular values are
- * q + r and q - r (negative: seen from behind), and others with the same vectors only change q and
- * r: no vectors are needed. */
+/* The screen-space filter of spec 5.8. A 2 x 2 matrix is a rotation times q plus a reflection times
+ * r. Its singular values are q + r and q - r (negative where it is seen from behind). A matrix with
+ * other singular values and the same singular vectors has another q and r alone, so the vectors are
+ * not needed. */
 struct Footprint {
     mat2 widened; /* J' */
     mat2 change;  /* J' - J */
     float ratio;  /* det J / det J' */
     float nearer; /* in normalised device coordinates */
-    float lines;  /* 1 / t of spec 5.8, or so steep that it is as good as hard */
-    bool is_known;
+    float lines;  /* 1 / t of spec 5.8; 1e6 where clip lines are hard */
+    bool is_known; /* false: the filter does not apply (spec 5.8) and the rest is not used */
 };
 
 Footprint footprint_of(vec4 center, vec4 along_u, vec4 along_v) {
-    /* J times w; the quotient rule at the centre. */
+    /* j is J times w, by the quotient rule at the centre. */
     vec3 ndc = center.xyz / center.w;
     vec3 by_u = along_u.xyz - ndc * along_u.w, by_v = along_v.xyz - ndc * along_v.w;
     mat2 j = mat2(u_half_viewport.xy * by_u.xy, u_half_viewport.xy * by_v.xy);
@@ -137,8 +143,9 @@ Footprint footprint_of(vec4 center, vec4 along_u, vec4 along_v) {
         result.change = result.widened - j / w;
         result.ratio = (q + r) * abs(q - r) / (large * w);
         result.lines = 1.0 / clamp(w / max(abs(q - r), 1e-30) - 1.0, 1e-6, 1.0);
-        /* What the plane rises within a pixel, so that the near half of the kernel is not lost on
-         * slanted surfaces: up to 87 degrees of a splat of a pixel, and not before the near plane. */
+        /* The splat is compared as if it were nearer by what its plane rises within a pixel, so
+         * that slanted surfaces do not lose the near half of the kernel. It is limited by a slant
+         * of 87 degrees for a splat of one pixel, and by the near plane. */
         result.nearer = min(1.1 * (w / max(abs(q - r), 0.05 * w) - 1.0) * slope,
                             ndc.z + 1.0 - 2.0 * slope);
     }
@@ -147,13 +154,15 @@ Footprint footprint_of(vec4 center, vec4 along_u, vec4 along_v) {
 #endif
 
 #if CLIP_COUNT > 0
-/* In (u, v), or where filtered in pixels, times what widened is scaled by. */
+/* Returns a clip line's signed distance: in (u, v), or with the filter in pixels times the factor
+ * by which widened is scaled. */
 float clip_distance(ivec2 first, int line, vec2 uv, mat2 widened) {
     vec3 abc = texelFetch(u_clips, first + ivec2(line, 0), 0).xyz;
     float value = dot(abc.xy, uv) + abc.z;
 #if FILTER
-    /* |J'^-T (a, b)| by cofactors. */
-    vec2 turned = abc.x * vec2(widened[1].y, -widened[1].x) + abc.y * vec2(-widened[0].y, widened[0].x);
+    /* |J'^-T (a, b)| is computed by cofactors. */
+    vec2 turned = abc.x * vec2(widened[1].y, -widened[1].x) +
+                  abc.y * vec2(-widened[0].y, widened[0].x);
     value *= abs(determinant(widened)) * inversesqrt(dot(turned, turned));
 #endif
     return value;
@@ -176,7 +185,7 @@ CLIP_TYPE clip_distances(int column, int row, vec2 uv, mat2 widened) {
 #endif
 
 #if PASS != PSPLAT_PASS_VISIBILITY && PASS != PSPLAT_PASS_PARAMETERS
-/* The normal field at uv (spec 3.5), in eye space. */
+/* Returns the normal field at uv (spec 3.5) in eye space. */
 vec3 normal_of(ivec2 texel, mat3 axes, float length2, float ratio, vec2 uv) {
     vec4 field = texelFetch(u_splats, texel + ivec2(2, 0), 0);
 #if FIELD
@@ -190,7 +199,8 @@ vec3 normal_of(ivec2 texel, mat3 axes, float length2, float ratio, vec2 uv) {
 #endif
 
 #if FINISH
-/* Spec 3.10, but for what is the same in all splats; eq. (4a) is linear, as the rasteriser is. */
+/* Sets the outputs of the finish (spec 3.10). The factors that all splats share are applied in
+ * splat.frag. Eq. (4a) is linear in (u, v), so the rasteriser interpolates it exactly. */
 void find_finish(int column, int row, vec2 uv) {
     int surface = u_finish & PSPLAT_FINISH_SURFACE;
     int emissive = (u_finish & PSPLAT_FINISH_EMISSIVE) / PSPLAT_FINISH_EMISSIVE;
@@ -210,8 +220,8 @@ void find_finish(int column, int row, vec2 uv) {
 #endif
 
 #if TWO_SIDED
-/* Whether the splat clearly turns its back to the eye (spec 5.2), which gl_FrontFacing cannot
- * tell. */
+/* Returns whether the splat clearly turns its back to the eye (cos <= -1/2 of spec 5.2), which
+ * gl_FrontFacing does not say. */
 bool is_behind(vec3 normal, vec3 eye_center) {
     vec3 ray = view_ray(eye_center);
     return dot(normal, ray) >= 0.5 * sqrt(dot(normal, normal) * dot(ray, ray));
@@ -228,7 +238,8 @@ void main() {
     vec4 rotation = texelFetch(u_splats, texel + ivec2(1, 0), 0);
     mat3 axes = axes_of(rotation);
 
-    /* Through eye space: z and w of a point come from one rounded number, and so does its depth. */
+    /* The position goes through eye space, so that z and w of a point, and with them its depth,
+     * come from one rounded number. */
     vec3 eye_center = (u_modelview * vec4(center.xyz, 1.0)).xyz;
     vec3 offset = axes[0] * uv.x + axes[1] * (center.w * uv.y);
     vec3 eye = eye_center + mat3(u_modelview) * offset;
@@ -241,7 +252,7 @@ void main() {
     vec4 along_v = u_clip_matrix * vec4(axes[1] * center.w, 0.0);
     Footprint footprint = footprint_of(clip_center, along_u, along_v);
     v_uv = vec4(uv, 1.0, 0.0);
-    widened *= 1e6; /* as Footprint.lines */
+    widened *= 1e6; /* clip lines are hard, as with Footprint.lines */
     if (footprint.is_known) {
         widened = footprint.lines * footprint.widened;
         gl_Position.xy += clip_center.w / u_half_viewport.xy * (footprint.change * uv);
@@ -255,7 +266,8 @@ void main() {
     v_clip = clip_distances(column, row, uv, widened);
 #endif
 
-    /* Of about length 1 in whatever unit, so that squares stay in the range of float. */
+    /* The length is about 1 whatever the unit of the scene is, so that squares stay in the range of
+     * float. */
     vec3 normal = u_normal_matrix * (axes[2] / dot(rotation, rotation));
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR

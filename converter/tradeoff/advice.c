@@ -2,7 +2,13 @@
  *
  * advice.c - one setting for what somebody asks for.
  */
-#include "tradeoff.h"
+#include "tradeoff/advice.h"
+
+#include "table/row.h"
+#include "table/setting.h"
+#include "tradeoff/pareto.h"
+
+#include <phongsplat/phongsplat.h>
 
 #include <math.h>
 
@@ -12,22 +18,22 @@ const char *const psplat_error_kind_names[] = {"distance", "normal", "image", NU
  * so little of a difference between pictures. */
 static const double equal_time = 1.05, equal_difference = 1.03;
 
-/* Of a front without limits. */
+/* A front without limits is one of these two. */
 static const psplat_column front_columns[] = {PSPLAT_COLUMN_BYTES, PSPLAT_COLUMN_DIFFERENCE};
 
-psplat_column psplat_error_kind_column(psplat_error_kind kind) {
+static psplat_column column_of(psplat_error_kind kind) {
     static const psplat_column columns[] = {PSPLAT_COLUMN_DISTANCE_MAX, PSPLAT_COLUMN_NORMAL_RMS,
                                             PSPLAT_COLUMN_DIFFERENCE};
     return columns[kind];
 }
 
-/* The rows that are chosen from, and by what. */
+/* These are the rows that are chosen from, and what they are chosen by. */
 typedef struct choice {
     const psplat_row *rows;
     size_t count;
     const psplat_demand *limits;
     psplat_column error, cost;
-    psplat_contender contender;
+    psplat_competitor competitor;
     int is_free; /* to leave the defaults of what the error does not see */
 } choice;
 
@@ -35,7 +41,7 @@ static double value_of(const choice *c, size_t row, psplat_column column) {
     return c->rows[row].values[column];
 }
 
-/* How many steps a setting is from the defaults. */
+/* Counts how many steps a setting is from the defaults. */
 static int departures(const psplat_setting *s) {
     return (int)s->field + (int)s->mode + s->no_filter;
 }
@@ -52,8 +58,8 @@ static double ratio(double value, double limit) {
     return isnan(value) || value < 0 ? INFINITY : value / limit;
 }
 
-/* The greatest ratio of a value to its limit: at most 1 where all are kept, infinite where a value
- * is missing. */
+/* Returns the greatest ratio of a value to its limit, which is at most 1 where all are kept, and
+ * infinite where a value is missing. */
 static double miss(const choice *c, size_t row) {
     const psplat_demand *l = c->limits;
     double worst = ratio(value_of(c, row, c->error), l->error);
@@ -63,11 +69,11 @@ static double miss(const choice *c, size_t row) {
 
 static int is_candidate(const choice *c, size_t row) {
     const psplat_setting *s = &c->rows[row].setting;
-    return s->contender == c->contender && (c->is_free || is_default_unseen(c, s)) &&
+    return s->competitor == c->competitor && (c->is_free || is_default_unseen(c, s)) &&
            miss(c, row) <= 1;
 }
 
-/* A number for a value that is missing or makes no sense: then it is never the least. */
+/* A value that is missing or makes no sense is never the least. */
 static double or_infinite(double value) {
     return isnan(value) || value < 0 ? INFINITY : value;
 }
@@ -79,7 +85,7 @@ static double least(const choice *c, const size_t *rows, size_t count, psplat_co
     return found;
 }
 
-/* Keeps those whose value is at most factor times the least; returns how many. */
+/* Keeps those whose value is at most factor times the least, and returns how many. */
 static size_t narrow(const choice *c, size_t *rows, size_t count, psplat_column column,
                      double factor) {
     double most = least(c, rows, count, column) * factor;
@@ -89,7 +95,7 @@ static size_t narrow(const choice *c, size_t *rows, size_t count, psplat_column 
     return kept;
 }
 
-/* Of those that cost alike, the nearest to the defaults. */
+/* Chooses the nearest to the defaults of those that cost alike. */
 static size_t choose_default(const choice *c, const size_t *candidates, size_t count) {
     size_t chosen = count ? candidates[0] : SIZE_MAX;
     for (size_t i = 1; i < count; ++i)
@@ -98,7 +104,7 @@ static size_t choose_default(const choice *c, const size_t *candidates, size_t c
     return chosen;
 }
 
-/* The cheapest of the candidates, or the best. */
+/* Chooses the cheapest of the candidates, or the best. */
 static size_t choose(const choice *c, size_t *candidates, size_t count) {
     if (c->limits->error <= 0)
         count = narrow(c, candidates, count, PSPLAT_COLUMN_DIFFERENCE, equal_difference);
@@ -118,7 +124,7 @@ static size_t nearest_miss(const choice *c) {
     size_t nearest = SIZE_MAX;
     double smallest = INFINITY;
     for (size_t i = 0; i < c->count; ++i) {
-        if (c->rows[i].setting.contender != c->contender || !(miss(c, i) < smallest)) continue;
+        if (c->rows[i].setting.competitor != c->competitor || !(miss(c, i) < smallest)) continue;
         smallest = miss(c, i);
         nearest = i;
     }
@@ -131,14 +137,14 @@ psplat_advice psplat_advise(const psplat_row *rows, size_t count, const psplat_d
     choice c = {.rows = rows,
                 .count = count,
                 .limits = limits,
-                .error = psplat_error_kind_column(limits->kind),
+                .error = column_of(limits->kind),
                 .cost = psplat_rows_cost(rows, count),
-                .contender = PSPLAT_CONTENDER_SPLATS};
+                .competitor = PSPLAT_COMPETITOR_SPLATS};
     for (c.is_free = 0; c.is_free < 2 && advice.row == SIZE_MAX; ++c.is_free)
         advice.row = choose_fitting(&c, scratch);
     advice.fits = advice.row != SIZE_MAX;
     if (!advice.fits) advice.row = nearest_miss(&c);
-    c.contender = PSPLAT_CONTENDER_GLTFPACK;
+    c.competitor = PSPLAT_COMPETITOR_GLTFPACK;
     c.is_free = 1;
     advice.simplified = choose_fitting(&c, scratch);
     return advice;
@@ -146,7 +152,7 @@ psplat_advice psplat_advise(const psplat_row *rows, size_t count, const psplat_d
 
 /* ---- without limits ----------------------------------------------------------------------- */
 
-/* The best way to draw the asset of a row: of those whose pictures differ alike, the fastest. */
+/* Chooses how to draw the asset of a row: of those whose pictures differ alike, the fastest. */
 static size_t choose_drawing(const choice *c, size_t row, size_t *candidates) {
     size_t count = 0;
     for (size_t i = 0; i < c->count; ++i)
@@ -161,7 +167,7 @@ static size_t choose_drawing(const choice *c, size_t row, size_t *candidates) {
 size_t psplat_advise_front(const psplat_row *rows, size_t count, size_t *order, uint8_t *is_front) {
     const choice c = {.rows = rows, .count = count, .cost = psplat_rows_cost(rows, count)};
     for (size_t i = 0; i < count; ++i)
-        is_front[i] = rows[i].setting.contender == PSPLAT_CONTENDER_SPLATS &&
+        is_front[i] = rows[i].setting.competitor == PSPLAT_COMPETITOR_SPLATS &&
                       choose_drawing(&c, i, order) == i;
     for (size_t i = 0; i < count; ++i)
         for (size_t k = 0; k < count && is_front[i]; ++k)

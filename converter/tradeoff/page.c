@@ -1,14 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * page.c - the sweep as one HTML file: for reading, with no script and nothing to fetch.
+ * page.c - the sweep as one HTML file for reading, with no script and nothing to fetch.
  */
-#include "tradeoff.h"
+#include "tradeoff/page.h"
+
+#include "table/folder.h"
+#include "table/row.h"
+#include "table/setting.h"
+#include "table/sweep_options.h"
+#include "table/sweep_table.h"
+#include "table/text.h"
+#include "tradeoff/advice.h"
+#include "tradeoff/charts.h"
+#include "tradeoff/pareto.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A column of a table as it is shown. */
+/* A column of a table as the page shows it. */
 typedef struct shown {
     psplat_column column;
     const char *name, *unit;
@@ -32,15 +42,23 @@ static const shown asset_columns[] = {
 };
 
 static const shown drawn_columns[] = {
-    {PSPLAT_COLUMN_BYTES, "size", "bytes"},       {PSPLAT_COLUMN_DIFFERENCE, "difference", "%"},
-    {PSPLAT_COLUMN_INSIDE, "inside", "%"},        {PSPLAT_COLUMN_DISTANT, "from afar", "%"},
-    {PSPLAT_COLUMN_PSNR, "PSNR", "dB"},           {PSPLAT_COLUMN_SSIM, "SSIM", ""},
-    {PSPLAT_COLUMN_MISSING, "missing", "%"},      {PSPLAT_COLUMN_EXTRA, "extra", "%"},
-    {PSPLAT_COLUMN_PERCEPTUAL, "perceptual", ""}, {PSPLAT_COLUMN_CPU_MS, "CPU", "ms"},
-    {PSPLAT_COLUMN_CPU_MS_Q1, "quartiles", "ms"}, {PSPLAT_COLUMN_CPU_MS_Q3, "", "ms"},
-    {PSPLAT_COLUMN_WALL_MS, "wall", "ms"},        {PSPLAT_COLUMN_WALL_MS_Q1, "quartiles", "ms"},
-    {PSPLAT_COLUMN_WALL_MS_Q3, "", "ms"},         {PSPLAT_COLUMN_GPU_MS, "GPU", "ms"},
-    {PSPLAT_COLUMN_GPU_MS_Q1, "quartiles", "ms"}, {PSPLAT_COLUMN_GPU_MS_Q3, "", "ms"},
+    {PSPLAT_COLUMN_BYTES, "size", "bytes"},
+    {PSPLAT_COLUMN_DIFFERENCE, "difference", "%"},
+    {PSPLAT_COLUMN_INSIDE, "inside", "%"},
+    {PSPLAT_COLUMN_DISTANT, "from afar", "%"},
+    {PSPLAT_COLUMN_PSNR, "PSNR", "dB"},
+    {PSPLAT_COLUMN_SSIM, "SSIM", ""},
+    {PSPLAT_COLUMN_MISSING, "missing", "%"},
+    {PSPLAT_COLUMN_EXTRA, "extra", "%"},
+    {PSPLAT_COLUMN_CPU_MS, "CPU", "ms"},
+    {PSPLAT_COLUMN_CPU_MS_Q1, "quartiles", "ms"},
+    {PSPLAT_COLUMN_CPU_MS_Q3, "", "ms"},
+    {PSPLAT_COLUMN_WALL_MS, "wall", "ms"},
+    {PSPLAT_COLUMN_WALL_MS_Q1, "quartiles", "ms"},
+    {PSPLAT_COLUMN_WALL_MS_Q3, "", "ms"},
+    {PSPLAT_COLUMN_GPU_MS, "GPU", "ms"},
+    {PSPLAT_COLUMN_GPU_MS_Q1, "quartiles", "ms"},
+    {PSPLAT_COLUMN_GPU_MS_Q3, "", "ms"},
 };
 
 enum {
@@ -103,78 +121,78 @@ static void add_setting(const psplat_setting *setting, psplat_text *html) {
 }
 
 /* Columns that no row has are left out. */
-static int is_used(const psplat_journal *journal, psplat_column column) {
-    for (size_t i = 0; i < journal->count; ++i)
-        if (!isnan(journal->rows[i].values[column])) return 1;
+static int is_used(const psplat_sweep_table *table, psplat_column column) {
+    for (size_t i = 0; i < table->count; ++i)
+        if (!isnan(table->rows[i].values[column])) return 1;
     return 0;
 }
 
-static void add_head(const psplat_journal *journal, const char *first, const shown *columns,
+static void add_head(const psplat_sweep_table *table, const char *first, const shown *columns,
                      size_t count, psplat_text *html) {
     psplat_text_add(html, "<div class=\"wide\"><table>\n<thead><tr><th>%s</th>", first);
     for (size_t i = 0; i < count; ++i)
-        if (is_used(journal, columns[i].column))
+        if (is_used(table, columns[i].column))
             psplat_text_add(html, "<th>%s<br><small>%s</small></th>", columns[i].name,
                             columns[i].unit);
     psplat_text_add(html, "</tr></thead>\n<tbody>\n");
 }
 
-static void add_row(const psplat_journal *journal, size_t row, const char *kind,
-                    const shown *columns, size_t count, psplat_text *html) {
-    const psplat_row *r = &journal->rows[row];
-    psplat_text_add(html, "<tr%s><td>", kind);
-    add_setting(&r->setting, html);
-    psplat_text_add(html, "</td>");
+/* Adds the values of a row, and ends it. */
+static void add_cells(const psplat_sweep_table *table, const psplat_row *row, const shown *columns,
+                      size_t count, psplat_text *html) {
     for (size_t i = 0; i < count; ++i) {
-        if (!is_used(journal, columns[i].column)) continue;
+        if (!is_used(table, columns[i].column)) continue;
         psplat_text_add(html, "<td>");
-        psplat_text_figure(html, r->values[columns[i].column]);
+        psplat_text_figure(html, row->values[columns[i].column]);
         psplat_text_add(html, "</td>");
     }
     psplat_text_add(html, "</tr>\n");
 }
 
-static const char *kind_of(const psplat_journal *journal, size_t row, const uint8_t *is_front) {
+static void add_row(const psplat_sweep_table *table, size_t row, const char *kind,
+                    const shown *columns, size_t count, psplat_text *html) {
+    const psplat_row *r = &table->rows[row];
+    psplat_text_add(html, "<tr%s><td>", kind);
+    add_setting(&r->setting, html);
+    psplat_text_add(html, "</td>");
+    add_cells(table, r, columns, count, html);
+}
+
+static const char *kind_of(const psplat_sweep_table *table, size_t row, const uint8_t *is_front) {
     if (is_front[row]) return " class=\"front\"";
-    int is_splats = journal->rows[row].setting.contender == PSPLAT_CONTENDER_SPLATS;
+    int is_splats = table->rows[row].setting.competitor == PSPLAT_COMPETITOR_SPLATS;
     return is_splats ? "" : " class=\"other\"";
 }
 
-static void add_drawn_table(const psplat_journal *journal, const uint8_t *is_front,
+static void add_drawn_table(const psplat_sweep_table *table, const uint8_t *is_front,
                             psplat_text *html) {
-    add_head(journal, "setting", drawn_columns, DRAWN_COLUMNS, html);
-    for (size_t i = 0; i < journal->count; ++i)
-        add_row(journal, i, kind_of(journal, i, is_front), drawn_columns, DRAWN_COLUMNS, html);
+    add_head(table, "setting", drawn_columns, DRAWN_COLUMNS, html);
+    for (size_t i = 0; i < table->count; ++i)
+        add_row(table, i, kind_of(table, i, is_front), drawn_columns, DRAWN_COLUMNS, html);
     psplat_text_add(html, "</tbody></table></div>\n");
 }
 
 static void add_asset_name(const psplat_setting *setting, psplat_text *html) {
     psplat_setting_file(setting, html);
-    if (setting->contender == PSPLAT_CONTENDER_MESH) psplat_text_add(html, "source mesh");
+    if (setting->competitor == PSPLAT_COMPETITOR_MESH) psplat_text_add(html, "source mesh");
 }
 
-/* A line a file: the first row of each. */
-static void add_asset_table(const psplat_journal *journal, psplat_text *html) {
-    const psplat_row *rows = journal->rows;
-    add_head(journal, "file", asset_columns, ASSET_COLUMNS, html);
-    for (size_t i = 0; i < journal->count; ++i) {
+/* A file gets one line, of the first row that draws it. */
+static void add_asset_table(const psplat_sweep_table *table, psplat_text *html) {
+    const psplat_row *rows = table->rows;
+    add_head(table, "file", asset_columns, ASSET_COLUMNS, html);
+    for (size_t i = 0; i < table->count; ++i) {
         if (i && psplat_setting_shares_asset(&rows[i].setting, &rows[i - 1].setting)) continue;
         psplat_text_add(html, "<tr><td>");
         add_asset_name(&rows[i].setting, html);
         psplat_text_add(html, "</td>");
-        for (size_t k = 0; k < ASSET_COLUMNS; ++k) {
-            if (!is_used(journal, asset_columns[k].column)) continue;
-            psplat_text_add(html, "<td>");
-            psplat_text_figure(html, rows[i].values[asset_columns[k].column]);
-            psplat_text_add(html, "</td>");
-        }
-        psplat_text_add(html, "</tr>\n");
+        add_cells(table, &rows[i], asset_columns, ASSET_COLUMNS, html);
     }
     psplat_text_add(html, "</tbody></table></div>\n");
 }
 
-/* The front in a few columns, cheapest first. */
-static void add_front(const psplat_journal *journal, const size_t *order, size_t count,
+/* The front is shown in a few columns, cheapest first. */
+static void add_front(const psplat_sweep_table *table, const size_t *order, size_t count,
                       psplat_column cost, psplat_text *html) {
     const shown columns[] = {
         {PSPLAT_COLUMN_BYTES, "size", "bytes"},
@@ -185,21 +203,20 @@ static void add_front(const psplat_journal *journal, const size_t *order, size_t
         {cost, cost == PSPLAT_COLUMN_GPU_MS ? "GPU" : "CPU", "ms a frame"},
     };
     const size_t column_count = sizeof columns / sizeof *columns;
-    size_t knee = psplat_pareto_knee(journal->rows, order, count, PSPLAT_COLUMN_BYTES,
+    size_t knee = psplat_pareto_knee(table->rows, order, count, PSPLAT_COLUMN_BYTES,
                                      PSPLAT_COLUMN_DIFFERENCE);
     psplat_text_add(html,
                     "<h2>What to choose</h2>\n<p>The settings that no other beats in size "
                     "and in how the model looks, each drawn in the way that does most for it. "
                     "Highlighted: the knee, up to which bytes "
                     "buy most.</p>\n");
-    add_head(journal, "setting", columns, column_count, html);
+    add_head(table, "setting", columns, column_count, html);
     for (size_t i = 0; i < count; ++i)
-        add_row(journal, order[i], i == knee ? " class=\"front\"" : "", columns, column_count,
-                html);
+        add_row(table, order[i], i == knee ? " class=\"front\"" : "", columns, column_count, html);
     psplat_text_add(html, "</tbody></table></div>\n");
     if (!count) return;
     psplat_text command = {0};
-    psplat_setting_command(&journal->rows[order[knee]].setting, &journal->options, journal->source,
+    psplat_setting_command(&table->rows[order[knee]].setting, &table->options, table->source,
                            &command);
     psplat_text_add(html, "<p><code>");
     if (command.data) psplat_text_escaped(html, command.data);
@@ -208,16 +225,19 @@ static void add_front(const psplat_journal *journal, const size_t *order, size_t
     free(command.data);
 }
 
-static void add_charts(const psplat_journal *journal, psplat_column cost, psplat_text *html) {
-    psplat_chart charts[PSPLAT_CHARTS];
-    size_t count = psplat_chart_list(cost, charts);
+/* Charts are part of the page; what comes before their element is not. */
+static void add_charts(const char *folder, psplat_text *html) {
     psplat_text_add(html, "<h2>Charts</h2>\n<p>Both axes are logarithmic; further down and further "
-                          "left is better. A mark tells its values when pointed at.</p>\n");
-    for (size_t i = 0; i < count; ++i) {
-        psplat_text_add(html, "<figure id=\"%.*s\">\n", (int)strcspn(charts[i].file, "."),
-                        charts[i].file);
-        psplat_chart_write(&charts[i], journal, html);
-        psplat_text_add(html, "</figure>\n");
+                          "left is better. <code>charts.gp</code> draws them by gnuplot.</p>\n");
+    for (size_t i = 0; i < PSPLAT_CHARTS; ++i) {
+        char *svg = NULL;
+        size_t size = 0;
+        if (psplat_folder_read(folder, psplat_chart_files[i], &svg, &size, NULL)) continue;
+        const char *begin = strstr(svg, "<svg");
+        if (begin)
+            psplat_text_add(html, "<figure id=\"%.*s\">\n%s</figure>\n",
+                            (int)strcspn(psplat_chart_files[i], "."), psplat_chart_files[i], begin);
+        free(svg);
     }
 }
 
@@ -229,48 +249,48 @@ static void add_paragraph(const char *before, const char *text, const char *afte
     psplat_text_add(html, "%s", after);
 }
 
-static void add_introduction(const psplat_journal *journal, psplat_text *html) {
-    const psplat_tradeoff_options *o = &journal->options;
-    const char *slash = strrchr(journal->source, '/');
-    const char *name = slash ? slash + 1 : journal->source;
+static void add_introduction(const psplat_sweep_table *table, psplat_text *html) {
+    const psplat_sweep_options *o = &table->options;
+    const char *slash = strrchr(table->source, '/');
+    const char *name = slash ? slash + 1 : table->source;
     psplat_text_add(html, "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
                           "<meta name=\"viewport\" content=\"width=device-width\">\n<title>");
     psplat_text_escaped(html, name);
     psplat_text_add(html, ": speed against accuracy</title>\n<style>%s</style>\n</head>\n<body>\n",
                     style);
     add_paragraph("<h1>", name, ": speed against accuracy</h1>\n", html);
-    add_paragraph("<p>What Phong splats of <code>", journal->source,
+    add_paragraph("<p>What Phong splats of <code>", table->source,
                   "</code> cost and what they buy, measured by <code>phongsplat "
                   "tradeoff</code>.",
                   html);
     psplat_text_add(html, " Pictures are %d pixels wide and high", o->size);
-    add_paragraph(", drawn with ", journal->graphics, "", html);
+    add_paragraph(", drawn with ", table->graphics, "", html);
     psplat_text_add(html, "; %d frames of each setting were timed", o->frames);
     psplat_text_add(html, ".</p>\n");
 }
 
-static void write_body(const psplat_journal *journal, uint8_t *is_front, size_t *order,
-                       psplat_text *html) {
-    psplat_column cost = psplat_rows_cost(journal->rows, journal->count);
-    size_t count = psplat_advise_front(journal->rows, journal->count, order, is_front);
-    add_front(journal, order, count, cost, html);
-    add_charts(journal, cost, html);
+static void write_body(const psplat_sweep_table *table, const char *folder, uint8_t *is_front,
+                       size_t *order, psplat_text *html) {
+    psplat_column cost = psplat_rows_cost(table->rows, table->count);
+    size_t count = psplat_advise_front(table->rows, table->count, order, is_front);
+    add_front(table, order, count, cost, html);
+    if (folder) add_charts(folder, html);
     psplat_text_add(html, "<h2>Files</h2>\n");
-    add_asset_table(journal, html);
+    add_asset_table(table, html);
     psplat_text_add(html, "<h2>Settings</h2>\n");
-    add_drawn_table(journal, is_front, html);
+    add_drawn_table(table, is_front, html);
     psplat_text_add(html, "<h2>What the numbers mean</h2>\n%s", definitions);
-    if (*journal->gltfpack) psplat_text_add(html, "%s", about_gltfpack);
-    add_paragraph("<p>Simplified by ", journal->gltfpack, ".</p>\n", html);
+    if (*table->gltfpack) psplat_text_add(html, "%s", about_gltfpack);
+    add_paragraph("<p>Simplified by ", table->gltfpack, ".</p>\n", html);
     psplat_text_add(html, "<p>All columns, exactly: <code>tradeoff.csv</code>.</p>\n");
 }
 
-void psplat_page_write(const psplat_journal *journal, psplat_text *text) {
-    uint8_t *is_front = malloc(journal->count + 1);
-    size_t *order = malloc((journal->count + 1) * sizeof *order);
-    add_introduction(journal, text);
+void psplat_page_write(const psplat_sweep_table *table, const char *folder, psplat_text *text) {
+    uint8_t *is_front = malloc(table->count + 1);
+    size_t *order = malloc((table->count + 1) * sizeof *order);
+    add_introduction(table, text);
     if (is_front && order)
-        write_body(journal, is_front, order, text);
+        write_body(table, folder, is_front, order, text);
     else
         text->failed = 1;
     psplat_text_add(text, "</body>\n</html>\n");

@@ -2,14 +2,17 @@
  *
  * pareto.c - the settings that no other beats, and where their front bends.
  */
-#include "tradeoff.h"
+#include "tradeoff/pareto.h"
+
+#include "table/row.h"
+#include "table/setting.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static int is_complete(const psplat_row *row, psplat_contender contender,
+static int is_complete(const psplat_row *row, psplat_competitor competitor,
                        const psplat_column *columns, size_t column_count) {
-    if (row->setting.contender != contender || row->setting.no_filter) return 0;
+    if (row->setting.competitor != competitor || row->setting.no_filter) return 0;
     for (size_t i = 0; i < column_count; ++i)
         if (isnan(row->values[columns[i]])) return 0;
     return 1;
@@ -26,12 +29,12 @@ int psplat_pareto_beats(const psplat_row *a, const psplat_row *b, const psplat_c
     return is_less;
 }
 
-void psplat_pareto_mark(const psplat_row *rows, size_t count, psplat_contender contender,
+void psplat_pareto_mark(const psplat_row *rows, size_t count, psplat_competitor competitor,
                         const psplat_column *columns, size_t column_count, uint8_t *is_front) {
     for (size_t i = 0; i < count; ++i) {
-        is_front[i] = (uint8_t)is_complete(&rows[i], contender, columns, column_count);
+        is_front[i] = (uint8_t)is_complete(&rows[i], competitor, columns, column_count);
         for (size_t k = 0; k < count && is_front[i]; ++k)
-            if (is_complete(&rows[k], contender, columns, column_count) &&
+            if (is_complete(&rows[k], competitor, columns, column_count) &&
                 psplat_pareto_beats(&rows[k], &rows[i], columns, column_count))
                 is_front[i] = 0;
     }

@@ -1,52 +1,45 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * sweep.h - what the files of a sweep share: sweep.c runs it, task.c says how far it is, make.c
- * makes assets.
+ * sweep.h - what a setting costs and what it buys, on the user's own model, in flow order:
+ *
+ *     options -> table of settings -> assets -> measurements -> table, charts, page
+ *
+ * A sweep converts one mesh by a ladder of tolerances and two kinds of normal fields, measures each
+ * conversion with compare.h, draws it in each mode with and without filter, and times them all in
+ * turn. What is measured is kept in a directory: tradeoff.csv, assets, charts, a page. Nothing
+ * prints but the command line. Numbers are written and read in the C locale, which the command line
+ * never leaves.
  */
-#ifndef PHONGSPLAT_SWEEP_H
-#define PHONGSPLAT_SWEEP_H
+#ifndef PHONGSPLAT_TRADEOFF_SWEEP_H
+#define PHONGSPLAT_TRADEOFF_SWEEP_H
 
-#include "tradeoff.h"
+#include "table/sweep_options.h"
+#include "table/sweep_table.h"
 
-typedef struct psplat_sweep {
-    const psplat_sweep_desc *desc;
-    psplat_journal *journal;
-    psplat_sweep_counts *counts;
-    psplat_folder folder;
-    psplat_workbench bench;
-    psplat_gltfpack gltfpack;
-    psplat_estimate estimate;
-    psplat_task task; /* that is running */
-    double share, started;
-    char what[64];
-} psplat_sweep;
+#include <phongsplat/splat.h>
 
-/* ---- task.c: how far it is --------------------------------------------------------------------
- */
+/* Zeros are the defaults. */
+typedef struct psplat_sweep_desc {
+    const char *source; /* any file that psplat_mesh_read takes */
+    const char *folder; /* see folder.h */
+    psplat_sweep_options options;
+    int fresh;            /* 1: forget what was measured before */
+    int software;         /* 1: draw with Mesa's software rasteriser */
+    const char *gltfpack; /* NULL: the one in PATH; "": none */
+    int (*progress)(void *user, const char *what, double fraction); /* not 0: INTERRUPTED */
+    void (*warn)(void *user, const char *text); /* what is left out, and why; may be NULL */
+    void *user;
+} psplat_sweep_desc;
 
-/* Begins a task and tells of it; row, which may be NULL, is what it works on. INTERRUPTED. */
-psplat_result psplat_task_begin(psplat_sweep *sweep, psplat_task task, double share,
-                                const char *what, const psplat_row *row, psplat_error *error);
-/* Tells how much of it is done; for callbacks, where user is the psplat_sweep. */
-int psplat_task_show(void *user, double fraction);
-/* For psplat_convert_desc. */
-int psplat_task_show_conversion(void *user, const char *stage, double fraction);
-void psplat_task_end(psplat_sweep *sweep);
+/* Counts the settings that this run measured anew. */
+typedef struct psplat_sweep_counts {
+    size_t measured, timed;
+} psplat_sweep_counts;
 
-/* ---- make.c: assets ---------------------------------------------------------------------------
- */
-
-/* Converts or simplifies, and fills the values of PSPLAT_GROUP_MADE. Errors other than MEMORY,
- * WRITE, and INTERRUPTED are the setting's own. */
-psplat_result psplat_make_asset(psplat_sweep *sweep, psplat_row *row, psplat_error *error);
-/* Which task that is, and its share. */
-psplat_task psplat_make_task(const psplat_setting *setting);
-double psplat_make_share(const psplat_setting *setting);
-/* Stamp of what was made: of gltfpack's two files both. 0: not there. *bytes of the first. */
-uint64_t psplat_make_stamp(const psplat_sweep *sweep, const psplat_setting *setting, size_t *bytes);
-void psplat_make_remove(const psplat_sweep *sweep, const psplat_setting *setting);
-/* Writes a text into the folder and frees it. */
-psplat_result psplat_make_text(const psplat_sweep *sweep, const char *name, psplat_text *text,
-                               psplat_error *error);
+/* Measures what the folder's table does not have yet, and writes everything. The caller frees
+ * *table. Errors name their subject: those of psplat_mesh_read, psplat_convert, folder.h,
+ * sweep_table.h, and GRAPHICS, INTERRUPTED. */
+psplat_result psplat_sweep_run(const psplat_sweep_desc *desc, psplat_sweep_table *table,
+                               psplat_sweep_counts *counts, psplat_error *error);
 
 #endif

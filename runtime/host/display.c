@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which EGL display to use: a GPU's device, Mesa's surfaceless platform, Mesa's software device,
- * the default display, in this order. Each is only a candidate: a driver may offer a device and
- * then refuse contexts on it, so the caller goes on until one works.
+ * display.c - the EGL displays that a headless context may use, in the order in which they are
+ * tried: the devices of GPUs (unless software is asked for), Mesa's software device, Mesa's
+ * surfaceless platform and the default display. A driver may offer a device and then refuse
+ * contexts on it, so the caller goes on until one works.
  */
-#include "context.h"
+#include "host/egl_context.h"
 
 #include <EGL/eglext.h>
 #include <string.h>
 
-enum { MAX_DEVICES = 16 };
+enum { MAX_DEVICES = 16 }; /* of EGL_EXT_device_enumeration; chosen by hand */
 
+/* Returns 1 where a list of words separated by spaces (or NULL) has the word. */
 static int has_word(const char *list, const char *word) {
     size_t length = strlen(word);
     for (const char *at = list; at && (at = strstr(at, word)); at += length)
@@ -18,13 +20,14 @@ static int has_word(const char *list, const char *word) {
     return 0;
 }
 
+/* Returns the display once it is initialised, or EGL_NO_DISPLAY. */
 static EGLDisplay initialized(EGLDisplay display) {
     if (display == EGL_NO_DISPLAY) return EGL_NO_DISPLAY;
     return eglInitialize(display, NULL, NULL) ? display : EGL_NO_DISPLAY;
 }
 
-/* EGL gives a display object once per platform and native handle, so that hosts of one process
- * share it; that is why no host terminates it. */
+/* EGL returns the same display object for the same platform and native handle, so that hosts of one
+ * process share it; that is why no host terminates it. */
 static EGLDisplay platform_display(EGLenum platform, void *native) {
     PFNEGLGETPLATFORMDISPLAYEXTPROC get =
         (PFNEGLGETPLATFORMDISPLAYEXTPROC)eglGetProcAddress("eglGetPlatformDisplayEXT");
@@ -36,7 +39,8 @@ static EGLDisplay surfaceless_display(const char *extensions) {
     return platform_display(EGL_PLATFORM_SURFACELESS_MESA, (void *)EGL_DEFAULT_DISPLAY);
 }
 
-/* The index-th device that is (or is not) Mesa's software rasteriser. */
+/* Returns the display of the index-th device that is (software 1) or is not (software 0) Mesa's
+ * software rasteriser. *exists becomes 0 where there is no such device. */
 static EGLDisplay device_display(const char *extensions, int software, int index, int *exists) {
     PFNEGLQUERYDEVICESEXTPROC query_devices =
         (PFNEGLQUERYDEVICESEXTPROC)eglGetProcAddress("eglQueryDevicesEXT");

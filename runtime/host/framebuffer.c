@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * The host's offscreen framebuffer and its read-back.
+ * framebuffer.c - the headless host's offscreen framebuffer: its textures, clearing it, and reading
+ * colour and depth back. Depth is read through a shader that writes it as bytes (depth.frag),
+ * because GLES cannot read a depth buffer.
  */
-#include "context.h"
-#include "gl_state.h"
-#include "program.h"
+#include "host/egl_context.h"
+#include "gl/gl_state.h"
+#include "gl/gl_program.h"
 #include "shaders.h"
 
 #include <string.h>
 
+/* Makes a texture and attaches it to the framebuffer that is bound for drawing. */
 static GLuint attach_texture(const psplat_gl *gl, GLenum attachment, GLint internal_format,
                              int width, int height, GLenum format, GLenum type) {
     GLuint texture = 0;
@@ -89,6 +92,7 @@ psplat_result psplat_host_begin(psplat_host *host, int width, int height, int is
     return PSPLAT_OK;
 }
 
+/* Makes the context current and checks that something was begun. */
 static psplat_result check_read(psplat_host *host, const void *out, psplat_error *error) {
     psplat_result result = psplat_host_make_current(host, error);
     if (result != PSPLAT_OK) return result;
@@ -123,7 +127,7 @@ psplat_result psplat_host_read_float(psplat_host *host, float *rgba, psplat_erro
     return read_color(host, 1, rgba, error);
 }
 
-/* Copies the depth texture into host->bytes (depth.frag). */
+/* Copies the depth texture into host->bytes with depth.frag, four bytes for each float. */
 static psplat_result draw_depth(psplat_host *host, psplat_error *error) {
     const psplat_gl *gl = &host->gl;
     const psplat_host_framebuffer *target = &host->target;

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * The little linear algebra that the reference rasteriser needs. */
-#include "oracle.h"
+ *
+ * algebra.c - vectors of three doubles and column-major 4 x 4 matrices, as far as the reference
+ * rasteriser needs them. It has its own so that it shares no code with what it tests.
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
 #include <string.h>
@@ -51,7 +54,8 @@ static void swap_rows(double m[16], double inverse[16], int a, int b) {
     }
 }
 
-/* Makes column `pivot` of m the unit vector, doing the same to inverse. */
+/* Turns column `pivot` of m into a unit vector by row operations, and applies them to inverse too.
+ */
 static void eliminate(double m[16], double inverse[16], int pivot) {
     double scale = 1 / m[pivot * 4 + pivot];
     for (int column = 0; column < 4; ++column) {
@@ -68,7 +72,7 @@ static void eliminate(double m[16], double inverse[16], int pivot) {
     }
 }
 
-/* Gauss-Jordan with partial pivoting: keeps the zeros of an affine matrix exactly 0. */
+/* Gauss-Jordan elimination with partial pivoting keeps the zeros of an affine matrix exactly 0. */
 int psplat_oracle_invert(const double m[16], double out[16]) {
     double work[16];
     memcpy(work, m, sizeof work);

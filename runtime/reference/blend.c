@@ -1,22 +1,26 @@
 /* SPDX-License-Identifier: MIT
- * Spec 5.4 and 5.7: the sums over what contributes to a pixel, and how near the decisions were. */
-#include "oracle.h"
+ *
+ * blend.c - the weighted sums over the splats that contribute to a pixel (spec 5.4, and 5.7 for the
+ * comparison modes), and the ties: how near each decision about a pixel was to the opposite.
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
 
-/* Eq. (4) times the filter's factor; above 0, so that a covered pixel stays covered where a sharp
- * kernel underflows or a splat is seen along its plane. */
+/* Returns the kernel of eq. (4) times the filter's factor. It is always above 0, so that a covered
+ * pixel stays covered where a sharp kernel underflows or a splat is seen along its plane. */
 static double weight_of(const psplat_kernel *kernel, const psplat_oracle_share *share) {
     double psi = exp(-(double)kernel->sharpness * pow(share->r, kernel->exponent));
     return fmax(psi * share->factor, 1e-300);
 }
 
-/* Spec 3.10: what a splat without a finish is made of is one that changes nothing. */
+/* Returns the splat's finish (spec 3.10). Where none is stored it is one that changes nothing. */
 static psplat_finish finish_of(const psplat_oracle_visit *at) {
     if (at->batch->finishes) return at->batch->finishes[at->splat - at->batch->splats];
     return (psplat_finish){.occlusion = 1, .roughness = 1, .metallic = 1, .emissive = {1, 1, 1}};
 }
 
+/* Returns the material at (u, v) of the splat, by eq. (4a) and (4b). */
 static psplat_oracle_surface surface_of(const psplat_oracle_visit *at, double u, double v) {
     const psplat_material *material = &at->batch->material;
     const psplat_finish finish = finish_of(at);
@@ -46,11 +50,13 @@ static void add_surface(psplat_oracle_surface *sum, double weight,
     sum->unlit += weight * surface->unlit;
 }
 
-/* Gaussian and flat splats are lit one by one. */
+/* Returns 1 where splats are lit one by one, as those of the modes GAUSSIAN and FLAT are. */
 static int is_lit_alone(const psplat_view *view) {
     return view->mode != PSPLAT_MODE_PHONG && view->shading == PSPLAT_SHADING_LIT;
 }
 
+/* Adds the splat's terms to the sums of eq. (6). Only in Phong mode do its normal and its colour
+ * vary over the splat. */
 static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                        const psplat_oracle_ray *ray, const psplat_oracle_share *share,
                        psplat_oracle_pixel *p) {
@@ -75,15 +81,18 @@ static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit
 
 /* ---- ties ------------------------------------------------------------------------------------ */
 
-/* A fragment that clearly fails one test decides nothing by others. */
-static const double close = 0.01;
+/* A fragment that fails one test by more than this margin is not there, however near it is to
+ * passing the other test. It is in (u, v) or pixels for edges and in window depth for planes, and
+ * chosen by hand. */
+static const double clear_failure = 0.01;
 
 static void note_margins(const psplat_oracle_margins *margins, psplat_oracle_pixel *p) {
-    if (margins->depth > -close) p->edge_tie = fmin(p->edge_tie, fabs(margins->edge));
-    if (margins->edge > -close) p->depth_tie = fmin(p->depth_tie, fabs(margins->depth));
+    if (margins->depth > -clear_failure) p->edge_tie = fmin(p->edge_tie, fabs(margins->edge));
+    if (margins->edge > -clear_failure) p->depth_tie = fmin(p->depth_tie, fabs(margins->depth));
 }
 
-/* What the visibility limit is, or would be if an edge were elsewhere. */
+/* Notes the margins of a fragment that sets the visibility limit, or would set it if its edges were
+ * elsewhere. */
 static void note_visibility(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                             const psplat_oracle_sight *sight, psplat_oracle_pixel *p) {
     const double rounding = 1e-12;
@@ -96,7 +105,8 @@ static void note_visibility(const psplat_oracle_drawing *d, const psplat_oracle_
     note_margins(&margins, p);
 }
 
-/* A limit beyond the far plane may count as none (5.3): how near it is to that. */
+/* Notes how near the limit is to the far plane, because a limit beyond it may count as none (5.3).
+ */
 static void note_far_limit(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                            const psplat_oracle_ray *ray, psplat_oracle_pixel *p) {
     if (!d->blends || !isfinite(p->limit) || !(at->space->epsilon > 0)) return;
@@ -104,13 +114,13 @@ static void note_far_limit(const psplat_oracle_drawing *d, const psplat_oracle_v
     p->epsilon_tie = fmin(p->epsilon_tie, fmax(before, 0) / (2 * at->space->epsilon));
 }
 
-/* How near what exists is to the limit. */
+/* Notes how near a splat that covers the pixel is to the visibility limit. */
 static void note_limit(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                        const psplat_oracle_ray *ray, const psplat_oracle_share *share,
                        psplat_oracle_pixel *p) {
     double limit[3], w = 0;
     if (!isfinite(p->limit)) return;
-    /* The nearest fragment always lies before the limit, which is not before it. */
+    /* The nearest fragment always lies before the limit, so nothing about it is close. */
     if (at->index == p->nearest_splat && share->tested <= p->nearest) return;
     psplat_oracle_along(ray->origin, p->limit / ray->length, ray->direction, limit);
     double difference =
@@ -133,7 +143,7 @@ void psplat_oracle_blend(const psplat_oracle_drawing *d, const psplat_oracle_vis
         if (exists) note_limit(d, at, sight->ray, &share, p);
         if (share.tested <= p->limit) note_margins(&margins, p); /* hidden edges do not show */
     }
-    /* Where no splat is met, what the filter adds beside splats does not count. */
+    /* Where the ray meets no splat, what the filter adds beside splats does not count (5.8). */
     int chosen =
         d->blends ? isfinite(p->limit) && share.tested <= p->limit : at->index == p->nearest_splat;
     if (exists && chosen) contribute(d, at, sight->ray, &share, p);

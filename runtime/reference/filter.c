@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT
- * Spec 5.8: the screen-space filter, which widens to a pixel what is smaller and softens clip
- * lines. */
-#include "oracle.h"
+ *
+ * filter.c - the screen-space filter (spec 5.8), a low-pass against aliasing: it widens splats that
+ * are smaller than a pixel to one pixel, and softens their clip lines.
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
 
 /* ---- a splat's filter ------------------------------------------------------------------------ */
 
-/* Window coordinates of clip space point C are size / 2 (C_i / C_w + 1), and their derivative in
- * the direction of A is size / 2 (A_i C_w - C_i A_w) / C_w^2. */
+/* Computes J of spec 5.8. Window coordinates of a point C of clip space are
+ * size / 2 (C_i / C_w + 1), and their derivative in the direction of A is
+ * size / 2 (A_i C_w - C_i A_w) / C_w^2. */
 static void jacobian_of(double frame[3][4], const double half[2], double jacobian[2][2]) {
     const double *center = frame[0];
     for (int i = 0; i < 2; ++i)
@@ -23,8 +26,9 @@ static double determinant_of(double m[2][2]) {
     return m[0][0] * m[1][1] - m[0][1] * m[1][0];
 }
 
-/* Eq. (10) as the spec words it: J^T J has its eigenvectors, m1 and m2, along half the angle of
- * (m00 - m11, 2 m01) and across it; J m_i is s_i l_i. Where s_i is 0, l_i is across the other. */
+/* Computes J' of eq. (10) by a singular value decomposition, as the spec words it. J^T J has its
+ * eigenvectors m1 and m2 along half the angle of (m00 - m11, 2 m01) and perpendicular to it, and
+ * J m_i is s_i l_i. Where s_i is 0, l_i is perpendicular to the other. */
 static void widen(double jacobian[2][2], double widened[2][2]) {
     double(*j)[2] = jacobian, m[2][2], l[2][2], s[2];
     double angle =
@@ -36,7 +40,7 @@ static void widen(double jacobian[2][2], double widened[2][2]) {
     m[1][0] = -m[0][1];
     for (int i = 0; i < 2; ++i) l[0][i] = j[i][0] * m[0][0] + j[i][1] * m[0][1];
     s[0] = hypot(l[0][0], l[0][1]);
-    s[1] = s[0] > 0 ? determinant_of(j) / s[0] : 0; /* with its sign; no difference cancels */
+    s[1] = s[0] > 0 ? determinant_of(j) / s[0] : 0; /* signed, and without cancellation */
     for (int i = 0; i < 2; ++i) l[0][i] = s[0] > 0 ? l[0][i] / s[0] : m[0][i];
     l[1][0] = -l[0][1];
     l[1][1] = l[0][0];
@@ -54,8 +58,9 @@ static double least_singular_value(double m[2][2]) {
     return fabs(more - less) / 2;
 }
 
-/* How far the splat is from being left alone (negative: it is): its w changes little, and its
- * centre lies between the planes, by more than 2 |g| behind the near one. */
+/* Returns how far the splat is from not being filtered; a negative margin means that it is not.
+ * The filter applies where w changes little over the splat (edge), and where its centre lies
+ * between the planes, by more than 2 |g| behind the near one (depth). */
 static psplat_oracle_margins margins_of(double frame[3][4], double depth, double slope) {
     double w = frame[0][3];
     if (!(w > 0)) return (psplat_oracle_margins){-1, -1};
@@ -63,7 +68,7 @@ static psplat_oracle_margins margins_of(double frame[3][4], double depth, double
     return (psplat_oracle_margins){1 - 4 * change, fmin(depth - 2 * slope, 1 - depth)};
 }
 
-/* |g| of 5.8 in window depth, which is 1/2 + C_z / C_w / 2. */
+/* Returns |g| of spec 5.8, the derivative of window depth, which is 1/2 + C_z / C_w / 2. */
 static double slope_of(double frame[3][4]) {
     double by[2], w = frame[0][3], z = frame[0][2] / w;
     for (int k = 0; k < 2; ++k) by[k] = (frame[1 + k][2] - z * frame[1 + k][3]) / w;
@@ -99,13 +104,15 @@ void psplat_oracle_filter_set(psplat_oracle_filter *filter, const psplat_oracle_
 
 /* ---- at a pixel ------------------------------------------------------------------------------ */
 
-/* The splat's point on the ray, and the derivatives of its (u, v) by the pixel's x and y. */
+/* The widened splat's point on the ray, and the derivatives of its (u, v) by the pixel's x
+ * (steps[0]) and y (steps[1]). */
 typedef struct point {
     psplat_oracle_fragment f;
     double steps[2][2];
 } point;
 
-/* The point C'(u, v) whose x and y are those of the pixel times its w: two linear equations. */
+/* Solves the two linear equations for the point C'(u, v) whose x and y are those of the pixel times
+ * its w. Returns 0 where there is no such point in front of the eye. */
 static int find_point(const psplat_oracle_sight *sight, point *found) {
     const psplat_oracle_camera *camera = sight->camera;
     const double(*frame)[4] = sight->filter->frame;
@@ -132,8 +139,8 @@ static int find_point(const psplat_oracle_sight *sight, point *found) {
     return 1;
 }
 
-/* delta of a clip line, and how many pixels a unit of (u, v) is across it. J'^-T is the matrix of
- * cofactors over det J'. */
+/* Returns delta of a clip line, its distance in pixels. *scale becomes the number of pixels that a
+ * unit of (u, v) spans perpendicular to the line. J'^-T is the matrix of cofactors over det J'. */
 static double soft_distance(const psplat_oracle_filter *filter, const double line[3],
                             const psplat_oracle_fragment *f, double *scale) {
     double x = filter->jacobian[1][1] * line[0] - filter->jacobian[1][0] * line[1];
@@ -143,7 +150,8 @@ static double soft_distance(const psplat_oracle_filter *filter, const double lin
     return (line[0] * f->u + line[1] * f->v + line[2]) * pixels;
 }
 
-/* The product of the lines' factors; least becomes the least margin to a factor of 0. */
+/* Returns the product of the clip lines' factors. *least is lowered to the least margin between a
+ * line's factor and 0. */
 static double factor_of_lines(const psplat_oracle_sight *sight, const psplat_oracle_fragment *f,
                               double *least) {
     double factor = 1, scale = 1;
@@ -156,6 +164,7 @@ static double factor_of_lines(const psplat_oracle_sight *sight, const psplat_ora
     return factor;
 }
 
+/* Does what psplat_oracle_filter_share does, for a splat that is filtered. */
 static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share *share,
                           psplat_oracle_margins *margins) {
     point at;

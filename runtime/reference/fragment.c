@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * Spec 5.1 and 5.2: where a ray meets a splat, and from which side. */
-#include "oracle.h"
+ *
+ * fragment.c - where a ray meets a splat's plane (spec 5.1), from which side (5.2), whether that
+ * point is a fragment, and how near it is to the opposite.
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
 
-/* 5.1: the plane's point on the ray (BSK04 eq. 6), its (u, v) and its window depth; 5.2: N'.e, with
- * e against the ray. */
+/* The plane's point on the ray is that of BSK04 eq. 6; its cosine is N'.e of spec 5.2, with e
+ * opposite to the ray. */
 int psplat_oracle_fragment_find(const psplat_oracle_camera *camera,
                                 const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
                                 psplat_oracle_fragment *fragment) {
@@ -13,7 +16,7 @@ int psplat_oracle_fragment_find(const psplat_oracle_camera *camera,
     psplat_oracle_along(splat->center, -1, ray->origin, to_center);
     fragment->s = psplat_oracle_dot(splat->plane, to_center) /
                   psplat_oracle_dot(splat->plane, ray->direction);
-    if (!isfinite(fragment->s)) return 0; /* along the plane */
+    if (!isfinite(fragment->s)) return 0; /* the ray is parallel to the plane */
     psplat_oracle_along(ray->origin, fragment->s, ray->direction, point);
     psplat_oracle_along(point, -1, splat->center, from_center);
     fragment->u = psplat_oracle_dot(splat->parameter[0], from_center);
@@ -29,7 +32,7 @@ double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const pspl
                                     const psplat_oracle_fragment *fragment) {
     double point[3];
     psplat_oracle_along(ray->origin, fragment->s, ray->direction, point);
-    double least = 0x1p-20 * psplat_oracle_length(point) / fmax(fabs(splat->cosine), 0.5);
+    double least = 0x1p-20 * psplat_oracle_length(point) / fmax(fabs(splat->cosine), 0.5); /* 5a */
     return fragment->t + fmax(splat->epsilon, least);
 }
 
@@ -51,8 +54,8 @@ double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2
     return value / fmax(1, sqrt(x * x + y * y));
 }
 
-/* Derivatives of (u, v) by the pixel's x (0) and y (1), where the plane lies at s of the ray:
- * q = o + s d with s = n.(c - o) / n.d. */
+/* Finds the derivatives of (u, v) by the pixel's x (steps[0]) and y (steps[1]), where the ray meets
+ * the plane at s: q = o + s d with s = n.(c - o) / n.d. */
 static void find_steps(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
                        const psplat_oracle_ray *ray, double s, double steps[2][2]) {
     psplat_oracle_ray_steps by;

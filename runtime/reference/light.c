@@ -1,27 +1,30 @@
 /* SPDX-License-Identifier: MIT
- * Spec 5.6: the lights of KHR_lights_punctual, eq. (8), and their shadows by rays. */
-#include "oracle.h"
+ *
+ * light.c - the lights of KHR_lights_punctual in eye space, what of them reaches a point by eq. (8)
+ * of spec 5.6, and their shadows, for which a ray to the light is tested against all splats.
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
 
-static void turn(const double view[16], const double v[3], double w, double out[3]) {
+/* Moves (v, w) into eye space: a point where w is 1, a direction where it is 0. */
+static void to_eye_space(const double view[16], const double v[3], double w, double out[3]) {
     double moved[4];
     psplat_oracle_transform(view, v, w, moved);
     for (int i = 0; i < 3; ++i) out[i] = moved[i];
 }
 
 static psplat_oracle_light light_of(const psplat_light *from, const double view[16]) {
-    const double pi = 3.14159265358979323846;
     psplat_oracle_light light = {.type = from->type, .range = from->range};
     double direction[3];
-    double outer = from->outer_angle > 0 ? (double)from->outer_angle : pi / 4;
+    double outer = from->outer_angle > 0 ? (double)from->outer_angle : PSPLAT_ORACLE_PI / 4;
     for (int i = 0; i < 3; ++i) {
         direction[i] = from->direction[i];
         light.color[i] = from->color[i];
     }
-    turn(view, direction, 0, light.direction);
+    to_eye_space(view, direction, 0, light.direction);
     psplat_oracle_normalise(light.direction);
-    turn(view, from->position, 1, light.position);
+    to_eye_space(view, from->position, 1, light.position);
     light.cos_inner = cos((double)from->inner_angle);
     light.cos_outer = cos(outer);
     return light;
@@ -40,7 +43,7 @@ void psplat_oracle_lighting_set(psplat_oracle_lighting *lighting, const psplat_v
     lighting->environment.desc = environment;
     for (int i = 0; i < 3; ++i) {
         lighting->ambient[i] = view->ambient[i];
-        /* The view is rigid: the inverse of its rotation is the transpose. */
+        /* The view is rigid, so the inverse of its rotation is the transpose. */
         for (int k = 0; k < 3; ++k) lighting->environment.to_scene[i][k] = view->view[4 * i + k];
     }
 }
@@ -51,7 +54,7 @@ int psplat_oracle_lighting_has_shadows(const psplat_oracle_lighting *lighting) {
     return 0;
 }
 
-/* Whether the splat keeps the light off a point: it is met on the way to the light, farther from
+/* Returns 1 where the splat keeps the light off a point: the way to the light meets it farther from
  * the point than its epsilon, which is eq. (5) with the light as the eye. Its side does not matter.
  */
 static int stands_between(const psplat_oracle_caster *caster, const psplat_oracle_light *light,
@@ -83,7 +86,8 @@ static int is_in_shadow(const psplat_oracle_lighting *lighting, const psplat_ora
     return 0;
 }
 
-/* The factors of eq. (8): of the range, and s of a spot light's cone. */
+/* Returns the factor of intensity in eq. (8): the falloff with distance and range, and s of a spot
+ * light's cone. */
 static double falloff(const psplat_oracle_light *light, const double to_light[3], double distance) {
     double factor = 1 / (distance * distance);
     if (light->range > 0) factor *= fmax(fmin(1 - pow(distance / light->range, 4), 1), 0);

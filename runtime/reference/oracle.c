@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * Spec 5: two passes over all splats, as the specification words it. The first finds how far each
- * pixel sees (5.3), the second sums what it sees (5.4). */
-#include "oracle.h"
+ *
+ * oracle.c - the reference rasteriser's frame (spec 5): two passes over all splats, as the
+ * specification words them. The first finds each pixel's visibility limit (5.3), the second sums
+ * the splats up to it (5.4). psplat_reference_draw checks its arguments and runs both.
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +19,7 @@ static int is_culled(const psplat_view *view, const psplat_batch *batch) {
                                                     : view->culling == PSPLAT_CULL_ALWAYS;
 }
 
+/* Places every splat of the scene in eye space and calls a function with it, in draw order. */
 static void visit_splats(psplat_oracle_drawing *d, splat_visitor call) {
     int32_t first = 0;
     for (size_t b = 0; b < psplat_asset_batch_count(d->scene->asset); ++b) {
@@ -37,11 +41,11 @@ static void visit_splats(psplat_oracle_drawing *d, splat_visitor call) {
     }
 }
 
-/* Shown the splat at each pixel that it may touch. */
+/* Called with a splat and one of the pixels that it may touch. */
 typedef void (*pixel_visitor)(psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                               const psplat_oracle_sight *sight, psplat_oracle_pixel *p);
 
-/* Around the splat and around what the filter makes of it. */
+/* Returns the pixels that the splat may touch, as it is and as the filter widens it. */
 static psplat_oracle_box box_of(const psplat_oracle_drawing *d, const psplat_oracle_visit *at) {
     double frame[3][4];
     psplat_oracle_camera_frame(&d->camera, &at->placed, frame);
@@ -74,6 +78,7 @@ static void visit_pixels(psplat_oracle_drawing *d, const psplat_oracle_visit *at
 
 /* ---- passes ---------------------------------------------------------------------------------- */
 
+/* First pass: lowers the pixel's visibility limit, and keeps the nearest fragment. */
 static void see(psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                 const psplat_oracle_sight *sight, psplat_oracle_pixel *p) {
     const psplat_oracle_fragment *f = sight->fragment;
@@ -148,7 +153,7 @@ static void clear(psplat_oracle_drawing *d) {
     }
 }
 
-/* One block at least, so that NULL means failure alone. */
+/* Allocates at least one element, so that NULL always means that memory ran out. */
 static void *block_of(size_t count, size_t size) {
     return calloc(count ? count : 1, size);
 }

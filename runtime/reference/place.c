@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: MIT
- * Spec 3 and 4: what a stored splat is, and what a node's transform makes of it. */
-#include "oracle.h"
+ *
+ * place.c - splats in eye space: the axes, parameters and normal field of a stored splat (spec 3),
+ * moved by the transform of its node and by the view (spec 4).
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
 
-/* |det M3|^(1/3) M3^-T. The columns of M3^-T are the cross products of M3's columns over det M3,
- * so a mirroring transform keeps outward normals outward (spec 4). */
+/* Computes |det M3|^(1/3) M3^-T and its first factor. The columns of M3^-T are the cross products
+ * of M3's columns over det M3, so a mirroring transform keeps outward normals outward (spec 4).
+ * Returns 0 where M3 is singular. */
 static int normal_matrix(const double m[16], double out[3][3], double *scale) {
     double columns[3][3];
     for (int i = 0; i < 3; ++i)
@@ -28,8 +32,8 @@ int psplat_oracle_place_batch(const psplat_batch *batch, const double transform[
     return 1;
 }
 
-/* Spec 3.3: U, V, N are the columns of the quaternion's rotation, which need not be stored with
- * length 1 exactly. */
+/* U, V and N are the columns of the quaternion's rotation (spec 3.3). The stored quaternion need
+ * not have length 1 exactly. */
 static void axes_of(const float rotation[4], double axes[3][3]) {
     double x = rotation[0], y = rotation[1], z = rotation[2], w = rotation[3];
     double s = 2 / (x * x + y * y + z * z + w * w);
@@ -42,8 +46,8 @@ static void axes_of(const float rotation[4], double axes[3][3]) {
         for (int k = 0; k < 3; ++k) axes[i][k] = rows[i][k];
 }
 
-/* Spec 3.4: the rows that take q - c to (u, v). They are the dual basis of the two axes, which
- * stays right where a transform makes the axes conjugate diameters (spec 4). */
+/* Finds the rows that take q - c to (u, v) (spec 3.4). They are the dual basis of the two axes,
+ * which stays right where a transform makes the axes conjugate diameters (spec 4). */
 static void parameter_rows(psplat_oracle_splat *placed) {
     psplat_oracle_cross(placed->axis[0], placed->axis[1], placed->plane);
     double area2 = psplat_oracle_dot(placed->plane, placed->plane);
@@ -55,11 +59,12 @@ static void parameter_rows(psplat_oracle_splat *placed) {
     }
 }
 
+/* Multiplies a vector by a matrix that is stored row by row. */
 static void apply(const double matrix[3][3], const double v[3], double out[3]) {
     for (int row = 0; row < 3; ++row) out[row] = psplat_oracle_dot(matrix[row], v);
 }
 
-/* Spec 3.5: eq. (2) and (3), transformed as normals. */
+/* Computes the normal field of eq. (2) and (3), whose terms are transformed as normals. */
 static void normal_field(const psplat_splat *splat, double axes[3][3], const double matrix[3][3],
                          psplat_oracle_splat *placed) {
     double stored[3] = {splat->normal[0], splat->normal[1], splat->normal[2]};

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * Spec 5: rays through pixels, from nothing but the projection matrix, and the pixels that a
- * splat may touch.
  *
- * In clip space the ray through normalised device coordinates (X, Y) holds the points
- * w (X, Y, 0, 1) + z (0, 0, 1, 0). The images of both under the inverse projection are a point of
- * the pixel and the eye; the eye is at infinity in parallel views. */
-#include "oracle.h"
+ * ray.c - the camera of the reference rasteriser: rays through pixels, found from the projection
+ * matrix alone (spec 5), and the box of pixels that a splat may touch.
+ *
+ * In clip space the ray through normalised device coordinates (X, Y) consists of the points
+ * w (X, Y, 0, 1) + z (0, 0, 1, 0). The inverse projection takes the first of the two vectors to a
+ * point of the pixel and the second to the eye, which is at infinity in parallel views.
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
 #include <string.h>
@@ -29,6 +31,7 @@ int psplat_oracle_camera_set(psplat_oracle_camera *camera, const psplat_view *vi
     return 1;
 }
 
+/* Finds the homogeneous point of pixel (x, y) on the plane z = 0 of clip space. */
 static void pixel_point(const psplat_oracle_camera *camera, double x, double y, double at[4]) {
     for (int i = 0; i < 4; ++i)
         at[i] = camera->pixel[0][i] + x * camera->pixel[1][i] + y * camera->pixel[2][i];
@@ -66,7 +69,8 @@ void psplat_oracle_camera_face(const psplat_oracle_camera *camera, const psplat_
                                psplat_oracle_splat *splat) {
     psplat_oracle_ray ray;
     double to_eye[3];
-    psplat_oracle_camera_ray(camera, 0, 0, &ray); /* all are alike in parallel views */
+    psplat_oracle_camera_ray(camera, 0, 0,
+                             &ray); /* in parallel views all rays have one direction */
     for (int i = 0; i < 3; ++i)
         to_eye[i] = camera->parallel ? -ray.direction[i]
                                      : camera->eye[i] / camera->eye[3] - splat->center[i];
@@ -83,7 +87,8 @@ double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const doub
     return 0.5 + 0.5 * clip[2] / clip[3];
 }
 
-/* On the plane z = k w of clip space. */
+/* The points of one window depth are the plane z = k w of clip space, which the ray is intersected
+ * with. */
 double psplat_oracle_camera_reach(const psplat_oracle_camera *camera, const psplat_oracle_ray *ray,
                                   double depth) {
     double plane[4], k = 2 * depth - 1;
@@ -104,18 +109,21 @@ void psplat_oracle_camera_frame(const psplat_oracle_camera *camera,
 /* ---- bounds --------------------------------------------------------------------------------- */
 
 #define CORNERS 8
-#define MAX_CORNERS 18 /* rounding may make every edge cross a plane: 8, 8 / 2 * 3, 12 / 2 * 3 */
+/* Rounding may make every edge of a polygon of n corners cross a plane, which leaves n / 2 * 3
+ * corners: 8 become 12, and 12 become 18. */
+#define MAX_CORNERS 18
 
 typedef struct polygon {
     double corner[MAX_CORNERS][4]; /* clip space */
     int count;
 } polygon;
 
-/* The octagon around the ellipse: bounds that need no case distinction, at 8 % more width. */
+/* Finds the octagon around the ellipse. Its bounds are the ellipse's at most 8 % wider, and need no
+ * distinction of cases. */
 static void octagon(double frame[3][4], polygon *out) {
-    const double pi = 3.14159265358979323846, radius = 1 / cos(pi / CORNERS);
+    const double radius = 1 / cos(PSPLAT_ORACLE_PI / CORNERS);
     for (int k = 0; k < CORNERS; ++k) {
-        double angle = 2 * pi * k / CORNERS;
+        double angle = 2 * PSPLAT_ORACLE_PI * k / CORNERS;
         double u = radius * cos(angle), v = radius * sin(angle);
         for (int i = 0; i < 4; ++i)
             out->corner[k][i] = frame[0][i] + u * frame[1][i] + v * frame[2][i];
@@ -123,8 +131,8 @@ static void octagon(double frame[3][4], polygon *out) {
     out->count = CORNERS;
 }
 
-/* Keeps sign * z <= w (1 + slack), by Sutherland and Hodgman. The slack keeps the fragments whose
- * depth_margin is near 0. */
+/* Clips the polygon to sign * z <= w (1 + slack) by the algorithm of Sutherland and Hodgman. The
+ * slack keeps fragments close to the near or far plane, whose depth ties are wanted. */
 static void clip_depth(polygon *shape, double sign) {
     const double slack = 1.0 / 65536;
     polygon kept = {.count = 0};
@@ -141,13 +149,14 @@ static void clip_depth(polygon *shape, double sign) {
     *shape = kept;
 }
 
+/* Clamps a whole window coordinate to 0 ... size. */
 static int pixel_of(double window, int size) {
     return (int)fmin(fmax(window, 0), size);
 }
 
 psplat_oracle_box psplat_oracle_camera_bounds(const psplat_oracle_camera *camera,
                                               double frame[3][4]) {
-    const double margin = 1;
+    const double margin_pixels = 1;
     int size[2] = {camera->width, camera->height};
     double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
     polygon shape;
@@ -158,13 +167,14 @@ psplat_oracle_box psplat_oracle_camera_bounds(const psplat_oracle_camera *camera
     for (int k = 0; k < shape.count; ++k)
         for (int i = 0; i < 2; ++i) {
             const double *corner = shape.corner[k];
-            /* w is 0 only at the eye: every pixel may see it. */
+            /* w is 0 at the eye alone, and every pixel may see what is there. */
             double at = (0.5 + 0.5 * corner[i] / corner[3]) * size[i];
             int known = corner[3] > 0 && isfinite(at);
             low[i] = fmin(low[i], known ? at : 0);
             high[i] = fmax(high[i], known ? at : size[i]);
         }
-    return (psplat_oracle_box){
-        pixel_of(floor(low[0] - margin), size[0]), pixel_of(ceil(high[0] + margin), size[0]),
-        pixel_of(floor(low[1] - margin), size[1]), pixel_of(ceil(high[1] + margin), size[1])};
+    return (psplat_oracle_box){pixel_of(floor(low[0] - margin_pixels), size[0]),
+                               pixel_of(ceil(high[0] + margin_pixels), size[0]),
+                               pixel_of(floor(low[1] - margin_pixels), size[1]),
+                               pixel_of(ceil(high[1] + margin_pixels), size[1])};
 }

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Spec 5.5 and 5.6: what a pixel shows once its sums are there. */
-#include "oracle.h"
+ *
+ * resolve.c - the colour and depth of a pixel once its sums are complete (spec 5.5, 5.6), and the
+ * debug shadings that psplat_shading offers.
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
 
@@ -8,7 +11,8 @@ static void point_at(const psplat_oracle_ray *ray, double t, double point[3]) {
     psplat_oracle_along(ray->origin, t / ray->length, ray->direction, point);
 }
 
-/* 1 at the near plane, 0 at the far one, linear in the distance from the eye's plane. */
+/* Returns 1 at the near plane and 0 at the far one; between them it is linear in the distance from
+ * the eye's plane. */
 static double nearness(const psplat_oracle_camera *camera, const psplat_oracle_ray *ray, double t) {
     double at[3], near[3], far[3];
     point_at(ray, t, at);
@@ -35,7 +39,7 @@ void psplat_oracle_show(const psplat_oracle_drawing *d, const psplat_oracle_ray 
     }
 }
 
-/* A shading's value of a covered pixel, before it is encoded. */
+/* Finds what a covered pixel shows, before sRGB encoding. */
 static void show_pixel(const psplat_oracle_drawing *d, const psplat_oracle_pixel *p,
                        const psplat_oracle_ray *ray, double shown[3]) {
     double t = psplat_oracle_camera_reach(&d->camera, ray, p->depth / p->weight);
@@ -56,7 +60,7 @@ static void show_pixel(const psplat_oracle_drawing *d, const psplat_oracle_pixel
         for (int i = 0; i < 3; ++i) shown[i] = p->radiance[i] / p->weight;
 }
 
-/* Colours are encoded, numbers are not. */
+/* Returns 1 for the shadings that are colours. Those that are numbers are written as they are. */
 static int is_encoded(const psplat_view *view) {
     return !view->linear_output &&
            (view->shading == PSPLAT_SHADING_LIT || view->shading == PSPLAT_SHADING_UNLIT);
@@ -82,7 +86,7 @@ void psplat_oracle_resolve(const psplat_oracle_drawing *d, int x, int y,
     psplat_oracle_ray ray;
     psplat_oracle_camera_ray(&d->camera, x + 0.5, y + 0.5, &ray);
     if (image->color) write_color(d, p, &ray, image->color + 4 * at);
-    /* What is widened may reach beyond the far plane. */
+    /* Splats that the filter widens may reach beyond the far plane. */
     if (image->depth) image->depth[at] = p->count ? fmin(p->depth / p->weight, 1) : 1;
     if (image->uv) {
         image->uv[2 * at] = p->u;

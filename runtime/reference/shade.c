@@ -1,30 +1,18 @@
 /* SPDX-License-Identifier: MIT
- * Spec 5.6: the metallic-roughness material of glTF 2.0 (appendix B of that specification) under
- * lights, an environment and a constant ambient term. */
-#include "oracle.h"
+ *
+ * shade.c - the radiance of one surface point, eq. (7) of spec 5.6: the metallic-roughness material
+ * of glTF 2.0 (appendix B of that specification) under lights, an environment and a constant
+ * ambient term. Also the sRGB encoding of the result.
+ */
+#include "reference/oracle.h"
 
 #include <math.h>
-
-#define PI 3.14159265358979323846
-
-double psplat_oracle_distribution(double normal_half, double alpha) {
-    double a2 = alpha * alpha;
-    double k = normal_half * normal_half * (a2 - 1) + 1;
-    return a2 / (PI * k * k);
-}
-
-double psplat_oracle_visibility(double normal_light, double normal_eye, double alpha) {
-    double a2 = alpha * alpha;
-    double light = normal_light * sqrt(normal_eye * normal_eye * (1 - a2) + a2);
-    double eye = normal_eye * sqrt(normal_light * normal_light * (1 - a2) + a2);
-    return 0.5 / (light + eye);
-}
 
 static double mix(double a, double b, double s) {
     return a + (b - a) * s;
 }
 
-/* Adds a light's term of the sum in eq. (7). */
+/* Adds one light's term of the sum in eq. (7). All directions are unit vectors. */
 static void add_light(const psplat_oracle_surface *surface, const double to_light[3],
                       const double irradiance[3], const double normal[3], const double to_eye[3],
                       double radiance[3]) {
@@ -42,7 +30,7 @@ static void add_light(const psplat_oracle_surface *surface, const double to_ligh
     for (int i = 0; i < 3; ++i) {
         double diffuse = surface->base[i] * (1 - surface->metallic);
         double fresnel = mix(mix(0.04, surface->base[i], surface->metallic), 1, grazing);
-        double reflected = (1 - fresnel) * diffuse / PI + fresnel * specular;
+        double reflected = (1 - fresnel) * diffuse / PSPLAT_ORACLE_PI + fresnel * specular;
         radiance[i] += irradiance[i] * reflected * normal_light;
     }
 }

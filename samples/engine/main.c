@@ -5,9 +5,9 @@
  *
  *     engine A.glb B.glb OUT.ppm
  */
-#include "loader.h"
-#include "matrix.h"
-#include "mesh.h"
+#include "background_loader.h"
+#include "engine_matrix.h"
+#include "engine_mesh.h"
 #include "screen.h"
 
 #include <phongsplat/host.h>

@@ -6,7 +6,7 @@
 #ifndef ENGINE_SCREEN_H
 #define ENGINE_SCREEN_H
 
-#include "gl.h"
+#include "engine_gl.h"
 
 enum { SCREEN_WIDTH = 960, SCREEN_HEIGHT = 640, SCREEN_SAMPLES = 4 };
 

@@ -1,28 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
- * canvas.c - flat rectangles and text. Everything is one kind of triangle: the font's texture holds
- * a white texel for what is not text, so that a whole overlay is one draw call.
+ * canvas.c - flat rectangles and text. The strokes of stb's font are rectangles too, so that a
+ * whole overlay is one draw call.
  */
-#include "gl.h"
+#include "viewer_gl.h"
 #include "viewer.h"
 
-#include <stdio.h>
+#include <stb/stb_easy_font.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* In the texture glyphs lie in a row. Two columns of white texels follow; rectangles are painted
- * from the border between them, so that rounding does not matter. */
-enum { GLYPH_COLUMNS = FONT_COUNT * FONT_WIDTH, TEXTURE_WIDTH = GLYPH_COLUMNS + 2 };
-
 typedef struct vertex {
     float x, y; /* pixels from the upper left corner */
-    float s, t; /* texels */
     uint8_t color[4];
 } vertex;
 
 struct canvas {
     gl gl;
-    GLuint program, vertex_array, buffer, texture;
+    GLuint program, vertex_array, buffer;
     GLint size;
     int width, height;
     vertex *vertices;
@@ -35,13 +30,10 @@ static const char *const gles_prelude = "#version 300 es\nprecision highp float;
 
 static const char *const vertex_source =
     "layout(location = 0) in vec2 position;\n"
-    "layout(location = 1) in vec2 texel;\n"
-    "layout(location = 2) in vec4 color;\n"
+    "layout(location = 1) in vec4 color;\n"
     "uniform vec2 size;\n"
-    "out vec2 at;\n"
     "out vec4 paint;\n"
     "void main() {\n"
-    "    at = texel;\n"
     "    paint = color;\n"
     "    gl_Position = vec4(vec2(2, -2) * position / size + vec2(-1, 1), 0, 1);\n"
     "}\n";
@@ -49,15 +41,12 @@ static const char *const vertex_source =
 /* Half a step of noise hides the bands of a dark gradient (Jimenez 2014, interleaved gradient
  * noise). Text does not need it and is not harmed. */
 static const char *const fragment_source =
-    "uniform sampler2D font;\n"
-    "in vec2 at;\n"
     "in vec4 paint;\n"
     "out vec4 result;\n"
     "void main() {\n"
-    "    float ink = texelFetch(font, ivec2(at), 0).r;\n"
     "    float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, "
     "0.00583715))));\n"
-    "    result = vec4(paint.rgb + (noise - 0.5) / 255.0, paint.a * ink);\n"
+    "    result = vec4(paint.rgb + (noise - 0.5) / 255.0, paint.a);\n"
     "}\n";
 
 static psplat_result load_gl(gl *gl, void *(*get_proc)(void *user, const char *name), void *user,
@@ -97,22 +86,6 @@ static int build_program(canvas *c) {
     return is_linked;
 }
 
-static void make_texture(canvas *c) {
-    const gl *gl = &c->gl;
-    uint8_t texels[FONT_HEIGHT][TEXTURE_WIDTH];
-    memset(texels, 255, sizeof texels);
-    for (int y = 0; y < FONT_HEIGHT; ++y)
-        for (int x = 0; x < GLYPH_COLUMNS; ++x)
-            texels[y][x] = font_ink(' ' + x / FONT_WIDTH, x % FONT_WIDTH, y) ? 255 : 0;
-    gl->GenTextures(1, &c->texture);
-    gl->BindTexture(GL_TEXTURE_2D, c->texture);
-    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    gl->TexImage2D(GL_TEXTURE_2D, 0, GL_R8, TEXTURE_WIDTH, FONT_HEIGHT, 0, GL_RED, GL_UNSIGNED_BYTE,
-                   texels);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-}
-
 static void make_vertex_array(canvas *c) {
     const gl *gl = &c->gl;
     gl->GenVertexArrays(1, &c->vertex_array);
@@ -121,10 +94,9 @@ static void make_vertex_array(canvas *c) {
     gl->BindBuffer(GL_ARRAY_BUFFER, c->buffer);
     const GLsizei stride = sizeof(vertex);
     gl->VertexAttribPointer(0, 2, GL_FLOAT, GL_FALSE, stride, (void *)offsetof(vertex, x));
-    gl->VertexAttribPointer(1, 2, GL_FLOAT, GL_FALSE, stride, (void *)offsetof(vertex, s));
-    gl->VertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride,
+    gl->VertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride,
                             (void *)offsetof(vertex, color));
-    for (GLuint i = 0; i < 3; ++i) gl->EnableVertexAttribArray(i);
+    for (GLuint i = 0; i < 2; ++i) gl->EnableVertexAttribArray(i);
     gl->BindVertexArray(0);
 }
 
@@ -133,7 +105,6 @@ canvas *canvas_create(void *(*get_proc)(void *user, const char *name), void *use
     canvas *c = calloc(1, sizeof *c);
     if (!c) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the overlay"), NULL;
     if (load_gl(&c->gl, get_proc, user, error)) return free(c), NULL;
-    make_texture(c);
     make_vertex_array(c);
     if (build_program(c)) return c;
     psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the overlay's shader was refused");
@@ -144,7 +115,6 @@ canvas *canvas_create(void *(*get_proc)(void *user, const char *name), void *use
 void canvas_destroy(canvas *c) {
     if (!c) return;
     c->gl.DeleteProgram(c->program);
-    c->gl.DeleteTextures(1, &c->texture);
     c->gl.DeleteBuffers(1, &c->buffer);
     c->gl.DeleteVertexArrays(1, &c->vertex_array);
     free(c->vertices);
@@ -174,38 +144,44 @@ static int reserve(canvas *c, size_t count) {
     return 1;
 }
 
-static vertex corner(int x, int y, int s, int t, uint32_t color) {
-    vertex v = {.x = (float)x, .y = (float)y, .s = (float)s, .t = (float)t};
-    for (int i = 0; i < 4; ++i) v.color[i] = (uint8_t)(color >> (24 - 8 * i));
-    return v;
-}
-
-/* Texels s ... s + columns, t ... t + rows, interpolated to texel centres by texelFetch. */
-static void add_quad(canvas *c, const int box[4], const int texels[4], uint32_t top,
-                     uint32_t bottom) {
-    if (c->is_full || !reserve(c, 6)) return;
-    vertex corners[4];
-    for (int i = 0; i < 4; ++i) {
-        int right = i & 1, low = i >> 1;
-        corners[i] =
-            corner(box[0] + right * box[2], box[1] + low * box[3], texels[0] + right * texels[2],
-                   texels[1] + low * texels[3], low ? bottom : top);
-    }
-    const int order[] = {0, 2, 1, 1, 2, 3};
-    for (int i = 0; i < 6; ++i) c->vertices[c->count++] = corners[order[i]];
-}
-
 void canvas_rectangle(canvas *c, int x, int y, int width, int height, uint32_t top,
                       uint32_t bottom) {
-    add_quad(c, (int[4]){x, y, width, height}, (int[4]){GLYPH_COLUMNS + 1, 0, 0, 0}, top, bottom);
+    static const int order[] = {0, 2, 1, 1, 2, 3};
+    if (c->is_full || !reserve(c, 6)) return;
+    for (int i = 0; i < 6; ++i) {
+        int right = order[i] & 1, low = order[i] >> 1;
+        vertex *v = &c->vertices[c->count++];
+        v->x = (float)(x + right * width);
+        v->y = (float)(y + low * height);
+        for (int k = 0; k < 4; ++k) v->color[k] = (uint8_t)((low ? bottom : top) >> (24 - 8 * k));
+    }
+}
+
+/* The font has printable ASCII and looks beyond its tables for anything else. */
+static char printable(char c) {
+    return c >= ' ' && c <= '~' ? c : '?';
+}
+
+int canvas_text_width(const char *text) {
+    int width = 0;
+    for (; *text; ++text) width += stb_easy_font_width((char[]){printable(*text), 0});
+    return width;
 }
 
 void canvas_text(canvas *c, int x, int y, int size, uint32_t color, const char *text) {
-    for (; *text && *text != '\n'; ++text, x += FONT_ADVANCE * size) {
-        if (*text == ' ') continue;
-        int glyph = *text > ' ' && *text <= '~' ? *text - ' ' : FONT_COUNT - 1;
-        add_quad(c, (int[4]){x, y, FONT_WIDTH * size, FONT_HEIGHT * size},
-                 (int[4]){glyph * FONT_WIDTH, 0, FONT_WIDTH, FONT_HEIGHT}, color, color);
+    struct {
+        float x, y, z;
+        uint8_t color[4];
+    } quads[32][4]; /* strokes of a glyph: corners clockwise from the upper left */
+    for (; *text; ++text) {
+        char glyph[] = {printable(*text), 0};
+        int count = stb_easy_font_print(0, 0, glyph, NULL, quads, sizeof quads);
+        for (int i = 0; i < count; ++i) {
+            int left = (int)quads[i][0].x, top = (int)quads[i][0].y;
+            canvas_rectangle(c, x + size * left, y + size * top, size * ((int)quads[i][2].x - left),
+                             size * ((int)quads[i][2].y - top), color, color);
+        }
+        x += size * stb_easy_font_width(glyph);
     }
 }
 
@@ -218,8 +194,6 @@ void canvas_end(canvas *c) {
     gl->BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     gl->UseProgram(c->program);
     gl->Uniform2f(c->size, (float)c->width, (float)c->height);
-    gl->ActiveTexture(GL_TEXTURE0);
-    gl->BindTexture(GL_TEXTURE_2D, c->texture);
     gl->BindVertexArray(c->vertex_array);
     gl->BindBuffer(GL_ARRAY_BUFFER, c->buffer);
     gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(c->count * sizeof *c->vertices), c->vertices,

@@ -6,7 +6,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 
-#include "gl.h"
+#include "viewer_gl.h"
 #include "viewer.h"
 
 #include <signal.h>

@@ -9,7 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MARGIN = 6 }; /* font pixels between a panel's edge and its text */
+/* Font pixels between a panel's edge and its text, and between a key and what it does. */
+enum { MARGIN = 6, GAP = 12 };
 
 static const uint32_t panel_color = 0x0b0d10d8, text_color = 0xe8ebefff, key_color = 0xffc66dff,
                       error_color = 0xffb4a8ff, error_panel = 0x4a1512e8, title_color = 0x9fb4ccff;
@@ -41,12 +42,12 @@ static int row_height(const key_binding *row) {
     return !row->label ? 0 : *row->label ? FONT_LINE : FONT_LINE / 2;
 }
 
-static void draw_rows(canvas *c, int x, int y, int size, int label_columns) {
+static void draw_rows(canvas *c, int x, int y, int size, int labels) {
     for (size_t i = 0; i < key_binding_count; ++i) {
         const key_binding *row = &key_bindings[i];
         if (!row->label) continue;
         canvas_text(c, x, y, size, key_color, row->label);
-        canvas_text(c, x + size * label_columns * FONT_ADVANCE, y, size, text_color, row->help);
+        canvas_text(c, x + size * labels, y, size, text_color, row->help);
         y += size * row_height(row);
     }
 }
@@ -56,11 +57,11 @@ static void draw_help(canvas *c, int width, int height) {
     int labels = 0, texts = 0, rows = 2 * FONT_LINE;
     for (size_t i = 0; i < key_binding_count; ++i) {
         if (!key_bindings[i].label) continue;
-        labels = longest(labels, (int)strlen(key_bindings[i].label) + 2);
-        texts = longest(texts, (int)strlen(key_bindings[i].help));
+        labels = longest(labels, canvas_text_width(key_bindings[i].label) + GAP);
+        texts = longest(texts, canvas_text_width(key_bindings[i].help));
         rows += row_height(&key_bindings[i]);
     }
-    int across = (labels + texts) * FONT_ADVANCE, size = text_size(width, height, across, rows);
+    int across = labels + texts, size = text_size(width, height, across, rows);
     /* In windows that are too small the beginnings are what can be read. */
     int x = longest(size * MARGIN, (width - size * across) / 2);
     int y = longest(size * MARGIN, (height - size * rows) / 2);
@@ -76,10 +77,11 @@ static void draw_line(canvas *c, int width, int *bottom, uint32_t panel, uint32_
                       const char *text) {
     char shown[400];
     snprintf(shown, sizeof shown, "%s", text);
-    size_t room = (size_t)longest(4, (width / size - 4 * MARGIN) / FONT_ADVANCE);
-    if (strlen(shown) > room && room < sizeof shown) strcpy(shown + room - 3, "...");
+    size_t length = strlen(shown);
+    while (length > 4 && canvas_text_width(shown) > width / size - 4 * MARGIN)
+        strcpy(shown + --length - 3, "...");
     int x = 2 * size * MARGIN, y = *bottom - size * (FONT_HEIGHT + 2 * MARGIN);
-    draw_panel(c, x, y, size, (int)strlen(shown) * FONT_ADVANCE - 1, FONT_HEIGHT, panel);
+    draw_panel(c, x, y, size, canvas_text_width(shown) - 1, FONT_HEIGHT, panel);
     canvas_text(c, x, y, size, color, shown);
     *bottom = y - 2 * size * MARGIN;
 }
@@ -94,7 +96,7 @@ static void error_line(const viewer *v, const char *path, const psplat_error *er
 }
 
 static void draw_lines(viewer *v, int width, int height) {
-    int size = text_size(width, height, 40 * FONT_ADVANCE, FONT_LINE), bottom = height;
+    int size = text_size(width, height, 240, FONT_LINE), bottom = height;
     char text[600];
     const char *path;
     const psplat_error *error = exhibit_error(&v->exhibit, &path);
@@ -110,7 +112,7 @@ static void draw_lines(viewer *v, int width, int height) {
 
 static void draw_hint(viewer *v, int width, int height) {
     static const char hint[] = "Drop .glb files here - H shows the keys";
-    int columns = (int)sizeof hint - 1, across = columns * FONT_ADVANCE;
+    int across = canvas_text_width(hint);
     int size = text_size(width, height, across, FONT_LINE);
     if (v->exhibit.item_count || v->has_help || loader_is_busy(v->loader)) return;
     canvas_text(v->canvas, (width - size * across) / 2, (height - size * FONT_LINE) / 2, size,

@@ -7,7 +7,7 @@
  */
 #define _GNU_SOURCE /* O_TMPFILE */
 
-#include "gl.h"
+#include "viewer_gl.h"
 #include "viewer.h"
 
 #include <errno.h>

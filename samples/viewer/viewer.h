@@ -52,13 +52,14 @@ typedef struct options {
     int width, height;       /* of the window; 0: the default, scaled as the screen asks */
     int is_gles;             /* a GLES 3.0 context instead of GL 3.3 */
     const char *screenshots; /* directory; NULL: beside the asset */
-    char **files;            /* file_count of them; moved to the front of argv */
+    char **files;            /* file_count of them; moved to the end of argv */
     int file_count;
 } options;
 
 typedef enum parse_result { PARSE_OK, PARSE_HELP, PARSE_VERSION, PARSE_ERROR } parse_result;
 
-/* argv[0] is skipped. error gets the cause of PARSE_ERROR. Prints nothing. */
+/* For one call in a process: getopt_long keeps a state of its own. error gets the cause of
+ * PARSE_ERROR. Prints nothing. */
 parse_result options_parse(int argc, char **argv, options *o, psplat_error *error);
 void options_print_help(void);
 
@@ -185,14 +186,10 @@ void lights_set(int rig, int has_shadows, const orbit *o, const sphere *scene, p
 /* For psplat_environment_destroy; NULL where it failed. */
 psplat_environment *sky_create(psplat_renderer *renderer, psplat_error *error);
 
-/* ---- canvas.c, font.c: rectangles and text ------------------------------------------------- */
+/* ---- canvas.c: rectangles and text --------------------------------------------------------- */
 
-/* Glyphs are FONT_WIDTH x FONT_HEIGHT pixels with a pixel between them; printable ASCII, anything
- * else is a box. */
-enum { FONT_WIDTH = 5, FONT_HEIGHT = 9, FONT_ADVANCE = 6, FONT_LINE = 11, FONT_COUNT = 96 };
-
-/* 1 where glyph c has ink in column x of row y (row 0 on top). */
-int font_ink(int c, int x, int y);
+/* In font pixels: of a glyph, descenders included, and from line to line. */
+enum { FONT_HEIGHT = 9, FONT_LINE = 11 };
 
 typedef struct gl gl;
 typedef struct canvas canvas;
@@ -207,8 +204,10 @@ const gl *canvas_gl(const canvas *c);
 void canvas_begin(canvas *c, int width, int height);
 void canvas_rectangle(canvas *c, int x, int y, int width, int height, uint32_t top,
                       uint32_t bottom);
-/* size is the side of a font pixel. Stops at the end of the text or a newline. */
+/* One line of printable ASCII; anything else is a question mark. size is the side of a font pixel,
+ * in which canvas_text_width measures. */
 void canvas_text(canvas *c, int x, int y, int size, uint32_t color, const char *text);
+int canvas_text_width(const char *text);
 void canvas_end(canvas *c); /* draws into the bound framebuffer; writes no depth */
 
 /* ---- target.c: where else to draw ---------------------------------------------------------- */

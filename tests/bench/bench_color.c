@@ -11,8 +11,14 @@
  * that a splat takes with 12 for the rest: files of other precisions differ by the same factor in
  * both columns. "chosen" is what the converter picks by itself.
  */
-#include "stages.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+#include "verify/report.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,7 +90,7 @@ static int measure(const psplat_mesh *mesh, const options *o, double bound,
     const psplat_convert_desc desc = {.tolerance_percent = o->tolerance,
                                       .color_tolerance_percent = bound,
                                       .color_field = field,
-                                      .effort = o->effort,
+                                      .effort = o->effort ? o->effort : PSPLAT_EFFORT_NONE,
                                       .unverified = !print};
     psplat_splats splats;
     psplat_report r;
@@ -123,11 +129,11 @@ static const char *file_of(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    options o = {.tolerance = 0.5, .effort = 3, .bounds = BOUNDS};
+    options o = {.tolerance = 0.5, .effort = 2, .bounds = BOUNDS};
     psplat_mesh mesh;
     int at = 1;
     for (; at + 1 < argc && !strncmp(argv[at], "--", 2); at += 2) {
-        if (!strcmp(argv[at], "--effort")) o.effort = atoi(argv[at + 1]) + 1;
+        if (!strcmp(argv[at], "--effort")) o.effort = atoi(argv[at + 1]);
         if (!strcmp(argv[at], "--bounds") && atoi(argv[at + 1]) < BOUNDS)
             o.bounds = atoi(argv[at + 1]);
         if (!strcmp(argv[at], "--tolerance")) o.tolerance = atof(argv[at + 1]);

@@ -20,8 +20,19 @@
  * With --picture, the first mesh is shown beside its 0.5 % phong splats and as many gaussian and
  * flat ones.
  */
-#include "compare.h"
-#include "picture.h"
+#include "views/image_metrics.h"
+#include "base/output.h"
+#include "compare/source_mesh.h"
+#include "compare/source_mesh_parts.h"
+#include "export/glb_writer.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
+#include "picture/png_writer.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+#include "views/picture_views.h"
+#include "views/picture_views_parts.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -55,8 +66,8 @@ typedef struct bench {
     psplat_host *host;
     psplat_renderer *renderer;
     psplat_mesh mesh;
-    psplat_original *original;
-    psplat_gallery *gallery;
+    psplat_source_mesh *original;
+    psplat_picture_views *gallery;
     const char *name;
     curve curves[MODES][2]; /* by tolerance, by angle */
 } bench;
@@ -83,7 +94,7 @@ static psplat_model *convert(const bench *b, const psplat_convert_desc *desc, si
     uint8_t *glb = NULL;
     size_t size = 0;
     check(psplat_convert(&b->mesh, desc, &splats, NULL, &error), &error);
-    check(psplat_glb_write(&splats, NULL, &glb, &size, &error), &error);
+    check(psplat_glb_write_as(&splats, NULL, NULL, &glb, &size, &error), &error);
     check(psplat_asset_open_memory(glb, size, NULL, &asset, &error), &error);
     check(psplat_model_create(b->renderer, asset, &model, &error), &error);
     *count = splats.count;
@@ -94,11 +105,11 @@ static psplat_model *convert(const bench *b, const psplat_convert_desc *desc, si
 }
 
 static void measure(bench *b, psplat_model *model, size_t count, int mode, int by_angle) {
-    const psplat_exhibit exhibit = {
+    const psplat_pictured exhibit = {
         .renderer = b->renderer, .model = model, .mode = modes[mode], .no_filter = 1};
     psplat_picture_errors errors;
     psplat_error error;
-    check(psplat_gallery_compare(b->gallery, &exhibit, -1, 0, &errors, &error), &error);
+    check(psplat_picture_views_compare(b->gallery, &exhibit, -1, &errors, &error), &error);
     curve *c = &b->curves[mode][by_angle];
     if (c->count < MOST_POINTS) c->points[c->count++] = (point){(double)count, errors.inside};
     printf(" %.3f (%.3f) |", errors.inside, errors.difference);
@@ -132,7 +143,7 @@ static size_t run(bench *b, const psplat_convert_desc *desc, int first, int end)
  */
 static void climb(bench *b, int by_angle) {
     psplat_convert_desc desc = {.tolerance_percent = by_angle ? 0.5 : 2,
-                                .effort = 1,
+                                .effort = PSPLAT_EFFORT_NONE,
                                 .constant_normals = 1,
                                 .unverified = 1};
     const curve *flat = &b->curves[2][by_angle], *phong = &b->curves[0][0];
@@ -205,14 +216,15 @@ static void open_model(bench *b, const char *path) {
     memset(b->curves, 0, sizeof b->curves);
     b->mesh = (psplat_mesh){0};
     check(psplat_mesh_read(path, &b->mesh, &error), &error);
-    check(psplat_original_create(&b->mesh, 0, &b->original, &error), &error);
-    const psplat_gallery_desc desc = {.host = b->host, .source = b->original, .size = b->set.size};
-    check(psplat_gallery_create(&desc, &b->gallery, &error), &error);
+    check(psplat_source_mesh_create(&b->mesh, 0, &b->original, &error), &error);
+    const psplat_picture_views_desc desc = {
+        .host = b->host, .source = b->original, .size = b->set.size};
+    check(psplat_picture_views_create(&desc, &b->gallery, &error), &error);
 }
 
 static void close_model(bench *b) {
-    psplat_gallery_destroy(b->gallery);
-    psplat_original_destroy(b->original);
+    psplat_picture_views_destroy(b->gallery);
+    psplat_source_mesh_destroy(b->original);
     psplat_mesh_free(&b->mesh);
 }
 
@@ -252,7 +264,7 @@ static void keep_panel(const bench *b, int k, int panels, uint8_t *rgb) {
 }
 
 static void draw_panels(const bench *b, psplat_model *model, uint8_t *rgb) {
-    psplat_view view = psplat_gallery_view(b->gallery, 0);
+    psplat_view view = psplat_picture_views_at(b->gallery, 0);
     const psplat_item item = {.model = model};
     const float zeros[4] = {0};
     psplat_error error;
@@ -261,7 +273,7 @@ static void draw_panels(const bench *b, psplat_model *model, uint8_t *rgb) {
         if (k) view.mode = modes[MODES - k];
         view.no_filter = 1;
         check(k ? psplat_draw(b->renderer, &view, &item, 1, &error)
-                : psplat_gallery_draw_original(b->gallery, &view, &error),
+                : psplat_picture_views_draw_source(b->gallery, &view, &error),
               &error);
         keep_panel(b, k, MODES + 1, rgb);
     }

@@ -27,7 +27,15 @@
  * logarithmic axes. The greater of the two is what it needs for both. "<" and ">" tell that its
  * files end there: its smallest is as good, its largest (all triangles) is not.
  */
-#include "tradeoff.h"
+#include "compare/shape_errors.h"
+#include "compare/source_mesh.h"
+#include "compare/source_mesh_parts.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
+#include "benchmark/gltfpack.h"
+#include "benchmark/subprocess.h"
+#include "table/text.h"
+#include "benchmark/write_obj.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -64,7 +72,7 @@ typedef struct bench {
     FILE *csv;
     const char *path, *name;
     psplat_mesh mesh;
-    psplat_original *original;
+    psplat_source_mesh *original;
     point meshes[MOST]; /* of gltfpack */
     size_t mesh_count;
 } bench;
@@ -115,12 +123,12 @@ static int measure_mesh(const bench *b, const char *path, point *p) {
     const psplat_shape_desc desc = {0};
     psplat_shape_errors errors;
     psplat_mesh mesh = {0};
-    psplat_original *original = NULL;
+    psplat_source_mesh *original = NULL;
     psplat_error error;
     if (psplat_mesh_read(path, &mesh, &error)) return 0;
-    check(psplat_original_create(&mesh, 0, &original, &error), &error);
+    check(psplat_source_mesh_create(&mesh, 0, &original, &error), &error);
     check(psplat_shape_compare_mesh(b->original, original, &desc, &errors, &error), &error);
-    psplat_original_destroy(original);
+    psplat_source_mesh_destroy(original);
     psplat_mesh_free(&mesh);
     measure(&errors, p);
     return 1;
@@ -137,12 +145,10 @@ static void record(const bench *b, const char *kind, const point *p) {
 
 /* What gltfpack reads. */
 static const char *input_of(const bench *b) {
-    const char *dot = strrchr(b->path, '.');
-    int is_known = dot && (!strcmp(dot, ".obj") || !strcmp(dot, ".gltf") || !strcmp(dot, ".glb"));
-    if (is_known && b->mesh.corner_normals) return b->path;
+    if (psplat_gltfpack_reads(b->path) && b->mesh.corner_normals) return b->path;
     psplat_text text = {0};
     const char *path = b->files[SOURCE];
-    psplat_wavefront_write(b->original, &text);
+    psplat_write_obj(b->original, &text);
     FILE *file = fopen(path, "wb");
     if (text.failed || !file || fwrite(text.data, 1, text.size, file) != text.size ||
         fclose(file)) {
@@ -213,7 +219,7 @@ static int convert(const bench *b, const point *p, const char *output) {
         arguments[count++] = normal;
     }
     for (size_t i = 0; i < b->set.passed_count; ++i) arguments[count++] = b->set.passed[i];
-    int code = psplat_program_run(arguments, line, sizeof line);
+    int code = psplat_subprocess_run(arguments, line, sizeof line);
     if (code == 0 || code == 9) return 1;
     fprintf(stderr, "bench_gltfpack: %s -t %s: exit code %d\n", b->name, tolerance, code);
     return 0;
@@ -256,7 +262,7 @@ static void convert_all(bench *b) {
 static void run_model(bench *b) {
     psplat_error error;
     check(psplat_mesh_read(b->path, &b->mesh, &error), &error);
-    check(psplat_original_create(&b->mesh, 0, &b->original, &error), &error);
+    check(psplat_source_mesh_create(&b->mesh, 0, &b->original, &error), &error);
     b->mesh_count = 0;
     if (*b->gltfpack.version) {
         printf("| gltfpack | ratio | triangles | bytes | distance %% | normals, degrees |\n"
@@ -271,7 +277,7 @@ static void run_model(bench *b) {
            b->mesh_count ? "--:|--:|--:|" : "");
     convert_all(b);
     printf("\n");
-    psplat_original_destroy(b->original);
+    psplat_source_mesh_destroy(b->original);
     psplat_mesh_free(&b->mesh);
 }
 

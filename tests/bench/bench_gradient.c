@@ -13,9 +13,19 @@
  * the bound breaks, in an ellipse whose axes are the directions of curvature. That is the best case
  * for a diagonal gradient.
  */
-#include "stages.h"
-#include "vector.h"
+#include "features/surface_build.h"
+#include "base/random.h"
+#include "base/region.h"
+#include "base/vector.h"
+#include "features/surface.h"
+#include "fit/normal_field.h"
+#include "features/samples.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
+#include "pipeline/convert.h"
+#include "splats/splats.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -81,8 +91,8 @@ static void fit_diagonal(const chart *c, double field[5]) {
                 c->axis_uv[i][k] = k == axis ? c->uv[i][k] : 0;
                 c->axis_xy[i][k] = k == axis ? c->xy[i][k] : 0;
             }
-        psplat_fit_normals((const double(*)[2])c->axis_uv, (const double(*)[2])c->axis_xy, c->count,
-                           c->radius, half);
+        psplat_fit_normal_field((const double(*)[2])c->axis_uv, (const double(*)[2])c->axis_xy,
+                                c->count, c->radius, half);
         field[axis] = half[axis];
         field[2 + axis] = half[2 + axis];
     }
@@ -92,8 +102,8 @@ static void fit_field(const chart *c, kind kind, double field[5]) {
     memset(field, 0, 5 * sizeof *field);
     if (kind == DIAGONAL) fit_diagonal(c, field);
     if (kind == FULL)
-        psplat_fit_normals((const double(*)[2])c->uv, (const double(*)[2])c->xy, c->count,
-                           c->radius, field);
+        psplat_fit_normal_field((const double(*)[2])c->uv, (const double(*)[2])c->xy, c->count,
+                                c->radius, field);
     for (size_t i = 0; kind == CONSTANT && i < c->count; ++i)
         for (int k = 0; k < 2; ++k) field[k] += c->xy[i][k] / (double)c->count;
 }
@@ -101,7 +111,7 @@ static void fit_field(const chart *c, kind kind, double field[5]) {
 /* Degrees between sample i's normal and the field's. */
 static double error_at(const chart *c, const double field[5], size_t i) {
     double found[3] = {0, 0, 1}, true_normal[3] = {c->xy[i][0], c->xy[i][1], 1}, across[3];
-    psplat_fit_normal_at(field, c->radius, c->uv[i], found);
+    psplat_normal_field_at(field, c->radius, c->uv[i], found);
     cross3(across, found, true_normal);
     return atan2(length3(across), dot3(found, true_normal)) * 180 / pi;
 }

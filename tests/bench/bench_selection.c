@@ -17,9 +17,23 @@
  * cover, by uniting the sums of their parts (and with making these, once for each part) against
  * summing up all samples of every pair. The planes must agree to 1e-9 of the diagonal.
  */
-#include "stages.h"
-#include "vector.h"
+#include "base/covariance.h"
+#include "base/random.h"
+#include "base/vector.h"
+#include "fit/candidate.h"
+#include "fit/fit_context.h"
+#include "features/samples.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
+#include "select/conversion.h"
+#include "select/greedy_cover.h"
+#include "select/local_search.h"
+#include "select/relax.h"
+#include "select/sample_spacing.h"
+#include "select/selection.h"
+#include "splats/splats.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,25 +66,25 @@ static void grow_pool(psplat_conversion *c, uint64_t random) {
         if (p->taken && p->covered_count)
             seeds[count++] = p->covered[psplat_random_next(&random) % p->covered_count];
     }
-    check(psplat_selection_grow(&c->surface, &c->samples, &c->limits, seeds, count, &c->selection),
-          "pool");
+    const psplat_fit_context context = psplat_conversion_context(c);
+    check(psplat_selection_grow(&context, seeds, count, &c->selection), "pool");
     free(seeds);
 }
 
 /* Selects anew. Returns how many splats are taken. */
 static size_t choose(psplat_conversion *c, int exchange, int relax) {
-    psplat_improvement what = {.samples = &c->samples, .focus = c->samples.count};
+    psplat_local_search_desc what = {.samples = &c->samples, .focus = c->samples.count};
     psplat_selection_free(&c->selection);
-    check(psplat_select_cover(&c->surface, &c->samples, &c->limits, c->desc, &c->selection, NULL),
-          "cover");
-    if (exchange) check(psplat_improve(&c->selection, &what), "exchange");
+    const psplat_fit_context context = psplat_conversion_context(c);
+    check(psplat_greedy_cover(&context, c->desc, &c->selection, NULL), "cover");
+    if (exchange) check(psplat_local_search(&c->selection, &what), "exchange");
     for (int round = 0; exchange && round < ROUNDS; ++round) {
         what.seed = 1000 + (uint64_t)round;
         what.moves = MOVES * psplat_selection_taken(&c->selection);
         what.axis = round % 3;
         grow_pool(c, what.seed);
         if (relax) check(psplat_relax(c), "relaxation");
-        check(psplat_improve(&c->selection, &what), "exchange");
+        check(psplat_local_search(&c->selection, &what), "exchange");
     }
     return psplat_selection_taken(&c->selection);
 }
@@ -239,7 +253,7 @@ static void bench(const char *path, double percent) {
     const psplat_convert_desc desc = {.tolerance_percent = percent};
     psplat_conversion c = {.desc = &desc, .splats = &splats};
     if (psplat_mesh_read(path, &mesh, &error) || psplat_conversion_begin(&c, &mesh, &error) ||
-        psplat_sample(&c, &error))
+        psplat_draw_samples_for_limits(&c, &error))
         fail(path, error.text);
     printf("%-20s %8zu", name, c.samples.count);
     for (int way = 0; way < 3; ++way) {

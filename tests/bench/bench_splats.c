@@ -19,7 +19,12 @@
  * A model is sphere, torus, part, the name of a file in the folder, or a path. Those that are not
  * there are left out. Each run is a process of its own, so that peak memory is that of one run.
  */
-#include "converter.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+#include "verify/report.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -234,7 +239,7 @@ static psplat_result measure(const options *o, const job *j, psplat_report *repo
     const psplat_convert_desc desc = {.tolerance_percent = j->tolerance,
                                       .normal_tolerance_degrees = j->normal_tolerance,
                                       .constant_normals = j->constant,
-                                      .effort = o->effort + 1};
+                                      .effort = o->effort ? o->effort : PSPLAT_EFFORT_NONE};
     double start = seconds_now();
     result = psplat_convert(&mesh, &desc, &splats, report, error);
     report->seconds = seconds_now() - start;
@@ -457,7 +462,7 @@ static int read_value(options *o, const char *name, const char *value) {
         o->triangles = (size_t)strtoull(value, NULL, 10);
     else
         return 0;
-    return o->effort >= -1 && o->effort <= 9 && o->limit > 0;
+    return o->effort >= 0 && o->effort <= 9 && o->limit > 0;
 }
 
 static int *find_flag(options *o, const char *name) {
@@ -508,7 +513,7 @@ static void add_defaults(options *o) {
 int main(int argc, char **argv) {
     const char *folder = getenv("PSPLAT_BENCH_MODELS");
     options o = {.folder = folder ? folder : PSPLAT_SOURCE_DIR "/../shared/models",
-                 .effort = -1,
+                 .effort = 2,
                  .limit = 600,
                  .triangles = 1500000};
     if (!read_arguments(&o, argc, argv)) return 1;

@@ -12,8 +12,14 @@
 #include <string.h>
 
 #include "extreme.h"
-#include "stages.h"
-#include "vector.h"
+#include "base/random.h"
+#include "base/region.h"
+#include "base/vector.h"
+#include "mesh/mesh.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+#include "verify/report.h"
 
 static const double extreme_pi = 3.14159265358979323846;
 

@@ -17,7 +17,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "converter.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
 #include "near.h"
 
 static char fixture_directory[256];

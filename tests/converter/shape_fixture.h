@@ -6,7 +6,13 @@
 #ifndef PHONGSPLAT_TESTS_SHAPE_FIXTURE_H
 #define PHONGSPLAT_TESTS_SHAPE_FIXTURE_H
 
-#include "source.h"
+#include "features/surface_build.h"
+#include "base/random.h"
+#include "base/vector.h"
+#include "features/surface.h"
+#include "mesh/edges.h"
+#include "mesh/mesh.h"
+#include "mesh/weld.h"
 #include "stage_fixture.h"
 
 /* Triangles are added one by one, each with vertices of its own; welding joins them. */

@@ -14,8 +14,22 @@
 #endif
 
 #include "near.h"
-#include "stages.h"
-#include "vector.h"
+#include "features/surface_build.h"
+#include "base/random.h"
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+#include "features/surface.h"
+#include "fit/candidate.h"
+#include "fit/fit_context.h"
+#include "features/samples.h"
+#include "import/read_mesh.h"
+#include "measure/measured_splats.h"
+#include "mesh/distance.h"
+#include "mesh/mesh.h"
+#include "select/local_search.h"
+#include "select/selection.h"
+#include "splats/splats.h"
 
 static const double fixture_pi = 3.14159265358979323846;
 static const double fixture_crease_angle = 30 * 3.14159265358979323846 / 180;
@@ -83,7 +97,7 @@ static inline void fixture_grid(fixture *f, uint32_t columns, uint32_t rows,
 
 /* Whether a splat is met that covers the point. */
 typedef struct fixture_probe {
-    const psplat_measured *measured;
+    const psplat_measured_splats *measured;
     const double *point;
     double normal[3];
     int covered;
@@ -93,23 +107,24 @@ static inline int fixture_visit(void *user, uint32_t splat) {
     fixture_probe *p = user;
     double uvh[3];
     psplat_region_local(&p->measured->regions[splat], p->point, uvh);
-    return p->covered = psplat_measured_covers(p->measured, splat, p->normal, uvh);
+    return p->covered = psplat_measured_splats_cover(p->measured, splat, p->normal, uvh);
 }
 
 /* Marks (1) the samples that no splat covers. Returns their number. */
 static inline size_t fixture_open(const psplat_samples *samples, const psplat_splats *splats,
                                   double tolerance, uint8_t *open) {
-    psplat_measured measured;
+    psplat_measured_splats measured;
     size_t count = 0;
-    assert_int_equal(psplat_measured_create(splats, tolerance, tolerance, &measured), PSPLAT_OK);
+    assert_int_equal(psplat_measured_splats_create(splats, tolerance, tolerance, &measured),
+                     PSPLAT_OK);
     for (size_t i = 0; i < samples->count; ++i) {
         fixture_probe p = {&measured, samples->positions + 3 * i, {0, 0, 0}, 0};
         for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)samples->normals[3 * i + k];
-        psplat_locator_visit(measured.locator, p.point, fixture_visit, &p);
+        psplat_region_tree_visit(measured.region_tree, p.point, fixture_visit, &p);
         open[i] = !p.covered;
         count += open[i];
     }
-    psplat_measured_free(&measured);
+    psplat_measured_splats_free(&measured);
     return count;
 }
 
@@ -122,6 +137,12 @@ static inline void fixture_sample(fixture *f, double spacing) {
         PSPLAT_OK);
 }
 
+/* What candidates on a fixture are fitted with. */
+static inline psplat_fit_context fixture_context(const fixture *f, const psplat_limits *limits,
+                                                 psplat_scratch *scratch) {
+    return (psplat_fit_context){&f->surface, &f->samples, limits, scratch};
+}
+
 /* Improves a selection, or (strict) only where that saves candidates; samples lie in a row. */
 static inline psplat_result fixture_exchange(psplat_selection *selection, size_t count,
                                              size_t focus, size_t moves, uint64_t seed,
@@ -130,8 +151,8 @@ static inline psplat_result fixture_exchange(psplat_selection *selection, size_t
     samples.positions = calloc(3 * count + 1, sizeof(double));
     assert_non_null(samples.positions);
     for (size_t i = 0; i < count; ++i) samples.positions[3 * i] = (double)i;
-    psplat_improvement what = {&samples, moves, focus, 0, seed, strict};
-    psplat_result result = psplat_improve(selection, &what);
+    psplat_local_search_desc what = {&samples, moves, focus, 0, seed, strict};
+    psplat_result result = psplat_local_search(selection, &what);
     free(samples.positions);
     return result;
 }

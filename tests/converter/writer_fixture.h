@@ -6,10 +6,13 @@
 #ifndef PHONGSPLAT_TEST_WRITER_FIXTURE_H
 #define PHONGSPLAT_TEST_WRITER_FIXTURE_H
 
-#include "encoding.h"
-#include "scene.h"
-#include "scenes.h"
-#include "stages.h"
+#include "base/region.h"
+#include "export/glb_writer.h"
+#include "scene/scene.h"
+#include "splats/quantize.h"
+#include "splats/splat_frame.h"
+#include "splats/splats.h"
+#include "scene_asset.h"
 
 #include <math.h>
 #include <string.h>
@@ -123,7 +126,7 @@ static inline psplat_splats writer_splats(const written *w, uint32_t seed) {
         if (run.count) s.runs[s.run_count++] = run;
     }
     scene_free(&all);
-    psplat_precision_apply(&s);
+    psplat_round_to_precision(&s);
     return s;
 }
 

@@ -7,6 +7,8 @@
 #include "mesh_input.h"
 
 #include <string.h>
+#include "mesh/mesh.h"
+#include "points/points.h"
 
 enum { HAS_NORMALS = 1, HAS_COLORS = 2, IS_GRID = 4, IS_DOUBLE = 8, MOST_POINTS = 100 };
 

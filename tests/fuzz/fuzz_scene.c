@@ -10,6 +10,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "export/glb_writer.h"
+#include "mesh/mesh.h"
+#include "scene/instances.h"
+#include "scene/scene.h"
+#include "splats/splats.h"
 
 /* ---- what holds of scenes -----------------------------------------------------------------------
  */
@@ -39,8 +44,8 @@ static void check_nodes(const psplat_scene *scene) {
 static void check_groups(const psplat_scene *scene) {
     for (size_t i = 0; i < scene->mesh_count; ++i) {
         const psplat_mesh *mesh = &scene->meshes[i].mesh;
-        for (size_t t = 0; t < mesh->triangle_count && mesh->appearances; ++t)
-            FUZZ_DEMAND(mesh->groups[t] < mesh->appearance_count);
+        for (size_t t = 0; t < mesh->triangle_count && mesh->source_materials; ++t)
+            FUZZ_DEMAND(mesh->groups[t] < mesh->source_material_count);
     }
 }
 
@@ -65,11 +70,12 @@ static const psplat_splat one_splat = {
 static const psplat_run one_run = {.count = 1, .depth_tolerance = 0.5f};
 
 /* The splats of a mesh: one, in the file as it is in memory. */
-static psplat_splats stand_in(const psplat_mesh *mesh, psplat_splat *splat, psplat_run *run,
+static psplat_splats fallback(const psplat_mesh *mesh, psplat_splat *splat, psplat_run *run,
                               psplat_material *material) {
     *splat = one_splat;
     *run = one_run;
-    *material = mesh->appearances ? mesh->appearances[mesh->groups[0]].material : mesh->material;
+    *material =
+        mesh->source_materials ? mesh->source_materials[mesh->groups[0]].material : mesh->material;
     psplat_splats out = {
         .splats = splat,
         .count = 1,
@@ -106,7 +112,7 @@ static void use_scene(const psplat_scene *scene) {
     psplat_material *materials = calloc(count + 1, sizeof *materials);
     for (size_t i = 0; splats && each && runs && materials && i < count; ++i)
         if (scene->meshes[i].mesh.triangle_count)
-            splats[i] = stand_in(&scene->meshes[i].mesh, &each[i], &runs[i], &materials[i]);
+            splats[i] = fallback(&scene->meshes[i].mesh, &each[i], &runs[i], &materials[i]);
     if (splats && each && runs && materials) write_and_open(scene, splats);
     free(splats);
     free(each);

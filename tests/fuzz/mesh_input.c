@@ -2,10 +2,15 @@
  * Files that are the fuzz input, and the promises of psplat_mesh_read; see mesh_input.h. */
 #include "mesh_input.h"
 
-#include "source.h"
+#include "import/read_mesh.h"
+#include "import/read_scene.h"
+#include "mesh/mesh.h"
+#include "points/points.h"
+#include "scene/scene.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const uint8_t *input;
@@ -14,11 +19,11 @@ static size_t input_size;
 /* ---- files -------------------------------------------------------------------------------- */
 
 /* The linker's names (--wrap). */
-psplat_result __wrap_psplat_source_read_file(const char *path, char **data, size_t *size,
+psplat_result __wrap_psplat_file_read(const char *path, char **data, size_t *size,
                                              psplat_error *error);
 
 /* Every file but those whose name begins with r is the input. */
-psplat_result __wrap_psplat_source_read_file(const char *path, char **data, size_t *size,
+psplat_result __wrap_psplat_file_read(const char *path, char **data, size_t *size,
                                              psplat_error *error) {
     const char *slash = strrchr(path, '/');
     FUZZ_DEMAND(!strstr(path, "/../"));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * mesh_input.h - the fuzz input as the content of files that psplat_mesh_read and psplat_scene_read
- * open, by a linker's wrap of psplat_source_read_file, and what holds of every mesh that is read.
+ * open, by a linker's wrap of psplat_file_read, and what holds of every mesh that is read.
  * Points that are read are checked and go no further, by a wrap of psplat_mesh_from_points:
  * connecting them takes a hundred times as long; see fuzz_cloud.c.
  */
@@ -9,7 +9,8 @@
 #define PHONGSPLAT_FUZZ_MESH_INPUT_H
 
 #include "fuzz.h"
-#include "scenes.h"
+#include "mesh/mesh.h"
+#include "scene/scene.h"
 
 /* Reads the input as a file of each of the names that its content leaves open, checks what comes
  * out, or that the error is told, and hands each mesh to use (may be NULL). */

@@ -2,6 +2,7 @@
  * What a reader takes of memory and time; see fuzz.h. */
 #include "fuzz.h"
 
+#include <stdlib.h>
 #include <time.h>
 
 static void *resize_metered(void *user, void *memory, size_t old_size, size_t new_size) {

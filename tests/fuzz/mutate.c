@@ -6,6 +6,7 @@
  */
 #include "fuzz.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { HEADER = 12, CHUNK_HEADER = 8, WORD = 4 };

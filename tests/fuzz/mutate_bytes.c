@@ -2,6 +2,7 @@
  * Changes to binary data and to texts of numbers; see fuzz.h. */
 #include "fuzz.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Numbers at the edges of what single precision, quaternions, radii and indices may be. */

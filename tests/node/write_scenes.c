@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  * Writes a GLB of each scene of support into the directory named by the first argument, and
  * compressed ones into that of the second, if any, for the tests in this directory. */
-#include "converter.h"
-#include "scene.h"
-#include "scenes.h"
+#include "export/glb_writer.h"
+#include "export/meshopt_codec.h"
+#include "splats/splats.h"
+#include "scene_asset.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -72,7 +73,7 @@ static void vary(psplat_finish *f, unsigned bits, uint32_t *state) {
 
 static void write_finishes(const char *directory, const char *name, unsigned bits,
                            const psplat_precision *precision, const psplat_codec *codec) {
-    uint32_t state = 5, root = 0;
+    uint32_t state = 5;
     scene all = scene_ellipses(SPLATS, PSPLAT_MAX_CLIP_LINES, 4);
     psplat_splat sorted[SPLATS];
     psplat_finish finishes[SPLATS];
@@ -93,24 +94,11 @@ static void write_finishes(const char *directory, const char *name, unsigned bit
             vary(&finishes[splats.count], bits, &state);
             sorted[splats.count++] = all.splats[i];
         }
-    psplat_scene_mesh mesh = {0};
-    psplat_scene_node node = {.rotation = {0, 0, 0, 1},
-                              .scale = {1, 1, 1},
-                              .camera = PSPLAT_NO_INDEX,
-                              .light = PSPLAT_NO_INDEX};
-    psplat_scene_view view = {.roots = &root, .root_count = 1};
-    const psplat_scene graph = {.meshes = &mesh,
-                                .mesh_count = 1,
-                                .nodes = &node,
-                                .node_count = 1,
-                                .scenes = &view,
-                                .scene_count = 1,
-                                .is_made = 1};
     const psplat_write_desc desc = {.codec = codec};
     uint8_t *data = NULL;
     size_t size = 0;
     psplat_error error;
-    if (psplat_scene_write(&graph, &splats, &desc, &data, &size, &error)) {
+    if (psplat_glb_write_as(&splats, NULL, &desc, &data, &size, &error)) {
         fprintf(stderr, "%s: %s\n", name, error.text);
         failed = 1;
     } else

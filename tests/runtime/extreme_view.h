@@ -8,7 +8,7 @@
 
 #include "agreement.h"
 #include "extreme.h"
-#include "scene.h"
+#include "scene_asset.h"
 
 #include <math.h>
 

@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
-#include "scene.h"
+#include "scene_asset.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -102,7 +102,7 @@ static void test_refusals(void **state) {
     assert_int_not_equal(run("engine_cube.glb", "engine_cube.glb", "missing/engine.ppm"), 0);
 }
 
-int main(void) {
+int test_engine_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_picture),
         cmocka_unit_test(test_refusals),

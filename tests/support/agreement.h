@@ -7,7 +7,7 @@
 #ifndef PHONGSPLAT_TEST_AGREEMENT_H
 #define PHONGSPLAT_TEST_AGREEMENT_H
 
-#include "camera.h"
+#include "reference_view.h"
 
 #include <phongsplat/host.h>
 

@@ -2,7 +2,7 @@
  * Scenes full of detail; see detail.h. */
 #include "detail.h"
 
-#include "camera.h"
+#include "reference_view.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@ static void normalise(double a[3]) {
 /* ---- fields ---------------------------------------------------------------------------------- */
 
 /* Black or white by the field that a point of two coordinates lies in. */
-static void paint(psplat_splat *splat, double x, double y) {
+static void appearance(psplat_splat *splat, double x, double y) {
     int is_white = ((int)floor(x) + (int)floor(y)) & 1;
     for (int k = 0; k < 3; ++k) splat->color[k] = is_white ? 1 : 0.05f;
 }
@@ -29,8 +29,8 @@ scene detail_checkered(void) {
     s.material.unlit = 1;
     for (size_t i = 0; i < s.count; ++i) {
         const float *c = s.splats[i].center;
-        paint(&s.splats[i], acos(fmin(fmax((double)c[2], -1), 1)) / CAMERA_PI * fields,
-              (atan2((double)c[1], (double)c[0]) / CAMERA_PI + 1) * fields);
+        appearance(&s.splats[i], acos(fmin(fmax((double)c[2], -1), 1)) / CAMERA_PI * fields,
+                   (atan2((double)c[1], (double)c[0]) / CAMERA_PI + 1) * fields);
     }
     return s;
 }
@@ -140,7 +140,7 @@ scene detail_plate(void) {
         double out = sqrt(((double)i + 0.5) / COUNT), angle = golden_angle * (double)i;
         double center[3] = {out * cos(angle), out * sin(angle), 0};
         double u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
-        paint(&s.splats[i], fields * center[0], fields * center[1]);
+        appearance(&s.splats[i], fields * center[0], fields * center[1]);
         place(&s.splats[i], center, u, v, 0.9 * sqrt(CAMERA_PI / COUNT), 0.2);
     }
     return s;

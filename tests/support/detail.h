@@ -6,7 +6,7 @@
 #ifndef PHONGSPLAT_TEST_DETAIL_H
 #define PHONGSPLAT_TEST_DETAIL_H
 
-#include "scene.h"
+#include "scene_asset.h"
 
 /* A sphere of 24 x 48 black and white fields, unlit: at 16 pixels, one is a third of a pixel
  * wide. */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT
  * Changing a text document; see document.h. */
-#include "document.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * Frames compared; see film.h. */
 #include "film.h"
 
-#include "camera.h"
+#include "reference_view.h"
 
 #include <math.h>
 #include <stdio.h>

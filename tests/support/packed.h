@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * packed.h - documents of one primitive of splats with attributes of any type, as text with a data
- * URI: for what psplat_glb_write does not write, or should not.
+ * URI: for what psplat_scene_write does not write, or should not.
  */
 #ifndef PHONGSPLAT_TEST_PACKED_H
 #define PHONGSPLAT_TEST_PACKED_H

@@ -318,10 +318,10 @@ void *spy_get_proc(void *user, const char *name) {
     spy_use(s);
     for (int i = 0; i < FUNCTION_COUNT; ++i) {
         if (!is_named(name, functions[i].name)) continue;
-        void *address = s->get_proc(s->user, name), *stand_in;
+        void *address = s->get_proc(s->user, name), *fallback;
         memcpy(&s->real[i], &address, sizeof address);
-        memcpy(&stand_in, &functions[i].function, sizeof stand_in);
-        return address ? stand_in : NULL;
+        memcpy(&fallback, &functions[i].function, sizeof fallback);
+        return address ? fallback : NULL;
     }
     snprintf(s->trouble, sizeof s->trouble, "%s has no row in tests/support/spy_calls.h", name);
     return NULL;

@@ -8,7 +8,7 @@
 
 #include <viewer.h>
 
-#include "scene.h"
+#include "scene_asset.h"
 
 #include <math.h>
 
@@ -50,7 +50,7 @@ static void test_what_is_cut_away_has_bounds(void **state) {
     assert_true(isfinite(b.center[0]) && isfinite(b.radius));
 }
 
-int main(void) {
+int test_bounds_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_clip_lines_count),
         cmocka_unit_test(test_a_disc_is_inside),

@@ -58,41 +58,23 @@ static void test_locks_do_not_matter_and_modifiers_do(void **state) {
     assert_null(input_find(GLFW_KEY_UNKNOWN, 0));
 }
 
-static int ink_of(int c) {
-    int sum = 0;
-    for (int y = 0; y < FONT_HEIGHT; ++y)
-        for (int x = 0; x < FONT_WIDTH; ++x) sum += font_ink(c, x, y);
-    return sum;
-}
-
-static int same_glyph(int a, int b) {
-    for (int y = 0; y < FONT_HEIGHT; ++y)
-        for (int x = 0; x < FONT_WIDTH; ++x)
-            if (font_ink(a, x, y) != font_ink(b, x, y)) return 0;
-    return 1;
-}
-
-static void test_glyphs_can_be_told_apart(void **state) {
+static void test_any_text_has_a_width(void **state) {
     (void)state;
-    assert_int_equal(ink_of(' '), 0);
-    for (int a = '!'; a <= '~'; ++a) {
-        assert_true(ink_of(a) >= 3);
-        for (int b = ' '; b < a; ++b) assert_false(same_glyph(a, b));
-        assert_false(same_glyph(a, 200)); /* the box of all that is not there */
-    }
-    assert_true(same_glyph(-1, 200) && same_glyph(7, 200));
-    assert_int_equal(font_ink('A', -1, 0) + font_ink('A', FONT_WIDTH, 0) + font_ink('A', 0, -1) +
-                         font_ink('A', 0, FONT_HEIGHT),
-                     0);
+    char every[256] = {0};
+    for (int i = 0; i < 255; ++i) every[i] = (char)(i + 1);
+    assert_int_equal(canvas_text_width(""), 0);
+    assert_true(canvas_text_width("il") < canvas_text_width("WM"));
+    assert_int_equal(canvas_text_width("\xc3\xa9\n\x7f"), canvas_text_width("????"));
+    assert_in_range(canvas_text_width(every), 255 * 3, 255 * 9);
 }
 
-int main(void) {
+int test_input_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_key_is_bound_twice),
         cmocka_unit_test(test_every_key_acts_and_every_line_has_both_parts),
         cmocka_unit_test(test_every_shading_has_a_key),
         cmocka_unit_test(test_locks_do_not_matter_and_modifiers_do),
-        cmocka_unit_test(test_glyphs_can_be_told_apart),
+        cmocka_unit_test(test_any_text_has_a_width),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

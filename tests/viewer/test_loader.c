@@ -8,7 +8,7 @@
 
 #include <viewer.h>
 
-#include "scene.h"
+#include "scene_asset.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -179,7 +179,7 @@ static void test_ending_early_frees_everything(void **state) {
     load_destroy(NULL);
 }
 
-int main(void) {
+int test_loader_main(void) {
 #define LOADER_TEST(function) cmocka_unit_test_setup_teardown(function, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         LOADER_TEST(test_a_set_is_opened_in_its_order),

@@ -174,7 +174,7 @@ static void test_aiming_undoes_projecting(void **state) {
     }
 }
 
-int main(void) {
+int test_orbit_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_scene_fits_and_touches),
         cmocka_unit_test(test_a_narrow_window_fits_the_width),

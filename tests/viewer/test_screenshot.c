@@ -143,7 +143,7 @@ static void test_partial_pictures_go(void **state) {
     assert_int_equal(rmdir(directory), 0);
 }
 
-int main(void) {
+int test_screenshot_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_names),
         cmocka_unit_test(test_names_too_long_are_refused),

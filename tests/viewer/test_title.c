@@ -51,7 +51,7 @@ static void test_a_long_title_is_cut(void **state) {
     assert_int_equal(strlen(text), sizeof text - 1);
 }
 
-int main(void) {
+int test_title_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_titles),
         cmocka_unit_test(test_a_long_title_is_cut),

@@ -143,7 +143,7 @@ static void test_resizing_scales_the_picture(void **state) {
     quit(f);
 }
 
-int main(void) {
+int test_window_camera_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_drag_orbits_and_back),
         cmocka_unit_test(test_right_drag_pans_with_the_pointer),

@@ -141,7 +141,7 @@ static void test_closing_the_window_ends_the_program(void **state) {
     assert_int_equal(program_wait(&f->viewer), 0);
 }
 
-int main(void) {
+int test_window_files_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_screenshots_are_numbered),
         cmocka_unit_test(test_changed_file_is_loaded_again),

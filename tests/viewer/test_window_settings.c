@@ -165,7 +165,7 @@ static void test_help_covers_and_leaves(void **state) {
     quit(f);
 }
 
-int main(void) {
+int test_window_settings_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mode_key_goes_round),
         cmocka_unit_test(test_lights_change_the_picture),

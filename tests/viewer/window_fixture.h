@@ -10,7 +10,7 @@
 #define PHONGSPLAT_TEST_WINDOW_FIXTURE_H
 
 #include "desktop.h"
-#include "scene.h"
+#include "scene_asset.h"
 
 enum { WIDTH = 320, HEIGHT = 240 };
 

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * phongsplat/phongsplat.h - the runtime: open an asset, upload it, draw it.
+ * phongsplat/phongsplat.h - the runtime: opens an asset, uploads it and draws it.
  *
  * The runtime has no globals, prints nothing, never exits, opens no window and links no GL: the
- * host hands in an allocator, file access and the GL loader. An asset may be opened on any thread;
- * a renderer and its models belong to the thread whose GL context was current at their creation.
+ * host provides an allocator, file access and a GL loader. An asset may be opened on any thread. A
+ * renderer and its models belong to the thread whose GL context was current when they were created.
  * Matrices are column-major (m[column * 4 + row]) and act on column vectors, as in GL and glTF.
+ * Descriptions (structs called ..._desc), views and items are zero-initialised by the caller; a
+ * member that is 0 has its default, which its comment states. They need not outlive the call, but
+ * what an allocator's user points to must outlive everything that was created with it.
  *
  *     psplat_asset *asset = NULL;
  *     psplat_error error;
@@ -33,17 +36,23 @@ extern "C" {
 
 /* ---- memory and files ------------------------------------------------------------------- */
 
-/* Zero-initialised: the C library. resize(NULL, 0, n) allocates n bytes, resize(p, old, 0) frees
- * and returns NULL, otherwise reallocates; it returns NULL when out of memory (p stays valid). */
+/* An allocator. Where it is zero-initialised, the C library is used.
+ *
+ * resize(user, NULL, 0, n) allocates n bytes, aligned for any type. resize(user, p, old, 0) frees p
+ * and returns NULL. resize(user, p, old, n) changes the size of p from old to n bytes and returns
+ * the block, which may have moved. Where memory runs out it returns NULL and p stays valid. */
 typedef struct psplat_allocator {
     void *(*resize)(void *user, void *memory, size_t old_size, size_t new_size);
     void *user;
 } psplat_allocator;
 
-/* Zero-initialised: stdio. read() loads a whole file into memory taken from allocator, stores the
- * block and its size (the block is exactly *size bytes; NULL where *size is 0) and returns
- * PSPLAT_OK, or returns PSPLAT_ERROR_READ, _MEMORY or _RANGE and leaves the outputs alone. The
- * caller of read() owns the block. Files larger than max_size are refused with _RANGE. */
+/* File access. Where it is zero-initialised, stdio is used.
+ *
+ * read() loads a whole file into memory taken from allocator, stores the block in *data and its
+ * size in *size, and returns PSPLAT_OK. The block has exactly *size bytes and is NULL where *size
+ * is 0; the caller of read() owns it. On failure read() leaves both outputs alone and returns
+ * PSPLAT_ERROR_READ, PSPLAT_ERROR_MEMORY, or PSPLAT_ERROR_RANGE where the file is larger than
+ * max_size bytes. */
 typedef struct psplat_files {
     psplat_result (*read)(void *user, const psplat_allocator *allocator, const char *path,
                           size_t max_size, void **data, size_t *size);
@@ -52,44 +61,49 @@ typedef struct psplat_files {
 
 /* ---- asset ------------------------------------------------------------------------------ */
 
+/* An opened asset: the sets of splats that the default scene of a glTF file shows. */
 typedef struct psplat_asset psplat_asset;
 
-/* Zeros are the defaults. */
+/* The parameters of psplat_asset_open. Zeros are the defaults. */
 typedef struct psplat_asset_desc {
     psplat_allocator allocator;
     psplat_files files;
-    const char *base_path; /* memory input only: directory of external buffers; NULL refuses them */
-    size_t max_file_size;  /* bytes, of all files and of what comes out of compressed ones; 0 means
-                              2 GiB */
-    int measures;          /* 1: find psplat_attribute.stored */
-    int only_draws; /* 1: for psplat_model_create alone, with less memory and time: splats and
-                       finishes of batches are NULL */
+    const char *base_path; /* directory of external buffers, for psplat_asset_open_memory alone;
+                              NULL: external buffers are refused */
+    size_t max_file_size;  /* bytes that all files together and their decompressed data may have;
+                              0 means 2 GiB */
+    int measures;          /* 1: psplat_attribute.stored is computed for compressed data too */
+    int only_draws;        /* 1: the asset is for psplat_model_create alone, takes less memory and
+                              opens faster; psplat_batch.splats and finishes are NULL */
 } psplat_asset_desc;
 
-/* How a file stores one attribute of a batch (spec 3.2), for tools that show it. */
+/* The storage of one attribute of a batch in its file (spec 3.2), for tools that show it. */
 typedef struct psplat_attribute {
-    const char *name;        /* without a leading underscore; constant */
-    uint32_t component_type; /* as in glTF: 5126 is float, 5123 unsigned short, ... */
-    uint32_t components;     /* of each splat, 1 ... 4 */
-    int is_compressed;       /* by EXT_meshopt_compression */
-    size_t bytes;            /* of all splats, without padding between them, uncompressed */
-    size_t stored;           /* what the file takes for them: bytes, or their share of what was
-                                compressed, 0 there unless psplat_asset_desc.measures */
+    const char *name;        /* without a leading underscore; a constant string */
+    uint32_t component_type; /* as in glTF: 5126 is float, 5123 is unsigned short, ... */
+    uint32_t components;     /* numbers of each splat, 1 ... 4 */
+    int is_compressed;       /* 1: by EXT_meshopt_compression */
+    size_t bytes;            /* of all splats, uncompressed and without padding between them */
+    size_t stored;           /* bytes that the file takes for them: the same, or where they are
+                                compressed their part of the compressed bytes. In the second case
+                                it is 0 unless psplat_asset_desc.measures was 1 */
 } psplat_attribute;
 
-/* Splats of one clip class of one mesh as one node of the default scene places them (spec 3.1). */
+/* The splats of one primitive of one mesh, as one node of the default scene places them (spec 3.1).
+ * All of them have the same number of clip lines. */
 typedef struct psplat_batch {
-    const psplat_splat *splats;    /* splat_count of them; shared between instances of a mesh;
-                                      NULL in assets that only draw, as the next */
-    const psplat_finish *finishes; /* splat_count of them, or NULL: none is stored */
+    const psplat_splat *splats;    /* splat_count of them, shared between instances of a mesh; NULL
+                                      where psplat_asset_desc.only_draws was 1 */
+    const psplat_finish *finishes; /* splat_count of them; NULL where the file stores none or
+                                      psplat_asset_desc.only_draws was 1 */
     size_t splat_count;            /* >= 1 */
     uint32_t clip_count;           /* clip lines of every splat in this batch, 0 ... 4 */
     uint32_t primitive;            /* batches with the same number share their splats */
-    double model[16]; /* affine: the node's transform to the scene, composed in double */
+    double model[16]; /* affine transform from object space to the scene, composed in double */
     psplat_kernel kernel;
-    float depth_tolerance; /* epsilon of the visibility pass (spec 5.3), in the units of center */
+    float depth_tolerance; /* depthTolerance of spec 5.3, in the units of psplat_splat.center */
     psplat_material material;
-    float bounds_min[3]; /* box around the unclipped ellipses, object space */
+    float bounds_min[3]; /* axis-aligned bounding box of the unclipped ellipses, object space */
     float bounds_max[3];
     int has_color;          /* 0: color is 1 1 1 1 in every splat */
     int has_gamma;          /* 0: gradient[2] is 0 in every splat */
@@ -100,102 +114,129 @@ typedef struct psplat_batch {
     size_t attribute_count;
 } psplat_batch;
 
-/* Opens a .glb, or a .gltf with .bin files beside it or data URIs. desc may be NULL. Checks every
- * count, offset, stride, type and range of what it uses. On success *asset is owned by the caller;
- * on failure *asset is NULL and error (may be NULL) says what and where. The bytes of _memory are
- * not needed after it returns. */
-psplat_result psplat_asset_open(const char *path, const psplat_asset_desc *desc,
-                                psplat_asset **asset, psplat_error *error);
-psplat_result psplat_asset_open_memory(const void *data, size_t size, const psplat_asset_desc *desc,
-                                       psplat_asset **asset, psplat_error *error);
-void psplat_asset_destroy(psplat_asset *asset); /* NULL is accepted */
+/* Opens a .glb file, or a .gltf file with .bin files beside it or with data URIs; open_memory opens
+ * the bytes of such a file, which are not needed after it returns. desc may be NULL. Every count,
+ * offset, stride, type and range of what is used is checked. On success *asset belongs to the
+ * caller, who destroys it. On failure *asset is NULL, and error (which may be NULL) says what is
+ * wrong and where. Errors: ARGUMENT, MEMORY, READ, FORMAT, RANGE, UNSUPPORTED, NO_SPLATS,
+ * RESCALED. */
+PSPLAT_EXPORT psplat_result psplat_asset_open(const char *path, const psplat_asset_desc *desc,
+                                              psplat_asset **asset, psplat_error *error);
+PSPLAT_EXPORT psplat_result psplat_asset_open_memory(const void *data, size_t size,
+                                                     const psplat_asset_desc *desc,
+                                                     psplat_asset **asset, psplat_error *error);
 
-/* Batches in drawing order: unclipped first (BSK04 section 4.1). Valid until the asset is
- * destroyed. batch() returns NULL when index >= count. */
-size_t psplat_asset_batch_count(const psplat_asset *asset);
-const psplat_batch *psplat_asset_batch(const psplat_asset *asset, size_t index);
+/* Frees an asset with all of its batches. NULL is accepted. */
+PSPLAT_EXPORT void psplat_asset_destroy(psplat_asset *asset);
 
-/* Box of all batches in scene space. */
-void psplat_asset_bounds(const psplat_asset *asset, double min[3], double max[3]);
+/* Return the number of batches and one of them, in drawing order: those without clip lines come
+ * first (BSK04 section 4.1). A batch is valid until the asset is destroyed. An asset that is NULL
+ * has no batches, and psplat_asset_batch returns NULL where index is not below the number. */
+PSPLAT_EXPORT size_t psplat_asset_batch_count(const psplat_asset *asset);
+PSPLAT_EXPORT const psplat_batch *psplat_asset_batch(const psplat_asset *asset, size_t index);
+
+/* Computes an axis-aligned box around all batches in scene space. */
+PSPLAT_EXPORT void psplat_asset_bounds(const psplat_asset *asset, double min[3], double max[3]);
 
 /* ---- renderer --------------------------------------------------------------------------- */
 
+/* A renderer: GL objects of one context. It belongs to the thread of that context. */
 typedef struct psplat_renderer psplat_renderer;
+
+/* An asset uploaded to the GPU. It belongs to the renderer that it was created with. */
 typedef struct psplat_model psplat_model;
 
-/* get_proc is required: eglGetProcAddress, glfwGetProcAddress or the engine's own. The context
- * must be GL >= 3.3 core or GLES >= 3.0 and current during every call below. GLES and WebGL 2 need
- * EXT_color_buffer_float (GLES before 3.2) and EXT_float_blend; without the second, or with only
- * EXT_color_buffer_half_float, sums are kept in 16 bits: colours lose precision where many splats
- * meet, and depth is that of the nearest splat plus its tolerance.
+/* The parameters of psplat_renderer_create. get_proc is required and returns the address of a GL
+ * function, or NULL where there is none: eglGetProcAddress, glfwGetProcAddress or the engine's
+ * own. The context must be GL >= 3.3 core, GLES >= 3.0 or WebGL 2, and it must be current during
+ * every call below. GLES and WebGL 2 need EXT_color_buffer_float (GLES before 3.2) and
+ * EXT_float_blend. Without the second, or with EXT_color_buffer_half_float instead of the first,
+ * sums are kept in 16 bits: then colours lose precision where many splats meet, and depth is that
+ * of the nearest splat plus its tolerance.
  *
- * Renderers, in one context or several, know nothing of each other. Where a context is lost, as
- * glGetGraphicsResetStatus or glGetError say, the call returns GRAPHICS and so does every later one
- * with that renderer. Its destroy functions then free memory and leave GL alone, so that it does
- * not matter which context is current, if any; start anew in another context. Errors other than a
- * lost context leave the renderer as usable as before. */
+ * Renderers are independent of each other, in one context or several. Where the context is lost,
+ * as glGetGraphicsResetStatus or glGetError say, the call returns PSPLAT_ERROR_GRAPHICS, and so
+ * does every later call with that renderer. Its destroy functions then free memory and leave GL
+ * alone, so it does not matter which context is current, if any; the host creates a new renderer
+ * in another context. After any other error the renderer is as usable as before. */
 typedef struct psplat_renderer_desc {
     void *(*get_proc)(void *user, const char *name);
-    void *user;
+    void *user; /* passed to get_proc */
     psplat_allocator allocator;
 } psplat_renderer_desc;
 
-psplat_result psplat_renderer_create(const psplat_renderer_desc *desc, psplat_renderer **renderer,
-                                     psplat_error *error);
-/* Destroy models first. NULL is accepted. */
-void psplat_renderer_destroy(psplat_renderer *renderer);
+/* Creates a renderer in the current context. On success *renderer belongs to the caller, who
+ * destroys it; on failure it is NULL. Errors: ARGUMENT, MEMORY, GRAPHICS (the context lacks a
+ * function, version or extension, which the text names). */
+PSPLAT_EXPORT psplat_result psplat_renderer_create(const psplat_renderer_desc *desc,
+                                                   psplat_renderer **renderer, psplat_error *error);
 
-/* Bytes of textures on the GPU, as asked of GL; drivers may round up, and keep programs beside.
- * Targets and shadow maps go with the renderer. */
+/* Destroys a renderer. Its models and environments must be destroyed before. NULL is accepted. */
+PSPLAT_EXPORT void psplat_renderer_destroy(psplat_renderer *renderer);
+
+/* Bytes of textures on the GPU, as asked of GL. Drivers may round them up, and shader programs
+ * come on top. */
 typedef struct psplat_memory {
     size_t models;
-    size_t targets; /* of the last size of view, and of the one before while both are in use */
+    size_t targets; /* render targets, for the last size of view and, while both are in use,
+                       for the one before; they are freed with the renderer */
     size_t environments;
-    size_t shadows; /* of the last size asked for */
+    size_t shadows; /* shadow maps of the last size asked for; freed with the renderer */
 } psplat_memory;
 
-/* What the renderer and all that belongs to it hold now; zeros for NULL. */
-psplat_memory psplat_renderer_memory(const psplat_renderer *renderer);
+/* Returns what the renderer and everything created with it hold now, or zeros where renderer is
+ * NULL. */
+PSPLAT_EXPORT psplat_memory psplat_renderer_memory(const psplat_renderer *renderer);
 
-/* Uploads an asset; the asset may be destroyed afterwards. */
-psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset *asset,
-                                  psplat_model **model, psplat_error *error);
-void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model);
+/* Uploads an asset, which is not needed after the call. On success *model belongs to the caller,
+ * who destroys it; on failure it is NULL. Errors: ARGUMENT, MEMORY (of the allocator or of GL),
+ * RANGE (a primitive has more splats than GL's largest texture holds), GRAPHICS. */
+PSPLAT_EXPORT psplat_result psplat_model_create(psplat_renderer *renderer,
+                                                const psplat_asset *asset, psplat_model **model,
+                                                psplat_error *error);
 
+/* Destroys a model of this renderer. NULL is accepted for either. */
+PSPLAT_EXPORT void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model);
+
+/* Numbers about a model. */
 typedef struct psplat_model_info {
-    size_t splat_count; /* drawn: splats of a mesh count as often as nodes place it */
+    size_t splat_count; /* that are drawn: the splats of a mesh count once for each of its nodes */
     size_t batch_count;
-    size_t bytes; /* of its textures, part of psplat_memory.models */
+    size_t bytes; /* of its textures, a part of psplat_memory.models */
 } psplat_model_info;
 
-/* Zeros for NULL. */
-psplat_model_info psplat_model_describe(const psplat_model *model);
+/* Returns the numbers of a model, or zeros where model is NULL. */
+PSPLAT_EXPORT psplat_model_info psplat_model_describe(const psplat_model *model);
 
+/* Chooses how splats are blended and lit. GAUSSIAN and FLAT are for comparison (spec 5.7). */
 typedef enum psplat_mode {
-    PSPLAT_MODE_PHONG = 0,  /* linear normal fields blended, lit once per pixel */
-    PSPLAT_MODE_GAUSSIAN,   /* splats lit with their centre normal, colours blended */
-    PSPLAT_MODE_FLAT,       /* splats lit with their centre normal, nearest one wins */
-    PSPLAT_MODE_PARAMETERS, /* debug: nearest splat's (u, v, index in draw order, 1), unencoded;
-                               indices as a float, exact below 2^24 */
+    PSPLAT_MODE_PHONG = 0, /* linear normal fields are blended, and each pixel is lit once */
+    PSPLAT_MODE_GAUSSIAN,  /* splats are lit with the normal of their centre, and colours blended */
+    PSPLAT_MODE_FLAT,      /* splats are lit with the normal of their centre; the nearest wins */
+    PSPLAT_MODE_PARAMETERS, /* debug: (u, v, index in draw order, 1) of the nearest splat, never
+                               encoded; the index is a float, exact below 2^24 */
     PSPLAT_MODE_COUNT
 } psplat_mode;
 
+/* Chooses which of the splats that are seen from behind are left out. */
 typedef enum psplat_culling {
-    PSPLAT_CULL_BY_MATERIAL = 0, /* as the material's doubleSided says */
-    PSPLAT_CULL_NEVER,
-    PSPLAT_CULL_ALWAYS
+    PSPLAT_CULL_BY_MATERIAL = 0, /* those whose material is not doubleSided */
+    PSPLAT_CULL_NEVER,           /* none */
+    PSPLAT_CULL_ALWAYS           /* all */
 } psplat_culling;
 
-/* What the resolve pass makes of a pixel's normal, colour and depth: X(name, file, what it reads),
- * the file being shaders/resolve_<file>.glsl. What a shading does not read is not drawn.
+/* Lists the shadings, the ways in which the resolve pass turns a pixel's normal, colour and depth
+ * into its final colour: X(name, file, what it reads). The code is shaders/resolve_<file>.glsl.
+ * Attributes that a shading does not read are not drawn.
  *
  *     LIT       the material under the view's lights (spec 5.6)
- *     UNLIT     the base colour alone, the albedo
- *     TOON      light in three steps, black contours where depth or normal jump (BHZK05 section 6)
+ *     UNLIT     the base colour (albedo) without light
+ *     TOON      light in three steps, with black contours where depth or normal jump (BHZK05
+ *               section 6)
  *     NORMAL    the normal in eye space, 1/2 + n/2
  *     DEPTH     white at the near plane, black at the far one, linear in between
- *     OVERDRAW  splats blended into a pixel: 1 blue, 8 green, 16 yellow, 32 red, 64 white; the
- *               number itself where linear_output is set
+ *     OVERDRAW  the number of splats blended into a pixel: 1 is blue, 8 green, 16 yellow, 32 red,
+ *               64 white; the number itself where linear_output is 1
  *     SPLATS    the nearest splat alone, each in a colour of its own */
 #define PSPLAT_SHADINGS(X)                                                                         \
     X(LIT, lit, LIGHT)                                                                             \
@@ -213,6 +254,7 @@ typedef enum psplat_shading {
         PSPLAT_SHADING_COUNT
 } psplat_shading;
 
+/* The greatest number of lights of a view, and of those among them that cast shadows. */
 #define PSPLAT_MAX_LIGHTS 8
 #define PSPLAT_MAX_SHADOWS 4
 
@@ -222,95 +264,113 @@ typedef enum psplat_light_type {
     PSPLAT_LIGHT_SPOT
 } psplat_light_type;
 
-/* A light with the units and the falloff of KHR_lights_punctual (spec 5.6). */
+/* A light with the units and the falloff of KHR_lights_punctual (spec 5.6). Directional lights
+ * ignore position and range, point lights ignore direction, and only spot lights use the angles. */
 typedef struct psplat_light {
     psplat_light_type type;
-    float color[3];     /* linear colour times intensity, >= 0: lux (directional; pi lights white to
-                           1 where it falls in squarely) or candela (point, spot) */
-    float direction[3]; /* in which it shines, scene space, any length > 0; not of point lights */
-    double position[3]; /* scene space; not of directional lights */
-    float range; /* where its light ends, scene units; 0: nowhere; not of directional lights */
-    float inner_angle; /* spot: radians from the axis up to which it shines fully, */
-    float outer_angle; /* and from which on not at all: inner < outer <= pi / 2; 0: pi / 4 */
-    int casts_shadow;  /* directional and spot lights; the first PSPLAT_MAX_SHADOWS of a view */
+    float color[3];     /* linear colour times intensity, each >= 0: in lux for directional lights
+                           (pi lux light a white surface that faces the light to 1), in candela for
+                           point and spot lights */
+    float direction[3]; /* in which it shines, scene space, any length > 0 */
+    double position[3]; /* scene space */
+    float range;        /* distance at which its light ends, scene units; 0: it ends nowhere */
+    float inner_angle;  /* radians from the axis up to which a spot light shines fully, >= 0 */
+    float outer_angle;  /* radians from the axis beyond which it does not shine: inner < outer <=
+                           pi / 2; 0 means pi / 4 */
+    int casts_shadow;   /* 1: it casts shadows, if it is directional or a spot light and one of the
+                           first PSPLAT_MAX_SHADOWS of a view that do */
 } psplat_light;
 
-/* Light from all around: a cube map, prefiltered for diffuse and glossy reflection. It belongs to
- * the renderer's context. */
+/* An environment map: light from all directions as a cube map, prefiltered for diffuse and glossy
+ * reflection. It belongs to the renderer that it was created with. */
 typedef struct psplat_environment psplat_environment;
 
 typedef struct psplat_environment_desc {
-    const float *radiance; /* 6 size size 3 linear values >= 0: faces +x -x +y -y +z -z in scene
-                              space, laid out as GL's cube maps */
+    const float *radiance; /* 6 x size x size x 3 finite linear values >= 0: faces +x -x +y -y +z
+                              -z in scene space, each laid out as a face of a GL cube map */
     int size;              /* texels along an edge, 1 ... 1024 */
 } psplat_environment_desc;
 
-/* Takes some tenths of a second. The radiance is not needed after it returns. */
-psplat_result psplat_environment_create(psplat_renderer *renderer,
-                                        const psplat_environment_desc *desc,
-                                        psplat_environment **environment, psplat_error *error);
-/* NULL is accepted. */
-void psplat_environment_destroy(psplat_renderer *renderer, psplat_environment *environment);
+/* Prefilters a cube map and uploads it, which takes some tenths of a second. The radiance is not
+ * needed after it returns. On success *environment belongs to the caller, who destroys it; on
+ * failure it is NULL. Errors: ARGUMENT, MEMORY, GRAPHICS. */
+PSPLAT_EXPORT psplat_result psplat_environment_create(psplat_renderer *renderer,
+                                                      const psplat_environment_desc *desc,
+                                                      psplat_environment **environment,
+                                                      psplat_error *error);
 
-/* A camera and how to draw. All matrices are double: they are composed in double and only
- * their product becomes float, so that models far from the origin do not tremble. Lengths in eye
- * space may be from 1e-18 to 1e18; surfaces closer than 2e-6 of their distance from the eye blend
- * (spec 5.3). Zeros are the defaults of all but the matrices and the size. */
+/* Destroys an environment of this renderer. NULL is accepted for either. */
+PSPLAT_EXPORT void psplat_environment_destroy(psplat_renderer *renderer,
+                                              psplat_environment *environment);
+
+/* A camera and how to draw. All matrices are double: they are composed in double and only their
+ * product becomes float, so that models far from the origin do not jitter. Lengths in eye space may
+ * be from 1e-18 to 1e18. Surfaces that are closer to each other than 2e-6 of their distance from
+ * the eye blend (spec 5.3). Zeros are the defaults of all members except the matrices, width and
+ * height, which the caller must set. */
 typedef struct psplat_view {
-    double view[16];       /* scene to eye; rigid */
-    double projection[16]; /* eye to clip, GL conventions (z from -w to w); how far apart its near
-                              and far planes are makes no difference to splats, which are compared
-                              in a depth buffer fitted to what the view shows */
+    double view[16];       /* from scene to eye space; rigid: a rotation and a translation */
+    double projection[16]; /* from eye to clip space with GL's conventions (z from -w to w). The
+                              distance between its near and far planes does not affect splats, which
+                              are compared in a depth buffer fitted to what the view shows */
     int x, y;              /* lower left corner in the bound framebuffer, pixels */
-    int width, height;     /* pixels, >= 1 */
+    int width, height;     /* pixels, 1 ... GL_MAX_TEXTURE_SIZE */
     psplat_mode mode;
-    psplat_shading shading; /* not of PSPLAT_MODE_PARAMETERS */
+    psplat_shading shading; /* PSPLAT_MODE_PARAMETERS ignores it */
     psplat_culling culling;
     psplat_light lights[PSPLAT_MAX_LIGHTS];
-    int light_count;                       /* of lights that shine */
-    float ambient[3];                      /* radiance from everywhere, linear */
-    const psplat_environment *environment; /* NULL: none */
-    int shadow_size; /* edge of a shadow map, texels: 16 ... 8192, and at most a quarter of GL's
-                        largest texture; 0: 1024 or that quarter */
-    int no_filter;   /* 1: without the screen-space filter of spec 5.8, splats below a pixel may be
-                        missed */
-    int linear_output; /* 0: sRGB-encode colours; 1: the framebuffer is float or encodes itself */
+    int light_count;                       /* lights that are used, 0 ... PSPLAT_MAX_LIGHTS */
+    float ambient[3];                      /* constant radiance from all directions, linear */
+    const psplat_environment *environment; /* of the same renderer; NULL: there is none */
+    int shadow_size;   /* edge of a shadow map in texels, 16 ... 8192 and at most a quarter of
+                          GL_MAX_TEXTURE_SIZE; 0 means 1024 or that quarter */
+    int no_filter;     /* 1: the screen-space filter of spec 5.8 is off, and splats smaller than a
+                          pixel may not be drawn */
+    int linear_output; /* 0: colours are sRGB-encoded; 1: they stay linear, for a framebuffer that
+                          has floats or encodes colours itself */
 } psplat_view;
 
-/* One model to draw. transform is applied after the asset's own node transforms; all zeros mean
- * the identity. It may be any invertible affine matrix. */
+/* One model to draw. transform is applied after the asset's own node transforms and may be any
+ * invertible affine matrix; all zeros mean the identity. */
 typedef struct psplat_item {
     psplat_model *model;
     double transform[16];
 } psplat_item;
 
-/* Draws into the framebuffer bound for drawing, of any colour and depth format: colour (alpha 1, to
- * draw buffer 0) and depth of covered pixels are written where the depth test against what is there
- * already passes (GL_LEQUAL); other pixels are left as they are; the host clears. So splats and the
- * host's geometry hide each other pixel by pixel, whichever is drawn first. Of the host's own state
- * the scissor test, the depth range and GL_FRAMEBUFFER_SRGB (see linear_output) apply, and nothing
- * else. In a framebuffer of several samples a pixel all samples take the pixel's one colour and
- * depth: the host's edges before and behind splats stay smooth, those of splats are as without.
- * What draw buffers other than 0 receive in covered pixels is undefined in GL; in WebGL there must
- * be none. After the first frame of its kind nothing is allocated, as long as frames have views of
- * no more than two sizes.
+/* Draws items into the framebuffer that is bound for drawing, which may have any colour and depth
+ * format. Colour (to draw buffer 0, with alpha 1) and depth of covered pixels are written where
+ * they pass the depth test against what is there already (GL_LEQUAL); other pixels stay as they
+ * are, and the host clears. So splats and the host's geometry hide each other pixel by pixel,
+ * whichever is drawn first. Of the host's own state only the scissor test, the depth range and
+ * GL_FRAMEBUFFER_SRGB (see linear_output) apply.
  *
- * State that is set is put back, here and in every function above: framebuffer, program, vertex
- * array, viewport, capabilities, blending, masks, depth function, culling, polygon mode, pixel
- * unpacking, and of the texture units 0 ... 8 the 2D texture, the cube map and the sampler. State
- * of several draw buffers or viewports (glEnablei, glColorMaski, glViewportIndexed) is read and put
- * back as that of number 0. Not put back:
+ * In a framebuffer with several samples a pixel all samples get the pixel's one colour and depth:
+ * edges of the host's geometry in front of and behind splats stay smooth, and edges of splats are
+ * not smoothed. In GL it is undefined what draw buffers other than 0 receive in covered pixels; in
+ * WebGL there must be none. After the first frame of its kind nothing is allocated, as long as
+ * views have no more than two sizes.
  *
- *     glGetError                the flags are read where something is made or fails; what the host
- *                               left there is dropped and fails nothing
- *     glGetGraphicsResetStatus  is asked once a call, where the context has it
+ * items has item_count entries, which may be 0. Errors: ARGUMENT (a pointer is NULL, or a value of
+ * the view or of a light is out of range), MEMORY, GRAPHICS. What the framebuffer holds after an
+ * error is undefined.
  *
- * and to be at its default: glClipControl, conditional rendering, transform feedback, and what
- * extensions add to rasterisation (EXT_depth_bounds_test, in GLES EXT_clip_cull_distance); in WebGL
- * UNPACK_FLIP_Y and UNPACK_PREMULTIPLY_ALPHA. Depth that is reversed (greater is nearer) cannot be
- * shared. Active queries count what is drawn here too. */
-psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
-                          const psplat_item *items, size_t item_count, psplat_error *error);
+ * The GL state that is changed is restored, here and in every function above: framebuffer, program,
+ * vertex array, viewport, capabilities, blending, masks, depth function, culling, polygon mode,
+ * pixel unpacking, and of the texture units 0 ... 8 the 2D texture, the cube map and the sampler.
+ * State of several draw buffers or viewports (glEnablei, glColorMaski, glViewportIndexed) is read
+ * and restored as that of number 0. Two things are not restored:
+ *
+ *     glGetError                its flags are read where something is made or fails. Flags that the
+ *                               host left are dropped, and no call fails because of them
+ *     glGetGraphicsResetStatus  is asked once in each call, where the context has it
+ *
+ * This state must be at its default: glClipControl, conditional rendering, transform feedback, and
+ * what extensions add to rasterisation (EXT_depth_bounds_test, in GLES EXT_clip_cull_distance); in
+ * WebGL also UNPACK_FLIP_Y and UNPACK_PREMULTIPLY_ALPHA. A depth buffer that is reversed (greater
+ * is nearer) cannot be shared. Active queries count what is drawn here too. */
+PSPLAT_EXPORT psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
+                                        const psplat_item *items, size_t item_count,
+                                        psplat_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * phongsplat/splat.h - the vocabulary: what a splat is, and how errors are reported.
+ * phongsplat/splat.h - the basic types: a splat, its kernel and its material, and how errors are
+ * reported.
  *
- * Everything else (asset, renderer, reference rasteriser, converter) includes this header; this
- * header includes nothing of ours. The normative text is schema/README.md, whose section numbers
- * are cited as "spec 4.2".
+ * Everything else (asset, renderer, reference rasteriser, converter) includes this header, and it
+ * includes no other header of the project. The normative text is schema/README.md, whose sections
+ * and equations are cited as "spec 4.2" and "eq. (5)". BSK04 is Botsch, Spornat, Kobbelt: Phong
+ * Splatting, 2004; BHZK05 is Botsch, Hornung, Zwicker, Kobbelt: High-Quality Surface Splatting on
+ * Today's GPUs, 2005.
  */
 #ifndef PHONGSPLAT_SPLAT_H
 #define PHONGSPLAT_SPLAT_H
@@ -12,15 +15,22 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Marks a function of the API. The libraries are compiled so that all other symbols are hidden. */
+#if defined(__GNUC__)
+#define PSPLAT_EXPORT __attribute__((visibility("default")))
+#else
+#define PSPLAT_EXPORT
+#endif
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* A splat has at most this many clip lines (spec 3.6). */
+/* The greatest number of clip lines of a splat (spec 3.6). */
 #define PSPLAT_MAX_CLIP_LINES 4
 
-/* One Phong splat (Botsch, Spornat, Kobbelt 2004, "BSK04"): an ellipse in object space with a
- * linear field of normals, cut by up to four lines.
+/* One Phong splat (BSK04): an elliptical disc (surfel) in object space with a linear field of
+ * normals, cut by up to four clip lines.
  *
  * The unit axes U, V, N are the rotated x, y and z axes. A point q of the splat's plane has
  *
@@ -38,21 +48,22 @@ typedef struct psplat_splat {
     float rotation[4]; /* unit quaternion x, y, z, w */
     float radius[2];   /* radius[0] >= radius[1] > 0, in the units of center */
     float normal[3];   /* unit normal at u = v = 0; normal.N > 0 */
-    float gradient[3]; /* alpha, beta of BSK04: change of x with u and of y with v; gamma: of y
-                          with u, which times q is that of x with v (spec 3.5) */
+    float gradient[3]; /* alpha and beta of BSK04, the change of x with u and of y with v; gamma,
+                          the change of y with u, which times q is that of x with v (spec 3.5) */
     float color[4];    /* linear RGBA, multiplies the material's base colour; 1 where unstored */
     float clip[PSPLAT_MAX_CLIP_LINES][3]; /* a, b, c; rows from clip_count on are 0 */
     uint32_t clip_count;                  /* 0 ... PSPLAT_MAX_CLIP_LINES */
 } psplat_splat;
 
-/* What of a splat's look varies beyond one colour, in sets of splats that store any of it (spec
- * 3.10). Its colour is color + u color_u + v color_v, clamped to 0 ... 1. */
+/* The parts of a material that vary from splat to splat beyond one colour each; only sets of splats
+ * that store some of them have finishes (spec 3.10). The colour at (u, v) is
+ * color + u color_u + v color_v, clamped to 0 ... 1. */
 typedef struct psplat_finish {
     float color_u[3], color_v[3]; /* 0 where unstored */
-    float occlusion;              /* 0 ... 1: the part of light from all around that arrives */
-    float roughness, metallic;    /* 0 ... 1: multiply the material's factors */
-    float emissive[3];            /* 0 ... 1: multiplies the material's; 1 where unstored, as the
-                                     three before */
+    float occlusion;              /* 0 ... 1: the part of ambient and environment light that
+                                     arrives; 1 where unstored */
+    float roughness, metallic;    /* 0 ... 1: multiply the material's factors; 1 where unstored */
+    float emissive[3];            /* 0 ... 1: multiplies the material's; 1 where unstored */
 } psplat_finish;
 
 /* Blending kernel psi(r) = exp(-sharpness * r^exponent) for r = sqrt(u*u + v*v) in 0 ... 1, and 0
@@ -62,51 +73,54 @@ typedef struct psplat_kernel {
     float exponent;  /* n > 0; 2 is a Gaussian */
 } psplat_kernel;
 
-/* The kernel of an asset that states none (spec 3.7): a Gaussian with psi(1) = exp(-2) = 0.135. */
+/* The kernel of an asset that states none (spec 3.7) is a Gaussian with psi(1) = exp(-2) = 0.135.
+ */
 #define PSPLAT_DEFAULT_KERNEL_SHARPNESS 2.0f
 #define PSPLAT_DEFAULT_KERNEL_EXPONENT 2.0f
 
-/* The part of a glTF material that splats use; factors as in glTF 2.0, all linear. */
+/* The part of a glTF material that splats use. All factors are linear and as in glTF 2.0. */
 typedef struct psplat_material {
     float base_color[4]; /* 0 ... 1; glTF default 1 1 1 1 */
     float emissive[3];   /* >= 0 */
     float metallic;      /* 0 ... 1 */
     float roughness;     /* 0 ... 1 */
     int double_sided;    /* 0: splats seen from behind are culled */
-    int unlit;           /* KHR_materials_unlit */
+    int unlit;           /* 1: KHR_materials_unlit, the base colour is shown without light */
 } psplat_material;
 
-/* Result of every function that can fail. 0 is success; the text of each is psplat_result_text. */
+/* The result of every function that can fail. 0 is success. Comments of functions list the errors
+ * that they return without the prefix PSPLAT_ERROR_. */
 typedef enum psplat_result {
     PSPLAT_OK = 0,
-    PSPLAT_ERROR_ARGUMENT, /* the caller broke the contract: NULL, zero size, unknown enum */
+    PSPLAT_ERROR_ARGUMENT, /* an argument is not allowed: NULL, zero size, unknown enum */
     PSPLAT_ERROR_MEMORY,   /* an allocation failed */
     PSPLAT_ERROR_READ,     /* a file cannot be opened or read */
     PSPLAT_ERROR_WRITE,    /* a file cannot be created or written, or already exists */
-    PSPLAT_ERROR_FORMAT,   /* bytes are not what the format demands: magic, chunk, JSON, syntax */
+    PSPLAT_ERROR_FORMAT,   /* bytes are not what the format requires: magic, chunk, JSON, syntax */
     PSPLAT_ERROR_RANGE,    /* a count, offset, index, length or value is outside its range */
-    PSPLAT_ERROR_UNSUPPORTED, /* well-formed, but not something this version reads */
-    PSPLAT_ERROR_NO_SPLATS,   /* a valid glTF without splats, or a mesh without area */
+    PSPLAT_ERROR_UNSUPPORTED, /* the input is well-formed, but this version does not read it */
+    PSPLAT_ERROR_NO_SPLATS,   /* the input is a valid glTF without splats, or a mesh without area */
     PSPLAT_ERROR_RESCALED,    /* another tool changed POSITION but not SCALE (spec 6.2) */
     PSPLAT_ERROR_GRAPHICS,    /* GL or EGL: function missing, shader refused, context unusable */
     PSPLAT_ERROR_INTERRUPTED, /* the caller asked a long operation to stop */
     PSPLAT_RESULT_COUNT
 } psplat_result;
 
-/* What went wrong, for people. Filled only on failure; every function accepts NULL for it. */
+/* A description of what went wrong, for people. It is filled only on failure, and every function
+ * accepts NULL for it. */
 typedef struct psplat_error {
     psplat_result code;
-    size_t offset;  /* byte offset in the input the text speaks of; 0 where none applies */
-    char text[240]; /* one English sentence without a newline, always terminated */
+    size_t offset;  /* byte offset in the input that the text is about; 0 where there is none */
+    char text[240]; /* one English sentence without a newline, always terminated by a zero */
 } psplat_error;
 
-/* A short constant description of a result ("out of memory"); never NULL. */
-const char *psplat_result_text(psplat_result result);
+/* Returns a short constant description of a result ("out of memory"), never NULL. */
+PSPLAT_EXPORT const char *psplat_result_text(psplat_result result);
 
-/* Fills error (which may be NULL) in printf style and returns code, so that a failing function
- * can `return psplat_fail(error, PSPLAT_ERROR_RANGE, offset, "...")`. */
-psplat_result psplat_fail(psplat_error *error, psplat_result code, size_t offset,
-                          const char *format, ...)
+/* Fills error (which may be NULL) with a text in the style of printf and returns code, so that a
+ * failing function can `return psplat_fail(error, PSPLAT_ERROR_RANGE, offset, "...")`. */
+PSPLAT_EXPORT psplat_result psplat_fail(psplat_error *error, psplat_result code, size_t offset,
+                                        const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 4, 5)))
 #endif

@@ -11,11 +11,11 @@
  * that shows the subject, "blended" those that are left of them. CPU time is that of all threads.
  * Without --hardware GL is drawn in software; GPU times are printed with it.
  */
-#include "options.h"
-#include "race.h"
+#include "draw_options.h"
+#include "interleaved_timing.h"
 #include "table.h"
 #ifdef BENCH_MESH
-#include "mesh.h"
+#include "source_drawing.h"
 #endif
 
 #include <stdio.h>

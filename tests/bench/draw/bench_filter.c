@@ -7,7 +7,7 @@
  * Models full of detail (detail.h) are drawn N pixels across (16, 32 and 64) under a camera that
  * moves by a fraction of a pixel (film.h): by the renderer and by the papers' sprites, each with
  * its filter and without; by the sprites in two ways, since the paper does not say which depth its
- * filter's disc has outside the ellipse (contestant.h). The truth is the same renderer's picture
+ * filter's disc has outside the ellipse (draw_method.h). The truth is the same renderer's picture
  * without filter at N (8) times the size, averaged in linear light. In percent:
  *
  *     error    from the truth: mean, and root of the mean square
@@ -17,7 +17,7 @@
  * of others that the truth or the way to draw covers. "covered" are pixels a frame, as a share of
  * the truth's.
  */
-#include "contestant.h"
+#include "draw_method.h"
 #include "detail.h"
 #include "film.h"
 #include "probe.h"

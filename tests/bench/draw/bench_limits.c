@@ -11,7 +11,7 @@
  * tenth of epsilon of the visibility limit.
  */
 #include "agreement.h"
-#include "scene.h"
+#include "scene_asset.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -18,14 +18,15 @@
  *
  * and the wall time of all that.
  */
-#include "files.h"
-#include "gl.h"
+#include "core/files.h"
+#include "bench_gl.h"
 #include "measure.h"
-#include "rows.h"
-#include "scene.h"
+#include "table_rows.h"
+#include "scene_asset.h"
 
 #include <phongsplat/phongsplat.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -16,9 +16,9 @@
  * interpolated between the files on logarithmic axes, and beyond the last one ("~") continued for
  * up to ten times its splats ("> " where even these are too few).
  */
-#include "mesh.h"
+#include "source_drawing.h"
 #include "quality.h"
-#include "race.h"
+#include "interleaved_timing.h"
 
 #include <stdio.h>
 #include <stdlib.h>

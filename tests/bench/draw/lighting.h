@@ -5,7 +5,7 @@
 #ifndef PHONGSPLAT_BENCH_LIGHTING_H
 #define PHONGSPLAT_BENCH_LIGHTING_H
 
-#include "gl.h"
+#include "bench_gl.h"
 
 #include <phongsplat/phongsplat.h>
 

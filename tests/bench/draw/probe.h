@@ -13,7 +13,7 @@
 #ifndef PHONGSPLAT_BENCH_PROBE_H
 #define PHONGSPLAT_BENCH_PROBE_H
 
-#include "gl.h"
+#include "bench_gl.h"
 #include "measure.h"
 
 typedef enum probe_pass {

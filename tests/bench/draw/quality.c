@@ -2,7 +2,7 @@
  * Images compared; see quality.h. */
 #include "quality.h"
 
-#include "race.h"
+#include "interleaved_timing.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,7 +5,7 @@
 #ifndef PHONGSPLAT_BENCH_QUALITY_H
 #define PHONGSPLAT_BENCH_QUALITY_H
 
-#include "contestant.h"
+#include "draw_method.h"
 
 /* Mean absolute differences of sRGB-encoded channels, in percent of white. */
 typedef struct quality {

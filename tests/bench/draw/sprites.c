@@ -5,8 +5,8 @@
  * cannot (splats larger than the largest point, splats whose centre is outside the view), several
  * materials, orthographic views.
  */
-#include "shaders/shaders.h"
-#include "contestant.h"
+#include "bench_shaders.h"
+#include "draw_method.h"
 #include "lighting.h"
 #include "probe.h"
 

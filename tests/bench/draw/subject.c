@@ -2,8 +2,8 @@
  * Subjects and views; see subject.h. */
 #include "subject.h"
 
-#include "camera.h"
-#include "scene.h"
+#include "reference_view.h"
+#include "scene_asset.h"
 
 #include <math.h>
 #include <stdio.h>

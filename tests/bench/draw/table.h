@@ -5,8 +5,8 @@
 #ifndef PHONGSPLAT_BENCH_TABLE_H
 #define PHONGSPLAT_BENCH_TABLE_H
 
-#include "options.h"
-#include "race.h"
+#include "draw_options.h"
+#include "interleaved_timing.h"
 
 typedef struct table_row {
     const char *subject;

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * appearance.c - baking of textures, vertex colours and normal maps at points of a mesh.
+ *
+ * The disc around a point becomes an ellipse in each image, over which the texture is averaged.
+ */
+#include "appearance/appearance.h"
+
+#include "base/vector.h"
+#include "material/mipmap.h"
+#include "material/source_materials.h"
+#include "material/texture_sampling.h"
+#include "mesh/mesh.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- building ------------------------------------------------------------------------------- */
+
+static int is_readable(const psplat_mesh *mesh, const psplat_texture_info *texture) {
+    return texture->image && texture->image->pixels && texture->texcoord < PSPLAT_TEXCOORDS &&
+           mesh->corner_uvs[texture->texcoord];
+}
+
+/* Finds the mipmap of an image, and builds it unless another texture has needed it before. *found
+ * is NULL if the texture cannot be read. */
+static psplat_result find_mipmap(psplat_appearance *appearance, const psplat_texture_info *texture,
+                                 int is_srgb, const psplat_mipmap **found) {
+    *found = NULL;
+    if (!is_readable(appearance->mesh, texture)) return PSPLAT_OK;
+    for (size_t i = 0; i < appearance->mipmap_count; ++i)
+        if (appearance->mipmaps[i].image == texture->image &&
+            appearance->mipmaps[i].is_srgb == is_srgb) {
+            *found = &appearance->mipmaps[i];
+            return PSPLAT_OK;
+        }
+    psplat_mipmap *mipmap = &appearance->mipmaps[appearance->mipmap_count];
+    psplat_result result = psplat_mipmap_build(texture->image, is_srgb, mipmap);
+    if (result) return result;
+    ++appearance->mipmap_count;
+    *found = mipmap;
+    return PSPLAT_OK;
+}
+
+/* Prepares the textures of one material. */
+static psplat_result add_textures(psplat_appearance *appearance, const psplat_source_material *a,
+                                  psplat_material_textures *textures) {
+    psplat_result result = find_mipmap(appearance, &a->base_color, 1, &textures->base_color);
+    if (!result) result = find_mipmap(appearance, &a->emissive, 1, &textures->emissive);
+    if (!result)
+        result = find_mipmap(appearance, &a->metallic_roughness, 0, &textures->metallic_roughness);
+    if (!result) result = find_mipmap(appearance, &a->occlusion, 0, &textures->occlusion);
+    if (!result) result = find_mipmap(appearance, &a->normal, 0, &textures->normal);
+    appearance->has_color |= textures->base_color != NULL;
+    appearance->has_normals |= textures->normal != NULL;
+    appearance->has_finish |= textures->metallic_roughness != NULL || textures->occlusion != NULL;
+    appearance->has_emissive |= textures->emissive != NULL;
+    return result;
+}
+
+static size_t group_of(const psplat_mesh *mesh, size_t triangle) {
+    return mesh->groups ? mesh->groups[triangle] : 0;
+}
+
+psplat_result psplat_appearance_build(const psplat_mesh *mesh, double diameter,
+                                      psplat_appearance *appearance) {
+    size_t count = mesh->source_material_count;
+    *appearance = (psplat_appearance){
+        .mesh = mesh, .diameter = diameter, .has_color = mesh->corner_colors != NULL};
+    if (!count) return PSPLAT_OK;
+    uint8_t *used = calloc(count, 1);
+    appearance->material_textures = calloc(count, sizeof *appearance->material_textures);
+    appearance->mipmaps = calloc(5 * count, sizeof *appearance->mipmaps);
+    psplat_result result = used && appearance->material_textures && appearance->mipmaps
+                               ? PSPLAT_OK
+                               : PSPLAT_ERROR_MEMORY;
+    for (size_t t = 0; !result && t < mesh->triangle_count; ++t)
+        if (group_of(mesh, t) < count) used[group_of(mesh, t)] = 1;
+    for (size_t i = 0; !result && i < count; ++i)
+        if (used[i])
+            result = add_textures(appearance, &mesh->source_materials[i],
+                                  &appearance->material_textures[i]);
+    free(used);
+    return result;
+}
+
+void psplat_appearance_free(psplat_appearance *appearance) {
+    for (size_t i = 0; i < appearance->mipmap_count; ++i)
+        psplat_mipmap_free(&appearance->mipmaps[i]);
+    free(appearance->mipmaps);
+    free(appearance->material_textures);
+    *appearance = (psplat_appearance){0};
+}
+
+/* ---- points --------------------------------------------------------------------------------- */
+
+/* A point of a mesh where textures are read. */
+typedef struct texture_point {
+    const psplat_appearance *appearance;
+    uint32_t triangle;
+    const double *barycentric;
+    double edges[2][3];   /* from the first corner to the others */
+    double frame[2][3];   /* unit, in the triangle's plane */
+    double inverse[2][2]; /* rows: barycentric coordinates 1 and 2 per length along the frame */
+    double radius;        /* of the disc that is averaged over */
+} texture_point;
+
+static texture_point point_at(const psplat_appearance *appearance, uint32_t triangle,
+                              const double barycentric[3]) {
+    const psplat_mesh *mesh = appearance->mesh;
+    const uint32_t *v = mesh->triangles + 3 * (size_t)triangle;
+    texture_point p = {.appearance = appearance,
+                       .triangle = triangle,
+                       .barycentric = barycentric,
+                       .radius = appearance->diameter / 2};
+    for (int k = 0; k < 2; ++k)
+        sub3(p.edges[k], mesh->positions + 3 * (size_t)v[k + 1],
+             mesh->positions + 3 * (size_t)v[0]);
+    /* In the frame the edges are (a, 0) and (b, c). */
+    double a = length3(p.edges[0]);
+    memcpy(p.frame[0], p.edges[0], sizeof p.frame[0]);
+    normalize3(p.frame[0]);
+    double b = dot3(p.edges[1], p.frame[0]);
+    along3(p.frame[1], p.edges[1], -b, p.frame[0]);
+    double c = length3(p.frame[1]);
+    normalize3(p.frame[1]);
+    if (a > 0 && c > 0) {
+        p.inverse[0][0] = 1 / a, p.inverse[0][1] = -b / (a * c);
+        p.inverse[1][1] = 1 / c;
+    }
+    return p;
+}
+
+/* Stores the image coordinates of a point, and in slopes[j] their derivatives along frame[j]. */
+static void coordinates(const texture_point *p, const psplat_texture_info *texture, double st[2],
+                        double slopes[2][2]) {
+    const float *uvs = p->appearance->mesh->corner_uvs[texture->texcoord] + 6 * (size_t)p->triangle;
+    double corners[3][2];
+    for (int i = 0; i < 3; ++i) {
+        const double uv[2] = {(double)uvs[2 * i], (double)uvs[2 * i + 1]};
+        psplat_texture_transform(texture, uv, corners[i]);
+    }
+    for (int k = 0; k < 2; ++k) {
+        st[k] = 0;
+        for (int i = 0; i < 3; ++i) st[k] += p->barycentric[i] * corners[i][k];
+        double d1 = corners[1][k] - corners[0][k], d2 = corners[2][k] - corners[0][k];
+        for (int j = 0; j < 2; ++j) slopes[j][k] = d1 * p->inverse[0][j] + d2 * p->inverse[1][j];
+    }
+}
+
+static void read_texture(const texture_point *p, const psplat_texture_info *texture,
+                         const psplat_mipmap *mipmap, float rgba[4]) {
+    double st[2], axes[2][2];
+    coordinates(p, texture, st, axes);
+    for (int j = 0; j < 2; ++j)
+        for (int k = 0; k < 2; ++k) axes[j][k] *= p->radius;
+    psplat_texture_average(texture, mipmap, st, (const double(*)[2])axes, rgba);
+}
+
+/* ---- normal maps ---------------------------------------------------------------------------- */
+
+/* Stores the mean of the tangents at the corners. Returns the sign of the bitangent, or 0 if the
+ * file has no tangents. */
+static double authored_tangent(const texture_point *p, double tangent[3]) {
+    const float *corners = p->appearance->mesh->corner_tangents;
+    double sign = 0;
+    memset(tangent, 0, 3 * sizeof(double));
+    if (!corners) return 0;
+    for (size_t i = 0; i < 3; ++i) {
+        const float *t = corners + 12 * (size_t)p->triangle + 4 * i;
+        for (int k = 0; k < 3; ++k) tangent[k] += p->barycentric[i] * (double)t[k];
+        sign += p->barycentric[i] * (double)t[3];
+    }
+    return dot3(tangent, tangent) > 0 ? (sign < 0 ? -1 : 1) : 0;
+}
+
+/* Stores the direction in which s of the image grows on the triangle. Returns 1 if the triangle
+ * shows the image as it is, with t running downwards, -1 if mirrored, and 0 if the triangle is a
+ * line in the image. */
+static double derived_tangent(const texture_point *p, const psplat_texture_info *texture,
+                              double tangent[3]) {
+    double st[2], slopes[2][2];
+    coordinates(p, texture, st, slopes);
+    double determinant = slopes[0][0] * slopes[1][1] - slopes[1][0] * slopes[0][1];
+    memset(tangent, 0, 3 * sizeof(double));
+    if (!(fabs(determinant) > 0) || !isfinite(determinant)) return 0;
+    /* The tangent solves ds = 1, dt = 0. */
+    mad3(tangent, slopes[1][1] / determinant, p->frame[0]);
+    mad3(tangent, -slopes[0][1] / determinant, p->frame[1]);
+    return determinant < 0 ? 1 : -1;
+}
+
+/* Turns a normal by the normal map (glTF 2.0 section 3.9.3), whose x is along the tangent and whose
+ * y is up the image. If the file has no tangents, the frame is that of the triangle. MikkTSpace
+ * would smooth it over vertices, but means of the map over samples would hardly differ. */
+static void apply_normal_map(const texture_point *p, const psplat_texture_info *texture,
+                             const psplat_mipmap *mipmap, float normal[3]) {
+    float rgba[4];
+    double n[3], t[3], b[3], turned[3] = {0, 0, 0};
+    for (int k = 0; k < 3; ++k) n[k] = (double)normal[k];
+    double sign = authored_tangent(p, t);
+    if (sign == 0) sign = derived_tangent(p, texture, t);
+    if (sign == 0) return;
+    mad3(t, -dot3(t, n), n);
+    if (!(dot3(t, t) > 0)) return;
+    normalize3(t);
+    cross3(b, n, t);
+    read_texture(p, texture, mipmap, rgba);
+    double strength = (double)texture->strength;
+    mad3(turned, strength * (2 * (double)rgba[0] - 1), t);
+    mad3(turned, strength * sign * (2 * (double)rgba[1] - 1), b);
+    mad3(turned, 2 * (double)rgba[2] - 1, n);
+    if (!(dot3(turned, turned) > 0)) return;
+    normalize3(turned);
+    for (int k = 0; k < 3; ++k) normal[k] = (float)turned[k];
+}
+
+/* ---- baking --------------------------------------------------------------------------------- */
+
+static const psplat_material_textures no_textures;
+
+/* Returns the textures of a triangle, and its material, which is NULL if the mesh has none. */
+static const psplat_material_textures *textures_of(const psplat_appearance *appearance,
+                                                   uint32_t triangle,
+                                                   const psplat_source_material **source_material) {
+    size_t group = group_of(appearance->mesh, triangle);
+    *source_material = NULL;
+    if (group >= appearance->mesh->source_material_count) return &no_textures;
+    *source_material = &appearance->mesh->source_materials[group];
+    return &appearance->material_textures[group];
+}
+
+static void multiply_corner_color(const texture_point *p, float color[4]) {
+    const float *corners = p->appearance->mesh->corner_colors;
+    if (!corners) return;
+    for (size_t k = 0; k < 4; ++k) {
+        double sum = 0;
+        for (size_t i = 0; i < 3; ++i)
+            sum += p->barycentric[i] * (double)corners[12 * (size_t)p->triangle + 4 * i + k];
+        color[k] *= (float)min2(max2(sum, 0), 1);
+    }
+}
+
+void psplat_appearance_bake(const psplat_appearance *appearance, uint32_t triangle,
+                            const double barycentric[3], const float normal[3],
+                            psplat_baked_point *baked) {
+    const psplat_source_material *a;
+    const psplat_material_textures *textures = textures_of(appearance, triangle, &a);
+    texture_point p = point_at(appearance, triangle, barycentric);
+    float rgba[4];
+    *baked =
+        (psplat_baked_point){.color = {1, 1, 1, 1}, .finish = {1, 1, 1}, .emissive = {1, 1, 1}};
+    memcpy(baked->normal, normal, sizeof baked->normal);
+    if (textures->base_color) read_texture(&p, &a->base_color, textures->base_color, baked->color);
+    multiply_corner_color(&p, baked->color);
+    if (a && !a->is_blended) baked->color[3] = 1; /* glTF 2.0 section 3.9.4 */
+    if (textures->normal) apply_normal_map(&p, &a->normal, textures->normal, baked->normal);
+    if (textures->occlusion) {
+        read_texture(&p, &a->occlusion, textures->occlusion, rgba);
+        baked->finish[0] = 1 + a->occlusion.strength * (rgba[0] - 1);
+    }
+    if (textures->metallic_roughness) {
+        read_texture(&p, &a->metallic_roughness, textures->metallic_roughness, rgba);
+        baked->finish[1] = rgba[1], baked->finish[2] = rgba[2];
+    }
+    if (textures->emissive) {
+        read_texture(&p, &a->emissive, textures->emissive, rgba);
+        memcpy(baked->emissive, rgba, sizeof baked->emissive);
+    }
+}
+
+double psplat_appearance_alpha(const psplat_appearance *appearance, uint32_t triangle,
+                               const double barycentric[3]) {
+    const psplat_source_material *a;
+    const psplat_material_textures *textures = textures_of(appearance, triangle, &a);
+    float color[4] = {1, 1, 1, 1};
+    if (!a || !a->is_masked) return 1;
+    texture_point p = point_at(appearance, triangle, barycentric);
+    if (textures->base_color) read_texture(&p, &a->base_color, textures->base_color, color);
+    multiply_corner_color(&p, color);
+    return (double)color[3] * (double)a->material.base_color[3];
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * output.h - atomic file output: a file is written whole or not at all.
+ */
+#ifndef PHONGSPLAT_BASE_OUTPUT_H
+#define PHONGSPLAT_BASE_OUTPUT_H
+
+#include <phongsplat/splat.h>
+
+#include <stddef.h>
+
+/* Writes size bytes to path. The bytes go to a temporary file, which is synced and then renamed, so
+ * that path holds either the old content or the new one and never a part, whatever ends the
+ * process. An existing file is refused unless overwrite is set. The path "-" is standard output.
+ * Errors: PSPLAT_ERROR_WRITE with a text that names path and cause, PSPLAT_ERROR_ARGUMENT,
+ * PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_output_write(const char *path, const void *data, size_t size, int overwrite,
+                                  psplat_error *error);
+
+#endif

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * region_tree.c - axis-aligned bounding box tree (AABB tree) over splat regions.
+ *
+ * Each node is split at the median of its longest axis, so that the depth is the logarithm of the
+ * number of regions.
+ */
+#include "base/region_tree.h"
+
+#include "base/region.h"
+#include "base/vector.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* The regions of a leaf, room for the nodes that wait to be visited, and the sides of the polygon
+ * whose corners bound a region. */
+enum { LEAF_REGIONS = 4, MAX_STACK = 64, POLYGON_SIDES = 16 };
+
+typedef struct box {
+    double low[3], high[3];
+} box;
+
+/* Inner nodes have their children at child and child + 1; leaves hold order[begin ... end). */
+typedef struct node {
+    box bounds;
+    uint32_t begin, end, child;
+} node;
+
+struct psplat_region_tree {
+    box *boxes;
+    uint32_t *order;
+    node *nodes;
+    uint32_t node_count;
+};
+
+/* Returns the box around the circumscribed polygon, cut by the clip lines, which may leave little
+ * of a large ellipse. */
+static box region_box(const psplat_region *region, double reach) {
+    double outline[POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES][2];
+    size_t count = psplat_region_polygon(region, 0, outline, POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES);
+    box result;
+    for (int k = 0; k < 3; ++k) {
+        double low = count ? HUGE_VAL : 0, high = -low;
+        for (size_t i = 0; i < count; ++i) {
+            double along = outline[i][0] * region->radius[0] * region->u[k] +
+                           outline[i][1] * region->radius[1] * region->v[k];
+            low = min2(low, along);
+            high = max2(high, along);
+        }
+        result.low[k] = region->center[k] + low - reach;
+        result.high[k] = region->center[k] + high + reach;
+    }
+    return result;
+}
+
+static box bounds_of(const psplat_region_tree *tree, uint32_t begin, uint32_t end) {
+    box result = tree->boxes[tree->order[begin]];
+    for (uint32_t i = begin + 1; i < end; ++i)
+        for (int k = 0; k < 3; ++k) {
+            result.low[k] = min2(result.low[k], tree->boxes[tree->order[i]].low[k]);
+            result.high[k] = max2(result.high[k], tree->boxes[tree->order[i]].high[k]);
+        }
+    return result;
+}
+
+/* Returns twice the middle of a box along an axis. */
+static double box_middle(const psplat_region_tree *tree, uint32_t i, int axis) {
+    return tree->boxes[tree->order[i]].low[axis] + tree->boxes[tree->order[i]].high[axis];
+}
+
+/* Moves the entry that sorting would put at `at` there, and lesser ones before it, by Hoare's
+ * selection. */
+static void select_median(psplat_region_tree *tree, uint32_t begin, uint32_t end, uint32_t at,
+                          int axis) {
+    while (end - begin > 1) {
+        double pivot = box_middle(tree, begin + (end - 1 - begin) / 2, axis);
+        uint32_t i = begin, j = end - 1;
+        for (;;) {
+            while (box_middle(tree, i, axis) < pivot) ++i;
+            while (box_middle(tree, j, axis) > pivot) --j;
+            if (i >= j) break;
+            uint32_t swap = tree->order[i];
+            tree->order[i++] = tree->order[j];
+            tree->order[j--] = swap;
+        }
+        if (at <= j)
+            end = j + 1;
+        else
+            begin = j + 1;
+    }
+}
+
+static void build(psplat_region_tree *tree, uint32_t index, uint32_t begin, uint32_t end) {
+    node *n = &tree->nodes[index];
+    *n = (node){bounds_of(tree, begin, end), begin, end, 0};
+    if (end - begin <= LEAF_REGIONS) return;
+    int axis = 0;
+    for (int k = 1; k < 3; ++k)
+        if (n->bounds.high[k] - n->bounds.low[k] > n->bounds.high[axis] - n->bounds.low[axis])
+            axis = k;
+    uint32_t split = begin + (end - begin) / 2;
+    select_median(tree, begin, end, split, axis);
+    n->child = tree->node_count;
+    tree->node_count += 2;
+    uint32_t child = n->child;
+    build(tree, child, begin, split);
+    build(tree, child + 1, split, end);
+}
+
+psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size_t count,
+                                              double reach) {
+    psplat_region_tree *tree = calloc(1, sizeof *tree);
+    if (!tree) return NULL;
+    tree->boxes = malloc((count + 1) * sizeof *tree->boxes);
+    tree->order = malloc((count + 1) * sizeof *tree->order);
+    tree->nodes = malloc((2 * count + 1) * sizeof *tree->nodes);
+    if (!tree->boxes || !tree->order || !tree->nodes) {
+        psplat_region_tree_destroy(tree);
+        return NULL;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        tree->boxes[i] = region_box(&regions[i], reach);
+        tree->order[i] = i;
+    }
+    if (!count) return tree;
+    tree->node_count = 1;
+    build(tree, 0, 0, (uint32_t)count);
+    return tree;
+}
+
+static int meets(const box *b, const double low[3], const double high[3]) {
+    for (int k = 0; k < 3; ++k)
+        if (high[k] < b->low[k] || low[k] > b->high[k]) return 0;
+    return 1;
+}
+
+void psplat_region_tree_visit_box(const psplat_region_tree *tree, const double low[3],
+                                  const double high[3], int (*visit)(void *user, uint32_t region),
+                                  void *user) {
+    uint32_t stack[MAX_STACK], depth = 0;
+    if (tree->node_count) stack[depth++] = 0;
+    while (depth) {
+        const node *n = &tree->nodes[stack[--depth]];
+        if (!meets(&n->bounds, low, high)) continue;
+        if (n->child) {
+            stack[depth++] = n->child + 1;
+            stack[depth++] = n->child;
+            continue;
+        }
+        for (uint32_t i = n->begin; i < n->end; ++i)
+            if (meets(&tree->boxes[tree->order[i]], low, high) && visit(user, tree->order[i]))
+                return;
+    }
+}
+
+void psplat_region_tree_visit(const psplat_region_tree *tree, const double point[3],
+                              int (*visit)(void *user, uint32_t region), void *user) {
+    psplat_region_tree_visit_box(tree, point, point, visit, user);
+}
+
+void psplat_region_tree_destroy(psplat_region_tree *tree) {
+    if (!tree) return;
+    free(tree->boxes);
+    free(tree->order);
+    free(tree->nodes);
+    free(tree);
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * region_tree.h - axis-aligned bounding box tree (AABB tree) over splat regions.
+ */
+#ifndef PHONGSPLAT_BASE_REGION_TREE_H
+#define PHONGSPLAT_BASE_REGION_TREE_H
+
+#include "base/region.h"
+
+#include <stdint.h>
+
+typedef struct psplat_region_tree psplat_region_tree;
+
+/* Builds a tree of the boxes around the regions, each grown by reach. The regions are not kept.
+ * Returns NULL when out of memory. */
+psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size_t count,
+                                              double reach);
+
+/* Calls visit with the index of each region whose box, grown by reach, holds the point, until visit
+ * returns other than 0. */
+void psplat_region_tree_visit(const psplat_region_tree *region_tree, const double point[3],
+                              int (*visit)(void *user, uint32_t region), void *user);
+
+/* Does the same for each region whose box, grown by reach, meets the box low, high. */
+void psplat_region_tree_visit_box(const psplat_region_tree *region_tree, const double low[3],
+                                  const double high[3], int (*visit)(void *user, uint32_t region),
+                                  void *user);
+
+void psplat_region_tree_destroy(psplat_region_tree *region_tree);
+
+#endif

@@ -1,0 +1,408 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * command_convert.c - phongsplat convert: a mesh becomes an asset, and what was measured a report.
+ */
+#define _XOPEN_SOURCE 700
+
+#include "base/output.h"
+#include "base/path.h"
+#include "cli/command.h"
+#include "cli/options.h"
+#include "cli/progress.h"
+#include "export/alternatives.h"
+#include "export/fallback_mesh.h"
+#include "export/glb_writer.h"
+#include "export/khr_gaussians.h"
+#include "export/meshopt_codec.h"
+#include "import/read_scene.h"
+#include "pipeline/budget.h"
+#include "pipeline/convert_scene.h"
+#include "scene/instances.h"
+#include "scene/scene.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+#include "verify/report.h"
+
+#include <phongsplat/phongsplat.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct arguments {
+    const char *input;
+    const char *output;
+    const char *report;
+    double tolerance;
+    double normal_tolerance, color_tolerance;
+    double crease_angle;
+    uint64_t seed;
+    int splats, bytes; /* budgets, or 0 */
+    int effort;        /* as in psplat_convert_desc */
+    int no_creases;
+    int constant_normals;
+    const char *precision;
+    double position_precision; /* what it means, as in psplat_convert_desc */
+    int no_compress;
+    int fallback; /* index into fallback_names */
+    int gaussian;
+    int overwrite;
+    int quiet;
+} arguments;
+
+/* The results of a conversion; free_product frees everything. */
+typedef struct product {
+    psplat_scene scene;
+    psplat_splats *splats; /* by mesh of the scene */
+    psplat_scene_report report;
+    psplat_fallback_mesh *fallbacks; /* by mesh of the scene, or NULL */
+    psplat_gaussian **gaussians;     /* by mesh of the scene, or NULL */
+    uint8_t *bytes;
+    size_t size;
+    size_t needed; /* by the coarsest conversion if the budget is too small for it, else 0 */
+} product;
+
+/* Reads --precision: auto, float, or the greatest step of positions in units of the tolerance.
+ * Returns 0 where it is none of these. */
+static int parse_precision(arguments *a) {
+    char *end = NULL;
+    a->position_precision = PSPLAT_USUAL_PRECISION;
+    if (!a->precision || !strcmp(a->precision, "auto")) return 1;
+    if (!strcmp(a->precision, "float")) {
+        a->position_precision = 0;
+        return 1;
+    }
+    a->position_precision = strtod(a->precision, &end);
+    return end != a->precision && !*end && a->position_precision >= 0.001 &&
+           a->position_precision <= PSPLAT_GREATEST_PRECISION;
+}
+
+enum { FALLBACK_POINTS, FALLBACK_MESH };
+static const char *const fallback_names[] = {"points", "mesh", NULL};
+
+static psplat_parse refuse(const char *option, const char *cause) {
+    return psplat_options_refuse("convert", option, cause);
+}
+
+/* Checks what concerns several options together. */
+static psplat_parse check_combination(arguments *a) {
+    if (a->bytes && a->gaussian) return refuse("gaussian", "not together with bytes");
+    if (a->bytes && a->fallback == FALLBACK_MESH)
+        return refuse("fallback mesh", "not together with bytes");
+    if (!parse_precision(a))
+        return refuse("precision", "neither auto, float nor a number of 0.001 to 0.5");
+    if (a->no_creases && a->crease_angle > 0)
+        return refuse("no-creases", "not together with crease-angle");
+    if (a->splats && a->bytes)
+        return refuse("splats", "not together with bytes: one budget at a time");
+    return PSPLAT_PARSE_OK;
+}
+
+static psplat_parse parse(int argc, char **argv, arguments *a) {
+    const psplat_option options[] = {
+        {'i', "input", PSPLAT_OPTION_TEXT, &a->input, "IN", "the mesh, instead of the operand", 0,
+         0, NULL},
+        {'o', "output", PSPLAT_OPTION_TEXT, &a->output, "OUT.glb",
+         "the asset, instead of the operand; - is standard output", 0, 0, NULL},
+        {'t', "tolerance", PSPLAT_OPTION_PERCENT, &a->tolerance, "PERCENT",
+         "greatest distance between splats and surface, in % of the\n"
+         "bounding box's diagonal: 0.5% or 0.5 (default 0.5; with a\n"
+         "budget the greatest that will do, default 20)",
+         1e-4, 50, NULL},
+        psplat_option_shared("normal-tolerance", &a->normal_tolerance),
+        {0, "color-tolerance", PSPLAT_OPTION_PERCENT, &a->color_tolerance, "PERCENT",
+         "greatest root mean square error of a splat's colour over\nits part of the surface, in % "
+         "of sRGB's range; 100 does\nnot bound it (default 10 at a tolerance of 0.5 %, changing\n"
+         "with its square root)",
+         0.1, 100, NULL},
+        {0, "splats", PSPLAT_OPTION_COUNT, &a->splats, "N",
+         "find the smallest tolerance that takes at most N splats:\na budget", 1, 1e9, NULL},
+        {0, "bytes", PSPLAT_OPTION_COUNT, &a->bytes, "N",
+         "find the smallest tolerance whose OUT.glb has at most N\nbytes: a budget", 1, 2e9, NULL},
+        psplat_option_shared("effort", &a->effort),
+        psplat_option_shared("crease-angle", &a->crease_angle),
+        psplat_option_shared("no-creases", &a->no_creases),
+        {0, "constant-normals", PSPLAT_OPTION_FLAG, &a->constant_normals, NULL,
+         "one normal a splat instead of a linear field: smaller files\nthat need more splats for "
+         "the same shading",
+         0, 0, NULL},
+        {0, "precision", PSPLAT_OPTION_TEXT, &a->precision, "P",
+         "float: numbers keep all their bits; or the greatest step of\npositions, in tolerances, "
+         "0.001 to 0.5; other numbers follow\n(default auto: what makes small files)",
+         0, 0, NULL},
+        {0, "no-compress", PSPLAT_OPTION_FLAG, &a->no_compress, NULL,
+         "without EXT_meshopt_compression", 0, 0, NULL},
+        {0, "fallback", PSPLAT_OPTION_CHOICE, &a->fallback, "points|mesh",
+         "what viewers that know no splats show: a coloured point\n"
+         "cloud (default), or a simplified mesh, which makes OUT.glb\nlarger",
+         0, 0, fallback_names},
+        {0, "gaussian", PSPLAT_OPTION_FLAG, &a->gaussian, NULL,
+         "add attributes of KHR_gaussian_splatting: viewers of\n"
+         "Gaussians show the shape, lit for good and without sharp\nedges",
+         0, 0, NULL},
+        psplat_option_shared("seed", &a->seed),
+        psplat_option_shared("report", &a->report),
+        psplat_option_shared("overwrite", &a->overwrite),
+        psplat_option_shared("quiet", &a->quiet),
+    };
+    const psplat_syntax syntax = {
+        .command = "convert",
+        .operands = "IN OUT.glb",
+        .summary = "Converts a mesh (OBJ, PLY, OFF, STL, glTF, GLB) to Phong splats in a GLB.",
+        .notes =
+            "OUT.glb is written whole or not at all. Tolerances are promises, checked on samples\n"
+            "other than those that were fitted; one that is broken gives exit code 9, and the\n"
+            "report names the places.",
+        .options = options,
+        .option_count = sizeof options / sizeof *options,
+        .slots = {&a->input, &a->output},
+    };
+    psplat_parse parsed = psplat_options_parse(&syntax, argc, argv);
+    return parsed == PSPLAT_PARSE_OK ? check_combination(a) : parsed;
+}
+
+/* Returns the peak of memory in use, bytes. VmHWM of Linux counts this program alone; ru_maxrss,
+ * which other systems have too, begins with what the parent process used. */
+static size_t peak_memory(void) {
+    struct rusage usage;
+    size_t kilobytes = getrusage(RUSAGE_SELF, &usage) ? 0 : (size_t)usage.ru_maxrss;
+    char line[128];
+    FILE *status = fopen("/proc/self/status", "r");
+    while (status && fgets(line, sizeof line, status))
+        if (sscanf(line, "VmHWM: %zu", &kilobytes) == 1) break;
+    if (status) fclose(status);
+    return kilobytes * 1024;
+}
+
+static psplat_result check_outputs(const arguments *a, psplat_error *error) {
+    psplat_result result = psplat_output_check(a->input, a->output, a->overwrite, error);
+    if (result || !a->report) return result;
+    if (psplat_output_is_same(a->report, a->output)) {
+        char shown[PSPLAT_SHOWN_PATH];
+        psplat_path_shorten(a->report, shown);
+        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: is also the asset", shown);
+    }
+    return psplat_output_check(a->input, a->report, a->overwrite, error);
+}
+
+/* Returns the file name without directory and extension, which names the node and the mesh; the
+ * caller frees it. */
+static char *model_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    const char *base = slash ? slash + 1 : path;
+    const char *dot = strrchr(base, '.');
+    return strndup(base, dot && dot > base ? (size_t)(dot - base) : strlen(base));
+}
+
+/* Counts the splats that the scene shows, once for every time that they are shown. */
+static psplat_result count_shown(const product *p, size_t *count, psplat_error *error) {
+    psplat_instance *instances;
+    size_t instance_count;
+    psplat_result result = psplat_scene_instances(&p->scene, psplat_scene_shown(&p->scene),
+                                                  &instances, &instance_count, error);
+    *count = 0;
+    for (size_t i = 0; i < instance_count; ++i) *count += p->splats[instances[i].mesh].count;
+    free(instances);
+    return result;
+}
+
+/* Checks that the runtime opens the bytes that will be written. */
+static psplat_result check_asset(const product *p, psplat_error *error) {
+    psplat_asset *asset = NULL;
+    psplat_error refused = {0};
+    size_t splats = 0, expected;
+    psplat_result result = psplat_asset_open_memory(p->bytes, p->size, NULL, &asset, &refused);
+    if (result == PSPLAT_ERROR_MEMORY) return psplat_fail(error, result, 0, "%s", refused.text);
+    if (result)
+        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "the runtime refuses the result: %.180s",
+                           refused.text);
+    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
+        splats += psplat_asset_batch(asset, i)->splat_count;
+    psplat_asset_destroy(asset);
+    result = count_shown(p, &expected, error);
+    if (result || splats == expected) return result;
+    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%zu splats became %zu in the result",
+                       expected, splats);
+}
+
+static psplat_convert_desc describe(const arguments *a, psplat_progress *progress) {
+    return (psplat_convert_desc){
+        .tolerance_percent = a->tolerance,
+        .normal_tolerance_degrees = a->normal_tolerance,
+        .crease_angle_degrees = a->crease_angle,
+        .no_creases = a->no_creases,
+        .constant_normals = a->constant_normals,
+        .color_tolerance_percent = a->color_tolerance,
+        .precision = a->position_precision,
+        .effort = a->effort,
+        .seed = a->seed,
+        .progress = psplat_progress_show,
+        .user = progress,
+    };
+}
+
+static psplat_result convert(const arguments *a, const psplat_write_desc *written,
+                             psplat_progress *progress, product *p, psplat_error *error) {
+    const psplat_budget budget = {(size_t)a->splats, (size_t)a->bytes, written};
+    const psplat_convert_desc desc = describe(a, progress);
+    p->splats = calloc(p->scene.mesh_count + 1, sizeof *p->splats);
+    if (!p->splats) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory");
+    if (!a->splats && !a->bytes)
+        return psplat_scene_convert(&p->scene, &desc, p->splats, &p->report, error);
+    return psplat_scene_convert_budget(&p->scene, &desc, &budget, p->splats, &p->report, &p->needed,
+                                       error);
+}
+
+/* Makes the fallback meshes and Gaussians that were asked for. The meshes get the tolerance that
+ * the splats have, also where a budget has chosen it. */
+static psplat_result add_alternatives(const arguments *a, product *p, psplat_error *error) {
+    psplat_convert_desc desc = describe(a, NULL);
+    psplat_result result = PSPLAT_OK;
+    desc.tolerance_percent = p->report.total.tolerance_percent;
+    if (a->fallback == FALLBACK_MESH)
+        result = psplat_scene_fallback_meshes(&p->scene, &desc, &p->fallbacks, error);
+    if (a->gaussian && !result)
+        result = psplat_scene_gaussians(&p->scene, p->splats, &p->gaussians, error);
+    return result;
+}
+
+static psplat_result make(const arguments *a, product *p, psplat_error *error) {
+    psplat_progress progress = psplat_progress_begin(a->quiet);
+    char *name = model_name(a->input);
+    psplat_write_desc written = {.codec = a->no_compress ? NULL : &psplat_meshopt_codec};
+    psplat_progress_show(&progress, "reading", 0);
+    psplat_result result = psplat_scene_read(a->input, name, &p->scene, error);
+    if (!result) result = convert(a, &written, &progress, p, error);
+    if (!result) result = add_alternatives(a, p, error);
+    written.fallbacks = p->fallbacks;
+    written.gaussians = (const psplat_gaussian *const *)p->gaussians;
+    psplat_progress_show(&progress, "writing", 0);
+    if (!result)
+        result = psplat_scene_write(&p->scene, p->splats, &written, &p->bytes, &p->size, error);
+    if (!result) result = check_asset(p, error);
+    psplat_progress_end(&progress);
+    free(name);
+    return result;
+}
+
+static psplat_result write_report(const arguments *a, const product *p, psplat_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    psplat_result result = psplat_scene_report_json(&p->scene, &p->report, &text, &size, error);
+    if (!result) result = psplat_output_write(a->report, text, size, a->overwrite, error);
+    free(text);
+    return result;
+}
+
+/* Returns whether a path is standard output: "-", /dev/stdout, or the pipe behind it. */
+static int is_standard_output(const char *path) {
+    struct stat there, here;
+    if (!path || !strcmp(path, "-")) return path != NULL;
+    return !stat(path, &there) && !fstat(STDOUT_FILENO, &here) && there.st_dev == here.st_dev &&
+           there.st_ino == here.st_ino;
+}
+
+/* Prints the summary, unless standard output takes a file. */
+static void print_summary(const arguments *a, const psplat_report *r) {
+    if (a->quiet || is_standard_output(a->output) || is_standard_output(a->report)) return;
+    printf("%s: %zu splats, %zu bytes, max distance %.3g %% (tolerance %.3g %%), rms normal %.3g "
+           "degrees, %zu of %zu samples uncovered, %.2f s\n",
+           a->output, r->splats, r->bytes, r->max_distance_percent, r->tolerance_percent,
+           r->rms_normal_degrees, r->uncovered_samples, r->verification_samples, r->seconds);
+}
+
+/* Describes the first place where a promise of the conversion is broken. */
+static void describe_broken(const psplat_place *place, const psplat_kept *kept, char text[160]) {
+    double value = place->value, limit = kept->limit;
+    size_t broken = kept->broken;
+    switch (place->promise) {
+    case PSPLAT_PROMISE_COVERAGE:
+        snprintf(text, 160, "no splat covers the surface within %.3g %% (%zu samples)", limit,
+                 broken);
+        break;
+    case PSPLAT_PROMISE_DISTANCE:
+        snprintf(text, 160, "a splat leaves the surface by %.3g %%, not %.3g %% (%zu splats)",
+                 value, limit, broken);
+        break;
+    case PSPLAT_PROMISE_NORMAL:
+        snprintf(text, 160, "the normal errs by %.3g degrees, not %.3g (%zu samples)", value, limit,
+                 broken);
+        break;
+    default:
+        snprintf(text, 160, "a splat crosses a crease by %.3g %%, not %.3g %% (%zu edges)", value,
+                 limit, broken);
+    }
+}
+
+/* Prints a line about the first broken promise; the report has all of them. */
+static void print_broken(const arguments *a, const product *p) {
+    const psplat_report *r = &p->report.total;
+    const psplat_place *place = &r->places[0];
+    const double *at = place->position;
+    char shown[PSPLAT_SHOWN_PATH], text[160], mesh[PSPLAT_SHOWN_PATH] = "";
+    describe_broken(place, &r->promises[place->promise], text);
+    psplat_path_shorten(a->input, shown);
+    if (p->scene.mesh_count > 1) psplat_scene_label(&p->scene, place->mesh, mesh);
+    psplat_command_error("%s: %s%sat %.6g %.6g %.6g: %s; the output was written all the same",
+                         shown, mesh, *mesh ? " " : "", at[0], at[1], at[2], text);
+}
+
+/* Prints what of the input is not in the output. */
+static void print_warnings(const arguments *a, const psplat_scene *scene) {
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_path_shorten(a->input, shown);
+    for (size_t i = 0; i < scene->warning_count && !a->quiet; ++i)
+        psplat_command_error("%s: %s", shown, scene->warnings[i]);
+}
+
+static void free_product(product *p) {
+    psplat_scene_fallback_meshes_free(&p->scene, p->fallbacks);
+    psplat_scene_gaussians_free(&p->scene, p->gaussians);
+    psplat_scene_splats_free(&p->scene, p->splats);
+    free(p->splats);
+    psplat_scene_free(&p->scene);
+    psplat_scene_report_free(&p->report);
+    free(p->bytes);
+}
+
+/* Runs the command after its options were read. */
+static int run(const arguments *a, product *p) {
+    double start = psplat_progress_clock();
+    psplat_error error = {0};
+    const char *subject = NULL;
+    psplat_result result = check_outputs(a, &error);
+    if (!result) {
+        result = make(a, p, &error);
+        subject = result == PSPLAT_ERROR_WRITE ? a->output : a->input;
+    }
+    if (!result) {
+        result = psplat_output_write(a->output, p->bytes, p->size, a->overwrite, &error);
+        subject = NULL;
+    }
+    p->report.total.bytes = p->size;
+    p->report.total.seconds = psplat_progress_clock() - start;
+    p->report.total.peak_memory_bytes = peak_memory();
+    if (!result && a->report) result = write_report(a, p, &error);
+    if (result) {
+        int code = psplat_command_fail(subject, &error);
+        return p->needed ? PSPLAT_EXIT_BUDGET : code;
+    }
+    print_warnings(a, &p->scene);
+    print_summary(a, &p->report.total);
+    if (psplat_report_broken(&p->report.total) == PSPLAT_PROMISE_COUNT) return PSPLAT_EXIT_SUCCESS;
+    print_broken(a, p);
+    return PSPLAT_EXIT_BROKEN;
+}
+
+int psplat_command_convert(int argc, char **argv) {
+    arguments a = {0};
+    psplat_parse parsed = parse(argc, argv, &a);
+    if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
+    product p = {0};
+    int code = run(&a, &p);
+    free_product(&p);
+    return code;
+}

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * command_inspect.c - phongsplat inspect: lists what an asset holds, as a table or as JSON.
+ *
+ * Splats and bytes are counted once for each primitive, however often nodes place it.
+ */
+#include "base/json_writer.h"
+#include "cli/command.h"
+#include "cli/options.h"
+
+#include <phongsplat/phongsplat.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1 }; /* of splats, by their number of clip lines */
+/* There are sixteen names of attributes, each with a few types and numbers of components. */
+enum { MAX_ATTRIBUTES = 64 };
+
+/* Sums over all primitives of an asset. */
+typedef struct summary {
+    size_t splats;
+    size_t splats_by_clip_lines[CLASSES];
+    size_t attribute_bytes, stored_bytes; /* uncompressed, and in the file */
+    size_t file_bytes;
+    psplat_attribute attributes[MAX_ATTRIBUTES];
+    size_t attribute_count;
+    double min[3], max[3];
+} summary;
+
+static psplat_parse parse(int argc, char **argv, const char **input, int *format) {
+    const psplat_option options[] = {psplat_option_shared("format", format)};
+    const psplat_syntax syntax = {
+        .command = "inspect",
+        .operands = "A.glb",
+        .summary =
+            "Shows what an asset (.glb or .gltf) holds: splats by number of clip lines, bytes\n"
+            "by attribute, bounds, materials.",
+        .options = options,
+        .option_count = 1,
+        .slots = {input},
+    };
+    return psplat_options_parse(&syntax, argc, argv);
+}
+
+static const char *component_name(uint32_t type) {
+    switch (type) {
+    case 5120:
+        return "byte";
+    case 5121:
+        return "unsigned byte";
+    case 5122:
+        return "short";
+    case 5123:
+        return "unsigned short";
+    default:
+        return "float";
+    }
+}
+
+/* Adds an attribute to the line of those with equal name, type and components. */
+static void add_attribute(summary *s, const psplat_attribute *attribute) {
+    s->attribute_bytes += attribute->bytes;
+    s->stored_bytes += attribute->stored;
+    for (size_t i = 0; i < s->attribute_count; ++i) {
+        psplat_attribute *known = &s->attributes[i];
+        if (strcmp(known->name, attribute->name) != 0 ||
+            known->components != attribute->components ||
+            known->component_type != attribute->component_type)
+            continue;
+        known->bytes += attribute->bytes;
+        known->stored += attribute->stored;
+        return;
+    }
+    if (s->attribute_count < MAX_ATTRIBUTES) s->attributes[s->attribute_count++] = *attribute;
+}
+
+/* Sums up an asset, each primitive once. Returns 0 where memory ran out. */
+static int summarize(const psplat_asset *asset, summary *s) {
+    size_t count = psplat_asset_batch_count(asset), highest = 0;
+    for (size_t i = 0; i < count; ++i)
+        if (psplat_asset_batch(asset, i)->primitive > highest)
+            highest = psplat_asset_batch(asset, i)->primitive;
+    unsigned char *is_seen = calloc(highest + 1, 1);
+    if (!is_seen) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_batch *batch = psplat_asset_batch(asset, i);
+        if (is_seen[batch->primitive]) continue;
+        is_seen[batch->primitive] = 1;
+        s->splats += batch->splat_count;
+        s->splats_by_clip_lines[batch->clip_count] += batch->splat_count;
+        for (size_t k = 0; k < batch->attribute_count; ++k) add_attribute(s, &batch->attributes[k]);
+    }
+    free(is_seen);
+    psplat_asset_bounds(asset, s->min, s->max);
+    return 1;
+}
+
+static void print_batch(const psplat_batch *b, size_t index) {
+    const psplat_material *m = &b->material;
+    printf("batch %zu: primitive %u, %zu splats with %u clip lines, depth tolerance %.6g\n", index,
+           b->primitive, b->splat_count, b->clip_count, (double)b->depth_tolerance);
+    printf(
+        "  kernel exp(-%g r^%g), base colour %.3g %.3g %.3g %.3g%s, metallic %.3g, roughness %.3g"
+        "%s%s\n",
+        (double)b->kernel.sharpness, (double)b->kernel.exponent, (double)m->base_color[0],
+        (double)m->base_color[1], (double)m->base_color[2], (double)m->base_color[3],
+        b->has_color ? " times colours" : "", (double)m->metallic, (double)m->roughness,
+        m->double_sided ? ", double-sided" : "", m->unlit ? ", unlit" : "");
+}
+
+static void print_pretty(const char *path, const psplat_asset *asset, const summary *s) {
+    printf("%s: %zu splats, %zu bytes of attributes\n\nclip lines      splats\n", path, s->splats,
+           s->attribute_bytes);
+    for (int i = 0; i < CLASSES; ++i)
+        if (s->splats_by_clip_lines[i]) printf("%10d  %10zu\n", i, s->splats_by_clip_lines[i]);
+    printf("\n%-36s %-16s %10s %10s %10s\n", "attribute", "type", "bytes", "in the file",
+           "a splat");
+    for (size_t i = 0; i < s->attribute_count; ++i) {
+        const psplat_attribute *a = &s->attributes[i];
+        char type[32];
+        snprintf(type, sizeof type, "%u %s", a->components, component_name(a->component_type));
+        printf("%-36s %-16s %10zu %10zu %10.2f\n", a->name, type, a->bytes, a->stored,
+               (double)a->stored / (double)s->splats);
+    }
+    printf("%-36s %-16s %10zu %10zu %10.2f\n", "together", "", s->attribute_bytes, s->stored_bytes,
+           (double)s->stored_bytes / (double)s->splats);
+    printf("%-36s %-16s %10s %10zu %10.2f\n", "file", "", "", s->file_bytes,
+           (double)s->file_bytes / (double)s->splats);
+    printf("\nbounds  %.6g %.6g %.6g  to  %.6g %.6g %.6g\n\n", s->min[0], s->min[1], s->min[2],
+           s->max[0], s->max[1], s->max[2]);
+    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
+        print_batch(psplat_asset_batch(asset, i), i);
+}
+
+static void write_attributes(psplat_writer *json, const summary *s) {
+    psplat_writer_open(json, "attributes", '[');
+    for (size_t i = 0; i < s->attribute_count; ++i) {
+        const psplat_attribute *a = &s->attributes[i];
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_string(json, "name", a->name);
+        psplat_writer_string(json, "component_type", component_name(a->component_type));
+        psplat_writer_count(json, "components", a->components);
+        psplat_writer_count(json, "bytes", a->bytes);
+        psplat_writer_boolean(json, "is_compressed", a->is_compressed);
+        psplat_writer_count(json, "stored", a->stored);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
+static void write_floats(psplat_writer *json, const char *key, const float *values, size_t count) {
+    double numbers[4];
+    for (size_t i = 0; i < count; ++i) numbers[i] = (double)values[i];
+    psplat_writer_numbers(json, key, numbers, count);
+}
+
+static void write_material(psplat_writer *json, const psplat_material *material) {
+    psplat_writer_open(json, "material", '{');
+    write_floats(json, "base_color", material->base_color, 4);
+    write_floats(json, "emissive", material->emissive, 3);
+    psplat_writer_number(json, "metallic", (double)material->metallic);
+    psplat_writer_number(json, "roughness", (double)material->roughness);
+    psplat_writer_boolean(json, "double_sided", material->double_sided);
+    psplat_writer_boolean(json, "unlit", material->unlit);
+    psplat_writer_close(json, '}');
+}
+
+static void write_batches(psplat_writer *json, const psplat_asset *asset) {
+    psplat_writer_open(json, "batches", '[');
+    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i) {
+        const psplat_batch *batch = psplat_asset_batch(asset, i);
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_count(json, "primitive", batch->primitive);
+        psplat_writer_count(json, "splats", batch->splat_count);
+        psplat_writer_count(json, "clip_lines", batch->clip_count);
+        psplat_writer_number(json, "depth_tolerance", (double)batch->depth_tolerance);
+        psplat_writer_number(json, "kernel_sharpness", (double)batch->kernel.sharpness);
+        psplat_writer_number(json, "kernel_exponent", (double)batch->kernel.exponent);
+        psplat_writer_boolean(json, "has_color", batch->has_color);
+        psplat_writer_numbers(json, "model", batch->model, 16);
+        write_material(json, &batch->material);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
+/* Returns 0 where memory ran out. */
+static int print_json(const char *path, const psplat_asset *asset, const summary *s) {
+    psplat_writer json = {0};
+    double by_clip_lines[CLASSES];
+    for (int i = 0; i < CLASSES; ++i) by_clip_lines[i] = (double)s->splats_by_clip_lines[i];
+    psplat_writer_open(&json, NULL, '{');
+    psplat_writer_string(&json, "file", path);
+    psplat_writer_count(&json, "splats", s->splats);
+    psplat_writer_numbers(&json, "splats_by_clip_lines", by_clip_lines, CLASSES);
+    psplat_writer_count(&json, "attribute_bytes", s->attribute_bytes);
+    psplat_writer_count(&json, "stored_bytes", s->stored_bytes);
+    psplat_writer_count(&json, "file_bytes", s->file_bytes);
+    write_attributes(&json, s);
+    psplat_writer_numbers(&json, "bounds_min", s->min, 3);
+    psplat_writer_numbers(&json, "bounds_max", s->max, 3);
+    write_batches(&json, asset);
+    psplat_writer_close(&json, '}');
+    int is_whole = psplat_writer_finish(&json);
+    if (is_whole) fwrite(json.text, 1, json.size, stdout);
+    free(json.text);
+    return is_whole;
+}
+
+int psplat_command_inspect(int argc, char **argv) {
+    const char *input = NULL;
+    int format = PSPLAT_FORMAT_PRETTY;
+    psplat_parse parsed = parse(argc, argv, &input, &format);
+    if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
+    psplat_asset *asset = NULL;
+    psplat_error error = {0};
+    summary s = {0};
+    const psplat_asset_desc desc = {.measures = 1};
+    struct stat file;
+    if (psplat_command_open(input, &desc, &asset, &error))
+        return psplat_command_fail(input, &error);
+    if (!stat(input, &file)) s.file_bytes = (size_t)file.st_size;
+    int is_whole = summarize(asset, &s);
+    if (is_whole && format == PSPLAT_FORMAT_PRETTY) print_pretty(input, asset, &s);
+    if (is_whole && format == PSPLAT_FORMAT_JSON) is_whole = print_json(input, asset, &s);
+    psplat_asset_destroy(asset);
+    if (is_whole) return PSPLAT_EXIT_SUCCESS;
+    psplat_fail(&error, PSPLAT_ERROR_MEMORY, 0, "no memory for the description");
+    return psplat_command_fail(input, &error);
+}

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * command_render.c - phongsplat render: draws an asset into a PNG.
+ *
+ * The picture is drawn larger than asked for into a float framebuffer and averaged in linear light.
+ * Only this supersampling smooths silhouettes and creases, since a pixel is either inside a splat's
+ * edge or outside.
+ */
+#define _XOPEN_SOURCE 700
+
+#include "base/output.h"
+#include "cli/command.h"
+#include "cli/options.h"
+#include "material/mipmap.h"
+#include "picture/picture.h"
+#include "picture/png_writer.h"
+#include "picture/viewpoint.h"
+#include "views/gl_context.h"
+
+#include <phongsplat/phongsplat.h>
+#include <phongsplat/host.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+/* MAX_SIDE bounds the picture, pixels. A picture is drawn in tiles whose sides have
+ * MAX_TILE_SAMPLES samples at most, so that memory and the sizes that GL allows do not limit it: a
+ * sample takes 16 bytes here and a few times that in the driver. */
+enum { MAX_SIDE = 16384, MAX_TILE_SAMPLES = 3072 };
+
+typedef struct arguments {
+    const char *input;
+    const char *output;
+    int size[2];
+    psplat_viewpoint viewpoint;
+    int mode, shading;
+    int shadows, no_filter;
+    float background[4]; /* sRGB-encoded */
+    int supersample;
+    int software;
+    int overwrite;
+} arguments;
+
+/* The asset and what draws it; free_scene frees everything. */
+typedef struct scene {
+    psplat_asset *asset;
+    psplat_host *host;
+    psplat_renderer *renderer;
+    psplat_model *model;
+} scene;
+
+/* A tile of the picture, in its pixels, row 0 on top. */
+typedef struct tile {
+    int x, y, width, height;
+} tile;
+
+static const char *const shading_names[] = {
+#define SHADING_NAME(name, file, reads) #file,
+    PSPLAT_SHADINGS(SHADING_NAME)
+#undef SHADING_NAME
+        NULL};
+
+static psplat_parse parse(int argc, char **argv, arguments *a) {
+    const psplat_option options[] = {
+        {0, "size", PSPLAT_OPTION_SIZE, a->size, "WxH", "pixels of the picture (default 1024x768)",
+         1, MAX_SIDE, NULL},
+        {0, "azimuth", PSPLAT_OPTION_NUMBER, &a->viewpoint.azimuth_degrees, "DEG",
+         "direction to look from, about +y: 0 is +z, 90 is +x\n(default 30)", -3600, 3600, NULL},
+        {0, "elevation", PSPLAT_OPTION_NUMBER, &a->viewpoint.elevation_degrees, "DEG",
+         "height to look from: 0 is level, 90 straight down\n(default 20)", -90, 90, NULL},
+        {0, "distance", PSPLAT_OPTION_NUMBER, &a->viewpoint.distance, "F",
+         "distance in multiples of the one at which the bounding\nsphere fits (default 1)", 1e-3,
+         1e3, NULL},
+        psplat_option_shared("mode", &a->mode),
+        {0, "shading", PSPLAT_OPTION_CHOICE, &a->shading,
+         "lit|unlit|toon|normal|depth|overdraw|splats", "what is made of them (default lit)", 0, 0,
+         shading_names},
+        {0, "shadows", PSPLAT_OPTION_FLAG, &a->shadows, NULL, "the light casts shadows", 0, 0,
+         NULL},
+        psplat_option_shared("no-filter", &a->no_filter),
+        {0, "background", PSPLAT_OPTION_COLOR, a->background, "COLOR",
+         "RRGGBB, R,G,B or transparent (default FFFFFF)", 0, 0, NULL},
+        {0, "supersample", PSPLAT_OPTION_COUNT, &a->supersample, "N",
+         "draw N times as wide and high and average in linear\nlight (default 3)", 1, 8, NULL},
+        psplat_option_shared("software", &a->software),
+        psplat_option_shared("overwrite", &a->overwrite),
+    };
+    const psplat_syntax syntax = {
+        .command = "render",
+        .operands = "A.glb OUT.png",
+        .summary = "Draws an asset (.glb or .gltf) into a PNG, seen whole and lit from behind the\n"
+                   "camera. The scene's y axis points up.",
+        .notes = "OUT.png is written whole or not at all; - is standard output.",
+        .options = options,
+        .option_count = sizeof options / sizeof *options,
+        .slots = {&a->input, &a->output},
+    };
+    return psplat_options_parse(&syntax, argc, argv);
+}
+
+static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) {
+    psplat_result result = psplat_context_create(a->software, &s->host, error);
+    if (result) return result;
+    psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = s->host};
+    result = psplat_renderer_create(&desc, &s->renderer, error);
+    if (result) return result;
+    return psplat_model_create(s->renderer, s->asset, &s->model, error);
+}
+
+/* Returns whether the colours of a shading stand for numbers and so are sRGB-encoded already. */
+static int shows_numbers(int shading) {
+    return shading != PSPLAT_SHADING_LIT && shading != PSPLAT_SHADING_UNLIT &&
+           shading != PSPLAT_SHADING_TOON;
+}
+
+/* Returns the view of the whole picture before averaging. */
+static psplat_view whole_view(const arguments *a, const scene *s) {
+    double center[3], radius;
+    psplat_view view = {
+        .width = a->size[0] * a->supersample,
+        .height = a->size[1] * a->supersample,
+        .mode = (psplat_mode)a->mode,
+        .shading = (psplat_shading)a->shading,
+        .no_filter = a->no_filter,
+        .linear_output = !shows_numbers(a->shading),
+    };
+    psplat_viewpoint_sphere(s->asset, center, &radius);
+    psplat_viewpoint_fit(&a->viewpoint, center, radius, &view);
+    view.lights[0].casts_shadow = a->shadows;
+    return view;
+}
+
+/* Draws a tile into rgba: (supersample * width) x (supersample * height) linear pixels. */
+static psplat_result draw(const arguments *a, scene *s, const psplat_view *whole, const tile *t,
+                          float *rgba, psplat_error *error) {
+    psplat_view view = *whole;
+    int n = a->supersample, bottom = a->size[1] - t->y - t->height;
+    psplat_viewpoint_crop(&view, n * t->x, n * bottom, n * t->width, n * t->height);
+    float clear[4] = {0, 0, 0, a->background[3]};
+    for (int i = 0; i < 3; ++i)
+        clear[i] =
+            shows_numbers(a->shading) ? a->background[i] : psplat_linear_of_srgb(a->background[i]);
+    psplat_item item = {.model = s->model};
+    psplat_result result = psplat_host_begin(s->host, view.width, view.height, 1, clear, error);
+    if (!result) result = psplat_draw(s->renderer, &view, &item, 1, error);
+    if (!result) result = psplat_host_read_float(s->host, rgba, error);
+    size_t samples = (size_t)view.width * (size_t)view.height;
+    for (size_t i = 0; i < samples && !result && shows_numbers(a->shading); ++i)
+        for (size_t c = 0; c < 3; ++c) rgba[4 * i + c] = psplat_linear_of_srgb(rgba[4 * i + c]);
+    return result;
+}
+
+/* Returns 4, for straight alpha, if the background is transparent, else 3. */
+static int channel_count(const arguments *a) {
+    return a->background[3] < 1 ? 4 : 3;
+}
+
+static void copy_tile(const arguments *a, const tile *t, const uint8_t *tile_pixels,
+                      uint8_t *pixels) {
+    size_t channels = (size_t)channel_count(a), row = channels * (size_t)t->width;
+    for (int y = 0; y < t->height; ++y) {
+        size_t at = (size_t)(t->y + y) * (size_t)a->size[0] + (size_t)t->x;
+        memcpy(pixels + channels * at, tile_pixels + row * (size_t)y, row);
+    }
+}
+
+static int smaller(int a, int b) {
+    return a < b ? a : b;
+}
+
+/* Draws all tiles. rgba and tile_pixels have room for the samples and the pixels of side x side. */
+static psplat_result draw_tiles(const arguments *a, scene *s, int side, float *rgba,
+                                uint8_t *tile_pixels, uint8_t *pixels, psplat_error *error) {
+    psplat_view whole = whole_view(a, s);
+    psplat_result result = PSPLAT_OK;
+    for (int y = 0; y < a->size[1] && !result; y += side)
+        for (int x = 0; x < a->size[0] && !result; x += side) {
+            tile t = {x, y, smaller(side, a->size[0] - x), smaller(side, a->size[1] - y)};
+            result = draw(a, s, &whole, &t, rgba, error);
+            if (result) break;
+            psplat_picture_reduce(rgba, t.width, t.height, a->supersample, channel_count(a),
+                                  tile_pixels);
+            copy_tile(a, &t, tile_pixels, pixels);
+        }
+    return result;
+}
+
+static psplat_result write_picture(const arguments *a, const uint8_t *pixels, psplat_error *error) {
+    uint8_t *png = NULL;
+    size_t size = 0;
+    psplat_result result =
+        psplat_png_encode(pixels, a->size[0], a->size[1], channel_count(a), &png, &size, error);
+    if (!result) result = psplat_output_write(a->output, png, size, a->overwrite, error);
+    free(png);
+    return result;
+}
+
+static psplat_result render(const arguments *a, scene *s, psplat_error *error) {
+    int side = MAX_TILE_SAMPLES / a->supersample;
+    size_t pixel_count = (size_t)a->size[0] * (size_t)a->size[1];
+    size_t tile_size = (size_t)smaller(side, a->size[0]) * (size_t)smaller(side, a->size[1]);
+    size_t samples = tile_size * (size_t)(a->supersample * a->supersample);
+    float *rgba = malloc(samples * 4 * sizeof *rgba);
+    uint8_t *tile_pixels = malloc(tile_size * 4), *pixels = malloc(pixel_count * 4);
+    psplat_result result =
+        rgba && tile_pixels && pixels
+            ? PSPLAT_OK
+            : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu pixels", pixel_count);
+    if (!result) result = prepare(a, s, error);
+    if (!result) result = draw_tiles(a, s, side, rgba, tile_pixels, pixels, error);
+    if (!result) result = write_picture(a, pixels, error);
+    free(rgba);
+    free(tile_pixels);
+    free(pixels);
+    return result;
+}
+
+static void free_scene(scene *s) {
+    if (s->renderer) psplat_model_destroy(s->renderer, s->model);
+    psplat_renderer_destroy(s->renderer);
+    psplat_host_destroy(s->host);
+    psplat_asset_destroy(s->asset);
+}
+
+int psplat_command_render(int argc, char **argv) {
+    arguments a = {
+        .size = {1024, 768},
+        .viewpoint = {.azimuth_degrees = 30, .elevation_degrees = 20},
+        .background = {1, 1, 1, 1},
+        .supersample = 3,
+    };
+    psplat_parse parsed = parse(argc, argv, &a);
+    if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
+    scene s = {0};
+    psplat_error error = {0};
+    psplat_result result = psplat_output_check(a.input, a.output, a.overwrite, &error);
+    if (result) return psplat_command_fail(NULL, &error);
+    if (psplat_command_open(a.input, NULL, &s.asset, &error))
+        return psplat_command_fail(a.input, &error);
+    result = render(&a, &s, &error);
+    free_scene(&s);
+    return result ? psplat_command_fail(result == PSPLAT_ERROR_WRITE ? NULL : a.input, &error)
+                  : PSPLAT_EXIT_SUCCESS;
+}

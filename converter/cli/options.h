@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * options.h - the options of commands as tables, and their parser.
+ */
+#ifndef PHONGSPLAT_CLI_OPTIONS_H
+#define PHONGSPLAT_CLI_OPTIONS_H
+
+#include <stdint.h>
+
+#include <stddef.h>
+#include "cli/command.h"
+
+typedef enum psplat_option_kind {
+    PSPLAT_OPTION_FLAG,     /* int, set to 1 */
+    PSPLAT_OPTION_TEXT,     /* const char * into argv */
+    PSPLAT_OPTION_NUMBER,   /* double in min ... max */
+    PSPLAT_OPTION_PERCENT,  /* double in min ... max; a % sign may follow */
+    PSPLAT_OPTION_COUNT,    /* int in min ... max */
+    PSPLAT_OPTION_EFFORT,   /* int in min ... max; 0 becomes PSPLAT_EFFORT_NONE */
+    PSPLAT_OPTION_UNSIGNED, /* uint64_t */
+    PSPLAT_OPTION_SIZE,     /* int[2], WIDTHxHEIGHT, each in min ... max */
+    PSPLAT_OPTION_CHOICE,   /* int, index into choices */
+    PSPLAT_OPTION_COLOR     /* float[4], sRGB-encoded 0 ... 1; RRGGBB, R,G,B or transparent */
+} psplat_option_kind;
+
+typedef struct psplat_option {
+    char letter; /* 0 if there is only the long name */
+    const char *name;
+    psplat_option_kind kind;
+    void *value;             /* untouched where the option is absent */
+    const char *placeholder; /* for the value in --help; NULL for flags */
+    const char *help;        /* lines separated by \n */
+    double min, max;         /* inclusive */
+    const char *const *choices;
+} psplat_option;
+
+enum { PSPLAT_MAX_SLOTS = 2 };
+
+/* The command line of a command; --help is always accepted. Operands fill, in order, the slots that
+ * options have left NULL. Every slot must be filled in the end. */
+typedef struct psplat_syntax {
+    const char *command;
+    const char *operands; /* as --help shows them: "IN OUT.glb" */
+    const char *summary;
+    const char *notes; /* paragraph after the options; may be NULL */
+    const psplat_option *options;
+    size_t option_count;                  /* at most 30 */
+    const char **slots[PSPLAT_MAX_SLOTS]; /* NULL after the last */
+} psplat_syntax;
+
+/* The result of parsing; other than PSPLAT_PARSE_OK it is the exit code of the command. */
+typedef enum psplat_parse {
+    PSPLAT_PARSE_OK = -1,
+    PSPLAT_PARSE_HELP = PSPLAT_EXIT_SUCCESS, /* --help was asked for and printed */
+    PSPLAT_PARSE_ERROR = PSPLAT_EXIT_USAGE   /* the error line was printed */
+} psplat_parse;
+
+/* Parses the arguments and stores the values of options. argv[0] is the command's name; the order
+ * of the other arguments is changed. Only one thread may call it at a time, since getopt_long has
+ * global state. */
+psplat_parse psplat_options_parse(const psplat_syntax *syntax, int argc, char **argv);
+
+/* Prints the error line about subject, an option or an operand; returns PSPLAT_PARSE_ERROR. */
+psplat_parse psplat_options_refuse(const char *command, const char *subject, const char *cause);
+
+/* Prints the help of a command on standard output. */
+void psplat_options_help(const psplat_syntax *syntax);
+
+/* ---- option_table.c: options of several commands ------------------------------------------ */
+
+typedef enum psplat_format { PSPLAT_FORMAT_PRETTY, PSPLAT_FORMAT_JSON } psplat_format;
+extern const char *const psplat_format_names[];
+
+/* Returns the shared option of this name, which must exist, with a place for its value. */
+psplat_option psplat_option_shared(const char *name, void *value);
+
+#endif

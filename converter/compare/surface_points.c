@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * surface_points.c - sample points on a mesh or on splats, uniform by area, with the corners added.
+ */
+#include "compare/surface_points.h"
+
+#include "base/random.h"
+#include "base/region.h"
+#include "base/vector.h"
+#include "compare/source_mesh.h"
+#include "compare/source_mesh_parts.h"
+#include "features/samples.h"
+#include "mesh/mesh.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The sides of the polygon in place of an ellipse; each clip line adds one corner at most. */
+enum { MIN_SIDES = 8, MAX_SIDES = 64, MAX_CORNERS = MAX_SIDES + PSPLAT_MAX_CLIP_LINES };
+
+void psplat_surface_points_free(psplat_surface_points *cloud) {
+    free(cloud->points);
+    free(cloud->normals);
+    *cloud = (psplat_surface_points){0};
+}
+
+static psplat_result allocate(psplat_surface_points *cloud, size_t count, size_t normals,
+                              psplat_error *error) {
+    *cloud = (psplat_surface_points){.points = malloc((count + 1) * 3 * sizeof *cloud->points),
+                                     .normals = malloc((normals + 1) * 3 * sizeof *cloud->normals)};
+    if (cloud->points && cloud->normals) return PSPLAT_OK;
+    psplat_surface_points_free(cloud);
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu points", count);
+}
+
+static void push(psplat_surface_points *cloud, const double point[3]) {
+    memcpy(cloud->points + 3 * cloud->count++, point, 3 * sizeof *point);
+}
+
+/* ---- points of a mesh ------------------------------------------------------------------------ */
+
+/* Adds the vertices that triangles use, or every n-th of them so that there are at most `most`. */
+static int push_vertices(const psplat_mesh *mesh, size_t most, psplat_surface_points *cloud) {
+    uint8_t *used = calloc(mesh->vertex_count + 1, 1);
+    size_t count = 0, met = 0;
+    if (!used) return 0;
+    for (size_t i = 0; i < 3 * mesh->triangle_count; ++i) {
+        count += !used[mesh->triangles[i]];
+        used[mesh->triangles[i]] = 1;
+    }
+    size_t stride = most ? (count + most - 1) / most : count + 1;
+    for (size_t v = 0; v < mesh->vertex_count; ++v)
+        if (used[v] && met++ % stride == 0) push(cloud, mesh->positions + 3 * v);
+    free(used);
+    return 1;
+}
+
+psplat_result psplat_surface_points_of_mesh(const psplat_source_mesh *mesh, const double shift[3],
+                                            size_t count, uint64_t seed,
+                                            psplat_surface_points *cloud, psplat_error *error) {
+    psplat_samples samples = {0};
+    *cloud = (psplat_surface_points){0};
+    psplat_result result =
+        psplat_samples_draw_uniform(&mesh->surface, count, seed, &samples, error);
+    if (!result) result = allocate(cloud, samples.count + count, samples.count, error);
+    if (!result) {
+        cloud->count = cloud->uniform = samples.count;
+        memcpy(cloud->points, samples.positions, 3 * samples.count * sizeof(double));
+        memcpy(cloud->normals, samples.normals, 3 * samples.count * sizeof(float));
+        if (!push_vertices(mesh->mesh, count, cloud))
+            result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for vertices");
+        for (size_t i = 0; i < cloud->count; ++i) mad3(cloud->points + 3 * i, -1, shift);
+    }
+    psplat_samples_free(&samples);
+    if (result) psplat_surface_points_free(cloud);
+    return result;
+}
+
+/* ---- points of splats ------------------------------------------------------------------------ */
+
+/* A polygon around a region, with a triangle fan for sampling by area. Random points between the
+ * ellipse and the polygon's sides are rejected. */
+typedef struct outline {
+    double corners[MAX_CORNERS][2];
+    size_t count;
+    double areas[MAX_CORNERS]; /* running sums of the fan around corner 0 */
+    double area;
+} outline;
+
+static void find_outline(const psplat_region *region, outline *o) {
+    o->count = psplat_region_polygon(region, 0, o->corners, MAX_CORNERS);
+    o->area = 0;
+    for (size_t i = 2; i < o->count; ++i) {
+        const double *p = o->corners[0], *a = o->corners[i - 1], *b = o->corners[i];
+        double twice = (a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]);
+        o->area += max2(twice / 2, 0) * region->radius[0] * region->radius[1];
+        o->areas[i] = o->area;
+    }
+}
+
+static void region_point(const psplat_region *region, const double uv[2], double point[3]) {
+    memcpy(point, region->center, 3 * sizeof(double));
+    mad3(point, uv[0] * region->radius[0], region->u);
+    mad3(point, uv[1] * region->radius[1], region->v);
+}
+
+/* Adds a random point of the outline unless it is outside the ellipse. */
+static void push_random(const psplat_region *region, const outline *o, uint64_t *random,
+                        psplat_surface_points *cloud) {
+    double at = psplat_random_unit(random) * o->area, uv[2], point[3];
+    size_t i = 2;
+    while (i + 1 < o->count && o->areas[i] < at) ++i;
+    const double *p = o->corners[0], *a = o->corners[i - 1], *b = o->corners[i];
+    double s = sqrt(psplat_random_unit(random)), t = psplat_random_unit(random);
+    for (int k = 0; k < 2; ++k) uv[k] = (1 - s) * p[k] + s * ((1 - t) * a[k] + t * b[k]);
+    if (uv[0] * uv[0] + uv[1] * uv[1] > 1) return;
+    region_point(region, uv, point);
+    push(cloud, point);
+}
+
+/* Gives each region points in proportion to its area, rounded up or down by one at most. */
+static void push_all(const psplat_region *regions, size_t region_count, size_t count, double area,
+                     uint64_t seed, psplat_surface_points *cloud) {
+    outline o;
+    double below = psplat_random_unit(&seed), pushed = 0;
+    for (size_t i = 0; i < region_count && area > 0; ++i) {
+        find_outline(&regions[i], &o);
+        below += o.area / area * (double)count;
+        for (; pushed + 1 <= below && pushed < (double)count; ++pushed)
+            push_random(&regions[i], &o, &seed, cloud);
+    }
+}
+
+static void push_corners(const psplat_region *region, size_t sides, psplat_surface_points *cloud) {
+    double corners[MAX_CORNERS][2], point[3];
+    size_t count = psplat_region_polygon(region, 1, corners, sides + PSPLAT_MAX_CLIP_LINES);
+    for (size_t i = 0; i < count; ++i) {
+        region_point(region, corners[i], point);
+        push(cloud, point);
+    }
+}
+
+psplat_result psplat_surface_points_of_regions(const psplat_region *regions, size_t region_count,
+                                               size_t count, uint64_t seed,
+                                               psplat_surface_points *cloud, psplat_error *error) {
+    size_t sides = region_count ? count / region_count : 0;
+    sides = sides < MIN_SIDES ? MIN_SIDES : sides > MAX_SIDES ? MAX_SIDES : sides;
+    size_t most = count + region_count * (sides + 2 * PSPLAT_MAX_CLIP_LINES);
+    psplat_result result = allocate(cloud, most, 0, error);
+    if (result) return result;
+    outline o;
+    double area = 0;
+    for (size_t i = 0; i < region_count; ++i) {
+        find_outline(&regions[i], &o);
+        area += o.area;
+    }
+    push_all(regions, region_count, count, area, seed, cloud);
+    cloud->uniform = cloud->count;
+    for (size_t i = 0; i < region_count; ++i) push_corners(&regions[i], sides, cloud);
+    return PSPLAT_OK;
+}

@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * buffer_layout.c - the primitives of a file and the buffer views that hold their attributes.
+ *
+ * Attributes are interleaved, one row for each splat, and primitives with rows of equal size share
+ * a buffer view, because every view takes JSON and JSON is most of a small file. For the same
+ * reason splats with few clip lines may join the primitive of those with more: their missing lines
+ * are padded with lines that cut nothing off, where that takes fewer bytes than another primitive.
+ */
+#include "export/buffer_layout.h"
+
+#include "export/meshopt_codec.h"
+#include "export/splat_attributes.h"
+#include "splats/splats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Estimates of the JSON that a primitive and each of its attributes take, bytes, chosen by hand. */
+enum { PRIMITIVE_BYTES = 260, ATTRIBUTE_BYTES = 130 };
+
+enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1 }; /* of splats, by their number of clip lines */
+
+/* ---- primitives ----------------------------------------------------------------------------- */
+
+/* The runs of splats that may share a primitive: equal material and depth tolerance, and at most
+ * one run of each number of clip lines. */
+typedef struct family {
+    uint32_t material;
+    float depth_tolerance;
+    size_t first[CLASSES], count[CLASSES]; /* by clip lines */
+} family;
+
+static size_t find_families(const psplat_splats *splats, family *families) {
+    size_t count = 0, first = 0;
+    for (size_t i = 0; i < splats->run_count; ++i) {
+        const psplat_run *run = &splats->runs[i];
+        size_t f = 0;
+        while (f < count && (families[f].material != run->material ||
+                             families[f].depth_tolerance != run->depth_tolerance ||
+                             families[f].count[run->clip_lines]))
+            ++f;
+        if (f == count)
+            families[count++] =
+                (family){.material = run->material, .depth_tolerance = run->depth_tolerance};
+        families[f].first[run->clip_lines] = first;
+        families[f].count[run->clip_lines] = run->count;
+        first += run->count;
+    }
+    return count;
+}
+
+/* Estimates the bytes of writing the classes from ... to as one primitive: JSON and padding. */
+static double cost_of(const family *f, size_t from, size_t to, size_t line_bytes, double padding) {
+    double cost = 0;
+    int any = 0;
+    for (size_t k = from; k <= to; ++k) {
+        size_t lines = f->count[k] * (to - k);
+        if (lines) cost += padding * (double)(lines * line_bytes);
+        any |= f->count[k] > 0;
+    }
+    return any ? cost + PRIMITIVE_BYTES + (double)(6 + to) * ATTRIBUTE_BYTES : 0;
+}
+
+/* Finds the cheapest division of the classes into primitives by trying all of them. The result has
+ * a bit set for each class that is the last of its primitive. */
+static unsigned cheapest_cut(const family *f, size_t line_bytes, double padding) {
+    unsigned best = (1u << CLASSES) - 1;
+    double least = HUGE_VAL;
+    for (unsigned cut = 1u << (CLASSES - 1); cut < 1u << CLASSES; ++cut) {
+        double cost = 0;
+        for (size_t k = 0, from = 0; k < CLASSES; ++k) {
+            if (!(cut >> k & 1)) continue;
+            size_t to = k;
+            while (to > from && !f->count[to]) --to;
+            cost += cost_of(f, from, to, line_bytes, padding);
+            from = k + 1;
+        }
+        if (cost < least) least = cost, best = cut;
+    }
+    return best;
+}
+
+/* Sets the formats that hold all splats of a primitive. */
+static void set_formats(const psplat_attribute_table *table, psplat_primitive_layout *primitive) {
+    for (size_t class = 0; class < CLASSES; ++class) {
+        psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS];
+        psplat_attribute_table_formats(table, primitive->first[class], primitive->counts[class],
+                                       primitive->clip_lines, formats);
+        for (size_t k = 0; k < PSPLAT_ATTRIBUTE_KINDS; ++k) {
+            size_t components = primitive->formats[k].components;
+            primitive->formats[k] = formats[k];
+            if (components > formats[k].components) primitive->formats[k].components = components;
+        }
+    }
+}
+
+static void add_primitives(psplat_buffer_layout *layout, size_t mesh, const family *f,
+                           unsigned cut) {
+    psplat_primitive_layout primitive = {
+        .mesh = mesh, .material = f->material, .depth_tolerance = f->depth_tolerance};
+    for (size_t class = 0; class < CLASSES; ++class) {
+        primitive.first[class] = f->first[class];
+        primitive.counts[class] = f->count[class];
+        primitive.count += f->count[class];
+        if (f->count[class]) primitive.clip_lines = class;
+        if (!(cut >> class & 1) || !primitive.count) continue;
+        set_formats(&layout->tables[mesh], &primitive);
+        layout->primitives[layout->primitive_count++] = primitive;
+        primitive = (psplat_primitive_layout){
+            .mesh = mesh, .material = f->material, .depth_tolerance = f->depth_tolerance};
+    }
+}
+
+/* Sorts by clip lines, unclipped splats first (BSK04 section 4.1); the insertion sort is stable. */
+static void sort_primitives(psplat_primitive_layout *primitives, size_t count) {
+    for (size_t i = 1; i < count; ++i)
+        for (size_t k = i; k > 0 && primitives[k - 1].clip_lines > primitives[k].clip_lines; --k) {
+            psplat_primitive_layout other = primitives[k];
+            primitives[k] = primitives[k - 1];
+            primitives[k - 1] = other;
+        }
+}
+
+static int make_primitives(psplat_buffer_layout *layout, size_t mesh, double padding) {
+    const psplat_attribute_table *table = &layout->tables[mesh];
+    family *families = malloc((table->splats->run_count + 1) * sizeof *families);
+    size_t first = layout->primitive_count;
+    if (!families) return 0;
+    size_t count = find_families(table->splats, families);
+    size_t line_bytes = psplat_attribute_bytes(&table->formats[PSPLAT_ATTRIBUTE_LINE]);
+    for (size_t i = 0; i < count; ++i)
+        add_primitives(layout, mesh, &families[i], cheapest_cut(&families[i], line_bytes, padding));
+    sort_primitives(layout->primitives + first, layout->primitive_count - first);
+    free(families);
+    return 1;
+}
+
+/* ---- views ---------------------------------------------------------------------------------- */
+
+/* Appends zeroed rows to the view for this stride and filter, which is made where there is none.
+ * Returns the first row, or NULL where memory ran out. */
+static uint8_t *add_rows(psplat_buffer_layout *layout, size_t stride, int is_octahedral,
+                         size_t rows, psplat_attribute_place *place) {
+    size_t i = 0;
+    while (i < layout->view_count &&
+           (layout->views[i].stride != stride || layout->views[i].is_octahedral != is_octahedral))
+        ++i;
+    psplat_buffer_view *view = &layout->views[i];
+    if (i == layout->view_count) {
+        *view = (psplat_buffer_view){.stride = stride, .is_octahedral = is_octahedral};
+        layout->view_count++;
+    }
+    if (view->rows + rows > view->capacity) {
+        size_t capacity = 2 * view->rows + rows;
+        uint8_t *bytes = realloc(view->bytes, capacity * stride);
+        if (!bytes) return NULL;
+        view->bytes = bytes;
+        view->capacity = capacity;
+    }
+    *place = (psplat_attribute_place){i, view->rows * stride};
+    view->rows += rows;
+    uint8_t *start = view->bytes + place->offset;
+    memset(start, 0, rows * stride);
+    return start;
+}
+
+/* Writes an attribute of a primitive's splats, stride bytes apart. */
+static void put_attribute(const psplat_buffer_layout *layout,
+                          const psplat_primitive_layout *primitive, size_t kind, int is_octahedral,
+                          uint8_t *out, size_t stride) {
+    const psplat_attribute_table *table = &layout->tables[primitive->mesh];
+    for (size_t class = 0; class < CLASSES; ++class)
+        for (size_t i = 0; i < primitive->counts[class]; ++i, out += stride)
+            if (is_octahedral)
+                psplat_attribute_table_put_octahedral(table, primitive->first[class] + i, out);
+            else
+                psplat_attribute_table_put(table, kind, &primitive->formats[kind],
+                                           primitive->first[class] + i, out);
+}
+
+static int is_apart(const psplat_buffer_layout_plan *plan, const psplat_attribute_table *table,
+                    size_t kind) {
+    return (plan->lines_apart && psplat_attribute_is_clip_line(kind)) ||
+           (plan->normals_apart && table->codes && kind == PSPLAT_ATTRIBUTE_NORMAL);
+}
+
+/* Writes an attribute of a primitive into a view of its own. */
+static int add_separate_attribute(psplat_buffer_layout *layout, psplat_primitive_layout *primitive,
+                                  size_t kind) {
+    int is_octahedral = !psplat_attribute_is_clip_line(kind);
+    size_t stride = psplat_attribute_bytes(&layout->tables[primitive->mesh].formats[kind]);
+    uint8_t *out =
+        add_rows(layout, stride, is_octahedral, primitive->count, &primitive->places[kind]);
+    if (out) put_attribute(layout, primitive, kind, is_octahedral, out, stride);
+    return out != NULL;
+}
+
+/* Finds the offsets of attributes in rows that have room for those of all primitives from first to
+ * last. Returns the bytes of such a row. */
+static size_t row_of(const psplat_buffer_layout_plan *plan, const psplat_buffer_layout *layout,
+                     size_t first, size_t last, size_t offsets[PSPLAT_ATTRIBUTE_KINDS]) {
+    const psplat_attribute_table *table = &layout->tables[layout->primitives[first].mesh];
+    size_t bytes = 0;
+    for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind) {
+        psplat_attribute_format format = table->formats[kind];
+        format.components = 0;
+        for (size_t i = first; i <= last; ++i)
+            if (layout->primitives[i].formats[kind].components > format.components)
+                format.components = layout->primitives[i].formats[kind].components;
+        offsets[kind] = bytes;
+        if (!is_apart(plan, table, kind)) bytes += psplat_attribute_bytes(&format);
+    }
+    return bytes;
+}
+
+static int add_rows_of(const psplat_buffer_layout_plan *plan, psplat_buffer_layout *layout,
+                       psplat_primitive_layout *primitive, size_t stride,
+                       const size_t offsets[PSPLAT_ATTRIBUTE_KINDS]) {
+    psplat_attribute_place place;
+    const psplat_attribute_table *table = &layout->tables[primitive->mesh];
+    uint8_t *rows = add_rows(layout, stride, 0, primitive->count, &place);
+    for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS && rows; ++kind) {
+        if (!primitive->formats[kind].components || is_apart(plan, table, kind)) continue;
+        primitive->places[kind] =
+            (psplat_attribute_place){place.view, place.offset + offsets[kind]};
+        put_attribute(layout, primitive, kind, 0, rows + offsets[kind], stride);
+    }
+    return rows != NULL;
+}
+
+/* Adds the interleaved rows of a mesh's primitives first, then the attributes with views of their
+ * own. */
+static int add_mesh(const psplat_buffer_layout_plan *plan, psplat_buffer_layout *layout,
+                    size_t first, size_t last) {
+    for (size_t i = first; i <= last; ++i) {
+        size_t offsets[PSPLAT_ATTRIBUTE_KINDS], from = plan->rows_alike ? first : i;
+        size_t stride = row_of(plan, layout, from, plan->rows_alike ? last : i, offsets);
+        if (!add_rows_of(plan, layout, &layout->primitives[i], stride, offsets)) return 0;
+    }
+    for (size_t i = first; i <= last; ++i)
+        for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind) {
+            psplat_primitive_layout *primitive = &layout->primitives[i];
+            if (primitive->formats[kind].components &&
+                is_apart(plan, &layout->tables[primitive->mesh], kind) &&
+                !add_separate_attribute(layout, primitive, kind))
+                return 0;
+        }
+    return 1;
+}
+
+static int compress(const psplat_codec *codec, psplat_buffer_view *view) {
+    size_t bound = codec->bound(view->rows, view->stride);
+    view->packed = malloc(bound + 3);
+    if (!view->packed) return 0;
+    view->packed_size = codec->encode(view->packed, bound, view->bytes, view->rows, view->stride);
+    return view->packed_size > 0;
+}
+
+/* Allocates the most primitives and views that there can be: each run may need three views. */
+static int reserve(psplat_buffer_layout *layout) {
+    size_t runs = 1;
+    for (size_t i = 0; i < layout->mesh_count; ++i) runs += layout->tables[i].splats->run_count;
+    layout->primitives = calloc(runs, sizeof *layout->primitives);
+    layout->views = calloc(3 * runs, sizeof *layout->views);
+    return layout->primitives && layout->views;
+}
+
+psplat_result psplat_buffer_layout_make(const psplat_buffer_layout_plan *plan,
+                                        psplat_buffer_layout *layout, psplat_error *error) {
+    int is_made = reserve(layout);
+    for (size_t i = 0; i < layout->mesh_count && is_made; ++i) {
+        size_t first = layout->primitive_count;
+        is_made = make_primitives(layout, i, plan->padding);
+        if (is_made && layout->primitive_count > first)
+            is_made = add_mesh(plan, layout, first, layout->primitive_count - 1);
+    }
+    for (size_t i = 0; i < layout->view_count && is_made && plan->codec; ++i)
+        is_made = compress(plan->codec, &layout->views[i]);
+    if (is_made) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the attributes");
+}
+
+void psplat_buffer_layout_clear(psplat_buffer_layout *layout) {
+    for (size_t i = 0; i < layout->view_count; ++i) {
+        free(layout->views[i].bytes);
+        free(layout->views[i].packed);
+    }
+    free(layout->primitives);
+    free(layout->views);
+    *layout = (psplat_buffer_layout){
+        .tables = layout->tables, .mesh_count = layout->mesh_count, .fallbacks = layout->fallbacks};
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * buffer_layout.h - the primitives of a file and the buffer views that hold their attributes.
+ *
+ * The layout is made from attribute tables (splat_attributes.h); gltf_document.c describes it in JSON and
+ * glb_writer.c writes its bytes.
+ */
+#ifndef PHONGSPLAT_EXPORT_BUFFER_LAYOUT_H
+#define PHONGSPLAT_EXPORT_BUFFER_LAYOUT_H
+
+#include "export/meshopt_codec.h"
+#include "export/splat_attributes.h"
+
+#include <phongsplat/splat.h>
+
+/* The buffer view in which an attribute lies, and the offset of its first element, bytes. */
+typedef struct psplat_attribute_place {
+    size_t view, offset;
+} psplat_attribute_place;
+
+/* One primitive: splats of one mesh with equal material and depth tolerance, sorted by their number
+ * of clip lines. */
+typedef struct psplat_primitive_layout {
+    size_t mesh, count;
+    size_t first[PSPLAT_MAX_CLIP_LINES + 1], counts[PSPLAT_MAX_CLIP_LINES + 1]; /* by clip lines */
+    size_t clip_lines; /* the most of any splat; splats with fewer are padded (spec 3.6) */
+    size_t material;
+    float depth_tolerance;
+    psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS];
+    psplat_attribute_place places[PSPLAT_ATTRIBUTE_KINDS];
+} psplat_primitive_layout;
+
+/* One buffer view: rows of equal size. */
+typedef struct psplat_buffer_view {
+    size_t stride, rows, capacity; /* bytes of a row; rows stored; rows that fit into bytes */
+    int is_octahedral;             /* input of the octahedral filter of EXT_meshopt_compression */
+    int is_index;                  /* indices of triangles instead of attributes */
+    uint8_t *bytes;
+    uint8_t *packed; /* compressed bytes, or NULL */
+    size_t packed_size;
+} psplat_buffer_view;
+
+typedef struct psplat_buffer_layout {
+    psplat_attribute_table *tables; /* mesh_count of them, the caller's */
+    size_t mesh_count;
+    psplat_primitive_layout *primitives; /* by mesh, then by clip lines */
+    size_t primitive_count;
+    psplat_buffer_view *views;
+    size_t view_count;
+    const struct psplat_fallback_file *fallbacks; /* the caller's, or NULL (fallback_mesh_file.h) */
+} psplat_buffer_layout;
+
+/* The choices that a layout leaves open; glb_writer.c tries several plans and keeps the smallest
+ * file. */
+typedef struct psplat_buffer_layout_plan {
+    int rows_alike;            /* all primitives of a mesh have rows of the same attributes */
+    int lines_apart;           /* clip lines have a view of their own, one line in a row */
+    int normals_apart;         /* normals have a view of their own, for the octahedral filter */
+    double padding;            /* expected bytes in the file for one byte of padding */
+    const psplat_codec *codec; /* NULL leaves the views uncompressed */
+} psplat_buffer_layout_plan;
+
+/* Divides the splats of layout's attribute tables into primitives and fills the buffer views. The
+ * caller frees them with psplat_buffer_layout_clear, also after an error. Errors: MEMORY. */
+psplat_result psplat_buffer_layout_make(const psplat_buffer_layout_plan *plan,
+                                        psplat_buffer_layout *layout, psplat_error *error);
+/* Frees the primitives and views; the attribute tables and fallback meshes stay. */
+void psplat_buffer_layout_clear(psplat_buffer_layout *layout);
+
+#endif

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * glb_writer.c - splats to a complete GLB (spec 3). Several layouts are tried, the smallest file is
+ * kept. Equal splats give equal bytes, whatever the locale and the machine's byte order.
+ */
+#include "export/glb_writer.h"
+
+#include "base/json_writer.h"
+#include "export/buffer_layout.h"
+#include "export/fallback_mesh_file.h"
+#include "export/gltf_document.h"
+#include "export/meshopt_codec.h"
+#include "export/splat_attributes.h"
+#include "scene/scene.h"
+#include "splats/splats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of more splats layouts are not tried: JSON is next to nothing of the file, and time counts. */
+enum { TRIED_SPLATS = 200000 };
+
+/* ---- what is refused ------------------------------------------------------------------------ */
+
+/* JSON has no word for infinity or not-a-number, and a reader would refuse them anyway. */
+static int all_finite(const float *values, size_t count) {
+    for (size_t i = 0; i < count; ++i)
+        if (!isfinite(values[i])) return 0;
+    return 1;
+}
+
+/* Which part of a splat is not finite; NULL: all are. finish may be NULL. */
+static const char *infinite_part(const psplat_splat *s, const psplat_finish *finish) {
+    if (!all_finite(s->center, 3)) return "POSITION";
+    if (!all_finite(s->normal, 3)) return "NORMAL";
+    if (!all_finite(s->color, 4)) return "COLOR_0";
+    if (!all_finite(s->rotation, 4)) return "ROTATION";
+    if (!all_finite(s->radius, 2)) return "SCALE";
+    if (!all_finite(s->gradient, 3)) return "NORMAL_FIELD";
+    if (!all_finite(s->clip[0], 3 * PSPLAT_MAX_CLIP_LINES)) return "CLIP";
+    if (!finish) return NULL;
+    const float surface[3] = {finish->occlusion, finish->roughness, finish->metallic};
+    if (!all_finite(finish->color_u, 3)) return "COLOR_U";
+    if (!all_finite(finish->color_v, 3)) return "COLOR_V";
+    if (!all_finite(surface, 3)) return "OCCLUSION_ROUGHNESS_METALLIC";
+    return all_finite(finish->emissive, 3) ? NULL : "EMISSIVE";
+}
+
+static psplat_result check_runs(const psplat_splats *splats, psplat_error *error) {
+    size_t index = 0;
+    for (size_t r = 0; r < splats->run_count; ++r) {
+        const psplat_run *run = &splats->runs[r];
+        if (!run->count || run->material >= splats->material_count ||
+            run->clip_lines > PSPLAT_MAX_CLIP_LINES)
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "run %zu is empty or has a material or lines that there are not", r);
+        for (size_t i = 0; i < run->count; ++i, ++index)
+            if (index >= splats->count || splats->splats[index].clip_count != run->clip_lines)
+                return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                                   "splat %zu has not the %u clip lines of run %zu", index,
+                                   (unsigned)run->clip_lines, r);
+    }
+    if (index == splats->count) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "runs add up to %zu of %zu splats", index,
+                       splats->count);
+}
+
+static psplat_result check_splats(const psplat_splats *splats, psplat_error *error) {
+    psplat_result result = check_runs(splats, error);
+    if (result) return result;
+    for (size_t i = 0; i < splats->count; ++i) {
+        const psplat_finish *finish = splats->finishes ? &splats->finishes[i] : NULL;
+        const char *what = infinite_part(&splats->splats[i], finish);
+        if (what)
+            return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "splat %zu: %s is not finite", i,
+                               what);
+    }
+    return PSPLAT_OK;
+}
+
+static psplat_result check(const psplat_scene *scene, const psplat_splats *splats,
+                           psplat_error *error) {
+    size_t count = 0;
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < scene->mesh_count && !result; ++i) {
+        result = check_splats(&splats[i], error);
+        count += splats[i].count;
+    }
+    if (result || count) return result;
+    return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "no splats to write");
+}
+
+/* ---- bytes ---------------------------------------------------------------------------------- */
+
+static uint8_t *put_u32(uint8_t *out, uint32_t value) {
+    for (int i = 0; i < 4; ++i) *out++ = (uint8_t)(value >> (8 * i));
+    return out;
+}
+
+/* glTF 2.0 section 4.4: header, JSON chunk padded with spaces, BIN chunk. */
+static psplat_result pack(const psplat_writer *json, const psplat_buffer_layout *layout,
+                          uint8_t **data, size_t *size, psplat_error *error) {
+    enum { HEADERS = 12 + 8 + 8, MAGIC = 0x46546c67, JSON = 0x4e4f534a, BIN = 0x004e4942 };
+    size_t bytes = 0, json_size = (json->size + 3) / 4 * 4;
+    for (size_t i = 0; i < psplat_document_view_count(layout); ++i)
+        bytes += psplat_buffer_view_bytes(psplat_document_view(layout, i));
+    size_t total = HEADERS + json_size + bytes;
+    if (total > UINT32_MAX)
+        return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                           "%zu bytes are more than the 4 GiB that a GLB can hold", total);
+    uint8_t *out = calloc(total, 1);
+    if (!out) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu bytes", total);
+    *data = out;
+    *size = total;
+    out = put_u32(put_u32(put_u32(out, MAGIC), 2), (uint32_t)total);
+    out = put_u32(put_u32(out, (uint32_t)json_size), JSON);
+    memset(out, ' ', json_size);
+    memcpy(out, json->text, json->size);
+    out = put_u32(put_u32(out + json_size, (uint32_t)bytes), BIN);
+    for (size_t i = 0; i < psplat_document_view_count(layout); ++i) {
+        const psplat_buffer_view *view = psplat_document_view(layout, i);
+        memcpy(out, view->packed ? view->packed : view->bytes,
+               view->packed ? view->packed_size : view->rows * view->stride);
+        out += psplat_buffer_view_bytes(view);
+    }
+    return PSPLAT_OK;
+}
+
+/* Replaces *data by the file of another plan where that is smaller. */
+static psplat_result try_plan(const psplat_scene *scene, const psplat_buffer_layout_plan *plan,
+                              psplat_buffer_layout *layout, uint8_t **data, size_t *size,
+                              psplat_error *error) {
+    psplat_writer json = {.compact = 1};
+    uint8_t *tried = NULL;
+    size_t tried_size = 0;
+    psplat_result result = psplat_buffer_layout_make(plan, layout, error);
+    if (!result && !psplat_document_write(&json, scene, layout))
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the JSON");
+    if (!result) result = pack(&json, layout, &tried, &tried_size, error);
+    free(json.text);
+    psplat_buffer_layout_clear(layout);
+    if (result) return result;
+    if (*data && *size <= tried_size) {
+        free(tried);
+        return PSPLAT_OK;
+    }
+    free(*data);
+    *data = tried;
+    *size = tried_size;
+    return PSPLAT_OK;
+}
+
+static psplat_result try_plans(const psplat_scene *scene, const psplat_write_desc *desc,
+                               psplat_buffer_layout *layout, uint8_t **data, size_t *size,
+                               psplat_error *error) {
+    enum { APART = 1, NORMALS = 2, ALIKE = 4, PLANS = 8 };
+    const psplat_codec *codec = desc->codec;
+    size_t splats = 0;
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < layout->mesh_count; ++i) splats += layout->tables[i].splats->count;
+    for (unsigned plan = 0; plan < PLANS && !result; ++plan) {
+        const psplat_buffer_layout_plan tried = {.lines_apart = (plan & APART) != 0,
+                                                 .normals_apart = (plan & NORMALS) != 0,
+                                                 .rows_alike = (plan & ALIKE) != 0,
+                                                 .padding = codec ? 0.1 : 1,
+                                                 .codec = codec};
+        if (tried.normals_apart && !codec) continue; /* which need its filter */
+        if (splats > TRIED_SPLATS && plan != (codec ? APART | NORMALS | ALIKE : APART)) continue;
+        result = try_plan(scene, &tried, layout, data, size, error);
+    }
+    return result;
+}
+
+/* What all plans have in common. */
+static psplat_result fill(const psplat_splats *splats, const psplat_write_desc *desc,
+                          psplat_buffer_layout *layout, psplat_fallback_file *fallbacks,
+                          psplat_error *error) {
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < layout->mesh_count && !result; ++i)
+        result = psplat_attribute_table_fill(&splats[i], &layout->tables[i], error);
+    for (size_t i = 0; i < layout->mesh_count && !result && desc->gaussians; ++i)
+        if (splats[i].count)
+            psplat_attribute_table_add_gaussians(&layout->tables[i], desc->gaussians[i]);
+    if (result || !desc->fallbacks) return result;
+    layout->fallbacks = fallbacks;
+    return psplat_fallback_file_make(desc->fallbacks, layout->tables, layout->mesh_count,
+                                     desc->codec, fallbacks, error);
+}
+
+psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats *splats,
+                                 const psplat_write_desc *desc, uint8_t **data, size_t *size,
+                                 psplat_error *error) {
+    static const psplat_write_desc defaults;
+    if (!scene || !splats || !data || !size)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "scene, splats, data and size are required");
+    if (!desc) desc = &defaults;
+    *data = NULL;
+    *size = 0;
+    psplat_result result = check(scene, splats, error);
+    if (result) return result;
+    psplat_buffer_layout layout = {.tables = calloc(scene->mesh_count + 1, sizeof *layout.tables),
+                                   .mesh_count = scene->mesh_count};
+    psplat_fallback_file fallbacks = {0};
+    if (!layout.tables)
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the file");
+    if (!result) result = fill(splats, desc, &layout, &fallbacks, error);
+    if (!result) result = try_plans(scene, desc, &layout, data, size, error);
+    psplat_fallback_file_free(&fallbacks);
+    for (size_t i = 0; i < scene->mesh_count && layout.tables; ++i)
+        psplat_attribute_table_free(&layout.tables[i]);
+    free(layout.tables);
+    if (!result) return PSPLAT_OK;
+    free(*data);
+    *data = NULL;
+    *size = 0;
+    return result;
+}
+
+psplat_result psplat_glb_write_as(const psplat_splats *splats, const char *name,
+                                  const psplat_write_desc *desc, uint8_t **data, size_t *size,
+                                  psplat_error *error) {
+    uint32_t root = 0;
+    size_t length = name ? strlen(name) : 0;
+    char *copy = calloc(length + 1, 1);
+    if (!copy) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the name");
+    if (length) memcpy(copy, name, length);
+    psplat_scene_mesh mesh = {.name = length ? copy : NULL};
+    psplat_scene_node node = {.name = mesh.name,
+                              .rotation = {0, 0, 0, 1},
+                              .scale = {1, 1, 1},
+                              .camera = PSPLAT_NO_INDEX,
+                              .light = PSPLAT_NO_INDEX};
+    psplat_scene_view view = {.roots = &root, .root_count = 1};
+    const psplat_scene scene = {.meshes = &mesh,
+                                .mesh_count = 1,
+                                .nodes = &node,
+                                .node_count = 1,
+                                .scenes = &view,
+                                .scene_count = 1,
+                                .is_made = 1};
+    psplat_result result = psplat_scene_write(&scene, splats, desc, data, size, error);
+    free(copy);
+    return result;
+}

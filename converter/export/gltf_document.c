@@ -1,0 +1,396 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * gltf_document.c - the JSON of a glTF file of splats (spec 3), without values that are glTF's
+ * defaults. Accessors are in the order of primitives and, within each, in that of attributes.
+ */
+#include "export/gltf_document.h"
+
+#include "base/json_writer.h"
+#include "export/buffer_layout.h"
+#include "export/fallback_mesh_file.h"
+#include "export/graph_json.h"
+#include "export/material_json.h"
+#include "export/splat_attributes.h"
+#include "scene/scene.h"
+#include "splats/splats.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const char meshopt[] = "EXT_meshopt_compression", gaussian[] = "KHR_gaussian_splatting";
+
+size_t psplat_buffer_view_bytes(const psplat_buffer_view *view) {
+    return ((view->packed ? view->packed_size : view->rows * view->stride) + 3) / 4 * 4;
+}
+
+size_t psplat_document_view_count(const psplat_buffer_layout *layout) {
+    return layout->view_count + (layout->fallbacks ? layout->fallbacks->view_count : 0);
+}
+
+const psplat_buffer_view *psplat_document_view(const psplat_buffer_layout *layout, size_t index) {
+    return index < layout->view_count ? &layout->views[index]
+                                      : &layout->fallbacks->views[index - layout->view_count];
+}
+
+static int is_packed(const psplat_buffer_layout *layout) {
+    return layout->view_count && layout->views[0].packed;
+}
+
+static int is_quantized(const psplat_buffer_layout *layout) {
+    for (size_t i = 0; i < layout->mesh_count; ++i)
+        if (layout->tables[i].codes) return 1;
+    return 0;
+}
+
+static int has_gaussians(const psplat_buffer_layout *layout) {
+    for (size_t i = 0; i < layout->mesh_count; ++i)
+        if (layout->tables[i].gaussians) return 1;
+    return 0;
+}
+
+/* ---- primitives ----------------------------------------------------------------------------- */
+
+static void add_attributes(psplat_writer *json, const psplat_primitive_layout *primitive,
+                           size_t *accessor) {
+    psplat_writer_open(json, "attributes", '{');
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTE_KINDS; ++i)
+        if (primitive->formats[i].components)
+            psplat_writer_count(json, psplat_attribute_names[i], (*accessor)++);
+    psplat_writer_close(json, '}');
+}
+
+static void add_kernel(psplat_writer *json, const psplat_kernel *kernel) {
+    if (kernel->sharpness == PSPLAT_DEFAULT_KERNEL_SHARPNESS &&
+        kernel->exponent == PSPLAT_DEFAULT_KERNEL_EXPONENT)
+        return;
+    psplat_writer_open(json, "kernel", '{');
+    psplat_writer_float(json, "sharpness", kernel->sharpness);
+    psplat_writer_float(json, "exponent", kernel->exponent);
+    psplat_writer_close(json, '}');
+}
+
+static int has_integers(const psplat_primitive_layout *primitive, size_t kind) {
+    return primitive->formats[kind].components &&
+           primitive->formats[kind].type != PSPLAT_TYPE_FLOAT;
+}
+
+/* Writes the ranges of those attributes that are integers (spec 3.9). */
+static void add_ranges(psplat_writer *json, const psplat_attribute_table *table,
+                       const psplat_primitive_layout *primitive) {
+    psplat_quantization_ranges ranges;
+    psplat_attribute_table_ranges(table, &ranges);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_SCALE))
+        psplat_writer_floats(json, "scaleRange", ranges.scale, 2);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_TURN))
+        psplat_writer_float(json, "turnRange", ranges.turn);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_TILT))
+        psplat_writer_float(json, "tiltRange", ranges.tilt);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_FIELD))
+        psplat_writer_float(json, "fieldRange", ranges.field);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_LINE))
+        psplat_writer_floats(json, "clipRange", ranges.clip, 2);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_COLOR_U))
+        psplat_writer_float(json, "colorRange", ranges.color);
+}
+
+static const psplat_fallback_table *fallback_of(const psplat_buffer_layout *layout, size_t mesh) {
+    const psplat_fallback_table *table =
+        layout->fallbacks ? &layout->fallbacks->tables[mesh] : NULL;
+    return table && table->fallback ? table : NULL;
+}
+
+/* Returns 1 where the primitive has nothing that version 2 of the extension added, so that older
+ * readers accept it. */
+static size_t version_of(const psplat_buffer_layout *layout,
+                         const psplat_primitive_layout *primitive) {
+    int more = layout->tables[primitive->mesh].codes || fallback_of(layout, primitive->mesh);
+    for (size_t i = PSPLAT_ATTRIBUTE_COLOR_U; i < PSPLAT_ATTRIBUTE_GAUSSIAN_ROTATION; ++i)
+        more |= primitive->formats[i].components > 0;
+    return more ? 2 : 1;
+}
+
+/* Finds the least and the greatest POSITION of all splats of a primitive. */
+static void extent_of(const psplat_attribute_table *table, const psplat_primitive_layout *primitive,
+                      float low[3], float high[3]) {
+    int any = 0;
+    for (size_t class = 0; class <= PSPLAT_MAX_CLIP_LINES; ++class) {
+        float from[3], to[3];
+        if (!primitive->counts[class]) continue;
+        psplat_attribute_table_extent(table, primitive->first[class], primitive->counts[class],
+                                      from, to);
+        for (int k = 0; k < 3; ++k) {
+            low[k] = any ? fminf(low[k], from[k]) : from[k];
+            high[k] = any ? fmaxf(high[k], to[k]) : to[k];
+        }
+        any = 1;
+    }
+}
+
+static void add_splat_extension(psplat_writer *json, const psplat_buffer_layout *layout,
+                                const psplat_primitive_layout *primitive) {
+    const psplat_attribute_table *table = &layout->tables[primitive->mesh];
+    float low[3], high[3], extent[3];
+    double unit = table->codes ? table->splats->precision.unit : 1;
+    extent_of(table, primitive, low, high);
+    for (size_t i = 0; i < 3; ++i) extent[i] = (float)((double)high[i] - (double)low[i]);
+    psplat_writer_open(json, "PSPLAT_surface_splats", '{');
+    psplat_writer_count(json, "version", version_of(layout, primitive));
+    psplat_writer_count(json, "clipLines", primitive->clip_lines);
+    psplat_writer_float(json, "depthTolerance", (float)((double)primitive->depth_tolerance / unit));
+    psplat_writer_floats(json, "positionExtent", extent, 3);
+    add_ranges(json, table, primitive);
+    add_kernel(json, &table->splats->kernel);
+    psplat_writer_close(json, '}');
+}
+
+/* Writes the extension object of the Gaussians, whose colours are not lit but shown as stored. */
+static void add_gaussian_extension(psplat_writer *json) {
+    psplat_writer_open(json, gaussian, '{');
+    psplat_writer_string(json, "kernel", "ellipse");
+    psplat_writer_string(json, "colorSpace", "srgb_rec709_display");
+    psplat_writer_close(json, '}');
+}
+
+static void add_primitive(psplat_writer *json, const psplat_buffer_layout *layout, size_t index,
+                          const psplat_scene *scene, const psplat_materials *materials,
+                          size_t *accessor) {
+    const psplat_primitive_layout *primitive = &layout->primitives[index];
+    uint32_t material = psplat_materials_index(
+        materials, scene, layout->tables[primitive->mesh].splats, primitive->material);
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_count(json, "mode", 0);
+    add_attributes(json, primitive, accessor);
+    if (material != PSPLAT_NO_INDEX) psplat_writer_count(json, "material", material);
+    psplat_writer_open(json, "extensions", '{');
+    add_splat_extension(json, layout, primitive);
+    if (layout->tables[primitive->mesh].gaussians) add_gaussian_extension(json);
+    psplat_writer_close(json, '}');
+    psplat_writer_close(json, '}');
+}
+
+/* Returns how many meshes have splats, which is the index of the first fallback mesh. */
+static size_t count_splat_meshes(const psplat_buffer_layout *layout) {
+    size_t count = 0;
+    for (size_t i = 0; i < layout->mesh_count; ++i) count += layout->tables[i].splats->count > 0;
+    return count;
+}
+
+static void add_fallback_meshes(psplat_writer *json, const psplat_scene *scene,
+                                const psplat_buffer_layout *layout,
+                                const psplat_materials *materials, size_t accessor) {
+    size_t splat_mesh = 0;
+    for (size_t mesh = 0; mesh < layout->mesh_count; ++mesh) {
+        const psplat_scene_mesh *from = &scene->meshes[mesh];
+        const psplat_fallback_table *table = fallback_of(layout, mesh);
+        if (table) {
+            psplat_writer_open(json, NULL, '{');
+            if (from->name) psplat_writer_string(json, "name", from->name);
+            psplat_fallback_file_write_mesh(json, table, scene, materials, accessor, splat_mesh);
+            if (from->extras) psplat_writer_raw(json, "extras", from->extras);
+            psplat_writer_close(json, '}');
+        }
+        splat_mesh += layout->tables[mesh].splats->count > 0;
+    }
+}
+
+/* Writes the meshes that have splats, then the fallback meshes. */
+static void add_meshes(psplat_writer *json, const psplat_scene *scene,
+                       const psplat_buffer_layout *layout, const psplat_materials *materials) {
+    size_t accessor = 0, primitive = 0;
+    psplat_writer_open(json, "meshes", '[');
+    for (size_t mesh = 0; mesh < layout->mesh_count; ++mesh) {
+        const psplat_scene_mesh *from = &scene->meshes[mesh];
+        if (primitive == layout->primitive_count || layout->primitives[primitive].mesh != mesh)
+            continue;
+        psplat_writer_open(json, NULL, '{');
+        if (from->name) psplat_writer_string(json, "name", from->name);
+        psplat_writer_open(json, "primitives", '[');
+        for (; primitive < layout->primitive_count && layout->primitives[primitive].mesh == mesh;
+             ++primitive)
+            add_primitive(json, layout, primitive, scene, materials, &accessor);
+        psplat_writer_close(json, ']');
+        if (from->extras && !fallback_of(layout, mesh))
+            psplat_writer_raw(json, "extras", from->extras);
+        psplat_writer_close(json, '}');
+    }
+    add_fallback_meshes(json, scene, layout, materials, accessor);
+    psplat_writer_close(json, ']');
+}
+
+/* ---- accessors and views -------------------------------------------------------------------- */
+
+static void add_accessor(psplat_writer *json, const psplat_buffer_layout *layout,
+                         const psplat_primitive_layout *primitive, size_t kind) {
+    static const char *const types[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
+    const psplat_attribute_format *format = &primitive->formats[kind];
+    const psplat_attribute_place *place = &primitive->places[kind];
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_count(json, "bufferView", place->view);
+    if (place->offset) psplat_writer_count(json, "byteOffset", place->offset);
+    psplat_writer_count(json, "componentType", (size_t)format->type);
+    if (psplat_attribute_is_normalized(format, kind)) psplat_writer_boolean(json, "normalized", 1);
+    psplat_writer_count(json, "count", primitive->count);
+    psplat_writer_string(json, "type", types[format->components]);
+    if (kind == PSPLAT_ATTRIBUTE_POSITION) {
+        float low[3], high[3];
+        extent_of(&layout->tables[primitive->mesh], primitive, low, high);
+        psplat_writer_floats(json, "min", low, 3);
+        psplat_writer_floats(json, "max", high, 3);
+    }
+    psplat_writer_close(json, '}');
+}
+
+static void add_accessors(psplat_writer *json, const psplat_buffer_layout *layout) {
+    psplat_writer_open(json, "accessors", '[');
+    for (size_t i = 0; i < layout->primitive_count; ++i)
+        for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind)
+            if (layout->primitives[i].formats[kind].components)
+                add_accessor(json, layout, &layout->primitives[i], kind);
+    if (layout->fallbacks)
+        psplat_fallback_file_write_accessors(json, layout->fallbacks, layout->view_count);
+    psplat_writer_close(json, ']');
+}
+
+static void add_place(psplat_writer *json, size_t buffer, size_t offset, size_t bytes,
+                      size_t stride) {
+    psplat_writer_count(json, "buffer", buffer);
+    if (offset) psplat_writer_count(json, "byteOffset", offset);
+    psplat_writer_count(json, "byteLength", bytes);
+    if (stride) psplat_writer_count(json, "byteStride", stride);
+}
+
+/* Writes a buffer view. EXT_meshopt_compression wants a compressed view to say where its bytes
+ * would be in a second buffer, which is not stored. */
+static void add_view(psplat_writer *json, const psplat_buffer_view *view, size_t offset,
+                     size_t unpacked_offset) {
+    enum { ARRAY_BUFFER = 34962, ELEMENT_ARRAY_BUFFER };
+    size_t bytes = view->rows * view->stride, stride = view->is_index ? 0 : view->stride;
+    psplat_writer_open(json, NULL, '{');
+    if (view->packed)
+        add_place(json, 1, unpacked_offset, bytes, stride);
+    else
+        add_place(json, 0, offset, bytes, stride);
+    psplat_writer_count(json, "target", view->is_index ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
+    if (view->packed) {
+        psplat_writer_open(json, "extensions", '{');
+        psplat_writer_open(json, meshopt, '{');
+        add_place(json, 0, offset, view->packed_size, view->stride);
+        psplat_writer_string(json, "mode", view->is_index ? "TRIANGLES" : "ATTRIBUTES");
+        psplat_writer_count(json, "count", view->rows);
+        if (view->is_octahedral) psplat_writer_string(json, "filter", "OCTAHEDRAL");
+        psplat_writer_close(json, '}');
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, '}');
+}
+
+static void add_views(psplat_writer *json, const psplat_buffer_layout *layout) {
+    size_t offset = 0, unpacked = 0;
+    psplat_writer_open(json, "bufferViews", '[');
+    for (size_t i = 0; i < psplat_document_view_count(layout); ++i) {
+        const psplat_buffer_view *view = psplat_document_view(layout, i);
+        add_view(json, view, offset, unpacked);
+        offset += psplat_buffer_view_bytes(view);
+        unpacked += (view->rows * view->stride + 3) / 4 * 4;
+    }
+    psplat_writer_close(json, ']');
+    psplat_writer_open(json, "buffers", '[');
+    psplat_writer_open(json, NULL, '{');
+    psplat_writer_count(json, "byteLength", offset);
+    psplat_writer_close(json, '}');
+    if (is_packed(layout)) {
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_count(json, "byteLength", unpacked);
+        psplat_writer_open(json, "extensions", '{');
+        psplat_writer_open(json, meshopt, '{');
+        psplat_writer_boolean(json, "fallback", 1);
+        psplat_writer_close(json, '}');
+        psplat_writer_close(json, '}');
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
+/* ---- the rest -------------------------------------------------------------------------------- */
+
+static psplat_dequantize_transform placement_of(const psplat_attribute_table *table) {
+    psplat_dequantize_transform placement = {{0, 0, 0}, 1};
+    const psplat_splats *splats = table->splats;
+    if (table->codes) placement.scale = splats->precision.unit;
+    for (int k = 0; k < 3; ++k)
+        placement.translation[k] =
+            splats->origin[k] + (table->codes ? table->low[k] * placement.scale : 0);
+    return placement;
+}
+
+/* Writes nodes and scenes. A node shows the fallback mesh, which refers to its splats, where there
+ * is one. Returns 0 where memory ran out. */
+static int add_graph(psplat_writer *json, const psplat_scene *scene,
+                     const psplat_buffer_layout *layout) {
+    size_t count = layout->mesh_count;
+    psplat_dequantize_transform *placements = malloc((count + 1) * sizeof *placements);
+    uint32_t *meshes = malloc((count + 1) * sizeof *meshes), written = 0;
+    uint32_t fallback = (uint32_t)count_splat_meshes(layout);
+    for (size_t i = 0; i < count && placements && meshes; ++i) {
+        placements[i] = placement_of(&layout->tables[i]);
+        meshes[i] = layout->tables[i].splats->count ? written++ : PSPLAT_NO_INDEX;
+        if (fallback_of(layout, i)) meshes[i] = fallback++;
+    }
+    if (placements && meshes) psplat_graph_write(json, scene, placements, meshes);
+    int is_written = placements && meshes;
+    free(placements);
+    free(meshes);
+    return is_written;
+}
+
+static void add_extensions(psplat_writer *json, const psplat_scene *scene,
+                           const psplat_buffer_layout *layout, const psplat_materials *materials) {
+    int quantized = is_quantized(layout), packed = is_packed(layout);
+    psplat_writer_open(json, "extensionsUsed", '[');
+    psplat_writer_string(json, NULL, "PSPLAT_surface_splats");
+    if (quantized) psplat_writer_string(json, NULL, "KHR_mesh_quantization");
+    if (packed) psplat_writer_string(json, NULL, meshopt);
+    if (has_gaussians(layout)) psplat_writer_string(json, NULL, gaussian);
+    psplat_materials_write_extensions(json, materials);
+    if (scene->light_count) psplat_writer_string(json, NULL, "KHR_lights_punctual");
+    psplat_writer_close(json, ']');
+    if (!quantized && !packed) return;
+    psplat_writer_open(json, "extensionsRequired", '[');
+    if (quantized) psplat_writer_string(json, NULL, "KHR_mesh_quantization");
+    if (packed) psplat_writer_string(json, NULL, meshopt);
+    psplat_writer_close(json, ']');
+}
+
+static void add_asset(psplat_writer *json, const psplat_scene *scene) {
+    psplat_writer_open(json, "asset", '{');
+    psplat_writer_string(json, "version", "2.0");
+    psplat_writer_string(json, "generator", "phongsplat 0.1.0");
+    psplat_graph_write_asset(json, scene);
+    psplat_writer_close(json, '}');
+}
+
+int psplat_document_write(psplat_writer *json, const psplat_scene *scene,
+                          const psplat_buffer_layout *layout) {
+    psplat_materials materials;
+    int is_written = !psplat_materials_collect(scene, layout->tables[0].splats, &materials);
+    if (is_written && layout->fallbacks)
+        is_written = !psplat_fallback_file_collect(layout->fallbacks, scene, &materials);
+    if (is_written) {
+        psplat_writer_open(json, NULL, '{');
+        add_asset(json, scene);
+        add_extensions(json, scene, layout, &materials);
+        is_written = add_graph(json, scene, layout);
+        if (scene->light_count) {
+            psplat_writer_open(json, "extensions", '{');
+            psplat_graph_write_lights(json, scene);
+            psplat_writer_close(json, '}');
+        }
+        add_meshes(json, scene, layout, &materials);
+        psplat_materials_write(json, &materials);
+        add_accessors(json, layout);
+        add_views(json, layout);
+        psplat_writer_close(json, '}');
+    }
+    psplat_materials_free(&materials);
+    return psplat_writer_finish(json) && is_written;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * khr_gaussians.h - splats as Gaussians, for viewers that know KHR_gaussian_splatting but not
+ * PSPLAT_surface_splats.
+ */
+#ifndef PHONGSPLAT_EXPORT_KHR_GAUSSIANS_H
+#define PHONGSPLAT_EXPORT_KHR_GAUSSIANS_H
+
+#include "splats/splats.h"
+
+#include <phongsplat/splat.h>
+
+/* A Gaussian at the centre of its splat, opaque. */
+typedef struct psplat_gaussian {
+    float rotation[4]; /* unit quaternion x, y, z, w */
+    float scale[3];    /* standard deviations along the rotated axes; the last is tiny */
+    float harmonic[3]; /* spherical harmonic of degree 0 of the sRGB-encoded colour */
+} psplat_gaussian;
+
+/* The standard deviations of a Gaussian are those of the area that clip lines leave of the ellipse,
+ * about the splat's centre, times this factor (no unit, chosen by hand). A smaller factor shows
+ * gaps between splats, a larger one blurs their outlines. A whole ellipse of radius r gets 0.6 r,
+ * so that the Gaussian has fallen to a quarter at its edge. */
+#define PSPLAT_GAUSSIAN_WIDTH 1.2
+
+/* Makes a Gaussian of every splat; *gaussians is from malloc and owned by the caller. Viewers do
+ * not light Gaussians, so their colours are those of the splats under a fixed light from above
+ * (+y), front and right; colours of unlit materials stay as they are. Errors: MEMORY. */
+psplat_result psplat_gaussians_make(const psplat_splats *splats, psplat_gaussian **gaussians,
+                                    psplat_error *error);
+
+#endif

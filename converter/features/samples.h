@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * samples.h - oriented sample points of a surface: blue noise or uniform random.
+ */
+#ifndef PHONGSPLAT_FEATURES_SAMPLES_H
+#define PHONGSPLAT_FEATURES_SAMPLES_H
+
+#include <phongsplat/splat.h>
+
+#include "features/surface.h"
+
+#include <stdint.h>
+
+/* Oriented points of a surface with what is baked at them. The samples of triangle t are
+ * order[first[t] ... first[t + 1] - 1]. */
+typedef struct psplat_samples {
+    double *positions; /* count x 3 */
+    float *normals;    /* count x 3, unit */
+    /* The values of psplat_baked_point that vary over the surface; NULL where they do not: */
+    float *colors;       /* count x 4 */
+    float *turned;       /* count x 3, unit: normals turned by normal maps */
+    float *finishes;     /* count x 3 */
+    float *emissive;     /* count x 3 */
+    uint32_t *triangles; /* count */
+    uint32_t *first;     /* triangle_count + 1 */
+    uint32_t *order;     /* count */
+    size_t count;
+    double spacing; /* about the distance of neighbours; 0 of uniform samples */
+} psplat_samples;
+
+/* Draws blue-noise samples that are at least spacing apart, and along creases, for each side,
+ * samples about half as far apart. Every patch gets at least one sample. Errors: PSPLAT_ERROR_RANGE
+ * (more samples than 32 bits count), PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing, uint64_t seed,
+                                  psplat_samples *samples, psplat_error *error);
+
+/* Draws about count independent uniform samples, for measurements. A point set adds about as many
+ * of its own points. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t count,
+                                          uint64_t seed, psplat_samples *samples,
+                                          psplat_error *error);
+
+/* Appends samples at points (count x 3) of triangles. Samples that were there before keep their
+ * indices. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surface *surface,
+                                    const double *points, const uint32_t *triangles, size_t count,
+                                    psplat_error *error);
+
+void psplat_samples_free(psplat_samples *samples);
+
+#endif

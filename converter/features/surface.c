@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * surface.c - points of an analysed mesh: barycentric coordinates and interpolated normals.
+ */
+#include "features/surface.h"
+
+#include "base/vector.h"
+#include "mesh/mesh.h"
+
+#include <stdlib.h>
+
+void psplat_surface_free(psplat_surface *surface) {
+    free(surface->face_normals);
+    free(surface->face_areas);
+    free(surface->neighbors);
+    free(surface->creases);
+    free(surface->patches);
+    free(surface->corner_normals);
+    *surface = (psplat_surface){0};
+}
+
+static void interpolate(const float *corners, size_t components, const double weights[3],
+                        double *result) {
+    for (size_t k = 0; k < components; ++k) {
+        result[k] = 0;
+        for (size_t corner = 0; corner < 3; ++corner)
+            result[k] += weights[corner] * (double)corners[corner * components + k];
+    }
+}
+
+void psplat_surface_barycentric(const psplat_surface *surface, uint32_t triangle, const double p[3],
+                                double weights[3]) {
+    const double *normal = surface->face_normals + 3 * (size_t)triangle;
+    double total = 0;
+    for (int k = 0; k < 3; ++k) {
+        double a[3], b[3], c[3];
+        sub3(a, psplat_mesh_corner(surface->mesh, triangle, (k + 1) % 3), p);
+        sub3(b, psplat_mesh_corner(surface->mesh, triangle, (k + 2) % 3), p);
+        cross3(c, a, b);
+        double twice_area = dot3(c, normal);
+        weights[k] = twice_area > 0 ? twice_area : 0;
+        total += weights[k];
+    }
+    for (int k = 0; k < 3; ++k) weights[k] = total > 0 ? weights[k] / total : 1.0 / 3.0;
+}
+
+void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,
+                           const double barycentric[3], float normal[3]) {
+    double sum[3];
+    interpolate(surface->corner_normals + 9 * (size_t)triangle, 3, barycentric, sum);
+    const double *n = normalize3(sum) > 1e-9 ? sum : surface->face_normals + 3 * (size_t)triangle;
+    for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * candidate.h - a possible splat with the samples that it covers, and how one is grown.
+ */
+#ifndef PHONGSPLAT_FIT_CANDIDATE_H
+#define PHONGSPLAT_FIT_CANDIDATE_H
+
+#include <phongsplat/splat.h>
+
+#include "base/region.h"
+
+#include <stdint.h>
+
+/* A possible splat and the samples that it covers. */
+typedef struct psplat_candidate {
+    psplat_region region;
+    double field[5];  /* x, y, alpha, beta, gamma */
+    double deviation; /* greatest distance from the plane to a covered sample, a length */
+    float color[4];   /* set by psplat_fit_colors, as is the finish */
+    psplat_finish finish;
+    uint32_t triangle; /* the triangle from which the candidate grew */
+    uint32_t *covered; /* sample indices, covered_count; the seed among them; owned */
+    size_t covered_count;
+    int taken;         /* 1: belongs to the selection; 0: is only in the pool */
+    int ellipse_grown; /* 1 after psplat_grow_ellipse */
+    int quantized;     /* 1 after psplat_quantize_candidate */
+} psplat_candidate;
+
+/* Frees what the candidate owns, and zeroes it. */
+void psplat_candidate_free(psplat_candidate *candidate);
+
+#endif

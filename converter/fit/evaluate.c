@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * evaluate.c - the evaluation of a region as a splat: its clip lines, the samples that it covers,
+ * and whether it keeps the limits.
+ */
+#include "fit/evaluate.h"
+
+#include "base/region.h"
+#include "base/vector.h"
+#include "features/neighborhood.h"
+#include "features/samples.h"
+#include "fit/candidate.h"
+#include "fit/clip_lines.h"
+#include "fit/crease_segments.h"
+#include "fit/fit_context.h"
+#include "mesh/mesh.h"
+#include "splats/quantize.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The least factor by which the reach grows when more samples are gathered around a site, so that
+ * this is seldom needed. Chosen by hand. */
+static const double least_gathering_growth = 1.6;
+/* How far behind a line (of the unit ellipse) a sample still counts as inside, to allow for
+ * rounding.
+ */
+static const double line_slack = 1e-7;
+
+/* ---- sites --------------------------------------------------------------------------------- */
+
+psplat_result psplat_site_gather(const psplat_fit_context *context, psplat_site *site,
+                                 double reach) {
+    psplat_scratch *scratch = context->scratch;
+    if (scratch->site != site) site->gathered = 0; /* Another site has used the scratch since. */
+    if (reach <= site->gathered || (site->gathered > 0 && scratch->near.whole)) return PSPLAT_OK;
+    if (site->gathered > 0) reach = max2(reach, least_gathering_growth * site->gathered);
+    site->gathered = 0;
+    if (!psplat_neighborhood_gather(&scratch->near, context->surface, context->samples,
+                                    &site->metric, site->triangle, reach) ||
+        psplat_scratch_reserve(scratch))
+        return PSPLAT_ERROR_MEMORY;
+    scratch->site = site;
+    site->gathered = reach;
+    return PSPLAT_OK;
+}
+
+void psplat_site_turn(psplat_site *site, const double n[3], const double u[3], double stretch) {
+    psplat_metric *metric = &site->metric;
+    double v[3];
+    cross3(v, n, u);
+    memcpy(metric->rows[0], u, sizeof metric->rows[0]);
+    memcpy(metric->rows[2], n, sizeof metric->rows[2]);
+    for (int k = 0; k < 3; ++k) metric->rows[1][k] = v[k] / stretch;
+    site->gathered = 0;
+}
+
+psplat_site psplat_site_of(const psplat_region *region, uint32_t triangle) {
+    psplat_site site = {.seed = PSPLAT_NONE, .triangle = triangle};
+    memcpy(site.metric.center, region->center, sizeof site.metric.center);
+    psplat_site_turn(&site, region->n, region->u, 1);
+    return site;
+}
+
+/* Returns how far a region reaches from the metric's centre, in the metric. */
+static double region_reach(const psplat_metric *metric, const psplat_region *region) {
+    double corners[PSPLAT_OUTLINE][2], farthest = 0;
+    size_t count = psplat_region_polygon(region, 0, corners, PSPLAT_OUTLINE);
+    for (size_t i = 0; i < count; ++i) {
+        double d[3], w[3];
+        sub3(d, region->center, metric->center);
+        mad3(d, corners[i][0] * region->radius[0], region->u);
+        mad3(d, corners[i][1] * region->radius[1], region->v);
+        for (int k = 0; k < 3; ++k) w[k] = dot3(metric->rows[k], d);
+        farthest = max2(farthest, length3(w));
+    }
+    return farthest;
+}
+
+/* Gathers the surroundings of a region, and counts the samples that lie in them. */
+static psplat_result gather_surroundings(const psplat_fit_context *context, psplat_site *site,
+                                         const psplat_demands *demands,
+                                         const psplat_region *region) {
+    psplat_scratch *scratch = context->scratch;
+    double reach = demands->reach;
+    if (demands->nearest && scratch->site == site && site->gathered > 0) {
+        scratch->near_count = demands->nearest;
+        if (scratch->near_count > scratch->near.count) scratch->near_count = scratch->near.count;
+        return PSPLAT_OK;
+    }
+    if (!(reach > 0))
+        reach =
+            region_reach(&site->metric, region) + PSPLAT_GREATEST_GAP * context->samples->spacing;
+    if (psplat_site_gather(context, site, reach)) return PSPLAT_ERROR_MEMORY;
+    scratch->near_count = psplat_neighborhood_within(&scratch->near, reach);
+    return PSPLAT_OK;
+}
+
+/* ---- lines --------------------------------------------------------------------------------- */
+
+/* Finds the creases inside the ellipse, on the side of the surface that the splat lies on, into
+ * scratch->segments, and how far they leave the plane. Returns their number. */
+static size_t find_segments(const psplat_fit_context *context, const psplat_region *region,
+                            double *height) {
+    psplat_scratch *scratch = context->scratch;
+    const psplat_neighborhood *near = &scratch->near;
+    /* Creases that are farther from the plane belong to another part of a bent surface. */
+    size_t count = psplat_segments_find(context->surface, near->creases, near->crease_count, region,
+                                        2 * context->limits->tolerance, scratch->segments);
+    *height = 0;
+    for (size_t i = 0; i < count; ++i)
+        *height =
+            max2(*height, max2(fabs(scratch->segments[i].a[2]), fabs(scratch->segments[i].b[2])));
+    return count;
+}
+
+/* Gives a region clip lines that cut the segments found away and keep its point inside (u, v).
+ * Returns 0 where that takes too many. */
+static int choose_lines(const psplat_fit_context *context, size_t segments, const double inside[2],
+                        int exact, psplat_region *region) {
+    const psplat_limits *limits = context->limits;
+    int chosen = psplat_clip_choose(region, context->scratch->segments, segments, inside,
+                                    limits->crease_slack);
+    for (uint32_t i = 0; exact && limits->precision && i < region->line_count; ++i)
+        psplat_quantize_line(limits->precision, region->lines[i]);
+    return chosen;
+}
+
+/* ---- coverage ------------------------------------------------------------------------------ */
+
+/* Finds the samples that a region covers, into scratch->covered and scratch->uv, and the parameters
+ * of all that lie in its surroundings. Returns their number; 0 where the seed is not among them. */
+static size_t cover(const psplat_fit_context *context, const psplat_region *region, uint32_t seed) {
+    psplat_scratch *s = context->scratch;
+    double inner[2], center[3], tolerance = context->limits->tolerance;
+    for (int k = 0; k < 2; ++k)
+        inner[k] = region->radius[k] /
+                   (region->radius[k] - min2(context->limits->margin, 0.5 * region->radius[k]));
+    sub3(center, region->center, s->near.origin);
+    size_t count = 0;
+    int seed_met = seed == PSPLAT_NONE;
+    for (uint32_t i = 0; i < s->near_count; ++i) {
+        const psplat_near_sample *sample = &s->near.samples[i];
+        double d[3], *uvh = s->uvh[i];
+        sub3(d, sample->p, center);
+        uvh[0] = dot3(d, region->u) / region->radius[0];
+        uvh[1] = dot3(d, region->v) / region->radius[1];
+        uvh[2] = dot3(d, region->n);
+        double x = uvh[0] * inner[0], y = uvh[1] * inner[1];
+        if (fabs(uvh[2]) > tolerance || x * x + y * y > 1) continue;
+        if (!psplat_region_contains(region, uvh, 1, line_slack)) continue;
+        if (dot3(sample->n, region->n) < PSPLAT_LEAST_COVERED_COSINE) continue;
+        seed_met |= sample->index == seed;
+        memcpy(s->uv[count], uvh, sizeof s->uv[count]);
+        s->covered[count++] = i;
+    }
+    return seed_met ? count : 0;
+}
+
+/* Returns whether all samples that a candidate covers lie inside a region and near its plane. */
+static int holds(const psplat_fit_context *context, const psplat_region *region,
+                 const psplat_candidate *held) {
+    for (size_t i = 0; i < held->covered_count; ++i) {
+        double uvh[3];
+        psplat_region_local(region, context->samples->positions + 3 * (size_t)held->covered[i],
+                            uvh);
+        if (fabs(uvh[2]) > context->limits->tolerance ||
+            !psplat_region_contains(region, uvh, 1, line_slack))
+            return 0;
+    }
+    return 1;
+}
+
+static double greatest_height(const psplat_scratch *scratch, size_t count) {
+    double greatest = 0;
+    for (size_t i = 0; i < count; ++i)
+        greatest = max2(greatest, fabs(scratch->uvh[scratch->covered[i]][2]));
+    return greatest;
+}
+
+/* ---- evaluation ---------------------------------------------------------------------------- */
+
+/* Gathers the surroundings of a region and gives it its lines, where they are wanted. */
+static psplat_fit_status find_lines(const psplat_fit_context *context, psplat_site *site,
+                                    const psplat_demands *demands, psplat_region *region) {
+    double inside[3], height;
+    int exact = !(demands->skip & PSPLAT_SKIP_EXACTNESS), given = demands->skip & PSPLAT_SKIP_LINES;
+    if (!given) region->line_count = 0;
+    if (gather_surroundings(context, site, demands, region)) return PSPLAT_FIT_MEMORY;
+    if (given) return PSPLAT_FIT_KEPT;
+    psplat_region_local(region, demands->inside, inside);
+    size_t segments = find_segments(context, region, &height);
+    if (height > context->limits->crease_tolerance) return PSPLAT_FIT_CREASE_TOO_FAR;
+    return choose_lines(context, segments, inside, exact, region) ? PSPLAT_FIT_KEPT
+                                                                  : PSPLAT_FIT_TOO_MANY_LINES;
+}
+
+static int is_large(const psplat_demands *demands, const psplat_region *region) {
+    if (!(demands->least_area > 0)) return 1;
+    return demands->least_area < HUGE_VAL && psplat_region_area(region) >= demands->least_area;
+}
+
+/* Checks the limits that are not skipped. A region that does not gain will not be used, so it need
+ * not be near the surface, and its normals matter only where a limit bounds them. */
+static psplat_fit_status check_limits(const psplat_fit_context *context, int skip, int gains,
+                                      psplat_evaluation *e) {
+    psplat_fit_status status = PSPLAT_FIT_KEPT;
+    if (!(skip & PSPLAT_SKIP_COLORS)) status = psplat_evaluate_colors(context, e->count);
+    if (!status && gains && !(skip & PSPLAT_SKIP_NEARNESS))
+        status = psplat_evaluate_nearness(context, &e->region, !(skip & PSPLAT_SKIP_EXACTNESS));
+    if (!status && (gains || context->limits->normal_tolerance > 0) &&
+        !(skip & PSPLAT_SKIP_NORMALS))
+        status = psplat_evaluate_normals(context, e);
+    return status || gains ? status : PSPLAT_FIT_NO_GAIN;
+}
+
+static psplat_fit_status evaluate(const psplat_fit_context *context, psplat_site *site,
+                                  const psplat_demands *demands, psplat_evaluation *e) {
+    psplat_fit_status status = find_lines(context, site, demands, &e->region);
+    if (status) return status;
+    int large = is_large(demands, &e->region);
+    if (!large && demands->more_than == SIZE_MAX) return PSPLAT_FIT_NO_GAIN;
+    if (demands->held && !holds(context, &e->region, demands->held)) return PSPLAT_FIT_SAMPLES_LOST;
+    e->count = cover(context, &e->region, site->seed);
+    if (!e->count) return PSPLAT_FIT_SAMPLES_LOST;
+    return check_limits(context, demands->skip, large || e->count > demands->more_than, e);
+}
+
+psplat_evaluation psplat_evaluate(const psplat_fit_context *context, psplat_site *site,
+                                  const psplat_region *region, const psplat_demands *demands) {
+    psplat_evaluation e = {.region = *region};
+    e.status = evaluate(context, site, demands, &e);
+    e.covered = context->scratch->covered; /* The array may have moved. */
+    if (e.status == PSPLAT_FIT_KEPT) e.deviation = greatest_height(context->scratch, e.count);
+    return e;
+}
+
+psplat_evaluation psplat_evaluate_single_sample(const psplat_fit_context *context,
+                                                psplat_site *site, const psplat_region *region,
+                                                const double point[3], uint32_t sample, int skip) {
+    psplat_scratch *s = context->scratch;
+    psplat_evaluation e = {.region = *region};
+    double uvh[3], height;
+    psplat_region_local(region, point, uvh);
+    e.region.line_count = 0;
+    if (psplat_site_gather(context, site, 2 * region->radius[0] + fabs(uvh[2]))) {
+        e.status = PSPLAT_FIT_MEMORY;
+        return e;
+    }
+    size_t segments = find_segments(context, &e.region, &height);
+    choose_lines(context, segments, uvh, !(skip & PSPLAT_SKIP_EXACTNESS), &e.region);
+    for (uint32_t i = 0; i < s->near.count && !e.count; ++i)
+        if (s->near.samples[i].index == sample) s->covered[e.count++] = i;
+    e.covered = s->covered;
+    if (!e.count) return e;
+    memcpy(s->uv[0], uvh, sizeof s->uv[0]);
+    e.deviation = fabs(uvh[2]);
+    psplat_evaluate_normals(context, &e); /* It is the best field, whatever its error. */
+    return e;
+}
+
+/* ---- candidates of evaluations ------------------------------------------------------------- */
+
+psplat_result psplat_candidate_record(const psplat_fit_context *context,
+                                      const psplat_evaluation *evaluation,
+                                      psplat_candidate *candidate) {
+    size_t count = evaluation->count;
+    uint32_t *covered = realloc(candidate->covered, count * sizeof *covered);
+    if (!covered) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < count; ++i)
+        covered[i] = context->scratch->near.samples[evaluation->covered[i]].index;
+    candidate->covered = covered;
+    candidate->covered_count = count;
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_candidate_set(const psplat_fit_context *context, const psplat_site *site,
+                                   const psplat_evaluation *evaluation, int keep_record,
+                                   psplat_candidate *candidate) {
+    if (!keep_record && psplat_candidate_record(context, evaluation, candidate))
+        return PSPLAT_ERROR_MEMORY;
+    candidate->region = evaluation->region;
+    candidate->deviation = evaluation->deviation;
+    candidate->triangle = site->triangle;
+    memcpy(candidate->field, evaluation->field, sizeof candidate->field);
+    return PSPLAT_OK;
+}
+
+psplat_fit_status psplat_candidate_replace(const psplat_fit_context *context, psplat_site *site,
+                                           const psplat_region *region, double least_area,
+                                           int keep_record, psplat_candidate *candidate) {
+    const psplat_demands demands = {.inside = context->samples->positions +
+                                              3 * (size_t)candidate->covered[0],
+                                    .held = candidate,
+                                    .least_area = least_area,
+                                    .more_than = keep_record ? SIZE_MAX : candidate->covered_count};
+    psplat_evaluation evaluation = psplat_evaluate(context, site, region, &demands);
+    if (!evaluation.status &&
+        psplat_candidate_set(context, site, &evaluation, keep_record, candidate))
+        return PSPLAT_FIT_MEMORY;
+    return evaluation.status;
+}
+
+void psplat_candidate_put_nearest_first(const psplat_samples *samples, const double point[3],
+                                        psplat_candidate *candidate) {
+    uint32_t *covered = candidate->covered, first = covered[0];
+    double least = HUGE_VAL;
+    size_t nearest = 0;
+    for (size_t i = 0; i < candidate->covered_count; ++i) {
+        double d = distance2_3(samples->positions + 3 * (size_t)covered[i], point);
+        if (d < least) least = d, nearest = i;
+    }
+    covered[0] = covered[nearest];
+    covered[nearest] = first;
+}

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * evaluate_near.c - the check whether all of a region lies within the tolerance of the surface.
+ *
+ * In a draft, points of the outline are measured against the samples alone, which is quick. The
+ * exact check measures points all over the region against the mesh. Most of these are quickly found
+ * to be near their nearest sample or its triangle; only for the others is the tree of the mesh
+ * searched.
+ */
+#include "base/region.h"
+#include "base/vector.h"
+#include "fit/evaluate.h"
+#include "fit/fit_context.h"
+#include "mesh/distance.h"
+#include "mesh/mesh.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The points of a draft lie on two rings, which are the outline scaled by these factors. Chosen by
+ * hand. */
+enum { RINGS = 2 };
+static const double ring_scales[RINGS] = {1, 0.6};
+
+/* ---- by samples ---------------------------------------------------------------------------- */
+
+/* Returns whether a point (relative to the neighbourhood's origin) is within the tolerance of the
+ * tangent plane of a sample, at a place that is no farther from the sample than the greatest gap.
+ */
+static int is_near_plane(const psplat_fit_context *context, const double q[3]) {
+    const psplat_scratch *s = context->scratch;
+    double tolerance2 = context->limits->tolerance * context->limits->tolerance;
+    double gap = PSPLAT_GREATEST_GAP * context->samples->spacing, gap2 = gap * gap;
+    for (size_t i = 0; i < s->near_count; ++i) {
+        double d[3];
+        sub3(d, q, s->near.samples[i].p);
+        double distance2 = dot3(d, d);
+        if (distance2 > tolerance2 + gap2) continue;
+        double height = dot3(d, s->near.samples[i].n), height2 = height * height;
+        if (height2 <= tolerance2 && distance2 - height2 <= gap2) return 1;
+    }
+    return 0;
+}
+
+/* Finds the points of a region on the rings, relative to origin. Returns their number. */
+static size_t outline_points(const psplat_region *region, const double origin[3],
+                             double points[][3]) {
+    double polygon[PSPLAT_OUTLINE][2], middle[2] = {0, 0}, center[3];
+    size_t count = psplat_region_polygon(region, 1, polygon, PSPLAT_OUTLINE), total = 0;
+    sub3(center, region->center, origin);
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)count;
+    for (int ring = 0; ring < RINGS; ++ring)
+        for (size_t i = 0; i < count; ++i, ++total) {
+            double uv[2];
+            for (int k = 0; k < 2; ++k)
+                uv[k] = middle[k] + ring_scales[ring] * (polygon[i][k] - middle[k]);
+            memcpy(points[total], center, sizeof center);
+            mad3(points[total], uv[0] * region->radius[0], region->u);
+            mad3(points[total], uv[1] * region->radius[1], region->v);
+        }
+    return total;
+}
+
+static psplat_fit_status outline_nearness(const psplat_fit_context *context,
+                                          const psplat_region *region) {
+    double points[RINGS * PSPLAT_OUTLINE][3];
+    size_t count = outline_points(region, context->scratch->near.origin, points);
+    for (size_t i = 0; i < count; ++i)
+        if (!is_near_plane(context, points[i])) return PSPLAT_FIT_LEAVES_SURFACE;
+    return PSPLAT_FIT_KEPT;
+}
+
+/* ---- by the mesh --------------------------------------------------------------------------- */
+
+/* The samples around a region, in the cells of a grid over its parameters (u, v). */
+enum { CELLS = 16 };
+typedef struct cells {
+    const psplat_region *region;
+    uint32_t heads[CELLS * CELLS];
+    const uint32_t *nexts;  /* of each sample, in its cell; PSPLAT_NONE at the end */
+    const double (*uvh)[3]; /* of each sample */
+} cells;
+
+static int cell_along(double x) {
+    return (int)floor((x + 1) * (CELLS / 2.0));
+}
+
+/* Sorts the samples into the cells by their parameters, which the scratch holds. */
+static void fill_cells(psplat_scratch *s, const psplat_region *region, cells *c) {
+    *c = (cells){.region = region, .nexts = s->next_in_cell, .uvh = (const double(*)[3])s->uvh};
+    memset(c->heads, 0xff, sizeof c->heads);
+    for (uint32_t i = (uint32_t)s->near_count; i-- > 0;) { /* The nearest of all come first. */
+        const double *uvh = s->uvh[i];
+        if (!(fabs(uvh[0]) < 1 && fabs(uvh[1]) < 1)) continue;
+        uint32_t *head = &c->heads[cell_along(uvh[1]) * CELLS + cell_along(uvh[0])];
+        s->next_in_cell[i] = *head;
+        *head = i;
+    }
+}
+
+/* Finds the nearest of the samples in the cells around a point; PSPLAT_NONE where there is none. */
+static uint32_t nearest_sample(const cells *c, const double uv[2], double *distance2) {
+    uint32_t nearest = PSPLAT_NONE;
+    int column = cell_along(uv[0]), row = cell_along(uv[1]);
+    *distance2 = HUGE_VAL;
+    for (int y = row > 0 ? row - 1 : 0; y <= row + 1 && y < CELLS; ++y)
+        for (int x = column > 0 ? column - 1 : 0; x <= column + 1 && x < CELLS; ++x)
+            for (uint32_t i = c->heads[y * CELLS + x]; i != PSPLAT_NONE; i = c->nexts[i]) {
+                double du = (c->uvh[i][0] - uv[0]) * c->region->radius[0];
+                double dv = (c->uvh[i][1] - uv[1]) * c->region->radius[1], h = c->uvh[i][2];
+                double d2 = du * du + dv * dv + h * h;
+                if (d2 < *distance2) *distance2 = d2, nearest = i;
+            }
+    return nearest;
+}
+
+static int is_near_triangle(const psplat_fit_context *context, uint32_t triangle,
+                            const double q[3]) {
+    const psplat_mesh *mesh = context->surface->mesh;
+    const uint32_t *vertices = mesh->triangles + 3 * (size_t)triangle;
+    double tolerance = context->limits->tolerance;
+    return point_triangle_distance2(q, mesh->positions + 3 * (size_t)vertices[0],
+                                    mesh->positions + 3 * (size_t)vertices[1],
+                                    mesh->positions + 3 * (size_t)vertices[2]) <=
+           tolerance * tolerance;
+}
+
+/* Returns whether the triangle of a sample or one next to it is within the tolerance of a point. */
+static int is_near_triangles(const psplat_fit_context *context, uint32_t sample,
+                             const double q[3]) {
+    uint32_t triangle = context->samples->triangles[sample];
+    if (is_near_triangle(context, triangle, q)) return 1;
+    for (size_t k = 0; k < 3; ++k) {
+        uint32_t neighbor = context->surface->neighbors[3 * (size_t)triangle + k];
+        if (neighbor != PSPLAT_NONE && is_near_triangle(context, neighbor, q)) return 1;
+    }
+    return 0;
+}
+
+/* Returns whether a sample connected with the site is as near to a point as one must be if this
+ * part of the surface is within the tolerance. Other parts of the surface do not count. */
+static int is_near_sample(const psplat_fit_context *context, const double point[3]) {
+    const psplat_scratch *s = context->scratch;
+    double most = context->limits->tolerance + PSPLAT_GREATEST_GAP * context->samples->spacing;
+    double q[3];
+    sub3(q, point, s->near.origin);
+    for (size_t i = 0; i < s->near_count; ++i) {
+        double d[3];
+        sub3(d, q, s->near.samples[i].p);
+        if (dot3(d, d) <= most * most) return 1;
+    }
+    return 0;
+}
+
+static psplat_fit_status point_nearness(const psplat_fit_context *context, const cells *c,
+                                        const double point[3]) {
+    const psplat_limits *limits = context->limits;
+    double uvh[3], distance2;
+    int near;
+    psplat_region_local(c->region, point, uvh);
+    uint32_t nearest = nearest_sample(c, uvh, &distance2);
+    if (distance2 <= limits->tolerance * limits->tolerance) return PSPLAT_FIT_KEPT;
+    if (nearest != PSPLAT_NONE &&
+        is_near_triangles(context, context->scratch->near.samples[nearest].index, point))
+        return PSPLAT_FIT_KEPT;
+    if (!limits->distance || !is_near_sample(context, point)) return PSPLAT_FIT_LEAVES_SURFACE;
+    if (psplat_distance_within(limits->distance, point, 1, limits->tolerance, &near))
+        return PSPLAT_FIT_MEMORY;
+    return near ? PSPLAT_FIT_KEPT : PSPLAT_FIT_LEAVES_SURFACE;
+}
+
+static psplat_fit_status mesh_nearness(const psplat_fit_context *context,
+                                       const psplat_region *region) {
+    double points[PSPLAT_REGION_POINTS][3];
+    size_t count = psplat_region_points(region, points);
+    psplat_fit_status status = PSPLAT_FIT_KEPT;
+    cells c;
+    fill_cells(context->scratch, region, &c);
+    for (size_t i = 0; i < count && !status; ++i) status = point_nearness(context, &c, points[i]);
+    return status;
+}
+
+psplat_fit_status psplat_evaluate_nearness(const psplat_fit_context *context,
+                                           const psplat_region *region, int exact) {
+    return exact ? mesh_nearness(context, region) : outline_nearness(context, region);
+}

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * quantize_candidate.c - the move of a candidate to the grid of the file's integers.
+ *
+ * A file holds centres, axes and radii as integers. Instead of rounding them in the end and
+ * reserving a part of the tolerance for it, candidates that are taken move to the grid and are
+ * evaluated there by the same limits as all others. So the promises hold for what is stored, and
+ * quantization costs a few splats instead of a part of the tolerance. A splat may move little
+ * across its plane but much within it: mostly one of the grid points around the centre lies close
+ * to the plane.
+ */
+#include "fit/quantize_candidate.h"
+
+#include "base/region.h"
+#include "base/vector.h"
+#include "features/samples.h"
+#include "fit/candidate.h"
+#include "fit/evaluate.h"
+#include "fit/fit_context.h"
+#include "mesh/mesh.h"
+#include "splats/octahedron.h"
+#include "splats/quantize.h"
+#include "splats/splats.h"
+
+#include <math.h>
+#include <string.h>
+
+/* All of these were chosen by hand. */
+/* The number of grid points tried, and how far from the centre they are looked for, in steps. */
+enum { OPTIONS = 3, SEARCHED_STEPS = 3 };
+/* What leaving the plane by the tolerance costs; moving by a radius costs 1. */
+static const double plane_cost = 0.5;
+/* The radii tried, in steps from those of the candidate rounded down: larger ones first. */
+static const int radius_steps[][2] = {{1, 1}, {0, 0}, {-1, -1}};
+enum { RADIUS_STEPS = sizeof radius_steps / sizeof *radius_steps };
+/* How often, and by which factor, a candidate shrinks that fits nowhere on the grid. */
+enum { SHRINKINGS = 8 };
+static const double shrink_factor = 0.8;
+
+/* Axes and a centre on the grid, and what moving there costs. */
+typedef struct option {
+    double axes[3][3], center[3], cost;
+} option;
+
+typedef struct quantizer {
+    const psplat_fit_context *context;
+    const psplat_precision *precision;
+    psplat_site site;
+    psplat_region old;
+    double points[PSPLAT_REGION_POINTS][3]; /* of the old region, relative to its centre */
+    size_t point_count;
+    option options[OPTIONS];
+} quantizer;
+
+/* Inserts an option into a list of the cheapest ones, cheapest first, and drops the last. */
+static void keep_cheapest(option *options, const option *new) {
+    for (int i = 0; i < OPTIONS; ++i) {
+        if (options[i].cost <= new->cost) continue;
+        memmove(options + i + 1, options + i, (size_t)(OPTIONS - 1 - i) * sizeof *options);
+        options[i] = *new;
+        return;
+    }
+}
+
+/* Finds the offset of the plane of this normal whose greatest distance from the old region is
+ * least, and that distance. */
+static double best_offset(const quantizer *q, const double n[3], double *spread) {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (size_t i = 0; i < q->point_count; ++i) {
+        double height = dot3(q->points[i], n);
+        low = min2(low, height);
+        high = max2(high, height);
+    }
+    *spread = q->point_count ? (high - low) / 2 : 0;
+    return q->point_count ? (low + high) / 2 : 0;
+}
+
+/* Tries the grid points around the centre with these axes, and keeps the cheapest ones. */
+static void find_centers(quantizer *q, double axes[3][3]) {
+    double unit = q->precision->unit, tolerance = q->context->limits->tolerance;
+    double spread, offset = best_offset(q, axes[2], &spread);
+    option o;
+    memcpy(o.axes, axes, sizeof o.axes);
+    for (int i = -SEARCHED_STEPS; i <= SEARCHED_STEPS; ++i)
+        for (int j = -SEARCHED_STEPS; j <= SEARCHED_STEPS; ++j)
+            for (int k = -SEARCHED_STEPS; k <= SEARCHED_STEPS; ++k) {
+                const int steps[3] = {i, j, k};
+                double d[3];
+                for (int c = 0; c < 3; ++c)
+                    o.center[c] = unit * (rint(q->old.center[c] / unit) + steps[c]);
+                sub3(d, o.center, q->old.center);
+                o.cost = hypot(dot3(d, axes[0]) / q->old.radius[0],
+                               dot3(d, axes[1]) / q->old.radius[1]) +
+                         plane_cost * (fabs(dot3(d, axes[2]) - offset) + spread) / tolerance;
+                keep_cheapest(q->options, &o);
+            }
+}
+
+/* Finds the cheapest pairs of a grid normal next to the old one and a grid point around the centre.
+ */
+static void find_options(quantizer *q) {
+    int32_t middle[2];
+    q->point_count = psplat_region_points(&q->old, q->points);
+    for (size_t i = 0; i < q->point_count; ++i) sub3(q->points[i], q->points[i], q->old.center);
+    for (int i = 0; i < OPTIONS; ++i) q->options[i].cost = HUGE_VAL;
+    psplat_octahedron_encode(q->old.n, q->precision->normal_bits, middle);
+    for (int32_t i = -1; i <= 1; ++i)
+        for (int32_t k = -1; k <= 1; ++k) {
+            const int32_t code[2] = {middle[0] + i, middle[1] + k};
+            double axes[3][3];
+            if (!psplat_octahedron_is_code(code, q->precision->normal_bits)) continue;
+            psplat_quantized_axes(q->precision, code, q->old.u, axes);
+            find_centers(q, axes);
+        }
+}
+
+/* ---- regions on the grid -------------------------------------------------------------------- */
+
+/* Returns the region of an option. Its radii are the old ones times a factor, rounded down to the
+ * grid, plus so many steps. */
+static psplat_region region_of(const quantizer *q, const option *o, double factor,
+                               const int steps[2]) {
+    double step = q->precision->scale_step, unit = q->precision->unit;
+    psplat_region r = {.line_count = 0};
+    memcpy(r.center, o->center, sizeof r.center);
+    memcpy(r.u, o->axes[0], sizeof r.u);
+    memcpy(r.v, o->axes[1], sizeof r.v);
+    memcpy(r.n, o->axes[2], sizeof r.n);
+    for (int k = 0; k < 2; ++k) {
+        double down = floor(log(q->old.radius[k] * factor / unit) / step);
+        r.radius[k] = unit * exp(step * (down + steps[k]));
+    }
+    if (r.radius[1] > r.radius[0]) r.radius[0] = r.radius[1];
+    return r;
+}
+
+/* Gives the candidate the region of the first option that keeps the limits. Returns KEPT, MEMORY,
+ * or why the last option does not keep them. */
+static psplat_fit_status try_options(quantizer *q, double factor, const int steps[2],
+                                     int keep_record, psplat_candidate *candidate) {
+    psplat_fit_status status = PSPLAT_FIT_NO_GAIN;
+    for (int i = 0; i < OPTIONS && status && status != PSPLAT_FIT_MEMORY; ++i) {
+        psplat_region tried = region_of(q, &q->options[i], factor, steps);
+        status = psplat_candidate_replace(q->context, &q->site, &tried, 0, keep_record, candidate);
+    }
+    return status;
+}
+
+static psplat_fit_status try_radii(quantizer *q, psplat_candidate *candidate) {
+    psplat_fit_status status = PSPLAT_FIT_NO_GAIN;
+    for (int i = 0; i < RADIUS_STEPS && status && status != PSPLAT_FIT_MEMORY; ++i)
+        status = try_options(q, 1, radius_steps[i], 1, candidate);
+    return status;
+}
+
+/* Shrinks a candidate until it fits. It must still cover its first sample or, where that fails, the
+ * sample in its middle; which others it covers is found anew. */
+static psplat_fit_status shrink(quantizer *q, psplat_candidate *candidate) {
+    psplat_fit_status status = PSPLAT_FIT_NO_GAIN;
+    size_t count = candidate->covered_count;
+    for (int of_seed = 1; of_seed >= 0; --of_seed) {
+        double factor = 1;
+        candidate->covered_count = count;
+        if (!of_seed)
+            psplat_candidate_put_nearest_first(q->context->samples, q->old.center, candidate);
+        for (int i = 0; i < SHRINKINGS; ++i, factor *= shrink_factor) {
+            candidate->covered_count = 1;
+            status = try_options(q, factor, radius_steps[1], 0, candidate);
+            if (!status || status == PSPLAT_FIT_MEMORY) return status;
+        }
+    }
+    return status;
+}
+
+/* ---- the last resort ------------------------------------------------------------------------ */
+
+/* Returns a small disc on the grid that covers a point, with its centre as near to that as the grid
+ * allows. Its radius is at least twice the centre's distance from the point within the plane, so
+ * that the farthest point of the disc is three times as far, plus the height of the centre. */
+static psplat_region disc_at(quantizer *q, const double point[3], uint32_t triangle) {
+    double tolerance = q->context->limits->tolerance, least = q->old.radius[1], d[3];
+    const double *n = q->context->surface->face_normals + 3 * (size_t)triangle;
+    q->old =
+        (psplat_region){.radius = {plane_cost / 1.5 * tolerance, plane_cost / 1.5 * tolerance}};
+    memcpy(q->old.center, point, sizeof q->old.center);
+    memcpy(q->old.n, n, sizeof q->old.n);
+    perpendicular3(q->old.u, n);
+    cross3(q->old.v, n, q->old.u);
+    find_options(q);
+    const option *o = &q->options[0];
+    sub3(d, o->center, point);
+    double within = hypot(dot3(d, o->axes[0]), dot3(d, o->axes[1]));
+    for (int k = 0; k < 2; ++k) q->old.radius[k] = max2(2 * within, min2(least, tolerance / 16));
+    return region_of(q, o, 1, radius_steps[0]);
+}
+
+/* Makes the candidate a disc that covers its first sample alone. A candidate without samples
+ * becomes a disc at its centre. */
+static psplat_result make_disc(quantizer *q, psplat_candidate *candidate) {
+    const psplat_samples *samples = q->context->samples;
+    uint32_t sample = candidate->covered_count ? candidate->covered[0] : PSPLAT_NONE;
+    uint32_t triangle = candidate->triangle;
+    const double *point = candidate->region.center;
+    if (sample != PSPLAT_NONE)
+        point = samples->positions + 3 * (size_t)sample, triangle = samples->triangles[sample];
+    psplat_region disc = disc_at(q, point, triangle);
+    psplat_site site = psplat_site_of(&disc, triangle);
+    psplat_evaluation one =
+        psplat_evaluate_single_sample(q->context, &site, &disc, point, sample, 0);
+    if (one.status) return PSPLAT_ERROR_MEMORY;
+    return psplat_candidate_set(q->context, &site, &one, 1, candidate);
+}
+
+psplat_result psplat_quantize_candidate(const psplat_fit_context *context,
+                                        psplat_candidate *candidate) {
+    quantizer q = {.context = context,
+                   .precision = context->limits->precision,
+                   .site = psplat_site_of(&candidate->region, candidate->triangle),
+                   .old = candidate->region};
+    psplat_fit_status status = PSPLAT_FIT_NO_GAIN;
+    candidate->quantized = 1;
+    if (candidate->covered_count) {
+        find_options(&q);
+        status = try_radii(&q, candidate);
+        if (status && status != PSPLAT_FIT_MEMORY) status = shrink(&q, candidate);
+    }
+    if (status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
+    return status ? make_disc(&q, candidate) : PSPLAT_OK;
+}

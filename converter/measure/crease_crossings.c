@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * crease_crossings.c - creases and borders that lie too deep inside splats of their own patch.
+ *
+ * A splat is convex and ends a little behind the creases of its patch, so no point of these may lie
+ * deeper inside its outline than that. The depth of a point is its distance from the nearest side
+ * of the outline, which is a concave function. Its maximum along an edge is that of a linear
+ * program in one variable, which a ternary search finds. Splats do not store their patch, so the
+ * samples that a splat covers vote: a crossing counts if at least half of them belong to patches
+ * whose creases the splat crosses. So the creases of another sheet that lies closer than the
+ * tolerance are left out.
+ */
+#include "measure/crease_crossings.h"
+
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+#include "features/samples.h"
+#include "features/surface.h"
+#include "measure/measured_splats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The capacity of an outline, and the steps of the ternary search: each leaves 2/3 of the range. */
+enum { MOST_CORNERS = 68, TERNARY_STEPS = 48 };
+
+/* ---- the depth of an edge in a splat --------------------------------------------------------- */
+
+/* The distances of a point on an edge from the sides of an outline, positive inside. Each is a
+ * linear function a + b t of the place t = 0 ... 1 on the edge. */
+typedef struct sides {
+    double a[MOST_CORNERS], b[MOST_CORNERS];
+    size_t count;
+} sides;
+
+static double depth_at(const sides *s, double t) {
+    double least = HUGE_VAL;
+    for (size_t i = 0; i < s->count; ++i) least = min2(least, s->a[i] + t * s->b[i]);
+    return least;
+}
+
+/* Clips a range of t to where a + b t >= 0. An empty range ends before it begins. */
+static void clip_range(double range[2], double a, double b) {
+    if (b > 0)
+        range[0] = max2(range[0], -a / b);
+    else if (b < 0)
+        range[1] = min2(range[1], -a / b);
+    else if (a < 0)
+        range[1] = range[0] - 1;
+}
+
+static void find_sides(sides *s, const psplat_region *region, double from[3], double to[3]) {
+    double polygon[MOST_CORNERS][2];
+    size_t corners = psplat_region_polygon(region, 1, polygon, MOST_CORNERS);
+    double p[2] = {from[0] * region->radius[0], from[1] * region->radius[1]};
+    double d[2] = {to[0] * region->radius[0] - p[0], to[1] * region->radius[1] - p[1]};
+    s->count = 0;
+    for (size_t i = 0; i < corners; ++i) {
+        const double *c0 = polygon[i], *c1 = polygon[i + 1 < corners ? i + 1 : 0];
+        double x = c0[0] * region->radius[0], y = c0[1] * region->radius[1];
+        double side[2] = {c1[0] * region->radius[0] - x, c1[1] * region->radius[1] - y};
+        double length = hypot(side[0], side[1]);
+        if (!(length > 0)) continue;
+        s->a[s->count] = (side[0] * (p[1] - y) - side[1] * (p[0] - x)) / length;
+        s->b[s->count++] = (side[0] * d[1] - side[1] * d[0]) / length;
+    }
+}
+
+/* Returns the greatest depth over a range of t, found by ternary search, and stores where it is. */
+static double greatest_depth(const sides *s, const double range[2], double *at) {
+    double low = range[0], high = range[1];
+    for (int i = 0; i < TERNARY_STEPS; ++i) {
+        double t0 = low + (high - low) / 3, t1 = high - (high - low) / 3;
+        if (depth_at(s, t0) < depth_at(s, t1))
+            low = t0;
+        else
+            high = t1;
+    }
+    *at = 0.5 * (low + high);
+    return depth_at(s, *at);
+}
+
+/* Returns an upper bound of the depth of an edge (its ends as u, v, height) that is quick to find:
+ * the smaller radius, and the distance of the farther end from each clip line. */
+static double depth_bound(const psplat_region *region, const double from[3], const double to[3]) {
+    double least = region->radius[1];
+    for (uint32_t i = 0; i < region->line_count; ++i) {
+        const double *line = region->lines[i];
+        double inside =
+            max2(line[0] * from[0] + line[1] * from[1], line[0] * to[0] + line[1] * to[1]) +
+            line[2];
+        least =
+            min2(least, inside / hypot(line[0] / region->radius[0], line[1] / region->radius[1]));
+    }
+    return least;
+}
+
+/* Returns the greatest depth in a region of the part of edge a b that is within tolerance of its
+ * plane, and stores where it is. Returns 0 or less where the edge stays outside. Where the depth is
+ * at most known_depth, the result may be any number up to that, and point may be left unset. */
+static double edge_depth(const psplat_region *region, const double a[3], const double b[3],
+                         double tolerance, double known_depth, double point[3]) {
+    double from[3], to[3], range[2] = {0, 1}, at;
+    sides s;
+    psplat_region_local(region, a, from);
+    psplat_region_local(region, b, to);
+    if (depth_bound(region, from, to) <= known_depth) return 0;
+    clip_range(range, tolerance - from[2], from[2] - to[2]);
+    clip_range(range, tolerance + from[2], to[2] - from[2]);
+    find_sides(&s, region, from, to);
+    for (size_t i = 0; i < s.count && range[0] <= range[1]; ++i) clip_range(range, s.a[i], s.b[i]);
+    if (!s.count || !(range[0] <= range[1])) return 0;
+    double depth = greatest_depth(&s, range, &at);
+    for (int k = 0; k < 3; ++k) point[k] = a[k] + at * (b[k] - a[k]);
+    return depth;
+}
+
+/* ---- all edges ------------------------------------------------------------------------------ */
+
+typedef struct crossing_list {
+    psplat_crease_crossing *items;
+    size_t count, capacity;
+    int failed;
+} crossing_list;
+
+/* One crease edge whose crossings are looked for. */
+typedef struct edge_probe {
+    const psplat_measured_splats *measured;
+    const double *a, *b, *normal;
+    uint32_t edge;
+    double limit;        /* deeper crossings are listed */
+    double greatest;     /* depth found of those that are not */
+    crossing_list *list; /* shared by all threads */
+} edge_probe;
+
+static void push_crossing(crossing_list *list, const psplat_crease_crossing *crossing) {
+    if (list->count == list->capacity) {
+        size_t capacity = 2 * list->capacity + 64;
+        psplat_crease_crossing *items = realloc(list->items, capacity * sizeof *items);
+        if (!items) {
+            list->failed = 1;
+            return;
+        }
+        list->items = items;
+        list->capacity = capacity;
+    }
+    list->items[list->count++] = *crossing;
+}
+
+static int visit_region(void *user, uint32_t index) {
+    edge_probe *p = user;
+    const psplat_region *region = &p->measured->regions[index];
+    if (dot3(p->normal, region->n) <= 0) return 0;
+    psplat_crease_crossing found = {.edge = p->edge, .splat = index};
+    found.depth = edge_depth(region, p->a, p->b, p->measured->tolerance,
+                             min2(p->greatest, p->limit), found.point);
+    if (found.depth <= p->limit) {
+        p->greatest = max2(p->greatest, found.depth);
+        return 0;
+    }
+#if defined(_OPENMP)
+#pragma omp critical(psplat_crossing_push)
+#endif
+    push_crossing(p->list, &found);
+    return 0;
+}
+
+static double probe_edge(const psplat_surface *surface, const psplat_measured_splats *measured,
+                         uint32_t edge, double limit, double greatest, crossing_list *list) {
+    const uint32_t *corners = surface->mesh->triangles + (size_t)(edge / 3) * 3;
+    const double *a = surface->mesh->positions + 3 * (size_t)corners[edge % 3];
+    const double *b = surface->mesh->positions + 3 * (size_t)corners[(edge % 3 + 1) % 3];
+    double low[3], high[3];
+    for (int k = 0; k < 3; ++k) low[k] = min2(a[k], b[k]), high[k] = max2(a[k], b[k]);
+    edge_probe p = {measured, a,     b,        surface->face_normals + (size_t)(edge / 3) * 3,
+                    edge,     limit, greatest, list};
+    psplat_region_tree_visit_box(measured->region_tree, low, high, visit_region, &p);
+    return p.greatest;
+}
+
+static int compare_crossings(const void *left, const void *right) {
+    const psplat_crease_crossing *a = left, *b = right;
+    if (a->splat != b->splat) return a->splat < b->splat ? -1 : 1;
+    return a->edge < b->edge ? -1 : a->edge > b->edge;
+}
+
+static double probe_all(const psplat_surface *surface, const psplat_measured_splats *measured,
+                        double limit, crossing_list *list) {
+    long edges = 3 * (long)surface->mesh->triangle_count;
+    double greatest = 0;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(dynamic, 4096) reduction(max : greatest)
+#endif
+    for (long e = 0; e < edges; ++e)
+        if (surface->creases[e])
+            greatest = probe_edge(surface, measured, (uint32_t)e, limit, greatest, list);
+    if (list->count) qsort(list->items, list->count, sizeof *list->items, compare_crossings);
+    return greatest;
+}
+
+/* ---- majority votes on the patches of splats ------------------------------------------------- */
+
+/* The numbers of samples that a splat covers: of patches whose creases it crosses, and of others.
+ */
+typedef struct vote {
+    long crossed, other;
+} vote;
+
+/* One sample, which votes on the splats that cover it. */
+typedef struct voter {
+    const psplat_surface *surface;
+    const psplat_measured_splats *measured;
+    const crossing_list *list;
+    const uint32_t *first; /* splat + 1: its crossings in the list */
+    vote *votes;
+    const double *point;
+    double normal[3];
+    uint32_t patch;
+} voter;
+
+static int visit_vote(void *user, uint32_t index) {
+    voter *v = user;
+    double uvh[3];
+    if (v->first[index] == v->first[index + 1]) return 0;
+    psplat_region_local(&v->measured->regions[index], v->point, uvh);
+    if (!psplat_measured_splats_cover(v->measured, index, v->normal, uvh)) return 0;
+    int crossed = 0;
+    for (uint32_t i = v->first[index]; i < v->first[index + 1] && !crossed; ++i)
+        crossed = v->surface->patches[v->list->items[i].edge / 3] == v->patch;
+    long *count = crossed ? &v->votes[index].crossed : &v->votes[index].other;
+#if defined(_OPENMP)
+#pragma omp atomic
+#endif
+    ++*count;
+    return 0;
+}
+
+static void count_votes(const voter *shared, const psplat_samples *samples) {
+    long end = (long)samples->count;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(static)
+#endif
+    for (long i = 0; i < end; ++i) {
+        voter v = *shared;
+        v.point = samples->positions + 3 * i;
+        for (int k = 0; k < 3; ++k) v.normal[k] = (double)samples->normals[3 * i + k];
+        v.patch = v.surface->patches[samples->triangles[i]];
+        psplat_region_tree_visit(v.measured->region_tree, v.point, visit_vote, &v);
+    }
+}
+
+/* Drops the crossings of splats most of whose samples belong to other patches. */
+static psplat_result drop_foreign_crossings(const psplat_surface *surface,
+                                            const psplat_samples *samples,
+                                            const psplat_measured_splats *measured,
+                                            crossing_list *list) {
+    size_t splats = measured->count, kept = 0;
+    uint32_t *first = calloc(splats + 2, sizeof *first);
+    vote *votes = calloc(splats + 1, sizeof *votes);
+    if (first && votes) {
+        for (size_t i = 0; i < list->count; ++i) first[list->items[i].splat + 1]++;
+        for (size_t s = 0; s < splats; ++s) first[s + 1] += first[s];
+        voter shared = {
+            .surface = surface, .measured = measured, .list = list, .first = first, .votes = votes};
+        count_votes(&shared, samples);
+        for (size_t i = 0; i < list->count; ++i) {
+            const vote *v = &votes[list->items[i].splat];
+            if (v->crossed >= v->other) list->items[kept++] = list->items[i];
+        }
+        list->count = kept;
+    }
+    psplat_result result = first && votes ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    free(first);
+    free(votes);
+    return result;
+}
+
+psplat_result psplat_crease_crossings_find(const psplat_surface *surface,
+                                           const psplat_samples *samples,
+                                           const psplat_measured_splats *measured, double limit,
+                                           psplat_crease_crossing **crossings, size_t *count,
+                                           double *greatest) {
+    crossing_list list = {0};
+    *greatest = probe_all(surface, measured, limit, &list);
+    psplat_result result = list.failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+    if (!result && list.count) result = drop_foreign_crossings(surface, samples, measured, &list);
+    for (size_t i = 0; i < list.count; ++i) *greatest = max2(*greatest, list.items[i].depth);
+    *crossings = list.items;
+    *count = list.count;
+    if (!result) return PSPLAT_OK;
+    free(list.items);
+    *crossings = NULL;
+    return result;
+}

@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * holes.c - an exhaustive search for points of the surface that no stored splat covers.
+ *
+ * The set of points that a splat covers is convex: a region of its plane, extended by the tolerance
+ * above and below. So a splat that covers the three corners of a triangle covers all of it. A
+ * triangle that no single splat covers is halved until the middle of a part is found open, or the
+ * part is too small to matter. The search draws no random points: a hole that it misses is smaller
+ * than its resolution.
+ */
+#include "measure/holes.h"
+
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+#include "features/surface.h"
+#include "measure/measured_splats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A part of a triangle: its corners, and the normals at them. */
+typedef struct subtriangle {
+    double p[3][3], n[3][3];
+} subtriangle;
+
+/* The state of the search in one thread. */
+typedef struct searcher {
+    const psplat_measured_splats *measured;
+    double coarse; /* middles are tested of parts whose longest side is at most this */
+    double fine;   /* parts whose longest side is at most this are not halved */
+    psplat_holes *holes;
+    uint32_t triangle;
+    uint32_t *near; /* a stack: splats near a part follow those near the part it was halved from */
+    size_t near_count, near_capacity;
+    int failed;
+} searcher;
+
+static void push_near(searcher *s, uint32_t splat) {
+    if (s->near_count == s->near_capacity) {
+        size_t capacity = 2 * s->near_capacity + 256;
+        uint32_t *near = realloc(s->near, capacity * sizeof *near);
+        if (!near) {
+            s->failed = 1;
+            return;
+        }
+        s->near = near;
+        s->near_capacity = capacity;
+    }
+    s->near[s->near_count++] = splat;
+}
+
+static void push_hole(searcher *s, const double point[3]) {
+    psplat_holes *h = s->holes;
+    if (h->count == h->capacity) {
+        size_t capacity = 2 * h->capacity + 64;
+        double *points = realloc(h->points, capacity * 3 * sizeof *points);
+        if (points) h->points = points;
+        uint32_t *triangles = realloc(h->triangles, capacity * sizeof *triangles);
+        if (triangles) h->triangles = triangles;
+        if (!points || !triangles) {
+            s->failed = 1;
+            return;
+        }
+        h->capacity = capacity;
+    }
+    memcpy(h->points + 3 * h->count, point, 3 * sizeof *point);
+    h->triangles[h->count++] = s->triangle;
+}
+
+/* Returns whether all of a part (its corners as u, v, height in the splat's region) lies beyond one
+ * side of what the splat covers. */
+static int is_outside_splat(const psplat_region *region, double tolerance, const double uvh[3][3]) {
+    double middle[2], spread = 0;
+    int above = 1, below = 1;
+    for (int k = 0; k < 2; ++k) middle[k] = (uvh[0][k] + uvh[1][k] + uvh[2][k]) / 3;
+    for (int i = 0; i < 3; ++i) {
+        above &= uvh[i][2] > tolerance, below &= uvh[i][2] < -tolerance;
+        spread = max2(spread, hypot(uvh[i][0] - middle[0], uvh[i][1] - middle[1]));
+    }
+    if (above || below || hypot(middle[0], middle[1]) > 1 + spread + 1e-5) return 1;
+    for (uint32_t i = 0; i < region->line_count; ++i) {
+        const double *line = region->lines[i];
+        int outside = 1;
+        for (int k = 0; k < 3; ++k)
+            outside &= line[0] * uvh[k][0] + line[1] * uvh[k][1] + line[2] < -1e-5;
+        if (outside) return 1;
+    }
+    return 0;
+}
+
+/* Pushes those of the splats near[begin ... end) that may cover some of the part. Returns 1 where
+ * one of them covers all of it. */
+static int find_near(searcher *s, const subtriangle *t, size_t begin, size_t end) {
+    for (size_t i = begin; i < end && !s->failed; ++i) {
+        uint32_t splat = s->near[i];
+        const psplat_region *region = &s->measured->regions[splat];
+        double uvh[3][3];
+        int covered = 1;
+        for (int k = 0; k < 3; ++k) {
+            psplat_region_local(region, t->p[k], uvh[k]);
+            covered = covered && psplat_measured_splats_cover(s->measured, splat, t->n[k], uvh[k]);
+        }
+        if (covered) return 1;
+        if (!is_outside_splat(region, s->measured->tolerance, (const double(*)[3])uvh))
+            push_near(s, splat);
+    }
+    return 0;
+}
+
+static int is_open(const searcher *s, const double p[3], const double n[3], size_t begin) {
+    for (size_t i = begin; i < s->near_count; ++i) {
+        double uvh[3];
+        psplat_region_local(&s->measured->regions[s->near[i]], p, uvh);
+        if (psplat_measured_splats_cover(s->measured, s->near[i], n, uvh)) return 0;
+    }
+    return 1;
+}
+
+static void midpoint(double out[3], const double a[3], const double b[3]) {
+    for (int k = 0; k < 3; ++k) out[k] = 0.5 * (a[k] + b[k]);
+}
+
+/* Halves a part at the middle of its longest side. Returns that side's length. */
+static double halve(const subtriangle *t, subtriangle halves[2]) {
+    double longest = -1;
+    int from = 0;
+    for (int k = 0; k < 3; ++k) {
+        double d[3];
+        sub3(d, t->p[(k + 1) % 3], t->p[k]);
+        if (length3(d) > longest) longest = length3(d), from = k;
+    }
+    int to = (from + 1) % 3;
+    halves[0] = halves[1] = *t;
+    midpoint(halves[0].p[to], t->p[from], t->p[to]);
+    midpoint(halves[0].n[to], t->n[from], t->n[to]);
+    memcpy(halves[1].p[from], halves[0].p[to], sizeof halves[0].p[to]);
+    memcpy(halves[1].n[from], halves[0].n[to], sizeof halves[0].n[to]);
+    return longest;
+}
+
+/* Finds the holes of a part, given that near[begin ... near_count) are the splats near the part it
+ * was halved from. One hole is enough in a part no larger than coarse. Returns whether there is
+ * one. */
+static int search_subtriangle(searcher *s, const subtriangle *t, size_t begin) {
+    size_t end = s->near_count;
+    subtriangle halves[2];
+    if (find_near(s, t, begin, end)) {
+        s->near_count = end;
+        return 0;
+    }
+    double side = halve(t, halves), p[3], n[3];
+    for (int k = 0; k < 3; ++k) {
+        p[k] = (t->p[0][k] + t->p[1][k] + t->p[2][k]) / 3;
+        n[k] = (t->n[0][k] + t->n[1][k] + t->n[2][k]) / 3;
+    }
+    int found = side <= s->coarse && is_open(s, p, n, end);
+    if (found) push_hole(s, p);
+    for (int k = 0; k < 2 && side > s->fine && !s->failed; ++k)
+        if (!found || side > s->coarse) found |= search_subtriangle(s, &halves[k], end);
+    s->near_count = end;
+    return found;
+}
+
+static int visit_near(void *user, uint32_t splat) {
+    searcher *s = user;
+    push_near(s, splat);
+    return s->failed;
+}
+
+static void search_root(searcher *s, const subtriangle *t) {
+    double low[3], high[3];
+    for (int k = 0; k < 3; ++k) {
+        low[k] = min2(t->p[0][k], min2(t->p[1][k], t->p[2][k]));
+        high[k] = max2(t->p[0][k], max2(t->p[1][k], t->p[2][k]));
+    }
+    s->near_count = 0;
+    psplat_region_tree_visit_box(s->measured->region_tree, low, high, visit_near, s);
+    search_subtriangle(s, t, 0);
+}
+
+static void search_triangle(searcher *s, const psplat_surface *surface, uint32_t triangle) {
+    subtriangle t;
+    const float *normals = surface->corner_normals + 9 * (size_t)triangle;
+    for (uint32_t k = 0; k < 3; ++k) {
+        size_t vertex = surface->mesh->triangles[3 * (size_t)triangle + k];
+        memcpy(t.p[k], surface->mesh->positions + 3 * vertex, sizeof t.p[k]);
+        for (uint32_t i = 0; i < 3; ++i) t.n[k][i] = (double)normals[3 * k + i];
+    }
+    s->triangle = triangle;
+    search_root(s, &t);
+}
+
+/* Tests a point of a point set, as a part without extent. */
+static void search_point(searcher *s, const psplat_surface *surface, size_t point) {
+    subtriangle t;
+    s->triangle = surface->mesh->point_triangles[point];
+    for (int k = 0; k < 3; ++k) {
+        memcpy(t.p[k], surface->mesh->points + 3 * point, sizeof t.p[k]);
+        memcpy(t.n[k], surface->face_normals + 3 * (size_t)s->triangle, sizeof t.n[k]);
+    }
+    search_root(s, &t);
+}
+
+void psplat_holes_free(psplat_holes *holes) {
+    free(holes->points);
+    free(holes->triangles);
+    *holes = (psplat_holes){0};
+}
+
+/* Appends the holes of a block. Returns 0 when out of memory. */
+static int append_holes(psplat_holes *holes, const psplat_holes *block) {
+    size_t count = holes->count + block->count;
+    if (!block->count) return 1;
+    double *points = realloc(holes->points, count * 3 * sizeof *points);
+    if (points) holes->points = points;
+    uint32_t *triangles = realloc(holes->triangles, count * sizeof *triangles);
+    if (triangles) holes->triangles = triangles;
+    if (!points || !triangles) return 0;
+    memcpy(points + 3 * holes->count, block->points, block->count * 3 * sizeof *points);
+    memcpy(triangles + holes->count, block->triangles, block->count * sizeof *triangles);
+    holes->count = holes->capacity = count;
+    return 1;
+}
+
+/* A hole and the cube of a regular grid that it lies in. */
+typedef struct hole_cube {
+    double cell[3];
+    size_t index;
+} hole_cube;
+
+static int compare_hole_cubes(const void *left, const void *right) {
+    const hole_cube *a = left, *b = right;
+    for (int k = 0; k < 3; ++k)
+        if (a->cell[k] != b->cell[k]) return a->cell[k] < b->cell[k] ? -1 : 1;
+    return a->index < b->index ? -1 : a->index > b->index;
+}
+
+/* Keeps the first hole in each cube of this side, since each of many small triangles may have one.
+ * Returns 0 when out of memory. */
+static int keep_one_per_cube(psplat_holes *holes, double side) {
+    size_t count = holes->count, kept = 0;
+    hole_cube *list = malloc((count + 1) * sizeof *list);
+    uint8_t *first = calloc(count + 1, 1);
+    for (size_t i = 0; list && i < count; ++i) {
+        for (size_t k = 0; k < 3; ++k) list[i].cell[k] = floor(holes->points[3 * i + k] / side);
+        list[i].index = i;
+    }
+    if (list && first) qsort(list, count, sizeof *list, compare_hole_cubes);
+    for (size_t i = 0; list && first && i < count; ++i)
+        first[list[i].index] =
+            !i || memcmp(list[i].cell, list[i - 1].cell, sizeof list[i].cell) != 0;
+    for (size_t i = 0; list && first && i < count; ++i) {
+        if (!first[i]) continue;
+        memmove(holes->points + 3 * kept, holes->points + 3 * i, 3 * sizeof *holes->points);
+        holes->triangles[kept++] = holes->triangles[i];
+    }
+    int ok = list && first;
+    if (ok) holes->count = kept;
+    free(list);
+    free(first);
+    return ok;
+}
+
+/* The number of triangles or points that a thread takes at once. */
+enum { BLOCK_SIZE = 256 };
+
+psplat_result psplat_holes_find(const psplat_surface *surface,
+                                const psplat_measured_splats *measured, double coarse, double fine,
+                                psplat_holes *holes) {
+    size_t triangles = surface->mesh->triangle_count,
+           items = triangles + surface->mesh->point_count;
+    long block_count = (long)(items / BLOCK_SIZE + 1);
+    psplat_holes *blocks = calloc((size_t)block_count, sizeof *blocks);
+    int failed = !blocks;
+    *holes = (psplat_holes){0};
+#if defined(_OPENMP)
+#pragma omp parallel reduction(| : failed)
+#endif
+    {
+        searcher s = {.measured = measured, .coarse = coarse, .fine = fine, .failed = !blocks};
+#if defined(_OPENMP)
+#pragma omp for schedule(dynamic, 1)
+#endif
+        for (long b = 0; b < block_count; ++b) {
+            s.holes = blocks ? &blocks[b] : NULL;
+            size_t begin = (size_t)b * BLOCK_SIZE,
+                   end = begin + BLOCK_SIZE < items ? begin + BLOCK_SIZE : items;
+            for (size_t i = begin; i < end && !s.failed; ++i) {
+                if (i < triangles)
+                    search_triangle(&s, surface, (uint32_t)i);
+                else
+                    search_point(&s, surface, i - triangles);
+            }
+        }
+        free(s.near);
+        failed |= s.failed;
+    }
+    for (long b = 0; b < block_count && blocks; ++b) {
+        if (!failed) failed = !append_holes(holes, &blocks[b]);
+        psplat_holes_free(&blocks[b]);
+    }
+    free(blocks);
+    if (!failed && holes->count) failed = !keep_one_per_cube(holes, coarse);
+    if (failed) psplat_holes_free(holes);
+    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+}

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * measured_splats.h - stored splats prepared for measurements against the surface.
+ */
+#ifndef PHONGSPLAT_MEASURE_MEASURED_SPLATS_H
+#define PHONGSPLAT_MEASURE_MEASURED_SPLATS_H
+
+#include <phongsplat/splat.h>
+
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "splats/splats.h"
+
+#include <stdint.h>
+
+/* What a splat adds to a blend. Its normal is n(u, v) = normals[0] + u normals[1] + v normals[2]
+ * (spec 3.5), in the coordinates that its region is in. */
+typedef struct psplat_blend_field {
+    double normals[3][3];
+    double colors[3]
+                 [3]; /* linear in (u, v) as normals are (spec 3.10); times the material's factor */
+    double factor[3]; /* the material's base colour, which no colour of a fragment exceeds */
+    psplat_kernel kernel;
+    double depth; /* epsilon of spec 5.3, a length along the region's normal */
+} psplat_blend_field;
+
+/* Stored splats, with what measurements need of them. */
+typedef struct psplat_measured_splats {
+    psplat_region *regions;     /* count */
+    psplat_blend_field *fields; /* count */
+    size_t count;
+    psplat_region_tree *region_tree;
+    double tolerance; /* a length, a little wider than the promised one to allow for rounding */
+} psplat_measured_splats;
+
+/* Prepares splats. The tree finds those whose box is within reach, a length, of a point. The depth
+ * of all fields is infinite, so that no splat hides another. psplat_measured_splats_free frees
+ * *measured. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_measured_splats_create(const psplat_splats *splats, double tolerance,
+                                            double reach, psplat_measured_splats *measured);
+
+/* Frees all that measured owns, and zeroes it. */
+void psplat_measured_splats_free(psplat_measured_splats *measured);
+
+/* Returns whether a splat covers a surface point: uvh are the point's parameters and height in the
+ * splat's region, and normal is the surface's. A splat that faces away from that normal, as on the
+ * other side of a thin wall, does not cover the point. */
+int psplat_measured_splats_cover(const psplat_measured_splats *measured, uint32_t splat,
+                                 const double normal[3], const double uvh[3]);
+
+/* Sets the normals of a field to those of a splat with this region. */
+void psplat_blend_field_of(const psplat_splat *splat, const psplat_region *region,
+                           psplat_blend_field *field);
+
+/* Finds the normal of a field at (u, v). It has no particular length. */
+void psplat_blend_field_normal(const psplat_blend_field *field, const double uv[2],
+                               double normal[3]);
+
+#endif

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * point_blend.c - the blend of the splats at a surface point, seen along the surface's normal
+ * (spec 5.1 to 5.4).
+ */
+#include "measure/point_blend.h"
+
+#include "base/region.h"
+#include "base/vector.h"
+#include "measure/measured_splats.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The least cosine between a splat's normal and the surface's at which the splat counts. Splats
+ * that are seen more edge-on do not show. Chosen by hand. */
+static const double least_visible_cosine = 0.1;
+
+/* Intersects the line along the surface's normal with the front of a splat. Returns 0 where it does
+ * not meet the splat within reach. */
+static int intersect(const psplat_point_blend *blend, uint32_t splat, double uvh[3], double *height,
+                     double *cosine) {
+    const psplat_region *region = &blend->measured->regions[splat];
+    double d[3], q[3];
+    *cosine = dot3(blend->normal, region->n);
+    if (*cosine < least_visible_cosine) return 0;
+    sub3(d, region->center, blend->point);
+    *height = dot3(d, region->n) / *cosine;
+    if (fabs(*height) > blend->reach) return 0;
+    along3(q, blend->point, *height, blend->normal);
+    psplat_region_local(region, q, uvh);
+    return psplat_region_contains(region, uvh, 1, 0);
+}
+
+void psplat_point_blend_limit(psplat_point_blend *blend, uint32_t splat) {
+    double uvh[3], height, cosine;
+    if (!intersect(blend, splat, uvh, &height, &cosine)) return;
+    double epsilon = blend->measured->fields[splat].depth / max2(cosine, 0.5); /* spec eq. 5 */
+    blend->limit = max2(blend->limit, height - epsilon);
+}
+
+void psplat_point_blend_add(psplat_point_blend *blend, uint32_t splat) {
+    double uvh[3], normal[3], height, cosine;
+    if (!intersect(blend, splat, uvh, &height, &cosine) || height < blend->limit) return;
+    const psplat_blend_field *splat_field = &blend->measured->fields[splat];
+    double r = hypot(uvh[0], uvh[1]);
+    double weight =
+        exp(-(double)splat_field->kernel.sharpness * pow(r, (double)splat_field->kernel.exponent));
+    psplat_blend_field_normal(splat_field, uvh, normal);
+    mad3(blend->blended, weight, normal);
+    mad3(blend->constant, weight, splat_field->normals[0]);
+    mad3(blend->flat_color, weight, splat_field->colors[0]);
+    for (int k = 0; k < 3; ++k) { /* Each fragment's colour is clamped (spec eq. 4a). */
+        double value = splat_field->colors[0][k] + uvh[0] * splat_field->colors[1][k] +
+                       uvh[1] * splat_field->colors[2][k];
+        blend->color[k] += weight * min2(max2(value, 0), splat_field->factor[k]);
+    }
+    blend->weight += weight;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * distance.h - point-to-mesh distances by an axis-aligned bounding box tree (CGAL AABB tree).
+ */
+#ifndef PHONGSPLAT_MESH_DISTANCE_H
+#define PHONGSPLAT_MESH_DISTANCE_H
+
+#include <phongsplat/splat.h>
+
+#include "mesh/mesh.h"
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The triangles of a mesh in a CGAL::AABB_tree. All functions below fail only with
+ * PSPLAT_ERROR_MEMORY, and may be called by several threads at once. */
+typedef struct psplat_distance psplat_distance;
+
+/* Builds the tree. The mesh is copied. Returns NULL when out of memory. */
+psplat_distance *psplat_distance_create(const psplat_mesh *mesh);
+
+/* Stores the distances of count points (x 3) to the mesh in result. */
+psplat_result psplat_distance_query(const psplat_distance *distance, const double *points,
+                                    size_t count, double *result);
+
+/* Stores the point of the mesh that is nearest to point, and the triangle that it lies on. */
+psplat_result psplat_distance_nearest(const psplat_distance *distance, const double point[3],
+                                      double nearest[3], uint32_t *triangle);
+
+/* Stores in *meets whether the segment between two points meets a triangle from its front. */
+psplat_result psplat_distance_meets(const psplat_distance *distance, const double from[3],
+                                    const double to[3], int *meets);
+
+/* Stores in *within whether all count points lie within tolerance of the mesh. This is faster than
+ * computing their distances. */
+psplat_result psplat_distance_within(const psplat_distance *distance, const double *points,
+                                     size_t count, double tolerance, int *within);
+
+void psplat_distance_destroy(psplat_distance *distance);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * weld.h - vertex welding, and dropping of degenerate and repeated triangles.
+ */
+#ifndef PHONGSPLAT_MESH_WELD_H
+#define PHONGSPLAT_MESH_WELD_H
+
+#include <phongsplat/splat.h>
+
+#include "mesh/mesh.h"
+
+/* Merges vertices of exactly equal position, drops vertices that no triangle uses and triangles
+ * that have less than three different vertices. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error);
+
+/* Keeps the first of several triangles with the same vertices. *turned is set if some faced the
+ * other way, which means that both sides of the one that is kept are visible. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int *turned, psplat_error *error);
+
+/* Drops triangles whose area is zero up to rounding. */
+void psplat_mesh_drop_flat(psplat_mesh *mesh);
+
+#endif

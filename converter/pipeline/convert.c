@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * convert.c - the whole conversion of a mesh: surface, samples, greedy cover, local search, filling
+ * of holes, quantization, closing of seams, colours, and verification.
+ */
+#include "pipeline/convert.h"
+
+#include "base/random.h"
+#include "fit/candidate.h"
+#include "fit/color_fit.h"
+#include "fit/fit_context.h"
+#include "mesh/mesh.h"
+#include "select/close_seams.h"
+#include "select/conversion.h"
+#include "select/fill_holes.h"
+#include "select/greedy_cover.h"
+#include "select/local_search.h"
+#include "select/precision.h"
+#include "select/relax.h"
+#include "select/sample_spacing.h"
+#include "select/selection.h"
+#include "select/sort_splats.h"
+#include "splats/hoist_constants.h"
+#include "splats/quantize.h"
+#include "splats/splats.h"
+#include "verify/report.h"
+#include "verify/verify.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The deviation from the surface, in tolerances, below which splats count as flat. They get a small
+ * depth tolerance, so that faces do not shine through each other at their corners. Chosen by hand.
+ */
+static const double flat_deviation_tolerances = 0.02;
+/* The moves of the local search in a round, for each splat. More candidates to choose from gain
+ * more than more moves do. Chosen by hand. */
+enum { MOVES_PER_SPLAT = 5 };
+
+/* Offsets of the user's seed, which give the local search and the verification random numbers of
+ * their own. They are the ASCII letters of "improve" and "verify". */
+static const uint64_t improve_seed = 0x696d70726f766500u;
+static const uint64_t verify_seed = 0x7665726966790000u;
+
+/* Returns the depth tolerance: the greatest distance between two overlapping splats of one surface,
+ * along their normal, and at least a quarter of the tolerance. */
+static float depth_tolerance(const psplat_conversion *c) {
+    double deviation = 0;
+    for (size_t i = 0; i < c->selection.count; ++i)
+        deviation = fmax(deviation, c->selection.candidates[i].deviation);
+    return (float)fmax(2 * deviation, 0.25 * c->tolerance);
+}
+
+static psplat_result store_splats(psplat_conversion *c, psplat_error *error) {
+    const psplat_mesh *mesh = c->surface.mesh;
+    const psplat_sort_desc storing = {
+        .depth_tolerance = depth_tolerance(c),
+        .flat_depth_tolerance = (float)(2 * flat_deviation_tolerances * c->tolerance),
+        .groups = mesh->source_materials ? mesh->groups : NULL,
+        .has_color = c->samples.colors != NULL,
+        .has_finish = c->samples.colors || c->samples.finishes || c->samples.emissive};
+    size_t materials = mesh->source_materials ? mesh->source_material_count : 1;
+    c->splats->materials = malloc((materials + 1) * sizeof *c->splats->materials);
+    if (!c->splats->materials || psplat_sort_splats(&c->selection, &storing, c->splats))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
+    c->splats->material_count = materials;
+    for (size_t i = 0; i < materials; ++i) {
+        c->splats->materials[i] =
+            mesh->source_materials ? mesh->source_materials[i].material : mesh->material;
+        c->splats->materials[i].double_sided |= mesh->both_sides;
+    }
+    if (psplat_hoist_constants(c->splats))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
+    psplat_round_to_precision(c->splats);
+    return PSPLAT_OK;
+}
+
+/* Grows a candidate around a random sample of each taken one. */
+static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
+    size_t count = 0;
+    uint32_t *seeds = malloc((c->selection.count + 1) * sizeof *seeds);
+    if (!seeds) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < c->selection.count; ++i) {
+        const psplat_candidate *candidate = &c->selection.candidates[i];
+        if (candidate->taken && candidate->covered_count)
+            seeds[count++] =
+                candidate->covered[psplat_random_next(&seed) % candidate->covered_count];
+    }
+    const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result = psplat_selection_grow(&context, seeds, count, &c->selection);
+    free(seeds);
+    return result;
+}
+
+/* Replaces the selection by a smaller one, in rounds that grow the pool and search locally. */
+static psplat_result improve(psplat_conversion *c, psplat_error *error) {
+    int rounds = psplat_local_search_rounds(c->desc);
+    psplat_local_search_desc what = {.samples = &c->samples, .focus = c->samples.count};
+    psplat_result result = psplat_local_search(&c->selection, &what);
+    for (int round = 0; round < rounds && !result; ++round) {
+        if (psplat_conversion_interrupted(c->desc, "improving", (double)round / rounds))
+            return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+        what.seed = c->desc->seed + improve_seed + (uint64_t)round;
+        what.moves = MOVES_PER_SPLAT * psplat_selection_taken(&c->selection);
+        what.axis = round % 3;
+        result = grow_pool(c, what.seed);
+        if (!result) result = psplat_relax(c);
+        if (!result) result = psplat_local_search(&c->selection, &what);
+    }
+    if (!result) return PSPLAT_OK;
+    return psplat_fail(error, result, 0, "out of memory while improving the selection");
+}
+
+/* Moves the selection to the grid of the file, and fills the holes that this opens. */
+static psplat_result quantize(psplat_conversion *c, psplat_error *error) {
+    const psplat_local_search_desc drop = {.samples = &c->samples, .focus = c->samples.count};
+    c->splats->precision = psplat_precision_choose(c);
+    if (!(c->splats->precision.unit > 0)) return PSPLAT_OK;
+    c->limits.precision = &c->splats->precision;
+    psplat_selection_drop_untaken(&c->selection);
+    psplat_result result = psplat_fill_holes(c, error);
+    if (!result && psplat_local_search(&c->selection, &drop))
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while rounding splats");
+    return result;
+}
+
+static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
+    const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result = psplat_greedy_cover(&context, c->desc, &c->selection, error);
+    if (!result) result = improve(c, error);
+    if (!result) result = psplat_fill_holes(c, error);
+    if (!result) result = quantize(c, error);
+    if (result) return result;
+    psplat_selection_drop_untaken(&c->selection);
+    if (psplat_close_seams(&context, &c->selection))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
+    if (psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,
+                          c->selection.count))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while colouring splats");
+    return store_splats(c, error);
+}
+
+static void fill_splats(const psplat_conversion *c, const psplat_mesh *mesh) {
+    c->splats->kernel =
+        (psplat_kernel){PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT};
+    for (int k = 0; k < 3; ++k) c->splats->origin[k] = mesh->origin[k];
+}
+
+static void count_for_report(const psplat_conversion *c, psplat_report *report) {
+    report->splats = c->splats->count;
+    memset(report->splats_by_clip_lines, 0, sizeof report->splats_by_clip_lines);
+    for (size_t i = 0; i < c->splats->run_count; ++i)
+        report->splats_by_clip_lines[c->splats->runs[i].clip_lines] += c->splats->runs[i].count;
+    report->triangles = c->surface.mesh->triangle_count;
+    report->patches = c->surface.patch_count;
+    report->crease_edges = c->surface.crease_edges;
+    report->border_edges = c->surface.border_edges;
+    report->samples = c->samples.count;
+    report->diagonal = c->diagonal;
+    report->tolerance_percent = c->percent;
+}
+
+static psplat_result verify(const psplat_conversion *c, psplat_report *report,
+                            psplat_error *error) {
+    if (psplat_conversion_interrupted(c->desc, "verifying", 0))
+        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+    const psplat_verification verification = {
+        .surface = &c->surface,
+        .splats = c->splats,
+        .distance = c->distance,
+        .tolerance_percent = c->percent,
+        .diagonal = c->diagonal,
+        .normal_tolerance_degrees = c->desc->normal_tolerance_degrees,
+        .seed = c->desc->seed + verify_seed,
+    };
+    return psplat_verify(&verification, report, error);
+}
+
+static psplat_result convert(psplat_conversion *c, const psplat_mesh *mesh, psplat_report *report,
+                             psplat_error *error) {
+    const psplat_convert_desc *desc = c->desc;
+    psplat_result result = psplat_conversion_begin(c, mesh, error);
+    if (result) return result;
+    if (psplat_conversion_interrupted(desc, "sampling", 0))
+        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+    result = psplat_draw_samples_for_limits(c, error);
+    if (!result) result = select_splats(c, error);
+    if (result) return result;
+    fill_splats(c, mesh);
+    if (!report) return PSPLAT_OK;
+    count_for_report(c, report);
+    return desc->unverified ? PSPLAT_OK : verify(c, report, error);
+}
+
+static const psplat_convert_desc defaults;
+
+psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                             psplat_splats *splats, psplat_report *report, psplat_error *error) {
+    if (!mesh || !splats)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "mesh and splats must not be NULL");
+    *splats = (psplat_splats){0};
+    psplat_conversion c = {.desc = desc ? desc : &defaults, .splats = splats};
+    psplat_result result = convert(&c, mesh, report, error);
+    psplat_conversion_free(&c);
+    if (result) psplat_splats_free(splats);
+    return result;
+}
+
+psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                    const psplat_splats *splats, psplat_report *report,
+                                    psplat_error *error) {
+    if (!mesh || !splats || !report)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "mesh, splats and report must not be NULL");
+    psplat_splats measured = *splats; /* They stay unchanged, but c.splats is not const. */
+    psplat_conversion c = {.desc = desc ? desc : &defaults, .splats = &measured};
+    psplat_result result = psplat_conversion_begin(&c, mesh, error);
+    if (!result) result = verify(&c, report, error);
+    psplat_conversion_free(&c);
+    return result;
+}

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * close_seams.c - the closing of cracks between splats on both sides of a crease.
+ *
+ * A clip line stands where the crease is, but the plane of a splat may pass the crease at a small
+ * height. So may that of the splat on the other side, and then a crack opens between the two. Pauly
+ * et al. (2003) cut two splats where their planes intersect. Likewise each line is moved out until
+ * it reaches, all along the crease, the nearest plane from the other side. Lines are never moved
+ * in: a splat that reaches a little behind its neighbour is hidden, but a crack is seen.
+ */
+#include "select/close_seams.h"
+
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+#include "features/neighborhood.h"
+#include "features/surface.h"
+#include "fit/candidate.h"
+#include "fit/crease_segments.h"
+#include "fit/evaluate.h"
+#include "fit/fit_context.h"
+#include "fit/region_near.h"
+#include "mesh/mesh.h"
+#include "select/selection.h"
+#include "splats/quantize.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* All of these were chosen by hand. */
+/* The number of steps in which the points of a crease segment are tested. */
+enum { SEGMENT_STEPS = 4 };
+/* The sine of the angle between two planes below which they count as one smooth surface, and not as
+ * the two sides of a crease. */
+static const double least_crease_sine = 0.1;
+/* The farthest move of a line, in tolerances. It keeps splats from growing fins at shallow creases,
+ * and from reaching over a crease by a whole tolerance. */
+static const double greatest_move_tolerances = 0.5;
+/* How far outside its own region (of the unit ellipse) a splat still counts as lying at a crease
+ * point. */
+static const double region_slack = 0.005;
+/* How far beyond a line (of the unit ellipse) creases are still found. They lie on the line, and
+ * rounding puts them on either side of it. */
+static const double line_slack = 1e-6;
+
+/* One point of a crease where a candidate has a clip line, and the planes across from there. */
+typedef struct crease_point {
+    const psplat_surface *surface;
+    const psplat_candidate *candidates;
+    uint32_t patch; /* across the crease */
+    double tolerance;
+    double point[3];   /* on the crease */
+    double foot[3];    /* the point's projection on the candidate's plane */
+    double outward[3]; /* unit, in that plane, perpendicular to the line */
+    double move;       /* distance to the nearest plane found across; HUGE_VAL: none */
+} crease_point;
+
+static int visit_neighbor(void *user, uint32_t index) {
+    crease_point *c = user;
+    const psplat_region *other = &c->candidates[index].region;
+    if (c->surface->patches[c->candidates[index].triangle] != c->patch) return 0;
+    double uvh[3], sine = dot3(other->n, c->outward), d[3];
+    psplat_region_local(other, c->point, uvh);
+    if (fabs(uvh[2]) > c->tolerance || fabs(sine) < least_crease_sine) return 0;
+    if (!psplat_region_contains(other, uvh, 1 + region_slack, region_slack)) return 0;
+    sub3(d, other->center, c->foot);
+    c->move = min2(c->move, max2(dot3(other->n, d) / sine, 0));
+    return c->move == 0;
+}
+
+/* Returns the index of the region's line that passes nearest to (u, v). */
+static uint32_t nearest_line(const psplat_region *region, const double uv[2]) {
+    uint32_t best = 0;
+    double least = HUGE_VAL;
+    for (uint32_t i = 0; i < region->line_count; ++i) {
+        const double *line = region->lines[i];
+        double distance = fabs(line[0] * uv[0] + line[1] * uv[1] + line[2]);
+        if (distance < least) least = distance, best = i;
+    }
+    return best;
+}
+
+/* Finds the outward unit direction of a line in space. Returns by how much the line's value
+ * decreases for each unit of length in that direction. */
+static double line_outward(const psplat_region *region, const double line[3], double outward[3]) {
+    double a = line[0] / region->radius[0], b = line[1] / region->radius[1];
+    for (int k = 0; k < 3; ++k) outward[k] = -a * region->u[k] - b * region->v[k];
+    return normalize3(outward);
+}
+
+/* What find_moves needs for each candidate. */
+typedef struct closer {
+    const psplat_fit_context *context;
+    const psplat_selection *selection;
+    const psplat_region_tree *region_tree;
+    psplat_scratch scratch;
+} closer;
+
+/* Raises the move of the line at a crease point (u, v, height in the region) to the distance at
+ * which it meets the nearest plane across the crease there. */
+static void find_move_at_point(const closer *closer, const psplat_region *region,
+                               const double uvh[3], uint32_t across, double moves[]) {
+    const psplat_surface *surface = closer->context->surface;
+    crease_point c = {.surface = surface,
+                      .candidates = closer->selection->candidates,
+                      .patch = surface->patches[across],
+                      .move = HUGE_VAL,
+                      .tolerance = closer->context->limits->tolerance};
+    uint32_t i = nearest_line(region, uvh);
+    const double *line = region->lines[i];
+    double rate = line_outward(region, line, c.outward);
+    memcpy(c.foot, region->center, sizeof c.foot);
+    mad3(c.foot, uvh[0] * region->radius[0], region->u);
+    mad3(c.foot, uvh[1] * region->radius[1], region->v);
+    memcpy(c.point, c.foot, sizeof c.point);
+    mad3(c.point, uvh[2], region->n);
+    psplat_region_tree_visit(closer->region_tree, c.point, visit_neighbor, &c);
+    /* The line may already reach beyond this point. */
+    double reach = (line[0] * uvh[0] + line[1] * uvh[1] + line[2]) / rate;
+    if (c.move < HUGE_VAL)
+        moves[i] = max2(moves[i], min2(c.move, greatest_move_tolerances * c.tolerance) - reach);
+}
+
+/* Finds the crease segments inside a candidate's region, and stores them in the scratch. Returns 0
+ * when out of memory. */
+static int find_segments(closer *c, const psplat_candidate *candidate, size_t *count) {
+    const psplat_surface *surface = c->context->surface;
+    psplat_neighborhood *near = &c->scratch.near;
+    psplat_region wider = candidate->region;
+    const psplat_site site = psplat_site_of(&wider, candidate->triangle);
+    double tolerance = c->context->limits->tolerance, reach = hypot(wider.radius[0], tolerance);
+    if (!psplat_neighborhood_gather(near, surface, NULL, &site.metric, site.triangle, reach) ||
+        psplat_scratch_reserve(&c->scratch))
+        return 0;
+    for (uint32_t i = 0; i < wider.line_count; ++i) wider.lines[i][2] += line_slack;
+    *count = psplat_segments_find(surface, near->creases, near->crease_count, &wider, tolerance,
+                                  c->scratch.segments);
+    return 1;
+}
+
+/* Finds how far each line of a candidate has to move, a length. Returns 0 when out of memory. */
+static int find_moves(closer *c, const psplat_candidate *candidate, double moves[]) {
+    size_t count;
+    if (!find_segments(c, candidate, &count)) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_segment *s = &c->scratch.segments[i];
+        if (s->across == PSPLAT_NONE) continue;
+        for (int step = 0; step <= SEGMENT_STEPS; ++step) {
+            double uvh[3];
+            for (int k = 0; k < 3; ++k)
+                uvh[k] = s->a[k] + (s->b[k] - s->a[k]) * step / SEGMENT_STEPS;
+            find_move_at_point(c, &candidate->region, uvh, s->across, moves);
+        }
+    }
+    return 1;
+}
+
+/* Moves a region's lines, unless the region would then leave the surface, as at acute corners. */
+static psplat_result move_lines(const psplat_limits *limits, psplat_region *region,
+                                const double moves[]) {
+    psplat_region moved = *region;
+    double most = 0, outward[3];
+    int near;
+    for (uint32_t i = 0; i < region->line_count; ++i) {
+        most = max2(most, moves[i]);
+        moved.lines[i][2] += moves[i] * line_outward(region, region->lines[i], outward);
+    }
+    if (most == 0) return PSPLAT_OK;
+    for (uint32_t i = 0; limits->precision && i < moved.line_count; ++i)
+        psplat_quantize_line(limits->precision, moved.lines[i]);
+    psplat_result result = psplat_region_near(&moved, limits->distance, limits->tolerance, &near);
+    if (!result && near) *region = moved;
+    return result;
+}
+
+/* Moves the lines of all candidates. All moves are found before any line moves, so that the order
+ * of the candidates does not matter. */
+static psplat_result move_all_lines(closer *c, double (*moves)[PSPLAT_MAX_CLIP_LINES],
+                                    psplat_selection *selection) {
+    for (size_t i = 0; i < selection->count; ++i)
+        if (selection->candidates[i].region.line_count &&
+            !find_moves(c, &selection->candidates[i], moves[i]))
+            return PSPLAT_ERROR_MEMORY;
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < selection->count && !result; ++i)
+        result = move_lines(c->context->limits, &selection->candidates[i].region, moves[i]);
+    return result;
+}
+
+psplat_result psplat_close_seams(const psplat_fit_context *context, psplat_selection *selection) {
+    size_t count = selection->count;
+    psplat_region *regions = malloc((count + 1) * sizeof *regions);
+    double(*moves)[PSPLAT_MAX_CLIP_LINES] = calloc(count + 1, sizeof *moves);
+    psplat_region_tree *region_tree = NULL;
+    for (size_t i = 0; regions && i < count; ++i) regions[i] = selection->candidates[i].region;
+    if (regions)
+        region_tree = psplat_region_tree_create(regions, count, context->limits->tolerance);
+    closer c = {.context = context, .selection = selection, .region_tree = region_tree};
+    psplat_result result = PSPLAT_ERROR_MEMORY;
+    if (region_tree && moves) result = move_all_lines(&c, moves, selection);
+    psplat_scratch_free(&c.scratch);
+    psplat_region_tree_destroy(region_tree);
+    free(regions);
+    free(moves);
+    return result;
+}

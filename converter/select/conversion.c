@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * conversion.c - the start of a conversion: options become limits in the mesh's units, and the
+ * surface is built.
+ */
+#include "select/conversion.h"
+
+#include "appearance/alpha_mask.h"
+#include "appearance/appearance.h"
+#include "base/angle.h"
+#include "features/samples.h"
+#include "features/surface.h"
+#include "features/surface_build.h"
+#include "fit/fit_context.h"
+#include "mesh/distance.h"
+#include "mesh/mesh.h"
+#include "select/selection.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double default_tolerance_percent = 0.5;
+/* The greatest tolerance of a mesh that is a part of something larger, in % of its own diagonal. A
+ * coarser one would leave nothing to be recognised, and save next to nothing. Chosen by hand. */
+static const double coarsest_own_percent = 20;
+static const double default_crease_angle_degrees = 30;
+/* Tuned on the textures of spot and Duck: all that people would name is still there, with edges
+ * that are a little frayed. */
+static const double default_color_tolerance_percent = 10;
+/* The colour tolerance (parts of sRGB's range) up to which linear colours are chosen. They take
+ * three times the bytes, and up to here they save as much in splats. Tuned with bench_color on
+ * pictures and on smooth colours. */
+static const double linear_color_tolerance = 0.06;
+
+/* The next five were chosen by hand. */
+/* The part of the tolerance that fits may use; the rest is for rounding to single precision. */
+static const double fitted_part = 0.99;
+/* How far creases may leave the plane of a splat, and how far a splat may reach over them, in parts
+ * of the tolerance. They are smaller than 1, since creases are the lines that the eye follows. */
+static const double crease_tolerance_part = 0.5;
+static const double crease_slack_part = 0.3;
+/* The finest sample spacing at a tolerance of 1 %, in % of the diagonal. Splats on a surface of
+ * curvature radius R are about sqrt(R tolerance) wide, and some fifteen samples across one suffice.
+ */
+static const double spacing_percent = 0.5;
+/* The longest edges of triangles along the edge of an alpha mask, in tolerances. */
+static const double mask_step_tolerances = 2;
+
+/* The number of samples beyond which a tolerance is refused, before they fill the memory. */
+static const double most_samples = 16e6;
+
+/* Returns the tolerance, in % of the diagonal, that makes splats as small as a tolerance of normals
+ * does. Its factor was chosen by hand. */
+static double normal_tolerance_percent(double degrees) {
+    return 0.005 * degrees * degrees;
+}
+
+int psplat_conversion_interrupted(const psplat_convert_desc *desc, const char *stage,
+                                  double fraction) {
+    return desc->progress && desc->progress(desc->user, stage, fraction);
+}
+
+static double tolerance_percent(const psplat_convert_desc *desc) {
+    return desc->tolerance_percent > 0 ? desc->tolerance_percent : default_tolerance_percent;
+}
+
+/* Returns the tolerance of colours in parts of sRGB's range; 0 where it is unbounded. The default
+ * follows the tolerance of distances: who sees a surface from near enough to see finer distances
+ * sees more of its texture too. */
+static double color_tolerance(const psplat_convert_desc *desc, double percent) {
+    double color_percent = desc->color_tolerance_percent;
+    if (!(color_percent > 0))
+        color_percent = default_color_tolerance_percent * sqrt(percent / default_tolerance_percent);
+    return color_percent < 100 ? color_percent / 100 : 0;
+}
+
+/* Returns whether colours have no gradients, given the tolerance of colours (0: unbounded). */
+static int has_constant_colors(const psplat_convert_desc *desc, double tolerance) {
+    if (desc->color_field != PSPLAT_COLOR_FIELD_CHOSEN)
+        return desc->color_field == PSPLAT_COLOR_FIELD_CONSTANT;
+    return !(tolerance > 0) || tolerance > linear_color_tolerance;
+}
+
+/* Sets diagonal, percent and tolerance. Returns the tolerance in % of the mesh's own diagonal. */
+static double set_tolerance(psplat_conversion *c) {
+    double own = c->surface.diagonal, whole = c->desc->diagonal;
+    c->diagonal = whole > 0 ? whole : own;
+    c->percent = tolerance_percent(c->desc);
+    if (whole > 0) c->percent = fmin(c->percent, coarsest_own_percent * own / whole);
+    c->tolerance = c->percent / 100 * c->diagonal;
+    return c->percent * (c->diagonal / own);
+}
+
+static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
+    double degrees = c->desc->normal_tolerance_degrees, effective_percent = set_tolerance(c);
+    double color_limit = color_tolerance(c->desc, c->percent);
+    if (degrees > 0) effective_percent = fmin(effective_percent, normal_tolerance_percent(degrees));
+    double spacing = spacing_percent / 100 * c->surface.diagonal * sqrt(effective_percent);
+    c->finest = spacing;
+    c->limits =
+        (psplat_limits){.tolerance = fitted_part * c->tolerance,
+                        .crease_tolerance = crease_tolerance_part * c->tolerance,
+                        .crease_slack = crease_slack_part * c->tolerance,
+                        .normal_tolerance = c->desc->normal_tolerance_degrees * PSPLAT_DEGREE,
+                        .constant_normals = c->desc->constant_normals,
+                        .color_tolerance = color_limit,
+                        .constant_colors = has_constant_colors(c->desc, color_limit)};
+    double expected = c->surface.area / (spacing * spacing);
+    if (!(expected <= most_samples))
+        return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                           "a tolerance of %g %% needs %.3g million samples, more than %g million",
+                           c->percent, expected / 1e6, most_samples / 1e6);
+    c->limits.distance = c->distance = psplat_distance_create(c->surface.mesh);
+    if (c->distance) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the mesh's tree does not fit into memory");
+}
+
+/* Replaces the mesh by what its alpha masks leave of it. The edge of a mask is cut in straight
+ * pieces that are as long as the distance between two points within the tolerance of one. */
+static psplat_result apply_alpha_mask(psplat_conversion *c, const psplat_mesh **mesh,
+                                      psplat_error *error) {
+    if (!psplat_alpha_mask_is_needed(*mesh)) return PSPLAT_OK;
+    double whole = c->desc->diagonal > 0 ? c->desc->diagonal : psplat_mesh_diagonal(*mesh);
+    double step = mask_step_tolerances * tolerance_percent(c->desc) / 100 * whole;
+    psplat_result result = psplat_alpha_mask_cut(*mesh, step, &c->shown, error);
+    *mesh = &c->shown;
+    return result;
+}
+
+psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
+                                      psplat_error *error) {
+    const psplat_convert_desc *desc = c->desc;
+    double degrees =
+        desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
+    if (psplat_conversion_interrupted(desc, "finding creases", 0))
+        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+    double crease_angle = desc->no_creases ? PSPLAT_NO_CREASES : degrees * PSPLAT_DEGREE;
+    psplat_result result = apply_alpha_mask(c, &mesh, error);
+    if (!result) result = psplat_surface_build(mesh, crease_angle, &c->surface, error);
+    if (!result) result = set_limits(c, error);
+    if (result) return result;
+    c->surface.appearance = &c->appearance;
+    if (!psplat_appearance_build(mesh, c->finest, &c->appearance)) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the textures do not fit into memory");
+}
+
+void psplat_conversion_free(psplat_conversion *c) {
+    psplat_selection_free(&c->selection);
+    psplat_samples_free(&c->samples);
+    psplat_distance_destroy(c->distance);
+    psplat_appearance_free(&c->appearance);
+    psplat_surface_free(&c->surface);
+    psplat_mesh_free(&c->shown);
+}
+
+psplat_fit_context psplat_conversion_context(const psplat_conversion *c) {
+    return (psplat_fit_context){&c->surface, &c->samples, &c->limits, NULL};
+}

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * conversion.h - the options of a conversion, and the data that its stages share.
+ */
+#ifndef PHONGSPLAT_SELECT_CONVERSION_H
+#define PHONGSPLAT_SELECT_CONVERSION_H
+
+#include <phongsplat/splat.h>
+
+#include "appearance/appearance.h"
+#include "features/samples.h"
+#include "features/surface.h"
+#include "fit/fit_context.h"
+#include "mesh/distance.h"
+#include "mesh/mesh.h"
+#include "select/selection.h"
+#include "splats/splats.h"
+
+#include <stdint.h>
+
+/* The step of positions, in tolerances, that convert uses by default, since it makes files small.
+ */
+#define PSPLAT_USUAL_PRECISION 0.1
+
+/* The greatest step of positions, in tolerances. With a larger one, a small splat next to a point
+ * might find no centre near enough to keep the tolerance. */
+#define PSPLAT_GREATEST_PRECISION 0.5
+
+/* How colours change over a splat that has them (spec 3.10). */
+typedef enum psplat_color_field {
+    PSPLAT_COLOR_FIELD_CHOSEN = 0, /* linear where the colour tolerance is at most 6 % */
+    PSPLAT_COLOR_FIELD_CONSTANT,
+    PSPLAT_COLOR_FIELD_LINEAR
+} psplat_color_field;
+
+/* The effort that runs no rounds of local search after the greedy cover. It is not 0, since zeros
+ * are the defaults; the command line calls it 0. */
+enum { PSPLAT_EFFORT_NONE = -1 };
+
+/* The options of a conversion. Zeros are the defaults. */
+typedef struct psplat_convert_desc {
+    double tolerance_percent;        /* epsilon in % of the bounding-box diagonal; 0 means 0.5 */
+    double normal_tolerance_degrees; /* greatest error of the normal field; 0 means unbounded */
+    double crease_angle_degrees;     /* dihedral angle from which an edge is a crease, unless it is
+                                      * noise; doubled where the file's normals agree; 0 means 30 */
+    int no_creases;                  /* 1: only borders and non-manifold edges bound splats */
+    double precision;                /* greatest step of positions, in tolerances, at most
+                                        PSPLAT_GREATEST_PRECISION; 0: all values are floats */
+    int constant_normals;            /* 1: fields without gradients, as Gaussian splats have */
+    double color_tolerance_percent;  /* greatest root mean square of a splat's colour error over its
+                                      * samples, in % of sRGB's range; 100: unbounded; 0 means 10,
+                                      * times the root of epsilon over 0.5 % */
+    psplat_color_field color_field;
+    int effort;      /* 1 ... 9: how long the selection is improved, as convert's --effort; or
+                      * PSPLAT_EFFORT_NONE; 0 means 2 */
+    uint64_t seed;   /* of all random choices */
+    int unverified;  /* 1: a report gets counts only; psplat_convert_verify adds the rest */
+    double diagonal; /* the length that all percentages are of, in the mesh's units, where the mesh
+                      * is a part of something larger; the tolerance is then at most 20 % of the
+                      * mesh's own diagonal; 0: that of its own bounding box */
+    /* Called now and then with the stage's name and the fraction 0 ... 1 of it that is done. A
+     * return other than 0 stops the conversion with PSPLAT_ERROR_INTERRUPTED. May be NULL. */
+    int (*progress)(void *user, const char *stage, double fraction);
+    void *user;
+} psplat_convert_desc;
+
+/* The data that the stages of a conversion share. */
+typedef struct psplat_conversion {
+    const psplat_convert_desc *desc;
+    psplat_mesh shown; /* the mesh without what alpha masks hide; empty where it has no masks */
+    psplat_surface surface;
+    psplat_appearance appearance;
+    psplat_samples samples;
+    psplat_limits limits;
+    psplat_distance *distance;
+    psplat_selection selection;
+    psplat_splats *splats; /* the result; not owned */
+    double tolerance;      /* in the mesh's units */
+    double finest;         /* sample spacing that is fine enough for any surface, a length */
+    double percent;        /* the tolerance in % of diagonal */
+    double diagonal;
+} psplat_conversion;
+
+/* Builds all of c that does not depend on samples: surface, limits and appearance. c holds desc and
+ * splats; mesh must outlive c. psplat_conversion_free must follow, even where this fails. Errors:
+ * MEMORY, INTERRUPTED, NO_SPLATS, RANGE (too large a mesh, too small a tolerance). */
+psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
+                                      psplat_error *error);
+
+/* Frees all but the splats. */
+void psplat_conversion_free(psplat_conversion *c);
+
+/* Returns the context of fits to the surface and samples of a conversion, without scratch memory.
+ */
+psplat_fit_context psplat_conversion_context(const psplat_conversion *c);
+
+/* Reports progress to desc->progress. Returns whether the conversion is to stop. */
+int psplat_conversion_interrupted(const psplat_convert_desc *desc, const char *stage,
+                                  double fraction);
+
+#endif

@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * fill_holes.c - the search for holes between splats, and their covering.
+ *
+ * Splats that cover every sample may still leave points between samples uncovered. Points in such
+ * holes are appended to the samples, and the candidates of the pool that cover them are found. Then
+ * the greedy cover completes the selection, and a local search around the holes exchanges
+ * candidates, so that a hole costs a splat only where it must.
+ */
+#include "select/fill_holes.h"
+
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "features/samples.h"
+#include "fit/candidate.h"
+#include "fit/fit_context.h"
+#include "fit/grow_candidate.h"
+#include "fit/grow_ellipse.h"
+#include "fit/quantize_candidate.h"
+#include "measure/holes.h"
+#include "measure/measured_splats.h"
+#include "select/conversion.h"
+#include "select/greedy_cover.h"
+#include "select/local_search.h"
+#include "select/selection.h"
+#include "select/sort_splats.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* The rounds after which the search ends, and those in which candidates are exchanged. An exchange
+ * saves splats but may open other holes, so later rounds only add splats. Chosen by hand. */
+enum { ROUNDS = 32, IMPROVING_ROUNDS = 16 };
+
+/* The moves of the local search for each hole, for effort 0; each round of the effort adds as many.
+ * Chosen by hand. */
+enum { MOVES_PER_HOLE = 10 };
+
+/* The side of the cubes in each of which one hole is found, and the width below which holes are not
+ * found, both in sample spacings. Chosen by hand. */
+static const double cube_side_spacings = 1, least_hole_spacings = 1.0 / 32;
+
+/* Grows a candidate's ellipse, and moves it to the grid where the limits have a precision. */
+static psplat_result grow_and_quantize(const psplat_fit_context *context, size_t index,
+                                       void *user) {
+    psplat_selection *selection = user;
+    psplat_candidate *candidate = &selection->candidates[index];
+    psplat_result result = PSPLAT_OK;
+    if (!candidate->ellipse_grown) result = psplat_grow_ellipse(context, candidate);
+    if (!result && context->limits->precision && !candidate->quantized)
+        result = psplat_quantize_candidate(context, candidate);
+    return result;
+}
+
+/* Does so with a taken candidate only. The others stay as the samples made them, since the local
+ * search needs the samples that they cover, and their ellipses can still grow once they are taken.
+ */
+static psplat_result grow_and_quantize_taken(const psplat_fit_context *context, size_t index,
+                                             void *user) {
+    const psplat_selection *selection = user;
+    return selection->candidates[index].taken ? grow_and_quantize(context, index, user) : PSPLAT_OK;
+}
+
+/* Stores the splats of the taken candidates, finds the holes between them, and appends points in
+ * the holes to the samples. Stores how many. */
+static psplat_result find_holes(psplat_conversion *c, size_t *count, psplat_error *error) {
+    psplat_measured_splats measured;
+    psplat_holes holes = {0};
+    const psplat_sort_desc storing = {0}; /* Only the regions of the splats matter here. */
+    double tolerance = c->limits.tolerance, spacing = c->samples.spacing;
+    const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result =
+        psplat_fit_each(&context, c->selection.count, grow_and_quantize_taken, &c->selection);
+    if (!result) result = psplat_sort_splats(&c->selection, &storing, c->splats);
+    if (!result) result = psplat_measured_splats_create(c->splats, tolerance, tolerance, &measured);
+    if (!result) {
+        result = psplat_holes_find(&c->surface, &measured, cube_side_spacings * spacing,
+                                   least_hole_spacings * spacing, &holes);
+        psplat_measured_splats_free(&measured);
+    }
+    *count = holes.count;
+    if (result)
+        psplat_fail(error, result, 0, "out of memory while looking for holes");
+    else if (holes.count)
+        result = psplat_samples_append(&c->samples, &c->surface, holes.points, holes.triangles,
+                                       holes.count, error);
+    psplat_holes_free(&holes);
+    return result;
+}
+
+/* ---- candidates that cover new samples ------------------------------------------------------ */
+
+/* One new sample, for which the candidates that may cover it are marked. */
+typedef struct marker {
+    const psplat_region *regions;
+    uint8_t *marks;
+    const double *point;
+    double tolerance;
+} marker;
+
+static int visit_region(void *user, uint32_t index) {
+    marker *m = user;
+    double uvh[3];
+    psplat_region_local(&m->regions[index], m->point, uvh);
+    if (fabs(uvh[2]) <= m->tolerance && psplat_region_contains(&m->regions[index], uvh, 1, 0))
+        m->marks[index] = 1;
+    return 0;
+}
+
+/* Marks the candidates that may cover samples from index first on. */
+static psplat_result mark_candidates(const psplat_conversion *c, size_t first, uint8_t *marks) {
+    size_t count = c->selection.count;
+    psplat_region *regions = malloc((count + 1) * sizeof *regions);
+    for (size_t i = 0; regions && i < count; ++i) regions[i] = c->selection.candidates[i].region;
+    psplat_region_tree *region_tree =
+        regions ? psplat_region_tree_create(regions, count, c->limits.tolerance) : NULL;
+    for (size_t i = first; region_tree && i < c->samples.count; ++i) {
+        marker m = {regions, marks, c->samples.positions + 3 * i, c->limits.tolerance};
+        psplat_region_tree_visit(region_tree, m.point, visit_region, &m);
+    }
+    psplat_result result = region_tree ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    psplat_region_tree_destroy(region_tree);
+    free(regions);
+    return result;
+}
+
+typedef struct marked_pool {
+    psplat_selection *selection;
+    const uint8_t *marks;
+} marked_pool;
+
+/* Finds again the samples that a marked candidate covers. */
+static psplat_result cover_marked(const psplat_fit_context *context, size_t index, void *user) {
+    const marked_pool *m = user;
+    if (!m->marks[index]) return PSPLAT_OK;
+    return psplat_candidate_cover(context, &m->selection->candidates[index]);
+}
+
+/* ---- covering ------------------------------------------------------------------------------ */
+
+/* Finds which of the samples from index first on the candidates of the pool cover. */
+static psplat_result cover_holes(psplat_conversion *c, size_t first) {
+    uint8_t *marks = calloc(c->selection.count + 1, 1);
+    psplat_result result = marks ? mark_candidates(c, first, marks) : PSPLAT_ERROR_MEMORY;
+    const psplat_fit_context context = psplat_conversion_context(c);
+    marked_pool m = {&c->selection, marks};
+    if (!result) result = psplat_fit_each(&context, c->selection.count, cover_marked, &m);
+    free(marks);
+    return result;
+}
+
+/* Runs a local search around the samples from index first on. */
+static psplat_result improve_around_holes(psplat_conversion *c, size_t first, int round) {
+    const psplat_local_search_desc what = {
+        .samples = &c->samples,
+        .moves = (size_t)(MOVES_PER_HOLE * (1 + psplat_local_search_rounds(c->desc))) *
+                 (c->samples.count - first),
+        .focus = first,
+        .strict = 1,
+        .axis = round % 3,
+        .seed = c->desc->seed + (uint64_t)round};
+    return psplat_local_search(&c->selection, &what);
+}
+
+/* Covers the samples from index first on, which lie in holes, and exchanges candidates there. */
+static psplat_result close_holes(psplat_conversion *c, size_t first, int round) {
+    const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result = cover_holes(c, first);
+    if (!result) result = psplat_greedy_cover(&context, c->desc, &c->selection, NULL);
+    if (result || round >= IMPROVING_ROUNDS) return result;
+    /* The local search may take any candidate of the pool. It must lie on the grid already, or
+     * moving it there later would open holes again. */
+    if (c->limits.precision)
+        result = psplat_fit_each(&context, c->selection.count, grow_and_quantize, &c->selection);
+    return result ? result : improve_around_holes(c, first, round);
+}
+
+psplat_result psplat_fill_holes(psplat_conversion *c, psplat_error *error) {
+    const psplat_convert_desc *desc = c->desc;
+    const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result = PSPLAT_OK;
+    size_t holes = 1;
+    for (int round = 0; !result && holes && round < ROUNDS; ++round) {
+        size_t first = c->samples.count;
+        if (desc->progress && desc->progress(desc->user, "closing holes", (double)round / ROUNDS))
+            return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+        result = find_holes(c, &holes, error);
+        if (result || !holes) break;
+        result = close_holes(c, first, round);
+        if (result)
+            psplat_fail(error, result, 0, "%s while closing holes", psplat_result_text(result));
+    }
+    /* The last round may have added candidates. */
+    if (!result && holes &&
+        psplat_fit_each(&context, c->selection.count, grow_and_quantize_taken, &c->selection))
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while closing holes");
+    return result;
+}

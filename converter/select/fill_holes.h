@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * fill_holes.h - the search for holes between splats, and their covering.
+ */
+#ifndef PHONGSPLAT_SELECT_FILL_HOLES_H
+#define PHONGSPLAT_SELECT_FILL_HOLES_H
+
+#include <phongsplat/splat.h>
+
+#include "select/conversion.h"
+
+/* Finds holes between the splats of the taken candidates, appends points in them to the samples,
+ * and covers these with candidates, until no hole is left or 32 rounds are over. Grows the ellipses
+ * of taken candidates, and quantizes them where the limits have a precision. c->splats then holds
+ * the splats of the last round whose holes were looked for. Errors: MEMORY, INTERRUPTED, RANGE (too
+ * many samples). */
+psplat_result psplat_fill_holes(psplat_conversion *c, psplat_error *error);
+
+#endif

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * precision.h - the choice of the grid on which a file holds splats.
+ */
+#ifndef PHONGSPLAT_SELECT_PRECISION_H
+#define PHONGSPLAT_SELECT_PRECISION_H
+
+#include "select/conversion.h"
+#include "splats/splats.h"
+
+/* Returns the grid that suits the tolerance, the taken candidates and c->desc->precision. All of it
+ * is 0 where floats are wanted, or positions would not fit into 16 bits. */
+psplat_precision psplat_precision_choose(const psplat_conversion *c);
+
+#endif

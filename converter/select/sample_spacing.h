@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * sample_spacing.h - the choice of the sample spacing, as fine as the limits make splats small.
+ */
+#ifndef PHONGSPLAT_SELECT_SAMPLE_SPACING_H
+#define PHONGSPLAT_SELECT_SAMPLE_SPACING_H
+
+#include <phongsplat/splat.h>
+
+#include "select/conversion.h"
+
+/* Draws c->samples with a spacing that gives each splat about 120 of them, between c->finest and
+ * three times that, and sets c->limits.margin. Errors: MEMORY, RANGE (too many samples). */
+psplat_result psplat_draw_samples_for_limits(psplat_conversion *c, psplat_error *error);
+
+#endif

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * sort_splats.h - the conversion of candidates to splats, in the order of a file.
+ */
+#ifndef PHONGSPLAT_SELECT_SORT_SPLATS_H
+#define PHONGSPLAT_SELECT_SORT_SPLATS_H
+
+#include <phongsplat/splat.h>
+
+#include "select/selection.h"
+#include "splats/splats.h"
+
+#include <stdint.h>
+
+/* How candidates become splats. Splats that leave the surface by less than half of
+ * flat_depth_tolerance are flat. */
+typedef struct psplat_sort_desc {
+    float depth_tolerance, flat_depth_tolerance; /* of runs; lengths */
+    const uint32_t *groups;                      /* by triangle: its material; NULL: all are 0 */
+    int has_color, has_finish;
+} psplat_sort_desc;
+
+/* Converts the taken candidates to splats in single precision. They are sorted by their number of
+ * clip lines, then flat ones before others, then by material, and then along a Morton curve. Sets
+ * splats, finishes, runs, their counts and has_color, and frees what splats held of these before.
+ * Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_sort_splats(const psplat_selection *selection, const psplat_sort_desc *storing,
+                                 psplat_splats *splats);
+
+#endif

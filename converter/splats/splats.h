@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * splats.h - the splats of one mesh, sorted and grouped as a file holds them.
+ */
+#ifndef PHONGSPLAT_SPLATS_SPLATS_H
+#define PHONGSPLAT_SPLATS_SPLATS_H
+
+#include <phongsplat/splat.h>
+
+#include "base/region.h"
+
+#include <stdint.h>
+
+/* Consecutive splats that may become one primitive. */
+typedef struct psplat_run {
+    size_t count;
+    uint32_t clip_lines;   /* the number of clip lines that each splat has */
+    uint32_t material;     /* index into the materials */
+    float depth_tolerance; /* epsilon of spec 5.3, in the mesh's units */
+} psplat_run;
+
+/* The steps of the grid on which a file holds splats: each value is an integer times a step. All
+ * are 0 where the file holds floats. */
+typedef struct psplat_precision {
+    double unit;       /* of positions, in the mesh's units; the node of the file scales by it */
+    double scale_step; /* of the natural logarithm of radii */
+    double turn_step, line_turn_step; /* half turns: one over a whole number */
+    double tilt_step, field_step;     /* slopes */
+    double line_step;                 /* parts of the ellipse: one over a whole number */
+    int normal_bits;                  /* of each of the two octahedral coordinates of N, 4 ... 14 */
+} psplat_precision;
+
+/* The splats of one mesh. They are sorted by their number of clip lines, then flat ones before
+ * others, then by material, and then in spatial order. Flat splats lie on their surface and need
+ * next to no depth tolerance. Each group but for the spatial order is a run. */
+typedef struct psplat_splats {
+    psplat_splat *splats;
+    psplat_finish *finishes; /* count (spec 3.10); NULL where all are neutral */
+    size_t count;
+    psplat_run *runs; /* their counts add up to count */
+    size_t run_count;
+    psplat_material *materials; /* by index of the mesh's source_materials; at least one */
+    size_t material_count;
+    psplat_kernel kernel;
+    int has_color;    /* 0: color is 1 1 1 1 in every splat */
+    double origin[3]; /* the node of the file translates by it */
+    psplat_precision precision;
+} psplat_splats;
+
+/* Frees all that splats owns, and zeroes it. */
+void psplat_splats_free(psplat_splats *splats);
+
+/* Returns the plane regions of the splats, in double precision: count of them, malloc'ed and owned
+ * by the caller; NULL when out of memory. */
+psplat_region *psplat_splat_regions(const psplat_splats *splats);
+
+#endif

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * page.h - all of a sweep as one HTML file.
+ */
+#ifndef PHONGSPLAT_TRADEOFF_PAGE_H
+#define PHONGSPLAT_TRADEOFF_PAGE_H
+
+#include "table/sweep_table.h"
+#include "table/text.h"
+
+/* Adds the page, which is self-contained and has no scripts. It holds what was measured on what,
+ * the front, the charts that lie in the folder (NULL leaves them out), and every row. */
+void psplat_page_write(const psplat_sweep_table *table, const char *folder, psplat_text *text);
+
+#endif

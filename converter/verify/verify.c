@@ -1,0 +1,426 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * verify.c - the verification of stored splats against the surface.
+ *
+ * It draws its own random samples of the surface, and measures coverage, normals and colours there.
+ * The distance is two-sided (Hausdorff distance): from the samples to splats, and from points all
+ * over each splat to the mesh. Creases inside splats are found without samples. For each broken
+ * promise it reports the worst places.
+ */
+#include "verify/verify.h"
+
+#include "base/angle.h"
+#include "base/region.h"
+#include "base/region_distance.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+#include "features/samples.h"
+#include "features/surface.h"
+#include "material/mipmap.h"
+#include "measure/crease_crossings.h"
+#include "measure/measured_splats.h"
+#include "measure/point_blend.h"
+#include "mesh/distance.h"
+#include "mesh/mesh.h"
+#include "verify/report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The number of samples for each splat, and the bounds of the number of all. Chosen by hand. */
+enum { SAMPLES_PER_SPLAT = 100, LEAST_SAMPLES = 50000, MOST_SAMPLES = 1000000 };
+
+/* The part of a limit by which rounding may make measured angles exceed it. */
+static const double rounding_slack = 1e-6;
+
+/* ---- places ---------------------------------------------------------------------------------- */
+
+/* The worst places of each promise, worst first, no two of them close together. */
+typedef struct places {
+    psplat_place worst[PSPLAT_PROMISE_COUNT][PSPLAT_MOST_PLACES];
+    size_t count[PSPLAT_PROMISE_COUNT];
+    double least_separation; /* of two places of one promise, a length */
+    const double *origin;
+} places;
+
+static int is_near(const psplat_place *place, const double position[3], double distance) {
+    double d[3];
+    sub3(d, place->position, position);
+    return length3(d) < distance;
+}
+
+/* Inserts a place, given in the mesh's centred coordinates. It replaces those near it that are less
+ * bad, and is dropped where one near it is worse. */
+static void add_place(places *p, psplat_promise promise, const double position[3], double value) {
+    psplat_place *list = p->worst[promise], place = {.promise = promise, .value = value};
+    size_t count = p->count[promise], at = 0, kept = 0;
+    if (count == PSPLAT_MOST_PLACES && value <= list[count - 1].value) return;
+    for (int k = 0; k < 3; ++k) place.position[k] = position[k] + p->origin[k];
+    for (; at < count && list[at].value >= value; ++at)
+        if (is_near(&list[at], place.position, p->least_separation)) return;
+    for (size_t i = at; i < count; ++i)
+        if (!is_near(&list[i], place.position, p->least_separation)) list[at + kept++] = list[i];
+    if (at + kept == PSPLAT_MOST_PLACES) --kept;
+    memmove(list + at + 1, list + at, kept * sizeof *list);
+    list[at] = place;
+    p->count[promise] = at + kept + 1;
+}
+
+/* Moves the worst places to the report. All broken promises get equal shares of its room, as far as
+ * they have places. */
+static void report_places(const places *p, psplat_report *report) {
+    size_t left[PSPLAT_PROMISE_COUNT], shares[PSPLAT_PROMISE_COUNT] = {0};
+    memcpy(left, p->count, sizeof left);
+    for (size_t used = 0, more = 1; more && used < PSPLAT_MOST_PLACES;) {
+        more = 0;
+        for (int k = 0; k < PSPLAT_PROMISE_COUNT && used < PSPLAT_MOST_PLACES; ++k)
+            if (left[k]) --left[k], ++shares[k], ++used, more = 1;
+    }
+    report->place_count = 0;
+    for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k)
+        for (size_t i = 0; i < shares[k]; ++i)
+            report->places[report->place_count++] = p->worst[k][i];
+}
+
+static void set_promise(psplat_report *report, psplat_promise promise, double limit, double worst,
+                        size_t broken) {
+    report->promises[promise] = (psplat_kept){limit, worst, broken};
+}
+
+/* ---- surface to splats ---------------------------------------------------------------------- */
+
+/* What is measured of the splats near one surface point. */
+typedef struct probe {
+    psplat_point_blend blend;
+    double normal[3]; /* unit: the surface's, as normal maps turn it */
+    double height;    /* least distance of the splats that cover it; HUGE_VAL: none does */
+    double cosine;    /* greatest between the normal and the fields of these splats */
+} probe;
+
+static double cosine3(const double a[3], const double unit[3]) {
+    return dot3(a, unit) / length3(a);
+}
+
+static int visit_splat(void *user, uint32_t index) {
+    probe *p = user;
+    const psplat_measured_splats *measured = p->blend.measured;
+    double uvh[3], field[3];
+    psplat_point_blend_add(&p->blend, index);
+    psplat_region_local(&measured->regions[index], p->blend.point, uvh);
+    if (!psplat_measured_splats_cover(measured, index, p->blend.normal, uvh)) return 0;
+    p->height = min2(p->height, fabs(uvh[2]));
+    psplat_blend_field_normal(&measured->fields[index], uvh, field);
+    p->cosine = max2(p->cosine, cosine3(field, p->normal));
+    return 0;
+}
+
+/* The measurements at each sample. Threads fill them in parallel, and they are summed in order
+ * afterwards, so that sums do not depend on the number of threads. Angles are in degrees; they are
+ * negative where there is no splat to measure. */
+typedef struct measurements {
+    double *distances;                /* from the nearest splat that covers it, else from any */
+    double *own, *blended, *constant; /* angles: least of one splat; of blends (point_blend.h) */
+    double *color, *flat_color;       /* root mean squares over the channels, % of sRGB's range */
+    uint8_t *uncovered;
+} measurements;
+
+static double angle_degrees(double cosine) {
+    return acos(min2(max2(cosine, -1), 1)) / PSPLAT_DEGREE;
+}
+
+/* Returns the error of a blended colour, given as a weighted sum, from that of a sample: the root
+ * mean square over the channels, in % of sRGB's range. Returns -1 where nothing is seen. */
+static double color_error(const double sum[3], double weight, const double expected[3]) {
+    double squares = 0;
+    if (!(weight > 0)) return -1;
+    for (int k = 0; k < 3; ++k) {
+        double d = (double)psplat_srgb_of_linear((float)(sum[k] / weight)) -
+                   (double)psplat_srgb_of_linear((float)expected[k]);
+        squares += d * d;
+    }
+    return 100 * sqrt(squares / 3);
+}
+
+/* Finds the linear colour of a sample, with its material's factor. */
+static void expected_color(const psplat_surface *surface, const psplat_samples *samples, size_t i,
+                           double color[3]) {
+    const psplat_mesh *mesh = surface->mesh;
+    uint32_t group = mesh->groups ? mesh->groups[samples->triangles[i]] : 0;
+    const psplat_material *material = group < mesh->source_material_count
+                                          ? &mesh->source_materials[group].material
+                                          : &mesh->material;
+    for (size_t k = 0; k < 3; ++k) {
+        color[k] = (double)material->base_color[k];
+        if (samples->colors) color[k] *= (double)samples->colors[4 * i + k];
+    }
+}
+
+static void measure_color(const psplat_point_blend *blend, const psplat_surface *surface,
+                          const psplat_samples *samples, size_t i, measurements *m) {
+    double expected[3];
+    expected_color(surface, samples, i, expected);
+    m->color[i] = color_error(blend->color, blend->weight, expected);
+    m->flat_color[i] = color_error(blend->flat_color, blend->weight, expected);
+}
+
+static void measure_sample(const psplat_surface *surface, const psplat_samples *samples, size_t i,
+                           const psplat_measured_splats *measured, measurements *m) {
+    probe p = {
+        .blend = {.measured = measured, .reach = 2 * measured->tolerance, .limit = -HUGE_VAL},
+        .height = HUGE_VAL,
+        .cosine = -1};
+    psplat_point_blend *blend = &p.blend;
+    memcpy(blend->point, samples->positions + 3 * i, sizeof blend->point);
+    const float *turned = samples->turned ? samples->turned : samples->normals;
+    for (size_t k = 0; k < 3; ++k) blend->normal[k] = (double)samples->normals[3 * i + k];
+    for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)turned[3 * i + k];
+    normalize3(blend->normal);
+    normalize3(p.normal);
+    psplat_region_tree_visit(measured->region_tree, blend->point, visit_splat, &p);
+    int shows = dot3(blend->blended, blend->blended) > 0;
+    m->uncovered[i] = p.height == HUGE_VAL;
+    m->distances[i] = m->uncovered[i]
+                          ? psplat_region_nearest_distance(measured->regions, measured->count,
+                                                           measured->region_tree,
+                                                           measured->tolerance, blend->point)
+                          : p.height;
+    m->own[i] = m->uncovered[i] ? -1 : angle_degrees(p.cosine);
+    m->blended[i] = shows ? angle_degrees(cosine3(blend->blended, p.normal)) : -1;
+    m->constant[i] = shows ? angle_degrees(cosine3(blend->constant, p.normal)) : -1;
+    if (m->color) measure_color(blend, surface, samples, i, m);
+}
+
+/* Returns the value that sorting would put at the index `at`, by Hoare's selection. Reorders
+ * values.
+ */
+static double select_value(double *values, size_t count, size_t at) {
+    for (size_t begin = 0, end = count; end - begin > 1;) {
+        double pivot = values[begin + (end - 1 - begin) / 2];
+        size_t i = begin, j = end - 1;
+        for (;;) {
+            while (values[i] < pivot) ++i;
+            while (values[j] > pivot) --j;
+            if (i >= j) break;
+            double swap = values[i];
+            values[i++] = values[j];
+            values[j--] = swap;
+        }
+        if (at <= j)
+            end = j + 1;
+        else
+            begin = j + 1;
+    }
+    return values[at];
+}
+
+/* Finds the root mean square and the 95th percentile of the errors that are not negative. Reorders
+ * them. */
+static void statistics(double *errors, size_t count, double *rms, double *p95) {
+    size_t given = 0;
+    double squares = 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (errors[i] < 0) continue;
+        squares += errors[i] * errors[i];
+        errors[given++] = errors[i];
+    }
+    *rms = given ? sqrt(squares / (double)given) : 0;
+    *p95 = given ? select_value(errors, given, (given - 1) * 95 / 100) : 0;
+}
+
+/* ---- reports of what the samples measured ---------------------------------------------------- */
+
+/* The state of one verification. */
+typedef struct verifier {
+    const psplat_verification *v;
+    psplat_samples samples;
+    psplat_measured_splats measured;
+    places places;
+    psplat_report *report;
+    size_t far; /* the number of samples and splats beyond the tolerance */
+} verifier;
+
+/* Returns a length in % of the diagonal. */
+static double percent(const verifier *r, double length) {
+    return 100 * length / r->v->diagonal;
+}
+
+static void report_coverage(verifier *r, const measurements *m) {
+    double squares = 0, greatest = 0, open = 0;
+    size_t count = r->samples.count, uncovered = 0;
+    for (size_t i = 0; i < count; ++i) {
+        double distance = m->distances[i];
+        squares += distance * distance;
+        greatest = max2(greatest, distance);
+        r->far += distance > r->measured.tolerance;
+        if (!m->uncovered[i]) continue;
+        ++uncovered;
+        open = max2(open, distance);
+        add_place(&r->places, PSPLAT_PROMISE_COVERAGE, r->samples.positions + 3 * i,
+                  percent(r, distance));
+    }
+    r->report->verification_samples = count;
+    r->report->uncovered_samples = uncovered;
+    r->report->max_distance_surface_percent = percent(r, greatest);
+    r->report->rms_distance_percent = percent(r, sqrt(squares / (double)count));
+    set_promise(r->report, PSPLAT_PROMISE_COVERAGE, r->v->tolerance_percent, percent(r, open),
+                uncovered);
+}
+
+static void report_normals(verifier *r, const measurements *m) {
+    double greatest = 0, limit = r->v->normal_tolerance_degrees;
+    size_t broken = 0;
+    for (size_t i = 0; i < r->samples.count; ++i) {
+        greatest = max2(greatest, m->own[i]);
+        if (!(limit > 0) || m->own[i] <= limit * (1 + rounding_slack)) continue;
+        ++broken;
+        add_place(&r->places, PSPLAT_PROMISE_NORMAL, r->samples.positions + 3 * i, m->own[i]);
+    }
+    r->report->max_normal_degrees = greatest;
+    set_promise(r->report, PSPLAT_PROMISE_NORMAL, limit, greatest, broken);
+}
+
+static void free_measurements(measurements *m) {
+    double *lists[] = {m->distances, m->own, m->blended, m->constant, m->color, m->flat_color};
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; ++i) free(lists[i]);
+    free(m->uncovered);
+}
+
+static int allocate_measurements(measurements *m, size_t count, int colors) {
+    double **lists[] = {&m->distances, &m->own,   &m->blended,
+                        &m->constant,  &m->color, &m->flat_color};
+    int ok = 1;
+    *m = (measurements){.uncovered = malloc(count + 1)};
+    for (size_t i = 0; i < (colors ? 6u : 4u); ++i) {
+        *lists[i] = malloc((count + 1) * sizeof **lists[i]);
+        ok &= *lists[i] != NULL;
+    }
+    return ok && m->uncovered;
+}
+
+static void report_blend_errors(verifier *r, const measurements *m) {
+    size_t count = r->samples.count;
+    psplat_report *report = r->report;
+    statistics(m->blended, count, &report->rms_normal_degrees, &report->p95_normal_degrees);
+    statistics(m->constant, count, &report->rms_normal_constant_degrees,
+               &report->p95_normal_constant_degrees);
+    report->rms_color_percent = report->p95_color_percent = 0;
+    report->rms_color_constant_percent = report->p95_color_constant_percent = 0;
+    if (!m->color) return;
+    statistics(m->color, count, &report->rms_color_percent, &report->p95_color_percent);
+    statistics(m->flat_color, count, &report->rms_color_constant_percent,
+               &report->p95_color_constant_percent);
+}
+
+static psplat_result measure_surface(verifier *r) {
+    measurements m;
+    psplat_result result = PSPLAT_ERROR_MEMORY;
+    if (allocate_measurements(&m, r->samples.count, r->samples.colors != NULL)) {
+        long end = (long)r->samples.count;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(dynamic, 1024)
+#endif
+        for (long i = 0; i < end; ++i)
+            measure_sample(r->v->surface, &r->samples, (size_t)i, &r->measured, &m);
+        report_coverage(r, &m);
+        report_normals(r, &m);
+        report_blend_errors(r, &m);
+        result = PSPLAT_OK;
+    }
+    free_measurements(&m);
+    return result;
+}
+
+/* ---- splats to surface ---------------------------------------------------------------------- */
+
+/* The point of a splat that is farthest from the surface. */
+typedef struct farthest {
+    double distance, point[3];
+} farthest;
+
+static int find_farthest(const psplat_distance *distance, const psplat_region *region,
+                         farthest *far) {
+    double points[PSPLAT_REGION_POINTS][3], distances[PSPLAT_REGION_POINTS];
+    size_t count = psplat_region_points(region, points);
+    *far = (farthest){0};
+    if (psplat_distance_query(distance, &points[0][0], count, distances)) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        if (distances[i] < far->distance) continue;
+        far->distance = distances[i];
+        memcpy(far->point, points[i], sizeof far->point);
+    }
+    return 1;
+}
+
+static void report_distances(verifier *r, const farthest *far) {
+    double greatest = 0;
+    for (size_t s = 0; s < r->v->splats->count; ++s) {
+        greatest = max2(greatest, far[s].distance);
+        if (far[s].distance <= r->measured.tolerance) continue;
+        ++r->far;
+        add_place(&r->places, PSPLAT_PROMISE_DISTANCE, far[s].point, percent(r, far[s].distance));
+    }
+    psplat_report *report = r->report;
+    report->max_distance_splats_percent = percent(r, greatest);
+    report->max_distance_percent =
+        max2(report->max_distance_surface_percent, report->max_distance_splats_percent);
+    set_promise(report, PSPLAT_PROMISE_DISTANCE, r->v->tolerance_percent,
+                report->max_distance_percent, r->far);
+}
+
+static psplat_result measure_splats(verifier *r) {
+    farthest *far = malloc((r->v->splats->count + 1) * sizeof *far);
+    if (!far) return PSPLAT_ERROR_MEMORY;
+    long end = (long)r->v->splats->count;
+    int failed = 0;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(dynamic, 16) reduction(| : failed)
+#endif
+    for (long i = 0; i < end; ++i)
+        failed |= !find_farthest(r->v->distance, &r->measured.regions[i], &far[i]);
+    if (!failed) report_distances(r, far);
+    free(far);
+    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+}
+
+/* ---- creases, and the whole verification ----------------------------------------------------- */
+
+static psplat_result measure_creases(verifier *r) {
+    psplat_crease_crossing *crossings;
+    size_t count;
+    double greatest;
+    psplat_result result =
+        psplat_crease_crossings_find(r->v->surface, &r->samples, &r->measured,
+                                     r->measured.tolerance, &crossings, &count, &greatest);
+    if (result) return result;
+    for (size_t i = 0; i < count; ++i)
+        add_place(&r->places, PSPLAT_PROMISE_CREASE, crossings[i].point,
+                  percent(r, crossings[i].depth));
+    set_promise(r->report, PSPLAT_PROMISE_CREASE, r->v->tolerance_percent, percent(r, greatest),
+                count);
+    free(crossings);
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,
+                            psplat_error *error) {
+    size_t wanted = v->splats->count * SAMPLES_PER_SPLAT;
+    if (wanted < LEAST_SAMPLES) wanted = LEAST_SAMPLES;
+    if (wanted > MOST_SAMPLES) wanted = MOST_SAMPLES;
+    double tolerance = v->tolerance_percent / 100 * v->diagonal;
+    verifier r = {
+        .v = v,
+        .report = report,
+        .places = {.least_separation = 2 * tolerance, .origin = v->surface->mesh->origin}};
+    psplat_result result =
+        psplat_samples_draw_uniform(v->surface, wanted, v->seed, &r.samples, error);
+    if (result) return result;
+    result = psplat_measured_splats_create(v->splats, tolerance, 2 * tolerance, &r.measured);
+    if (!result) result = measure_surface(&r);
+    if (!result) result = measure_splats(&r);
+    if (!result) result = measure_creases(&r);
+    if (!result) report_places(&r.places, report);
+    psplat_measured_splats_free(&r.measured);
+    psplat_samples_free(&r.samples);
+    return result ? psplat_fail(error, result, 0, "out of memory while verifying") : PSPLAT_OK;
+}

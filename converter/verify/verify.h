@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * verify.h - the verification of stored splats: errors against the surface, and promises kept.
+ */
+#ifndef PHONGSPLAT_VERIFY_VERIFY_H
+#define PHONGSPLAT_VERIFY_VERIFY_H
+
+#include <phongsplat/splat.h>
+
+#include "features/surface.h"
+#include "mesh/distance.h"
+#include "splats/splats.h"
+#include "verify/report.h"
+
+#include <stdint.h>
+
+/* What is verified, and against which tolerances. Owns nothing. */
+typedef struct psplat_verification {
+    const psplat_surface *surface;
+    const psplat_splats *splats;
+    const psplat_distance *distance; /* to the mesh */
+    double tolerance_percent;
+    double diagonal;                 /* the length that percentages are of */
+    double normal_tolerance_degrees; /* 0: none was promised */
+    uint64_t seed;                   /* of the samples; not that of the fitted ones */
+} psplat_verification;
+
+/* Draws samples of the surface, measures the splats against them and the mesh, and fills the
+ * errors, promises and places of report. Errors: MEMORY, RANGE (too many samples). */
+psplat_result psplat_verify(const psplat_verification *verification, psplat_report *report,
+                            psplat_error *error);
+
+#endif

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT
+ * The public asset: batches of the sets of splats that the default scene shows. */
+#include "asset/container.h"
+#include "core/files.h"
+#include "asset/gltf.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A small file can place one mesh often: at most this many batches are made. */
+enum { MAX_BATCHES = 1 << 18 };
+
+struct psplat_asset {
+    psplat_arena arena; /* holds the asset itself */
+    psplat_batch *batches;
+    const psplat_packed **packed; /* of each batch */
+    size_t batch_count;
+};
+
+/* ---- batches ------------------------------------------------------------------------------ */
+
+/* Enlarges a box by a batch's box in scene space. */
+static void enlarge(const psplat_batch *batch, double min[3], double max[3]) {
+    const double *m = batch->model;
+    for (int row = 0; row < 3; ++row) {
+        double low = m[12 + row], high = low;
+        for (int k = 0; k < 3; ++k) {
+            double a = m[k * 4 + row] * (double)batch->bounds_min[k];
+            double b = m[k * 4 + row] * (double)batch->bounds_max[k];
+            low += fmin(a, b);
+            high += fmax(a, b);
+        }
+        min[row] = fmin(min[row], low);
+        max[row] = fmax(max[row], high);
+    }
+}
+
+static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, size_t set_index,
+                               const psplat_node *node) {
+    const psplat_set *set = &gltf->sets[set_index];
+    asset->packed[asset->batch_count] = set->packed;
+    psplat_batch *batch = &asset->batches[asset->batch_count++];
+    *batch = (psplat_batch){.splats = set->splats,
+                            .finishes = set->finishes,
+                            .splat_count = set->count,
+                            .clip_count = set->clip_count,
+                            .primitive = (uint32_t)set_index,
+                            .kernel = set->kernel,
+                            .depth_tolerance = set->depth_tolerance,
+                            .material = set->material,
+                            .has_color = set->has_color,
+                            .has_gamma = set->has_gamma,
+                            .has_color_gradient = set->has_color_gradient,
+                            .has_surface = set->has_surface,
+                            .has_emissive = set->has_emissive,
+                            .attributes = set->attributes,
+                            .attribute_count = set->attribute_count};
+    memcpy(batch->model, node->world, sizeof batch->model);
+    memcpy(batch->bounds_min, set->bounds_min, sizeof batch->bounds_min);
+    memcpy(batch->bounds_max, set->bounds_max, sizeof batch->bounds_max);
+    double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
+    enlarge(batch, min, max);
+    for (int i = 0; i < 3; ++i)
+        if (!isfinite(min[i]) || !isfinite(max[i]))
+            return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE,
+                               psplat_gltf_offset(gltf, node->json),
+                               "a node's transform moves splats beyond what a double can hold");
+    return PSPLAT_OK;
+}
+
+static psplat_result count_batches(const psplat_gltf *gltf, size_t *count) {
+    for (size_t i = 0; i < gltf->node_count; ++i) {
+        const psplat_node *node = &gltf->nodes[i];
+        if (!node->in_scene || node->mesh == PSPLAT_NONE) continue;
+        *count += gltf->meshes[node->mesh].set_count;
+        if (*count > MAX_BATCHES)
+            return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED,
+                               psplat_gltf_offset(gltf, node->json),
+                               "the nodes place more than %d primitives of splats", MAX_BATCHES);
+    }
+    if (*count) return PSPLAT_OK;
+    return psplat_fail(gltf->error, PSPLAT_ERROR_NO_SPLATS, 0,
+                       "the file has splats, but no node of its scene shows them");
+}
+
+/* Unclipped first (BSK04 section 4.1), then in the order of nodes and primitives. */
+static psplat_result make_batches(psplat_asset *asset, const psplat_gltf *gltf) {
+    size_t count = 0;
+    psplat_result result = count_batches(gltf, &count);
+    if (result) return result;
+    asset->batches = psplat_arena_take(&asset->arena, count, sizeof *asset->batches);
+    asset->packed = psplat_arena_take(&asset->arena, count, sizeof *asset->packed);
+    if (!asset->batches || !asset->packed)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches", count);
+    for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines)
+        for (size_t i = 0; i < gltf->node_count; ++i) {
+            const psplat_node *node = &gltf->nodes[i];
+            if (!node->in_scene || node->mesh == PSPLAT_NONE) continue;
+            const psplat_mesh_sets *mesh = &gltf->meshes[node->mesh];
+            for (size_t k = 0; k < mesh->set_count && !result; ++k)
+                if (gltf->sets[mesh->first_set + k].clip_count == lines)
+                    result = add_batch(asset, gltf, mesh->first_set + k, node);
+        }
+    return result;
+}
+
+/* ---- opening ------------------------------------------------------------------------------ */
+
+/* The parts of a description with defaults filled in. */
+typedef struct opening {
+    psplat_allocator allocator;
+    psplat_files files;
+    size_t max_size;
+    int measures, only_draws;
+} opening;
+
+static opening resolve(const psplat_asset_desc *desc) {
+    opening o = {.allocator = psplat_allocator_default(desc ? &desc->allocator : NULL),
+                 .files = psplat_files_default(desc ? &desc->files : NULL),
+                 .max_size = (size_t)1 << 31};
+    if (desc && desc->max_file_size) o.max_size = desc->max_file_size;
+    if (desc) o.measures = desc->measures;
+    if (desc) o.only_draws = desc->only_draws;
+    return o;
+}
+
+static psplat_result parse(psplat_asset *asset, psplat_gltf *gltf) {
+    psplat_result result = psplat_gltf_parse(gltf);
+    if (!result) result = psplat_materials_parse(gltf);
+    if (!result) result = psplat_meshes_parse(gltf);
+    if (!result) result = psplat_nodes_parse(gltf);
+    return result ? result : make_batches(asset, gltf);
+}
+
+static psplat_asset *create(const psplat_allocator *allocator, psplat_error *error) {
+    psplat_arena arena = {.allocator = *allocator};
+    psplat_asset *asset = psplat_arena_take(&arena, 1, sizeof *asset);
+    if (asset)
+        asset->arena = arena;
+    else
+        psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for an asset");
+    return asset;
+}
+
+static psplat_result open_bytes(const uint8_t *data, size_t size, const opening *o,
+                                const char *base_path, psplat_asset **out, psplat_error *error) {
+    psplat_container container;
+    psplat_result result = psplat_container_parse(data, size, &container, error);
+    if (result) return result;
+    psplat_asset *asset = create(&o->allocator, error);
+    if (!asset) return PSPLAT_ERROR_MEMORY;
+    psplat_arena scratch = {.allocator = o->allocator};
+    psplat_gltf gltf = {.error = error,
+                        .scratch = &scratch,
+                        .kept = &asset->arena,
+                        .json = {.text = (const char *)data + container.json_offset,
+                                 .size = container.json_size,
+                                 .base = container.json_offset,
+                                 .error = error},
+                        .files = o->files,
+                        .base_path = base_path,
+                        .file_budget = o->max_size - size,
+                        .measures = o->measures,
+                        .only_draws = o->only_draws,
+                        .bin = container.bin_size ? data + container.bin_offset : NULL,
+                        .bin_size = container.bin_size,
+                        .bin_offset = container.bin_offset};
+    result = parse(asset, &gltf);
+    psplat_arena_release(&scratch);
+    if (result)
+        psplat_asset_destroy(asset);
+    else
+        *out = asset;
+    return result;
+}
+
+psplat_result psplat_asset_open_memory(const void *data, size_t size, const psplat_asset_desc *desc,
+                                       psplat_asset **asset, psplat_error *error) {
+    if (asset) *asset = NULL;
+    if (!asset || (!data && size))
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "data and asset are required");
+    opening o = resolve(desc);
+    if (size > o.max_size)
+        return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "%zu bytes are more than the %zu allowed",
+                           size, o.max_size);
+    return open_bytes(data, size, &o, desc ? desc->base_path : NULL, asset, error);
+}
+
+/* Where a path's directory ends; Windows allows both slashes. */
+static size_t directory_length(const char *path) {
+    size_t length = 0;
+    for (size_t i = 0; path[i]; ++i)
+        if (path[i] == '/' || path[i] == '\\') length = i + 1;
+    return length;
+}
+
+static psplat_result open_path(const char *path, const opening *o, psplat_arena *scratch,
+                               psplat_asset **asset, psplat_error *error) {
+    size_t length = directory_length(path), size = 0;
+    char *directory = psplat_arena_take(scratch, length + 1, 1);
+    if (!directory) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a path");
+    memcpy(directory, path, length);
+    void *data = NULL;
+    psplat_result result =
+        o->files.read(o->files.user, &scratch->allocator, path, o->max_size, &data, &size);
+    if (!result) result = psplat_arena_adopt(scratch, data, size);
+    if (result == PSPLAT_ERROR_RANGE)
+        return psplat_fail(error, result, 0, "%.150s is larger than the %zu bytes allowed", path,
+                           o->max_size);
+    if (result)
+        return psplat_fail(error, result, 0, "%s: %.150s", psplat_result_text(result), path);
+    return open_bytes(data, size, o, directory, asset, error);
+}
+
+psplat_result psplat_asset_open(const char *path, const psplat_asset_desc *desc,
+                                psplat_asset **asset, psplat_error *error) {
+    if (asset) *asset = NULL;
+    if (!asset || !path)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "path and asset are required");
+    opening o = resolve(desc);
+    psplat_arena scratch = {.allocator = o.allocator};
+    psplat_result result = open_path(path, &o, &scratch, asset, error);
+    psplat_arena_release(&scratch);
+    return result;
+}
+
+void psplat_asset_destroy(psplat_asset *asset) {
+    if (!asset) return;
+    /* The asset lies in its own arena, which therefore has to move out first. */
+    psplat_arena arena = asset->arena;
+    psplat_arena_release(&arena);
+}
+
+size_t psplat_asset_batch_count(const psplat_asset *asset) {
+    return asset ? asset->batch_count : 0;
+}
+
+const psplat_batch *psplat_asset_batch(const psplat_asset *asset, size_t index) {
+    return asset && index < asset->batch_count ? &asset->batches[index] : NULL;
+}
+
+const psplat_packed *psplat_asset_packed(const psplat_asset *asset, size_t batch) {
+    return asset->packed[batch];
+}
+
+void psplat_asset_bounds(const psplat_asset *asset, double min[3], double max[3]) {
+    for (int i = 0; i < 3; ++i) {
+        min[i] = INFINITY;
+        max[i] = -INFINITY;
+    }
+    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
+        enlarge(&asset->batches[i], min, max);
+}

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ * A buffer's bytes, loaded when first used (glTF 2.0 section 3.6.1). */
+#include "asset/gltf.h"
+#include "core/uri.h"
+
+#include <string.h>
+
+static psplat_result fail_buffer(const psplat_gltf *gltf, const psplat_buffer *buffer,
+                                 psplat_result code, const char *reason) {
+    psplat_json_value at = buffer->uri ? buffer->uri : buffer->json;
+    return psplat_fail(gltf->error, code, psplat_gltf_offset(gltf, at),
+                       "a buffer cannot be loaded: %s", reason);
+}
+
+static psplat_result load_bin(psplat_gltf *gltf, psplat_buffer *buffer, size_t *size) {
+    if (buffer->is_fallback)
+        return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED,
+                           "it is an empty fallback of EXT_meshopt_compression");
+    if (buffer != gltf->buffers || !gltf->bin)
+        return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED,
+                           "it has no uri and is not the BIN chunk");
+    buffer->data = gltf->bin;
+    buffer->origin = gltf->bin_offset;
+    *size = gltf->bin_size;
+    return PSPLAT_OK;
+}
+
+static psplat_result load_base64(psplat_gltf *gltf, psplat_buffer *buffer, const char *uri,
+                                 size_t uri_size, size_t *size) {
+    size_t start = psplat_uri_data_start(uri, uri_size), wrong = 0;
+    if (start == SIZE_MAX)
+        return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED,
+                           "its data URI is not encoded as base64");
+    uint8_t *data = psplat_arena_take(gltf->scratch, (uri_size - start) / 4 * 3 + 2, 1);
+    if (!data) return fail_buffer(gltf, buffer, PSPLAT_ERROR_MEMORY, "out of memory");
+    /* Beyond the quote. Exact unless the URI holds JSON escapes, of which some tools write \/. */
+    buffer->origin = psplat_gltf_offset(gltf, buffer->uri) + 1 + start;
+    buffer->is_base64 = 1;
+    buffer->data = data;
+    *size = psplat_uri_decode_base64(uri + start, uri_size - start, data, &wrong);
+    if (*size != SIZE_MAX) return PSPLAT_OK;
+    return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, buffer->origin + wrong,
+                       "a data URI holds something that is not base64");
+}
+
+static psplat_result load_file(psplat_gltf *gltf, psplat_buffer *buffer, const char *uri,
+                               size_t uri_size, size_t *size) {
+    const char *reason = NULL;
+    if (!gltf->base_path)
+        return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED,
+                           "no directory was given to look for files in");
+    const char *path = psplat_uri_path(gltf->base_path, uri, uri_size, gltf->scratch, &reason);
+    if (!path) return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED, reason);
+    void *data = NULL;
+    psplat_result result = gltf->files.read(gltf->files.user, &gltf->scratch->allocator, path,
+                                            gltf->file_budget, &data, size);
+    if (!result) result = psplat_arena_adopt(gltf->scratch, data, *size);
+    if (result)
+        return psplat_fail(gltf->error, result, psplat_gltf_offset(gltf, buffer->uri),
+                           "a buffer cannot be loaded from %.150s: %s", path,
+                           result == PSPLAT_ERROR_RANGE ? "it is larger than allowed"
+                                                        : psplat_result_text(result));
+    gltf->file_budget -= *size < gltf->file_budget ? *size : gltf->file_budget;
+    buffer->data = data;
+    buffer->path = path;
+    return PSPLAT_OK;
+}
+
+static psplat_result load_uri(psplat_gltf *gltf, psplat_buffer *buffer, size_t *size) {
+    char *uri = NULL;
+    size_t uri_size = 0;
+    psplat_result result =
+        psplat_json_string(&gltf->json, buffer->uri, gltf->scratch, &uri, &uri_size);
+    if (result) return result;
+    if (psplat_uri_data_start(uri, uri_size)) return load_base64(gltf, buffer, uri, uri_size, size);
+    return load_file(gltf, buffer, uri, uri_size, size);
+}
+
+psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer) {
+    if (buffer->data) return PSPLAT_OK;
+    size_t size = 0;
+    psplat_result result =
+        buffer->uri ? load_uri(gltf, buffer, &size) : load_bin(gltf, buffer, &size);
+    if (result) return result;
+    if (size < buffer->length)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, buffer->json),
+                           "a buffer announces %zu bytes, %zu are there", buffer->length, size);
+    gltf->loaded_bytes += buffer->length;
+    return PSPLAT_OK;
+}
+
+size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position) {
+    if (buffer->is_decoded) return buffer->origin;
+    /* Base64 writes three bytes with four digits; the digit where the byte begins. */
+    return buffer->origin + (buffer->is_base64 ? position / 3 * 4 + position % 3 : position);
+}

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * gltf.h - what the reader knows of a glTF 2.0 document, in the order in which it is found out:
+ *
+ *     gltf.c       the document: versions, extensions, buffers, views, accessors
+ *     buffer.c     a buffer's bytes: BIN chunk, data URI or file
+ *     meshopt.c    a view's bytes where they are compressed
+ *     accessor.c   checked access to an accessor's elements as floats
+ *     material.c   materials
+ *     primitive.c  meshes: which of their primitives are splats
+ *     stand_in.c   meshes for those that know no splats
+ *     extension.c  the extension object of a primitive of splats
+ *     attribute_types.c names and forms of the attributes of splats
+ *     splat_set.c one primitive of splats and its attributes
+ *     values.c     the values of these, decoded and checked
+ *     unpack.c     what integers among them stand for
+ *     node.c       the node tree and its transforms
+ *     asset.c      the public asset made of all that
+ *
+ * Every table is filled once, so that the work is linear in the size of the file; indices and
+ * integers in the tables are checked, ranges of bytes are checked where they are used.
+ */
+#ifndef PHONGSPLAT_ASSET_GLTF_H
+#define PHONGSPLAT_ASSET_GLTF_H
+
+#include "core/json.h"
+#include "asset/pack.h"
+
+#define PSPLAT_EXTENSION "PSPLAT_surface_splats"
+#define PSPLAT_EXTENSION_VERSION 2 /* the newest that is read; older ones are read, too */
+#define PSPLAT_NONE SIZE_MAX
+
+typedef struct psplat_buffer {
+    psplat_json_value json, uri;
+    size_t length;
+    const uint8_t *data; /* NULL: not loaded yet */
+    size_t origin;       /* offset of data[0] in the file, or of its base64 digit */
+    int is_base64;
+    int is_decoded;   /* all of it came out of compressed bytes at origin */
+    int is_fallback;  /* of EXT_meshopt_compression: without a uri it has no bytes */
+    const char *path; /* of an external file, whose offsets begin at its start; or NULL */
+} psplat_buffer;
+
+typedef struct psplat_view_range {
+    psplat_json_value json, compression;   /* the object of EXT_meshopt_compression, or 0 */
+    size_t buffer, offset, length, stride; /* stride 0: tightly packed */
+    psplat_buffer *decoded;                /* all of a compressed view; NULL: not loaded yet */
+    size_t *planes; /* bytes that each byte of its stride takes; NULL unless gltf.measures */
+} psplat_view_range;
+
+typedef struct psplat_accessor {
+    psplat_json_value json, sparse;
+    size_t view; /* or PSPLAT_NONE */
+    size_t offset, count, components, component_type;
+    int normalized;
+} psplat_accessor;
+
+/* The splats of one primitive. */
+typedef struct psplat_set {
+    psplat_splat *splats;    /* NULL where packed is not, */
+    psplat_finish *finishes; /* and where nothing varies */
+    psplat_packed *packed;   /* in assets that only draw, else NULL */
+    psplat_packing packing;  /* of packed */
+    size_t count;
+    uint32_t clip_count;
+    psplat_kernel kernel;
+    float depth_tolerance;
+    psplat_material material;
+    float bounds_min[3], bounds_max[3];
+    int has_color, has_gamma, has_color_gradient, has_surface, has_emissive;
+    size_t version;
+    double scale_range[2]; /* zeros where unstated, as the next (spec 3.9) */
+    float tilt_range, field_range, color_range;
+    float turn_range, clip_range[2]; /* 1 where unstated */
+    psplat_attribute *attributes;    /* attribute_count of them, in the asset's arena */
+    size_t attribute_count;
+} psplat_set;
+
+/* What is drawn of a mesh. */
+typedef struct psplat_mesh_sets {
+    size_t first_set, set_count;
+    size_t splat_mesh; /* that it stands in for (spec 6.1), or PSPLAT_NONE */
+    psplat_json_value json_splat_mesh;
+} psplat_mesh_sets;
+
+typedef struct psplat_node {
+    psplat_json_value json, children; /* children: 0 where there are none */
+    size_t mesh, parent;              /* or PSPLAT_NONE */
+    double world[16];
+    int in_scene;
+} psplat_node;
+
+typedef struct psplat_gltf {
+    psplat_error *error;
+    psplat_arena *scratch; /* lives until the asset is open */
+    psplat_arena *kept;    /* lives as long as the asset */
+    psplat_json json;
+
+    psplat_files files;
+    const char *base_path; /* or NULL: external buffers are refused */
+    size_t file_budget;    /* bytes that external buffers may still take */
+    const uint8_t *bin;    /* BIN chunk, or NULL */
+    size_t bin_size, bin_offset;
+    size_t loaded_bytes;  /* of all buffers loaded so far, and of */
+    size_t decoded_bytes; /* all compressed views */
+    size_t splat_total;   /* of all sets decoded so far */
+
+    /* Members of the document, or 0. */
+    psplat_json_value json_materials, json_meshes, json_nodes, json_scenes, json_scene;
+    psplat_json_value
+        json_stripped;          /* first attribute of ours outside a primitive of splats, or 0 */
+    int is_listed;              /* whether extensionsUsed names our extension */
+    int measures, only_draws;   /* as psplat_asset_desc */
+    psplat_splat *chunk_splats; /* of the chunk being decoded, where only_draws; or NULL */
+    psplat_finish *chunk_finishes;
+
+    psplat_buffer *buffers;
+    psplat_view_range *views;
+    psplat_accessor *accessors;
+    psplat_material *materials;
+    psplat_mesh_sets *meshes;
+    psplat_set *sets;
+    psplat_node *nodes;
+    size_t buffer_count, view_count, accessor_count, material_count, mesh_count, set_count,
+        node_count;
+} psplat_gltf;
+
+/* Offset in the file of a value, for psplat_fail. */
+size_t psplat_gltf_offset(const psplat_gltf *gltf, psplat_json_value value);
+
+/* FORMAT where the member of an object, 0, is missing. */
+psplat_result psplat_gltf_require(const psplat_gltf *gltf, psplat_json_value object,
+                                  psplat_json_value member, const char *what);
+
+/* Fills everything up to and including accessors. */
+psplat_result psplat_gltf_parse(psplat_gltf *gltf);
+
+/* Zeroed table with an entry for each element of array, which may be 0. MEMORY, FORMAT. */
+psplat_result psplat_gltf_table(psplat_gltf *gltf, psplat_json_value array, const char *what,
+                                size_t entry_size, void **table, size_t *count);
+
+/* An optional index into a table of count entries; PSPLAT_NONE where value is absent. RANGE. */
+psplat_result psplat_gltf_index(const psplat_gltf *gltf, psplat_json_value value, const char *what,
+                                size_t count, size_t *index);
+
+/* Makes buffer->data hold at least buffer->length bytes. */
+psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer);
+
+/* Offset in the file (or in the external one) of byte position of a loaded buffer. */
+size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position);
+
+/* Whether this build reads EXT_meshopt_compression: it does with libmeshoptimizer. */
+#ifdef PSPLAT_MESHOPTIMIZER
+enum { PSPLAT_MESHOPT_IS_BUILT = 1 };
+#else
+enum { PSPLAT_MESHOPT_IS_BUILT = 0 };
+#endif
+
+/* Makes view->decoded, of a view with compression. */
+psplat_result psplat_meshopt_load(psplat_gltf *gltf, psplat_view_range *view);
+
+/* Component types of glTF 2.0 section 3.6.2.2. */
+enum {
+    PSPLAT_BYTE = 5120,
+    PSPLAT_UNSIGNED_BYTE = 5121,
+    PSPLAT_SHORT = 5122,
+    PSPLAT_UNSIGNED_SHORT = 5123,
+    PSPLAT_UNSIGNED_INT = 5125,
+    PSPLAT_FLOAT = 5126
+};
+
+/* One way to store an attribute (spec 3.2). */
+typedef struct psplat_attribute_form {
+    size_t version; /* of the extension, from which on it is allowed; 0: no form */
+    size_t min_components, max_components;
+    unsigned component_types; /* bit t - PSPLAT_BYTE */
+    int is_plain;             /* integers need not be normalized */
+} psplat_attribute_form;
+
+typedef struct psplat_attribute_type {
+    const char *name;
+    psplat_attribute_form forms[2];
+} psplat_attribute_type;
+
+/* An accessor whose bytes are all inside its buffer. */
+typedef struct psplat_reader {
+    const psplat_buffer *buffer;
+    const psplat_view_range *view;
+    size_t start, stride, components, component_type, count;
+    int normalized;
+} psplat_reader;
+
+/* Checks accessor (a JSON index) against type, version and count (PSPLAT_NONE: any) and loads its
+ * buffer. */
+psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value accessor,
+                                 const psplat_attribute_type *type, size_t version, size_t count,
+                                 psplat_reader *reader);
+
+/* Bytes of all elements without what lies between them; and what the file takes for them. */
+size_t psplat_reader_bytes(const psplat_reader *reader);
+size_t psplat_reader_stored(const psplat_reader *reader);
+
+/* Elements first ... first + count - 1 as floats, one after another; signed normalized integers as
+ * max(c / 127, -1) and so on, others as they are. */
+void psplat_reader_get(const psplat_reader *reader, size_t first, size_t count, float *values);
+
+/* The attributes of a primitive of splats. */
+enum {
+    PSPLAT_POSITION = 0,
+    PSPLAT_NORMAL,
+    PSPLAT_COLOR,
+    PSPLAT_ROTATION,
+    PSPLAT_TURN,
+    PSPLAT_TILT,
+    PSPLAT_SCALE,
+    PSPLAT_NORMAL_FIELD,
+    PSPLAT_FIRST_CLIP,
+    PSPLAT_COLOR_U = PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES,
+    PSPLAT_FIRST_FINISH = PSPLAT_COLOR_U, /* these fill a psplat_finish */
+    PSPLAT_COLOR_V,
+    PSPLAT_ORM, /* occlusion, roughness, metallic */
+    PSPLAT_EMISSIVE,
+    PSPLAT_ATTRIBUTES
+};
+
+typedef struct psplat_readers {
+    psplat_reader of[PSPLAT_ATTRIBUTES];
+    int is_present[PSPLAT_ATTRIBUTES];
+} psplat_readers;
+
+/* attribute_types.c: what each attribute is called and how it may be stored. */
+extern const psplat_attribute_type psplat_attribute_types[PSPLAT_ATTRIBUTES];
+
+/* What integers of radii stand for (spec 3.9): the product of an entry for each byte. */
+typedef struct psplat_radii {
+    double high[256], low[256];
+    float largest; /* integer */
+} psplat_radii;
+
+void psplat_radii_set(psplat_radii *radii, const double range[2], float largest);
+
+/* Of count elements that come as integers are read, in place; lines become three numbers. */
+void psplat_unpack_lines(float *values, size_t count, const float range[2]);
+void psplat_unpack_radii(float *values, size_t count, const psplat_radii *radii);
+void psplat_unpack_scaled(float *values, size_t value_count, float range);
+
+/* Unit quaternions of unit N and turns from -1 to 1 (spec 3.3). */
+void psplat_unpack_turns(const float *normals, const float *turns, size_t count,
+                         float *quaternions);
+
+/* Decodes set->count splats into set->splats and set->finishes and checks every value (spec 3.3
+ * to 3.8). Finds the set's bounds, and the size of the box around the centres. */
+psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers *readers,
+                                   psplat_set *set, double extent[3]);
+
+psplat_result psplat_materials_parse(psplat_gltf *gltf);
+
+/* The material of an index, glTF's default one where value is absent. */
+psplat_result psplat_material_get(const psplat_gltf *gltf, psplat_json_value value,
+                                  psplat_material *material);
+
+/* Decodes every primitive of splats into gltf->sets. NO_SPLATS where there is none. */
+psplat_result psplat_meshes_parse(psplat_gltf *gltf);
+
+/* Whether a mesh, which has sets->set_count sets of its own, stands in for another; its extensions
+ * may be 0. FORMAT, RANGE. */
+psplat_result psplat_fallback_mesh_parse(psplat_gltf *gltf, psplat_json_value extensions,
+                                         psplat_mesh_sets *sets);
+/* Gives meshes that stand in the sets of what they stand in for. */
+psplat_result psplat_fallback_meshes_resolve(psplat_gltf *gltf);
+
+/* The extension object; *extent becomes its positionExtent. */
+psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value object,
+                                     psplat_set *set, psplat_json_value *extent);
+
+/* The splats of one primitive, whose members attributes and extension are; material is given. */
+psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
+                               psplat_json_value extension, psplat_set *set);
+
+/* Nodes, their world transforms, and which of them the default scene shows. */
+psplat_result psplat_nodes_parse(psplat_gltf *gltf);
+
+#endif

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT
+ * Which primitives of the meshes are splats (spec 3.1 and 6.2). */
+#include "asset/gltf.h"
+
+enum { MODE, ATTRIBUTES, INDICES, TARGETS, MATERIAL, EXTENSIONS, MEMBERS, MAX_SETS = 1 << 16 };
+
+static const char *const names[MEMBERS] = {"mode",    "attributes", "indices",
+                                           "targets", "material",   "extensions"};
+
+/* The extension's object, or 0. */
+static psplat_result find_extension(const psplat_gltf *gltf, psplat_json_value extensions,
+                                    psplat_json_value *extension) {
+    static const char *const name[] = {PSPLAT_EXTENSION};
+    *extension = 0;
+    return extensions ? psplat_json_members(&gltf->json, extensions, name, 1, extension)
+                      : PSPLAT_OK;
+}
+
+/* Remembers the first primitive whose attributes are the extension's but which lost its object. */
+static void note_stripped(psplat_gltf *gltf, psplat_json_value attributes) {
+    if (psplat_json_type_of(&gltf->json, attributes) != PSPLAT_JSON_OBJECT) return;
+    psplat_json_value key = psplat_json_first(&gltf->json, attributes);
+    for (; key && !gltf->json_stripped; key = psplat_json_next(&gltf->json, attributes, key))
+        if (psplat_json_begins(&gltf->json, key, "_" PSPLAT_EXTENSION ":") ||
+            psplat_json_begins(&gltf->json, key, PSPLAT_EXTENSION ":"))
+            gltf->json_stripped = key;
+}
+
+/* Points without indices and morph targets (spec 3.1). */
+static psplat_result check_members(const psplat_gltf *gltf, psplat_json_value primitive,
+                                   const psplat_json_value *members) {
+    size_t mode = 4; /* glTF's default: triangles */
+    psplat_result result = psplat_json_integer(&gltf->json, members[MODE], "mode", 6, &mode);
+    if (result) return result;
+    psplat_json_value wrong = members[INDICES] ? members[INDICES] : members[TARGETS];
+    if (mode != 0 || wrong)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT,
+                           psplat_gltf_offset(gltf, wrong           ? wrong
+                                                    : members[MODE] ? members[MODE]
+                                                                    : primitive),
+                           "splats are primitives of mode 0 without indices and targets");
+    if (!members[ATTRIBUTES])
+        return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, primitive),
+                           "attributes is missing");
+    if (!gltf->is_listed)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, primitive),
+                           PSPLAT_EXTENSION " is used but not listed in extensionsUsed");
+    return PSPLAT_OK;
+}
+
+static psplat_result parse_primitive(psplat_gltf *gltf, psplat_json_value primitive) {
+    psplat_json_value members[MEMBERS], extension = 0;
+    psplat_result result = psplat_json_members(&gltf->json, primitive, names, MEMBERS, members);
+    if (!result) result = find_extension(gltf, members[EXTENSIONS], &extension);
+    if (result) return result;
+    if (!extension) {
+        if (members[ATTRIBUTES]) note_stripped(gltf, members[ATTRIBUTES]);
+        return PSPLAT_OK;
+    }
+    if (gltf->set_count == MAX_SETS)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED,
+                           psplat_gltf_offset(gltf, primitive), "more than %d primitives of splats",
+                           MAX_SETS);
+    psplat_set *set = &gltf->sets[gltf->set_count];
+    result = check_members(gltf, primitive, members);
+    if (!result) result = psplat_material_get(gltf, members[MATERIAL], &set->material);
+    if (!result) result = psplat_set_parse(gltf, members[ATTRIBUTES], extension, set);
+    if (!result) ++gltf->set_count;
+    return result;
+}
+
+/* The sets of a mesh lie side by side in gltf->sets. */
+static psplat_result parse_mesh(psplat_gltf *gltf, psplat_json_value mesh, psplat_mesh_sets *sets) {
+    static const char *const members[] = {"primitives", "extensions"};
+    psplat_json_value found[2];
+    psplat_result result = psplat_json_members(&gltf->json, mesh, members, 2, found);
+    if (!result) result = psplat_gltf_require(gltf, mesh, found[0], members[0]);
+    if (!result) result = psplat_json_expect(&gltf->json, found[0], PSPLAT_JSON_ARRAY, members[0]);
+    if (result) return result;
+    sets->first_set = gltf->set_count;
+    psplat_json_value array = found[0], primitive = psplat_json_first(&gltf->json, array);
+    for (; primitive && !result; primitive = psplat_json_next(&gltf->json, array, primitive))
+        result = parse_primitive(gltf, primitive);
+    sets->set_count = gltf->set_count - sets->first_set;
+    return result ? result : psplat_fallback_mesh_parse(gltf, found[1], sets);
+}
+
+/* An upper bound of the number of sets: primitives of all meshes, whatever they are. */
+static psplat_result count_primitives(const psplat_gltf *gltf, size_t *count) {
+    static const char *const name[] = {"primitives"};
+    psplat_json_value array = gltf->json_meshes, primitives = 0;
+    psplat_json_value mesh = array ? psplat_json_first(&gltf->json, array) : 0;
+    for (; mesh; mesh = psplat_json_next(&gltf->json, array, mesh)) {
+        psplat_result result = psplat_json_members(&gltf->json, mesh, name, 1, &primitives);
+        if (result) return result;
+        if (primitives) *count += psplat_json_length(&gltf->json, primitives);
+    }
+    return PSPLAT_OK;
+}
+
+static psplat_result fail_no_splats(const psplat_gltf *gltf) {
+    if (gltf->json_stripped)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_NO_SPLATS,
+                           psplat_gltf_offset(gltf, gltf->json_stripped),
+                           "a primitive has the attributes of " PSPLAT_EXTENSION
+                           " but not its extension object, which another tool must have dropped: "
+                           "they are only points now");
+    return psplat_fail(gltf->error, PSPLAT_ERROR_NO_SPLATS, 0,
+                       "no primitive of the file has the extension " PSPLAT_EXTENSION);
+}
+
+psplat_result psplat_meshes_parse(psplat_gltf *gltf) {
+    void *table = NULL;
+    size_t primitive_count = 0;
+    psplat_json_value array = gltf->json_meshes, mesh = 0;
+    psplat_result result =
+        psplat_gltf_table(gltf, array, "meshes", sizeof *gltf->meshes, &table, &gltf->mesh_count);
+    gltf->meshes = table;
+    if (!result) result = count_primitives(gltf, &primitive_count);
+    if (result) return result;
+    if (primitive_count > MAX_SETS) primitive_count = MAX_SETS;
+    gltf->sets = psplat_arena_take(gltf->scratch, primitive_count, sizeof *gltf->sets);
+    if (!gltf->sets)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu primitives",
+                           primitive_count);
+    for (size_t i = 0; i < gltf->mesh_count && !result; ++i) {
+        mesh =
+            i ? psplat_json_next(&gltf->json, array, mesh) : psplat_json_first(&gltf->json, array);
+        result = parse_mesh(gltf, mesh, &gltf->meshes[i]);
+    }
+    if (!result && !gltf->set_count) result = fail_no_splats(gltf);
+    if (!result) result = psplat_fallback_meshes_resolve(gltf);
+    return result;
+}

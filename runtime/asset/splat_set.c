@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * splat_set.c  - one primitive of splats: its attributes (spec 3.2), and the check of the extent
+ * against rescaling tools (6.2).
+ */
+#include "asset/gltf.h"
+
+#include <math.h>
+
+/* The extension's names are accepted with and without their underscore, but not both at once. */
+static psplat_result find_attributes(const psplat_gltf *gltf, psplat_json_value object,
+                                     psplat_json_value found[PSPLAT_ATTRIBUTES]) {
+    enum { OURS = PSPLAT_ATTRIBUTES - PSPLAT_ROTATION };
+    static const char *const underscored[OURS] = {
+        "_" PSPLAT_EXTENSION ":ROTATION",     "_" PSPLAT_EXTENSION ":TURN",
+        "_" PSPLAT_EXTENSION ":TILT",         "_" PSPLAT_EXTENSION ":SCALE",
+        "_" PSPLAT_EXTENSION ":NORMAL_FIELD", "_" PSPLAT_EXTENSION ":CLIP_0",
+        "_" PSPLAT_EXTENSION ":CLIP_1",       "_" PSPLAT_EXTENSION ":CLIP_2",
+        "_" PSPLAT_EXTENSION ":CLIP_3",       "_" PSPLAT_EXTENSION ":COLOR_U",
+        "_" PSPLAT_EXTENSION ":COLOR_V",      "_" PSPLAT_EXTENSION ":OCCLUSION_ROUGHNESS_METALLIC",
+        "_" PSPLAT_EXTENSION ":EMISSIVE"};
+    const char *names[PSPLAT_ATTRIBUTES + OURS];
+    psplat_json_value members[PSPLAT_ATTRIBUTES + OURS];
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) names[i] = psplat_attribute_types[i].name;
+    for (size_t i = 0; i < OURS; ++i) names[PSPLAT_ATTRIBUTES + i] = underscored[i];
+    psplat_result result =
+        psplat_json_members(&gltf->json, object, names, PSPLAT_ATTRIBUTES + OURS, members);
+    if (result) return result;
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
+        psplat_json_value other = i >= PSPLAT_ROTATION ? members[i + OURS] : 0;
+        if (members[i] && other)
+            return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, other),
+                               "%s occurs with and without an underscore",
+                               psplat_attribute_types[i].name);
+        found[i] = members[i] ? members[i] : other;
+    }
+    return PSPLAT_OK;
+}
+
+static int is_clip_line(size_t attribute) {
+    return attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES;
+}
+
+/* Which attributes there have to be, may be and must not be. */
+static psplat_result check_presence(const psplat_gltf *gltf, psplat_json_value object,
+                                    const psplat_json_value found[PSPLAT_ATTRIBUTES],
+                                    uint32_t clip_count) {
+    int is_required[PSPLAT_ATTRIBUTES] = {[PSPLAT_POSITION] = 1,
+                                          [PSPLAT_NORMAL] = 1,
+                                          [PSPLAT_ROTATION] = !found[PSPLAT_TURN],
+                                          [PSPLAT_TURN] = found[PSPLAT_TILT] != 0,
+                                          [PSPLAT_SCALE] = 1,
+                                          [PSPLAT_COLOR_U] = found[PSPLAT_COLOR_V] != 0,
+                                          [PSPLAT_COLOR_V] = found[PSPLAT_COLOR_U] != 0};
+    for (size_t i = 0; i < clip_count; ++i) is_required[PSPLAT_FIRST_CLIP + i] = 1;
+    if (found[PSPLAT_ROTATION] && found[PSPLAT_TURN])
+        return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT,
+                           psplat_gltf_offset(gltf, found[PSPLAT_TURN]),
+                           "a primitive has either ROTATION or TURN");
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
+        if (is_required[i] && !found[i])
+            return psplat_gltf_require(gltf, object, found[i], psplat_attribute_types[i].name);
+        if (found[i] && is_clip_line(i) && !is_required[i])
+            return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, found[i]),
+                               "%s is present although clipLines is %u",
+                               psplat_attribute_types[i].name, (unsigned)clip_count);
+    }
+    return PSPLAT_OK;
+}
+
+static psplat_result open_readers(psplat_gltf *gltf, psplat_json_value object,
+                                  const psplat_set *set, psplat_readers *r) {
+    psplat_json_value found[PSPLAT_ATTRIBUTES];
+    psplat_result result = find_attributes(gltf, object, found);
+    if (!result) result = check_presence(gltf, object, found, set->clip_count);
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES && !result; ++i) {
+        size_t count = i == PSPLAT_POSITION ? PSPLAT_NONE : r->of[PSPLAT_POSITION].count;
+        r->is_present[i] = found[i] != 0;
+        if (found[i])
+            result = psplat_reader_open(gltf, found[i], &psplat_attribute_types[i], set->version,
+                                        count, &r->of[i]);
+    }
+    return result;
+}
+
+/* What integers stand for is said in the extension object (spec 3.9). */
+static psplat_result check_ranges(const psplat_gltf *gltf, psplat_json_value extension,
+                                  const psplat_readers *r, const psplat_set *set) {
+    const struct {
+        size_t attribute;
+        const char *name;
+        int is_stated;
+    } ranges[] = {
+        {PSPLAT_SCALE, "scaleRange, which the integers of SCALE need,", set->scale_range[1] > 0},
+        {PSPLAT_TILT, "tiltRange, which the integers of TILT need,", set->tilt_range > 0},
+        {PSPLAT_NORMAL_FIELD, "fieldRange, which the integers of NORMAL_FIELD need,",
+         set->field_range > 0},
+        {PSPLAT_COLOR_U, "colorRange, which the integers of COLOR_U need,", set->color_range > 0},
+        {PSPLAT_COLOR_V, "colorRange, which the integers of COLOR_V need,", set->color_range > 0}};
+    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; ++i) {
+        const psplat_reader *reader = &r->of[ranges[i].attribute];
+        int needs = r->is_present[ranges[i].attribute] && reader->component_type != PSPLAT_FLOAT;
+        if (needs && !ranges[i].is_stated)
+            return psplat_gltf_require(gltf, extension, 0, ranges[i].name);
+    }
+    return PSPLAT_OK;
+}
+
+/* ---- the whole ---------------------------------------------------------------------------- */
+
+/* Spec 6.2: another tool may have scaled POSITION, knowing nothing of SCALE. */
+static psplat_result check_extent(const psplat_gltf *gltf, psplat_json_value value,
+                                  const double found[3]) {
+    double stated[3], largest = 0, difference = 0;
+    psplat_result result = psplat_json_numbers(&gltf->json, value, "positionExtent", 3, stated);
+    if (result) return result;
+    for (size_t i = 0; i < 3; ++i) {
+        if (stated[i] < 0)
+            return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, value),
+                               "positionExtent must not be negative");
+        largest = fmax(largest, fmax(found[i], stated[i]));
+        difference = fmax(difference, fabs(found[i] - stated[i]));
+    }
+    if (difference <= 1e-4 * largest) return PSPLAT_OK;
+    return psplat_fail(gltf->error, PSPLAT_ERROR_RESCALED, psplat_gltf_offset(gltf, value),
+                       "POSITION extends over %g x %g x %g, was written as %g x %g x %g: another "
+                       "tool rescaled it but not the radii",
+                       found[0], found[1], found[2], stated[0], stated[1], stated[2]);
+}
+
+/* Splats take 128 bytes in memory, 184 with a finish, and at least 11 in a file. A file may use its
+ * bytes for several primitives, but not to make a small file fill the memory. */
+static psplat_result check_total(psplat_gltf *gltf, psplat_json_value attributes, size_t count) {
+    if (count <= gltf->loaded_bytes / 8 && gltf->splat_total <= gltf->loaded_bytes / 8 - count) {
+        gltf->splat_total += count;
+        return PSPLAT_OK;
+    }
+    return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, attributes),
+                       "the file's primitives use its %zu bytes of data too many times over",
+                       gltf->loaded_bytes);
+}
+
+static psplat_result describe(const psplat_gltf *gltf, const psplat_readers *r, psplat_set *set) {
+    set->attributes = psplat_arena_take(gltf->kept, PSPLAT_ATTRIBUTES, sizeof *set->attributes);
+    if (!set->attributes)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for attributes");
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
+        const psplat_reader *reader = &r->of[i];
+        if (!r->is_present[i]) continue;
+        set->attributes[set->attribute_count++] =
+            (psplat_attribute){.name = psplat_attribute_types[i].name,
+                               .component_type = (uint32_t)reader->component_type,
+                               .components = (uint32_t)reader->components,
+                               .is_compressed = reader->view->decoded != NULL,
+                               .bytes = psplat_reader_bytes(reader),
+                               .stored = psplat_reader_stored(reader)};
+    }
+    return PSPLAT_OK;
+}
+
+/* Where the GPU's form is all that is kept, the other is made chunk by chunk. */
+static int reserve_packed(psplat_gltf *gltf, psplat_set *set) {
+    const psplat_batch like = {.clip_count = set->clip_count,
+                               .has_color = set->has_color,
+                               .has_gamma = set->has_gamma,
+                               .has_color_gradient = set->has_color_gradient,
+                               .has_surface = set->has_surface,
+                               .has_emissive = set->has_emissive};
+    set->packing = psplat_packing_of(&like);
+    set->packed = psplat_packed_reserve(gltf->kept, &set->packing, set->count);
+    if (!gltf->chunk_splats)
+        gltf->chunk_splats =
+            psplat_arena_reserve(gltf->scratch, PSPLAT_CHUNK_SPLATS, sizeof *gltf->chunk_splats);
+    if (!gltf->chunk_finishes)
+        gltf->chunk_finishes =
+            psplat_arena_reserve(gltf->scratch, PSPLAT_CHUNK_SPLATS, sizeof *gltf->chunk_finishes);
+    return set->packed && gltf->chunk_splats && gltf->chunk_finishes;
+}
+
+static int reserve_splats(psplat_gltf *gltf, psplat_set *set) {
+    int varies = set->has_surface || set->has_emissive || set->has_color_gradient;
+    set->splats = psplat_arena_reserve(gltf->kept, set->count, sizeof *set->splats);
+    if (varies) set->finishes = psplat_arena_reserve(gltf->kept, set->count, sizeof *set->finishes);
+    return set->splats && (set->finishes || !varies);
+}
+
+static psplat_result reserve(psplat_gltf *gltf, psplat_json_value attributes, psplat_set *set) {
+    if (gltf->only_draws ? reserve_packed(gltf, set) : reserve_splats(gltf, set)) return PSPLAT_OK;
+    return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, psplat_gltf_offset(gltf, attributes),
+                       "no memory for %zu splats", set->count);
+}
+
+psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
+                               psplat_json_value extension, psplat_set *set) {
+    psplat_json_value stated = 0;
+    psplat_readers readers = {0};
+    double extent[3];
+    psplat_result result = psplat_extension_parse(gltf, extension, set, &stated);
+    if (!result) result = open_readers(gltf, attributes, set, &readers);
+    if (!result) result = check_ranges(gltf, extension, &readers, set);
+    if (result) return result;
+    set->count = readers.of[PSPLAT_POSITION].count;
+    set->has_color = readers.is_present[PSPLAT_COLOR];
+    set->has_gamma = readers.of[PSPLAT_NORMAL_FIELD].components == 3;
+    set->has_color_gradient = readers.is_present[PSPLAT_COLOR_U];
+    set->has_surface = readers.is_present[PSPLAT_ORM];
+    set->has_emissive = readers.is_present[PSPLAT_EMISSIVE];
+    result = check_total(gltf, attributes, set->count);
+    if (!result) result = reserve(gltf, attributes, set);
+    if (!result) result = describe(gltf, &readers, set);
+    if (!result) result = psplat_values_decode(gltf, &readers, set, extent);
+    if (!result) result = check_extent(gltf, stated, extent);
+    return result;
+}

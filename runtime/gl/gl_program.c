@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * gl_program.c - compiles, links and keeps shader programs. GL 3.3 core, GLES 3.0 and WebGL 2 share
+ * one source; only the prelude differs.
+ */
+#include "gl/gl_program.h"
+#include "core/memory.h"
+#include "shaders.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char prelude_gl[] = "#version 330 core\n";
+static const char prelude_es[] = "#version 300 es\n"
+                                 "precision highp float;\n"
+                                 "precision highp int;\n"
+                                 "precision highp sampler2D;\n";
+
+/* ---- shadings ---------------------------------------------------------------------------- */
+
+enum { READS_NOTHING, READS_COLOR, READS_LIGHT };
+
+#define DECLARE(name, file, reads) extern const char psplat_shader_resolve_##file##_glsl[];
+PSPLAT_SHADINGS(DECLARE)
+#undef DECLARE
+
+static const struct {
+    const char *source;
+    int reads;
+} shadings[PSPLAT_SHADING_COUNT] = {
+#define SHADING(name, file, reads) {psplat_shader_resolve_##file##_glsl, READS_##reads},
+    PSPLAT_SHADINGS(SHADING)
+#undef SHADING
+};
+
+int psplat_shading_reads_color(int shading) {
+    return shadings[shading].reads >= READS_COLOR;
+}
+
+int psplat_shading_reads_light(int shading) {
+    return shadings[shading].reads == READS_LIGHT;
+}
+
+/* ---- keys -------------------------------------------------------------------------------- */
+
+/* Returns the options that a splat pass uses. */
+static unsigned used_by_splats(const psplat_program_key *key) {
+    unsigned used = PSPLAT_OPTION_WIDE;
+    if (key->pass == PSPLAT_PASS_VISIBILITY) return used | PSPLAT_OPTION_NEAR;
+    if (key->pass == PSPLAT_PASS_PARAMETERS) return used;
+    used |= PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_FILTER | PSPLAT_OPTION_POWER;
+    const unsigned colors = PSPLAT_OPTION_COLOR | PSPLAT_OPTION_FINISH;
+    if (key->pass == PSPLAT_PASS_RADIANCE) return used | colors | PSPLAT_OPTIONS_LIGHT;
+    used |= PSPLAT_OPTION_FIELD | PSPLAT_OPTION_GAMMA | PSPLAT_OPTION_COUNT;
+    if (key->options & PSPLAT_OPTIONS_TARGETS) used |= colors;
+    return used | PSPLAT_OPTIONS_TARGETS;
+}
+
+/* Returns the options that the resolve pass uses. */
+static unsigned used_by_resolve(const psplat_program_key *key) {
+    unsigned used = PSPLAT_OPTION_ENCODE | PSPLAT_OPTION_AS_IS;
+    if (key->options & PSPLAT_OPTION_AS_IS) return used;
+    if (psplat_shading_reads_color(key->shading)) used |= PSPLAT_OPTIONS_TARGETS;
+    if (psplat_shading_reads_light(key->shading)) used |= PSPLAT_OPTIONS_LIGHT;
+    return used;
+}
+
+/* Adds options that others imply, and removes those that have no effect beside others. */
+static unsigned normalise_options(unsigned options) {
+    if (!(options & PSPLAT_OPTION_FIELD)) options &= ~(unsigned)PSPLAT_OPTION_GAMMA;
+    if (options & PSPLAT_OPTION_COUNT) options &= ~(unsigned)PSPLAT_OPTION_POWER;
+    if (options & PSPLAT_OPTION_FINISH && options & PSPLAT_OPTION_COLOR)
+        options = (options & ~(unsigned)PSPLAT_OPTION_COLOR) | PSPLAT_OPTION_WIDE;
+    if (options & PSPLAT_OPTION_OCCLUSION) options |= PSPLAT_OPTION_MATERIALS;
+    if (options & PSPLAT_OPTION_MATERIALS) options |= PSPLAT_OPTION_COLORS;
+    if (options & (PSPLAT_OPTION_COLOR | PSPLAT_OPTION_GAMMA)) options |= PSPLAT_OPTION_WIDE;
+    return options;
+}
+
+psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
+    key.options &= key.is_resolve ? used_by_resolve(&key) : used_by_splats(&key);
+    key.options = normalise_options(key.options);
+    int shades = key.is_resolve ? !(key.options & PSPLAT_OPTION_AS_IS) &&
+                                      psplat_shading_reads_light(key.shading)
+                                : key.pass == PSPLAT_PASS_RADIANCE;
+    if (!shades || key.light_count == 0) {
+        key.light_count = 0;
+        key.options &= ~(unsigned)(PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_SHADOWS);
+    }
+    if (!key.is_resolve || key.options & PSPLAT_OPTION_AS_IS) key.shading = 0;
+    if (key.is_resolve) key.pass = key.clip_count = 0;
+    return key;
+}
+
+static int is_same_key(const psplat_program_key *a, const psplat_program_key *b) {
+    return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
+           a->clip_count == b->clip_count && a->shading == b->shading &&
+           a->light_count == b->light_count;
+}
+
+/* ---- building ---------------------------------------------------------------------------- */
+
+static GLuint compile(const psplat_gl *gl, GLenum type, const char *defines, const char *head,
+                      const char *body, const char *tail, psplat_error *error) {
+    const GLchar *const sources[] = {
+        gl->is_es ? prelude_es : prelude_gl, defines, psplat_shader_layout_h, head, body, tail};
+    GLuint shader = gl->CreateShader(type);
+    GLint compiled = GL_FALSE;
+    gl->ShaderSource(shader, sizeof sources / sizeof *sources, sources, NULL);
+    gl->CompileShader(shader);
+    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
+    if (compiled) return shader;
+
+    char log[200] = "";
+    gl->GetShaderInfoLog(shader, sizeof log, NULL, log);
+    psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "%s shader refused: %s",
+                type == GL_VERTEX_SHADER ? "vertex" : "fragment", log);
+    gl->DeleteShader(shader);
+    return 0;
+}
+
+static GLuint link_shaders(const psplat_gl *gl, GLuint vertex, GLuint fragment,
+                           psplat_error *error) {
+    GLuint program = gl->CreateProgram();
+    GLint linked = GL_FALSE;
+    gl->AttachShader(program, vertex);
+    gl->AttachShader(program, fragment);
+    gl->LinkProgram(program);
+    gl->GetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (linked) return program;
+
+    char log[200] = "";
+    gl->GetProgramInfoLog(program, sizeof log, NULL, log);
+    psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "program refused: %s", log);
+    gl->DeleteProgram(program);
+    return 0;
+}
+
+GLuint psplat_program_build(const psplat_gl *gl, const char *defines, const char *vertex,
+                            const char *head, const char *fragment, const char *tail,
+                            psplat_error *error) {
+    GLuint first = compile(gl, GL_VERTEX_SHADER, defines, "", vertex, "", error);
+    if (!first) return 0;
+    GLuint second = compile(gl, GL_FRAGMENT_SHADER, defines, head, fragment, tail, error);
+    GLuint program = second ? link_shaders(gl, first, second, error) : 0;
+    gl->DeleteShader(first);
+    if (second) gl->DeleteShader(second);
+    return program;
+}
+
+/* Finds the locations of uniforms and sets those of samplers, whose texture units never change.
+ * Makes the program current. */
+static void find_uniforms(const psplat_gl *gl, psplat_program *program) {
+    static const struct {
+        const char *name;
+        GLint unit;
+    } samplers[] = {{"u_splats", PSPLAT_UNIT_SPLATS},
+                    {"u_clips", PSPLAT_UNIT_CLIPS},
+                    {"u_finishes", PSPLAT_UNIT_FINISHES},
+                    {"u_target0", 0},
+                    {"u_target1", 1},
+                    {"u_target2", 2},
+                    {"u_target3", 3},
+                    {"u_depth", PSPLAT_UNIT_DEPTH},
+                    {"u_shadows", PSPLAT_UNIT_SHADOWS},
+                    {"u_diffuse", PSPLAT_UNIT_DIFFUSE},
+                    {"u_glossy", PSPLAT_UNIT_GLOSSY},
+                    {"u_split_sum", PSPLAT_UNIT_SPLIT_SUM}};
+#define PSPLAT_UNIFORM_FIND(name) program->name = gl->GetUniformLocation(program->id, "u_" #name);
+    PSPLAT_UNIFORMS(PSPLAT_UNIFORM_FIND)
+#undef PSPLAT_UNIFORM_FIND
+    gl->UseProgram(program->id);
+    for (size_t i = 0; i < sizeof samplers / sizeof *samplers; ++i)
+        gl->Uniform1i(gl->GetUniformLocation(program->id, samplers[i].name), samplers[i].unit);
+}
+
+/* Writes the macros of a variant, terminated by a zero. */
+static void write_defines(const psplat_gl *gl, const psplat_program_key *key, char *out,
+                          size_t size) {
+    static const char *const clip_types[] = {"none", "float", "vec2", "vec3", "vec4"};
+    static const struct {
+        const char *name;
+        unsigned option;
+    } options[] = {
+#define OPTION(name, value) {#name, value},
+        PSPLAT_OPTIONS(OPTION)
+#undef OPTION
+    };
+    /* Weights must stay above the least positive number that the targets can hold. */
+    int used = snprintf(out, size,
+                        "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n"
+                        "#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
+                        "#define HALF_TARGETS %d\n",
+                        key->pass, key->clip_count, clip_types[key->clip_count], key->light_count,
+                        gl->half_targets ? "1e-3" : "1e-30", gl->half_targets);
+    for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
+        used += snprintf(out + used, size - (size_t)used, "#define %s %d\n", options[i].name,
+                         !!(key->options & options[i].option));
+}
+
+static int build(const psplat_gl *gl, psplat_program *program, psplat_error *error) {
+    const psplat_program_key *key = &program->key;
+    char defines[800];
+    write_defines(gl, key, defines, sizeof defines);
+    if (key->is_resolve)
+        program->id = psplat_program_build(
+            gl, defines, psplat_shader_resolve_vert, psplat_shader_shading_glsl,
+            psplat_shader_resolve_frag,
+            key->options & PSPLAT_OPTION_AS_IS ? "" : shadings[key->shading].source, error);
+    else
+        program->id = psplat_program_build(
+            gl, defines, psplat_shader_splat_vert,
+            key->pass == PSPLAT_PASS_RADIANCE ? psplat_shader_shading_glsl : "",
+            psplat_shader_splat_frag, "", error);
+    if (program->id) find_uniforms(gl, program);
+    return program->id != 0;
+}
+
+/* ---- the list ---------------------------------------------------------------------------- */
+
+/* Makes room for one more program. Returns 0 where memory runs out. */
+static int reserve(psplat_programs *programs, const psplat_allocator *allocator) {
+    if (programs->count < programs->capacity) return 1;
+    size_t capacity = programs->capacity ? 2 * programs->capacity : 8;
+    psplat_program *list = psplat_resize(
+        allocator, programs->list, programs->capacity * sizeof *list, capacity * sizeof *list);
+    if (!list) return 0;
+    programs->list = list;
+    programs->capacity = capacity;
+    return 1;
+}
+
+psplat_result psplat_programs_find(psplat_programs *programs, const psplat_gl *gl,
+                                   const psplat_allocator *allocator, psplat_program_key key,
+                                   const psplat_program **program, psplat_error *error) {
+    key = psplat_program_key_reduce(key);
+    for (size_t i = 0; i < programs->count; ++i) {
+        *program = &programs->list[i];
+        if (is_same_key(&programs->list[i].key, &key)) return PSPLAT_OK;
+    }
+    if (!reserve(programs, allocator))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for another program");
+    psplat_program *made = &programs->list[programs->count];
+    memset(made, 0, sizeof *made);
+    made->key = key;
+    if (!build(gl, made, error)) return PSPLAT_ERROR_GRAPHICS;
+    ++programs->count;
+    *program = made;
+    return PSPLAT_OK;
+}
+
+void psplat_programs_destroy(psplat_programs *programs, const psplat_gl *gl,
+                             const psplat_allocator *allocator) {
+    for (size_t i = 0; i < programs->count; ++i) gl->DeleteProgram(programs->list[i].id);
+    if (programs->list)
+        psplat_resize(allocator, programs->list, programs->capacity * sizeof *programs->list, 0);
+    memset(programs, 0, sizeof *programs);
+}

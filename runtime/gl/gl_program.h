@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * gl_program.h - shader programs and their variants. Each variant has just what a batch, a view and
+ * a shading need; it is compiled when it is first needed and then kept.
+ */
+#ifndef PHONGSPLAT_GL_GL_PROGRAM_H
+#define PHONGSPLAT_GL_GL_PROGRAM_H
+
+#include "gl/gl_api.h"
+#include "layout.h"
+
+#include <phongsplat/phongsplat.h>
+
+/* Lists the options of a variant: X(name, value). Values are or-ed together, and each option is a
+ * macro of the shaders, 0 or 1. */
+#define PSPLAT_OPTIONS(X)                                                                          \
+    /* for the splat passes: */                                                                    \
+    X(WIDE, 1)       /* splats have a fourth texel (layout.h) */                                   \
+    X(COLOR, 2)      /* that texel has a colour */                                                 \
+    X(GAMMA, 4)      /* that texel has a gamma */                                                  \
+    X(FIELD, 8)      /* normals are the linear field, not the normal of the centre */              \
+    X(NEAR, 16)      /* the near plane may cut the batch */                                        \
+    X(TWO_SIDED, 32) /* backs are seen */                                                          \
+    X(POWER, 64)     /* the kernel's exponent is not 2 */                                          \
+    X(FILTER, 128)   /* the screen-space filter is on (spec 5.8) */                                \
+    X(COUNT, 256)    /* weights are 1 */                                                           \
+    /* for what render targets hold: */                                                            \
+    X(COLORS, 512)     /* colours differ between splats */                                         \
+    X(MATERIALS, 1024) /* materials differ; implies COLORS */                                      \
+    /* for programs that shade: */                                                                 \
+    X(PUNCTUAL, 2048)    /* some light is not directional */                                       \
+    X(ENVIRONMENT, 4096) /* the view has an environment */                                         \
+    X(SHADOWS, 8192)     /* some light casts shadows */                                            \
+    /* for the resolve pass: */                                                                    \
+    X(ENCODE, 16384) /* colours are encoded to sRGB */                                             \
+    X(AS_IS, 32768)  /* the sum is a colour already, which is not shaded */                        \
+    /* for both kinds of pass, where materials vary over a batch (spec 3.10): */                   \
+    X(FINISH, 65536)     /* splats have a finish */                                                \
+    X(OCCLUSION, 131072) /* occlusion varies; implies MATERIALS */
+
+enum {
+#define PSPLAT_OPTION_ENUM(name, value) PSPLAT_OPTION_##name = value,
+    PSPLAT_OPTIONS(PSPLAT_OPTION_ENUM)
+#undef PSPLAT_OPTION_ENUM
+        PSPLAT_OPTIONS_TARGETS =
+            PSPLAT_OPTION_COLORS | PSPLAT_OPTION_MATERIALS | PSPLAT_OPTION_OCCLUSION,
+    PSPLAT_OPTIONS_LIGHT =
+        PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_ENVIRONMENT | PSPLAT_OPTION_SHADOWS
+};
+
+/* Identifies a variant. */
+typedef struct psplat_program_key {
+    unsigned options; /* PSPLAT_OPTION_ bits */
+    int is_resolve;   /* 1: the resolve pass; 0: a splat pass */
+    int pass;         /* PSPLAT_PASS_VISIBILITY ... */
+    int clip_count;   /* 0 ... PSPLAT_MAX_CLIP_LINES */
+    int shading;      /* PSPLAT_SHADING_LIT ... */
+    int light_count;  /* 0 ... PSPLAT_MAX_LIGHTS */
+} psplat_program_key;
+
+/* Lists the uniforms that are no samplers: X(name without u_). */
+#define PSPLAT_UNIFORMS(X)                                                                         \
+    X(clip_matrix)                                                                                 \
+    X(projection)                                                                                  \
+    X(modelview)                                                                                   \
+    X(normal_matrix)                                                                               \
+    X(shift)                                                                                       \
+    X(view_direction)                                                                              \
+    X(half_viewport)                                                                               \
+    X(first_index)                                                                                 \
+    X(finish)                                                                                      \
+    X(kernel)                                                                                      \
+    X(base_color)                                                                                  \
+    X(emissive)                                                                                    \
+    X(surface)                                                                                     \
+    X(ray)                                                                                         \
+    X(unproject)                                                                                   \
+    X(ambient)                                                                                     \
+    X(light_position)                                                                              \
+    X(light_color)                                                                                 \
+    X(light_axis)                                                                                  \
+    X(light_cone)                                                                                  \
+    X(shadow_scale)                                                                                \
+    X(shadow_matrix)                                                                               \
+    X(eye_to_scene)                                                                                \
+    X(glossy_levels)                                                                               \
+    X(planes)                                                                                      \
+    X(to_host)                                                                                     \
+    X(origin)
+
+/* A linked program and the locations of its uniforms. A location is -1 where the variant does not
+ * use the uniform; GL ignores writes to it. */
+typedef struct psplat_program {
+    psplat_program_key key;
+    GLuint id;
+#define PSPLAT_UNIFORM_MEMBER(name) GLint name;
+    PSPLAT_UNIFORMS(PSPLAT_UNIFORM_MEMBER)
+#undef PSPLAT_UNIFORM_MEMBER
+} psplat_program;
+
+typedef struct psplat_programs {
+    psplat_program *list; /* in the order of their first use */
+    size_t count, capacity;
+} psplat_programs;
+
+/* Returns the key without what its program does not use, so that equal programs have equal keys. */
+psplat_program_key psplat_program_key_reduce(psplat_program_key key);
+
+/* Finds the program of a key, and compiles it where it does not exist yet. *program is valid until
+ * the next call; which program is current afterwards is undefined. Errors: GRAPHICS with the
+ * compiler's message, MEMORY. */
+psplat_result psplat_programs_find(psplat_programs *programs, const psplat_gl *gl,
+                                   const psplat_allocator *allocator, psplat_program_key key,
+                                   const psplat_program **program, psplat_error *error);
+
+/* Deletes all programs and sets programs to zero. */
+void psplat_programs_destroy(psplat_programs *programs, const psplat_gl *gl,
+                             const psplat_allocator *allocator);
+
+/* Return 1 where a shading reads base colours, and where it reads materials and lights as well. */
+int psplat_shading_reads_color(int shading);
+int psplat_shading_reads_light(int shading);
+
+/* Compiles and links a vertex and a fragment shader. Each source follows the version line of the
+ * context, the defines and layout.h. The fragment shader also has head before it and tail behind it
+ * (each may be ""). Returns 0 and fills error with PSPLAT_ERROR_GRAPHICS on failure. The caller
+ * deletes the program. */
+GLuint psplat_program_build(const psplat_gl *gl, const char *defines, const char *vertex,
+                            const char *head, const char *fragment, const char *tail,
+                            psplat_error *error);
+
+#endif

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * batches.c - draws the splats of one pass, batch by batch: chooses for each the shader variant
+ * that has what the batch needs and nothing else, sets its uniforms, and leaves out the chunks that
+ * lie outside the view or turn their backs to it (core/chunk.h).
+ */
+#include "renderer/frame.h"
+#include "core/matrix.h"
+
+/* ---- uniforms ---------------------------------------------------------------------------- */
+
+void psplat_frame_use_material(const psplat_gl *gl, const psplat_program *program,
+                               const psplat_material *material) {
+    const float surface[3] = {material->metallic, material->roughness, material->unlit ? 1.f : 0.f};
+    gl->Uniform3fv(program->base_color, 1, material->base_color);
+    gl->Uniform3fv(program->emissive, 1, material->emissive);
+    gl->Uniform3fv(program->surface, 1, surface);
+}
+
+static void use_environment(const psplat_frame *f, const psplat_program *program) {
+    const psplat_gl *gl = &f->renderer->gl;
+    const psplat_environment *environment = f->view->environment;
+    float eye_to_scene[9];
+    for (int i = 0; i < 9; ++i) /* the transpose is the inverse, because views are rigid */
+        eye_to_scene[i] = (float)f->view->view[(i % 3) * 4 + i / 3];
+    gl->UniformMatrix3fv(program->eye_to_scene, 1, GL_FALSE, eye_to_scene);
+    gl->Uniform1f(program->glossy_levels, environment->glossy_levels);
+    psplat_gl_texture_bind(gl, PSPLAT_UNIT_DIFFUSE, &environment->diffuse, GL_TEXTURE_CUBE_MAP);
+    psplat_gl_texture_bind(gl, PSPLAT_UNIT_GLOSSY, &environment->glossy, GL_TEXTURE_CUBE_MAP);
+    psplat_gl_texture_bind(gl, PSPLAT_UNIT_SPLIT_SUM, &environment->split_sum, GL_TEXTURE_2D);
+}
+
+void psplat_frame_use_light(const psplat_frame *f, const psplat_program *program) {
+    const psplat_gl *gl = &f->renderer->gl;
+    gl->UniformMatrix3fv(program->ray, 1, GL_FALSE, f->camera.ray);
+    gl->UniformMatrix4fv(program->unproject, 1, GL_FALSE, f->camera.unproject);
+    gl->Uniform3fv(program->ambient, 1, f->view->ambient);
+    psplat_lights_use(&f->lights, gl, program);
+    if (f->key.options & PSPLAT_OPTION_ENVIRONMENT) use_environment(f, program);
+    if (f->key.options & PSPLAT_OPTION_SHADOWS)
+        psplat_shadows_use(&f->renderer->shadows, gl, program);
+}
+
+/* Sets the uniforms that depend on the camera and on the batch's place in it. */
+static void use_placement(const psplat_gl *gl, const psplat_program *program,
+                          const psplat_camera *camera, const psplat_placement *placement) {
+    const float direction[3] = {(float)camera->direction[0], (float)camera->direction[1],
+                                (float)camera->direction[2]};
+    float clip[16];
+    psplat_matrix_to_float(placement->clip, 16, clip);
+    gl->UniformMatrix4fv(program->clip_matrix, 1, GL_FALSE, clip);
+    gl->UniformMatrix4fv(program->projection, 1, GL_FALSE, camera->projection_float);
+    gl->UniformMatrix4fv(program->modelview, 1, GL_FALSE, placement->modelview);
+    gl->UniformMatrix3fv(program->normal_matrix, 1, GL_FALSE, placement->normal);
+    gl->Uniform3fv(program->shift, 1, placement->shift);
+    gl->Uniform3fv(program->view_direction, 1, direction);
+    gl->Uniform3fv(program->half_viewport, 1, camera->half_viewport);
+}
+
+/* ---- one batch --------------------------------------------------------------------------- */
+
+/* Returns the PSPLAT_OPTION_ bits that the batch asks for. */
+static unsigned options_of(const psplat_model_batch *batch, const psplat_placement *placement,
+                           int is_culled) {
+    unsigned options = 0;
+    if (batch->has_color || batch->has_gamma) options |= PSPLAT_OPTION_WIDE;
+    if (batch->has_color) options |= PSPLAT_OPTION_COLOR;
+    if (batch->has_gamma) options |= PSPLAT_OPTION_GAMMA;
+    if (batch->finish) options |= PSPLAT_OPTION_FINISH;
+    if (placement->is_near) options |= PSPLAT_OPTION_NEAR;
+    if (!is_culled) options |= PSPLAT_OPTION_TWO_SIDED;
+    if (batch->kernel.exponent != 2.0f) options |= PSPLAT_OPTION_POWER;
+    return options;
+}
+
+/* Lets the hardware cull backs: on llvmpipe this took 5 % (10k splats) to 20 % (100k) less CPU time
+ * than dropping splats in the vertex stage. */
+static void set_culling(const psplat_gl *gl, int is_culled, int is_mirrored) {
+    gl->FrontFace(is_mirrored ? GL_CW : GL_CCW);
+    if (is_culled)
+        gl->Enable(GL_CULL_FACE);
+    else
+        gl->Disable(GL_CULL_FACE);
+}
+
+/* Draws the chunks that may be visible, each run of consecutive ones with one call, and enters them
+ * in the frame's extent. */
+static void draw_chunks(psplat_frame *f, const psplat_model_batch *batch,
+                        const psplat_placement *placement) {
+    const psplat_gl *gl = &f->renderer->gl;
+    const psplat_chunk_view *view = &placement->chunk_view;
+    GLsizei count = batch->splat_count, first = 0, end = 0;
+    for (GLsizei at = 0; at < count; at += PSPLAT_CHUNK_SPLATS) {
+        const psplat_chunk *chunk = &batch->chunks[at / PSPLAT_CHUNK_SPLATS];
+        if (psplat_chunk_is_visible(chunk, view)) {
+            psplat_screen_extent_add(&f->extent, chunk->center, chunk->radius, placement->clip,
+                                     f->view->width, f->view->height);
+            end = at + PSPLAT_CHUNK_SPLATS < count ? at + PSPLAT_CHUNK_SPLATS : count;
+            continue;
+        }
+        if (end > first) gl->DrawArrays(GL_TRIANGLES, 3 * first, 3 * (end - first));
+        first = end = at + PSPLAT_CHUNK_SPLATS;
+    }
+    if (end > first) gl->DrawArrays(GL_TRIANGLES, 3 * first, 3 * (end - first));
+}
+
+static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch,
+                                const psplat_camera *camera, const psplat_placement *placement,
+                                psplat_program_key key, unsigned first_index) {
+    psplat_renderer *renderer = f->renderer;
+    const psplat_gl *gl = &renderer->gl;
+    int is_culled = placement->chunk_view.is_culled;
+    key.options |= options_of(batch, placement, is_culled);
+    key.clip_count = (int)batch->clip_count;
+    const psplat_program *program = NULL;
+    psplat_result result = psplat_programs_find(&renderer->programs, gl, &renderer->allocator, key,
+                                                &program, f->error);
+    if (result != PSPLAT_OK) return result;
+    gl->UseProgram(program->id);
+    use_placement(gl, program, camera, placement);
+    if (key.pass != PSPLAT_PASS_VISIBILITY) {
+        psplat_frame_use_material(gl, program, &batch->material);
+        gl->Uniform1i(program->first_index, (GLint)(first_index & 0x7fffffffu));
+        gl->Uniform1i(program->finish,
+                      (GLint)(batch->finish | (batch->has_color ? PSPLAT_FINISH_COLOR : 0u)));
+        gl->Uniform2f(program->kernel, -batch->kernel.sharpness, 0.5f * batch->kernel.exponent);
+    }
+    if (key.pass == PSPLAT_PASS_RADIANCE) psplat_frame_use_light(f, program);
+    set_culling(gl, is_culled, placement->is_mirrored);
+    psplat_gl_texture_bind(gl, PSPLAT_UNIT_SPLATS, &batch->splats, GL_TEXTURE_2D);
+    psplat_gl_texture_bind(gl, PSPLAT_UNIT_CLIPS, &batch->clips, GL_TEXTURE_2D);
+    if (batch->finish)
+        psplat_gl_texture_bind(gl, PSPLAT_UNIT_FINISHES, &batch->finishes, GL_TEXTURE_2D);
+    draw_chunks(f, batch, placement);
+    return PSPLAT_OK;
+}
+
+static int is_culled(psplat_culling culling, const psplat_material *material) {
+    return culling == PSPLAT_CULL_ALWAYS ||
+           (culling == PSPLAT_CULL_BY_MATERIAL && !material->double_sided);
+}
+
+psplat_result psplat_frame_draw_batches(psplat_frame *f, const psplat_camera *camera,
+                                        psplat_program_key key, psplat_culling culling) {
+    unsigned first_index = 0; /* may wrap, because instances have no limit */
+    f->extent = (psplat_screen_extent){0, 0, 0, 0};
+    for (size_t i = 0; i < f->item_count; ++i) {
+        const psplat_item *item = &f->items[i];
+        for (size_t k = 0; k < item->model->batch_count; ++k) {
+            const psplat_model_batch *batch = &item->model->batches[k];
+            const psplat_placement_desc desc = {
+                .transform = item->transform,
+                .model = batch->model,
+                .depth_tolerance = (double)batch->depth_tolerance,
+                .bounds_min = batch->bounds_min,
+                .bounds_max = batch->bounds_max,
+                .is_culled = is_culled(culling, &batch->material),
+            };
+            psplat_placement placement;
+            psplat_result result = PSPLAT_OK;
+            if (psplat_camera_place(camera, &desc, &placement))
+                result = draw_batch(f, batch, camera, &placement, key, first_index);
+            if (result != PSPLAT_OK) return result;
+            first_index += (unsigned)batch->splat_count;
+        }
+    }
+    return PSPLAT_OK;
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * camera.h - the camera and placement uniforms: what the shaders need of a view, and of a batch's
+ * model matrix in that view. Everything is composed in double and only the products become float,
+ * so that models far from the origin keep their pixels.
+ */
+#ifndef PHONGSPLAT_RENDERER_CAMERA_H
+#define PHONGSPLAT_RENDERER_CAMERA_H
+
+#include "core/chunk.h"
+#include "renderer/depth_span.h"
+
+typedef struct psplat_camera {
+    double view[16];
+    double projection[16]; /* the host's with z fitted to a depth span (depth_span.h) */
+    double direction[3];   /* of view rays in eye space, away from the eye; 0 0 0 in perspective */
+    double margin[2];      /* for psplat_chunk_view_set: one pixel in halves of the viewport */
+    float ray[9];          /* 3 x 3 matrix from (pixel x, pixel y, 1) to the pixel's view ray in eye
+                              space, of any length */
+    float unproject[16];   /* matrix from pixel x, y and window depth to eye space */
+    float to_host[2];      /* factor and offset that turn window depths into the host's */
+    float planes[3];       /* of the host's projection: near distance; 1 / (far - near), 0 where far
+                              is infinite; 1 where far is finite */
+    float projection_float[16];
+    float half_viewport[3]; /* half the width and height in pixels, half the depth range */
+    int is_perspective;     /* 0: orthographic */
+    int is_mirrored;        /* 1: the projection turns counter-clockwise into clockwise */
+} psplat_camera;
+
+/* The parameters of psplat_camera_set. */
+typedef struct psplat_camera_desc {
+    const double *view, *projection; /* 16 each, as in psplat_view */
+    int width, height;               /* pixels */
+    float depth_range[2];            /* window depth of the near and the far plane */
+    const psplat_depth_span *span;   /* the depths to fit to; NULL: all between the host's planes */
+} psplat_camera_desc;
+
+/* A batch's model matrix in a camera. */
+typedef struct psplat_placement {
+    double clip[16];     /* object to clip space */
+    float modelview[16]; /* object to eye space */
+    float normal[9];     /* normals from object to eye space (spec 4) */
+    float shift[3];      /* u_shift of splat.vert */
+    int is_mirrored;     /* 1: front faces are clockwise in the window */
+    int is_near;         /* 1: the near plane may cut the batch's bounding box */
+    psplat_chunk_view chunk_view;
+} psplat_placement;
+
+/* Computes a camera. Errors: ARGUMENT where the projection has no inverse. */
+psplat_result psplat_camera_set(psplat_camera *camera, const psplat_camera_desc *desc,
+                                psplat_error *error);
+
+/* The parameters of psplat_camera_place. */
+typedef struct psplat_placement_desc {
+    const double *transform;              /* the item's 16 numbers; all zeros mean the identity */
+    const double *model;                  /* the batch's 16 numbers */
+    double depth_tolerance;               /* object space */
+    const float *bounds_min, *bounds_max; /* 3 each, object space */
+    int is_culled;                        /* 1: backs are not seen */
+} psplat_placement_desc;
+
+/* Computes a placement. Returns 0 where view, transform and model are singular together, so that
+ * nothing is drawn (spec 4). */
+int psplat_camera_place(const psplat_camera *camera, const psplat_placement_desc *desc,
+                        psplat_placement *placement);
+
+/* Computes transform times model; all zeros of transform mean the identity. */
+void psplat_camera_compose(const double transform[16], const double model[16], double scene[16]);
+
+#endif

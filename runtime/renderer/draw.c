@@ -1,0 +1,310 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * draw.c - psplat_draw: checks its arguments, chooses shader variants and runs the passes of a
+ * frame, which are those of BSK04 section 4 with deferred shading (BHZK05).
+ *
+ *   shadows      draws the depth of all splats as lights see them, where a light casts shadows
+ *   visibility   draws the depth of all splats, shifted away from the eye by epsilon (spec 5.3)
+ *   attributes   adds weighted normals, colours and depths of the splats up to that depth (5.4)
+ *   resolve      divides each covered pixel by its weight, shades it and writes it (5.5, 5.6)
+ *
+ * In modes that show the nearest splat alone, one pass with a depth test of its own replaces
+ * visibility and attributes. What all batches have in common is a uniform of the resolve pass:
+ * colours and materials have render targets only where they differ and the shading reads them.
+ */
+#include "renderer/frame.h"
+#include "gl/gl_state.h"
+#include "core/matrix.h"
+
+#include <math.h>
+
+enum { MAX_SHADOW_SIZE = 8192 }; /* texels along an edge of a shadow map, as phongsplat.h says */
+
+/* ---- what differs between batches -------------------------------------------------------- */
+
+static int same_color(const psplat_material *a, const psplat_material *b) {
+    return a->base_color[0] == b->base_color[0] && a->base_color[1] == b->base_color[1] &&
+           a->base_color[2] == b->base_color[2];
+}
+
+static int same_surface(const psplat_material *a, const psplat_material *b) {
+    return a->emissive[0] == b->emissive[0] && a->emissive[1] == b->emissive[1] &&
+           a->emissive[2] == b->emissive[2] && a->metallic == b->metallic &&
+           a->roughness == b->roughness && !a->unlit == !b->unlit;
+}
+
+/* Returns the material of the first batch, which every model has. */
+static const psplat_material *first_material(const psplat_frame *f) {
+    return &f->items[0].model->batches[0].material;
+}
+
+/* Returns the options for what differs between splats or between the materials of batches: COLORS,
+ * MATERIALS and OCCLUSION. */
+static unsigned differences(const psplat_frame *f) {
+    const psplat_material *first = first_material(f);
+    unsigned options = 0;
+    for (size_t i = 0; i < f->item_count; ++i) {
+        const psplat_model *model = f->items[i].model;
+        for (size_t k = 0; k < model->batch_count; ++k) {
+            const psplat_model_batch *batch = &model->batches[k];
+            const unsigned rest = PSPLAT_FINISH_SURFACE | PSPLAT_FINISH_EMISSIVE;
+            if (batch->has_color || batch->finish & PSPLAT_FINISH_GRADIENT ||
+                !same_color(first, &batch->material))
+                options |= PSPLAT_OPTION_COLORS;
+            if (batch->finish & rest || !same_surface(first, &batch->material))
+                options |= PSPLAT_OPTION_MATERIALS;
+            if (batch->finish & PSPLAT_FINISH_SURFACE) options |= PSPLAT_OPTION_OCCLUSION;
+        }
+    }
+    return options;
+}
+
+/* ---- choice of passes and shader variants -------------------------------------------------- */
+
+/* Chooses the attribute pass. Splats of the mode GAUSSIAN are lit one by one (spec 5.7). Those of
+ * the mode FLAT are too, but each pixel shows one of them, so that lighting pixels in the resolve
+ * pass gives the same. Shadings without light blend normals in every mode, as PHONG does. */
+static void choose_pass(psplat_frame *f) {
+    const psplat_view *view = f->view;
+    psplat_program_key *key = &f->key;
+    int is_parameters = view->mode == PSPLAT_MODE_PARAMETERS;
+    key->pass = PSPLAT_PASS_NORMALS;
+    key->shading = is_parameters ? PSPLAT_SHADING_LIT : (int)view->shading;
+    if (is_parameters || view->shading == PSPLAT_SHADING_SPLATS)
+        key->pass = PSPLAT_PASS_PARAMETERS;
+    else if (view->mode == PSPLAT_MODE_PHONG)
+        key->options |= PSPLAT_OPTION_FIELD;
+    else if (view->mode == PSPLAT_MODE_GAUSSIAN && view->shading == PSPLAT_SHADING_LIT)
+        key->pass = PSPLAT_PASS_RADIANCE;
+    if (is_parameters || key->pass == PSPLAT_PASS_RADIANCE) key->options |= PSPLAT_OPTION_AS_IS;
+    f->blends = view->mode != PSPLAT_MODE_FLAT && key->pass != PSPLAT_PASS_PARAMETERS;
+}
+
+/* Chooses the options that all batches share; batches add their own when they are drawn. */
+static void choose_options(psplat_frame *f) {
+    const psplat_view *view = f->view;
+    psplat_program_key *key = &f->key;
+    if (!f->blends || view->shading == PSPLAT_SHADING_OVERDRAW) key->options |= PSPLAT_OPTION_COUNT;
+    if (f->blends && !view->no_filter) key->options |= PSPLAT_OPTION_FILTER;
+    if (!view->linear_output && view->mode != PSPLAT_MODE_PARAMETERS)
+        key->options |= PSPLAT_OPTION_ENCODE;
+    if (key->pass == PSPLAT_PASS_NORMALS && psplat_shading_reads_color(key->shading)) {
+        unsigned differ = differences(f);
+        key->options |= differ & PSPLAT_OPTION_COLORS;
+        if (psplat_shading_reads_light(key->shading)) key->options |= differ;
+    }
+    if (!psplat_shading_reads_light(key->shading) || key->pass == PSPLAT_PASS_PARAMETERS) return;
+    key->light_count = f->lights.count;
+    if (f->lights.has_punctual) key->options |= PSPLAT_OPTION_PUNCTUAL;
+    if (f->lights.shadow_count) key->options |= PSPLAT_OPTION_SHADOWS;
+    if (view->environment) key->options |= PSPLAT_OPTION_ENVIRONMENT;
+}
+
+/* Returns the depths at which the view shows splats, or all of the view where it shows none. */
+static psplat_depth_span find_span(const psplat_frame *f) {
+    psplat_depth_span span = PSPLAT_SPAN_EMPTY;
+    for (size_t i = 0; i < f->item_count; ++i)
+        for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
+            const psplat_model_batch *batch = &f->items[i].model->batches[k];
+            double scene[16], modelview[16];
+            psplat_camera_compose(f->items[i].transform, batch->model, scene);
+            psplat_matrix_multiply(f->view->view, scene, modelview);
+            /* Epsilon of eq. (5) is at most twice the tolerance, at grazing angles. */
+            double epsilon = 2.0 * (double)batch->depth_tolerance *
+                             cbrt(fabs(psplat_matrix_determinant3(modelview)));
+            psplat_depth_span_add(&span, modelview, f->view->projection, batch->bounds_min,
+                                  batch->bounds_max, epsilon);
+        }
+    return span.low < span.high ? span : PSPLAT_SPAN_WHOLE;
+}
+
+static psplat_result prepare(psplat_frame *f) {
+    const psplat_view *view = f->view;
+    GLfloat range[2] = {0.0f, 1.0f};
+    f->renderer->gl.GetFloatv(GL_DEPTH_RANGE, range);
+    for (int i = 0; i < 2; ++i) f->depth_range[i] = (double)range[i];
+    const psplat_depth_span span = find_span(f);
+    const psplat_camera_desc desc = {.view = view->view,
+                                     .projection = view->projection,
+                                     .width = view->width,
+                                     .height = view->height,
+                                     .depth_range = {range[0], range[1]},
+                                     .span = &span};
+    psplat_lights_set(&f->lights, view);
+    choose_pass(f);
+    choose_options(f);
+    return psplat_camera_set(&f->camera, &desc, f->error);
+}
+
+/* ---- passes ------------------------------------------------------------------------------ */
+
+static void set_writes(const psplat_gl *gl, GLboolean color, GLboolean depth, GLenum depth_func) {
+    gl->ColorMask(color, color, color, color);
+    gl->DepthMask(depth);
+    gl->DepthFunc(depth_func);
+}
+
+static int target_count(unsigned options) {
+    if (options & PSPLAT_OPTION_MATERIALS) return PSPLAT_TARGET_COUNT_MATERIALS;
+    return options & PSPLAT_OPTION_COLORS ? PSPLAT_TARGET_COUNT_COLORS : PSPLAT_TARGET_COUNT;
+}
+
+/* Returns the numbers a pixel that the second target holds (layout.h). */
+static int depth_numbers(unsigned options) {
+    if (options & PSPLAT_OPTION_OCCLUSION) return 3;
+    return options & PSPLAT_OPTION_MATERIALS ? 2 : 1;
+}
+
+static psplat_result bind_target(const psplat_frame *f) {
+    psplat_renderer *renderer = f->renderer;
+    psplat_gl *gl = &renderer->gl;
+    static const float zeros[4] = {0}, one = 1.0f;
+    int colors = target_count(f->key.options), numbers = depth_numbers(f->key.options);
+    psplat_result result =
+        psplat_render_targets_bind(&renderer->targets, gl, &renderer->memory.targets,
+                                   f->view->width, f->view->height, colors, numbers, f->error);
+    if (result != PSPLAT_OK) return result;
+    gl->Viewport(0, 0, f->view->width, f->view->height);
+    set_writes(gl, GL_TRUE, GL_TRUE, GL_LESS);
+    for (int i = 0; i < colors; ++i) gl->ClearBufferfv(GL_COLOR, i, zeros);
+    gl->ClearBufferfv(GL_DEPTH, 0, &one);
+    gl->Enable(GL_DEPTH_TEST);
+    return PSPLAT_OK;
+}
+
+static psplat_result draw_splats(psplat_frame *f) {
+    const psplat_gl *gl = &f->renderer->gl;
+    psplat_culling culling = f->view->culling;
+    if (!f->blends) return psplat_frame_draw_batches(f, &f->camera, f->key, culling);
+    const psplat_program_key visibility = {.pass = PSPLAT_PASS_VISIBILITY};
+    set_writes(gl, GL_FALSE, GL_TRUE, GL_LESS);
+    psplat_result result = psplat_frame_draw_batches(f, &f->camera, visibility, culling);
+    if (result != PSPLAT_OK) return result;
+    set_writes(gl, GL_TRUE, GL_FALSE, GL_LEQUAL);
+    gl->Enable(GL_BLEND);
+    gl->BlendFuncSeparate(GL_ONE, GL_ONE, GL_ONE, GL_ONE);
+    gl->BlendEquationSeparate(GL_FUNC_ADD, GL_FUNC_ADD);
+    return psplat_frame_draw_batches(f, &f->camera, f->key, culling);
+}
+
+static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state) {
+    psplat_renderer *renderer = f->renderer;
+    const psplat_gl *gl = &renderer->gl;
+    const psplat_view *view = f->view;
+    const psplat_screen_extent *extent = &f->extent;
+    const psplat_render_target *target = renderer->targets.current;
+    if (!(extent->x0 < extent->x1)) return PSPLAT_OK;
+    psplat_program_key key = f->key;
+    key.is_resolve = 1;
+    const psplat_program *program = NULL;
+    psplat_result result = psplat_programs_find(&renderer->programs, gl, &renderer->allocator, key,
+                                                &program, f->error);
+    if (result != PSPLAT_OK) return result;
+
+    psplat_gl_state_bind_host(state, gl);
+    gl->Viewport(view->x + extent->x0, view->y + extent->y0, extent->x1 - extent->x0,
+                 extent->y1 - extent->y0);
+    gl->Disable(GL_BLEND);
+    gl->Disable(GL_CULL_FACE);
+    gl->Enable(GL_DEPTH_TEST);
+    set_writes(gl, GL_TRUE, GL_TRUE, GL_LEQUAL);
+    gl->UseProgram(program->id);
+    if (!(key.options & PSPLAT_OPTION_AS_IS)) psplat_frame_use_light(f, program);
+    psplat_frame_use_material(gl, program, first_material(f));
+    gl->Uniform3fv(program->planes, 1, f->camera.planes);
+    gl->Uniform2i(program->origin, view->x, view->y);
+    gl->Uniform2f(program->to_host, f->camera.to_host[0], f->camera.to_host[1]);
+    for (int i = 0; i < target->color_count; ++i)
+        psplat_gl_texture_bind(gl, (GLenum)i, &target->colors[i], GL_TEXTURE_2D);
+    psplat_gl_texture_bind(gl, PSPLAT_UNIT_DEPTH, &target->depth, GL_TEXTURE_2D);
+    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    return PSPLAT_OK;
+}
+
+/* ---- psplat_draw ------------------------------------------------------------------------- */
+
+static psplat_result check_light(const psplat_light *light, int index, psplat_error *error) {
+    if ((unsigned)light->type > PSPLAT_LIGHT_SPOT)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "light %d has unknown type %d", index,
+                           (int)light->type);
+    for (int i = 0; i < 3; ++i)
+        if (!(light->color[i] >= 0.0f) || !isfinite(light->color[i]))
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "light %d has a colour that is negative or not finite", index);
+    double outer = psplat_light_outer_angle(light), inner = (double)light->inner_angle;
+    if (light->type == PSPLAT_LIGHT_SPOT && !(inner >= 0.0 && inner < outer && outer < 1.5708))
+        return psplat_fail(
+            error, PSPLAT_ERROR_ARGUMENT, 0,
+            "light %d has cone angles of %g and %g, not 0 <= inner < outer <= pi / 2", index, inner,
+            outer);
+    return PSPLAT_OK;
+}
+
+static psplat_result check_view(const psplat_renderer *renderer, const psplat_view *view,
+                                psplat_error *error) {
+    int most = renderer->gl.max_texture_size, shadow = most / PSPLAT_SHADOW_COUNT;
+    if (shadow > MAX_SHADOW_SIZE) shadow = MAX_SHADOW_SIZE;
+    if (view->width < 1 || view->height < 1 || view->width > most || view->height > most)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "a view of %d x %d pixels is outside 1 ... %d", view->width,
+                           view->height, most);
+    if ((unsigned)view->mode >= PSPLAT_MODE_COUNT ||
+        (unsigned)view->shading >= PSPLAT_SHADING_COUNT ||
+        (unsigned)view->culling > PSPLAT_CULL_ALWAYS)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "unknown mode %d, shading %d or culling %d", (int)view->mode,
+                           (int)view->shading, (int)view->culling);
+    if (view->light_count < 0 || view->light_count > PSPLAT_MAX_LIGHTS)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "%d lights are outside 0 ... %d",
+                           view->light_count, PSPLAT_MAX_LIGHTS);
+    if (view->shadow_size && (view->shadow_size < 16 || view->shadow_size > shadow))
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "a shadow map of %d texels is outside 16 ... %d", view->shadow_size,
+                           shadow);
+    for (int i = 0; i < view->light_count; ++i) {
+        psplat_result result = check_light(&view->lights[i], i, error);
+        if (result != PSPLAT_OK) return result;
+    }
+    return PSPLAT_OK;
+}
+
+static psplat_result check(const psplat_renderer *renderer, const psplat_view *view,
+                           const psplat_item *items, size_t item_count, psplat_error *error) {
+    if (!renderer || !view || (!items && item_count))
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "renderer, view and items must not be NULL");
+    for (size_t i = 0; i < item_count; ++i)
+        if (!items[i].model)
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "item %zu has no model", i);
+    return check_view(renderer, view, error);
+}
+
+static psplat_result draw_frame(psplat_frame *f) {
+    const psplat_gl *gl = &f->renderer->gl;
+    psplat_gl_state state;
+    psplat_result result = psplat_gl_state_take(&state, gl, f->error);
+    if (result != PSPLAT_OK) return result;
+    gl->BindVertexArray(f->renderer->vertex_array);
+    gl->CullFace(GL_BACK);
+    if (f->key.options & PSPLAT_OPTION_SHADOWS) result = psplat_frame_draw_shadows(f);
+    if (result == PSPLAT_OK) result = bind_target(f);
+    if (result == PSPLAT_OK) result = draw_splats(f);
+    if (result == PSPLAT_OK) result = resolve(f, &state);
+    psplat_gl_state_restore(&state, gl);
+    return result;
+}
+
+psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
+                          const psplat_item *items, size_t item_count, psplat_error *error) {
+    psplat_result result = check(renderer, view, items, item_count, error);
+    if (result != PSPLAT_OK) return result;
+    if (item_count == 0) return psplat_gl_finish(&renderer->gl, PSPLAT_OK, error);
+    psplat_frame f = {.renderer = renderer,
+                      .view = view,
+                      .items = items,
+                      .item_count = item_count,
+                      .error = error};
+    result = prepare(&f);
+    if (result == PSPLAT_OK) result = draw_frame(&f);
+    return psplat_gl_finish(&renderer->gl, result, error);
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * frame.h - one call of psplat_draw: the data that its passes share, and the passes that have files
+ * of their own. draw.c runs them.
+ */
+#ifndef PHONGSPLAT_RENDERER_FRAME_H
+#define PHONGSPLAT_RENDERER_FRAME_H
+
+#include "renderer/camera.h"
+#include "renderer/screen_extent.h"
+#include "renderer/lights.h"
+#include "renderer/renderer.h"
+
+typedef struct psplat_frame {
+    psplat_renderer *renderer;
+    const psplat_view *view;
+    const psplat_item *items;
+    size_t item_count;
+    psplat_camera camera;
+    psplat_lights lights;
+    psplat_program_key key;      /* of the attribute pass, without the options that batches add */
+    double depth_range[2];       /* the host's: window depth of the near and the far plane */
+    psplat_screen_extent extent; /* pixels of the view that the last pass may have covered */
+    int blends;                  /* 0: the nearest splat wins, and no visibility pass is needed */
+    psplat_error *error;         /* the caller's, may be NULL */
+} psplat_frame;
+
+/* ---- batches.c ---------------------------------------------------------------------------- */
+
+/* Draws all batches of all items with the options of key and those that each batch asks for, and
+ * sets frame->extent to what they may cover. Batches whose transform is singular are left out.
+ * Errors: GRAPHICS, MEMORY (a shader program cannot be made). */
+psplat_result psplat_frame_draw_batches(psplat_frame *frame, const psplat_camera *camera,
+                                        psplat_program_key key, psplat_culling culling);
+
+/* Sets the current program's uniforms of a material. */
+void psplat_frame_use_material(const psplat_gl *gl, const psplat_program *program,
+                               const psplat_material *material);
+
+/* Sets the current program's uniforms of the view's lights, environment and shadow maps, and binds
+ * their textures. */
+void psplat_frame_use_light(const psplat_frame *frame, const psplat_program *program);
+
+/* ---- shadow_pass.c ------------------------------------------------------------------------ */
+
+/* Draws a shadow map for each of frame->lights.casters, and stores the matrices in the renderer's
+ * psplat_shadows and the width of a texel in the lights. Errors: GRAPHICS, MEMORY, ARGUMENT (the
+ * view has no inverse). */
+psplat_result psplat_frame_draw_shadows(psplat_frame *frame);
+
+#endif

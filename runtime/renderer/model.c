@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * model.c - uploads an asset: its splats are packed into float textures (layout.h), from which the
+ * vertex shader pulls them. A splat takes 48 bytes, 16 more where it has a colour or a gamma, 12
+ * for each clip line and 12 for each texel of its finish.
+ */
+#include "gl/gl_state.h"
+#include "core/memory.h"
+#include "asset/pack.h"
+#include "renderer/renderer.h"
+
+#include <string.h>
+
+/* Rows of texels that are packed before each upload, which take at most 0.5 MB. */
+enum { ROWS_PER_UPLOAD = 16, MAX_SPLAT_FLOATS = 4 * (PSPLAT_SPLAT_TEXELS + 1) };
+
+/* The source of one of a batch's textures: splats that the asset has packed already, or ones to be
+ * packed. */
+typedef struct source {
+    psplat_packing packing;
+    const psplat_batch *batch;
+    int floats;           /* of each splat; 0 where the batch has no such texture */
+    int channels;         /* of each texel */
+    const float *packed;  /* splat_count * floats; NULL where pack has to be called */
+    psplat_chunk *chunks; /* found by pack_splats */
+    void (*pack)(const struct source *source, size_t first, size_t count, float *out);
+} source;
+
+/* Packs splats and finds their chunks, one chunk at a time while it is in the cache. */
+static void pack_splats(const source *s, size_t first, size_t count, float *out) {
+    for (size_t i = 0; i < count; i += PSPLAT_CHUNK_SPLATS) {
+        const psplat_splat *splats = s->batch->splats + first + i;
+        size_t here = count - i < PSPLAT_CHUNK_SPLATS ? count - i : PSPLAT_CHUNK_SPLATS;
+        psplat_chunks_find(splats, here, s->chunks + (first + i) / PSPLAT_CHUNK_SPLATS);
+        psplat_pack_splats(&s->packing, splats, here, out + i * (size_t)s->floats);
+    }
+}
+
+static void pack_clips(const source *s, size_t first, size_t count, float *out) {
+    psplat_pack_clips(&s->packing, s->batch->splats + first, count, out);
+}
+
+static void pack_finishes(const source *s, size_t first, size_t count, float *out) {
+    psplat_pack_finishes(&s->packing, s->batch->finishes + first, count, out);
+}
+
+/* Uploads rows of width texels to the bound texture, from the given row on. */
+static void put_rows(const psplat_gl *gl, const source *s, GLsizei row, GLsizei rows, GLsizei width,
+                     const float *texels) {
+    gl->TexSubImage2D(GL_TEXTURE_2D, 0, 0, row, width, rows, s->channels == 4 ? GL_RGBA : GL_RGB,
+                      GL_FLOAT, texels);
+}
+
+/* Uploads splats from the asset's own memory; the last row only as far as there are splats. */
+static void upload_packed(const psplat_gl *gl, const source *s) {
+    GLsizei texels = s->floats / s->channels, width = PSPLAT_ROW_SPLATS * texels;
+    GLsizei rows = (GLsizei)(s->batch->splat_count / PSPLAT_ROW_SPLATS);
+    GLsizei rest = (GLsizei)(s->batch->splat_count % PSPLAT_ROW_SPLATS);
+    if (rows) put_rows(gl, s, 0, rows, width, s->packed);
+    if (rest)
+        put_rows(gl, s, rows, 1, rest * texels,
+                 s->packed + (size_t)rows * PSPLAT_ROW_SPLATS * (size_t)s->floats);
+}
+
+/* Packs and uploads splats in bands of ROWS_PER_UPLOAD rows. */
+static void upload_splats(const psplat_gl *gl, const source *s, GLsizei height, float *staging) {
+    GLsizei width = PSPLAT_ROW_SPLATS * s->floats / s->channels;
+    for (GLsizei row = 0; row < height; row += ROWS_PER_UPLOAD) {
+        GLsizei rows = height - row < ROWS_PER_UPLOAD ? height - row : ROWS_PER_UPLOAD;
+        size_t first = (size_t)row * PSPLAT_ROW_SPLATS, count = (size_t)rows * PSPLAT_ROW_SPLATS;
+        if (count > s->batch->splat_count - first) count = s->batch->splat_count - first;
+        s->pack(s, first, count, staging);
+        put_rows(gl, s, row, rows, width, staging);
+    }
+}
+
+/* Makes one texture of a batch and fills it. */
+static psplat_result upload(psplat_renderer *renderer, const source *s, float *staging,
+                            psplat_gl_texture *texture, psplat_error *error) {
+    psplat_gl_texture_desc desc = {
+        .texel = s->channels == 4 ? PSPLAT_TEXEL_RGBA32F : PSPLAT_TEXEL_RGB32F,
+        .width = PSPLAT_ROW_SPLATS * s->floats / s->channels,
+        .height = (GLsizei)((s->batch->splat_count + PSPLAT_ROW_SPLATS - 1) / PSPLAT_ROW_SPLATS)};
+    if (!s->floats) return PSPLAT_OK;
+    psplat_result result =
+        psplat_gl_texture_create(&renderer->gl, &renderer->memory.models, &desc, texture, error);
+    if (result == PSPLAT_OK && s->packed)
+        upload_packed(&renderer->gl, s);
+    else if (result == PSPLAT_OK)
+        upload_splats(&renderer->gl, s, desc.height, staging);
+    return result;
+}
+
+/* Returns the first of count batches that has this primitive, or NULL. */
+static const psplat_model_batch *find_primitive(const psplat_model *model, size_t count,
+                                                uint32_t primitive) {
+    for (size_t i = 0; i < count; ++i)
+        if (model->batches[i].primitive == primitive) return &model->batches[i];
+    return NULL;
+}
+
+static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
+    out->primitive = batch->primitive;
+    out->splat_count = (GLsizei)batch->splat_count;
+    out->clip_count = batch->clip_count;
+    out->has_color = batch->has_color;
+    out->has_gamma = batch->has_gamma;
+    out->finish = psplat_packing_of(batch).finish;
+    out->kernel = batch->kernel;
+    out->depth_tolerance = batch->depth_tolerance;
+    out->material = batch->material;
+    for (int i = 0; i < 16; ++i) out->model[i] = batch->model[i];
+    for (int i = 0; i < 3; ++i) {
+        out->bounds_min[i] = batch->bounds_min[i];
+        out->bounds_max[i] = batch->bounds_max[i];
+    }
+}
+
+static psplat_result upload_textures(psplat_renderer *renderer, const psplat_batch *batch,
+                                     const psplat_packed *packed, psplat_model_batch *out,
+                                     float *staging, psplat_error *error) {
+    psplat_packing p = psplat_packing_of(batch);
+    const psplat_packed none = {0}, *from = packed ? packed : &none;
+    const source sources[] = {{p, batch, p.splat_floats, 4, from->splats, out->chunks, pack_splats},
+                              {p, batch, p.clip_floats, 3, from->clips, NULL, pack_clips},
+                              {p, batch, p.finish_floats, 3, from->finishes, NULL, pack_finishes}};
+    psplat_gl_texture *const textures[] = {&out->splats, &out->clips, &out->finishes};
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < 3 && result == PSPLAT_OK; ++i)
+        result = upload(renderer, &sources[i], staging, textures[i], error);
+    return result;
+}
+
+static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model, size_t index,
+                                  const psplat_asset *asset, float *staging, psplat_error *error) {
+    const psplat_batch *batch = psplat_asset_batch(asset, index);
+    const psplat_packed *packed = psplat_asset_packed(asset, index);
+    const psplat_model_batch *twin = find_primitive(model, index, batch->primitive);
+    psplat_model_batch *out = &model->batches[index];
+    describe_batch(batch, out);
+    if (twin) {
+        out->splats = twin->splats;
+        out->clips = twin->clips;
+        out->finishes = twin->finishes;
+        out->chunks = twin->chunks;
+        return PSPLAT_OK;
+    }
+    out->is_owner = 1;
+    size_t chunk_count = psplat_chunk_count(batch->splat_count);
+    out->chunks = psplat_allocate(&renderer->allocator, chunk_count, sizeof *out->chunks);
+    if (!out->chunks)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu chunks", chunk_count);
+    if (packed) memcpy(out->chunks, packed->chunks, chunk_count * sizeof *out->chunks);
+    return upload_textures(renderer, batch, packed, out, staging, error);
+}
+
+static psplat_result check_sizes(const psplat_gl *gl, const psplat_asset *asset,
+                                 psplat_error *error) {
+    size_t most = (size_t)gl->max_texture_size * PSPLAT_ROW_SPLATS;
+    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i) {
+        size_t count = psplat_asset_batch(asset, i)->splat_count;
+        if (count > most)
+            return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                               "a primitive has %zu splats, this GL takes %zu", count, most);
+    }
+    return PSPLAT_OK;
+}
+
+static psplat_result upload_batches(psplat_renderer *renderer, const psplat_asset *asset,
+                                    psplat_model *model, float *staging, psplat_error *error) {
+    psplat_gl *gl = &renderer->gl;
+    psplat_gl_state state;
+    psplat_result result = psplat_gl_state_take(&state, gl, error);
+    if (result != PSPLAT_OK) return result;
+    psplat_gl_errors(gl, NULL);
+    for (size_t i = 0; i < model->batch_count && result == PSPLAT_OK; ++i)
+        result = upload_batch(renderer, model, i, asset, staging, error);
+    if (result == PSPLAT_OK) result = psplat_gl_errors(gl, error);
+    psplat_gl_state_restore(&state, gl);
+    return result;
+}
+
+static psplat_result upload_all(psplat_renderer *renderer, const psplat_asset *asset,
+                                psplat_model *model, psplat_error *error) {
+    size_t size = sizeof(float) * MAX_SPLAT_FLOATS * PSPLAT_ROW_SPLATS * ROWS_PER_UPLOAD;
+    float *staging = psplat_allocate(&renderer->allocator, 1, size);
+    if (!staging) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory to pack splats");
+    psplat_result result = upload_batches(renderer, asset, model, staging, error);
+    psplat_resize(&renderer->allocator, staging, size, 0);
+    return psplat_gl_finish(&renderer->gl, result, error);
+}
+
+psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset *asset,
+                                  psplat_model **model, psplat_error *error) {
+    if (model) *model = NULL;
+    if (!renderer || !asset || !model)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "renderer, asset and model must not be NULL");
+    psplat_result result = check_sizes(&renderer->gl, asset, error);
+    if (result != PSPLAT_OK) return result;
+
+    size_t count = psplat_asset_batch_count(asset);
+    psplat_model *made = psplat_allocate(&renderer->allocator, 1, sizeof *made);
+    psplat_model_batch *batches =
+        made ? psplat_allocate(&renderer->allocator, count, sizeof *batches) : NULL;
+    if (!batches) {
+        if (made) psplat_resize(&renderer->allocator, made, sizeof *made, 0);
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches", count);
+    }
+    made->batches = batches;
+    made->batch_count = count;
+    result = upload_all(renderer, asset, made, error);
+    if (result != PSPLAT_OK) {
+        psplat_model_destroy(renderer, made);
+        return result;
+    }
+    *model = made;
+    return PSPLAT_OK;
+}
+
+void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model) {
+    if (!renderer || !model) return;
+    for (size_t i = 0; i < model->batch_count; ++i) {
+        psplat_model_batch *batch = &model->batches[i];
+        if (!batch->is_owner) continue;
+        psplat_gl_texture_delete(&renderer->gl, &batch->splats);
+        psplat_gl_texture_delete(&renderer->gl, &batch->clips);
+        psplat_gl_texture_delete(&renderer->gl, &batch->finishes);
+        size_t chunk_count = psplat_chunk_count((size_t)batch->splat_count);
+        if (batch->chunks)
+            psplat_resize(&renderer->allocator, batch->chunks, chunk_count * sizeof(psplat_chunk),
+                          0);
+    }
+    size_t size = model->batch_count * sizeof *model->batches;
+    psplat_resize(&renderer->allocator, model->batches, size ? size : 1, 0);
+    psplat_resize(&renderer->allocator, model, sizeof *model, 0);
+}
+
+psplat_model_info psplat_model_describe(const psplat_model *model) {
+    psplat_model_info info = {0};
+    for (size_t i = 0; model && i < model->batch_count; ++i) {
+        const psplat_model_batch *batch = &model->batches[i];
+        info.splat_count += (size_t)batch->splat_count;
+        info.batch_count += 1;
+        if (batch->is_owner)
+            info.bytes += batch->splats.bytes + batch->clips.bytes + batch->finishes.bytes;
+    }
+    return info;
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * renderer.h - the members of the renderer, of models and of environments, which the files of this
+ * directory share.
+ */
+#ifndef PHONGSPLAT_RENDERER_RENDERER_H
+#define PHONGSPLAT_RENDERER_RENDERER_H
+
+#include "core/chunk.h"
+#include "gl/gl_api.h"
+#include "gl/gl_program.h"
+#include "renderer/shadow.h"
+#include "renderer/render_target.h"
+#include "gl/gl_texture.h"
+
+#include <phongsplat/phongsplat.h>
+
+struct psplat_renderer {
+    psplat_gl gl;
+    psplat_allocator allocator;
+    psplat_programs programs;
+    psplat_render_targets targets;
+    psplat_shadows shadows;
+    psplat_memory memory; /* the ledgers of gl_texture.h */
+    GLuint vertex_array;  /* has no attributes; GL core draws nothing unless one is bound */
+};
+
+/* An uploaded psplat_batch. */
+typedef struct psplat_model_batch {
+    psplat_gl_texture splats;   /* packed as layout.h says */
+    psplat_gl_texture clips;    /* zero where clip_count is 0 */
+    psplat_gl_texture finishes; /* zero where finish is 0 */
+    psplat_chunk *chunks;       /* psplat_chunk_count(splat_count) of them */
+    int is_owner; /* 0: an earlier batch of the same primitive owns the textures and chunks */
+    uint32_t primitive;
+    GLsizei splat_count;
+    uint32_t clip_count;
+    int has_color, has_gamma;
+    unsigned finish; /* PSPLAT_FINISH_ bits */
+    double model[16];
+    psplat_kernel kernel;
+    float depth_tolerance;
+    psplat_material material;
+    float bounds_min[3], bounds_max[3];
+} psplat_model_batch;
+
+struct psplat_environment {
+    psplat_gl_texture diffuse;   /* cube map of the irradiance for each normal */
+    psplat_gl_texture glossy;    /* cube map of the mean radiance for each reflected direction;
+                                    each mipmap level is for a greater roughness */
+    psplat_gl_texture split_sum; /* table of a and b of eq. (9) by n.e and roughness */
+    float glossy_levels;         /* the level of glossy is roughness times this */
+};
+
+struct psplat_model {
+    psplat_model_batch *batches;
+    size_t batch_count;
+};
+
+#endif

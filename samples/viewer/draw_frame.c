@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * draw_frame.c - one picture: backdrop, then splats with what the settings say.
+ */
+#include "viewer_gl.h"
+#include "viewer.h"
+
+/* Upper and lower colour; sRGB. In the order of backdrop_names. */
+static const uint32_t backdrops[][2] = {
+    {0x3a424cff, 0x16191dff},
+    {0xf6f7f9ff, 0xc4cad2ff},
+    {0x000000ff, 0x000000ff},
+    {0xffffffff, 0xffffffff},
+};
+
+static void draw_backdrop(viewer *v, int width, int height) {
+    const gl *gl = canvas_gl(v->canvas);
+    const uint32_t *colors = backdrops[v->settings.backdrop];
+    gl->Viewport(0, 0, width, height);
+    gl->ClearColor(0, 0, 0, 1);
+    gl->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    canvas_begin(v->canvas, width, height);
+    canvas_rectangle(v->canvas, 0, 0, width, height, colors[0], colors[1]);
+    canvas_end(v->canvas);
+}
+
+/* Under the sky, which is the better ambient light and bright enough by itself. */
+static void dim_lights(psplat_view *view) {
+    for (int i = 0; i < 3; ++i) {
+        view->ambient[i] = 0;
+        for (int k = 0; k < view->light_count; ++k) view->lights[k].color[i] *= 0.3f;
+    }
+}
+
+static psplat_view view_of(const viewer *v, int width, int height) {
+    const settings *s = &v->settings;
+    psplat_view view = {
+        .width = width,
+        .height = height,
+        .mode = (psplat_mode)s->mode,
+        .shading = (psplat_shading)s->shading,
+        .culling = (psplat_culling)s->culling,
+        .no_filter = s->has_no_filter,
+        .environment = s->has_environment ? v->sky : NULL,
+    };
+    orbit_view(&v->orbit, &v->exhibit.bounds, s->is_orthographic, &view);
+    lights_set(s->lights, !s->has_no_shadows, &v->orbit, &v->exhibit.bounds, &view);
+    if (view.environment) dim_lights(&view);
+    return view;
+}
+
+/* Turns about what a double click hit; nothing where that is the backdrop. */
+static void pick(viewer *v, const psplat_view *view) {
+    const gl *gl = canvas_gl(v->canvas);
+    float depth = 1;
+    int x = (int)(0.5 * view->width + v->pick[0] * view->height);
+    int y = (int)((0.5 + v->pick[1]) * view->height);
+    v->has_pick = 0;
+    if (v->options.is_gles) return; /* which cannot read depth */
+    gl->ReadPixels(x, y, 1, 1, GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
+    if (depth >= 1) return;
+    orbit_aim(&v->orbit, view, v->pick[0], v->pick[1], (double)depth);
+    v->needs_redraw = 1;
+}
+
+static psplat_result draw(viewer *v, int width, int height, psplat_error *error) {
+    draw_backdrop(v, width, height);
+    if (!v->exhibit.item_count) {
+        v->has_pick = 0; /* of nothing */
+        return PSPLAT_OK;
+    }
+    psplat_view view = view_of(v, width, height);
+    psplat_result result =
+        psplat_draw(v->renderer, &view, v->exhibit.items, v->exhibit.item_count, error);
+    if (!result && v->has_pick) pick(v, &view);
+    return result;
+}
+
+/* Smooth: twice as many pixels each way. A linear filter that halves takes the mean of four; of
+ * encoded colours, which makes edges a little darker than they should be. Where so large a target
+ * cannot be had, the picture is drawn without. */
+psplat_result frame_draw(viewer *v, unsigned framebuffer, int width, int height,
+                         psplat_error *error) {
+    const gl *gl = canvas_gl(v->canvas);
+    int is_fine = v->settings.is_smooth && target_resize(&v->fine, gl, 2 * width, 2 * height);
+    int n = is_fine ? 2 : 1;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, is_fine ? v->fine.framebuffer : framebuffer);
+    psplat_result result = draw(v, n * width, n * height, error);
+    if (is_fine) {
+        gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+        gl->BlitFramebuffer(0, 0, 2 * width, 2 * height, 0, 0, width, height, GL_COLOR_BUFFER_BIT,
+                            GL_LINEAR);
+    }
+    gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    return result;
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * draw_options.h - the command line of bench_draw.
+ */
+#ifndef PHONGSPLAT_BENCH_OPTIONS_H
+#define PHONGSPLAT_BENCH_OPTIONS_H
+
+#include <phongsplat/phongsplat.h>
+
+enum { OPTIONS_MAX_LIST = 16 };
+
+typedef struct options {
+    size_t spheres[OPTIONS_MAX_LIST], sphere_count;
+    int sizes[OPTIONS_MAX_LIST];
+    size_t size_count;
+    psplat_mode modes[PSPLAT_MODE_COUNT];
+    size_t mode_count;
+    psplat_shading shading;
+    int no_filter, lights, csv, hardware;
+    size_t frames, warm_up;
+    const char *mesh;         /* NULL: none */
+    const char *const *files; /* of argv */
+    size_t file_count;
+} options;
+
+/* Prints the usage and ends the program where something is wrong or --help is asked for. */
+options options_parse(int argc, char **argv);
+
+const char *options_mode_name(psplat_mode mode);
+const char *options_shading_name(psplat_shading shading);
+
+#endif

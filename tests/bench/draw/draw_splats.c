@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The renderer itself, and the lower bound of drawing with its primitives (probe.h).
+ */
+#include "draw_method.h"
+#include "probe.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+typedef struct splats {
+    psplat_renderer *renderer;
+    psplat_model *model;
+} splats;
+
+static void check(psplat_result result, const psplat_error *error) {
+    if (result == PSPLAT_OK) return;
+    fprintf(stderr, "bench: %s\n", error->text);
+    exit(1);
+}
+
+static void draw(void *self, const psplat_view *view) {
+    splats *s = self;
+    psplat_error error;
+    psplat_item item = {.model = s->model};
+    check(psplat_draw(s->renderer, view, &item, 1, &error), &error);
+}
+
+static void destroy(void *self) {
+    splats *s = self;
+    psplat_model_destroy(s->renderer, s->model);
+    psplat_renderer_destroy(s->renderer);
+    free(s);
+}
+
+contestant contestant_splats(psplat_host *host, const subject *subject, unsigned options) {
+    splats *s = calloc(1, sizeof *s);
+    if (!s) abort();
+    psplat_error error;
+    psplat_renderer_desc desc = {.get_proc = probe_get_proc, .user = host};
+    check(psplat_renderer_create(&desc, &s->renderer, &error), &error);
+    check(psplat_model_create(s->renderer, subject->asset, &s->model, &error), &error);
+    const char *name = options & PROBE_BOUND ? "lower bound" : "ours";
+    return (contestant){name, draw, destroy, s, options};
+}
+
+void contestant_destroy(contestant *c) {
+    if (c->destroy) c->destroy(c->self);
+    *c = (contestant){0};
+}

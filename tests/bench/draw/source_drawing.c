@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ * The source mesh as a contestant; see mesh.h. */
+#include "source_drawing.h"
+
+#include "compare/source_mesh.h"
+#include "compare/source_mesh_parts.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
+#include "views/mesh_renderer.h"
+#include "probe.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void require(psplat_result result, const char *what, const psplat_error *error) {
+    if (!result) return;
+    fprintf(stderr, "bench: %s: %s\n", what, error->text);
+    exit(1);
+}
+
+void mesh_read(const char *path, mesh *m) {
+    psplat_error error;
+    require(psplat_mesh_read(path, &m->source, &error), path, &error);
+    require(psplat_source_mesh_create(&m->source, 0, &m->original, &error), path, &error);
+    memcpy(m->center, m->original->center, sizeof m->center);
+    m->radius = m->original->radius;
+}
+
+void mesh_free(mesh *m) {
+    psplat_source_mesh_destroy(m->original);
+    psplat_mesh_free(&m->source);
+}
+
+static void draw(void *self, const psplat_view *view) {
+    psplat_error error;
+    require(psplat_mesh_renderer_draw(self, view, PSPLAT_MESH_RENDERER_LIGHT, &error), "mesh",
+            &error);
+}
+
+static void destroy(void *self) {
+    psplat_mesh_renderer_destroy(self);
+}
+
+contestant contestant_mesh(psplat_host *host, const mesh *m) {
+    const psplat_mesh_renderer_desc desc = {probe_get_proc, host, m->original};
+    psplat_mesh_renderer *facets = NULL;
+    psplat_error error;
+    require(psplat_mesh_renderer_create(&desc, &facets, &error), "mesh", &error);
+    return (contestant){"mesh", draw, destroy, facets, 0};
+}

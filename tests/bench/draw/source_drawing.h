@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * source_drawing.h - the mesh that a model was made from, drawn as indexed triangles and lit per
+ * pixel. Only where the converter is built.
+ */
+#ifndef PHONGSPLAT_BENCH_MESH_H
+#define PHONGSPLAT_BENCH_MESH_H
+
+#include "draw_method.h"
+
+#include "compare/source_mesh.h"
+#include "compare/source_mesh_parts.h"
+#include "mesh/mesh.h"
+
+typedef struct mesh {
+    psplat_mesh source;
+    psplat_source_mesh *original; /* of source, which must not move */
+    double center[3], radius;     /* of a ball around it, scene space */
+} mesh;
+
+/* Reads any file that the converter takes, with the normals that it would give it. Ends the program
+ * with a message where that fails. */
+void mesh_read(const char *path, mesh *m);
+void mesh_free(mesh *m);
+
+/* Sides and lights as the view and the material say, always phong and lit. */
+contestant contestant_mesh(psplat_host *host, const mesh *m);
+
+#endif

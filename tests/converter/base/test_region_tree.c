@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT
+ * Regions near a point: the tree of boxes against all boxes and against the ellipses themselves. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+#include "base/random.h"
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+
+enum { MOST = 700 };
+
+typedef struct visits {
+    uint8_t counts[MOST];
+    size_t total, stop_after;
+} visits;
+
+static int visit(void *user, uint32_t region) {
+    visits *v = user;
+    assert_true(region < MOST);
+    v->counts[region]++;
+    return ++v->total == v->stop_after;
+}
+
+/* Regions of all sizes, some of them needles, some of them equal to others. */
+static void make_regions(psplat_region *regions, size_t count, double scale, uint64_t *random) {
+    for (size_t i = 0; i < count; ++i) {
+        psplat_region *r = &regions[i];
+        if (i % 7 == 6) {
+            *r = regions[i - 3];
+            continue;
+        }
+        *r = (psplat_region){.line_count = 0};
+        random_axes(random, r->u, r->v, r->n);
+        for (int k = 0; k < 3; ++k) r->center[k] = scale * psplat_random_unit(random);
+        r->radius[0] = 0.3 * scale * pow(psplat_random_unit(random), 3);
+        r->radius[1] = r->radius[0] * (i % 3 ? psplat_random_unit(random) : 1e-6);
+    }
+}
+
+typedef struct extent {
+    double low[3], high[3];
+} extent;
+
+static void include(extent *e, const double p[3]) {
+    for (int k = 0; k < 3; ++k) {
+        e->low[k] = min2(e->low[k], p[k]);
+        e->high[k] = max2(e->high[k], p[k]);
+    }
+}
+
+/* A box that a region's own must hold, around corners of its outline, and one that must hold it:
+ * that of the whole ellipse, 2 % larger, since the region_tree takes a polygon of 16 sides around
+ * it.
+ */
+static void extents_of(const psplat_region *r, extent *inner, extent *outer) {
+    const extent none = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    double outline[68][2], p[3];
+    size_t corners = psplat_region_polygon(r, 1, outline, 68);
+    *inner = *outer = none;
+    for (size_t i = 0; i < corners; ++i) {
+        region_point(r, 0.999999 * outline[i][0], 0.999999 * outline[i][1], 0, p);
+        include(inner, p);
+    }
+    for (int i = 0; i < 256; ++i) {
+        double angle = 2 * fixture_pi * i / 256;
+        region_point(r, 1.021 * cos(angle), 1.021 * sin(angle), 0, p);
+        include(outer, p);
+    }
+    region_point(r, 0, 0, 0, p); /* where lines leave nothing, its centre stands for it */
+    include(outer, p);
+}
+
+static int box_holds(const extent *e, double reach, const double p[3]) {
+    for (int k = 0; k < 3; ++k)
+        if (p[k] < e->low[k] - reach || p[k] > e->high[k] + reach) return 0;
+    return 1;
+}
+
+static void check_points(const psplat_region *regions, size_t count, double scale,
+                         uint64_t *random) {
+    static extent inner[MOST], outer[MOST];
+    double reach = 0.02 * scale;
+    for (size_t r = 0; r < count; ++r) extents_of(&regions[r], &inner[r], &outer[r]);
+    psplat_region_tree *region_tree = psplat_region_tree_create(regions, count, reach);
+    assert_non_null(region_tree);
+    size_t found = 0;
+    for (int i = 0; i < 60; ++i) {
+        double p[3];
+        for (int k = 0; k < 3; ++k) p[k] = scale * (1.4 * psplat_random_unit(random) - 0.2);
+        visits v = {.total = 0};
+        psplat_region_tree_visit(region_tree, p, visit, &v);
+        found += v.total;
+        for (size_t r = 0; r < count; ++r) {
+            assert_true(v.counts[r] <= 1);
+            if (box_holds(&inner[r], reach * (1 - 1e-9), p)) assert_int_equal(v.counts[r], 1);
+            if (!box_holds(&outer[r], reach * (1 + 1e-9), p)) assert_int_equal(v.counts[r], 0);
+        }
+        if (v.total < 2) continue;
+        visits first = {.stop_after = 2};
+        psplat_region_tree_visit(region_tree, p, visit, &first);
+        assert_int_equal(first.total, 2);
+    }
+    assert_true(count < 100 || found > 60); /* the test has something to find */
+    psplat_region_tree_destroy(region_tree);
+}
+
+static void test_random(void **state) {
+    (void)state;
+    static psplat_region regions[MOST];
+    const size_t counts[] = {1, 2, 4, 5, 6, 9, 64, MOST};
+    const double scales[] = {1, 1e-9, 1e9};
+    uint64_t random = 11;
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; ++k)
+        for (size_t s = 0; s < 3; ++s) {
+            if (s && counts[k] > 64) continue;
+            make_regions(regions, counts[k], scales[s], &random);
+            check_points(regions, counts[k], scales[s], &random);
+        }
+}
+
+/* Every point of an ellipse, and every point within reach of one, finds it. */
+static void test_sound(void **state) {
+    (void)state;
+    static psplat_region regions[MOST];
+    uint64_t random = 12;
+    make_regions(regions, MOST, 1, &random);
+    psplat_region_tree *region_tree = psplat_region_tree_create(regions, MOST, 0.1);
+    assert_non_null(region_tree);
+    for (size_t r = 0; r < MOST; ++r) {
+        double p[3], angle = 2 * fixture_pi * psplat_random_unit(&random);
+        region_point(&regions[r], cos(angle), sin(angle), 0.0999 * (r % 2 ? -1 : 1), p);
+        visits v = {.total = 0};
+        psplat_region_tree_visit(region_tree, p, visit, &v);
+        assert_int_equal(v.counts[r], 1);
+    }
+    psplat_region_tree_destroy(region_tree);
+}
+
+/* No regions, and many that no plane can separate. */
+static void test_degenerate(void **state) {
+    (void)state;
+    static psplat_region regions[MOST];
+    const double here[3] = {0, 0, 0}, there[3] = {0, 2, 0};
+    visits v = {.total = 0};
+    psplat_region_tree *region_tree = psplat_region_tree_create(regions, 0, 1);
+    assert_non_null(region_tree);
+    psplat_region_tree_visit(region_tree, here, visit, &v);
+    assert_int_equal(v.total, 0);
+    psplat_region_tree_destroy(region_tree);
+    for (size_t r = 0; r < MOST; ++r)
+        regions[r] =
+            (psplat_region){.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}};
+    region_tree = psplat_region_tree_create(regions, MOST, 0.5);
+    assert_non_null(region_tree);
+    psplat_region_tree_visit(region_tree, here, visit, &v);
+    assert_int_equal(v.total, MOST);
+    psplat_region_tree_visit(region_tree, there, visit, &v);
+    assert_int_equal(v.total, MOST);
+    psplat_region_tree_destroy(region_tree);
+    psplat_region_tree_destroy(NULL);
+}
+
+int test_region_tree_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_random),
+        cmocka_unit_test(test_sound),
+        cmocka_unit_test(test_degenerate),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: MIT
+ * Quartiles, turns, and how much of a sweep is said to be done. Durations themselves are not
+ * tested. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+
+#include <math.h>
+#include <string.h>
+#include "benchmark/frame_timing.h"
+#include "table/setting.h"
+#include "benchmark/sweep_progress.h"
+
+static void assert_quartiles(const double *values, size_t count, double low, double median,
+                             double high) {
+    double copy[16];
+    memcpy(copy, values, count * sizeof *copy);
+    psplat_quartiles q = psplat_timing_quartiles(copy, count);
+    assert_true(fabs(q.low - low) < 1e-12); /* rounding of an interpolation */
+    assert_true(fabs(q.median - median) < 1e-12);
+    assert_true(fabs(q.high - high) < 1e-12);
+}
+
+static void test_quartiles(void **state) {
+    (void)state;
+    assert_quartiles((double[]){5, 1, 4, 2, 3}, 5, 2, 3, 4);
+    assert_quartiles((double[]){4, 1, 3, 2}, 4, 1.75, 2.5, 3.25);
+    assert_quartiles((double[]){7}, 1, 7, 7, 7);
+    assert_quartiles((double[]){1, 2}, 2, 1.25, 1.5, 1.75);
+    assert_true(isnan(psplat_timing_quartiles(NULL, 0).median));
+    double missing[] = {NAN, NAN};
+    assert_true(isnan(psplat_timing_quartiles(missing, 2).high));
+}
+
+enum { TIMED = 3, VIEWS = 2, FRAMES = 5 };
+
+/* Who drew what, in order. */
+typedef struct diary {
+    struct {
+        int frame;
+        double view;
+    } entries[64];
+    size_t count;
+} diary;
+
+typedef struct diarist {
+    diary *diary;
+    int number;
+} diarist;
+
+static psplat_result note(void *self, const psplat_view *view, psplat_error *error) {
+    diarist *d = self;
+    (void)error;
+    assert_true(d->diary->count < 64);
+    d->diary->entries[d->diary->count].frame = d->number;
+    d->diary->entries[d->diary->count++].view = view->view[0];
+    return PSPLAT_OK;
+}
+
+static int stop_after_half(void *user, double fraction) {
+    *(double *)user = fraction;
+    return fraction > 0.5;
+}
+
+static void test_turns(void **state) {
+    (void)state;
+    psplat_host *host = NULL;
+    psplat_error error;
+    assert_int_equal(psplat_host_create(PSPLAT_API_GL, 1, &host, &error), PSPLAT_OK);
+    diary d = {.count = 0};
+    diarist diarists[TIMED];
+    psplat_timed_frame timed[TIMED];
+    psplat_frame_times times[TIMED];
+    for (int i = 0; i < TIMED; ++i) {
+        diarists[i] = (diarist){&d, i};
+        timed[i] = (psplat_timed_frame){note, &diarists[i]};
+    }
+    const psplat_view views[VIEWS] = {{.view = {1}, .width = 16, .height = 16},
+                                      {.view = {2}, .width = 16, .height = 16}};
+    double done = 0;
+    psplat_timing_desc desc = {.host = host,
+                               .views = views,
+                               .view_count = VIEWS,
+                               .timed = timed,
+                               .count = TIMED,
+                               .rounds = FRAMES};
+    assert_int_equal(psplat_timing_run(&desc, times, &error), PSPLAT_OK);
+    /* Rounds: each frame once, all of them the same view, views in turn; two do not count. */
+    assert_int_equal(d.count, TIMED * (FRAMES + 2));
+    for (size_t i = 0; i < d.count; ++i) {
+        assert_int_equal(d.entries[i].frame, i % TIMED);
+        assert_true(d.entries[i].view == 1 + (double)(i / TIMED % VIEWS));
+    }
+    for (int i = 0; i < TIMED; ++i) {
+        assert_true(times[i].wall.median >= 0 && times[i].cpu.median >= 0);
+        assert_true(times[i].wall.low <= times[i].wall.median);
+        assert_true(times[i].wall.median <= times[i].wall.high);
+        assert_true(isnan(times[i].gpu.median)); /* software has none */
+    }
+    desc.progress = stop_after_half;
+    desc.user = &done;
+    assert_int_equal(psplat_timing_run(&desc, times, &error), PSPLAT_ERROR_INTERRUPTED);
+    assert_true(done > 0.5 && done < 1);
+    psplat_host_destroy(host);
+}
+
+static int note_progress(void *user, const char *what, double fraction) {
+    double *last = user;
+    assert_true(what[0] && fraction >= *last && fraction <= 1);
+    *last = fraction;
+    return 0;
+}
+
+static int stop(void *user, const char *what, double fraction) {
+    (void)user, (void)what, (void)fraction;
+    return 1;
+}
+
+/* What is planned is done when all of it has run; finer conversions are more of it. */
+static void test_progress(void **state) {
+    (void)state;
+    double last = 0, coarse = 0;
+    psplat_sweep_progress p = {.report = note_progress, .user = &last};
+    const psplat_setting settings[] = {{.competitor = PSPLAT_COMPETITOR_SPLATS, .tolerance = 2},
+                                       {.competitor = PSPLAT_COMPETITOR_SPLATS, .tolerance = 0.1}};
+    for (int i = 0; i < 2; ++i)
+        for (int task = PSPLAT_TASK_MAKE; task <= PSPLAT_TASK_TIME; ++task)
+            psplat_sweep_progress_plan(&p, (psplat_task)task, &settings[i]);
+    for (int i = 0; i < 2; ++i)
+        for (int task = PSPLAT_TASK_MAKE; task <= PSPLAT_TASK_PICTURE; ++task) {
+            double before = last;
+            assert_int_equal(psplat_sweep_progress_begin(&p, (psplat_task)task, &settings[i], NULL),
+                             PSPLAT_OK);
+            psplat_sweep_progress_show(&p, 0.5);
+            psplat_sweep_progress_show(&p, 1);
+            if (task != PSPLAT_TASK_MAKE) continue;
+            assert_string_equal(p.what, i ? "converting, 0.1 %" : "converting, 2 %");
+            if (i)
+                assert_true(last - before > 2 * coarse);
+            else
+                coarse = last - before;
+        }
+    assert_true(last < 1);
+    assert_int_equal(psplat_sweep_progress_begin(&p, PSPLAT_TASK_TIME, settings, NULL), PSPLAT_OK);
+    psplat_sweep_progress_show(&p, 1);
+    assert_true(last > 1 - 1e-12); /* rounding */
+    p.report = stop;
+    assert_int_equal(psplat_sweep_progress_begin(&p, PSPLAT_TASK_TIME, settings, NULL),
+                     PSPLAT_ERROR_INTERRUPTED);
+}
+
+int test_frame_timing_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_quartiles),
+        cmocka_unit_test(test_turns),
+        cmocka_unit_test(test_progress),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: MIT
+# phongsplat tradeoff: a sweep from end to end, resumed, refused, killed; what it recommends. Sizes are
+# small: it is the bookkeeping that is tested here.
+. "$SOURCE_DIR/tests/support/cli.sh"
+cube=$SOURCE_DIR/samples/models/cube.off
+small="--size 16 --frames 1 --samples 200"
+
+# sweep ARGUMENTS...: into the directory d.
+# shellcheck disable=SC2086  # options are several words
+sweep() { run env PATH="$work/bin:/usr/bin:/bin" "$PHONGSPLAT" tradeoff $small "$@"; }
+
+# expect_measured SETTINGS MEASURED TIMED
+expect_measured() {
+    expect_output "^[^ ]+: $1 settings, $2 of them measured anew, $3 timed anew\$"
+}
+
+# columns FILE: the rows of a table, less what is another each time: durations. Numbers come last, and only text before
+# them has commas of its own.
+columns() {
+    awk -F, 'NR == 1 { for (i = 0; i < NF; ++i) left_out[i] = $(NF - i) ~ /_ms|_s$|frames/ }
+        { line = ""; for (i = NF; i > 0; --i) if (!left_out[i - 1]) line = line $(NF - i + 1) ","; print line }' "$1"
+}
+
+case_sweep() {
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_code 0
+    expect_measured 13 12 13
+    expect_output '^phongsplat convert .*cube.off cube.glb --tolerance 2%'
+    expect_output '^draw with: mode (phong|gaussian|flat), filter on$'
+    for file in tradeoff.csv index.html charts.gp assets/linear-2.glb assets/constant-2.glb; do
+        [ -s "d/$file" ] || fail "no $file"
+    done
+    [ "$(grep -c '^splats,2,,' d/tradeoff.csv)" -eq 12 ] || fail "rows: $(cut -c 1-60 d/tradeoff.csv)"
+    grep -q '^splats,2,,linear,phong,on,.*"phongsplat convert .* --tolerance 2% .*",samples 200 size 16,' d/tradeoff.csv ||
+        fail "no command in the table"
+    [ "$(columns d/tradeoff.csv | awk -F, '/^splats/ && $(NF - 40) == ""' | wc -l)" -eq 0 ] || fail "cells are empty"
+
+    # Finished: nothing is measured.
+    columns d/tradeoff.csv >before.txt
+    cp d/tradeoff.csv same.csv
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_measured 13 0 0
+    cmp -s d/tradeoff.csv same.csv || fail "a finished sweep has changed its table"
+
+    # One more tolerance; all are timed with it.
+    sweep "$cube" d --tolerances 2,1% --no-gltfpack
+    expect_measured 25 12 25
+    columns d/tradeoff.csv | grep ^splats,2, >with.txt
+    grep ^splats,2, before.txt | cmp -s - with.txt || fail "old rows have changed"
+    # One less leaves the table.
+    sweep "$cube" d --tolerances 1 --no-gltfpack
+    expect_measured 13 0 0
+    ! grep -q ^splats,2, d/tradeoff.csv || fail "a row that is not asked for"
+    # More frames: all are timed, and nothing else is done.
+    sweep "$cube" d --tolerances 1 --no-gltfpack --frames 2
+    expect_measured 13 0 13
+    # Pictures of another size.
+    sweep "$cube" d --tolerances 1 --no-gltfpack --size 24
+    expect_measured 13 12 13
+    # A damaged asset is made again, and one that is gone; what they are was measured.
+    echo >>d/assets/linear-1.glb
+    sweep "$cube" d --tolerances 1 --no-gltfpack --size 24
+    expect_measured 13 6 13
+    rm d/assets/constant-1.glb
+    sweep "$cube" d --tolerances 1 --no-gltfpack --size 24
+    expect_measured 13 6 13
+    # A changed source, of the same name and length.
+    cp "$cube" own.off
+    sweep own.off d --tolerances 1 --no-gltfpack
+    expect_measured 13 12 13
+    sed 's/^1 /2 /' "$cube" >own.off
+    sweep own.off d --tolerances 1 --no-gltfpack
+    expect_measured 13 12 13
+    sweep own.off d --tolerances 1 --no-gltfpack --fresh
+    expect_measured 13 12 13
+}
+
+# Charts are drawn where gnuplot is; without it all else is there, and the page does without them.
+case_charts() {
+    mkdir -p bin
+    printf '#!/bin/sh\nexit 127\n' >bin/gnuplot
+    chmod +x bin/gnuplot
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_code 0
+    [ "$(cat stderr.txt)" = 'phongsplat: gnuplot cannot be run; charts are left out' ] || fail "warning: $(cat stderr.txt)"
+    [ -z "$(find d -name '*.svg')" ] || fail "charts without gnuplot"
+    ! grep -q '<svg' d/index.html || fail "the page has charts"
+    [ -s d/charts.gp ] || fail "no script"
+    rm bin/gnuplot
+    command -v gnuplot >/dev/null || return 0
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_success
+    expect_measured 13 0 0
+    for chart in error-bytes error-splats error-ms distance-bytes normal-bytes; do
+        grep -q '</svg>' "d/$chart.svg" || fail "no $chart"
+    done
+    [ "$(grep -c '<figure' d/index.html)" -eq 5 ] || fail "the page has no charts"
+    [ -z "$(find d -name '.phongsplat-*')" ] || fail "leftovers: $(find d)"
+    # Users draw them again, changed.
+    (cd d && sed 's/880,500/440,250/' charts.gp >small.gp && gnuplot small.gp 2>/dev/null)
+    grep -q 'width="440"' d/error-bytes.svg || fail "the script draws nothing by itself"
+}
+
+# expect_budget PATTERN: exit code 10 and a last line with it; gnuplot may have been missed before.
+expect_budget() {
+    expect_code 10
+    tail -n 1 stderr.txt | grep -Eqe "$1" || fail "$command_line: '$1' is not in: $(cat stderr.txt)"
+}
+
+case_advice() {
+    options="--tolerances 2,1 --no-gltfpack --effort 0"
+    # shellcheck disable=SC2086
+    sweep "$cube" d $options
+    expect_code 0
+    # An exact model: any tolerance gives six splats. Whatever is recommended makes the asset that was measured.
+    # shellcheck disable=SC2086
+    sweep "$cube" d $options --max-error 2% -q
+    expect_code 0
+    [ "$(wc -l <stdout.txt)" -eq 3 ] || fail "not three lines: $(cat stdout.txt)"
+    grep -q 'mode phong, filter on' stdout.txt || fail "not the defaults: $(cat stdout.txt)"
+    line=$(head -n 1 stdout.txt)
+    "$PHONGSPLAT" ${line#phongsplat } -q
+    cmp cube.glb d/assets/linear-*1.glb || cmp cube.glb d/assets/linear-2.glb || fail "$line makes something else"
+    # shellcheck disable=SC2086
+    sweep "$cube" d $options --max-error 0.5 --error normal --max-bytes 100000 --max-ms 100000
+    expect_code 0
+    # shellcheck disable=SC2086
+    sweep "$cube" d $options --max-bytes 100
+    expect_budget 'no setting keeps to this; the nearest, .* bytes'
+    # shellcheck disable=SC2086
+    sweep "$cube" d $options --max-error 1e-9 --error image --max-ms 1e-6
+    expect_budget 'the nearest'
+}
+
+# write_gltfpack COMMAND: a program of that name that leaves its arguments in log.
+write_gltfpack() {
+    mkdir -p bin
+    cat >bin/gltfpack <<SCRIPT
+#!/bin/sh
+if [ "\$1" = -v ]; then echo 'gltfpack 0.0'; exit; fi
+echo "\$@" >>'$work/log'
+while [ \$# -gt 0 ]; do case \$1 in -i) from=\$2 ;; -o) to=\$2 ;; esac; shift; done
+$1
+SCRIPT
+    chmod +x bin/gltfpack
+}
+
+case_gltfpack() {
+    write_gltfpack "cp '$SOURCE_DIR/samples/models/painted.glb' \"\$to\""
+    sweep "$cube" d --tolerances 2 --ratios 0.5,0.25
+    expect_code 0
+    expect_measured 15 14 15
+    [ "$(grep -c '^gltfpack,,0' d/tradeoff.csv)" -eq 2 ] || fail "rows of gltfpack"
+    # OFF is none of its formats; ours has normals.
+    grep -q '^-i d/assets/source.obj .* -si 0.25 -cc$' log || fail "arguments: $(cat log)"
+    grep -q ' -si 0.5 -noq$' log || fail "arguments: $(cat log)"
+    [ "$(grep -c '^vn ' d/assets/source.obj)" -ge 6 ] || fail "no normals: $(cat d/assets/source.obj)"
+    grep -q 'gltfpack -si 0.25' d/index.html || fail "no row in the page"
+    # Of another version, its rows are others; uninstalled, they leave the table.
+    sed -i 's/gltfpack 0.0/gltfpack 0.1/' bin/gltfpack
+    sweep "$cube" d --tolerances 2 --ratios 0.5,0.25
+    expect_measured 15 2 15
+    rm bin/gltfpack
+    sweep "$cube" d --tolerances 2
+    expect_measured 13 0 0
+    # Where it fails, the rest goes on.
+    write_gltfpack 'echo "cannot do this" >&2; exit 3'
+    sweep "$cube" e --tolerances 2 --ratios 0.5
+    expect_code 0
+    expect_measured 13 12 13
+    grep -qx 'phongsplat: gltfpack -si 0.5: left out: gltfpack -si 0.5: cannot do this' stderr.txt ||
+        fail "warning: $(cat stderr.txt)"
+    sweep "$cube" e --tolerances 2 --gltfpack ./absent
+    expect_code 0
+    grep -q '^phongsplat: gltfpack cannot be run; it is left out$' stderr.txt || fail "warning: $(cat stderr.txt)"
+    # The real one, where it is installed.
+    rm bin/gltfpack
+    real=$(PATH=$PATH command -v gltfpack) || return 0
+    sweep "$cube" f --tolerances 2 --ratios 1 --gltfpack "$real"
+    expect_code 0
+    [ "$(awk -F, '/^gltfpack/ { print $(NF - 46) }' f/tradeoff.csv)" = 12 ] || fail "the cube has 12 triangles"
+}
+
+case_refused() {
+    mkdir full && echo >full/thesis.tex
+    sweep "$cube" full
+    expect_error 5 '^phongsplat: full: is no directory of a sweep: it holds thesis.tex'
+    sweep "$cube" "$cube"
+    expect_error 5 'is not a directory'
+    sweep "$cube" no/where
+    expect_error 5 'cannot be made'
+    sweep absent.obj d
+    expect_error 2 '^phongsplat: absent.obj: [^:]*$'
+    echo 'v 1 2' >bad.obj
+    sweep bad.obj d
+    expect_error 3 '^phongsplat: bad.obj: line 1'
+    [ ! -e d ] || fail "a source that cannot be read leaves a directory"
+    for arguments in '--tolerances 2,x' '--tolerances 0' '--ratios 2' '--error nothing' '--max-error 0' '--frames 0' \
+        '--max-bytes 1.5' '--no-creases --crease-angle 40' '--gltfpack x --no-gltfpack'; do
+        # shellcheck disable=SC2086
+        sweep "$cube" d $arguments
+        expect_error 1 'tradeoff: '
+    done
+
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_code 0
+    cp d/tradeoff.csv good.csv
+    echo mine >d/notes.txt
+    # Changed by hand, cut off, something else.
+    sed '9s/,[^,]*$/,none/' good.csv >d/tradeoff.csv
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_error 3 '^phongsplat: d/tradeoff.csv: line 9: a cell is not a number; --fresh starts over'
+    head -c 3000 good.csv >d/tradeoff.csv
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_error 3 '^phongsplat: d/tradeoff.csv: line [0-9]+: the line is cut off'
+    cp "$cube" d/tradeoff.csv
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_error 3 '^phongsplat: d/tradeoff.csv: line 1: these are not the columns of a sweep'
+    cmp -s d/tradeoff.csv "$cube" || fail "what is no table was written over"
+    # Whole lines that are missing are measured.
+    head -n 9 good.csv >d/tradeoff.csv
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_code 0
+    expect_measured 13 5 13
+    cp "$cube" d/tradeoff.csv
+    sweep "$cube" d --fresh --tolerances 2 --no-gltfpack
+    expect_measured 13 12 13
+    [ "$(cat d/notes.txt)" = mine ] || fail "a file of the user is gone"
+}
+
+# Each file is limited to 2 KiB, less than an asset takes: as on a full disk, writing fails.
+case_full_disk() {
+    command_line="tradeoff without room" code=0
+    (ulimit -f 4 && "$PHONGSPLAT" tradeoff $small "$cube" d --no-gltfpack) >stdout.txt 2>stderr.txt || code=$?
+    expect_error 5 '^phongsplat: d/assets/linear-2.glb: cannot be written'
+    [ -z "$(find d -type f -size +0)" ] || fail "something is left: $(find d -type f)"
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_code 0
+    columns d/tradeoff.csv >before.txt
+    cp d/tradeoff.csv table.csv
+    # The table does not fit: the old one stays.
+    code=0
+    (ulimit -f 8 && "$PHONGSPLAT" tradeoff $small "$cube" d --tolerances 2 --no-gltfpack --frames 2) >stdout.txt 2>stderr.txt || code=$?
+    expect_error 5 'd/tradeoff.csv: cannot be written'
+    cmp -s d/tradeoff.csv table.csv || fail "the table is not the old one"
+    sweep "$cube" d --tolerances 2 --no-gltfpack
+    expect_code 0
+    columns d/tradeoff.csv | cmp -s - before.txt || fail "rows have changed"
+}
+
+# Killed at moments all over the sweep and started again, it ends as if nothing had happened.
+case_killed() {
+    sweep "$cube" whole --tolerances 2,1 --no-gltfpack
+    expect_code 0
+    columns whole/tradeoff.csv >expected.txt
+    moments=0
+    for delay in 0.05 0.15 0.3 0.5 0.7 0.9 1.1 1.3 1.5 2 2.5 3 4 5; do
+        code=0
+        # shellcheck disable=SC2086
+        timeout -s KILL "$delay" "$PHONGSPLAT" tradeoff $small "$cube" d --tolerances 2,1 --no-gltfpack \
+            >stdout.txt 2>stderr.txt || code=$?
+        [ "$code" -ne 0 ] || break
+        # timeout does not wait for the end of what it has killed.
+        sleep 0.2
+        [ "$code" -eq 137 ] || fail "killed after $delay s: exit code $code: $(cat stderr.txt)"
+        moments=$((moments + 1))
+    done
+    [ "$moments" -ge 2 ] || fail "only $moments moments"
+    sweep "$cube" d --tolerances 2,1 --no-gltfpack
+    expect_code 0
+    columns d/tradeoff.csv | cmp - expected.txt || fail "an interrupted sweep differs"
+    for file in linear-2 linear-1 constant-2 constant-1; do
+        cmp "d/assets/$file.glb" "whole/assets/$file.glb" || fail "$file differs"
+    done
+
+    # Ctrl-C ends it at once, and says so.
+    code=0
+    # shellcheck disable=SC2086
+    timeout -s INT 0.3 "$PHONGSPLAT" tradeoff $small --frames 100000 "$cube" d --tolerances 2,1 --no-gltfpack >stdout.txt 2>stderr.txt || code=$?
+    command_line="tradeoff stopped by SIGINT"
+    [ "$(cat stderr.txt)" = 'phongsplat: interrupted' ] || fail "$command_line: $(cat stderr.txt)"
+    sweep "$cube" d --tolerances 2,1 --no-gltfpack
+    expect_code 0
+    columns d/tradeoff.csv | cmp - expected.txt || fail "$command_line: the sweep differs"
+}
+
+run_cases "$@"

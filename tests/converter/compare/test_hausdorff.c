@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: MIT
+ * The greatest distances, against those that CGAL finds between the same triangles.
+ *
+ * Splats become polygons for that. Three things may differ, all in lengths: CGAL's value is up to
+ * its bound too small, and not below the bound; a polygon of 64 sides lies inside its ellipse by up
+ * to (1 - cos(pi / 64)) radii; and what is found at N points may miss the maximum by as much as the
+ * radius of the largest hole between them, since a distance changes by no more than the way gone.
+ * Among N random points on an area A about (A / a) (N a / A)^2 exp(-N a / A) discs of area a are
+ * expected to be empty (Hall, Introduction to the Theory of Coverage Processes, 1988, section 3.3):
+ * 0.002 of them for a = 2 ln(N) A / N and N = 10,000.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "compare_fixture.h"
+#include "hausdorff.h"
+#include "base/region.h"
+#include "base/vector.h"
+#include "compare/placed_splats.h"
+#include "compare/shape_errors.h"
+#include "compare/source_mesh_parts.h"
+#include "export/glb_writer.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+
+static const double pi = 3.14159265358979323846;
+/* % of the diagonal. */
+static const double bound = 0.5;
+
+/* Ours, and as many for CGAL to spread. */
+enum { POINTS = 10000 };
+enum { SIDES = 64, CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES };
+
+/* Splats as triangles. */
+typedef struct polygons {
+    double *points;
+    uint32_t *triangles;
+    size_t point_count, triangle_count;
+    double error; /* of the polygons */
+    double area;
+} polygons;
+
+static void add_region(const psplat_region *region, polygons *p) {
+    double corners[CORNERS][2];
+    size_t count = psplat_region_polygon(region, 1, corners, CORNERS);
+    uint32_t first = (uint32_t)p->point_count;
+    for (size_t i = 0; i < count; ++i) {
+        double *point = p->points + 3 * p->point_count++;
+        memcpy(point, region->center, 3 * sizeof *point);
+        mad3(point, corners[i][0] * region->radius[0], region->u);
+        mad3(point, corners[i][1] * region->radius[1], region->v);
+    }
+    for (uint32_t i = 2; i < count; ++i) {
+        const uint32_t fan[3] = {first, first + i - 1, first + i};
+        memcpy(p->triangles + 3 * p->triangle_count++, fan, sizeof fan);
+    }
+    p->error = max2(p->error, (1 - cos(pi / SIDES)) * max2(region->radius[0], region->radius[1]));
+    p->area += psplat_region_area(region);
+}
+
+static polygons polygons_of(const psplat_asset *asset, const double origin[3]) {
+    polygons p = {0};
+    psplat_placed_splats placed;
+    assert_int_equal(psplat_placed_splats_create(asset, origin, &placed, NULL), PSPLAT_OK);
+    p.points = malloc(placed.splats.count * CORNERS * 3 * sizeof *p.points);
+    p.triangles = malloc(placed.splats.count * CORNERS * 3 * sizeof *p.triangles);
+    assert_non_null(p.points);
+    assert_non_null(p.triangles);
+    for (size_t i = 0; i < placed.splats.count; ++i) add_region(&placed.splats.regions[i], &p);
+    psplat_placed_splats_free(&placed);
+    return p;
+}
+
+static double hole_radius(double area, size_t samples) {
+    return sqrt(2 * log((double)samples) / (double)samples * area / pi);
+}
+
+/* ours and CGAL's in %, the others lengths. */
+static void agree(double ours, double bounded, double sampled, double hole, double error,
+                  double diagonal) {
+    hole *= 100 / diagonal, error *= 100 / diagonal;
+    assert_true(bounded >= 0 && sampled >= 0);
+    /* Found at points of the surface, ours is never too great. */
+    assert_true(ours <= bounded + bound + error);
+    if (bounded > bound) assert_true(ours >= bounded - hole - error);
+    /* Both miss what lies between points, the one or the other more. */
+    assert_near(ours, sampled, hole + error);
+}
+
+/* *most: the distance that CGAL finds, both ways, %. */
+static void check(const fixture *f, const psplat_asset *asset, double *most) {
+    const psplat_shape_desc desc = {.samples = POINTS};
+    psplat_shape_errors e = fixture_compare_asset(f, asset, &desc);
+    polygons p = polygons_of(asset, f->mesh.origin);
+    const hausdorff_soup source = {f->mesh.positions, f->mesh.vertex_count, f->mesh.triangles,
+                                   f->mesh.triangle_count};
+    const hausdorff_soup splats = {p.points, p.point_count, p.triangles, p.triangle_count};
+    double scale = 100 / e.diagonal, surface = f->source->surface.area;
+    double outward = scale * hausdorff_bounded(&source, &splats, bound / scale);
+    double inward = scale * hausdorff_bounded(&splats, &source, bound / scale);
+    agree(e.outward.max, outward, scale * hausdorff_sampled(&source, &splats, desc.samples),
+          hole_radius(surface, desc.samples), p.error, e.diagonal);
+    agree(e.inward.max, inward, scale * hausdorff_sampled(&splats, &source, desc.samples),
+          hole_radius(p.area, desc.samples), p.error, e.diagonal);
+    *most = max2(outward, inward);
+    free(p.points);
+    free(p.triangles);
+}
+
+/* A cube, one of whose splats floats, and another of which is cut in half. */
+static void test_cube(void **state) {
+    (void)state;
+    fixture f;
+    double most;
+    fixture_model(&f, "cube.off");
+    double half = f.source->surface.diagonal / sqrt(12);
+    for (int broken = 0; broken < 3; ++broken) {
+        scene s = scene_cube((float)half);
+        for (int k = 0; k < 3; ++k) s.origin[k] = f.mesh.origin[k];
+        if (broken == 1)
+            for (int k = 0; k < 3; ++k) s.splats[0].center[k] *= 1.3f;
+        if (broken == 2) s.splats[0].clip[0][2] = 0;
+        psplat_asset *asset = scene_open(&s);
+        check(&f, asset, &most);
+        psplat_asset_destroy(asset);
+        scene_free(&s);
+        /* The middle of the face that floats is 0.3 half edges from it; the half that was cut off
+         * is open as far as its middle is from the edges, half an edge. */
+        const double expected[] = {bound, 100 * 0.3 / sqrt(12), 100 * 0.5 / sqrt(12)};
+        assert_near(most, expected[broken], bound + 1e-4);
+    }
+    fixture_free(&f);
+}
+
+/* Coarse conversions: of a sphere, a torus, a part with creases and holes. */
+static void check_converted(const char *name, double tolerance) {
+    fixture f;
+    psplat_splats splats = {0};
+    psplat_asset *asset;
+    uint8_t *glb;
+    size_t size;
+    double most;
+    const psplat_convert_desc desc = {
+        .tolerance_percent = tolerance, .effort = PSPLAT_EFFORT_NONE, .unverified = 1};
+    fixture_model(&f, name);
+    assert_int_equal(psplat_convert(&f.mesh, &desc, &splats, NULL, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write_as(&splats, NULL, NULL, &glb, &size, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_asset_open_memory(glb, size, NULL, &asset, NULL), PSPLAT_OK);
+    check(&f, asset, &most);
+    /* It is no comparison of nothing with nothing: splats use their tolerance. */
+    assert_true(most > tolerance / 2);
+    psplat_asset_destroy(asset);
+    psplat_splats_free(&splats);
+    free(glb);
+    fixture_free(&f);
+}
+
+static void test_sphere(void **state) {
+    (void)state;
+    check_converted("sphere.ply", 3);
+}
+
+static void test_torus(void **state) {
+    (void)state;
+    check_converted("torus.off", 3);
+}
+
+static void test_part(void **state) {
+    (void)state;
+    check_converted("part.obj", 3);
+}
+
+int test_hausdorff_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_torus),
+        cmocka_unit_test(test_part),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: MIT
+ * Splats where nodes place them, and the nearest of them, against the definitions. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "compare_fixture.h"
+#include "base/random.h"
+#include "base/region.h"
+#include "base/region_distance.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+#include "compare/placed_splats.h"
+#include "export/glb_writer.h"
+#include "measure/measured_splats.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+
+static const double none[3] = {0, 0, 0};
+
+/* A random affine map that is far from singular, by columns; strength: how far from a rigid one. */
+static void random_map(uint64_t *random, double matrix[16]) {
+    double determinant, cofactor[3];
+    memset(matrix, 0, 16 * sizeof *matrix);
+    do {
+        for (int c = 0; c < 3; ++c)
+            for (int k = 0; k < 3; ++k) matrix[4 * c + k] = 4 * psplat_random_unit(random) - 2;
+        cross3(cofactor, matrix + 4, matrix + 8);
+        determinant = dot3(matrix, cofactor);
+    } while (fabs(determinant) < 0.5);
+    for (int k = 0; k < 3; ++k) matrix[12 + k] = 10 * psplat_random_unit(random) - 5;
+    matrix[15] = 1;
+}
+
+static void transform(const double m[16], const double p[3], double result[3]) {
+    for (int k = 0; k < 3; ++k)
+        result[k] = m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k];
+}
+
+/* Normals as tangents say: perpendicular to the images of two vectors that were perpendicular to
+ * them, on the side of the image of the normal itself, times what spec 4 says of their length. */
+static void transform_normal(const double m[16], const double n[3], double result[3]) {
+    double a[3], b[3], unit[3], images[3][3];
+    const double *vectors[3] = {a, b, unit};
+    memcpy(unit, n, sizeof unit);
+    double length = normalize3(unit);
+    perpendicular3(a, unit);
+    cross3(b, unit, a);
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k)
+            images[i][k] =
+                m[k] * vectors[i][0] + m[4 + k] * vectors[i][1] + m[8 + k] * vectors[i][2];
+    cross3(result, images[0], images[1]);
+    double determinant = dot3(result, images[2]);
+    double scale = length * cbrt(fabs(determinant)) / determinant;
+    for (int k = 0; k < 3; ++k) result[k] *= scale;
+}
+
+static void point_of(const psplat_region *region, const double uv[2], double point[3]) {
+    memcpy(point, region->center, 3 * sizeof *point);
+    mad3(point, uv[0] * region->radius[0], region->u);
+    mad3(point, uv[1] * region->radius[1], region->v);
+}
+
+static void assert_near3(const double a[3], const double b[3], double tolerance) {
+    for (int k = 0; k < 3; ++k) assert_near(a[k], b[k], tolerance);
+}
+
+/* Points, what the lines keep of them, and normals go with the map. */
+static void check_placed(const psplat_region *stored, const psplat_blend_field *field,
+                         const psplat_region *placed, const psplat_blend_field *placed_field,
+                         const double m[16], uint64_t *random) {
+    double right[3];
+    assert_near(dot3(placed->u, placed->v), 0, 1e-12);
+    assert_near(length3(placed->u), 1, 1e-12);
+    assert_near(length3(placed->v), 1, 1e-12);
+    cross3(right, placed->u, placed->v);
+    assert_near3(right, placed->n, 1e-12);
+    assert_true(placed->radius[0] >= placed->radius[1] * (1 - 1e-12));
+    for (int i = 0; i < 20; ++i) {
+        double uv[2], p[3], q[3], uvh[3], n[3], expected[3], seen[3];
+        for (int k = 0; k < 2; ++k) uv[k] = 2.4 * psplat_random_unit(random) - 1.2;
+        point_of(stored, uv, p);
+        transform(m, p, q);
+        psplat_region_local(placed, q, uvh);
+        /* Rounding of coordinates of some 10 in units of radii of 0.02 and more. */
+        assert_near(uvh[2], 0, 1e-12);
+        assert_near(hypot(uvh[0], uvh[1]), hypot(uv[0], uv[1]), 1e-10);
+        assert_int_equal(psplat_region_contains(placed, uvh, 1, 0),
+                         psplat_region_contains(stored, uv, 1, 0));
+        psplat_blend_field_normal(field, uv, n);
+        transform_normal(m, n, expected);
+        psplat_blend_field_normal(placed_field, uvh, seen);
+        assert_near3(seen, expected, 1e-9 * length3(expected));
+    }
+}
+
+static void test_transforms(void **state) {
+    (void)state;
+    uint64_t random = 3;
+    int mirrored = 0;
+    for (uint32_t round = 0; round < 20; ++round) {
+        double m[16], cofactor[3];
+        scene s = scene_ellipses(30, 4, round + 1);
+        random_map(&random, m);
+        cross3(cofactor, m + 4, m + 8);
+        mirrored += dot3(m, cofactor) < 0;
+        psplat_asset *asset = fixture_open(&s, m);
+        psplat_placed_splats placed;
+        assert_int_equal(psplat_placed_splats_create(asset, none, &placed, NULL), PSPLAT_OK);
+        assert_int_equal(placed.splats.count, s.count);
+        size_t at = 0;
+        double scale = cbrt(fabs(dot3(m, cofactor)));
+        assert_near(placed.depth, scale * (double)s.depth_tolerance, 1e-6 * scale);
+        for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
+            const psplat_batch *batch = psplat_asset_batch(asset, b);
+            psplat_splats stored = {.splats = (psplat_splat *)batch->splats,
+                                    .count = batch->splat_count};
+            psplat_measured_splats measured;
+            assert_int_equal(psplat_measured_splats_create(&stored, 1, 1, &measured), PSPLAT_OK);
+            for (size_t i = 0; i < stored.count; ++i, ++at)
+                check_placed(&measured.regions[i], &measured.fields[i], &placed.splats.regions[at],
+                             &placed.splats.fields[at], m, &random);
+            psplat_measured_splats_free(&measured);
+        }
+        psplat_placed_splats_free(&placed);
+        psplat_asset_destroy(asset);
+        scene_free(&s);
+    }
+    assert_in_range(mirrored, 4, 16); /* of 20 */
+}
+
+/* What convert writes comes back to the bit, also far from the origin. */
+static void test_exact(void **state) {
+    (void)state;
+    fixture f;
+    fixture_model(&f, "part.obj");
+    for (int k = 0; k < 3; ++k) f.mesh.origin[k] += 1e7 / 3;
+    const psplat_convert_desc desc = {
+        .tolerance_percent = 3, .effort = PSPLAT_EFFORT_NONE, .unverified = 1};
+    psplat_splats splats = {0};
+    psplat_placed_splats placed;
+    psplat_asset *asset;
+    uint8_t *glb;
+    size_t size;
+    assert_int_equal(psplat_convert(&f.mesh, &desc, &splats, NULL, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write_as(&splats, "part", NULL, &glb, &size, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_asset_open_memory(glb, size, NULL, &asset, NULL), PSPLAT_OK);
+    free(glb);
+    assert_int_equal(psplat_placed_splats_create(asset, f.mesh.origin, &placed, NULL), PSPLAT_OK);
+    assert_int_equal(placed.splats.count, splats.count);
+    for (size_t b = 0, at = 0; b < psplat_asset_batch_count(asset); ++b) {
+        const psplat_batch *batch = psplat_asset_batch(asset, b);
+        psplat_splats stored = {.splats = (psplat_splat *)batch->splats,
+                                .count = batch->splat_count};
+        psplat_measured_splats measured;
+        assert_int_equal(psplat_measured_splats_create(&stored, 1, 1, &measured), PSPLAT_OK);
+        assert_memory_equal(measured.regions, placed.splats.regions + at,
+                            stored.count * sizeof *measured.regions);
+        assert_memory_equal(measured.fields->normals, placed.splats.fields[at].normals,
+                            sizeof measured.fields->normals);
+        at += stored.count;
+        psplat_measured_splats_free(&measured);
+    }
+    psplat_placed_splats_free(&placed);
+    psplat_asset_destroy(asset);
+    psplat_splats_free(&splats);
+    fixture_free(&f);
+}
+
+/* ---- the nearest point ------------------------------------------------------------------------
+ */
+
+/* Over a grid of (u, v) as fine as this. */
+enum { GRID = 150 };
+
+static double brute_distance(const psplat_region *region, const double point[3]) {
+    double least = HUGE_VAL;
+    for (int i = -GRID; i <= GRID; ++i)
+        for (int j = -GRID; j <= GRID; ++j) {
+            double uv[2] = {(double)i / GRID, (double)j / GRID}, p[3];
+            if (!psplat_region_contains(region, uv, 1, 0)) continue;
+            point_of(region, uv, p);
+            least = min2(least, distance2_3(p, point));
+        }
+    return sqrt(least);
+}
+
+/* A region's distance is that of its points, but for the grid's spacing; exactly so beside a
+ * circle.
+ */
+static void test_distance(void **state) {
+    (void)state;
+    uint64_t random = 9;
+    scene s = scene_ellipses(40, 4, 5);
+    psplat_splats stored = {.splats = s.splats, .count = s.count};
+    psplat_region *regions = psplat_splat_regions(&stored);
+    assert_non_null(regions);
+    for (size_t i = 0; i < s.count; ++i) {
+        double p[3];
+        for (int k = 0; k < 3; ++k)
+            p[k] = regions[i].center[k] +
+                   3 * (psplat_random_unit(&random) - 0.5) * regions[i].radius[0];
+        double found = psplat_region_distance(&regions[i], p),
+               brute = brute_distance(&regions[i], p);
+        /* Never above; below by the diagonal of a cell at most, and a cell at an outline. */
+        assert_true(found <= brute * (1 + 1e-12));
+        assert_true(found >= brute - 3 * regions[i].radius[0] / GRID);
+    }
+    free(regions);
+    scene_free(&s);
+}
+
+static void test_distance_exact(void **state) {
+    (void)state;
+    psplat_region r = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {2, 2}};
+    assert_near(psplat_region_distance(&r, (const double[]){0.5, 1, -3}), 3, 0);
+    assert_near(psplat_region_distance(&r, (const double[]){5, 0, 4}), 5, 1e-14);
+    assert_near(psplat_region_distance(&r, (const double[]){1e9, 0, 0}), 1e9 - 2, 1e-6);
+    r.radius[0] = 1e4,
+    r.radius[1] = 1; /* a needle: off its tip, beside it, off its side's middle */
+    assert_near(psplat_region_distance(&r, (const double[]){1e4 + 1, 0, 0}), 1, 1e-11);
+    assert_near(psplat_region_distance(&r, (const double[]){0, 3, 0}), 2, 1e-14);
+    r.radius[1] = 1e4;
+    r.line_count = 2; /* u >= 1/2 and v >= 1/2: a quarter with a corner */
+    r.lines[0][0] = r.lines[1][1] = 1, r.lines[0][2] = r.lines[1][2] = -0.5;
+    r.radius[0] = r.radius[1] = 2;
+    assert_near(psplat_region_distance(&r, (const double[]){0, 0, 0}), sqrt(2), 1e-14);
+    assert_near(psplat_region_distance(&r, (const double[]){0, 1.5, 0}), 1, 1e-14);
+    /* Beyond the circle, whose nearest point the line cuts away: the end of the arc. */
+    assert_near(psplat_region_distance(&r, (const double[]){0, 4, 0}), hypot(1, 4 - sqrt(3)),
+                1e-14);
+    r.lines[1][1] = -1, r.lines[1][2] = -0.5; /* v <= -1/2 */
+    assert_near(psplat_region_distance(&r, (const double[]){0, 0, 0}), sqrt(2), 1e-14);
+    r.lines[1][1] = 0, r.lines[1][0] = -1; /* u <= -1/2 and u >= 1/2 */
+    assert_true(isinf(psplat_region_distance(&r, (const double[]){0, 0, 0})));
+}
+
+/* The nearest of many is the least of all. */
+static void test_nearest(void **state) {
+    (void)state;
+    uint64_t random = 4;
+    scene s = scene_ellipses(400, 4, 8);
+    psplat_splats stored = {.splats = s.splats, .count = s.count};
+    psplat_region *regions = psplat_splat_regions(&stored);
+    psplat_region_tree *region_tree = psplat_region_tree_create(regions, s.count, 0);
+    assert_non_null(region_tree);
+    for (int i = 0; i < 500; ++i) {
+        double p[3], least = HUGE_VAL, far = i % 10 ? 2 : 100;
+        for (int k = 0; k < 3; ++k) p[k] = far * (psplat_random_unit(&random) - 0.25);
+        for (size_t r = 0; r < s.count; ++r)
+            least = min2(least, psplat_region_distance(&regions[r], p));
+        assert_near(psplat_region_nearest_distance(regions, s.count, region_tree, 0.01, p), least,
+                    0);
+    }
+    assert_true(isinf(psplat_region_nearest_distance(regions, 0, region_tree, 0.01, none)));
+    psplat_region_tree_destroy(region_tree);
+    free(regions);
+    scene_free(&s);
+}
+
+int test_placed_splats_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_transforms), cmocka_unit_test(test_exact),
+        cmocka_unit_test(test_distance),   cmocka_unit_test(test_distance_exact),
+        cmocka_unit_test(test_nearest),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT
+ * Splats as Gaussians: as wide as what clip lines leave, turned to it, and lit. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "export/khr_gaussians.h"
+#include "material/mipmap.h"
+#include "splats/splats.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* One splat of radii 2 and 1 in the plane z = 0, white and not metallic. */
+static psplat_splat plain(void) {
+    return (psplat_splat){
+        .rotation = {0, 0, 0, 1}, .radius = {2, 1}, .normal = {0, 0, 1}, .color = {1, 1, 1, 1}};
+}
+
+static psplat_gaussian make(psplat_splat *splat, psplat_finish *finish,
+                            const psplat_material *material) {
+    psplat_material used =
+        material ? *material : (psplat_material){.base_color = {1, 1, 1, 1}, .roughness = 1};
+    psplat_run run = {.count = 1, .clip_lines = splat->clip_count};
+    psplat_splats splats = {.splats = splat,
+                            .finishes = finish,
+                            .count = 1,
+                            .runs = &run,
+                            .run_count = 1,
+                            .materials = &used,
+                            .material_count = 1};
+    psplat_gaussian *gaussians = NULL, found;
+    assert_int_equal(psplat_gaussians_make(&splats, &gaussians, NULL), PSPLAT_OK);
+    found = gaussians[0];
+    free(gaussians);
+    return found;
+}
+
+static void assert_near(double found, double expected, double tolerance) {
+    if (!(fabs(found - expected) <= tolerance)) fail_msg("%.9g, expected %.9g", found, expected);
+}
+
+/* The uniform ellipse has a quarter of its squared radii as second moments. */
+static void test_whole_ellipse(void **state) {
+    (void)state;
+    psplat_splat splat = plain();
+    psplat_gaussian g = make(&splat, NULL, NULL);
+    assert_near((double)g.scale[0], PSPLAT_GAUSSIAN_WIDTH * 1.0, 1e-6);
+    assert_near((double)g.scale[1], PSPLAT_GAUSSIAN_WIDTH * 0.5, 1e-6);
+    assert_true(g.scale[2] > 0 && g.scale[2] < 0.02f * g.scale[1]);
+    for (int k = 0; k < 4; ++k) assert_near((double)g.rotation[k], k == 3, 1e-7);
+}
+
+/* A square inside the circle, of half side 1/2: moments h^2 / 3. */
+static void test_square(void **state) {
+    (void)state;
+    psplat_splat splat = plain();
+    static const float lines[4][3] = {{1, 0, 0.5f}, {-1, 0, 0.5f}, {0, 1, 0.5f}, {0, -1, 0.5f}};
+    splat.radius[0] = splat.radius[1] = 3;
+    for (int i = 0; i < 4; ++i)
+        for (int k = 0; k < 3; ++k) splat.clip[i][k] = lines[i][k];
+    splat.clip_count = 4;
+    psplat_gaussian g = make(&splat, NULL, NULL);
+    for (int k = 0; k < 2; ++k) /* the polygon's corners are on the lines */
+        assert_near((double)g.scale[k], PSPLAT_GAUSSIAN_WIDTH * 1.5 / sqrt(3), 1e-5);
+}
+
+/* A diagonal band of the circle is long along the diagonal, wherever the splat lies. */
+static void test_turned(void **state) {
+    (void)state;
+    psplat_splat splat = plain();
+    const float s = sqrtf(0.5f);
+    splat.radius[0] = splat.radius[1] = 1;
+    splat.clip_count = 2;
+    for (int i = 0; i < 2; ++i) { /* |u - v| <= 0.2 sqrt 2 */
+        splat.clip[i][0] = i ? s : -s;
+        splat.clip[i][1] = i ? -s : s;
+        splat.clip[i][2] = 0.2f;
+    }
+    const float rotation[4] = {0.5f, 0.5f, 0.5f, 0.5f}; /* x to y, y to z, z to x */
+    for (int k = 0; k < 4; ++k) splat.rotation[k] = rotation[k];
+    psplat_gaussian g = make(&splat, NULL, NULL);
+    double x = (double)g.rotation[0], y = (double)g.rotation[1], z = (double)g.rotation[2];
+    double w = (double)g.rotation[3];
+    const double axis[3] = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)};
+    assert_near(x * x + y * y + z * z + w * w, 1, 1e-6);
+    assert_near(axis[0], 0, 1e-6);
+    assert_near(fabs(axis[1]), sqrt(0.5), 1e-6);
+    assert_near(axis[1], axis[2], 1e-6);
+    /* About a band of half width 0.2: h^2 / 3. */
+    assert_near((double)g.scale[1], PSPLAT_GAUSSIAN_WIDTH * 0.2 / sqrt(3), 0.003);
+    assert_true(g.scale[0] > 3 * g.scale[1]);
+}
+
+static void test_nothing_left(void **state) {
+    (void)state;
+    psplat_splat splat = plain();
+    splat.clip_count = 1;
+    splat.clip[0][0] = 1;
+    splat.clip[0][2] = -2;
+    psplat_gaussian g = make(&splat, NULL, NULL);
+    assert_near((double)g.scale[0], PSPLAT_GAUSSIAN_WIDTH, 1e-6);
+}
+
+static double shown(const psplat_gaussian *g, int channel) {
+    return (double)g->harmonic[channel] * 0.28209479177387814 + 0.5;
+}
+
+/* Unlit is the colour; lit is darker where the surface turns from the light, and never black. */
+static void test_colours(void **state) {
+    (void)state;
+    psplat_splat splat = plain();
+    psplat_material material = {.base_color = {0.8f, 0.4f, 0.2f, 1}, .roughness = 1, .unlit = 1};
+    splat.color[0] = 0.5f;
+    psplat_gaussian g = make(&splat, NULL, &material);
+    assert_near(shown(&g, 0), (double)psplat_srgb_of_linear(0.4f), 1e-6);
+    assert_near(shown(&g, 1), (double)psplat_srgb_of_linear(0.4f), 1e-6);
+    assert_near(shown(&g, 2), (double)psplat_srgb_of_linear(0.2f), 1e-6);
+    material.unlit = 0;
+    static const float up[3] = {0, 1, 0}, down[3] = {0, -1, 0};
+    for (int k = 0; k < 3; ++k) splat.normal[k] = up[k];
+    psplat_gaussian bright = make(&splat, NULL, &material);
+    for (int k = 0; k < 3; ++k) splat.normal[k] = down[k];
+    psplat_gaussian dark = make(&splat, NULL, &material);
+    assert_true(shown(&bright, 1) > 1.3 * shown(&dark, 1));
+    assert_true(shown(&dark, 1) > 0.3);
+    assert_true(shown(&bright, 1) < (double)psplat_srgb_of_linear(0.4f));
+}
+
+/* What varies (spec 3.10) is taken along; light that is emitted adds, up to white. */
+static void test_finish(void **state) {
+    (void)state;
+    psplat_splat splat = plain();
+    psplat_material material = {
+        .base_color = {0, 0, 0, 1}, .emissive = {4, 0.5f, 0}, .roughness = 1};
+    psplat_finish finish = {.occlusion = 1, .roughness = 1, .emissive = {1, 0.5f, 1}};
+    psplat_gaussian g = make(&splat, &finish, &material);
+    assert_near(shown(&g, 0), 1, 1e-6);
+    assert_near(shown(&g, 1), (double)psplat_srgb_of_linear(0.25f), 1e-6);
+    assert_near(shown(&g, 2), 0, 1e-6);
+    material.base_color[2] = 0.5f;
+    psplat_gaussian open = make(&splat, &finish, &material);
+    finish.occlusion = 0.25f;
+    psplat_gaussian hidden = make(&splat, &finish, &material);
+    assert_true(shown(&hidden, 2) < shown(&open, 2));
+}
+
+int test_khr_gaussians_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_whole_ellipse), cmocka_unit_test(test_square),
+        cmocka_unit_test(test_turned),        cmocka_unit_test(test_nothing_left),
+        cmocka_unit_test(test_colours),       cmocka_unit_test(test_finish),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: MIT
+ * Candidates on surfaces whose best splat is known: plane, cylinder, sphere, and the corners of a
+ * cube. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+#include "fit/grow_candidate.h"
+#include "fit/fit_context.h"
+#include "base/region.h"
+#include "base/vector.h"
+#include "fit/candidate.h"
+#include "fit/normal_field.h"
+#include "features/samples.h"
+
+/* Limits for a tolerance in the mesh's units, normals left free. */
+static psplat_limits limits_of(const fixture *f, double tolerance, double margin) {
+    return (psplat_limits){.tolerance = tolerance,
+                           .crease_tolerance = 0.2 * tolerance,
+                           .crease_slack = 0.1 * tolerance,
+                           .margin = margin,
+                           .distance = f->distance};
+}
+
+static psplat_candidate grow(const fixture *f, const psplat_limits *limits, uint32_t seed) {
+    psplat_scratch scratch = {0};
+    psplat_candidate candidate;
+    const psplat_fit_context context = fixture_context(f, limits, &scratch);
+    assert_int_equal(psplat_candidate_grow(&context, seed, &candidate), PSPLAT_OK);
+    psplat_scratch_free(&scratch);
+    return candidate;
+}
+
+/* The sample nearest to a point. */
+static uint32_t sample_at(const fixture *f, double x, double y, double z) {
+    uint32_t best = 0;
+    double least = HUGE_VAL;
+    const double p[3] = {x, y, z};
+    for (uint32_t i = 0; i < f->samples.count; ++i) {
+        double d[3];
+        sub3(d, f->samples.positions + 3 * (size_t)i, p);
+        if (length3(d) < least) least = length3(d), best = i;
+    }
+    return best;
+}
+
+/* What holds for every candidate: a frame, an ellipse, lines of unit length that keep the seed, the
+ * seed among what it covers, and each covered sample inside, near, facing its way and once. */
+static void check_candidate(const fixture *f, const psplat_limits *limits,
+                            const psplat_candidate *c, uint32_t seed) {
+    const psplat_region *r = &c->region;
+    double cross[3];
+    cross3(cross, r->u, r->v);
+    assert_near(length3(r->u), 1, 1e-12);
+    assert_near(length3(r->v), 1, 1e-12);
+    assert_near(dot3(cross, r->n), 1, 1e-12);
+    assert_true(r->radius[0] >= r->radius[1] && r->radius[1] > 0);
+    assert_true(r->line_count <= PSPLAT_MAX_CLIP_LINES);
+    for (uint32_t i = 0; i < r->line_count; ++i)
+        assert_near(hypot(r->lines[i][0], r->lines[i][1]), 1, 1e-12);
+    assert_true(c->deviation <= limits->tolerance * (1 + 1e-12));
+    uint8_t *seen = calloc(f->samples.count, 1);
+    assert_non_null(seen);
+    uint32_t patch = f->surface.patches[f->samples.triangles[seed]];
+    for (size_t i = 0; i < c->covered_count; ++i) {
+        uint32_t sample = c->covered[i];
+        double uvh[3];
+        psplat_region_local(r, f->samples.positions + 3 * (size_t)sample, uvh);
+        assert_true(psplat_region_contains(r, uvh, 1, 1e-6));
+        assert_true(fabs(uvh[2]) <= c->deviation * (1 + 1e-9) + 1e-15);
+        assert_int_equal(f->surface.patches[f->samples.triangles[sample]], patch);
+        double facing = 0;
+        for (size_t k = 0; k < 3; ++k)
+            facing += r->n[k] * (double)f->samples.normals[3 * (size_t)sample + k];
+        assert_true(facing > 0.2);
+        assert_int_equal(seen[sample], 0);
+        seen[sample] = 1;
+    }
+    assert_int_equal(seen[seed], 1);
+    free(seen);
+}
+
+/* ---- plane ----------------------------------------------------------------------------------- */
+
+static void place_square(double s, double t, double p[3]) {
+    p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0;
+}
+
+/* A square is one splat of four lines, wherever its seed is: also on a side and in a corner. */
+static void test_plane(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, 7, 7, place_square);
+    fixture_build(&f);
+    fixture_sample(&f, 0.02);
+    psplat_limits limits = limits_of(&f, 0.01, 0.1);
+    const double seeds[][2] = {{0, 0}, {1.3, -0.7}, {-2, 0.3}, {2, 2}, {-2, 2}};
+    for (size_t i = 0; i < sizeof seeds / sizeof *seeds; ++i) {
+        uint32_t seed = sample_at(&f, seeds[i][0], seeds[i][1], 0);
+        psplat_candidate c = grow(&f, &limits, seed);
+        check_candidate(&f, &limits, &c, seed);
+        assert_int_equal(c.covered_count, f.samples.count);
+        assert_int_equal(c.region.line_count, 4);
+        assert_near(c.deviation, 0, 1e-12);
+        for (int k = 0; k < 4; ++k) assert_near(c.field[k], 0, 1e-6); /* float normals */
+        psplat_candidate_free(&c);
+    }
+    fixture_free(&f);
+}
+
+/* ---- cylinder -------------------------------------------------------------------------------- */
+
+enum { AROUND = 96 };
+static const double length = 8;
+
+/* Half a tube of radius 1 along z. */
+static void place_tube(double s, double t, double p[3]) {
+    p[0] = sin(fixture_pi * (s - 0.5)), p[1] = cos(fixture_pi * (s - 0.5)),
+    p[2] = length * (t - 0.5);
+}
+
+/* A strip along the axis, as wide as the tolerance allows: half-width w with a sagitta of twice the
+ * tolerance, 1 - cos w = 2 tolerance. */
+static void test_cylinder(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, AROUND, 24, place_tube);
+    for (size_t t = 0; t < f.mesh.triangle_count; ++t) { /* the outside out */
+        uint32_t swap = f.mesh.triangles[3 * t];
+        f.mesh.triangles[3 * t] = f.mesh.triangles[3 * t + 1];
+        f.mesh.triangles[3 * t + 1] = swap;
+    }
+    fixture_build(&f);
+    assert_int_equal(f.surface.crease_edges, 0);
+    fixture_sample(&f, 0.004);
+    const double tolerance = 0.02;
+    psplat_limits limits = limits_of(&f, tolerance, 0.02);
+    double widest = sin(acos(1 - 2 * tolerance));
+    const double axis[3] = {0, 0, 1};
+    for (int i = 0; i < 5; ++i) {
+        double angle = -1 + 0.5 * i;
+        uint32_t seed = sample_at(&f, sin(angle), cos(angle), 0.2 * i);
+        psplat_candidate c = grow(&f, &limits, seed);
+        const psplat_region *r = &c.region;
+        check_candidate(&f, &limits, &c, seed);
+        print_message("cylinder: %.2f x %.3f, widest %.3f\n", r->radius[0], r->radius[1], widest);
+        assert_true(r->radius[0] > 3 * r->radius[1]);
+        assert_true(fabs(dot3(r->u, axis)) > 0.999);
+        assert_true(dot3(r->n, f.surface.face_normals + 3 * (size_t)c.triangle) > 0.9);
+        assert_true(r->radius[1] > 0.8 * widest && r->radius[1] < 1.02 * widest);
+        /* No point of the ellipse is farther than the tolerance from the true cylinder; the mesh is
+         * inside it by at most 1 - cos(pi / 2 / 96). */
+        for (int k = 0; k < 64; ++k) {
+            double p[3], turn = 2 * fixture_pi * k / 64;
+            for (int ring = 0; ring <= 4; ++ring) {
+                region_point(r, ring * cos(turn) / 4, ring * sin(turn) / 4, 0, p);
+                assert_near(hypot(p[0], p[1]), 1, tolerance + 2e-4);
+            }
+        }
+        /* The normal turns across and not along: beta = r_v (BSK04), alpha = 0, by a tenth. */
+        assert_near(c.field[2], 0, 0.1 * r->radius[1]);
+        assert_near(c.field[3], r->radius[1], 0.1 * r->radius[1]);
+        psplat_candidate_free(&c);
+    }
+    fixture_free(&f);
+}
+
+/* ---- sphere ---------------------------------------------------------------------------------- */
+
+/* The best is a cap whose height is twice the tolerance: 1 - cos(half-angle) = 2 tolerance. */
+static void test_sphere(void **state) {
+    (void)state;
+    fixture f;
+    fixture_model(&f, "sphere.ply");
+    double radius = length3(f.mesh.positions);
+    fixture_sample(&f, 0.004);
+    const double parts[] = {0.02, 0.08};
+    for (size_t i = 0; i < 2; ++i) {
+        psplat_limits limits = limits_of(&f, parts[i] * radius, 0.02 * radius);
+        double best = radius * sin(acos(1 - 2 * parts[i]));
+        for (uint32_t k = 0; k < 4; ++k) {
+            uint32_t seed = (uint32_t)(k * f.samples.count / 4);
+            psplat_candidate c = grow(&f, &limits, seed);
+            check_candidate(&f, &limits, &c, seed);
+            print_message("sphere: %.3f x %.3f of the best\n", c.region.radius[0] / best,
+                          c.region.radius[1] / best);
+            assert_int_equal(c.region.line_count, 0);
+            assert_true(c.region.radius[1] > 0.8 * best);
+            /* Its outline may reach beyond the samples that it covers, to where it leaves the
+             * sphere by the tolerance as its middle does: (1 + t)^2 - (1 - t)^2 = 4 t. The mesh
+             * lies 0.1 % inside the sphere. A little longer where it is narrower. */
+            double widest2 = 4 * parts[i] * radius * radius;
+            assert_true(c.region.radius[0] < 1.1 * sqrt(widest2));
+            assert_true(c.region.radius[0] * c.region.radius[1] < 1.02 * widest2);
+            for (int n = 0; n < 64; ++n) {
+                double p[3], turn = 2 * fixture_pi * n / 64;
+                region_point(&c.region, cos(turn), sin(turn), 0, p);
+                assert_near(length3(p), radius, (parts[i] + 0.0015) * radius);
+            }
+            psplat_candidate_free(&c);
+        }
+    }
+    fixture_free(&f);
+}
+
+/* Where normals may err by little, they and not the tolerance bound the splat. */
+static void test_normal_tolerance(void **state) {
+    (void)state;
+    fixture f;
+    fixture_model(&f, "sphere.ply");
+    double radius = length3(f.mesh.positions);
+    fixture_sample(&f, 0.004);
+    psplat_limits limits = limits_of(&f, 0.3 * radius, 0.02 * radius);
+    limits.normal_tolerance = 0.01;
+    psplat_candidate tight = grow(&f, &limits, 7);
+    limits.normal_tolerance = 0.05;
+    psplat_candidate loose = grow(&f, &limits, 7);
+    assert_true(tight.covered_count < loose.covered_count);
+    for (int i = 0; i < 2; ++i) {
+        const psplat_candidate *c = i ? &loose : &tight;
+        double greatest = 0;
+        for (size_t k = 0; k < c->covered_count; ++k) {
+            double uvh[3], xy[2], n[3], across[3], m[3];
+            const float *stored = f.samples.normals + 3 * (size_t)c->covered[k];
+            psplat_region_local(&c->region, f.samples.positions + 3 * (size_t)c->covered[k], uvh);
+            psplat_normal_field_at(c->field, c->region.radius, uvh, xy);
+            for (int a = 0; a < 3; ++a) {
+                m[a] = (double)stored[a];
+                n[a] = c->region.n[a] + xy[0] * c->region.u[a] + xy[1] * c->region.v[a];
+            }
+            cross3(across, m, n);
+            greatest = max2(greatest, atan2(length3(across), dot3(m, n)));
+        }
+        /* What fitting promises, recomputed from the normals themselves. */
+        assert_true(greatest <= (i ? 0.05 : 0.01) * (1 + 1e-6)); /* float normals */
+    }
+    psplat_candidate_free(&tight);
+    psplat_candidate_free(&loose);
+    fixture_free(&f);
+}
+
+/* ---- corners --------------------------------------------------------------------------------- */
+
+/* From every sample on an edge or corner of the cube grows a splat of one face that reaches over no
+ * edge. */
+static void test_corners(void **state) {
+    (void)state;
+    fixture f;
+    fixture_model(&f, "cube.off");
+    fixture_sample(&f, 0.05);
+    double half = f.surface.diagonal / sqrt(12);
+    psplat_limits limits = limits_of(&f, 0.02 * half, 0.1 * half);
+    size_t corners = 0;
+    for (uint32_t seed = 0; seed < f.samples.count; ++seed) {
+        const double *p = f.samples.positions + 3 * (size_t)seed;
+        int sides = 0;
+        for (int k = 0; k < 3; ++k) sides += fabs(fabs(p[k]) - half) < 1e-9 * half;
+        if (sides < 2) continue;
+        corners += sides == 3;
+        psplat_candidate c = grow(&f, &limits, seed);
+        check_candidate(&f, &limits, &c, seed);
+        double polygon[68][2];
+        size_t count = psplat_region_polygon(&c.region, 0, polygon, 68);
+        assert_true(count >= 3);
+        for (size_t i = 0; i < count; ++i) {
+            double q[3];
+            region_point(&c.region, polygon[i][0], polygon[i][1], 0, q);
+            for (int k = 0; k < 3; ++k) assert_true(fabs(q[k]) <= half + limits.crease_slack);
+        }
+        psplat_candidate_free(&c);
+    }
+    assert_int_equal(corners, 24);
+    fixture_free(&f);
+}
+
+/* ---- covering again ---------------------------------------------------------------------------
+ */
+
+/* Samples that were not there when a candidate grew count as covered where it covers them. */
+static void test_cover(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, 7, 7, place_square);
+    fixture_build(&f);
+    fixture_sample(&f, 0.05);
+    psplat_limits limits = limits_of(&f, 0.01, 0.1);
+    psplat_candidate c = grow(&f, &limits, 0);
+    psplat_samples extra;
+    assert_int_equal(psplat_samples_draw_uniform(&f.surface, 50, 9, &extra, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_samples_append(&f.samples, &f.surface, extra.positions, extra.triangles,
+                                           extra.count, NULL),
+                     PSPLAT_OK);
+    psplat_scratch scratch = {0};
+    const psplat_fit_context context = fixture_context(&f, &limits, &scratch);
+    assert_int_equal(psplat_candidate_cover(&context, &c), PSPLAT_OK);
+    assert_int_equal(c.covered_count, f.samples.count);
+    psplat_scratch_free(&scratch);
+    psplat_samples_free(&extra);
+    psplat_candidate_free(&c);
+    fixture_free(&f);
+}
+
+int test_candidate_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_plane),   cmocka_unit_test(test_cylinder),
+        cmocka_unit_test(test_sphere),  cmocka_unit_test(test_normal_tolerance),
+        cmocka_unit_test(test_corners), cmocka_unit_test(test_cover),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT
+ * Clip lines around a seed: convex and reflex corners, curved creases, too many creases. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <cmocka.h>
+
+#include "near.h"
+#include "base/random.h"
+#include "base/region.h"
+#include "fit/clip_lines.h"
+#include "fit/crease_segments.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* A chain of creases through the given points, the surface to its left, joined by vertex ids. */
+static size_t chain(psplat_segment *segments, size_t begin, const double (*points)[2], size_t count,
+                    int closed) {
+    size_t edges = closed ? count : count - 1;
+    for (size_t i = 0; i < edges; ++i) {
+        size_t next = (i + 1) % count;
+        psplat_segment *s = &segments[begin + i];
+        *s = (psplat_segment){.vertex = {(uint32_t)(begin + i), (uint32_t)(begin + next)}};
+        for (int k = 0; k < 2; ++k) s->a[k] = points[i][k], s->b[k] = points[next][k];
+    }
+    return begin + edges;
+}
+
+static psplat_region unit_region(void) {
+    return (psplat_region){.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {2, 2}};
+}
+
+/* How far the region's lines keep a point of the plane (2 per unit of u), least over the lines. */
+static double kept_by(const psplat_region *r, double u, double v) {
+    double least = 1e9;
+    for (uint32_t i = 0; i < r->line_count; ++i) {
+        double d = 2 * (r->lines[i][0] * u + r->lines[i][1] * v + r->lines[i][2]);
+        if (d < least) least = d;
+    }
+    return least;
+}
+
+static void test_no_creases(void **state) {
+    (void)state;
+    psplat_region r = unit_region();
+    double seed[2] = {0, 0};
+    assert_int_equal(psplat_clip_choose(&r, NULL, 0, seed, 0.01), 1);
+    assert_int_equal(r.line_count, 0);
+}
+
+/* Ten collinear edges are one line, exactly along them. */
+static void test_straight_chain(void **state) {
+    (void)state;
+    psplat_segment s[10];
+    double points[11][2], seed[2] = {0, 0.3};
+    for (int i = 0; i < 11; ++i) points[i][0] = -1 + 0.2 * i, points[i][1] = -0.25;
+    size_t count = chain(s, 0, (const double(*)[2])points, 11, 0);
+    psplat_region r = unit_region();
+    assert_int_equal(psplat_clip_choose(&r, s, count, seed, 0.01), 1);
+    assert_int_equal(r.line_count, 1);
+    assert_near(r.lines[0][0], 0, 1e-12);
+    assert_near(r.lines[0][1], 1, 1e-12);
+    assert_near(r.lines[0][2], 0.25, 1e-12);
+}
+
+static void test_convex_corner(void **state) {
+    (void)state;
+    psplat_segment s[2];
+    double points[3][2] = {{-0.4, 1}, {-0.4, -0.3}, {1, -0.3}}, seed[2] = {0, 0};
+    size_t count = chain(s, 0, (const double(*)[2])points, 3, 0);
+    psplat_region r = unit_region();
+    assert_int_equal(psplat_clip_choose(&r, s, count, seed, 0.01), 1);
+    assert_int_equal(r.line_count, 2);
+    assert_near(kept_by(&r, -0.4, 0), 0, 1e-12);
+    assert_near(kept_by(&r, 0, -0.3), 0, 1e-12);
+    assert_true(kept_by(&r, -0.41, 0) < 0 && kept_by(&r, 0, -0.31) < 0);
+}
+
+/* Around a reflex corner one line does: the other edge lies behind it. */
+static void test_reflex_corner(void **state) {
+    (void)state;
+    double points[3][2] = {{0.1, -1}, {0.1, 0.2}, {1, 0.2}};
+    double seeds[3][2] = {{-0.5, 0}, {0.4, 0.6}, {-0.2, 0.5}};
+    for (int k = 0; k < 3; ++k) {
+        psplat_segment s[2];
+        size_t count = chain(s, 0, (const double(*)[2])points, 3, 0);
+        psplat_region r = unit_region();
+        assert_int_equal(psplat_clip_choose(&r, s, count, seeds[k], 0.01), 1);
+        assert_int_equal(r.line_count, 1);
+        assert_true(kept_by(&r, seeds[k][0], seeds[k][1]) > 0);
+        for (double t = 0; t <= 1; t += 0.125) {
+            assert_true(kept_by(&r, 0.1, -1 + 1.2 * t) <= 0.01 + 1e-12);
+            assert_true(kept_by(&r, 0.1 + 0.9 * t, 0.2) <= 0.01 + 1e-12);
+        }
+    }
+}
+
+/* A convex arc of many edges: as few lines as the slack allows, no surface lost, none reached
+ * beyond it. */
+static void test_curved_chain(void **state) {
+    (void)state;
+    enum { COUNT = 33 };
+    psplat_segment s[COUNT];
+    double points[COUNT][2], seed[2] = {0, 0.8};
+    for (int i = 0; i < COUNT; ++i) {
+        double t = pi * (1.25 + 0.5 * i / (COUNT - 1)); /* the lower quarter of a circle */
+        points[i][0] = 0.9 * cos(t), points[i][1] = 0.9 + 0.9 * sin(t);
+    }
+    size_t count = chain(s, 0, (const double(*)[2])points, COUNT, 0);
+    const double slack = 0.15;
+    psplat_region r = unit_region();
+    assert_int_equal(psplat_clip_choose(&r, s, count, seed, slack), 1);
+    /* A run of 47 degrees has a sagitta of 0.15; the one from the middle leaves both ends. */
+    assert_int_equal(r.line_count, 3);
+    for (int i = 0; i < COUNT; ++i) {
+        double kept = kept_by(&r, points[i][0], points[i][1]);
+        assert_true(kept >= -1e-12);
+        assert_true(kept <= slack + 1e-12);
+    }
+    r = unit_region();
+    assert_int_equal(psplat_clip_choose(&r, s, count, seed, 0.001), 0); /* four cannot follow it */
+}
+
+/* A pentagon around the seed needs five lines. */
+static void test_too_many(void **state) {
+    (void)state;
+    for (size_t sides = 3; sides <= 6; ++sides) {
+        psplat_segment s[6];
+        double points[6][2], seed[2] = {0.05, 0.02};
+        for (size_t i = 0; i < sides; ++i) {
+            double t = 2 * pi * (double)i / (double)sides;
+            points[i][0] = 0.7 * cos(t), points[i][1] = 0.7 * sin(t);
+        }
+        size_t count = chain(s, 0, (const double(*)[2])points, sides, 1);
+        psplat_region r = unit_region();
+        int chosen = psplat_clip_choose(&r, s, count, seed, 0.01);
+        assert_int_equal(chosen, sides <= PSPLAT_MAX_CLIP_LINES);
+        assert_int_equal(r.line_count, chosen ? sides : 0);
+    }
+}
+
+/* Two chains through one vertex, in any order of their pieces: the lines are the same. */
+static void test_order(void **state) {
+    (void)state;
+    enum { COUNT = 8 };
+    psplat_segment s[COUNT], shuffled[COUNT];
+    double points[5][2], seed[2] = {0, 0.1};
+    for (int i = 0; i < 5; ++i) points[i][0] = -0.8 + 0.4 * i, points[i][1] = -0.3;
+    chain(s, 0, (const double(*)[2])points, 5, 0);
+    for (int i = 0; i < 5; ++i) points[i][0] = 0.4 * i, points[i][1] = -0.3 - 0.02 * points[i][0];
+    chain(s, 4, (const double(*)[2])points, 5, 0);
+    s[4].vertex[0] = s[2].vertex[0]; /* both begin at (0, -0.3) */
+    psplat_region first = unit_region();
+    assert_int_equal(psplat_clip_choose(&first, s, COUNT, seed, 0.01), 1);
+    uint64_t random = 9;
+    for (int round = 0; round < 50; ++round) {
+        for (size_t i = 0; i < COUNT; ++i) {
+            size_t at = psplat_random_next(&random) % (i + 1);
+            shuffled[i] = shuffled[at];
+            shuffled[at] = s[i];
+        }
+        psplat_region r = unit_region();
+        assert_int_equal(psplat_clip_choose(&r, shuffled, COUNT, seed, 0.01), 1);
+        assert_int_equal(r.line_count, first.line_count);
+        assert_memory_equal(r.lines, first.lines, r.line_count * sizeof r.lines[0]);
+    }
+}
+
+int test_clip_lines_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_no_creases),    cmocka_unit_test(test_straight_chain),
+        cmocka_unit_test(test_convex_corner), cmocka_unit_test(test_reflex_corner),
+        cmocka_unit_test(test_curved_chain),  cmocka_unit_test(test_too_many),
+        cmocka_unit_test(test_order),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_quantize_candidate.c - splats on the grid of a file: they lie on it, they keep what is
+ * promised of them at every precision, and neither scale nor place of a model changes them.
+ */
+#include "mesh_fixture.h"
+
+#include "stage_fixture.h"
+
+#include "base/random.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/quantize.h"
+#include "splats/splats.h"
+#include "verify/report.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <stdio.h>
+
+static void read_model(const char *name, psplat_mesh *mesh) {
+    psplat_error error;
+    char path[512];
+    snprintf(path, sizeof path, PSPLAT_SOURCE_DIR "/samples/models/%s", name);
+    if (psplat_mesh_read(path, mesh, &error)) fail_msg("%s", error.text);
+}
+
+static psplat_splats convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                             psplat_report *report) {
+    psplat_splats splats;
+    psplat_error error;
+    if (psplat_convert(mesh, desc, &splats, report, &error)) fail_msg("%s", error.text);
+    return splats;
+}
+
+/* ---- promises ------------------------------------------------------------------------------ */
+
+static void keeps_promises(const char *name, const psplat_convert_desc *desc) {
+    psplat_mesh mesh;
+    psplat_report report;
+    read_model(name, &mesh);
+    psplat_splats splats = convert(&mesh, desc, &report);
+    assert_true(splats.precision.unit > 0);
+    psplat_promise broken = psplat_report_broken(&report);
+    if (broken != PSPLAT_PROMISE_COUNT)
+        fail_msg("%s at %g %%, precision %g: promise %d, %g of %g", name, desc->tolerance_percent,
+                 desc->precision, (int)broken, report.promises[broken].worst,
+                 report.promises[broken].limit);
+    psplat_splats_free(&splats);
+    psplat_mesh_free(&mesh);
+}
+
+/* The part's creases meet at all angles, the cone has a tip, the plate is as thin as the tolerance
+ * is wide. */
+static void test_promises(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        double precision;
+    } cases[] = {{"part.obj", 0.3},
+                 {"cone.stl", PSPLAT_USUAL_PRECISION},
+                 {"cone.stl", 0.3},
+                 {"cone.stl", PSPLAT_GREATEST_PRECISION},
+                 {"plate.stl", PSPLAT_USUAL_PRECISION},
+                 {"plate.stl", 0.3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        keeps_promises(cases[i].name, &(psplat_convert_desc){.tolerance_percent = 3,
+                                                             .effort = PSPLAT_EFFORT_NONE,
+                                                             .precision = cases[i].precision});
+}
+
+/* Normals too are judged as they are rounded. */
+static void test_normals(void **state) {
+    (void)state;
+    keeps_promises("sphere.ply", &(psplat_convert_desc){.tolerance_percent = 3,
+                                                        .effort = PSPLAT_EFFORT_NONE,
+                                                        .normal_tolerance_degrees = 8,
+                                                        .precision = PSPLAT_USUAL_PRECISION});
+}
+
+/* ---- grid ---------------------------------------------------------------------------------- */
+
+static void assert_same_code(const psplat_quantized_splat *a, const psplat_quantized_splat *b) {
+    assert_memory_equal(a->position, b->position, sizeof a->position);
+    assert_memory_equal(a->normal, b->normal, sizeof a->normal);
+    assert_int_equal(a->turn, b->turn);
+    assert_memory_equal(a->tilt, b->tilt, sizeof a->tilt);
+    assert_memory_equal(a->scale, b->scale, sizeof a->scale);
+    assert_memory_equal(a->field, b->field, sizeof a->field);
+    assert_memory_equal(a->lines, b->lines, sizeof a->lines);
+}
+
+/* Snapping what lies on the grid changes nothing: not one bit. */
+static void test_on_grid(void **state) {
+    (void)state;
+    psplat_mesh mesh;
+    read_model("cone.stl", &mesh);
+    const psplat_convert_desc desc = {.tolerance_percent = 2,
+                                      .effort = PSPLAT_EFFORT_NONE,
+                                      .unverified = 1,
+                                      .precision = PSPLAT_USUAL_PRECISION};
+    psplat_splats splats = convert(&mesh, &desc, NULL);
+    size_t size = splats.count * sizeof *splats.splats, lines = 0;
+    psplat_splat *before = malloc(size);
+    assert_non_null(before);
+    memcpy(before, splats.splats, size);
+    psplat_round_to_precision(&splats);
+    for (size_t i = 0; i < splats.count; ++i) {
+        assert_memory_equal(&before[i], &splats.splats[i], sizeof *before);
+        lines += before[i].clip_count;
+    }
+    assert_true(lines > 0);
+    free(before);
+    psplat_splats_free(&splats);
+    psplat_mesh_free(&mesh);
+}
+
+/* A limit's precision rounds a region's lines and field as the stored splat's: candidates are
+ * judged as they are stored. Random lines through the ellipse, in all directions. */
+static void test_rounded_once(void **state) {
+    (void)state;
+    const psplat_precision precision = {.unit = 1e-3,
+                                        .scale_step = 0.04,
+                                        .turn_step = 1.0 / 256,
+                                        .tilt_step = 1.0 / 64,
+                                        .field_step = 1.0 / 64,
+                                        .line_step = 1.0 / 256,
+                                        .line_turn_step = 1.0 / 512,
+                                        .normal_bits = 8};
+    uint64_t random = 7;
+    for (int i = 0; i < 1000; ++i) {
+        double angle = 2 * fixture_pi * psplat_random_unit(&random), again[3], field[5], twice[5];
+        double line[3] = {cos(angle), sin(angle), 1.9 * psplat_random_unit(&random) - 0.95},
+               kept[3];
+        memcpy(kept, line, sizeof kept);
+        psplat_quantize_line(&precision, line);
+        memcpy(again, line, sizeof again);
+        psplat_quantize_line(&precision, again);
+        for (int k = 0; k < 3; ++k) assert_near(again[k], line[k], 1e-12); /* of the ellipse */
+        for (int k = 0; k < 64; ++k) { /* nothing that was kept is cut off */
+            double a = 2 * fixture_pi * k / 64, x = cos(a), y = sin(a);
+            if (kept[0] * x + kept[1] * y + kept[2] >= 0)
+                assert_true(line[0] * x + line[1] * y + line[2] >= -0.011 * precision.line_step);
+        }
+        for (int k = 0; k < 5; ++k) field[k] = 2 * psplat_random_unit(&random) - 1;
+        memcpy(twice, field, sizeof twice);
+        psplat_quantize_field(&precision, field);
+        for (int k = 0; k < 5; ++k) assert_true(fabs(field[k] - twice[k]) <= 0.5001 / 64);
+        memcpy(twice, field, sizeof twice);
+        psplat_quantize_field(&precision, twice);
+        assert_memory_equal(twice, field, sizeof field);
+    }
+}
+
+/* ---- scale and place ----------------------------------------------------------------------- */
+
+static void assert_same_codes(const psplat_splats *a, const psplat_splats *b) {
+    assert_int_equal(a->count, b->count);
+    for (size_t i = 0; i < a->count; ++i) {
+        psplat_quantized_splat left, right;
+        psplat_quantize_splat(&a->precision, &a->splats[i], &left);
+        psplat_quantize_splat(&b->precision, &b->splats[i], &right);
+        assert_same_code(&left, &right);
+    }
+}
+
+/* A model scaled by a power of two is the same integers with another unit. */
+static void test_scale(void **state) {
+    (void)state;
+    static const double scales[] = {0x1p-30, 0x1p30}; /* about 1e-9, 1e9 */
+    const psplat_convert_desc desc = {.tolerance_percent = 3,
+                                      .effort = PSPLAT_EFFORT_NONE,
+                                      .unverified = 1,
+                                      .precision = PSPLAT_USUAL_PRECISION};
+    psplat_mesh mesh;
+    read_model("cone.stl", &mesh);
+    psplat_splats splats = convert(&mesh, &desc, NULL);
+    for (size_t k = 0; k < 2; ++k) {
+        psplat_mesh scaled;
+        read_model("cone.stl", &scaled);
+        for (size_t i = 0; i < 3 * scaled.vertex_count; ++i) scaled.positions[i] *= scales[k];
+        psplat_splats other = convert(&scaled, &desc, NULL);
+        assert_near(other.precision.unit / scales[k], splats.precision.unit,
+                    1e-5 * splats.precision.unit);
+        assert_same_codes(&splats, &other);
+        psplat_splats_free(&other);
+        psplat_mesh_free(&scaled);
+    }
+    psplat_splats_free(&splats);
+    psplat_mesh_free(&mesh);
+}
+
+/* A model far from the origin is the same integers, its origin elsewhere. Offsets and vertices are
+ * whole numbers, so that the file loses nothing of the vertices. */
+static void test_place(void **state) {
+    (void)state;
+    static const double offsets[] = {0, 40960000.0};
+    psplat_splats splats[2];
+    for (int k = 0; k < 2; ++k) {
+        char text[512];
+        size_t used = 0;
+        static const int corners[6][3] = {{4, 0, 0},  {-4, 0, 0}, {0, 3, 0},
+                                          {0, -3, 0}, {0, 0, 2},  {0, 0, -2}};
+        static const int faces[8][3] = {{1, 3, 5}, {3, 2, 5}, {2, 4, 5}, {4, 1, 5},
+                                        {3, 1, 6}, {2, 3, 6}, {4, 2, 6}, {1, 4, 6}};
+        for (int i = 0; i < 6; ++i)
+            used += (size_t)snprintf(text + used, sizeof text - used, "v %.0f %.0f %.0f\n",
+                                     corners[i][0] + offsets[k], corners[i][1] - offsets[k],
+                                     corners[i][2] + offsets[k]);
+        for (int i = 0; i < 8; ++i)
+            used += (size_t)snprintf(text + used, sizeof text - used, "f %d %d %d\n", faces[i][0],
+                                     faces[i][1], faces[i][2]);
+        psplat_mesh mesh = read_text("far.obj", text);
+        const psplat_convert_desc desc = {.tolerance_percent = 2,
+                                          .effort = PSPLAT_EFFORT_NONE,
+                                          .precision = PSPLAT_USUAL_PRECISION};
+        psplat_report report;
+        splats[k] = convert(&mesh, &desc, &report);
+        assert_int_equal(psplat_report_broken(&report), PSPLAT_PROMISE_COUNT);
+        psplat_mesh_free(&mesh);
+    }
+    assert_same_codes(&splats[0], &splats[1]);
+    for (int k = 0; k < 2; ++k) psplat_splats_free(&splats[k]);
+}
+
+int test_quantize_candidate_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_promises), cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_on_grid),  cmocka_unit_test(test_rounded_once),
+        cmocka_unit_test(test_scale),    cmocka_unit_test(test_place),
+    };
+    return cmocka_run_group_tests(tests, make_directory, remove_directory);
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * invented_table.h - rows of a sweep that was never run.
+ */
+#ifndef PHONGSPLAT_TEST_INVENTED_TABLE_H
+#define PHONGSPLAT_TEST_INVENTED_TABLE_H
+
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "table/row.h"
+#include "table/setting.h"
+#include "table/sweep_options.h"
+#include "table/sweep_table.h"
+
+static inline psplat_row splats_row(double tolerance, psplat_normal_field field, psplat_mode mode,
+                                    int no_filter) {
+    const psplat_setting setting = {.competitor = PSPLAT_COMPETITOR_SPLATS,
+                                    .tolerance = tolerance,
+                                    .field = field,
+                                    .mode = mode,
+                                    .no_filter = no_filter};
+    return psplat_row_empty(&setting);
+}
+
+/* A row with a size, a difference of pictures and a time; NaN where not measured. */
+static inline psplat_row plain_row(double bytes, double difference, double ms) {
+    psplat_row row = splats_row(1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG, 0);
+    row.values[PSPLAT_COLUMN_BYTES] = bytes;
+    row.values[PSPLAT_COLUMN_DIFFERENCE] = difference;
+    row.values[PSPLAT_COLUMN_CPU_MS] = ms;
+    return row;
+}
+
+/* Values as a model of middle size gives them: finer tolerances, more of everything but error. */
+static inline void fill_row(psplat_row *row) {
+    const psplat_setting *s = &row->setting;
+    int is_splats = s->competitor == PSPLAT_COMPETITOR_SPLATS;
+    double fineness = is_splats ? 1 / s->tolerance : 30 * s->ratio;
+    double elements = is_splats ? 120 * pow(fineness, 0.8) : 3000 * fineness;
+    double worse = s->field ? 1.7 : 1;
+    double *v = row->values;
+    v[PSPLAT_COLUMN_ELEMENTS] = floor(elements);
+    v[PSPLAT_COLUMN_BYTES] = floor(2000 + elements * (s->field ? 52 : is_splats ? 64 : 5));
+    v[PSPLAT_COLUMN_CONVERT_S] = 0.1 + fineness / 7;
+    v[PSPLAT_COLUMN_BROKEN] = 0;
+    for (int i = PSPLAT_COLUMN_DISTANCE_MAX; i <= PSPLAT_COLUMN_TARGET_SAMPLES; ++i)
+        v[i] = 0.37 / fineness / (1 + i);
+    v[PSPLAT_COLUMN_DISTANCE_MAX] = 0.97 / fineness;
+    v[PSPLAT_COLUMN_NORMAL_RMS] = 4 * worse * pow(fineness, -0.4);
+    for (int i = PSPLAT_COLUMN_PSNR; i <= PSPLAT_COLUMN_COVERED; ++i) v[i] = 20 + i / 3.0;
+    v[PSPLAT_COLUMN_DIFFERENCE] =
+        (1.2 + 0.01 * s->no_filter) * worse * (1 + 0.6 * (double)s->mode) * pow(fineness, -0.5);
+    for (int i = PSPLAT_COLUMN_LOAD_MS; i <= PSPLAT_COLUMN_WALL_MS_Q3; ++i)
+        v[i] = (6 + 1.1 * s->no_filter - 1.5 * (double)s->mode) * pow(elements, 0.2);
+    v[PSPLAT_COLUMN_CPU_MS_Q1] *= 0.9;
+    v[PSPLAT_COLUMN_CPU_MS_Q3] *= 1.2;
+}
+
+/* A whole sweep, as if measured. */
+static inline psplat_sweep_table make_table(int with_gltfpack) {
+    psplat_sweep_table table = {.source = "models/<p&q>.obj", .graphics = "Somebody's GPU, 4.5"};
+    psplat_sweep_options_complete(&table.options);
+    if (with_gltfpack) strcpy(table.gltfpack, "gltfpack 1.3");
+    if (psplat_sweep_table_plan(&table, NULL)) abort();
+    for (size_t i = 0; i < table.count; ++i) {
+        psplat_row *row = &table.rows[i];
+        row->is_measured = 1;
+        if (row->setting.competitor != PSPLAT_COMPETITOR_MESH)
+            fill_row(row);
+        else
+            row->values[PSPLAT_COLUMN_CPU_MS] = 13.25;
+    }
+    return table;
+}
+
+#endif

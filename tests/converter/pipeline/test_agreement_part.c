@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: MIT
+ * The machined part, converted and drawn: the renderer agrees with the reference rasteriser on what
+ * the converter really writes. */
+#include "agreement.h"
+#include "export/glb_writer.h"
+#include "import/read_mesh.h"
+#include "mesh/mesh.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+
+#include <phongsplat/host.h>
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <cmocka.h>
+
+static psplat_asset *convert_part(void) {
+    psplat_mesh mesh;
+    psplat_splats splats;
+    psplat_asset *asset = NULL;
+    uint8_t *data = NULL;
+    size_t size = 0;
+    psplat_error error;
+    const psplat_convert_desc desc = {.tolerance_percent = 2};
+    assert_int_equal(psplat_mesh_read(PSPLAT_SOURCE_DIR "/samples/models/part.obj", &mesh, &error),
+                     PSPLAT_OK);
+    assert_int_equal(psplat_convert(&mesh, &desc, &splats, NULL, &error), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write_as(&splats, "part", NULL, &data, &size, &error), PSPLAT_OK);
+    assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, &error), PSPLAT_OK);
+    free(data);
+    psplat_splats_free(&splats);
+    psplat_mesh_free(&mesh);
+    return asset;
+}
+
+/* From outside, distance half diagonals away in direction from; most of it in view. */
+static psplat_view view_of(const psplat_asset *asset, const double from[3], double distance) {
+    psplat_view view = camera_view(160, 120);
+    double low[3], high[3], eye[3], middle[3], size2 = 0, from2 = 0;
+    psplat_asset_bounds(asset, low, high);
+    for (int i = 0; i < 3; ++i) {
+        size2 += (high[i] - low[i]) * (high[i] - low[i]) / 4;
+        from2 += from[i] * from[i];
+    }
+    double radius = sqrt(size2);
+    for (int i = 0; i < 3; ++i) {
+        middle[i] = (low[i] + high[i]) / 2;
+        eye[i] = middle[i] + from[i] * distance * radius / sqrt(from2);
+        view.lights[0].direction[i] = (float)-from[i];
+        view.ambient[i] = 0.1f;
+    }
+    view.lights[0].direction[0] -= 1;
+    camera_look(&view, eye, middle);
+    camera_perspective(&view, 75 * distance, (distance - 1) * radius, (distance + 1) * radius);
+    return view;
+}
+
+static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
+    /* As in test_agreement.c, but splats as large as a fifth of their distance: (2 / 5)^2 of
+     * epsilon. */
+    const agreement_ties ties = {2e-4, 2e-6, 0.16};
+    psplat_view view = view_of(asset, from, 4);
+    agreement a = agreement_measure(g, asset, NULL, &view, 1, &ties);
+    print_message("phong alone: covered %zu skipped %zu\n", a.covered, a.skipped);
+    assert_true(a.skipped * 5 < a.covered); /* or the test would see little */
+    /* Of splats that lie in one plane nothing decides which is nearest: this mode skips them. */
+    view.mode = PSPLAT_MODE_PARAMETERS;
+    agreement parameters = agreement_measure(g, asset, NULL, &view, 1, &ties);
+    agreement_add(&a, &parameters);
+    print_message("covered %zu skipped %zu mismatches %zu other %zu uv %.1e (thin %.1e) depth %.1e "
+                  "(thin %.1e) color %.1e\n",
+                  a.covered, a.skipped, a.mismatches, a.other, a.uv, a.thin_uv, a.depth,
+                  a.thin_depth, a.color);
+    assert_true(a.covered > 2 * 1500);
+    assert_int_equal(a.mismatches, 0);
+    assert_int_equal(a.other, 0);
+    assert_true(a.uv <= 5e-5 && a.thin_uv <= 5e-4);
+    assert_true(a.depth <= 1e-6 && a.thin_depth <= 2e-5);
+    assert_true(a.color <= 1e-4);
+    for (int mode = PSPLAT_MODE_GAUSSIAN; mode <= PSPLAT_MODE_FLAT; ++mode) {
+        view.mode = (psplat_mode)mode;
+        agreement other = agreement_measure(g, asset, NULL, &view, 1, &ties);
+        print_message("mode %d: mismatches %zu depth %.1e color %.1e\n", mode, other.mismatches,
+                      other.depth, other.color);
+        assert_int_equal(other.mismatches, 0);
+        assert_true(other.depth <= 1e-6 && other.color <= 1e-4);
+    }
+}
+
+/* With the filter of spec 5.8, from near and from so far that splats are below a pixel, and creases
+ * between soft clip lines. */
+static void check_filter(gpu *g, const psplat_asset *asset, const double from[3], double pixels) {
+    const agreement_ties ties = {2e-4, 2e-6, 0.16};
+    psplat_view view = view_of(asset, from, 4);
+    view.no_filter = 0;
+    view.projection[0] *= pixels / 150; /* of 150 pixels across */
+    view.projection[5] *= pixels / 150;
+    for (int mode = PSPLAT_MODE_PHONG; mode <= PSPLAT_MODE_GAUSSIAN; ++mode) {
+        view.mode = (psplat_mode)mode;
+        agreement a = agreement_measure(g, asset, NULL, &view, 1, &ties);
+        print_message("filtered, %g px: covered %zu skipped %zu mismatches %zu depth %.1e "
+                      "(thin %.1e) color %.1e\n",
+                      pixels, a.covered, a.skipped, a.mismatches, a.depth, a.thin_depth, a.color);
+        assert_true((double)a.covered > 0.07 * pixels * pixels && a.skipped * 3 < a.covered);
+        assert_int_equal(a.mismatches, 0);
+        /* Where a splat shows in single pixels, their position error counts times depth a pixel. */
+        assert_true(a.depth <= 1e-6 && a.thin_depth <= 5e-6 && a.color <= 1e-4);
+    }
+}
+
+static void test_filtered_part(void **state) {
+    (void)state;
+    gpu g = gpu_open(PSPLAT_API_GL);
+    psplat_asset *asset = convert_part();
+    const double pixels[] = {150, 40, 12};
+    for (int k = 0; k < 3; ++k) {
+        check_filter(&g, asset, (double[]){1, 2, 3}, pixels[k]);
+        check_filter(&g, asset, (double[]){-3, 1, -1}, pixels[k]);
+    }
+    psplat_asset_destroy(asset);
+    gpu_close(&g);
+}
+
+static void test_part(void **state) {
+    (void)state;
+    gpu g = gpu_open(PSPLAT_API_GL);
+    psplat_asset *asset = convert_part();
+    check(&g, asset, (double[]){1, 2, 3});
+    check(&g, asset, (double[]){-3, 1, -1});
+    check(&g, asset, (double[]){0.5, -3, 1});
+    psplat_asset_destroy(asset);
+    gpu_close(&g);
+}
+
+int test_agreement_part_main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_part),
+                                       cmocka_unit_test(test_filtered_part)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_convert_scene.c - all meshes of a scene: tolerances where they are seen, progress as of one
+ * conversion, failures that name the mesh, equal bytes, and what the runtime sees of it.
+ */
+#include "gltf_fixture.h"
+#include "export/glb_writer.h"
+#include "import/read_scene.h"
+#include "pipeline/convert_scene.h"
+#include "pipeline/schedule.h"
+#include "scene/scene.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+#include "verify/report.h"
+
+#include <phongsplat/phongsplat.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MESH(name)                                                                                 \
+    "{\"name\":\"" name "\",\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}"
+#define THREE                                                                                      \
+    "\"meshes\":[" MESH("a") "," MESH("b") ",{\"primitives\":[{\"mode\":0,\"attributes\":{"        \
+                                           "\"POSITION\":0}}]}," MESH("c") "]"
+
+/* a twice, once stretched by 4 and mirrored; b a tenth as large; c far away; lines in between. */
+static psplat_scene make_scene(void) {
+    psplat_scene scene;
+    psplat_error error = {0};
+    gltf g = tetrahedron();
+    const char *text = finish(
+        &g, "\"scenes\":[{\"nodes\":[0,1,2,3,4]}],\"nodes\":[{\"mesh\":0},{\"mesh\":0,"
+            "\"scale\":[-4,1,1],\"translation\":[-2,0,0]},{\"mesh\":1,\"scale\":[0.1,0.1,0.1]},"
+            "{\"mesh\":2},{\"mesh\":3,\"translation\":[0,20,0]}]," THREE);
+    write_bytes("s.gltf", text, strlen(text));
+    psplat_result result = psplat_scene_read(fixture_path, NULL, &scene, &error);
+    unlink(fixture_path);
+    if (result) fail_msg("%s", error.text);
+    return scene;
+}
+
+static void test_tolerances(void **state) {
+    (void)state;
+    psplat_scene scene = make_scene();
+    psplat_splats splats[4] = {{0}};
+    psplat_scene_report report;
+    psplat_error error = {0};
+    const psplat_convert_desc desc = {.tolerance_percent = 1};
+    if (psplat_scene_convert(&scene, &desc, splats, &report, &error)) fail_msg("%s", error.text);
+    /* x: -6 ... 1, y: 0 ... 21, z: 0 ... 1. */
+    double diagonal = sqrt(7 * 7 + 21 * 21 + 1), own = sqrt(3);
+    const double lengths[4] = {diagonal / 4, diagonal * 10, 0, diagonal};
+    assert_int_equal(report.mesh_count, 4);
+    assert_near(report.total.diagonal, diagonal, 1e-12);
+    assert_true(report.total.tolerance_percent == 1);
+    for (size_t i = 0; i < 4; ++i) assert_near(report.meshes[i].diagonal, lengths[i], 1e-9);
+    /* The small one at 20 % of its own box, not at 128 %. */
+    assert_near(report.meshes[1].tolerance_percent / 100 * lengths[1], 0.2 * own, 1e-12);
+    assert_near(report.meshes[3].tolerance_percent, 1, 1e-15);
+    assert_int_equal(report.total.splats, splats[0].count + splats[1].count + splats[3].count);
+    assert_int_equal(splats[2].count, 0);
+    assert_int_equal(report.total.triangles, 12);
+    assert_int_equal(psplat_report_broken(&report.total), PSPLAT_PROMISE_COUNT);
+    assert_true(report.total.promises[PSPLAT_PROMISE_DISTANCE].limit == 1);
+    psplat_scene_splats_free(&scene, splats);
+    psplat_scene_report_free(&report);
+    psplat_scene_free(&scene);
+}
+
+/* What the runtime shows is where the nodes put it, up to the placement of the splats. */
+static void test_opened(void **state) {
+    (void)state;
+    psplat_scene scene = make_scene();
+    psplat_splats splats[4] = {{0}};
+    uint8_t *data[2];
+    size_t size[2];
+    psplat_asset *asset;
+    psplat_error error = {0};
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(psplat_scene_convert(&scene, NULL, splats, NULL, NULL), PSPLAT_OK);
+        assert_int_equal(psplat_scene_write(&scene, splats, NULL, &data[i], &size[i], NULL),
+                         PSPLAT_OK);
+        psplat_scene_splats_free(&scene, splats);
+    }
+    assert_int_equal(size[0], size[1]);
+    assert_memory_equal(data[0], data[1], size[0]);
+    if (psplat_asset_open_memory(data[0], size[0], NULL, &asset, &error))
+        fail_msg("%s", error.text);
+    /* Centres of the tetrahedron's splats lie within its box, as each node places it. */
+    static const double low[4][3] = {{0, 0, 0}, {-6, 0, 0}, {0, 0, 0}, {0, 20, 0}};
+    static const double high[4][3] = {{1, 1, 1}, {-2, 1, 1}, {0.1, 0.1, 0.1}, {1, 21, 1}};
+    size_t inside[4] = {0}, centers = 0;
+    for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
+        const psplat_batch *batch = psplat_asset_batch(asset, b);
+        for (size_t s = 0; s < batch->splat_count; ++s, ++centers)
+            for (size_t i = 0; i < 4; ++i) {
+                int is_inside = 1;
+                for (int row = 0; row < 3; ++row) {
+                    double x = batch->model[12 + row], margin = 0.02 * (high[i][row] - low[i][row]);
+                    for (int k = 0; k < 3; ++k)
+                        x += batch->model[4 * k + row] * (double)batch->splats[s].center[k];
+                    is_inside &= x >= low[i][row] - margin && x <= high[i][row] + margin;
+                }
+                inside[i] += (size_t)is_inside;
+            }
+    }
+    assert_int_equal(centers, 16);    /* four faces, four times */
+    assert_in_range(inside[0], 4, 8); /* and those of the small one may lie there */
+    for (size_t i = 1; i < 4; ++i) assert_int_equal(inside[i], 4);
+    psplat_asset_destroy(asset);
+    free(data[0]);
+    free(data[1]);
+    psplat_scene_free(&scene);
+}
+
+typedef struct progress {
+    double done;
+    int calls, stop_at;
+} progress;
+
+static int watch(void *user, const char *stage, double fraction) {
+    progress *p = user;
+    double done = psplat_schedule_done(stage, fraction);
+    if (done < p->done || done > 1) fail_msg("%s %g after %g", stage, fraction, p->done);
+    p->done = done;
+    return ++p->calls == p->stop_at;
+}
+
+/* Forward only, from the first mesh to the last; stopped anywhere, nothing is left and the mesh at
+ * hand is named. */
+static void test_progress(void **state) {
+    (void)state;
+    psplat_scene scene = make_scene();
+    psplat_splats splats[4] = {{0}};
+    progress p = {0};
+    psplat_convert_desc desc = {.tolerance_percent = 5, .progress = watch, .user = &p};
+    psplat_scene_report report;
+    assert_int_equal(psplat_scene_convert(&scene, &desc, splats, &report, NULL), PSPLAT_OK);
+    assert_true(p.done > 0.9);
+    psplat_scene_splats_free(&scene, splats);
+    psplat_scene_report_free(&report);
+    int calls = p.calls;
+    const int stops[] = {1, calls / 2, calls};
+    const char *const names[] = {"mesh 0 'a'", "mesh 1 'b'", "mesh 3 'c'"};
+    for (size_t i = 0; i < 3; ++i) {
+        psplat_error error = {0};
+        p = (progress){.stop_at = stops[i]};
+        assert_int_equal(psplat_scene_convert(&scene, &desc, splats, &report, &error),
+                         PSPLAT_ERROR_INTERRUPTED);
+        if (strncmp(error.text, names[i], strlen(names[i])) != 0) fail_msg("%s", error.text);
+        for (size_t k = 0; k < 4; ++k) assert_null(splats[k].splats);
+        assert_null(report.meshes);
+    }
+    psplat_scene_free(&scene);
+}
+
+static void test_arguments(void **state) {
+    (void)state;
+    psplat_scene scene = {0};
+    psplat_splats splats;
+    uint8_t *data;
+    size_t size;
+    psplat_scene_report report;
+    assert_int_equal(psplat_scene_convert(NULL, NULL, &splats, NULL, NULL), PSPLAT_ERROR_ARGUMENT);
+    assert_int_equal(psplat_scene_convert(&scene, NULL, NULL, NULL, NULL), PSPLAT_ERROR_ARGUMENT);
+    assert_int_equal(psplat_scene_convert(&scene, NULL, &splats, &report, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_scene_write(&scene, &splats, NULL, &data, &size, NULL),
+                     PSPLAT_ERROR_NO_SPLATS);
+    psplat_scene_report_free(&report);
+}
+
+int test_convert_scene_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_tolerances),
+        cmocka_unit_test(test_opened),
+        cmocka_unit_test(test_progress),
+        cmocka_unit_test(test_arguments),
+    };
+    return cmocka_run_group_tests(tests, make_directory, remove_directory);
+}

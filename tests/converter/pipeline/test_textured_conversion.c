@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: MIT
+ * From textures to splats: what a square shows, its splats show within what was promised. */
+#include "appearance_fixture.h"
+
+#include "near.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "material/mipmap.h"
+#include "material/source_materials.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+#include "verify/report.h"
+
+enum { SIZE = 64 };
+
+/* Black on the left, white on the right. */
+static void halves(uint32_t x, uint32_t y, uint8_t rgba[4]) {
+    (void)y;
+    memset(rgba, x < SIZE / 2 ? 0 : 255, 3);
+    rgba[3] = 255;
+}
+
+/* Light that grows evenly across, and downwards in green. */
+static void ramp(uint32_t x, uint32_t y, uint8_t rgba[4]) {
+    float across = ((float)x + 0.5f) / SIZE, down = ((float)y + 0.5f) / SIZE;
+    rgba[0] = (uint8_t)(255 * psplat_srgb_of_linear(0.1f + 0.8f * across) + 0.5f);
+    rgba[1] = (uint8_t)(255 * psplat_srgb_of_linear(0.9f - 0.8f * down) + 0.5f);
+    rgba[2] = 128, rgba[3] = 255;
+}
+
+static void red(uint32_t x, uint32_t y, uint8_t rgba[4]) {
+    (void)x, (void)y;
+    rgba[0] = 255, rgba[1] = rgba[2] = 0, rgba[3] = 255;
+}
+
+/* Leans by atan(1/2) to the right. */
+static void lean(uint32_t x, uint32_t y, uint8_t rgba[4]) {
+    (void)x, (void)y;
+    const double length = sqrt(1.25);
+    rgba[0] = (uint8_t)lround(127.5 * (1 + 0.5 / length));
+    rgba[1] = 128;
+    rgba[2] = (uint8_t)lround(127.5 * (1 + 1 / length));
+    rgba[3] = 255;
+}
+
+static psplat_splats convert(const painted *p, double color_tolerance, psplat_color_field field,
+                             psplat_report *report) {
+    const psplat_convert_desc desc = {.tolerance_percent = 1,
+                                      .color_tolerance_percent = color_tolerance,
+                                      .color_field = field,
+                                      .effort = PSPLAT_EFFORT_NONE};
+    psplat_splats splats;
+    psplat_error error;
+    if (psplat_convert(&p->mesh, &desc, &splats, report, &error)) fail_msg("%s", error.text);
+    assert_int_equal(psplat_report_broken(report), PSPLAT_PROMISE_COUNT);
+    return splats;
+}
+
+/* A flat square needs one splat; its colours need more, and each splat is of one. */
+static void test_edge(void **state) {
+    (void)state;
+    painted p;
+    psplat_report loose, tight;
+    painted_make(&p, 2, SIZE, halves);
+    p.source_material.base_color =
+        (psplat_texture_info){.image = &p.image, .wrap = {PSPLAT_WRAP_CLAMP}};
+    psplat_splats splats = convert(&p, 100, PSPLAT_COLOR_FIELD_CONSTANT, &loose);
+    assert_in_range(splats.count, 1, 6);
+    psplat_splats_free(&splats);
+    splats = convert(&p, 10, PSPLAT_COLOR_FIELD_CONSTANT, &tight);
+    assert_in_range(splats.count, 2 * loose.splats, 60);
+    assert_true(tight.rms_color_percent < 0.5 * loose.rms_color_percent);
+    size_t pure = 0;
+    for (size_t i = 0; i < splats.count; ++i)
+        pure += splats.splats[i].color[0] < 0.01f || splats.splats[i].color[0] > 0.95f;
+    assert_true(pure >= 2); /* each half has a splat of its own */
+    psplat_splats_free(&splats);
+    painted_free(&p);
+}
+
+static void test_ramp(void **state) {
+    (void)state;
+    painted p;
+    psplat_report report, constant;
+    painted_make(&p, 2, SIZE, ramp);
+    p.source_material.base_color =
+        (psplat_texture_info){.image = &p.image, .wrap = {PSPLAT_WRAP_CLAMP, PSPLAT_WRAP_CLAMP}};
+    psplat_splats splats = convert(&p, 2, PSPLAT_COLOR_FIELD_CHOSEN, &report);
+    assert_non_null(splats.finishes); /* linear is what pays here */
+    assert_true(report.rms_color_percent < 2);
+    assert_true(report.rms_color_constant_percent > 4 * report.rms_color_percent);
+    for (size_t i = 0; i < splats.count; ++i) /* blue is the same everywhere: 128 */
+        assert_near(splats.splats[i].color[2], psplat_linear_of_srgb(128 / 255.0f), 1e-4);
+    psplat_splats_free(&splats);
+    splats = convert(&p, 2, PSPLAT_COLOR_FIELD_CONSTANT, &constant);
+    assert_null(splats.finishes);
+    assert_true(constant.splats > 4 * report.splats);
+    psplat_splats_free(&splats);
+    painted_free(&p);
+}
+
+static void test_one_color(void **state) {
+    (void)state;
+    painted p;
+    psplat_report report;
+    painted_make(&p, 2, 4, red);
+    p.source_material.base_color = (psplat_texture_info){.image = &p.image};
+    p.source_material.material.base_color[0] = 0.5f;
+    psplat_splats splats = convert(&p, 0, PSPLAT_COLOR_FIELD_CHOSEN, &report);
+    assert_false(splats.has_color);
+    assert_null(splats.finishes);
+    assert_near(splats.materials[0].base_color[0], 0.5, 1e-6);
+    assert_near(splats.materials[0].base_color[1], 0, 1e-6);
+    assert_true(report.rms_color_percent < 0.01);
+    psplat_splats_free(&splats);
+    painted_free(&p);
+}
+
+static void test_finishes(void **state) {
+    (void)state;
+    painted p;
+    psplat_report report;
+    painted_make(&p, 2, SIZE, halves);
+    p.source_material.base_color =
+        (psplat_texture_info){.image = &p.image, .wrap = {PSPLAT_WRAP_CLAMP}};
+    p.source_material.metallic_roughness = p.source_material.base_color;
+    p.source_material.occlusion = p.source_material.base_color;
+    p.source_material.occlusion.strength = 0.5f;
+    p.source_material.emissive = p.source_material.base_color;
+    psplat_splats splats = convert(&p, 10, PSPLAT_COLOR_FIELD_CONSTANT, &report);
+    assert_non_null(splats.finishes);
+    for (size_t i = 0; i < splats.count; ++i) {
+        /* All are means over the same samples of the same picture of 0 and 1. */
+        float part = splats.splats[i].color[0];
+        assert_near(splats.finishes[i].roughness, part, 1e-5);
+        assert_near(splats.finishes[i].metallic, part, 1e-5);
+        assert_near(splats.finishes[i].emissive[1], part, 1e-5);
+        assert_near(splats.finishes[i].occlusion, 0.5 + 0.5 * (double)part, 1e-5);
+    }
+    psplat_splats_free(&splats);
+    painted_free(&p);
+}
+
+static void test_normal_map(void **state) {
+    (void)state;
+    painted p;
+    psplat_report report;
+    painted_make(&p, 2, 4, lean);
+    p.source_material.normal = (psplat_texture_info){.image = &p.image, .strength = 1};
+    psplat_splats splats = convert(&p, 0, PSPLAT_COLOR_FIELD_CHOSEN, &report);
+    assert_true(report.rms_normal_degrees < 0.01);
+    for (size_t i = 0; i < splats.count; ++i) {
+        const psplat_splat *s = &splats.splats[i];
+        assert_near(s->center[2], 0, 1e-6);                  /* the shape is as flat as before */
+        assert_near(s->normal[0] / s->normal[2], 0.5, 0.01); /* eight bits */
+        assert_near(s->normal[1], 0, 0.01);
+    }
+    psplat_splats_free(&splats);
+    painted_free(&p);
+}
+
+/* Groups keep to themselves, each with its material. */
+static void test_two_materials(void **state) {
+    (void)state;
+    painted p;
+    psplat_report report;
+    psplat_source_material both[2];
+    painted_make(&p, 2, 4, red);
+    both[0] = both[1] = p.source_material;
+    both[1].material.base_color[1] = 0.25f;
+    both[1].base_color = (psplat_texture_info){.image = &p.image};
+    p.mesh.source_materials = both;
+    p.mesh.source_material_count = 2;
+    p.mesh.groups = calloc(p.mesh.triangle_count, sizeof *p.mesh.groups);
+    assert_non_null(p.mesh.groups);
+    for (size_t t = 0; t < 4; ++t) p.mesh.groups[t] = 1; /* the lower half */
+    psplat_splats splats = convert(&p, 0, PSPLAT_COLOR_FIELD_CHOSEN, &report);
+    size_t of_both[2] = {0, 0};
+    for (size_t run = 0, i = 0; run < splats.run_count; ++run)
+        for (size_t end = i + splats.runs[run].count; i < end; ++i) {
+            int lower = splats.splats[i].center[1] < 0;
+            assert_int_equal(splats.runs[run].material, lower);
+            ++of_both[lower];
+        }
+    assert_true(of_both[0] > 0 && of_both[1] > 0);
+    assert_false(splats.has_color);
+    assert_near(splats.materials[0].base_color[1], 1, 1e-6);
+    assert_near(splats.materials[1].base_color[1], 0, 1e-6); /* the texture has no green */
+    assert_near(splats.materials[1].base_color[0], 1, 1e-6);
+    psplat_splats_free(&splats);
+    painted_free(&p);
+}
+
+int test_textured_conversion_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_edge),       cmocka_unit_test(test_ramp),
+        cmocka_unit_test(test_one_color),  cmocka_unit_test(test_finishes),
+        cmocka_unit_test(test_normal_map), cmocka_unit_test(test_two_materials),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: MIT
+ * The selection covers every sample and comes out the same each time; once improved, it keeps no
+ * candidate that none needs. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <string.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+#include "fit/grow_candidate.h"
+#include "fit/fit_context.h"
+#include "fit/candidate.h"
+#include "features/samples.h"
+#include "select/conversion.h"
+#include "select/greedy_cover.h"
+#include "select/selection.h"
+
+/* As conversions set them; for samples a quarter of the tolerance apart. */
+static psplat_limits limits_of(const fixture *f, double part) {
+    double tolerance = part * f->surface.diagonal;
+    return (psplat_limits){.tolerance = tolerance,
+                           .crease_tolerance = 0.9 * tolerance,
+                           .crease_slack = 0.3 * tolerance,
+                           .margin = 0.4 * f->samples.spacing,
+                           .distance = f->distance};
+}
+
+/* How many of the taken candidates cover each sample; the caller frees it. */
+static uint32_t *count_covers(const fixture *f, const psplat_selection *selection) {
+    uint32_t *covers = calloc(f->samples.count, sizeof *covers);
+    assert_non_null(covers);
+    for (size_t i = 0; i < selection->count; ++i)
+        for (size_t k = 0;
+             selection->candidates[i].taken && k < selection->candidates[i].covered_count; ++k) {
+            assert_true(selection->candidates[i].covered[k] < f->samples.count);
+            covers[selection->candidates[i].covered[k]]++;
+        }
+    return covers;
+}
+
+/* Every sample is covered, and every candidate taken is all that covers one of them. */
+static void check_cover(const fixture *f, const psplat_selection *selection) {
+    uint32_t *covers = count_covers(f, selection);
+    for (size_t i = 0; i < f->samples.count; ++i) assert_true(covers[i] > 0);
+    for (size_t i = 0; i < selection->count; ++i) {
+        const psplat_candidate *c = &selection->candidates[i];
+        int needed = !c->taken;
+        for (size_t k = 0; k < c->covered_count; ++k) needed |= covers[c->covered[k]] == 1;
+        assert_true(needed);
+    }
+    free(covers);
+}
+
+/* Covers all samples, drops what is not needed, and forgets the pool. */
+static void select_all(const fixture *f, double part, uint64_t seed, psplat_selection *selection) {
+    psplat_limits limits = limits_of(f, part);
+    psplat_convert_desc desc = {.seed = seed};
+    const psplat_fit_context context = fixture_context(f, &limits, NULL);
+    assert_int_equal(psplat_greedy_cover(&context, &desc, selection, NULL), PSPLAT_OK);
+    assert_int_equal(fixture_improve(selection, f->samples.count, 0, 0, 0), PSPLAT_OK);
+    size_t taken = psplat_selection_taken(selection);
+    psplat_selection_drop_untaken(selection);
+    assert_int_equal(selection->count, taken);
+}
+
+static void test_cover(void **state) {
+    (void)state;
+    const char *names[] = {"cone.stl", "cube.off"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        fixture f;
+        psplat_selection selection = {0};
+        fixture_model(&f, names[i]);
+        fixture_sample(&f, 0.01);
+        select_all(&f, 0.04, 0, &selection);
+        print_message("%s: %zu candidates for %zu samples\n", names[i], selection.count,
+                      f.samples.count);
+        check_cover(&f, &selection);
+        if (i == 1) assert_int_equal(selection.count, 6);
+        psplat_selection_free(&selection);
+        fixture_free(&f);
+    }
+}
+
+/* The same seed gives the same candidates to the last bit. */
+static void test_repeatable(void **state) {
+    (void)state;
+    fixture f;
+    psplat_selection first = {0}, second = {0};
+    fixture_model(&f, "sphere.ply");
+    fixture_sample(&f, 0.01);
+    select_all(&f, 0.05, 5, &first);
+    select_all(&f, 0.05, 5, &second);
+    assert_int_equal(first.count, second.count);
+    assert_true(first.count > 6);
+    check_cover(&f, &first);
+    for (size_t i = 0; i < first.count; ++i) {
+        const psplat_candidate *a = &first.candidates[i], *b = &second.candidates[i];
+        assert_memory_equal(a->region.center, b->region.center, sizeof a->region.center);
+        assert_memory_equal(a->region.radius, b->region.radius, sizeof a->region.radius);
+        assert_memory_equal(a->field, b->field, sizeof a->field);
+        assert_int_equal(a->covered_count, b->covered_count);
+        assert_memory_equal(a->covered, b->covered, a->covered_count * sizeof *a->covered);
+    }
+    psplat_selection_free(&first);
+    psplat_selection_free(&second);
+    fixture_free(&f);
+}
+
+/* A selection that covers all already stays as it is: nothing new is grown. */
+static void test_existing(void **state) {
+    (void)state;
+    fixture f;
+    psplat_selection selection = {0};
+    fixture_model(&f, "cube.off");
+    fixture_sample(&f, 0.01);
+    select_all(&f, 0.04, 0, &selection);
+    assert_int_equal(selection.count, 6);
+    double kept[6][3];
+    for (int i = 0; i < 6; ++i) memcpy(kept[i], selection.candidates[i].region.center, 24);
+    /* Two of them once more, as candidates of their own. */
+    for (int i = 0; i < 2; ++i) {
+        psplat_candidate copy = selection.candidates[i];
+        copy.covered = malloc(copy.covered_count * sizeof *copy.covered);
+        assert_non_null(copy.covered);
+        memcpy(copy.covered, selection.candidates[i].covered,
+               copy.covered_count * sizeof *copy.covered);
+        assert_true(selection.count < selection.capacity);
+        selection.candidates[selection.count++] = copy;
+    }
+    select_all(&f, 0.03, 1, &selection);
+    assert_int_equal(selection.count, 6);
+    check_cover(&f, &selection);
+    for (int i = 0; i < 6; ++i) {
+        int found = 0;
+        for (int k = 0; k < 6; ++k)
+            found += !memcmp(kept[i], selection.candidates[k].region.center, sizeof kept[i]);
+        assert_int_equal(found, 1);
+    }
+    psplat_selection_free(&selection);
+    fixture_free(&f);
+}
+
+/* Samples appended later are covered by what is taken, once it was asked again, or by selecting
+ * again. */
+static void test_appended(void **state) {
+    (void)state;
+    fixture f;
+    psplat_selection selection = {0};
+    psplat_samples extra;
+    psplat_scratch scratch = {0};
+    fixture_model(&f, "cone.stl");
+    fixture_sample(&f, 0.01);
+    select_all(&f, 0.04, 0, &selection);
+    size_t before = f.samples.count;
+    assert_int_equal(psplat_samples_draw_uniform(&f.surface, 500, 9, &extra, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_samples_append(&f.samples, &f.surface, extra.positions, extra.triangles,
+                                           extra.count, NULL),
+                     PSPLAT_OK);
+    psplat_limits limits = limits_of(&f, 0.04);
+    const psplat_fit_context context = fixture_context(&f, &limits, &scratch);
+    for (size_t i = 0; i < selection.count; ++i)
+        assert_int_equal(psplat_candidate_cover(&context, &selection.candidates[i]), PSPLAT_OK);
+    uint32_t *covers = count_covers(&f, &selection);
+    size_t covered = 0;
+    for (size_t i = 0; i < f.samples.count; ++i) covered += covers[i] > 0;
+    for (size_t i = 0; i < before; ++i) assert_true(covers[i] > 0);
+    assert_true(covered > before + extra.count / 2); /* most lie between the first ones */
+    free(covers);
+    select_all(&f, 0.04, 2, &selection);
+    check_cover(&f, &selection);
+    psplat_scratch_free(&scratch);
+    psplat_samples_free(&extra);
+    psplat_selection_free(&selection);
+    fixture_free(&f);
+}
+
+/* One candidate for each seed, in their order, whatever grew when; settling keeps those taken, in
+ * their order. */
+static void test_pool(void **state) {
+    (void)state;
+    enum { SEEDS = 40 };
+    fixture f;
+    psplat_selection selection = {0};
+    psplat_scratch scratch = {0};
+    uint32_t seeds[SEEDS];
+    double kept[SEEDS][3];
+    fixture_model(&f, "cone.stl");
+    fixture_sample(&f, 0.01);
+    psplat_limits limits = limits_of(&f, 0.04);
+    const psplat_fit_context context = fixture_context(&f, &limits, &scratch);
+    for (uint32_t i = 0; i < SEEDS; ++i)
+        seeds[i] = (uint32_t)((size_t)i * 7919 % f.samples.count); /* a prime: all over */
+    assert_int_equal(psplat_selection_grow(&context, seeds, SEEDS, &selection), PSPLAT_OK);
+    assert_int_equal(selection.count, SEEDS);
+    assert_int_equal(psplat_selection_taken(&selection), 0);
+    size_t taken = 0;
+    for (size_t i = 0; i < SEEDS; ++i) {
+        psplat_candidate alone, *c = &selection.candidates[i];
+        assert_int_equal(psplat_candidate_grow(&context, seeds[i], &alone), PSPLAT_OK);
+        assert_memory_equal(c->region.center, alone.region.center, sizeof alone.region.center);
+        assert_memory_equal(c->region.radius, alone.region.radius, sizeof alone.region.radius);
+        assert_memory_equal(c->field, alone.field, sizeof alone.field);
+        assert_int_equal(c->covered_count, alone.covered_count);
+        psplat_candidate_free(&alone);
+        c->taken = i % 3 == 1;
+        if (c->taken) memcpy(kept[taken++], c->region.center, sizeof kept[0]);
+    }
+    assert_int_equal(psplat_selection_taken(&selection), taken);
+    psplat_selection_drop_untaken(&selection);
+    assert_int_equal(selection.count, taken);
+    for (size_t i = 0; i < taken; ++i)
+        assert_memory_equal(selection.candidates[i].region.center, kept[i], sizeof kept[0]);
+    psplat_scratch_free(&scratch);
+    psplat_selection_free(&selection);
+    fixture_free(&f);
+}
+
+static int stop_at_once(void *user, const char *stage, double fraction) {
+    (void)stage;
+    assert_true(fraction >= 0 && fraction <= 1);
+    return ++*(int *)user == 2;
+}
+
+/* Stopping leaves a selection that can be freed, and says so. */
+static void test_interrupted(void **state) {
+    (void)state;
+    fixture f;
+    psplat_selection selection = {0};
+    psplat_error error = {0};
+    int calls = 0;
+    psplat_convert_desc desc = {.progress = stop_at_once, .user = &calls};
+    fixture_model(&f, "sphere.ply");
+    fixture_sample(&f, 0.01);
+    psplat_limits limits = limits_of(&f, 0.002);
+    const psplat_fit_context context = fixture_context(&f, &limits, NULL);
+    assert_int_equal(psplat_greedy_cover(&context, &desc, &selection, &error),
+                     PSPLAT_ERROR_INTERRUPTED);
+    assert_int_equal(error.code, PSPLAT_ERROR_INTERRUPTED);
+    assert_int_equal(calls, 2);
+    psplat_selection_free(&selection);
+    assert_int_equal(selection.count, 0);
+    fixture_free(&f);
+}
+
+/* Greedy choice: after one round what gains most is taken, each that is taken has gained nearly as
+ * much, and none that would is left. */
+static void check_greedy(const fixture *f, const psplat_selection *selection) {
+    const double worth_taking = 0.8;
+    uint32_t *covers = count_covers(f, selection);
+    size_t most = 0, least = SIZE_MAX, covered = 0, taken = psplat_selection_taken(selection);
+    const psplat_candidate *largest = NULL;
+    for (size_t i = 0; i < selection->count; ++i) {
+        const psplat_candidate *c = &selection->candidates[i];
+        if (c->covered_count > most) most = c->covered_count, largest = c;
+        if (c->covered_count < least) least = c->covered_count;
+    }
+    assert_true((double)least < 0.7 * (double)most); /* there is something to choose */
+    assert_int_equal(largest->taken, 1);
+    for (size_t i = 0; i < f->samples.count; ++i) covered += covers[i] > 0;
+    assert_true((double)covered >= (double)taken * worth_taking * (double)most);
+    for (size_t i = 0; i < selection->count; ++i) {
+        const psplat_candidate *c = &selection->candidates[i];
+        size_t gain = 0;
+        for (size_t k = 0; k < c->covered_count; ++k) gain += covers[c->covered[k]] == 0;
+        assert_true((double)gain < worth_taking * (double)most);
+    }
+    free(covers);
+}
+
+static void test_greedy(void **state) {
+    (void)state;
+    const char *names[] = {"torus.off", "cone.stl"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        fixture f;
+        fixture_model(&f, names[i]);
+        fixture_sample(&f, 0.01);
+        psplat_limits limits = limits_of(&f, 0.005);
+        const psplat_fit_context context = fixture_context(&f, &limits, NULL);
+        for (uint64_t seed = 0; seed < 3; ++seed) {
+            psplat_selection selection = {0};
+            int calls = 0;
+            psplat_convert_desc desc = {.seed = seed, .progress = stop_at_once, .user = &calls};
+            assert_int_equal(psplat_greedy_cover(&context, &desc, &selection, NULL),
+                             PSPLAT_ERROR_INTERRUPTED); /* after one round */
+            check_greedy(&f, &selection);
+            psplat_selection_free(&selection);
+        }
+        fixture_free(&f);
+    }
+}
+
+int test_greedy_cover_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_cover),       cmocka_unit_test(test_repeatable),
+        cmocka_unit_test(test_existing),    cmocka_unit_test(test_appended),
+        cmocka_unit_test(test_interrupted), cmocka_unit_test(test_pool),
+        cmocka_unit_test(test_greedy),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_precision.c - the grid that a conversion chooses: none where floats are asked for or 16 bits
+ * do not suffice, else one that suits the tolerance, and that flat models survive.
+ */
+#include "mesh_fixture.h"
+
+#include "stage_fixture.h"
+#include "features/surface.h"
+#include "mesh/mesh.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
+#include "splats/splats.h"
+#include "verify/report.h"
+
+#include <math.h>
+
+static psplat_splats convert(const psplat_mesh *mesh, double percent, double precision,
+                             psplat_report *report) {
+    const psplat_convert_desc desc = {
+        .tolerance_percent = percent, .effort = PSPLAT_EFFORT_NONE, .precision = precision};
+    psplat_splats splats;
+    psplat_error error;
+    if (psplat_convert(mesh, &desc, &splats, report, &error)) fail_msg("%s", error.text);
+    return splats;
+}
+
+/* A square, not along the axes. */
+static void place_plane(double s, double t, double p[3]) {
+    p[0] = s, p[1] = 0.8 * t, p[2] = 0.6 * t + 0.3 * s;
+}
+
+/* Flat models stay as few splats as they are sides, and lie where they did. */
+static void test_flat(void **state) {
+    (void)state;
+    fixture plane, cube;
+    fixture_grid(&plane, 2, 2, place_plane);
+    fixture_model(&cube, "cube.off");
+    psplat_mesh *const meshes[] = {&plane.mesh, &cube.mesh};
+    static const size_t most[] = {1, 6};
+    for (int i = 0; i < 2; ++i) {
+        psplat_report report;
+        psplat_splats splats = convert(meshes[i], 1, PSPLAT_USUAL_PRECISION, &report);
+        assert_int_equal(psplat_report_broken(&report), PSPLAT_PROMISE_COUNT);
+        assert_true(splats.precision.unit > 0);
+        assert_int_equal(splats.count, most[i]);
+        psplat_splats_free(&splats);
+    }
+    psplat_surface_free(&cube.surface);
+    psplat_mesh_free(&cube.mesh);
+    psplat_mesh_free(&plane.mesh);
+}
+
+/* Floats are what steps too fine for shorts give too, bit for bit. */
+static void test_floats(void **state) {
+    (void)state;
+    fixture cube;
+    psplat_report report;
+    fixture_model(&cube, "cube.off");
+    psplat_splats floats = convert(&cube.mesh, 1, 0, &report);
+    psplat_splats fine = convert(&cube.mesh, 1, 0.001, &report);
+    assert_true(floats.precision.unit == 0 && fine.precision.unit == 0);
+    assert_int_equal(floats.count, fine.count);
+    assert_memory_equal(floats.splats, fine.splats, floats.count * sizeof *floats.splats);
+    psplat_splats_free(&floats);
+    psplat_splats_free(&fine);
+    fixture_free(&cube);
+}
+
+/* The step of positions is what was asked for, but no longer than the longest that keeps promises;
+ * what repeats around repeats, and codes fit their integers. */
+static void test_steps(void **state) {
+    (void)state;
+    static const double asked[] = {0.05, 0.5, 4}, given[] = {0.05, 0.5, 0.5};
+    fixture cube;
+    psplat_report report;
+    fixture_model(&cube, "cube.off");
+    for (int i = 0; i < 3; ++i) {
+        psplat_splats splats = convert(&cube.mesh, 1, asked[i], &report);
+        const psplat_precision *p = &splats.precision;
+        double tolerance = report.tolerance_percent / 100 * report.diagonal;
+        assert_near(p->unit, given[i] * tolerance, 1e-12 * tolerance);
+        assert_true(p->normal_bits >= 4 && p->normal_bits <= 14);
+        const double turns[] = {p->turn_step, p->line_turn_step, p->line_step};
+        for (int k = 0; k < 3; ++k) {
+            assert_true(rint(1 / turns[k]) == 1 / turns[k]);
+            assert_true(1 / turns[k] <= 32767);
+        }
+        assert_true(psplat_report_broken(&report) == PSPLAT_PROMISE_COUNT);
+        psplat_splats_free(&splats);
+    }
+    fixture_free(&cube);
+}
+
+int test_precision_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_flat),
+        cmocka_unit_test(test_floats),
+        cmocka_unit_test(test_steps),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT
+ * What relaxation proposes: candidates for cells and for pairs of neighbours, which keep the limits
+ * and cover what they are proposed for. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+#include "fit/grow_candidate.h"
+#include "fit/fit_context.h"
+#include "base/region.h"
+#include "fit/candidate.h"
+#include "fit/region_near.h"
+#include "select/conversion.h"
+#include "select/greedy_cover.h"
+#include "select/local_search.h"
+#include "select/relax.h"
+#include "select/selection.h"
+
+static const psplat_convert_desc desc = {.seed = 1};
+
+/* A conversion up to its samples, which the fixture has drawn; tolerance in diagonals. */
+static psplat_conversion conversion_of(const fixture *f, double tolerance) {
+    double length = tolerance * f->surface.diagonal;
+    return (psplat_conversion){.desc = &desc,
+                               .surface = f->surface,
+                               .samples = f->samples,
+                               .distance = f->distance,
+                               .tolerance = length,
+                               .limits = {.tolerance = 0.98 * length,
+                                          .crease_tolerance = 0.5 * length,
+                                          .crease_slack = 0.3 * length,
+                                          .margin = 0.2 * f->samples.spacing,
+                                          .distance = f->distance}};
+}
+
+/* How many taken candidates cover each sample, and one that does; the caller frees both. */
+static uint8_t *count_covers(const psplat_conversion *c, uint32_t **by) {
+    uint8_t *covers = calloc(c->samples.count + 1, 1);
+    *by = calloc(c->samples.count + 1, sizeof **by);
+    assert_non_null(covers);
+    assert_non_null(*by);
+    for (uint32_t i = 0; i < c->selection.count; ++i) {
+        const psplat_candidate *candidate = &c->selection.candidates[i];
+        for (size_t k = 0; candidate->taken && k < candidate->covered_count; ++k) {
+            covers[candidate->covered[k]] = (uint8_t)(covers[candidate->covered[k]] + 1);
+            (*by)[candidate->covered[k]] = i;
+        }
+    }
+    return covers;
+}
+
+/* A proposal is not taken, stays near the mesh, and covers samples that are inside its ellipse and
+ * lines and within the tolerance, on its side. */
+static void check_proposal(const psplat_conversion *c, const psplat_candidate *proposal) {
+    int near = 0;
+    assert_int_equal(proposal->taken, 0);
+    assert_true(proposal->covered_count > 0);
+    assert_true(proposal->deviation <= c->limits.tolerance * (1 + 1e-12));
+    assert_int_equal(
+        psplat_region_near(&proposal->region, c->distance, c->limits.tolerance * (1 + 1e-9), &near),
+        PSPLAT_OK);
+    assert_int_equal(near, 1);
+    for (size_t i = 0; i < proposal->covered_count; ++i) {
+        size_t sample = proposal->covered[i];
+        double uvh[3], facing = 0;
+        assert_true(sample < c->samples.count);
+        psplat_region_local(&proposal->region, c->samples.positions + 3 * sample, uvh);
+        assert_true(psplat_region_contains(&proposal->region, uvh, 1, 1e-6));
+        assert_true(fabs(uvh[2]) <= c->limits.tolerance * (1 + 1e-12));
+        for (size_t k = 0; k < 3; ++k)
+            facing += proposal->region.n[k] * (double)c->samples.normals[3 * sample + k];
+        assert_true(facing > 0);
+    }
+}
+
+static void place_square(double s, double t, double p[3]) {
+    p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0;
+}
+
+/* Takes a candidate of the square's part that a line keeps: what it covers is found. */
+static void take_part(psplat_conversion *c, double sign) {
+    psplat_scratch scratch = {0};
+    psplat_fit_context context = psplat_conversion_context(c);
+    psplat_candidate half = {.taken = 1, .region = {.radius = {3, 3}}};
+    psplat_region *r = &half.region;
+    r->u[0] = r->v[1] = r->n[2] = 1;
+    r->line_count = 1;
+    r->lines[0][0] = sign, r->lines[0][2] = 0.1; /* both cover a strip in the middle */
+    half.triangle = c->samples.triangles[0];
+    context.scratch = &scratch;
+    assert_int_equal(psplat_candidate_cover(&context, &half), PSPLAT_OK);
+    psplat_scratch_free(&scratch);
+    assert_true(half.covered_count > c->samples.count / 2 && half.covered_count < c->samples.count);
+    assert_int_equal(psplat_selection_push(&c->selection, &half), 1);
+}
+
+/* Two halves of a flat square: one candidate covers both, with the square's four lines, and
+ * exchange takes it instead; two others are for the halves' cells. */
+static void test_two_halves(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, 5, 5, place_square);
+    fixture_build(&f);
+    fixture_sample(&f, 0.02);
+    psplat_conversion c = conversion_of(&f, 0.005);
+    take_part(&c, 1);
+    take_part(&c, -1);
+    assert_int_equal(psplat_relax(&c), PSPLAT_OK);
+    assert_in_range(c.selection.count, 3, 5);
+    const psplat_candidate *whole = NULL;
+    for (size_t i = 2; i < c.selection.count; ++i) {
+        const psplat_candidate *proposal = &c.selection.candidates[i];
+        check_proposal(&c, proposal);
+        if (proposal->covered_count == c.samples.count) whole = proposal;
+    }
+    assert_non_null(whole);
+    assert_int_equal(whole->region.line_count, 4);
+    psplat_local_search_desc what = {&c.samples, 50, c.samples.count, 0, 1, 1};
+    assert_int_equal(psplat_local_search(&c.selection, &what), PSPLAT_OK);
+    assert_int_equal(psplat_selection_taken(&c.selection), 1);
+    psplat_selection_free(&c.selection);
+    fixture_free(&f);
+}
+
+/* Takes candidates until all is covered, and proposes. Returns how many there were. */
+static size_t select_and_relax(psplat_conversion *c) {
+    const psplat_fit_context context = psplat_conversion_context(c);
+    assert_int_equal(psplat_greedy_cover(&context, c->desc, &c->selection, NULL), PSPLAT_OK);
+    psplat_local_search_desc what = {&c->samples, 0, c->samples.count, 0, 1, 0};
+    assert_int_equal(psplat_local_search(&c->selection, &what), PSPLAT_OK);
+    psplat_selection_drop_untaken(&c->selection);
+    size_t before = c->selection.count;
+    assert_int_equal(psplat_relax(c), PSPLAT_OK);
+    return before;
+}
+
+/* Whether a candidate covers all samples that `owner` alone covers. */
+static int covers_cell(const psplat_conversion *c, const psplat_candidate *candidate,
+                       const uint8_t *covers, const uint32_t *by, uint32_t owner) {
+    uint8_t *covered = calloc(c->samples.count, 1);
+    int all = 1;
+    assert_non_null(covered);
+    for (size_t i = 0; i < candidate->covered_count; ++i) covered[candidate->covered[i]] = 1;
+    for (size_t i = 0; i < c->samples.count && all; ++i)
+        all = covers[i] != 1 || by[i] != owner || covered[i];
+    free(covered);
+    return all;
+}
+
+/* On curved surfaces, faces and creases: whatever is proposed keeps the limits, and covers the cell
+ * of one taken candidate at least. Most cells get a proposal. */
+static void test_limits(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        double tolerance, spacing;
+    } cases[] = {{"sphere.ply", 0.05, 0.015},
+                 {"torus.off", 0.02, 0.01},
+                 {"cube.off", 0.02, 0.02},
+                 {"part.obj", 0.01, 0.01},
+                 {"cone.stl", 0.03, 0.015}};
+    for (size_t m = 0; m < sizeof cases / sizeof *cases; ++m) {
+        fixture f;
+        fixture_model(&f, cases[m].name);
+        fixture_sample(&f, cases[m].spacing);
+        psplat_conversion c = conversion_of(&f, cases[m].tolerance);
+        size_t before = select_and_relax(&c), for_cells = 0;
+        uint32_t *by;
+        uint8_t *covers = count_covers(&c, &by);
+        uint8_t *served = calloc(before, 1);
+        assert_non_null(served);
+        for (size_t i = before; i < c.selection.count; ++i) {
+            const psplat_candidate *proposal = &c.selection.candidates[i];
+            int serves = 0;
+            check_proposal(&c, proposal);
+            for (uint32_t owner = 0; owner < before; ++owner)
+                if (covers_cell(&c, proposal, covers, by, owner)) serves = served[owner] = 1;
+            assert_int_equal(serves, 1);
+        }
+        for (size_t i = 0; i < before; ++i) for_cells += served[i];
+        print_message("%s: %zu taken, %zu proposed, for %zu cells\n", cases[m].name, before,
+                      c.selection.count - before, for_cells);
+        assert_true(2 * for_cells > before);
+        free(served);
+        free(covers);
+        free(by);
+        psplat_selection_free(&c.selection);
+        fixture_free(&f);
+    }
+}
+
+/* The same proposals in the same order for any number of threads. */
+static void test_threads(void **state) {
+    (void)state;
+    fixture f;
+    fixture_model(&f, "sphere.ply");
+    fixture_sample(&f, 0.015);
+    psplat_conversion one = conversion_of(&f, 0.03), many = one;
+    fixture_threads(1);
+    select_and_relax(&one);
+    fixture_threads(5);
+    size_t before = select_and_relax(&many);
+    fixture_threads(0);
+    assert_int_equal(one.selection.count, many.selection.count);
+    assert_true(many.selection.count > before);
+    for (size_t i = 0; i < one.selection.count; ++i) {
+        const psplat_candidate *a = &one.selection.candidates[i];
+        const psplat_candidate *b = &many.selection.candidates[i];
+        assert_memory_equal(&a->region, &b->region, offsetof(psplat_region, lines));
+        assert_int_equal(a->region.line_count, b->region.line_count);
+        assert_memory_equal(a->region.lines, b->region.lines,
+                            a->region.line_count * sizeof *a->region.lines);
+        assert_memory_equal(a->field, b->field, sizeof a->field);
+        assert_int_equal(a->covered_count, b->covered_count);
+        assert_memory_equal(a->covered, b->covered, a->covered_count * sizeof *a->covered);
+    }
+    psplat_selection_free(&one.selection);
+    psplat_selection_free(&many.selection);
+    fixture_free(&f);
+}
+
+/* Nothing is taken, so nothing is proposed. */
+static void test_nothing(void **state) {
+    (void)state;
+    fixture f;
+    fixture_model(&f, "cube.off");
+    fixture_sample(&f, 0.05);
+    psplat_conversion c = conversion_of(&f, 0.02);
+    assert_int_equal(psplat_relax(&c), PSPLAT_OK);
+    assert_int_equal(c.selection.count, 0);
+    psplat_selection_free(&c.selection);
+    fixture_free(&f);
+}
+
+int test_relax_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_two_halves),
+        cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: MIT
+ * Candidates as stored splats and back: rotations, normals, lines, and the order in a file. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+#include "base/random.h"
+#include "base/region.h"
+#include "base/vector.h"
+#include "fit/candidate.h"
+#include "select/selection.h"
+#include "select/sort_splats.h"
+#include "splats/splats.h"
+
+/* Rounding to single precision, twice over: of the quaternion and of what it turns. */
+static const double single = 4 * 0x1p-24;
+
+static const psplat_sort_desc coloured = {.has_color = 1}, plain;
+
+static psplat_splats store(psplat_candidate *candidates, size_t count) {
+    psplat_splats splats = {0};
+    psplat_selection selection = {candidates, count, count};
+    assert_int_equal(psplat_sort_splats(&selection, &coloured, &splats), PSPLAT_OK);
+    assert_int_equal(splats.count, count);
+    return splats;
+}
+
+/* Stores one candidate with these axes and compares what comes back. */
+static void check_axes(const double u[3], const double v[3], const double n[3]) {
+    psplat_candidate candidate = {.region = {.radius = {2, 1}}, .taken = 1};
+    memcpy(candidate.region.u, u, 3 * sizeof(double));
+    memcpy(candidate.region.v, v, 3 * sizeof(double));
+    memcpy(candidate.region.n, n, 3 * sizeof(double));
+    psplat_splats splats = store(&candidate, 1);
+    const float *q = splats.splats->rotation;
+    double length = 0;
+    for (int k = 0; k < 4; ++k) length += (double)q[k] * (double)q[k];
+    assert_near(length, 1, single);
+    assert_true(q[3] >= 0);
+    psplat_region *region = psplat_splat_regions(&splats);
+    assert_non_null(region);
+    for (int k = 0; k < 3; ++k) {
+        assert_near(region->u[k], u[k], single);
+        assert_near(region->v[k], v[k], single);
+        assert_near(region->n[k], n[k], single);
+    }
+    free(region);
+    psplat_splats_free(&splats);
+}
+
+/* Axes after a turn by angle about a unit axis (Rodrigues). */
+static void check_turn(const double axis[3], double angle) {
+    double axes[3][3];
+    for (int i = 0; i < 3; ++i) {
+        double e[3] = {0, 0, 0}, across[3];
+        e[i] = 1;
+        cross3(across, axis, e);
+        for (int k = 0; k < 3; ++k)
+            axes[i][k] = cos(angle) * e[k] + sin(angle) * across[k] +
+                         (1 - cos(angle)) * dot3(axis, e) * axis[k];
+    }
+    check_axes(axes[0], axes[1], axes[2]);
+}
+
+static void test_rotations(void **state) {
+    (void)state;
+    uint64_t random = 21;
+    for (int i = 0; i < 500; ++i) {
+        double u[3], v[3], n[3];
+        random_axes(&random, u, v, n);
+        check_axes(u, v, n);
+        /* About random axes, to either side of half a turn, where w changes its sign. */
+        const double beside[] = {0, 1e-3, -1e-3, 1e-7, -1e-7, 1e-15};
+        for (size_t k = 0; k < sizeof beside / sizeof *beside; ++k)
+            check_turn(n, fixture_pi + beside[k]);
+        check_turn(n, 1e-9);
+    }
+}
+
+/* The 24 turns of a cube: w, and others, are exactly zero or equal. */
+static void test_cube_rotations(void **state) {
+    (void)state;
+    size_t turns = 0;
+    for (int i = 0; i < 6; ++i)
+        for (int k = 0; k < 6; ++k) {
+            double u[3] = {0, 0, 0}, v[3] = {0, 0, 0}, n[3];
+            u[i / 2] = i % 2 ? -1 : 1;
+            v[k / 2] = k % 2 ? -1 : 1;
+            if (i / 2 == k / 2) continue;
+            cross3(n, u, v);
+            check_axes(u, v, n);
+            ++turns;
+        }
+    assert_int_equal(turns, 24);
+}
+
+static void random_candidate(psplat_candidate *c, uint64_t *random) {
+    *c = (psplat_candidate){.region = {.radius = {0}}, .taken = 1};
+    psplat_region *r = &c->region;
+    random_axes(random, r->u, r->v, r->n);
+    for (int k = 0; k < 3; ++k) r->center[k] = 2 * psplat_random_unit(random) - 1;
+    r->radius[1] = 0.1 + psplat_random_unit(random);
+    r->radius[0] = r->radius[1] + psplat_random_unit(random);
+    for (int k = 0; k < 4; ++k) c->field[k] = 2 * psplat_random_unit(random) - 1;
+    for (int k = 0; k < 4; ++k) c->color[k] = (float)psplat_random_unit(random);
+    r->line_count = (uint32_t)(psplat_random_next(random) % 5);
+    for (uint32_t i = 0; i < r->line_count; ++i) {
+        double angle = 2 * fixture_pi * psplat_random_unit(random);
+        r->lines[i][0] = cos(angle), r->lines[i][1] = sin(angle);
+        r->lines[i][2] = 2 * psplat_random_unit(random) - 1;
+    }
+}
+
+static void compare(const psplat_candidate *c, const psplat_region *back, const psplat_splat *s) {
+    const psplat_region *r = &c->region;
+    for (int k = 0; k < 3; ++k) assert_near(back->center[k], r->center[k], single);
+    for (int k = 0; k < 2; ++k) assert_near(back->radius[k], r->radius[k], 2 * single);
+    assert_int_equal(back->line_count, r->line_count);
+    for (uint32_t i = 0; i < PSPLAT_MAX_CLIP_LINES; ++i)
+        for (int k = 0; k < 3; ++k) {
+            if (i < r->line_count)
+                assert_near(back->lines[i][k], r->lines[i][k], single);
+            else
+                assert_true(s->clip[i][k] == 0); /* nothing of an earlier splat is left */
+        }
+    double n[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
+    /* Spec 3.5: the stored normal tells x and y; |field| < 1, so that dividing loses little. */
+    assert_near(length3(n), 1, single);
+    assert_near(dot3(n, r->u) / dot3(n, r->n), c->field[0], 8 * single);
+    assert_near(dot3(n, r->v) / dot3(n, r->n), c->field[1], 8 * single);
+    for (int k = 0; k < 3; ++k) assert_near((double)s->gradient[k], c->field[2 + k], single);
+    assert_memory_equal(s->color, c->color, sizeof c->color);
+}
+
+static void test_round_trip(void **state) {
+    (void)state;
+    enum { COUNT = 200 };
+    static psplat_candidate candidates[COUNT];
+    uint64_t random = 22;
+    size_t classes[PSPLAT_MAX_CLIP_LINES + 1] = {0}, matched = 0;
+    for (int i = 0; i < COUNT; ++i) {
+        random_candidate(&candidates[i], &random);
+        classes[candidates[i].region.line_count]++;
+    }
+    psplat_splats splats = store(candidates, COUNT);
+    psplat_region *back = psplat_splat_regions(&splats);
+    assert_non_null(back);
+    assert_int_equal(splats.has_color, 1);
+    assert_int_equal(splats.run_count, PSPLAT_MAX_CLIP_LINES + 1);
+    for (uint32_t k = 0; k <= PSPLAT_MAX_CLIP_LINES; ++k) {
+        assert_int_equal(splats.runs[k].clip_lines, k);
+        assert_int_equal(splats.runs[k].count, classes[k]);
+    }
+    for (size_t i = 0; i < COUNT; ++i) {
+        if (i) assert_true(splats.splats[i].clip_count >= splats.splats[i - 1].clip_count);
+        for (size_t k = 0; k < COUNT; ++k) {
+            double d[3];
+            sub3(d, back[i].center, candidates[k].region.center);
+            if (length3(d) > 1e-6) continue;
+            compare(&candidates[k], &back[i], &splats.splats[i]);
+            ++matched;
+        }
+    }
+    assert_int_equal(matched, COUNT);
+    free(back);
+    psplat_splats_free(&splats);
+}
+
+/* Inside a class centres on a grid of 8^3 come in Morton order: x is the lowest bit of each three.
+ */
+static void test_morton(void **state) {
+    (void)state;
+    enum { SIDE = 8, COUNT = SIDE * SIDE * SIDE };
+    static psplat_candidate candidates[2 * COUNT];
+    const double scales[] = {1, 1e-9, 1e9, 1e-37, 1e37};
+    for (size_t s = 0; s < sizeof scales / sizeof *scales; ++s) {
+        for (uint32_t i = 0; i < 2 * COUNT; ++i) {
+            uint32_t at = i * 3001 % COUNT; /* every place once, out of order */
+            psplat_region r = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}};
+            for (int k = 0; k < 3; ++k) r.center[k] = scales[s] * ((double)(at >> 3 * k & 7) - 3);
+            r.line_count = i < COUNT ? 2 : 0;
+            r.lines[0][0] = r.lines[1][1] = 1;
+            candidates[i] = (psplat_candidate){.region = r, .taken = 1};
+        }
+        psplat_splats splats = store(candidates, 2 * COUNT);
+        assert_int_equal(splats.run_count, 2);
+        assert_int_equal(splats.runs[0].count, COUNT);
+        assert_int_equal(splats.runs[1].count, COUNT);
+        for (uint32_t i = 0; i < 2 * COUNT; ++i) {
+            uint32_t code = 0;
+            for (int k = 0; k < 3; ++k) {
+                double x = (double)splats.splats[i].center[k] / scales[s] + 3;
+                uint32_t cell = (uint32_t)(x + 0.5);
+                for (int bit = 0; bit < 3; ++bit) code |= (cell >> bit & 1) << (3 * bit + k);
+            }
+            assert_int_equal(code, i % COUNT);
+        }
+        psplat_splats_free(&splats);
+    }
+}
+
+/* Runs: by clip lines, flat or not, and material, each with what it promises. */
+static void test_runs(void **state) {
+    (void)state;
+    enum { COUNT = 12 };
+    static const uint32_t groups[] = {1, 0, 2};
+    psplat_candidate candidates[COUNT];
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        candidates[i] = (psplat_candidate){
+            .region = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}},
+            .triangle = i % 3,
+            .deviation = i / 3 % 2 ? 0.04 : 0.06,
+            .taken = 1};
+        if (i >= 6) candidates[i].region.line_count = 1, candidates[i].region.lines[0][0] = 1;
+    }
+    psplat_splats splats = {0};
+    psplat_selection selection = {candidates, COUNT, COUNT};
+    const psplat_sort_desc storing = {1, 0.1f, groups, 0, 0};
+    assert_int_equal(psplat_sort_splats(&selection, &storing, &splats), PSPLAT_OK);
+    assert_int_equal(splats.run_count, COUNT);
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        const psplat_run *run = &splats.runs[i];
+        assert_int_equal(run->count, 1);
+        assert_int_equal(run->clip_lines, i / 6);
+        assert_int_equal(run->material, i % 3);
+        assert_true(run->depth_tolerance == (i / 3 % 2 ? 1 : 0.1f));
+    }
+    psplat_splats_free(&splats);
+}
+
+/* No candidates, and candidates all in one place, have an order too. */
+static void test_degenerate(void **state) {
+    (void)state;
+    psplat_candidate same[5];
+    psplat_splats splats = store(same, 0);
+    psplat_splats_free(&splats);
+    for (int i = 0; i < 5; ++i) {
+        same[i] = (psplat_candidate){
+            .region = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}},
+            .color = {(float)i, 0, 0, 1},
+            .taken = 1};
+    }
+    splats = store(same, 5);
+    for (int i = 0; i < 5; ++i) assert_near((double)splats.splats[i].color[0], i, 0); /* stable */
+    /* Storing again replaces what was stored. */
+    psplat_selection fewer = {same, 2, 5};
+    assert_int_equal(psplat_sort_splats(&fewer, &plain, &splats), PSPLAT_OK);
+    assert_int_equal(splats.count, 2);
+    assert_int_equal(splats.run_count, 1);
+    assert_int_equal(splats.runs[0].count, 2);
+    assert_int_equal(splats.has_color, 0);
+    psplat_splats_free(&splats);
+}
+
+int test_sort_splats_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rotations),  cmocka_unit_test(test_cube_rotations),
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_morton),
+        cmocka_unit_test(test_runs),       cmocka_unit_test(test_degenerate),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,473 @@
+/* SPDX-License-Identifier: MIT
+ * What is stored of a splat is what the runtime reads: of floats the bits, of integers what they
+ * were snapped to, up to the roundings that each tolerance counts in ulp = 2^-24, relative. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "writer_fixture.h"
+#include "base/region.h"
+#include "export/glb_writer.h"
+#include "export/meshopt_codec.h"
+#include "splats/octahedron.h"
+#include "splats/quantize.h"
+#include "splats/splat_frame.h"
+#include "splats/splats.h"
+
+static const double ulp = 0x1p-24;
+
+static const psplat_write_desc compressed = {.codec = &psplat_meshopt_codec};
+static const psplat_write_desc plain;
+
+/* Decoders of the octahedral filter round their shorts by different instructions, and may come out
+ * a step apart in each component; bytes are alike (test_octahedron.c). U follows N. */
+static double filtered(const psplat_precision *p) {
+    return p->normal_bits > 8 ? 2 * sqrt(3) / 32767 : 0;
+}
+
+static void near_to(const char *what, size_t index, double found, double expected,
+                    double tolerance) {
+    if (!(fabs(found - expected) <= tolerance))
+        fail_msg("splat %zu, %s: %.17g, not %.17g within %g", index, what, found, expected,
+                 tolerance);
+}
+
+static void compare(const char *what, size_t index, const float *found, const float *expected,
+                    size_t count, double relative, double absolute) {
+    for (size_t k = 0; k < count; ++k)
+        near_to(what, index, (double)found[k], (double)expected[k],
+                relative * fabs((double)expected[k]) + absolute);
+}
+
+/* q and -q are the same. */
+static void compare_rotations(size_t index, const float *found, const float *expected,
+                              double tolerance) {
+    double dot = 0;
+    for (int k = 0; k < 4; ++k) dot += (double)found[k] * (double)expected[k];
+    for (int k = 0; k < 4; ++k)
+        near_to("rotation", index, (double)found[k] * (dot < 0 ? -1 : 1), (double)expected[k],
+                tolerance);
+}
+
+/* Which of the grid's splats stands here. */
+static size_t index_of(const written *w, const psplat_batch *batch, const psplat_splat *found,
+                       double at[3]) {
+    for (int k = 0; k < 3; ++k)
+        at[k] = batch->model[12 + k] + batch->model[5 * k] * (double)found->center[k];
+    double x = rint((at[0] - w->origin[0]) / w->size * GRID);
+    double y = rint((at[1] - w->origin[1]) / w->size * GRID);
+    size_t index = (size_t)x + (size_t)y * GRID;
+    if (!(x >= 0 && y >= 0 && index < w->count)) fail_msg("a splat at %g %g", at[0], at[1]);
+    return index;
+}
+
+static void compare_lines(size_t index, const psplat_splat *found, const psplat_splat *expected,
+                          int is_coded) {
+    static const float padding[3] = {1, 0, 1};
+    assert_true(found->clip_count >= expected->clip_count);
+    for (uint32_t k = 0; k < found->clip_count; ++k) {
+        const float *line = k < expected->clip_count ? expected->clip[k] : padding;
+        /* The part of the range, the range and their product round a turn: 3 ulp of half a turn,
+         * and cosines round once in either. c likewise, and in the snapped splat once more. */
+        compare("line", index, found->clip[k], line, 2, 0, is_coded ? (3 * 3.1416 + 2) * ulp : 0);
+        compare("distance", index, found->clip[k] + 2, line + 2, 1, 4 * ulp * is_coded, 0);
+    }
+}
+
+/* Colours in bytes are within half a step, and within 1 % of what the eye sees. */
+static void compare_colors(size_t index, const psplat_splat *found, const psplat_splat *expected,
+                           int is_coded) {
+    for (size_t k = 0; k < 4; ++k) {
+        double c = (double)expected->color[k], d = (double)found->color[k];
+        near_to("colour", index, d, c, 0.5 / (is_coded ? 255 : 65535) + ulp);
+        near_to("seen colour", index, pow(d, 1 / 2.4), pow(c, 1 / 2.4), 0.01);
+    }
+}
+
+static void compare_finishes(size_t index, const psplat_finish *found,
+                             const psplat_finish *expected, int is_coded, double range) {
+    double step = is_coded ? 0.5 / 255 + ulp : 0,
+           slope = is_coded ? range * (0.5 / 127 + 2 * ulp) : 0;
+    compare("COLOR_U", index, found->color_u, expected->color_u, 3, 0, slope);
+    compare("COLOR_V", index, found->color_v, expected->color_v, 3, 0, slope);
+    compare("occlusion", index, &found->occlusion, &expected->occlusion, 1, 0, step);
+    compare("roughness", index, &found->roughness, &expected->roughness, 1, 0, step);
+    compare("metallic", index, &found->metallic, &expected->metallic, 1, 0, step);
+    compare("emissive", index, found->emissive, expected->emissive, 3, 0, step);
+}
+
+static void compare_splats(const written *w, size_t index, const psplat_splat *found,
+                           const psplat_splat *expected, int is_packed) {
+    int is_coded = w->precision.unit > 0;
+    double unit = is_coded ? w->precision.unit : 1;
+    for (int k = 0; k < 2; ++k) /* two ends of a range, what is between, and the snapped radius */
+        near_to("radius", index, (double)found->radius[k] * unit, (double)expected->radius[k],
+                6 * ulp * is_coded * (double)expected->radius[k]);
+    if (is_coded)
+        compare_rotations(index, found->rotation, expected->rotation,
+                          4 * ulp + filtered(&w->precision) / 2 * is_packed);
+    else
+        compare("rotation", index, found->rotation, expected->rotation, 4, 0, 0);
+    /* N and the axes' quaternion are floats: some four roundings, of which two are doubled. */
+    compare("normal", index, found->normal, expected->normal, 3, 0,
+            is_coded * 8 * ulp + is_packed * filtered(&w->precision));
+    compare("gradient", index, found->gradient, expected->gradient, 3, is_coded * 4 * ulp, 0);
+    compare_lines(index, found, expected, is_coded);
+    compare_colors(index, found, expected, is_coded);
+}
+
+static double color_range(const psplat_splats *s) {
+    double range = 0;
+    for (size_t i = 0; i < s->count && s->finishes; ++i)
+        for (int k = 0; k < 3; ++k)
+            range = fmax(range, fmax(fabs((double)s->finishes[i].color_u[k]),
+                                     fabs((double)s->finishes[i].color_v[k])));
+    return range;
+}
+
+/* Every splat comes back, once. */
+static void check_asset(const written *w, const psplat_splats *s, const psplat_asset *asset) {
+    int is_coded = w->precision.unit > 0;
+    uint8_t *seen = writer_memory(w->count, 1);
+    double range = color_range(s);
+    size_t total = 0;
+    for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
+        const psplat_batch *batch = psplat_asset_batch(asset, b);
+        total += batch->splat_count;
+        for (size_t i = 0; i < batch->splat_count; ++i) {
+            double at[3];
+            size_t index = index_of(w, batch, &batch->splats[i], at);
+            assert_int_equal(seen[index]++, 0);
+            for (int k = 0; k < 3; ++k) /* of the origin a rounding in double, twice */
+                near_to("position", index, at[k], w->origin[k] + (double)s->splats[index].center[k],
+                        is_coded * ulp * fabs((double)s->splats[index].center[k]) +
+                            0x1p-51 * fabs(w->origin[k]));
+            compare_splats(w, index, &batch->splats[i], &s->splats[index],
+                           batch->attributes[0].is_compressed);
+            if (batch->finishes)
+                compare_finishes(index, &batch->finishes[i], &s->finishes[index], is_coded, range);
+            else
+                assert_true(!w->has_gradients && !w->has_surface && !w->has_emissive);
+        }
+        near_to("depth tolerance", b,
+                (double)batch->depth_tolerance * (is_coded ? w->precision.unit : 1),
+                (double)s->runs[0].depth_tolerance, 2 * ulp * (double)s->runs[0].depth_tolerance);
+    }
+    assert_int_equal(total, w->count);
+    free(seen);
+}
+
+static void check(const written *w, const psplat_write_desc *desc) {
+    psplat_splats s = writer_splats(w, 5);
+    size_t size;
+    uint8_t *data = writer_file(&s, 1, desc, &size);
+    psplat_asset *asset = writer_open(data, size);
+    check_asset(w, &s, asset);
+    psplat_asset_destroy(asset);
+    free(data);
+    psplat_splats_free(&s);
+}
+
+/* Floats, integers, and compressed. */
+static void check_all(written w) {
+    const psplat_precision steps = w.precision.unit > 0 ? w.precision : steps_of(w.size);
+    w.precision = (psplat_precision){0};
+    check(&w, &plain);
+    check(&w, &compressed);
+    w.precision = steps;
+    check(&w, &plain);
+    check(&w, &compressed);
+}
+
+/* ---- what there is -------------------------------------------------------------------------- */
+
+/* Each set of attributes that may be there or not. */
+static void test_attributes(void **state) {
+    (void)state;
+    for (int bits = 0; bits < 64; ++bits)
+        check_all((written){.count = 60,
+                            .size = 3,
+                            .darkest = bits & 32 ? 0.5f : 0,
+                            .has_color = bits & 1,
+                            .has_slopes = (bits & 2) != 0,
+                            .has_gamma = (bits & 2) != 0 && (bits & 32),
+                            .has_gradients = (bits & 4) != 0,
+                            .has_surface = (bits & 8) != 0,
+                            .has_emissive = (bits & 16) != 0});
+}
+
+/* Each class of clip lines alone, and each with each: padding is what the rest gets. */
+static void test_lines(void **state) {
+    (void)state;
+    for (unsigned lines = 1; lines < 32; ++lines)
+        check_all((written){.count = 37, .size = 1, .lines = lines, .has_slopes = 1});
+}
+
+static void test_one(void **state) {
+    (void)state;
+    for (unsigned lines = 1; lines < 32; lines *= 2)
+        check_all((written){.count = 1,
+                            .size = 2,
+                            .lines = lines,
+                            .has_color = 1,
+                            .has_slopes = 1,
+                            .has_gradients = 1,
+                            .has_surface = 1,
+                            .has_emissive = 1});
+}
+
+/* More than 65536, which no index of 16 bits tells apart, and many blocks of the compression. */
+static void test_many(void **state) {
+    (void)state;
+    written w = {.count = 70000, .size = 1, .has_color = 1, .has_slopes = 1, .has_surface = 1};
+    w.precision = steps_of(w.size);
+    check(&w, &compressed);
+}
+
+/* ---- sizes ---------------------------------------------------------------------------------- */
+
+static void test_sizes(void **state) {
+    (void)state;
+    for (int power = -9; power <= 9; power += 3)
+        check_all((written){.count = 50, .size = pow(10, power), .has_slopes = 1, .has_color = 1});
+}
+
+/* Far from zero, which the node's translation makes good in double. */
+static void test_far(void **state) {
+    (void)state;
+    for (int power = -9; power <= 9; power += 9) {
+        double size = pow(10, power);
+        check_all((written){.count = 50,
+                            .size = size,
+                            .origin = {1e7 * size, -3e7 * size, size / 3},
+                            .has_slopes = 1});
+    }
+}
+
+/* Radii that differ so much that bytes do not hold their logarithms. */
+static void test_thin(void **state) {
+    (void)state;
+    check_all((written){.count = 200, .size = 1, .least_part = 1e-6});
+}
+
+/* ---- steps ---------------------------------------------------------------------------------- */
+
+/* Steps for each of the types that columns have, bytes and shorts. */
+static void test_steps(void **state) {
+    (void)state;
+    for (int i = 0; i < 16; ++i) {
+        written w = {.count = 80, .size = 10, .has_slopes = 1, .has_gamma = 1};
+        w.precision = steps_of(w.size);
+        w.precision.normal_bits =
+            i & 1 ? PSPLAT_OCTAHEDRON_MOST_BITS : PSPLAT_OCTAHEDRON_LEAST_BITS + i / 2;
+        w.precision.turn_step = i & 2 ? 1.0 / 4 : 1.0 / 60000;
+        w.precision.line_step = i & 4 ? 1.0 / 4 : 1.0 / 16384;
+        w.precision.line_turn_step = i & 4 ? 1.0 / 8 : 1.0 / 16384;
+        w.precision.tilt_step = w.precision.field_step = i & 8 ? 1.0 / 16 : 1.0 / 16384;
+        w.precision.scale_step = i & 8 ? 0.04 : 1.0 / 1024;
+        check_all(w);
+    }
+}
+
+/* What integers do not hold is refused, not cut off. */
+static void test_too_fine(void **state) {
+    (void)state;
+    for (int i = 0; i < 7; ++i) {
+        written w = {.count = 80, .size = 10, .has_slopes = 1, .least_part = 1e-3};
+        psplat_splats s = writer_splats(&w, 5);
+        psplat_precision p = steps_of(w.size);
+        if (i == 0) p.unit /= 2;
+        if (i == 1) p.turn_step = 1.0 / 80000;
+        if (i == 2) p.tilt_step = 1e-6;
+        if (i == 3) p.field_step = 1e-6;
+        if (i == 4) p.scale_step = 5e-5;
+        if (i == 5) p.line_turn_step = 1.0 / 40000;
+        for (size_t k = 0; k < s.count && i == 6; ++k) s.splats[k].center[2] += 1e6f;
+        s.precision = p;
+        uint8_t *data = NULL;
+        size_t size = 1;
+        psplat_error error = {0};
+        if (psplat_glb_write_as(&s, NULL, NULL, &data, &size, &error) != PSPLAT_ERROR_RANGE)
+            fail_msg("%d is written", i);
+        assert_null(data);
+        assert_int_equal(size, 0);
+        psplat_splats_free(&s);
+    }
+}
+
+/* Nothing that is not a number gets into a file, of finishes neither. */
+static void test_not_finite(void **state) {
+    (void)state;
+    written w = {.count = 5, .size = 1, .has_gradients = 1};
+    for (int i = 0; i < 24; ++i) {
+        psplat_splats s = writer_splats(&w, 5);
+        if (i >= 12) s.precision = steps_of(1);
+        ((float *)&s.finishes[3])[i % 12] = i & 1 ? INFINITY : NAN;
+        uint8_t *data = NULL;
+        size_t size;
+        psplat_error error = {0};
+        assert_int_equal(psplat_glb_write_as(&s, NULL, NULL, &data, &size, &error),
+                         PSPLAT_ERROR_RANGE);
+        assert_null(data);
+        psplat_splats_free(&s);
+    }
+}
+
+/* ---- fixpoints ------------------------------------------------------------------------------ */
+
+/* Snapping what is snapped changes no bit. */
+static void test_snapped(void **state) {
+    (void)state;
+    for (int i = 0; i < 20; ++i) {
+        written w = {.count = 500, .size = pow(10, i % 7 - 3), .has_slopes = 1, .has_gamma = 1};
+        w.precision = steps_of(w.size);
+        w.precision.normal_bits = PSPLAT_OCTAHEDRON_LEAST_BITS + i % 11;
+        w.has_gradients = 1;
+        psplat_splats s = writer_splats(&w, (uint32_t)i + 1);
+        psplat_splats again = s;
+        again.splats = writer_memory(s.count, sizeof *s.splats);
+        again.finishes = writer_memory(s.count, sizeof *s.finishes);
+        memcpy(again.splats, s.splats, s.count * sizeof *s.splats);
+        memcpy(again.finishes, s.finishes, s.count * sizeof *s.finishes);
+        psplat_round_to_precision(&again);
+        assert_memory_equal(again.splats, s.splats, s.count * sizeof *s.splats);
+        assert_memory_equal(again.finishes, s.finishes, s.count * sizeof *s.finishes);
+        free(again.splats);
+        free(again.finishes);
+        psplat_splats_free(&s);
+    }
+}
+
+/* A turn by half a circle is none of the ellipse; what changes along its axes changes sides. */
+static void test_flipped(void **state) {
+    (void)state;
+    written w = {.count = 400, .size = 1, .has_gradients = 1};
+    psplat_splats s = writer_splats(&w, 9);
+    s.precision = steps_of(1);
+    size_t flipped = 0;
+    for (size_t i = 0; i < s.count; ++i) {
+        psplat_region before, after;
+        psplat_splats one = s;
+        psplat_splat splat = s.splats[i];
+        psplat_finish finish = s.finishes[i];
+        one.splats = &splat, one.finishes = &finish, one.count = 1;
+        psplat_splat_region(&splat, &before);
+        psplat_round_to_precision(&one);
+        psplat_splat_region(&splat, &after);
+        double along = 0;
+        for (int k = 0; k < 3; ++k) along += before.u[k] * after.u[k];
+        assert_true(fabs(along) > 0.999); /* a turn by half a step of 1/256 */
+        flipped += along < 0;
+        for (int k = 0; k < 3; ++k) {
+            float sign = along < 0 ? -1.0f : 1.0f;
+            assert_true(finish.color_u[k] == sign * s.finishes[i].color_u[k]);
+            assert_true(finish.color_v[k] == sign * s.finishes[i].color_v[k]);
+        }
+        for (uint32_t l = 0; l < splat.clip_count; ++l) { /* a line stays where it is */
+            double dot = 0;
+            for (int k = 0; k < 2; ++k)
+                dot += (double)splat.clip[l][k] * (double)s.splats[i].clip[l][k];
+            assert_true(along < 0 ? dot < -0.99 : dot > 0.99);
+        }
+    }
+    assert_in_range(flipped, s.count / 4, s.count - s.count / 4);
+    psplat_splats_free(&s);
+}
+
+/* Snapped lines cut off nothing that they kept. */
+static void test_lines_keep(void **state) {
+    (void)state;
+    written w = {.count = 300, .size = 1, .lines = 16};
+    psplat_splats s = writer_splats(&w, 4);
+    psplat_splat *before = writer_memory(s.count, sizeof *before);
+    memcpy(before, s.splats, s.count * sizeof *before);
+    s.precision = steps_of(1);
+    psplat_round_to_precision(&s);
+    for (size_t i = 0; i < s.count; ++i)
+        for (int l = 0; l < 4; ++l)
+            for (int a = 0; a < 72; ++a) {
+                double sign = 0, u = cos(a * 0.0872664626), v = sin(a * 0.0872664626);
+                const float *old = before[i].clip[l], *line = s.splats[i].clip[l];
+                for (int k = 0; k < 2; ++k) sign += (double)old[k] * (double)line[k];
+                double side = sign < 0 ? -1 : 1; /* axes may have turned by half a circle */
+                double kept = (double)old[0] * u + (double)old[1] * v + (double)old[2];
+                double now = side * ((double)line[0] * u + (double)line[1] * v) + (double)line[2];
+                /* What float leaves, and the hundredth of a step that a line may lose. */
+                if (kept >= 0) assert_true(now >= -0.01 / 64 - 4 * ulp);
+            }
+    free(before);
+    psplat_splats_free(&s);
+}
+
+/* What was read, as splats of a mesh: a run of each batch, which may have joined several. */
+static psplat_splats splats_of(const psplat_asset *asset, const psplat_splats *original) {
+    double unit = original->precision.unit > 0 ? original->precision.unit : 1;
+    psplat_splats s = *original;
+    s.splats = writer_memory(s.count, sizeof *s.splats);
+    s.runs = writer_memory(s.run_count, sizeof *s.runs);
+    s.run_count = psplat_asset_batch_count(asset);
+    assert_true(s.run_count <= original->run_count);
+    s.finishes = original->finishes ? writer_memory(s.count, sizeof *s.finishes) : NULL;
+    size_t count = 0;
+    for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
+        const psplat_batch *batch = psplat_asset_batch(asset, b);
+        s.runs[b] = (psplat_run){.count = (uint32_t)batch->splat_count,
+                                 .clip_lines = batch->clip_count,
+                                 .depth_tolerance = original->runs->depth_tolerance};
+        for (int k = 0; k < 3; ++k) s.origin[k] = batch->model[12 + k];
+        for (size_t i = 0; i < batch->splat_count; ++i, ++count) {
+            psplat_splat *to = &s.splats[count];
+            *to = batch->splats[i];
+            for (int k = 0; k < 3; ++k) to->center[k] = (float)((double)to->center[k] * unit);
+            for (int k = 0; k < 2; ++k) to->radius[k] = (float)((double)to->radius[k] * unit);
+            if (s.finishes) s.finishes[count] = batch->finishes[i];
+        }
+    }
+    assert_int_equal(count, s.count);
+    return s;
+}
+
+/* Writing what was read gives the same bytes. */
+static void test_written_again(void **state) {
+    (void)state;
+    for (int i = 0; i < 8; ++i) {
+        written w = {.count = 300, .size = i & 4 ? 1e-5 : 40, .origin = {3e5, -0.1, 7}};
+        w.has_color = w.has_slopes = w.has_gradients = w.has_surface = w.has_emissive = 1;
+        if (i & 1) w.precision = steps_of(w.size);
+        const psplat_write_desc *desc = i & 2 ? &compressed : &plain;
+        psplat_splats s = writer_splats(&w, 2);
+        size_t size, again_size;
+        uint8_t *data = writer_file(&s, 1, desc, &size);
+        psplat_asset *asset = writer_open(data, size);
+        psplat_splats again = splats_of(asset, &s);
+        uint8_t *again_data = writer_file(&again, 1, desc, &again_size);
+        assert_int_equal(again_size, size);
+        assert_memory_equal(again_data, data, size);
+        free(again_data);
+        free(again.splats);
+        free(again.runs);
+        free(again.finishes);
+        psplat_asset_destroy(asset);
+        free(data);
+        psplat_splats_free(&s);
+    }
+}
+
+int test_quantize_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_attributes), cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_one),        cmocka_unit_test(test_many),
+        cmocka_unit_test(test_sizes),      cmocka_unit_test(test_far),
+        cmocka_unit_test(test_thin),       cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_too_fine),   cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_snapped),    cmocka_unit_test(test_flipped),
+        cmocka_unit_test(test_lines_keep), cmocka_unit_test(test_written_again),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: MIT
+ * What is recommended for limits. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <math.h>
+#include <cmocka.h>
+
+#include "tradeoff/advice.h"
+#include "table/row.h"
+#include "table/setting.h"
+#include "table/sweep_table.h"
+#include "invented_table.h"
+
+static psplat_advice advise(const psplat_sweep_table *table, psplat_demand demand) {
+    size_t scratch[128];
+    assert_true(table->count <= 128);
+    return psplat_advise(table->rows, table->count, &demand, scratch);
+}
+
+static const psplat_setting *setting_of(const psplat_sweep_table *table, psplat_advice advice) {
+    assert_true(advice.row < table->count);
+    return &table->rows[advice.row].setting;
+}
+
+static void assert_setting(const psplat_sweep_table *table, psplat_demand demand, double tolerance,
+                           psplat_normal_field field, psplat_mode mode) {
+    psplat_advice advice = advise(table, demand);
+    const psplat_setting *s = setting_of(table, advice);
+    assert_true(advice.fits);
+    assert_true(s->tolerance == tolerance);
+    assert_int_equal(s->field, field);
+    assert_int_equal(s->mode, mode);
+    assert_int_equal(s->no_filter, 0);
+}
+
+/* Distances are 0.97 of the tolerance; constant normals take fewer bytes, flat splats less time. */
+static void test_error_limits(void **state) {
+    (void)state;
+    psplat_sweep_table j = make_table(1);
+    /* Distance says nothing of normals and modes: their defaults stay, though others are cheaper.
+     */
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.5, 0, 0}, 0.5,
+                   PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.48, 0, 0}, 0.2,
+                   PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    /* Of normals: linear 4 degrees at 1 %, constant 3.6 only at 0.2 %. */
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_NORMAL, 4.1, 0, 0}, 1, PSPLAT_FIELD_LINEAR,
+                   PSPLAT_MODE_PHONG);
+    /* Of pictures: 1.2 % at 1 % with linear normals. */
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 1.25, 0, 0}, 1, PSPLAT_FIELD_LINEAR,
+                   PSPLAT_MODE_PHONG);
+    psplat_sweep_table_free(&j);
+}
+
+static void test_budgets(void **state) {
+    (void)state;
+    psplat_sweep_table j = make_table(0);
+    /* The finest linear one that fits. At 1 %: 120 splats of 64 bytes and 2,000 more. */
+    assert_setting(&j, (psplat_demand){.bytes = 9680}, 1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    assert_setting(&j, (psplat_demand){.bytes = 1e9}, 0.1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    assert_setting(&j, (psplat_demand){.ms = 1e9}, 0.1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    /* Both at once: the smaller one rules. */
+    assert_setting(&j, (psplat_demand){.bytes = 9680, .ms = 1e9}, 1, PSPLAT_FIELD_LINEAR,
+                   PSPLAT_MODE_PHONG);
+    /* Phong takes 6 n^0.2 ms, flat 3 n^0.2: where only flat is fast enough, flat it is. */
+    double fastest = INFINITY;
+    for (size_t i = 0; i < j.count; ++i)
+        if (j.rows[i].setting.mode == PSPLAT_MODE_PHONG && j.rows[i].setting.competitor)
+            fastest = fmin(fastest, j.rows[i].values[PSPLAT_COLUMN_CPU_MS]);
+    psplat_advice advice = advise(&j, (psplat_demand){.ms = 0.9 * fastest});
+    assert_true(advice.fits);
+    assert_int_not_equal(setting_of(&j, advice)->mode, PSPLAT_MODE_PHONG);
+    /* A distance within that time: the default mode does not fit, so it is left. */
+    advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 2, 0, 0.9 * fastest});
+    assert_true(advice.fits);
+    assert_int_not_equal(setting_of(&j, advice)->mode, PSPLAT_MODE_PHONG);
+    psplat_sweep_table_free(&j);
+}
+
+static void test_nearest_miss(void **state) {
+    (void)state;
+    psplat_sweep_table j = make_table(0);
+    psplat_advice advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.01, 0, 0});
+    assert_false(advice.fits);
+    assert_true(setting_of(&j, advice)->tolerance == 0.1);
+    advice = advise(&j, (psplat_demand){.bytes = 10});
+    assert_false(advice.fits);
+    assert_true(setting_of(&j, advice)->tolerance == 2);
+    assert_int_equal(setting_of(&j, advice)->field, PSPLAT_FIELD_CONSTANT);
+    psplat_sweep_table_free(&j);
+}
+
+/* Times within 5 % are equal, and the default is taken; without filter nothing is recommended that
+ * has an alternative. */
+static void test_noise(void **state) {
+    (void)state;
+    psplat_row rows[3] = {plain_row(100, 2, 1), plain_row(100, 2, 1.04), plain_row(90, 1, 0.5)};
+    rows[0].setting.mode = PSPLAT_MODE_FLAT;
+    rows[2].setting.no_filter = 1;
+    const psplat_sweep_table j = {.rows = rows, .count = 3};
+    assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 2, 0, 0}).row, 1);
+    rows[1].values[PSPLAT_COLUMN_CPU_MS] = 1.06;
+    assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 2, 0, 0}).row, 0);
+    assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 1, 0, 0}).row, 2);
+    /* Differences within 3 %: the smaller file. */
+    rows[0] = plain_row(200, 2, 1);
+    rows[1] = plain_row(100, 2.059, 1);
+    rows[2] = plain_row(90, 2.061, 1);
+    assert_int_equal(advise(&j, (psplat_demand){.bytes = 1000}).row, 1);
+}
+
+static void test_missing_values(void **state) {
+    (void)state;
+    psplat_row rows[3] = {plain_row(100, NAN, 1), plain_row(200, 2, NAN), plain_row(300, 4, 3)};
+    const psplat_sweep_table j = {.rows = rows, .count = 3};
+    /* What is not known, or makes no sense, keeps no limit. */
+    assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 3, 0, 0}).row, 1);
+    assert_int_equal(advise(&j, (psplat_demand){.ms = 5}).row, 2);
+    rows[0].values[PSPLAT_COLUMN_DIFFERENCE] = -1;
+    assert_int_equal(advise(&j, (psplat_demand){.ms = 5}).row, 2);
+    rows[2].values[PSPLAT_COLUMN_DIFFERENCE] = INFINITY;
+    psplat_advice advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 3, 0, 5});
+    assert_false(advice.fits);
+    assert_true(advice.row == SIZE_MAX); /* no row knows both */
+    const psplat_sweep_table empty = {.count = 0};
+    assert_true(advise(&empty, (psplat_demand){.bytes = 5}).row == SIZE_MAX);
+}
+
+/* gltfpack's smallest that keeps the limits is named beside. */
+static void test_simplified(void **state) {
+    (void)state;
+    psplat_sweep_table j = make_table(1);
+    psplat_advice advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.2, 0, 0});
+    assert_true(advice.simplified < j.count);
+    const psplat_row *row = &j.rows[advice.simplified];
+    assert_int_equal(row->setting.competitor, PSPLAT_COMPETITOR_GLTFPACK);
+    assert_true(row->setting.ratio == 0.2); /* 0.97 / 6; the next, 0.97 / 3, is too much */
+    advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 1e-6, 0, 0});
+    assert_true(advice.simplified == SIZE_MAX);
+    psplat_sweep_table_free(&j);
+}
+
+/* Without limits each asset has one row at most, drawn in the best way. */
+static void test_front(void **state) {
+    (void)state;
+    psplat_sweep_table j = make_table(1);
+    size_t order[128];
+    uint8_t is_front[128];
+    size_t count = psplat_advise_front(j.rows, j.count, order, is_front);
+    /* Linear normals beat constant ones but where these make the smallest file of all. */
+    assert_int_equal(count, 6);
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_setting *s = &j.rows[order[i]].setting;
+        assert_int_equal(s->competitor, PSPLAT_COMPETITOR_SPLATS);
+        assert_int_equal(s->mode, PSPLAT_MODE_PHONG);
+        assert_false(s->no_filter);
+        assert_int_equal(s->field, i ? PSPLAT_FIELD_LINEAR : PSPLAT_FIELD_CONSTANT);
+        assert_true(is_front[order[i]]);
+        assert_true(!i || j.rows[order[i]].values[PSPLAT_COLUMN_BYTES] >
+                              j.rows[order[i - 1]].values[PSPLAT_COLUMN_BYTES]);
+    }
+    psplat_sweep_table_free(&j);
+    /* Flat looks half a percent better and takes longer: phong. It is 4 % better: flat. */
+    psplat_row rows[2] = {plain_row(100, 2, 1), plain_row(100, 1.99, 1.5)};
+    rows[1].setting.mode = PSPLAT_MODE_FLAT;
+    assert_int_equal(psplat_advise_front(rows, 2, order, is_front), 1);
+    assert_int_equal(order[0], 0);
+    rows[1].values[PSPLAT_COLUMN_DIFFERENCE] = 1.92;
+    assert_int_equal(psplat_advise_front(rows, 2, order, is_front), 1);
+    assert_int_equal(order[0], 1);
+    rows[0].values[PSPLAT_COLUMN_DIFFERENCE] = rows[1].values[PSPLAT_COLUMN_DIFFERENCE] = NAN;
+    assert_int_equal(psplat_advise_front(rows, 2, order, is_front), 0);
+}
+
+int test_advice_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_error_limits),   cmocka_unit_test(test_budgets),
+        cmocka_unit_test(test_nearest_miss),   cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_missing_values), cmocka_unit_test(test_simplified),
+        cmocka_unit_test(test_front),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

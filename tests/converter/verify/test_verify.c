@@ -1,0 +1,424 @@
+/* SPDX-License-Identifier: MIT
+ * What the converter measures, against gaps, distances and normals put there by hand. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+#include "base/region.h"
+#include "base/vector.h"
+#include "features/surface.h"
+#include "fit/candidate.h"
+#include "features/samples.h"
+#include "mesh/distance.h"
+#include "mesh/mesh.h"
+#include "select/selection.h"
+#include "select/sort_splats.h"
+#include "splats/splats.h"
+#include "verify/report.h"
+#include "verify/verify.h"
+
+enum { SAMPLES = 50000 }; /* the least that are drawn */
+
+static const double degrees = 180 / 3.14159265358979323846;
+/* Of coordinates in single precision, in half edges: a few roundings. */
+static const double single = 1e-6;
+
+/* A cube and its six splats, made by hand: each a face, cut by four lines. */
+typedef struct cube {
+    fixture f;
+    psplat_splats splats;
+    double half;
+    double tolerance;
+    double normal_tolerance; /* degrees; 0: none */
+} cube;
+
+static void make_cube(cube *c) {
+    *c = (cube){0};
+    psplat_candidate faces[6];
+    fixture_model(&c->f, "cube.off");
+    c->half = c->f.surface.diagonal / sqrt(12);
+    c->tolerance = 0.02 * c->f.surface.diagonal;
+    for (int i = 0; i < 6; ++i) {
+        faces[i] =
+            (psplat_candidate){.region = {.line_count = 4}, .color = {1, 1, 1, 1}, .taken = 1};
+        psplat_region *r = &faces[i].region;
+        double side = i % 2 ? -1 : 1;
+        r->n[i / 2] = side;
+        r->u[(i / 2 + 1) % 3] = 1;
+        cross3(r->v, r->n, r->u);
+        mad3(r->center, c->half, r->n);
+        for (int k = 0; k < 2; ++k) r->radius[k] = 1.5 * c->half;
+        for (int k = 0; k < 4; ++k) {
+            r->lines[k][k / 2] = k % 2 ? -1 : 1;
+            r->lines[k][2] = 1 / 1.5;
+        }
+    }
+    psplat_selection selection = {faces, 6, 6};
+    c->splats = (psplat_splats){
+        .kernel = {PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT}};
+    const psplat_sort_desc storing = {0};
+    assert_int_equal(psplat_sort_splats(&selection, &storing, &c->splats), PSPLAT_OK);
+}
+
+static void free_cube(cube *c) {
+    psplat_splats_free(&c->splats);
+    fixture_free(&c->f);
+}
+
+static psplat_report verify(const cube *c) {
+    psplat_report r = {0};
+    psplat_distance *distance = psplat_distance_create(&c->f.mesh);
+    assert_non_null(distance);
+    const psplat_verification verification = {.surface = &c->f.surface,
+                                              .splats = &c->splats,
+                                              .distance = distance,
+                                              .tolerance_percent =
+                                                  100 * c->tolerance / c->f.surface.diagonal,
+                                              .diagonal = c->f.surface.diagonal,
+                                              .normal_tolerance_degrees = c->normal_tolerance,
+                                              .seed = 5};
+    assert_int_equal(psplat_verify(&verification, &r, NULL), PSPLAT_OK);
+    psplat_distance_destroy(distance);
+    return r;
+}
+
+/* Percent of the diagonal as half edges. */
+static double in_halves(const cube *c, double percent) {
+    return percent / 100 * c->f.surface.diagonal / c->half;
+}
+
+/* What a report says of its promises, beside its measures. */
+static void assert_kept(const psplat_report *r, psplat_promise broken) {
+    for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k)
+        assert_int_equal(r->promises[k].broken > 0, k == (int)broken);
+    assert_int_equal(psplat_report_broken(r), broken);
+    assert_int_equal(r->place_count > 0, broken != PSPLAT_PROMISE_COUNT);
+    for (size_t i = 0; i < r->place_count; ++i) {
+        assert_int_equal(r->places[i].promise, broken);
+        assert_true(i == 0 || r->places[i].value <= r->places[i - 1].value);
+    }
+}
+
+static void test_perfect(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    psplat_report r = verify(&c);
+    assert_in_range(r.verification_samples, SAMPLES - 1, SAMPLES + 1);
+    assert_int_equal(r.uncovered_samples, 0);
+    assert_near(in_halves(&c, r.max_distance_percent), 0, single);
+    assert_near(r.rms_normal_degrees, 0, 1e-4); /* single precision is 1e-5 degrees */
+    assert_near(r.p95_normal_degrees, 0, 1e-4);
+    assert_near(r.max_normal_degrees, 0, 1e-4);
+    assert_kept(&r, PSPLAT_PROMISE_COUNT);
+    free_cube(&c);
+}
+
+/* Without one face a sixth is open, and its middle is half an edge from the next splat. */
+static void test_missing(void **state) {
+    (void)state;
+    for (size_t gone = 0; gone < 6; ++gone) {
+        cube c;
+        make_cube(&c);
+        c.splats.splats[gone] = c.splats.splats[5];
+        c.splats.count = 5;
+        psplat_report r = verify(&c);
+        double share = (double)r.uncovered_samples / (double)r.verification_samples;
+        /* Each of the face's triangles gets its share of samples but for one; the outermost single
+         * precision may belong to the neighbour. */
+        assert_near(share, 1.0 / 6, 10.0 / SAMPLES);
+        /* Of 8333 samples on a face the nearest to its middle is some 0.01 edges from it. */
+        assert_near(in_halves(&c, r.max_distance_surface_percent), 1, 0.05);
+        assert_near(in_halves(&c, r.max_distance_splats_percent), 0, single);
+        assert_true(r.max_distance_percent == r.max_distance_surface_percent);
+        /* Distance to the nearest edge: density 8 (1 - x) / 4 over 0 ... 1, mean square 1 / 6. */
+        assert_near(in_halves(&c, r.rms_distance_percent), sqrt(1.0 / 36), 0.01);
+        assert_near(r.rms_normal_degrees, 0, 1e-4); /* of the samples where something shows */
+        assert_int_equal(r.promises[PSPLAT_PROMISE_COVERAGE].broken, r.uncovered_samples);
+        /* The open samples farther than the tolerance from a splat break that promise as well, but
+         * their places are those of coverage, and the first is near the middle of the face. */
+        assert_int_equal(psplat_report_broken(&r), PSPLAT_PROMISE_COVERAGE);
+        assert_int_equal(r.place_count, PSPLAT_MOST_PLACES);
+        double middle[3];
+        for (int k = 0; k < 3; ++k) middle[k] = r.places[0].position[k] - c.f.mesh.origin[k];
+        assert_near(length3(middle) / c.half, 1, 0.01);
+        assert_near(r.places[0].value, r.promises[PSPLAT_PROMISE_COVERAGE].worst, 0);
+        free_cube(&c);
+    }
+}
+
+/* Marks stand at the samples of the missing face and nowhere else. */
+static void test_marks(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    psplat_samples samples;
+    assert_int_equal(psplat_samples_draw_uniform(&c.f.surface, 5000, 3, &samples, NULL), PSPLAT_OK);
+    uint8_t *open = malloc(samples.count);
+    assert_non_null(open);
+    size_t count, marked = 0;
+    const float *gone = c.splats.splats[5].center;
+    c.splats.count = 5;
+    count = fixture_open(&samples, &c.splats, c.tolerance, open);
+    for (size_t i = 0; i < samples.count; ++i) {
+        double along = 0;
+        for (size_t k = 0; k < 3; ++k) along += samples.positions[3 * i + k] * (double)gone[k];
+        int inside = along > (1 - 1e-9) * c.half * c.half;
+        assert_int_equal(open[i], inside);
+        marked += open[i];
+    }
+    assert_int_equal(count, marked);
+    assert_true(count > 0);
+    free(open);
+    psplat_samples_free(&samples);
+    free_cube(&c);
+}
+
+/* Moves a face's splat along its normal, by parts of the half edge. */
+static void move_splat(cube *c, double by) {
+    psplat_splat *s = &c->splats.splats[2];
+    for (int k = 0; k < 3; ++k) s->center[k] *= (float)(1 + by);
+}
+
+static void test_moved(void **state) {
+    (void)state;
+    const double moves[] = {0.03, 0.06, 0.2, -0.03, -0.06, -0.2};
+    for (size_t i = 0; i < sizeof moves / sizeof *moves; ++i) {
+        cube c;
+        make_cube(&c);
+        move_splat(&c, moves[i]);
+        psplat_report r = verify(&c);
+        double d = fabs(moves[i]), limit = c.tolerance / c.half; /* 0.069 */
+        assert_near(in_halves(&c, r.max_distance_surface_percent), d, single);
+        assert_near(in_halves(&c, r.max_distance_splats_percent), d, single);
+        double share = (double)r.uncovered_samples / (double)r.verification_samples;
+        assert_near(share, d > limit ? 1.0 / 6 : 0, 10.0 / SAMPLES);
+        const psplat_kept *kept = r.promises;
+        assert_int_equal(kept[PSPLAT_PROMISE_COVERAGE].broken > 0, d > limit);
+        assert_int_equal(kept[PSPLAT_PROMISE_DISTANCE].broken > 0, d > limit);
+        assert_near(in_halves(&c, kept[PSPLAT_PROMISE_DISTANCE].worst), d, single);
+        free_cube(&c);
+    }
+}
+
+/* A splat that looks inwards covers nothing, however near it is. */
+static void test_inside_out(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    float *q = c.splats.splats[4].rotation, before[4];
+    memcpy(before, q, sizeof before);
+    /* Half a turn about its own u axis: times the quaternion i. */
+    q[0] = before[3], q[1] = before[2], q[2] = -before[1], q[3] = -before[0];
+    psplat_report r = verify(&c);
+    assert_near((double)r.uncovered_samples / (double)r.verification_samples, 1.0 / 6,
+                10.0 / SAMPLES);
+    assert_near(in_halves(&c, r.max_distance_percent), 0, single);
+    free_cube(&c);
+}
+
+/* Every normal turned by the same angle, and a gradient on top of right ones. */
+static void test_normals(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    psplat_region *regions = psplat_splat_regions(&c.splats);
+    assert_non_null(regions);
+    const double turn = 7 / degrees;
+    for (size_t i = 0; i < 6; ++i)
+        for (int k = 0; k < 3; ++k)
+            c.splats.splats[i].normal[k] =
+                (float)(cos(turn) * regions[i].n[k] + sin(turn) * regions[i].u[k]);
+    psplat_report r = verify(&c);
+    assert_near(r.rms_normal_degrees, 7, 1e-4);
+    assert_near(r.rms_normal_constant_degrees, 7, 1e-4);
+    assert_near(r.p95_normal_degrees, 7, 1e-4);
+
+    const double slope = 0.3;
+    for (size_t i = 0; i < 6; ++i) {
+        for (int k = 0; k < 3; ++k) c.splats.splats[i].normal[k] = (float)regions[i].n[k];
+        c.splats.splats[i].gradient[0] = (float)slope;
+    }
+    r = verify(&c);
+    double squares = 0;
+    enum { STEPS = 2000 };
+    for (int i = 0; i < STEPS; ++i) {
+        double u = ((i + 0.5) / STEPS * 2 - 1) / 1.5; /* the face ends at u = 1 / 1.5 */
+        squares += pow(atan(slope * u) * degrees, 2) / STEPS;
+    }
+    /* 50000 samples: the mean square is known to 1 %, its root to half of that. */
+    assert_near(r.rms_normal_degrees, sqrt(squares), 0.01 * sqrt(squares));
+    assert_near(r.p95_normal_degrees, atan(slope * 0.95 / 1.5) * degrees, 0.1);
+    assert_near(r.rms_normal_constant_degrees, 0, 1e-4);
+
+    /* The same slope across: gamma u along V. Radii are equal, so x changes with v alike, and the
+     * slope grows with the distance from the middle of the face. */
+    for (size_t i = 0; i < 6; ++i) {
+        c.splats.splats[i].gradient[0] = 0;
+        c.splats.splats[i].gradient[2] = (float)slope;
+    }
+    r = verify(&c);
+    squares = 0;
+    enum { ROWS = 200 };
+    for (int i = 0; i < ROWS * ROWS; ++i) {
+        double u = ((i % ROWS + 0.5) / ROWS * 2 - 1) / 1.5;
+        double v = ((i / ROWS + 0.5) / ROWS * 2 - 1) / 1.5;
+        squares += pow(atan(slope * hypot(u, v)) * degrees, 2) / (ROWS * ROWS);
+    }
+    assert_near(r.rms_normal_degrees, sqrt(squares), 0.01 * sqrt(squares));
+    free(regions);
+    free_cube(&c);
+}
+
+/* The field of one face leans more and more towards its rim: where it exceeds the tolerance is
+ * known, and the places are there. */
+static void test_normal_promise(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    const double slope = 0.3, rim = atan(slope / 1.5) * degrees; /* 11.3 */
+    c.splats.splats[1].gradient[0] = (float)slope;
+    psplat_report r = verify(&c);
+    assert_near(r.max_normal_degrees, rim, 0.01); /* some sample is that near the rim */
+    assert_kept(&r, PSPLAT_PROMISE_COUNT);        /* nothing was promised */
+    assert_true(r.promises[PSPLAT_PROMISE_NORMAL].limit == 0);
+    c.normal_tolerance = rim + 0.001;
+    r = verify(&c);
+    assert_kept(&r, PSPLAT_PROMISE_COUNT);
+    c.normal_tolerance = 0.5 * rim;
+    r = verify(&c);
+    assert_kept(&r, PSPLAT_PROMISE_NORMAL);
+    /* tan grows slowly: beyond |u| 0.49 of the rim of one face in six. */
+    double u = tan(0.5 * rim / degrees) / tan(rim / degrees);
+    assert_near((double)r.promises[PSPLAT_PROMISE_NORMAL].broken / SAMPLES, (1 - u) / 6, 0.002);
+    assert_near(r.promises[PSPLAT_PROMISE_NORMAL].limit, 0.5 * rim, 0);
+    for (size_t i = 0; i < r.place_count; ++i)
+        assert_true(r.places[i].value > 0.5 * rim && r.places[i].value < rim * (1 + single));
+    /* A second splat over the same face whose field is right: it keeps the promise for both. */
+    psplat_splat seven[7];
+    memcpy(seven, c.splats.splats, 6 * sizeof *seven);
+    seven[6] = seven[1];
+    seven[6].gradient[0] = 0;
+    psplat_splats more = c.splats, own = c.splats;
+    more.splats = seven, more.count = 7;
+    c.splats = more;
+    r = verify(&c);
+    c.splats = own;
+    assert_kept(&r, PSPLAT_PROMISE_COUNT);
+    free_cube(&c);
+}
+
+/* A face's splat without one of its lines reaches over that edge: by half an edge, the cut at 1.5
+ * times the face, at right angles to the surface and so far from it as well. */
+static void test_crease_promise(void **state) {
+    (void)state;
+    cube c;
+    make_cube(&c);
+    psplat_region *regions = psplat_splat_regions(&c.splats);
+    assert_non_null(regions);
+    for (size_t over = 0; over < 2; ++over) {
+        /* In half edges; the tolerance is 0.069. */
+        double reach = over ? 0.08 : 0.06;
+        c.splats.splats[3].clip[2][2] = (float)((1 + reach) / 1.5);
+        psplat_report r = verify(&c);
+        const psplat_kept *crease = &r.promises[PSPLAT_PROMISE_CREASE];
+        assert_near(in_halves(&c, crease->worst), reach, 2 * single);
+        assert_near(in_halves(&c, crease->limit), c.tolerance / c.half, single);
+        assert_int_equal(crease->broken, over);
+        assert_int_equal(r.promises[PSPLAT_PROMISE_DISTANCE].broken, over);
+        if (!over) continue;
+        /* Its place is the crease: an edge of that face in the line's direction. */
+        const psplat_place *place = &r.places[r.place_count - 1];
+        assert_int_equal(place->promise, PSPLAT_PROMISE_CREASE);
+        double d[3], on_v;
+        for (int k = 0; k < 3; ++k)
+            d[k] = place->position[k] - c.f.mesh.origin[k] - regions[3].center[k];
+        on_v = dot3(d, regions[3].v) / c.half;
+        assert_near(fabs(on_v), 1, single);
+        assert_near(dot3(d, regions[3].n) / c.half, 0, single);
+    }
+    free(regions);
+    free_cube(&c);
+}
+
+/* Two squares, one over the other by a quarter of the tolerance, both looking up. The splat of the
+ * large one crosses the border of the small one, which is none of its business. */
+static void test_crease_of_another_sheet(void **state) {
+    (void)state;
+    const double height = 0.005;
+    fixture f = {0};
+    static const double at[8][2] = {{-1, -1},       {1, -1},       {1, 1},       {-1, 1},
+                                    {-0.05, -0.05}, {0.05, -0.05}, {0.05, 0.05}, {-0.05, 0.05}};
+    static const uint32_t triangles[12] = {0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
+    f.mesh = (psplat_mesh){.positions = calloc(24, sizeof(double)),
+                           .triangles = malloc(sizeof triangles),
+                           .vertex_count = 8,
+                           .triangle_count = 4};
+    for (size_t i = 0; i < 8; ++i) {
+        f.mesh.positions[3 * i] = at[i][0], f.mesh.positions[3 * i + 1] = at[i][1];
+        f.mesh.positions[3 * i + 2] = i < 4 ? 0 : height;
+    }
+    memcpy(f.mesh.triangles, triangles, sizeof triangles);
+    fixture_build(&f);
+    psplat_candidate candidate = {
+        .region = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1.5, 1.5}},
+        .color = {1, 1, 1, 1},
+        .taken = 1};
+    candidate.region.line_count = 4;
+    for (int k = 0; k < 4; ++k) {
+        candidate.region.lines[k][k / 2] = k % 2 ? -1 : 1;
+        candidate.region.lines[k][2] = 1 / 1.5;
+    }
+    cube c = {.f = f, .tolerance = 4 * height};
+    psplat_selection selection = {&candidate, 1, 1};
+    c.splats = (psplat_splats){
+        .kernel = {PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT}};
+    const psplat_sort_desc storing = {0};
+    assert_int_equal(psplat_sort_splats(&selection, &storing, &c.splats), PSPLAT_OK);
+    psplat_report r = verify(&c);
+    assert_kept(&r, PSPLAT_PROMISE_COUNT);
+    free_cube(&c);
+}
+
+/* Sizes and places far from 1 change nothing that is measured in percent. */
+static void test_scales(void **state) {
+    (void)state;
+    const double scales[] = {1e-9, 1e9};
+    for (size_t s = 0; s < 2; ++s) {
+        cube c;
+        make_cube(&c);
+        for (size_t i = 0; i < 3 * c.f.mesh.vertex_count; ++i) c.f.mesh.positions[i] *= scales[s];
+        psplat_surface_free(&c.f.surface);
+        fixture_build(&c.f);
+        for (size_t i = 0; i < 6; ++i)
+            for (int k = 0; k < 3; ++k) {
+                c.splats.splats[i].center[k] *= (float)scales[s];
+                if (k < 2) c.splats.splats[i].radius[k] *= (float)scales[s];
+            }
+        c.half *= scales[s], c.tolerance *= scales[s];
+        move_splat(&c, 0.05);
+        psplat_report r = verify(&c);
+        assert_near(in_halves(&c, r.max_distance_surface_percent), 0.05, single);
+        assert_near(in_halves(&c, r.max_distance_splats_percent), 0.05, single);
+        assert_int_equal(r.uncovered_samples, 0);
+        free_cube(&c);
+    }
+}
+
+int test_verify_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_perfect),        cmocka_unit_test(test_missing),
+        cmocka_unit_test(test_marks),          cmocka_unit_test(test_moved),
+        cmocka_unit_test(test_inside_out),     cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_scales),         cmocka_unit_test(test_normal_promise),
+        cmocka_unit_test(test_crease_promise), cmocka_unit_test(test_crease_of_another_sheet),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

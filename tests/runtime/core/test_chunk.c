@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: MIT
+ * Chunks: what is left out could not have shown, and on ordinary models much is left out. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "core/chunk.h"
+#include "scene_asset.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static uint32_t seed = 20041u;
+
+static double uniform(double low, double high) {
+    return low + (high - low) * (double)scene_random(&seed);
+}
+
+static void multiply(const double a[16], const double b[16], double out[16]) {
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r) {
+            out[4 * c + r] = 0;
+            for (int k = 0; k < 4; ++k) out[4 * c + r] += a[4 * k + r] * b[4 * c + k];
+        }
+}
+
+/* Inverse of an affine matrix, by cofactors. */
+static void invert_affine(const double m[16], double out[16]) {
+    double det = 0;
+    memset(out, 0, 16 * sizeof *out);
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) {
+            int a = (k + 1) % 3, b = (k + 2) % 3, c = (i + 1) % 3, d = (i + 2) % 3;
+            out[4 * i + k] = m[4 * a + c] * m[4 * b + d] - m[4 * a + d] * m[4 * b + c];
+        }
+    for (int k = 0; k < 3; ++k) det += m[4 * k] * out[k];
+    for (int i = 0; i < 12; ++i) out[i] /= det;
+    for (int i = 0; i < 3; ++i) {
+        out[12 + i] = 0;
+        for (int k = 0; k < 3; ++k) out[12 + i] -= out[4 * k + i] * m[12 + k];
+    }
+    out[15] = 1;
+}
+
+/* Scale, shear and mirror at will, in front of the camera, beside it, around it. */
+static void random_modelview(double m[16]) {
+    memset(m, 0, 16 * sizeof *m);
+    do {
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r) m[4 * c + r] = uniform(-1, 1);
+    } while (fabs(m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
+                  m[8] * (m[1] * m[6] - m[2] * m[5])) < 0.05);
+    m[12] = uniform(-3, 3);
+    m[13] = uniform(-3, 3);
+    m[14] = uniform(-6, 2);
+    m[15] = 1;
+}
+
+static void projection_of(int is_perspective, double m[16]) {
+    const double near = 0.5, far = 6, zoom = is_perspective ? 1.5 : 0.4;
+    memset(m, 0, 16 * sizeof *m);
+    m[0] = zoom;
+    m[5] = 1.3 * zoom;
+    m[10] = is_perspective ? -(far + near) / (far - near) : -2 / (far - near);
+    m[11] = is_perspective ? -1 : 0;
+    m[14] = is_perspective ? -2 * far * near / (far - near) : -(far + near) / (far - near);
+    m[15] = is_perspective ? 0 : 1;
+}
+
+/* Splats around a place that look roughly one way. */
+static void random_splats(psplat_splat *splats, size_t count) {
+    double place[3], spread = uniform(0.02, 1);
+    for (int i = 0; i < 3; ++i) place[i] = uniform(-1, 1);
+    for (size_t k = 0; k < count; ++k) {
+        psplat_splat *s = &splats[k];
+        double length = 0;
+        memset(s, 0, sizeof *s);
+        for (int i = 0; i < 3; ++i) s->center[i] = (float)(place[i] + uniform(-0.2, 0.2));
+        for (int i = 0; i < 4; ++i) s->rotation[i] = (float)((i == 3) + spread * uniform(-1, 1));
+        for (int i = 0; i < 4; ++i) length += (double)s->rotation[i] * (double)s->rotation[i];
+        for (int i = 0; i < 4; ++i) s->rotation[i] /= (float)sqrt(length);
+        s->radius[0] = (float)uniform(0.01, 0.2);
+        s->radius[1] = s->radius[0] * 0.5f;
+    }
+}
+
+static void rotate(const float q[4], const double v[3], double out[3]) {
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    const double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+                         2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+                         2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
+    for (int r = 0; r < 3; ++r)
+        out[r] = m[3 * r] * v[0] + m[3 * r + 1] * v[1] + m[3 * r + 2] * v[2];
+}
+
+/* Whether some of 25 points of the ellipse shows: inside the view, on a front. The front is that of
+ * the transformed plane seen from the eye at 0, which knows nothing of object space. */
+static int shows(const psplat_splat *s, const double modelview[16], const double projection[16],
+                 int is_perspective, int is_culled) {
+    double u[3], v[3], eye_u[3], eye_v[3], n[3], det;
+    rotate(s->rotation, (const double[3]){1, 0, 0}, u);
+    rotate(s->rotation, (const double[3]){0, 1, 0}, v);
+    for (int r = 0; r < 3; ++r) {
+        eye_u[r] = eye_v[r] = 0;
+        for (int k = 0; k < 3; ++k) {
+            eye_u[r] += modelview[4 * k + r] * u[k] * (double)s->radius[0];
+            eye_v[r] += modelview[4 * k + r] * v[k] * (double)s->radius[1];
+        }
+    }
+    for (int i = 0; i < 3; ++i)
+        n[i] = eye_u[(i + 1) % 3] * eye_v[(i + 2) % 3] - eye_u[(i + 2) % 3] * eye_v[(i + 1) % 3];
+    det = modelview[0] * (modelview[5] * modelview[10] - modelview[6] * modelview[9]) -
+          modelview[4] * (modelview[1] * modelview[10] - modelview[2] * modelview[9]) +
+          modelview[8] * (modelview[1] * modelview[6] - modelview[2] * modelview[5]);
+    for (int k = 0; k < 25; ++k) {
+        double r = sqrt((k + 0.5) / 25), a = 2.4 * k, p[4] = {0, 0, 0, 1}, clip[4];
+        for (int row = 0; row < 3; ++row) {
+            p[row] = modelview[12 + row] + r * cos(a) * eye_u[row] + r * sin(a) * eye_v[row];
+            for (int c = 0; c < 3; ++c) p[row] += modelview[4 * c + row] * (double)s->center[c];
+        }
+        double facing = is_perspective ? -(n[0] * p[0] + n[1] * p[1] + n[2] * p[2]) : n[2];
+        if (is_culled && !(facing * det > 0)) return 0;
+        for (int row = 0; row < 4; ++row) {
+            clip[row] = 0;
+            for (int c = 0; c < 4; ++c) clip[row] += projection[4 * c + row] * p[c];
+        }
+        if (fabs(clip[0]) <= clip[3] && fabs(clip[1]) <= clip[3] && fabs(clip[2]) <= clip[3])
+            return 1;
+    }
+    return 0;
+}
+
+static void test_left_out(void **state) {
+    (void)state;
+    enum { COUNT = 40, ROUNDS = 20000 };
+    psplat_splat splats[COUNT];
+    const double margin[2] = {0, 0}, ahead[3] = {0, 0, -1}, none[3] = {0, 0, 0};
+    int hidden = 0;
+    for (int round = 0; round < ROUNDS; ++round) {
+        int is_perspective = round & 1, is_culled = !(round & 2), seen = 0;
+        double modelview[16], inverse[16], projection[16], clip[16];
+        psplat_chunk chunk;
+        psplat_chunk_view view;
+        random_splats(splats, COUNT);
+        random_modelview(modelview);
+        projection_of(is_perspective, projection);
+        multiply(projection, modelview, clip);
+        invert_affine(modelview, inverse);
+        psplat_chunks_find(splats, COUNT, &chunk);
+        psplat_chunk_view_set(&view, clip, inverse, margin, is_perspective,
+                              is_perspective ? none : ahead, is_culled);
+        if (psplat_chunk_is_visible(&chunk, &view)) continue;
+        ++hidden;
+        for (int k = 0; k < COUNT; ++k)
+            seen += shows(&splats[k], modelview, projection, is_perspective, is_culled);
+        assert_int_equal(seen, 0);
+    }
+    print_message("%d of %d chunks left out\n", hidden, (int)ROUNDS);
+    assert_true(hidden > ROUNDS / 4);
+}
+
+static int cell_of(const psplat_splat *s) {
+    int cell = 0;
+    for (int i = 0; i < 3; ++i) cell = 6 * cell + (int)(2.99f * (s->center[i] + 1));
+    return cell;
+}
+
+static int by_cell(const void *a, const void *b) {
+    return cell_of(a) - cell_of(b);
+}
+
+/* Half of a sphere is turned away; in spatial order most of it is noticed. */
+static void test_sphere(void **state) {
+    (void)state;
+    scene s = scene_sphere(50000, 1);
+    qsort(s.splats, s.count, sizeof *s.splats, by_cell);
+    size_t count = psplat_chunk_count(s.count), hidden = 0;
+    assert_int_equal(count, (50000 + PSPLAT_CHUNK_SPLATS - 1) / PSPLAT_CHUNK_SPLATS);
+    psplat_chunk *chunks = malloc(count * sizeof *chunks);
+    assert_non_null(chunks);
+    psplat_chunks_find(s.splats, s.count, chunks);
+    const double modelview[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -5, 1};
+    const double margin[2] = {0, 0}, none[3] = {0, 0, 0};
+    double inverse[16], projection[16], clip[16];
+    projection_of(1, projection);
+    multiply(projection, modelview, clip);
+    invert_affine(modelview, inverse);
+    for (int is_culled = 0; is_culled < 2; ++is_culled) {
+        psplat_chunk_view view;
+        psplat_chunk_view_set(&view, clip, inverse, margin, 1, none, is_culled);
+        hidden = 0;
+        for (size_t i = 0; i < count; ++i) hidden += !psplat_chunk_is_visible(&chunks[i], &view);
+        if (!is_culled) assert_int_equal(hidden, 0);
+    }
+    print_message("%zu of %zu chunks turned away\n", hidden, count);
+    assert_true(hidden > count / 4 && hidden < count / 2 + count / 10);
+    free(chunks);
+    scene_free(&s);
+}
+
+/* A plane mirrored and squashed stays a front; from the other side it is a back. */
+static void test_sides(void **state) {
+    (void)state;
+    scene s = scene_disc(1);
+    psplat_chunk chunk;
+    psplat_chunks_find(s.splats, 1, &chunk);
+    const double squash[3] = {1, 1e-3, 3}, margin[2] = {0, 0}, none[3] = {0, 0, 0};
+    for (int mirror = 0; mirror < 2; ++mirror)
+        for (int behind = 0; behind < 2; ++behind) {
+            double modelview[16] = {0}, inverse[16], projection[16], clip[16];
+            psplat_chunk_view view;
+            for (int i = 0; i < 3; ++i) modelview[5 * i] = squash[i];
+            if (mirror) modelview[0] = -1;
+            if (behind) modelview[10] = -modelview[10];
+            modelview[14] = -4;
+            modelview[15] = 1;
+            projection_of(1, projection);
+            multiply(projection, modelview, clip);
+            invert_affine(modelview, inverse);
+            psplat_chunk_view_set(&view, clip, inverse, margin, 1, none, 1);
+            assert_int_equal(psplat_chunk_is_visible(&chunk, &view), !behind);
+        }
+    scene_free(&s);
+}
+
+int test_chunk_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_left_out),
+        cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_sides),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT
+ * Shader programs: their number is bounded, and all of them compile and link, on GL and GLES. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "gl/gl_program.h"
+
+#include <phongsplat/host.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALL_OPTIONS = 1 << 18, MAX_KEYS = 20000 };
+
+typedef struct key_list {
+    psplat_program_key *keys;
+    size_t count;
+} key_list;
+
+static int same(const psplat_program_key *a, const psplat_program_key *b) {
+    return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
+           a->clip_count == b->clip_count && a->shading == b->shading &&
+           a->light_count == b->light_count;
+}
+
+static int by_value(const void *a, const void *b) {
+    return memcmp(a, b, sizeof(psplat_program_key));
+}
+
+/* Reduces a key and keeps it. */
+static void add(key_list *list, psplat_program_key key) {
+    assert_true(list->count < MAX_KEYS);
+    list->keys[list->count] = psplat_program_key_reduce(key);
+    /* Reducing is done once: the reduced key is its own. */
+    psplat_program_key again = psplat_program_key_reduce(list->keys[list->count]);
+    assert_true(same(&again, &list->keys[list->count]));
+    ++list->count;
+}
+
+static void keep_distinct(key_list *list) {
+    size_t kept = 0;
+    qsort(list->keys, list->count, sizeof *list->keys, by_value);
+    for (size_t i = 0; i < list->count; ++i)
+        if (kept == 0 || !same(&list->keys[kept - 1], &list->keys[i]))
+            list->keys[kept++] = list->keys[i];
+    list->count = kept;
+}
+
+/* The distinct programs of one pass, clip count, shading and number of lights. */
+static void add_options(key_list *list, psplat_program_key key) {
+    size_t first = list->count;
+    key_list part = {list->keys + first, 0};
+    for (unsigned options = 0; options < ALL_OPTIONS; ++options) {
+        key.options = options;
+        psplat_program_key reduced = psplat_program_key_reduce(key);
+        /* Those that are as asked for stand for all that reduce to them. */
+        if (reduced.options == options) add(&part, key);
+    }
+    list->count += part.count;
+}
+
+static key_list list_create(void) {
+    key_list list = {malloc(MAX_KEYS * sizeof(psplat_program_key)), 0};
+    assert_non_null(list.keys);
+    memset(list.keys, 0, MAX_KEYS * sizeof *list.keys);
+    return list;
+}
+
+/* Materials that vary with what changes other lines of the shaders than they do. */
+static int is_like_others(const psplat_program_key *key) {
+    const unsigned varied = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_OCCLUSION;
+    const unsigned apart = PSPLAT_OPTION_POWER | PSPLAT_OPTION_COUNT | PSPLAT_OPTION_TWO_SIDED;
+    return key->options & varied && (key->clip_count > 0 || key->options & apart);
+}
+
+/* All, but that programs that shade are not made for each number of lights, and of those that shade
+ * splats one by one the ones with clip lines without lights alone; and that of materials that vary
+ * those with clip lines and the like are left out. */
+static key_list all_keys(int clip_step) {
+    key_list list = list_create();
+    for (int pass = PSPLAT_PASS_VISIBILITY; pass <= PSPLAT_PASS_PARAMETERS; ++pass)
+        for (int clip = 0; clip <= PSPLAT_MAX_CLIP_LINES; clip += clip_step)
+            add_options(&list, (psplat_program_key){.pass = pass, .clip_count = clip});
+    for (int lights = 0; lights <= PSPLAT_MAX_LIGHTS; lights += PSPLAT_MAX_LIGHTS) {
+        psplat_program_key key = {.pass = PSPLAT_PASS_RADIANCE, .light_count = lights};
+        add_options(&list, key);
+        key.is_resolve = 1;
+        for (key.shading = 0; key.shading < PSPLAT_SHADING_COUNT; ++key.shading)
+            add_options(&list, key);
+    }
+    keep_distinct(&list);
+    return list;
+}
+
+/* No scene can make more: what a program has no use for does not make another one. */
+static void test_bounded(void **state) {
+    (void)state;
+    size_t most = 0;
+    for (int pass = PSPLAT_PASS_VISIBILITY; pass <= PSPLAT_PASS_PARAMETERS; ++pass) {
+        key_list list = list_create();
+        add_options(&list, (psplat_program_key){.pass = pass, .light_count = 1});
+        keep_distinct(&list);
+        print_message("pass %d: %zu programs for each number of clip lines\n", pass, list.count);
+        if (list.count > most) most = list.count;
+        free(list.keys);
+    }
+    /* Normals: 5 of gammas, fields and what is stepped over; three times these and 8 of colours and
+     * finishes where there are more targets; by sides, filter and three weights. */
+    assert_true(most <= (5 + 3 * 13) * 2 * 2 * 3);
+}
+
+static void test_no_use(void **state) {
+    (void)state;
+    psplat_program_key visible = {.pass = PSPLAT_PASS_VISIBILITY, .options = ~0u, .light_count = 3};
+    visible = psplat_program_key_reduce(visible);
+    assert_int_equal(visible.options, PSPLAT_OPTION_WIDE | PSPLAT_OPTION_NEAR);
+    assert_int_equal(visible.light_count, 0);
+    psplat_program_key depth = {.is_resolve = 1, .shading = PSPLAT_SHADING_DEPTH, .light_count = 3};
+    depth.options = PSPLAT_OPTIONS_TARGETS | PSPLAT_OPTIONS_LIGHT;
+    depth = psplat_program_key_reduce(depth);
+    assert_int_equal(depth.options, 0);
+    assert_int_equal(depth.light_count, 0);
+    /* Colours that go nowhere are a texel to step over. */
+    psplat_program_key plain = {.pass = PSPLAT_PASS_NORMALS,
+                                .options = PSPLAT_OPTION_WIDE | PSPLAT_OPTION_COLOR};
+    assert_int_equal(psplat_program_key_reduce(plain).options, PSPLAT_OPTION_WIDE);
+}
+
+static void compile_all(psplat_api api, int clip_step) {
+    psplat_host *host = NULL;
+    psplat_error error = {0};
+    psplat_gl gl;
+    assert_int_equal(psplat_host_create(api, 1, &host, &error), PSPLAT_OK);
+    assert_int_equal(psplat_gl_load(&gl, psplat_host_get_proc, host, &error), PSPLAT_OK);
+    psplat_allocator allocator = {0};
+    psplat_programs programs = {0};
+    key_list list = all_keys(clip_step);
+    size_t made = 0;
+    for (size_t i = 0; i < list.count; ++i) {
+        const psplat_program *program = NULL;
+        if (is_like_others(&list.keys[i])) continue;
+        ++made;
+        psplat_result result =
+            psplat_programs_find(&programs, &gl, &allocator, list.keys[i], &program, &error);
+        if (result)
+            fail_msg("options 0x%x of pass %d: %s", list.keys[i].options, list.keys[i].pass,
+                     error.text);
+        assert_true(same(&program->key, &list.keys[i]));
+    }
+    assert_int_equal(programs.count, made);
+    print_message("%zu of %zu programs\n", made, list.count);
+    psplat_programs_destroy(&programs, &gl, &allocator);
+    free(list.keys);
+    psplat_host_destroy(host);
+}
+
+static void test_gl(void **state) {
+    (void)state;
+    compile_all(PSPLAT_API_GL, 1);
+}
+
+static void test_gles(void **state) {
+    (void)state;
+    compile_all(PSPLAT_API_GLES, 4); /* none and all: the others differ in a vector's length */
+}
+
+int test_gl_program_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bounded),
+        cmocka_unit_test(test_no_use),
+        cmocka_unit_test(test_gl),
+        cmocka_unit_test(test_gles),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

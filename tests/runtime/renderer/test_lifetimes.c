@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Whatever is created a thousand times and destroyed leaves no byte and no GL object behind, and
+ * psplat_renderer_memory tells what there is meanwhile.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <stdlib.h>
+#include <cmocka.h>
+
+#include "reference_view.h"
+#include "gl_canvas.h"
+#include "ledger.h"
+#include "scene_asset.h"
+#include "spy.h"
+
+enum { TIMES = 1000 };
+
+typedef struct stage {
+    canvas *canvas; /* its renderer draws through spy and ledger */
+    spy spy;
+    ledger ledger;
+    scene scene;
+    psplat_asset *asset;
+    psplat_view view;
+} stage;
+
+static psplat_renderer *make_renderer(stage *s) {
+    psplat_error error = {0};
+    psplat_renderer *renderer = NULL;
+    psplat_renderer_desc desc = {
+        .get_proc = spy_get_proc, .user = &s->spy, .allocator = ledger_allocator(&s->ledger)};
+    canvas_check(psplat_renderer_create(&desc, &renderer, &error), &error);
+    return renderer;
+}
+
+/* What must not grow. */
+typedef struct count {
+    size_t objects, allocated;
+    psplat_memory memory;
+} count;
+
+static count take(const stage *s) {
+    return (count){spy_live(&s->spy), s->ledger.bytes, psplat_renderer_memory(s->canvas->renderer)};
+}
+
+static void expect_same(const stage *s, const count *before) {
+    count now = take(s);
+    assert_int_equal(now.objects, before->objects);
+    assert_int_equal(now.allocated, before->allocated);
+    assert_memory_equal(&now.memory, &before->memory, sizeof now.memory);
+    assert_string_equal(s->spy.trouble, "");
+}
+
+static void draw(stage *s, psplat_model *model, int size) {
+    psplat_error error = {0};
+    psplat_item item = {.model = model};
+    s->view.width = s->view.height = size;
+    canvas_check(psplat_draw(s->canvas->renderer, &s->view, &item, 1, &error), &error);
+}
+
+static void test_renderers(void **state) {
+    stage *s = *state;
+    count before = take(s);
+    for (int i = 0; i < TIMES; ++i) psplat_renderer_destroy(make_renderer(s));
+    expect_same(s, &before);
+}
+
+/* With programs and targets in them: fewer, since each compiles its own programs. */
+static void test_used_renderers(void **state) {
+    stage *s = *state;
+    psplat_renderer *kept = s->canvas->renderer;
+    count before = take(s);
+    for (int i = 0; i < 40; ++i) {
+        s->canvas->renderer = make_renderer(s);
+        psplat_model *model = canvas_model(s->canvas, s->asset);
+        s->view.mode = (psplat_mode)(i % PSPLAT_MODE_COUNT);
+        draw(s, model, 8 + i);
+        assert_true(psplat_renderer_memory(s->canvas->renderer).targets > 0);
+        psplat_model_destroy(s->canvas->renderer, model);
+        psplat_renderer_destroy(s->canvas->renderer);
+    }
+    s->canvas->renderer = kept;
+    expect_same(s, &before);
+}
+
+static void test_models(void **state) {
+    stage *s = *state;
+    count before = take(s);
+    for (int i = 0; i < TIMES; ++i) {
+        psplat_model *model = canvas_model(s->canvas, s->asset);
+        size_t bytes = psplat_renderer_memory(s->canvas->renderer).models - before.memory.models;
+        assert_true(bytes > 0);
+        assert_int_equal(bytes, psplat_model_describe(model).bytes);
+        psplat_model_destroy(s->canvas->renderer, model);
+    }
+    expect_same(s, &before);
+}
+
+static psplat_result make_environment(stage *s, psplat_environment **environment) {
+    static const float radiance[6 * 3] = {1, 1, 1};
+    const psplat_environment_desc desc = {radiance, 1};
+    return psplat_environment_create(s->canvas->renderer, &desc, environment, NULL);
+}
+
+/* Most of them fail at their first texture or upload, since filtering one takes its time. */
+static void test_environments(void **state) {
+    stage *s = *state;
+    psplat_environment *environment = NULL;
+    count before = take(s);
+    for (int i = 0; i < TIMES; ++i) {
+        s->spy.fault = SPY_FAULT_TEXTURE_MEMORY;
+        s->spy.at = s->spy.happened = 0;
+        assert_int_equal(make_environment(s, &environment), PSPLAT_ERROR_MEMORY);
+        assert_null(environment);
+    }
+    s->spy.fault = SPY_FAULT_NONE;
+    expect_same(s, &before);
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(make_environment(s, &environment), PSPLAT_OK);
+        assert_true(take(s).memory.environments > 0);
+        psplat_environment_destroy(s->canvas->renderer, environment);
+        expect_same(s, &before);
+    }
+    psplat_environment_destroy(s->canvas->renderer, NULL);
+}
+
+/* The second frame of every mode and shading, shadows too, allocates and makes nothing. */
+static void test_frames(void **state) {
+    stage *s = *state;
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    s->view.lights[0].casts_shadow = 1;
+    s->view.shadow_size = 16;
+    size_t made = 0;
+    int calls = 0;
+    for (int frame = 0; frame < 2; ++frame) {
+        made = s->spy.made;
+        calls = s->ledger.calls;
+        for (int mode = 0; mode < PSPLAT_MODE_COUNT; ++mode)
+            for (int shading = 0; shading < PSPLAT_SHADING_COUNT; ++shading) {
+                s->view.mode = (psplat_mode)mode;
+                s->view.shading = (psplat_shading)shading;
+                draw(s, model, 16);
+            }
+    }
+    assert_int_equal(s->spy.made, made);
+    assert_int_equal(s->ledger.calls, calls);
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
+/* Maps stay while their size does and no view needs more of them. */
+static void test_shadows(void **state) {
+    stage *s = *state;
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    s->view.light_count = 2;
+    s->view.lights[1] = s->view.lights[0];
+    s->view.lights[0].casts_shadow = 1;
+    s->view.shadow_size = 16;
+    draw(s, model, 8);
+    count before = take(s);
+    assert_int_equal(before.memory.shadows, 16 * 16 * 4);
+    for (int i = 0; i < TIMES; ++i) {
+        s->view.shadow_size = 16 + i % 24;
+        s->view.lights[1].casts_shadow = i % 2;
+        draw(s, model, 8);
+        size_t least = (size_t)(s->view.shadow_size * s->view.shadow_size * 4);
+        assert_in_range(take(s).memory.shadows, least, 2 * least);
+    }
+    s->view.lights[1].casts_shadow = 0;
+    s->view.shadow_size = 16;
+    draw(s, model, 8);
+    expect_same(s, &before);
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
+/* Targets are those of the last view and, for some draws, of the one before. */
+static void test_targets(void **state) {
+    stage *s = *state;
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    draw(s, model, 50);
+    count before = take(s);
+    size_t last = 50 * 50;
+    for (int i = 0; i < TIMES; ++i) {
+        int size = 1 + i % 64;
+        draw(s, model, size);
+        /* At least a depth and a normal, at most four colours in 32 bits. */
+        size_t pixels = (size_t)(size * size), bytes = take(s).memory.targets;
+        assert_true(bytes >= pixels * (4 + 8) && bytes <= (pixels + last) * (4 + 4 * 16));
+        last = pixels;
+    }
+    for (int i = 0; i < 70; ++i) draw(s, model, 50);
+    expect_same(s, &before);
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
+/* Views of two sizes in each frame, many of one and the other not always there, make nothing after
+ * the first time. */
+static void test_two_views(void **state) {
+    stage *s = *state;
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    draw(s, model, 50);
+    draw(s, model, 20);
+    size_t made = s->spy.made;
+    for (int i = 0; i < 120; ++i) {
+        draw(s, model, 50);
+        if (i % 40 == 0) draw(s, model, 20);
+    }
+    assert_int_equal(s->spy.made, made);
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
+static void test_nothing(void **state) {
+    stage *s = *state;
+    psplat_memory none = psplat_renderer_memory(NULL);
+    assert_true(none.models + none.targets + none.environments + none.shadows == 0);
+    assert_int_equal(psplat_model_describe(NULL).splat_count, 0);
+    psplat_model *model = canvas_model(s->canvas, s->asset);
+    psplat_model_info info = psplat_model_describe(model);
+    assert_int_equal(info.splat_count, s->scene.count);
+    assert_int_equal(info.batch_count, psplat_asset_batch_count(s->asset));
+    psplat_model_destroy(s->canvas->renderer, model);
+}
+
+/* ---- fixtures -----------------------------------------------------------------------------------
+ */
+
+static int setup(void **state, psplat_api api) {
+    const double eye[3] = {0.3, 0.2, 2}, target[3] = {0, 0, 0};
+    stage *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    s->canvas = canvas_create(api);
+    psplat_renderer_destroy(s->canvas->renderer);
+    s->spy = (spy){.get_proc = psplat_host_get_proc, .user = s->canvas->host};
+    s->ledger.fail_at = -1;
+    s->canvas->renderer = make_renderer(s);
+    s->scene = scene_ellipses(60, 2, 7);
+    s->asset = scene_open(&s->scene);
+    s->view = camera_view(8, 8);
+    camera_look(&s->view, eye, target);
+    camera_parallel(&s->view, 1.2, 0.5, 4.0);
+    canvas_begin(s->canvas);
+    *state = s;
+    return 0;
+}
+
+static int setup_gl(void **state) {
+    return setup(state, PSPLAT_API_GL);
+}
+
+static int setup_es(void **state) {
+    return setup(state, PSPLAT_API_GLES);
+}
+
+static int teardown(void **state) {
+    stage *s = *state;
+    psplat_renderer_destroy(s->canvas->renderer);
+    s->canvas->renderer = NULL;
+    assert_int_equal(spy_live(&s->spy), 0);
+    assert_int_equal(s->ledger.bytes, 0);
+    canvas_destroy(s->canvas);
+    psplat_asset_destroy(s->asset);
+    scene_free(&s->scene);
+    free(s);
+    return 0;
+}
+
+#define BOTH(test)                                                                                 \
+    cmocka_unit_test_setup_teardown(test, setup_gl, teardown),                                     \
+        cmocka_unit_test_setup_teardown(test, setup_es, teardown)
+
+int test_lifetimes_main(void) {
+    const struct CMUnitTest tests[] = {
+        BOTH(test_renderers), BOTH(test_used_renderers), BOTH(test_models),
+        BOTH(test_targets),   BOTH(test_shadows),        BOTH(test_environments),
+        BOTH(test_two_views), BOTH(test_nothing),        BOTH(test_frames),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
