@@ -61,6 +61,32 @@ static void test_base_color(void **state) {
     painted_free(&p);
 }
 
+/* White to the middle, black from there on. */
+static void step(uint32_t x, uint32_t y, uint8_t rgba[4]) {
+    (void)y;
+    memset(rgba, x < 8 ? 255 : 0, 4);
+}
+
+/* A disc of diameter 0.5 is 4 of the 16 texels wide: at 2 from the step it just sees black, and one
+ * twice as wide is a quarter white, as the texels of 8 say. */
+static void test_diameter(void **state) {
+    (void)state;
+    painted p;
+    double barycentric[3];
+    painted_make(&p, 1, 16, step);
+    p.source_material.metallic_roughness = (psplat_texture_info){.image = &p.image};
+    at(0.25, 0, barycentric);
+    for (int wide = 0; wide < 2; ++wide) {
+        psplat_appearance appearance;
+        psplat_baked_point shade;
+        assert_int_equal(psplat_appearance_build(&p.mesh, wide ? 1 : 0.5, &appearance), PSPLAT_OK);
+        psplat_appearance_bake(&appearance, 0, barycentric, up, &shade);
+        assert_near(shade.finish[1], wide ? 0.25 : 0, 1e-5); /* levels hold shorts */
+        psplat_appearance_free(&appearance);
+    }
+    painted_free(&p);
+}
+
 static void test_vertex_colors_multiply(void **state) {
     (void)state;
     painted p;
@@ -211,6 +237,7 @@ static void test_alpha(void **state) {
 int test_appearance_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_base_color),
+        cmocka_unit_test(test_diameter),
         cmocka_unit_test(test_vertex_colors_multiply),
         cmocka_unit_test(test_finish_and_emissive),
         cmocka_unit_test(test_normal_map),

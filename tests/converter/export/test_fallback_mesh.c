@@ -165,6 +165,28 @@ static void test_materials(void **state) {
     painted_free(&p);
 }
 
+static void half_rough(uint32_t x, uint32_t y, uint8_t rgba[4]) {
+    (void)y;
+    rgba[0] = rgba[3] = 255, rgba[1] = x < 8 ? 102 : 153, rgba[2] = 51;
+}
+
+/* A texture's roughness (green) and metalness (blue) become factors: their means, 1/2 and 1/5. */
+static void test_finish(void **state) {
+    (void)state;
+    painted p;
+    painted_make(&p, 8, 16, half_rough);
+    p.source_material.material.roughness = 0.5f;
+    p.source_material.metallic_roughness =
+        (psplat_texture_info){.image = &p.image, .transform = {1, 0, 0, 0, 1, 0}};
+    psplat_fallback_mesh s = make(&p.mesh, 0.5);
+    assert_int_equal(s.primitive_count, 1);
+    /* The texture wraps around, as do the triangles' surroundings: alike on both sides. */
+    assert_true(fabsf(s.primitives[0].material.roughness - 0.25f) < 1e-4f);
+    assert_true(fabsf(s.primitives[0].material.metallic - 0.2f) < 1e-4f);
+    psplat_fallback_mesh_free(&s);
+    painted_free(&p);
+}
+
 /* What a mesh without materials calls groups divides nothing. */
 static void test_groups_alone(void **state) {
     (void)state;
@@ -184,7 +206,7 @@ int test_fallback_mesh_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cube),         cmocka_unit_test(test_torus),
         cmocka_unit_test(test_order),        cmocka_unit_test(test_materials),
-        cmocka_unit_test(test_groups_alone),
+        cmocka_unit_test(test_groups_alone), cmocka_unit_test(test_finish),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -66,7 +66,7 @@ static void test_on_triangles(void **state) {
     release(&f);
 }
 
-/* On the sphere: no two samples closer than the spacing, no point farther than 1.6 from one. */
+/* On the sphere: no two samples closer than the spacing, no point farther than 1.3 from one. */
 static void test_blue_noise(void **state) {
     (void)state;
     fixture f;
@@ -86,7 +86,7 @@ static void test_blue_noise(void **state) {
         gap = max2(gap, least);
     }
     print_message("largest gap %.3f spacings, %zu samples\n", gap / spacing, f.samples.count);
-    assert_true(gap < 1.6 * spacing);
+    assert_true(gap < 1.3 * spacing);
     psplat_samples_free(&probes);
     release(&f);
 }

@@ -87,6 +87,14 @@ static void test_quantised(void **state) {
     snprintf(rest, sizeof rest,
              "%s" SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[0.001,0.001,0.001]}]," PLAIN, required);
     check_volume(finish(&g, rest), 1, 1e-12);
+    /* Normalised: the greatest number is 1, and what is below -1 is -1. */
+    static const int16_t shorts[4][4] = {{0, 0, 0}, {32767, 0, 0}, {0, -32767, 0}, {0, 0, -32768}};
+    g = (gltf){0};
+    add(&g, shorts, sizeof shorts, SHORT, "VEC3", 4, ",\"normalized\":true");
+    strcpy(strrchr(g.views, '}'), ",\"byteStride\":8}");
+    add(&g, faces, sizeof faces, UBYTE, "SCALAR", 12, "");
+    snprintf(rest, sizeof rest, "%s" SCENE "\"nodes\":[{\"mesh\":0}]," PLAIN, required);
+    check_volume(finish(&g, rest), 1, 1e-12);
     /* Normalised, mirrored by its own numbers; normals of bytes. */
     g = (gltf){0};
     add(&g, parts, sizeof parts, BYTE, "VEC3", 4, ",\"normalized\":true");

@@ -347,6 +347,10 @@ static void test_far_from_the_origin(void **state) {
     mesh = read_text("f.obj", "v 0 0 0\nv 1e-30 0 0\nv 0 1e-30 0\nf 1 2 3\n");
     assert_int_equal(mesh.triangle_count, 1);
     psplat_mesh_free(&mesh);
+    /* Nor are those that are a million million times as long as wide. */
+    mesh = read_text("f.obj", "v 0 0 0\nv 1 0 0\nv 0.5 1e-12 0\nf 1 2 3\n");
+    assert_int_equal(mesh.triangle_count, 1);
+    psplat_mesh_free(&mesh);
 }
 
 int test_read_mesh_main(void) {

@@ -124,6 +124,24 @@ static void test_instances(void **state) {
     psplat_scene_free(&scene);
 }
 
+/* Where an instance lies: T R S, of a rotation whose matrix has simple numbers. */
+static void test_transform(void **state) {
+    (void)state;
+    static const double expected[16] = {0,    1.2,   1.6,  0, -0.8, 0.48, -0.36, 0,
+                                        -1.8, -1.92, 1.44, 0, 5,    6,    7,     1};
+    gltf g = tetrahedron();
+    psplat_scene scene = scene_of(
+        finish(&g, "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":[5,6,7],"
+                   "\"rotation\":[0.1,-0.5,0.5,0.7],\"scale\":[2,1,3]}]," TWO_MESHES));
+    psplat_instance *instances;
+    size_t count;
+    assert_int_equal(psplat_scene_instances(&scene, 0, &instances, &count, NULL), PSPLAT_OK);
+    assert_int_equal(count, 1);
+    for (int i = 0; i < 16; ++i) assert_near(instances[0].matrix[i], expected[i], 1e-15);
+    free(instances);
+    psplat_scene_free(&scene);
+}
+
 /* Of scale 0 nothing is drawn: no instance, one warning; sizes that only look like 0 are drawn. */
 static void test_flattened(void **state) {
     (void)state;
@@ -267,9 +285,9 @@ static void test_dropped(void **state) {
 int test_read_scene_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_warnings),  cmocka_unit_test(test_meshes),
-        cmocka_unit_test(test_instances), cmocka_unit_test(test_flattened),
-        cmocka_unit_test(test_depth),     cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_dropped),
+        cmocka_unit_test(test_instances), cmocka_unit_test(test_transform),
+        cmocka_unit_test(test_flattened), cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_refused),   cmocka_unit_test(test_dropped),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

@@ -6,10 +6,15 @@
 #include "mesh_fixture.h"
 
 #include "stage_fixture.h"
+#include "base/region.h"
+#include "base/random.h"
 #include "features/surface.h"
+#include "fit/candidate.h"
 #include "mesh/mesh.h"
 #include "pipeline/convert.h"
 #include "select/conversion.h"
+#include "select/precision.h"
+#include "select/selection.h"
 #include "splats/splats.h"
 #include "verify/report.h"
 
@@ -92,11 +97,38 @@ static void test_steps(void **state) {
     fixture_free(&cube);
 }
 
+/* Splats with normals all around and one radius, in tolerances, and what their normals get. */
+static int bits_of(double radius) {
+    enum { COUNT = 200 };
+    const psplat_convert_desc desc = {.precision = PSPLAT_USUAL_PRECISION};
+    psplat_conversion c = {.desc = &desc, .tolerance = 1, .surface = {.diagonal = 1000}};
+    uint64_t random = 3;
+    for (int i = 0; i < COUNT; ++i) {
+        psplat_candidate candidate = {.taken = 1, .region = {.radius = {radius, radius}}};
+        psplat_region *r = &candidate.region;
+        random_axes(&random, r->u, r->v, r->n);
+        assert_true(psplat_selection_push(&c.selection, &candidate));
+    }
+    psplat_precision p = psplat_precision_choose(&c);
+    psplat_selection_free(&c.selection);
+    return p.normal_bits;
+}
+
+/* Steps of 8 bits are 1 / 127, those of 11 and 14 an eighth of that each. Off by half of one in
+ * either direction, a rim may be 0.3 tolerances away: up to some 50, 400 and 3000 of them. */
+static void test_normal_bits(void **state) {
+    (void)state;
+    assert_int_equal(bits_of(20), 8);
+    assert_int_equal(bits_of(200), 11);
+    assert_int_equal(bits_of(2000), 14);
+}
+
 int test_precision_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_flat),
         cmocka_unit_test(test_floats),
         cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_normal_bits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -51,6 +51,21 @@ static void test_plain(void **state) {
     psplat_splats_free(&s);
 }
 
+/* Without finishes colours do not change over a splat: they fold. */
+static void test_without_finishes(void **state) {
+    (void)state;
+    psplat_splats s = make();
+    free(s.finishes);
+    s.finishes = NULL;
+    for (int i = 0; i < COUNT; ++i) s.splats[i].color[1] = 0.5f;
+    assert_int_equal(psplat_hoist_constants(&s), PSPLAT_OK);
+    assert_null(s.finishes);
+    assert_false(s.has_color);
+    assert_near(s.materials[0].base_color[1], 0.25, 0);
+    assert_near(s.splats[0].color[1], 1, 0);
+    psplat_splats_free(&s);
+}
+
 /* One material shares all of it, the other nothing. */
 static void test_one_of_two(void **state) {
     (void)state;
@@ -101,6 +116,7 @@ static void test_what_cannot_fold(void **state) {
 int test_hoist_constants_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plain),
+        cmocka_unit_test(test_without_finishes),
         cmocka_unit_test(test_one_of_two),
         cmocka_unit_test(test_what_cannot_fold),
     };

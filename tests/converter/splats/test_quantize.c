@@ -380,7 +380,7 @@ static void test_flipped(void **state) {
     psplat_splats_free(&s);
 }
 
-/* Snapped lines cut off nothing that they kept. */
+/* Snapped lines cut off nothing that they kept, and reach no farther than a step and their turn. */
 static void test_lines_keep(void **state) {
     (void)state;
     written w = {.count = 300, .size = 1, .lines = 16};
@@ -400,6 +400,11 @@ static void test_lines_keep(void **state) {
                 double now = side * ((double)line[0] * u + (double)line[1] * v) + (double)line[2];
                 /* What float leaves, and the hundredth of a step that a line may lose. */
                 if (kept >= 0) assert_true(now >= -0.01 / 64 - 4 * ulp);
+                /* A line through the ellipse moves by a step at most to keep the ends of its chord,
+                 * from which it turned by half a step; half of that again at the points here. */
+                double turn = 1.5708 * s.precision.line_turn_step;
+                if (fabsf(old[2]) < 1)
+                    assert_true(now <= kept + s.precision.line_step + 2 * turn + 4 * ulp);
             }
     free(before);
     psplat_splats_free(&s);

@@ -468,6 +468,7 @@ static void test_container(void **state) {
     check_patched(data, size, 8, UINT32_MAX, RANGE, 8);
     check_patched(data, size, 12, UINT32_MAX, RANGE, 12);
     check_patched(data, size, 12, (uint32_t)json_size - 1, FORMAT, 12);
+    check_patched(data, size, 12, (uint32_t)json_size - 2, FORMAT, 12);
     check_patched(data, size, 16, 0x004e4942, FORMAT, 16);
     check_patched(data, size, bin, (uint32_t)(size - bin), RANGE, bin);
     check_patched(data, size, bin, (uint32_t)(size - bin - 12), FORMAT, size - 4);

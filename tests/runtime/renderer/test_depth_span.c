@@ -110,6 +110,25 @@ static void test_beyond(void **state) {
     }
 }
 
+/* The filter draws splats nearer than they are: twice the box's depth before it there is room, and
+ * no more, unless the near plane comes first. Depths are linear here: 10 units are from -1 to 1. */
+static void test_room_before(void **state) {
+    (void)state;
+    psplat_view view = camera_view(100, 100);
+    camera_parallel(&view, 5, 0.1, 10.1);
+    const struct {
+        float near, far;
+        double low;
+    } boxes[] = {{7.1f, 8.1f, 0}, {9.1f, 9.6f, 0.6}, {3.1f, 4.1f, -0.8}, {2.1f, 3.1f, -1}};
+    for (size_t k = 0; k < sizeof boxes / sizeof *boxes; ++k) {
+        const float min[3] = {-1, -1, -boxes[k].far}, max[3] = {1, 1, -boxes[k].near};
+        psplat_depth_span span = PSPLAT_SPAN_EMPTY;
+        psplat_depth_span_add(&span, view.view, view.projection, min, max, 0);
+        /* Below it a little for rounding: a 4096th of a depth of 2 at most. */
+        assert_true(span.low <= boxes[k].low + 1e-6 && span.low >= boxes[k].low - 2.0 / 4096);
+    }
+}
+
 /* What lies a shift behind the box, along any view ray, is before the span's end or the view's. */
 static void test_shift(void **state) {
     size_t seen = 0;
@@ -147,6 +166,7 @@ static void test_shift(void **state) {
 int test_depth_span_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_holds),
+        cmocka_unit_test(test_room_before),
         cmocka_unit_test(test_shift),
         cmocka_unit_test(test_beyond),
     };
