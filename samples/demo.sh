@@ -16,7 +16,7 @@ $phongsplat convert samples/models/part.obj build/demo/part.glb --tolerance 0.2%
 $phongsplat render build/demo/part.glb build/demo/part.png --overwrite \
     --azimuth 55 --elevation 33 --distance 0.85
 
-# field NAME: its value in the report; rounded NAME: the same with three digits
+# field NAME prints the field's value in the report, rounded NAME the same with three digits.
 field() {
     sed -n "s/^ *\"$1\": \(.*[^,]\),*\$/\1/p" build/demo/part.json
 }

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Installs what building and testing phongsplat needs from Debian's packages (Debian 12). Needs root
-# or sudo. Where everything is there already it asks neither and uses no network.
+# or sudo. Where all packages are installed already it needs neither and uses no network.
 set -eu
 
 # compilers and build
@@ -24,7 +24,7 @@ for package in $packages; do
     *) missing="$missing $package" ;;
     esac
 done
-# A Node.js from elsewhere brings its npm along and conflicts with Debian's.
+# A Node.js from elsewhere has its own npm and conflicts with Debian's.
 command -v node >/dev/null || missing="$missing nodejs"
 command -v npm >/dev/null || missing="$missing npm"
 

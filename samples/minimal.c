@@ -18,7 +18,7 @@ static int fail(const psplat_error *error) {
     return 1;
 }
 
-/* Looks along -z at the box of the asset from so far away that all of it is seen. */
+/* Looks along -z at the asset's box from so far away that all of it is in the picture. */
 static psplat_view front_view(const psplat_asset *asset) {
     double min[3], max[3], size = 0;
     psplat_asset_bounds(asset, min, max);

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What the tests reach of runtime and converter: runs them in a build that counts, and prints lines, functions and branches by
-# folder. build/coverage/report/index.html shows each line. Needs gcovr. tests/coverage.sh [CTEST OPTIONS]
+# Measures what the tests reach of runtime and converter: it runs them in an instrumented build and prints the covered lines,
+# functions and branches by folder. build/coverage/report/index.html shows each line. Needs gcovr.
+#     tests/coverage.sh [CTEST OPTIONS]
 set -eu
 cd "$(dirname "$0")/.."
 command -v gcovr >/dev/null || { echo "coverage.sh: gcovr is missing (Debian: gcovr)" >&2; exit 1; }
@@ -9,12 +10,13 @@ cmake --preset coverage
 cmake --build --preset coverage
 find build/coverage -name '*.gcda' -delete
 status=0
-# Counters are globals, which test_layering forbids; a limit of files' sizes stops them, too; what test_install runs is built anew.
+# Some tests are left out: test_layering forbids globals, which counters are; limits of file sizes stop the counters' files, too;
+# test_install runs a build of its own.
 ctest --test-dir build/coverage -j "$(nproc)" --output-on-failure -E '^(test_layering|test_install|test_bad_output.limited_size|test_tradeoff.full_disk)' "$@" || status=$?
 
 rm -rf build/coverage/report
 mkdir build/coverage/report
-# Of what C++ adds, branches for exceptions that nobody wrote are left out.
+# Branches that C++ adds for exceptions are left out.
 gcovr --root . --object-directory build/coverage --filter 'runtime/' --filter 'converter/' --exclude-throw-branches \
     --exclude-unreachable-branches --csv build/coverage/report/files.csv --html-details build/coverage/report/index.html >/dev/null
 printf '%-24s %7s %7s %7s %11s %9s\n' folder lines reached % functions% branches%

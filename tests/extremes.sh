@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Runs the tests of extremes of a build (build/dev) and prints what each measured beside the bound that it has to keep.
+# Runs the tests of extremes of a build (build/dev) and prints each measured value beside its bound.
 set -eu
 cd "$(dirname "$0")/.."
 log=$(mktemp)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # Fuzzes every reader of files (tests/fuzz) with libFuzzer under ASan and UBSan: tests/fuzz.sh [AMOUNT [TARGET...]]
 # AMOUNT is a number of runs, or of seconds with an s (60s), for each target; as many targets run at once as there are
-# processors. Corpora grow, minimised, in build/fuzz/corpus and are gone on with the next time; what is found lies in
-# build/fuzz/found. Prints a table, and fails where something was found.
+# processors. Corpora grow, minimised, in build/fuzz/corpus and are continued by the next run; inputs that fail lie in
+# build/fuzz/found. The script prints a table, and fails if there are any.
 set -eu
 cd "$(dirname "$0")/.."
 amount=${1:-60s}
@@ -26,7 +26,7 @@ fuzz_one() {
     *s) limit=-max_total_time=${amount%s} ;;
     *) limit=-runs=$amount ;;
     esac
-    # Files of 6000 bytes: 10 s, 2 GB and single allocations of 512 MB are far beyond what any should take.
+    # Files have up to 6000 bytes: 10 s, 2 GB and single allocations of 512 MB are far beyond what any of them should take.
     nice "$program" "$limit" -max_len=6000 -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1 \
         -dict="$root/tests/fuzz/dictionaries/$target.dict" -artifact_prefix="$found/" "$corpus" "$@" >"$log" 2>&1 || return 0
     rm -rf "$corpus.less"
@@ -36,7 +36,7 @@ fuzz_one() {
     mv "$corpus.less" "$corpus"
 }
 
-# One row of the table.
+# Prints a row of the table.
 report() {
     log=$build/found/$1.log
     awk -v target="$1" -v found="$(find "$build/found/$1" -type f | wc -l)" '

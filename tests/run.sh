@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Installs what is needed, builds with sanitizers, checks that clang has nothing to say either, and
+# Installs what is needed, builds with sanitizers, checks that clang gives no warning either, and
 # runs every test. ctest's summary comes last.
 set -eu
 cd "$(dirname "$0")/.."

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Looks for data races with clang's ThreadSanitizer: the converter's parallel loops, renderers and assets in several threads, the
 # loaders of the viewer and of samples/engine. libomp tells the sanitizer of OpenMP's barriers through its tool archer; the driver's
-# threads are not instrumented and ignored. First, that a race is seen at all. Needs libomp-14-dev.
+# threads are not instrumented and are ignored. It first checks that the sanitizer reports a known race. Needs libomp-14-dev.
 set -eu
 cd "$(dirname "$0")/.."
 archer=$(dirname "$(realpath "$(command -v clang)")")/../lib/libarcher.so
@@ -10,7 +10,7 @@ archer=$(dirname "$(realpath "$(command -v clang)")")/../lib/libarcher.so
 
 cmake --preset tsan
 cmake --build --preset tsan
-# Never fewer threads than can get into each other's way.
+# There must be enough threads for races to happen.
 export OMP_TOOL_LIBRARIES="$archer" OMP_NUM_THREADS=4
 options="ignore_noninstrumented_modules=1 halt_on_error=1 exitcode=66"
 export TSAN_OPTIONS="$options suppressions=$PWD/tests/checks/tsan.supp"
@@ -29,5 +29,5 @@ done
 
 ctest --test-dir build/tsan --output-on-failure --no-tests=error -j "$(nproc)" \
     -R '^(test_conversion|test_crease|test_verify|test_holes|test_threads|test_shape|test_contexts|test_lifetimes|test_engine)$'
-# The viewer unloads the driver, which suppressions that name it do not survive.
+# The viewer unloads the driver; suppressions that name the driver have no effect after that.
 TSAN_OPTIONS="$options" ctest --test-dir build/tsan --output-on-failure --no-tests=error -R '^test_window_files$'

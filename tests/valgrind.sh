@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Runs the tests of runtime and reference that need no GL, the converter's readers and writers, and a small conversion under
-# valgrind's memcheck: no error, no leak. What uses values before they have any is seen by no sanitizer of gcc. Needs valgrind. (Valgrind rounds to nearest only, which the preset keeps CGAL from checking.)
+# valgrind's memcheck, which must report no error and no leak. No sanitizer of gcc reports uses of uninitialised values. Needs valgrind.
+# (Valgrind always rounds to nearest; the preset keeps CGAL from checking that.)
 set -eu
 cd "$(dirname "$0")/.."
 command -v valgrind >/dev/null || { echo "valgrind.sh: valgrind is missing (Debian: valgrind)" >&2; exit 1; }

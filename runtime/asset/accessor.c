@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Accessors as floats (glTF 2.0 sections 3.6.2 and 3.11). */
+ *
+ * accessor.c - accessors of a glTF document, checked and read as floats (glTF 2.0 sections 3.6.2
+ * and 3.11).
+ */
 #include "asset/gltf.h"
 
 #include <string.h>
@@ -17,14 +20,16 @@ static size_t component_size(size_t type) {
     }
 }
 
-/* Whether component type and number of components are as in a form of the attribute. */
+/* Returns whether the component type and the number of components are those of a form of the
+ * attribute. */
 static int is_typed(const psplat_attribute_form *form, size_t component_type) {
     return form->version && component_type >= PSPLAT_BYTE && component_type <= PSPLAT_FLOAT &&
            (form->component_types >> (component_type - PSPLAT_BYTE) & 1);
 }
 
-/* The form that an accessor has, or NULL; *low and *high become what those of its component type
- * allow of components, 0 where there are none. */
+/* Returns the form that an accessor has, or NULL where its component type is not allowed. *low and
+ * *high become the least and the greatest number of components that this component type allows, 0
+ * where it allows none. */
 static const psplat_attribute_form *find_form(const psplat_attribute_type *type,
                                               const psplat_accessor *accessor, size_t *low,
                                               size_t *high) {
@@ -67,7 +72,7 @@ static psplat_result check_form(const psplat_gltf *gltf, const psplat_accessor *
     return PSPLAT_OK;
 }
 
-/* What does not depend on the attribute; count PSPLAT_NONE: any. */
+/* Checks what does not depend on the attribute. A count of PSPLAT_NONE accepts any count. */
 static psplat_result check_elements(const psplat_gltf *gltf, const psplat_accessor *accessor,
                                     const char *name, size_t count) {
     size_t at = psplat_gltf_offset(gltf, accessor->json);
@@ -84,18 +89,19 @@ static psplat_result check_elements(const psplat_gltf *gltf, const psplat_access
     return PSPLAT_OK;
 }
 
-/* Whether count elements fit into size bytes from offset on; every term may be anything. */
+/* Returns whether count elements fit into size bytes from offset on. No sum overflows here, however
+ * large the terms are. */
 static int fits(size_t offset, size_t element, size_t stride, size_t count, size_t size) {
     if (offset > size || element > size - offset) return 0;
     return count - 1 <= (size - offset - element) / stride;
 }
 
-/* Compressed views have bytes of their own. */
+/* A compressed view has bytes of its own, apart from those of its buffer. */
 static int is_compressed(const psplat_view_range *view) {
     return view->compression && PSPLAT_MESHOPT_IS_BUILT;
 }
 
-/* Alignment and range; sums cannot overflow once the view lies within its buffer. */
+/* Checks alignment and range. The sums cannot overflow once the view lies within its buffer. */
 static psplat_result check_range(const psplat_gltf *gltf, const psplat_accessor *accessor,
                                  const psplat_view_range *view, size_t element, size_t stride,
                                  const char *name) {
@@ -120,7 +126,7 @@ static psplat_result check_range(const psplat_gltf *gltf, const psplat_accessor 
     return PSPLAT_OK;
 }
 
-/* The buffer in which a view's bytes begin at start. */
+/* Loads the buffer that holds a view's bytes and stores where in it they begin in *start. */
 static psplat_result load_view(psplat_gltf *gltf, psplat_view_range *view,
                                const psplat_buffer **buffer, size_t *start) {
     psplat_result result = is_compressed(view)
@@ -192,8 +198,8 @@ static float unsigned_short_at(const uint8_t *bytes) {
 
 typedef float read_value(const uint8_t *bytes);
 
-/* This and the next are inlined, so that the loops know value, size and components: reading is what
- * opening a large asset takes. */
+/* This function and the next are inlined, so that the loops know value, size and components at
+ * compile time. Opening a large asset spends most of its time reading here. */
 static inline void read_elements(const uint8_t *bytes, size_t stride, size_t count,
                                  size_t components, read_value *value, size_t size, float *values) {
     for (size_t i = 0; i < count; ++i)
@@ -205,7 +211,7 @@ static inline void read_as(const psplat_reader *reader, size_t first, size_t cou
                            read_value *value, size_t size, float *values) {
     const uint8_t *bytes = reader->buffer->data + reader->start + first * reader->stride;
     size_t stride = reader->stride, components = reader->components;
-    if (stride == components * size) /* tightly packed: as elements of one number */
+    if (stride == components * size) /* tightly packed: read as elements of one component */
         read_elements(bytes, size, count * components, 1, value, size, values);
     else if (components == 1)
         read_elements(bytes, stride, count, 1, value, size, values);
@@ -217,7 +223,8 @@ static inline void read_as(const psplat_reader *reader, size_t first, size_t cou
         read_elements(bytes, stride, count, 4, value, size, values);
 }
 
-/* glTF 2.0 section 3.6.2.2; 0 where integers are as they are. */
+/* Returns the number that normalized integers are divided by (glTF 2.0 section 3.6.2.2), or 0 where
+ * integers are taken as they are. */
 static float largest_integer(const psplat_reader *reader) {
     static const float largest[] = {127, 255, 32767, 65535};
     if (!reader->normalized || reader->component_type == PSPLAT_FLOAT) return 0;
@@ -244,7 +251,7 @@ void psplat_reader_get(const psplat_reader *reader, size_t first, size_t count, 
     }
     for (size_t i = 0; largest > 0 && i < count * reader->components; ++i) {
         float value = values[i] / largest;
-        values[i] = value < -1 ? -1 : value; /* the least integer has no counterpart */
+        values[i] = value < -1 ? -1 : value; /* the least integer has no positive counterpart */
     }
 }
 
@@ -252,7 +259,7 @@ size_t psplat_reader_bytes(const psplat_reader *reader) {
     return reader->count * reader->components * component_size(reader->component_type);
 }
 
-/* Of a compressed view the bytes at the same place in each element are stored together. */
+/* In a compressed view, the bytes at the same place in each element are stored together. */
 size_t psplat_reader_stored(const psplat_reader *reader) {
     const psplat_view_range *view = reader->view;
     if (!view->decoded) return psplat_reader_bytes(reader);

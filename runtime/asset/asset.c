@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * The public asset: batches of the sets of splats that the default scene shows. */
+ *
+ * asset.c - the public asset: batches made of the sets of splats that the default scene shows.
+ */
 #include "asset/container.h"
 #include "core/files.h"
 #include "asset/gltf.h"
@@ -7,13 +9,13 @@
 #include <math.h>
 #include <string.h>
 
-/* A small file can place one mesh often: at most this many batches are made. */
+/* A small file can place one mesh very often, so that the number of batches is limited. */
 enum { MAX_BATCHES = 1 << 18 };
 
 struct psplat_asset {
-    psplat_arena arena; /* holds the asset itself */
+    psplat_arena arena; /* also holds this struct */
     psplat_batch *batches;
-    const psplat_packed **packed; /* of each batch */
+    const psplat_packed **packed; /* one for each batch */
     size_t batch_count;
 };
 
@@ -83,7 +85,7 @@ static psplat_result count_batches(const psplat_gltf *gltf, size_t *count) {
                        "the file has splats, but no node of its scene shows them");
 }
 
-/* Unclipped first (BSK04 section 4.1), then in the order of nodes and primitives. */
+/* Unclipped sets come first (BSK04 section 4.1), then the order is that of nodes and primitives. */
 static psplat_result make_batches(psplat_asset *asset, const psplat_gltf *gltf) {
     size_t count = 0;
     psplat_result result = count_batches(gltf, &count);
@@ -106,7 +108,7 @@ static psplat_result make_batches(psplat_asset *asset, const psplat_gltf *gltf) 
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
-/* The parts of a description with defaults filled in. */
+/* The fields of a description, with defaults filled in. */
 typedef struct opening {
     psplat_allocator allocator;
     psplat_files files;
@@ -186,7 +188,7 @@ psplat_result psplat_asset_open_memory(const void *data, size_t size, const pspl
     return open_bytes(data, size, &o, desc ? desc->base_path : NULL, asset, error);
 }
 
-/* Where a path's directory ends; Windows allows both slashes. */
+/* Returns the length of a path's directory. Windows allows both slashes. */
 static size_t directory_length(const char *path) {
     size_t length = 0;
     for (size_t i = 0; path[i]; ++i)
@@ -226,7 +228,7 @@ psplat_result psplat_asset_open(const char *path, const psplat_asset_desc *desc,
 
 void psplat_asset_destroy(psplat_asset *asset) {
     if (!asset) return;
-    /* The asset lies in its own arena, which therefore has to move out first. */
+    /* The asset lies in its own arena, so that the arena is copied out before it is released. */
     psplat_arena arena = asset->arena;
     psplat_arena_release(&arena);
 }

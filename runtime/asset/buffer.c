@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * A buffer's bytes, loaded when first used (glTF 2.0 section 3.6.1). */
+ *
+ * buffer.c - a buffer's bytes, loaded when first used (glTF 2.0 section 3.6.1).
+ */
 #include "asset/gltf.h"
 #include "core/uri.h"
 
@@ -33,7 +35,8 @@ static psplat_result load_base64(psplat_gltf *gltf, psplat_buffer *buffer, const
                            "its data URI is not encoded as base64");
     uint8_t *data = psplat_arena_take(gltf->scratch, (uri_size - start) / 4 * 3 + 2, 1);
     if (!data) return fail_buffer(gltf, buffer, PSPLAT_ERROR_MEMORY, "out of memory");
-    /* Beyond the quote. Exact unless the URI holds JSON escapes, of which some tools write \/. */
+    /* The data begin after the opening quotation mark. The offset is exact unless the URI holds
+     * JSON escapes, of which some tools write \/. */
     buffer->origin = psplat_gltf_offset(gltf, buffer->uri) + 1 + start;
     buffer->is_base64 = 1;
     buffer->data = data;
@@ -91,6 +94,6 @@ psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer) {
 
 size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position) {
     if (buffer->is_decoded) return buffer->origin;
-    /* Base64 writes three bytes with four digits; the digit where the byte begins. */
+    /* Base64 writes three bytes with four digits; this is the digit in which the byte begins. */
     return buffer->origin + (buffer->is_base64 ? position / 3 * 4 + position % 3 : position);
 }

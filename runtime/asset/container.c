@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * GLB (glTF 2.0 section 4.4): a header of 12 bytes, then chunks of length, type and bytes. */
+ *
+ * container.c - the GLB container (glTF 2.0 section 4.4): a header of 12 bytes, then chunks that
+ * consist of length, type and bytes.
+ */
 #include "asset/container.h"
 
 #include <string.h>
@@ -39,7 +42,8 @@ static psplat_result check_chunk(const uint8_t *data, size_t size, size_t at, si
     return PSPLAT_OK;
 }
 
-/* JSON comes first, BIN second; chunks of other types may follow and are skipped. */
+/* The JSON chunk comes first, the BIN chunk second. Chunks of other types may follow and are
+ * skipped. */
 static psplat_result parse_glb(const uint8_t *data, size_t size, psplat_container *container,
                                psplat_error *error) {
     psplat_result result = check_header(data, size, error);

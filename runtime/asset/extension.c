@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT
- * The object of the extension: what a primitive of splats says of itself (spec 3.1). */
+ *
+ * extension.c - the extension object: what a primitive of splats says about itself (spec 3.1).
+ */
 #include "asset/gltf.h"
 
 #include <float.h>
 
-/* A number that is a float above (or, where zero_is_allowed, not below) zero. */
+/* Reads a number that is a float above zero or, where zero_is_allowed, not below zero. */
 static psplat_result parse_positive(const psplat_gltf *gltf, psplat_json_value value,
                                     const char *what, int zero_is_allowed, float *out) {
     double number = 0;
@@ -41,7 +43,8 @@ static psplat_result parse_version(const psplat_gltf *gltf, psplat_json_value va
                        PSPLAT_EXTENSION_VERSION);
 }
 
-/* First and last radius that integers stand for (spec 3.9), floats as all radii are. */
+/* Reads the first and the last radius that integers stand for (spec 3.9). Both must be floats, as
+ * all radii are. */
 static psplat_result parse_scale_range(const psplat_gltf *gltf, psplat_json_value value,
                                        double range[2]) {
     if (!value) return PSPLAT_OK;
@@ -53,8 +56,8 @@ static psplat_result parse_scale_range(const psplat_gltf *gltf, psplat_json_valu
                        "scaleRange must be two floats above 0, the larger one last");
 }
 
-/* What the integers of a line's turn and distance are multiples of; 65536 is what the parts of a
- * turn that a short may count make, and more. */
+/* Reads the factors by which the integers of a clip line's turn and distance are multiplied. The
+ * bound 65536 is the greatest number of parts of a turn that a short can count, and more. */
 static psplat_result parse_clip_range(const psplat_gltf *gltf, psplat_json_value value,
                                       float range[2]) {
     double numbers[2] = {1, 1};

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Meshes that stand in for splats where the extension is not known (spec 6.1). */
+ *
+ * fallback_link.c - the links of fallback meshes, which readers without the extension draw, to the
+ * meshes of splats that they stand in for (spec 6.1).
+ */
 #include "asset/gltf.h"
 
 psplat_result psplat_fallback_mesh_parse(psplat_gltf *gltf, psplat_json_value extensions,
@@ -21,7 +24,7 @@ psplat_result psplat_fallback_mesh_parse(psplat_gltf *gltf, psplat_json_value ex
     return result;
 }
 
-/* No chains: what a mesh stands in for does not stand in for another. */
+/* Links do not chain: the mesh that a fallback mesh stands in for stands in for no other mesh. */
 psplat_result psplat_fallback_meshes_resolve(psplat_gltf *gltf) {
     for (size_t i = 0; i < gltf->mesh_count; ++i) {
         psplat_mesh_sets *sets = &gltf->meshes[i];

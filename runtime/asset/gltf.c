@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * The document's tables of buffers, views and accessors (glTF 2.0 section 3.6). */
+ *
+ * gltf.c - the document's tables of buffers, views and accessors (glTF 2.0 section 3.6).
+ */
 #include "asset/gltf.h"
 
 #define PSPLAT_MESHOPT "EXT_meshopt_compression"
 
-/* Extensions a file may require. Component types of splats are checked one by one, and what else
- * KHR_mesh_quantization and KHR_texture_transform allow is none of our business. */
+/* The extensions that a file may require. Component types of splats are checked one by one; the
+ * other things that KHR_mesh_quantization and KHR_texture_transform allow do not matter to
+ * splats. */
 static const char *const known_extensions[] = {
     PSPLAT_EXTENSION,      "KHR_materials_unlit",   "KHR_materials_emissive_strength",
     "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform",
@@ -106,7 +109,8 @@ static psplat_result check_used(psplat_gltf *gltf, psplat_json_value used) {
 
 /* ---- tables ------------------------------------------------------------------------------- */
 
-/* The object of EXT_meshopt_compression among extensions, or 0. */
+/* Finds the object of EXT_meshopt_compression among extensions; *object is 0 where there is
+ * none. */
 static psplat_result find_compression(psplat_gltf *gltf, psplat_json_value extensions,
                                       psplat_json_value *object) {
     static const char *const name[] = {PSPLAT_MESHOPT};
@@ -161,7 +165,7 @@ static psplat_result parse_accessor_type(psplat_gltf *gltf, psplat_json_value va
     psplat_result result = psplat_json_expect(&gltf->json, value, PSPLAT_JSON_STRING, "type");
     if (result) return result;
     for (size_t i = 0; i < sizeof types / sizeof *types; ++i) {
-        /* Four components of a matrix are not a VEC4; 0 matches no attribute. */
+        /* A matrix of four components is no VEC4. A component count of 0 matches no attribute. */
         if (psplat_json_equals(&gltf->json, value, types[i].name)) {
             *components = i < 4 ? types[i].components : 0;
             return PSPLAT_OK;
@@ -196,7 +200,7 @@ static psplat_result parse_accessor(psplat_gltf *gltf, psplat_accessor *accessor
     return result;
 }
 
-/* One loop per table; a macro would hide less than it saves. */
+/* Each table has a loop of its own; a macro would hide more than it saves. */
 static psplat_result parse_tables(psplat_gltf *gltf, const psplat_json_value arrays[3]) {
     void *table = NULL;
     psplat_result result = psplat_gltf_table(gltf, arrays[0], "buffers", sizeof *gltf->buffers,

@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: MIT
  *
- * gltf.h - what the reader knows of a glTF 2.0 document, in the order in which it is found out:
+ * gltf.h - what the reader knows of a glTF 2.0 document, in the order in which it finds it out:
  *
- *     gltf.c       the document: versions, extensions, buffers, views, accessors
- *     buffer.c     a buffer's bytes: BIN chunk, data URI or file
- *     meshopt.c    a view's bytes where they are compressed
- *     accessor.c   checked access to an accessor's elements as floats
- *     material.c   materials
- *     primitive.c  meshes: which of their primitives are splats
- *     stand_in.c   meshes for those that know no splats
- *     extension.c  the extension object of a primitive of splats
- *     attribute_types.c names and forms of the attributes of splats
- *     splat_set.c one primitive of splats and its attributes
- *     values.c     the values of these, decoded and checked
- *     unpack.c     what integers among them stand for
- *     node.c       the node tree and its transforms
- *     asset.c      the public asset made of all that
+ *     gltf.c             the document: versions, extensions, buffers, views, accessors
+ *     buffer.c           a buffer's bytes: BIN chunk, data URI or file
+ *     meshopt.c          a view's bytes where they are compressed
+ *     accessor.c         checked access to an accessor's elements as floats
+ *     material.c         materials
+ *     primitive.c        meshes: which of their primitives are splats
+ *     fallback_link.c    fallback meshes for readers that know no splats
+ *     extension.c        the extension object of a primitive of splats
+ *     attribute_types.c  names and forms of the attributes of splats
+ *     splat_set.c        one primitive of splats and its attributes
+ *     values.c           the values of these, decoded and checked
+ *     unpack.c           turns integers among them into what they stand for
+ *     node.c             the node tree and its transforms
+ *     asset.c            the public asset made of all of these
  *
- * Every table is filled once, so that the work is linear in the size of the file; indices and
- * integers in the tables are checked, ranges of bytes are checked where they are used.
+ * Every table is filled once, so that the work is linear in the size of the file. Indices and
+ * integers in the tables have been checked; ranges of bytes are checked where they are used.
  */
 #ifndef PHONGSPLAT_ASSET_GLTF_H
 #define PHONGSPLAT_ASSET_GLTF_H
@@ -33,34 +33,34 @@
 typedef struct psplat_buffer {
     psplat_json_value json, uri;
     size_t length;
-    const uint8_t *data; /* NULL: not loaded yet */
-    size_t origin;       /* offset of data[0] in the file, or of its base64 digit */
+    const uint8_t *data; /* NULL until it is loaded */
+    size_t origin; /* offset of data[0] in the file; for base64, of the digit in which it begins */
     int is_base64;
-    int is_decoded;   /* all of it came out of compressed bytes at origin */
-    int is_fallback;  /* of EXT_meshopt_compression: without a uri it has no bytes */
-    const char *path; /* of an external file, whose offsets begin at its start; or NULL */
+    int is_decoded;   /* all of data was decompressed from bytes at origin */
+    int is_fallback;  /* marked so by EXT_meshopt_compression: without a uri it has no bytes */
+    const char *path; /* path of an external file, whose offsets begin at its start; else NULL */
 } psplat_buffer;
 
 typedef struct psplat_view_range {
     psplat_json_value json, compression;   /* the object of EXT_meshopt_compression, or 0 */
-    size_t buffer, offset, length, stride; /* stride 0: tightly packed */
-    psplat_buffer *decoded;                /* all of a compressed view; NULL: not loaded yet */
-    size_t *planes; /* bytes that each byte of its stride takes; NULL unless gltf.measures */
+    size_t buffer, offset, length, stride; /* in bytes; stride 0: tightly packed */
+    psplat_buffer *decoded; /* all bytes of a compressed view; NULL until it is loaded */
+    size_t *planes; /* stored bytes for each byte of the stride; NULL unless gltf.measures */
 } psplat_view_range;
 
 typedef struct psplat_accessor {
     psplat_json_value json, sparse;
-    size_t view; /* or PSPLAT_NONE */
+    size_t view; /* index, or PSPLAT_NONE */
     size_t offset, count, components, component_type;
     int normalized;
 } psplat_accessor;
 
 /* The splats of one primitive. */
 typedef struct psplat_set {
-    psplat_splat *splats;    /* NULL where packed is not, */
-    psplat_finish *finishes; /* and where nothing varies */
-    psplat_packed *packed;   /* in assets that only draw, else NULL */
-    psplat_packing packing;  /* of packed */
+    psplat_splat *splats;    /* NULL where only packed is kept, */
+    psplat_finish *finishes; /* and where nothing varies over a splat */
+    psplat_packed *packed;   /* what the GPU takes, in assets that only draw; else NULL */
+    psplat_packing packing;  /* the layout of packed */
     size_t count;
     uint32_t clip_count;
     psplat_kernel kernel;
@@ -69,23 +69,23 @@ typedef struct psplat_set {
     float bounds_min[3], bounds_max[3];
     int has_color, has_gamma, has_color_gradient, has_surface, has_emissive;
     size_t version;
-    double scale_range[2]; /* zeros where unstated, as the next (spec 3.9) */
+    double scale_range[2]; /* first and last radius; zeros where not stated (spec 3.9) */
     float tilt_range, field_range, color_range;
-    float turn_range, clip_range[2]; /* 1 where unstated */
+    float turn_range, clip_range[2]; /* 1 where not stated */
     psplat_attribute *attributes;    /* attribute_count of them, in the asset's arena */
     size_t attribute_count;
 } psplat_set;
 
-/* What is drawn of a mesh. */
+/* The sets of splats that are drawn where a node places this mesh. */
 typedef struct psplat_mesh_sets {
     size_t first_set, set_count;
-    size_t splat_mesh; /* that it stands in for (spec 6.1), or PSPLAT_NONE */
+    size_t splat_mesh; /* the mesh that this one is the fallback of (spec 6.1), or PSPLAT_NONE */
     psplat_json_value json_splat_mesh;
 } psplat_mesh_sets;
 
 typedef struct psplat_node {
-    psplat_json_value json, children; /* children: 0 where there are none */
-    size_t mesh, parent;              /* or PSPLAT_NONE */
+    psplat_json_value json, children; /* children is 0 where there are none */
+    size_t mesh, parent;              /* indices, or PSPLAT_NONE */
     double world[16];
     int in_scene;
 } psplat_node;
@@ -97,21 +97,21 @@ typedef struct psplat_gltf {
     psplat_json json;
 
     psplat_files files;
-    const char *base_path; /* or NULL: external buffers are refused */
-    size_t file_budget;    /* bytes that external buffers may still take */
-    const uint8_t *bin;    /* BIN chunk, or NULL */
+    const char *base_path; /* directory of external buffers; NULL: they are refused */
+    size_t file_budget;    /* bytes that external buffers may still load */
+    const uint8_t *bin;    /* the BIN chunk, or NULL */
     size_t bin_size, bin_offset;
-    size_t loaded_bytes;  /* of all buffers loaded so far, and of */
-    size_t decoded_bytes; /* all compressed views */
-    size_t splat_total;   /* of all sets decoded so far */
+    size_t loaded_bytes;  /* of all buffers loaded so far */
+    size_t decoded_bytes; /* of all compressed views decoded so far */
+    size_t splat_total;   /* splats of all sets decoded so far */
 
-    /* Members of the document, or 0. */
+    /* Members of the document; 0 where it has none of that name. */
     psplat_json_value json_materials, json_meshes, json_nodes, json_scenes, json_scene;
-    psplat_json_value
-        json_stripped;          /* first attribute of ours outside a primitive of splats, or 0 */
-    int is_listed;              /* whether extensionsUsed names our extension */
-    int measures, only_draws;   /* as psplat_asset_desc */
-    psplat_splat *chunk_splats; /* of the chunk being decoded, where only_draws; or NULL */
+    /* The first attribute of the extension outside a primitive of splats, or 0. */
+    psplat_json_value json_stripped;
+    int is_listed;              /* whether extensionsUsed names the extension */
+    int measures, only_draws;   /* as in psplat_asset_desc */
+    psplat_splat *chunk_splats; /* of the chunk being decoded, where only_draws; else NULL */
     psplat_finish *chunk_finishes;
 
     psplat_buffer *buffers;
@@ -125,38 +125,40 @@ typedef struct psplat_gltf {
         node_count;
 } psplat_gltf;
 
-/* Offset in the file of a value, for psplat_fail. */
+/* Returns the offset of a value in the file, for psplat_fail. */
 size_t psplat_gltf_offset(const psplat_gltf *gltf, psplat_json_value value);
 
-/* FORMAT where the member of an object, 0, is missing. */
+/* Fails with FORMAT where the member of an object is missing, that is 0. */
 psplat_result psplat_gltf_require(const psplat_gltf *gltf, psplat_json_value object,
                                   psplat_json_value member, const char *what);
 
 /* Fills everything up to and including accessors. */
 psplat_result psplat_gltf_parse(psplat_gltf *gltf);
 
-/* Zeroed table with an entry for each element of array, which may be 0. MEMORY, FORMAT. */
+/* Allocates a zeroed table with an entry for each element of array, which may be 0. Fails with
+ * MEMORY, or with FORMAT where array is of another type. */
 psplat_result psplat_gltf_table(psplat_gltf *gltf, psplat_json_value array, const char *what,
                                 size_t entry_size, void **table, size_t *count);
 
-/* An optional index into a table of count entries; PSPLAT_NONE where value is absent. RANGE. */
+/* Reads an optional index into a table of count entries; *index is PSPLAT_NONE where value is
+ * absent. Fails with RANGE where the table has no such entry, FORMAT where value is no integer. */
 psplat_result psplat_gltf_index(const psplat_gltf *gltf, psplat_json_value value, const char *what,
                                 size_t count, size_t *index);
 
 /* Makes buffer->data hold at least buffer->length bytes. */
 psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer);
 
-/* Offset in the file (or in the external one) of byte position of a loaded buffer. */
+/* Returns the offset, in the file or in the external one, of a byte position of a loaded buffer. */
 size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position);
 
-/* Whether this build reads EXT_meshopt_compression: it does with libmeshoptimizer. */
+/* Says whether this build reads EXT_meshopt_compression, which needs libmeshoptimizer. */
 #ifdef PSPLAT_MESHOPTIMIZER
 enum { PSPLAT_MESHOPT_IS_BUILT = 1 };
 #else
 enum { PSPLAT_MESHOPT_IS_BUILT = 0 };
 #endif
 
-/* Makes view->decoded, of a view with compression. */
+/* Decodes a compressed view into view->decoded. */
 psplat_result psplat_meshopt_load(psplat_gltf *gltf, psplat_view_range *view);
 
 /* Component types of glTF 2.0 section 3.6.2.2. */
@@ -171,10 +173,10 @@ enum {
 
 /* One way to store an attribute (spec 3.2). */
 typedef struct psplat_attribute_form {
-    size_t version; /* of the extension, from which on it is allowed; 0: no form */
+    size_t version; /* the first version of the extension that allows it; 0: no form */
     size_t min_components, max_components;
-    unsigned component_types; /* bit t - PSPLAT_BYTE */
-    int is_plain;             /* integers need not be normalized */
+    unsigned component_types; /* bit (t - PSPLAT_BYTE) stands for component type t */
+    int is_plain;             /* integers may be used without being normalized */
 } psplat_attribute_form;
 
 typedef struct psplat_attribute_type {
@@ -190,18 +192,20 @@ typedef struct psplat_reader {
     int normalized;
 } psplat_reader;
 
-/* Checks accessor (a JSON index) against type, version and count (PSPLAT_NONE: any) and loads its
- * buffer. */
+/* Checks accessor, an index in JSON, against type, version and count, where PSPLAT_NONE accepts any
+ * count, and loads its buffer. */
 psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value accessor,
                                  const psplat_attribute_type *type, size_t version, size_t count,
                                  psplat_reader *reader);
 
-/* Bytes of all elements without what lies between them; and what the file takes for them. */
+/* psplat_reader_bytes returns the bytes of all elements without the gaps between them,
+ * psplat_reader_stored the bytes that they take in the file, compressed or not. */
 size_t psplat_reader_bytes(const psplat_reader *reader);
 size_t psplat_reader_stored(const psplat_reader *reader);
 
-/* Elements first ... first + count - 1 as floats, one after another; signed normalized integers as
- * max(c / 127, -1) and so on, others as they are. */
+/* Reads elements first to first + count - 1 as floats, one after another. Signed normalized
+ * integers become max(c / 127, -1) and so on (glTF 2.0 section 3.6.2.2), other integers stay as
+ * they are. */
 void psplat_reader_get(const psplat_reader *reader, size_t first, size_t count, float *values);
 
 /* The attributes of a primitive of splats. */
@@ -216,7 +220,7 @@ enum {
     PSPLAT_NORMAL_FIELD,
     PSPLAT_FIRST_CLIP,
     PSPLAT_COLOR_U = PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES,
-    PSPLAT_FIRST_FINISH = PSPLAT_COLOR_U, /* these fill a psplat_finish */
+    PSPLAT_FIRST_FINISH = PSPLAT_COLOR_U, /* this and all below fill a psplat_finish */
     PSPLAT_COLOR_V,
     PSPLAT_ORM, /* occlusion, roughness, metallic */
     PSPLAT_EMISSIVE,
@@ -228,56 +232,59 @@ typedef struct psplat_readers {
     int is_present[PSPLAT_ATTRIBUTES];
 } psplat_readers;
 
-/* attribute_types.c: what each attribute is called and how it may be stored. */
+/* The name of each attribute and the forms in which it may be stored; see attribute_types.c. */
 extern const psplat_attribute_type psplat_attribute_types[PSPLAT_ATTRIBUTES];
 
-/* What integers of radii stand for (spec 3.9): the product of an entry for each byte. */
+/* What integers of radii stand for (spec 3.9): the product of one entry for the high byte and one
+ * for the low byte. */
 typedef struct psplat_radii {
     double high[256], low[256];
-    float largest; /* integer */
+    float largest; /* the greatest integer */
 } psplat_radii;
 
 void psplat_radii_set(psplat_radii *radii, const double range[2], float largest);
 
-/* Of count elements that come as integers are read, in place; lines become three numbers. */
+/* These replace, in place, count elements that were read from integers by what the integers stand
+ * for. A line grows from the two stored numbers to three. */
 void psplat_unpack_lines(float *values, size_t count, const float range[2]);
 void psplat_unpack_radii(float *values, size_t count, const psplat_radii *radii);
 void psplat_unpack_scaled(float *values, size_t value_count, float range);
 
-/* Unit quaternions of unit N and turns from -1 to 1 (spec 3.3). */
+/* Makes unit quaternions of unit normals N and turns from -1 to 1 (spec 3.3). */
 void psplat_unpack_turns(const float *normals, const float *turns, size_t count,
                          float *quaternions);
 
-/* Decodes set->count splats into set->splats and set->finishes and checks every value (spec 3.3
- * to 3.8). Finds the set's bounds, and the size of the box around the centres. */
+/* Decodes set->count splats into set->splats and set->finishes and checks every value (spec 3.3 to
+ * 3.8). Finds the set's bounds and stores the size of the box around the centres in extent. */
 psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers *readers,
                                    psplat_set *set, double extent[3]);
 
 psplat_result psplat_materials_parse(psplat_gltf *gltf);
 
-/* The material of an index, glTF's default one where value is absent. */
+/* Fills the material of an index, or glTF's default material where value is absent. */
 psplat_result psplat_material_get(const psplat_gltf *gltf, psplat_json_value value,
                                   psplat_material *material);
 
-/* Decodes every primitive of splats into gltf->sets. NO_SPLATS where there is none. */
+/* Decodes every primitive of splats into gltf->sets. Fails with NO_SPLATS where there is none. */
 psplat_result psplat_meshes_parse(psplat_gltf *gltf);
 
-/* Whether a mesh, which has sets->set_count sets of its own, stands in for another; its extensions
- * may be 0. FORMAT, RANGE. */
+/* Finds whether a mesh, which has sets->set_count sets of its own, is the fallback of another mesh.
+ * Its extensions may be 0. Fails with FORMAT or RANGE. */
 psplat_result psplat_fallback_mesh_parse(psplat_gltf *gltf, psplat_json_value extensions,
                                          psplat_mesh_sets *sets);
-/* Gives meshes that stand in the sets of what they stand in for. */
+/* Gives each fallback mesh the sets of the mesh that it stands in for. */
 psplat_result psplat_fallback_meshes_resolve(psplat_gltf *gltf);
 
-/* The extension object; *extent becomes its positionExtent. */
+/* Parses the extension object; *extent becomes its positionExtent. */
 psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value object,
                                      psplat_set *set, psplat_json_value *extent);
 
-/* The splats of one primitive, whose members attributes and extension are; material is given. */
+/* Decodes the splats of one primitive, of which attributes and extension are members and whose
+ * material is already set. */
 psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
                                psplat_json_value extension, psplat_set *set);
 
-/* Nodes, their world transforms, and which of them the default scene shows. */
+/* Fills the nodes and their world transforms and marks those that the default scene shows. */
 psplat_result psplat_nodes_parse(psplat_gltf *gltf);
 
 #endif

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * The factors of glTF materials (glTF 2.0 section 3.9). Textures are left aside: splats have no
- * texture coordinates. */
+ *
+ * material.c - the factors of glTF materials (glTF 2.0 section 3.9). Textures are not read, because
+ * splats have no texture coordinates.
+ */
 #include "asset/gltf.h"
 
 static const psplat_material default_material = {
     .base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
 
-/* Up to four factors from 0 to 1. */
+/* Reads up to four factors from 0 to 1. */
 static psplat_result parse_factors(const psplat_gltf *gltf, psplat_json_value value,
                                    const char *what, size_t count, float *factors) {
     double numbers[4];

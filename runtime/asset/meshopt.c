@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * meshopt.c - buffer views compressed by EXT_meshopt_compression: those of attributes, each decoded
- * when first used. What other views hold, and in which mode, is not looked at. Every number is
- * checked before memory is asked for: the format takes a byte for at most 64, so a small file
- * cannot ask for much.
+ * meshopt.c - buffer views compressed by EXT_meshopt_compression. Only views in the mode for
+ * attributes are decoded, each when first used; the mode and the bytes of views that no splat uses
+ * are not looked at. Every number is checked before memory is requested. A byte of the format
+ * expands to at most 64, so that a small file cannot make the reader allocate much.
  */
 #include "asset/gltf.h"
 
@@ -14,9 +14,9 @@
 enum {
     FIRST_BYTE = 0xa0,
     MAX_STRIDE = 256,
-    MAX_BLOCK = 256, /* elements */
+    MAX_BLOCK = 256, /* elements in a block */
     BLOCK_BYTES = 8192,
-    GROUP = 16, /* elements */
+    GROUP = 16, /* elements in a group */
     MOST_FROM_A_BYTE = 64
 };
 
@@ -27,7 +27,7 @@ typedef enum filter {
     FILTER_EXPONENTIAL
 } filter;
 
-/* The extension's object. */
+/* The members of the extension's object. */
 typedef struct stream {
     psplat_json_value json;
     size_t buffer, offset, length; /* where the compressed bytes are */
@@ -141,8 +141,8 @@ static int decode(const stream *s, const uint8_t *bytes, void *out) {
 
 /* ---- sizes ---------------------------------------------------------------------------------- */
 
-/* Bytes of a group of 16 differences: none, or 2, 4 or 8 bits each; those that fill theirs follow
- * as whole bytes. */
+/* Returns the bytes that a group of 16 differences takes: none, or 2, 4 or 8 bits each.
+ * Where all bits of a place are 1, the difference follows as a whole byte instead. */
 static size_t group_size(unsigned kind, const uint8_t *bytes) {
     size_t fixed = kind == 3 ? 16 : 4 * kind, more = 0;
     unsigned bits = 2 * kind, all = (1u << bits) - 1;
@@ -151,8 +151,8 @@ static size_t group_size(unsigned kind, const uint8_t *bytes) {
     return fixed + more;
 }
 
-/* The bytes of one byte of each element of a block: two bits for each group, then the groups. The
- * stream is whole: it has been decoded. */
+/* Returns the bytes that one byte of each element of a block takes: two bits for each group, then
+ * the groups. The stream is known to be complete, because it has been decoded. */
 static size_t plane_size(const uint8_t *bytes, size_t count) {
     size_t groups = (count + GROUP - 1) / GROUP, size = (groups + 3) / 4;
     for (size_t i = 0; i < groups; ++i)
@@ -180,7 +180,7 @@ static psplat_result measure(psplat_gltf *gltf, psplat_view_range *view, const s
 
 /* ---- the view ------------------------------------------------------------------------------- */
 
-/* Views may share their compressed bytes, but not to fill the memory. */
+/* Several views may share their compressed bytes, but not so often that they fill the memory. */
 static psplat_result check_total(const psplat_gltf *gltf, const psplat_view_range *view,
                                  const stream *s) {
     size_t most = (gltf->loaded_bytes - gltf->decoded_bytes) * MOST_FROM_A_BYTE;
@@ -188,7 +188,8 @@ static psplat_result check_total(const psplat_gltf *gltf, const psplat_view_rang
     return fail(gltf, s, PSPLAT_ERROR_RANGE, "uses the file's bytes too many times over");
 }
 
-/* The decoded bytes as a buffer of their own; offsets in them are that of the compressed ones. */
+/* Makes a buffer that owns the decoded bytes; errors in it are told at the offset of the compressed
+ * ones. */
 static psplat_result decode_view(psplat_gltf *gltf, psplat_view_range *view, const stream *s) {
     psplat_buffer *source = &gltf->buffers[s->buffer];
     psplat_result result = psplat_buffer_load(gltf, source);

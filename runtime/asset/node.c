@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The node tree (glTF 2.0 section 3.5): a strict forest, its transforms composed in double, and
- * the part of it that the default scene shows. No recursion: a tree may be as deep as it is long.
+ *
+ * node.c - the node tree (glTF 2.0 section 3.5). It must be a strict forest; its transforms are
+ * composed in double precision, and the nodes that the default scene shows are marked. There is no
+ * recursion, because a tree may be as deep as it has nodes.
  */
 #include "asset/gltf.h"
 
@@ -32,7 +34,7 @@ static psplat_result normalise_rotation(const psplat_gltf *gltf, psplat_json_val
     return PSPLAT_OK;
 }
 
-/* T R S (glTF 2.0 section 3.5.3). */
+/* Composes translation, rotation and scale as T R S (glTF 2.0 section 3.5.3). */
 static void compose(const double t[3], const double q[4], const double s[3], double m[16]) {
     double x = q[0], y = q[1], z = q[2], w = q[3];
     const double rotation[9] = {
@@ -98,7 +100,7 @@ static psplat_result parse_node(psplat_gltf *gltf, psplat_json_value value, pspl
 
 /* ---- the scene ---------------------------------------------------------------------------- */
 
-/* The JSON of the default scene: the one "scene" names, else the first, else 0. */
+/* Finds the JSON of the default scene: the one that "scene" names, else the first one, else 0. */
 static psplat_result find_scene(const psplat_gltf *gltf, psplat_json_value *scene) {
     size_t index = 0;
     psplat_json_value array = gltf->json_scenes;
@@ -146,7 +148,7 @@ static psplat_result mark_roots(psplat_gltf *gltf) {
 
 /* ---- world transforms --------------------------------------------------------------------- */
 
-/* local becomes parent * local; both affine. */
+/* Replaces local by parent * local; both are affine. */
 static void multiply(const double parent[16], double local[16]) {
     double product[16];
     for (int column = 0; column < 4; ++column)
@@ -172,8 +174,8 @@ static psplat_result place(psplat_gltf *gltf, psplat_node *node) {
     return PSPLAT_OK;
 }
 
-/* Parents before children, from a queue that every node enters at most once, because it has at
- * most one parent. A node that never enters is on a cycle or below one. */
+/* Places parents before children, from a queue that every node enters at most once, because it has
+ * at most one parent. A node that never enters lies on a cycle or below one. */
 static psplat_result place_all(psplat_gltf *gltf, size_t *queue) {
     size_t queued = 0;
     for (size_t i = 0; i < gltf->node_count; ++i)
@@ -191,7 +193,7 @@ static psplat_result place_all(psplat_gltf *gltf, size_t *queue) {
         }
     }
     if (queued == gltf->node_count) return PSPLAT_OK;
-    /* Every node of a cycle has children, so that some node keeps its mark. */
+    /* Every node on a cycle has children, so that at least one node keeps its mark. */
     size_t lost = 0;
     for (size_t i = 0; i < queued; ++i) gltf->nodes[queue[i]].children = 0;
     while (gltf->nodes[lost].children == 0) ++lost;

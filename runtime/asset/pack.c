@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Packing. 48 bytes a splat, 16 more where it has a colour or a gamma, 12 a clip line and for each
- * of what else varies.
+ * pack.c - packs splats for the GPU: 48 bytes a splat, 16 more where it has a colour or a gamma,
+ * and 12 for each clip line and for each further value that varies over the splat.
  */
 #include "asset/pack.h"
 #include "layout.h"
@@ -42,7 +42,7 @@ static void pack_splat(const psplat_splat *splat, float *out) {
     for (int i = 0; i < 4; ++i) length2 += (double)q[i] * (double)q[i];
     double x = q[0], y = q[1], z = q[2], w = q[3];
     const double axes[3][3] = {
-        /* times length2 */
+        /* The rotation matrix times length2. */
         {length2 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
         {2 * (x * y - w * z), length2 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
         {2 * (x * z + w * y), 2 * (y * z - w * x), length2 - 2 * (x * x + y * y)}};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * pack.h - splats as the GPU takes them: the texels of layout.h, and chunks.
+ * pack.h - splats in the form that the GPU takes: the texels of layout.h, and chunks.
  */
 #ifndef PHONGSPLAT_ASSET_PACK_H
 #define PHONGSPLAT_ASSET_PACK_H
@@ -8,22 +8,23 @@
 #include "core/arena.h"
 #include "core/chunk.h"
 
-/* What is stored of each splat, and so how many floats it takes in each texture; 0: none there. */
+/* Says what is stored of each splat: how many floats it takes in each texture, 0 where there is no
+ * such texture. */
 typedef struct psplat_packing {
     int splat_floats, clip_floats, finish_floats;
-    unsigned finish; /* PSPLAT_FINISH_ bits but COLOR */
+    unsigned finish; /* PSPLAT_FINISH_ bits without COLOR */
 } psplat_packing;
 
-/* Of a batch's clip_count and has_ members. */
+/* Returns the packing that follows from a batch's clip_count and has_ members. */
 psplat_packing psplat_packing_of(const psplat_batch *batch);
 
-/* The splats of one primitive; arrays are NULL where a splat has no floats there. */
+/* The splats of one primitive. An array is NULL where a splat has no floats in it. */
 typedef struct psplat_packed {
     float *splats, *clips, *finishes;
-    psplat_chunk *chunks; /* psplat_chunk_count of them */
+    psplat_chunk *chunks; /* psplat_chunk_count entries */
 } psplat_packed;
 
-/* All arrays, uninitialised; NULL when out of memory. */
+/* Allocates all arrays, uninitialised. Returns NULL when out of memory. */
 psplat_packed *psplat_packed_reserve(psplat_arena *arena, const psplat_packing *packing,
                                      size_t splat_count);
 
@@ -35,7 +36,8 @@ void psplat_pack_clips(const psplat_packing *packing, const psplat_splat *splats
 void psplat_pack_finishes(const psplat_packing *packing, const psplat_finish *finishes,
                           size_t count, float *out);
 
-/* What an asset keeps of a batch's splats where it was opened for drawing alone, else NULL. */
+/* Returns what an asset keeps of a batch's splats where it was opened only for drawing, else
+ * NULL. */
 const psplat_packed *psplat_asset_packed(const psplat_asset *asset, size_t batch);
 
 #endif

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Which primitives of the meshes are splats (spec 3.1 and 6.2). */
+ *
+ * primitive.c - finds which primitives of the meshes are splats (spec 3.1 and 6.2).
+ */
 #include "asset/gltf.h"
 
 enum { MODE, ATTRIBUTES, INDICES, TARGETS, MATERIAL, EXTENSIONS, MEMBERS, MAX_SETS = 1 << 16 };
@@ -7,7 +9,7 @@ enum { MODE, ATTRIBUTES, INDICES, TARGETS, MATERIAL, EXTENSIONS, MEMBERS, MAX_SE
 static const char *const names[MEMBERS] = {"mode",    "attributes", "indices",
                                            "targets", "material",   "extensions"};
 
-/* The extension's object, or 0. */
+/* Finds the extension's object; it is 0 where there is none. */
 static psplat_result find_extension(const psplat_gltf *gltf, psplat_json_value extensions,
                                     psplat_json_value *extension) {
     static const char *const name[] = {PSPLAT_EXTENSION};
@@ -16,7 +18,8 @@ static psplat_result find_extension(const psplat_gltf *gltf, psplat_json_value e
                       : PSPLAT_OK;
 }
 
-/* Remembers the first primitive whose attributes are the extension's but which lost its object. */
+/* Remembers the first primitive that has attributes of the extension but lost the extension's
+ * object. */
 static void note_stripped(psplat_gltf *gltf, psplat_json_value attributes) {
     if (psplat_json_type_of(&gltf->json, attributes) != PSPLAT_JSON_OBJECT) return;
     psplat_json_value key = psplat_json_first(&gltf->json, attributes);
@@ -26,7 +29,8 @@ static void note_stripped(psplat_gltf *gltf, psplat_json_value attributes) {
             gltf->json_stripped = key;
 }
 
-/* Points without indices and morph targets (spec 3.1). */
+/* Checks that the primitive consists of points and has neither indices nor morph targets (spec
+ * 3.1). */
 static psplat_result check_members(const psplat_gltf *gltf, psplat_json_value primitive,
                                    const psplat_json_value *members) {
     size_t mode = 4; /* glTF's default: triangles */
@@ -85,7 +89,7 @@ static psplat_result parse_mesh(psplat_gltf *gltf, psplat_json_value mesh, pspla
     return result ? result : psplat_fallback_mesh_parse(gltf, found[1], sets);
 }
 
-/* An upper bound of the number of sets: primitives of all meshes, whatever they are. */
+/* Counts the primitives of all meshes, of whatever kind: an upper bound of the number of sets. */
 static psplat_result count_primitives(const psplat_gltf *gltf, size_t *count) {
     static const char *const name[] = {"primitives"};
     psplat_json_value array = gltf->json_meshes, primitives = 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * splat_set.c  - one primitive of splats: its attributes (spec 3.2), and the check of the extent
- * against rescaling tools (6.2).
+ * splat_set.c - one primitive of splats: its attributes (spec 3.2), and the check of its extent,
+ * which reveals rescaling by another tool (spec 6.2).
  */
 #include "asset/gltf.h"
 
@@ -41,7 +41,7 @@ static int is_clip_line(size_t attribute) {
     return attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES;
 }
 
-/* Which attributes there have to be, may be and must not be. */
+/* Checks which attributes are required, allowed and forbidden. */
 static psplat_result check_presence(const psplat_gltf *gltf, psplat_json_value object,
                                     const psplat_json_value found[PSPLAT_ATTRIBUTES],
                                     uint32_t clip_count) {
@@ -83,7 +83,7 @@ static psplat_result open_readers(psplat_gltf *gltf, psplat_json_value object,
     return result;
 }
 
-/* What integers stand for is said in the extension object (spec 3.9). */
+/* Checks that the extension object says what integers stand for (spec 3.9). */
 static psplat_result check_ranges(const psplat_gltf *gltf, psplat_json_value extension,
                                   const psplat_readers *r, const psplat_set *set) {
     const struct {
@@ -108,7 +108,7 @@ static psplat_result check_ranges(const psplat_gltf *gltf, psplat_json_value ext
 
 /* ---- the whole ---------------------------------------------------------------------------- */
 
-/* Spec 6.2: another tool may have scaled POSITION, knowing nothing of SCALE. */
+/* Another tool may have scaled POSITION without knowing that SCALE has to follow (spec 6.2). */
 static psplat_result check_extent(const psplat_gltf *gltf, psplat_json_value value,
                                   const double found[3]) {
     double stated[3], largest = 0, difference = 0;
@@ -128,8 +128,8 @@ static psplat_result check_extent(const psplat_gltf *gltf, psplat_json_value val
                        found[0], found[1], found[2], stated[0], stated[1], stated[2]);
 }
 
-/* Splats take 128 bytes in memory, 184 with a finish, and at least 11 in a file. A file may use its
- * bytes for several primitives, but not to make a small file fill the memory. */
+/* A splat takes 128 bytes in memory, 184 with a finish, and at least 11 in a file. A file may use
+ * its bytes for several primitives, but a small file must not fill the memory that way. */
 static psplat_result check_total(psplat_gltf *gltf, psplat_json_value attributes, size_t count) {
     if (count <= gltf->loaded_bytes / 8 && gltf->splat_total <= gltf->loaded_bytes / 8 - count) {
         gltf->splat_total += count;
@@ -158,7 +158,7 @@ static psplat_result describe(const psplat_gltf *gltf, const psplat_readers *r, 
     return PSPLAT_OK;
 }
 
-/* Where the GPU's form is all that is kept, the other is made chunk by chunk. */
+/* Reserves the packed form. Where it is all that is kept, the other form is made chunk by chunk. */
 static int reserve_packed(psplat_gltf *gltf, psplat_set *set) {
     const psplat_batch like = {.clip_count = set->clip_count,
                                .has_color = set->has_color,

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * unpack.c - what integers of attributes stand for: they come as numbers of -1 ... 1 or 0 ... 1 and
- * leave as what the floats of the attribute's other form are (spec 3.3, 3.6, 3.9). All in double
- * precision, so that nothing is lost beyond the last rounding.
+ * unpack.c - turns integers of attributes into what they stand for. They come as numbers from -1
+ * to 1 or from 0 to 1 and become what the floats of the attribute's other form are (spec 3.3,
+ * 3.6, 3.9). All of it is computed in double precision, so that nothing but the last rounding is
+ * lost.
  */
 #include "asset/gltf.h"
 
 #include <math.h>
 
-/* cos and sin of pi t: of what is left of the nearest quarter turn by Taylor's series, whose error
- * is 1e-11, then turned. The C library's would take most of the time of opening a file. */
+/* Computes cos and sin of pi t: the rest to the nearest quarter turn by Taylor's series, whose
+ * error is 1e-11, and then the quarter turns. The C library's functions would take most of the time
+ * of opening a file. */
 static inline void turn_by(double t, double *cosine, double *sine) {
     const double pi = 3.14159265358979323846;
     int quarters = (int)(t * 2 + (t < 0 ? -0.5 : 0.5));
@@ -23,8 +25,8 @@ static inline void turn_by(double t, double *cosine, double *sine) {
     *sine = quarters & 2 ? -y : y;
 }
 
-/* Eq. (0): the axes B1, B2, N are x, y, z turned the short way from z to N, or from -z, after half
- * a turn about x; and U is B1 turned about N. */
+/* Eq. (0) of the spec: the axes B1, B2, N are x, y, z turned the short way from z to N; near -z
+ * they are turned from -z, after half a turn about x. U is B1 turned about N. */
 static inline void unpack_turn(const float normal[3], float turn, float quaternion[4]) {
     double x = (double)normal[0], y = (double)normal[1], z = (double)normal[2], c, s;
     turn_by(0.5 * (double)turn, &c, &s);
@@ -42,7 +44,7 @@ void psplat_unpack_turns(const float *normals, const float *turns, size_t count,
     for (size_t i = 0; i < count; ++i) unpack_turn(normals + 3 * i, turns[i], quaternions + 4 * i);
 }
 
-/* Backwards, as what is written takes more room than what is read. */
+/* Goes backwards, because what is written takes more room than what is read. */
 void psplat_unpack_lines(float *values, size_t count, const float range[2]) {
     for (size_t i = count; i-- > 0;) {
         double cosine, sine;
@@ -54,7 +56,8 @@ void psplat_unpack_lines(float *values, size_t count, const float range[2]) {
     }
 }
 
-/* By the integers' high and low bytes: exponentials of each would take longer than all else. */
+/* Tabulates by the integers' high and low bytes: an exponential for each integer would take longer
+ * than everything else. */
 void psplat_radii_set(psplat_radii *radii, const double range[2], float largest) {
     double rate = log(range[1] / range[0]) / (double)largest;
     radii->largest = largest;

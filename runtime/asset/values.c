@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * values.c - the values of a primitive's attributes, decoded and checked one by one (spec 3.3 to
- * 3.8). They are read in blocks that stay in the cache; most of what opening a large asset takes is
- * spent here and in touching the memory of its splats, which is done once.
+ * 3.8). They are read in blocks that stay in the cache. Most of the time of opening a large asset
+ * is spent here and in touching the memory of its splats for the first time, which happens once.
  */
 #include "asset/gltf.h"
 
@@ -16,15 +16,15 @@ typedef struct decoder {
     const psplat_gltf *gltf;
     const psplat_readers *readers;
     const psplat_set *set;
-    psplat_splat blank;  /* what is not stored */
-    size_t first, count; /* splats of the block */
-    size_t index;        /* of the splat being decoded, in the primitive */
+    psplat_splat blank;  /* values of what is not stored */
+    size_t first, count; /* the splats of the block */
+    size_t index;        /* the splat being decoded, counted in the primitive */
     float values[PSPLAT_ATTRIBUTES][BLOCK * MAX_COMPONENTS];
-    size_t components[PSPLAT_ATTRIBUTES]; /* of each splat, as the floats that they are */
-    double cosines[BLOCK];                /* of NORMAL and N */
-    psplat_radii radii;                   /* where they are integers */
-    double low[3], high[3];               /* of the ellipses */
-    float center_low[3], center_high[3];  /* of their centres */
+    size_t components[PSPLAT_ATTRIBUTES]; /* of each splat, once unpacked to floats */
+    double cosines[BLOCK];                /* between NORMAL and N */
+    psplat_radii radii;                   /* used where radii are integers */
+    double low[3], high[3];               /* box of the ellipses */
+    float center_low[3], center_high[3];  /* box of their centres */
 } decoder;
 
 static psplat_result fail_value(const decoder *d, size_t attribute, const char *what) {
@@ -38,7 +38,8 @@ static psplat_result fail_value(const decoder *d, size_t attribute, const char *
 
 /* ---- blocks ------------------------------------------------------------------------------- */
 
-/* By the exponent's bits, without a branch, so that it takes several at once. */
+/* Tests the exponents' bits without a branch, so that the compiler can test several values at
+ * once. */
 static int all_finite(const float *values, size_t count) {
     uint32_t found = 0;
     for (size_t i = 0; i < count; ++i) {
@@ -56,7 +57,7 @@ static psplat_result fail_infinite(decoder *d, size_t attribute) {
     return fail_value(d, attribute, "is not finite");
 }
 
-/* Integers to floats (spec 3.9). */
+/* Turns integers into the floats that they stand for (spec 3.9). */
 static void unpack(decoder *d, size_t attribute) {
     const psplat_reader *reader = &d->readers->of[attribute];
     const psplat_set *set = d->set;
@@ -73,10 +74,10 @@ static void unpack(decoder *d, size_t attribute) {
         psplat_unpack_scaled(values, d->count * reader->components, set->color_range);
 }
 
-/* Components of an attribute once it is unpacked. */
+/* Returns the number of components of an attribute once it is unpacked. */
 static size_t unpacked_components(const psplat_reader *reader, size_t attribute) {
     if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U) return 3;
-    if (attribute == PSPLAT_ROTATION) return 4; /* made of a turn, if not stored */
+    if (attribute == PSPLAT_ROTATION) return 4; /* made from a turn where it is not stored */
     return reader->components;
 }
 
@@ -97,7 +98,8 @@ static psplat_result read_block(decoder *d) {
 static int normalise(float *values, size_t count) {
     double square = 0;
     for (size_t i = 0; i < count; ++i) square += (double)values[i] * (double)values[i];
-    if (fabs(square - 1) <= 2 * (double)FLT_EPSILON) return 1; /* most floats: without a root */
+    if (fabs(square - 1) <= 2 * (double)FLT_EPSILON)
+        return 1; /* most floats end here, without a square root */
     double length = sqrt(square), scale = 1 / length;
     if (!(length >= 0.99 && length <= 1.01)) return 0;
     if (fabs(length - 1) > 2 * (double)FLT_EPSILON)
@@ -129,7 +131,7 @@ static psplat_result normalise_block(decoder *d, size_t attribute, const char *w
     return PSPLAT_OK;
 }
 
-/* Spec 3.3: NORMAL is N. */
+/* Makes rotations from TURN; NORMAL is then N (spec 3.3). */
 static psplat_result turn_block(decoder *d) {
     const float *turns = d->values[PSPLAT_TURN];
     for (size_t i = 0; i < d->count; ++i)
@@ -167,7 +169,7 @@ static void find_cosines(decoder *d) {
     }
 }
 
-/* Rotations, normals, and how far these are from N. */
+/* Makes rotations and normals, and the cosine between each normal and N. */
 static psplat_result make_frames(decoder *d) {
     int is_turned = d->readers->is_present[PSPLAT_TURN];
     psplat_result result = normalise_block(d, PSPLAT_NORMAL, "is not unit");
@@ -182,7 +184,7 @@ static psplat_result make_frames(decoder *d) {
     return PSPLAT_OK;
 }
 
-/* The values of an attribute of the splat being decoded. */
+/* Returns the values of an attribute of the splat being decoded. */
 static const float *values_of(const decoder *d, size_t attribute) {
     return d->values[attribute] + (d->index - d->first) * d->components[attribute];
 }
@@ -198,14 +200,16 @@ static psplat_result decode_frame(const decoder *d, psplat_splat *splat) {
     return fail_value(d, PSPLAT_SCALE, "is not two radii, the larger first, above 0");
 }
 
-/* Spec 3.5, eq. (3a): what keeps n(u, v) within 90 degrees of N, and finite, all over the ellipse.
- * Fields of two numbers may be older than the bound and are brought down to it. */
+/* Checks the bound of spec 3.5, eq. (3a), which keeps n(u, v) within 90 degrees of N, and finite,
+ * all over the ellipse. Fields of two numbers may be older than the bound and are scaled down to
+ * it. */
 static psplat_result decode_gradient(const decoder *d, psplat_splat *splat, double cosine) {
     memcpy(splat->gradient, values_of(d, PSPLAT_NORMAL_FIELD),
            d->components[PSPLAT_NORMAL_FIELD] * sizeof *splat->gradient);
     double alpha = (double)splat->gradient[0], beta = (double)splat->gradient[1];
     double gamma = (double)splat->gradient[2];
-    /* Far from the bound, where fields are, it takes no root: neither term exceeds 10. */
+    /* Fields are usually far from the bound; then no square root is needed, because neither term
+     * exceeds 10. */
     if (cosine > 0.1 && alpha * alpha + beta * beta + 2 * gamma * gamma < 100) return PSPLAT_OK;
     double ratio = (double)splat->radius[1] / (double)splat->radius[0];
     double center = sqrt(fmax(1 / (cosine * cosine) - 1, 0));
@@ -226,7 +230,8 @@ static psplat_result decode_normals(const decoder *d, psplat_splat *splat) {
     return decode_gradient(d, splat, cosine);
 }
 
-/* From 0 to 1, as all of COLOR_0, OCCLUSION_ROUGHNESS_METALLIC and EMISSIVE is. */
+/* Returns whether all values are from 0 to 1, as those of COLOR_0, OCCLUSION_ROUGHNESS_METALLIC and
+ * EMISSIVE must be. */
 static int are_parts(const float *values, size_t count) {
     int are = 1;
     for (size_t i = 0; i < count; ++i) are &= values[i] >= 0 && values[i] <= 1;
@@ -271,8 +276,8 @@ static psplat_result decode_clip_lines(const decoder *d, psplat_splat *splat) {
     return PSPLAT_OK;
 }
 
-/* Enlarges the boxes by the centre and the unclipped ellipse, of most of which the circle around it
- * tells that they are inside. */
+/* Enlarges the boxes by the centre and by the unclipped ellipse. For most ellipses the circle
+ * around them already shows that they are inside. */
 static psplat_result enlarge_bounds(decoder *d, const psplat_splat *splat) {
     double axes[3][3], most = (double)splat->radius[0] * (1 + 1e-6);
     int is_inside = 1;
@@ -348,7 +353,7 @@ static void pack(const psplat_set *set, const psplat_splat *splats, const psplat
     psplat_chunks_find(splats, count, packed->chunks + first / PSPLAT_CHUNK_SPLATS);
 }
 
-/* Where they are packed, splats are decoded to a place that stays in the cache. */
+/* Where splats are packed, they are decoded to a place that stays in the cache. */
 static psplat_result decode_chunk(decoder *d, psplat_set *set, size_t first, size_t count) {
     const psplat_gltf *gltf = d->gltf;
     psplat_splat *splats = set->packed ? gltf->chunk_splats : set->splats + first;

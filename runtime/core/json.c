@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Values of a JSON document that psplat_json_parse has found well-formed; see json.h. */
+ *
+ * json.c - access to the values of a JSON document that psplat_json_parse has found well-formed;
+ * see json.h.
+ */
 #include "core/json.h"
 
 #include <math.h>
@@ -64,7 +67,7 @@ static size_t put_utf8(uint32_t code, char out[4]) {
     return length;
 }
 
-/* Reads one \u escape, or two that form a surrogate pair. 0 on a lone surrogate. */
+/* Reads one \u escape, or two that form a surrogate pair. Returns 0 for a lone surrogate. */
 static uint32_t read_unicode(const char **at, const char *end) {
     uint32_t code = hex4(*at + 2);
     *at += 6;
@@ -76,7 +79,8 @@ static uint32_t read_unicode(const char **at, const char *end) {
     return 0x10000 + ((code - 0xd800) << 10) + (low - 0xdc00);
 }
 
-/* Unescapes one character of a string into out and returns its length; 0 if it has no meaning. */
+/* Unescapes one character of a string into out and returns its length in bytes of UTF-8, or 0 where
+ * the escape stands for no character. */
 static size_t read_character(const char **at, const char *end, char out[4]) {
     if (**at != '\\') {
         out[0] = *(*at)++;
@@ -92,7 +96,7 @@ static size_t read_character(const char **at, const char *end, char out[4]) {
     return 1;
 }
 
-/* A string's characters, without the quotation marks. */
+/* Returns the string's first character, after the quotation mark. */
 static const char *string_begin(const psplat_json *json, psplat_json_value string) {
     return json->text + json->tokens[string].start + 1;
 }
@@ -101,7 +105,7 @@ static const char *string_end(const psplat_json *json, psplat_json_value string)
     return json->text + json->tokens[string].end - 1;
 }
 
-/* Where the string goes on after the word; NULL if it does not begin with it. */
+/* Returns where the string goes on after the word, or NULL if it does not begin with the word. */
 static const char *skip_word(const psplat_json *json, psplat_json_value string, const char *word) {
     const char *at = string_begin(json, string);
     const char *end = string_end(json, string);
@@ -125,7 +129,8 @@ psplat_result psplat_json_string(const psplat_json *json, psplat_json_value valu
     if (result) return result;
     const char *at = string_begin(json, value);
     const char *end = string_end(json, value);
-    /* Unescaping never lengthens: the shortest escape of 3 bytes of UTF-8 takes 6. */
+    /* Unescaping never lengthens a string: the shortest escape of 3 bytes of UTF-8 takes 6
+     * bytes. */
     char *string = psplat_arena_take(arena, (size_t)(end - at) + 1, 1);
     if (!string)
         return psplat_fail(json->error, PSPLAT_ERROR_MEMORY, psplat_json_offset(json, value),
@@ -178,7 +183,8 @@ psplat_result psplat_json_expect(const psplat_json *json, psplat_json_value valu
 
 /* ---- numbers ------------------------------------------------------------------------------ */
 
-/* strtod with the locale's decimal separator put in place of the point; snprintf shows which. */
+/* Calls strtod, which expects the locale's decimal separator instead of the point; snprintf shows
+ * which one that is. */
 static double parse_number(const char *digits, size_t size, char *copy) {
     char sample[32], *out = copy;
     int sample_size = snprintf(sample, sizeof sample, "%.1f", 0.5);
@@ -216,7 +222,7 @@ psplat_result psplat_json_number(const psplat_json *json, psplat_json_value valu
 
 psplat_result psplat_json_integer(const psplat_json *json, psplat_json_value value,
                                   const char *what, size_t max, size_t *out) {
-    const double exact = 9007199254740992.0; /* 2^53: beyond, doubles skip integers */
+    const double exact = 9007199254740992.0; /* 2^53: above it, doubles skip integers */
     double number = 0;
     if (!value) return PSPLAT_OK;
     psplat_result result = psplat_json_number(json, value, what, &number);

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * json.h - strict JSON (RFC 8259). json_grammar.c reads the text once, checks it and makes tokens,
- * json.c walks them. Text and strings stay in place; what json.c is given is well-formed.
+ * json.h - strict JSON (RFC 8259). json_grammar.c reads the text once, checks it and makes tokens;
+ * json.c walks the tokens. The text and its strings stay in place. The functions of json.c rely on
+ * a document that psplat_json_parse has accepted.
  */
 #ifndef PHONGSPLAT_CORE_JSON_H
 #define PHONGSPLAT_CORE_JSON_H
 
 #include "core/arena.h"
 
-/* Containers inside containers; glTF needs 7, extras of tools some more. */
+/* The deepest nesting of containers that is read. glTF needs 7; the extras that tools write need
+ * some more. */
 #define PSPLAT_JSON_MAX_DEPTH 64
 
-/* A value by its token's index. 0 is the document itself and, because the document is nobody's
- * member, also stands for a value that is absent. */
+/* A value is named by its token's index. Index 0 is the document itself; as the document is
+ * nobody's member, 0 also stands for a value that is absent. */
 typedef uint32_t psplat_json_value;
 
 typedef enum psplat_json_type {
@@ -23,55 +25,57 @@ typedef enum psplat_json_type {
     PSPLAT_JSON_LITERAL /* true, false, null */
 } psplat_json_type;
 
-/* Of a value or a key; that of a key encloses its value's. */
+/* The token of a value or of a key. The token of a key encloses that of its value. */
 typedef struct psplat_json_token {
     uint32_t start,
-        end;         /* in the text: its first byte and the one after it, with quotation marks */
-    uint32_t length; /* members of an object, elements of an array; else 0 */
-    uint32_t beyond; /* the first token after it and what it holds */
+        end; /* in the text: the first byte and the one after the last, quotation marks included */
+    uint32_t length; /* members of an object, elements of an array, 0 for other values */
+    uint32_t beyond; /* index of the first token that is not inside this value */
 } psplat_json_token;
 
 typedef struct psplat_json {
     const char *text; /* must outlive the document */
     size_t size;
-    size_t base; /* offset of text in the file, for errors */
+    size_t base; /* offset of text in the file, added to offsets in errors */
     psplat_json_token *tokens;
     psplat_error *error; /* where failing functions describe what is wrong; may be NULL */
 } psplat_json;
 
-/* Parses json->text, which is one well-formed object, into tokens that the arena owns. FORMAT,
- * UNSUPPORTED (nested too deep, more than 2 GiB), MEMORY. */
+/* Parses json->text, which must be one object, into tokens that the arena owns. Fails with FORMAT
+ * where the text is no well-formed JSON, UNSUPPORTED where it is nested too deep or larger than 2
+ * GiB, and MEMORY. */
 psplat_result psplat_json_parse(psplat_json *json, psplat_arena *arena);
 
-/* Offset of a value's first byte in the file. */
+/* Returns the offset of a value's first byte in the file. */
 size_t psplat_json_offset(const psplat_json *json, psplat_json_value value);
 psplat_json_type psplat_json_type_of(const psplat_json *json, psplat_json_value value);
 
-/* Elements of an array, members of an object. */
+/* Returns the number of elements of an array or of members of an object. */
 size_t psplat_json_length(const psplat_json *json, psplat_json_value value);
 
-/* Elements of an array in order; 0 after the last. Of an object they are the keys, and the value of
- * a key is psplat_json_first of that key. */
+/* These two walk the elements of an array in order and return 0 after the last. The elements of an
+ * object are its keys; the value of a key is psplat_json_first of that key. */
 psplat_json_value psplat_json_first(const psplat_json *json, psplat_json_value parent);
 psplat_json_value psplat_json_next(const psplat_json *json, psplat_json_value parent,
                                    psplat_json_value child);
 
-/* Whether a string, unescaped, equals, or begins with, a word of ASCII. */
+/* Returns whether a string, once unescaped, equals (or begins with) an ASCII word. */
 int psplat_json_equals(const psplat_json *json, psplat_json_value string, const char *word);
 int psplat_json_begins(const psplat_json *json, psplat_json_value string, const char *word);
 
-/* values[i] becomes the member names[i] of an object, or 0; one pass over the object. FORMAT where
- * the value is no object or a name occurs twice. */
+/* Sets values[i] to the member names[i] of an object, or to 0 where it has none, in one pass over
+ * the object. Fails with FORMAT where the value is no object or where a name occurs twice. */
 psplat_result psplat_json_members(const psplat_json *json, psplat_json_value object,
                                   const char *const *names, size_t count,
                                   psplat_json_value *values);
 
-/* FORMAT unless value is absent or of the type. */
+/* Fails with FORMAT unless value is absent or of the type. */
 psplat_result psplat_json_expect(const psplat_json *json, psplat_json_value value,
                                  psplat_json_type type, const char *what);
 
-/* Each leaves *out alone where value is absent, and fails with FORMAT on another type, RANGE where
- * the number does not fit. what names the property in the error. */
+/* Each of these leaves *out as it is where value is absent. Each fails with FORMAT where value has
+ * another type and with RANGE where the number does not fit. The error's text names the property by
+ * what. */
 psplat_result psplat_json_number(const psplat_json *json, psplat_json_value value, const char *what,
                                  double *out);
 psplat_result psplat_json_integer(const psplat_json *json, psplat_json_value value,
@@ -81,8 +85,8 @@ psplat_result psplat_json_boolean(const psplat_json *json, psplat_json_value val
 psplat_result psplat_json_numbers(const psplat_json *json, psplat_json_value array,
                                   const char *what, size_t count, double *out);
 
-/* The unescaped string, terminated, from the arena; *size is without the terminator. FORMAT on lone
- * surrogates and U+0000. */
+/* Stores the unescaped string, terminated by a zero byte that *size does not count, in the arena.
+ * Fails with FORMAT on lone surrogates and on U+0000. */
 psplat_result psplat_json_string(const psplat_json *json, psplat_json_value value,
                                  psplat_arena *arena, char **out, size_t *size);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * json_grammar.c - the grammar of RFC 8259, UTF-8 included: one pass over the bytes, without
- * recursion, that makes a token of each value and key.
+ * json_grammar.c - the grammar of RFC 8259, UTF-8 included. It goes over the bytes once, without
+ * recursion, and makes a token for each value and key.
  */
 #include "core/json.h"
 
@@ -16,17 +16,18 @@ typedef struct reader {
     const psplat_allocator *allocator;
     psplat_json_token *tokens;
     size_t count, capacity;
-    uint32_t open[PSPLAT_JSON_MAX_DEPTH]; /* tokens of the containers around, outermost first */
+    uint32_t open[PSPLAT_JSON_MAX_DEPTH]; /* tokens of the containers around the reader, outermost
+                                             first */
     size_t depth;
-    psplat_result code; /* of what is wrong */
+    psplat_result code; /* the error code that belongs to the message returned */
 } reader;
 
-/* Past the end there is a byte that no rule accepts. */
+/* Past the end it returns a byte that no rule accepts. */
 static unsigned peek(const reader *r) {
     return r->at < r->size ? r->text[r->at] : 0;
 }
 
-/* The first byte after white space. */
+/* Returns the first byte after white space. */
 static unsigned skip_space(reader *r) {
     while (peek(r) == ' ' || peek(r) == '\n' || peek(r) == '\r' || peek(r) == '\t') ++r->at;
     return peek(r);
@@ -40,7 +41,7 @@ static int is_hex(unsigned c) {
     return is_digit(c) || (c >= 'a' && c <= 'f') || (c >= 'A' && c <= 'F');
 }
 
-/* What follows returns NULL, or what is wrong at r->at. */
+/* The functions below return NULL, or a message that says what is wrong at r->at. */
 
 static const char *read_digits(reader *r) {
     if (!is_digit(peek(r))) return "a number lacks a digit";
@@ -80,7 +81,7 @@ static const char *read_literal(reader *r) {
     return "a value is expected";
 }
 
-/* Well-formed UTF-8 of two to four bytes (Unicode 15, table 3-7). */
+/* Accepts well-formed UTF-8 of two to four bytes (Unicode 15, table 3-7). */
 static const char *read_utf8(reader *r) {
     static const char wrong[] = "a string is not UTF-8";
     const unsigned char *s = r->text + r->at;
@@ -149,7 +150,7 @@ static int in_object(const reader *r) {
     return r->depth && r->text[container(r)->start] == '{';
 }
 
-/* A value ends here, and so does the key before it, which encloses it. */
+/* Ends a value here, and with it the key before it, which encloses it. */
 static void end_value(reader *r, size_t token) {
     r->tokens[token].end = (uint32_t)r->at;
     r->tokens[token].beyond = (uint32_t)r->count;
@@ -167,7 +168,7 @@ static const char *read_key(reader *r) {
     return NULL;
 }
 
-/* A string, number or literal; of a container its bracket. */
+/* Reads a string, number or literal, or the opening bracket of a container. */
 static const char *read_value(reader *r) {
     unsigned c = skip_space(r);
     int is_container = c == '{' || c == '[';
@@ -188,7 +189,7 @@ static const char *read_value(reader *r) {
     return wrong;
 }
 
-/* The next member or element of the innermost container, or its end. */
+/* Reads the next member or element of the innermost container, or that container's end. */
 static const char *read_next(reader *r) {
     int is_object = in_object(r);
     unsigned c = skip_space(r);

@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * background_loader.c - a thread that opens assets; see background_loader.h.
+ */
 #include "background_loader.h"
 
 #include <pthread.h>
@@ -13,7 +16,7 @@ struct loader {
     psplat_asset *assets[MOST];
     psplat_error errors[MOST];
     int count, taken;
-    atomic_int opened; /* assets and errors below it are the thread's no more */
+    atomic_int opened; /* the thread no longer touches assets and errors below this index */
 };
 
 static void *open_all(void *argument) {

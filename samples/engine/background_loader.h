@@ -11,14 +11,14 @@
 
 typedef struct loader loader;
 
-/* The paths must last as long as the loader. NULL on failure. */
+/* The paths must last as long as the loader. Returns NULL on failure. */
 loader *loader_start(const char *const *paths, int count);
 
-/* The next asset in the order of the paths that is open, or NULL while there is none yet; *error is
- * filled, and its code not 0, where it could not be opened. The asset is the caller's. */
+/* Returns the next asset in the order of the paths, owned by the caller, or NULL while none is open
+ * yet. Where it could not be opened, *error is filled and its code is not 0. */
 psplat_asset *loader_take(loader *l, psplat_error *error);
 
-/* Waits for the thread; assets that nobody took are destroyed. NULL is accepted. */
+/* Waits for the thread and destroys assets that nobody took. NULL is accepted. */
 void loader_stop(loader *l);
 
 #endif

@@ -48,7 +48,7 @@ typedef struct engine_gl {
 #undef ENGINE_GL_MEMBER
 } engine_gl;
 
-/* 0 where the loader lacks a function. */
+/* Returns 0 where the loader lacks a function. */
 static inline int engine_gl_load(engine_gl *gl, void *(*get_proc)(void *user, const char *name),
                                  void *user) {
     void *address;

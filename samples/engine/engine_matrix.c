@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * engine_matrix.c - column-major double matrices; see engine_matrix.h.
+ */
 #include "engine_matrix.h"
 
 #include <math.h>
@@ -25,7 +28,7 @@ matrix matrix_turn(double radians) {
     return (matrix){{[0] = c, [2] = -s, [5] = 1, [8] = s, [10] = c, [15] = 1}};
 }
 
-/* Up is +y, which must not be the direction of sight. */
+/* Up is +y, which must not be the viewing direction. */
 matrix matrix_look(const double eye[3], const double target[3]) {
     double back[3], length = 0;
     for (int i = 0; i < 3; ++i) back[i] = eye[i] - target[i], length += back[i] * back[i];

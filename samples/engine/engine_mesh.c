@@ -1,11 +1,14 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * engine_mesh.c - the engine's own lit triangles; see engine_mesh.h.
+ */
 #include "engine_mesh.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 
-enum { SEGMENTS = 96, FLOATS = 6 }; /* of a vertex: position, normal */
+enum { SEGMENTS = 96, FLOATS = 6 }; /* FLOATS of a vertex: position and normal */
 
 static const char vertex_source[] = "#version 330 core\n"
                                     "layout(location = 0) in vec3 position;\n"
@@ -16,7 +19,7 @@ static const char vertex_source[] = "#version 330 core\n"
                                     "    n = normal;\n"
                                     "    gl_Position = clip * vec4(position, 1.0);\n"
                                     "}\n";
-/* The framebuffer is sRGB and encodes what is written. */
+/* The framebuffer is sRGB and encodes the linear colour that is written. */
 static const char fragment_source[] =
     "#version 330 core\n"
     "in vec3 n;\n"

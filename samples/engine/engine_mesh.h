@@ -19,13 +19,13 @@ typedef struct mesh {
     GLsizei vertex_count;
 } mesh;
 
-int paint_make(paint *p, const engine_gl *gl); /* 0 where the compiler refuses */
+int paint_make(paint *p, const engine_gl *gl); /* returns 0 where the compiler refuses */
 
-/* Turns an outline of (radius, height) points; each of its pieces is flat, with sharp edges. The
- * outside lies to the right of the way along it. */
+/* Turns an outline of (radius, height) points about +y. Each piece of the outline is flat and its
+ * ends are sharp edges. The outside lies to the right of the way along the outline. */
 mesh mesh_lathe(const engine_gl *gl, const float (*outline)[2], int points);
 
-/* Expects the paint's program to be current. */
+/* Draws the mesh with the paint's program, which must be current. */
 void mesh_draw(const mesh *m, const engine_gl *gl, const paint *p, const matrix *clip,
                const float color[3]);
 

@@ -19,7 +19,7 @@
 enum { INSTANCES = 7, ITEMS = 1 + INSTANCES, FRAMES = 8 };
 
 typedef struct engine {
-    psplat_host *host; /* stands for the window */
+    psplat_host *host; /* takes the place of a window */
     engine_gl gl;
     screen screen;
     paint paint;
@@ -35,7 +35,7 @@ typedef struct engine {
 
 static const float sun_direction[3] = {0.9f, -1, -0.45f}, sun[3] = {2.3f, 2.3f, 2.2f},
                    ambient[3] = {0.16f, 0.17f, 0.2f};
-/* Faces +x -x +y -y +z -z: bright above, dark below. */
+/* The sky's faces +x -x +y -y +z -z: bright above, dark below. */
 static const float sky_radiance[6 * 3] = {0.18f, 0.18f, 0.20f, 0.18f, 0.18f, 0.20f,
                                           0.40f, 0.45f, 0.55f, 0.08f, 0.08f, 0.07f,
                                           0.18f, 0.18f, 0.20f, 0.18f, 0.18f, 0.20f};
@@ -80,7 +80,7 @@ static void stop(engine *e) {
     psplat_host_destroy(e->host);
 }
 
-/* An instance of the last model, its box scaled to a height and centred on (x, y, z). */
+/* Places an instance of the last model: its box is scaled to a height and centred on (x, y, z). */
 static void place(engine *e, const psplat_asset *asset, double height, double x, double y, double z,
                   double turn, double stretch) {
     double min[3], max[3];
@@ -97,7 +97,8 @@ static void place(engine *e, const psplat_asset *asset, double height, double x,
     memcpy(item->transform, m.m, sizeof item->transform);
 }
 
-/* The first asset into the ring, the second around it: turned, one stretched, one mirrored. */
+/* Places the first asset in the ring and instances of the second around it: all turned, one
+ * stretched, one mirrored. */
 static int add_model(engine *e, const psplat_asset *asset) {
     psplat_error error = {0};
     psplat_model **model = &e->models[e->model_count];
@@ -114,13 +115,13 @@ static int add_model(engine *e, const psplat_asset *asset) {
     return 1;
 }
 
-/* Takes what the loader has opened meanwhile. */
+/* Takes the assets that the loader has opened meanwhile. */
 static int take_models(engine *e, loader *l) {
     psplat_error error = {0};
     psplat_asset *asset = loader_take(l, &error);
     if (error.code) return fail(error.text);
     int is_fine = !asset || add_model(e, asset);
-    psplat_asset_destroy(asset); /* the model has all it needs */
+    psplat_asset_destroy(asset); /* the model has its own copy */
     return is_fine;
 }
 
@@ -134,7 +135,7 @@ static void aim(engine *e, int frame) {
 static int draw_splats(const engine *e) {
     psplat_error error = {0};
     psplat_view view = {.width = SCREEN_WIDTH, .height = SCREEN_HEIGHT, .light_count = 1};
-    view.linear_output = 1; /* the framebuffer encodes */
+    view.linear_output = 1; /* the framebuffer encodes sRGB */
     memcpy(view.view, e->view.m, sizeof view.view);
     memcpy(view.projection, e->projection.m, sizeof view.projection);
     memcpy(view.lights[0].direction, sun_direction, sizeof sun_direction);
@@ -146,8 +147,8 @@ static int draw_splats(const engine *e) {
     return 1;
 }
 
-/* Meshes before the splats and after them, which psplat_draw leaves no trace in: program, uniforms
- * and all other state are as the engine set them. */
+/* Draws meshes before the splats and after them. psplat_draw changes no state of GL: program,
+ * uniforms and everything else stay as the engine set them. */
 static int draw_frame(const engine *e) {
     static const float stone[3] = {0.42f, 0.40f, 0.37f}, slate[3] = {0.16f, 0.18f, 0.22f},
                        brass[3] = {0.75f, 0.45f, 0.10f};
@@ -167,7 +168,7 @@ static int draw_frame(const engine *e) {
     return 1;
 }
 
-/* Frames go on while models come in; after the last one has, FRAMES more. */
+/* Draws frames while models come in, and FRAMES more after the last one has. */
 static int run(engine *e, loader *l) {
     for (int frame = 0; frame < FRAMES; frame += e->model_count == 2) {
         if (e->model_count < 2 && !take_models(e, l)) return 0;

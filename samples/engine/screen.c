@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ *
+ * screen.c - the framebuffer that the engine draws into; see screen.h.
+ */
 #include "screen.h"
 
 #include <stdio.h>

@@ -11,11 +11,12 @@
 enum { SCREEN_WIDTH = 960, SCREEN_HEIGHT = 640, SCREEN_SAMPLES = 4 };
 
 typedef struct screen {
-    GLuint many, one; /* framebuffers: with samples, resolved */
+    GLuint many, one; /* framebuffers: many with samples, one resolved */
 } screen;
 
 screen screen_make(const engine_gl *gl);
 void screen_begin(const screen *s, const engine_gl *gl);
-int screen_save(const screen *s, const engine_gl *gl, const char *path); /* PPM; 0 on failure */
+/* Writes a PPM; returns 0 on failure. */
+int screen_save(const screen *s, const engine_gl *gl, const char *path);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * formats.c - OBJ, OFF, PLY, STL and XYZ, text with six digits. Binary files are little-endian on
- * every machine.
+ * formats.c - writes OBJ, OFF, PLY, STL and XYZ. Text has six digits after the point. Binary files
+ * are little-endian on every machine.
  */
 #include "generate.h"
 
@@ -14,7 +14,7 @@ static int finish(FILE *file) {
     return fclose(file) || failed ? -1 : 0;
 }
 
-/* Seven figures of a coordinate; what rounding makes of zero becomes zero. */
+/* Removes the sign of a zero: what differs from zero only by rounding becomes zero. */
 static double tidy(double x) {
     return fabs(x) < 1e-12 ? 0.0 : x;
 }

@@ -4,7 +4,8 @@
  *
  *     generate_models samples/models
  *
- * The same files on every machine, but for the last digits that its sine and cosine differ in.
+ * The files are the same on every machine, but for the last digits in which its sine and cosine
+ * differ from those of others.
  */
 #include "generate.h"
 

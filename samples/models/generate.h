@@ -13,8 +13,9 @@
 
 /* ---- solid.c: a mesh under construction ----------------------------------------------------- */
 
-/* Vertices of exactly equal position are one vertex, so that patches built from the same points
- * are joined. normals, texcoords and colors are filled by models that have them, or stay NULL. */
+/* A mesh in which vertices of exactly equal position are one vertex, so that patches built from the
+ * same points are joined. normals, texcoords and colors are filled by models that have them, else
+ * NULL. */
 typedef struct solid {
     double (*positions)[3];
     float (*normals)[3];
@@ -27,30 +28,33 @@ typedef struct solid {
 
 uint32_t solid_vertex(solid *s, double x, double y, double z);
 void solid_triangle(solid *s, uint32_t a, uint32_t b, uint32_t c);
-void solid_quad(solid *s, uint32_t a, uint32_t b, uint32_t c, uint32_t d); /* counter-clockwise */
+/* Corners counter-clockwise. */
+void solid_quad(solid *s, uint32_t a, uint32_t b, uint32_t c, uint32_t d);
 void solid_free(solid *s);
-void *resize(void *memory, size_t size); /* realloc that ends the program when out of memory */
+void *resize(void *memory, size_t size); /* a realloc that ends the program when out of memory */
 
 /* ---- plane.c: outlines and the flat faces between them --------------------------------------- */
 
-/* A closed polyline in the x-y plane, counter-clockwise, without its first point repeated. */
+/* A closed polyline in the x-y plane, counter-clockwise; its first point is not repeated at the
+ * end. */
 typedef struct outline {
     double (*points)[2];
     size_t count;
 } outline;
 
 void outline_point(outline *o, double x, double y);
-/* A straight stretch from the last point to (x, y) in steps of about `step`. */
+/* Adds a straight stretch from the last point to (x, y) in steps of about `step`. */
 void outline_line(outline *o, double x, double y, double step);
-/* An arc around (cx, cy) from angle a to angle b (radians); the first point is left out where the
- * outline already ends there. */
+/* Adds an arc around (cx, cy) from angle a to angle b (radians). The first point is left out where
+ * the outline already ends there. */
 void outline_arc(outline *o, double cx, double cy, double radius, double a, double b, double step);
-/* The same outline moved inwards by distance, corners mitred. */
+/* Returns the outline moved inwards by distance, with mitred corners. */
 outline outline_inset(const outline *o, double distance);
 void outline_free(outline *o);
 
 /* Triangulates the region inside outer and outside the holes with triangles of about `step`, at
- * height z, facing up or down. Outlines become edges; give them points `step` apart. */
+ * height z, facing up or down. The segments of the outlines become edges of triangles; their points
+ * should be `step` apart. */
 void solid_face(solid *s, const outline *outer, const outline *holes, size_t hole_count, double z,
                 double step, int up);
 
@@ -65,9 +69,10 @@ solid make_sphere(int subdivisions);
 solid make_torus(double major, double minor, int segments, int sides);
 solid make_cone(double radius, double height, int segments);
 solid make_bracket(void);
-solid make_scan(double x, double y, double z, int count); /* radii; points without triangles */
-solid make_vase(void);                                    /* open, with texture coordinates */
-solid make_ribbon(void);                                  /* a coloured ring */
+/* Makes points without triangles on an ellipsoid of radii x, y, z. */
+solid make_scan(double x, double y, double z, int count);
+solid make_vase(void);   /* open, with texture coordinates */
+solid make_ribbon(void); /* a coloured ring */
 
 /* ---- formats.c: each returns 0, or -1 where the file cannot be written ------------------------
  */
@@ -83,7 +88,7 @@ int write_xyz(const char *path, const solid *s); /* positions and normals */
 /* ---- gltf.c ------------------------------------------------------------------------------- */
 
 int write_gltf(const char *path, const solid *s);
-/* The painted piece: a textured vase and two coloured rings under a tree of nodes. */
+/* Writes the painted piece: a textured vase and two coloured rings under a tree of nodes. */
 int write_painted_glb(const char *path, const solid *vase, const solid *ribbon);
 
 /* ---- still_life.c: a scene --------------------------------------------------------------------

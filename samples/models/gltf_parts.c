@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * gltf_parts.c - what the glTF files are put together from.
+ * gltf_parts.c - the pieces that glTF files are put together from; see gltf_parts.h.
  */
 #include "gltf_parts.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * gltf_parts.h - what the glTF files are put together from: bytes, accessors, chunks.
+ * gltf_parts.h - the pieces that glTF files are put together from: bytes, accessors, chunks.
  */
 #ifndef PHONGSPLAT_SAMPLES_GLTF_PARTS_H
 #define PHONGSPLAT_SAMPLES_GLTF_PARTS_H
@@ -13,8 +13,8 @@ typedef struct bytes {
 } bytes;
 
 void put(bytes *b, const void *data, size_t size);
-void pad(bytes *b, char with); /* to a multiple of 4 */
-/* printf, at most 1023 characters. */
+void pad(bytes *b, char with); /* fills up to a multiple of 4 */
+/* Appends as printf does, at most 1023 characters. */
 void print(bytes *b, const char *format, ...);
 
 /* The buffer and what describes it in the JSON. */
@@ -23,16 +23,17 @@ typedef struct scene {
     int view_count, accessor_count;
 } scene;
 
-/* What follows begin in the buffer becomes a view; target 0: of no kind. Returns its index. */
+/* Makes a view of the buffer's bytes from begin to its present end and returns the view's index. A
+ * target of 0 is not written. */
 int add_view(scene *g, size_t begin, int target);
-/* Each an accessor with a view of its own; they return its index. */
+/* Each of these adds an accessor with a view of its own and returns the accessor's index. */
 int add_positions(scene *g, const solid *s);
 int add_texcoords(scene *g, const solid *s);
 int add_colors(scene *g, const solid *s);
 int add_indices(scene *g, const solid *s);
-/* accessors, bufferViews, and buffers up to its uri or end. */
+/* Prints accessors, bufferViews, and buffers up to its uri or its end. */
 void print_tables(bytes *json, const scene *g);
-/* Closes no brackets: json is whole. */
+/* Writes a GLB file. Unlike print_tables it adds nothing to json, which must be complete. */
 int write_glb(const char *path, bytes *json, const scene *g);
 int write_file(const char *path, const bytes *b);
 void free_scene(scene *g, bytes *json);

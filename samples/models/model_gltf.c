@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * model_gltf.c - two files as glTF 2.0: the bracket as .gltf with its buffer as a data URI, and the
- * painted piece as .glb with texture, vertex colours and a tree of nodes, one of them mirroring.
+ * model_gltf.c - writes two models as glTF 2.0: the bracket as .gltf with its buffer as a data URI,
+ * and the painted piece as .glb with a texture, vertex colours and a tree of nodes, one of which
+ * mirrors.
  */
 #include "gltf_parts.h"
 
@@ -44,7 +45,7 @@ int write_gltf(const char *path, const solid *s) {
 
 /* ---- .glb ----------------------------------------------------------------------------------- */
 
-/* A checkerboard whose squares change colour across the picture. */
+/* Adds a checkerboard whose squares change colour across the picture. */
 static int add_texture(scene *g) {
     enum { SIZE = 64 };
     static uint8_t rgb[SIZE][SIZE][3];

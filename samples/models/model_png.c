@@ -40,7 +40,7 @@ static uint8_t *put_chunk(uint8_t *at, const char *type, const uint8_t *data, si
     return put_u32(at, crc(begin, (size_t)(at - begin)));
 }
 
-/* zlib (RFC 1950) around stored blocks of at most 65535 bytes. */
+/* Writes zlib's format (RFC 1950) around stored blocks of at most 65535 bytes. */
 static size_t store(uint8_t *out, const uint8_t *data, size_t size) {
     uint8_t *at = out;
     *at++ = 0x78;

@@ -19,9 +19,10 @@
 
 #include <math.h>
 
-#define STEP 0.125 /* edge length */
+#define STEP 0.125 /* target edge length */
 
-/* Heights: the walls have vertices at all of them, so that neighbours of any height fit. */
+/* The heights of the part's faces. Walls have vertices at all of them, so that neighbours of
+ * different heights fit. */
 static const double floor_z = 0, ledge_z = 0.6, base_z = 1.1, boss_z = 2.5;
 
 static const double bore_radius = 0.55, boss_radius = 1.1, boss_back = -1.25, blend = 0.3;
@@ -36,9 +37,9 @@ static int rows_for(double height) {
     return rows < 1 ? 1 : rows;
 }
 
-/* The band between two outlines of equal count, a's points at height za and b's at zb. The face
- * looks to the right of the direction of travel where b is above a. is_open leaves the last segment
- * out. */
+/* Adds the band between two outlines of equal count: a's points lie at height za and b's at zb.
+ * Where b is above a, the faces look to the right of the direction of travel. is_open leaves the
+ * last segment out. */
 static void add_band(solid *s, const outline *a, double za, const outline *b, double zb,
                      int is_open) {
     for (size_t i = 0; i + (size_t)is_open < a->count; ++i) {
@@ -50,7 +51,7 @@ static void add_band(solid *s, const outline *a, double za, const outline *b, do
     }
 }
 
-/* An upright wall over an outline from z0 up to z1. */
+/* Adds an upright wall over an outline from z0 up to z1. */
 static void add_wall(solid *s, const outline *o, double z0, double z1, int is_open) {
     int rows = rows_for(z1 - z0);
     for (int row = 0; row < rows; ++row) {
@@ -60,7 +61,7 @@ static void add_wall(solid *s, const outline *o, double z0, double z1, int is_op
     }
 }
 
-/* The inside of a hole: the same, looking the other way. */
+/* Adds the inside of a hole: a wall that looks the other way. */
 static void add_bore(solid *s, const outline *o, double z0, double z1) {
     int rows = rows_for(z1 - z0);
     for (int row = rows; row > 0; --row) {
@@ -73,11 +74,11 @@ static void add_bore(solid *s, const outline *o, double z0, double z1) {
 static outline circle(double x, double y, double radius, double step) {
     outline o = {0};
     outline_arc(&o, x, y, radius, 0, 2 * PI, step);
-    --o.count; /* the last point is the first */
+    --o.count; /* the last point repeats the first */
     return o;
 }
 
-/* The outline of the base in two stretches that meet at the ends of the step. */
+/* Builds the outline of the base in two stretches that meet at the ends of the step. */
 static outline base_right(double end_x) {
     outline o = {0};
     outline_point(&o, end_x, -half_width);
@@ -101,8 +102,8 @@ static outline base_left(double end_x) {
     return o;
 }
 
-/* The arc of the step, from its lower end to its upper one, with the ends exactly where the base's
- * outline has them. */
+/* Builds the arc of the step from its lower end to its upper one; its ends are exactly where the
+ * base's outline has them. */
 static outline step_arc(double end_x) {
     outline o = {0};
     double angle = atan2(half_width, end_x);
@@ -130,7 +131,7 @@ static outline copy(const outline *o) {
     return c;
 }
 
-/* a followed by b (backwards if reversed), without b's end points. */
+/* Returns a followed by b (backwards if reversed), without b's end points. */
 static outline joined(const outline *a, const outline *b, int reversed) {
     outline o = {0};
     for (size_t i = 0; i < a->count; ++i) outline_point(&o, a->points[i][0], a->points[i][1]);
@@ -141,7 +142,7 @@ static outline joined(const outline *a, const outline *b, int reversed) {
     return o;
 }
 
-/* A quarter round from the wall to the top; returns the outline of what is left of the top. */
+/* Adds a quarter round from the wall to the top and returns the outline of the rest of the top. */
 static outline add_blend(solid *s, const outline *o) {
     int rows = rows_for(blend * PI / 2) + 1;
     outline below = copy(o);
@@ -209,7 +210,7 @@ static void add_base(solid *s, const outline *boss, const outline *bore, const o
     outline_free(&plateau);
 }
 
-/* Built standing on the x-y plane; glTF's up is y. */
+/* Turns the part, which is built standing on the x-y plane, so that y is up as in glTF. */
 static void stand_up(solid *s) {
     for (size_t i = 0; i < s->vertex_count; ++i) {
         double *p = s->positions[i], y = p[1];
@@ -222,7 +223,8 @@ solid make_part(void) {
     solid s = {0};
     outline boss = boss_outline();
     outline bore = circle(0, 0, bore_radius, STEP * 0.8);
-    /* Both rims of the sink have the same number of points, so that a cone lies between them. */
+    /* Both rims of the countersink have the same number of points, so that a cone lies between
+     * them. */
     outline sink = circle(hole_center[0], hole_center[1], sink_radius, STEP * 0.9);
     outline hole =
         circle(hole_center[0], hole_center[1], hole_radius, STEP * 0.9 * hole_radius / sink_radius);

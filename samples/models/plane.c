@@ -41,8 +41,8 @@ void outline_arc(outline *o, double cx, double cy, double radius, double a, doub
     }
 }
 
-/* The place of corner i after moving the segments beside it inwards: the point of its mitre that is
- * `distance` away from both lines. Returns the sine of the turn. */
+/* Finds where corner i goes when the segments beside it move inwards: the point of its mitre that
+ * is `distance` away from both lines. Returns the sine of the turn. */
 static double mitre(const outline *o, size_t i, double distance, double moved[2]) {
     const double *p = o->points[(i + o->count - 1) % o->count], *q = o->points[i],
                  *r = o->points[(i + 1) % o->count];
@@ -59,7 +59,8 @@ static int is_corner(const outline *o, size_t i) {
     return fabs(mitre(o, i, 0, unused)) > 1e-9;
 }
 
-/* Points on a straight stretch keep their share of it, or they would pass its shorter ends. */
+/* Points on a straight stretch keep their relative position on it; otherwise they would pass its
+ * ends where it becomes shorter. */
 outline outline_inset(const outline *o, double distance) {
     outline inset = {0};
     for (size_t i = 0; i < o->count; ++i) {
@@ -85,13 +86,13 @@ void outline_free(outline *o) {
  */
 
 typedef struct delaunay {
-    double (*points)[2]; /* perturbed: only decisions are made with them */
-    double (*exact)[2];  /* what is emitted */
+    double (*points)[2]; /* perturbed; used only for decisions */
+    double (*exact)[2];  /* exact; used for the output */
     uint32_t (*triangles)[3];
     size_t point_count, triangle_count, triangle_capacity;
 } delaunay;
 
-/* A number in -1 ... 1 from a number (splitmix64, Steele, Lea, Flood 2014). */
+/* Hashes a number to one in -1 ... 1 (splitmix64, Steele, Lea, Flood 2014). */
 static double noise(uint64_t i) {
     uint64_t z = (i + 1) * 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -100,8 +101,9 @@ static double noise(uint64_t i) {
     return (double)(z >> 11) / 4503599627370496.0 - 1;
 }
 
-/* Points of circles and grids are cocircular, where the last digit of a cosine would decide. A
- * perturbation far above rounding and far below the spacing decides alike on every machine. */
+/* Points of circles and grids are cocircular, so that the last digit of a cosine would decide how
+ * they are joined. A perturbation far above rounding and far below the spacing makes every machine
+ * decide alike. */
 static void add_point(delaunay *d, double x, double y, double step) {
     size_t i = d->point_count++;
     d->points = resize(d->points, d->point_count * sizeof *d->points);
@@ -136,7 +138,7 @@ static int in_circle(const delaunay *d, const uint32_t t[3], const double p[2]) 
            0;
 }
 
-/* The rim of a hole: edges that only one of the removed triangles had. */
+/* The rim of a hole: the edges that belong to only one of the removed triangles. */
 typedef struct rim {
     uint32_t (*edges)[2];
     size_t count;
@@ -155,7 +157,7 @@ static void toggle_edge(rim *r, uint32_t a, uint32_t b) {
     r->edges[r->count++][1] = b;
 }
 
-/* Removes the triangles whose circle holds point p and joins p with the rim of the hole. */
+/* Removes the triangles whose circumcircle holds point p and joins p with the rim of the hole. */
 static void insert(delaunay *d, uint32_t p) {
     rim r = {0};
     for (size_t i = 0; i < d->triangle_count;) {

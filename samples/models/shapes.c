@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
  * shapes.c - the simple models: box, sphere, torus, cone, bracket, and the two pieces of the
- * painted one.
+ * painted model.
  */
 #include "generate.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* A prism over a polygon with count corners (counter-clockwise), its caps cut into the given
- * triangles. */
+/* Adds a prism over a polygon with count corners (counter-clockwise); its caps are cut into the
+ * given triangles. */
 static void add_prism(solid *s, const double (*corners)[2], size_t count, double z0, double z1,
                       const uint32_t (*caps)[3], size_t cap_count) {
     uint32_t low[8], high[8];
@@ -48,7 +48,7 @@ solid make_bracket(void) {
 static uint32_t sphere_vertex(solid *s, const double a[3], const double b[3]) {
     double p[3], length = 0;
     for (int k = 0; k < 3; ++k) {
-        p[k] = a[k] + b[k]; /* the same for both triangles at the edge: addition commutes */
+        p[k] = a[k] + b[k]; /* both triangles at the edge get the same sum: addition commutes */
         length += p[k] * p[k];
     }
     length = sqrt(length);
@@ -77,7 +77,8 @@ static solid make_icosahedron(void) {
         {0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
         {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
         {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
-    double a = 1 / sqrt(1 + (3 + sqrt(5)) / 2), b = a * (1 + sqrt(5)) / 2; /* golden rectangles */
+    /* The corners of golden rectangles. */
+    double a = 1 / sqrt(1 + (3 + sqrt(5)) / 2), b = a * (1 + sqrt(5)) / 2;
     for (int axis = 0; axis < 3; ++axis)
         for (int k = 0; k < 4; ++k) {
             double p[3];
@@ -90,7 +91,7 @@ static solid make_icosahedron(void) {
     return s;
 }
 
-/* Authored normals: on the unit sphere they are the positions. */
+/* The sphere has authored normals: on the unit sphere they equal the positions. */
 solid make_sphere(int subdivisions) {
     solid s = make_icosahedron();
     for (int i = 0; i < subdivisions; ++i) {
@@ -123,7 +124,8 @@ solid make_torus(double major, double minor, int segments, int sides) {
     return s;
 }
 
-/* Points alone, evenly spread (a golden-angle spiral) over an ellipsoid without its upper end. */
+/* Makes points without triangles, evenly spread (a golden-angle spiral) over an ellipsoid without
+ * its upper end. */
 solid make_scan(double x, double y, double z, int count) {
     solid s = {0};
     s.normals = resize(NULL, (size_t)count * sizeof *s.normals);
@@ -138,7 +140,7 @@ solid make_scan(double x, double y, double z, int count) {
     return s;
 }
 
-/* Rings of a cone or a disc, from radius and height r0, z0 to r1, z1. */
+/* Adds rings of a cone or a disc, from radius r0 at height z0 to radius r1 at height z1. */
 static void add_rings(solid *s, double r0, double z0, double r1, double z1, int segments,
                       int rings) {
     for (int ring = 0; ring < rings; ++ring)
@@ -164,8 +166,8 @@ solid make_cone(double radius, double height, int segments) {
 /* ---- the painted piece --------------------------------------------------------------------------
  */
 
-/* Rows of a surface of revolution with the seam twice, so that texture coordinates can run from 0
- * to 1: positions are added directly, not joined. */
+/* Makes a surface of revolution row by row. Its seam is there twice, so that texture coordinates
+ * can run from 0 to 1; for that, positions are added directly instead of being joined. */
 static solid make_lathe(const double (*profile)[2], int rows, int segments) {
     solid s = {0};
     size_t count = (size_t)rows * (size_t)(segments + 1);

@@ -18,7 +18,8 @@ void *resize(void *memory, size_t size) {
 }
 
 uint32_t solid_vertex(solid *s, double x, double y, double z) {
-    /* Newest first: a patch mostly meets the points it has just made. */
+    /* Searches the newest vertices first, because a patch mostly meets the points it has just
+     * made. */
     for (size_t i = s->vertex_count; i-- > 0;) {
         const double *p = s->positions[i];
         if (p[0] == x && p[1] == y && p[2] == z) return (uint32_t)i;
@@ -35,7 +36,7 @@ uint32_t solid_vertex(solid *s, double x, double y, double z) {
 }
 
 void solid_triangle(solid *s, uint32_t a, uint32_t b, uint32_t c) {
-    if (a == b || b == c || c == a) return; /* at a pole */
+    if (a == b || b == c || c == a) return; /* a triangle at a pole has two equal corners */
     if (s->triangle_count == s->triangle_capacity) {
         s->triangle_capacity = s->triangle_capacity * 2 + 64;
         s->triangles = resize(s->triangles, s->triangle_capacity * sizeof *s->triangles);
@@ -55,8 +56,8 @@ static double squared_distance(const solid *s, uint32_t a, uint32_t b) {
     return sum;
 }
 
-/* Cut along the shorter diagonal; the margin keeps the choice the same where both are equal but for
- * rounding. */
+/* Cuts along the shorter diagonal. The margin keeps the choice the same where both are equal but
+ * for rounding. */
 void solid_quad(solid *s, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
     if (squared_distance(s, a, c) <= squared_distance(s, b, d) * (1 + 1e-6)) {
         solid_triangle(s, a, b, c);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * still_life.c - a scene: cups, pears and dice on a round table under two lights. Meshes are placed
- * several times, by nested, mirrored and stretched nodes, one by a matrix; nodes have names,
- * extras, a camera and lights; there is a second scene.
+ * several times by nested, mirrored and stretched nodes, one of them with a matrix. Nodes have
+ * names, extras, a camera and lights, and there is a second scene.
  */
 #include "gltf_parts.h"
 
@@ -13,8 +13,8 @@
 /* ---- shapes ------------------------------------------------------------------------------------
  */
 
-/* A surface of revolution about y; the profile runs from the axis back to it, so that it closes,
- * with what is outside on its right. */
+/* Makes a surface of revolution about y. The profile runs from the axis back to the axis, so that
+ * the surface closes; its outside is on the right of the profile. */
 static solid revolve(const double (*profile)[2], int rows, int segments) {
     solid s = {0};
     for (int row = 0; row + 1 < rows; ++row)
@@ -30,7 +30,7 @@ static solid revolve(const double (*profile)[2], int rows, int segments) {
     return s;
 }
 
-/* The top with a pattern, four times across. */
+/* Makes the table; its top shows the texture four times across. */
 static solid make_table(void) {
     static const double profile[][2] = {{0, -0.2}, {1.5, -0.2}, {2.9, -0.2}, {3, -0.1},
                                         {3, 0},    {2, 0},      {1, 0},      {0, 0}};
@@ -55,7 +55,7 @@ static solid make_cup(void) {
     return revolve((const double(*)[2])profile, ROWS, 32);
 }
 
-/* A sphere with a neck that leans: no mirror image is itself. */
+/* Makes a sphere with a leaning neck, so that it differs from its mirror image. */
 static solid make_pear(void) {
     solid s = make_sphere(3);
     for (size_t i = 0; i < s.vertex_count; ++i) {
@@ -71,7 +71,7 @@ static solid make_pear(void) {
 /* ---- the file ----------------------------------------------------------------------------------
  */
 
-/* Planks, 32 x 32. */
+/* Adds a texture of planks, 32 x 32 pixels. */
 static int add_planks(scene *g) {
     enum { SIZE = 32 };
     static uint8_t rgb[SIZE][SIZE][3];
@@ -141,7 +141,7 @@ static void print_looks(bytes *json, int view) {
           view);
 }
 
-/* material < 0: none. */
+/* A material below 0 is not written. */
 static void print_mesh(bytes *json, const char *before, const char *name, int positions,
                        int texcoords, int indices, int material) {
     print(json, "%s{\"name\":\"%s\",\"primitives\":[{\"attributes\":{\"POSITION\":%d", before, name,

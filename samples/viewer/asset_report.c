@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * asset_report.c - the error line and exit codes; the table in README.md explains the codes.
+ * asset_report.c - prints the error line and returns the exit code; the table in README.md explains
+ * the codes.
  */
 #include "viewer.h"
 

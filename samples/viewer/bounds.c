@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * bounds.c - a sphere around what splats show. psplat_asset_bounds, which encloses whole ellipses,
- * is several times too large where large splats are cut down to small faces.
+ * bounds.c - a sphere around the visible parts of splats. psplat_asset_bounds, which encloses whole
+ * ellipses, is several times too large where large splats are cut down to small faces.
  */
 #include "viewer.h"
 
@@ -10,13 +10,13 @@
 
 enum { SIDES = 12, MAX_CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES };
 
-/* In (u, v). */
+/* A convex polygon in the splat's coordinates (u, v). */
 typedef struct polygon {
     double corners[MAX_CORNERS][2];
     int count;
 } polygon;
 
-/* Around the unit circle. */
+/* Returns a regular polygon around the unit circle. */
 static polygon whole_splat(void) {
     polygon p = {.count = SIDES};
     const double step = 2 * 3.14159265358979323846 / SIDES;
@@ -37,8 +37,8 @@ static void add_corner(polygon *p, double u, double v) {
     p->corners[p->count++][1] = v;
 }
 
-/* The part on the side that the line keeps (Sutherland and Hodgman 1974): a convex polygon, which
- * gains one corner at most. */
+/* Keeps the part on the side that the clip line keeps (Sutherland and Hodgman 1974). The polygon is
+ * convex and gains one corner at most. */
 static void cut(polygon *p, const float line[3]) {
     polygon kept = {.count = 0};
     for (int i = 0; i < p->count; ++i) {
@@ -51,7 +51,8 @@ static void cut(polygon *p, const float line[3]) {
     *p = kept;
 }
 
-/* center + x U + y V, U and V being the first columns of the quaternion's rotation matrix. */
+/* Computes center + x U + y V, where U and V are the first columns of the quaternion's rotation
+ * matrix. */
 static void to_object(const psplat_splat *s, double x, double y, double out[3]) {
     const double q[4] = {(double)s->rotation[0], (double)s->rotation[1], (double)s->rotation[2],
                          (double)s->rotation[3]};
@@ -107,7 +108,7 @@ static void visit_all(const psplat_asset *asset, extent *e,
 sphere bounds_of(const psplat_asset *asset) {
     extent e = {.min = {INFINITY, INFINITY, INFINITY}, .max = {-INFINITY, -INFINITY, -INFINITY}};
     visit_all(asset, &e, grow_box);
-    /* Clip lines may leave nothing of any splat. */
+    /* Where the clip lines leave nothing of any splat, the asset's bounds are used. */
     if (!(e.min[0] <= e.max[0])) psplat_asset_bounds(asset, e.min, e.max);
     for (int i = 0; i < 3; ++i) e.around.center[i] = 0.5 * (e.min[i] + e.max[i]);
     visit_all(asset, &e, grow_sphere);

@@ -11,7 +11,7 @@
 #include <string.h>
 
 typedef struct vertex {
-    float x, y; /* pixels from the upper left corner */
+    float x, y; /* in pixels from the upper left corner */
     uint8_t color[4];
 } vertex;
 
@@ -22,7 +22,7 @@ struct canvas {
     int width, height;
     vertex *vertices;
     size_t count, capacity;
-    int is_full; /* memory ran out: the rest is left out */
+    int is_full; /* memory ran out; what comes after is not drawn */
 };
 
 static const char *const gl_prelude = "#version 330 core\n";
@@ -39,7 +39,7 @@ static const char *const vertex_source =
     "}\n";
 
 /* Half a step of noise hides the bands of a dark gradient (Jimenez 2014, interleaved gradient
- * noise). Text does not need it and is not harmed. */
+ * noise). Text does not need it but looks the same with it. */
 static const char *const fragment_source =
     "in vec4 paint;\n"
     "out vec4 result;\n"
@@ -71,7 +71,7 @@ static GLuint compile(const gl *gl, GLenum stage, const char *source) {
     return shader;
 }
 
-/* A shader that does not compile does not link either. */
+/* A shader that does not compile does not link either, so that linking is the only check. */
 static int build_program(canvas *c) {
     const gl *gl = &c->gl;
     GLuint shaders[] = {compile(gl, GL_VERTEX_SHADER, vertex_source),
@@ -157,7 +157,7 @@ void canvas_rectangle(canvas *c, int x, int y, int width, int height, uint32_t t
     }
 }
 
-/* The font has printable ASCII and looks beyond its tables for anything else. */
+/* The font has only printable ASCII; for any other character it would read beyond its tables. */
 static char printable(char c) {
     return c >= ' ' && c <= '~' ? c : '?';
 }
@@ -172,7 +172,7 @@ void canvas_text(canvas *c, int x, int y, int size, uint32_t color, const char *
     struct {
         float x, y, z;
         uint8_t color[4];
-    } quads[32][4]; /* strokes of a glyph: corners clockwise from the upper left */
+    } quads[32][4]; /* strokes of a glyph; corners clockwise from the upper left */
     for (; *text; ++text) {
         char glyph[] = {printable(*text), 0};
         int count = stb_easy_font_print(0, 0, glyph, NULL, quads, sizeof quads);

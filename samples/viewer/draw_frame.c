@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * draw_frame.c - one picture: backdrop, then splats with what the settings say.
+ * draw_frame.c - draws one picture: the backdrop, then the splats as the settings say.
  */
 #include "viewer_gl.h"
 #include "viewer.h"
 
-/* Upper and lower colour; sRGB. In the order of backdrop_names. */
+/* Upper and lower colour (sRGB, RGBA), in the order of backdrop_names. */
 static const uint32_t backdrops[][2] = {
     {0x3a424cff, 0x16191dff},
     {0xf6f7f9ff, 0xc4cad2ff},
@@ -24,7 +24,8 @@ static void draw_backdrop(viewer *v, int width, int height) {
     canvas_end(v->canvas);
 }
 
-/* Under the sky, which is the better ambient light and bright enough by itself. */
+/* Dims the rig's lights under the sky, which is the better ambient light and bright enough by
+ * itself. */
 static void dim_lights(psplat_view *view) {
     for (int i = 0; i < 3; ++i) {
         view->ambient[i] = 0;
@@ -43,20 +44,21 @@ static psplat_view view_of(const viewer *v, int width, int height) {
         .no_filter = s->has_no_filter,
         .environment = s->has_environment ? v->sky : NULL,
     };
-    orbit_view(&v->orbit, &v->exhibit.bounds, s->is_orthographic, &view);
-    lights_set(s->lights, !s->has_no_shadows, &v->orbit, &v->exhibit.bounds, &view);
+    orbit_view(&v->orbit, &v->shown.bounds, s->is_orthographic, &view);
+    lights_set(s->lights, !s->has_no_shadows, &v->orbit, &v->shown.bounds, &view);
     if (view.environment) dim_lights(&view);
     return view;
 }
 
-/* Turns about what a double click hit; nothing where that is the backdrop. */
+/* Makes the camera turn about the point that a double click hit. Nothing changes where it hit the
+ * backdrop. */
 static void pick(viewer *v, const psplat_view *view) {
     const gl *gl = canvas_gl(v->canvas);
     float depth = 1;
     int x = (int)(0.5 * view->width + v->pick[0] * view->height);
     int y = (int)((0.5 + v->pick[1]) * view->height);
     v->has_pick = 0;
-    if (v->options.is_gles) return; /* which cannot read depth */
+    if (v->options.is_gles) return; /* GLES cannot read depth */
     gl->ReadPixels(x, y, 1, 1, GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
     if (depth >= 1) return;
     orbit_aim(&v->orbit, view, v->pick[0], v->pick[1], (double)depth);
@@ -65,20 +67,20 @@ static void pick(viewer *v, const psplat_view *view) {
 
 static psplat_result draw(viewer *v, int width, int height, psplat_error *error) {
     draw_backdrop(v, width, height);
-    if (!v->exhibit.item_count) {
-        v->has_pick = 0; /* of nothing */
+    if (!v->shown.item_count) {
+        v->has_pick = 0; /* there is nothing to pick */
         return PSPLAT_OK;
     }
     psplat_view view = view_of(v, width, height);
     psplat_result result =
-        psplat_draw(v->renderer, &view, v->exhibit.items, v->exhibit.item_count, error);
+        psplat_draw(v->renderer, &view, v->shown.items, v->shown.item_count, error);
     if (!result && v->has_pick) pick(v, &view);
     return result;
 }
 
-/* Smooth: twice as many pixels each way. A linear filter that halves takes the mean of four; of
- * encoded colours, which makes edges a little darker than they should be. Where so large a target
- * cannot be had, the picture is drawn without. */
+/* Smooth drawing uses twice as many pixels each way. A linear filter that halves the picture takes
+ * the mean of four pixels. It averages encoded colours, which makes edges a little darker than they
+ * should be. Where GL cannot have so large a target, the picture is drawn without it. */
 psplat_result frame_draw(viewer *v, unsigned framebuffer, int width, int height,
                          psplat_error *error) {
     const gl *gl = canvas_gl(v->canvas);

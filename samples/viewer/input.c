@@ -20,7 +20,7 @@ static void changed(viewer *v) {
 
 static void act_turn(viewer *v, int value) {
     static const double steps[][2] = {{-1. / 36, 0}, {1. / 36, 0}, {0, -1. / 36}, {0, 1. / 36}};
-    orbit_turn(&v->orbit, steps[value][0], steps[value][1]); /* 5 degrees */
+    orbit_turn(&v->orbit, steps[value][0], steps[value][1]); /* one step is 5 degrees */
     v->needs_redraw = 1;
 }
 
@@ -33,11 +33,11 @@ static void act_fit(viewer *v, int value) {
     int width, height;
     (void)value;
     window_size(v->window, &width, &height);
-    orbit_fit(&v->orbit, &v->exhibit.bounds, height ? (double)width / height : 1);
+    orbit_fit(&v->orbit, &v->shown.bounds, height ? (double)width / height : 1);
     v->needs_redraw = 1;
 }
 
-/* value: axis 0, 1, 2; 3 more from the other side. */
+/* value names the axis, 0 to 2; 3 more looks along it from the other side. */
 static void act_axis(viewer *v, int value) {
     static const double views[][2] = {{1, 0}, {0, 1}, {0, 0}, {-1, 0}, {0, -1}, {2, 0}};
     v->orbit.azimuth = views[value][0] * quarter_turn;
@@ -119,8 +119,8 @@ static void act_backdrop(viewer *v, int value) {
 }
 
 static void act_side_by_side(viewer *v, int value) {
-    v->exhibit.is_side_by_side = !v->exhibit.is_side_by_side;
-    exhibit_arrange(&v->exhibit);
+    v->shown.is_side_by_side = !v->shown.is_side_by_side;
+    shown_assets_arrange(&v->shown);
     act_fit(v, value);
     changed(v);
 }
@@ -154,7 +154,7 @@ static void act_help(viewer *v, int value) {
 
 static void act_quit(viewer *v, int value) {
     if (value && v->has_help)
-        act_help(v, 0); /* Escape leaves the help first */
+        act_help(v, 0); /* Escape closes the help first */
     else
         window_close(v->window);
 }
@@ -163,7 +163,7 @@ static void act_quit(viewer *v, int value) {
 
 #define SHIFT GLFW_MOD_SHIFT
 #define GAP                                                                                        \
-    { 0, 0, "", "", NULL, 0, 0 } /* between groups in the help */
+    { 0, 0, "", "", NULL, 0, 0 } /* a gap between groups in the help */
 
 const key_binding key_bindings[] = {
     {0, 0, "drag", "orbit", NULL, 0, 0},

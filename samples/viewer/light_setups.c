@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * light_setups.c - rigs of lights. Their intensities are such that a white surface squarely before
- * the strongest comes out close to white; positions and candelas scale with the scene.
+ * light_setups.c - rigs of lights. A white surface that faces the strongest light squarely comes
+ * out close to white; positions and candelas scale with the scene.
  */
 #include "viewer.h"
 
@@ -25,7 +25,7 @@ static psplat_light *add(psplat_view *view, psplat_light_type type, const double
     return light;
 }
 
-/* The light of `phongsplat render`: over the shoulder, with the camera. */
+/* Sets the light of `phongsplat render`: it shines over the shoulder and moves with the camera. */
 static void set_headlight(const orbit *o, int has_shadows, psplat_view *view) {
     double axes[3][3];
     orbit_axes(o, axes);
@@ -36,8 +36,8 @@ static void set_headlight(const orbit *o, int has_shadows, psplat_view *view) {
     set_ambient(view, 0.12);
 }
 
-/* A warm key light, a cool fill light from the other side, a rim light from behind; all stay with
- * the scene, so that turning shows how the surface takes them. */
+/* Sets a warm key light, a cool fill light from the other side and a rim light from behind. They
+ * stay with the scene, so that turning the camera shows how the surface reflects them. */
 static void set_studio(int has_shadows, psplat_view *view) {
     const struct {
         double color[3], intensity;
@@ -56,7 +56,7 @@ static void set_studio(int has_shadows, psplat_view *view) {
     set_ambient(view, 0.05);
 }
 
-/* Two spot lights from above, warm and cool, and a dim point light near the ground. */
+/* Sets two spot lights from above, a warm and a cool one, and a dim point light near the ground. */
 static void set_spots(const sphere *scene, int has_shadows, psplat_view *view) {
     const struct {
         double color[3], power, at[3];

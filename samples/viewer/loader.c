@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * loader.c - a worker thread that opens assets and looks whether their files change, so that the
- * window never waits for a disk.
- *
- * What both threads touch is behind the lock: the request, the finished loads, two flags. The list
- * of watched files is the worker's own.
+ * loader.c - a worker thread that opens assets and checks whether their files change, so that the
+ * window never waits for a disk. The lock protects what both threads use: the request, the finished
+ * loads and two flags. Only the worker uses the list of watched files.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -18,11 +16,11 @@
 #include <time.h>
 #include <unistd.h>
 
-/* Between looks at the files. A file is loaded when two looks find it the same, so that one that
- * is still being written is left alone. */
+/* The time between two checks of the files. A file is loaded when two checks find it the same, so
+ * that a file that is still being written is left alone. */
 enum { POLL_MILLISECONDS = 100 };
 
-/* What a file looks like from outside; all zeros: it is not there. */
+/* What the file system says about a file; all zeros where there is no such file. */
 typedef struct stamp {
     long long seconds, nanoseconds, size;
     unsigned long long inode;
@@ -30,8 +28,8 @@ typedef struct stamp {
 
 typedef struct watched_file {
     char *path;
-    stamp opened; /* when it was last opened */
-    stamp seen;   /* at the latest look */
+    stamp opened; /* when the file was last opened */
+    stamp seen;   /* at the latest check */
 } watched_file;
 
 typedef struct path_list {
@@ -42,14 +40,14 @@ typedef struct path_list {
 struct loader {
     pthread_t thread;
     pthread_mutex_t lock;
-    pthread_cond_t changed; /* request, wants_reload or is_ending */
+    pthread_cond_t changed; /* signals request, wants_reload or is_ending */
     void (*wake)(void);
-    path_list request; /* count 0: none */
+    path_list request; /* count 0: no request */
     load *finished;    /* oldest first */
-    int is_opening;    /* a requested set */
+    int is_opening;    /* a requested set is being opened */
     int wants_reload;
     int is_ending;
-    watched_file *watched; /* the worker's */
+    watched_file *watched; /* used by the worker alone */
     size_t watched_count;
 };
 
@@ -61,7 +59,7 @@ static void free_paths(path_list *list) {
     *list = (path_list){0};
 }
 
-/* The same path twice would be the same model twice in one place. */
+/* Leaves out paths that occur twice, as they would put the same model twice in one place. */
 static int copy_paths(const char *const *paths, size_t count, path_list *list) {
     *list = (path_list){.paths = calloc(count, sizeof *list->paths)};
     if (!list->paths) return 0;
@@ -88,7 +86,8 @@ static int stamps_equal(const stamp *a, const stamp *b) {
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
-/* The runtime cannot tell why a file is not readable, and reading a pipe may never end. */
+/* The runtime cannot tell why a file is not readable, and reading a pipe may never end; so files
+ * are checked first. */
 psplat_result loader_check(const char *path, psplat_error *error) {
     struct stat status;
     if (stat(path, &status) || access(path, R_OK))
@@ -108,7 +107,7 @@ static int open_file(const char *path, loaded_file *file) {
     return 1;
 }
 
-/* NULL when out of memory: what is shown stays then. */
+/* Returns NULL when out of memory; the models that are shown then stay. */
 static load *open_files(const path_list *list, int is_reload) {
     load *result = calloc(1, sizeof *result);
     if (!result) return NULL;
@@ -148,7 +147,7 @@ static int has_success(const load *opened) {
     return 0;
 }
 
-/* Takes over the paths of list; stamps are from before they were opened. */
+/* Takes over the paths of list. The stamps were taken before the files were opened. */
 static void watch(loader *l, path_list *list, const stamp *stamps) {
     watched_file *files = calloc(list->count, sizeof *files);
     if (!files) return;
@@ -161,7 +160,8 @@ static void watch(loader *l, path_list *list, const stamp *stamps) {
     *list = (path_list){0};
 }
 
-/* The paths, not copied, of what has changed and come to rest since it was opened. */
+/* Returns the paths, not copied, of files that have changed since they were opened and have come to
+ * rest. */
 static path_list changed_files(loader *l, int all) {
     path_list list = {.paths = calloc(l->watched_count ? l->watched_count : 1, sizeof *list.paths)};
     for (size_t i = 0; i < l->watched_count && list.paths; ++i) {
@@ -187,7 +187,7 @@ static void finish(loader *l, load *opened) {
     l->wake();
 }
 
-/* Called and left with the lock held, like the next. */
+/* This and the next function are called, and return, with the lock held. */
 static void open_request(loader *l) {
     path_list list = l->request;
     l->request = (path_list){0};

@@ -14,9 +14,9 @@
 #include <string.h>
 #include <unistd.h>
 
-static const double title_seconds = 0.2;   /* between changes of the title */
-static const double idle_seconds = 60;     /* events end a wait, so does the loader */
-static const double turn_per_second = 0.1; /* of the turntable, in drags across the window */
+static const double title_seconds = 0.2; /* the least time between changes of the title */
+static const double idle_seconds = 60; /* the longest wait; events and the loader end it earlier */
+static const double turn_per_second = 0.1; /* speed of the turntable, in drags across the window */
 
 static void on_signal(int number) {
     static const char line[] = "phongsplat-viewer: interrupted\n";
@@ -26,7 +26,8 @@ static void on_signal(int number) {
     _exit(report_exit_code(PSPLAT_ERROR_INTERRUPTED));
 }
 
-/* Before a window is asked for, so that a wrong name is told of without a display too. */
+/* Checks the files before a window is requested, so that a wrong name is reported without a display
+ * too. */
 static psplat_result check_files(const options *o, const char **path, psplat_error *error) {
     psplat_result result = PSPLAT_OK;
     for (int i = 0; i < o->file_count && !result; ++i)
@@ -36,7 +37,8 @@ static psplat_result check_files(const options *o, const char **path, psplat_err
 
 /* ---- the loop ------------------------------------------------------------------------------- */
 
-/* The frame after a change compiles shaders and makes targets: it is drawn again to be timed. */
+/* Notes how long a frame took. The first frame after a change compiles shaders and makes targets,
+ * so that it is drawn again to be timed. */
 static void note_time(viewer *v, double seconds) {
     if (v->is_cold)
         v->needs_redraw = 1;
@@ -67,18 +69,18 @@ static void turn(viewer *v) {
     v->needs_redraw = 1;
 }
 
-/* What a command line names and cannot be shown ends the program; what is dropped later does not.
- */
+/* A file of the command line that cannot be shown ends the program; one that is dropped later does
+ * not. */
 static psplat_result take_loads(viewer *v, psplat_error *error) {
     for (load *l; (l = loader_take(v->loader)) != NULL;) {
         int width, height;
-        exhibit_change change = exhibit_take(&v->exhibit, l);
+        shown_change change = shown_assets_take(&v->shown, l);
         window_size(v->window, &width, &height);
-        if (change == EXHIBIT_OPENED)
-            orbit_fit(&v->orbit, &v->exhibit.bounds, height ? (double)width / height : 1);
+        if (change == SHOWN_OPENED)
+            orbit_fit(&v->orbit, &v->shown.bounds, height ? (double)width / height : 1);
         v->is_cold = v->needs_redraw = 1;
-        if (!v->exhibit.entry_count && v->options.file_count) {
-            *error = v->exhibit.refused;
+        if (!v->shown.entry_count && v->options.file_count) {
+            *error = v->shown.refused;
             return error->code;
         }
     }
@@ -107,7 +109,7 @@ static void update_title(viewer *v) {
     window_set_title(v->window, text);
 }
 
-/* Until something happens; or, while something is due by itself, that long. */
+/* Waits until something happens or, while something is due by itself, until it is due. */
 static void wait_for_events(viewer *v) {
     int is_due = v->is_title_late || v->message_end > 0;
     window_wait(v->window, v->needs_redraw || v->settings.is_turning ? 0
@@ -141,7 +143,7 @@ static psplat_result begin(viewer *v, psplat_error *error) {
     psplat_renderer_desc desc = {.get_proc = window_get_proc};
     psplat_result result = psplat_renderer_create(&desc, &v->renderer, error);
     if (result) return result;
-    v->exhibit.renderer = v->renderer;
+    v->shown.renderer = v->renderer;
     if (v->settings.has_environment) v->sky = sky_create(v->renderer, error);
     if (v->settings.has_environment && !v->sky) return error->code;
     v->loader = loader_create(window_wake);
@@ -153,7 +155,7 @@ static psplat_result begin(viewer *v, psplat_error *error) {
 
 static void end(viewer *v) {
     loader_destroy(v->loader);
-    if (v->renderer) exhibit_clear(&v->exhibit);
+    if (v->renderer) shown_assets_clear(&v->shown);
     if (v->sky) psplat_environment_destroy(v->renderer, v->sky);
     psplat_renderer_destroy(v->renderer);
     if (v->canvas) target_free(&v->fine, canvas_gl(v->canvas));
@@ -165,8 +167,8 @@ static int show(viewer *v) {
     psplat_error error = {0};
     psplat_result result = begin(v, &error);
     if (!result) result = loop(v, &error);
-    char path[sizeof v->exhibit.refused_path] = "";
-    if (!v->exhibit.entry_count) memcpy(path, v->exhibit.refused_path, sizeof path);
+    char path[sizeof v->shown.refused_path] = "";
+    if (!v->shown.entry_count) memcpy(path, v->shown.refused_path, sizeof path);
     end(v);
     return result ? report_error(*path ? path : NULL, &error) : 0;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * multisample_target.c - a framebuffer that is no window's.
+ * multisample_target.c - a framebuffer that belongs to no window: for screenshots, and with twice
+ * as many pixels each way for smooth drawing.
  */
 #include "viewer_gl.h"
 #include "viewer.h"

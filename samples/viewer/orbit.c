@@ -8,14 +8,15 @@
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-/* As `phongsplat render` has it: a 50 mm lens on 35 mm film. */
+/* Half the field of view, in radians, as `phongsplat render` has it: a 50 mm lens on 35 mm film. */
 static const double half_field = 27 * 3.14159265358979323846 / 360;
 
 static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* From the angles alone, so that looking straight down has a defined up as well. */
+/* Computes the axes from the angles alone, so that up is defined when looking straight down as
+ * well. */
 void orbit_axes(const orbit *o, double axes[3][3]) {
     double sa = sin(o->azimuth), ca = cos(o->azimuth);
     double se = sin(o->elevation), ce = cos(o->elevation);
@@ -36,7 +37,8 @@ void orbit_turn(orbit *o, double x, double y) {
     o->elevation = fmax(-pi / 2, fmin(pi / 2, o->elevation - pi * y));
 }
 
-/* Height of what is seen at the target's distance; of an orthographic view at any. */
+/* Returns the height of what is seen at the target's distance, in an orthographic view at any
+ * distance. */
 static double seen_height(const orbit *o) {
     return 2 * o->distance * tan(half_field);
 }
@@ -50,7 +52,7 @@ void orbit_pan(orbit *o, double x, double y) {
 void orbit_zoom(orbit *o, double steps, double x, double y) {
     double before = o->distance, wanted = before * pow(0.88, steps);
     o->distance = fmax(1e-3 * o->reach, fmin(1e3 * o->reach, wanted));
-    /* Of the plane through the target the point under the pointer stays where it is. */
+    /* The point under the pointer, in the plane through the target, stays where it is. */
     double moved = 1 - o->distance / before, axes[3][3];
     double height = 2 * before * tan(half_field);
     orbit_axes(o, axes);
@@ -84,9 +86,10 @@ static void set_orthographic(double height, double aspect, double near, double f
     m[15] = 1;
 }
 
-/* The planes lie 1 % beyond the sphere for splats that touch it; from within, a thousandth of the
- * far plane leaves depth of 24 bits enough steps. The eye of an orthographic view is moved back
- * until all of the scene is before it, which does not change the picture. */
+/* The planes lie 1 % beyond the sphere, so that splats that touch it are drawn. When the eye is
+ * within the sphere, the near plane at a thousandth of the far plane leaves enough steps of a
+ * 24-bit depth buffer. The eye of an orthographic view is moved back until all of the scene is
+ * before it, which does not change the picture. */
 void orbit_view(const orbit *o, const sphere *scene, int is_orthographic, psplat_view *view) {
     double axes[3][3], eye[3], offset[3];
     double reach = 1.01 * (scene->radius > 0 ? scene->radius : o->reach);
@@ -111,7 +114,7 @@ void orbit_aim(orbit *o, const psplat_view *view, double x, double y, double dep
     const double *m = view->view, *p = view->projection;
     double aspect = (double)view->width / view->height, z = 2 * depth - 1;
     int is_orthographic = p[15] != 0;
-    /* The inverse of either projection above. */
+    /* This is the inverse of either projection above. */
     double eye_z = is_orthographic ? (z - p[14]) / p[10] : -p[14] / (z + p[10]);
     double w = is_orthographic ? 1 : -eye_z;
     double q[3] = {2 * x / aspect * w / p[0], 2 * y * w / p[5], eye_z};

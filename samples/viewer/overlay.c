@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * overlay.c - what is written over the picture: the keys, messages, errors, a hint where nothing
- * is shown.
+ * overlay.c - the text over the picture: the keys, messages, errors, and a hint while no model is
+ * shown.
  */
 #include "viewer.h"
 
@@ -9,7 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Font pixels between a panel's edge and its text, and between a key and what it does. */
+/* Distances in font pixels: between a panel's edge and its text, and between a key and its
+ * description. */
 enum { MARGIN = 6, GAP = 12 };
 
 static const uint32_t panel_color = 0x0b0d10d8, text_color = 0xe8ebefff, key_color = 0xffc66dff,
@@ -20,8 +21,8 @@ static int longest(int a, int b) {
     return a > b ? a : b;
 }
 
-/* The largest whole size of a font pixel at which text of across x down font pixels fits the
- * window, up to one that is comfortable to read. */
+/* Returns the largest whole size of a font pixel at which text of across x down font pixels fits
+ * the window, but no more than is comfortable to read. */
 static int text_size(int width, int height, int across, int down) {
     int comfortable = longest(1, (height + 250) / 500);
     int fitting = width / (across + 4 * MARGIN), fitting_down = height / (down + 2 * MARGIN);
@@ -29,7 +30,7 @@ static int text_size(int width, int height, int across, int down) {
     return longest(1, fitting < comfortable ? fitting : comfortable);
 }
 
-/* Behind text of across x down font pixels whose upper left corner is at (x, y). */
+/* Draws the panel behind text of across x down font pixels whose upper left corner is at (x, y). */
 static void draw_panel(canvas *c, int x, int y, int size, int across, int down, uint32_t color) {
     canvas_rectangle(c, x - size * MARGIN, y - size * MARGIN, size * (across + 2 * MARGIN),
                      size * (down + 2 * MARGIN), color, color);
@@ -37,7 +38,7 @@ static void draw_panel(canvas *c, int x, int y, int size, int across, int down, 
 
 /* ---- the keys ------------------------------------------------------------------------------ */
 
-/* Rows of the help, in font pixels; a gap between groups is half a line. */
+/* Returns the height of a row of the help in font pixels; a gap between groups is half a line. */
 static int row_height(const key_binding *row) {
     return !row->label ? 0 : *row->label ? FONT_LINE : FONT_LINE / 2;
 }
@@ -62,7 +63,7 @@ static void draw_help(canvas *c, int width, int height) {
         rows += row_height(&key_bindings[i]);
     }
     int across = labels + texts, size = text_size(width, height, across, rows);
-    /* In windows that are too small the beginnings are what can be read. */
+    /* In a window that is too small, the beginnings of the lines stay readable. */
     int x = longest(size * MARGIN, (width - size * across) / 2);
     int y = longest(size * MARGIN, (height - size * rows) / 2);
     draw_panel(c, x, y, size, across, rows, panel_color);
@@ -72,7 +73,7 @@ static void draw_help(canvas *c, int width, int height) {
 
 /* ---- lines at the bottom ------------------------------------------------------------------- */
 
-/* Cut at the window's width: names of files may be long. */
+/* Cuts the line at the window's width, because file names may be long. */
 static void draw_line(canvas *c, int width, int *bottom, uint32_t panel, uint32_t color, int size,
                       const char *text) {
     char shown[400];
@@ -90,16 +91,16 @@ static void error_line(const viewer *v, const char *path, const psplat_error *er
                        size_t size) {
     char place[40] = "";
     if (error->offset) snprintf(place, sizeof place, "byte %zu: ", error->offset);
-    snprintf(text, size, "%s: %s%s%s", exhibit_name(path), place,
+    snprintf(text, size, "%s: %s%s%s", shown_asset_name(path), place,
              *error->text ? error->text : psplat_result_text(error->code),
-             v->exhibit.item_count ? " (showing what was there before)" : "");
+             v->shown.item_count ? " (showing what was there before)" : "");
 }
 
 static void draw_lines(viewer *v, int width, int height) {
     int size = text_size(width, height, 240, FONT_LINE), bottom = height;
     char text[600];
     const char *path;
-    const psplat_error *error = exhibit_error(&v->exhibit, &path);
+    const psplat_error *error = shown_assets_error(&v->shown, &path);
     if (error) {
         error_line(v, path, error, text, sizeof text);
         draw_line(v->canvas, width, &bottom, error_panel, error_color, size, text);
@@ -114,7 +115,7 @@ static void draw_hint(viewer *v, int width, int height) {
     static const char hint[] = "Drop .glb files here - H shows the keys";
     int across = canvas_text_width(hint);
     int size = text_size(width, height, across, FONT_LINE);
-    if (v->exhibit.item_count || v->has_help || loader_is_busy(v->loader)) return;
+    if (v->shown.item_count || v->has_help || loader_is_busy(v->loader)) return;
     canvas_text(v->canvas, (width - size * across) / 2, (height - size * FONT_LINE) / 2, size,
                 title_color, hint);
 }

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * screenshot.c - the picture without what is written over it, as a PNG that replaces no file.
- *
- * It is drawn into a framebuffer of its own: what a window holds where others cover it is
+ * screenshot.c - saves the picture without the overlay as a PNG that replaces no file. It is drawn
+ * into a framebuffer of its own, because the pixels of a window that another one covers are
  * undefined.
  */
-#define _GNU_SOURCE /* O_TMPFILE */
+#define _GNU_SOURCE /* for O_TMPFILE */
 
 #include "viewer_gl.h"
 #include "viewer.h"
@@ -23,7 +22,7 @@
 enum { MAX_NUMBER = 9999 };
 
 int screenshot_name(const char *asset, const char *directory, int n, char *path, size_t size) {
-    const char *name = exhibit_name(asset), *dot = strrchr(name, '.');
+    const char *name = shown_asset_name(asset), *dot = strrchr(name, '.');
     int stem = (int)(dot && dot > name ? (size_t)(dot - name) : strlen(name));
     int prefix = directory ? (int)strlen(directory) : (int)(name - asset);
     int written = snprintf(path, size, "%.*s%s%.*s-%03d.png", prefix, directory ? directory : asset,
@@ -42,7 +41,7 @@ static int write_all(int file, const uint8_t *data, size_t size) {
     return 1;
 }
 
-/* Opens a file that has no name yet, so that one who kills the viewer finds no half picture. -1
+/* Opens a file that has no name yet, so that killing the viewer leaves no half picture. Returns -1
  * where the file system has no such files. */
 static int open_nameless(const char *path) {
     const char *slash = strrchr(path, '/');
@@ -52,14 +51,14 @@ static int open_nameless(const char *path) {
     return file;
 }
 
-/* Gives it a name that must be free. */
+/* Gives the file a name that must be free. */
 static int link_nameless(int file, const char *path) {
     char link[64];
     snprintf(link, sizeof link, "/proc/self/fd/%d", file);
     return linkat(AT_FDCWD, link, AT_FDCWD, path, AT_SYMLINK_FOLLOW);
 }
 
-/* 0 or an errno. */
+/* Returns 0 or an errno. */
 static int create(const char *path, const uint8_t *png, size_t size) {
     int file = open_nameless(path), cause = EOPNOTSUPP;
     if (file >= 0) {
@@ -88,7 +87,7 @@ int screenshot_create(const char *asset, const char *directory, const uint8_t *p
 
 static psplat_result store(const viewer *v, const uint8_t *png, size_t png_size, char *path,
                            size_t size, psplat_error *error) {
-    const char *asset = v->exhibit.entry_count ? v->exhibit.entries[0].path : "phongsplat";
+    const char *asset = v->shown.entry_count ? v->shown.entries[0].path : "phongsplat";
     const char *directory = v->options.screenshots;
     int cause = screenshot_create(asset, directory, png, png_size, path, size);
     if (cause && !directory) cause = screenshot_create(asset, ".", png, png_size, path, size);
@@ -98,7 +97,7 @@ static psplat_result store(const viewer *v, const uint8_t *png, size_t png_size,
 
 /* ---- the picture --------------------------------------------------------------------------- */
 
-/* rgba: width x height, row 0 at the bottom. */
+/* Draws into rgba: width x height pixels, row 0 at the bottom. */
 static psplat_result draw(viewer *v, int width, int height, uint8_t *rgba, psplat_error *error) {
     const gl *gl = canvas_gl(v->canvas);
     target t = {0};
@@ -115,12 +114,13 @@ static psplat_result draw(viewer *v, int width, int height, uint8_t *rgba, pspla
     return result;
 }
 
-/* To RGB, without the alpha that the framebuffer happens to hold. */
+/* Turns RGBA into RGB in place; the alpha that the framebuffer happens to hold is not saved. */
 static void drop_alpha(uint8_t *pixels, size_t count) {
     for (size_t i = 0; i < count; ++i) memmove(pixels + 3 * i, pixels + 4 * i, 3);
 }
 
-/* libpng's simplified interface writes into memory of the size it asks for first. */
+/* Encodes with libpng's simplified interface, which first says how much memory it needs and then
+ * fills it. */
 static psplat_result encode(uint8_t *rgb, int width, int height, uint8_t **data, size_t *size,
                             psplat_error *error) {
     png_image image = {.version = PNG_IMAGE_VERSION,
@@ -130,7 +130,7 @@ static psplat_result encode(uint8_t *rgb, int width, int height, uint8_t **data,
     png_alloc_size_t needed = PNG_IMAGE_PNG_SIZE_MAX(image);
     *data = malloc(needed);
     if (!*data) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a screenshot");
-    int stride = -3 * width; /* the last row first */
+    int stride = -3 * width; /* negative: the last row first */
     if (!png_image_write_to_memory(&image, *data, &needed, 0, rgb, stride, NULL))
         return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s", image.message);
     *size = needed;

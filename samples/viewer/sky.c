@@ -13,8 +13,8 @@ static double mix(double a, double b, double t) {
     return a + t * (b - a);
 }
 
-/* From direction d (unit length), linear. The sky as a whole lights a white surface that faces up
- * to about 1. */
+/* Computes the linear radiance from direction d (unit length). The sky as a whole lights a white
+ * surface that faces up to about 1. */
 static void sky_radiance(const double d[3], float rgb[3]) {
     static const double zenith[3] = {0.34, 0.46, 0.7}, horizon[3] = {0.8, 0.82, 0.85};
     static const double ground[3] = {0.22, 0.2, 0.17}, sun[3] = {1, 0.86, 0.66};
@@ -28,7 +28,8 @@ static void sky_radiance(const double d[3], float rgb[3]) {
     }
 }
 
-/* Of the point (s, t), -1 ... 1, of a face of a cube map (OpenGL 3.3, section 3.8.10). */
+/* Computes the direction of the point (s, t), -1 ... 1, of a face of a cube map (OpenGL 3.3,
+ * section 3.8.10). */
 static void face_direction(int face, double s, double t, double d[3]) {
     const double table[6][3] = {{1, -t, -s}, {-1, -t, s}, {s, 1, t},
                                 {s, -1, -t}, {s, -t, 1},  {-s, -t, -1}};

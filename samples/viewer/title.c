@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * title.c - what the window's title says: files, splats, how they are drawn, how long that takes.
+ * title.c - writes the window's title: files, number of splats, how they are drawn and how long a
+ * frame takes.
  */
 #include "viewer.h"
 
@@ -28,7 +29,7 @@ static void append(writer *w, const char *format, ...) {
     if (w->length >= w->size) w->length = w->size - 1;
 }
 
-/* 1234567 as 1,234,567. */
+/* Writes 1234567 as 1,234,567. */
 static void append_count(writer *w, size_t count) {
     char digits[32];
     int length = snprintf(digits, sizeof digits, "%zu", count);
@@ -36,23 +37,23 @@ static void append_count(writer *w, size_t count) {
         append(w, "%s%c", i && (length - i) % 3 == 0 ? "," : "", digits[i]);
 }
 
-static void append_files(writer *w, const exhibit *e) {
-    for (size_t i = 0; i < e->entry_count && i < 3; ++i)
-        append(w, "%s%s%s", i ? ", " : "", exhibit_name(e->entries[i].path),
-               e->entries[i].error.code ? " (broken)" : "");
-    if (e->entry_count > 3) append(w, " and %zu more", e->entry_count - 3);
+static void append_files(writer *w, const shown_assets *s) {
+    for (size_t i = 0; i < s->entry_count && i < 3; ++i)
+        append(w, "%s%s%s", i ? ", " : "", shown_asset_name(s->entries[i].path),
+               s->entries[i].error.code ? " (broken)" : "");
+    if (s->entry_count > 3) append(w, " and %zu more", s->entry_count - 3);
     append(w, " - ");
-    append_count(w, e->splat_count);
-    append(w, e->splat_count == 1 ? " splat" : " splats");
+    append_count(w, s->splat_count);
+    append(w, s->splat_count == 1 ? " splat" : " splats");
 }
 
 void title_write(const viewer *v, char *text, size_t size) {
     writer w = {text, size, 0};
     const settings *s = &v->settings;
-    if (*v->exhibit.refused_path)
-        append(&w, "%s (broken) - ", exhibit_name(v->exhibit.refused_path));
-    if (v->exhibit.entry_count) {
-        append_files(&w, &v->exhibit);
+    if (*v->shown.refused_path)
+        append(&w, "%s (broken) - ", shown_asset_name(v->shown.refused_path));
+    if (v->shown.entry_count) {
+        append_files(&w, &v->shown);
         append(&w, " - %s, %s", mode_names[s->mode], shading_names[s->shading]);
         if (v->frame_time > 0) append(&w, " - %.1f ms", 1e3 * v->frame_time);
         append(&w, " - ");

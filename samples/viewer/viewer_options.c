@@ -2,7 +2,7 @@
  *
  * viewer_options.c - the command line: one table of options, which getopt_long reads.
  */
-#define _GNU_SOURCE /* getopt_long */
+#define _GNU_SOURCE /* for getopt_long */
 
 #include "viewer.h"
 
@@ -14,10 +14,10 @@
 
 typedef struct row {
     const char *name;
-    const char *placeholder; /* NULL: takes no value */
+    const char *placeholder; /* NULL: the option takes no value */
     const char *help;
-    const char *const *choices; /* NULL: the parser below knows the value */
-    size_t offset;              /* of the int that choice or flag goes to */
+    const char *const *choices; /* NULL: the parser below reads the value */
+    size_t offset;              /* of the int in options that the choice or flag is stored in */
 } row;
 
 #define AT(member) offsetof(options, member)
@@ -37,7 +37,7 @@ static const row table[] = {
     {"version", NULL, "the version", NULL, 0},
 };
 
-/* getopt_long calls rows by their index plus FIRST, which no letter reaches. */
+/* getopt_long calls rows by their index plus FIRST, which is above every letter. */
 enum { OPTION_COUNT = sizeof table / sizeof *table, FIRST = 256 };
 enum { HELP = FIRST + OPTION_COUNT - 2, VERSION };
 
@@ -45,7 +45,7 @@ static int *int_at(const row *row, options *o) {
     return (int *)((char *)o + row->offset);
 }
 
-/* 1 ... 16384 pixels each. */
+/* Reads a width and a height of 1 to 16384 pixels. */
 static int read_size(const char *text, options *o) {
     int width = 0, height = 0, end = 0;
     if (strspn(text, "0123456789x") != strlen(text)) return 0;
@@ -91,7 +91,7 @@ static parse_result refuse_value(const row *row, const char *text, psplat_error 
     return PARSE_ERROR;
 }
 
-/* What getopt_long refuses: word, unless optopt says which row or letter of it. */
+/* Describes what getopt_long refuses: word, unless optopt says which row or letter of it. */
 static parse_result refuse_word(int code, const char *word, psplat_error *error) {
     char name[64];
     const char *cause = "unknown option, or short for several (--help lists them)";
@@ -112,7 +112,8 @@ parse_result options_parse(int argc, char **argv, options *o, psplat_error *erro
     int code;
     for (int i = 0; i < OPTION_COUNT; ++i)
         names[i] = (struct option){table[i].name, table[i].placeholder != NULL, NULL, FIRST + i};
-    /* The colon makes getopt_long print nothing and tell missing values from other errors. */
+    /* The colon makes getopt_long print nothing and distinguish missing values from other
+     * errors. */
     while ((code = getopt_long(argc, argv, ":h", names, NULL)) != -1) {
         if (code == 'h' || code == HELP) return PARSE_HELP;
         if (code == VERSION) return PARSE_VERSION;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * window.c - the window, its context and its events. The only file that calls GLFW.
+ * window.c - the window, its context and its events. This is the only file that calls GLFW.
  */
 #include "viewer.h"
 
@@ -15,10 +15,10 @@ static const double double_click_seconds = 0.35, double_click_distance = 4;
 
 struct window {
     GLFWwindow *handle;
-    double x, y; /* of the pointer by the events so far, window units */
-    int button;  /* that drags, or -1 */
+    double x, y; /* of the pointer after the events so far, in window units */
+    int button;  /* the button that drags, or -1 */
     int modifiers;
-    double press_time, press_x, press_y; /* of the left button */
+    double press_time, press_x, press_y; /* of the left button's last press */
     int frame[4];                        /* position and size before full screen */
 };
 
@@ -28,7 +28,7 @@ static viewer *viewer_of(GLFWwindow *handle) {
     return glfwGetWindowUserPointer(handle);
 }
 
-/* From the middle of the window, in its heights, y up. */
+/* Converts to heights of the window from its middle, y up. */
 static void from_middle(GLFWwindow *handle, double x, double y, double out[2]) {
     int width, height;
     glfwGetWindowSize(handle, &width, &height);
@@ -36,7 +36,7 @@ static void from_middle(GLFWwindow *handle, double x, double y, double out[2]) {
     out[1] = height ? 0.5 - y / height : 0;
 }
 
-/* Letters are taken as the keyboard's layout names them, all else by its place. */
+/* Letters are taken as the keyboard's layout names them, all other keys by their place. */
 static int layout_key(int key, int scancode) {
     const char *name = glfwGetKeyName(key, scancode);
     return name && name[0] >= 'a' && name[0] <= 'z' && !name[1] ? name[0] - 'a' + GLFW_KEY_A : key;
@@ -50,7 +50,7 @@ static void on_key(GLFWwindow *handle, int key, int scancode, int action, int mo
 static int is_double_click(window *w, double now) {
     int is_close = hypot(w->x - w->press_x, w->y - w->press_y) <= double_click_distance;
     int is_second = now - w->press_time < double_click_seconds && is_close;
-    w->press_time = is_second ? -1 : now; /* a third press begins anew */
+    w->press_time = is_second ? -1 : now; /* a third press starts anew */
     w->press_x = w->x;
     w->press_y = w->y;
     return is_second;
@@ -159,7 +159,7 @@ window *window_create(viewer *v, const options *o, psplat_error *error) {
 
 void window_destroy(window *w) {
     if (!w) return;
-    glfwTerminate(); /* and the window with it */
+    glfwTerminate(); /* also destroys the window */
     free(w);
 }
 

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench_color.c - what a change of colour over each splat is worth: the same model with constant
- * and with linear colours at several bounds of the colour's error.
+ * bench_color.c - measures what colours that change over each splat are worth: the same model gets
+ * constant and linear colours at several bounds of the colour's error.
  *
- *     bench_color [--effort N] [--tolerance PERCENT] [--bounds N] [MODEL...]   after a sphere of
- * smooth colours
+ *     bench_color [--effort N] [--tolerance PERCENT] [--bounds N] [MODEL...]
+ *
+ * The first model is a sphere of smooth colours; the given ones follow.
  *
  * Errors are those of the blended base colour, root mean square and 95th percentile, in percent of
- * sRGB's range. Bytes are those of the colours alone, 3 a splat, or 9 with both changes, and of all
- * that a splat takes with 12 for the rest: files of other precisions differ by the same factor in
- * both columns. "chosen" is what the converter picks by itself.
+ * sRGB's range. One column of bytes counts the colours alone, 3 a splat, or 9 with both gradients;
+ * the other adds 12 a splat for everything else. Files of other precisions differ by the same
+ * factor in both columns. "chosen" is what the converter picks by itself.
  */
 #include "import/read_mesh.h"
 #include "mesh/mesh.h"
@@ -69,7 +70,7 @@ static void make_sphere(psplat_mesh *mesh) {
     for (size_t row = 0; row < STEPS; ++row)
         for (size_t column = 0; column < 2 * STEPS; ++column) {
             size_t next = (column + 1) % (2 * STEPS), a = row * 2 * STEPS, b = a + 2 * STEPS;
-            /* The first and the last row are the poles, in which all vertices are one. */
+            /* The first and the last row are the poles, where all vertices are one. */
             if (row == 0) put_triangle(mesh, 0, b + next, b + column);
             if (row > 0) put_triangle(mesh, a + column, a + next, b + column);
             if (row > 0 && row < STEPS - 1) put_triangle(mesh, a + next, b + next, b + column);
@@ -84,7 +85,7 @@ typedef struct options {
     int effort, bounds;
 } options;
 
-/* One conversion: errors and sizes; returns whether its colours change over splats. */
+/* Converts once and measures errors and sizes. Returns whether the colours change over splats. */
 static int measure(const psplat_mesh *mesh, const options *o, double bound,
                    psplat_color_field field, int print) {
     const psplat_convert_desc desc = {.tolerance_percent = o->tolerance,

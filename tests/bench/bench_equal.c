@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench_equal.c - how many splats take the same picture: phong, gaussian and flat (BSK04 section 5
- * and figure 9, where 3k, 33k and 170k look alike).
+ * bench_equal.c - counts the phong, gaussian and flat splats that give an equally good picture
+ * (BSK04 section 5 and figure 9, where 3k, 33k and 170k look alike).
  *
  *     bench_equal [--size N] [--most SPLATS] [--picture FILE.png] [MESH...]
  *
@@ -9,13 +9,13 @@
  * normals, made for them in two ways, of which the better one counts: by ever smaller tolerances
  * (up to a twentieth of SPLATS), and at 0.5 % by ever smaller angles between a splat and the
  * surface's normals, until their shading is as good or there are more than SPLATS (60000) of them.
- * None is drawn with the screen-space filter: what is compared is splats.
+ * All are drawn without the screen-space filter, so that only the splats are compared.
  *
  * Pictures are those of `compare`: twelve views, size x size pixels, beside the mesh lit per pixel.
- * Errors are mean absolute differences of sRGB-encoded colours in percent of white: of the pixels
- * that both cover, which is what the modes differ in, and, in parentheses, of those that either
- * covers, outlines in it. The table of equal errors is of the former and interpolates between
- * measurements on logarithmic axes; "> " tells that the most splats tried are not enough.
+ * Errors are mean absolute differences of sRGB-encoded colours in percent of white: first over the
+ * pixels that both cover, where the modes differ, and in parentheses over those that either covers,
+ * so that outlines count too. The table of equal errors uses the first and interpolates between
+ * measurements on logarithmic axes; "> " means that even the most splats tried are not enough.
  *
  * With --picture, the first mesh is shown beside its 0.5 % phong splats and as many gaussian and
  * flat ones.
@@ -50,12 +50,12 @@ typedef struct settings {
     const char *picture;
 } settings;
 
-/* Pictures of so many splats. */
+/* The number of splats and the error of their picture. */
 typedef struct point {
     double splats, error;
 } point;
 
-/* In order of splats, of one mode and one way to make splats for it. */
+/* Points in order of splats, for one mode and one way to make splats for it. */
 typedef struct curve {
     point points[MOST_POINTS];
     size_t count;
@@ -67,9 +67,9 @@ typedef struct bench {
     psplat_renderer *renderer;
     psplat_mesh mesh;
     psplat_source_mesh *original;
-    psplat_picture_views *gallery;
+    psplat_picture_views *views;
     const char *name;
-    curve curves[MODES][2]; /* by tolerance, by angle */
+    curve curves[MODES][2]; /* [0] by tolerance, [1] by angle */
 } bench;
 
 static void check(psplat_result result, const psplat_error *error) {
@@ -105,17 +105,17 @@ static psplat_model *convert(const bench *b, const psplat_convert_desc *desc, si
 }
 
 static void measure(bench *b, psplat_model *model, size_t count, int mode, int by_angle) {
-    const psplat_pictured exhibit = {
+    const psplat_pictured pictured = {
         .renderer = b->renderer, .model = model, .mode = modes[mode], .no_filter = 1};
     psplat_picture_errors errors;
     psplat_error error;
-    check(psplat_picture_views_compare(b->gallery, &exhibit, -1, &errors, &error), &error);
+    check(psplat_picture_views_compare(b->views, &pictured, -1, &errors, &error), &error);
     curve *c = &b->curves[mode][by_angle];
     if (c->count < MOST_POINTS) c->points[c->count++] = (point){(double)count, errors.inside};
     printf(" %.3f (%.3f) |", errors.inside, errors.difference);
 }
 
-/* Converts, measures in the modes from first on, and returns how many splats there are. */
+/* Converts, measures in the modes first to end - 1, and returns how many splats there are. */
 static size_t run(bench *b, const psplat_convert_desc *desc, int first, int end) {
     size_t count = 0;
     double start = seconds_now();
@@ -137,11 +137,12 @@ static size_t run(bench *b, const psplat_convert_desc *desc, int first, int end)
     return count;
 }
 
-/* ---- ladders --------------------------------------------------------------------------------- */
+/* ---- conversions
+ * --------------------------------------------------------------------------------- */
 
-/* Until flat splats, which need the most, are as good as the best of the phong ones, or too many.
- */
-static void climb(bench *b, int by_angle) {
+/* Converts ever finer until flat splats, which need the most, are as good as the best phong splats,
+ * or until there are too many. */
+static void convert_until_equal(bench *b, int by_angle) {
     psplat_convert_desc desc = {.tolerance_percent = by_angle ? 0.5 : 2,
                                 .effort = PSPLAT_EFFORT_NONE,
                                 .constant_normals = 1,
@@ -158,20 +159,20 @@ static void climb(bench *b, int by_angle) {
              flat->points[flat->count - 1].error > phong->points[phong->count - 1].error);
 }
 
-static void run_ladders(bench *b) {
+static void convert_all(bench *b) {
     const double tolerances[] = {2, 1, 0.5, 0.2};
     for (size_t i = 0; i < sizeof tolerances / sizeof *tolerances; ++i) {
         const psplat_convert_desc desc = {.tolerance_percent = tolerances[i], .unverified = 1};
         run(b, &desc, 0, 1);
     }
-    climb(b, 0);
-    climb(b, 1);
+    convert_until_equal(b, 0);
+    convert_until_equal(b, 1);
 }
 
 /* ---- equal errors ---------------------------------------------------------------------------- */
 
-/* Splats for an error on a curve, its first ones where these will do; negative: more than its last
- * ones. */
+/* Returns the splats that reach an error on a curve: those of its first point where these are
+ * enough already, minus those of its last point where even these are not. */
 static double splats_for(const curve *c, double error) {
     const point *p = c->points;
     if (p[0].error <= error) return p[0].splats;
@@ -184,7 +185,8 @@ static double splats_for(const curve *c, double error) {
     return -p[c->count - 1].splats;
 }
 
-/* The better of both ways; a bound only where neither reaches the error. */
+/* Returns the better of both ways. A bound (negative) is returned only where neither reaches the
+ * error. */
 static double best_for(const bench *b, int mode, double error) {
     double first = splats_for(&b->curves[mode][0], error);
     double second = splats_for(&b->curves[mode][1], error);
@@ -219,11 +221,11 @@ static void open_model(bench *b, const char *path) {
     check(psplat_source_mesh_create(&b->mesh, 0, &b->original, &error), &error);
     const psplat_picture_views_desc desc = {
         .host = b->host, .source = b->original, .size = b->set.size};
-    check(psplat_picture_views_create(&desc, &b->gallery, &error), &error);
+    check(psplat_picture_views_create(&desc, &b->views, &error), &error);
 }
 
 static void close_model(bench *b) {
-    psplat_picture_views_destroy(b->gallery);
+    psplat_picture_views_destroy(b->views);
     psplat_source_mesh_destroy(b->original);
     psplat_mesh_free(&b->mesh);
 }
@@ -247,7 +249,7 @@ static const char *parse(int argc, char **argv, settings *set, int *first) {
 
 /* ---- a picture ------------------------------------------------------------------------------- */
 
-/* The framebuffer becomes panel k of a row of `panels`. */
+/* Copies the framebuffer to panel k of a row of `panels`. */
 static void keep_panel(const bench *b, int k, int panels, uint8_t *rgb) {
     size_t size = (size_t)b->set.size;
     uint8_t *shown = malloc(4 * size * size);
@@ -264,7 +266,7 @@ static void keep_panel(const bench *b, int k, int panels, uint8_t *rgb) {
 }
 
 static void draw_panels(const bench *b, psplat_model *model, uint8_t *rgb) {
-    psplat_view view = psplat_picture_views_at(b->gallery, 0);
+    psplat_view view = psplat_picture_views_at(b->views, 0);
     const psplat_item item = {.model = model};
     const float zeros[4] = {0};
     psplat_error error;
@@ -273,13 +275,13 @@ static void draw_panels(const bench *b, psplat_model *model, uint8_t *rgb) {
         if (k) view.mode = modes[MODES - k];
         view.no_filter = 1;
         check(k ? psplat_draw(b->renderer, &view, &item, 1, &error)
-                : psplat_picture_views_draw_source(b->gallery, &view, &error),
+                : psplat_picture_views_draw_source(b->views, &view, &error),
               &error);
         keep_panel(b, k, MODES + 1, rgb);
     }
 }
 
-/* From left to right: the mesh, flat, gaussian, phong. */
+/* Writes, from left to right, the mesh, flat, gaussian and phong splats. */
 static void write_picture(const bench *b) {
     const psplat_convert_desc desc = {.tolerance_percent = 0.5, .unverified = 1};
     size_t count = 0, size = (size_t)b->set.size, bytes = 0;
@@ -323,7 +325,7 @@ int main(int argc, char **argv) {
     for (int i = 0; i < count; ++i) {
         models[i] = shared;
         open_model(&models[i], paths[i]);
-        run_ladders(&models[i]);
+        convert_all(&models[i]);
     }
     printf("\n| model | error %% | phong | gaussian | of phong | flat | of phong |\n"
            "|---|--:|--:|--:|--:|--:|--:|\n");

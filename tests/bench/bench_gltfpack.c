@@ -1,31 +1,31 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench_gltfpack.c - bytes at equal error: what `phongsplat convert` writes beside what gltfpack
- * (meshoptimizer's simplifier and compressor) needs to be as near to the same mesh.
+ * bench_gltfpack.c - compares bytes at equal error: the files of `phongsplat convert` with those
+ * that gltfpack (meshoptimizer's simplifier and compressor) needs to be as near to the same mesh.
  *
  *     npm install --prefix DIRECTORY gltfpack@1.3.0
  *     bench_gltfpack --gltfpack DIRECTORY/node_modules/.bin/gltfpack [options] [MODEL...]
  *
- *     --gltfpack PROGRAM         else the one in PATH
- *     --phongsplat PROGRAM       else the one of this build
+ *     --gltfpack PROGRAM         without it, the one in PATH
+ *     --phongsplat PROGRAM       without it, the one of this build
  *     --tolerances LIST          in percent, separated by commas; 2,1,0.5,0.2,0.1
  *     --normal-tolerances LIST   in degrees; 0 stands for none; 0,15,10,5
  *     --ratios LIST              of triangles that gltfpack keeps; 1 to 0.002 by default
- *     --pass ARGUMENT            to phongsplat convert, besides; as often as needed
- *     --folder DIRECTORY         of the models that are not ours; else PSPLAT_BENCH_MODELS, else
- * the folder shared/models beside the repository
+ *     --pass ARGUMENT            a further argument of phongsplat convert; may be repeated
+ *     --folder DIRECTORY         with other models; without it, PSPLAT_BENCH_MODELS, or else the
+ *                                folder shared/models beside the repository
  *     --csv FILE                 all measurements
  *
  * A model is the name of a file in the folder, or a path. Those that are not there are left out.
  * gltfpack gets -cc -sv -se 1 -si RATIO and reads the model itself where it can and the model has
- * normals, else the same triangles with the normals that the converter sees. What both make is
- * opened from the file and measured by the code of `phongsplat compare`: greatest two-sided
- * distance, and RMS error of the normals, blended ones of splats.
+ * normals; otherwise it reads the same triangles with the normals that the converter sees. The
+ * files of both are opened and measured by the code of `phongsplat compare`: greatest two-sided
+ * distance, and RMS error of the normals, which are blended where splats overlap.
  *
  * For each conversion the table tells how many bytes gltfpack needs for a greatest distance as
- * small, and for normals as good, each read off the best of its files by interpolation on
- * logarithmic axes. The greater of the two is what it needs for both. "<" and ">" tell that its
- * files end there: its smallest is as good, its largest (all triangles) is not.
+ * small, and for normals as good. Each is interpolated between the best of its files on logarithmic
+ * axes; the greater of the two is what it needs for both. "<" means that even its smallest file is
+ * as good, ">" that even its largest (all triangles) is not.
  */
 #include "compare/shape_errors.h"
 #include "compare/source_mesh.h"
@@ -59,9 +59,9 @@ typedef struct options {
     list tolerances, normal_tolerances, ratios;
 } options;
 
-/* A file as measured. Lengths in %, angles in degrees. */
+/* A measured file. Lengths are in percent of the diagonal, angles in degrees. */
 typedef struct point {
-    double setting, normal_setting; /* tolerances, or the ratio and 0 */
+    double setting, normal_setting; /* tolerances; of a mesh, the ratio and 0 */
     double elements, bytes, distance, normal;
 } point;
 
@@ -73,7 +73,7 @@ typedef struct bench {
     const char *path, *name;
     psplat_mesh mesh;
     psplat_source_mesh *original;
-    point meshes[MOST]; /* of gltfpack */
+    point meshes[MOST]; /* files of gltfpack */
     size_t mesh_count;
 } bench;
 
@@ -118,7 +118,7 @@ static void measure_splats(const bench *b, const char *path, point *p) {
     measure(&errors, p);
 }
 
-/* 0: nothing is left of the mesh. */
+/* Returns 0 where nothing is left of the mesh. */
 static int measure_mesh(const bench *b, const char *path, point *p) {
     const psplat_shape_desc desc = {0};
     psplat_shape_errors errors;
@@ -143,7 +143,7 @@ static void record(const bench *b, const char *kind, const point *p) {
 
 /* ---- gltfpack -------------------------------------------------------------------------------- */
 
-/* What gltfpack reads. */
+/* Returns the file that gltfpack reads. */
 static const char *input_of(const bench *b) {
     if (psplat_gltfpack_reads(b->path) && b->mesh.corner_normals) return b->path;
     psplat_text text = {0};
@@ -182,14 +182,14 @@ static int compare_bytes(const void *left, const void *right) {
     return a->bytes < b->bytes ? -1 : a->bytes > b->bytes;
 }
 
-/* Bytes that gltfpack needs for an error. meshes in order of bytes. *end: '<' or '>' where it lies
- * beyond its files. */
+/* Returns the bytes that gltfpack needs for an error. meshes are in order of bytes. *end is '<' or
+ * '>' where the error lies outside the range of its files. */
 static double bytes_for(const point *meshes, size_t count, size_t offset, double error, char *end) {
     double bytes = meshes[0].bytes, best = INFINITY;
     *end = ' ';
     for (size_t i = 0; i < count; ++i) {
         double found = *(const double *)(const void *)((const char *)&meshes[i] + offset);
-        if (found >= best) continue; /* larger, and no better */
+        if (found >= best) continue; /* it is larger and no better */
         if (found <= error) {
             if (i == 0) *end = '<';
             if (i == 0 || found <= 0 || error <= 0) return meshes[i].bytes;
@@ -205,7 +205,8 @@ static double bytes_for(const point *meshes, size_t count, size_t offset, double
 
 /* ---- splats ---------------------------------------------------------------------------------- */
 
-/* Whether a file came of it. Promises broken in places (9) are the table's to tell. */
+/* Returns whether a file was written. Exit code 9, a promise that is broken in places, is accepted,
+ * because the table shows it. */
 static int convert(const bench *b, const point *p, const char *output) {
     char tolerance[40], normal[40], line[200] = "";
     const char *arguments[ARGUMENTS] = {b->set.phongsplat, "convert", b->path, output, "-w", "-q"};
@@ -281,7 +282,7 @@ static void run_model(bench *b) {
     psplat_mesh_free(&b->mesh);
 }
 
-/* The path of a model, or NULL: it is not there. */
+/* Returns the path of a model, or NULL where it is not there. */
 static const char *find_model(const options *set, const char *model) {
     static char path[1024];
     if (!access(model, R_OK)) return model;
@@ -317,7 +318,7 @@ static list parse_list(const char *text) {
     return l;
 }
 
-/* Takes an option and its value; 0: it is none. */
+/* Takes an option and its value. Returns 0 where name is no option. */
 static int take(options *set, const char *name, const char *value) {
     if (strncmp(name, "--", 2) != 0) return 0;
     if (!value) {

@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench_gradient.c - what the gradient of a normal field is worth: constant fields, the diagonal
- * gradient of BSK04 eq. 2, and the full symmetric one of spec 3.5.
+ * bench_gradient.c - measures what the gradient of a normal field is worth: it compares constant
+ * fields, the diagonal gradient of BSK04 eq. 2, and the full symmetric one of spec 3.5.
  *
- *     bench_gradient [MODEL...]        after a sphere, a torus and a saddle; a minute each
+ *     bench_gradient [MODEL...]
  *
- * First line of a model: error of the normals, root mean square and 95th percentile in degrees,
- * that the three leave on the splats of a conversion at the default tolerance, each fitted to the
- * same samples. Then the splats that each needs for a greatest error. Those are counted by a cover
- * of its own that knows nothing of lines and next to nothing of distances, so that nothing but the
- * field is compared: a splat takes the samples of one patch around an uncovered one, out to where
- * the bound breaks, in an ellipse whose axes are the directions of curvature. That is the best case
- * for a diagonal gradient.
+ * The first models are a sphere, a torus and a saddle; the given ones follow. Each takes a minute.
+ *
+ * The first line of a model gives the errors of the normals, root mean square and 95th percentile
+ * in degrees, that the three leave on the splats of a conversion at the default tolerance; each is
+ * fitted to the same samples. Then come the splats that each needs for a greatest error. They are
+ * counted by a simpler greedy cover without clip lines and with a loose distance tolerance, so that
+ * only the field is compared: a splat takes the samples around an uncovered one, out to where the
+ * bound breaks, in an ellipse whose axes are the directions of curvature. That is the best case for
+ * a diagonal gradient.
  */
 #include "features/surface_build.h"
 #include "base/random.h"
@@ -35,7 +37,8 @@ typedef enum kind { CONSTANT, DIAGONAL, FULL, KINDS } kind;
 
 static const double pi = 3.14159265358979323846;
 static const double bounds[BOUNDS] = {10, 5, 2.5};
-/* Of the diagonal: loose, so that the normals bind. */
+/* The distance tolerance in parts of the diagonal: so loose that the normals are what limits a
+ * splat. */
 static const double height_tolerance = 0.015;
 static const double least_cosine = 0.25;
 static const double greatest_stretch = 8;
@@ -54,7 +57,7 @@ static void *allocate(size_t count, size_t size) {
 
 /* ---- fields -------------------------------------------------------------------------------- */
 
-/* The samples of one splat: parameters and local normals, whole and of one axis. */
+/* The samples of one splat: parameters and local normals, of the whole and of one axis. */
 typedef struct chart {
     double (*uv)[2], (*xy)[2], (*axis_uv)[2], (*axis_xy)[2];
     uint32_t *chosen;
@@ -81,7 +84,7 @@ static void chart_free(chart *c) {
     free(c->chosen);
 }
 
-/* BSK04 eq. 3 and 4 as two fits: one sees no v and no y, the other no u and no x. */
+/* Fits BSK04 eq. 3 and 4 separately: one fit uses neither v nor y, the other neither u nor x. */
 static void fit_diagonal(const chart *c, double field[5]) {
     field[4] = 0;
     for (int axis = 0; axis < 2; ++axis) {
@@ -108,7 +111,7 @@ static void fit_field(const chart *c, kind kind, double field[5]) {
         for (int k = 0; k < 2; ++k) field[k] += c->xy[i][k] / (double)c->count;
 }
 
-/* Degrees between sample i's normal and the field's. */
+/* Returns the degrees between sample i's normal and the field's. */
 static double error_at(const chart *c, const double field[5], size_t i) {
     double found[3] = {0, 0, 1}, true_normal[3] = {c->xy[i][0], c->xy[i][1], 1}, across[3];
     psplat_normal_field_at(field, c->radius, c->uv[i], found);
@@ -129,7 +132,7 @@ static void place_torus(double s, double t, double p[3]) {
     p[0] = ring * cos(2 * pi * s), p[1] = ring * sin(2 * pi * s), p[2] = 0.4 * sin(2 * pi * t);
 }
 
-/* Without its poles, where a grid has no area. */
+/* The sphere lacks its poles, where cells of a grid have no area. */
 static void place_sphere(double s, double t, double p[3]) {
     double z = 1.9 * t - 0.95, ring = sqrt(1 - z * z);
     p[0] = ring * cos(2 * pi * s), p[1] = ring * sin(2 * pi * s), p[2] = z;
@@ -139,7 +142,7 @@ static void place_saddle(double s, double t, double p[3]) {
     p[0] = 2 * s - 1, p[1] = 2 * t - 1, p[2] = (p[0] * p[0] - p[1] * p[1]) / 2;
 }
 
-/* A grid that may close on itself: vertices of equal place are one. */
+/* Makes a grid that may close on itself: vertices of equal position become one. */
 static psplat_mesh make_grid(void (*place)(double s, double t, double p[3])) {
     enum { SIDE = 200, ROW = SIDE + 1 };
     psplat_mesh mesh = {.vertex_count = ROW * ROW,
@@ -187,7 +190,7 @@ static void normal_of(const model *m, size_t sample, double normal[3]) {
     for (size_t k = 0; k < 3; ++k) normal[k] = (double)m->samples.normals[3 * sample + k];
 }
 
-/* Fills parameters and local normals of the chosen samples; returns the reach of their heights, or
+/* Fills parameters and local normals of the chosen samples. Returns the range of their heights, or
  * HUGE_VAL where a normal turns away. */
 static double chart_fill(const model *m, const psplat_region *region, chart *c) {
     double low = 0, high = 0;
@@ -244,7 +247,8 @@ static void measure_conversion(const model *m, const char *name) {
     for (size_t i = 0; i < splats.count; ++i) {
         choose_inside(m, &regions[i], &c);
         chart_fill(m, &regions[i], &c);
-        if (c.count < 6 || count + c.count > capacity) continue; /* too few to tell fields apart */
+        /* Too few to tell the fields apart. */
+        if (c.count < 6 || count + c.count > capacity) continue;
         for (int k = 0; k < KINDS; ++k) {
             double field[5];
             fit_field(&c, (kind)k, field);
@@ -263,11 +267,12 @@ static void measure_conversion(const model *m, const char *name) {
 
 /* ---- splats for a bound -------------------------------------------------------------------- */
 
-/* Around a sample: axes of the metric, and the lengths of its unit along u and v. */
+/* A splat that grows around a sample: the axes of its metric, and the lengths of the metric's unit
+ * along u and v. */
 typedef struct growth {
     const model *m;
     kind kind;
-    double bound; /* degrees */
+    double bound; /* in degrees */
     size_t seed;
     double u[3], v[3], n[3], stretch[2];
 } growth;
@@ -290,8 +295,8 @@ static void choose_reach(const growth *g, double reach, chart *c) {
     }
 }
 
-/* Ellipse around the chosen samples whose axes are those of the metric, as far as a plane
- * across their mean normal allows. */
+/* Encloses the chosen samples by an ellipse whose axes are those of the metric, projected to the
+ * plane across their mean normal. */
 static psplat_region enclose(const growth *g, const chart *c) {
     psplat_region region = {.radius = {g->stretch[0], g->stretch[1]}};
     for (size_t i = 0; i < c->count; ++i) {
@@ -315,7 +320,7 @@ static psplat_region enclose(const growth *g, const chart *c) {
     return region;
 }
 
-/* Whether the samples within reach keep the bounds with a field of this kind. */
+/* Returns whether a field of this kind keeps the bounds on the samples within reach. */
 static int keeps(const growth *g, double reach, chart *c) {
     double field[5];
     choose_reach(g, reach, c);
@@ -326,7 +331,8 @@ static int keeps(const growth *g, double reach, chart *c) {
     return greatest_error(c, field) <= g->bound;
 }
 
-/* The largest reach found by doubling and bisection; 0 where not even the seed's neighbours do. */
+/* Finds the largest reach by doubling and bisection. Returns 0 where not even the seed's neighbours
+ * keep the bounds. */
 static double grow(const growth *g, chart *c) {
     double kept = 0, broken = 2 * g->m->samples.spacing;
     while (broken < g->m->surface.diagonal && keeps(g, broken, c)) kept = broken, broken *= 2;
@@ -340,8 +346,8 @@ static double grow(const growth *g, chart *c) {
     return kept;
 }
 
-/* Turns the metric to the curvature of the samples in the chart, the direction of the lesser one
- * first, so that radii come in order. */
+/* Turns the metric to the directions of curvature of the samples in the chart. The direction of the
+ * lesser curvature comes first, so that the greater radius does. */
 static void adapt(growth *g, const psplat_region *region, const chart *c) {
     double field[5];
     fit_field(c, FULL, field);
@@ -350,14 +356,15 @@ static void adapt(growth *g, const psplat_region *region, const chart *c) {
     double first = fabs(mean + spread), second = fabs(mean - spread);
     if (first > second) turn += pi / 2;
     double ratio = sqrt(max2(first, second) / max2(min2(first, second), 1e-12 * (first + second)));
-    if (!(ratio >= 1)) ratio = 1; /* no curvature at all */
+    if (!(ratio >= 1)) ratio = 1; /* there is no curvature at all */
     memcpy(g->n, region->n, sizeof g->n);
     for (int k = 0; k < 3; ++k) g->u[k] = cos(turn) * region->u[k] + sin(turn) * region->v[k];
     cross3(g->v, g->n, g->u);
     g->stretch[0] = min2(ratio, greatest_stretch), g->stretch[1] = 1;
 }
 
-/* Covers what a splat around a sample can; returns how many samples were open before. */
+/* Covers the samples that a splat around the seed can cover. Returns how many of them were
+ * uncovered before. */
 static size_t take(growth *g, chart *c, uint8_t *covered) {
     normal_of(g->m, g->seed, g->n);
     perpendicular3(g->u, g->n);

@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench_selection.c - what exchange and relaxation save over the greedy cover, and what united
- * covariances save over summing samples anew.
+ * bench_selection.c - measures what exchange and relaxation save over the greedy cover, and what
+ * united covariances save over summing samples anew.
  *
  *     bench_selection [--tolerance PERCENT] [MODEL...]
  *
- * The tolerance is 0.5 where none is given; the models are samples/models/part.obj, and fandisk.obj
- * and stanford-bunny.obj of PSPLAT_BENCH_MODELS, else of the folder shared/models beside the
- * repository; those that are not there are left out.
+ * The tolerance is 0.5 where none is given. Without models it takes samples/models/part.obj, and
+ * fandisk.obj and stanford-bunny.obj of PSPLAT_BENCH_MODELS or else of the folder shared/models
+ * beside the repository; those that are not there are left out.
  *
- * A row: splats taken and CPU seconds of all threads, sampling not counted, for the greedy cover;
- * with three rounds of exchange, each with a new random candidate for every splat; and with
- * relaxation besides. All without the repair of holes, which every one of them would need.
+ * A row gives the number of splats and the CPU seconds of all threads, without sampling, for the
+ * greedy cover, then with three rounds of exchange, each with a new random candidate for every
+ * splat, and then with relaxation as well. Holes are not repaired in any of them.
  *
- * A line below it: microseconds to fit a plane to what two neighbours of the last selection alone
- * cover, by uniting the sums of their parts (and with making these, once for each part) against
- * summing up all samples of every pair. The planes must agree to 1e-9 of the diagonal.
+ * The line below it gives the microseconds to fit a plane to the samples that only two neighbours
+ * of the last selection cover: by uniting the sums of their parts (without and with making these
+ * sums, once for each part), and by summing up all samples of every pair. The planes must agree to
+ * 1e-9 of the diagonal.
  */
 #include "base/covariance.h"
 #include "base/random.h"
@@ -56,7 +57,7 @@ static double cpu_seconds(void) {
 
 /* ---- selections ------------------------------------------------------------------------------ */
 
-/* A candidate around a random sample of each splat. */
+/* Adds a candidate around a random sample of each splat. */
 static void grow_pool(psplat_conversion *c, uint64_t random) {
     size_t count = 0;
     uint32_t *seeds = malloc((c->selection.count + 1) * sizeof *seeds);
@@ -71,7 +72,7 @@ static void grow_pool(psplat_conversion *c, uint64_t random) {
     free(seeds);
 }
 
-/* Selects anew. Returns how many splats are taken. */
+/* Selects anew and returns how many splats are taken. */
 static size_t choose(psplat_conversion *c, int exchange, int relax) {
     psplat_local_search_desc what = {.samples = &c->samples, .focus = c->samples.count};
     psplat_selection_free(&c->selection);
@@ -91,21 +92,22 @@ static size_t choose(psplat_conversion *c, int exchange, int relax) {
 
 /* ---- planes of pairs ------------------------------------------------------------------------- */
 
-/* Samples that one candidate (first == second) or just two cover, and their sums. */
+/* The samples that exactly one candidate (first == second) or exactly two cover, and the sums over
+ * them. */
 typedef struct part {
     uint32_t first, second, sample;
 } part;
 
 typedef struct group {
     const part *begin, *end;
-    psplat_covariance sums; /* relative to the centre of the first */
+    psplat_covariance sums; /* relative to the centre of the first candidate */
 } group;
 
 typedef struct groups {
     const psplat_conversion *c;
     part *parts;
     group *groups;
-    const group **cells; /* per candidate; NULL: none */
+    const group **cells; /* one for each candidate, or NULL */
     size_t count, pairs;
 } groups;
 
@@ -178,7 +180,7 @@ static void sum_up(groups *all) {
     }
 }
 
-/* Planes of all pairs, relative to the centres of their first. */
+/* Fits the planes of all pairs, relative to the centres of their first candidates. */
 static void fit_pairs(const groups *all, int united, psplat_plane *planes) {
     for (size_t i = 0; i < all->count; ++i) {
         const group *pair = &all->groups[i];
@@ -204,7 +206,8 @@ static void fit_pairs(const groups *all, int united, psplat_plane *planes) {
     }
 }
 
-/* Greatest distance between what two planes make of the points' middle and of a spread's end. */
+/* Returns the greatest distance between two planes, measured at the middle of the points and at the
+ * end of their spread. */
 static double difference(const psplat_plane *a, const psplat_plane *b) {
     double mean[3], normal[3];
     sub3(mean, a->mean, b->mean);
@@ -217,7 +220,7 @@ static double difference(const psplat_plane *a, const psplat_plane *b) {
 static void put_planes(const psplat_conversion *c, const char *name) {
     groups all = find_groups(c);
     psplat_plane *planes[2];
-    double seconds[3] = {0}, greatest = 0; /* united, anew, and summing up */
+    double seconds[3] = {0}, greatest = 0; /* united, summed anew, and making the sums */
     for (int k = 0; k < 2; ++k)
         if (!(planes[k] = calloc(all.pairs + 1, sizeof **planes))) fail(name, "out of memory");
     for (int repeat = 0; repeat < REPEATS; ++repeat) {
@@ -268,7 +271,7 @@ static void bench(const char *path, double percent) {
     psplat_mesh_free(&mesh);
 }
 
-/* A default model, where it is there. */
+/* Measures a default model where it is there. */
 static void bench_default(const char *folder, const char *name, double percent) {
     char path[1024];
     snprintf(path, sizeof path, "%s/%s", folder, name);

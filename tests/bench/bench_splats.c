@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench_splats.c - what conversions give and take: splats, errors, time and memory, as tables.
+ * bench_splats.c - prints tables of conversions: splats, errors, time and memory.
  *
  *     bench_splats [options] [MODEL...]     each model at each tolerance
  *     bench_splats --normals [MODEL...]     splats for a normal tolerance, linear against constant
  *     bench_splats --growth [MODEL]         time and memory while the model is subdivided
  *
  *     --tolerances LIST        in percent, separated by commas; 1,0.5,0.2,0.1
- *     --normal-tolerance DEG   promised besides; --normals takes a LIST, 10,5,2.5
+ *     --normal-tolerance DEG   a further bound; --normals takes a LIST, 10,5,2.5
  *     --effort N               0 ... 9, as for phongsplat convert
  *     --constant               fields without gradients
- *     --triangles N            up to which --growth subdivides; 1500000
+ *     --triangles N            --growth subdivides up to these; 1500000
  *     --limit SECONDS          a run that takes longer is given up; 600
- *     --folder DIRECTORY       of the models that are not ours; else PSPLAT_BENCH_MODELS, else the
+ *     --folder DIRECTORY       with other models; without it, PSPLAT_BENCH_MODELS, or else the
  *                              folder shared/models beside the repository
  *     --markdown
  *
@@ -52,7 +52,7 @@ static const char *const default_models[] = {
 static const char *const smooth_models[] = {"sphere", "torus", "rocker-arm.obj",
                                             "stanford-bunny.obj", "teapot.obj"};
 static const char *const growth_models[] = {"armadillo.obj"};
-/* In percent: too loose to bind where normals are what is measured. */
+/* A distance tolerance in percent that is too loose to bind where normals are measured. */
 static const double loose_tolerance = 2;
 
 /* ---- meshes -------------------------------------------------------------------------------- */
@@ -74,7 +74,7 @@ static int compare_edges(const void *left, const void *right) {
     return a->corner < b->corner ? -1 : a->corner > b->corner;
 }
 
-/* Appends the middle of each edge to the vertices and stores, for each corner, that of the edge
+/* Appends the middle of each edge to the vertices. Stores for each corner the middle of the edge
  * that starts there. */
 static void add_middles(psplat_mesh *mesh, uint32_t *middles) {
     size_t corners = 3 * mesh->triangle_count;
@@ -100,7 +100,7 @@ static void add_middles(psplat_mesh *mesh, uint32_t *middles) {
     mesh->positions = positions;
 }
 
-/* Each triangle becomes four. What corners and triangles carry is dropped. */
+/* Splits each triangle into four. What corners and triangles carry is dropped. */
 static void subdivide(psplat_mesh *mesh) {
     uint32_t *middles = allocate(3 * mesh->triangle_count, sizeof *middles);
     uint32_t *triangles = allocate(12 * mesh->triangle_count, sizeof *triangles);
@@ -122,7 +122,7 @@ static void subdivide(psplat_mesh *mesh) {
     mesh->groups = NULL;
 }
 
-/* An octahedron, subdivided to 32768 triangles and blown up. */
+/* Subdivides an octahedron to 32768 triangles and moves its vertices to the unit sphere. */
 static void make_sphere(psplat_mesh *mesh) {
     static const double corners[6][3] = {{1, 0, 0},  {0, 1, 0}, {-1, 0, 0},
                                          {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -146,7 +146,7 @@ static void make_sphere(psplat_mesh *mesh) {
     }
 }
 
-/* Radii 1 and 0.4, 36864 triangles. */
+/* Makes a torus of radii 1 and 0.4 with 36864 triangles. */
 static void make_torus(psplat_mesh *mesh) {
     enum { RING = 192, TUBE = 96, COUNT = RING * TUBE };
     const double turn = 6.28318530717958648;
@@ -165,7 +165,7 @@ static void make_torus(psplat_mesh *mesh) {
     }
 }
 
-/* Where a model that is not made here lies. */
+/* Writes the path of a model that is not made here. */
 static void model_path(const options *o, const char *model, char *path, size_t size) {
     if (!strcmp(model, "part"))
         snprintf(path, size, "%s/samples/models/part.obj", PSPLAT_SOURCE_DIR);
@@ -175,7 +175,7 @@ static void model_path(const options *o, const char *model, char *path, size_t s
         snprintf(path, size, "%s/%s", o->folder, model);
 }
 
-/* Its name without the folder. */
+/* Returns the model's name without the folder. */
 static const char *model_name(const char *model) {
     const char *slash = strrchr(model, '/');
     return slash ? slash + 1 : model;
@@ -228,7 +228,7 @@ static size_t peak_memory(void) {
     return kilobytes * 1024;
 }
 
-/* Seconds are those of conversion and verification, without reading. */
+/* Converts and verifies; report's seconds are those of both, without reading. */
 static psplat_result measure(const options *o, const job *j, psplat_report *report,
                              psplat_error *error) {
     psplat_mesh mesh;
@@ -249,7 +249,7 @@ static psplat_result measure(const options *o, const job *j, psplat_report *repo
     return result;
 }
 
-/* The whole life of a child process: the report goes through the pipe. */
+/* Runs a child process from start to end; its report goes through the pipe. */
 static void run_child(const options *o, const job *j, int output) {
     psplat_report report = {0};
     psplat_error error = {0};
@@ -262,7 +262,7 @@ static void run_child(const options *o, const job *j, int output) {
     _exit(written != (ssize_t)sizeof report);
 }
 
-/* 1 where the run ended well and in time. */
+/* Returns 1 where the run ended well and in time. */
 static int run_job(const options *o, const job *j, psplat_report *report) {
     int ends[2], status = 0;
     size_t size = 0;
@@ -284,7 +284,7 @@ static int run_job(const options *o, const job *j, psplat_report *report) {
 
 typedef struct column {
     const char *head;
-    int width; /* negative: flush left */
+    int width; /* negative: aligned to the left */
 } column;
 
 typedef struct table {
@@ -312,7 +312,7 @@ static void put_head(table *t) {
         put(t, t->columns[i].width < 0 ? "---" : "--:");
 }
 
-/* The rest of a row without a result. */
+/* Fills the rest of a row that has no result. */
 static void put_nothing(table *t) {
     while (t->at) put(t, "-");
 }
@@ -371,7 +371,8 @@ static void bench_models(const options *o) {
         }
 }
 
-/* BARS.md A4: a distance tolerance too loose to bind, so that the field is what counts. */
+/* Compares linear with constant normals at normal tolerances. The distance tolerance is too loose
+ * to bind, so that only the field counts. */
 static void bench_normals(const options *o) {
     static const column columns[] = {{"model", -18}, {"degrees", 7}, {"linear", 7},
                                      {"max deg", 7}, {"s", 7},       {"constant", 8},
@@ -399,7 +400,7 @@ static void bench_normals(const options *o) {
         }
 }
 
-/* BARS.md A7: time and memory against triangles. */
+/* Measures time and memory against the number of triangles. */
 static void bench_growth(const options *o) {
     static const column columns[] = {{"model", -18},      {"eps %", 5},  {"triangles", 9},
                                      {"samples", 8},      {"splats", 7}, {"s", 7},

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * races.c - data races that tests/tsan.sh must report, and threads that it must not: without either
- * its silence about ours would mean nothing. races threads | openmp | none
+ * races.c - data races that tests/tsan.sh must report, and threads that it must not report. Without
+ * both, its silence about the tested programs would prove nothing. It is called as: races threads |
+ * openmp | none.
  */
 #include <pthread.h>
 #include <stdio.h>
@@ -32,7 +33,8 @@ static void run_twice(void *(*work)(void *)) {
     for (int i = 0; i < 2; ++i) pthread_join(threads[i], NULL);
 }
 
-/* Each thread needs what another wrote; the end of a loop is a barrier. */
+/* Each thread needs what another one wrote; the end of a loop is a barrier, so that there is no
+ * race. */
 static long sum_in_order(void) {
     long squares[COUNT], sum = 0;
 #pragma omp parallel for

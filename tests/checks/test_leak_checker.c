@@ -1,19 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * The leak checker sees leaks, and does not crash. That of gcc 12 and clang 14 takes a thread-local
- * block whose address is 16 bytes past a page for one of glibc 2.19 and reads its bounds from what
- * lies before it (DTLS_on_tls_get_addr in sanitizer_tls_get_addr.cpp), which are then no addresses:
- * "Tracer caught signal 11" at the end of the process, wherever the heap happened to put a driver's
- * block there. phongsplat_test_settings turns that guess off (intercept_tls_get_addr=0); blocks are
- * still searched for pointers, being memory that the loader asked for. */
+ * test_leak_checker.c - tests that the leak checker sees leaks and does not crash. The one of gcc
+ * 12 and clang 14 takes a thread-local block whose address is 16 bytes past a page for one of glibc
+ * 2.19. It then reads the block's bounds from the bytes before it (DTLS_on_tls_get_addr in
+ * sanitizer_tls_get_addr.cpp), which are no addresses: the process ends with "Tracer caught signal
+ * 11" whenever the heap happens to put a driver's block there. phongsplat_test_settings turns that
+ * guess off (intercept_tls_get_addr=0). Blocks are still searched for pointers, because the loader
+ * requested their memory.
+ */
 #include <dlfcn.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Small blocks come one after the other: takes them until the next lies 16 bytes past a page. They
- * are reachable from the last. */
+/* Small blocks come one after the other: the function takes them until the next one lies 16 bytes
+ * past a page. All are reachable from the last. */
 static void *fill_page(void) {
     void **last = NULL;
     uintptr_t step = 0;
@@ -38,10 +40,10 @@ int main(int argc, char **argv) {
     }
     memcpy(&block, &symbol, sizeof block);
     kept = fill_page();
-    void **place = block(); /* allocated now */
+    void **place = block(); /* the block is allocated now */
     printf("block at %p, after %p\n", (void *)place, kept);
     if ((uintptr_t)place % 4096 != 16) return 1;
-    *place = malloc(100); /* what only the block knows of is no leak */
+    *place = malloc(100); /* not a leak, although only the block knows it */
     if (argc > 1 && strcmp(argv[1], "leak") == 0) *place = NULL;
     return 0;
 }

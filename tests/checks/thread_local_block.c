@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A library as a graphics driver is one: loaded late, with a variable of each thread's own. */
+ * thread_local_block.c - a library that resembles a graphics driver: it is loaded late and has a
+ * variable for each thread.
+ */
 void **psplat_thread_local_block(void);
 
 void **psplat_thread_local_block(void) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * fuzz_asset.c - any bytes as an asset. Beyond what the sanitizers see, the promises of
- * phongsplat.h on whatever opens, and those on memory and time on everything. Buffers in files
- * are the input once more: each uri whose first letter is not one of those that fail names it. A
- * hash of the bytes chooses inputs that are opened by name, have no directory, or run out of
- * memory.
+ * fuzz_asset.c - reads any bytes as an asset. Besides what the sanitizers check, it demands what
+ * phongsplat.h promises of every asset that opens, and the bounds on memory and time for every
+ * input. External buffers are the input itself: each uri names it whose first letter does not stand
+ * for a failure. A hash of the bytes chooses which inputs are opened by name, have no directory, or
+ * run out of memory.
  */
 #include "fuzz.h"
 
@@ -19,15 +19,15 @@ typedef struct input {
 
 /* ---- files -------------------------------------------------------------------------------- */
 
-/* Whether a path is absolute or a part of it two dots. */
+/* Returns whether a path is absolute or has two dots as a part. */
 static int leaves_directory(const char *path) {
     size_t length = strlen(path);
     return path[0] == '/' || strstr(path, "/../") || !strncmp(path, "../", 3) ||
            !strcmp(path, "..") || (length >= 3 && !strcmp(path + length - 3, "/.."));
 }
 
-/* dir/r..., dir/m... and dir/e... stand for files that cannot be read, take too much memory, or
- * are empty. */
+/* dir/r..., dir/m... and dir/e... stand for files that cannot be read, take too much memory, or are
+ * empty. */
 static psplat_result read_input(void *user, const psplat_allocator *allocator, const char *path,
                                 size_t max_size, void **data, size_t *size) {
     input *in = user;
@@ -119,7 +119,7 @@ static void check_asset(const psplat_asset *asset) {
     for (size_t i = 0; i < count; ++i) {
         const psplat_batch *batch = psplat_asset_batch(asset, i);
         FUZZ_DEMAND(!i || psplat_asset_batch(asset, i - 1)->clip_count <= batch->clip_count);
-        if (i < 16) check_batch(batch); /* instances share the rest */
+        if (i < 16) check_batch(batch); /* further instances share their splats */
     }
     double min[3], max[3];
     psplat_asset_bounds(asset, min, max);
@@ -127,7 +127,7 @@ static void check_asset(const psplat_asset *asset) {
         FUZZ_DEMAND(isfinite(min[i]) && isfinite(max[i]) && min[i] <= max[i]);
 }
 
-enum { MOST_BYTES = 1 << 16, CHUNK = 256 /* splats, decoded at once where drawn alone */ };
+enum { MOST_BYTES = 1 << 16, CHUNK = 256 /* splats decoded at once by an asset that draws */ };
 
 static int is_compressed(const input *in) {
     static const char name[] = "EXT_meshopt_compression";
@@ -136,11 +136,11 @@ static int is_compressed(const input *in) {
     return 0;
 }
 
-/* 128 bytes of memory for each of the file and of the files it names, the densest being tables of
- * empty objects; where views are compressed as many bytes more as a file may have, and the largest
- * splats for each 8 of them; and the batches: a node that shows a mesh takes 11 bytes of JSON at
- * least, a primitive of splats 200, so that half a file of the one and half of the other make most.
- */
+/* Returns the bound on memory. It allows 128 bytes for each byte of the file and of the files that
+ * it names, tables of empty objects being the densest. Where views are compressed it adds as many
+ * bytes as a file may have and the largest splats for each 8 of them. Then come the batches: a node
+ * that shows a mesh takes at least 11 bytes of JSON, a primitive of splats 200, so that half a file
+ * of each makes the most batches. */
 static size_t memory_promised(const input *in) {
     size_t most = (in->size / 22) * (in->size / 400), limit = (size_t)1 << 18;
     size_t decoded = MOST_BYTES + MOST_BYTES / 8 * (sizeof(psplat_splat) + sizeof(psplat_finish));
@@ -148,7 +148,7 @@ static size_t memory_promised(const input *in) {
            (most < limit ? most : limit) * sizeof(psplat_batch);
 }
 
-/* FNV-1a, by Fowler, Noll and Vo. */
+/* Computes FNV-1a, by Fowler, Noll and Vo. */
 static uint32_t hash_of(const uint8_t *data, size_t size) {
     uint32_t hash = 2166136261u;
     for (size_t i = 0; i < size; ++i) hash = (hash ^ data[i]) * 16777619u;

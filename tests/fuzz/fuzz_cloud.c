@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * fuzz_cloud.c - any coordinates as points that psplat_mesh_from_points connects. The low bits of
- * the first byte say whether there are normals and colours, and whether numbers are single
- * precision, double, or whole ones of a byte, which fall on lines and grids.
+ * fuzz_cloud.c - takes any coordinates as points that psplat_mesh_from_points connects. The low
+ * bits of the first byte say whether there are normals and colours, and whether numbers are of
+ * single precision, of double precision, or whole numbers of a byte, which fall on lines and
+ * grids.
  */
 #include "mesh_input.h"
 
@@ -32,7 +33,7 @@ static double next_number(cursor *c) {
     return c->width == sizeof single ? (double)single : wide;
 }
 
-/* Colours are made of the number, whatever it is. */
+/* Makes a colour of any number. */
 static float color_of(double number) {
     return number > 0 ? number < 1 ? (float)number : 1 : 0;
 }

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * fuzz_points.c - any bytes as a file of points: XYZ, and PLY and OFF without faces. */
+ *
+ * fuzz_points.c - reads any bytes as a file of points: XYZ, and PLY and OFF without faces.
+ */
 #include "mesh_input.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

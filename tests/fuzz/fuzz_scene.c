@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * fuzz_scene.c - any bytes as a glTF scene. Whatever scene is read, the asset of its graph, with a
- * splat for each mesh, is one that the runtime opens.
+ * fuzz_scene.c - reads any bytes as a glTF scene. For every scene that is read, it writes an asset
+ * with the scene's graph and a splat for each mesh, which the runtime must be able to open.
  */
 #include "mesh_input.h"
 
@@ -34,7 +34,8 @@ static void check_nodes(const psplat_scene *scene) {
             FUZZ_DEMAND(node->children[k] < scene->node_count);
         children += node->child_count;
     }
-    FUZZ_DEMAND(children <= scene->node_count); /* one parent each, and there is a root */
+    /* Each node has at most one parent, and there is a root. */
+    FUZZ_DEMAND(children <= scene->node_count);
     for (size_t i = 0; i < scene->scene_count; ++i)
         for (size_t k = 0; k < scene->scenes[i].root_count; ++k)
             FUZZ_DEMAND(scene->scenes[i].roots[k] < scene->node_count);
@@ -69,7 +70,7 @@ static const psplat_splat one_splat = {
     .normal = {0, 0, 1}, .rotation = {0, 0, 0, 1}, .radius = {1, 1}, .color = {1, 1, 1, 1}};
 static const psplat_run one_run = {.count = 1, .depth_tolerance = 0.5f};
 
-/* The splats of a mesh: one, in the file as it is in memory. */
+/* Makes the splats of a mesh: a single one, in the file as it is in memory. */
 static psplat_splats fallback(const psplat_mesh *mesh, psplat_splat *splat, psplat_run *run,
                               psplat_material *material) {
     *splat = one_splat;
@@ -95,7 +96,7 @@ static void write_and_open(const psplat_scene *scene, const psplat_splats *splat
     psplat_error error = {0};
     if (psplat_scene_write(scene, splats, NULL, &data, &size, &error)) return;
     psplat_result result = psplat_asset_open_memory(data, size, NULL, &asset, &error);
-    /* A placement may carry a mesh out of what numbers hold, where its node almost did. */
+    /* A placement may move a mesh outside the range of floats, where its node almost did. */
     FUZZ_DEMAND(!result || result == PSPLAT_ERROR_RANGE || result == PSPLAT_ERROR_UNSUPPORTED);
     psplat_asset_destroy(asset);
     free(data);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * fuzz_sweep_table.c - any text as the table of a sweep, and what is made of it: the same rows
- * again, the script of the charts and the page.
+ * fuzz_sweep_table.c - reads any text as the table of a sweep and writes what is made of it: the
+ * same rows again, the script of the charts and the page.
  */
 #include "tradeoff/charts.h"
 #include "tradeoff/page.h"
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The table that a sweep expects; the seeds have rows of it. */
+/* Returns the table that a sweep expects; the seeds have rows of it. */
 static psplat_sweep_table planned(void) {
     psplat_sweep_table table = {.options = {.tolerances = {{2, 1}, 2}, .ratios = {{0.5}, 1}},
                                 .source = "a <fuzz>&'.obj",
@@ -31,7 +31,7 @@ static psplat_text written(const psplat_sweep_table *table) {
     return text;
 }
 
-/* What is read is written, read and written again alike. */
+/* A table that was read is written, read and written again: both texts must be equal. */
 static void check_again(const psplat_sweep_table *table) {
     psplat_sweep_table copy = planned();
     psplat_error error = {0};
@@ -44,7 +44,7 @@ static void check_again(const psplat_sweep_table *table) {
     free(second.data);
 }
 
-/* Names are text, not markup, and ranges of axes are numbers. */
+/* Names must be text, not markup, and ranges of axes must be numbers. */
 static void check_charts_and_page(const psplat_sweep_table *table) {
     psplat_text script = {0}, page = {0};
     psplat_charts_script(table, &script);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Files that are the fuzz input, and the promises of psplat_mesh_read; see mesh_input.h. */
+ *
+ * mesh_input.c - files whose content is the fuzz input, and the promises of psplat_mesh_read; see
+ * mesh_input.h.
+ */
 #include "mesh_input.h"
 
 #include "import/read_mesh.h"
@@ -18,13 +21,13 @@ static size_t input_size;
 
 /* ---- files -------------------------------------------------------------------------------- */
 
-/* The linker's names (--wrap). */
+/* These names are prescribed by the linker (--wrap). */
 psplat_result __wrap_psplat_file_read(const char *path, char **data, size_t *size,
-                                             psplat_error *error);
+                                      psplat_error *error);
 
-/* Every file but those whose name begins with r is the input. */
+/* Every file is the input, except those whose name begins with r. */
 psplat_result __wrap_psplat_file_read(const char *path, char **data, size_t *size,
-                                             psplat_error *error) {
+                                      psplat_error *error) {
     const char *slash = strrchr(path, '/');
     FUZZ_DEMAND(!strstr(path, "/../"));
     if (slash && slash[1] == 'r')
@@ -49,7 +52,7 @@ psplat_result __wrap_psplat_mesh_from_points(const psplat_points *points, psplat
     for (size_t i = 0; i < 3 * points->count; ++i) FUZZ_DEMAND(isfinite(points->positions[i]));
     for (size_t i = 0; i < 4 * points->count && points->colors; ++i)
         FUZZ_DEMAND(points->colors[i] >= 0 && points->colors[i] <= 1);
-    /* Of any length or none, but there. */
+    /* Normals may have any length, also zero, but must be readable. */
     float sum = 0;
     for (size_t i = 0; i < 3 * points->count && points->normals; ++i) sum += points->normals[i];
     return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%zu points of sum %g", points->count,
@@ -58,8 +61,9 @@ psplat_result __wrap_psplat_mesh_from_points(const psplat_points *points, psplat
 
 /* ---- promises ----------------------------------------------------------------------------- */
 
-/* The box of a mesh is around the origin but for the rounding of one subtraction from what was
- * there before, and of denormal numbers. Of a point set the vertices are some of the points. */
+/* The box of a mesh is centred on the origin, up to the rounding of one subtraction from the
+ * earlier coordinates and of denormal numbers. The vertices of a point set are some of its
+ * points. */
 static void check_positions(const psplat_mesh *mesh) {
     double low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
     for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) {
@@ -75,7 +79,7 @@ static void check_positions(const psplat_mesh *mesh) {
     }
 }
 
-/* No vertex is left over. */
+/* Every vertex belongs to a triangle. */
 static void check_used(const psplat_mesh *mesh) {
     char *used = calloc(mesh->vertex_count, 1);
     if (!used) return;
@@ -112,7 +116,7 @@ static void check_corners(const psplat_mesh *mesh) {
         const float *n = mesh->corner_normals + 3 * i;
         double length = sqrt((double)n[0] * (double)n[0] + (double)n[1] * (double)n[1] +
                              (double)n[2] * (double)n[2]);
-        FUZZ_DEMAND(length == 0 || fabs(length - 1) < 1e-6); /* single precision */
+        FUZZ_DEMAND(length == 0 || fabs(length - 1) < 1e-6); /* the rounding of single precision */
     }
     for (size_t i = 0; mesh->corner_colors && i < 12 * mesh->triangle_count; ++i)
         FUZZ_DEMAND(mesh->corner_colors[i] >= 0 && mesh->corner_colors[i] <= 1);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * What a reader takes of memory and time; see fuzz.h. */
+ *
+ * meter.c - measures a reader's memory and time; see fuzz.h.
+ */
 #include "fuzz.h"
 
 #include <stdlib.h>
@@ -25,7 +27,8 @@ psplat_allocator fuzz_meter_allocator(fuzz_meter *meter) {
     return (psplat_allocator){.resize = resize_metered, .user = meter};
 }
 
-/* Of this process, not of the wall: other work on the machine does not count. */
+/* Returns the time of this process instead of the wall clock's, because other work on the machine
+ * must not count. */
 static double processor_seconds(void) {
     struct timespec now;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * mutate.c - the mutator of all targets: by what the bytes look like. The chunks of a GLB are
- * changed one by one and put together with lengths that are right, most of the time; JSON, texts
- * and binary data have their own ways. One in eight is left to libFuzzer as it is.
+ * mutate.c - the mutator of all targets, which decides by what the bytes look like. The chunks of a
+ * GLB are changed one by one and put together, mostly with correct lengths. JSON, texts and binary
+ * data have mutators of their own. One input in eight is left to libFuzzer's own mutator.
  */
 #include "fuzz.h"
 
@@ -31,7 +31,7 @@ static int is_json(const fuzz_text *text) {
     return at < text->size && text->data[at] == '{';
 }
 
-/* Letters, digits and the like but for some 1 %. */
+/* Returns whether all bytes but some 1 % are letters, digits and the like. */
 static int is_printable(const fuzz_text *text) {
     size_t others = 0;
     for (size_t i = 0; i < text->size; ++i) {
@@ -41,13 +41,13 @@ static int is_printable(const fuzz_text *text) {
     return others * 100 <= text->size;
 }
 
-/* A chunk is a multiple of four bytes long. */
+/* Pads a chunk to a multiple of four bytes. */
 static void pad(fuzz_text *text, uint8_t with) {
     while (text->size % WORD && text->size < text->capacity) text->data[text->size++] = with;
     text->size -= text->size % WORD;
 }
 
-/* Puts the chunk back in the place of the bytes from begin to end, and its length before it. */
+/* Puts the chunk back in the place of the bytes from begin to end, with its length before it. */
 static void put_chunk(fuzz_text *text, size_t begin, size_t end, const fuzz_text *chunk) {
     if (!fuzz_splice(text, begin, end, chunk->data, chunk->size)) return;
     put_u32(text->data + begin - CHUNK_HEADER, chunk->size);

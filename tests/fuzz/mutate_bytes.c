@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * Changes to binary data and to texts of numbers; see fuzz.h. */
+ *
+ * mutate_bytes.c - changes binary data and texts of numbers; see fuzz.h.
+ */
 #include "fuzz.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Numbers at the edges of what single precision, quaternions, radii and indices may be. */
+/* Numbers at the bounds of what single precision, quaternions, radii and indices may be. */
 static const uint32_t words[] = {
     0x00000000u, 0x80000000u, 0x3f800000u, 0xbf800000u, 0x3f000000u, 0x3f3504f3u, 0x00000001u,
     0x00800000u, 0x7f7fffffu, 0xff7fffffu, 0x7f800000u, 0xff800000u, 0x7fc00000u, 0x3d4ccccdu,
@@ -31,7 +33,7 @@ static int is_blank(uint8_t c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',' || c == ';' || c == '/';
 }
 
-/* From a random place on to the next token. */
+/* Returns the next token after a random place. */
 static size_t token_at(const fuzz_text *text, uint32_t *random, size_t *end) {
     size_t begin = fuzz_random(random, text->size);
     while (begin && !is_blank(text->data[begin - 1])) --begin;

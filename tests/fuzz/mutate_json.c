@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * mutate_json.c - changes to a JSON document that leave most documents well-formed, so that what
- * lies behind the grammar is reached: whole values are the units. See fuzz.h.
+ * mutate_json.c - changes a JSON document by whole values. Most documents stay well-formed that
+ * way, so that the code behind the grammar is reached. See fuzz.h.
  */
 #include "fuzz.h"
 
@@ -25,7 +25,7 @@ static size_t word_end(const fuzz_text *text, size_t at) {
     return at;
 }
 
-/* Of the string, container or word at `at`. */
+/* Returns the end of the string, container or word at `at`. */
 static size_t value_end(const fuzz_text *text, size_t at) {
     if (text->data[at] == '"') return string_end(text, at);
     if (text->data[at] != '{' && text->data[at] != '[') return word_end(text, at);
@@ -43,7 +43,8 @@ static int begins_value(uint8_t c) {
     return c && !strchr(",:]} \t\r\n", c);
 }
 
-/* A value or key anywhere in the document, its own braces excepted; all alike. */
+/* Picks a value or key anywhere in the document, except its own braces, all with equal
+ * probability. */
 static span pick(const fuzz_text *text, uint32_t *random) {
     span picked = {0, 0};
     size_t count = 0;
@@ -56,7 +57,7 @@ static span pick(const fuzz_text *text, uint32_t *random) {
             ++at;
         else
             at = word_end(text, at);
-        if (at == begin) ++at; /* a zero byte */
+        if (at == begin) ++at; /* at a zero byte */
         if (begins_value(c) && begin && !fuzz_random(random, ++count)) picked.begin = begin;
     }
     if (count) picked.end = value_end(text, picked.begin);
@@ -68,7 +69,7 @@ static size_t skip_blanks(const fuzz_text *text, size_t at) {
     return at;
 }
 
-/* The value and, where it is a key, what it is the key of. */
+/* Returns the value and, where it is a key, also the value that it is the key of. */
 static span member_of(const fuzz_text *text, span s) {
     size_t at = skip_blanks(text, s.end);
     if (at >= text->size || text->data[at] != ':') return s;
@@ -88,7 +89,7 @@ int fuzz_splice(fuzz_text *text, size_t begin, size_t end, const void *bytes, si
     return 1;
 }
 
-/* The words of this file are written with ' for ", which JSON has no other use for. */
+/* The words of this file are written with ' for ", because JSON has no other use for '. */
 static void splice_word(fuzz_text *text, span s, const char *word) {
     size_t size = strlen(word);
     if (!fuzz_splice(text, s.begin, s.end, word, size)) return;
@@ -96,7 +97,7 @@ static void splice_word(fuzz_text *text, span s, const char *word) {
         if (word[i] == '\'') text->data[s.begin + i] = '"';
 }
 
-/* A copy of another place's bytes, with a separator behind it, in the place of s. */
+/* Puts a copy of another place's bytes, followed by a separator, in the place of s. */
 static void splice_copy(fuzz_text *text, span s, span other, const char *separator) {
     size_t size = other.end - other.begin, more = strlen(separator);
     char *copy = malloc(size + more + 1);
@@ -174,7 +175,7 @@ static void replace_by_constant(fuzz_text *text, span s, uint32_t *random) {
     splice_word(text, s, constants[fuzz_random(random, count)]);
 }
 
-/* In front of a key. */
+/* Adds a member in front of a key. */
 static void add_member(fuzz_text *text, span s, uint32_t *random) {
     static const char *const members[] = {
         "'mesh':0,",
@@ -233,7 +234,7 @@ static void add_member(fuzz_text *text, span s, uint32_t *random) {
     splice_word(text, (span){s.begin, s.begin}, members[fuzz_random(random, count)]);
 }
 
-/* With one of the commas around it. */
+/* Drops a value with one of the commas around it. */
 static void drop(fuzz_text *text, span s) {
     size_t after = skip_blanks(text, s.end), before = s.begin;
     while (before && strchr(" \t\r\n", text->data[before - 1])) --before;
@@ -244,7 +245,7 @@ static void drop(fuzz_text *text, span s) {
     splice_word(text, s, "");
 }
 
-/* The bytes of a value alone, as libFuzzer mutates bytes. */
+/* Changes the bytes of one value as libFuzzer mutates bytes. */
 static void mutate_inside(fuzz_text *text, span s) {
     size_t size = s.end - s.begin, room = size + 16;
     uint8_t *copy = calloc(room, 1);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * replay.c - a target without libFuzzer: `fuzz_asset COUNT PATH...` runs it on each file and each
- * file of each directory, and on COUNT mutations of each, the same ones everywhere. A process for
- * each file: where it dies, the bytes that killed it are left in ./crash-<file>.
+ * replay.c - runs a target without libFuzzer: `fuzz_asset COUNT PATH...` runs it on each file, each
+ * file of each directory, and COUNT mutations of each, which are the same on every machine. Each
+ * file has a process of its own; where that dies, the bytes that killed it are left in
+ * ./crash-<file>.
  */
 #include "fuzz.h"
 
@@ -15,18 +16,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Mutations of mutations, up to FRESH times; more leave nothing of the seed. */
+/* Mutations are mutated again up to FRESH times; with more, nothing of the seed would be left. */
 enum { MOST_BYTES = 1 << 16, MOST_PATH = 1024, FRESH = 8 };
 
 typedef struct replay {
     unsigned long count; /* mutations of each file */
     unsigned long files, failures;
-    volatile unsigned long *at; /* what runs: 0 the file itself, i its i-th mutation */
+    /* Shared with the parent: 0 for the file itself, i for its i-th mutation. */
+    volatile unsigned long *at;
 } replay;
 
-static uint32_t mutations = 1; /* state of LLVMFuzzerMutate */
+static uint32_t mutations = 1; /* the state of LLVMFuzzerMutate */
 
-/* The least of what libFuzzer does: bits, bytes, runs of bytes. */
+/* Does the simplest things that libFuzzer does: it changes bits, bytes and runs of bytes. */
 size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size) {
     fuzz_text text = {data, size, max_size};
     size_t at = fuzz_random(&mutations, size + 1), run = 1 + fuzz_random(&mutations, 8);
@@ -54,7 +56,7 @@ size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t max_size) {
 
 /* ---- one file ----------------------------------------------------------------------------- */
 
-/* In a block of just its size, so that a byte too far is noticed. */
+/* Copies the input to a block of exactly its size, so that reading a byte too far is noticed. */
 static void run(const uint8_t *data, size_t size) {
     uint8_t *copy = malloc(size ? size : 1);
     if (!copy) abort();
@@ -63,7 +65,7 @@ static void run(const uint8_t *data, size_t size) {
     free(copy);
 }
 
-/* Makes the index-th mutation of seed, index >= 1, out of the one before; text has room. */
+/* Makes the index-th mutation of seed (index >= 1) from the one before; text has room. */
 static void mutate(const fuzz_text *seed, unsigned long index, fuzz_text *text) {
     if ((index - 1) % FRESH == 0) {
         memcpy(text->data, seed->data, seed->size);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The files under test: those of the specification and every .glb in the directories of PHONGSPLAT_ASSETS, which
-// ctest's fixtures fill before the tests run. An empty list would pass everything: it is an error.
+// assets.mjs - finds and reads the files under test: those of the specification and every .glb in the directories of
+// PHONGSPLAT_ASSETS, which ctest's fixtures fill before the tests run. An empty list is an error, because all tests
+// would pass on it.
 import { readFileSync, readdirSync } from 'node:fs';
 import { basename, delimiter, dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -21,7 +22,7 @@ export function assetPaths() {
   return paths;
 }
 
-// { name, bytes, json, bin } of a .glb, or of a .gltf whose only buffer is a data URI.
+// Returns { name, bytes, json, bin } of a .glb, or of a .gltf whose only buffer is a data URI.
 export function readAsset(path) {
   const bytes = readFileSync(path);
   const name = basename(path);
@@ -39,8 +40,8 @@ export function splatPrimitives(json) {
   return json.meshes.flatMap((mesh) => mesh.primitives).filter((p) => p.extensions?.[extensionName]);
 }
 
-// What placed primitives there are, in the order of the scene's tree: { node, primitive, matrix } with the column-major
-// product of all matrices from the root down.
+// Returns the placed primitives in the order of the scene's tree: { node, primitive, matrix }, where matrix is the
+// column-major product of all matrices from the root down.
 export function placedPrimitives(json) {
   const placed = [];
   const visit = (index, parent) => {
@@ -73,7 +74,7 @@ function multiply(a, b) {
   return product;
 }
 
-// [how to read it, bytes, what stands for 1 where it is normalized] of a component.
+// For each component type: the function that reads it, its bytes, and the integer that stands for 1 if normalized.
 const components = {
   5120: ['readInt8', 1, 127],
   5121: ['readUInt8', 1, 255],
@@ -84,7 +85,7 @@ const components = {
 };
 const widths = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 };
 
-// The bytes of a buffer view, which EXT_meshopt_compression may have compressed.
+// Returns the bytes of a buffer view, which EXT_meshopt_compression may have compressed.
 function viewBytes(asset, index) {
   const view = asset.json.bufferViews[index];
   const packed = view.extensions?.EXT_meshopt_compression;
@@ -96,7 +97,7 @@ function viewBytes(asset, index) {
   return bytes;
 }
 
-// The elements of an accessor as arrays of numbers, normalized ones divided.
+// Returns the elements of an accessor as arrays of numbers; normalized integers are divided by their largest value.
 export async function readAccessor(asset, index) {
   await MeshoptDecoder.ready;
   const accessor = asset.json.accessors[index];

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Files with attributes of KHR_gaussian_splatting have all that its specification (release candidate) asks for, and the
-// Gaussians lie in the planes of the splats. tests/node/CMakeLists.txt makes some.
+// test_gaussian.mjs - tests that files with attributes of KHR_gaussian_splatting have everything that its specification
+// (release candidate) requires, and that the Gaussians lie in the planes of the splats. tests/node/CMakeLists.txt makes
+// such files.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { assetPaths, placedPrimitives, readAccessor, readAsset, splatPrimitives } from './assets.mjs';
 
 const extension = 'KHR_gaussian_splatting';
 const BYTE = 5120, UNSIGNED_BYTE = 5121, SHORT = 5122, UNSIGNED_SHORT = 5123, FLOAT = 5126;
-// Accessor type, and component types: true where they have to be normalized, false where not, undefined where either will do.
+// Accessor type, and component types: true if they must be normalized, false if they must not, undefined if they may be.
 const required = {
   ROTATION: ['VEC4', { [FLOAT]: false, [BYTE]: true, [SHORT]: true }],
   SCALE: ['VEC3', { [FLOAT]: false, [UNSIGNED_BYTE]: undefined, [UNSIGNED_SHORT]: undefined }],
@@ -25,7 +26,7 @@ function checkAccessor(asset, primitive, name) {
   assert.equal(accessor.count, asset.json.accessors[primitive.attributes.POSITION].count);
 }
 
-// The third axis of a rotation.
+// Returns the third axis of a rotation.
 function axis([x, y, z, w]) {
   return [2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)];
 }
@@ -43,7 +44,7 @@ async function checkValues(asset, primitive) {
     const scale = scales[i];
     assert.ok(scale[2] > 0 && scale[2] <= scale[1] && scale[1] <= scale[0], `scale ${scale}`);
     assert.deepEqual(opacities[i], [1]);
-    // NORMAL in 8 bits is up to a degree off; where it is the centre normal it may lean by 87.
+    // NORMAL in 8 bits errs by up to a degree; where it is the centre normal it may lean by 87 degrees.
     assert.ok(dot(axis(rotation), normals[i]) / Math.hypot(...normals[i]) > (exact ? 0.9995 : 0.05));
     for (const coefficient of colours[i]) {
       const shown = coefficient * 0.28209479177387814 + 0.5;
@@ -67,7 +68,7 @@ for (const path of assetPaths()) {
       for (const name of Object.keys(required)) checkAccessor(asset, primitive, name);
       await checkValues(asset, primitive);
     }
-    // Nodes have no other scale than a uniform, positive one: Gaussians under others are undefined.
+    // Nodes must have a uniform, positive scale, because Gaussians under other scales are undefined.
     for (const { matrix } of placedPrimitives(asset.json)) {
       const lengths = [0, 4, 8].map((k) => Math.hypot(...matrix.slice(k, k + 3)));
       assert.ok(Math.max(...lengths) < Math.min(...lengths) * (1 + 1e-6));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// glTF-Transform, which does not know the extension: it inspects every file, and a copy keeps all splats with their
-// attributes but not the extension's objects (section 6.2 of the specification). The runtime then says that they are
-// only points.
+// test_gltf_transform.mjs - tests glTF-Transform, which does not know the extension: it inspects every file, and its
+// copy keeps all splats with their attributes but not the extension's objects (section 6.2 of the specification). The
+// runtime then says that they are only points.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
@@ -20,7 +20,7 @@ async function makeIo() {
   return io.setLogger(new Logger(Logger.Verbosity.SILENT));
 }
 
-// What the program says of a file: "" where it is valid.
+// Returns what the program says about a file: "" if it is valid.
 function validate(bytes) {
   const directory = mkdtempSync(join(tmpdir(), 'phongsplat-'));
   const file = join(directory, 'copy.glb');
@@ -49,7 +49,7 @@ for (const path of assetPaths()) {
     for (const name of primitives.flatMap(({ attributes }) => Object.keys(attributes)))
       assert.ok(listed.some((entry) => entry.startsWith(`${name}:`)), name);
 
-    // It reads what is compressed, but compresses by an encoder that it does not bring.
+    // glTF-Transform reads compressed files, but writing them needs an encoder that it does not contain.
     document.getRoot().listExtensionsUsed().find((used) => used.extensionName === 'EXT_meshopt_compression')?.dispose();
     const copy = parse(await io.writeBinary(document));
     const copied = copy.json.meshes.flatMap((mesh) => mesh.primitives).filter((p) =>
@@ -63,7 +63,7 @@ for (const path of assetPaths()) {
   });
 }
 
-// A tool that changes positions drops the object, too, so that no splat is drawn too large; where it keeps the object,
+// A tool that changes positions drops the object, too, so that no splat is drawn too large. Where it keeps the object,
 // positionExtent no longer fits.
 test('glTF-Transform: quantized by it', async () => {
   const io = await makeIo();

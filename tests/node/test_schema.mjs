@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every file conforms to our JSON Schemas, and the schemas refuse what the specification forbids.
+// test_schema.mjs - tests that every file conforms to our JSON Schemas, and that the schemas refuse what the
+// specification forbids.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -23,7 +24,7 @@ for (const path of assetPaths()) {
 
 const extension = (json, index) => splatPrimitives(json)[index].extensions[extensionName];
 
-// Other attributes in the first primitive, undefined for none.
+// Sets other attributes in the first primitive; undefined removes one.
 function change(json, attributes, version = 2) {
   extension(json, 0).version = version;
   for (const [name, accessor] of Object.entries(attributes))

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The fallback of the specification's section 6.1: a viewer that does not know the extension, here
-// three.js' GLTFLoader, shows one Points object per primitive of splats that is placed, with the file's centres,
-// normals and colours where the nodes put them; or the triangles of the mesh that stands in.
+// test_three.mjs - tests the fallback of the specification's section 6.1 with three.js' GLTFLoader, which does not know
+// the extension. It must show one Points object per placed primitive of splats, with the file's centres, normals and
+// colours where the nodes put them, or the triangles of the fallback mesh.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { MeshoptDecoder } from 'three/examples/jsm/libs/meshopt_decoder.module.js';
 import { assetPaths, extensionName, placedPrimitives, readAccessor, readAsset, splatPrimitives } from './assets.mjs';
 
-// What the loader takes from a browser to fetch a data URI, and Node does not have.
+// The loader needs this class of browsers to fetch a data URI; Node does not have it.
 globalThis.ProgressEvent ??= class extends Event {};
 
 function openWithThree(bytes) {
@@ -17,7 +17,7 @@ function openWithThree(bytes) {
   return new Promise((resolve, reject) => loader.parse(copy, '', resolve, reject));
 }
 
-// Elements of a three.js attribute, decoded as it decodes them.
+// Returns the elements of a three.js attribute, decoded by three.js.
 function elements(attribute) {
   const getters = ['getX', 'getY', 'getZ', 'getW'].slice(0, attribute.itemSize);
   return Array.from({ length: attribute.count }, (_, i) => getters.map((get) => attribute[get](i)));
@@ -49,7 +49,7 @@ for (const path of assetPaths()) {
       for (const [name, as] of Object.entries(semantics)) {
         const found = shown[k].geometry.attributes[as];
         assert.equal(found !== undefined, primitive.attributes[name] !== undefined, name);
-        // Normalized integers are divided in single precision by some and in double by others.
+        // three.js and the test divide normalized integers in different precision.
         if (found) assertNear(elements(found), await readAccessor(asset, primitive.attributes[name]), 1e-6, name);
       }
     }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * tinygltf, a reader that does not know the extension, opens each uncompressed .glb of the
- * directories named, without a warning, finds points where splats are, and hands their objects on.
+ *
+ * test_tinygltf.cpp - tests that tinygltf, a reader that does not know the extension, opens each
+ * uncompressed .glb of the named directories without a warning, finds points where splats are, and
+ * hands on the extension's objects.
  */
 #include <tiny_gltf.h>
 
@@ -29,7 +31,8 @@ static int check_splats(const std::string &path, const tinygltf::Model &model,
     return count == 0;
 }
 
-/* tinygltf 2.7 takes the buffer for those who cannot decompress for one that is stored. */
+/* tinygltf 2.7 does not know that the fallback buffer of compressed files has no bytes in the file,
+ * so that compressed files are left out. */
 static int is_compressed(const std::string &path) {
     std::ifstream file(path, std::ios::binary);
     std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());

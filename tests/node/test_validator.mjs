@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The Khronos validator finds neither errors nor warnings in any file.
+// test_validator.mjs - tests that the Khronos validator finds neither errors nor warnings in any file.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import validator from 'gltf-validator';

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Writes a GLB of each scene of support into the directory named by the first argument, and
- * compressed ones into that of the second, if any, for the tests in this directory. */
+ *
+ * write_scenes.c - writes a GLB of each scene of tests/support into the directory named by the
+ * first argument, and compressed ones into that of the second, if any, for the tests in this
+ * directory.
+ */
 #include "export/glb_writer.h"
 #include "export/meshopt_codec.h"
 #include "splats/splats.h"
@@ -30,7 +33,8 @@ static void write_scene(const char *directory, const char *name, scene s) {
     scene_free(&s);
 }
 
-/* Everything a file may hold: colours, a kernel, an origin, each material factor. */
+/* Makes a scene with everything that a file may hold: colours, a kernel, an origin and each
+ * material factor. */
 static scene decorated(void) {
     scene s = scene_ellipses(60, 4, 3);
     s.material = (psplat_material){.base_color = {0.1f, 0.2f, 0.3f, 1},
@@ -57,8 +61,8 @@ static scene default_material(void) {
     return s;
 }
 
-/* Every attribute of spec 3.10, of which bits name those that vary: color gradients, surface,
- * emissive. Clip lines are of all classes, in as many runs. */
+/* Writes every attribute of spec 3.10. Bits name those that vary: colour gradients, surface,
+ * emissive. Splats have all numbers of clip lines, in as many runs. */
 enum { SPLATS = 100 };
 
 static void vary(psplat_finish *f, unsigned bits, uint32_t *state) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * gl_canvas.h - what tests of the renderer share: a headless context, a renderer, and the pixels of
- * what was drawn. Include after cmocka.h. Without EGL a test fails and says so: the renderer
- * cannot be tested without a context.
+ * gl_canvas.h - a headless context, a renderer and the pixels that it drew, which tests of the
+ * renderer share. Without EGL a test fails and says so, because the renderer cannot be tested
+ * without a context. Include this file after cmocka.h.
  */
 #ifndef PHONGSPLAT_TEST_CANVAS_H
 #define PHONGSPLAT_TEST_CANVAS_H
@@ -18,7 +18,7 @@ enum { CANVAS_SIZE = 128 };
 typedef struct canvas {
     psplat_host *host;
     psplat_renderer *renderer;
-    float color[CANVAS_SIZE * CANVAS_SIZE * 4]; /* background 0 0 0 0 */
+    float color[CANVAS_SIZE * CANVAS_SIZE * 4]; /* the background is 0 0 0 0 */
     float depth[CANVAS_SIZE * CANVAS_SIZE];
 } canvas;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A C++17 program that embeds the runtime: every function of the public headers is used, structs
-// are initialised without designators. That every function is in the list is checked against the
+// test_cpp.cpp - tests a C++17 program that embeds the runtime: it uses every function of the public
+// headers and initialises structs without designators. The list of functions is checked against the
 // headers.
 #include <phongsplat/host.h>
 #include <phongsplat/phongsplat.h>
@@ -57,7 +57,7 @@ void expect(bool holds, const char *what) {
     ++failures;
 }
 
-// The address of each, so that each is linked.
+// Takes the address of each function, so that each is linked.
 std::set<std::string> linked() {
     std::set<std::string> names;
 #define LINK(name)                                                                                 \
@@ -68,7 +68,7 @@ std::set<std::string> linked() {
     return names;
 }
 
-// Names before a parenthesis, outside of comments and macros.
+// Finds the names before a parenthesis, outside comments and macros.
 std::set<std::string> declared(const std::string &path) {
     std::ifstream file(path);
     std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -123,7 +123,7 @@ void *get_proc(void *user, const char *name) {
     return psplat_host_get_proc(user, name);
 }
 
-// The specification's minimal file through std::vector and std::unique_ptr.
+// Draws the specification's minimal file, held in std::vector and std::unique_ptr.
 void test_drawing() {
     psplat_error error = {};
     psplat_host *host = nullptr;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * samples/engine on small assets: a red sphere in its ring of brass, green cubes around it. Checked
- * are the colours in its picture, where they are and how many of each.
+ * test_engine.c - tests samples/engine on small assets: a red sphere in its ring of brass, and
+ * green cubes around it. It checks the colours in the picture, where they are and how many pixels
+ * have each.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -55,7 +56,8 @@ static void read_picture(const char *name, uint8_t *rgb) {
     fclose(file);
 }
 
-/* By the ratios of channels, which light and shade leave alone and highlights only lessen. */
+/* Distinguishes colours by the ratios of channels, which light and shade do not change and
+ * highlights only lessen. */
 static hue hue_of(const uint8_t *p) {
     float red = p[0], green = p[1], blue = p[2];
     if (red > 40 && red > 1.6f * green) return RED;
@@ -67,7 +69,7 @@ static void test_picture(void **state) {
     (void)state;
     static uint8_t rgb[WIDTH * HEIGHT * 3];
     scene sphere = scene_sphere(300, 5.0f), cube = scene_cube(0.01f);
-    sphere.origin[0] = 1e5; /* where it lies and how large it is does not matter */
+    sphere.origin[0] = 1e5; /* its place and size in the file do not matter */
     write_scene("engine_sphere.glb", &sphere, 0.8f, 0);
     write_scene("engine_cube.glb", &cube, 0, 0.8f);
     assert_int_equal(run("engine_sphere.glb", "engine_cube.glb", "engine.ppm"), 0);
@@ -76,14 +78,14 @@ static void test_picture(void **state) {
     int counts[4] = {0};
     for (int i = 0; i < WIDTH * HEIGHT; ++i) ++counts[hue_of(rgb + 3 * i)];
     /* The sphere of radius 0.8 at a distance of 7 shows pi (0.8 / 7 * 2.2 / 2 * 640)^2 = 20,000
-     * pixels, of which the ring hides a fifth; seven cubes of 0.75 above the floor more than that.
-     */
+     * pixels, of which the ring hides a fifth. Seven cubes of 0.75 above the floor show more than
+     * that. */
     assert_in_range(counts[RED], 13000, 20000);
     assert_in_range(counts[BRASS], 3000, 8000);
     assert_in_range(counts[GREEN], 20000, 80000);
 
-    /* Down the middle the sphere, the ring before it, and the sphere again; nothing of the ring
-     * behind. */
+    /* Down the middle there are the sphere, the ring before it, and the sphere again, but nothing
+     * of the ring behind it. */
     hue seen[64] = {NEITHER};
     int steps = 0;
     for (int y = 0; y < HEIGHT && steps < 62; ++y) {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The renderer against the reference rasteriser; see agreement.h. */
+ *
+ * agreement.c - draws with the renderer and with the reference rasteriser and compares the pixels;
+ * see agreement.h.
+ */
 #include "agreement.h"
 
 #include <math.h>
@@ -48,7 +51,7 @@ int gpu_teardown(void **state) {
     return 0;
 }
 
-/* What the renderer made of a view, as floats. */
+/* What the renderer drew of a view, as floats. */
 typedef struct drawn {
     float *color, *depth;
 } drawn;
@@ -92,7 +95,7 @@ static double difference(const float *a, const float *b, int count) {
     double most = 0;
     for (int i = 0; i < count; ++i) {
         double d = fabs((double)a[i] - (double)b[i]);
-        most = d <= most ? most : d; /* NaN wins */
+        most = d <= most ? most : d; /* a NaN replaces every number */
     }
     return most;
 }
@@ -102,7 +105,7 @@ static int shows(const picture *p, int x, int y, int32_t splat) {
            p->image.splat[y * p->width + x] == splat;
 }
 
-/* See agreement.thin_uv. */
+/* Returns whether a pixel counts for agreement.thin_uv and thin_depth. */
 static int is_thin(const picture *p, int x, int y) {
     int32_t splat = p->image.splat[y * p->width + x];
     return splat < 0 || !((shows(p, x - 1, y, splat) || shows(p, x + 1, y, splat)) &&

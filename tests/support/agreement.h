@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * agreement.h - draws the same asset with the renderer and with the reference rasteriser, and says
- * by how much they differ. Pixels that a decision of the reference is too near to are skipped and
- * counted.
+ * agreement.h - draws the same asset with the renderer and with the reference rasteriser and
+ * measures by how much they differ. Pixels for which a decision of the reference is too close to
+ * call (a tie) are skipped and counted.
  */
 #ifndef PHONGSPLAT_TEST_AGREEMENT_H
 #define PHONGSPLAT_TEST_AGREEMENT_H
@@ -20,40 +20,40 @@ typedef struct gpu {
 gpu gpu_open(psplat_api api);
 void gpu_close(gpu *g);
 
-/* Group fixtures for cmocka: *state is a gpu, one at a time. */
+/* Group fixtures for cmocka: *state is a gpu, of which there is one at a time. */
 int gpu_setup_gl(void **state);
 int gpu_setup_gles(void **state);
 int gpu_teardown(void **state);
 
-/* A pixel is skipped where a tie of psplat_reference_image is below these. */
+/* A pixel is skipped where a tie of psplat_reference_image is below one of these. */
 typedef struct agreement_ties {
     double edge, depth, epsilon;
 } agreement_ties;
 
 typedef struct agreement {
     size_t covered;    /* pixels that the reference covers */
-    size_t skipped;    /* pixels not compared */
-    size_t mismatches; /* compared pixels that one covers and the other does not */
-    size_t other;      /* parameters mode: compared pixels that show another splat */
-    double color;      /* largest difference of a colour channel (0 in parameters mode) */
+    size_t skipped;    /* pixels that are not compared */
+    size_t mismatches; /* compared pixels that only one of them covers */
+    size_t other;      /* parameters mode: compared pixels that show different splats */
+    double color;      /* largest difference of a colour channel; 0 in parameters mode */
     double uv;         /* parameters mode: largest difference of u or v */
     double depth;      /* largest difference of window depth */
-    /* The same where the nearest splat shows in neither or only one direction beside the pixel:
-     * there (u, v) may change by more than 1 a pixel, and magnifies the pixel's own position error.
-     */
+    /* The same differences in pixels whose nearest splat shows in none or only one direction beside
+     * the pixel. There (u, v) may change by more than 1 a pixel, which magnifies the error of the
+     * pixel's position. */
     double thin_uv, thin_depth;
 } agreement;
 
-/* transform may be NULL. is_float: compares in a float target, otherwise in RGBA8. */
+/* Compares an asset. transform may be NULL. is_float: in a float target, otherwise in RGBA8. */
 agreement agreement_measure(gpu *g, const psplat_asset *asset, const double transform[16],
                             const psplat_view *view, int is_float, const agreement_ties *ties);
 
-/* The same of a scene, with its environment. */
+/* Compares a scene with its environment in the same way. */
 agreement agreement_measure_scene(gpu *g, const psplat_reference_scene *scene,
                                   const psplat_view *view, int is_float,
                                   const agreement_ties *ties);
 
-/* Largest of each figure, sums of the counts. */
+/* Adds a to total: the largest of each difference, the sum of each count. */
 void agreement_add(agreement *total, const agreement *a);
 
 #endif

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# What the shell tests of the command line share; sourced. PHONGSPLAT is the program, SOURCE_DIR
-# the repository. Each test works in a directory of its own. A test of another program sets program
+# Functions that the shell tests of the command line share; tests source this file. PHONGSPLAT is
+# the program, SOURCE_DIR the repository. Each test works in a directory of its own. A test of another program sets program
 # to its name.
 set -eu
 test_file=$(realpath "$0")
@@ -32,8 +32,8 @@ expect_success() {
     [ ! -s stderr.txt ] || fail "$command_line: printed $(cat stderr.txt)"
 }
 
-# expect_error CODE PATTERN: that exit code, exactly one line on stderr, in the documented form
-# and matching the extended regular expression, nothing on stdout.
+# expect_error CODE PATTERN: expects that exit code, nothing on stdout, and exactly one line on
+# stderr, in the documented form and matching the extended regular expression.
 expect_error() {
     expect_code "$1"
     [ "$(wc -l <stderr.txt)" -eq 1 ] || fail "$command_line: not one line: $(cat stderr.txt)"
@@ -46,7 +46,7 @@ expect_output() {
     grep -Eqe "$1" stdout.txt || fail "$command_line: '$1' is not in: $(cat stdout.txt)"
 }
 
-# expect_files NAME...: the directory out holds these and nothing else, hidden files included.
+# expect_files NAME...: expects that the directory out holds exactly these, hidden files included.
 expect_files() {
     found=$(ls -A out | sort | tr '\n' ' ')
     wanted=$(printf '%s\n' "$@" | sort | sed '/^$/d' | tr '\n' ' ')
@@ -72,7 +72,7 @@ f 4 1 5 8
 OBJ
 }
 
-# run_cases [NAME]...: the functions case_NAME of the test, or all of them; CMake makes a test of each.
+# run_cases [NAME]...: runs the functions case_NAME of the test, or all; CMake makes a test of each.
 run_cases() {
     [ $# -gt 0 ] || set -- $(sed -n 's/^case_\([a-z_]*\)() {$/\1/p' "$test_file")
     for name in "$@"; do "case_$name"; done

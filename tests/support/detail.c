@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Scenes full of detail; see detail.h. */
+ *
+ * detail.c - scenes full of detail; see detail.h.
+ */
 #include "detail.h"
 
 #include "reference_view.h"
@@ -16,7 +18,7 @@ static void normalise(double a[3]) {
 
 /* ---- fields ---------------------------------------------------------------------------------- */
 
-/* Black or white by the field that a point of two coordinates lies in. */
+/* Makes the splat black or white, by the field of the checkerboard that (x, y) lies in. */
 static void appearance(psplat_splat *splat, double x, double y) {
     int is_white = ((int)floor(x) + (int)floor(y)) & 1;
     for (int k = 0; k < 3; ++k) splat->color[k] = is_white ? 1 : 0.05f;
@@ -37,7 +39,7 @@ scene detail_checkered(void) {
 
 /* ---- bumps ----------------------------------------------------------------------------------- */
 
-/* The point in a direction of any length of a sphere with bumps all over. */
+/* Computes the point of a bumpy sphere that lies in a direction, which may have any length. */
 static void bump(const double direction[3], double out[3]) {
     double d[3] = {direction[0], direction[1], direction[2]};
     normalise(d);
@@ -45,7 +47,8 @@ static void bump(const double direction[3], double out[3]) {
     for (int i = 0; i < 3; ++i) out[i] = d[i] * height;
 }
 
-/* Tangents of the bumps where the splat's centre was, by differences. */
+/* Moves the splat to the bumpy sphere and turns it into the tangent plane, which is found by
+ * differences. */
 static void settle(psplat_splat *splat) {
     double at[3], moved[3], point[3], tangent[2][3], along = 0;
     for (int i = 0; i < 3; ++i) at[i] = (double)splat->center[i];
@@ -73,7 +76,7 @@ static void settle(psplat_splat *splat) {
         splat->gradient[i] = 0;
     }
     scene_set_axes(splat, tangent[0], tangent[1]);
-    for (int i = 0; i < 2; ++i) splat->radius[i] *= 1.4f; /* bumps are larger than the sphere */
+    for (int i = 0; i < 2; ++i) splat->radius[i] *= 1.4f; /* bumps have more area than the sphere */
 }
 
 scene detail_bumpy(void) {
@@ -92,7 +95,7 @@ static void turn(double a[3], double cosine) {
     a[2] = cosine * z - sine * y;
 }
 
-/* A round splat with these axes, turned. */
+/* Places a round splat with these axes and turns it. */
 static void place(psplat_splat *splat, double center[3], double u[3], double v[3], double radius,
                   double cosine) {
     turn(center, cosine);
@@ -107,7 +110,8 @@ static void place(psplat_splat *splat, double center[3], double u[3], double v[3
     splat->radius[0] = splat->radius[1] = (float)radius;
 }
 
-/* Rows of splats along the ring, each with its own number, about as far apart as the rows are. */
+/* Places rows of splats along the ring. The number of splats in a row depends on its length, so
+ * that all lie about as far apart as the rows do. */
 scene detail_torus(void) {
     const double ring = 0.72, tube = 0.28;
     const int rows = 40;
@@ -130,7 +134,7 @@ scene detail_torus(void) {
     return s;
 }
 
-/* The lattice of scene_sphere on a disc. */
+/* Places splats on a disc by the lattice of scene_sphere. */
 scene detail_plate(void) {
     const double golden_angle = 2.399963229728653, fields = 4;
     scene s = scene_blank(COUNT);

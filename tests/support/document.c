@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Changing a text document; see document.h. */
+ *
+ * document.c - changes to a text document; see document.h.
+ */
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Frames compared; see film.h. */
+ *
+ * film.c - short films, and how they differ; see film.h.
+ */
 #include "film.h"
 
 #include "reference_view.h"
@@ -23,7 +25,7 @@ static void *allocate(size_t count, size_t size) {
 
 /* ---- frames ---------------------------------------------------------------------------------- */
 
-/* The projection is offset by the motion: every pixel moves alike. */
+/* Moves the picture by an offset of the projection, so that every pixel moves alike. */
 static psplat_view view_of(int size, int across, int frame) {
     psplat_view view = camera_view(size, size);
     camera_look(&view, (double[]){0, 0, 10}, (double[]){0, 0, 0});
@@ -76,7 +78,7 @@ void film_free(film *f) {
 
 /* ---- figures --------------------------------------------------------------------------------- */
 
-/* A pixel's value in two frames, and what it is in truth. */
+/* Adds a pixel's values in two successive frames, a and b, and the true ones. */
 static void add(film_figures *sum, double a, double b, double true_a, double true_b) {
     double change = b - a, flicker = fabs(change - (true_b - true_a));
     sum->change += fabs(change);

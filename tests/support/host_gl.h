@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * host_gl.h - the GL functions that tests call themselves, as a host would, from the headless
- * host's loader. Include after cmocka.h.
+ * host_gl.h - the GL functions that tests call themselves, as a host would. They come from the
+ * headless host's loader. Include this file after cmocka.h.
  */
 #ifndef PHONGSPLAT_TEST_HOST_GL_H
 #define PHONGSPLAT_TEST_HOST_GL_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * ledger.h - an allocator that counts what is alive and can fail.
+ * ledger.h - an allocator that counts live memory and can fail.
  */
 #ifndef PHONGSPLAT_TEST_LEDGER_H
 #define PHONGSPLAT_TEST_LEDGER_H
@@ -10,9 +10,9 @@
 #include <stdlib.h>
 
 typedef struct ledger {
-    size_t bytes; /* alive, by the sizes that are handed back: wrong ones do not add up to 0 */
-    int calls;    /* that asked for memory */
-    int fail_at;  /* the call, from 0, that gets none; -1: every one gets some */
+    size_t bytes; /* live bytes, by the sizes handed back: wrong sizes leave a rest */
+    int calls;    /* calls that requested memory */
+    int fail_at;  /* the call, counted from 0, that fails; -1: none */
 } ledger;
 
 static inline void *ledger_resize(void *user, void *memory, size_t old_size, size_t new_size) {

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Documents with attributes of any type; see packed.h. */
+ *
+ * packed.c - writes documents with attributes of any type; see packed.h.
+ */
 #include "packed.h"
 
 #ifdef PSPLAT_MESHOPTIMIZER
@@ -28,7 +30,7 @@ static size_t size_of(int component_type) {
     return component_type == PACKED_FLOAT ? 4 : component_type >= PACKED_SHORT ? 2 : 1;
 }
 
-/* Little-endian, whatever the machine is. */
+/* Stores little-endian on every machine. */
 static void store(double value, int component_type, uint8_t *out) {
     uint32_t bits = (uint32_t)(int32_t)value;
     if (component_type == PACKED_FLOAT) {
@@ -53,7 +55,7 @@ static void store_all(const packed_attribute *a, size_t count, uint8_t *out) {
 
 static void put_base64(const uint8_t *bytes, size_t size, char *out) {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < size; i += 3) { /* bytes go on, as zeros */
+    for (size_t i = 0; i < size; i += 3) { /* goes past size, reading zeros there */
         uint32_t bits =
             (uint32_t)bytes[i] << 16 | (uint32_t)bytes[i + 1] << 8 | (uint32_t)bytes[i + 2];
         for (int k = 3; k >= 0; --k) *out++ = digits[bits >> (6 * k) & 63];
@@ -91,7 +93,8 @@ static char *put_attributes(const packed *p, char *out, char *end) {
 /* ---- views ---------------------------------------------------------------------------------- */
 
 #ifdef PSPLAT_MESHOPTIMIZER
-/* Values as the library's filters take them: four floats an element, or as many as there are. */
+/* Filters values with the library's encoders, which take four floats an element, or as many as it
+ * has components. */
 static void filter_all(const packed_attribute *a, packed_filter filter, size_t count,
                        uint8_t *out) {
     size_t components = (size_t)a->components;
@@ -119,7 +122,7 @@ static size_t compress(const uint8_t *bytes, size_t count, size_t stride, uint8_
 static void filter_all(const packed_attribute *a, packed_filter filter, size_t count,
                        uint8_t *out) {
     (void)a, (void)filter, (void)count, (void)out;
-    abort(); /* tests of compressed files ask first whether they can be made */
+    abort(); /* tests of compressed files first call packed_can_compress */
 }
 
 static size_t compress(const uint8_t *bytes, size_t count, size_t stride, uint8_t *out) {
@@ -136,7 +139,7 @@ int packed_can_compress(void) {
 #endif
 }
 
-/* What views take of the buffer, and of the fallback where there is one. */
+/* The bytes that views take in the buffer, and in the fallback buffer where there is one. */
 typedef struct layout {
     uint8_t *bytes;
     size_t used, fallback;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * packed.h - documents of one primitive of splats with attributes of any type, as text with a data
- * URI: for what psplat_scene_write does not write, or should not.
+ * packed.h - writes documents of one primitive of splats with attributes of any type, as text with
+ * a data URI. They contain what psplat_scene_write does not write, or should not.
  */
 #ifndef PHONGSPLAT_TEST_PACKED_H
 #define PHONGSPLAT_TEST_PACKED_H
@@ -19,7 +19,7 @@ enum {
 
 enum { PACKED_MAX_ATTRIBUTES = 14 };
 
-/* Of EXT_meshopt_compression. */
+/* Filters of EXT_meshopt_compression. */
 typedef enum packed_filter {
     PACKED_NONE = 0,
     PACKED_OCTAHEDRAL,
@@ -28,31 +28,33 @@ typedef enum packed_filter {
 } packed_filter;
 
 typedef struct packed_attribute {
-    const char *name; /* without "_PSPLAT_surface_splats:", which all but three get; NULL: none */
+    /* Without "_PSPLAT_surface_splats:", which is added to all but three; NULL ends the list. */
+    const char *name;
     int component_type, components, is_plain; /* is_plain: integers are not normalized */
-    const double *values; /* packed.count times components: what is stored, or where filtered what
-                             it is to be, from -1 to 1 but for EXPONENTIAL */
+    /* Holds packed.count times components values as they are stored; where filtered, the values to
+     * be stored, from -1 to 1 except for EXPONENTIAL. */
+    const double *values;
 } packed_attribute;
 
-/* Splats that need nothing but what a test is about; see packed_default. */
+/* Splats that need only what a test is about; see packed_default. */
 typedef struct packed {
     size_t count; /* splats */
     packed_attribute attributes[PACKED_MAX_ATTRIBUTES];
-    const char *extension; /* members of the extension object, "version" first */
-    const char *material;  /* an object; NULL: none */
-    int is_compressed;     /* each view by EXT_meshopt_compression */
-    packed_filter filters[PACKED_MAX_ATTRIBUTES]; /* of the attributes, where compressed */
-    size_t repeat; /* elements are stored as often, so that views are long; 0: once */
+    const char *extension; /* members of the extension object; "version" is the first */
+    const char *material;  /* an object, or NULL */
+    int is_compressed;     /* each view is compressed with EXT_meshopt_compression */
+    packed_filter filters[PACKED_MAX_ATTRIBUTES]; /* one for each attribute, where compressed */
+    size_t repeat; /* how often elements are stored, so that views become long; 0: once */
 } packed;
 
-/* One splat of version 2 at zero, of radius 1 in the plane z = 0, all floats: its first four
- * attributes are POSITION, NORMAL, ROTATION and SCALE. */
+/* Returns one splat of version 2 at the origin, of radius 1 in the plane z = 0, all floats. Its
+ * first four attributes are POSITION, NORMAL, ROTATION and SCALE. */
 packed packed_default(void);
 
-/* Whether documents can be compressed: the build has the library. */
+/* Returns whether documents can be compressed, that is, whether the build has the library. */
 int packed_can_compress(void);
 
-/* The document (malloc, owned by the caller). */
+/* Returns the document, allocated with malloc and owned by the caller. */
 char *packed_text(const packed *p);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * picture_bytes.h - images as files have them, for tests that read textures. Header only, so that
- * tests without textures need neither library.
+ * picture_bytes.h - encodes images as PNG or JPEG for tests that read textures. It consists of a
+ * header only, so that tests without textures need neither library.
  */
 #ifndef PHONGSPLAT_TESTS_PICTURE_BYTES_H
 #define PHONGSPLAT_TESTS_PICTURE_BYTES_H
@@ -19,8 +19,8 @@
 
 #include <jpeglib.h>
 
-/* pixels: width x height in a format of libpng's simplified interface (PNG_FORMAT_RGBA ...). The
- * caller frees what is returned. */
+/* Encodes width x height pixels in a format of libpng's simplified interface (PNG_FORMAT_RGBA ...).
+ * The caller frees what is returned. */
 static inline uint8_t *png_of(const void *pixels, uint32_t width, uint32_t height, uint32_t format,
                               const void *colormap, size_t *size) {
     png_image image = {.version = PNG_IMAGE_VERSION, .width = width, .height = height};
@@ -35,7 +35,8 @@ static inline uint8_t *png_of(const void *pixels, uint32_t width, uint32_t heigh
     return data;
 }
 
-/* pixels: width x height x components (1 grey, 3 RGB). */
+/* Encodes width x height pixels of 1 (grey) or 3 (RGB) components. The caller frees what is
+ * returned. */
 static inline uint8_t *jpeg_of(const uint8_t *pixels, uint32_t width, uint32_t height,
                                int components, int progressive, size_t *size) {
     struct jpeg_compress_struct jpeg;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Views and reference images; see camera.h. */
+ *
+ * reference_view.c - views, and images drawn by the reference rasteriser; see reference_view.h.
+ */
 #include "reference_view.h"
 
 #include <math.h>

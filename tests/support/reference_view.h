@@ -12,24 +12,25 @@
 
 #define CAMERA_PI 3.14159265358979323846
 
-/* A view of width x height pixels with unit matrices, a white light of irradiance pi from +z, no
- * ambient light, linear output. */
+/* Returns a view of width x height pixels with unit matrices, a white light of irradiance pi from
+ * +z, no ambient light and linear output. */
 psplat_view camera_view(int width, int height);
 
-/* Sets view->view: eye and target in scene space, up +y unless that is the direction of sight. */
+/* Sets view->view. eye and target are in scene space; up is +y, unless that is the viewing
+ * direction. */
 void camera_look(psplat_view *view, const double eye[3], const double target[3]);
 
 /* Sets view->projection; focal is the focal length in pixels, half_height in eye units. */
 void camera_perspective(psplat_view *view, double focal, double near, double far);
 void camera_parallel(psplat_view *view, double half_height, double near, double far);
 
-/* What psplat_reference_draw computes, every array present. */
+/* What psplat_reference_draw computes; every array is present. */
 typedef struct picture {
     int width, height;
     psplat_reference_image image;
 } picture;
 
-/* Ends the program with a message where drawing fails: a test cannot go on. */
+/* Ends the program with a message where drawing fails, because a test could not go on. */
 picture picture_of_scene(const psplat_reference_scene *scene, const psplat_view *view);
 picture picture_draw(const psplat_asset *asset, const double transform[16],
                      const psplat_view *view);

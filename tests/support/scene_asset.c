@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Ready-made scenes; see scene_asset.h. */
+ *
+ * scene_asset.c - ready-made scenes; see scene_asset.h.
+ */
 #include "scene_asset.h"
 
 #include "export/glb_writer.h"
@@ -47,7 +49,7 @@ static void normalise(double a[3]) {
     for (int i = 0; i < 3; ++i) a[i] /= length;
 }
 
-/* Two unit axes that are orthogonal to the unit vector n, turned about it by angle. */
+/* Makes two orthogonal unit axes across the unit vector n, turned about it by angle. */
 static void make_axes(const double n[3], double angle, double u[3], double v[3]) {
     double a[3], b[3], helper[3] = {0, 0, 0};
     helper[fabs(n[0]) < 0.6 ? 0 : 1] = 1;
@@ -58,8 +60,8 @@ static void make_axes(const double n[3], double angle, double u[3], double v[3])
     cross(n, u, v);
 }
 
-/* Quaternion of the matrix with columns u, v, u x v; the branch with the largest component keeps
- * the division away from 0. */
+/* Computes the quaternion of the matrix with columns u, v, u x v. The branch with the largest
+ * component keeps the divisor away from 0. */
 void scene_set_axes(psplat_splat *splat, const double u[3], const double v[3]) {
     double n[3], q[4];
     cross(u, v, n);
@@ -107,7 +109,8 @@ scene scene_sphere(size_t count, float radius) {
 
 scene scene_cube(float half) {
     scene s = scene_blank(6);
-    const float radius = half * 1.5f; /* more than sqrt(2), so that the corners are inside */
+    /* More than sqrt(2) times half, so that the corners are inside. */
+    const float radius = half * 1.5f;
     for (size_t i = 0; i < 6; ++i) {
         double n[3] = {0, 0, 0}, u[3] = {0, 0, 0}, v[3];
         n[i / 2] = i % 2 ? -1 : 1;

@@ -15,34 +15,35 @@
 #include <phongsplat/phongsplat.h>
 
 typedef struct scene {
-    psplat_splat *splats; /* malloc; in any order of clip_count */
+    psplat_splat *splats; /* allocated with malloc; in any order of clip_count */
     size_t count;
-    psplat_material material; /* ready-made: white, metallic 0, roughness 0.5, single-sided */
-    psplat_kernel kernel;     /* ready-made: the default kernel */
-    float depth_tolerance;    /* ready-made: 1 % of the size */
-    int has_color;            /* ready-made: 0, and color 1 1 1 1 */
+    psplat_material material; /* default: white, metallic 0, roughness 0.5, single-sided */
+    psplat_kernel kernel;     /* default: psplat's default kernel */
+    float depth_tolerance;    /* default: 1 % of the size */
+    int has_color;            /* default: 0, and color 1 1 1 1 */
     double origin[3];         /* translation of the node */
 } scene;
 
-/* count splats at zero with unit axes along x, y, z, radius 1, white. */
+/* Returns count splats at the origin with unit axes along x, y, z and radius 1, white. */
 scene scene_blank(size_t count);
 
-/* One disc of the given radius around the origin in the plane z = 0, facing +z. */
+/* Returns one disc of the given radius around the origin in the plane z = 0, facing +z. */
 scene scene_disc(float radius);
 
-/* count round splats (overlapping, no hole) with centres on a Fibonacci sphere around the origin,
- * with the sphere's own normals as centre normals and linear normal fields. */
+/* Returns count round splats that overlap without a hole. Their centres lie on a Fibonacci sphere
+ * around the origin; centre normals and linear normal fields are those of the sphere. */
 scene scene_sphere(size_t count, float radius);
 
-/* Six splats, each clipped by four lines to one face of the cube |x|, |y|, |z| <= half. */
+/* Returns six splats, each clipped by four lines to one face of the cube |x|, |y|, |z| <= half. */
 scene scene_cube(float half);
 
-/* count ellipses with random centres in the unit cube, axes, radii (ratio up to 10), normals,
- * gradients, colours and 0 ... max_clip_lines clip lines that all keep the centre. */
+/* Returns count ellipses in the unit cube with random centres, axes, radii (ratio up to 10),
+ * normals, gradients, colours and 0 to max_clip_lines clip lines, all of which keep the centre. */
 scene scene_ellipses(size_t count, uint32_t max_clip_lines, uint32_t seed);
 
-/* The scene as a GLB (malloc, owned by the caller) and as an opened asset; both end the program
- * with a message on stderr when that fails, because a test cannot go on. */
+/* These return the scene as a GLB, allocated with malloc and owned by the caller, and as an opened
+ * asset. Both end the program with a message on stderr when that fails, because a test could not go
+ * on. */
 uint8_t *scene_glb(const scene *s, size_t *size);
 psplat_asset *scene_open(const scene *s);
 
@@ -51,7 +52,8 @@ void scene_free(scene *s);
 /* Sets a splat's rotation so that U and V are the given orthonormal axes. */
 void scene_set_axes(psplat_splat *splat, const double u[3], const double v[3]);
 
-/* Uniform in 0 ... 1, from a small generator (xorshift32) whose state must not be 0. */
+/* Returns a uniform random number in 0 ... 1 from a small generator (xorshift32), whose state must
+ * not be 0. */
 float scene_random(uint32_t *state);
 
 #endif

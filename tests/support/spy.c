@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * The loader that watches; see spy.h. */
+ *
+ * spy.c - the watching loader; see spy.h.
+ */
 #include "spy.h"
 
 #include <GL/glcorearb.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Not of GLES. */
+/* These are missing in the headers of GLES. */
 enum {
     SPY_GL_POLYGON_MODE = 0x0B40,
     SPY_GL_CONTEXT_LOST = 0x0507,
@@ -18,7 +20,7 @@ enum { QUERY_INTEGER, QUERY_CAPABILITY, QUERY_TEXTURE, QUERY_SAMPLER };
 /* ---- functions --------------------------------------------------------------------------------
  */
 
-/* The rows once for their names ... */
+/* The rows of spy_calls.h are expanded once for the functions' names ... */
 #define SPY_VOID(name, parameters, arguments, before) FUNCTION_##name,
 #define SPY_VALUE(type, none, name, parameters, arguments) FUNCTION_##name,
 #define SPY_GEN(kind, name) FUNCTION_##name,
@@ -35,10 +37,10 @@ enum {
 #undef SPY_OTHER
 _Static_assert((int)FUNCTION_COUNT <= (int)SPY_FUNCTION_MAX, "spy.h holds all functions");
 
-/* GL functions have no argument that could tell the spy. */
+/* The spy is a thread's global, because GL functions have no argument that could name it. */
 static _Thread_local spy *active;
 
-/* ... and for pointers to the real ones: real_Enable()(GL_BLEND). */
+/* ... and once for pointers to the real functions: real_Enable()(GL_BLEND). */
 #define REAL(type, name, parameters)                                                               \
     typedef type(APIENTRY *type_##name) parameters;                                                \
     static inline type_##name real_##name(void) {                                                  \
@@ -157,7 +159,7 @@ static void died(const char *call, spy_object kind, GLuint name) {
 /* ---- faults -----------------------------------------------------------------------------------
  */
 
-/* Counts a call; 0 where the context is lost, so that it must not be made. */
+/* Counts a call. Returns 0 where the context is lost, so that the call must not be made. */
 static int enter(void) {
     if (active->fault == SPY_FAULT_LOST && active->calls++ >= (size_t)active->at) {
         if (!active->has_told) active->error = SPY_GL_CONTEXT_LOST;
@@ -305,7 +307,7 @@ static const struct {
 #include "spy_calls.h"
 };
 
-/* Extensions call functions of the core by the same name with three letters more. */
+/* Functions of extensions have the name of the core's function with three letters appended. */
 static int is_named(const char *name, const char *core) {
     size_t length = strlen(core);
     const char *suffix = name + length;

@@ -26,16 +26,17 @@ typedef enum spy_object {
     SPY_OBJECT_COUNT
 } spy_object;
 
-/* What can go wrong. at counts opportunities from 0: calls of the named function. */
+/* What can go wrong. at counts opportunities, that is, calls of the named function, from 0. */
 typedef enum spy_fault {
     SPY_FAULT_NONE = 0,
     SPY_FAULT_TEXTURE_MEMORY, /* glTexImage2D does nothing and sets GL_OUT_OF_MEMORY */
-    SPY_FAULT_UPLOAD_MEMORY,  /* glTexSubImage2D likewise */
-    SPY_FAULT_FRAMEBUFFER,    /* glCheckFramebufferStatus is not satisfied */
+    SPY_FAULT_UPLOAD_MEMORY,  /* glTexSubImage2D does the same */
+    SPY_FAULT_FRAMEBUFFER,    /* glCheckFramebufferStatus says incomplete */
     SPY_FAULT_COMPILE,        /* GL_COMPILE_STATUS is false */
     SPY_FAULT_LINK,           /* GL_LINK_STATUS is false */
-    SPY_FAULT_LOST,           /* from the at-th call of any function on none has an effect, queries
-                                 leave their results alone, and glGetError is GL_CONTEXT_LOST */
+    /* From the at-th call of any function on, calls have no effect, queries store nothing, and
+     * glGetError returns GL_CONTEXT_LOST. */
+    SPY_FAULT_LOST,
     SPY_FAULT_COUNT
 } spy_fault;
 
@@ -43,8 +44,8 @@ enum { SPY_TOUCH_MAX = 128, SPY_NAME_MAX = 1 << 15, SPY_FUNCTION_MAX = 96 };
 
 /* A value of context state. */
 typedef struct spy_touch {
-    const char *call; /* that was about to set it */
-    unsigned query;   /* spy.c's */
+    const char *call; /* the call that was about to set it */
+    unsigned query;   /* a number of spy.c */
     unsigned name, unit;
     int value[4];
 } spy_touch;
@@ -53,34 +54,35 @@ typedef struct spy {
     void *(*get_proc)(void *user, const char *name);
     void *user;
     spy_fault fault;
-    int at;              /* of the fault */
-    int happened;        /* opportunities so far */
-    int no_reset_status; /* 1: glGetGraphicsResetStatus says nothing of a loss, glGetError does */
-    int tells_once;      /* 1: but only the first time, as WebGL's does; */
-    int has_told;        /* that it did */
+    int at;       /* when the fault happens */
+    int happened; /* opportunities so far */
+    /* 1: glGetGraphicsResetStatus does not tell a loss, only glGetError does */
+    int no_reset_status;
+    int tells_once; /* 1: glGetError tells it only the first time, as WebGL's does; */
+    int has_told;   /* it has told it */
     void (*real[SPY_FUNCTION_MAX])(void);
     size_t live[SPY_OBJECT_COUNT];
-    size_t made;    /* objects of all kinds, ever */
-    size_t calls;   /* counted while the fault is SPY_FAULT_LOST */
-    unsigned error; /* that the next glGetError returns */
+    size_t made;    /* objects of all kinds that were ever made */
+    size_t calls;   /* calls counted while the fault is SPY_FAULT_LOST */
+    unsigned error; /* what the next glGetError returns */
     unsigned char owned[SPY_OBJECT_COUNT][SPY_NAME_MAX];
     spy_touch touched[SPY_TOUCH_MAX];
     int touched_count;
-    char trouble[160]; /* the first thing that must not happen; "" if none did */
+    char trouble[160]; /* the first forbidden thing that happened, or "" */
 } spy;
 
 void *spy_get_proc(void *user, const char *name);
 
-/* Makes the spy that of this thread; spy_get_proc does too. */
+/* Makes this the thread's spy, as spy_get_proc does, too. */
 void spy_use(spy *s);
 
-/* Forgets what was touched. */
+/* Forgets the state that was kept. */
 void spy_begin(spy *s);
 
-/* Compares everything touched since spy_begin with what it was. Returns NULL where all is as it
- * was, otherwise one sentence, valid until the next call. */
+/* Compares everything set since spy_begin with its earlier value. Returns NULL where all is as
+ * before, otherwise one sentence that is valid until the next call. */
 const char *spy_changed(spy *s);
 
-size_t spy_live(const spy *s); /* objects of all kinds */
+size_t spy_live(const spy *s); /* live objects of all kinds */
 
 #endif

@@ -87,13 +87,13 @@ SPY_VOID(UseProgram, (GLuint program), (program), INTEGER(GL_CURRENT_PROGRAM))
 SPY_VOID(Viewport, (GLint x, GLint y, GLsizei width, GLsizei height), (x, y, width, height),
          INTEGER(GL_VIEWPORT))
 
-/* SPY_VALUE(type, what a lost context returns, name, parameters, arguments): queries */
+/* Queries: SPY_VALUE(type, what a lost context returns, name, parameters, arguments) */
 SPY_VALUE(const GLubyte *, NULL, GetString, (GLenum name), (name))
 SPY_VALUE(const GLubyte *, NULL, GetStringi, (GLenum name, GLuint index), (name, index))
 SPY_VALUE(GLint, -1, GetUniformLocation, (GLuint program, const GLchar *name), (program, name))
 SPY_VALUE(GLboolean, GL_FALSE, IsEnabled, (GLenum capability), (capability))
 
-/* SPY_GEN(kind, name, parameters), SPY_DELETE(kind, name, parameters) of arrays of names */
+/* Arrays of names: SPY_GEN(kind, name, parameters), SPY_DELETE(kind, name, parameters) */
 SPY_GEN(FRAMEBUFFER, GenFramebuffers)
 SPY_GEN(TEXTURE, GenTextures)
 SPY_GEN(VERTEX_ARRAY, GenVertexArrays)
@@ -101,7 +101,7 @@ SPY_DELETE(FRAMEBUFFER, DeleteFramebuffers)
 SPY_DELETE(TEXTURE, DeleteTextures)
 SPY_DELETE(VERTEX_ARRAY, DeleteVertexArrays)
 
-/* Those with a life, or a fault, of their own: written out in spy.c. */
+/* Functions with a fault or a life of their own, which are written out in spy.c. */
 SPY_OTHER(GLenum, CheckFramebufferStatus, (GLenum target))
 SPY_OTHER(GLuint, CreateProgram, (void))
 SPY_OTHER(GLuint, CreateShader, (GLenum type))

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * An X server, programs and synthetic input; see desktop.h. */
+ *
+ * desktop.c - an X server, programs and synthetic input; see desktop.h.
+ */
 #define _GNU_SOURCE
 
 #include <setjmp.h>
@@ -43,7 +45,7 @@ static void pause_shortly(void) {
 
 /* ---- the server --------------------------------------------------------------------------- */
 
-/* Ends with the test, however that ends. */
+/* Forks a child that ends with the test, however the test ends. */
 static pid_t fork_child(void) {
     pid_t parent = getpid(), pid = fork();
     assert_true(pid >= 0);
@@ -53,7 +55,8 @@ static pid_t fork_child(void) {
 
 static void run_server(int number_to) {
     char number[12];
-    /* Of the keyboard's compiler, which has things to say about keys that nobody has. */
+    /* The server's keyboard compiler prints warnings about keys that no keyboard has; they are
+     * dropped. */
     if (!freopen("/dev/null", "w", stderr)) _exit(127);
     snprintf(number, sizeof number, "%d", number_to);
     execlp("Xvfb", "Xvfb", "-displayfd", number, "-screen", "0", "800x600x24", "-nolisten", "tcp",
@@ -61,7 +64,7 @@ static void run_server(int number_to) {
     _exit(127);
 }
 
-/* Windows may vanish while they are asked about. */
+/* Windows may vanish while they are queried, so errors are ignored. */
 static int ignore_error(Display *display, XErrorEvent *event) {
     (void)display, (void)event;
     return 0;
@@ -75,7 +78,7 @@ desktop *desktop_start(void) {
     d->server = fork_child();
     if (!d->server) run_server(ends[1]);
     close(ends[1]);
-    /* The server writes the number of its display when it is ready, or ends. */
+    /* The server writes the number of its display when it is ready; if it fails, it ends. */
     char number[16] = "";
     size_t length = 0;
     for (ssize_t n; length < sizeof number - 1 && !strchr(number, '\n'); length += (size_t)n)
@@ -101,7 +104,8 @@ static Atom atom(const program *p, const char *name) {
     return XInternAtom(p->desktop->display, name, False);
 }
 
-/* Up to size - 1 bytes of a property of 8 bits, or one number of 32; 0 where there is none. */
+/* Reads up to size - 1 bytes of a property of 8 bits, or one number of 32. Returns 0 where there is
+ * none. */
 static unsigned long property(const program *p, Window window, const char *name, char *text,
                               size_t size) {
     Atom type;
@@ -283,7 +287,7 @@ void program_close(const program *p) {
     send(p, "WM_PROTOCOLS", (long[5]){(long)atom(p, "WM_DELETE_WINDOW")});
 }
 
-/* The list of files goes to whoever asks for the selection. */
+/* Sends the list of files to the window that requests the selection. */
 static void give_selection(const program *p, const XSelectionRequestEvent *request,
                            const char *text) {
     XEvent reply = {.xselection = {.type = SelectionNotify,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * keep_modules.c - for programs under the leak checker that let others load graphics drivers: a
- * driver that was unloaded has no name any more by which lsan.supp could leave its leaks out
- * (tests/support).
+ * keep_modules.c - keeps graphics drivers loaded in programs under the leak checker. Once a driver
+ * is unloaded, its functions have no names any more by which lsan.supp (tests/support) could ignore
+ * their leaks.
  */
 int dlclose(void *handle);
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The sphere that the camera fits into the window. */
+ *
+ * test_bounds.c - tests the sphere that the camera fits into the window, on a clipped cube, a disc
+ * and a splat that clip lines cut away entirely. Expected radii are computed by geometry.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,8 +23,8 @@ static sphere sphere_of(scene s) {
     return result;
 }
 
-/* Faces of a cube are splats that clip lines cut down to it: corners at sqrt 3, nothing beyond.
- * 1e-3: what the file's quantisation may move. */
+/* The faces of the cube are splats that clip lines cut down: corners lie at sqrt 3, nothing beyond.
+ * The tolerance 1e-3 is what the file's quantisation may move. */
 static void test_clip_lines_count(void **state) {
     (void)state;
     sphere s = sphere_of(scene_cube(1));
@@ -39,7 +42,7 @@ static void test_a_disc_is_inside(void **state) {
     assert_true(b.radius >= 2 && b.radius < 2 * 1.036);
 }
 
-/* A line that leaves nothing of the only splat: there still is a sphere to look at. */
+/* A clip line leaves nothing of the only splat: there is a sphere to look at nevertheless. */
 static void test_what_is_cut_away_has_bounds(void **state) {
     (void)state;
     scene s = scene_disc(1);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The table of keys and the glyphs its help is written with. */
+ *
+ * test_input.c - tests the table of keys: no key is bound twice, and its help is written with
+ * characters that the font has.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,7 +57,7 @@ static void test_locks_do_not_matter_and_modifiers_do(void **state) {
     assert_ptr_not_equal(input_find(GLFW_KEY_X, GLFW_MOD_SHIFT), x);
     assert_null(input_find(GLFW_KEY_X, GLFW_MOD_CONTROL));
     assert_null(input_find(GLFW_KEY_W, 0));
-    assert_null(input_find(0, 0)); /* of lines without a key */
+    assert_null(input_find(0, 0)); /* lines of the help without a key are not found */
     assert_null(input_find(GLFW_KEY_UNKNOWN, 0));
 }
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Opening and watching files on the worker thread. */
+ *
+ * test_loader.c - tests opening and watching files on the worker thread, with small assets that are
+ * written, replaced, broken and removed.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -65,7 +68,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* The next load, for which it waits up to a minute. */
+/* Returns the next load and waits for it up to a minute. */
 static load *next_load(const fixture *f) {
     for (int i = 0; i < 60000; ++i) {
         load *taken = loader_take(f->loader);
@@ -90,7 +93,7 @@ static void test_a_set_is_opened_in_its_order(void **state) {
     assert_int_equal(loader_open(f->loader, paths, 4), 1);
     load *l = next_load(f);
     assert_int_equal(l->is_reload, 0);
-    assert_int_equal(l->count, 3); /* what is named twice is opened once */
+    assert_int_equal(l->count, 3); /* a path that is given twice is opened once */
     expect_file(&l->files[0], f->ball, 100, PSPLAT_OK);
     expect_file(&l->files[1], f->missing, 0, PSPLAT_ERROR_READ);
     expect_file(&l->files[2], f->cube, 6, PSPLAT_OK);
@@ -110,7 +113,7 @@ static void test_what_changes_is_opened_again(void **state) {
     assert_int_equal(l->count, 1);
     expect_file(&l->files[0], f->cube, 7, PSPLAT_OK);
     load_destroy(l);
-    write_scene(f->missing, scene_cube(1)); /* comes into being */
+    write_scene(f->missing, scene_cube(1)); /* the missing file comes into being */
     l = next_load(f);
     assert_int_equal(l->count, 1);
     expect_file(&l->files[0], f->missing, 6, PSPLAT_OK);
@@ -136,7 +139,7 @@ static void test_reload_opens_all(void **state) {
     load_destroy(l);
 }
 
-/* A set that brings nothing does not end the watch over what is shown. */
+/* A set of which nothing opens does not end the watch over the files that are shown. */
 static void test_a_useless_set_changes_no_watch(void **state) {
     const fixture *f = *state;
     const char *cube = f->cube, *useless[] = {f->missing, f->directory};
@@ -154,7 +157,7 @@ static void test_a_useless_set_changes_no_watch(void **state) {
     load_destroy(l);
 }
 
-/* A pipe without a writer would hold the worker for ever. */
+/* A pipe without a writer would block the worker for ever. */
 static void test_a_pipe_is_refused(void **state) {
     const fixture *f = *state;
     const char *path = f->missing;
@@ -165,7 +168,7 @@ static void test_a_pipe_is_refused(void **state) {
     load_destroy(l);
 }
 
-/* What nobody took is freed with the loader: the leak checker says so. */
+/* Loads that nobody took are freed with the loader; the leak checker would report them. */
 static void test_ending_early_frees_everything(void **state) {
     fixture *f = *state;
     const char *paths[] = {f->ball, f->cube};

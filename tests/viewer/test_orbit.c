@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The camera: what fits the window, what stays under the pointer, where the planes lie. */
+ *
+ * test_orbit.c - tests the camera: what fits the window, what stays under the pointer, and where
+ * the near and far planes lie. Expected values follow from projecting points with the matrices.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +15,8 @@
 
 enum { WIDTH = 400, HEIGHT = 300 };
 static const sphere ball = {{1e6, -2, 3}, 5};
-/* Of positions in heights of the window: coordinates of 1e6 in double leave 1e-10 of the ball. */
+/* The tolerance of positions, in heights of the window. Coordinates of 1e6 in double leave an error
+ * of 1e-10 of the sphere's radius. */
 static const double tolerance = 1e-8;
 
 static psplat_view view_of(const orbit *o, int is_orthographic) {
@@ -26,7 +30,7 @@ static void transform(const double m[16], const double p[4], double out[4]) {
         out[r] = m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r] * p[3];
 }
 
-/* Where a point is seen: in heights of the window from its middle, and window depth. */
+/* Computes where a point is seen: in heights of the window from its middle, and in window depth. */
 static void project(const psplat_view *view, const double p[3], double out[3]) {
     double eye[4], clip[4];
     transform(view->view, (double[4]){p[0], p[1], p[2], 1}, eye);
@@ -48,7 +52,7 @@ static void assert_near(double a, double b, double allowed) {
     fail();
 }
 
-/* Points of the ball's surface along the camera's axes and between them. */
+/* Computes points of the sphere's surface along the camera's axes and between them. */
 static void surface_point(const orbit *o, int i, double out[3]) {
     static const double ways[][3] = {{1, 0, 0},  {-1, 0, 0}, {0, 1, 0},     {0, -1, 0},
                                      {0, 0, -1}, {0, 0, 1},  {.6, .64, .48}};
@@ -75,7 +79,8 @@ static void test_the_scene_fits_and_touches(void **state) {
                 assert_true(seen[2] > 0 && seen[2] < 1);
                 highest = fmax(highest, seen[1]);
             }
-            /* The top is at 5 / (2 * 5 / cos 13.5 degrees); the tangent from the eye is higher. */
+            /* The top is seen at 5 / (2 * 5 / cos 13.5 degrees); the tangent from the eye is
+             * higher. */
             assert_near(highest, 0.5 * cos(27 * 3.14159265358979 / 360), tolerance);
         }
 }
@@ -98,7 +103,7 @@ static void test_turning_back_restores(void **state) {
     orbit_turn(&o, -0.125, 0.25);
     assert_near(o.azimuth, before[0], 1e-12);
     assert_near(o.elevation, before[1], 1e-12);
-    /* A full turn is none; nobody turns over the poles. */
+    /* A full turn changes nothing; the camera does not turn over the poles. */
     orbit_turn(&o, 2, 0);
     assert_near(o.azimuth, before[0], 1e-12);
     orbit_turn(&o, 0, -7);
@@ -122,7 +127,7 @@ static void test_zooming_keeps_what_is_under_the_pointer(void **state) {
     (void)state;
     for (int ortho = 0; ortho < 2; ++ortho) {
         orbit o = fitted(-2, 0.4), moved = o;
-        orbit_pan(&moved, -0.3, 0.2); /* its target is now what o sees at (0.3, -0.2) */
+        orbit_pan(&moved, -0.3, 0.2); /* the new target is what o sees at (0.3, -0.2) */
         double distance = o.distance, seen[3];
         orbit_zoom(&o, 4, 0.3, -0.2);
         assert_near(o.distance, distance * pow(0.88, 4), 1e-9);
@@ -142,7 +147,7 @@ static void test_zooming_ends(void **state) {
     assert_near(o.distance, 5e3, 1e-6);
 }
 
-/* Whatever the distance, the planes are such as GL and the renderer take. */
+/* From any distance the planes are such as GL and the renderer accept. */
 static void test_planes_are_valid_from_anywhere(void **state) {
     (void)state;
     for (int ortho = 0; ortho < 2; ++ortho)
@@ -169,7 +174,7 @@ static void test_aiming_undoes_projecting(void **state) {
         project(&view, p, seen);
         double distance = o.distance;
         orbit_aim(&o, &view, seen[0], seen[1], seen[2]);
-        for (int i = 0; i < 3; ++i) assert_near(o.target[i], p[i], 1e-6); /* of a radius of 5 */
+        for (int i = 0; i < 3; ++i) assert_near(o.target[i], p[i], 1e-6); /* for a radius of 5 */
         assert_near(o.distance, distance, 0);
     }
 }

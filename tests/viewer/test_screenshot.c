@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Names of screenshots: beside the asset, numbered, never one that exists; whole, whatever happens.
+ *
+ * test_screenshot.c - tests screenshots: they lie beside the asset with a number, never replace a
+ * file, and are complete or absent, even when the process is killed or the disk is full.
  */
-#define _GNU_SOURCE /* O_TMPFILE */
+#define _GNU_SOURCE /* for O_TMPFILE */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -39,7 +41,7 @@ static void test_names(void **state) {
     assert_name("/part.glb", NULL, 1234, "/part-1234.png");
     assert_name("some/where/part.glb", "pictures", 3, "pictures/part-003.png");
     assert_name("some/where/part.glb", ".", 3, "./part-003.png");
-    /* Only the last dot of the name counts, and not one in front. */
+    /* Only the last dot of the name starts a suffix, and not one at its beginning. */
     assert_name("a.b/part", NULL, 1, "a.b/part-001.png");
     assert_name("a/part.v2.glb", NULL, 1, "a/part.v2-001.png");
     assert_name("a/.glb", NULL, 1, "a/.glb-001.png");
@@ -63,7 +65,7 @@ static void test_the_first_free_number_is_taken(void **state) {
         snprintf(expected, sizeof expected, "%s/x-%03d.png", directory, n);
         assert_string_equal(path, expected);
     }
-    /* A gap is filled, what is there stays. */
+    /* A gap in the numbers is filled; existing files stay. */
     snprintf(expected, sizeof expected, "%s/x-002.png", directory);
     assert_int_equal(unlink(expected), 0);
     assert_int_equal(create(asset, "new", path, sizeof path), 0);
@@ -81,7 +83,7 @@ static void test_the_first_free_number_is_taken(void **state) {
     assert_int_equal(create(asset, "", path, sizeof path), ENOENT);
 }
 
-/* Removes what is in the directory; returns how many files there were. All have the size. */
+/* Removes the files in the directory and returns how many there were. All must have the size. */
 static int empty(const char *directory, size_t size) {
     int count = 0;
     DIR *listing = opendir(directory);
@@ -101,7 +103,8 @@ static int empty(const char *directory, size_t size) {
 
 static uint8_t picture[1 << 20];
 
-/* Killed while it takes one screenshot after the other, at a different time each time. */
+/* A process takes one screenshot after the other and is killed at a different time in each
+ * round. */
 static void test_killed_leaves_whole_pictures(void **state) {
     (void)state;
     char directory[] = "/tmp/phongsplat-XXXXXX", asset[64], path[64];
@@ -110,7 +113,7 @@ static void test_killed_leaves_whole_pictures(void **state) {
     int probe = open(directory, O_TMPFILE | O_WRONLY, 0600), pictures = 0;
     if (probe < 0) {
         rmdir(directory);
-        skip(); /* no file of this file system may lack a name */
+        skip(); /* this file system has no files without a name */
     }
     close(probe);
     for (useconds_t time = 0; time < 20; ++time) {

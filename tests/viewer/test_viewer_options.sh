@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# The viewer's command line: help, version, each way to get it wrong, and no window without a display.
+# Tests the viewer's command line: help, version, each kind of wrong option, and the error without a display.
 . "$SOURCE_DIR/tests/support/cli.sh"
 program=phongsplat-viewer
 unset DISPLAY WAYLAND_DISPLAY

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Screenshots, changing and broken files, dropped files, contexts and the end, in the real window.
+ *
+ * test_window_files.c - tests the real window with screenshots, changed, broken and dropped files,
+ * contexts, and its end.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -48,7 +50,7 @@ static void test_screenshots_are_numbered(void **state) {
     snprintf(second, sizeof second, "%s/a-002.png", f->directory);
     program_key(&f->viewer, "F12", 0);
     program_await(&f->viewer, "a screenshot is written", decodes, first);
-    program_key(&f->viewer, "F1", 0); /* is not in the picture */
+    program_key(&f->viewer, "F1", 0); /* the help is not in the screenshot */
     program_key(&f->viewer, "F12", 0);
     program_await(&f->viewer, "another one is written", decodes, second);
     picture saved = read_png(first), again = read_png(second);
@@ -108,7 +110,7 @@ static void test_dropped_rubbish_is_refused(void **state) {
     program_drop(&f->viewer, (const char *[]){f->b, NULL});
     program_await_title(&f->viewer, "b.glb (broken) - a.glb - 6 splats");
     await_return(f, "the cube is still shown", &cube);
-    write_scene(f->a, scene_sphere(500, 1)); /* which is still watched */
+    write_scene(f->a, scene_sphere(500, 1)); /* the file is still watched */
     program_await_title(&f->viewer, "a.glb - 500 splats");
     free(cube.rgb);
     quit(f);

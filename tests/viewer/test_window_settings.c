@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Keys that change how things are drawn, in the real window. */
+ *
+ * test_window_settings.c - tests in the real window the keys that change how things are drawn.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,7 +42,7 @@ static void test_lights_change_the_picture(void **state) {
     quit(f);
 }
 
-/* Seen straight on, the face's normal is (0, 0, 1) in eye space: 1/2, 1/2, 1. */
+/* Seen straight on, the face's normal is (0, 0, 1) in eye space: its colour is 1/2, 1/2, 1. */
 static int is_normal_in_the_middle(void *user, const program *p) {
     picture now = program_picture(p);
     const uint8_t *middle = now.rgb + 3 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
@@ -74,7 +76,7 @@ static void test_debug_views(void **state) {
     quit(f);
 }
 
-/* What a key changes and, pressed again, changes back. */
+/* Expects that a key changes the picture and, pressed again, changes it back. */
 static void expect_toggle(const fixture *f, const char *key, int at_least) {
     picture first = program_picture(&f->viewer);
     program_key(&f->viewer, key, 0);
@@ -84,8 +86,8 @@ static void expect_toggle(const fixture *f, const char *key, int at_least) {
     free(first.rgb);
 }
 
-/* A ball above the cube, such that the strongest light of the studio throws its shadow onto the
- * middle of the cube's upper side. */
+/* Places a sphere above the cube, so that the strongest light of the studio throws its shadow onto
+ * the middle of the cube's upper side. */
 static void test_shadows_and_sky(void **state) {
     fixture *f = *state;
     scene ball = scene_sphere(500, 0.5f);
@@ -95,12 +97,12 @@ static void test_shadows_and_sky(void **state) {
     start(f, "--lights=studio", f->a, f->b);
     program_await_title(&f->viewer, "a.glb, b.glb - 506 splats");
     free(await_covered(f, "both are drawn", ALL / 20, ALL).rgb);
-    expect_toggle(f, "s", 200); /* the shadow */
+    expect_toggle(f, "s", 200); /* toggles the shadow */
     expect_toggle(f, "e", MANY);
     quit(f);
 }
 
-/* Colours between the cube's and the backdrop's, which is black: a fifth of the way at least from
+/* Looks for colours between the cube's and the black backdrop, at least a fifth of the way from
  * both. */
 static int has_edges(void *user, const program *p) {
     picture now = program_picture(p);
@@ -128,7 +130,7 @@ static void test_filter(void **state) {
     fixture *f = *state;
     start(f, "--mode=phong", f->b, NULL);
     picture large = await_covered(f, "the sphere is drawn", ALL / 20, ALL);
-    for (int i = 0; i < 20; ++i) { /* to splats of a pixel */
+    for (int i = 0; i < 20; ++i) { /* until splats are a pixel wide */
         program_button(&f->viewer, 5, 1);
         program_button(&f->viewer, 5, 0);
     }
@@ -159,7 +161,7 @@ static void test_help_covers_and_leaves(void **state) {
     picture first = start_cube(f);
     program_key(&f->viewer, "F1", 0);
     await_change(f, "the help is shown", &first);
-    program_key(&f->viewer, "Escape", 0); /* closes the help, not the window */
+    program_key(&f->viewer, "Escape", 0); /* Escape closes the help, not the window */
     await_return(f, "the help is gone", &first);
     free(first.rgb);
     quit(f);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * The viewer on a screen of its own; see window_fixture.h. */
+ *
+ * window_fixture.c - the viewer on a screen of its own; see window_fixture.h.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -104,14 +106,14 @@ int count_covered(const picture *p) {
     return count;
 }
 
-/* What a picture is to be like. */
-typedef struct wish {
+/* What a picture is expected to be like. */
+typedef struct expectation {
     const picture *other;
     int at_least, at_most; /* differences from other, or covered pixels where other is NULL */
-} wish;
+} expectation;
 
 static int is_like(void *user, const program *p) {
-    const wish *w = user;
+    const expectation *w = user;
     picture now = program_picture(p);
     int count = w->other ? count_differences(&now, w->other) : count_covered(&now);
     free(now.rgb);
@@ -119,7 +121,7 @@ static int is_like(void *user, const program *p) {
 }
 
 void await_differences(const fixture *f, const char *what, const picture *from, int at_least) {
-    program_await(&f->viewer, what, is_like, &(wish){from, at_least, ALL});
+    program_await(&f->viewer, what, is_like, &(expectation){from, at_least, ALL});
 }
 
 void await_change(const fixture *f, const char *what, const picture *from) {
@@ -127,11 +129,11 @@ void await_change(const fixture *f, const char *what, const picture *from) {
 }
 
 void await_return(const fixture *f, const char *what, const picture *to) {
-    program_await(&f->viewer, what, is_like, &(wish){to, 0, FEW});
+    program_await(&f->viewer, what, is_like, &(expectation){to, 0, FEW});
 }
 
 picture await_covered(const fixture *f, const char *what, int at_least, int at_most) {
-    program_await(&f->viewer, what, is_like, &(wish){NULL, at_least, at_most});
+    program_await(&f->viewer, what, is_like, &(expectation){NULL, at_least, at_most});
     return program_picture(&f->viewer);
 }
 

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench_draw.c - what frames cost. In each mode the renderer ("ours") takes turns with
+ * bench_draw.c - measures what frames cost. In each mode the renderer ("ours") draws frames in turn
+ * with these methods:
  *
  *     lower bound  its primitives drawn twice with a constant shader, without blending, float
  *                  targets and resolve pass: what is left is the cost of rasterising (probe.h)
  *     sprites      the papers' own method; in phong mode (sprites.c)
- *     mesh         the mesh that the model was made from, with --mesh; in phong mode (mesh.c)
+ *     mesh         the mesh that the model was made from, with --mesh; in phong mode
+ *                  (source_drawing.c)
  *
- * "generated" are the fragments that the primitives of the attribute pass cover, for each pixel
- * that shows the subject, "blended" those that are left of them. CPU time is that of all threads.
+ * "generated" counts the fragments that the primitives of the attribute pass cover, per pixel that
+ * shows the subject; "blended" counts those of them that are blended. CPU time is that of all
+ * threads.
  * Without --hardware GL is drawn in software; GPU times are printed with it.
  */
 #include "draw_options.h"
@@ -21,28 +24,28 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The contestants of a subject: ours first. Counters of fragments take no part in the race. */
-typedef struct field {
-    contestant racing[RACE_MAX_CONTESTANTS];
-    size_t count, phong_first; /* those from phong_first on draw nothing but phong */
-    contestant counting[RACE_MAX_CONTESTANTS]; /* twin of racing; draw NULL: none */
-} field;
+/* The draw methods of a subject, ours first. The methods that count fragments are not timed. */
+typedef struct method_set {
+    draw_method timed[TIMING_MAX_METHODS];
+    size_t count, phong_first;               /* methods from phong_first on draw only phong */
+    draw_method counted[TIMING_MAX_METHODS]; /* twins of timed; draw is NULL where there is none */
+} method_set;
 
-static field field_make(psplat_host *host, const subject *s, const options *o) {
-    const unsigned counted = PROBE_BOUND | PROBE_GENERATED;
-    field f = {0};
-    f.counting[f.count] = contestant_splats(host, s, counted);
-    f.racing[f.count++] = contestant_splats(host, s, 0);
-    f.racing[f.count++] = contestant_splats(host, s, PROBE_BOUND);
-    f.phong_first = f.count;
-    f.counting[f.count] = contestant_sprites(host, s, counted);
-    f.racing[f.count++] = contestant_sprites(host, s, 0);
+static method_set method_set_make(psplat_host *host, const subject *s, const options *o) {
+    const unsigned counting_options = PROBE_BOUND | PROBE_GENERATED;
+    method_set m = {0};
+    m.counted[m.count] = draw_method_splats(host, s, counting_options);
+    m.timed[m.count++] = draw_method_splats(host, s, 0);
+    m.timed[m.count++] = draw_method_splats(host, s, PROBE_BOUND);
+    m.phong_first = m.count;
+    m.counted[m.count] = draw_method_sprites(host, s, counting_options);
+    m.timed[m.count++] = draw_method_sprites(host, s, 0);
 #ifdef BENCH_MESH
     if (o->mesh) {
-        mesh m;
-        mesh_read(o->mesh, &m);
-        f.racing[f.count++] = contestant_mesh(host, &m);
-        mesh_free(&m);
+        mesh source;
+        mesh_read(o->mesh, &source);
+        m.timed[m.count++] = draw_method_mesh(host, &source);
+        mesh_free(&source);
     }
 #else
     if (o->mesh) {
@@ -50,36 +53,36 @@ static field field_make(psplat_host *host, const subject *s, const options *o) {
         exit(2);
     }
 #endif
-    return f;
+    return m;
 }
 
-static void field_free(field *f) {
-    for (size_t i = 0; i < f->count; ++i) {
-        contestant_destroy(&f->racing[i]);
-        contestant_destroy(&f->counting[i]);
+static void method_set_free(method_set *m) {
+    for (size_t i = 0; i < m->count; ++i) {
+        draw_method_destroy(&m->timed[i]);
+        draw_method_destroy(&m->counted[i]);
     }
 }
 
-static void count_fragments(psplat_host *host, const psplat_view *view, const field *f, size_t i,
-                            table_row *row) {
-    if (!f->counting[i].draw) return;
-    double blended = race_frame(host, view, &f->racing[i], PROBE_FRAGMENTS).fragments;
-    double covered = race_covered(host, view);
-    double generated = race_frame(host, view, &f->counting[i], PROBE_FRAGMENTS).fragments;
+static void count_fragments(psplat_host *host, const psplat_view *view, const method_set *m,
+                            size_t i, table_row *row) {
+    if (!m->counted[i].draw) return;
+    double blended = timing_frame(host, view, &m->timed[i], PROBE_FRAGMENTS).fragments;
+    double covered = timing_covered(host, view);
+    double generated = timing_frame(host, view, &m->counted[i], PROBE_FRAGMENTS).fragments;
     row->blended = covered > 0 ? blended / covered : 0;
     row->generated = covered > 0 ? generated / covered : 0;
 }
 
-static void run_mode(psplat_host *host, const subject *s, const options *o, const field *f,
+static void run_mode(psplat_host *host, const subject *s, const options *o, const method_set *m,
                      const psplat_view *view) {
-    race_result results[RACE_MAX_CONTESTANTS];
-    size_t count = view->mode == PSPLAT_MODE_PHONG ? f->count : f->phong_first;
-    race_run(host, view, f->racing, count, o->frames, o->warm_up, results);
+    timing_result results[TIMING_MAX_METHODS];
+    size_t count = view->mode == PSPLAT_MODE_PHONG ? m->count : m->phong_first;
+    timing_run(host, view, m->timed, count, o->frames, o->warm_up, results);
     for (size_t i = 0; i < count; ++i) {
         table_row row = {
-            s->name, s->splat_count, view->width, view->mode, f->racing[i].name, &results[i], 0, 0,
+            s->name, s->splat_count, view->width, view->mode, m->timed[i].name, &results[i], 0, 0,
             0};
-        count_fragments(host, view, f, i, &row);
+        count_fragments(host, view, m, i, &row);
         if (results[i].frame.cpu > 0) row.ratio = results[0].frame.cpu / results[i].frame.cpu;
         table_print(o, &row);
     }
@@ -87,16 +90,16 @@ static void run_mode(psplat_host *host, const subject *s, const options *o, cons
 
 static void run_subject(psplat_host *host, subject s, const options *o) {
     const double direction[3] = {0.3, 0.4, 1.0};
-    field f = field_make(host, &s, o);
+    method_set m = method_set_make(host, &s, o);
     for (size_t i = 0; i < o->size_count; ++i)
         for (size_t k = 0; k < o->mode_count; ++k) {
             psplat_view view = subject_view(&s, direction, o->sizes[i], o->lights);
             view.mode = o->modes[k];
             view.shading = o->shading;
             view.no_filter = o->no_filter;
-            run_mode(host, &s, o, &f, &view);
+            run_mode(host, &s, o, &m, &view);
         }
-    field_free(&f);
+    method_set_free(&m);
     subject_close(&s);
 }
 

@@ -1,21 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * bench_filter.c - the screen-space filter of spec 5.8 beside the one of BHZK05 section 5.
+ * bench_filter.c - compares the screen-space filter of spec 5.8 with the one of BHZK05 section 5.
  *
  *     bench_filter [--size N] [--finer N]
  *
  * Models full of detail (detail.h) are drawn N pixels across (16, 32 and 64) under a camera that
  * moves by a fraction of a pixel (film.h): by the renderer and by the papers' sprites, each with
- * its filter and without; by the sprites in two ways, since the paper does not say which depth its
- * filter's disc has outside the ellipse (draw_method.h). The truth is the same renderer's picture
- * without filter at N (8) times the size, averaged in linear light. In percent:
+ * its filter and without. The sprites are drawn in two methods, since the paper does not say which
+ * depth its filter's disc has outside the ellipse (draw_method.h). The truth is the picture of the
+ * same renderer without filter at N (8) times the size, averaged in linear light. In percent:
  *
- *     error    from the truth: mean, and root of the mean square
- *     flicker  how much more than in truth a pixel changes from frame to frame: mean and most
+ *     error    difference from the truth: mean, and root of the mean square
+ *     flicker  how much more than in truth a pixel changes from frame to frame: mean and greatest
  *
- * "inside" are values, linear, of pixels that the model fills in truth; "outline" is the coverage
- * of others that the truth or the way to draw covers. "covered" are pixels a frame, as a share of
- * the truth's.
+ * "inside" compares linear values of pixels that the model fills in truth. "outline" compares the
+ * coverage of the other pixels that the truth or the method covers. "covered" is the number of
+ * covered pixels a frame, as a share of the truth's.
  */
 #include "draw_method.h"
 #include "detail.h"
@@ -26,7 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WAYS = 3 }; /* the first two also without filter */
+enum { METHODS = 3 }; /* the first two also draw without filter */
 
 typedef struct detail {
     const char *name;
@@ -63,13 +63,13 @@ static settings parse(int argc, char **argv) {
     return set;
 }
 
-/* At this size, beside the way's own truth. */
-static void run_way(psplat_host *host, const contestant *c, const char *model, int size,
-                    int no_filter, const film *truth) {
-    film f = film_shoot(host, c->draw, c->self, size, no_filter, 1);
+/* Compares a method with its own truth at one size. */
+static void run_method(psplat_host *host, const draw_method *method, const char *model, int size,
+                       int no_filter, const film *truth) {
+    film f = film_shoot(host, method->draw, method->self, size, no_filter, 1);
     film_report r = film_compare(&f, truth), true_r = film_compare(truth, truth);
     printf("| %s | %d | %s%s | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f | %.3f |\n", model, size,
-           c->name, no_filter ? ", no filter" : "", 100 * r.inside.error,
+           method->name, no_filter ? ", no filter" : "", 100 * r.inside.error,
            100 * r.inside.squared_error, 100 * r.inside.flicker, 100 * r.inside.most_flicker,
            100 * r.outline.error, 100 * r.outline.flicker, r.covered / true_r.covered);
     fflush(stdout);
@@ -79,18 +79,18 @@ static void run_way(psplat_host *host, const contestant *c, const char *model, i
 static void run_model(psplat_host *host, const detail *d, const settings *set) {
     scene s = d->make();
     subject drawn = {.name = d->name, .asset = scene_open(&s)};
-    contestant ways[WAYS] = {contestant_splats(host, &drawn, 0),
-                             contestant_sprites(host, &drawn, 0),
-                             contestant_sprites_plane(host, &drawn, 0)};
+    draw_method methods[METHODS] = {draw_method_splats(host, &drawn, 0),
+                                    draw_method_sprites(host, &drawn, 0),
+                                    draw_method_sprites_plane(host, &drawn, 0)};
     for (int i = 0; i < set->size_count; ++i)
-        for (int way = 0; way < WAYS; ++way) {
-            const contestant *c = &ways[way];
-            film truth = film_shoot(host, c->draw, c->self, set->sizes[i], 1, set->finer);
-            run_way(host, c, d->name, set->sizes[i], 0, &truth);
-            if (way < 2) run_way(host, c, d->name, set->sizes[i], 1, &truth);
+        for (int k = 0; k < METHODS; ++k) {
+            const draw_method *method = &methods[k];
+            film truth = film_shoot(host, method->draw, method->self, set->sizes[i], 1, set->finer);
+            run_method(host, method, d->name, set->sizes[i], 0, &truth);
+            if (k < 2) run_method(host, method, d->name, set->sizes[i], 1, &truth);
             film_free(&truth);
         }
-    for (int way = 0; way < WAYS; ++way) contestant_destroy(&ways[way]);
+    for (int k = 0; k < METHODS; ++k) draw_method_destroy(&methods[k]);
     psplat_asset_destroy(drawn.asset);
     scene_free(&s);
 }

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * GL functions and programs of the benchmark; see gl.h. */
+ *
+ * bench_gl.c - GL functions and programs of the benchmark; see bench_gl.h.
+ */
 #include "bench_gl.h"
 
 #include <math.h>

@@ -25,7 +25,7 @@ enum {
     BENCH_SHADER_TYPE = 0x8B4F
 };
 
-/* X(return type, name without gl, parameters) */
+/* The entries are X(return type, name without gl, parameters). */
 #define BENCH_GL_FUNCTIONS(X)                                                                      \
     X(void, BeginQuery, (GLenum target, GLuint query))                                             \
     X(void, BufferData, (GLenum target, BENCH_intptr size, const void *data, GLenum usage))        \
@@ -50,12 +50,12 @@ typedef struct bench_gl {
 #undef BENCH_GL_MEMBER
 } bench_gl;
 
-/* Ends the program where a function is missing. The context is GL 3.3, whose timer queries are in
- * the core. */
+/* Loads the functions and ends the program where one is missing. The context is GL 3.3, whose core
+ * has timer queries. */
 void bench_gl_load(bench_gl *gl, void *(*get_proc)(void *user, const char *name), void *user);
 
-/* A program of GLSL 3.30; vertex and fragment follow library, which both get. Ends the program
- * with the compiler's message where it is refused. */
+/* Makes a program of GLSL 3.30. library precedes both vertex and fragment. Ends the program with
+ * the compiler's message where it refuses one. */
 GLuint bench_gl_program(const bench_gl *gl, const char *defines, const char *library,
                         const char *vertex, const char *fragment);
 

@@ -19,11 +19,11 @@
 #include <string.h>
 
 typedef struct trial {
-    scene s, truth; /* truth: count 0 where it is s */
+    scene s, truth; /* truth.count is 0 where the truth is s itself */
     psplat_view view, truth_view;
 } trial;
 
-/* From z = 5 against -z. */
+/* Looks from z = 5 along -z. */
 static trial trial_of(scene s) {
     trial t = {.s = s, .view = camera_view(160, 120)};
     t.view.lights[0].direction[0] = -1;
@@ -36,7 +36,7 @@ static trial ball(void) {
     return trial_of(scene_sphere(300, 1));
 }
 
-/* A white disc x before a red one, which should not show. */
+/* Makes a white disc x before a red one, which should not be visible. */
 static trial sheets(double x, float tolerance) {
     trial t = trial_of(scene_blank(2));
     t.s.has_color = 1;
@@ -58,7 +58,7 @@ static void see_from(trial *t, double distance) {
     camera_perspective(&t->view, 40 * distance, distance / 2, distance * 2);
 }
 
-/* ---- what is driven ---------------------------------------------------------------------------
+/* ---- what is varied ---------------------------------------------------------------------------
  */
 
 static trial at_origin_distance(double x) {
@@ -154,7 +154,7 @@ static trial with_gap(double x) {
 typedef struct quantity {
     const char *name, *unit;
     trial (*make)(double x);
-    double first, factor, last; /* no farther than that */
+    double first, factor, last; /* last: the farthest value tried */
 } quantity;
 
 static const quantity quantities[] = {
@@ -175,7 +175,7 @@ static const quantity quantities[] = {
 /* ---- measuring --------------------------------------------------------------------------------
  */
 
-/* Colours and coverage of the renderer. */
+/* Draws and returns the renderer's colours and coverage. */
 static float *draw(gpu *g, const psplat_asset *asset, const psplat_view *view) {
     psplat_error error;
     psplat_item item = {.model = NULL};

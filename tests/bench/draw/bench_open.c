@@ -54,7 +54,7 @@ static psplat_result read_file(void *user, const psplat_allocator *allocator, co
     return result;
 }
 
-/* GL functions have no user pointer. */
+/* The state is global, because GL functions have no user pointer. */
 static struct {
     bench_gl gl;
     double milliseconds;
@@ -141,7 +141,8 @@ static void run_rounds(psplat_renderer *renderer, const char *name, const char *
     }
 }
 
-/* From a file of its own; frees the bytes, NULL: there are none. */
+/* Writes the bytes to a file of their own, measures it and frees the bytes. bytes NULL: nothing
+ * happens. */
 static void run_bytes(psplat_renderer *renderer, const char *name, uint8_t *glb, size_t size,
                       size_t rounds) {
     char path[] = "/tmp/bench_open_XXXXXX";

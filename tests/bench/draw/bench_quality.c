@@ -43,23 +43,23 @@ static void fail(const char *what, const char *why) {
     exit(2);
 }
 
-static void print_cost(psplat_host *host, const subject *s, const contestant *splats,
-                       const contestant *mesh, const settings *set) {
+static void print_cost(psplat_host *host, const subject *s, const draw_method *splats,
+                       const draw_method *mesh, const settings *set) {
     const double direction[3] = {0.3, 0.4, 1};
     psplat_view view = subject_view(s, direction, set->size, 1);
-    contestant both[2] = {*splats, *mesh};
-    race_result results[2];
-    race_run(host, &view, both, 2, set->frames, 2, results);
+    draw_method both[2] = {*splats, *mesh};
+    timing_result results[2];
+    timing_run(host, &view, both, 2, set->frames, 2, results);
     printf(" %.1f | %.1f | %.2f |\n", results[0].frame.cpu, results[1].frame.cpu,
            results[0].frame.cpu / results[1].frame.cpu);
 }
 
 static void run_file(psplat_host *host, const char *path, const mesh *source,
-                     const contestant *mesh, const settings *set, record *r) {
+                     const draw_method *mesh, const settings *set, record *r) {
     subject s = subject_open(path);
-    memcpy(s.center, source->center, sizeof s.center); /* the same views for all files */
+    memcpy(s.center, source->center, sizeof s.center); /* so that all files have the same views */
     s.radius = source->radius;
-    contestant splats = contestant_splats(host, &s, 0);
+    draw_method splats = draw_method_splats(host, &s, 0);
     quality_reference reference = quality_draw_mesh(host, &s, mesh, set->size);
     printf("| %s | %zu |", s.name, s.splat_count);
     r->splats[r->count] = (double)s.splat_count;
@@ -73,11 +73,11 @@ static void run_file(psplat_host *host, const char *path, const mesh *source,
     print_cost(host, &s, &splats, mesh, set);
     fflush(stdout);
     quality_free(&reference);
-    contestant_destroy(&splats);
+    draw_method_destroy(&splats);
     subject_close(&s);
 }
 
-/* needed as quality_splats_for gives it. */
+/* Prints what quality_splats_for returned. */
 static void print_needed(double needed, const record *r, size_t file) {
     double last = r->splats[r->count - 1], shown = needed < 0 ? -needed : needed;
     const char *mark = needed > 0 ? "" : shown > 10 * last ? "> " : "~ ";
@@ -108,7 +108,7 @@ static int parse(int argc, char **argv, settings *set) {
         long value = strtol(argv[i + 1], NULL, 10);
         if (strcmp(argv[i], "--size") == 0 && value > 0 && value <= 8192)
             set->size = (int)value;
-        else if (strcmp(argv[i], "--frames") == 0 && value > 0 && value <= RACE_MAX_FRAMES)
+        else if (strcmp(argv[i], "--frames") == 0 && value > 0 && value <= TIMING_MAX_FRAMES)
             set->frames = (size_t)value;
         else
             fail(argv[i], "unknown, or its value out of range");
@@ -128,14 +128,14 @@ int main(int argc, char **argv) {
     probe_open(host);
     mesh source;
     mesh_read(argv[first], &source);
-    contestant drawn = contestant_mesh(host, &source);
+    draw_method drawn = draw_method_mesh(host, &source);
     printf("%s, %zu triangles; %s\n\n", argv[first], source.source.triangle_count,
            psplat_host_renderer(host));
     printf("| file | splats | phong | gaussian | flat | phong CPU ms | mesh CPU ms | of mesh |\n"
            "|---|--:|--:|--:|--:|--:|--:|--:|\n");
     for (int i = first + 1; i < argc; ++i) run_file(host, argv[i], &source, &drawn, &set, &r);
     print_equal(&r);
-    contestant_destroy(&drawn);
+    draw_method_destroy(&drawn);
     mesh_free(&source);
     probe_close();
     psplat_host_destroy(host);

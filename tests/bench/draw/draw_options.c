@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * The command line; see draw_options.h. */
+ *
+ * draw_options.c - the command line of bench_draw; see draw_options.h.
+ */
 #include "draw_options.h"
 
 #include "interleaved_timing.h"
@@ -49,7 +51,7 @@ static void refuse(const char *what, const char *value) {
     exit(2);
 }
 
-/* The number in front of a comma or the end, which *text is moved behind. */
+/* Reads the number in front of a comma or the end and moves *text behind it. */
 static long next_number(const char **text, long low, long high) {
     char *end = NULL;
     long value = strtol(*text, &end, 10);
@@ -116,9 +118,9 @@ static void parse_value(options *o, const char *name, const char *value) {
     } else if (strcmp(name, "--mesh") == 0) {
         o->mesh = value;
     } else if (strcmp(name, "--frames") == 0) {
-        o->frames = (size_t)number(value, 1, RACE_MAX_FRAMES);
+        o->frames = (size_t)number(value, 1, TIMING_MAX_FRAMES);
     } else if (strcmp(name, "--warm-up") == 0) {
-        o->warm_up = (size_t)number(value, 0, RACE_MAX_FRAMES);
+        o->warm_up = (size_t)number(value, 0, TIMING_MAX_FRAMES);
     } else {
         refuse("unknown option:", name);
     }

@@ -18,12 +18,13 @@ typedef struct options {
     psplat_shading shading;
     int no_filter, lights, csv, hardware;
     size_t frames, warm_up;
-    const char *mesh;         /* NULL: none */
-    const char *const *files; /* of argv */
+    const char *mesh;         /* or NULL */
+    const char *const *files; /* in argv */
     size_t file_count;
 } options;
 
-/* Prints the usage and ends the program where something is wrong or --help is asked for. */
+/* Parses the command line. Prints the usage and ends the program where something is wrong or --help
+ * is given. */
 options options_parse(int argc, char **argv);
 
 const char *options_mode_name(psplat_mode mode);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The renderer itself, and the lower bound of drawing with its primitives (probe.h).
+ * draw_splats.c - the draw methods of the renderer itself and of the lower bound of drawing its
+ * primitives (probe.h).
  */
 #include "draw_method.h"
 #include "probe.h"
@@ -33,7 +34,7 @@ static void destroy(void *self) {
     free(s);
 }
 
-contestant contestant_splats(psplat_host *host, const subject *subject, unsigned options) {
+draw_method draw_method_splats(psplat_host *host, const subject *subject, unsigned options) {
     splats *s = calloc(1, sizeof *s);
     if (!s) abort();
     psplat_error error;
@@ -41,10 +42,10 @@ contestant contestant_splats(psplat_host *host, const subject *subject, unsigned
     check(psplat_renderer_create(&desc, &s->renderer, &error), &error);
     check(psplat_model_create(s->renderer, subject->asset, &s->model, &error), &error);
     const char *name = options & PROBE_BOUND ? "lower bound" : "ours";
-    return (contestant){name, draw, destroy, s, options};
+    return (draw_method){name, draw, destroy, s, options};
 }
 
-void contestant_destroy(contestant *c) {
-    if (c->destroy) c->destroy(c->self);
-    *c = (contestant){0};
+void draw_method_destroy(draw_method *method) {
+    if (method->destroy) method->destroy(method->self);
+    *method = (draw_method){0};
 }

@@ -1,33 +1,33 @@
 /* SPDX-License-Identifier: MIT
  *
- * interleaved_timing.h - frames of several contestants in turn, so that what else the machine does
- * falls on all alike, and the medians of what they took.
+ * interleaved_timing.h - interleaved timing of draw methods: their frames are drawn in turn, so
+ * that whatever else the machine does slows all of them alike. The results are medians.
  */
-#ifndef PHONGSPLAT_BENCH_RACE_H
-#define PHONGSPLAT_BENCH_RACE_H
+#ifndef PHONGSPLAT_BENCH_INTERLEAVED_TIMING_H
+#define PHONGSPLAT_BENCH_INTERLEAVED_TIMING_H
 
 #include "draw_method.h"
 #include "probe.h"
 
-enum { RACE_MAX_FRAMES = 1000, RACE_MAX_CONTESTANTS = 8 };
+enum { TIMING_MAX_FRAMES = 1000, TIMING_MAX_METHODS = 8 };
 
-/* Milliseconds. A frame starts with clearing the host's framebuffer and ends when all is drawn.
- * Passes are of frames of their own, since finishing each takes time. */
-typedef struct race_result {
+/* Times in milliseconds. A frame starts with clearing the host's framebuffer and ends when all is
+ * drawn. Passes are timed in frames of their own, since finishing each of them takes time. */
+typedef struct timing_result {
     instant frame;
     instant passes[PROBE_PASS_COUNT];
     double gpu[PROBE_PASS_COUNT];
-} race_result;
+} timing_result;
 
-/* frames 1 ... RACE_MAX_FRAMES of each kind, after warm_up others. */
-void race_run(psplat_host *host, const psplat_view *view, const contestant *contestants,
-              size_t count, size_t frames, size_t warm_up, race_result *results);
+/* Times 1 to TIMING_MAX_FRAMES frames of each kind, after warm_up others. */
+void timing_run(psplat_host *host, const psplat_view *view, const draw_method *methods,
+                size_t count, size_t frames, size_t warm_up, timing_result *results);
 
-/* Draws one frame; returns what the probe saw. */
-probe_report race_frame(psplat_host *host, const psplat_view *view, const contestant *c,
-                        unsigned options);
+/* Draws one frame and returns what the probe measured. */
+probe_report timing_frame(psplat_host *host, const psplat_view *view, const draw_method *method,
+                          unsigned options);
 
-/* Pixels of the last frame that are not as they were cleared. */
-double race_covered(psplat_host *host, const psplat_view *view);
+/* Returns the number of pixels of the last frame that differ from the cleared ones. */
+double timing_covered(psplat_host *host, const psplat_view *view);
 
 #endif

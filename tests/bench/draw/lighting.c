@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Uniforms of the benchmark's own programs; see lighting.h. */
+ *
+ * lighting.c - uniforms of the benchmark's own programs; see lighting.h.
+ */
 #include "lighting.h"
 
 #include <math.h>

@@ -9,14 +9,14 @@
 
 #include <phongsplat/phongsplat.h>
 
-/* Of the current program. model is the transform to scene space. */
+/* Sets the matrices of the current program. model is the transform to scene space. */
 void lighting_place(const bench_gl *gl, GLuint program, const psplat_view *view,
                     const double model[16]);
-/* Lights and material; the view's lights must be directional. */
+/* Sets lights and material; the view's lights must be directional. */
 void lighting_light(const bench_gl *gl, GLuint program, const psplat_view *view,
                     const psplat_material *material);
-/* u_ray: times (pixel x, y, 1) the ray through the pixel in eye space, z = -1. The projection is a
- * perspective one. */
+/* Sets u_ray, which times (pixel x, y, 1) gives the ray through the pixel in eye space, with z =
+ * -1. The projection must be a perspective one. */
 void lighting_ray(const bench_gl *gl, GLuint program, const psplat_view *view);
 
 int lighting_two_sided(const psplat_view *view, const psplat_material *material);

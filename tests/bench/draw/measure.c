@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Clocks and medians; see measure.h. */
+ *
+ * measure.c - clocks and medians; see measure.h.
+ */
 #include "measure.h"
 
 #include <stdlib.h>

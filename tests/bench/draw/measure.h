@@ -7,9 +7,9 @@
 
 #include <stddef.h>
 
-/* Milliseconds since some moment: of processor time that all threads of this process took, and of
- * the wall clock. Software GL draws with as many threads as there are cores, so that the first says
- * what a frame costs and the second how long it takes on an idle machine. */
+/* Milliseconds since an arbitrary moment: cpu is the processor time of all threads of this process,
+ * wall the time of the wall clock. Software GL draws with as many threads as there are cores, so
+ * that the first says what a frame costs and the second how long it takes on an idle machine. */
 typedef struct instant {
     double cpu, wall;
 } instant;
@@ -18,7 +18,7 @@ instant measure_now(void);
 instant measure_since(instant start);
 void measure_add(instant *sum, instant more);
 
-/* Reorders the values; 0 where there are none. */
+/* Returns the median and reorders the values. Returns 0 where there are none. */
 double measure_median(double *values, size_t count);
 
 #endif

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * The probe; see probe.h. */
+ *
+ * probe.c - a GL loader that times passes and counts fragments; see probe.h.
+ */
 #include "probe.h"
 
 #include <string.h>
@@ -9,13 +11,13 @@ enum { MAX_SPANS = 64 };
 static struct {
     bench_gl gl; /* the host's own functions */
     unsigned options;
-    GLint framebuffer; /* the host's */
-    GLuint wanted;     /* by the renderer: what it bound last */
-    GLboolean colors;  /* of glColorMask */
+    GLint framebuffer; /* that of the host */
+    GLuint wanted;     /* the framebuffer that the renderer bound last */
+    GLboolean colors;  /* the last glColorMask */
     probe_pass pass;
     instant start;
     GLuint timers[MAX_SPANS], counters[MAX_SPANS];
-    probe_pass spans[MAX_SPANS]; /* pass of each timer and counter in use */
+    probe_pass spans[MAX_SPANS]; /* the pass of each timer and counter in use */
     size_t span_count;
     probe_report report;
 } probe;

@@ -37,19 +37,21 @@ enum { PROBE_PASSES = 1, PROBE_FRAGMENTS = 2, PROBE_BOUND = 4, PROBE_GENERATED =
 
 typedef struct probe_report {
     instant passes[PROBE_PASS_COUNT]; /* with PASSES */
-    double gpu[PROBE_PASS_COUNT];     /* with PASSES: milliseconds by timer queries; 0: none */
-    double fragments;                 /* with FRAGMENTS */
+    /* With PASSES: milliseconds by timer queries; 0: not measured. */
+    double gpu[PROBE_PASS_COUNT];
+    double fragments; /* with FRAGMENTS */
 } probe_report;
 
-/* Loads the functions that the probe itself calls; the host's context is current. */
+/* Loads the functions that the probe itself calls. The host's context must be current. */
 void probe_open(psplat_host *host);
 void probe_close(void);
 
-/* Loader to hand to a renderer; user is the host. Programs that were made while BOUND was set keep
- * their constant shaders. */
+/* A loader to hand to a renderer; user is the host. Programs that were made while BOUND was set
+ * keep their constant shaders. */
 void *probe_get_proc(void *user, const char *name);
 
-/* Around a frame, with the host's framebuffer bound. end waits until all is drawn. */
+/* These two enclose a frame, with the host's framebuffer bound. probe_end waits until all is
+ * drawn. */
 void probe_begin(unsigned options);
 probe_report probe_end(void);
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Images compared; see quality.h. */
+ *
+ * quality.c - compares images of splats with images of their mesh; see quality.h.
+ */
 #include "quality.h"
 
 #include "interleaved_timing.h"
@@ -13,12 +15,12 @@ enum { VIEWS = 6 };
 static const double directions[VIEWS][3] = {{0.3, 0.4, 1},  {-0.4, 0.3, -1}, {1, 0.3, -0.2},
                                             {-1, 0.2, 0.4}, {0.2, 1, 0.3},   {-0.3, -1, 0.2}};
 
-static void draw(psplat_host *host, const subject *s, const contestant *c, psplat_mode mode,
+static void draw(psplat_host *host, const subject *s, const draw_method *method, psplat_mode mode,
                  int size, int direction, uint8_t *image) {
     psplat_view view = subject_view(s, directions[direction], size, 1);
     psplat_error error;
     view.mode = mode;
-    race_frame(host, &view, c, 0);
+    timing_frame(host, &view, method, 0);
     if (!psplat_host_read_rgba8(host, image, &error)) return;
     fprintf(stderr, "bench: %s\n", error.text);
     exit(1);
@@ -31,7 +33,7 @@ static uint8_t *allocate(size_t size) {
     exit(1);
 }
 
-quality_reference quality_draw_mesh(psplat_host *host, const subject *s, const contestant *mesh,
+quality_reference quality_draw_mesh(psplat_host *host, const subject *s, const draw_method *mesh,
                                     int size) {
     size_t bytes = 4 * (size_t)size * (size_t)size;
     quality_reference reference = {allocate(VIEWS * bytes), size};
@@ -62,7 +64,7 @@ static void compare(const uint8_t *a, const uint8_t *b, size_t pixels, sums *sum
     }
 }
 
-quality quality_measure(psplat_host *host, const subject *s, const contestant *splats,
+quality quality_measure(psplat_host *host, const subject *s, const draw_method *splats,
                         psplat_mode mode, const quality_reference *reference) {
     const double white = 3 * 255;
     size_t pixels = (size_t)reference->size * (size_t)reference->size;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * quality.h - how far images of splats are from images of the mesh that they were made from.
+ * quality.h - measures how far images of splats are from images of the mesh that they were made
+ * from.
  */
 #ifndef PHONGSPLAT_BENCH_QUALITY_H
 #define PHONGSPLAT_BENCH_QUALITY_H
@@ -9,26 +10,27 @@
 
 /* Mean absolute differences of sRGB-encoded channels, in percent of white. */
 typedef struct quality {
-    double image;   /* of pixels that either covers, the other's being black there */
-    double shading; /* of pixels that both cover */
-    double covered; /* the former's share of the image, percent */
+    double image;   /* over pixels that either covers; the other is black there */
+    double shading; /* over pixels that both cover */
+    double covered; /* pixels that either covers, in percent of the image */
 } quality;
 
 /* The mesh's images of a subject from six fixed directions, size x size pixels each. */
 typedef struct quality_reference {
-    uint8_t *images; /* malloc */
+    uint8_t *images; /* allocated with malloc */
     int size;
 } quality_reference;
 
-quality_reference quality_draw_mesh(psplat_host *host, const subject *s, const contestant *mesh,
+quality_reference quality_draw_mesh(psplat_host *host, const subject *s, const draw_method *mesh,
                                     int size);
 void quality_free(quality_reference *reference);
 
-quality quality_measure(psplat_host *host, const subject *s, const contestant *splats,
+quality quality_measure(psplat_host *host, const subject *s, const draw_method *splats,
                         psplat_mode mode, const quality_reference *reference);
 
-/* Splats that reach the error by a row of (splats, error) in order of splats: interpolated between
- * logarithms, on the last segment's line beyond the last, negative then. 0: there is no telling. */
+/* Returns the splats that reach an error, from a row of (splats, error) in order of splats. It
+ * interpolates between logarithms. Beyond the last point it continues the last segment's line and
+ * returns the negative number. It returns 0 where that is impossible. */
 double quality_splats_for(double error, const double *splats, const double *errors, size_t count);
 
 #endif

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * The source mesh as a contestant; see mesh.h. */
+ *
+ * source_drawing.c - the draw method of the source mesh; see source_drawing.h.
+ */
 #include "source_drawing.h"
 
 #include "compare/source_mesh.h"
@@ -42,10 +44,10 @@ static void destroy(void *self) {
     psplat_mesh_renderer_destroy(self);
 }
 
-contestant contestant_mesh(psplat_host *host, const mesh *m) {
+draw_method draw_method_mesh(psplat_host *host, const mesh *m) {
     const psplat_mesh_renderer_desc desc = {probe_get_proc, host, m->original};
     psplat_mesh_renderer *facets = NULL;
     psplat_error error;
     require(psplat_mesh_renderer_create(&desc, &facets, &error), "mesh", &error);
-    return (contestant){"mesh", draw, destroy, facets, 0};
+    return (draw_method){"mesh", draw, destroy, facets, 0};
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * source_drawing.h - the mesh that a model was made from, drawn as indexed triangles and lit per
- * pixel. Only where the converter is built.
+ * pixel. It is built only together with the converter.
  */
 #ifndef PHONGSPLAT_BENCH_MESH_H
 #define PHONGSPLAT_BENCH_MESH_H
@@ -14,16 +14,17 @@
 
 typedef struct mesh {
     psplat_mesh source;
-    psplat_source_mesh *original; /* of source, which must not move */
-    double center[3], radius;     /* of a ball around it, scene space */
+    psplat_source_mesh *original; /* made from source, which must not move */
+    double center[3], radius;     /* of a sphere around it, in scene space */
 } mesh;
 
-/* Reads any file that the converter takes, with the normals that it would give it. Ends the program
- * with a message where that fails. */
+/* Reads any file that the converter takes, with the normals that the converter would give it. Ends
+ * the program with a message where that fails. */
 void mesh_read(const char *path, mesh *m);
 void mesh_free(mesh *m);
 
-/* Sides and lights as the view and the material say, always phong and lit. */
-contestant contestant_mesh(psplat_host *host, const mesh *m);
+/* Returns the draw method. Sides and lights follow the view and the material; the mode is always
+ * phong and lit. */
+draw_method draw_method_mesh(psplat_host *host, const mesh *m);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The papers' own method (BSK04 section 4, BHZK05 sections 3 to 5): a point sprite a splat, a ray
- * cast a fragment, depth replacement; three passes, two float targets. Not supported: what a sprite
- * cannot (splats larger than the largest point, splats whose centre is outside the view), several
- * materials, orthographic views.
+ * sprites.c - the papers' own method (BSK04 section 4, BHZK05 sections 3 to 5): a point sprite for
+ * each splat, a ray cast for each fragment, and replaced depths, in three passes with two float
+ * targets. It does not support splats larger than the largest point, splats whose centre is outside
+ * the view, several materials and orthographic views.
  */
 #include "bench_shaders.h"
 #include "draw_method.h"
@@ -17,7 +17,7 @@
 
 enum { ATTRIBUTES = 9 };
 
-/* Seven vec3 and two vec4. */
+/* Vertex attributes: seven vec3 and two vec4. */
 typedef struct vertex {
     float center[3], u[3], v[3], field[4], color[4], clip[PSPLAT_MAX_CLIP_LINES][3];
 } vertex;
@@ -31,11 +31,12 @@ typedef struct sprites {
     bench_gl gl;
     group *groups;
     size_t group_count;
-    GLuint programs[2][PSPLAT_MAX_CLIP_LINES + 1][2][2]; /* visibility, clip lines, filter, power */
-    GLuint resolve, screen;                              /* screen: an empty vertex array */
-    GLuint framebuffer, textures[3];                     /* normals, colours, depth */
+    /* By visibility, clip lines, filter, power. */
+    GLuint programs[2][PSPLAT_MAX_CLIP_LINES + 1][2][2];
+    GLuint resolve, screen;          /* screen: an empty vertex array */
+    GLuint framebuffer, textures[3]; /* textures: normals, colours, depth */
     int width, height;
-    int filter; /* FILTER of sprite.frag, where the view has one */
+    int filter; /* FILTER of sprite.frag, used where the view filters */
 } sprites;
 
 /* ---- vertices -------------------------------------------------------------------------------- */
@@ -249,10 +250,10 @@ static sprites *make(psplat_host *host, const subject *subject, int filter) {
     return s;
 }
 
-contestant contestant_sprites(psplat_host *host, const subject *subject, unsigned options) {
-    return (contestant){"sprites", draw, destroy, make(host, subject, 1), options};
+draw_method draw_method_sprites(psplat_host *host, const subject *subject, unsigned options) {
+    return (draw_method){"sprites", draw, destroy, make(host, subject, 1), options};
 }
 
-contestant contestant_sprites_plane(psplat_host *host, const subject *subject, unsigned options) {
-    return (contestant){"sprites, plane's depth", draw, destroy, make(host, subject, 2), options};
+draw_method draw_method_sprites_plane(psplat_host *host, const subject *subject, unsigned options) {
+    return (draw_method){"sprites, plane's depth", draw, destroy, make(host, subject, 2), options};
 }

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Subjects and views; see subject.h. */
+ *
+ * subject.c - subjects and views; see subject.h.
+ */
 #include "subject.h"
 
 #include "reference_view.h"
@@ -13,7 +15,7 @@
 /* ---- the sphere ------------------------------------------------------------------------------ */
 
 typedef struct place {
-    uint32_t code; /* of the cell on the Morton curve */
+    uint32_t code; /* the cell's place on the Morton curve */
     uint32_t index;
 } place;
 
@@ -56,7 +58,7 @@ static void place_center(const psplat_batch *batch, size_t splat, double out[3])
     }
 }
 
-/* A function of each centre in turn. */
+/* Calls a function with each centre in turn. */
 static void for_each_center(subject *s, void (*use)(subject *s, const double center[3])) {
     for (size_t i = 0; i < psplat_asset_batch_count(s->asset); ++i) {
         const psplat_batch *batch = psplat_asset_batch(s->asset, i);
@@ -82,7 +84,8 @@ static void enlarge_ball(subject *s, const double center[3]) {
     s->radius = fmax(s->radius, sqrt(square));
 }
 
-/* The asset's own bounds are those of whole ellipses, which clip lines may cut to a small part. */
+/* The asset's own bounds enclose whole ellipses, of which clip lines may leave only a small part;
+ * the centres are used instead. */
 static subject describe(const char *name, psplat_asset *asset) {
     subject s = {.name = name, .asset = asset};
     for_each_center(&s, enlarge_box);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Tables; see table.h. */
+ *
+ * table.c - tables of measurements; see table.h.
+ */
 #include "table.h"
 
 #include <stdio.h>
@@ -31,7 +33,7 @@ void table_head(const options *o, psplat_host *host) {
 }
 
 static void print_csv(const table_row *row) {
-    const race_result *r = row->result;
+    const timing_result *r = row->result;
     printf("%s,%zu,%d,%s,%s,%.3f,%.3f", row->subject, row->splats, row->size,
            options_mode_name(row->mode), row->who, r->frame.cpu, r->frame.wall);
     for (int i = 0; i < PROBE_PASS_COUNT; ++i)
@@ -46,8 +48,8 @@ static void print_count(double value) {
         printf(" |");
 }
 
-/* What draws into the host's framebuffer alone has but one. */
-static void print_passes(const options *o, const race_result *r) {
+/* A method that draws only into the host's framebuffer has a single pass. */
+static void print_passes(const options *o, const timing_result *r) {
     int last = r->passes[PROBE_ATTRIBUTES].cpu > 0 ? PROBE_RESOLVE : PROBE_CLEAR;
     for (int i = 0; i <= last; ++i) {
         printf("%s%.1f", i ? ", " : " ", r->passes[i].cpu);
@@ -57,7 +59,7 @@ static void print_passes(const options *o, const race_result *r) {
 }
 
 void table_print(const options *o, const table_row *row) {
-    const race_result *r = row->result;
+    const timing_result *r = row->result;
     if (o->csv) {
         print_csv(row);
         return;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * table.h - what was measured, as a table for people (Markdown) or as comma-separated values.
+ * table.h - measurements printed as a table for people (Markdown) or as comma-separated values.
  */
 #ifndef PHONGSPLAT_BENCH_TABLE_H
 #define PHONGSPLAT_BENCH_TABLE_H
@@ -14,9 +14,9 @@ typedef struct table_row {
     int size;
     psplat_mode mode;
     const char *who;
-    const race_result *result;
-    double generated, blended; /* fragments a covered pixel; 0: not counted */
-    double ratio;              /* CPU time of ours over its; 0: none */
+    const timing_result *result;
+    double generated, blended; /* fragments per covered pixel; 0: not counted */
+    double ratio;              /* CPU time of ours divided by that of this method; 0: not known */
 } table_row;
 
 void table_head(const options *o, psplat_host *host);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * A sphere as integers; see table_rows.h. */
+ *
+ * table_rows.c - a sphere of splats as integers; see table_rows.h.
+ */
 #include "table_rows.h"
 
 #include <math.h>
@@ -13,12 +15,12 @@
 enum { RADIUS = 32767, HEAD = 4096 };
 
 typedef struct row {
-    uint16_t position[4]; /* and padding */
+    uint16_t position[4]; /* the fourth is padding */
     int8_t normal[3];
     uint8_t turn;
     uint8_t scale[2];
     int8_t tilt[2];
-    int8_t field[4]; /* and padding */
+    int8_t field[4]; /* the fourth is padding */
 } row;
 
 static void *allocate(size_t size) {
@@ -30,8 +32,8 @@ static void *allocate(size_t size) {
 
 /* ---- splats ---------------------------------------------------------------------------------- */
 
-/* As scene_sphere places them; every third by a step larger or tilted, as no two of a conversion
- * are alike. */
+/* Places splats as scene_sphere does. Every third is larger or tilted by a step, because no two
+ * splats of a conversion are alike. */
 static row row_of(size_t i, size_t count) {
     const double golden_angle = 2.399963229728653;
     double z = 1 - (2 * (double)i + 1) / (double)count, ring = sqrt(1 - z * z);
@@ -46,7 +48,7 @@ static row row_of(size_t i, size_t count) {
     return r;
 }
 
-/* Bits of x, y and z in turn, the highest first. */
+/* Interleaves the bits of x, y and z, the highest first (Morton order). */
 static uint64_t place_of(const row *r) {
     uint64_t place = 0;
     for (int bit = 15; bit >= 0; --bit)
@@ -91,7 +93,7 @@ static char *put_accessors(char *out, size_t count) {
     return out;
 }
 
-/* size: of the view's bytes in the file. */
+/* size is the number of bytes that the view takes in the file. */
 static char *put_view(char *out, size_t count, size_t size, int is_compressed) {
     size_t all = count * sizeof(row);
     if (!is_compressed)
@@ -108,7 +110,7 @@ static char *put_view(char *out, size_t count, size_t size, int is_compressed) {
                          all, size, count, size, all);
 }
 
-/* The JSON, padded to four bytes. */
+/* Writes the JSON, padded to four bytes. */
 static size_t put_head(char *out, size_t count, const int extent[3], size_t size,
                        int is_compressed) {
     char *start = out;

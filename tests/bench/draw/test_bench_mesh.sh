@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# Benchmarks beside a mesh: a row for each contestant, and images in which splats of a smooth model come
-# nearer to the mesh than those of the other modes do: lights, cameras and materials agree.
+# Tests the benchmarks that draw a mesh, too: they print a row for each draw method, and phong splats of a smooth model come
+# nearer to the mesh's image than the other modes do, so that lights, cameras and materials must agree.
 . "$SOURCE_DIR/tests/support/cli.sh"
 torus=$SOURCE_DIR/samples/models/torus.off
 run "$PHONGSPLAT" convert "$torus" torus.glb -t 2
@@ -13,7 +13,7 @@ for who in ours "lower bound" sprites mesh; do expect_output "torus.glb .* phong
 run "$BENCH_QUALITY" --size 256 --frames 1 "$torus" torus.glb
 expect_success
 expect_output '^\| torus.glb \|'
-# Measured: 4.4, 8.7 and 11.5 % inside the outline. 6 % is what phong would have of a wrong light or normal.
+# The errors inside the outline were measured as 4.4, 8.7 and 11.5 %. A wrong light or normal gives phong 6 %.
 sed -n 's/^| torus.glb .*(\(.*\)) .*(\(.*\)) .*(\(.*\)) .*/\1 \2 \3/p' stdout.txt >errors.txt
 awk '{ if (NF != 3 || !($1 < 6 && $1 * 1.5 < $2 && $2 < $3)) exit 1 }' errors.txt ||
     fail "errors of phong, gaussian, flat: $(cat errors.txt)"

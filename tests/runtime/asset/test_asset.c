@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * What the reader makes of good files: every value, in every form glTF allows. */
+ *
+ * test_asset.c - tests what the asset reader makes of good files: every value, in every form that
+ * glTF allows. Files come from the writer and from the bundled document with changed attributes,
+ * nodes and buffers; expected values are those written, or follow from the glTF specification.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +33,8 @@ static void assert_floats(const float *found, const float *expected, size_t coun
             fail_msg("value %zu: %.9g, expected %.9g", i, (double)found[i], (double)expected[i]);
 }
 
-/* Bit by bit but for the colour, which is stored with 16 bits: half a step of error. */
+/* All values are equal bit by bit except the colour, which is stored with 16 bits: its tolerance is
+ * half a step. */
 static void assert_splat(const psplat_splat *found, const psplat_splat *expected) {
     assert_memory_equal(found->center, expected->center, sizeof found->center);
     assert_memory_equal(found->rotation, expected->rotation, sizeof found->rotation);
@@ -43,7 +48,8 @@ static void assert_splat(const psplat_splat *found, const psplat_splat *expected
 
 static void test_round_trip(void **state) {
     (void)state;
-    enum { EACH = 200 }; /* of fewer splats the writer gives some more lines, to save a batch */
+    /* With fewer splats the writer would merge batches by giving some splats more lines. */
+    enum { EACH = 200 };
     scene s = scene_ellipses(5 * EACH, 4, 11);
     s.kernel = (psplat_kernel){1.25f, 3.7f};
     s.depth_tolerance = 0.1f;
@@ -100,7 +106,8 @@ static void test_writes_are_equal(void **state) {
     scene_free(&s);
 }
 
-/* An ellipse of radii 3 and 1 turned by 30 degrees about z reaches hypot(3 cos, sin) along x. */
+/* An ellipse of radii 3 and 1 that is turned by 30 degrees about z reaches hypot(3 cos, sin) along
+ * x. */
 static void test_bounds(void **state) {
     (void)state;
     scene s = scene_disc(1);
@@ -115,7 +122,7 @@ static void test_bounds(void **state) {
     psplat_asset_bounds(asset, min, max);
     for (int i = 0; i < 3; ++i) {
         double center = i == 2 ? 5 : 0, origin = i == 0 ? 100 : 0;
-        /* The rotation has float precision: 1e-6 on a reach of 3. Boxes never cut. */
+        /* The rotation has float precision: 1e-6 for an extent of 3. Boxes are never too small. */
         assert_true(fabs((double)batch->bounds_max[i] - (center + reach[i])) < 1e-6);
         assert_true(fabs((double)batch->bounds_min[i] - (center - reach[i])) < 1e-6);
         assert_true(fabs(max[i] - (origin + (double)batch->bounds_max[i])) < 1e-12);
@@ -165,7 +172,7 @@ static void test_names_without_underscore(void **state) {
     free(text);
 }
 
-/* Data URIs of any media type, with escaped slashes, and without padding. */
+/* Data URIs may have any media type, escaped slashes, and no padding. */
 static void test_data_uris(void **state) {
     (void)state;
     char *text = document_minimal(PSPLAT_SOURCE_DIR);
@@ -180,8 +187,7 @@ static void test_data_uris(void **state) {
 
 /* ---- other forms of attributes ------------------------------------------------------------ */
 
-/* One splat in a document of its own; each test gives the buffer's bytes in hexadecimal base64 and
- * the accessors. */
+/* Makes a document of one splat; each test gives the buffer's bytes in base64 and the accessors. */
 static char *one_splat(const char *attributes, const char *accessors, const char *base64,
                        int stride) {
     static const char format[] =
@@ -208,7 +214,8 @@ static void put_base64(const uint8_t *bytes, size_t size, char *out) {
     *out = 0;
 }
 
-/* Position and scale as floats, rotation as four signed bytes or shorts, colour as bytes. */
+/* Stores position and scale as floats, the rotation as four signed bytes or shorts, and the colour
+ * as bytes. */
 static void check_quantised(int rotation_type, const int rotation[4], const float expected[4]) {
     uint8_t bytes[54] = {0};
     char base64[80], accessors[1024];
@@ -243,7 +250,7 @@ static void check_quantised(int rotation_type, const int rotation[4], const floa
     psplat_asset *asset = open_text(text, NULL);
     const psplat_batch *batch = psplat_asset_batch(asset, 0);
     static const float color_expected[4] = {1, 0, 0.2f, 0.4f};
-    assert_floats(batch->splats[0].rotation, expected, 4, 1e-6f); /* float rounding */
+    assert_floats(batch->splats[0].rotation, expected, 4, 1e-6f); /* 1e-6: float rounding */
     assert_floats(batch->splats[0].color, color_expected, 4, 1e-7f);
     assert_true(batch->material.metallic == 1 && batch->material.roughness == 1);
     assert_int_equal(batch->has_color, 1);
@@ -253,8 +260,8 @@ static void check_quantised(int rotation_type, const int rotation[4], const floa
 
 static void test_quantised(void **state) {
     (void)state;
-    /* A quarter turn about z; (90, 90)/127 has length 1.0022 and is normalised. -128 reads as -1.
-     */
+    /* The rotation is a quarter turn about z; (90, 90)/127 has length 1.0022 and is normalised.
+     * -128 reads as -1. */
     check_quantised(5120, (int[]){0, 0, 90, 90}, (float[]){0, 0, 0.70710678f, 0.70710678f});
     check_quantised(5120, (int[]){0, 0, 0, -128}, (float[]){0, 0, 0, -1});
     check_quantised(5122, (int[]){0, 0, 19660, 26214},
@@ -286,7 +293,8 @@ static psplat_asset *open_with_nodes(const char *nodes_and_scenes) {
     return asset;
 }
 
-/* Translation, a quarter turn about z and a scale above a matrix that mirrors x. */
+/* A node with a translation, a quarter turn about z and a scale has a child whose matrix mirrors
+ * x. */
 static void test_node_transforms(void **state) {
     (void)state;
     psplat_asset *asset = open_with_nodes(
@@ -300,7 +308,8 @@ static void test_node_transforms(void **state) {
     psplat_asset_destroy(asset);
 }
 
-/* Instances share splats and primitive numbers, and come unclipped first, each in its place. */
+/* Instances share splats and primitive numbers. They come unclipped ones first, each in its
+ * place. */
 static void test_instances(void **state) {
     (void)state;
     psplat_asset *asset = open_with_nodes(
@@ -317,7 +326,7 @@ static void test_instances(void **state) {
     psplat_asset_destroy(asset);
 }
 
-/* Without scenes all roots are shown; of several scenes without "scene" the first. */
+/* Without scenes all roots are shown; of several scenes without "scene" the first one is. */
 static void test_scene_choice(void **state) {
     (void)state;
     psplat_asset *asset = open_with_nodes("\"nodes\":[{\"mesh\":0},{\"mesh\":0}]");
@@ -329,7 +338,7 @@ static void test_scene_choice(void **state) {
     psplat_asset_destroy(asset);
 }
 
-/* A chain of nodes much deeper than any stack: each moves its child by 1. */
+/* A chain of nodes is much deeper than any stack; each node moves its child by 1. */
 static void test_deep_nodes(void **state) {
     (void)state;
     enum { DEPTH = 50000 };
@@ -379,7 +388,7 @@ static size_t decode_base64(const char *digits, uint8_t *out) {
     return size;
 }
 
-/* The bundled document with its bytes in a file of the given URI. */
+/* Puts the bytes of the bundled document into a file of the given URI. */
 static char *externalise(const char *uri, uint8_t bytes[512], size_t *size) {
     char *text = document_minimal(PSPLAT_SOURCE_DIR), quoted[256];
     char *start = text + document_find(text, "data:");
@@ -405,7 +414,7 @@ static void test_external_buffer(void **state) {
     free(text);
 }
 
-/* Through stdio, beside the .gltf. */
+/* Opens files through stdio; the buffer lies beside the .gltf. */
 static void test_files_on_disk(void **state) {
     (void)state;
     static const char gltf[] = PSPLAT_BINARY_DIR "/test_asset.gltf";

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Files with EXT_meshopt_compression: what comes out is what went in; what is damaged is refused,
- * and what announces too much, before memory is asked for. */
+ *
+ * test_asset_compressed.c - tests files with EXT_meshopt_compression: the values that come out are
+ * those that went in, damaged files are refused, and files that announce too much are refused
+ * before memory is requested.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +21,7 @@
 
 enum { COUNT = 40 };
 
-/* Splats that differ in everything, all of it integers but for radii. */
+/* Splats that differ in every value. All values are integers except the radii. */
 typedef struct sample {
     double positions[3 * COUNT], normals[3 * COUNT], rotations[4 * COUNT], radii[2 * COUNT];
     char extension[200];
@@ -87,9 +90,10 @@ static void check_splats(const psplat_asset *asset, const sample *s) {
             assert_true((double)splat->center[k] == s->positions[3 * i + k]);
             assert_near((double)splat->normal[k], s->normals[3 * i + k], 1e-6);
         }
-        for (size_t k = 0; k < 4; ++k) /* the filter keeps 15 bits of the three smaller ones */
+        /* The filter keeps 15 bits of the three smaller components. */
+        for (size_t k = 0; k < 4; ++k)
             assert_near(sign * (double)splat->rotation[k], s->rotations[4 * i + k], 1e-4);
-        for (size_t k = 0; k < 2; ++k) /* and 14 of radii up to 44 */
+        for (size_t k = 0; k < 2; ++k) /* and 14 bits of radii up to 44 */
             assert_near((double)splat->radius[k], s->radii[2 * i + k], 64.0 / 16384);
     }
 }
@@ -105,8 +109,9 @@ static void test_filters(void **state) {
     free(s);
 }
 
-/* What attributes take adds up to what is there, but for a byte at the beginning of each stream and
- * its tail of 32; zeros take a 64th, noise all there is and a 32nd. */
+/* The sizes of the attributes add up to the size of the file's streams, except for a byte at the
+ * beginning of each stream and its tail of 32 bytes. Zeros take a 64th of their size, noise all of
+ * it and a 32nd more. */
 static void test_sizes(void **state) {
     (void)state;
     enum { REPEATED = 20 * COUNT }; /* several blocks of the format */
@@ -130,20 +135,21 @@ static void test_sizes(void **state) {
                                 &buffer, &offset, &length),
                          3);
         ++at;
-        /* Bytes of padding are in the stream but not in the attribute: two planes of zeros at
-         * most. */
+        /* Bytes of padding are in the stream but not in the attribute: they take two planes of
+         * zeros at most. */
         assert_in_range(attributes[i].stored + 33, length - 2 * (REPEATED / 64 + 1), length);
         assert_true(attributes[i].is_compressed);
     }
     assert_int_equal(attributes[0].bytes, 6 * REPEATED);
-    /* N is always the same. */
+    /* N is the same for all splats. */
     assert_in_range(attributes[1].stored, 3 * REPEATED / 64, 3 * REPEATED / 64 + 20);
     psplat_asset_destroy(asset);
     free(text);
     free(s);
 }
 
-/* Each compressed or plain, whatever the others are: the words of one object are changed. */
+/* Some attributes are compressed and the others are not; the keys of one object are changed for
+ * that. */
 static void test_some_plain(void **state) {
     (void)state;
     sample *s = make_sample();
@@ -167,7 +173,7 @@ static void test_some_plain(void **state) {
 /* ---- what is refused ------------------------------------------------------------------------ */
 
 typedef struct refusal {
-    const char *from, *to, *at; /* at NULL: anywhere */
+    const char *from, *to, *at; /* at NULL: any place */
     psplat_result code;
 } refusal;
 
@@ -206,7 +212,8 @@ static void test_objects_refused(void **state) {
         {"\"byteStride\":8,\"count\"", "\"byteStride\":260,\"count\"", "260", RANGE},
         {STREAM, "{\"buffer\":7,\"byteOffset\":0", "7,\"byteOffset\"", RANGE},
         {STREAM, "{\"buffer\":0,\"byteOffset\":65536", "{\"buffer\":0,\"byteOffset\":65536", RANGE},
-        {STREAM, "{\"buffer\":1,\"byteOffset\":0", NULL, UNSUPPORTED}, /* the empty fallback */
+        /* The empty fallback buffer. */
+        {STREAM, "{\"buffer\":1,\"byteOffset\":0", NULL, UNSUPPORTED},
         {STREAM, "{\"buffer\":0,\"byteOffset\":9007199254740991",
          "{\"buffer\":0,\"byteOffset\":9007199254740991", RANGE},
         {"base64,o", "base64,4", NULL, FORMAT}, /* a stream of indices */
@@ -217,7 +224,7 @@ static void test_objects_refused(void **state) {
     free(s);
 }
 
-/* 0xa1: what later versions of the library write, and the extension does not allow. */
+/* Later versions of the library write 0xa1, which the extension does not allow. */
 static void test_other_version(void **state) {
     (void)state;
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
@@ -231,7 +238,7 @@ static void test_other_version(void **state) {
     free(s);
 }
 
-/* Streams of other modes that no splat uses are left alone, whatever they hold. */
+/* Streams of other modes that no splat uses are not looked at, whatever they hold. */
 static void test_other_modes(void **state) {
     (void)state;
     sample *s = make_sample();
@@ -273,7 +280,8 @@ static psplat_result open_counted(const char *text, size_t most, counter *c, psp
     return result;
 }
 
-/* Zeros take a 64th: as dense as the format gets. More is refused before it is allocated. */
+/* Zeros take a 64th of their size, which is as dense as the format gets. A stream that announces
+ * more is refused before memory is requested. */
 static void test_announces_too_much(void **state) {
     (void)state;
     static const double zeros[4] = {0};
@@ -285,7 +293,7 @@ static void test_announces_too_much(void **state) {
     counter c = {0};
     psplat_error error;
     assert_int_equal(open_counted(text, 0, &c, &error), PSPLAT_OK);
-    /* 184 bytes a splat and its finish, 52 decoded, tokens and text. */
+    /* A splat and its finish take 184 bytes and 52 decoded ones; the rest is tokens and text. */
     assert_in_range(c.peak, 2000 * 184, 2000 * 236 + 64 * strlen(text));
 
     static const char stored[] = "\"byteLength\":24000,\"byteStride\":12,\"extensions\"";
@@ -299,7 +307,7 @@ static void test_announces_too_much(void **state) {
     free(text);
 }
 
-/* max_file_size bounds what comes out of compressed bytes, too. */
+/* max_file_size also limits the bytes that come out of compression. */
 static void test_budget(void **state) {
     (void)state;
     packed p = packed_default();
@@ -315,7 +323,7 @@ static void test_budget(void **state) {
     free(text);
 }
 
-/* Every bit of the compressed bytes, as far as base64 shows them, and every length. */
+/* Flips every bit of the compressed bytes, as far as base64 shows them, and tries every length. */
 static void test_damage(void **state) {
     (void)state;
     sample *s = make_sample();

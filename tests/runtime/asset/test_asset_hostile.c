@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * What a reader must survive: files cut off anywhere, with any bit wrong, made to blow up memory or
- * time, and a machine without memory. AddressSanitizer sees what these tests cannot. */
+ *
+ * test_asset_hostile.c - tests what the asset reader must survive: files that are cut off anywhere
+ * or have any bit wrong, files made to use up memory or time, and a machine without memory.
+ * AddressSanitizer finds the errors that the tests themselves cannot see.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +20,7 @@
 /* ---- an allocator that counts, and fails when told to ------------------------------------- */
 
 typedef struct counter {
-    size_t calls, fail_at; /* fail_at 0: never */
+    size_t calls, fail_at; /* fail_at 0: no call fails */
     size_t bytes, peak;
 } counter;
 
@@ -25,7 +28,7 @@ static void *resize_counted(void *user, void *memory, size_t old_size, size_t ne
     counter *c = user;
     if (new_size > old_size && ++c->calls == c->fail_at) return NULL;
     c->bytes += new_size;
-    c->bytes -= old_size; /* a wrong old_size leaves bytes other than 0 at the end */
+    c->bytes -= old_size; /* a wrong old_size leaves a rest at the end */
     if (c->bytes > c->peak) c->peak = c->bytes;
     if (!new_size) {
         free(memory);
@@ -44,7 +47,8 @@ static psplat_result open_counted(const void *data, size_t size, counter *c, psp
     return result;
 }
 
-/* Two primitives of one splat each, as small as a file with everything in it gets. */
+/* Returns a file with two primitives of one splat each, as small as a file with every feature
+ * gets. */
 static uint8_t *small_glb(size_t *size) {
     scene s = scene_ellipses(2, 1, 1);
     uint8_t *data = scene_glb(&s, size);
@@ -67,7 +71,8 @@ static void fail_each_allocation(const void *data, size_t size) {
         assert_int_equal(error.code, PSPLAT_ERROR_MEMORY);
         assert_true(strlen(error.text) > 0);
     }
-    /* The asset, tokens, six tables, the queue of nodes, one block a set, the batches. */
+    /* There are the asset, tokens, six tables, the queue of nodes, a block for each set, and the
+     * batches. */
     assert_true(failures >= 12);
 }
 
@@ -96,12 +101,13 @@ static void test_out_of_memory_with_files(void **state) {
         assert_int_equal(result, c.calls < c.fail_at ? PSPLAT_OK : PSPLAT_ERROR_MEMORY);
         if (!result) break;
     }
-    assert_true(failures >= 14); /* also the directory's name, the file, its block in the list */
+    /* Also the directory's name, the file, and its block in the list. */
+    assert_true(failures >= 14);
 }
 
 /* ---- damage ------------------------------------------------------------------------------- */
 
-/* Every beginning of a file, in a block of just that size. */
+/* Tries every beginning of a file, in a block of exactly that size. */
 static void test_truncation(void **state) {
     (void)state;
     size_t size = 0;
@@ -135,7 +141,7 @@ static void test_truncated_text(void **state) {
     free(text);
 }
 
-/* The header's length follows the file here, so that the damage behind it is reached. */
+/* The length in the header follows the file here, so that the damage behind it is reached. */
 static void test_truncated_chunks(void **state) {
     (void)state;
     size_t size = 0;
@@ -153,7 +159,7 @@ static void test_truncated_chunks(void **state) {
     free(data);
 }
 
-/* Any outcome will do, as long as memory stays bounded and all of it comes back. */
+/* Any result is accepted, as long as memory stays bounded and all of it is freed. */
 static void flip_bits(uint8_t *data, size_t size, size_t step) {
     for (size_t bit = 0; bit < 8 * size; bit += step) {
         counter c = {0};
@@ -168,14 +174,15 @@ static void flip_bits(uint8_t *data, size_t size, size_t step) {
 
 static void test_bit_flips(void **state) {
     (void)state;
-    scene s = scene_disc(1); /* the smallest file: every bit takes an opening */
+    scene s = scene_disc(1); /* the smallest file, because each bit needs an opening */
     size_t size = 0;
     uint8_t *data = scene_glb(&s, &size);
     flip_bits(data, size, 1);
     free(data);
     scene_free(&s);
     char *text = document_minimal(PSPLAT_SOURCE_DIR);
-    flip_bits((uint8_t *)text, strlen(text), 31); /* a sample, of all eight positions */
+    /* A sample that has all eight positions in a byte. */
+    flip_bits((uint8_t *)text, strlen(text), 31);
     free(text);
 }
 
@@ -204,9 +211,9 @@ static void repeat(builder *b, size_t count, const char *piece) {
     }
 }
 
-/* A document of count primitives, each of one splat made of the same 32 bytes (the floats 0 0 1 0
- * 1 1 0 0, of which position, normal and rotation share the first), and of instances of its mesh.
- */
+/* Makes a document of count primitives of one splat each, and of instances of its mesh. All
+ * primitives use the same 32 bytes: the floats 0 0 1 0 1 1 0 0, the first of which position, normal
+ * and rotation share. */
 static builder many(size_t count, size_t instances) {
     builder b = {0};
     add(&b,
@@ -229,7 +236,7 @@ static builder many(size_t count, size_t instances) {
     return b;
 }
 
-/* Opens with the given result, within times the file's size of memory. */
+/* Opens the document and expects the given result, with at most times the file's size of memory. */
 static psplat_error expect(builder b, psplat_result code, size_t times) {
     counter c = {0};
     psplat_error error = {0};
@@ -240,7 +247,7 @@ static psplat_error expect(builder b, psplat_result code, size_t times) {
     return error;
 }
 
-/* Brackets, numbers and empty objects: the densest tokens, nodes and primitives there are. */
+/* Brackets, numbers and empty objects make the densest possible tokens, nodes and primitives. */
 static void test_dense_json(void **state) {
     (void)state;
     static const char *const dense[][2] = {
@@ -256,15 +263,15 @@ static void test_dense_json(void **state) {
         psplat_error error = {0};
         counter c = {0};
         assert_int_not_equal(open_counted(b.text, b.size, &c, &error), PSPLAT_OK);
-        /* A token of 20 bytes for each number and its comma; 7 to 17 bytes of table for each
-         * byte of an empty object. */
+        /* Each number with its comma takes a token of 20 bytes; each byte of an empty object takes
+         * 7 to 17 bytes of table. */
         if (c.peak > 100 * b.size) fail_msg("%s: %zu of %zu", dense[i][0], c.peak, b.size);
         free(b.text);
     }
 }
 
-/* Primitives may share bytes, but not so often that a small file fills the memory: one splat for
- * each 8 bytes, here 4 of them. */
+/* Primitives may share bytes, but a small file must not fill the memory that way. One splat is
+ * allowed for each 8 bytes; here there is one for 4. */
 static void test_shared_bytes(void **state) {
     (void)state;
     expect(many(4, 1), PSPLAT_OK, 20);
@@ -272,7 +279,7 @@ static void test_shared_bytes(void **state) {
     expect(many(5000, 1), PSPLAT_ERROR_RANGE, 20);
 }
 
-/* Nodes times primitives: four batches a node. */
+/* Batches are nodes times primitives: here there are four for each node. */
 static void test_many_instances(void **state) {
     (void)state;
     expect(many(4, 1 << 16), PSPLAT_OK, 200);

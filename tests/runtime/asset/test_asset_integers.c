@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * What version 2 of the extension added: integers for every attribute (spec 3.9), turns and
- * tilts instead of rotations, lines of two, and materials that vary (3.10). Expected values are
- * computed as the specification has them, by other means than the reader's. */
+ *
+ * test_asset_integers.c - tests what version 2 of the extension added: integers for every attribute
+ * (spec 3.9), turns and tilts instead of rotations, lines of two numbers, and materials that vary
+ * (spec 3.10). Expected values are computed from the specification's formulas, by other means than
+ * the reader's.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,7 +39,8 @@ static const psplat_splat *splats_of(const psplat_asset *asset) {
     return psplat_asset_batch(asset, 0)->splats;
 }
 
-/* The error has the code and is at the first word in the text (NULL: anywhere). */
+/* Expects an error with the code at the first occurrence of the word in the text (NULL:
+ * anywhere). */
 static void refuse(const packed *p, psplat_result code, const char *word) {
     psplat_asset *asset = NULL;
     psplat_error error = {0};
@@ -54,7 +58,7 @@ static void assert_near(double found, double expected, double tolerance) {
 
 /* ---- positions and normals ------------------------------------------------------------------ */
 
-/* As they are or normalized, by all of the types of KHR_mesh_quantization. */
+/* Positions may be plain or normalized integers of all types of KHR_mesh_quantization. */
 static void check_positions(int type, int is_plain, const double stored[6],
                             const double expected[6]) {
     packed p = packed_default();
@@ -86,7 +90,7 @@ static void test_positions(void **state) {
     check_positions(PACKED_SHORT, 1, shorts, shorts);
     check_positions(PACKED_UNSIGNED_BYTE, 1, unsigned_bytes, unsigned_bytes);
     check_positions(PACKED_BYTE, 1, bytes, bytes);
-    /* The quotients' rounding is that of float, so that they are equal. */
+    /* Quotients are rounded to float in the same way, so that they must be equal. */
     double parts[6];
     for (int i = 0; i < 6; ++i) parts[i] = (double)((float)unsigned_shorts[i] / 65535.0f);
     check_positions(PACKED_UNSIGNED_SHORT, 0, unsigned_shorts, parts);
@@ -94,10 +98,11 @@ static void test_positions(void **state) {
     check_positions(PACKED_BYTE, 0, bytes, parts);
 }
 
-/* Of length 1 once rounding to bytes is made good: 0.0068 off at most. */
+/* Rounding to bytes changes a normal's length; the reader makes it 1 again. The components are off
+ * by 0.0068 at most. */
 static void test_normals(void **state) {
     (void)state;
-    const double normal[3] = {73, -73, 73}; /* 1 / sqrt(3) is 73.3 */
+    const double normal[3] = {73, -73, 73}; /* 1 / sqrt(3) would be 73.3 */
     packed p = packed_default();
     p.attributes[1] = (packed_attribute){"NORMAL", PACKED_BYTE, 3, 0, normal};
     psplat_asset *asset = open_packed(&p);
@@ -116,7 +121,7 @@ static void test_normals(void **state) {
 
 /* ---- rotations ------------------------------------------------------------------------------ */
 
-/* Spec 3.3, eq. (0), word by word; N is normalised. */
+/* Computes spec 3.3, eq. (0), step by step; N is normalised. */
 static void axes_of(const double normal[3], double t, double axes[3][3]) {
     double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     for (int i = 0; i < 3; ++i) axes[2][i] = normal[i] / length;
@@ -135,11 +140,12 @@ static void assert_axes(const float q[4], double expected[3][3]) {
     const double axes[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
                                {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
                                {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}};
-    /* Four roundings of a float quaternion, each doubled; and those of N and t as floats. */
+    /* The tolerance covers four roundings of a float quaternion, each doubled, and those of N and t
+     * as floats. */
     for (int i = 0; i < 9; ++i) assert_near(axes[i / 3][i % 3], expected[i / 3][i % 3], 6e-7);
 }
 
-/* turn is of the type, from 0 or, as a float, from -1 to 1; x and y tilt the normal. */
+/* turn is of the given type, from 0 to 1 or, as a float, from -1 to 1; x and y tilt the normal. */
 static void check_turn(const double normal[3], int type, double turn, double x, double y) {
     packed p = packed_default();
     double largest = type == PACKED_FLOAT ? 1 : type == PACKED_UNSIGNED_BYTE ? 255 : 65535;
@@ -208,12 +214,12 @@ static void test_turns_refused(void **state) {
     refuse(&p, PSPLAT_ERROR_RANGE, NULL);
     p.attributes[2].values = values;
     p.attributes[4] = (packed_attribute){"TILT", PACKED_SHORT, 2, 0, values};
-    refuse(&p, PSPLAT_ERROR_FORMAT, "{\"version\":2"); /* without tiltRange */
+    refuse(&p, PSPLAT_ERROR_FORMAT, "{\"version\":2"); /* tiltRange is missing */
     p.attributes[4] = (packed_attribute){"ROTATION", PACKED_FLOAT, 4, 0, identity};
     refuse(&p, PSPLAT_ERROR_FORMAT, "2,\"_PSPLAT_surface_splats:SCALE");
     p.attributes[2] = (packed_attribute){"TILT", PACKED_FLOAT, 2, 0, values};
-    refuse(&p, PSPLAT_ERROR_FORMAT, "{\"POSITION\""); /* without TURN */
-    /* Spec 3.5: 0.05 is the least cosine, of which 19.97 is the tangent. */
+    refuse(&p, PSPLAT_ERROR_FORMAT, "{\"POSITION\""); /* TURN is missing */
+    /* Spec 3.5: the least cosine is 0.05, whose tangent is 19.97. */
     const double steep[2] = {0, 19.98};
     p = packed_default();
     p.attributes[2] = (packed_attribute){"TURN", PACKED_FLOAT, 1, 0, values};
@@ -231,7 +237,7 @@ static void check_radii(int type, double u, double v, double expected_u) {
     p.extension = EXTENSION(",\"scaleRange\":[0.001,20]");
     psplat_asset *asset = open_packed(&p);
     const float *radius = splats_of(asset)->radius;
-    /* Rounding of the part and of the radius, the first times ln 20000. */
+    /* The tolerance covers the rounding of the part, times ln 20000, and of the radius. */
     assert_near((double)radius[0] / (0.001 * pow(20000, expected_u / largest)), 1, 8e-7);
     assert_near((double)radius[1] / (0.001 * pow(20000, v / largest)), 1, 8e-7);
     assert_true(radius[0] >= radius[1]);
@@ -244,7 +250,7 @@ static void test_radii(void **state) {
     check_radii(PACKED_UNSIGNED_SHORT, 40000, 30000, 40000);
     check_radii(PACKED_UNSIGNED_BYTE, 255, 255, 255);
     check_radii(PACKED_UNSIGNED_BYTE, 17, 16, 17);
-    /* By a step the smaller radius may be larger; then it is both. */
+    /* The smaller radius may exceed the other by a step; then it gets the value of the other. */
     check_radii(PACKED_UNSIGNED_SHORT, 65534, 65535, 65535);
     check_radii(PACKED_UNSIGNED_BYTE, 0, 1, 1);
     packed p = packed_default();
@@ -252,7 +258,7 @@ static void test_radii(void **state) {
     p.extension = EXTENSION(",\"scaleRange\":[0.001,20]");
     p.attributes[3] = (packed_attribute){"SCALE", PACKED_UNSIGNED_SHORT, 2, 0, inverted};
     refuse(&p, PSPLAT_ERROR_RANGE, NULL);
-    /* All radii equal; as extreme as floats go. */
+    /* All radii are equal, and as extreme as floats can be. */
     static const double ends[2] = {65535, 0};
     p.attributes[3].values = ends;
     p.extension = EXTENSION(",\"scaleRange\":[0.75,0.75]");
@@ -284,7 +290,7 @@ static void test_fields(void **state) {
     assert_near((double)splats_of(asset)->gradient[1], -1.5 * 64 / 32767, 1e-9);
     assert_int_equal(psplat_asset_batch(asset, 0)->has_gamma, 0);
     psplat_asset_destroy(asset);
-    /* Spec 3.5, eq. (3a): 20 is the bound. */
+    /* Spec 3.5, eq. (3a): the bound is 20. */
     p.attributes[4] = (packed_attribute){"NORMAL_FIELD", PACKED_BYTE, 3, 0, stored};
     p.extension = EXTENSION(",\"fieldRange\":15");
     refuse(&p, PSPLAT_ERROR_RANGE, NULL);
@@ -306,7 +312,8 @@ static void test_lines(void **state) {
             const double *line = stored[i + k];
             const float *found = splats_of(asset)->clip[k];
             double t = fmax(line[0] / 32767, -1);
-            /* Rounding of t as a float, times pi, and of the result. */
+            /* The tolerance covers the rounding of t as a float, times pi, and that of the
+             * result. */
             assert_near((double)found[0], cos(pi * t), 2e-7);
             assert_near((double)found[1], sin(pi * t), 2e-7);
             assert_near((double)found[2], fmax(line[1] / 32767, -1), 6e-8);
@@ -315,7 +322,7 @@ static void test_lines(void **state) {
     }
 }
 
-/* Integers of few bits stand for parts of a turn by clipRange and turnRange. */
+/* Integers of few bits stand for parts of a turn, by clipRange and turnRange. */
 static void test_narrow_turns(void **state) {
     (void)state;
     packed p = packed_default();
@@ -329,13 +336,13 @@ static void test_narrow_turns(void **state) {
     double expected[3][3];
     axes_of(normal, 11.0 / 16, expected);
     assert_axes(splats_of(asset)->rotation, expected);
-    assert_near((double)clip[0], cos(pi * 5 / 8), 3e-7); /* as in test_lines */
+    assert_near((double)clip[0], cos(pi * 5 / 8), 3e-7); /* tolerance as in test_lines */
     assert_near((double)clip[1], -sin(pi * 5 / 8), 3e-7);
     assert_near((double)clip[2], 0.75, 6e-8);
     psplat_asset_destroy(asset);
     p.extension = "\"version\":2,\"clipLines\":1,\"depthTolerance\":0,\"positionExtent\":[0,0,0],"
                   "\"turnRange\":24,\"clipRange\":[1,1]";
-    refuse(&p, PSPLAT_ERROR_RANGE, NULL); /* more than a half turn */
+    refuse(&p, PSPLAT_ERROR_RANGE, NULL); /* it is more than a half turn */
     p.extension = "\"version\":2,\"clipLines\":1,\"depthTolerance\":0,\"positionExtent\":[0,0,0],"
                   "\"clipRange\":[1,65537]";
     refuse(&p, PSPLAT_ERROR_RANGE, "[1,65537]");
@@ -372,7 +379,7 @@ static void test_finishes(void **state) {
     psplat_asset_destroy(asset);
 }
 
-/* What is not stored is as if there were no finish. */
+/* Values that are not stored are those of a splat without finish. */
 static void test_finish_defaults(void **state) {
     (void)state;
     packed p = packed_default();
@@ -407,7 +414,7 @@ static void check_refused(packed_attribute attribute, size_t at, const char *ext
 
 #define VERSION_1 "\"version\":1,\"clipLines\":0,\"depthTolerance\":0,\"positionExtent\":[0,0,0]"
 
-/* Version 1 had floats, but for rotations and colours, and one material. */
+/* In version 1 all values are floats, except rotations and colours, and there is one material. */
 static void test_version_1(void **state) {
     (void)state;
     static const double values[4] = {0, 0, 1, 0};
@@ -434,7 +441,7 @@ static void test_types(void **state) {
         size_t at;
         packed_attribute attribute;
     } wrong[] = {
-        {1, {"NORMAL", PACKED_BYTE, 3, 1, values}}, /* not normalized */
+        {1, {"NORMAL", PACKED_BYTE, 3, 1, values}}, /* it is not normalized */
         {1, {"NORMAL", PACKED_UNSIGNED_BYTE, 3, 0, values}},
         {2, {"ROTATION", PACKED_SHORT, 3, 0, values}},
         {2, {"ROTATION", PACKED_UNSIGNED_SHORT, 4, 0, values}},
@@ -474,7 +481,7 @@ static void test_ranges(void **state) {
     check_refused(field, 4, EXTENSION(",\"fieldRange\":0"), PSPLAT_ERROR_RANGE, "0}}");
     check_refused(field, 4, EXTENSION(",\"fieldRange\":-1"), PSPLAT_ERROR_RANGE, "-1}}");
     check_refused(color, 4, EXTENSION(",\"colorRange\":1"), PSPLAT_ERROR_FORMAT,
-                  "{\"POSITION\""); /* without COLOR_V */
+                  "{\"POSITION\""); /* COLOR_V is missing */
     packed p = packed_default();
     p.attributes[4] = color;
     p.attributes[5] = (packed_attribute){"COLOR_V", PACKED_FLOAT, 3, 0, values};
@@ -505,7 +512,7 @@ static void test_example(void **state) {
     const psplat_splat *first = batch->splats, *second = first + 1;
     assert_int_equal(batch->splat_count, 2);
     assert_near(batch->model[0], 0.001, 1e-15);
-    assert_near((double)first->radius[0], 500, 1e-4); /* float rounding, as all here */
+    assert_near((double)first->radius[0], 500, 1e-4); /* float rounding, as everywhere here */
     assert_near((double)first->radius[1], 250, 1e-4);
     assert_near((double)second->radius[1], 500, 1e-4);
     assert_true(second->center[0] == 1000 && second->center[2] == 250);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * What the reader refuses: the bundled document or a GLB with one thing changed, each with its
- * code and the offset of the byte at fault. */
+ *
+ * test_asset_refused.c - tests what the asset reader refuses: the bundled document or a GLB with
+ * one thing changed, each with the expected error code and the offset of the byte at fault.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,8 +17,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* From the document: the first from becomes to, and the error is at the first occurrence of at in
- * the changed text. */
+/* A refused change of the document: the first occurrence of from becomes to. The error must lie at
+ * the first occurrence of at in the changed text. */
 typedef struct refusal {
     const char *from, *to, *at;
     psplat_result code;
@@ -216,7 +218,7 @@ static void check_path(const char *uri, psplat_result code) {
     free(text);
 }
 
-/* Files must be below the document's directory; only there are they looked for. */
+/* Files must lie below the document's directory; they are not looked for elsewhere. */
 static void test_paths(void **state) {
     (void)state;
     check_path("a.bin", PSPLAT_ERROR_READ);
@@ -265,7 +267,8 @@ static void test_nodes(void **state) {
     CHECK(refusals);
 }
 
-/* A tool that drops the object leaves points; one that leaves nothing leaves nothing to say. */
+/* A tool that drops the extension's object leaves points, which the error names. A file without any
+ * trace of splats gets the ordinary error. */
 static void test_stripped(void **state) {
     (void)state;
     char *text = document_minimal(PSPLAT_SOURCE_DIR);
@@ -280,8 +283,8 @@ static void test_stripped(void **state) {
 
 /* ---- values ------------------------------------------------------------------------------- */
 
-/* Where attributes of splats with two lines, without colour and gradients, lie in the rows that
- * glb_writer.c writes, and the bytes of a row; without lines CLIP_0 is its end. */
+/* Offsets in the rows that glb_writer.c writes for splats with two lines and without colour and
+ * gradients, and the bytes of a row. Without lines, CLIP_0 is the row's end. */
 enum { NORMAL = 12, ROTATION = 24, SCALE = 40, CLIP_0 = 48, CLIP_1 = 60, ROW = 72 };
 
 enum { COUNT = 3, INDEX = 1 };
@@ -291,7 +294,8 @@ static uint32_t read_u32(const uint8_t *bytes) {
            (uint32_t)bytes[3] << 24;
 }
 
-/* Writes values into splat INDEX of an otherwise good file and expects RANGE at just that place. */
+/* Writes values into splat INDEX of an otherwise good file and expects RANGE at exactly that
+ * place. */
 static void check_values(size_t attribute, size_t attribute_size, const float *values) {
     scene s = scene_blank(COUNT);
     for (size_t i = 0; i < COUNT; ++i) {
@@ -326,7 +330,7 @@ static void test_values(void **state) {
     check_values(NORMAL, 12, (float[]){0, NAN, 1});
     check_values(NORMAL, 12, (float[]){1, 0, 0});
     check_values(NORMAL, 12, (float[]){0, 0, -1});
-    check_values(NORMAL, 12, (float[]){0.9988f, 0, 0.049f}); /* N.NORMAL just below 0.05 */
+    check_values(NORMAL, 12, (float[]){0.9988f, 0, 0.049f}); /* N.NORMAL is just below 0.05 */
     check_values(ROTATION, 16, (float[]){0, 0, 0, 0});
     check_values(ROTATION, 16, (float[]){0, 0, 0, 0.98f});
     check_values(ROTATION, 16, (float[]){0, 0, INFINITY, 1});
@@ -339,7 +343,8 @@ static void test_values(void **state) {
     check_values(CLIP_1, 12, (float[]){1, 0, NAN});
 }
 
-/* Splats are decoded in blocks: whichever is at fault, first or last of its block, is named. */
+/* Splats are decoded in blocks; the error names the splat at fault, whether it is the first or the
+ * last of its block. */
 static void test_blocks(void **state) {
     (void)state;
     enum { MANY = 300 };
@@ -368,7 +373,8 @@ static void test_blocks(void **state) {
     scene_free(&s);
 }
 
-/* A field in a file whose first splat has a gamma; the normal's slope is 0 or 3 / 4. */
+/* Writes a field into a file whose first splat has a gamma. The slope of the normal is 0 or 3 /
+ * 4. */
 static void check_field(int tilted, const float gradient[3], psplat_result expected) {
     enum { FIELD = 48 };
     scene s = scene_blank(COUNT);
@@ -392,7 +398,7 @@ static void check_field(int tilted, const float gradient[3], psplat_result expec
     scene_free(&s);
 }
 
-/* Spec 3.5, eq. (3a), from both sides; 16 * hypot(1, 0.75) is 20. */
+/* Tests the bound of spec 3.5, eq. (3a), from both sides; 16 * hypot(1, 0.75) is 20. */
 static void test_fields(void **state) {
     (void)state;
     check_field(0, (float[]){20, 0, 0}, PSPLAT_OK);
@@ -409,7 +415,7 @@ static void test_fields(void **state) {
     check_field(1, (float[]){19.26f, 0, 0}, RANGE);
 }
 
-/* A splat may be large, but its box must have float corners. */
+/* A splat may be large, but the corners of its box must be floats. */
 static void test_reach(void **state) {
     (void)state;
     scene s = scene_disc(1);
@@ -427,13 +433,14 @@ static void test_reach(void **state) {
 static void test_color_range(void **state) {
     (void)state;
     char *text = document_minimal(PSPLAT_SOURCE_DIR);
-    /* Positions read as colours: the second is 0, 1.5, 0. */
+    /* Positions are read as colours: the second is 0, 1.5, 0. */
     document_replace(&text, "\"NORMAL\": 1", "\"NORMAL\": 1, \"COLOR_0\": 0");
     size_t base64 = document_find(text, "base64,") + 7;
     psplat_asset *asset = NULL;
     psplat_error error = {0};
     assert_int_equal(psplat_asset_open_memory(text, strlen(text), NULL, &asset, &error), RANGE);
-    /* Splat 1 begins at byte 56 = 18 groups of three and two: the digit that holds it. */
+    /* Splat 1 begins at byte 56 = 18 groups of three and two more: the error names the digit that
+     * holds it. */
     assert_int_equal(error.offset, base64 + 18 * 4 + 2);
     free(text);
 }
@@ -473,7 +480,7 @@ static void test_container(void **state) {
     check_patched(data, size, bin, (uint32_t)(size - bin), RANGE, bin);
     check_patched(data, size, bin, (uint32_t)(size - bin - 12), FORMAT, size - 4);
     check_patched(data, size, bin + 4, 0x4e4f534a, FORMAT, bin + 4);
-    /* Any other type is skipped, and then the buffer has no bytes. */
+    /* A chunk of any other type is skipped, so that the buffer has no bytes. */
     psplat_asset *asset = NULL;
     psplat_error error = {0};
     memcpy(data + bin + 4, "ANY ", 4);

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Meshes that stand in for splats where the extension is not known (spec 6.1): the splats are drawn
- * in their place. */
+ *
+ * test_fallback_link.c - tests fallback meshes, which stand in for splats where the extension is
+ * not known (spec 6.1): the reader draws the splats in their place. Documents are the bundled one
+ * with further meshes.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +21,7 @@
 #define POINTS "{ \"primitives\": [{ \"mode\": 0, \"attributes\": { \"POSITION\": 0 } }]"
 #define FOR(object) POINTS ", \"extensions\": { \"PSPLAT_surface_splats\": " object " } }, "
 
-/* The bundled document with further meshes before its own. */
+/* Returns the bundled document with further meshes before its own. */
 static char *document_with(const char *meshes) {
     char *text = document_minimal(PSPLAT_SOURCE_DIR), list[1024];
     snprintf(list, sizeof list, "\"meshes\": [%s", meshes);
@@ -43,8 +46,7 @@ static void test_splats_in_place(void **state) {
     (void)state;
     char *text = document_with(FOR("{ \"mesh\": 1 }"));
     check_opens(text, 3, 3);
-    /* Shared, as any mesh: by one of its kind, and by a node that asks for the splats themselves.
-     */
+    /* Meshes are shared: two nodes refer to the fallback mesh, one to the mesh of splats. */
     document_replace(&text, "\"nodes\": [0]", "\"nodes\": [0, 1, 2]");
     document_replace(&text, "\"nodes\": [\n", "\"nodes\": [{ \"mesh\": 1 }, { \"mesh\": 0 },\n");
     check_opens(text, 9, 3);
@@ -56,7 +58,7 @@ static void test_splats_in_place(void **state) {
     free(text);
 }
 
-/* A transform is the node's, which refers to the mesh that stands in. */
+/* The transform is that of the node that refers to the fallback mesh. */
 static void test_transform(void **state) {
     (void)state;
     char *text = document_with(FOR("{ \"mesh\": 1 }"));
@@ -88,7 +90,7 @@ static void test_refused(void **state) {
     check_refused(document_with(FOR("{ \"mesh\": \"1\" }")), PSPLAT_ERROR_FORMAT, "\"1\" } } }");
     check_refused(document_with(FOR("{ \"meshes\": 1 }")), PSPLAT_ERROR_FORMAT, "{ \"meshes\"");
     check_refused(document_with(FOR("7")), PSPLAT_ERROR_FORMAT, "7 } }");
-    /* For itself, for one without splats, for one that stands in. */
+    /* A mesh may not stand in for itself, for one without splats, or for another fallback mesh. */
     check_refused(document_with(FOR("{ \"mesh\": 0 }")), PSPLAT_ERROR_FORMAT, "0 } } }");
     check_refused(document_with(FOR("{ \"mesh\": 1 }") POINTS "}, "), PSPLAT_ERROR_FORMAT,
                   "1 } } }");
@@ -96,7 +98,7 @@ static void test_refused(void **state) {
                   "1 } } }");
 }
 
-/* Splats of the mesh that stands in would be drawn by nobody. */
+/* A fallback mesh may not have splats of its own, because they would never be drawn. */
 static void test_splats_in_stand_in(void **state) {
     (void)state;
     char *text = document_with(POINTS " }, ");
@@ -107,7 +109,7 @@ static void test_splats_in_stand_in(void **state) {
     check_refused(text, PSPLAT_ERROR_FORMAT, "{ \"mesh\": 0 } }");
 }
 
-/* A tool that drops both objects leaves what nobody can draw, and it is said why. */
+/* A tool that drops both objects leaves a file without splats, and the error says why. */
 static void test_stripped(void **state) {
     (void)state;
     char *text = document_with(POINTS "}, ");

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The writer: what it refuses, what it leaves out, and that nothing outside the splats shows. */
+ *
+ * test_glb.c - tests the glTF writer on sets of one to three splats: what it refuses, what it
+ * leaves out, and that nothing outside the splats influences the file.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,14 +19,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A set of one splat, whose runs and material lie here too. */
+/* A set of one splat together with its runs and its material. */
 typedef struct single {
     psplat_splat splat[3];
     psplat_run runs[2];
     psplat_material material;
 } single;
 
-/* One splat in the given class, with a default material. */
+/* Makes one splat with the given number of clip lines and a default material. */
 static psplat_splats one(single *s, uint32_t clip_lines) {
     psplat_splat *splat = s->splat;
     *splat = (psplat_splat){.rotation = {0, 0, 0, 1},
@@ -43,7 +46,7 @@ static psplat_splats one(single *s, uint32_t clip_lines) {
                            .kernel = {2, 2}};
 }
 
-/* The JSON of a written file, terminated; freed by the caller. */
+/* Returns the JSON of a written file, terminated; the caller frees it. */
 static char *write_json(const psplat_splats *splats, const char *name) {
     uint8_t *data = NULL;
     size_t size = 0;
@@ -91,12 +94,12 @@ static void test_refuses(void **state) {
                      PSPLAT_ERROR_ARGUMENT);
     psplat_splats empty = {0};
     assert_refused(&empty, PSPLAT_ERROR_NO_SPLATS, NULL);
-    s.splat->clip_count = 0; /* not the class it is counted in */
+    s.splat->clip_count = 0; /* differs from the run that counts it */
     assert_refused(&splats, PSPLAT_ERROR_ARGUMENT, NULL);
     s.splat->clip_count = 1;
     s.runs[0].count = 2; /* one more than there are */
     assert_refused(&splats, PSPLAT_ERROR_ARGUMENT, NULL);
-    s.runs[0].count = 0; /* an empty one */
+    s.runs[0].count = 0; /* an empty run */
     assert_refused(&splats, PSPLAT_ERROR_ARGUMENT, NULL);
     s.runs[0].count = 1;
     splats.count = 2; /* one less than there are */
@@ -131,7 +134,7 @@ static void test_leaves_out_defaults(void **state) {
         if (strcmp(words[i], "CLIP_")) assert_holds(&splats, "x", words[i], 1);
 }
 
-/* gamma is stored where one splat has it, for all of its class and no other. */
+/* Where one splat has a gamma, all splats with as many lines have one stored, and no others. */
 static void test_gradients(void **state) {
     (void)state;
     single s;
@@ -141,7 +144,7 @@ static void test_gradients(void **state) {
     one(&s, 0);
     splat[1] = splat[0];
     s.runs[0].count = 2;
-    /* Another depth tolerance keeps them apart. */
+    /* The runs stay apart, because their depth tolerances differ. */
     s.runs[1] = (psplat_run){.count = 1, .clip_lines = 1, .depth_tolerance = 1};
     splats.count = 3;
     splats.run_count = 2;
@@ -164,7 +167,7 @@ static void test_gradients(void **state) {
     free(data);
 }
 
-/* The shortest decimals that read back exactly. */
+/* Numbers are written as the shortest decimals that read back exactly. */
 static void test_numbers(void **state) {
     (void)state;
     single s;
@@ -195,14 +198,16 @@ static void test_names(void **state) {
     psplat_splats splats = one(&s, 0);
     assert_holds(&splats, "a \"b\" \\ \n", "\"a \\u0022b\\u0022 \\u005c \\u000a\"", 1);
     assert_holds(&splats, "\xc3\xa9 \xf0\x9f\x98\x80", "\"\xc3\xa9 \xf0\x9f\x98\x80\"", 1);
-    /* Not UTF-8: a Latin-1 letter, a cut sequence, a surrogate, an overlong slash. */
+    /* These names are not UTF-8: a Latin-1 letter, a cut sequence, a surrogate, an overlong
+     * slash. */
     assert_holds(&splats, "\xe9t", "\"\xef\xbf\xbdt\"", 1);
     assert_holds(&splats, "x\xe2\x82", "\"x\xef\xbf\xbd\xef\xbf\xbd\"", 1);
     assert_holds(&splats, "\xed\xa0\x80", "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\"", 1);
     assert_holds(&splats, "\xc0\xaf", "\"\xef\xbf\xbd\xef\xbf\xbd\"", 1);
 }
 
-/* glTF ends emissive factors at 1; the rest goes into an extension, and unlit drops it all. */
+/* Emissive factors of glTF end at 1; the excess goes into an extension. An unlit material has none
+ * at all. */
 static void test_emissive(void **state) {
     (void)state;
     single s;

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Whatever this project ever wrote opens and holds the splats that it held
- * (tests/corpus/README.md), and what a later version may write is refused for that reason. */
+ *
+ * test_old_files.c - tests that every file of tests/corpus, written by an earlier version of this
+ * project (tests/corpus/README.md), opens and holds the splats that it held. What a later version
+ * may write is refused, and the error says that this is the reason.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,8 +21,8 @@
 
 enum { CENTER, ROTATION, RADIUS, NORMAL, GRADIENT, COLOR_AND_CLIP, SUMS };
 
-/* What a file holds, from outside: sums over splats i = 1 ... of i times the sum over values k = 1
- * ... of k times the value; the last one is of the colour's four and the clip lines' a, b, c. */
+/* What a file holds, as sums over splats i = 1 ... of i times the sum over values k = 1 ... of k
+ * times the value. The last sum takes the colour's four values and the clip lines' a, b, c. */
 typedef struct old_file {
     const char *name;
     size_t batches;
@@ -106,7 +109,7 @@ static psplat_asset *open_old(const char *name) {
 
 /* ---- what is in them ------------------------------------------------------------------------- */
 
-/* sum and what rounding may change of it. */
+/* A sum, and how much rounding may change it. */
 typedef struct sum {
     double value, size;
 } sum;
@@ -139,14 +142,15 @@ static void check_file(const old_file *file) {
     for (size_t b = 0; b < file->batches; ++b) {
         const psplat_batch *batch = psplat_asset_batch(asset, b);
         assert_int_equal(batch->has_color, file->has_color);
-        /* what varies came with version 2 */
+        /* Values that vary over a mesh came with version 2. */
         assert_int_equal(batch->finishes != NULL, !strcmp(file->name, "compressed/7-painted.glb"));
         assert_true(batch->depth_tolerance > 0);
         classes[batch->clip_count] += batch->splat_count;
         for (size_t i = 0; i < batch->splat_count; ++i) add_splat(sums, ++index, &batch->splats[i]);
     }
     assert_memory_equal(classes, file->splats_by_clip_lines, sizeof classes);
-    for (size_t s = 0; s < SUMS; ++s) /* nine digits above, and values rounded to float */
+    /* Nine digits are listed above, and values are rounded to float. */
+    for (size_t s = 0; s < SUMS; ++s)
         if (!(fabs(sums[s].value - file->sums[s]) <=
               2e-8 * fabs(file->sums[s]) + 1e-7 * sums[s].size))
             fail_msg("%s: sum %zu is %.9g, not %.9g", file->name, s, sums[s].value, file->sums[s]);
@@ -160,7 +164,8 @@ static void test_splats(void **state) {
 
 static void test_materials(void **state) {
     (void)state;
-    /* glTF's defaults, but for what the source says. The unlit one shows its base colour alone. */
+    /* Values are glTF's defaults, except those that the source file gives. The unlit file shows
+     * only its base colour. */
     static const float color[4] = {0.8f, 0.4f, 0.2f, 1}, glow[3] = {0.5f, 0.25f, 0};
     static const double origin[3] = {10.5, 20.5, 30.5};
     psplat_asset *unlit = open_old("1-unlit.glb"), *glowing = open_old("6-glowing.glb");
@@ -179,7 +184,7 @@ static void test_materials(void **state) {
     psplat_asset_destroy(glowing);
 }
 
-/* Flat splats came to have a primitive, and with it a depth tolerance, of their own. */
+/* In later files flat splats have a primitive, and with it a depth tolerance, of their own. */
 static void test_flat_splats(void **state) {
     (void)state;
     psplat_asset *before = open_old("3-cone.glb"), *after = open_old("4-cone.glb");
@@ -193,7 +198,8 @@ static void test_flat_splats(void **state) {
     psplat_asset_destroy(after);
 }
 
-/* Every field of the oldest files obeys spec 3.5, eq. (3a), as read, and one lies on the bound. */
+/* Every field of the oldest files satisfies spec 3.5, eq. (3a), once it is read, and one lies on
+ * the bound. */
 static void test_fields_of_old(void **state) {
     (void)state;
     psplat_asset *asset = open_old("2-part.glb");
@@ -212,7 +218,8 @@ static void test_fields_of_old(void **state) {
             if (bend > largest) largest = bend;
         }
     }
-    assert_true(fabs(largest - 20) < 1e-4); /* floats of rotation, normal and field */
+    /* The rounding of rotation, normal and field as floats. */
+    assert_true(fabs(largest - 20) < 1e-4);
     psplat_asset_destroy(asset);
 }
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Assets that are opened to draw alone: the same pixels, less memory. */
+ *
+ * test_only_draws.c - tests assets that are opened only for drawing: they give the same pixels as
+ * other assets and take less memory.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +21,7 @@
  */
 
 typedef struct counter {
-    size_t calls, fail_at; /* fail_at 0: never */
+    size_t calls, fail_at; /* fail_at 0: no call fails */
     size_t bytes, peak;
 } counter;
 
@@ -55,7 +58,8 @@ static psplat_view view_of(void) {
     return view;
 }
 
-/* Draws what lies in data both ways; every bit is the same, as are the models' sizes and bounds. */
+/* Opens data in both ways and draws it: every bit of the pictures must be equal, and so must the
+ * models' sizes and bounds. */
 static void check_bytes(canvas *c, const void *data, size_t size) {
     static float color[CANVAS_SIZE * CANVAS_SIZE * 4], depth[CANVAS_SIZE * CANVAS_SIZE];
     psplat_view view = view_of();
@@ -88,7 +92,7 @@ static void check_scene(canvas *c, const scene *s) {
     free(data);
 }
 
-/* Rows of 512 splats and chunks of 256 that are full, and that are not. */
+/* Some rows of 512 splats and chunks of 256 are full and some are not. */
 static void test_same_pixels(void **state) {
     (void)state;
     static const size_t counts[] = {1, 255, 256, 257, 511, 512, 513, 1300};
@@ -98,7 +102,7 @@ static void test_same_pixels(void **state) {
         check_scene(c, &s);
         scene_free(&s);
     }
-    scene s = scene_ellipses(2600, 4, 5); /* coloured, each class of lines beyond one row */
+    scene s = scene_ellipses(2600, 4, 5); /* coloured; each number of lines takes more than a row */
     check_scene(c, &s);
     scene_free(&s);
     canvas_destroy(c);
@@ -145,7 +149,8 @@ static void test_finishes(void **state) {
 /* ---- memory ------------------------------------------------------------------------------------
  */
 
-/* 48 bytes a splat and a chunk's 32 for 256 of them, not 128; and what was opened with it. */
+/* A splat takes 48 bytes instead of 128, a chunk of 256 takes 32, and the rest is what every asset
+ * has. */
 static void test_memory(void **state) {
     (void)state;
     scene s = scene_sphere(20000, 1);
@@ -175,13 +180,13 @@ static void test_out_of_memory(void **state) {
         assert_int_equal(c.bytes, 0);
         if (asset) break;
     }
-    assert_true(failures >
-                20); /* three or four blocks for each of three primitives, and the rest */
+    /* Each of three primitives takes three or four blocks, the rest of the asset the others. */
+    assert_true(failures > 20);
     free(data);
     scene_free(&s);
 }
 
-/* The reference has nothing to draw. */
+/* The reference rasteriser has no splats to draw. */
 static void test_reference(void **state) {
     (void)state;
     scene s = scene_disc(1);

@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * Chunks: what is left out could not have shown, and on ordinary models much is left out. */
+ *
+ * test_chunk.c - tests the culling of chunks, groups of up to 256 splats: a chunk that is left
+ * out could not have been visible, and on ordinary models many chunks are left out. Shapes are
+ * random groups of splats, a sphere and a plane; visibility is computed by sampling points of
+ * each splat.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -28,7 +33,7 @@ static void multiply(const double a[16], const double b[16], double out[16]) {
         }
 }
 
-/* Inverse of an affine matrix, by cofactors. */
+/* Computes the inverse of an affine matrix by cofactors. */
 static void invert_affine(const double m[16], double out[16]) {
     double det = 0;
     memset(out, 0, 16 * sizeof *out);
@@ -46,7 +51,8 @@ static void invert_affine(const double m[16], double out[16]) {
     out[15] = 1;
 }
 
-/* Scale, shear and mirror at will, in front of the camera, beside it, around it. */
+/* Makes a random scale, shear and reflection that places the splats in front of the camera, beside
+ * it or around it. */
 static void random_modelview(double m[16]) {
     memset(m, 0, 16 * sizeof *m);
     do {
@@ -71,7 +77,7 @@ static void projection_of(int is_perspective, double m[16]) {
     m[15] = is_perspective ? 0 : 1;
 }
 
-/* Splats around a place that look roughly one way. */
+/* Places splats around a point so that they face roughly in one direction. */
 static void random_splats(psplat_splat *splats, size_t count) {
     double place[3], spread = uniform(0.02, 1);
     for (int i = 0; i < 3; ++i) place[i] = uniform(-1, 1);
@@ -97,8 +103,9 @@ static void rotate(const float q[4], const double v[3], double out[3]) {
         out[r] = m[3 * r] * v[0] + m[3 * r + 1] * v[1] + m[3 * r + 2] * v[2];
 }
 
-/* Whether some of 25 points of the ellipse shows: inside the view, on a front. The front is that of
- * the transformed plane seen from the eye at 0, which knows nothing of object space. */
+/* Returns whether one of 25 points of the ellipse is visible: inside the view, on a front side. The
+ * front is that of the transformed plane seen from the eye at 0; unlike the tested code, this uses
+ * no object space. */
 static int shows(const psplat_splat *s, const double modelview[16], const double projection[16],
                  int is_perspective, int is_culled) {
     double u[3], v[3], eye_u[3], eye_v[3], n[3], det;
@@ -173,7 +180,7 @@ static int by_cell(const void *a, const void *b) {
     return cell_of(a) - cell_of(b);
 }
 
-/* Half of a sphere is turned away; in spatial order most of it is noticed. */
+/* Half of a sphere faces away; in spatial order most of that half is noticed. */
 static void test_sphere(void **state) {
     (void)state;
     scene s = scene_sphere(50000, 1);
@@ -202,7 +209,7 @@ static void test_sphere(void **state) {
     scene_free(&s);
 }
 
-/* A plane mirrored and squashed stays a front; from the other side it is a back. */
+/* A plane that is mirrored and squashed keeps its front; from the other side its back is seen. */
 static void test_sides(void **state) {
     (void)state;
     scene s = scene_disc(1);

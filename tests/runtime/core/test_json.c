@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The strict JSON reader: each rejected text with its code and the offset of the byte at fault. */
+ *
+ * test_json.c - tests the strict JSON reader on short texts: accepted ones with their values, and
+ * each rejected one with its code and the offset of the byte at fault (RFC 8259).
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,10 +23,10 @@ typedef struct document {
     psplat_error error;
 } document;
 
-enum { BASE = 1000 }; /* where the text is said to begin in its file */
+enum { BASE = 1000 }; /* where the text begins in its file */
 
 static psplat_result parse_bytes(document *d, const char *text, size_t size) {
-    /* A copy of exactly the text's size lets AddressSanitizer see a read beyond its end. */
+    /* A copy of exactly the text's size makes AddressSanitizer see a read beyond its end. */
     char *copy = malloc(size ? size : 1);
     assert_non_null(copy);
     memcpy(copy, text, size);
@@ -72,7 +75,7 @@ static void test_accepts(void **state) {
 
 static void test_rejects(void **state) {
     (void)state;
-    /* offset: of the first byte that cannot be right, or of the word it is in. */
+    /* offset is that of the first byte that cannot be right, or of the word that contains it. */
     static const struct {
         const char *text;
         size_t offset;
@@ -129,7 +132,7 @@ static void test_rejects(void **state) {
         {"{\"a\":\"\\u12", 10},
         {"{\"a\":\"\n\"}", 6},
         {"{\"a\":\"\x01\"}", 6},
-        {"{\"a\":\"\x80\"}", 6},             /* a continuation alone */
+        {"{\"a\":\"\x80\"}", 6},             /* a continuation byte alone */
         {"{\"a\":\"\xc0\xaf\"}", 6},         /* overlong, two bytes */
         {"{\"a\":\"\xe0\x80\x80\"}", 6},     /* overlong, three */
         {"{\"a\":\"\xed\xa0\x80\"}", 6},     /* a surrogate */
@@ -164,7 +167,7 @@ static void test_zero_bytes(void **state) {
     done(&d);
 }
 
-/* depth containers in all, the outermost of which is the document. */
+/* Writes depth nested containers, the outermost of which is the document. */
 static void make_nest(char *text, int depth) {
     char *out = text + sprintf(text, "{\"a\":");
     for (int i = 1; i < depth; ++i) *out++ = '[';
@@ -258,8 +261,8 @@ static void test_numbers(void **state) {
     check_numbers();
 }
 
-/* Under a locale with a decimal comma strtod stops at the point; ours must not. The locale is
- * there or not, depending on the machine; C.UTF-8 is not enough to show anything. */
+/* Under a locale with a decimal comma strtod stops at the point; the reader must not. The test is
+ * skipped where the machine lacks that locale, because C.UTF-8 would show nothing. */
 static void test_numbers_with_comma(void **state) {
     (void)state;
     static const char *const locales[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE"};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The injected loader: every missing function is refused by name, contexts that are too old or
- * lack extensions are refused in words. What fails later is in test_gl_failures.c.
+ * test_gl_api.c - tests the injected loader: every missing function is refused by name; contexts
+ * that are too old or lack extensions are refused with a reason. Errors after loading are tested in
+ * test_gl_failures.c.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,8 +19,8 @@
 
 /* ---- a null back end ----------------------------------------------------------------------- */
 
-/* Stands for every function whose result does not matter. Never called with arguments that the
- * caller's convention would have to clean up. */
+/* Stands for every function whose result does not matter. It is never called with arguments that
+ * the called function would have to remove from the stack. */
 static void null_function(void) {
 }
 
@@ -41,7 +42,7 @@ static void null_get_integer(unsigned name, int *value) {
 typedef struct null_loader {
     const char *missing;
     int calls;
-    int fail_at; /* the call, from 0, that finds nothing; -1: none */
+    int fail_at; /* the call, counted from 0, that finds no function; -1: none */
 } null_loader;
 
 static void *address_of(void (*function)(void)) {
@@ -143,9 +144,8 @@ static void *get_proc_without_blending(void *user, const char *name) {
     return address_of((void (*)(void))get_stringi_without_blending);
 }
 
-/* GLES without GL_EXT_float_blend draws into RGBA16F: the picture is that of RGBA32F to half
- * precision and the depth lies epsilon behind, which is twice the tolerance where the view grazes.
- */
+/* GLES without GL_EXT_float_blend draws into RGBA16F. The picture is that of RGBA32F to half
+ * precision, and the depth lies epsilon behind, which is twice the tolerance at grazing angles. */
 static void test_half_targets(void **state) {
     (void)state;
     canvas *c = canvas_create(PSPLAT_API_GLES);
@@ -168,7 +168,7 @@ static void test_half_targets(void **state) {
     for (int i = 0; i < CANVAS_SIZE * CANVAS_SIZE; ++i) {
         assert_true((c->color[4 * i + 3] > 0) == (half->color[4 * i + 3] > 0));
         if (c->color[4 * i + 3] == 0) continue;
-        /* Half keeps 11 bits of normals that the light multiplies by up to about 2. */
+        /* Half floats keep 11 bits of normals, which the light multiplies by up to about 2. */
         assert_near(c->color[4 * i], half->color[4 * i], 4e-3);
         assert_near(c->depth[i], half->depth[i], 2 * s.depth_tolerance); /* eq. (5) */
         assert_true(half->depth[i] > c->depth[i] - 1e-6f);
@@ -196,7 +196,7 @@ static void *get_proc_of_small_textures(void *user, const char *name) {
     return address_of((void (*)(void))get_integer_of_small_textures);
 }
 
-/* 2048 is the least that GLES 3.0 guarantees: four shadow maps side by side have to fit. */
+/* 2048 is the least size that GLES 3.0 guarantees; four shadow maps have to fit side by side. */
 static void test_small_textures(void **state) {
     (void)state;
     canvas *c = canvas_create(PSPLAT_API_GLES);

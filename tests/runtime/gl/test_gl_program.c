@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Shader programs: their number is bounded, and all of them compile and link, on GL and GLES. */
+ *
+ * test_gl_program.c - tests the shader programs: their number is bounded, and all of them compile
+ * and link, on GL and GLES.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -34,7 +37,7 @@ static int by_value(const void *a, const void *b) {
 static void add(key_list *list, psplat_program_key key) {
     assert_true(list->count < MAX_KEYS);
     list->keys[list->count] = psplat_program_key_reduce(key);
-    /* Reducing is done once: the reduced key is its own. */
+    /* Reducing twice changes nothing: a reduced key reduces to itself. */
     psplat_program_key again = psplat_program_key_reduce(list->keys[list->count]);
     assert_true(same(&again, &list->keys[list->count]));
     ++list->count;
@@ -49,14 +52,14 @@ static void keep_distinct(key_list *list) {
     list->count = kept;
 }
 
-/* The distinct programs of one pass, clip count, shading and number of lights. */
+/* Adds the distinct programs of one pass, clip count, shading and number of lights. */
 static void add_options(key_list *list, psplat_program_key key) {
     size_t first = list->count;
     key_list part = {list->keys + first, 0};
     for (unsigned options = 0; options < ALL_OPTIONS; ++options) {
         key.options = options;
         psplat_program_key reduced = psplat_program_key_reduce(key);
-        /* Those that are as asked for stand for all that reduce to them. */
+        /* Keys that reducing leaves unchanged represent all keys that reduce to them. */
         if (reduced.options == options) add(&part, key);
     }
     list->count += part.count;
@@ -69,16 +72,17 @@ static key_list list_create(void) {
     return list;
 }
 
-/* Materials that vary with what changes other lines of the shaders than they do. */
+/* Returns whether the key combines materials that vary with options that change other lines of the
+ * shaders. */
 static int is_like_others(const psplat_program_key *key) {
     const unsigned varied = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_OCCLUSION;
     const unsigned apart = PSPLAT_OPTION_POWER | PSPLAT_OPTION_COUNT | PSPLAT_OPTION_TWO_SIDED;
     return key->options & varied && (key->clip_count > 0 || key->options & apart);
 }
 
-/* All, but that programs that shade are not made for each number of lights, and of those that shade
- * splats one by one the ones with clip lines without lights alone; and that of materials that vary
- * those with clip lines and the like are left out. */
+/* Returns all keys, with three exceptions. Programs that shade are not made for each number of
+ * lights. Of those that shade splats one by one, programs with clip lines are made only without
+ * lights. Programs for materials that vary are not combined with clip lines and similar options. */
 static key_list all_keys(int clip_step) {
     key_list list = list_create();
     for (int pass = PSPLAT_PASS_VISIBILITY; pass <= PSPLAT_PASS_PARAMETERS; ++pass)
@@ -95,7 +99,7 @@ static key_list all_keys(int clip_step) {
     return list;
 }
 
-/* No scene can make more: what a program has no use for does not make another one. */
+/* No scene can make more programs: an option that a program does not use makes no other program. */
 static void test_bounded(void **state) {
     (void)state;
     size_t most = 0;
@@ -107,8 +111,9 @@ static void test_bounded(void **state) {
         if (list.count > most) most = list.count;
         free(list.keys);
     }
-    /* Normals: 5 of gammas, fields and what is stepped over; three times these and 8 of colours and
-     * finishes where there are more targets; by sides, filter and three weights. */
+    /* Passes of normals have 5 programs for gammas, fields and attributes that are skipped. With
+     * more targets there are three times these and 8 for colours and finishes. All of it is
+     * multiplied by sides, filter and three weights. */
     assert_true(most <= (5 + 3 * 13) * 2 * 2 * 3);
 }
 
@@ -123,7 +128,7 @@ static void test_no_use(void **state) {
     depth = psplat_program_key_reduce(depth);
     assert_int_equal(depth.options, 0);
     assert_int_equal(depth.light_count, 0);
-    /* Colours that go nowhere are a texel to step over. */
+    /* Colours that are written nowhere are a texel to skip. */
     psplat_program_key plain = {.pass = PSPLAT_PASS_NORMALS,
                                 .options = PSPLAT_OPTION_WIDE | PSPLAT_OPTION_COLOR};
     assert_int_equal(psplat_program_key_reduce(plain).options, PSPLAT_OPTION_WIDE);
@@ -164,7 +169,7 @@ static void test_gl(void **state) {
 
 static void test_gles(void **state) {
     (void)state;
-    compile_all(PSPLAT_API_GLES, 4); /* none and all: the others differ in a vector's length */
+    compile_all(PSPLAT_API_GLES, 4); /* none and all: the others differ only in a vector's length */
 }
 
 int test_gl_program_main(void) {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Everything the runtime does leaves the host's GL state as it found it, whatever it was, and
- * changes no object of the host. A spy (spy.h) between runtime and GL keeps what each call was
- * about to change; a snapshot of more than that catches what calls change by the way.
+ * test_gl_state.c - tests that everything the runtime does leaves the host's GL state as it found
+ * it, whatever it was, and changes no object of the host. A spy (spy.h) between runtime and GL
+ * keeps what each call is about to change; a snapshot of more state finds changes that calls make
+ * on the side.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -19,7 +20,7 @@
 #include "scene_asset.h"
 #include "spy.h"
 
-/* GL only. */
+/* These exist only in GL. */
 enum {
     POLYGON_MODE = 0x0B40,
     POLYGON_SMOOTH = 0x0B41,
@@ -48,7 +49,7 @@ static const GLenum capabilities[] = {
     GL_SCISSOR_TEST,
     GL_RASTERIZER_DISCARD,
     SAMPLE_MASK,
-    /* GL only */
+    /* The rest exists only in GL. */
     COLOR_LOGIC_OP,
     FRAMEBUFFER_SRGB,
     MULTISAMPLE,
@@ -89,7 +90,7 @@ static const GLenum integers[] = {
     GL_UNPACK_SKIP_ROWS,
     GL_UNPACK_SKIP_PIXELS,
     GL_PACK_ALIGNMENT,
-    /* GL only */
+    /* The rest exists only in GL. */
     POLYGON_MODE,
     UNPACK_SWAP_BYTES,
 };
@@ -110,9 +111,9 @@ typedef struct snapshot {
 
 typedef struct fixture {
     psplat_api api;
-    int capability_count, integer_count; /* that the context knows */
+    int capability_count, integer_count; /* how many of them the context knows */
     canvas *canvas;                      /* its renderer draws through the spy */
-    canvas *calm; /* another context, where nothing is disturbed and nobody spies */
+    canvas *calm;                        /* another context with default state and without a spy */
     spy spy;
     host_gl gl;
     scene scene;
@@ -166,7 +167,7 @@ static void disturb_unpacking(const fixture *f) {
     if (f->api == PSPLAT_API_GL) gl->PixelStorei(UNPACK_SWAP_BYTES, 1);
 }
 
-/* What GLES does not have. */
+/* Changes state that GLES does not have. */
 static void disturb_desktop(const fixture *f) {
     PFNGLPOLYGONMODEPROC polygon_mode;
     host_gl_load(f->canvas->host, "glPolygonMode", &polygon_mode);
@@ -174,7 +175,7 @@ static void disturb_desktop(const fixture *f) {
     f->gl.Disable(CUBE_MAP_SEAMLESS);
 }
 
-/* Everything away from its default, or from what the runtime wants. */
+/* Changes all state to differ from its default and from what the runtime needs. */
 static void disturb(const fixture *f) {
     const host_gl *gl = &f->gl;
     GLuint name;
@@ -201,7 +202,7 @@ static void disturb(const fixture *f) {
  */
 
 static void begin(fixture *f) {
-    f->gl.Disable(GL_RASTERIZER_DISCARD); /* or the host itself could not clear */
+    f->gl.Disable(GL_RASTERIZER_DISCARD); /* otherwise the host could not clear */
     canvas_begin(f->canvas);
     disturb(f);
     take(f, &f->before);
@@ -225,8 +226,8 @@ static void expect_unchanged(fixture *f) {
     assert_int_equal(f->gl.GetError(), GL_NO_ERROR);
 }
 
-/* The picture under the disturbed state is that under the default state, where the host's scissor
- * box lets it through. */
+/* The picture under the disturbed state equals that under the default state, where the host's
+ * scissor box lets it through. */
 static void expect_picture(fixture *f, const float *expected) {
     canvas_read(f->canvas);
     for (int y = 0; y < CANVAS_SIZE; ++y) {
@@ -296,7 +297,8 @@ static psplat_environment *make_environment(psplat_renderer *renderer) {
     return environment;
 }
 
-/* Cube maps, comparing samplers and a framebuffer more: an environment and two shadow maps. */
+/* Adds cube maps, comparing samplers and another framebuffer: an environment and two shadow
+ * maps. */
 static void test_lights(void **state) {
     fixture *f = *state;
     psplat_item item = {.model = canvas_model(f->canvas, f->asset)};
@@ -329,7 +331,7 @@ static void test_lights(void **state) {
     psplat_model_destroy(f->calm->renderer, calm.model);
 }
 
-/* A first frame makes targets, one of another size makes them anew, later ones find them. */
+/* The first frame makes targets, one of another size makes them anew, later ones reuse them. */
 static void test_sizes(void **state) {
     fixture *f = *state;
     psplat_error error = {0};
@@ -366,7 +368,7 @@ static void test_lives(void **state) {
     expect_unchanged(f);
 }
 
-/* State is put back where something goes wrong, too. */
+/* State is restored also where something fails. */
 static void test_failures(void **state) {
     fixture *f = *state;
     static const spy_fault draw_faults[] = {SPY_FAULT_TEXTURE_MEMORY, SPY_FAULT_FRAMEBUFFER,
@@ -394,7 +396,8 @@ static void test_failures(void **state) {
     psplat_model_destroy(f->canvas->renderer, item.model);
 }
 
-/* The spy notices: state left changed, another's objects changed, functions without a row. */
+/* The spy reports state that is left changed, changes of objects of the host, and functions without
+ * a row. */
 static void test_spy(void **state) {
     fixture *f = *state;
     PFNGLDEPTHFUNCPROC depth_func;

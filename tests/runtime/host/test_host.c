@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The headless host: two in one process, read-back of what was cleared, its refusals, and a
- * renderer made and destroyed many times.
+ * test_host.c - tests the headless host: two hosts in one process, reading back what was cleared,
+ * what it refuses, and a renderer that is made and destroyed many times.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -47,7 +47,7 @@ static void test_any_device(void **state) {
     psplat_host_destroy(host);
 }
 
-/* Interleaved: each host keeps its own framebuffer, sizes change, kinds change. */
+/* Two hosts are used in turn: each keeps its own framebuffer while sizes and formats change. */
 static void test_two_hosts(void **state) {
     (void)state;
     psplat_host *hosts[2] = {open_host(PSPLAT_API_GL), open_host(PSPLAT_API_GLES)};
@@ -107,7 +107,8 @@ static void test_refusals(void **state) {
     psplat_host_destroy(host);
 }
 
-/* 200 renderers with models and a frame each: the leak checker of the sanitizers watches. */
+/* Makes 200 renderers with models and draws a frame with each; the sanitizers' leak checker reports
+ * what remains. */
 static void test_many_renderers(void **state) {
     (void)state;
     canvas *c = canvas_create(PSPLAT_API_GL);

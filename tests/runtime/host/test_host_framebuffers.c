@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Splats among the host's own geometry, in framebuffers of the host's choice: colour and depth
- * formats, several samples a pixel, views with an offset, scissor boxes and depth ranges. A plane
- * of the host cuts a sphere of splats; who is seen in a pixel is known from the plane's equation
- * and from the reference rasteriser.
+ * test_host_framebuffers.c - tests splats among the host's own geometry in framebuffers of the
+ * host's choice: colour and depth formats, several samples a pixel, views with an offset, scissor
+ * boxes and depth ranges. A plane of the host cuts a sphere of splats; which of them a pixel must
+ * show follows from the plane's equation and from the reference rasteriser.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -22,7 +22,8 @@
 
 enum { FRAMEBUFFER_SRGB = 0x8DB9, SIZE = CANVAS_SIZE };
 
-/* The host's plane: a square of half the given extent around a point, with the axes s and t. */
+/* The host's plane is a square around a point, with the axes s and t and the given half length of a
+ * side. */
 static const double plane_point[3] = {0.05, -0.03, 0.1}, plane_s[3] = {0.8, 0, -0.6},
                     plane_t[3] = {0.36, 0.8, 0.48}, plane_extent = 1.5;
 static const float blue[4] = {0, 0, 1, 1}, black[4] = {0, 0, 0, 0};
@@ -37,7 +38,7 @@ typedef struct world {
     psplat_view view;
     picture expected;
     GLuint plane_program;
-    GLuint framebuffer, renderbuffers[2]; /* colour, depth */
+    GLuint framebuffer, renderbuffers[2]; /* renderbuffers: colour, depth */
 } world;
 
 /* ---- the host's framebuffer ---------------------------------------------------------------------
@@ -69,7 +70,7 @@ static void free_framebuffer(world *w) {
     w->gl.DeleteRenderbuffers(2, w->renderbuffers);
 }
 
-/* The colour buffer as floats, as it is stored: sRGB stays encoded. */
+/* Reads the colour buffer as floats, as it is stored: sRGB stays encoded. */
 static void read_pixels(const world *w, GLenum format, float *rgba) {
     static uint32_t packed[SIZE * SIZE];
     const uint8_t *bytes = (const uint8_t *)packed;
@@ -149,7 +150,8 @@ static double dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Window depth of the plane in a pixel, 2 outside the square; *edge is the distance to its edge. */
+/* Returns the plane's window depth in a pixel, 2 outside the square. *edge is the distance to the
+ * square's edge. */
 static double plane_depth(const psplat_view *view, int x, int y, double *edge) {
     double point[3], s[3], t[3], normal[3], hit[3];
     to_eye(view, plane_point, 1, point);
@@ -177,19 +179,20 @@ static double encode(double linear) {
 typedef struct format {
     GLenum color, depth;
     int encodes;               /* the framebuffer is sRGB */
-    double absolute, relative; /* step of a colour channel */
+    double absolute, relative; /* tolerance of a colour channel: a step of the format */
     double depth_step;
 } format;
 
-/* The reference's own ties, and where sphere and plane are a depth step or 2e-6 apart: that is the
- * error of both in float32. The plane's edge may be off by a thousandth of a pixel. */
+/* Returns whether a pixel is too close to call: by the reference's own ties, or where sphere and
+ * plane are closer than a depth step or 2e-6 of the depth range, the error of both in float32. The
+ * plane's edge may be off by a thousandth of a pixel. */
 static int is_tied(const world *w, const format *f, int at, double plane, double edge) {
     const psplat_reference_image *image = &w->expected.image;
     return image->tie[at] < 1e-4 || image->depth_tie[at] < 1e-6 || image->epsilon_tie[at] < 1e-4 ||
            fabs(image->depth[at] - plane) < f->depth_step + 2e-6 || fabs(edge) < 1e-4;
 }
 
-/* Compares every pixel; returns the number of splat pixels. */
+/* Compares every pixel and returns the number of pixels that show splats. */
 static int expect_picture(const world *w, const format *f) {
     static float rgba[SIZE * SIZE * 4];
     int ties = 0, splats = 0, planes = 0;
@@ -206,7 +209,7 @@ static int expect_picture(const world *w, const format *f) {
         if (!is_splat) wanted = plane <= 1 ? blue : black;
         for (int k = 0; k < 3; ++k) {
             double value = f->encodes ? encode((double)wanted[k]) : (double)wanted[k];
-            /* 2e-3: of the renderer in float32 (test_agreement). */
+            /* 2e-3 is the error of the renderer in float32 (test_agreement.c). */
             assert_near(color[k], value, f->absolute + f->relative * value + 2e-3);
         }
         splats += is_splat;
@@ -262,7 +265,7 @@ static void test_depths(void **state) {
 /* ---- several samples a pixel --------------------------------------------------------------------
  */
 
-/* What a framebuffer of some samples holds once the host has resolved it. */
+/* Draws into a framebuffer of several samples, which the host then resolves. */
 static void draw_resolved(world *w, int samples, int has_plane, float *rgba) {
     const host_gl *gl = &w->gl;
     make_framebuffer(w, GL_RGBA8, GL_DEPTH_COMPONENT24, samples);
@@ -280,7 +283,7 @@ static void draw_resolved(world *w, int samples, int has_plane, float *rgba) {
 }
 
 /* Splats have one depth and colour a pixel, which all its samples take: alone they look as in a
- * framebuffer of one sample. The host's edges against them keep their smoothness. */
+ * framebuffer of one sample. The edges of the host's geometry against them stay smooth. */
 static void test_samples(void **state) {
     static float one[SIZE * SIZE * 4], four[SIZE * SIZE * 4];
     world *w = *state;
@@ -308,7 +311,8 @@ static void test_samples(void **state) {
 /* ---- views, scissor boxes, depth ranges ---------------------------------------------------------
  */
 
-/* A view with an offset is the same picture elsewhere; pixels outside keep colour and depth. */
+/* A view with an offset shows the same picture at another place; pixels outside the view keep
+ * colour and depth. */
 static void test_offset(void **state) {
     world *w = *state;
     canvas *c = w->canvas;
@@ -335,7 +339,7 @@ static void test_offset(void **state) {
     free(depth);
 }
 
-/* A plane that the view cuts off looks the same up to the view's edge: no contour there. */
+/* A plane that the view cuts off looks the same up to the view's edge: no contour appears there. */
 static void test_border(void **state) {
     world *w = *state;
     canvas *c = w->canvas;
@@ -369,12 +373,12 @@ static void test_depth_range(void **state) {
     w->gl.DepthRangef(0, 1);
     for (int at = 0; at < SIZE * SIZE; ++at) {
         double wanted = c->color[4 * at + 3] > 0 ? 0.25 + 0.5 * (double)depth[at] : 1;
-        assert_near(c->depth[at], wanted, 1e-6); /* the error of depths, test_agreement */
+        assert_near(c->depth[at], wanted, 1e-6); /* the error of depths in test_agreement.c */
     }
     free(depth);
 }
 
-/* Places are found from window depth: under near lights, at contours. */
+/* Near lights and contours need places in eye space, which are found from window depth. */
 static void test_depth_range_of_places(void **state) {
     world *w = *state;
     canvas *c = w->canvas;
@@ -395,14 +399,14 @@ static void test_depth_range_of_places(void **state) {
         w->gl.DepthRangef(0, 1);
         for (int at = 0; at < 4 * SIZE * SIZE; ++at)
             other += fabsf(c->color[at] - colors[at]) > 1e-3f;
-        /* Depths have fewer digits, so that outlines of tones may move a little. */
+        /* Depths have fewer digits there, so that outlines between tones may move a little. */
         assert_true(other <= 4 * SIZE * SIZE / 500);
     }
 }
 
-/* Geometry of the host at window depth 0.3 in the left half and 0.7 in the right, and a scissor box
- * that leaves the lower half: a disc at 0.5 appears in the lower right quarter alone, and all other
- * pixels keep their colour and depth. */
+/* The host's geometry lies at window depth 0.3 in the left half and at 0.7 in the right half, and a
+ * scissor box leaves only the lower half. A disc at 0.5 must appear only in the lower right
+ * quarter, and all other pixels must keep their colour and depth. */
 static void test_host_pixels(void **state) {
     world *w = *state;
     canvas *c = w->canvas;
@@ -438,7 +442,8 @@ static void test_host_pixels(void **state) {
             if (!is_splat) assert_memory_equal(p, gray, sizeof gray);
             if (!is_splat) assert_true(depth == (x < SIZE / 2 ? near_depth : far_depth));
         }
-    /* A quarter of pi 0.8^2 square units at 64^2 pixels each, give or take the rim. */
+    /* A quarter of the disc has pi 0.8^2 / 4 square units of 64^2 pixels each; the tolerance of 40
+     * pixels is for the rim. */
     assert_true(abs(drawn - 2059) < 40);
     psplat_model_destroy(c->renderer, item.model);
     psplat_asset_destroy(asset);
@@ -457,7 +462,7 @@ static int setup(void **state, psplat_api api) {
     w->gl = host_gl_of(w->canvas->host);
     w->scene = scene_sphere(500, 0.8f);
     for (int i = 0; i < 3; ++i) w->scene.material.base_color[i] = 0.5f;
-    w->scene.material.double_sided = 1; /* the plane does not close what it cuts */
+    w->scene.material.double_sided = 1; /* the plane opens the sphere, whose inside is visible */
     w->asset = scene_open(&w->scene);
     w->item.model = canvas_model(w->canvas, w->asset);
     w->view = camera_view(SIZE, SIZE);

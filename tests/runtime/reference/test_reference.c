@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * The reference rasteriser against closed forms: where one splat is, its (u, v) and depth. Camera
- * of most tests: at z = 5, looking down -z, so that the ray of pixel (x, y) is (dx, dy, -1). */
+ *
+ * test_reference.c - tests the reference rasteriser against closed forms: which pixels a single
+ * splat covers, and its (u, v) and depth there. The camera of most tests is at z = 5 and looks
+ * along -z, so that the ray of pixel (x, y) is (dx, dy, -1).
+ */
 #include "reference_view.h"
 #include "scene_asset.h"
 
@@ -21,7 +24,8 @@
 #define NEAR 0.5
 #define FAR 20.0
 
-/* Sums and products of numbers near 1 in double, some ten roundings: 1e-15 each. */
+/* The tolerance for some ten sums and products of numbers near 1 in double, 1e-15 each, with a
+ * margin. */
 #define ROUNDING 1e-12
 
 static psplat_view front_view(void) {
@@ -39,7 +43,7 @@ static double ray_y(int y) {
     return (y + 0.5 - HEIGHT / 2.0) / FOCAL;
 }
 
-/* Sets the axes, and the normal to theirs. */
+/* Sets the axes and the normal that belongs to them. */
 static void turn(psplat_splat *splat, const double u[3], const double v[3]) {
     scene_set_axes(splat, u, v);
     for (int i = 0; i < 3; ++i)
@@ -47,12 +51,13 @@ static void turn(psplat_splat *splat, const double u[3], const double v[3]) {
             (float)(u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
 }
 
-/* Window depth of a point s in front of the eye. */
+/* Returns the window depth of a point s in front of the eye. */
 static double depth_of(double s) {
     return 0.5 + 0.5 * ((FAR + NEAR) / (FAR - NEAR) - 2 * FAR * NEAR / ((FAR - NEAR) * s));
 }
 
-/* Asserts that pixel (x, y) shows the splat at (u, v), s in front of the eye, if it is inside. */
+/* Asserts that pixel (x, y) shows the splat at (u, v), s in front of the eye, if that is inside the
+ * ellipse. */
 static void assert_pixel_near(const picture *p, int x, int y, double u, double v, double s,
                               double tolerance) {
     int at = y * p->width + x;
@@ -79,15 +84,16 @@ static void test_facing_disc(void **state) {
     for (int y = 0; y < HEIGHT; ++y)
         for (int x = 0; x < WIDTH; ++x)
             assert_pixel(&p, x, y, ray_x(x) * DISTANCE / 1.5, ray_y(y) * DISTANCE / 1.5, DISTANCE);
-    /* A convex shape's pixel count differs from its area by at most its perimeter in pixels. */
+    /* The number of pixels of a convex shape differs from its area by at most its perimeter in
+     * pixels. */
     double radius = 1.5 * FOCAL / DISTANCE;
     assert_near((double)picture_covered(&p), CAMERA_PI * radius * radius, 2 * CAMERA_PI * radius);
     picture_free(&p);
     scene_free(&s);
 }
 
-/* Turned about x by an angle: the point (u, v cos, v sin) lies on the ray where s dy = v cos and
- * 5 - s = v sin. 89.9 degrees is edge-on but for a tenth of a degree. */
+/* The disc is turned about x by an angle: its point (u, v cos, v sin) lies on the ray where s dy =
+ * v cos and 5 - s = v sin. At 89.9 degrees it is a tenth of a degree from edge-on. */
 static void test_tilted_disc(void **state) {
     (void)state;
     const double angles[] = {60, -35, 89.9};
@@ -96,7 +102,8 @@ static void test_tilted_disc(void **state) {
         scene s = scene_disc(1);
         s.material.double_sided = 1;
         turn(&s.splats[0], (double[]){1, 0, 0}, (double[]){0, cos(angle), sin(angle)});
-        /* The axes are stored in float: take those, not the angle. */
+        /* The axes are stored in float, so that the expected values use them instead of the
+         * angle. */
         double stored = 2 * atan2(s.splats[0].rotation[0], s.splats[0].rotation[3]);
         psplat_view view = front_view();
         picture p = picture_of(&s, NULL, &view);
@@ -104,7 +111,7 @@ static void test_tilted_disc(void **state) {
             for (int x = 0; x < WIDTH; ++x) {
                 double distance = DISTANCE / (1 + ray_y(y) * tan(stored));
                 double v = ray_y(y) * distance / cos(stored);
-                /* Edge-on, v magnifies rounding by 1 / cos = 573. */
+                /* Close to edge-on, v magnifies rounding by 1 / cos = 573. */
                 assert_pixel_near(&p, x, y, ray_x(x) * distance, v, distance,
                                   i == 2 ? 1e3 * ROUNDING : ROUNDING);
             }
@@ -114,14 +121,14 @@ static void test_tilted_disc(void **state) {
     }
 }
 
-/* Seen exactly along its plane a splat has no fragment, and nothing is undefined. */
+/* A splat seen exactly along its plane has no fragment, and no value is undefined. */
 static void test_edge_on(void **state) {
     (void)state;
     scene s = scene_disc(1);
     s.material.double_sided = 1;
     turn(&s.splats[0], (double[]){0, 0, -1}, (double[]){1, 0, 0});
     psplat_view view = front_view();
-    view.height = 91; /* the middle row's rays lie in the plane */
+    view.height = 91; /* the rays of the middle row lie in the plane */
     camera_perspective(&view, FOCAL, NEAR, FAR);
     picture p = picture_of(&s, NULL, &view);
     for (int i = 0; i < p.width * p.height; ++i) {
@@ -154,22 +161,25 @@ static void test_clip_lines(void **state) {
     (void)state;
     size_t whole = count_clipped(0, NULL);
     assert_true(whole > 2000);
-    /* The image is even in both directions, so the pixels split exactly. */
+    /* The image is even in both directions, so that lines through the centre halve the pixels
+     * exactly. */
     assert_int_equal(count_clipped(1, (const float[4][3]){{1, 0, 0}}) * 2, whole);
     assert_int_equal(count_clipped(2, (const float[4][3]){{1, 0, 0}, {0, -1, 0}}) * 4, whole);
     assert_int_equal(count_clipped(1, (const float[4][3]){{0, 1, 2}}), whole);
     assert_int_equal(count_clipped(1, (const float[4][3]){{0, 1, -2}}), 0);
-    /* Length does not matter: the line is where it is. */
+    /* The length of a line's coefficients does not matter. */
     assert_int_equal(count_clipped(1, (const float[4][3]){{30, 40, 5}}),
                      count_clipped(1, (const float[4][3]){{0.6f, 0.8f, 0.1f}}));
-    /* The square |u|, |v| <= 1/2 has side radius: its count is exact up to its border. */
+    /* The square |u|, |v| <= 1/2 has a side of radius: its number of pixels is exact up to its
+     * border. */
     double radius = 1.5 * FOCAL / DISTANCE;
     size_t square = count_clipped(
         4, (const float[4][3]){{1, 0, 0.5f}, {-1, 0, 0.5f}, {0, 1, 0.5f}, {0, -1, 0.5f}});
     assert_near((double)square, radius * radius, 4 * radius);
 }
 
-/* A floor 0.01 under the eye, its centre at the eye: fragments from the near plane to the rim. */
+/* The floor lies 0.01 under the eye, with its centre under the eye: there are fragments from the
+ * near plane to the rim. */
 static void test_eye_inside(void **state) {
     (void)state;
     const double under = 0.01, radius = 10;
@@ -193,8 +203,8 @@ static void test_eye_inside(void **state) {
     scene_free(&s);
 }
 
-/* A wall that passes the eye at x = 0.5 and goes on behind it: a centre behind the eye, the rim
- * 3 in front of it. */
+/* A wall passes the eye at x = 0.5 and goes on behind it: its centre lies behind the eye, its rim 3
+ * in front of it. */
 static void test_near_crossing(void **state) {
     (void)state;
     const double aside = 0.5, behind = 1;
@@ -216,7 +226,7 @@ static void test_near_crossing(void **state) {
     scene_free(&s);
 }
 
-/* Nothing lies before the near or behind the far plane. */
+/* Nothing is drawn before the near plane or behind the far plane. */
 static void test_near_and_far(void **state) {
     (void)state;
     const double heights[] = {DISTANCE - NEAR - 1e-9, DISTANCE - NEAR + 1e-9, DISTANCE - FAR - 1e-9,
@@ -228,7 +238,7 @@ static void test_near_and_far(void **state) {
         psplat_view view = front_view();
         picture p = picture_of(&s, transform, &view);
         assert_int_equal(picture_covered(&p) > 0, seen[i]);
-        /* The depth tie knows: 1e-9 of distance is 2.05e-9 of window depth at the near plane. */
+        /* The depth tie shows it: 1e-9 of distance is 2.05e-9 of window depth at the near plane. */
         assert_true(p.image.depth_tie[HEIGHT / 2 * WIDTH + WIDTH / 2] < 3e-9);
         picture_free(&p);
         scene_free(&s);
@@ -257,8 +267,8 @@ static void test_parallel_view(void **state) {
     scene_free(&s);
 }
 
-/* Any invertible projection: a perspective one that is off-centre, scaled as a whole and with z
- * sheared by x shows the same fragments as the plain one, moved by the off-centre pixels. */
+/* Any invertible projection is allowed: a perspective one that is off-centre, scaled as a whole and
+ * with z sheared by x shows the same fragments as the plain one, moved by the off-centre pixels. */
 static void test_unusual_projection(void **state) {
     (void)state;
     const int shift = 7;
@@ -313,7 +323,7 @@ static void test_ties(void **state) {
     for (int i = 0; i < 2; ++i) {
         scene s = scene_disc(radii[i]);
         psplat_view view = front_view();
-        view.width = WIDTH + 1; /* a pixel centre in the middle */
+        view.width = WIDTH + 1; /* so that a pixel's centre is in the middle */
         camera_perspective(&view, FOCAL, NEAR, FAR);
         picture p = picture_of(&s, NULL, &view);
         double pixels = (double)radii[i] * FOCAL / DISTANCE;
@@ -376,7 +386,7 @@ static void test_bad_arguments(void **state) {
     scene_free(&s);
 }
 
-/* What has colours of the renderer's own choice. */
+/* Views are refused whose colours the renderer chooses itself. */
 static void test_unsupported(void **state) {
     (void)state;
     scene s = scene_disc(1);

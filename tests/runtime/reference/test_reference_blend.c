@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * The reference rasteriser against closed forms: visibility, blending and modes (spec 5.3 to 5.7).
- * Unlit materials make colours readable: L = B. */
+ *
+ * test_reference_blend.c - tests the reference rasteriser against closed forms: visibility,
+ * blending and modes (spec 5.3 to 5.7), on one or two discs and on spheres of splats. Unlit
+ * materials make colours readable: L = B.
+ */
 #include "reference_view.h"
 #include "scene_asset.h"
 
@@ -18,7 +21,7 @@
 #define HEIGHT 48
 #define FOCAL 100.0
 #define DISTANCE 5.0
-#define FLOAT_STEP 1.2e-7 /* colours are returned as float, at most 1 here */
+#define FLOAT_STEP 1.2e-7 /* colours are returned as floats, which are at most 1 here */
 
 static psplat_view front_view(void) {
     psplat_view view = camera_view(WIDTH, HEIGHT);
@@ -49,7 +52,7 @@ static scene two_discs(double gap, double epsilon) {
     return s;
 }
 
-/* One of the two on the ray of a pixel. */
+/* Where the ray of a pixel meets one of the two discs. */
 typedef struct hit {
     double r, t, depth;
 } hit;
@@ -90,8 +93,8 @@ static void check_two_discs(const scene *s, const picture *p) {
 
 static void test_two_discs(void **state) {
     (void)state;
-    /* Gap 0.1 is less than, about and more than epsilon: along slanted rays the gap is longer, so
-     * that 0.1005 blends some pixels and hides others. */
+    /* The gap of 0.1 is less than, about and more than epsilon. Along slanted rays the gap is
+     * longer, so that an epsilon of 0.1005 blends some pixels and hides others. */
     const double epsilons[] = {0.2, 0.1005, 0.05, 0};
     const float kernels[][2] = {{2, 2}, {5, 1}, {0.5f, 4}};
     for (int e = 0; e < 4; ++e)
@@ -106,7 +109,7 @@ static void test_two_discs(void **state) {
         }
 }
 
-/* A transform that scales by 2 doubles epsilon (spec 4): gap 0.2, epsilon 2 x 0.15. */
+/* A transform that scales by 2 doubles epsilon (spec 4): the gap is 0.2, epsilon 2 x 0.15. */
 static void test_epsilon_scales(void **state) {
     (void)state;
     const double twice[16] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1};
@@ -129,22 +132,22 @@ static void test_epsilon_tie(void **state) {
     picture p = picture_of(&s, NULL, &view);
     int middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
     double slant = sqrt(1 + ray_x(WIDTH / 2) * ray_x(WIDTH / 2) * 2) - 1;
-    /* Over twice the facing disc's epsilon, the greatest of eq. (5). 0.1 is not a float: 1.5e-8 /
-     * 0.1. */
+    /* The tie is relative to twice the facing disc's epsilon, the greatest of eq. (5). 0.1 is not a
+     * float: 1.5e-8 / 0.1. */
     assert_near(p.image.epsilon_tie[middle], slant / 2, 1e-6);
     assert_int_equal(p.image.count[middle], 1);
     picture_free(&p);
     scene_free(&s);
 }
 
-/* Turns a splat about the x axis, so that its normal leaves the direction of +z by the angle. */
+/* Turns a splat about the x axis, so that its normal makes the angle with +z. */
 static void tilt(psplat_splat *splat, double degrees) {
     double c = cos(degrees * CAMERA_PI / 180), n = sin(degrees * CAMERA_PI / 180);
     scene_set_axes(splat, (double[]){1, 0, 0}, (double[]){0, c, n});
     splat->normal[0] = 0, splat->normal[1] = (float)-n, splat->normal[2] = (float)c;
 }
 
-/* Eq. (5): along the ray epsilon grows with the slant, up to twice. */
+/* Eq. (5): along the ray epsilon grows with the slant, up to twice its value. */
 static void test_slanted_epsilon(void **state) {
     (void)state;
     const struct {
@@ -166,8 +169,8 @@ static void test_slanted_epsilon(void **state) {
         }
 }
 
-/* Spec 5.2: of a two-sided material, normals are negated only where the splat turns away from the
- * eye by more than 120 degrees. Light from behind and above tells the two apart. */
+/* Spec 5.2: normals of a two-sided material are negated only where the splat faces away from the
+ * eye by more than 120 degrees. Light from behind and above shows which of the two was used. */
 static void test_two_sides(void **state) {
     (void)state;
     const double degrees[] = {60, 100, 118, 122, 150, 180};
@@ -180,11 +183,11 @@ static void test_two_sides(void **state) {
         double sign = degrees[i] > 120 ? -1 : 1;
         for (int k = 0; k < 3; ++k)
             view.lights[0].direction[k] =
-                -(float)sign * s.splats[0].normal[k]; /* against the normal used */
+                -(float)sign * s.splats[0].normal[k]; /* opposite to the normal that is used */
         picture p = picture_of(&s, NULL, &view);
         int middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
         assert_int_equal(p.image.count[middle], 1);
-        assert_true(p.image.color[4 * middle] > 0.5f); /* lit in full, not from behind */
+        assert_true(p.image.color[4 * middle] > 0.5f); /* fully lit, not from behind */
         picture_free(&p);
         scene_free(&s);
     }
@@ -192,7 +195,8 @@ static void test_two_sides(void **state) {
 
 /* ---- modes ----------------------------------------------------------------------------------- */
 
-/* The nearest splat alone, whatever epsilon: the red disc hides the green one behind it. */
+/* Modes that show the nearest splat do so whatever epsilon is: the red disc hides the green one
+ * behind it. */
 static void test_nearest_modes(void **state) {
     (void)state;
     scene s = two_discs(0.01, 10);
@@ -207,7 +211,7 @@ static void test_nearest_modes(void **state) {
             int nearest = hits[0].r <= 1 ? 0 : hits[1].r <= 1 ? 1 : -1, at = y * WIDTH + x;
             assert_int_equal(flat.image.splat[at], nearest);
             assert_int_equal(flat.image.count[at], nearest >= 0);
-            double tie = 1; /* to the hidden disc, which epsilon does not count for */
+            double tie = 1; /* to the hidden disc, for which epsilon does not matter */
             if (hits[0].r <= 1 && hits[1].r <= 1) tie = hits[1].depth - hits[0].depth;
             assert_near(fmin(flat.image.depth_tie[at], 0.01), fmin(tie, 0.01), 1e-12);
             assert_near(flat.image.epsilon_tie[at], 1, 0);
@@ -229,7 +233,7 @@ static double brightness(const picture *p, int x, int y) {
     return (double)p->image.color[4 * (y * p->width + x)];
 }
 
-/* What a flat splat with this normal that fills the view shows at a pixel. */
+/* Returns what a flat splat with this normal that fills the view shows at a pixel. */
 static double brightness_of(const double normal[3], const psplat_view *view, int x, int y) {
     scene s = scene_disc(5);
     double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
@@ -241,7 +245,7 @@ static double brightness_of(const double normal[3], const psplat_view *view, int
     return result;
 }
 
-/* One splat curved more in u than in v, in directions that are not its axes: only Phong shading
+/* One splat is curved more in u than in v, in directions that are not its axes. Only Phong shading
  * varies over it, by eq. (2). */
 static void test_curved_splat(void **state) {
     (void)state;
@@ -266,7 +270,7 @@ static void test_curved_splat(void **state) {
                 double u = p.image.uv[2 * at], v = p.image.uv[2 * at + 1];
                 double normal[3] = {0.28 / 0.96 + bend * (0.6 * u + 0.4 * 0.75 * v),
                                     bend * (0.4 * u - 0.3 * v), 1};
-                /* Normals of the flat splat are floats; the lobe's slope is below 10. */
+                /* Normals of the flat splat are floats, and the lobe's slope is below 10. */
                 assert_near(brightness(&p, x, y), brightness_of(normal, &view, x, y), 2e-6);
             }
         picture_free(&p);
@@ -275,7 +279,7 @@ static void test_curved_splat(void **state) {
 }
 
 /* The blended normal is the sum of unnormalised ones: two coplanar splats tilted to +x and -x with
- * equal weights look straight up in Phong mode; in Gaussian mode they stay darker. */
+ * equal weights face straight up in Phong mode; in Gaussian mode they stay darker. */
 static void test_blended_normals(void **state) {
     (void)state;
     scene s = scene_blank(2);
@@ -303,7 +307,8 @@ static void test_blended_normals(void **state) {
 
 /* ---- many splats ----------------------------------------------------------------------------- */
 
-/* Where the analytic unit sphere is hit, or how far the ray passes its centre. */
+/* Returns where the analytic unit sphere is hit; *passes becomes the distance at which the ray
+ * passes its centre. */
 static double sphere_depth(int x, int y, double *passes) {
     double d[3] = {ray_x(x), ray_y(y), -1}, length = sqrt(d[0] * d[0] + d[1] * d[1] + 1);
     double along = DISTANCE / length, miss2 = DISTANCE * DISTANCE - along * along;
@@ -329,7 +334,8 @@ static void test_sphere(void **state) {
             if (passes > 1 + sagitta) assert_int_equal(count, 0);
             if (passes > 0.9) continue;
             ++inside;
-            /* Both along the ray: a plane at most sagitta outside, blended over epsilon. */
+            /* Both depths are measured along the ray: a plane lies at most sagitta outside, and
+             * planes are blended over epsilon. */
             double depth = p.image.depth[y * WIDTH + x];
             double found = 20.0 / (9 * (11.0 / 9 - 2 * (depth - 0.5)));
             double slant = 1 / sqrt(1 - passes * passes);
@@ -340,7 +346,8 @@ static void test_sphere(void **state) {
     scene_free(&s);
 }
 
-/* Its normals are those of the sphere: lit as one splat that has the analytic normal. */
+/* The normals of the splats are those of the sphere: a pixel is lit as one splat with the analytic
+ * normal. */
 static void test_sphere_normals(void **state) {
     (void)state;
     scene s = scene_sphere(2000, 1);

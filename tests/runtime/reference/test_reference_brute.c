@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT
- * Thousands of random single splats and views: the reference rasteriser's bounds lose no pixel, and
- * its ray casting agrees with another way of finding (u, v). A pixel (X, Y) and (u, v) are
- * related by the 2 x 2 system that says that clip space point C + u A + v B projects to (X, Y). The
- * filter of spec 5.8 is found without singular vectors, by how J turns and how it flips. */
+ *
+ * test_reference_brute.c - tests the reference rasteriser on thousands of random single splats and
+ * views: its bounds lose no pixel, and its ray casting agrees with another way to find (u, v). A
+ * pixel (X, Y) and (u, v) are related by the 2 x 2 system that says that the clip space point C + u
+ * A + v B projects to (X, Y). The filter of spec 5.8 is computed without singular vectors, by
+ * splitting J into a rotation and a reflection.
+ */
 #include "reference_view.h"
 #include "scene_asset.h"
 
@@ -23,7 +26,7 @@ static double between(uint32_t *random, double low, double high) {
     return low + (high - low) * (double)scene_random(random);
 }
 
-/* Log-uniform, for sizes from far below a pixel to far beyond the view. */
+/* Returns a log-uniform number, for sizes from far below a pixel to far beyond the view. */
 static double magnitude(uint32_t *random, double low, double high) {
     return low * pow(high / low, (double)scene_random(random));
 }
@@ -76,7 +79,7 @@ static psplat_view random_view(uint32_t *random) {
     return view;
 }
 
-/* Rotates nothing, scales, shears, mirrors and moves. */
+/* Makes a random matrix that scales, shears, mirrors and moves. */
 static void random_transform(double m[16], uint32_t *random) {
     for (int i = 0; i < 16; ++i) m[i] = between(random, -0.3, 0.3);
     for (int i = 0; i < 3; ++i) {
@@ -93,7 +96,7 @@ static void apply(const double m[16], const double v[4], double out[4]) {
         out[row] = m[row] * v[0] + m[4 + row] * v[1] + m[8 + row] * v[2] + m[12 + row] * v[3];
 }
 
-/* Clip space images of the two scaled axes and the centre. */
+/* Computes the clip space images of the two scaled axes and of the centre. */
 static void clip_frame(const psplat_splat *splat, const double transform[16],
                        const psplat_view *view, double frame[3][4]) {
     double x = splat->rotation[0], y = splat->rotation[1], z = splat->rotation[2];
@@ -112,9 +115,10 @@ static void clip_frame(const psplat_splat *splat, const double transform[16],
     }
 }
 
-/* A matrix is a rotation times q plus a reflection times r, and q + r and |q - r| are its singular
- * values. Widens the frame and stores, row by row, |det J'| J'^-T up to the sign; returns 0 where
- * the splat is not filtered. nearer: what its tested depth lacks, in device coordinates. */
+/* Widens the frame. A matrix is a rotation times q plus a reflection times r, and q + r and |q -
+ * r| are its singular values. Stores, row by row, |det J'| J'^-T up to the sign. nearer is the
+ * difference of its tested depth, in device coordinates. Returns 0 where the splat is not
+ * filtered. */
 static int widen(double frame[3][4], double cofactors[2][2], double *area, double *nearer,
                  double *soft) {
     const double half[2] = {WIDTH / 2.0, HEIGHT / 2.0}, *c = frame[2];
@@ -147,7 +151,7 @@ static int widen(double frame[3][4], double cofactors[2][2], double *area, doubl
     return 1;
 }
 
-/* Least (a u + b v + c) in pixels of J', plus half of soft, over the lines. */
+/* Returns the least (a u + b v + c) over the lines, in pixels of J', plus half of soft. */
 static double softness(const psplat_splat *splat, double cofactors[2][2], double area, double soft,
                        const double uv[2]) {
     double least = HUGE_VAL;
@@ -161,7 +165,7 @@ static double softness(const psplat_splat *splat, double cofactors[2][2], double
     return least;
 }
 
-/* Solves for (u, v); returns whether there is a fragment, clip lines apart. */
+/* Solves for (u, v) and returns whether there is a fragment, clip lines not considered. */
 static int other_fragment(double frame[3][4], double nearer, double x, double y, double uv[2],
                           double *depth) {
     const double at[2] = {x, y};
@@ -204,7 +208,8 @@ static void compare(const psplat_splat *splat, const double transform[16], const
         if (is_filtered)
             kept = kept && other_fragment(frame, nearer, x, y, uv, &depth) &&
                    softness(splat, cofactors, area, soft, uv) > 0;
-        /* Double rounding, magnified by aspect 1e4 and by edge-on splats. */
+        /* Pixels closer than double rounding to a tie are skipped; aspects of 1e4 and edge-on
+         * splats magnify that rounding. */
         if (p->image.tie[i] < 1e-7 || p->image.depth_tie[i] < 1e-9) {
             ++counts->skipped;
             continue;

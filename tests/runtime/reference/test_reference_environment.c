@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Environments and debug views of the reference rasteriser (spec 5.6, eq. (9); psplat_shading)
- * against closed forms, and eq. (9)'s a and b against a quadrature over directions of light. */
+ *
+ * test_reference_environment.c - tests environments and debug views of the reference rasteriser
+ * (spec 5.6, eq. (9); psplat_shading) against closed forms, and eq. (9)'s a and b against a
+ * quadrature over directions of light.
+ */
 #include "reference_view.h"
 #include "scene_asset.h"
 
@@ -15,7 +18,7 @@
 #include "near.h"
 
 #define SIZE 16
-/* Of the quadratures, and of R, which is linear between texels. */
+/* The relative error of the quadratures, and of R, which is linear between texels. */
 #define QUADRATURE 2e-3
 
 typedef struct cube {
@@ -23,8 +26,9 @@ typedef struct cube {
     psplat_environment_desc desc;
 } cube;
 
-/* R = 1 + slope l, channel by channel: x, y and z of the direction are red, green and blue. The
- * directions of the texels are those of GL 4.6, section 8.13, solved for the direction. */
+/* Fills the cube with R = 1 + slope l, channel by channel: x, y and z of the direction are red,
+ * green and blue. The directions of the texels are those of GL 4.6, section 8.13, solved for the
+ * direction. */
 static void cube_fill(cube *c, double slope) {
     for (int i = 0; i < 6 * SIZE * SIZE; ++i) {
         double s = (i % SIZE + 0.5) / SIZE * 2 - 1, t = (i / SIZE % SIZE + 0.5) / SIZE * 2 - 1;
@@ -78,7 +82,7 @@ static void normalise(double a[3]) {
 
 /* ---- eq. (9) --------------------------------------------------------------------------------- */
 
-/* a and b by a quadrature over l; e and n span the plane y = 0. */
+/* Computes a and b by a quadrature over l; e and n span the plane y = 0. */
 static void split_sums(double normal_eye, double alpha, double sums[2]) {
     enum { rings = 1500, sectors = 720 };
     double e[3] = {sqrt(1 - normal_eye * normal_eye), 0, normal_eye}, a2 = alpha * alpha;
@@ -99,7 +103,7 @@ static void split_sums(double normal_eye, double alpha, double sums[2]) {
     }
 }
 
-/* Under a constant R a metal of f0 reflects (f0 a + b) R and a dielectric c_diff R more. */
+/* Under a constant R a metal of f0 reflects (f0 a + b) R, and a dielectric c_diff R more. */
 static void test_constant(void **state) {
     (void)state;
     const float roughnesses[] = {0.4f, 0.7f, 1};
@@ -122,7 +126,8 @@ static void test_constant(void **state) {
     }
 }
 
-/* Of R = 1 + l / 2 the irradiance is pi + pi n / 3: six faces, their order and orientation. */
+/* The irradiance of R = 1 + l / 2 is pi + pi n / 3. This tests six faces, their order and their
+ * orientation. */
 static void test_diffuse(void **state) {
     (void)state;
     const double normals[][3] = {{0.3, 0.5, 0.8}, {-0.7, 0.2, 0.6}, {0.1, -0.9, 0.4}};
@@ -131,7 +136,7 @@ static void test_diffuse(void **state) {
         double n[3], color[3], without[3];
         for (int i = 0; i < 3; ++i) n[i] = normals[k][i];
         normalise(n);
-        study st, dark; /* the dielectric reflects alike, whatever its colour */
+        study st, dark; /* the dielectric's reflection does not depend on its colour */
         study_open(&st, &material, n, 0.5);
         study_open(&dark, &black, n, 0.5);
         study_color(&st, color);
@@ -142,8 +147,8 @@ static void test_diffuse(void **state) {
     }
 }
 
-/* A polished white metal is a mirror: R in the direction r, in scene space however the view is
- * turned. */
+/* A polished white metal is a mirror: it shows R in the direction r, in scene space however the
+ * view is turned. */
 static void test_mirror(void **state) {
     (void)state;
     const double eyes[][3] = {{0, 0, 5}, {1, 2, 3}, {-2, 1, 3}, {2, -4, 3}, {0.1, 0.2, 6}};
@@ -164,8 +169,8 @@ static void test_mirror(void **state) {
     }
 }
 
-/* A linear R keeps its form under any symmetric mean: 1 + k r with k the mean of r.l, which is
- * found by integrating D (r.h) (r.l) over half vectors at angles x to r. */
+/* A linear R keeps its form under any symmetric mean: it becomes 1 + k r, where k is the mean of
+ * r.l. That is found by integrating D (r.h) (r.l) over half vectors at angles x to r. */
 static void test_glossy(void **state) {
     (void)state;
     const double r[3] = {0, 0, 1};
@@ -192,7 +197,7 @@ static void test_glossy(void **state) {
 
 /* ---- debug views ----------------------------------------------------------------------------- */
 
-/* Two discs of other colours and normals, at distances 5 and 6, that weigh the same. */
+/* Shows two discs of different colours and normals, at distances 5 and 6, with equal weights. */
 static void show(psplat_shading shading, psplat_mode mode, int linear, double color[3]) {
     scene s = scene_blank(2);
     s.depth_tolerance = 10;
@@ -231,7 +236,7 @@ static double encoded(double linear) {
 
 static void test_debug_views(void **state) {
     (void)state;
-    /* The eye is on the axis: weights are psi(0). Normals of (2) have z = 1 and x, y = 3/4. */
+    /* The eye is on the axis: weights are psi(0). Normals of eq. (2) have z = 1 and x, y = 3/4. */
     double length = sqrt(2 * 0.375 * 0.375 + 1), side = 0.5 + 0.5 * 0.375 / length;
     double tilted = 0.5 + 0.5 * 0.6, mean = 0.625, depth = 11 - 60.0 / 11;
     for (int linear = 0; linear < 2; ++linear)

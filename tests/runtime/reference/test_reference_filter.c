@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * The reference rasteriser's screen-space filter (spec 5.8) against closed forms. Parallel views of
- * unlit splats make everything readable: (u, v) is affine in the pixel, L = B. */
+ *
+ * test_reference_filter.c - tests the reference rasteriser's screen-space filter (spec 5.8) against
+ * closed forms. Views are parallel and splats unlit, so that everything can be read from the
+ * colours: (u, v) is affine in the pixel, and L = B.
+ */
 #include "reference_view.h"
 #include "scene_asset.h"
 
@@ -15,10 +18,11 @@
 #include "near.h"
 
 #define SIZE 32
-#define FLOAT_STEP 1.2e-7 /* colours are returned as float, at most 1 here */
-#define CENTER 1e-6       /* pixels: centres are floats of up to 16 */
+#define FLOAT_STEP 1.2e-7 /* colours are returned as floats, which are at most 1 here */
+#define CENTER 1e-6       /* in pixels: centres are floats of up to 16 */
 
-/* One unit of the scene is a pixel; pixel (0, 0) has its corner at the origin, +z to the eye. */
+/* One unit of the scene is a pixel; pixel (0, 0) has its corner at the origin; +z points to the
+ * eye. */
 static psplat_view pixel_view(void) {
     psplat_view view = camera_view(SIZE, SIZE);
     view.no_filter = 0;
@@ -40,15 +44,15 @@ static void paint(psplat_splat *splat, int channel) {
     for (int c = 0; c < 3; ++c) splat->color[c] = c == channel;
 }
 
-/* Turns a splat about the x axis, so that its normal leaves the direction of +z by the angle. */
+/* Turns a splat about the x axis, so that its normal makes the angle with +z. */
 static void tilt(psplat_splat *splat, double degrees) {
     double c = cos(degrees * CAMERA_PI / 180), n = sin(degrees * CAMERA_PI / 180);
     scene_set_axes(splat, (double[]){1, 0, 0}, (double[]){0, c, n});
     splat->normal[0] = 0, splat->normal[1] = (float)-n, splat->normal[2] = (float)c;
 }
 
-/* Splats that are to be placed and, last, a blue backdrop over the whole view: what the filter adds
- * shows only before splats. It lies within epsilon of them. */
+/* Returns count splats, which the test places, and last a blue backdrop over the whole view within
+ * epsilon of them, because what the filter adds shows only before splats. */
 static scene unlit_scene(size_t count) {
     scene s = scene_blank(count + 1);
     place(&s.splats[count], 16, 16, -4, 1000, 1000);
@@ -68,14 +72,14 @@ static double psi(double r) {
     return exp(-2 * r * r);
 }
 
-/* Of the backdrop, and its window depth. */
+/* Returns the backdrop's weight in a pixel. Its window depth is depth_behind. */
 static double behind(int pixel) {
     return psi(hypot(pixel % SIZE + 0.5 - 16, pixel / SIZE + 0.5 - 16) / 1000);
 }
 
 static const double depth_behind = 0.7;
 
-/* Pixels that show more than the backdrop. */
+/* Counts the pixels that show more than the backdrop. */
 static size_t count_before(const picture *p) {
     size_t count = 0;
     for (int i = 0; i < SIZE * SIZE; ++i) count += p->image.count[i] > 1;
@@ -84,8 +88,8 @@ static size_t count_before(const picture *p) {
 
 /* ---- far below a pixel ----------------------------------------------------------------------- */
 
-/* An ellipse of any size below a pixel covers the pixels whose centres are a pixel from its own;
- * its depths are its own, over a pixel's width. */
+/* An ellipse of any size below a pixel covers the pixels whose centres are within a pixel of its
+ * own. Its depths are those of its plane, over a pixel's width. */
 static void test_small(void **state) {
     (void)state;
     const double radii[] = {1e-6, 0.1, 0.4, 0.999}, sine = sin(50 * CAMERA_PI / 180);
@@ -164,7 +168,7 @@ static void test_small_visibility(void **state) {
     }
 }
 
-/* Seen along its plane a disc still is two pixels wide, of its one visible side. */
+/* A disc seen along its plane is still two pixels wide, on its one visible side. */
 static void test_edge_on(void **state) {
     (void)state;
     const double degrees[] = {89.9, 90, 90.1}, radii[] = {0.7, 4};
@@ -183,7 +187,7 @@ static void test_edge_on(void **state) {
             expected += hypot(u, v) <= 1;
         }
         assert_true(expected >= 3);
-        /* 90 degrees are neither more nor less: a quaternion of floats errs by 6e-8. */
+        /* 90 degrees is on neither side exactly: a quaternion of floats errs by 6e-8. */
         if (k % 3 != 1 || !culls)
             assert_int_equal(count_before(&p), culls && k % 3 == 2 ? 0 : expected);
         picture_free(&p);
@@ -193,7 +197,7 @@ static void test_edge_on(void **state) {
 
 /* ---- thin ------------------------------------------------------------------------------------ */
 
-/* Along x 6 pixels, along y less than one: coverage, weight, normal
+/* The splat is 6 pixels along x and less than one along y. The test checks coverage, weight, normal
  * and depth of what the widened splat adds. */
 static void check_thin(double rv, double degrees) {
     const double alpha = 0.3, beta = 0.5, slant = cos(degrees * CAMERA_PI / 180);
@@ -239,8 +243,8 @@ static void test_thin(void **state) {
 
 /* ---- clip lines ------------------------------------------------------------------------------ */
 
-/* A red splat with a clip line in pixels, a green one whose line is far away, equal otherwise:
- * their ratio is the line's factor. */
+/* Compares a red splat that has a clip line, at a distance in pixels, with a green one that is
+ * equal but whose line is far away: the ratio of their colours is the line's factor. */
 static size_t check_line(double ru, double rv, double degrees, double angle, double offset) {
     const double center[2] = {16.3, 16.6};
     double a = cos(angle) * fmax(ru, 1);
@@ -281,7 +285,7 @@ static void test_soft_lines(void **state) {
     (void)state;
     const struct {
         double ru, rv, degrees, offset;
-    } splats[] = {{9, 5, 0, 0.2},   /* large: hard */
+    } splats[] = {{9, 5, 0, 0.2},   /* large: a hard line */
                   {9, 5, 60, -0.3}, /* large, slanted */
                   {8, 0.7, 0, 0.1}, /* thin */
                   {0.5, 0.2, 0, 0}, /* small */
@@ -295,7 +299,7 @@ static void test_soft_lines(void **state) {
     }
 }
 
-/* Through a pixel's centre: one half. Two lines: a quarter. */
+/* A line through a pixel's centre leaves one half; two lines leave a quarter. */
 static void test_half(void **state) {
     (void)state;
     for (uint32_t lines = 0; lines <= 2; ++lines) {
@@ -318,7 +322,7 @@ static void test_half(void **state) {
     }
 }
 
-/* Two halves of a disc that meet at a line weigh as much as the whole disc, with no seam: another
+/* Two halves of a disc that meet at a line weigh as much as the whole disc, without a seam: another
  * disc shows through both alike. */
 static void test_no_seam(void **state) {
     (void)state;
@@ -369,8 +373,8 @@ static void check_same(const scene *s, psplat_view view) {
     picture_free(&without);
 }
 
-/* Large splats without clip lines; modes that blend nothing; splats whose centre is not between the
- * near and the far plane, clip lines included. */
+/* The filter leaves out large splats without clip lines, modes that blend nothing, and splats, with
+ * clip lines too, whose centre is not between the near and the far plane. */
 static void test_unfiltered(void **state) {
     (void)state;
     scene s = unlit_scene(2);
@@ -392,17 +396,17 @@ static void test_unfiltered(void **state) {
     s.splats[0].clip[0][0] = 0.8f;
     s.splats[0].clip[0][1] = 0.6f;
     check_same(&s, pixel_view());
-    s.splats[0].center[2] = -10.2f; /* beyond the far one */
+    s.splats[0].center[2] = -10.2f; /* beyond the far plane */
     check_same(&s, pixel_view());
     scene_free(&s);
 }
 
-/* Where w changes by more than a quarter over the axes, or the centre is closer to the near plane
- * than twice its depth's change over them, too. */
+/* It also leaves out splats over whose axes w changes by more than a quarter, or whose centre is
+ * closer to the near plane than twice the change of its depth over them. */
 static void test_unfiltered_perspective(void **state) {
     (void)state;
     for (int k = 0; k < 4; ++k) { /* slanted and thin */
-        int is_small = k < 2;     /* what the limits are, or a little within */
+        int is_small = k < 2;     /* at the limits or a little within */
         scene s = unlit_scene(1);
         s.depth_tolerance = 30;
         s.splats[0].clip_count = 1;
@@ -410,12 +414,12 @@ static void test_unfiltered_perspective(void **state) {
         s.splats[0].clip[0][1] = 0.6f;
         psplat_view view = pixel_view();
         if (k % 2) {
-            /* Of w = 20 a quarter is 5: |C_u.w| = r sin 45 and |C_v.w| = 0. */
+            /* w = 20, of which a quarter is 5: |C_u.w| = r sin 45 and |C_v.w| = 0. */
             double r = (is_small ? 4.99 : 5.01) * sqrt(2);
             place(&s.splats[0], 16.5, 16, 0, r, 0.4);
             camera_perspective(&view, 20, 1, 100);
         } else {
-            /* |g| is r sin 45 over 20, the centre's depth 1/4. */
+            /* |g| is r sin 45 over 20, and the centre's depth is 1/4. */
             double r = (is_small ? 2.49 : 2.51) * sqrt(2);
             place(&s.splats[0], 16.5, 16, 5, r, 0.4);
         }
@@ -433,8 +437,8 @@ static void test_unfiltered_perspective(void **state) {
     }
 }
 
-/* A slanted splat before the far plane is widened to beyond it, where it is compared as if it lay
- * nearer; as depth, no more than 1 is written. */
+/* A slanted splat before the far plane is widened beyond it. There it is compared as if it lay
+ * nearer, and the depth written is at most 1. */
 static void test_far_plane(void **state) {
     (void)state;
     scene s = unlit_scene(1);
@@ -446,7 +450,7 @@ static void test_far_plane(void **state) {
     picture p = picture_of(&s, NULL, &view);
     size_t before = 0, beyond = 0;
     for (int i = 0; i < SIZE * SIZE; ++i) {
-        double v = i / SIZE + 0.5 - 16.6; /* grows towards the eye; J' is the unit matrix */
+        double v = i / SIZE + 0.5 - 16.6; /* v grows towards the eye; J' is the unit matrix */
         double depth = 0.99995 - v * 0.9 * sin(50 * CAMERA_PI / 180) / 20;
         double w = psi(distance_to(&s.splats[0], i)) * 0.81 * cos(50 * CAMERA_PI / 180);
         double w1 = behind(i), mean = (w * depth + w1 * deepest) / (w + w1);
@@ -462,7 +466,8 @@ static void test_far_plane(void **state) {
 
 /* ---- coverage -------------------------------------------------------------------------------- */
 
-/* What the filter adds shows in pixels that some splat covers, and in no others: outlines stay. */
+/* What the filter adds shows in pixels that some splat covers, and in no others, so that outlines
+ * stay. */
 static void check_coverage(uint32_t clip_lines) {
     scene s = scene_ellipses(60, clip_lines, 11);
     s.depth_tolerance = 1;
@@ -505,17 +510,17 @@ static void test_ties(void **state) {
     (void)state;
     scene s = unlit_scene(1);
     place(&s.splats[0], 16.5, 16.5, 0, 0.5, 0.5);
-    /* The middle of both ellipses, and nearly that of the backdrop. */
+    /* The pixel is at the middle of both ellipses and nearly at that of the backdrop. */
     assert_near(tie_at(&s, 16, 16), 1 - hypot(0.5, 0.5) / 1000, 1e-7);
     place(&s.splats[0], 16.5 - 0.995, 16.5, 0, 0.5, 0.25);
     assert_near(tie_at(&s, 16, 16), 0.005, 1e-6);
     assert_near(tie_at(&s, 14, 16), 0.005, 1e-6);
     place(&s.splats[0], 16.5, 16.5, 0, 0.5, 0.25);
-    s.splats[0].clip_count = 1; /* half a pixel beyond the line, but for 0.003 */
+    s.splats[0].clip_count = 1; /* the line is half a pixel away, but for 0.003 */
     s.splats[0].clip[0][0] = 1;
     s.splats[0].clip[0][2] = -0.497f;
     assert_near(tie_at(&s, 16, 16), 0.003, 1e-6);
-    place(&s.splats[0], 16.5, 16.5, 0, 8, 8); /* hard, and (u, v) is less than pixels here */
+    place(&s.splats[0], 16.5, 16.5, 0, 8, 8); /* a hard line; (u, v) is less than pixels here */
     s.splats[0].clip[0][2] = -0.003f;
     assert_near(tie_at(&s, 16, 16), 0.003, 1e-6);
     scene_free(&s);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Lights and shadows of the reference rasteriser (spec 5.6, eq. (8)) against hand-computed
- * falloffs: a light of irradiance E at a point lights it as a directional one of E from there does.
+ *
+ * test_reference_lights.c - tests lights and shadows of the reference rasteriser (spec 5.6, eq.
+ * (8)) against hand-computed falloffs: a light that gives irradiance E at a point lights it as a
+ * directional light of E from the same direction does.
  */
 #include "reference_view.h"
 #include "scene_asset.h"
@@ -15,9 +17,9 @@
 
 #include "near.h"
 
-#define COLOR_STEP 2e-6 /* lights and colours are floats; colours here are of up to 10 */
+#define COLOR_STEP 2e-6 /* lights and colours are floats; colours here are at most 10 */
 
-/* One pixel in the middle of a large disc at z = 0, seen along -z from z = 5 in a parallel view. */
+/* One pixel sees the middle of a large disc at z = 0, along -z from z = 5 in a parallel view. */
 static psplat_view pixel_view(void) {
     psplat_view view = camera_view(1, 1);
     camera_look(&view, (double[]){0, 0, 5}, (double[]){0, 0, 0});
@@ -50,7 +52,7 @@ static void color_under(const scene *s, const psplat_view *view, double color[3]
     picture_free(&p);
 }
 
-/* The same colour under the lights of both views. */
+/* Expects the same colour under the lights of both views. */
 static void check_alike(const scene *s, const psplat_view *a, const psplat_view *b) {
     double color[2][3];
     color_under(s, a, color[0]);
@@ -58,7 +60,7 @@ static void check_alike(const scene *s, const psplat_view *a, const psplat_view 
     for (int i = 0; i < 3; ++i) assert_near(color[0][i], color[1][i], COLOR_STEP);
 }
 
-/* A light against a directional one from (x, y, z) of the given illuminance. */
+/* Compares a light with a directional one from (x, y, z) of the given illuminance. */
 static void check_light(psplat_light light, double x, double y, double z, double illuminance) {
     scene s = scene_disc(10);
     psplat_view view = pixel_view(), expected = view;
@@ -77,7 +79,7 @@ static void check_light(psplat_light light, double x, double y, double z, double
 static void test_point(void **state) {
     (void)state;
     check_light(positional(PSPLAT_LIGHT_POINT, 0, 0, 2, 8), 0, 0, 1, 2);
-    check_light(positional(PSPLAT_LIGHT_POINT, 2, 1, 2, 9), 2, 1, 2, 1); /* distance 3 */
+    check_light(positional(PSPLAT_LIGHT_POINT, 2, 1, 2, 9), 2, 1, 2, 1); /* the distance is 3 */
     psplat_light light = positional(PSPLAT_LIGHT_POINT, 0, 0, 2, 8);
     light.range = 4; /* 1 - (2/4)^4 = 15/16 */
     check_light(light, 0, 0, 1, 2 * 15.0 / 16);
@@ -103,18 +105,18 @@ static void test_spot(void **state) {
         light.direction[0] = (float)(3 * sin(angle * degree)); /* of any length */
         light.direction[2] = (float)(-3 * cos(angle * degree));
         check_light(light, 0, 0, 1, 2 * s * s);
-        light.inner_angle = light.outer_angle = 0; /* 45 degrees, full on the axis alone */
+        light.inner_angle = light.outer_angle = 0; /* 45 degrees; full only on the axis */
         s = fmax((at - cos(45 * degree)) / (1 - cos(45 * degree)), 0);
         check_light(light, 0, 0, 1, 2 * s * s);
     }
 }
 
-/* Cones narrower than the specification's 0.001 end softly all the same. */
+/* Cones narrower than the specification's 0.001 nevertheless end softly. */
 static void test_narrow_spot(void **state) {
     (void)state;
     psplat_light light = positional(PSPLAT_LIGHT_SPOT, 0, 0, 2, 8);
     light.inner_angle = 0.01f;
-    light.outer_angle = 0.02f; /* cosines differ by 0.00015 */
+    light.outer_angle = 0.02f; /* the cosines differ by 0.00015 */
     double s = (1 - cos(0.02)) / 0.001;
     check_light(light, 0, 0, 1, 2 * s * s);
 }
@@ -145,8 +147,8 @@ static void test_several(void **state) {
 
 /* ---- where the pixel is ---------------------------------------------------------------------- */
 
-/* Two discs a unit apart blend in a perspective view: in Phong mode the light is as far as the mean
- * of their window depths says, in Gaussian mode each has its own distance. */
+/* Two discs a unit apart blend in a perspective view. In Phong mode the distance of the light
+ * follows from the mean of their window depths; in Gaussian mode each disc has its own distance. */
 static void test_position(void **state) {
     (void)state;
     scene s = scene_blank(2);
@@ -157,7 +159,7 @@ static void test_position(void **state) {
     camera_perspective(&view, 1, 1, 10);
     view.lights[0] = positional(PSPLAT_LIGHT_POINT, 0, 0, 3, 5);
     psplat_view expected = view;
-    /* Window depth is linear in 1 / distance: of 5 and 6, 2 / (1/5 + 1/6) = 60/11 is the mean. */
+    /* Window depth is linear in 1 / distance: the mean of 5 and 6 is 2 / (1/5 + 1/6) = 60/11. */
     double distance = 3 - (5 - 60.0 / 11);
     expected.lights[0] = directional(0, 0, 1, 5 / (distance * distance));
     check_alike(&s, &view, &expected);
@@ -170,15 +172,15 @@ static void test_position(void **state) {
     scene_free(&s);
 }
 
-/* Lights are in the scene, whatever the view: seen from another place and turned, a pixel's point
- * has the distances that plain geometry says. */
+/* Lights are placed in the scene, whatever the view: seen from another place and turned, a pixel's
+ * point has the distances of plain geometry. */
 static void test_scene_space(void **state) {
     (void)state;
     scene s = scene_disc(10);
     psplat_view view = pixel_view();
     camera_look(&view, (double[]){3, 4, 5}, (double[]){1, 0.5, 0});
     camera_perspective(&view, 400, 1, 20);
-    view.lights[0] = positional(PSPLAT_LIGHT_SPOT, 2, 0.5, 2, 10); /* distance sqrt(5) to (1, .5) */
+    view.lights[0] = positional(PSPLAT_LIGHT_SPOT, 2, 0.5, 2, 10); /* sqrt(5) from (1, .5) */
     for (int i = 0; i < 3; ++i) view.lights[0].direction[i] = (float[]){-1, 0, -2}[i];
     psplat_view expected = view;
     expected.lights[0] = directional(1, 0, 2, 2);
@@ -190,8 +192,8 @@ static void test_scene_space(void **state) {
 
 #define SIZE 48
 
-/* A floor at z = 0 and a disc of radius 0.5 over it, at (0.3, -0.2, height); the floor's splat only
- * is seen, from below the disc. */
+/* Returns a floor at z = 0 and a disc of radius 0.5 over it, at (0.3, -0.2, height). Only the
+ * floor's splat is seen, from below the disc. */
 static scene shadow_scene(double height) {
     scene s = scene_blank(2);
     s.material.double_sided = 1;
@@ -212,7 +214,8 @@ static psplat_view shadow_view(psplat_light light, double height) {
     return view;
 }
 
-/* Where the ray from pixel i's point to the light crosses the disc's plane, from its centre. */
+/* Computes where the ray from pixel i's point to the light crosses the disc's plane, relative to
+ * the disc's centre. */
 static void crossing(const psplat_light *light, int i, double height, double out[2]) {
     double at[3] = {(i % SIZE + 0.5) / SIZE * 4 - 2, (i / SIZE + 0.5) / SIZE * 4 - 2, 0}, to[3];
     for (int k = 0; k < 3; ++k)
@@ -222,7 +225,7 @@ static void crossing(const psplat_light *light, int i, double height, double out
     out[1] = at[1] + to[1] * height / to[2] + 0.2;
 }
 
-/* clip: keeps the disc's x >= its centre's. */
+/* clip keeps the part of the disc whose x is at least that of its centre. */
 static size_t check_shadow(psplat_light light, double height, int clip) {
     scene s = shadow_scene(height);
     if (clip) s.splats[1].clip_count = 1, s.splats[1].clip[0][0] = 1;
@@ -256,7 +259,7 @@ static void test_shadows(void **state) {
         spot.outer_angle = 1.5f;
         assert_true(check_shadow(spot, 1, clip) > least);
     }
-    /* A light under the disc is not shadowed by what is behind it. */
+    /* A light under the disc is not shadowed by the disc, which lies behind it. */
     psplat_light low = positional(PSPLAT_LIGHT_SPOT, 0.5, -0.4, 0.8, 9);
     scene s = shadow_scene(1);
     psplat_view view = shadow_view(low, 1), bright = view;
@@ -272,15 +275,16 @@ static double middle_light(const scene *s, const psplat_view *view) {
     return value;
 }
 
-/* What lies nearer to the point than epsilon, over the cosine to the light, keeps no light off. */
+/* What lies nearer to the point than epsilon, divided by the cosine to the light, casts no
+ * shadow. */
 static void test_shadow_epsilon(void **state) {
     (void)state;
     const struct {
-        double x, factor; /* 1 / max(cos, 1/2) */
+        double x, factor; /* factor: 1 / max(cos, 1/2) */
     } slants[] = {{0, 1}, {1, 1.41421356}, {2, 2}, {3, 2}};
     for (int k = 0; k < 4; ++k)
         for (int beyond = 0; beyond < 2; ++beyond) {
-            /* Along a ray to the light, a gap h is h sqrt(1 + x x). */
+            /* Along a ray to the light, a gap h is h sqrt(1 + x x) long. */
             double length = sqrt(1 + slants[k].x * slants[k].x), epsilon = 0.05;
             double height = epsilon * slants[k].factor / length * (beyond ? 1.02 : 0.98);
             scene s = shadow_scene(height);

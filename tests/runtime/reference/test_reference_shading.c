@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * Eq. (7) of the specification as the reference rasteriser computes it, through one-pixel images of
- * a splat that fills them, against the material written down independently: distribution and
- * masking by tangents as in Walter et al. 2007 and Heitz 2014, radiance by Schlick 1994. */
+ *
+ * test_reference_shading.c - tests eq. (7) of the specification as the reference rasteriser
+ * computes it, through one-pixel images of a splat that fills them. Expected values come from the
+ * same material written down independently: distribution and masking by tangents as in Walter et
+ * al. 2007 and Heitz 2014, radiance by Schlick 1994.
+ */
 #include "reference_view.h"
 #include "scene_asset.h"
 
@@ -19,7 +22,7 @@
 
 typedef struct study {
     psplat_asset *asset;
-    psplat_view view; /* one pixel, parallel, against -z */
+    psplat_view view; /* one pixel, parallel, along -z */
 } study;
 
 static study study_open(const psplat_material *material, const double normal[3]) {
@@ -80,7 +83,7 @@ static double ggx(double cosine, double alpha) {
     return alpha * alpha / (CAMERA_PI * pow(cosine, 4) * k * k);
 }
 
-/* Specular reflection without its Fresnel factor; e.h in *cosine. */
+/* Computes the specular reflection without its Fresnel factor; *cosine becomes e.h. */
 static double lobe(const double n[3], const double l[3], const double e[3], double alpha,
                    double *cosine) {
     double h[3], length = 0;
@@ -93,7 +96,8 @@ static double lobe(const double n[3], const double l[3], const double e[3], doub
     return ggx(dot(n, h), alpha) * shadowing / (4 * nl * ne);
 }
 
-/* Radiance for irradiance pi: a dielectric of index 1.5 (F0 = 0.04) or a metal. */
+/* These return the radiance for irradiance pi: of a dielectric of index 1.5 (F0 = 0.04) and of a
+ * metal. */
 static double dielectric(double base, double nl, double specular, double cosine) {
     double fresnel = 0.04 + 0.96 * pow(1 - cosine, 5);
     return CAMERA_PI * nl * ((1 - fresnel) * base / CAMERA_PI + fresnel * specular);
@@ -141,7 +145,7 @@ static void test_half_metal(void **state) {
     study_light(&st, n, CAMERA_PI);
     study_color(&st, color);
     for (int i = 0; i < 3; ++i) {
-        /* Everything faces everything: D = 1 / pi, V = 1/4, F = f0. */
+        /* All vectors are equal: D = 1 / pi, V = 1/4, F = f0. */
         double f0 = (0.04 + (double)base[i]) / 2, diffuse = (double)base[i] / 2;
         assert_near(color[i], (1 - f0) * diffuse + f0 / 4, FLOAT_STEP);
     }
@@ -155,7 +159,7 @@ static void test_ambient_and_emissive(void **state) {
     const double n[3] = {0, 0, 1};
     study st = study_open(&material, n);
     double color[3];
-    study_light(&st, (double[]){0.1, 0, -1}, 100); /* from behind: nothing */
+    study_light(&st, (double[]){0.1, 0, -1}, 100); /* a light from behind adds nothing */
     for (int i = 0; i < 3; ++i) st.view.ambient[i] = 0.5f;
     study_color(&st, color);
     for (int i = 0; i < 3; ++i) {
@@ -178,7 +182,7 @@ static void test_unlit(void **state) {
     study_close(&st);
 }
 
-/* IEC 61966-2-1 by its published pairs, and the clamp. */
+/* IEC 61966-2-1 is tested by its published pairs, and the clamp. */
 static void test_encoding(void **state) {
     (void)state;
     static const double pairs[][2] = {{0, 0},
@@ -209,8 +213,8 @@ static void test_encoding(void **state) {
     study_close(&st);
 }
 
-/* Sunlit from the side, a light's direction is in the scene, not in the eye's space, and its
- * length does not matter. */
+/* A directional light from the side keeps its direction in the scene, not in eye space, and the
+ * length of its direction does not matter. */
 static void test_light_is_in_the_scene(void **state) {
     (void)state;
     psplat_material material = material_of((const float[]){1, 1, 1}, 0, 1);
@@ -234,7 +238,8 @@ static void test_light_is_in_the_scene(void **state) {
     scene_free(&s);
 }
 
-/* What a surface sends to the eye under equal light from everywhere, by a sum over directions. */
+/* Returns what a surface sends to the eye under equal light from everywhere, as a sum over
+ * directions. */
 static double furnace(float metallic, float roughness) {
     psplat_material material = material_of((const float[]){1, 1, 1}, metallic, roughness);
     study st = study_open(&material, (double[]){0.6, 0, 0.8});
@@ -242,7 +247,7 @@ static double furnace(float metallic, float roughness) {
     double sum = 0;
     for (int row = 0; row < rows; ++row)
         for (int column = 0; column < columns; ++column) {
-            /* Equal solid angles: equal steps of height. */
+            /* Equal steps of height make equal solid angles. */
             double l[3], color[3];
             direction_of((column + 0.5) * 2 * CAMERA_PI / columns, asin((row + 0.5) * 2 / rows - 1),
                          l);
@@ -254,20 +259,21 @@ static double furnace(float metallic, float roughness) {
     return sum;
 }
 
-/* No surface returns more than it gets; the lobe scatters once only, so that rough ones lose some.
- */
+/* No surface returns more light than it gets. The lobe models a single scattering, so that rough
+ * surfaces lose some. */
 static void test_energy(void **state) {
     (void)state;
-    double last =
-        1.005; /* the sum's error: directions 0.03 rad apart, lobe 0.16 rad wide or more */
+    /* The sum errs by up to 0.005: directions are 0.03 rad apart, the lobe 0.16 rad wide or more.
+     */
+    double last = 1.005;
     const float roughnesses[] = {0.4f, 0.7f, 1};
     for (int r = 0; r < 3; ++r) {
         double sum = furnace(1, roughnesses[r]);
         assert_true(sum < last && furnace(0, roughnesses[r]) < 1.005);
         last = sum;
     }
-    /* At roughness 1, D = 1 / pi and V = 1 / (2 (n.l + n.e)): for n.e = c the integral is
-     * 1 - c ln(1 + 1 / c). The midpoint sum over 4608 directions is good to 1e-3. */
+    /* At roughness 1, D = 1 / pi and V = 1 / (2 (n.l + n.e)): for n.e = c the integral is 1 - c
+     * ln(1 + 1 / c). The midpoint sum over 4608 directions is exact to 1e-3. */
     assert_near(last, 1 - 0.8 * log(1 + 1 / 0.8), 1e-3);
 }
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The reference rasteriser against closed forms: sides and transforms (spec 4 and 5.2). */
+ *
+ * test_reference_transform.c - tests sides and transforms of the reference rasteriser against
+ * closed forms (spec 4 and 5.2), on discs and clipped splats.
+ */
 #include "reference_view.h"
 #include "scene_asset.h"
 
@@ -16,7 +19,7 @@
 #define HEIGHT 48
 #define FOCAL 100.0
 #define DISTANCE 5.0
-#define FLOAT_STEP 1.2e-7 /* colours are returned as float, at most 1 here */
+#define FLOAT_STEP 1.2e-7 /* colours are returned as floats, which are at most 1 here */
 
 static psplat_view front_view(void) {
     psplat_view view = camera_view(WIDTH, HEIGHT);
@@ -59,7 +62,7 @@ static void test_culling(void **state) {
         s.splats[0].normal[2] = (float)normal;
         view.culling = cases[i].culling;
         picture p = picture_of(&s, NULL, &view);
-        /* From behind the normal is negated: lit as from the front. */
+        /* Seen from behind the normal is negated, so that the disc is lit as from the front. */
         if (cases[i].seen)
             assert_pictures_near(&p, &front, FLOAT_STEP);
         else
@@ -87,8 +90,8 @@ static void test_scaled_disc(void **state) {
     scene_free(&ellipse);
 }
 
-/* A tilted splat under diag(1, 3, 1): its plane's normal (0, -sin, cos) becomes that divided by
- * (1, 3, 1), and its second axis grows to length L while staying in the plane. */
+/* The transform diag(1, 3, 1) is applied to a tilted splat. Its plane's normal (0, -sin, cos) is
+ * divided by (1, 3, 1), and its second axis grows to length L while it stays in the plane. */
 static void test_scaled_tilted_disc(void **state) {
     (void)state;
     const double stretch[16] = {1, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -97,7 +100,7 @@ static void test_scaled_tilted_disc(void **state) {
     scene_set_axes(&before.splats[0], (double[]){1, 0, 0}, (double[]){0, c, t});
     before.splats[0].normal[1] = (float)-t;
     before.splats[0].normal[2] = (float)c;
-    /* radius[0] is the larger: U becomes the stretched axis. */
+    /* radius[0] is the larger one, so that U becomes the stretched axis. */
     scene_set_axes(&after.splats[0], (double[]){0, 3 * c / length, t / length},
                    (double[]){-1, 0, 0});
     double normal[3] = {0, -t / 3, c}, norm = hypot(normal[1], normal[2]);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The renderer draws what the reference rasteriser draws, through GL and through GLES. */
+ *
+ * test_agreement.c - tests that the renderer draws what the reference rasteriser draws, through GL
+ * and through GLES, on spheres, cubes and random ellipses in ordinary and in near views.
+ */
 #include "agreement.h"
 #include "scene_asset.h"
 
@@ -17,23 +20,26 @@
 #define HEIGHT 120
 
 /* What float32 and a rasteriser cannot decide: an edge nearer than 2e-4 of a radius or of a pixel,
- * depths closer than 32 steps of a 24-bit buffer. The renderer moves the corners of a splat by
+ * and depths closer than 32 steps of a 24-bit buffer. The renderer moves the corners of a splat by
  * epsilon, each along its own ray, and interpolates: for splats of radius R at distance D that errs
  * by up to (2 R / D)^2 of epsilon, 1.5 % in ordinary views and 10 % in near ones. */
 static const agreement_ties ordinary = {2e-4, 2e-6, 0.015}, close_up = {2e-4, 2e-6, 0.1};
 
-/* The bars. uv and depth are those of ordinary views; where a splat is so slanted that it shows in
- * single pixels, the position error of a pixel counts, times (u, v) or depth a pixel. */
-#define BAR_UV 5e-5
-#define BAR_DEPTH 1e-6
-/* In near views splats at all angles blend, the slanted ones over twice epsilon (spec 5.3), and the
- * depth of those changes most with a pixel's position error. */
-#define BAR_CLOSE_DEPTH 2e-6
-#define BAR_CLOSE_FLOAT 2e-4 /* as do their weights */
-#define BAR_THIN_UV 5e-4
-#define BAR_THIN_DEPTH 2e-5
-#define BAR_FLOAT 1e-4
-#define BAR_BYTE (1.0 / 255) /* rounding is half of that; the rest is for the encoding's slope */
+/* The bounds of differences. UV (in radii) and DEPTH (of the depth range) are for ordinary views.
+ * Where a splat is so slanted that it shows in single pixels (THIN), the position error of a pixel
+ * counts, times the change of (u, v) or depth in a pixel. FLOAT and BYTE bound colours. */
+#define BOUND_UV 5e-5
+#define BOUND_DEPTH 1e-6
+/* In near views splats of all angles blend, the slanted ones over twice epsilon (spec 5.3). Their
+ * depth changes most with a pixel's position error. */
+#define BOUND_CLOSE_DEPTH 2e-6
+#define BOUND_CLOSE_FLOAT 2e-4 /* their weights change with it */
+#define BOUND_THIN_UV 5e-4
+#define BOUND_THIN_DEPTH 2e-5
+#define BOUND_FLOAT 1e-4
+#define BOUND_BYTE                                                                                 \
+    (1.0 / 255) /* rounding is half of that; the rest is for the encoding's slope                  \
+                 */
 
 static void report(const char *name, const agreement *a) {
     print_message("%-22s covered %6zu skipped %4zu uv %.1e (thin %.1e) depth %.1e (thin %.1e) "
@@ -45,13 +51,13 @@ static void report(const char *name, const agreement *a) {
 static void assert_agrees(const char *name, const agreement *a, double depth, double color) {
     report(name, a);
     assert_true(a->covered > 1000);
-    assert_true(a->skipped * 10 < a->covered); /* or the test would see little */
+    assert_true(a->skipped * 10 < a->covered); /* otherwise the test would compare too little */
     assert_int_equal(a->mismatches, 0);
     assert_int_equal(a->other, 0);
-    assert_true(a->uv <= BAR_UV);
+    assert_true(a->uv <= BOUND_UV);
     assert_true(a->depth <= depth);
-    assert_true(a->thin_uv <= BAR_THIN_UV);
-    assert_true(a->thin_depth <= BAR_THIN_DEPTH);
+    assert_true(a->thin_uv <= BOUND_THIN_UV);
+    assert_true(a->thin_depth <= BOUND_THIN_DEPTH);
     assert_true(a->color <= color);
 }
 
@@ -68,7 +74,7 @@ static psplat_view view_from(double x, double y, double z) {
     return view;
 }
 
-/* One picture, and the (u, v) behind it, in a float target. */
+/* Compares one picture, and the (u, v) behind it, in a float target. */
 static void check_view(gpu *g, const char *name, const scene *s, const double transform[16],
                        psplat_view view, const agreement_ties *ties) {
     psplat_asset *asset = scene_open(s);
@@ -78,11 +84,11 @@ static void check_view(gpu *g, const char *name, const scene *s, const double tr
     agreement_add(&all, &parameters);
     psplat_asset_destroy(asset);
     int is_close = ties == &close_up;
-    assert_agrees(name, &all, is_close ? BAR_CLOSE_DEPTH : BAR_DEPTH,
-                  is_close ? BAR_CLOSE_FLOAT : BAR_FLOAT);
+    assert_agrees(name, &all, is_close ? BOUND_CLOSE_DEPTH : BOUND_DEPTH,
+                  is_close ? BOUND_CLOSE_FLOAT : BOUND_FLOAT);
 }
 
-/* The other modes, and RGBA8 with sRGB encoding. */
+/* Compares the other modes, and RGBA8 with sRGB encoding. */
 static void check_modes(gpu *g, const char *name, const scene *s, psplat_view view) {
     psplat_asset *asset = scene_open(s);
     agreement modes = {0};
@@ -95,8 +101,8 @@ static void check_modes(gpu *g, const char *name, const scene *s, psplat_view vi
     view.linear_output = 0;
     agreement bytes = agreement_measure(g, asset, NULL, &view, 0, &ordinary);
     psplat_asset_destroy(asset);
-    assert_agrees(name, &modes, BAR_DEPTH, BAR_FLOAT);
-    assert_agrees(" as sRGB bytes", &bytes, BAR_DEPTH, BAR_BYTE);
+    assert_agrees(name, &modes, BOUND_DEPTH, BOUND_FLOAT);
+    assert_agrees(" as sRGB bytes", &bytes, BOUND_DEPTH, BOUND_BYTE);
 }
 
 /* ---- scenes x views -------------------------------------------------------------------------- */
@@ -159,7 +165,8 @@ static void test_transforms(void **state) {
     scene_free(&s);
 }
 
-/* A node a million units away, seen from there: matrices must be composed in double. */
+/* A node lies a million units away and is seen from there, so that matrices must be composed in
+ * double. */
 static void test_far_from_origin(void **state) {
     gpu *g = *state;
     scene s = tinted(scene_sphere(400, 1));
@@ -173,7 +180,8 @@ static void test_far_from_origin(void **state) {
 
 /* ---- the two APIs ---------------------------------------------------------------------------- */
 
-/* The shaders are the same in GLES but for their prelude: a part of the tests will do. */
+/* The shaders of GLES are the same except for their prelude, so that a part of the tests is enough
+ * there. */
 int test_agreement_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sphere),          cmocka_unit_test(test_cube),

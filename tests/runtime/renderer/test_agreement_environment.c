@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Under an environment the renderer, whose maps are prefiltered, shows what the reference
- * rasteriser integrates pixel by pixel (spec 5.6, eq. (9)). */
+ *
+ * test_agreement_environment.c - tests that under an environment the renderer, whose maps are
+ * prefiltered, shows what the reference rasteriser integrates pixel by pixel (spec 5.6, eq. (9)),
+ * on a sphere.
+ */
 #include "agreement.h"
 #include "scene_asset.h"
 
@@ -22,8 +25,8 @@
 /* As in test_agreement.c. */
 static const agreement_ties ordinary = {2e-4, 2e-6, 0.015};
 
-/* R between 0 and 1.1: constant, or a polynomial of degree 2 in the direction, another one in each
- * channel and without a symmetry. */
+/* Fills the cube with R between 0 and 1.1: constant, or a polynomial of degree 2 in the direction,
+ * a different one in each channel and without symmetry. */
 static void fill(float *texels, int is_constant) {
     for (int i = 0; i < 6 * TEXELS * TEXELS; ++i) {
         double s = (i % TEXELS + 0.5) / TEXELS * 2 - 1;
@@ -39,8 +42,9 @@ static void fill(float *texels, int is_constant) {
     }
 }
 
-/* A sphere from above: normals and reflections in most directions, many of them grazing. */
-static void check(gpu *g, float metallic, float roughness, int is_constant, double bar) {
+/* Draws a sphere from above, which has normals and reflections in most directions, many of them
+ * grazing. */
+static void check(gpu *g, float metallic, float roughness, int is_constant, double bound) {
     static float texels[6 * TEXELS * TEXELS * 3];
     const psplat_environment_desc cube = {texels, TEXELS};
     scene s = scene_sphere(200, 1);
@@ -62,11 +66,11 @@ static void check(gpu *g, float metallic, float roughness, int is_constant, doub
     scene_free(&s);
     assert_true(a.covered > 100 && a.skipped * 10 < a.covered);
     assert_int_equal(a.mismatches, 0);
-    assert_true(a.color <= bar);
+    assert_true(a.color <= bound);
 }
 
-/* Nothing but a and b, from a table of 32 by 32, which is coarse for a mirror at half a degree of
- * grazing. */
+/* Only a and b matter here. They come from a table of 32 by 32, which is coarse for a mirror at
+ * half a degree from grazing. */
 static void test_constant(void **state) {
     check(*state, 1, 0, 1, 2e-2);
     check(*state, 1, 0.3f, 1, 1e-2);
@@ -84,7 +88,7 @@ static void test_dielectric(void **state) {
     check(*state, 0, 0.4f, 0, 1e-2);
 }
 
-/* As much light as float holds, from behind a surface: none of it comes through. */
+/* The greatest light that a float holds shines from behind a surface: none of it comes through. */
 static void test_most_radiance(void **state) {
     gpu *g = *state;
     enum { SIZE = 8 };
@@ -94,7 +98,7 @@ static void test_most_radiance(void **state) {
     psplat_error error;
     memset(texels, 0, sizeof texels);
     for (size_t i = 0; i < 3 * TEXELS * TEXELS; ++i)
-        texels[5 * 3 * TEXELS * TEXELS + i] = FLT_MAX; /* -z */
+        texels[5 * 3 * TEXELS * TEXELS + i] = FLT_MAX; /* the face -z */
     scene s = scene_disc(10);
     s.material.roughness = 1;
     s.material.double_sided = 1;
@@ -113,7 +117,7 @@ static void test_most_radiance(void **state) {
         assert_int_equal(psplat_host_read_float(g->host, rgba, &error), 0);
         float most = 0;
         for (int i = 0; i < SIZE * SIZE; ++i)
-            most = rgba[4 * i] <= most ? most : rgba[4 * i]; /* NaN wins */
+            most = rgba[4 * i] <= most ? most : rgba[4 * i]; /* a NaN replaces every number */
         extreme_at_most(side > 0 ? "radiance 3.4e38 behind a surface" : "radiance 3.4e38 before it",
                         (double)most, "of white", side > 0 ? 0 : 65504);
         assert_true(side > 0 || most > 1000);
@@ -124,7 +128,7 @@ static void test_most_radiance(void **state) {
     scene_free(&s);
 }
 
-/* Nothing is made of a cube map of no texels, or of light that is none. */
+/* A cube map without texels, or with radiance that is no light, is refused. */
 static void test_refused(void **state) {
     const gpu *g = *state;
     float texels[18] = {0};

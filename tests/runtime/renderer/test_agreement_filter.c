@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * With the screen-space filter (spec 5.8) the renderer draws what the reference rasteriser draws:
- * from splats of many pixels to splats far below one, with clip lines, in all kinds of views. */
+ *
+ * test_agreement_filter.c - tests that with the screen-space filter (spec 5.8) the renderer draws
+ * what the reference rasteriser draws: splats from many pixels to far below one, with clip lines,
+ * in all kinds of views.
+ */
 #include "agreement.h"
 #include "scene_asset.h"
 
@@ -21,22 +24,23 @@
 /* As in test_agreement.c. */
 static const agreement_ties ordinary = {2e-4, 2e-6, 0.015};
 
-/* What a scene is allowed. */
-typedef struct bars {
+/* The bounds of differences of a scene: of window depth and of colour. */
+typedef struct tolerances {
     double depth, color;
-    double skipped; /* of the covered pixels; or the test would see little */
-} bars;
+    double skipped; /* share of covered pixels, as otherwise too little would be compared */
+} tolerances;
 
-static const bars strict = {1e-6, 1e-4, 0.1};
-/* The depth of a slanted splat that is widened to a pixel changes by its whole extent a pixel: each
- * 1e-4 of a pixel's position error counts, as where splats show in single pixels in
+static const tolerances strict = {1e-6, 1e-4, 0.1};
+/* The depth of a slanted splat that is widened to a pixel changes by its whole extent in a pixel.
+ * Each 1e-4 of a pixel's position error counts, as where splats show in single pixels in
  * test_agreement.c. */
-static const bars slanted = {2e-5, 1e-4, 0.25};
-/* Hundreds of splats a pixel, one of which is near an edge more often than not. Rasterisers round
- * corners to 1/256 of a pixel and may lose a pixel at the rim, where a splat weighs least. */
-static const bars crowded = {5e-5, 2e-4, 0.75};
+static const tolerances slanted = {2e-5, 1e-4, 0.25};
+/* A pixel has hundreds of splats, and mostly one of them is near an edge. Rasterisers round corners
+ * to 1/256 of a pixel and may lose a pixel at the rim, where a splat weighs least. */
+static const tolerances crowded = {5e-5, 2e-4, 0.75};
 
-static void assert_agrees(const char *name, const agreement *a, const bars *allowed, size_t least) {
+static void assert_agrees(const char *name, const agreement *a, const tolerances *allowed,
+                          size_t least) {
     print_message("%-32s covered %6zu skipped %4zu depth %.1e color %.1e\n", name, a->covered,
                   a->skipped, fmax(a->depth, a->thin_depth), a->color);
     assert_true(a->covered >= least);
@@ -46,7 +50,7 @@ static void assert_agrees(const char *name, const agreement *a, const bars *allo
     assert_true(a->color <= allowed->color);
 }
 
-/* From (1, 2, 3) times the distance that makes a sphere of radius 1 this wide. */
+/* Looks from (1, 2, 3) times the distance that makes a sphere of radius 1 this wide. */
 static psplat_view view_of(double pixels, int is_parallel) {
     psplat_view view = camera_view(WIDTH, HEIGHT);
     const float light[3] = {1, 0.5f, 2}, color[3] = {2.5f, 2, 1.5f};
@@ -63,7 +67,7 @@ static psplat_view view_of(double pixels, int is_parallel) {
 }
 
 static void check(gpu *g, const char *name, const scene *s, const double transform[16],
-                  psplat_view view, const bars *allowed, size_t least) {
+                  psplat_view view, const tolerances *allowed, size_t least) {
     psplat_asset *asset = scene_open(s);
     for (int mode = PSPLAT_MODE_PHONG; mode <= PSPLAT_MODE_GAUSSIAN; ++mode) {
         view.mode = (psplat_mode)mode;
@@ -73,13 +77,13 @@ static void check(gpu *g, const char *name, const scene *s, const double transfo
     psplat_asset_destroy(asset);
 }
 
-/* Radii of 9.6, 2.8, 0.9 and a tenth of a pixel. */
+/* Splats have radii of 9.6, 2.8, 0.9 and a tenth of a pixel. */
 static void test_spheres(void **state) {
     const struct {
         size_t count;
         double pixels;
         const char *name;
-        const bars *allowed;
+        const tolerances *allowed;
     } spheres[] = {{400, 110, "sphere, splats of 9 px", &strict},
                    {4000, 110, "sphere, splats of 2.8 px", &strict},
                    {10000, 55, "sphere, splats of 0.9 px", &strict},
@@ -95,7 +99,7 @@ static void test_spheres(void **state) {
     }
 }
 
-/* Ellipses of 1 to 10, 0 to 4 clip lines each, from large to far below a pixel. */
+/* Ellipses with axes of 1 to 10 and 0 to 4 clip lines go from large to far below a pixel. */
 static void test_ellipses(void **state) {
     const double pixels[] = {150, 40, 12, 6};
     const size_t least[] = {5000, 1000, 60, 15};
@@ -114,11 +118,12 @@ static void test_ellipses(void **state) {
     }
 }
 
-/* A cube of six splats: creases are two soft clip lines that meet. At 20 pixels a face is slanted
- * so that depth changes by 0.14 a pixel: each 1e-5 of a pixel's position error counts 1.4e-6. */
+/* Draws a cube of six splats: creases are two soft clip lines that meet. At 20 pixels a face is
+ * so slanted that depth changes by 0.14 a pixel: each 1e-5 of a pixel's position error counts
+ * 1.4e-6. */
 static void test_cube(void **state) {
     const double pixels[] = {100, 20, 5};
-    const bars steep = {2e-6, 1e-4, 0.1};
+    const tolerances steep = {2e-6, 1e-4, 0.1};
     for (int k = 0; k < 3; ++k) {
         scene s = scene_cube(0.8f);
         check(*state, "cube of 6 splats", &s, NULL, view_of(pixels[k], 0),
@@ -140,8 +145,8 @@ static void test_transforms(void **state) {
     }
 }
 
-/* Where the filter stops, before the near plane and for splats large against their distance: a
- * mixture of both. */
+/* Before the near plane, and for splats that are large against their distance, the filter stops;
+ * the view has splats of both kinds. */
 static void test_close(void **state) {
     scene s = scene_ellipses(300, 2, 9);
     psplat_view view = view_of(60, 0);
@@ -149,7 +154,7 @@ static void test_close(void **state) {
     camera_look(&view, (double[]){-0.4, 0.3, 0.9}, (double[]){0, 0, 0});
     camera_perspective(&view, 20, 0.2, 4);
     agreement_ties ties = ordinary;
-    ties.epsilon = 0.1; /* as of near views in test_agreement.c */
+    ties.epsilon = 0.1; /* as for near views in test_agreement.c */
     psplat_asset *asset = scene_open(&s);
     agreement a = agreement_measure(*state, asset, NULL, &view, 1, &ties);
     assert_agrees("ellipses, from among them", &a, &slanted, 4000);
@@ -157,7 +162,8 @@ static void test_close(void **state) {
     scene_free(&s);
 }
 
-/* Discs from 0.01 of a pixel to 40 pixels, turned to within a tenth of a degree of their edge. */
+/* Draws discs from 0.01 of a pixel to 40 pixels, turned to within a tenth of a degree of
+ * edge-on. */
 static void test_edge_on(void **state) {
     const double radii[] = {0.01, 0.3, 0.9, 3, 40}, degrees[] = {80, 89, 89.9, 90.1, 95};
     for (int k = 0; k < 25; ++k) {
@@ -189,7 +195,8 @@ static double between(uint32_t *random, double low, double high) {
     return low + (high - low) * (double)scene_random(random);
 }
 
-/* From 2.5 to 6 away, of 5 to 300 pixels a radian or a unit, near and far planes that may cut. */
+/* Returns a view from a distance of 2.5 to 6, with 5 to 300 pixels a radian or a unit, whose near
+ * and far planes may cut splats. */
 static psplat_view random_view(uint32_t *random) {
     psplat_view view = camera_view(80, 60);
     double eye[3], length = 0, distance = between(random, 2.5, 6);
@@ -209,7 +216,7 @@ static psplat_view random_view(uint32_t *random) {
     return view;
 }
 
-/* Scales by 0.5 to 1.5, shears, mirrors. */
+/* Makes a matrix that scales by 0.5 to 1.5, shears and mirrors. */
 static void random_transform(uint32_t *random, double m[16]) {
     for (int i = 0; i < 16; ++i) m[i] = i % 4 == 3 || i > 11 ? 0 : between(random, -0.4, 0.4);
     for (int i = 0; i < 3; ++i)
@@ -221,7 +228,7 @@ static void test_random_views(void **state) {
     uint32_t random = 2005;
     agreement all = {0};
     agreement_ties ties = ordinary;
-    ties.epsilon = 0.15; /* radii of up to a fifth of the distance: (2 / 5)^2 of epsilon */
+    ties.epsilon = 0.15; /* radii are up to a fifth of the distance: (2 / 5)^2 of epsilon */
     for (int k = 0; k < 200; ++k) {
         double transform[16];
         scene s = scene_ellipses((size_t)between(&random, 20, 300), 4, (uint32_t)k + 1);
@@ -235,12 +242,13 @@ static void test_random_views(void **state) {
         psplat_asset_destroy(asset);
         scene_free(&s);
     }
-    const bars allowed = {1e-4, 1e-3,
-                          0.1}; /* needles within 0.1 degrees of their edges are there */
+    const tolerances allowed = {1e-4, 1e-3,
+                                0.1}; /* some needles are within 0.1 degrees of edge-on */
     assert_agrees("200 random views", &all, &allowed, 50000);
 }
 
-/* The shaders are the same in GLES but for their prelude: a part of the tests will do. */
+/* The shaders of GLES are the same except for their prelude, so that a part of the tests is enough
+ * there. */
 int test_agreement_filter_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_spheres),      cmocka_unit_test(test_ellipses),

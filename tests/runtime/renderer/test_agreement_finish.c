@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Materials that vary over a mesh (spec 3.10): the renderer draws them as the reference rasteriser
- * does, in all modes; what they stand for is checked on single splats. */
+ *
+ * test_agreement_finish.c - tests materials that vary over a mesh (spec 3.10): the renderer draws
+ * them as the reference rasteriser does, in all modes. What the values mean is tested on single
+ * splats by the specification's equations.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -18,7 +21,7 @@
 
 enum { MOST = 150, WIDTH = 160, HEIGHT = 120 };
 
-/* What of a finish a document stores. */
+/* The parts of a finish that a document stores. */
 enum { SURFACE = 1, EMISSIVE = 2, GRADIENT = 4, COLOR = 8, ALL = 15 };
 
 /* Splats as numbers to be stored, by attribute. */
@@ -41,7 +44,7 @@ static void put_random(double *out, size_t i, double low, double high, uint32_t 
         out[3 * i + k] = low + (high - low) * (double)scene_random(random);
 }
 
-/* Gradients that leave 0 ... 1 within a splat, so that clamping shows. */
+/* Fills the columns. Gradients leave the range 0 ... 1 within a splat, so that clamping shows. */
 static void fill(columns *c, const scene *s, size_t *count, uint32_t clip_lines) {
     uint32_t random = 99;
     *count = 0;
@@ -108,7 +111,8 @@ static psplat_view view_of(void) {
     return view;
 }
 
-/* Differences below 1e-4 of a colour, as in test_agreement.c, where bars and ties are explained. */
+/* Expects differences of colours below 1e-4, as test_agreement.c does, where bounds and ties are
+ * explained. */
 static void check(gpu *g, const char *name, const psplat_asset *asset, const psplat_view *view) {
     static const agreement_ties ties = {2e-4, 2e-6, 0.015};
     agreement a = agreement_measure(g, asset, NULL, view, 1, &ties);
@@ -151,7 +155,7 @@ static void test_all(void **state) {
     free(c);
 }
 
-/* Each alone, and each pair: texels are where the others leave them. */
+/* Tests each part alone and each pair, because the place of texels depends on the other parts. */
 static void test_parts(void **state) {
     columns *c = calloc(1, sizeof *c);
     assert_non_null(c);
@@ -172,7 +176,7 @@ static void test_parts(void **state) {
     free(c);
 }
 
-/* The environment is occluded, too. A box of six colours. */
+/* The environment is a box of six colours; occlusion darkens it, too. */
 static void test_environment(void **state) {
     enum { SIZE = 8 };
     float radiance[6 * SIZE * SIZE * 3];
@@ -185,7 +189,7 @@ static void test_environment(void **state) {
     size_t count = 0;
     scene s = scene_ellipses(MOST, 0, 3);
     fill(c, &s, &count, 0);
-    /* Rough, as what is glossy shows where environments are approximated
+    /* The surface is rough, because environments are approximated for glossy ones
      * (test_agreement_environment.c). */
     for (size_t i = 0; i < count; ++i) {
         c->surface[3 * i + 1] = 1;
@@ -201,7 +205,7 @@ static void test_environment(void **state) {
     agreement a = agreement_measure_scene(*state, &all, &view, 1, &ties);
     print_message("environment: color %.1e\n", a.color);
     assert_int_equal(a.mismatches, 0);
-    assert_true(a.color <= 0.02); /* that test's bar of rough materials */
+    assert_true(a.color <= 0.02); /* that test's bound for rough materials */
     psplat_asset_destroy(asset);
     scene_free(&s);
     free(c);
@@ -209,8 +213,8 @@ static void test_environment(void **state) {
 
 /* ---- single splats, by hand ----------------------------------------------------------------- */
 
-/* What the reference makes of the middle of one disc that faces the eye, lit from all around
- * alone. */
+/* Returns what the reference draws in the middle of one disc that faces the eye and is lit only by
+ * ambient light. */
 static void middle_of(const columns *c, unsigned stored, double x, float color[4]) {
     psplat_asset *asset = open_columns(c, 1, 0, stored);
     psplat_view view = camera_view(33, 33);
@@ -229,7 +233,7 @@ static void assert_near(double found, double expected) {
     if (!(fabs(found - expected) <= 1e-6)) fail_msg("%.9g, expected %.9g", found, expected);
 }
 
-/* Eq. (4a), (4b) and (7). */
+/* Expected values come from eq. (4a), (4b) and (7). */
 static void test_meaning(void **state) {
     (void)state;
     static const double base[3] = {0.9, 0.8, 1}, glow[3] = {0.5, 0.4, 0.3};

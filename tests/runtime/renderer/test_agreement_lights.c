@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Under point, spot and several lights and in the debug views the renderer shows what the reference
- * rasteriser shows (spec 5.6). */
+ *
+ * test_agreement_lights.c - tests that under point, spot and several lights and in the debug views
+ * the renderer shows what the reference rasteriser shows (spec 5.6).
+ */
 #include "agreement.h"
 #include "scene_asset.h"
 
@@ -18,16 +20,16 @@
 #define WIDTH 120
 #define HEIGHT 90
 
-/* As in test_agreement.c. */
+/* The ties are those of test_agreement.c; BOUND_FLOAT bounds colours. */
 static const agreement_ties ordinary = {2e-4, 2e-6, 0.015};
-#define BAR_FLOAT 1e-4
+#define BOUND_FLOAT 1e-4
 
-static void assert_agrees(const char *name, const agreement *a, double bar, size_t least) {
+static void assert_agrees(const char *name, const agreement *a, double bound, size_t least) {
     print_message("%-40s covered %5zu skipped %3zu color %.1e\n", name, a->covered, a->skipped,
                   a->color);
     assert_true(a->covered >= least && a->skipped * 10 < a->covered);
     assert_int_equal(a->mismatches, 0);
-    assert_true(a->color <= bar);
+    assert_true(a->color <= bound);
 }
 
 static psplat_view view_of(int is_parallel) {
@@ -41,20 +43,20 @@ static psplat_view view_of(int is_parallel) {
 }
 
 static void check(gpu *g, const char *name, const psplat_reference_scene *scene, psplat_view view,
-                  double bar) {
+                  double bound) {
     for (int mode = PSPLAT_MODE_PHONG; mode <= PSPLAT_MODE_FLAT; ++mode) {
         char text[96];
         view.mode = (psplat_mode)mode;
         agreement a = agreement_measure_scene(g, scene, &view, 1, &ordinary);
         snprintf(text, sizeof text, "%s, mode %d", name, mode);
-        assert_agrees(text, &a, bar, 1000);
+        assert_agrees(text, &a, bound, 1000);
     }
 }
 
 /* ---- lights ---------------------------------------------------------------------------------- */
 
-/* Outside the scene, at 2 to 3 from its middle, on the eye's side; an irradiance of about 1 there.
- */
+/* Returns a light outside the scene, at 2 to 3 from its middle, on the eye's side, which gives an
+ * irradiance of about 1 there. */
 static psplat_light light_of(psplat_light_type type, uint32_t *random) {
     psplat_light light = {.type = type};
     double length = 0, distance = 2 + (double)scene_random(random);
@@ -90,14 +92,14 @@ static void test_lights(void **state) {
                 for (int i = 0; i < view.light_count; ++i)
                     view.lights[i] = light_of((psplat_light_type)type, &random);
                 snprintf(name, sizeof name, "%d lights of type %d", view.light_count, type);
-                check(*state, name, &scene, view, BAR_FLOAT);
+                check(*state, name, &scene, view, BOUND_FLOAT);
             }
         psplat_asset_destroy(asset);
         scene_free(&scenes[k]);
     }
 }
 
-/* All kinds at once, eight of them, in a scene a million units from the origin. */
+/* Eight lights of all kinds at once, in a scene a million units from the origin. */
 static void test_eight_lights(void **state) {
     uint32_t random = 5;
     const double at[3] = {1e6, -2e6, 3e6};
@@ -112,7 +114,7 @@ static void test_eight_lights(void **state) {
     }
     psplat_asset *asset = scene_open(&s);
     psplat_reference_scene scene = {.asset = asset};
-    check(*state, "8 lights far from the origin", &scene, view, BAR_FLOAT);
+    check(*state, "8 lights far from the origin", &scene, view, BOUND_FLOAT);
     psplat_asset_destroy(asset);
     scene_free(&s);
 }
@@ -125,15 +127,15 @@ static void test_shadings(void **state) {
     const char *names[] = {"unlit", "normal", "depth", "overdraw"};
     scene scenes[2] = {scene_sphere(400, 1), scene_ellipses(300, 4, 7)};
     for (int k = 0; k < 8; ++k) {
-        /* The weights of splats within 0.1 degrees of their edges have three digits fewer. */
-        double bar = k / 4 ? 10 * BAR_FLOAT : BAR_FLOAT;
+        /* The weights of splats within 0.1 degrees of edge-on have three digits fewer. */
+        double bound = k / 4 ? 10 * BOUND_FLOAT : BOUND_FLOAT;
         psplat_asset *asset = scene_open(&scenes[k / 4]);
         psplat_reference_scene scene = {.asset = asset};
         for (int linear = k % 4 == 3; linear < 2; ++linear) {
             psplat_view view = view_of(linear);
             view.shading = shadings[k % 4];
             view.linear_output = linear;
-            check(*state, names[k % 4], &scene, view, bar);
+            check(*state, names[k % 4], &scene, view, bound);
         }
         psplat_asset_destroy(asset);
     }

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * Shadow maps against shadows by rays (spec 5.6). A map knows its shadows to a texel and blurs
- * their outlines over two; so pixels are compared that lie inside shadow or inside light, both by
- * two pixels, and where they differ a figure says how many. */
+ *
+ * test_agreement_shadow.c - tests shadow maps against shadows by rays of the reference rasteriser
+ * (spec 5.6). A map knows its shadows to a texel and blurs their outlines over two texels. So only
+ * pixels are compared that lie at least two pixels inside shadow or inside light; the number of
+ * those that differ is bounded.
+ */
 #include "agreement.h"
 #include "scene_asset.h"
 
@@ -21,10 +24,10 @@
 
 typedef struct shadow_figures {
     size_t shadowed, lit, outline; /* pixels of the reference */
-    size_t wrong;                  /* compared pixels of another state in the renderer */
+    size_t wrong;                  /* compared pixels in another state in the renderer */
 } shadow_figures;
 
-/* Red of every pixel, as the renderer or the reference draws it. */
+/* Returns the red channel of every pixel, as the renderer or the reference draws it. */
 static double *draw_red(gpu *g, const psplat_asset *asset, psplat_view view, int by_reference) {
     double *red = calloc(SIZE * SIZE, sizeof *red);
     float *rgba = malloc(SIZE * SIZE * 4 * sizeof *rgba);
@@ -48,8 +51,8 @@ static double *draw_red(gpu *g, const psplat_asset *asset, psplat_view view, int
     return red;
 }
 
-/* Whether a pixel and those around lose as much light to shadows, all but a twentieth of what a
- * light sends squarely. */
+/* Returns whether a pixel and those around it lose the same light to shadows, up to a twentieth of
+ * what a light sends at a right angle. */
 static int is_inside(const double *lost, int x, int y) {
     for (int dy = -MARGIN; dy <= MARGIN; ++dy)
         for (int dx = -MARGIN; dx <= MARGIN; ++dx) {
@@ -94,7 +97,7 @@ static void check(gpu *g, const char *name, const scene *s, const psplat_view *v
 
 /* ---- scenes ---------------------------------------------------------------------------------- */
 
-/* From the side onto the middle of the scene. */
+/* Looks from the side at the middle of the scene. */
 static psplat_view view_of(void) {
     psplat_view view = camera_view(SIZE, SIZE);
     view.no_filter = 0;
@@ -167,7 +170,7 @@ static void test_spot(void **state) {
     scene_free(&s);
 }
 
-/* Four shadows at once, from four sides, of two kinds. */
+/* Four shadows fall at once, from four sides and lights of two kinds. */
 static void test_four(void **state) {
     psplat_view view = view_of();
     view.light_count = PSPLAT_MAX_SHADOWS;
@@ -188,7 +191,7 @@ static void test_four(void **state) {
     scene_free(&s);
 }
 
-/* Maps hold depth in the host's range, as the pixels that they are compared with do. */
+/* Maps hold depth in the host's range, as the pixels do that they are compared with. */
 static void test_depth_range(void **state) {
     gpu *g = *state;
     psplat_view view = view_of();

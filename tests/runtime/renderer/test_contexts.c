@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Several of everything in one process: renderers in one context, GL and GLES contexts in turns, a
- * context in each of several threads at once, assets opened by threads while others draw. What is
- * drawn is what one renderer draws alone, bit by bit. Built with -fsanitize=thread this finds data
- * races of the runtime, which has no state to share.
+ * test_contexts.c - tests several of everything in one process: renderers in one context, GL and
+ * GLES contexts in turn, a context in each of several threads at once, and assets opened by threads
+ * while others draw. The pictures must equal those of a single renderer bit by bit. Built with
+ * -fsanitize=thread this finds data races of the runtime, which has no state to share.
  */
 #include <pthread.h>
 #include <setjmp.h>
@@ -20,7 +20,7 @@
 
 enum { VIEWS = 6, PIXELS = CANVAS_SIZE * CANVAS_SIZE };
 
-/* The file that all open, and what a lone renderer of each API draws in each view. */
+/* The file that all of them open, and what a single renderer of each API draws in each view. */
 typedef struct common {
     uint8_t *glb;
     size_t size;
@@ -44,7 +44,7 @@ static psplat_view make_view(int index) {
 /* ---- a renderer that threads can have -----------------------------------------------------------
  */
 
-typedef struct artist {
+typedef struct thread_renderer {
     const common *common;
     psplat_api api;
     psplat_host *host;
@@ -52,11 +52,11 @@ typedef struct artist {
     psplat_asset *asset;
     psplat_item item;
     float *pixels;
-    psplat_error error; /* the first */
-    int different;      /* pictures that were not as expected */
-} artist;
+    psplat_error error; /* the first error */
+    int different;      /* pictures that differ from the expected ones */
+} thread_renderer;
 
-static psplat_result artist_open(artist *a) {
+static psplat_result thread_renderer_open(thread_renderer *a) {
     a->pixels = malloc(4 * PIXELS * sizeof *a->pixels);
     psplat_result result = psplat_host_create(a->api, 1, &a->host, &a->error);
     psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = a->host};
@@ -68,7 +68,7 @@ static psplat_result artist_open(artist *a) {
     return result;
 }
 
-static void artist_close(artist *a) {
+static void thread_renderer_close(thread_renderer *a) {
     psplat_host_make_current(a->host, NULL);
     psplat_model_destroy(a->renderer, a->item.model);
     psplat_renderer_destroy(a->renderer);
@@ -77,7 +77,7 @@ static void artist_close(artist *a) {
     free(a->pixels);
 }
 
-static psplat_result artist_draw(artist *a, int index) {
+static psplat_result thread_renderer_draw(thread_renderer *a, int index) {
     static const float clear[4] = {0.25f, 0.5f, 0.75f, 0};
     psplat_view view = make_view(index);
     psplat_result result =
@@ -87,13 +87,14 @@ static psplat_result artist_draw(artist *a, int index) {
     return result;
 }
 
-static void artist_compare(artist *a, int index) {
+static void thread_renderer_compare(thread_renderer *a, int index) {
     const float *expected = a->common->expected[a->api][index];
-    if (artist_draw(a, index) || memcmp(a->pixels, expected, 4 * PIXELS * sizeof *expected) != 0)
+    if (thread_renderer_draw(a, index) ||
+        memcmp(a->pixels, expected, 4 * PIXELS * sizeof *expected) != 0)
         ++a->different;
 }
 
-static void expect_flawless(const artist *a) {
+static void expect_flawless(const thread_renderer *a) {
     if (a->error.code) fail_msg("%s", a->error.text);
     assert_int_equal(a->different, 0);
 }
@@ -101,31 +102,31 @@ static void expect_flawless(const artist *a) {
 /* ---- in turns -----------------------------------------------------------------------------------
  */
 
-/* Two contexts of each API, each made current only by what is drawn in it. */
+/* Two contexts of each API take turns; each is made current only by drawing in it. */
 static void test_turns(void **state) {
-    artist artists[4];
+    thread_renderer renderers[4];
     for (int i = 0; i < 4; ++i) {
-        artists[i] = (artist){.common = *state, .api = (psplat_api)(i % 2)};
-        canvas_check(artist_open(&artists[i]), &artists[i].error);
+        renderers[i] = (thread_renderer){.common = *state, .api = (psplat_api)(i % 2)};
+        canvas_check(thread_renderer_open(&renderers[i]), &renderers[i].error);
     }
     for (int turn = 0; turn < 4 * VIEWS; ++turn)
-        artist_compare(&artists[turn % 4], turn * 5 % VIEWS);
-    for (int i = 0; i < 4; ++i) expect_flawless(&artists[i]);
-    /* One goes, the others stay. */
-    artist_close(&artists[1]);
+        thread_renderer_compare(&renderers[turn % 4], turn * 5 % VIEWS);
+    for (int i = 0; i < 4; ++i) expect_flawless(&renderers[i]);
+    /* One is destroyed, the others stay. */
+    thread_renderer_close(&renderers[1]);
     for (int i = 0; i < 4; ++i)
-        if (i != 1) artist_compare(&artists[i], i);
+        if (i != 1) thread_renderer_compare(&renderers[i], i);
     for (int i = 0; i < 4; ++i) {
         if (i == 1) continue;
-        expect_flawless(&artists[i]);
-        artist_close(&artists[i]);
+        expect_flawless(&renderers[i]);
+        thread_renderer_close(&renderers[i]);
     }
 }
 
-/* Two renderers in one context know nothing of each other. */
+/* Two renderers in one context do not influence each other. */
 static void test_one_context(void **state) {
-    artist first = {.common = *state, .api = PSPLAT_API_GL}, second;
-    canvas_check(artist_open(&first), &first.error);
+    thread_renderer first = {.common = *state, .api = PSPLAT_API_GL}, second;
+    canvas_check(thread_renderer_open(&first), &first.error);
     second = first;
     psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = first.host};
     canvas_check(psplat_renderer_create(&desc, &second.renderer, &second.error), &second.error);
@@ -133,39 +134,39 @@ static void test_one_context(void **state) {
         psplat_model_create(second.renderer, second.asset, &second.item.model, &second.error),
         &second.error);
     for (int turn = 0; turn < 2 * VIEWS; ++turn)
-        artist_compare(turn % 2 ? &first : &second, turn * 5 % VIEWS);
+        thread_renderer_compare(turn % 2 ? &first : &second, turn * 5 % VIEWS);
     psplat_model_destroy(second.renderer, second.item.model);
     psplat_renderer_destroy(second.renderer);
-    artist_compare(&first, 0);
+    thread_renderer_compare(&first, 0);
     expect_flawless(&first);
     expect_flawless(&second);
-    artist_close(&first);
+    thread_renderer_close(&first);
 }
 
 /* ---- at once ------------------------------------------------------------------------------------
  */
 
 static void *draw_all(void *argument) {
-    artist *a = argument;
-    if (artist_open(a)) return NULL;
-    for (int turn = 0; turn < 3 * VIEWS; ++turn) artist_compare(a, turn % VIEWS);
-    artist_close(a);
+    thread_renderer *a = argument;
+    if (thread_renderer_open(a)) return NULL;
+    for (int turn = 0; turn < 3 * VIEWS; ++turn) thread_renderer_compare(a, turn % VIEWS);
+    thread_renderer_close(a);
     return NULL;
 }
 
 static void test_threads(void **state) {
     enum { THREADS = 4 };
-    artist artists[THREADS];
+    thread_renderer renderers[THREADS];
     pthread_t threads[THREADS];
     for (int i = 0; i < THREADS; ++i) {
-        artists[i] = (artist){.common = *state, .api = (psplat_api)(i % 2)};
-        assert_int_equal(pthread_create(&threads[i], NULL, draw_all, &artists[i]), 0);
+        renderers[i] = (thread_renderer){.common = *state, .api = (psplat_api)(i % 2)};
+        assert_int_equal(pthread_create(&threads[i], NULL, draw_all, &renderers[i]), 0);
     }
     for (int i = 0; i < THREADS; ++i) pthread_join(threads[i], NULL);
-    for (int i = 0; i < THREADS; ++i) expect_flawless(&artists[i]);
+    for (int i = 0; i < THREADS; ++i) expect_flawless(&renderers[i]);
 }
 
-/* Opens until told otherwise; the last asset is kept for the thread that draws. */
+/* Opens assets until it is told to stop; the last asset is kept for the thread that draws. */
 typedef struct opener {
     const common *common;
     psplat_asset *asset;
@@ -181,18 +182,18 @@ static void *open_all(void *argument) {
     return NULL;
 }
 
-/* Assets opened by workers while this thread draws; then drawn by this one. */
+/* Workers open assets while this thread draws; afterwards this thread draws those assets. */
 static void test_workers(void **state) {
     enum { WORKERS = 2 };
     opener openers[WORKERS];
     pthread_t threads[WORKERS];
-    artist a = {.common = *state, .api = PSPLAT_API_GL};
-    canvas_check(artist_open(&a), &a.error);
+    thread_renderer a = {.common = *state, .api = PSPLAT_API_GL};
+    canvas_check(thread_renderer_open(&a), &a.error);
     for (int i = 0; i < WORKERS; ++i) {
         openers[i] = (opener){.common = *state};
         assert_int_equal(pthread_create(&threads[i], NULL, open_all, &openers[i]), 0);
     }
-    for (int turn = 0; turn < 2 * VIEWS; ++turn) artist_compare(&a, turn % VIEWS);
+    for (int turn = 0; turn < 2 * VIEWS; ++turn) thread_renderer_compare(&a, turn % VIEWS);
     for (int i = 0; i < WORKERS; ++i) {
         pthread_join(threads[i], NULL);
         if (openers[i].error.code) fail_msg("%s", openers[i].error.text);
@@ -200,10 +201,10 @@ static void test_workers(void **state) {
         canvas_check(psplat_model_create(a.renderer, openers[i].asset, &a.item.model, &a.error),
                      &a.error);
         psplat_asset_destroy(openers[i].asset);
-        artist_compare(&a, i);
+        thread_renderer_compare(&a, i);
     }
     expect_flawless(&a);
-    artist_close(&a);
+    thread_renderer_close(&a);
 }
 
 /* ---- fixtures -----------------------------------------------------------------------------------
@@ -216,14 +217,14 @@ static int setup(void **state) {
     c->glb = scene_glb(&s, &c->size);
     scene_free(&s);
     for (int api = 0; api < 2; ++api) {
-        artist a = {.common = c, .api = (psplat_api)api};
-        canvas_check(artist_open(&a), &a.error);
+        thread_renderer a = {.common = c, .api = (psplat_api)api};
+        canvas_check(thread_renderer_open(&a), &a.error);
         for (int i = 0; i < VIEWS; ++i) {
-            canvas_check(artist_draw(&a, i), &a.error);
+            canvas_check(thread_renderer_draw(&a, i), &a.error);
             c->expected[api][i] = a.pixels;
             a.pixels = malloc(4 * PIXELS * sizeof *a.pixels);
         }
-        artist_close(&a);
+        thread_renderer_close(&a);
     }
     *state = c;
     return 0;

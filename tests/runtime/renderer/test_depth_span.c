@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * Spans: what a view shows of a box lies between the planes of the fitted projection, where it was
- * across the view, and nothing is fitted where the eye is in the box. */
+ *
+ * test_depth_span.c - tests depth spans: what a view shows of a box lies between the planes of
+ * the fitted projection, at the same place across the view, and nothing is fitted where the eye
+ * is in the box. Views and boxes are random; expected positions come from projecting points of
+ * the box.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -20,7 +24,8 @@ static double uniform(double low, double high) {
     return low + (high - low) * (double)scene_random(&seed);
 }
 
-/* Ratios of far to near of 2 to 1e8, a third of them parallel, a third without a far plane. */
+/* Returns a view whose ratio of far to near is 2 to 1e8. A third of the views are parallel, a third
+ * have no far plane. */
 static psplat_view random_view(int kind) {
     psplat_view view = camera_view(100, 100);
     double eye[3], near = pow(10, uniform(-4, 1)), far = near * pow(10, uniform(0.3, 8));
@@ -64,7 +69,7 @@ static void check_points(const psplat_view *view, const psplat_depth_span *span,
         if (!(w > 0 && left < 1 && up < 1 && fabs(z) < 1)) continue;
         ++*seen;
         assert_true(fabs(after[2]) <= w);
-        /* Of float's 2^-24, which is what becomes of it. */
+        /* The tolerance is 2^-24, the precision of the float that the result becomes. */
         assert_true(fabs(middle + half * after[2] / w - z) < 0x1p-24 * half + 1e-15);
     }
 }
@@ -78,7 +83,7 @@ static void test_holds(void **state) {
         float min[3], max[3];
         for (int i = 0; i < 3; ++i) {
             min[i] = (float)uniform(-2, 1);
-            max[i] = min[i] + (float)(round % 7 ? uniform(0, 1) : 0); /* some are a point */
+            max[i] = min[i] + (float)(round % 7 ? uniform(0, 1) : 0); /* some boxes are a point */
         }
         psplat_depth_span_add(&span, view.view, view.projection, min, max, 0);
         size_t before = seen;
@@ -90,7 +95,7 @@ static void test_holds(void **state) {
     assert_true(seen > 50000 && fitted > 2000);
 }
 
-/* Boxes beside the view, behind the eye, and around it. */
+/* Boxes lie beside the view, behind the eye, and around it. */
 static void test_beyond(void **state) {
     (void)state;
     psplat_view view = camera_view(100, 100);
@@ -129,7 +134,8 @@ static void test_room_before(void **state) {
     }
 }
 
-/* What lies a shift behind the box, along any view ray, is before the span's end or the view's. */
+/* What lies a shift behind the box along any view ray is before the span's end or the view's far
+ * plane. */
 static void test_shift(void **state) {
     size_t seen = 0;
     (void)state;

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Depth where it is hard to tell apart: near and far planes 1e7 apart, models far away, splats of
- * one plane at a tolerance of 0, surfaces close to each other. */
+ *
+ * test_extremes_depth.c - tests depth where it is hard to distinguish: near and far planes 1e7
+ * apart, models far away, splats of one plane at a tolerance of 0, and surfaces close to each
+ * other.
+ */
 #include <phongsplat/host.h>
 
 #include <math.h>
@@ -15,7 +18,7 @@
 
 #include "extreme_view.h"
 
-/* From a distance against -z, so that a unit is 40 pixels. */
+/* Looks from a distance along -z, so that a unit is 40 pixels. */
 static void see_from(extreme *e, double distance, double near, double far) {
     camera_look(&e->view, (double[]){0, 0, distance}, (double[]){0, 0, 0});
     camera_perspective(&e->view, 40 * distance, near, far);
@@ -24,10 +27,11 @@ static void see_from(extreme *e, double distance, double near, double far) {
 /* ---- surfaces close to each other --------------------------------------------------------------
  */
 
-/* Depths of the view's own planes say nothing here: no pixel is left out for them. */
+/* Depths between the view's own planes do not matter here: no pixel is left out for a depth tie. */
 static const agreement_ties edges = {2e-4, 0, 0};
 
-/* A white disc a hundredth of its size before a red one, at a tolerance of a fifth of that. */
+/* Returns a white disc a hundredth of its size before a red one, at a tolerance of a fifth of
+ * that. */
 static extreme sheets(void) {
     extreme e = extreme_of(scene_blank(2));
     e.s.has_color = 1;
@@ -37,8 +41,8 @@ static extreme sheets(void) {
     return e;
 }
 
-/* The depth buffer's steps are a third of the discs' distance at 3000 where its planes are those of
- * the view; the red disc would shine through from 10 on. */
+/* With the planes of the view, a step of the depth buffer is a third of the discs' distance at
+ * 3000, and the red disc would shine through from 10 on. */
 static void test_far_over_near(void **state) {
     const double distances[] = {0.5, 3, 30, 300, 3000};
     for (int k = 0; k < 5; ++k) {
@@ -46,7 +50,7 @@ static void test_far_over_near(void **state) {
         extreme e = sheets();
         see_from(&e, distances[k], 1e-3, 1e4);
         snprintf(name, sizeof name, "far / near 1e7, two sheets at %g", distances[k]);
-        extreme_check(*state, name, &e, (extreme_bars){.least = 4 * 4000, .ties = edges});
+        extreme_check(*state, name, &e, (extreme_bounds){.least = 4 * 4000, .ties = edges});
     }
 }
 
@@ -56,7 +60,7 @@ static void test_infinite_far(void **state) {
     e.view.projection[10] = -1;
     e.view.projection[14] = -2e-3;
     extreme_check(*state, "far plane at infinity, two sheets at 1e6 near", &e,
-                  (extreme_bars){.least = 4 * 4000, .ties = edges});
+                  (extreme_bounds){.least = 4 * 4000, .ties = edges});
 }
 
 static void test_parallel(void **state) {
@@ -64,7 +68,7 @@ static void test_parallel(void **state) {
     camera_look(&e.view, (double[]){0, 0, 3000}, (double[]){0, 0, 0});
     camera_parallel(&e.view, 1.5, 1e-3, 1e4);
     extreme_check(*state, "orthographic, far / near 1e7, two sheets", &e,
-                  (extreme_bars){.least = 4 * 4000, .ties = edges});
+                  (extreme_bounds){.least = 4 * 4000, .ties = edges});
 }
 
 static double *read_depth(gpu *g, const psplat_asset *asset, const psplat_view *view) {
@@ -84,7 +88,8 @@ static double *read_depth(gpu *g, const psplat_asset *asset, const psplat_view *
     return result;
 }
 
-/* One model before the eye and one far behind: what is drawn itself asks for 1e4. */
+/* One model lies before the eye and one far behind: what is drawn needs planes of a ratio of
+ * 1e4. */
 static void test_two_models(void **state) {
     gpu *g = *state;
     enum { SIZE = 64 };
@@ -122,7 +127,7 @@ static void test_two_models(void **state) {
     scene_free(&e.s);
 }
 
-/* What the host's depth buffer holds, whatever the range it has asked for. */
+/* Window depths in the host's buffer are right in any depth range that the host sets. */
 static void test_depth_range(void **state) {
     gpu *g = *state;
     const float ranges[][2] = {{0, 1}, {0.25f, 0.75f}, {0.5f, 0.5f}};
@@ -153,8 +158,8 @@ static void test_depth_range(void **state) {
 /* ---- splats of one plane -----------------------------------------------------------------------
  */
 
-/* Discs in the plane z = 0 turned within it, their centres at random: each pixel sees some twenty.
- */
+/* Returns discs in the plane z = 0 that are turned within it, with random centres: each pixel sees
+ * some twenty. */
 static scene carpet(float tolerance) {
     enum { COUNT = 200 };
     scene s = scene_blank(COUNT);
@@ -172,7 +177,7 @@ static scene carpet(float tolerance) {
     return s;
 }
 
-/* Pixels in which not all splats of the plane blend, as the number of them tells. */
+/* Counts pixels in which not all splats of the plane blend, which the number of splats shows. */
 static agreement count_splats(gpu *g, extreme *e) {
     psplat_asset *asset = scene_open(&e->s);
     e->view.mode = PSPLAT_MODE_PHONG;
@@ -184,8 +189,9 @@ static agreement count_splats(gpu *g, extreme *e) {
     return a;
 }
 
-/* Seen squarely and aslant, from half a radius to ten thousand. Beyond 80 degrees an error across
- * the view ray counts more than six times along it: there some of the splats are left out. */
+/* Looks straight and at a slant, from half a radius to ten thousand. Beyond 80 degrees an error
+ * across the view ray counts more than six times along it, so that some splats are left out
+ * there. */
 static void check_plane(gpu *g, const char *name, double slant, double near, double far) {
     const double distances[] = {1.5, 5, 100, 1e4};
     double most = 0;

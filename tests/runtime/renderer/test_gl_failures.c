@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * What fails is said, leaves nothing behind and spoils nothing: every allocation in turn, GL's
- * memory, framebuffers, compilers and linkers, and contexts that are lost at any call.
+ * test_gl_failures.c - tests that every failure is reported, leaves nothing behind and spoils
+ * nothing: each allocation in turn, GL's memory, framebuffers, compilers and linkers, and contexts
+ * that are lost at any call.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,7 +18,7 @@
 #include "spy.h"
 
 /* A renderer between a spy and a counting allocator, and what it draws. */
-typedef struct stage {
+typedef struct spied_renderer {
     psplat_host *host;
     spy spy;
     ledger ledger;
@@ -26,7 +27,7 @@ typedef struct stage {
     psplat_view view;
     psplat_renderer *renderer;
     psplat_item item;
-} stage;
+} spied_renderer;
 
 enum { SIZE = 24 };
 
@@ -43,9 +44,9 @@ static psplat_view make_view(void) {
     return view;
 }
 
-static stage stage_open(psplat_api api) {
+static spied_renderer spied_renderer_open(psplat_api api) {
     psplat_error error = {0};
-    stage s = {.ledger = {.fail_at = -1}};
+    spied_renderer s = {.ledger = {.fail_at = -1}};
     canvas_check(psplat_host_create(api, 1, &s.host, &error), &error);
     s.spy = (spy){.get_proc = psplat_host_get_proc, .user = s.host};
     s.scene = scene_ellipses(30, 2, 9);
@@ -54,13 +55,13 @@ static stage stage_open(psplat_api api) {
     return s;
 }
 
-static void stage_close(stage *s) {
+static void spied_renderer_close(spied_renderer *s) {
     psplat_asset_destroy(s->asset);
     scene_free(&s->scene);
     psplat_host_destroy(s->host);
 }
 
-static psplat_result make(stage *s, psplat_error *error) {
+static psplat_result make(spied_renderer *s, psplat_error *error) {
     psplat_renderer_desc desc = {
         .get_proc = spy_get_proc, .user = &s->spy, .allocator = ledger_allocator(&s->ledger)};
     psplat_result result = psplat_renderer_create(&desc, &s->renderer, error);
@@ -69,28 +70,28 @@ static psplat_result make(stage *s, psplat_error *error) {
     return result;
 }
 
-static psplat_result draw(stage *s, psplat_error *error) {
+static psplat_result draw(spied_renderer *s, psplat_error *error) {
     const float black[4] = {0};
     psplat_error ignored;
     canvas_check(psplat_host_begin(s->host, SIZE, SIZE, 1, black, &ignored), &ignored);
     return psplat_draw(s->renderer, &s->view, &s->item, 1, error);
 }
 
-/* Everything that the renderer does once; the first failure ends it. */
-static psplat_result act(stage *s, psplat_error *error) {
+/* Does everything once that a renderer does; the first failure ends it. */
+static psplat_result use_once(spied_renderer *s, psplat_error *error) {
     psplat_result result = make(s, error);
     if (result == PSPLAT_OK) result = draw(s, error);
     return result;
 }
 
-static void end(stage *s) {
+static void end(spied_renderer *s) {
     psplat_model_destroy(s->renderer, s->item.model);
     psplat_renderer_destroy(s->renderer);
     s->item.model = NULL;
     s->renderer = NULL;
 }
 
-static void expect_nothing_left(const stage *s) {
+static void expect_nothing_left(const spied_renderer *s) {
     assert_int_equal(s->ledger.bytes, 0);
     assert_int_equal(spy_live(&s->spy), 0);
     assert_string_equal(s->spy.trouble, "");
@@ -102,8 +103,8 @@ static void expect_failure(psplat_result result, const psplat_error *error, pspl
     assert_true(strlen(error->text) > 10);
 }
 
-/* What failed once works when asked again, down to the last pixel. */
-static void expect_recovery(stage *s, const float *expected) {
+/* What failed once works when it is tried again, down to the last pixel. */
+static void expect_recovery(spied_renderer *s, const float *expected) {
     static float color[SIZE * SIZE * 4];
     psplat_error error = {0};
     if (!s->renderer || !s->item.model) {
@@ -115,9 +116,9 @@ static void expect_recovery(stage *s, const float *expected) {
     assert_memory_equal(color, expected, sizeof color);
 }
 
-static void draw_expected(stage *s, float *expected) {
+static void draw_expected(spied_renderer *s, float *expected) {
     psplat_error error = {0};
-    canvas_check(act(s, &error), &error);
+    canvas_check(use_once(s, &error), &error);
     canvas_check(psplat_host_read_float(s->host, expected, &error), &error);
     end(s);
     expect_nothing_left(s);
@@ -128,14 +129,14 @@ static void draw_expected(stage *s, float *expected) {
 
 static void try_allocations(psplat_api api) {
     static float expected[SIZE * SIZE * 4];
-    stage s = stage_open(api);
+    spied_renderer s = spied_renderer_open(api);
     draw_expected(&s, expected);
     int failures = 0;
     for (int done = 0; !done; ++failures) {
         psplat_error error = {0};
         s.ledger.calls = 0;
         s.ledger.fail_at = failures;
-        psplat_result result = act(&s, &error);
+        psplat_result result = use_once(&s, &error);
         done = result == PSPLAT_OK;
         if (!done) expect_failure(result, &error, PSPLAT_ERROR_MEMORY);
         s.ledger.fail_at = -1;
@@ -144,14 +145,14 @@ static void try_allocations(psplat_api api) {
         expect_nothing_left(&s);
         assert_true(failures < 100);
     }
-    assert_true(failures > 4); /* renderer, model, batches, staging */
-    stage_close(&s);
+    assert_true(failures > 4); /* at least renderer, model, batches, staging */
+    spied_renderer_close(&s);
 }
 
-/* Returns how many opportunities there were. */
+/* Returns how many opportunities the fault had. */
 static int try_fault(psplat_api api, spy_fault fault, psplat_result wanted, const char *word) {
     static float expected[SIZE * SIZE * 4];
-    stage s = stage_open(api);
+    spied_renderer s = spied_renderer_open(api);
     draw_expected(&s, expected);
     int at = 0;
     for (int done = 0; !done; ++at) {
@@ -159,7 +160,7 @@ static int try_fault(psplat_api api, spy_fault fault, psplat_result wanted, cons
         s.spy.fault = fault;
         s.spy.at = at;
         s.spy.happened = 0;
-        psplat_result result = act(&s, &error);
+        psplat_result result = use_once(&s, &error);
         done = s.spy.happened <= at;
         if (done) canvas_check(result, &error);
         if (!done) expect_failure(result, &error, wanted);
@@ -170,7 +171,7 @@ static int try_fault(psplat_api api, spy_fault fault, psplat_result wanted, cons
         expect_nothing_left(&s);
         assert_true(at < 200);
     }
-    stage_close(&s);
+    spied_renderer_close(&s);
     return at - 1;
 }
 
@@ -188,9 +189,10 @@ static void test_faults(void **state) {
         const char *word;
         int least;
     } cases[] = {
-        {SPY_FAULT_TEXTURE_MEMORY, PSPLAT_ERROR_MEMORY, "memory", 5}, /* splats, clips, targets */
+        /* Splats, clip lines, targets. */
+        {SPY_FAULT_TEXTURE_MEMORY, PSPLAT_ERROR_MEMORY, "memory", 5},
         {SPY_FAULT_UPLOAD_MEMORY, PSPLAT_ERROR_MEMORY, "memory", 2},
-        {SPY_FAULT_FRAMEBUFFER, PSPLAT_ERROR_GRAPHICS, "refused", 2},    /* target, shadow */
+        {SPY_FAULT_FRAMEBUFFER, PSPLAT_ERROR_GRAPHICS, "refused", 2},    /* targets, shadow maps */
         {SPY_FAULT_COMPILE, PSPLAT_ERROR_GRAPHICS, "shader refused", 6}, /* three programs */
         {SPY_FAULT_LINK, PSPLAT_ERROR_GRAPHICS, "program refused", 3},
     };
@@ -201,16 +203,16 @@ static void test_faults(void **state) {
         }
 }
 
-/* An environment is several textures, most of many levels and faces, and takes long to filter: the
- * first, one in the middle and the last that can fail do. */
+/* An environment has several textures, most of many levels and faces, and takes long to filter. So
+ * only the first, a middle and the last opportunity fail. */
 static void test_environments(void **state) {
     (void)state;
     psplat_environment *environment = NULL;
     psplat_error error = {0};
-    stage s = stage_open(PSPLAT_API_GL);
+    spied_renderer s = spied_renderer_open(PSPLAT_API_GL);
     canvas_check(make(&s, &error), &error);
     ledger before = s.ledger;
-    s.spy.at = -1; /* counts */
+    s.spy.at = -1; /* -1 only counts */
     s.spy.fault = SPY_FAULT_TEXTURE_MEMORY;
     canvas_check(psplat_environment_create(s.renderer, &sky, &environment, &error), &error);
     int last = s.spy.happened - 1, allocations = s.ledger.calls - before.calls;
@@ -236,16 +238,16 @@ static void test_environments(void **state) {
     }
     end(&s);
     expect_nothing_left(&s);
-    stage_close(&s);
+    spied_renderer_close(&s);
 }
 
-/* What the host did not ask about is its own: a flag from before fails nothing of ours. */
+/* Errors that GL raised before belong to the host and make nothing of the runtime fail. */
 static void test_flags_of_the_host(void **state) {
     const unsigned out_of_memory = 0x0505;
     (void)state;
     psplat_error error = {0};
     psplat_environment *environment = NULL;
-    stage s = stage_open(PSPLAT_API_GL);
+    spied_renderer s = spied_renderer_open(PSPLAT_API_GL);
     psplat_renderer_desc desc = {
         .get_proc = spy_get_proc, .user = &s.spy, .allocator = ledger_allocator(&s.ledger)};
     s.spy.error = out_of_memory;
@@ -259,21 +261,21 @@ static void test_flags_of_the_host(void **state) {
     s.view.light_count = 0;
     s.view.width = SIZE / 2;
     s.spy.error = out_of_memory;
-    canvas_check(draw(&s, &error), &error); /* makes targets alone */
+    canvas_check(draw(&s, &error), &error); /* makes only targets */
     psplat_environment_destroy(s.renderer, environment);
     end(&s);
     expect_nothing_left(&s);
-    stage_close(&s);
+    spied_renderer_close(&s);
 }
 
 /* ---- lost contexts ------------------------------------------------------------------------------
  */
 
-/* Where the loss is not noticed at once, as it was after the last call that tells, the next frame
- * does. From then on every call says so. */
-static void expect_loss(stage *s) {
+/* Where the loss is not noticed at once, because it came after the last call that tells, the next
+ * frame notices it. From then on every call reports it. */
+static void expect_loss(spied_renderer *s) {
     psplat_error error = {0};
-    psplat_result result = act(s, &error);
+    psplat_result result = use_once(s, &error);
     if (result == PSPLAT_OK) result = psplat_draw(s->renderer, &s->view, &s->item, 1, &error);
     expect_failure(result, &error, PSPLAT_ERROR_GRAPHICS);
     assert_non_null(strstr(error.text, "context"));
@@ -295,12 +297,12 @@ static void expect_loss(stage *s) {
     expect_failure(result, &error, PSPLAT_ERROR_GRAPHICS);
 }
 
-/* Destroyed while the context that follows is current: none of its objects may go. In it a new
- * renderer draws what the old one did. */
-static void expect_new_context(stage *s, const float *expected) {
-    stage next = stage_open(PSPLAT_API_GL);
+/* The renderer is destroyed while a new context is current, none of whose objects may be deleted.
+ * In that context a new renderer draws what the old one did. */
+static void expect_new_context(spied_renderer *s, const float *expected) {
+    spied_renderer next = spied_renderer_open(PSPLAT_API_GL);
     psplat_error error = {0};
-    canvas_check(act(&next, &error), &error);
+    canvas_check(use_once(&next, &error), &error);
     size_t live = spy_live(&next.spy);
     s->spy = (spy){.get_proc = psplat_host_get_proc, .user = next.host};
     memcpy(s->spy.real, next.spy.real, sizeof s->spy.real);
@@ -313,25 +315,25 @@ static void expect_new_context(stage *s, const float *expected) {
     assert_int_equal(spy_live(&next.spy), live);
     end(&next);
     expect_nothing_left(&next);
-    stage_close(&next);
+    spied_renderer_close(&next);
 }
 
 static void try_loss(psplat_api api, int no_reset_status, int tells_once) {
     static float expected[SIZE * SIZE * 4];
-    stage s = stage_open(api);
+    spied_renderer s = spied_renderer_open(api);
     draw_expected(&s, expected);
     s.spy.fault = SPY_FAULT_LOST;
     s.spy.at = 1 << 30;
     s.spy.calls = 0;
     psplat_error error = {0};
-    canvas_check(act(&s, &error), &error);
+    canvas_check(use_once(&s, &error), &error);
     int total = (int)s.spy.calls, tries = 0;
     end(&s);
-    stage_close(&s);
+    spied_renderer_close(&s);
     assert_true(total > 300);
-    /* Some forty calls, spread over loading, uploading and drawing. */
+    /* Some forty calls are lost in turn, spread over loading, uploading and drawing. */
     for (int at = 0; at <= total; at += total / 41 + 1, ++tries) {
-        s = stage_open(api);
+        s = spied_renderer_open(api);
         s.spy.fault = SPY_FAULT_LOST;
         s.spy.no_reset_status = no_reset_status;
         s.spy.tells_once = tells_once;
@@ -343,7 +345,7 @@ static void try_loss(psplat_api api, int no_reset_status, int tells_once) {
             end(&s);
             assert_int_equal(s.ledger.bytes, 0);
         }
-        stage_close(&s);
+        spied_renderer_close(&s);
     }
     assert_true(tries > 35);
 }

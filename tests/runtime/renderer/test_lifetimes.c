@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Whatever is created a thousand times and destroyed leaves no byte and no GL object behind, and
- * psplat_renderer_memory tells what there is meanwhile.
+ * test_lifetimes.c - tests that what is created a thousand times and destroyed leaves no byte and
+ * no GL object behind, and that psplat_renderer_memory tells how much there is in the meantime.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,16 +18,16 @@
 
 enum { TIMES = 1000 };
 
-typedef struct stage {
+typedef struct spied_renderer {
     canvas *canvas; /* its renderer draws through spy and ledger */
     spy spy;
     ledger ledger;
     scene scene;
     psplat_asset *asset;
     psplat_view view;
-} stage;
+} spied_renderer;
 
-static psplat_renderer *make_renderer(stage *s) {
+static psplat_renderer *make_renderer(spied_renderer *s) {
     psplat_error error = {0};
     psplat_renderer *renderer = NULL;
     psplat_renderer_desc desc = {
@@ -36,17 +36,17 @@ static psplat_renderer *make_renderer(stage *s) {
     return renderer;
 }
 
-/* What must not grow. */
+/* Counts that must not grow. */
 typedef struct count {
     size_t objects, allocated;
     psplat_memory memory;
 } count;
 
-static count take(const stage *s) {
+static count take(const spied_renderer *s) {
     return (count){spy_live(&s->spy), s->ledger.bytes, psplat_renderer_memory(s->canvas->renderer)};
 }
 
-static void expect_same(const stage *s, const count *before) {
+static void expect_same(const spied_renderer *s, const count *before) {
     count now = take(s);
     assert_int_equal(now.objects, before->objects);
     assert_int_equal(now.allocated, before->allocated);
@@ -54,7 +54,7 @@ static void expect_same(const stage *s, const count *before) {
     assert_string_equal(s->spy.trouble, "");
 }
 
-static void draw(stage *s, psplat_model *model, int size) {
+static void draw(spied_renderer *s, psplat_model *model, int size) {
     psplat_error error = {0};
     psplat_item item = {.model = model};
     s->view.width = s->view.height = size;
@@ -62,15 +62,16 @@ static void draw(stage *s, psplat_model *model, int size) {
 }
 
 static void test_renderers(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     count before = take(s);
     for (int i = 0; i < TIMES; ++i) psplat_renderer_destroy(make_renderer(s));
     expect_same(s, &before);
 }
 
-/* With programs and targets in them: fewer, since each compiles its own programs. */
+/* Renderers with programs and targets are made fewer times, since each compiles its own
+ * programs. */
 static void test_used_renderers(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     psplat_renderer *kept = s->canvas->renderer;
     count before = take(s);
     for (int i = 0; i < 40; ++i) {
@@ -87,7 +88,7 @@ static void test_used_renderers(void **state) {
 }
 
 static void test_models(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     count before = take(s);
     for (int i = 0; i < TIMES; ++i) {
         psplat_model *model = canvas_model(s->canvas, s->asset);
@@ -99,15 +100,16 @@ static void test_models(void **state) {
     expect_same(s, &before);
 }
 
-static psplat_result make_environment(stage *s, psplat_environment **environment) {
+static psplat_result make_environment(spied_renderer *s, psplat_environment **environment) {
     static const float radiance[6 * 3] = {1, 1, 1};
     const psplat_environment_desc desc = {radiance, 1};
     return psplat_environment_create(s->canvas->renderer, &desc, environment, NULL);
 }
 
-/* Most of them fail at their first texture or upload, since filtering one takes its time. */
+/* Most environments are made to fail at their first texture or upload, because filtering takes
+ * long. */
 static void test_environments(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     psplat_environment *environment = NULL;
     count before = take(s);
     for (int i = 0; i < TIMES; ++i) {
@@ -127,9 +129,9 @@ static void test_environments(void **state) {
     psplat_environment_destroy(s->canvas->renderer, NULL);
 }
 
-/* The second frame of every mode and shading, shadows too, allocates and makes nothing. */
+/* The second frame of every mode and shading, with shadows too, allocates and makes nothing. */
 static void test_frames(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     psplat_model *model = canvas_model(s->canvas, s->asset);
     s->view.lights[0].casts_shadow = 1;
     s->view.shadow_size = 16;
@@ -150,9 +152,9 @@ static void test_frames(void **state) {
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
-/* Maps stay while their size does and no view needs more of them. */
+/* Shadow maps stay while their size does and no view needs more of them. */
 static void test_shadows(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     psplat_model *model = canvas_model(s->canvas, s->asset);
     s->view.light_count = 2;
     s->view.lights[1] = s->view.lights[0];
@@ -175,9 +177,9 @@ static void test_shadows(void **state) {
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
-/* Targets are those of the last view and, for some draws, of the one before. */
+/* Targets are kept for the last view and, for some draws, for the one before. */
 static void test_targets(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     psplat_model *model = canvas_model(s->canvas, s->asset);
     draw(s, model, 50);
     count before = take(s);
@@ -185,7 +187,7 @@ static void test_targets(void **state) {
     for (int i = 0; i < TIMES; ++i) {
         int size = 1 + i % 64;
         draw(s, model, size);
-        /* At least a depth and a normal, at most four colours in 32 bits. */
+        /* There are at least a depth and a normal, and at most four colours in 32 bits. */
         size_t pixels = (size_t)(size * size), bytes = take(s).memory.targets;
         assert_true(bytes >= pixels * (4 + 8) && bytes <= (pixels + last) * (4 + 4 * 16));
         last = pixels;
@@ -195,10 +197,10 @@ static void test_targets(void **state) {
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
-/* Views of two sizes in each frame, many of one and the other not always there, make nothing after
- * the first time. */
+/* Views of two sizes in each frame, many of the first size and the second sometimes missing, make
+ * nothing after the first time. */
 static void test_two_views(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     psplat_model *model = canvas_model(s->canvas, s->asset);
     draw(s, model, 50);
     draw(s, model, 20);
@@ -212,7 +214,7 @@ static void test_two_views(void **state) {
 }
 
 static void test_nothing(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     psplat_memory none = psplat_renderer_memory(NULL);
     assert_true(none.models + none.targets + none.environments + none.shadows == 0);
     assert_int_equal(psplat_model_describe(NULL).splat_count, 0);
@@ -228,7 +230,7 @@ static void test_nothing(void **state) {
 
 static int setup(void **state, psplat_api api) {
     const double eye[3] = {0.3, 0.2, 2}, target[3] = {0, 0, 0};
-    stage *s = calloc(1, sizeof *s);
+    spied_renderer *s = calloc(1, sizeof *s);
     assert_non_null(s);
     s->canvas = canvas_create(api);
     psplat_renderer_destroy(s->canvas->renderer);
@@ -254,7 +256,7 @@ static int setup_es(void **state) {
 }
 
 static int teardown(void **state) {
-    stage *s = *state;
+    spied_renderer *s = *state;
     psplat_renderer_destroy(s->canvas->renderer);
     s->canvas->renderer = NULL;
     assert_int_equal(spy_live(&s->spy), 0);

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Models that shrink to 16 pixels do not flicker under camera motion below a pixel. The truth is
- * the renderer's own picture at eight times the size (film.h). Colours are compared in pixels that
- * the model fills: outlines have no partial coverage. They are where they are without the filter.
+ *
+ * test_minification.c - tests that models that shrink to 16 pixels do not flicker under camera
+ * motion below a pixel. The truth is the renderer's own picture at eight times the size (film.h).
+ * Colours are compared in pixels that the model fills. Outlines have no partial coverage; they are
+ * expected where they are without the filter.
  */
 #include "agreement.h"
 #include "detail.h"
@@ -16,7 +18,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#define MODEL 16 /* pixels across */
+#define MODEL 16 /* in pixels across */
 
 typedef struct drawn {
     psplat_renderer *renderer;
@@ -34,7 +36,7 @@ static void report(const char *name, const film_figures *f) {
                   name, f->change, f->most_change, f->flicker, f->most_flicker, f->error);
 }
 
-/* All sampling can do: a pixel of an outline is there or not, by its centre. */
+/* Sampling can do no more than this: a pixel of an outline is there or not, by its centre. */
 static void check_outline(const film_report *without, const film_report *with,
                           const film_report *truth) {
     assert_true(fabs(with->covered / truth->covered - 1) < 0.01);
@@ -42,7 +44,7 @@ static void check_outline(const film_report *without, const film_report *with,
     assert_true(with->outline.count > 100);
 }
 
-/* The truth, the renderer without the filter, and with it. */
+/* Measures the truth, the renderer without the filter, and the renderer with it. */
 static void measure(gpu *g, scene s, film_figures result[3]) {
     static const char *const names[] = {" at 8 x 8", " without filter", " with filter"};
     film films[3];
@@ -63,8 +65,8 @@ static void measure(gpu *g, scene s, film_figures result[3]) {
     scene_free(&s);
 }
 
-/* Far nearer to the truth with the filter than without; the checker, which averages to grey,
- * changes no more than it does in truth. */
+/* The picture is far nearer to the truth with the filter than without; the checkerboard, which
+ * averages to grey, changes no more than it does in truth. */
 static void test_checkered(void **state) {
     film_figures f[3];
     print_message("checkered sphere of 4000 splats, %d pixels across\n", MODEL);
@@ -76,7 +78,7 @@ static void test_checkered(void **state) {
     assert_true(f[2].change < 1.25 * f[0].change);
 }
 
-/* Normals average, highlights do not, and what hides what is not filtered: less is gained. */
+/* Normals average but highlights do not, and hiding is not filtered: the gain is smaller. */
 static void test_bumpy(void **state) {
     film_figures f[3];
     print_message("sphere with bumps of 4000 splats, %d pixels across\n", MODEL);

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Only what a scene needs: passes, targets and vertices by what is drawn. */
+ *
+ * test_needs.c - tests that a scene takes only what it needs: the passes, targets and vertices
+ * follow from what is drawn. Expected numbers are counted from the specification of passes and
+ * layouts.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -45,7 +49,7 @@ typedef struct drawn {
     psplat_memory memory;
 } drawn;
 
-/* One frame of a new renderer. */
+/* Draws one frame with a new renderer. */
 static drawn draw_all(const scene *const *scenes, size_t count, const psplat_view *view) {
     psplat_error error = {0};
     psplat_renderer *renderer = NULL;
@@ -87,18 +91,18 @@ static void test_passes(void **state) {
     psplat_view view = view_of();
     assert_int_equal(draw(&s, &view).draws, 3); /* visibility, attributes, resolve */
     view.mode = PSPLAT_MODE_FLAT;
-    assert_int_equal(draw(&s, &view).draws, 2); /* no visibility: the nearest wins */
+    assert_int_equal(draw(&s, &view).draws, 2); /* no visibility pass, as the nearest splat shows */
     view.mode = PSPLAT_MODE_PHONG;
     view.lights[0].casts_shadow = 1;
     view.lights[1] = view.lights[0];
     view.light_count = 2;
-    assert_int_equal(draw(&s, &view).draws, 5); /* two shadow maps */
+    assert_int_equal(draw(&s, &view).draws, 5); /* two shadow maps more */
     view.shading = PSPLAT_SHADING_NORMAL;
-    assert_int_equal(draw(&s, &view).draws, 3); /* that nobody looks at here */
+    assert_int_equal(draw(&s, &view).draws, 3); /* shadows do not matter here */
     scene_free(&s);
 }
 
-/* Turned away or beside the view, a model is not even sent to the vertex stage. */
+/* A model that faces away or lies beside the view is not even sent to the vertex stage. */
 static void test_vertices(void **state) {
     (void)state;
     scene s = scene_disc(1);
@@ -115,7 +119,7 @@ static void test_vertices(void **state) {
 
 /* ---- targets --------------------------------------------------------------------------------- */
 
-/* Bytes a pixel: normal and weight 16, depth sum 4, depth buffer 4. */
+/* Bytes a pixel: 16 for normal and weight, 4 for the depth sum, 4 for the depth buffer. */
 static void test_targets(void **state) {
     (void)state;
     const size_t pixels = 64 * 64;
@@ -124,11 +128,11 @@ static void test_targets(void **state) {
     psplat_memory memory = draw(&s, &view).memory;
     assert_int_equal(memory.targets, pixels * (16 + 4 + 4));
     assert_int_equal(memory.shadows + memory.environments, 0);
-    assert_int_equal(memory.models, 512 * 48); /* a row of three texels a splat */
+    assert_int_equal(memory.models, 512 * 48); /* a splat takes a row of three texels */
     s.has_color = 1;
     for (size_t i = 0; i < s.count; ++i) s.splats[i].color[0] = (float)(i % 2);
     assert_int_equal(draw(&s, &view).memory.targets, pixels * (16 + 4 + 4 + 16));
-    /* Nobody looks at the colours: */
+    /* The colours are not used here: */
     view.shading = PSPLAT_SHADING_NORMAL;
     assert_int_equal(draw(&s, &view).memory.targets, pixels * (16 + 4 + 4));
     view.shading = PSPLAT_SHADING_LIT;
@@ -138,8 +142,8 @@ static void test_targets(void **state) {
     scene_free(&s);
 }
 
-/* Metallic, roughness and unlit take a target of colours, one of the rest and half of that of
- * depth, and only light looks at them. */
+/* Metallic, roughness and unlit take a target of colours, a target of the rest and half of a depth
+ * target, and only lighting reads them. */
 static void test_materials(void **state) {
     (void)state;
     const size_t pixels = 64 * 64;
@@ -160,7 +164,7 @@ static void test_materials(void **state) {
 /* ---- materials that vary -----------------------------------------------------------------------
  */
 
-/* Memory of one splat with these attributes. */
+/* Returns the memory of one splat with these attributes. */
 static psplat_memory draw_varied(const char *const names[2], const psplat_view *view) {
     static const double values[3] = {0.5, 0.5, 0.5};
     psplat_error error = {0};
@@ -188,7 +192,7 @@ static psplat_memory draw_varied(const char *const names[2], const psplat_view *
     return memory;
 }
 
-/* Twelve bytes a splat for three numbers; a pixel's targets as test_materials has them, and eight
+/* Three numbers take twelve bytes a splat. A pixel takes the targets of test_materials, and eight
  * bytes more where occlusion varies. */
 static void test_finishes(void **state) {
     (void)state;
@@ -213,7 +217,8 @@ static void test_finishes(void **state) {
 
 /* ---- many splats in a pixel ------------------------------------------------------------------ */
 
-/* Ten thousand splats in every pixel: sums stay finite, and their quotients are those of one. */
+/* Every pixel has ten thousand splats: sums stay finite, and their quotients are those of one
+ * splat. */
 static void test_overdraw(void **state) {
     (void)state;
     enum { COUNT = 10000 };
@@ -232,7 +237,7 @@ static void test_overdraw(void **state) {
         float at = c->depth[64 * CANVAS_SIZE + 64];
         if (!many) memcpy(one, middle, sizeof one);
         if (!many) depth = at;
-        /* 10000 roundings of 2^-24 each, at worst all one way */
+        /* The tolerance covers 10000 roundings of 2^-24 each, at worst all in one direction. */
         for (int i = 0; i < 3; ++i) assert_true(fabsf(middle[i] - one[i]) < 1e-3f);
         assert_true(fabsf(at - depth) < 1e-3f);
         view.shading = PSPLAT_SHADING_OVERDRAW;

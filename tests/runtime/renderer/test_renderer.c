@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Drawings whose result is known in closed form, on GL and on GLES. The views are parallel, 128
- * pixels over 2 units, so that a pixel is 1/64 unit and (u, v) of a unit disc follow from it.
+ * test_renderer.c - tests drawings whose result is known in closed form, on GL and on GLES. The
+ * views are parallel, 128 pixels over 2 units, so that a pixel is 1/64 unit and (u, v) of a unit
+ * disc follow from it.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -16,7 +17,7 @@
 #include "near.h"
 #include "scene_asset.h"
 
-/* Eye at z = 2 looking down; window depth of height h is (2 - h - 1) / 2. */
+/* The eye is at z = 2 and looks down; the window depth of height h is (2 - h - 1) / 2. */
 static psplat_view top_view(void) {
     const double eye[3] = {0, 0, 2}, target[3] = {0, 0, 0};
     psplat_view view = camera_view(CANVAS_SIZE, CANVAS_SIZE);
@@ -39,8 +40,8 @@ static void draw_scene(canvas *c, const psplat_view *view, const scene *s,
     psplat_asset_destroy(asset);
 }
 
-/* Every pixel whose centre is inside the ellipse and the line is covered, no other is; pixels
- * within 1e-5 of the edge (float32 keeps (u, v) to about 1e-6) may go either way. */
+/* Every pixel whose centre is inside the ellipse and the line is covered, and no other one is.
+ * Pixels within 1e-5 of the edge may be either, because float32 keeps (u, v) to about 1e-6. */
 static void check_ellipse(const canvas *c, double ru, double rv, const double line[3]) {
     for (int y = 0; y < CANVAS_SIZE; ++y)
         for (int x = 0; x < CANVAS_SIZE; ++x) {
@@ -63,7 +64,7 @@ static void test_disc(void **state) {
         view.mode = (psplat_mode)mode;
         draw_scene(c, &view, &s, NULL);
         check_ellipse(c, 0.8, 0.8, no_line);
-        /* The disc lies in the middle of the depth range; two steps of 2^-24. */
+        /* The disc lies in the middle of the depth range; the tolerance is two steps of 2^-24. */
         assert_near(c->depth[64 * CANVAS_SIZE + 64], 0.5, 1.2e-7);
         assert_near(c->depth[0], 1.0, 0.0);
     }
@@ -79,7 +80,7 @@ static void test_parameters(void **state) {
     for (int y = 30; y < 98; y += 3)
         for (int x = 30; x < 98; x += 3) {
             const float *p = canvas_pixel(c, x, y);
-            /* The bar for (u, v) is 5e-5; here nothing is far away. */
+            /* The bound for (u, v) is 5e-5 in general; here nothing is far away. */
             assert_near(p[0], coordinate(x) / 0.8, 1e-6);
             assert_near(p[1], coordinate(y) / 0.8, 1e-6);
             assert_near(p[2], 0.0, 0.0);
@@ -99,8 +100,8 @@ static void test_clip_line(void **state) {
     scene_free(&s);
 }
 
-/* From the edge a disc covers no pixel centre; tilted by 60 degrees it is an ellipse of half the
- * height (the disc's far side lies below its near one, parallel views do not care). */
+/* Edge-on a disc covers no pixel centre. Tilted by 60 degrees it is an ellipse of half the height:
+ * its far side lies below its near one, which does not matter in parallel views. */
 static void test_edge_on(void **state) {
     canvas *c = *state;
     scene s = scene_disc(0.8f);
@@ -116,8 +117,8 @@ static void test_edge_on(void **state) {
     scene_free(&s);
 }
 
-/* Two discs in one plane, red and green: where both cover, colour is their weighted mean
- * (spec 5.4), and unlit materials show it as it is. */
+/* Two discs lie in one plane, a red and a green one. Where both cover, the colour is their weighted
+ * mean (spec 5.4), which unlit materials show unchanged. */
 static void test_overlap(void **state) {
     canvas *c = *state;
     scene s = scene_blank(2);
@@ -136,7 +137,7 @@ static void test_overlap(void **state) {
         double v = coordinate(64) / 0.5;
         double wa = exp(-2 * (a * a + v * v)), wb = exp(-2 * (b * b + v * v));
         const float *p = canvas_pixel(c, x, 64);
-        /* exp of llvmpipe is good to about 1e-6. */
+        /* The exp of llvmpipe is accurate to about 1e-6. */
         if (a * a + v * v > 1 || b * b + v * v > 1) continue;
         assert_near(p[0], wa / (wa + wb), 1e-5);
         assert_near(p[1], wb / (wa + wb), 1e-5);
@@ -156,7 +157,8 @@ static void test_culling(void **state) {
     check_ellipse(c, 0.8, 0.8, no_line);
     float behind = canvas_pixel(c, 64, 64)[0];
     draw_scene(c, &view, &s, NULL);
-    /* Seen from behind the normal is negated: the light from the eye shines on it all the same. */
+    /* Seen from behind the normal is negated, so that the light from the eye shines on it
+     * nevertheless. */
     assert_near(behind, canvas_pixel(c, 64, 64)[0], 1e-6);
     assert_true(behind > 0.5f);
     s.material.double_sided = 1;
@@ -169,8 +171,8 @@ static void test_culling(void **state) {
     scene_free(&s);
 }
 
-/* Mirroring in the plane through the view direction keeps the front in front; mirroring along it
- * turns the front away (spec 4, 5.2). */
+/* A mirror plane that contains the view direction keeps the front in front; one across it turns the
+ * front away (spec 4, 5.2). */
 static void test_mirrored(void **state) {
     canvas *c = *state;
     scene s = scene_disc(0.8f);
@@ -196,7 +198,8 @@ static void test_singular(void **state) {
     scene_free(&s);
 }
 
-/* Items in one depth buffer: a second draw call hides behind the first and is cut by it. */
+/* Items share the depth buffer: what a second call draws is hidden behind the first and is cut by
+ * it. */
 static void test_occlusion(void **state) {
     canvas *c = *state;
     scene s = scene_disc(0.5f);
@@ -206,14 +209,16 @@ static void test_occlusion(void **state) {
     psplat_error error = {0};
     canvas_begin(c);
     canvas_check(psplat_draw(c->renderer, &view, &item, 1, &error), &error);
-    /* Tilted by 45 degrees about y: the half with x > 0 rises above the first disc. */
+    /* The second disc is tilted by 45 degrees about y: its half with x > 0 rises above the first
+     * disc. */
     double r = sqrt(0.5);
     const double tilt[16] = {r, 0, r, 0, 0, 1, 0, 0, -r, 0, r, 0, 0, 0, 0, 1};
     memcpy(item.transform, tilt, sizeof tilt);
     view.mode = PSPLAT_MODE_PARAMETERS;
     canvas_check(psplat_draw(c->renderer, &view, &item, 1, &error), &error);
     canvas_read(c);
-    /* Window depth: 0.5 in the first disc, height / 2 less where the second is in front. */
+    /* Window depth is 0.5 in the first disc and less by half the height where the second is in
+     * front. */
     assert_near(c->depth[64 * CANVAS_SIZE + 48], 0.5, 1.2e-7);
     assert_near(c->depth[64 * CANVAS_SIZE + 80], 0.5 - coordinate(80) / 2, 2e-7);
     assert_near(canvas_pixel(c, 80, 64)[0], coordinate(80) / r / 0.5, 1e-5);
@@ -222,7 +227,7 @@ static void test_occlusion(void **state) {
     scene_free(&s);
 }
 
-/* epsilon 0.01: a disc 0.005 below blends, one 0.02 below does not (spec 5.3). */
+/* With an epsilon of 0.01 a disc 0.005 below blends, and one 0.02 below does not (spec 5.3). */
 static void test_tolerance(void **state) {
     canvas *c = *state;
     psplat_view view = top_view();
@@ -234,14 +239,14 @@ static void test_tolerance(void **state) {
         s.material.unlit = 1;
         s.depth_tolerance = 0.01f;
         draw_scene(c, &view, &s, NULL);
-        /* Both have weight 1 at the centre, so green is 1 or the mean of 1 and 0. */
+        /* Both have weight 1 at the centre, so that green is 1 or the mean of 1 and 0. */
         assert_near(canvas_pixel(c, 64, 64)[1], hidden ? 1.0 : 0.5, 1e-6);
         scene_free(&s);
     }
 }
 
-/* Emission of 0.25 red and 0.5 green in two models of one frame: each keeps its own material, and
- * where they lie in one plane they mix by weight. */
+/* Two models of one frame emit 0.25 red and 0.5 green. Each keeps its own material, and where they
+ * lie in one plane they mix by weight. */
 static void test_materials(void **state) {
     canvas *c = *state;
     psplat_view view = top_view();
@@ -271,8 +276,8 @@ static void test_materials(void **state) {
     }
 }
 
-/* phong bends light over one splat, gaussian does not; flat has no blend and equals gaussian for
- * a single splat. */
+/* Mode phong varies light over one splat, gaussian does not; flat has no blending and equals
+ * gaussian for a single splat. */
 static void test_modes(void **state) {
     canvas *c = *state;
     scene s = scene_disc(0.8f);
@@ -292,9 +297,9 @@ static void test_modes(void **state) {
     scene_free(&s);
 }
 
-/* Variants that scenes ask for: every clip count with and without gamma and colour, kernel power,
- * near plane and materials, in an array of four runs that holds each pair of them, all compile and
- * give numbers. */
+/* Draws the variants that scenes need: every number of clip lines with and without gamma and
+ * colour, kernel power, near plane and materials, in an array of four runs that holds each pair of
+ * them. All must compile and give finite numbers. */
 static void draw_variant(canvas *c, int color, int power, int near, int materials) {
     const double eye[3] = {near ? 0.1 : 2, near ? 0.2 : 2, near ? 0.3 : 2}, target[3] = {0};
     psplat_view view = camera_view(CANVAS_SIZE, CANVAS_SIZE);
@@ -332,8 +337,8 @@ static void test_variants(void **state) {
     draw_variant(*state, 1, 0, 1, 1);
 }
 
-/* A plane far larger than the view, the eye 0.1 above it: everything below the horizon is covered
- * although two corners of the triangle lie behind the eye. */
+/* A plane is far larger than the view and the eye 0.1 above it: everything below the horizon is
+ * covered, although two corners of the triangle lie behind the eye. */
 static void test_huge(void **state) {
     canvas *c = *state;
     scene s = scene_disc(1e4f);
@@ -343,13 +348,13 @@ static void test_huge(void **state) {
     camera_look(&view, eye, target);
     camera_perspective(&view, 64, 0.01, 1e5);
     draw_scene(c, &view, &s, NULL);
-    /* camera_look puts +z up: rows below the middle see the plane, the rest the sky. */
+    /* camera_look puts +z up: rows below the middle see the plane, the others the sky. */
     for (int y = 0; y < 62; ++y) assert_true(canvas_pixel(c, 64, y)[3] > 0.0f);
     for (int y = 66; y < CANVAS_SIZE; ++y) assert_true(canvas_pixel(c, 64, y)[3] == 0.0f);
     scene_free(&s);
 }
 
-/* What lies in front of the near plane hides nothing, also within epsilon of it. */
+/* What lies in front of the near plane hides nothing, not even within epsilon of it. */
 static void test_near_plane(void **state) {
     canvas *c = *state;
     scene s = scene_blank(2);

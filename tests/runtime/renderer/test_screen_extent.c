@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Extents: the rectangle holds the image of every point of the sphere, and is tight for small ones.
+ *
+ * test_screen_extent.c - tests screen extents of spheres: the rectangle holds the image of every
+ * point of the sphere, and is tight for small spheres. Spheres and views are random; expected
+ * places come from projecting points.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +25,7 @@ static double uniform(double low, double high) {
     return low + (high - low) * (double)scene_random(&seed);
 }
 
-/* Perspective or parallel, after a shear: any 4 x 4 that a view can be. */
+/* Makes a perspective or parallel matrix after a shear: any 4 x 4 matrix that a view can be. */
 static void random_clip(int is_perspective, double clip[16]) {
     memset(clip, 0, 16 * sizeof *clip);
     for (int c = 0; c < 3; ++c)
@@ -61,7 +64,8 @@ static void test_holds(void **state) {
     }
 }
 
-/* A small sphere at a distance: its image and a pixel around it, rounded to whole pixels. */
+/* A small sphere far away has an extent of its image and a pixel around it, rounded to whole
+ * pixels. */
 static void test_tight(void **state) {
     (void)state;
     double clip[16] = {0};
@@ -69,18 +73,18 @@ static void test_tight(void **state) {
     clip[11] = -1;
     psplat_screen_extent extent = {0, 0, 0, 0};
     psplat_screen_extent_add(&extent, (const float[]){0, 0, -10}, 0.1f, clip, WIDTH, HEIGHT);
-    /* radius 0.01 of w: 1.5 pixels in x, 1 in y */
+    /* The radius is 0.01 of w: 1.5 pixels in x and 1 in y. */
     assert_int_equal(extent.x0, 147);
     assert_int_equal(extent.x1, 153);
     assert_int_equal(extent.y0, 97);
     assert_int_equal(extent.y1, 103);
-    /* what lies outside adds nothing; a second one what it takes */
+    /* A sphere outside adds nothing; a second one inside adds its own extent. */
     psplat_screen_extent before = extent;
     psplat_screen_extent_add(&extent, (const float[]){30, 0, -10}, 0.1f, clip, WIDTH, HEIGHT);
     assert_memory_equal(&before, &extent, sizeof extent);
     psplat_screen_extent_add(&extent, (const float[]){-5, -5, -10}, 0.1f, clip, WIDTH, HEIGHT);
     assert_true(extent.x0 < 80 && extent.y0 < 55 && extent.x1 == 153 && extent.y1 == 103);
-    /* around the eye: everything */
+    /* A sphere around the eye takes the whole view. */
     psplat_screen_extent_add(&extent, (const float[]){0, 0, 0}, 1, clip, WIDTH, HEIGHT);
     assert_int_equal(extent.x1 - extent.x0, WIDTH);
     assert_int_equal(extent.y1 - extent.y0, HEIGHT);
