@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * appearance_fixture.h - a square with textures, for tests of what surfaces look like.
+ * appearance_fixture.h - a textured square, for tests of the appearance of a surface (base colour,
+ * normal map, finish, emission). Include it after cmocka.h.
  */
-#ifndef PHONGSPLAT_TESTS_PAINT_FIXTURE_H
-#define PHONGSPLAT_TESTS_PAINT_FIXTURE_H
+#ifndef PHONGSPLAT_TESTS_APPEARANCE_FIXTURE_H
+#define PHONGSPLAT_TESTS_APPEARANCE_FIXTURE_H
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -19,9 +20,9 @@
 #include "material/source_materials.h"
 #include "mesh/mesh.h"
 
-/* A square from -1 to 1 in x and y that faces +z, made of cells x cells x 2 triangles; image
- * coordinates run from 0 at (-1, 1), the upper left corner, to 1 at (1, -1). One source_material.
- */
+/* A square from -1 to 1 in x and y that faces +z, divided into cells x cells x 2 triangles. Texture
+ * coordinates run from (0, 0) at the upper left corner (-1, 1) to (1, 1) at the lower right corner
+ * (1, -1). It has one source material. */
 typedef struct painted {
     psplat_mesh mesh;
     psplat_source_material source_material;
@@ -35,7 +36,8 @@ static inline void painted_corner(painted *p, size_t corner, size_t cells, size_
     uv[1] = 1 - (float)y / (float)cells;
 }
 
-/* pixel gives each texel of the image, which starts at the upper left. */
+/* Makes the square with a size x size image; pixel gives each texel, and rows start at the upper
+ * left. */
 static inline void painted_make(painted *p, size_t cells, uint32_t size,
                                 void (*pixel)(uint32_t x, uint32_t y, uint8_t rgba[4])) {
     *p = (painted){0};

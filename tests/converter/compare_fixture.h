@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * compare_fixture.h - meshes of a few triangles, assets of a few splats, and what comparing them
- * finds. Include after cmocka.h.
+ * compare_fixture.h - meshes of a few triangles, assets of a few splats, and a call that compares
+ * them. Include it after cmocka.h.
  */
 #ifndef PHONGSPLAT_TESTS_COMPARE_FIXTURE_H
 #define PHONGSPLAT_TESTS_COMPARE_FIXTURE_H
@@ -24,14 +24,14 @@ typedef struct fixture {
     psplat_source_mesh *source;
 } fixture;
 
-/* Anew, after the mesh was changed. */
+/* Builds the surface again after the mesh was changed. */
 static inline void fixture_finish(fixture *f) {
     psplat_error error = {0};
     psplat_source_mesh_destroy(f->source);
     if (psplat_source_mesh_create(&f->mesh, 0, &f->source, &error)) fail_msg("%s", error.text);
 }
 
-/* positions: vertex_count x 3, triangles: triangle_count x 3. */
+/* Makes a fixture of positions (vertex_count x 3) and triangles (triangle_count x 3 indices). */
 static inline void fixture_mesh(fixture *f, const double *positions, size_t vertex_count,
                                 const uint32_t *triangles, size_t triangle_count) {
     *f = (fixture){{.vertex_count = vertex_count, .triangle_count = triangle_count}, NULL};
@@ -53,7 +53,7 @@ static inline void fixture_model(fixture *f, const char *name) {
     fixture_finish(f);
 }
 
-/* 0 <= x, y <= 1 in the plane z = 0, facing +z. */
+/* Makes the square 0 <= x, y <= 1 in the plane z = 0, which faces +z. */
 static inline void fixture_square(fixture *f) {
     static const double positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
     static const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
@@ -65,7 +65,8 @@ static inline void fixture_free(fixture *f) {
     psplat_mesh_free(&f->mesh);
 }
 
-/* One splat that is a rectangle in a plane z = height, facing +z. */
+/* Returns a scene of one splat that four clip lines cut to a rectangle in the plane z = height, and
+ * that faces +z. */
 static inline scene fixture_rectangle(double x0, double x1, double y0, double y1, double height) {
     scene s = scene_blank(1);
     psplat_splat *splat = &s.splats[0];
@@ -82,7 +83,7 @@ static inline scene fixture_rectangle(double x0, double x1, double y0, double y1
     return s;
 }
 
-/* The scene's asset under a node with this matrix. */
+/* Returns the scene's asset, placed by a node with this matrix (columns). */
 static inline psplat_asset *fixture_open(const scene *s, const double matrix[16]) {
     size_t size, at = 0;
     uint8_t *glb = scene_glb(s, &size), *moved = calloc(1, size + 1024);
@@ -111,7 +112,8 @@ static inline psplat_asset *fixture_open(const scene *s, const double matrix[16]
     return asset;
 }
 
-/* Unless a test asks for another number: fewer than the default, for speed under sanitizers. */
+/* The number of samples unless a test asks for another one. It is below the default for speed under
+ * sanitizers. */
 enum { FIXTURE_SAMPLES = 20000 };
 
 static inline psplat_shape_desc fixture_desc(const psplat_shape_desc *desc) {
@@ -130,7 +132,7 @@ static inline psplat_shape_errors fixture_compare_asset(const fixture *f, const 
     return errors;
 }
 
-/* Frees the scene. */
+/* Compares the scene's splats with the mesh, and frees the scene. */
 static inline psplat_shape_errors fixture_compare(const fixture *f, scene s,
                                                   const psplat_shape_desc *desc) {
     psplat_asset *asset = scene_open(&s);

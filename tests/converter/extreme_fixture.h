@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * extreme_fixture.h - shapes that tests of extremes convert, read from a file as a user's are, and
- * a measure of the splats by brute force that shares nothing with the converter's own. Include
- * after mesh_fixture.h.
+ * extreme_fixture.h - shapes for tests of extreme input, which are converted after a round through
+ * the reader, as a user's file is, and a brute-force measure of coverage and distance that shares
+ * no search with the converter. Include it after mesh_fixture.h.
  */
 #ifndef PHONGSPLAT_TESTS_EXTREME_FIXTURE_H
 #define PHONGSPLAT_TESTS_EXTREME_FIXTURE_H
@@ -57,7 +57,7 @@ static inline void shape_quad(shape *s, uint32_t a, uint32_t b, uint32_t c, uint
     shape_triangle(s, a, c, d);
 }
 
-/* Facing outwards, or inwards where low and high are exchanged in one axis. */
+/* Adds a box that faces outwards, or inwards where low and high are exchanged in one axis. */
 static inline void shape_box(shape *s, const double low[3], const double high[3]) {
     uint32_t v[8];
     for (int i = 0; i < 8; ++i)
@@ -71,7 +71,7 @@ static inline void shape_box(shape *s, const double low[3], const double high[3]
     shape_quad(s, v[1], v[3], v[7], v[5]);
 }
 
-/* columns x rows squares; place gives the point at s, t of 0 ... 1. */
+/* Adds columns x rows squares; place gives the point at s and t, both in 0 ... 1. */
 static inline void shape_grid(shape *s, uint32_t columns, uint32_t rows,
                               void (*place)(double s, double t, double p[3])) {
     uint32_t first = (uint32_t)s->vertex_count;
@@ -88,7 +88,8 @@ static inline void shape_grid(shape *s, uint32_t columns, uint32_t rows,
         }
 }
 
-/* Triangles between an apex and a closed ring of `sides` vertices, counter-clockwise from it. */
+/* Adds triangles between an apex and a closed ring of `sides` vertices, which runs
+ * counter-clockwise as seen from the apex. */
 static inline void shape_fan(shape *s, uint32_t apex, uint32_t ring, uint32_t sides) {
     for (uint32_t i = 0; i < sides; ++i) shape_triangle(s, apex, ring + i, ring + (i + 1) % sides);
 }
@@ -108,7 +109,7 @@ static inline void shape_free(shape *s) {
     *s = (shape){0};
 }
 
-/* The shape as the reader leaves it. */
+/* Returns the mesh that the reader makes of the shape. */
 static inline psplat_mesh shape_read(const shape *s) {
     size_t capacity = 64 + 80 * s->vertex_count + 40 * s->triangle_count, size;
     char *text = malloc(capacity);
@@ -125,7 +126,7 @@ static inline psplat_mesh shape_read(const shape *s) {
     return mesh;
 }
 
-/* ---- the measure ---------------------------------------------------------------------------- */
+/* ---- measure by brute force ----------------------------------------------------------------- */
 
 static inline double segment_distance(const double p[3], const double a[3], const double b[3]) {
     double ab[3], ap[3];
@@ -175,7 +176,7 @@ static inline int splat_covers(const psplat_region *region, const double p[3], c
     double uvh[3];
     psplat_region_local(region, p, uvh);
     return fabs(uvh[2]) <= tolerance && dot3(region->n, n) > 0 &&
-           psplat_region_contains(region, uvh, 1 + 1e-5, 1e-5); /* single precision */
+           psplat_region_contains(region, uvh, 1 + 1e-5, 1e-5); /* rounding to float */
 }
 
 static inline int is_covered(const psplat_region *regions, size_t count, const double p[3],
@@ -185,8 +186,8 @@ static inline int is_covered(const psplat_region *regions, size_t count, const d
     return 0;
 }
 
-/* Random points of each triangle, as many as its share of the area asks for but at least three,
- * that no splat of their side covers. */
+/* Counts random points of the mesh that no splat facing their way covers. Each triangle gets at
+ * least three points, and its share by area of another 20,000. */
 static inline size_t count_uncovered(const psplat_mesh *mesh, const psplat_region *regions,
                                      size_t count, double tolerance) {
     uint64_t random = 17;
@@ -215,7 +216,8 @@ static inline size_t count_uncovered(const psplat_mesh *mesh, const psplat_regio
     return uncovered;
 }
 
-/* The farthest point of any splat from the surface, of its outline and halfway to its middle. */
+/* Returns the greatest distance of a splat from the surface, over the corners of its outline and
+ * the points halfway from these to its middle. */
 static inline double greatest_distance(const psplat_mesh *mesh, const psplat_region *regions,
                                        size_t count) {
     double greatest = 0;
@@ -237,7 +239,8 @@ static inline double greatest_distance(const psplat_mesh *mesh, const psplat_reg
     return greatest;
 }
 
-/* What a conversion gave, and how it measures. Lengths in tolerances. */
+/* The result of a conversion and its measures by brute force: mesh points without a splat, and the
+ * greatest distance of a splat in tolerances. */
 typedef struct extreme {
     psplat_mesh mesh;
     psplat_splats splats;
@@ -254,7 +257,8 @@ static inline void extreme_free(extreme *e) {
     psplat_mesh_free(&e->mesh);
 }
 
-/* Consumes the shape. */
+/* Converts the shape at a tolerance in % of the diagonal, measures the result, and frees the shape.
+ */
 static inline extreme extreme_convert(const char *name, shape *s, double percent) {
     extreme e = {.mesh = shape_read(s)};
     psplat_error error;
@@ -270,7 +274,8 @@ static inline extreme extreme_convert(const char *name, shape *s, double percent
     return e;
 }
 
-/* Converts and checks what every conversion promises. */
+/* Converts the shape and checks what every conversion promises: no open point, and no splat farther
+ * than the tolerance. */
 static inline extreme extreme_right(const char *name, shape *s, double percent) {
     extreme e = extreme_convert(name, s, percent);
     extreme_at_most(name, (double)e.uncovered, "of 20,000 points uncovered", 0);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * gltf_fixture.h - small glTF files as text, their buffer as a data URI.
+ * gltf_fixture.h - small glTF files as text, whose buffer is a data URI.
  */
 #ifndef PHONGSPLAT_TESTS_GLTF_FIXTURE_H
 #define PHONGSPLAT_TESTS_GLTF_FIXTURE_H
 
 #include "mesh_fixture.h"
 
-/* A buffer under construction and the JSON around it. */
+/* A buffer under construction, and the JSON around it. */
 typedef struct gltf {
     unsigned char buffer[1024];
     size_t size;
@@ -27,7 +27,8 @@ static inline void append(char *text, size_t capacity, const char *format, ...) 
     assert_in_range(length, 0, capacity - used - 1);
 }
 
-/* Each accessor gets a view of its own; more is put into it ("\"normalized\":true"). */
+/* Adds an accessor with a buffer view of its own; `more` is JSON that goes into the accessor, such
+ * as "\"normalized\":true". */
 static inline void add(gltf *g, const void *data, size_t size, int component, const char *type,
                        size_t count, const char *more) {
     const char *comma = g->count++ ? "," : "";
@@ -54,7 +55,8 @@ static inline const char *base64(const gltf *g) {
     return text;
 }
 
-/* rest: nodes, meshes and what else the file has. */
+/* Returns the document as text; `rest` is the JSON of nodes, meshes and whatever else the file has.
+ */
 static inline const char *finish(gltf *g, const char *rest) {
     g->text[0] = 0;
     append(

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * invented_table.h - rows of a sweep that was never run.
+ * invented_table.h - rows of a sweep that was never run, whose values are formulas, so that tests
+ * know every answer.
  */
-#ifndef PHONGSPLAT_TEST_INVENTED_TABLE_H
-#define PHONGSPLAT_TEST_INVENTED_TABLE_H
-
+#ifndef PHONGSPLAT_TESTS_INVENTED_TABLE_H
+#define PHONGSPLAT_TESTS_INVENTED_TABLE_H
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,7 +24,8 @@ static inline psplat_row splats_row(double tolerance, psplat_normal_field field,
     return psplat_row_empty(&setting);
 }
 
-/* A row with a size, a difference of pictures and a time; NaN where not measured. */
+/* Returns a row with a size in bytes, a picture difference in % and a frame time in ms; NaN stands
+ * for a value that was not measured. */
 static inline psplat_row plain_row(double bytes, double difference, double ms) {
     psplat_row row = splats_row(1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG, 0);
     row.values[PSPLAT_COLUMN_BYTES] = bytes;
@@ -33,7 +34,8 @@ static inline psplat_row plain_row(double bytes, double difference, double ms) {
     return row;
 }
 
-/* Values as a model of middle size gives them: finer tolerances, more of everything but error. */
+/* Fills in values such as those of a medium-sized model: a finer tolerance raises every value but
+ * the errors. */
 static inline void fill_row(psplat_row *row) {
     const psplat_setting *s = &row->setting;
     int is_splats = s->competitor == PSPLAT_COMPETITOR_SPLATS;
@@ -58,7 +60,7 @@ static inline void fill_row(psplat_row *row) {
     v[PSPLAT_COLUMN_CPU_MS_Q3] *= 1.2;
 }
 
-/* A whole sweep, as if measured. */
+/* Returns the table of a whole sweep in which every row is measured. */
 static inline psplat_sweep_table make_table(int with_gltfpack) {
     psplat_sweep_table table = {.source = "models/<p&q>.obj", .graphics = "Somebody's GPU, 4.5"};
     psplat_sweep_options_complete(&table.options);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * mesh_fixture.h - a directory for one test, files written into it, and meshes read from them.
+ * mesh_fixture.h - a temporary directory for one test, files written into it, and meshes read from
+ * them.
  */
 #ifndef PHONGSPLAT_TESTS_MESH_FIXTURE_H
 #define PHONGSPLAT_TESTS_MESH_FIXTURE_H
@@ -37,7 +38,7 @@ static inline int remove_directory(void **state) {
     return rmdir(fixture_directory);
 }
 
-/* Writes a file of this name and leaves its path in fixture_path. */
+/* Writes a file of this name, and leaves its path in fixture_path. */
 static inline void write_bytes(const char *name, const void *data, size_t size) {
     snprintf(fixture_path, sizeof fixture_path, "%s/%s", fixture_directory, name);
     FILE *file = fopen(fixture_path, "wb");
@@ -60,8 +61,8 @@ static inline psplat_mesh read_text(const char *name, const char *text) {
     return read_bytes(name, text, strlen(text));
 }
 
-/* Reading must fail with this code, and the text must name the file, then the place and the cause.
- */
+/* Asserts that reading the bytes fails with this code, and that the error text names the file, then
+ * the place, then the cause. */
 static inline void refuse_bytes(const char *name, const void *data, size_t size, psplat_result code,
                                 const char *cause) {
     psplat_mesh mesh;
@@ -76,7 +77,7 @@ static inline void refuse_bytes(const char *name, const void *data, size_t size,
     if (!strstr(error.text + strlen(fixture_path), cause))
         fail_msg("no '%s' in: %s", cause, error.text);
     assert_null(strchr(error.text, '\n'));
-    /* A failed read leaves nothing behind. */
+    /* A failed read must not leave a mesh behind. */
     assert_null(mesh.positions);
     assert_null(mesh.triangles);
 }
@@ -86,7 +87,8 @@ static inline void refuse_text(const char *name, const char *text, psplat_result
     refuse_bytes(name, text, strlen(text), code, cause);
 }
 
-/* Six times the volume that the triangles enclose; positive where they face outwards. */
+/* Returns six times the volume that the triangles enclose; it is positive where they face outwards.
+ */
 static inline double signed_volume(const psplat_mesh *mesh) {
     double sum = 0;
     for (size_t t = 0; t < mesh->triangle_count; ++t) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * shape_fixture.h - closed shapes with known creases, noise, and counts of what was found. Include
- * after stage_fixture.h.
+ * shape_fixture.h - closed shapes with known creases, noise, and counts of the creases and patches
+ * found. Include it after stage_fixture.h.
  */
 #ifndef PHONGSPLAT_TESTS_SHAPE_FIXTURE_H
 #define PHONGSPLAT_TESTS_SHAPE_FIXTURE_H
@@ -15,12 +15,12 @@
 #include "mesh/weld.h"
 #include "stage_fixture.h"
 
-/* Triangles are added one by one, each with vertices of its own; welding joins them. */
+/* Adds a triangle with three vertices of its own; welding joins the vertices later. */
 static inline void shape_triangle(psplat_mesh *mesh, const double a[3], const double b[3],
                                   const double c[3]) {
     size_t v = mesh->vertex_count, t = mesh->triangle_count++;
     mesh->vertex_count += 3;
-    if ((t & (t + 1)) == 0) { /* room for 1, 3, 7, 15 ... triangles is full */
+    if ((t & (t + 1)) == 0) { /* The arrays are full at 1, 3, 7, 15, ... triangles. */
         size_t room = 2 * t + 1;
         mesh->positions = realloc(mesh->positions, 9 * room * sizeof(double));
         mesh->triangles = realloc(mesh->triangles, 3 * room * sizeof(uint32_t));
@@ -34,7 +34,7 @@ static inline void shape_triangle(psplat_mesh *mesh, const double a[3], const do
     }
 }
 
-/* Split along one diagonal or the other. */
+/* Adds a quadrangle, which is split along one diagonal or, with `other`, along the other one. */
 static inline void shape_quad(psplat_mesh *mesh, double q[4][3], int other) {
     if (other) {
         shape_triangle(mesh, q[0], q[1], q[3]);
@@ -49,7 +49,7 @@ static inline void shape_weld(psplat_mesh *mesh) {
     assert_int_equal(psplat_mesh_weld(mesh, NULL), PSPLAT_OK);
 }
 
-/* A cube from -1 to 1, n x n squares a face. */
+/* Returns a cube from -1 to 1 with n x n squares on each face. */
 static inline psplat_mesh shape_cube(int n) {
     static const int corners[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     psplat_mesh mesh = {0};
@@ -70,8 +70,8 @@ static inline psplat_mesh shape_cube(int n) {
     return mesh;
 }
 
-/* A profile of count points (radius, height), turned about z in sides steps. A radius of 0 closes
- * the shape; the profile runs upwards on the outside. */
+/* Returns a profile of count points (radius, height), turned about z in `sides` steps. A radius of
+ * 0 closes the shape; the profile runs upwards on the outside. */
 static inline psplat_mesh shape_turned(const double (*profile)[2], int count, int sides) {
     psplat_mesh mesh = {0};
     for (int j = 0; j + 1 < count; ++j)
@@ -90,7 +90,7 @@ static inline psplat_mesh shape_turned(const double (*profile)[2], int count, in
     return mesh;
 }
 
-/* Normally distributed noise of all coordinates (Box, Muller 1958). */
+/* Adds normally distributed noise to all coordinates (Box and Muller 1958). */
 static inline void shape_noise(psplat_mesh *mesh, double deviation) {
     uint64_t random = 7;
     for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) {
@@ -108,7 +108,7 @@ static inline double shape_mean_edge(const psplat_mesh *mesh) {
     return sum / (3 * (double)mesh->triangle_count);
 }
 
-/* One normal on all corners of each triangle, as a flat-shaded export has. */
+/* Gives all corners of each triangle the same normal, as a flat-shaded export does. */
 static inline void shape_flat_normals(psplat_mesh *mesh) {
     mesh->corner_normals = malloc(mesh->triangle_count * 9 * sizeof(float));
     assert_non_null(mesh->corner_normals);

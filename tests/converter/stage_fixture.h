@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * stage_fixture.h - meshes for tests of single stages: bent grids, models from files, turned and
- * moved at will. Include after cmocka.h.
+ * stage_fixture.h - meshes for tests of single stages of the conversion: bent grids, and models
+ * from files, in any orientation and place. Include it after cmocka.h.
  */
 #ifndef PHONGSPLAT_TESTS_STAGE_FIXTURE_H
 #define PHONGSPLAT_TESTS_STAGE_FIXTURE_H
@@ -37,8 +37,8 @@ static const double fixture_crease_angle = 30 * 3.14159265358979323846 / 180;
 typedef struct fixture {
     psplat_mesh mesh;
     psplat_surface surface;
-    psplat_samples samples;    /* empty until fixture_sample, */
-    psplat_distance *distance; /* like this */
+    psplat_samples samples;    /* empty until fixture_sample */
+    psplat_distance *distance; /* NULL until fixture_sample */
 } fixture;
 
 static inline void fixture_free(fixture *f) {
@@ -48,7 +48,7 @@ static inline void fixture_free(fixture *f) {
     psplat_mesh_free(&f->mesh);
 }
 
-/* Lets stages use so many threads; 0: as many as there are cores. */
+/* Limits the number of threads that stages use; 0 stands for as many as there are cores. */
 static inline void fixture_threads(int count) {
 #if defined(_OPENMP)
     omp_set_num_threads(count ? count : omp_get_num_procs());
@@ -71,8 +71,8 @@ static inline void fixture_model(fixture *f, const char *name) {
     fixture_build(f);
 }
 
-/* columns x rows squares of two triangles each; place gives the point at s, t of 0 ... 1. The
- * surface is not built yet. */
+/* Makes columns x rows squares of two triangles each; place gives the point at s and t, both in 0
+ * ... 1. The surface is not built yet. */
 static inline void fixture_grid(fixture *f, uint32_t columns, uint32_t rows,
                                 void (*place)(double s, double t, double p[3])) {
     *f = (fixture){0};
@@ -95,7 +95,7 @@ static inline void fixture_grid(fixture *f, uint32_t columns, uint32_t rows,
         }
 }
 
-/* Whether a splat is met that covers the point. */
+/* A point, and whether a visited splat covers it. */
 typedef struct fixture_probe {
     const psplat_measured_splats *measured;
     const double *point;
@@ -110,7 +110,7 @@ static inline int fixture_visit(void *user, uint32_t splat) {
     return p->covered = psplat_measured_splats_cover(p->measured, splat, p->normal, uvh);
 }
 
-/* Marks (1) the samples that no splat covers. Returns their number. */
+/* Marks the samples that no splat covers with 1, and returns their number. */
 static inline size_t fixture_open(const psplat_samples *samples, const psplat_splats *splats,
                                   double tolerance, uint8_t *open) {
     psplat_measured_splats measured;
@@ -128,7 +128,7 @@ static inline size_t fixture_open(const psplat_samples *samples, const psplat_sp
     return count;
 }
 
-/* Samples, and distances to the mesh. spacing in diagonals. */
+/* Draws samples and builds the distance search; spacing is in diagonals of the mesh. */
 static inline void fixture_sample(fixture *f, double spacing) {
     f->distance = psplat_distance_create(&f->mesh);
     assert_non_null(f->distance);
@@ -137,13 +137,14 @@ static inline void fixture_sample(fixture *f, double spacing) {
         PSPLAT_OK);
 }
 
-/* What candidates on a fixture are fitted with. */
+/* Returns the context in which candidates on a fixture are fitted. */
 static inline psplat_fit_context fixture_context(const fixture *f, const psplat_limits *limits,
                                                  psplat_scratch *scratch) {
     return (psplat_fit_context){&f->surface, &f->samples, limits, scratch};
 }
 
-/* Improves a selection, or (strict) only where that saves candidates; samples lie in a row. */
+/* Improves a selection by local search; with `strict` it changes only what saves candidates.
+ * Samples are neighbours of those before and after them. */
 static inline psplat_result fixture_exchange(psplat_selection *selection, size_t count,
                                              size_t focus, size_t moves, uint64_t seed,
                                              int strict) {
@@ -162,7 +163,7 @@ static inline psplat_result fixture_improve(psplat_selection *selection, size_t 
     return fixture_exchange(selection, count, focus, moves, seed, 0);
 }
 
-/* A random orthonormal frame, right-handed. */
+/* Makes a random right-handed orthonormal frame. */
 static inline void random_axes(uint64_t *random, double u[3], double v[3], double n[3]) {
     double q[4], length = 0;
     for (int k = 0; k < 4; ++k) {
@@ -176,7 +177,7 @@ static inline void random_axes(uint64_t *random, double u[3], double v[3], doubl
     cross3(n, u, v);
 }
 
-/* The point of a region at (u, v) and a height. */
+/* Stores the point of a region at (u, v), in radii, and at a height above its plane. */
 static inline void region_point(const psplat_region *region, double u, double v, double height,
                                 double p[3]) {
     memcpy(p, region->center, 3 * sizeof(double));

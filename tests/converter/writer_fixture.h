@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * writer_fixture.h - splats of all that the writer stores, written and read again. Each splat is
- * known by its place on a grid, whatever order it comes back in.
+ * writer_fixture.h - splats with everything that the writer can store, written and read again. A
+ * splat is recognised by its place on a grid, in whatever order it comes back.
  */
-#ifndef PHONGSPLAT_TEST_WRITER_FIXTURE_H
-#define PHONGSPLAT_TEST_WRITER_FIXTURE_H
+#ifndef PHONGSPLAT_TESTS_WRITER_FIXTURE_H
+#define PHONGSPLAT_TESTS_WRITER_FIXTURE_H
 
 #include "base/region.h"
 #include "export/glb_writer.h"
@@ -17,19 +17,19 @@
 #include <math.h>
 #include <string.h>
 
-enum { GRID = 60000 }; /* steps along an edge */
+enum { GRID = 60000 }; /* steps along an edge of the box */
 
-/* How splats differ from each other. */
+/* A description of the splats to be made. */
 typedef struct written {
     size_t count;
-    double size;      /* edge of their box */
+    double size;      /* edge length of the box of centres */
     double origin[3]; /* of the mesh */
     psplat_precision precision;
-    float darkest;     /* of colours, where there are any */
-    double least_part; /* of radii: the second over the first; 0: 0.1 */
-    unsigned lines;    /* bits of clip classes that occur; 0: all */
+    float darkest;     /* least colour value, where there are colours */
+    double least_part; /* least ratio of the second radius to the first; 0 stands for 0.1 */
+    unsigned lines;    /* bit n allows n clip lines; 0 allows all */
     int has_color, has_slopes, has_gamma;
-    int has_gradients, has_surface, has_emissive; /* of spec 3.10 */
+    int has_gradients, has_surface, has_emissive; /* spec 3.10 */
 } written;
 
 static const psplat_precision usual_steps = {.unit = 1.0 / GRID,
@@ -41,7 +41,7 @@ static const psplat_precision usual_steps = {.unit = 1.0 / GRID,
                                              .line_step = 1.0 / 64,
                                              .normal_bits = 11};
 
-/* The usual steps, in a box of a size. */
+/* Returns the usual quantization steps for a box of this size. */
 static inline psplat_precision steps_of(double size) {
     psplat_precision p = usual_steps;
     p.unit *= size;
@@ -89,7 +89,8 @@ static inline void put_on_grid(const written *w, size_t index, psplat_splat *s, 
     }
 }
 
-/* Snapped, where there are steps; in runs of one class each. */
+/* Returns random splats in runs of one clip class each, rounded to the precision where there is
+ * one. */
 static inline psplat_splats writer_splats(const written *w, uint32_t seed) {
     scene all = scene_ellipses(w->count, PSPLAT_MAX_CLIP_LINES, seed);
     psplat_splats s = {.count = w->count,
@@ -130,7 +131,7 @@ static inline psplat_splats writer_splats(const written *w, uint32_t seed) {
     return s;
 }
 
-/* A scene of meshes, one after another, each at a node of its own. */
+/* Returns a scene of `meshes` meshes, each at a node of its own. */
 static inline psplat_scene writer_scene(size_t meshes) {
     psplat_scene scene = {.mesh_count = meshes, .node_count = meshes, .scene_count = 1};
     scene.meshes = writer_memory(meshes, sizeof *scene.meshes);
@@ -150,7 +151,7 @@ static inline psplat_scene writer_scene(size_t meshes) {
     return scene;
 }
 
-/* The file, malloc'ed. */
+/* Returns the file (GLB), which the caller frees. */
 static inline uint8_t *writer_file(const psplat_splats *splats, size_t meshes,
                                    const psplat_write_desc *desc, size_t *size) {
     psplat_scene scene = writer_scene(meshes);
@@ -168,7 +169,7 @@ static inline psplat_asset *writer_open(const uint8_t *data, size_t size) {
     return asset;
 }
 
-/* The JSON chunk as a string, malloc'ed. */
+/* Returns the JSON chunk as a string, which the caller frees. */
 static inline char *writer_json(const uint8_t *data) {
     size_t size = data[12] | (size_t)data[13] << 8 | (size_t)data[14] << 16;
     char *text = writer_memory(size + 1, 1);

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * What an alpha mask hides is gone, its edge is a clean border, and splats end there. */
+ *
+ * test_alpha_mask.c - tests that an alpha mask cuts the mesh: hidden parts are gone, the cut is a
+ * clean border, and splats end there. The masks are a disc, noise, and an image that is wholly
+ * transparent; expected areas and radii are those of the disc.
+ */
 #include "appearance_fixture.h"
 
 #include "features/surface_build.h"
@@ -20,7 +24,7 @@
 
 enum { SIZE = 128 };
 
-/* A disc of radius 0.7 of the square's half side, with an edge four texels wide. */
+/* Gives a disc whose radius is 0.7 of the square's half side, with an edge four texels wide. */
 static void disc(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     double dx = (x + 0.5) / SIZE * 2 - 1, dy = (y + 0.5) / SIZE * 2 - 1;
     double alpha = 0.5 + (0.7 - hypot(dx, dy)) * SIZE / 8;
@@ -56,7 +60,8 @@ static double area_of(const psplat_mesh *mesh) {
     return area;
 }
 
-/* Every border vertex lies on the circle, every edge inside has two triangles: no T-junctions. */
+/* Every border vertex lies on the circle, and every inner edge has two triangles, so that there are
+ * no T-junctions. */
 static void test_disc(void **state) {
     (void)state;
     for (size_t cells = 1; cells <= 3; ++cells) {
@@ -66,7 +71,7 @@ static void test_disc(void **state) {
         make_masked(&p, cells, disc);
         assert_true(psplat_alpha_mask_is_needed(&p.mesh));
         assert_int_equal(psplat_alpha_mask_cut(&p.mesh, 0.05, &shown, NULL), PSPLAT_OK);
-        /* Chords of 0.05 and texels of 1/64 bend the circle by less than this. */
+        /* Chords of length 0.05 and texels of 1/64 change the disc's area by less than 0.01. */
         assert_near(area_of(&shown), 3.14159265 * 0.49, 0.01);
         uint32_t *pairs = malloc(3 * shown.triangle_count * sizeof *pairs);
         assert_non_null(pairs);
@@ -74,9 +79,10 @@ static void test_disc(void **state) {
         for (size_t e = 0; e < 3 * shown.triangle_count; ++e) {
             if (pairs[e] != PSPLAT_NONE) continue;
             const double *v = shown.positions + 3 * (size_t)shown.triangles[e];
-            assert_near(hypot(v[0], v[1]), 0.7, 0.004); /* a quarter of a texel */
+            assert_near(hypot(v[0], v[1]), 0.7, 0.004); /* a quarter of a texel (1/64) */
         }
-        for (size_t i = 0; i < 3 * shown.triangle_count; ++i) { /* uvs went along */
+        /* Texture coordinates moved along with the vertices. */
+        for (size_t i = 0; i < 3 * shown.triangle_count; ++i) {
             const double *v = shown.positions + 3 * (size_t)shown.triangles[i];
             assert_near(shown.corner_uvs[0][2 * i], (v[0] + 1) / 2, 1e-6);
             assert_near(shown.corner_uvs[0][2 * i + 1], (1 - v[1]) / 2, 1e-6);
@@ -96,7 +102,7 @@ static void test_none_and_all(void **state) {
     assert_null(shown.positions);
     p.source_material.alpha_cutoff = 0;
     assert_int_equal(psplat_alpha_mask_cut(&p.mesh, 0.1, &shown, NULL), PSPLAT_OK);
-    assert_int_equal(shown.triangle_count, 2); /* nothing to be divided */
+    assert_int_equal(shown.triangle_count, 2); /* Nothing is divided. */
     assert_near(area_of(&shown), 4, 1e-12);
     psplat_mesh_free(&shown);
     p.source_material.is_masked = 0;
@@ -104,7 +110,7 @@ static void test_none_and_all(void **state) {
     painted_free(&p);
 }
 
-/* A mask of noise ends, with half of the area. */
+/* Cutting by a mask of noise ends, and leaves half of the area. */
 static void test_noise(void **state) {
     (void)state;
     painted p;
@@ -117,7 +123,8 @@ static void test_noise(void **state) {
     painted_free(&p);
 }
 
-/* The promise holds for what is shown: no splat reaches beyond the disc by more than it may. */
+/* The promise holds for the visible part: no splat reaches beyond the disc by more than the
+ * tolerance. */
 static void test_splats(void **state) {
     (void)state;
     painted p;
@@ -129,7 +136,7 @@ static void test_splats(void **state) {
     if (psplat_convert(&p.mesh, &desc, &splats, &report, &error)) fail_msg("%s", error.text);
     assert_int_equal(psplat_report_broken(&report), PSPLAT_PROMISE_COUNT);
     assert_int_equal(report.uncovered_samples, 0);
-    assert_false(splats.has_color); /* alpha is no colour once it has cut */
+    assert_false(splats.has_color); /* Alpha that has cut the mesh is no colour any more. */
     assert_true(report.border_edges > 20);
     psplat_splats_free(&splats);
     painted_free(&p);

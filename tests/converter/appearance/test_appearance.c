@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * What a mesh looks like at a place: textures, vertex colours and normal maps together. */
+ *
+ * test_appearance.c - tests of the appearance of a mesh at a point, in which textures, vertex
+ * colours and normal maps are combined as glTF 2.0 defines. The shape is a textured square;
+ * expected values follow from the texels by hand.
+ */
 #include "appearance_fixture.h"
 
 #include "near.h"
@@ -12,21 +16,21 @@
 #include "material/mipmap.h"
 #include "material/source_materials.h"
 
-/* Linear numbers that differ in every channel and grow across and down. */
+/* Gives an image whose channels all differ and grow linearly to the right and downwards. */
 static void ramps(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     rgba[0] = (uint8_t)(16 * x), rgba[1] = (uint8_t)(16 * y);
     rgba[2] = (uint8_t)(255 - 16 * x), rgba[3] = (uint8_t)(255 - 16 * y);
 }
 
-/* A normal that leans to the right and a little up the image. */
+/* Gives a normal map whose normal leans to the right and a little up the image. */
 static void leaning(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     (void)x, (void)y;
-    rgba[0] = 204, rgba[1] = 153, rgba[2] = 230, rgba[3] = 255; /* 0.6 0.2 0.804 */
+    rgba[0] = 204, rgba[1] = 153, rgba[2] = 230, rgba[3] = 255; /* (0.6, 0.2, 0.804) */
 }
 
 static const float up[3] = {0, 0, 1};
 
-/* Barycentric coordinates in the lower right triangle of an undivided square. */
+/* Stores barycentric coordinates in the lower right triangle of an undivided square. */
 static void at(double x, double y, double barycentric[3]) {
     double u = (x + 1) / 2, v = (y + 1) / 2;
     barycentric[0] = 1 - u, barycentric[1] = u - v, barycentric[2] = v;
@@ -48,9 +52,11 @@ static void test_base_color(void **state) {
     painted p;
     painted_make(&p, 1, 16, ramps);
     p.source_material.base_color = (psplat_texture_info){.image = &p.image};
-    assert_near(shade_at(&p, 0.5, -0.5).color[3], 1, 0); /* opaque, whatever the texture */
+    /* The texture's alpha is ignored on an opaque material. */
+    assert_near(shade_at(&p, 0.5, -0.5).color[3], 1, 0);
     p.source_material.is_blended = 1;
-    psplat_baked_point shade = shade_at(&p, 0.5, -0.5); /* between texels 11 and 12, both ways */
+    /* halfway between texels 11 and 12 in x and y */
+    psplat_baked_point shade = shade_at(&p, 0.5, -0.5);
     float low = psplat_linear_of_srgb(16 * 11 / 255.0f);
     float high = psplat_linear_of_srgb(16 * 12 / 255.0f);
     assert_near(shade.color[0], (low + high) / 2, 1e-5);
@@ -61,14 +67,14 @@ static void test_base_color(void **state) {
     painted_free(&p);
 }
 
-/* White to the middle, black from there on. */
+/* Gives white up to the middle, and black beyond it. */
 static void step(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     (void)y;
     memset(rgba, x < 8 ? 255 : 0, 4);
 }
 
-/* A disc of diameter 0.5 is 4 of the 16 texels wide: at 2 from the step it just sees black, and one
- * twice as wide is a quarter white, as the texels of 8 say. */
+/* A disc of diameter 0.5 is 4 of the 16 texels wide: at 2 texels from the step it just reaches
+ * black. A disc twice as wide is a quarter white by the level of 8 texels. */
 static void test_diameter(void **state) {
     (void)state;
     painted p;
@@ -81,7 +87,7 @@ static void test_diameter(void **state) {
         psplat_baked_point shade;
         assert_int_equal(psplat_appearance_build(&p.mesh, wide ? 1 : 0.5, &appearance), PSPLAT_OK);
         psplat_appearance_bake(&appearance, 0, barycentric, up, &shade);
-        assert_near(shade.finish[1], wide ? 0.25 : 0, 1e-5); /* levels hold shorts */
+        assert_near(shade.finish[1], wide ? 0.25 : 0, 1e-5); /* levels of 16 bits */
         psplat_appearance_free(&appearance);
     }
     painted_free(&p);
@@ -111,7 +117,8 @@ static void test_finish_and_emissive(void **state) {
     p.source_material.occlusion = (psplat_texture_info){.image = &p.image, .strength = 0.25f};
     p.source_material.emissive = (psplat_texture_info){.image = &p.image};
     psplat_baked_point shade = shade_at(&p, 0.5, -0.5);
-    double red = 16 * 11.5 / 255, green = red, blue = 1 - red; /* not sRGB but where colours are */
+    /* These images hold linear values. */
+    double red = 16 * 11.5 / 255, green = red, blue = 1 - red;
     assert_near(shade.finish[0], 1 + 0.25 * (red - 1), 1e-5);
     assert_near(shade.finish[1], green, 1e-5);
     assert_near(shade.finish[2], blue, 1e-5);
@@ -130,18 +137,18 @@ static void test_normal_map(void **state) {
         sqrt(expected[0] * expected[0] + expected[1] * expected[1] + expected[2] * expected[2]);
     psplat_baked_point shade = shade_at(&p, 0.5, -0.5);
     for (int k = 0; k < 3; ++k) assert_near(shade.normal[k], expected[k] / length, 1e-5);
-    /* Twice as strong. */
+    /* The normal map counts twice as much. */
     p.source_material.normal.strength = 2;
     shade = shade_at(&p, 0.5, -0.5);
     assert_near(shade.normal[0] / shade.normal[2], 2 * expected[0] / expected[2], 1e-5);
     p.source_material.normal.strength = 1;
-    /* The image mirrored on the surface leans the other way across, and still up. */
+    /* The image is mirrored in x: the normal leans the other way in x, and still up in y. */
     const double mirrored[6] = {-1, 0, 1, 0, 1, 0};
     memcpy(p.source_material.normal.transform, mirrored, sizeof mirrored);
     shade = shade_at(&p, 0.5, -0.5);
     assert_near(shade.normal[0], -expected[0] / length, 1e-5);
     assert_near(shade.normal[1], expected[1] / length, 1e-5);
-    /* A quarter turn: right in the image is up on the square, up in the image left. */
+    /* The image is turned by a quarter: its right is up on the square, and its up is left. */
     const double turned[6] = {0, 1, 0, -1, 0, 1};
     memcpy(p.source_material.normal.transform, turned, sizeof turned);
     shade = shade_at(&p, 0.5, -0.5);
@@ -150,7 +157,7 @@ static void test_normal_map(void **state) {
     painted_free(&p);
 }
 
-/* What the file says of tangents goes before what texture coordinates say. */
+/* Tangents of the file take precedence over those derived from texture coordinates. */
 static void test_tangents(void **state) {
     (void)state;
     painted p;
@@ -159,17 +166,18 @@ static void test_tangents(void **state) {
     p.mesh.corner_tangents = calloc(24, sizeof(float));
     assert_non_null(p.mesh.corner_tangents);
     for (int i = 0; i < 6; ++i) {
-        p.mesh.corner_tangents[4 * i + 1] = 1; /* along y; the normal of z times it is -x */
+        /* Tangents point along y; the bitangent n x t * w = (0, 0, 1) x (0, 1, 0) * -1 is x. */
+        p.mesh.corner_tangents[4 * i + 1] = 1;
         p.mesh.corner_tangents[4 * i + 3] = -1;
     }
     psplat_baked_point shade = shade_at(&p, 0.5, -0.5);
-    assert_near(shade.normal[1] / shade.normal[0], 3, 1e-4); /* 0.6 along y, 0.2 along x */
+    assert_near(shade.normal[1] / shade.normal[0], 3, 1e-4); /* 0.6 along y over 0.2 along x */
     assert_true(shade.normal[0] > 0);
     painted_free(&p);
 }
 
-/* Without texture coordinates, or where they are all one, textures turn nothing and give numbers.
- */
+/* Where all texture coordinates are equal, NaN or missing, the normal map has no effect, and all
+ * values are finite. */
 static void test_degenerate(void **state) {
     (void)state;
     painted p;
@@ -183,7 +191,7 @@ static void test_degenerate(void **state) {
     for (int i = 0; i < 12; ++i) p.mesh.corner_uvs[0][i] = NAN;
     shade = shade_at(&p, 0.5, -0.5);
     for (int k = 0; k < 3; ++k) assert_true(isfinite(shade.normal[k]) && isfinite(shade.color[k]));
-    p.source_material.normal.texcoord = 1; /* of which there are none */
+    p.source_material.normal.texcoord = 1; /* There is no second set of coordinates. */
     p.source_material.base_color.texcoord = 1;
     shade = shade_at(&p, 0.5, -0.5);
     assert_near(shade.color[0], 1, 0);
@@ -202,7 +210,8 @@ static void test_what_varies(void **state) {
     assert_false(appearance.has_color || appearance.has_normals || appearance.has_finish);
     assert_true(appearance.has_emissive);
     psplat_appearance_free(&appearance);
-    /* One picture for two uses of a kind, and one more for the other kind. */
+    /* Two uses of an image with one encoding share a mipmap; a use with the other encoding has
+     * another. */
     p.source_material.base_color.image = &p.image;
     p.source_material.metallic_roughness.image = &p.image;
     assert_int_equal(psplat_appearance_build(&p.mesh, 1e-6, &appearance), PSPLAT_OK);

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Sums over oriented points: planes and curvature against exact answers, unions against their
- * parts. */
+ *
+ * test_covariance.c - tests of covariance sums over oriented points: fitted planes and curvatures
+ * against exact answers, and sums of unions against sums of their parts. The points lie on
+ * rectangles, rows, quadrics, cylinders and spheres in random frames.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,7 +19,7 @@
 #include "base/random.h"
 #include "base/vector.h"
 
-/* A point of the frame with origin o; its normal where nothing else is said: n. */
+/* Adds the point `at` in the frame `axes`, whose normal leans from the third axis by `slope`. */
 static void add_point(psplat_covariance *c, double axes[3][3], const double at[3],
                       const double slope[2]) {
     double p[3] = {0, 0, 0}, n[3];
@@ -31,8 +34,8 @@ static const double level[2] = {0, 0};
 
 /* ---- planes ---------------------------------------------------------------------------------- */
 
-/* Points of a tilted rectangle 4 by 1 at an offset of 1e6, given relative to an origin beside them,
- * each with its mirror image above or below the plane. */
+/* The points lie on a tilted rectangle of 4 by 1 at an offset of up to 1e6, relative to an origin
+ * nearby, each with its mirror images in the frame. */
 static void test_plane(void **state) {
     (void)state;
     uint64_t random = 11;
@@ -44,7 +47,8 @@ static void test_plane(void **state) {
         for (int k = 0; k < 3; ++k) origin[k] = 1e6 * (psplat_random_unit(&random) - 0.5);
         for (int i = 0; i < 50; ++i)
             for (int sign = 0; sign < 8; ++sign) {
-                /* All sign changes: every odd moment is 0, so that the plane is the frame's. */
+                /* With all sign changes every odd moment is 0, so that the frame is the exact
+                 * answer. */
                 double p[3], h = 0.01 * (i % 7) / 6;
                 double x = 2 * (i + 1) / 50.0, y = 0.5 * ((i * 17 + 3) % 50) / 50.0;
                 memcpy(p, origin, sizeof p);
@@ -55,14 +59,15 @@ static void test_plane(void **state) {
                 psplat_covariance_add(&c, local, axes[2]);
             }
         psplat_covariance_fit(&c, &plane);
-        /* Coordinates of 1e6 carry 1e-10, over an extent of 1 that is the angle's error. */
+        /* Coordinates of 1e6 are exact to 1e-10, which over an extent of 1 is the error of the
+         * angle. */
         assert_near(dot3(plane.n, axes[2]), 1, 1e-12);
         assert_near(fabs(dot3(plane.u, axes[0])), 1, 1e-12);
         assert_near(length3(plane.mean), 0, 1e-9);
         double cross[3];
         cross3(cross, plane.u, plane.v);
         assert_near(dot3(cross, plane.n), 1, 1e-14);
-        /* The mean of 1 ... 50 squared is 858.5; of 0 ... 6, over the 50 points, summed here. */
+        /* The mean of 1 ... 50 squared is 858.5; the heights 0 ... 6 are summed here. */
         assert_near(plane.variance[0], 858.5 / 625, 1e-9);
         assert_true(plane.variance[1] > 0.07 && plane.variance[1] < 0.09); /* 0.5^2 / 3 */
         double heights = 0;
@@ -71,7 +76,7 @@ static void test_plane(void **state) {
     }
 }
 
-/* Noise of a hundredth turns the plane of n points of extent 1 by about 0.01 / (sqrt(n) 0.3). */
+/* Noise of a hundredth turns the plane of n points with extent 1 by about 0.01 / (sqrt(n) 0.3). */
 static void test_noisy_plane(void **state) {
     (void)state;
     uint64_t random = 23;
@@ -85,13 +90,13 @@ static void test_noisy_plane(void **state) {
         add_point(&c, axes, at, level);
     }
     psplat_covariance_fit(&c, &plane);
-    assert_true(dot3(plane.n, axes[2]) > cos(0.003)); /* thrice that */
+    assert_true(dot3(plane.n, axes[2]) > cos(0.003)); /* three times the expected angle */
     assert_near(dot3(plane.mean, axes[2]), 0, 0.001);
     assert_near(sqrt(plane.variance[2]), 0.01 / sqrt(3), 0.0005);
 }
 
-/* One sample, or several in one place: its normal; a row: the normals decide, and the row is the
- * longer axis. */
+/* The plane of one sample, or of several in one place, has its normal. In a row the normals decide
+ * the plane, and the row is the longer axis. */
 static void test_few(void **state) {
     (void)state;
     uint64_t random = 5;
@@ -111,19 +116,20 @@ static void test_few(void **state) {
         c = (psplat_covariance){0};
         for (int i = 0; i < 4; ++i) {
             at[0] = i;
-            at[1] = i == 3 ? 1e-9 : 0; /* not to be mistaken for an extent */
+            at[1] = i == 3 ? 1e-9 : 0; /* too small to count as an extent */
             at[2] = 0;
             add_point(&c, axes, at, level);
         }
         psplat_covariance_fit(&c, &plane);
         assert_near(dot3(plane.n, axes[2]), 1, 1e-14);
         assert_near(fabs(dot3(plane.u, axes[0])), 1, 1e-14);
-        assert_near(plane.variance[0], 1.25, 1e-14); /* of 0, 1, 2, 3 */
+        assert_near(plane.variance[0], 1.25, 1e-14); /* variance of 0, 1, 2, 3 */
         assert_near(dot3(plane.mean, axes[0]), 1.5, 1e-14);
     }
 }
 
-/* A strip of a cliff, higher than it is wide: points say the cliff's wall, normals the ground. */
+/* On a strip of a cliff that is higher than wide, the points suggest the wall, but the normals
+ * decide for the ground. */
 static void test_normals_overrule(void **state) {
     (void)state;
     psplat_covariance c = {0};
@@ -165,8 +171,8 @@ static void test_union(void **state) {
     for (int k = 0; k < 6; ++k) assert_near(united.pp[k], all.pp[k], 1e-12);
 }
 
-/* The same points told from two origins: sums moved from one to the other are those taken there.
- * The points lie some 1 from the first; `far` is how far the second is. */
+/* Sums moved from one origin to another equal the sums taken at the other. The points lie within
+ * about 1 of the first origin, and `far` is the distance of the second one. */
 static void check_move(double far, double tolerance, uint64_t *random) {
     psplat_covariance here = {0}, there = {0};
     psplat_plane moved, plane;
@@ -184,7 +190,7 @@ static void check_move(double far, double tolerance, uint64_t *random) {
         psplat_covariance_add(&there, q, n);
     }
     psplat_covariance_move(&here, d);
-    /* Sums of 100: each of at most the square of the points' distance. */
+    /* Sums of 100 terms, each at most the distance or its square. */
     double size = 1 + far, sum = 100 * size, squares = 100 * size * size;
     assert_near(here.count, 100, 0);
     for (int k = 0; k < 3; ++k) {
@@ -205,13 +211,14 @@ static void test_move(void **state) {
     (void)state;
     uint64_t random = 23;
     for (int trial = 0; trial < 20; ++trial) {
-        check_move(0, 0, &random); /* not at all */
-        /* The variance is a difference of squares: 1e-16 of (1 + far)^2, of some thousand terms. */
+        check_move(0, 0, &random); /* no move */
+        /* The variance is a difference of squares: it loses 1e-16 of (1 + far)^2, times some
+         * thousand terms. */
         check_move(1, 1e-13, &random);
         check_move(10, 1e-11, &random);
         check_move(1000, 1e-8, &random);
     }
-    /* There and back again from 1e6: squares of 1e12 leave 1e-4 of extents of 1. */
+    /* Moving to 1e6 and back: squares of 1e12 leave 1e-4 of extents of 1. */
     psplat_covariance c = {0};
     psplat_plane before, after;
     const double far[3] = {6e5, -8e5, 3e5}, back[3] = {-6e5, 8e5, -3e5};
@@ -230,8 +237,8 @@ static void test_move(void **state) {
 
 /* ---- curvature ------------------------------------------------------------------------------- */
 
-/* The graph of (a s^2 + b t^2) / 2 over a small square: curvatures a and b along s and t, of which
- * the greater leads the other way round where they are swapped. */
+/* Checks the graph of (a s^2 + b t^2) / 2 over a small square, with curvatures a and b along s and
+ * t. The greater curvature has the other direction where a and b are swapped. */
 static void check_quadric(double a, double b, uint64_t *random) {
     double axes[3][3], direction[2], curvature[2], turned[3] = {0, 0, 0};
     psplat_covariance c = {0};
@@ -247,11 +254,11 @@ static void check_quadric(double a, double b, uint64_t *random) {
     psplat_covariance_fit(&c, &plane);
     assert_int_equal(psplat_covariance_curvature(&c, &plane, direction, curvature), 1);
     assert_true(curvature[0] >= curvature[1]);
-    /* Unit normals differ from local ones by their squares: (3 size)^2. */
+    /* Unit normals differ from local ones by the square of their slope: (3 size)^2. */
     assert_near(curvature[0], max2(fabs(a), fabs(b)), 1e-5 * max2(fabs(a), fabs(b)));
     assert_near(curvature[1], min2(fabs(a), fabs(b)), 1e-5 * max2(fabs(a), fabs(b)));
     assert_near(hypot(direction[0], direction[1]), 1, 1e-14);
-    if (fabs(fabs(a) - fabs(b)) < 1e-9) return; /* any direction is a principal one */
+    if (fabs(fabs(a) - fabs(b)) < 1e-9) return; /* any direction is principal */
     mad3(turned, direction[0], plane.u);
     mad3(turned, direction[1], plane.v);
     assert_near(fabs(dot3(turned, axes[fabs(a) > fabs(b) ? 0 : 1])), 1, 1e-9);
@@ -262,16 +269,16 @@ static void test_curvature(void **state) {
     uint64_t random = 9;
     for (int turn = 0; turn < 20; ++turn) {
         check_quadric(2, 0, &random);  /* cylinder */
-        check_quadric(0, -2, &random); /* from inside */
+        check_quadric(0, -2, &random); /* cylinder from inside */
         check_quadric(3, 3, &random);  /* sphere */
         check_quadric(3, -1, &random); /* saddles */
         check_quadric(1, -3, &random);
-        check_quadric(0.5, 1.5, &random); /* both the same way */
+        check_quadric(0.5, 1.5, &random); /* both curvatures of one sign */
         check_quadric(-0.5, -1.5, &random);
     }
 }
 
-/* Cylinder and sphere of radius 2 themselves, over a piece of a tenth. */
+/* A cylinder and a sphere of radius 2, over a piece of a tenth. */
 static void test_round(void **state) {
     (void)state;
     for (int sphere = 0; sphere < 2; ++sphere) {
@@ -286,7 +293,7 @@ static void test_round(void **state) {
             }
         psplat_covariance_fit(&c, &plane);
         assert_int_equal(psplat_covariance_curvature(&c, &plane, direction, curvature), 1);
-        /* The mean normal is shorter than 1 by some (0.1 / 2)^2 / 6. */
+        /* The mean normal is shorter than 1 by about (0.1 / 2)^2 / 6. */
         assert_near(curvature[0], 0.5, 1e-3);
         assert_near(curvature[1], sphere ? 0.5 : 0, 1e-3);
         if (sphere) continue;
@@ -295,7 +302,7 @@ static void test_round(void **state) {
     }
 }
 
-/* Nothing can be told of a plane, a row, or one sample. */
+/* A plane, a row and a single sample have no curvature direction. */
 static void test_no_curvature(void **state) {
     (void)state;
     psplat_covariance flat = {0}, row = {0}, one = {0};

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Files written by psplat_output_write are whole or absent. */
+ *
+ * test_output.c - tests that a file written by psplat_output_write is either whole or absent, with
+ * and without permission to replace, under limits, signals and races between processes.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +25,7 @@
 static char directory[64];
 
 static const char *inside(const char *name) {
-    static char path[sizeof directory + 256]; /* the longest entry of a directory, and more */
+    static char path[sizeof directory + 256]; /* room for the longest name in a directory */
     snprintf(path, sizeof path, "%s/%s", directory, name);
     return path;
 }
@@ -41,7 +44,8 @@ static int tear_down(void **state) {
     return rmdir(directory);
 }
 
-/* Entries other than . and .. - a leftover temporary file would be one more. */
+/* Returns the number of entries other than . and .., among which a leftover temporary file would be
+ * counted. */
 static int count_entries(void) {
     int count = 0;
     DIR *listing = opendir(directory);
@@ -135,10 +139,11 @@ static void test_full_device_is_an_error(void **state) {
     assert_non_null(strstr(error.text, "No space left on device"));
     struct stat status;
     assert_int_equal(stat("/dev/full", &status), 0);
-    assert_true(S_ISCHR(status.st_mode)); /* written in place, not replaced by a file */
+    /* The device was written to, and not replaced by a file. */
+    assert_true(S_ISCHR(status.st_mode));
 }
 
-/* A file that outgrows its limit fails half-way, as on a full disk. */
+/* A file that exceeds the size limit fails halfway, as on a full disk. */
 static void test_partial_write_leaves_old_file(void **state) {
     (void)state;
     static char large[1 << 16];
@@ -160,7 +165,7 @@ static void test_partial_write_leaves_old_file(void **state) {
     assert_int_equal(count_entries(), 1);
 }
 
-/* Eight processes create the same name at once: exactly one may win. */
+/* Eight processes create the same name at once: exactly one of them succeeds. */
 static void test_race_has_one_winner(void **state) {
     (void)state;
     enum { PROCESSES = 8 };
@@ -181,14 +186,14 @@ static void test_race_has_one_winner(void **state) {
     assert_int_equal(count_entries(), 1);
 }
 
-/* A process that is told to stop in the middle of its writes leaves whole files alone. */
+/* A process that is stopped in the middle of its writes leaves whole files. */
 static void test_signal_leaves_nothing_behind(void **state) {
     (void)state;
     static char large[1 << 20];
     pid_t child = fork();
     if (!child)
         for (;;) psplat_output_write(inside("a"), large, sizeof large, 1, NULL);
-    struct timespec pause = {0, 50000000}; /* long enough for several writes, at any time in one */
+    struct timespec pause = {0, 50000000}; /* long enough for several writes */
     nanosleep(&pause, NULL);
     assert_int_equal(kill(child, SIGINT), 0);
     int status = 0;

@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT
- * Every system call by which psplat_output_write changes a file fails, and the process is killed
- * before and after every one: the output is the old file or the new one, whole, and what is left
- * behind neither blocks nor confuses the next time. The calls go through the linker's --wrap, so
- * that the n-th is the n-th and no moment is left out. */
+ *
+ * test_output_faults.c - tests of psplat_output_write with faults in system calls. Each call that
+ * changes a file fails in turn, and the process is killed before and after each: the output is
+ * always the old or the new file, whole, and a leftover file disturbs no later write. The linker's
+ * --wrap routes the calls through this file, so that the n-th call is known and no moment is
+ * missed.
+ */
 #define _GNU_SOURCE /* O_TMPFILE */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,12 +27,12 @@
 
 typedef enum fault { NO_FAULT, FAIL, KILL_BEFORE, KILL_AFTER } fault;
 
-/* What happens at which call; counted from 1. */
+/* The fault, and the number of the call at which it occurs, from 1 on. */
 static struct {
     fault kind;
     int at, calls, cause;
     int no_nameless; /* as on a file system without O_TMPFILE */
-    int no_links;    /* as on one without hard links */
+    int no_links;    /* as on a file system without hard links */
 } plan;
 
 static int begin_call(void) {
@@ -70,7 +73,7 @@ int __wrap_open(const char *path, int flags, ...) {
     return (int)end_call(__real_open(path, flags, mode));
 }
 
-/* Half of what is asked for at first, so that a part can be all that came through. */
+/* Writes half of the bytes in each call, so that a fault can leave a part. */
 ssize_t __real_write(int file, const void *data, size_t size);
 ssize_t __wrap_write(int file, const void *data, size_t size);
 ssize_t __wrap_write(int file, const void *data, size_t size) {
@@ -93,12 +96,12 @@ int __wrap_linkat(int from, const char *old, int to, const char *new, int flags)
     return (int)end_call(__real_linkat(from, old, to, new, flags));
 }
 
-/* ---- a directory to write in ----------------------------------------------------------------- */
+/* ---- test directory -------------------------------------------------------------------------- */
 
 static char directory[64], path[80];
 static const char old_text[] = "the old file", new_text[] = "what is new and longer than the old";
 
-/* Entries besides the output; empties the directory where asked. */
+/* Returns the number of entries besides the output, and removes all of them if asked. */
 static int count_leftovers(int remove_all) {
     int count = 0;
     DIR *listing = opendir(directory);
@@ -107,7 +110,7 @@ static int count_leftovers(int remove_all) {
         snprintf(name, sizeof name, "%s/%s", directory, entry->d_name);
         if (entry->d_name[0] == '.' && strchr("./", entry->d_name[1])) continue; /* . and .. */
         if (entry->d_name[0] == '.') {
-            assert_non_null(strstr(entry->d_name, ".phongsplat-")); /* as README calls them */
+            assert_non_null(strstr(entry->d_name, ".phongsplat-")); /* the name that README gives */
             assert_non_null(strstr(entry->d_name, ".tmp"));
         }
         count += strcmp(name, path) != 0;
@@ -124,7 +127,8 @@ static void put_old(int is_there) {
     fclose(file);
 }
 
-/* 'o'ld, 'n'ew, 'e'mpty, '-' absent, or '?' for anything else. */
+/* Returns the state of the output: 'o'ld, 'n'ew, 'e'mpty, '-' for absent, or '?' for anything else.
+ */
 static char look(void) {
     char found[128] = {0};
     FILE *file = fopen(path, "rb");
@@ -137,7 +141,7 @@ static char look(void) {
 
 static int set_up(void **state) {
     (void)state;
-    /* In memory, where there is such a file system: a thousand calls of fsync() take their time. */
+    /* A file system in memory makes a thousand calls of fsync() fast. */
     const char *memory = "/dev/shm";
     snprintf(directory, sizeof directory, "%s/phongsplat-faults-XXXXXX",
              access(memory, W_OK | X_OK) ? "/tmp" : memory);
@@ -166,7 +170,7 @@ static psplat_result put_new_undisturbed(int overwrite) {
     return result;
 }
 
-/* In a process of its own; whether it was killed. */
+/* Writes in a process of its own, and returns whether it was killed. */
 static int put_new_killed(int overwrite) {
     pid_t child = fork();
     if (!child) _exit(put_new(overwrite, NULL) != PSPLAT_OK);
@@ -176,11 +180,10 @@ static int put_new_killed(int overwrite) {
     return WIFSIGNALED(status);
 }
 
-/* ---- failures ---------------------------------------------------------------------------------
- */
+/* ---- failures -------------------------------------------------------------------------------- */
 
-/* The n-th call fails: an error and the old file, or success and the new one; never anything else
- * beside it. */
+/* Makes the n-th call fail. The result is an error and the old file, or success and the new file,
+ * and never a leftover. Returns whether there was an n-th call. */
 static int fail_at(int n, int cause, int is_there) {
     plan.kind = FAIL, plan.at = n, plan.cause = cause;
     put_old(is_there);
@@ -196,7 +199,7 @@ static int fail_at(int n, int cause, int is_there) {
         assert_int_equal(found, 'n');
     }
     assert_int_equal(count_leftovers(0), 0);
-    assert_int_equal(put_new_undisturbed(1), PSPLAT_OK); /* the next time */
+    assert_int_equal(put_new_undisturbed(1), PSPLAT_OK); /* the next write */
     assert_int_equal(look(), 'n');
     unlink(path);
     return n <= calls;
@@ -217,11 +220,12 @@ static void test_each_call_fails(void **state) {
             for (plan.no_nameless = 0; plan.no_nameless < 2; ++plan.no_nameless)
                 for (plan.no_links = 0; plan.no_links < 2; ++plan.no_links)
                     tried += fail_each(causes[i], is_there);
-    /* At the least create, two writes, sync and publish, four ways each. */
+    /* Each of four causes in eight situations hits at least five calls: create, two writes, sync
+     * and publish. */
     assert_true(tried >= 4 * 8 * 5);
 }
 
-/* A signal that comes in between is no failure. */
+/* A signal during a call is no failure. */
 static void test_interrupted_writes_go_on(void **state) {
     (void)state;
     plan.kind = FAIL, plan.cause = EINTR;
@@ -232,11 +236,9 @@ static void test_interrupted_writes_go_on(void **state) {
     }
 }
 
-/* ---- kill -9 ----------------------------------------------------------------------------------
- */
+/* ---- kill -9 --------------------------------------------------------------------------------- */
 
-/* What is left behind of processes killed at each call, before and after: their number, and that of
- * kills. */
+/* The number of kills, one before and one after each call, and of the files that they left. */
 typedef struct losses {
     int kills, leftovers;
 } losses;
@@ -246,13 +248,13 @@ static int kill_at(int n, fault kind, int is_there, losses *l) {
     put_old(is_there);
     int is_killed = put_new_killed(is_there);
     char found = look();
-    /* The reserved name of a file system without links is the one thing that may be seen empty. */
+    /* Only on a file system without links may the reserved name be seen empty. */
     int may_be_empty = plan.no_links && plan.no_nameless && !is_there;
     assert_true(found == 'n' || found == (is_there ? 'o' : '-') || (may_be_empty && found == 'e'));
     if (!is_killed) assert_int_equal(found, 'n');
     l->kills += is_killed;
     l->leftovers += count_leftovers(0);
-    assert_int_equal(put_new_undisturbed(1), PSPLAT_OK); /* the next time */
+    assert_int_equal(put_new_undisturbed(1), PSPLAT_OK); /* the next write */
     assert_int_equal(look(), 'n');
     count_leftovers(1);
     return is_killed;
@@ -271,18 +273,18 @@ static int has_nameless_files(void) {
     return file >= 0;
 }
 
-/* Where files may lack a name, a new output leaves nothing behind; a replaced one a whole file in
- * the instant before the rename. */
+/* With nameless files a new output leaves nothing behind; a replaced one leaves a whole file in the
+ * instant before the rename. */
 static void test_killed_at_each_call(void **state) {
     (void)state;
     if (!has_nameless_files()) skip();
     losses new = kill_each(0), replaced = kill_each(1);
     assert_true(new.kills >= 10 && replaced.kills >= 10);
     assert_int_equal(new.leftovers, 0);
-    assert_int_equal(replaced.leftovers, 2); /* after linkat, before rename */
+    assert_int_equal(replaced.leftovers, 2); /* after linkat and before rename */
 }
 
-/* Elsewhere one temporary file is left, which README names. */
+/* Without nameless files one temporary file is left, whose name README gives. */
 static void test_killed_without_nameless_files(void **state) {
     (void)state;
     plan.no_nameless = 1;
@@ -293,11 +295,10 @@ static void test_killed_without_nameless_files(void **state) {
         }
 }
 
-/* ---- others ------------------------------------------------------------------------------------
- */
+/* ---- several processes ----------------------------------------------------------------------- */
 
-/* Eight processes replace the same file at once, or create it with leave to replace it: all
- * succeed. */
+/* Eight processes replace the same file at once, or create it with permission to replace it: all of
+ * them succeed. */
 static void test_all_that_may_replace_succeed(void **state) {
     (void)state;
     enum { PROCESSES = 8, TIMES = 6 };

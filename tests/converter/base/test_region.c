@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Regions: what they hold, their outlines, points all over them, and how near those are to a mesh.
+ *
+ * test_region.c - tests of regions (ellipses cut by clip lines): which points they contain, their
+ * outlines and areas, points spread over them, and whether they are near a mesh. Expected values
+ * are exact areas and distances.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,26 +48,26 @@ static void test_polygon(void **state) {
         double area = 64 * (inscribed ? sin(angle) * cos(angle) : tan(angle));
         assert_near(area_of(polygon, count), area, 1e-12);
     }
-    r.line_count = 2; /* a quarter */
+    r.line_count = 2; /* a quarter of the ellipse */
     r.lines[0][0] = 1, r.lines[1][1] = 1;
     size_t count = psplat_region_polygon(&r, 1, polygon, 68);
     assert_near(area_of(polygon, count), 8 * sin(fixture_pi / 32), 1e-12);
-    r.lines[1][2] = -1.5; /* nothing */
+    r.lines[1][2] = -1.5; /* nothing is left */
     assert_int_equal(psplat_region_polygon(&r, 0, polygon, 68), 0);
 }
 
-/* A whole ellipse, a half, a quarter, a thin strip, a square cut by four lines, and nothing; the
- * outline has 64 sides, whose polygon is exact. */
+/* Areas of a whole ellipse, a half, a quarter, a thin strip, a square cut by four lines, and
+ * nothing. The outline has 64 sides, and the area of that polygon is exact. */
 static void test_area(void **state) {
     (void)state;
     uint64_t random = 14;
     for (int turn = 0; turn < 20; ++turn) {
-        psplat_region r = level_region(1e3, -2e3, 5e2, 3, 0.5); /* wherever it is */
+        psplat_region r = level_region(1e3, -2e3, 5e2, 3, 0.5); /* The place does not matter. */
         random_axes(&random, r.u, r.v, r.n);
         double whole = 32 * sin(fixture_pi / 32) * 3 * 0.5;
         assert_near(psplat_region_area(&r), whole, 1e-12);
         assert_near(psplat_region_area(&r), fixture_pi * 1.5, 0.002 * fixture_pi * 1.5);
-        double angle = fixture_pi / 32 * turn; /* through corners of the outline */
+        double angle = fixture_pi / 32 * turn; /* The line goes through corners of the outline. */
         r.line_count = 1;
         r.lines[0][0] = -sin(angle), r.lines[0][1] = cos(angle);
         assert_near(psplat_region_area(&r), whole / 2, 1e-12);
@@ -72,10 +75,10 @@ static void test_area(void **state) {
         r.lines[1][0] = cos(angle), r.lines[1][1] = sin(angle);
         assert_near(psplat_region_area(&r), whole / 4, 1e-12);
         r.lines[1][0] = sin(angle), r.lines[1][1] = -cos(angle), r.lines[1][2] = 0.01;
-        /* Between corners, the chord at 0.01 is shorter than 2 by 0.01^2 and the polygon's slack.
-         */
+        /* Between corners the chord at 0.01 is shorter than 2 by 0.01^2 and by the polygon's
+         * distance from the ellipse. */
         assert_near(psplat_region_area(&r), 2 * 0.01 * 1.5, 2e-3 * 0.03);
-        r.lines[1][2] = -0.01; /* nothing is on both sides */
+        r.lines[1][2] = -0.01; /* No point is on the inner side of both lines. */
         assert_near(psplat_region_area(&r), 0, 1e-15);
         r.line_count = 4;
         for (int i = 0; i < 4; ++i) {
@@ -88,7 +91,7 @@ static void test_area(void **state) {
 
 /* ---- points ---------------------------------------------------------------------------------- */
 
-/* A region anywhere in space, cut by lines that leave its centre. */
+/* Returns a region anywhere in space, cut by lines that keep its centre. */
 static psplat_region random_region(uint64_t *random, uint32_t line_count) {
     psplat_region r = {.radius = {2, 0.5}, .line_count = line_count};
     random_axes(random, r.u, r.v, r.n);
@@ -135,8 +138,8 @@ static void test_contains(void **state) {
                          cases[i].inside);
 }
 
-/* Points lie in the region's plane and inside it; some on its outline all around; and the middle of
- * what lines leave is among them, so that no gap is wider than half of the outline. */
+/* Points lie in the region's plane and inside it. Some of them lie all along its outline, and one
+ * is in the middle of what the lines leave, so that no gap is wider than half of the outline. */
 static void test_points(void **state) {
     (void)state;
     uint64_t random = 12;
@@ -162,15 +165,15 @@ static void test_points(void **state) {
             for (int k = 0; k < 2; ++k) mean[k] += polygon[c][k] / (double)corners;
         assert_near(hypot(uvh[0] - mean[0], uvh[1] - mean[1]), 0, 1e-12);
     }
-    psplat_region r = level_region(0, 0, 0, 1, 1); /* nothing left of it */
+    psplat_region r = level_region(0, 0, 0, 1, 1); /* Nothing is left of this region. */
     double points[PSPLAT_REGION_POINTS][3];
     r.line_count = 1;
     r.lines[0][0] = 1, r.lines[0][2] = -1.5;
     assert_int_equal(psplat_region_points(&r, points), 0);
 }
 
-/* Whether points are within a distance is what their distances say, next to the mesh and far from
- * it, and also for those at the distance itself but for rounding. */
+/* Whether points are within a distance must agree with their distances, near the mesh and far from
+ * it, and also at the distance itself up to rounding. */
 static void place_bump(double s, double t, double p[3]) {
     p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0.3 * sin(5 * s) * cos(7 * t);
 }
@@ -201,13 +204,14 @@ static void test_within(void **state) {
             double asked = 3 * psplat_random_unit(&random);
             assert_int_equal(within(distance, p, 1, asked), far[i] <= asked);
         }
-        /* Feet are rounded: some 1e-16 of coordinates of 2. */
+        /* Nearest points are rounded by about 1e-16 of coordinates of 2. */
         assert_int_equal(within(distance, p, 1, far[i] + 1e-14), 1);
         assert_int_equal(within(distance, p, 1, far[i] - 1e-14), 0);
     }
     assert_int_equal(within(distance, points, POINTS, farthest + 1e-14), 1);
     assert_int_equal(within(distance, points, POINTS, farthest - 1e-14), 0);
-    assert_int_equal(within(distance, points, 0, 1e-3), 1); /* all of none */
+    /* An empty set is within any distance. */
+    assert_int_equal(within(distance, points, 0, 1e-3), 1);
     psplat_distance_destroy(distance);
     fixture_free(&f);
 }
@@ -216,8 +220,8 @@ static void place_square(double s, double t, double p[3]) {
     p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0;
 }
 
-/* A disc over a square: near as long as it is as low as the tolerance, and until its rim passes the
- * square's side by more, unless a line cuts that off. */
+/* A disc over a square is near while its height is at most the tolerance and its rim passes the
+ * square's side by no more, unless a line cuts off what passes. */
 static void test_near(void **state) {
     (void)state;
     fixture f;

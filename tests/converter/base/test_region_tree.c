@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Regions near a point: the tree of boxes against all boxes and against the ellipses themselves. */
+ *
+ * test_region_tree.c - tests of finding regions near a point: the tree of boxes against a test of
+ * all boxes and against the ellipses themselves. Regions are random ellipses of all sizes, some of
+ * them needles and some equal.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +33,7 @@ static int visit(void *user, uint32_t region) {
     return ++v->total == v->stop_after;
 }
 
-/* Regions of all sizes, some of them needles, some of them equal to others. */
+/* Makes regions of all sizes; some of them are needles, and some are equal to others. */
 static void make_regions(psplat_region *regions, size_t count, double scale, uint64_t *random) {
     for (size_t i = 0; i < count; ++i) {
         psplat_region *r = &regions[i];
@@ -56,10 +60,9 @@ static void include(extent *e, const double p[3]) {
     }
 }
 
-/* A box that a region's own must hold, around corners of its outline, and one that must hold it:
- * that of the whole ellipse, 2 % larger, since the region_tree takes a polygon of 16 sides around
- * it.
- */
+/* Stores a box that the region's own box must contain, around corners of its outline, and one that
+ * must contain it: that of the whole ellipse, 2 % larger, since the tree uses a circumscribed
+ * polygon of 16 sides. */
 static void extents_of(const psplat_region *r, extent *inner, extent *outer) {
     const extent none = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
     double outline[68][2], p[3];
@@ -74,7 +77,7 @@ static void extents_of(const psplat_region *r, extent *inner, extent *outer) {
         region_point(r, 1.021 * cos(angle), 1.021 * sin(angle), 0, p);
         include(outer, p);
     }
-    region_point(r, 0, 0, 0, p); /* where lines leave nothing, its centre stands for it */
+    region_point(r, 0, 0, 0, p); /* Where lines leave nothing, the box is that of the centre. */
     include(outer, p);
 }
 
@@ -108,7 +111,7 @@ static void check_points(const psplat_region *regions, size_t count, double scal
         psplat_region_tree_visit(region_tree, p, visit, &first);
         assert_int_equal(first.total, 2);
     }
-    assert_true(count < 100 || found > 60); /* the test has something to find */
+    assert_true(count < 100 || found > 60); /* There was something to find. */
     psplat_region_tree_destroy(region_tree);
 }
 
@@ -126,7 +129,7 @@ static void test_random(void **state) {
         }
 }
 
-/* Every point of an ellipse, and every point within reach of one, finds it. */
+/* Every point of an ellipse, and every point within reach of one, finds that ellipse. */
 static void test_sound(void **state) {
     (void)state;
     static psplat_region regions[MOST];
@@ -144,7 +147,7 @@ static void test_sound(void **state) {
     psplat_region_tree_destroy(region_tree);
 }
 
-/* No regions, and many that no plane can separate. */
+/* There are no regions, or many that no plane can separate. */
 static void test_degenerate(void **state) {
     (void)state;
     static psplat_region regions[MOST];

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Distances of a point to a segment and to a triangle, in every region around them and where they
- * have shrunk to less. */
+ *
+ * test_vector.c - tests of squared distances of a point from a segment and from a triangle, in
+ * every region around them, and where they have no length or area. Expected values are exact, or
+ * those of many points of the triangle.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -26,30 +29,39 @@ static void test_segment(void **state) {
         assert_near(point_segment_distance2(cases[i].p, a, b), cases[i].distance2, 1e-14);
         assert_near(point_segment_distance2(cases[i].p, b, a), cases[i].distance2, 1e-14);
     }
-    const double p[3] = {1, 2, 5}; /* a segment of no length is its end */
+    const double p[3] = {1, 2, 5}; /* A segment without length is its end. */
     assert_near(point_segment_distance2(p, a, a), 4, 0);
     assert_near(point_segment_distance2(a, a, a), 0, 0);
 }
 
-/* Around an obtuse triangle: inside, beyond each side, beyond each corner, and where a corner's
- * angle is so wide that a point is beyond two sides' lines but nearest to one side. */
+/* The points lie around an obtuse triangle: inside, beyond each side, beyond each corner, and
+ * where, next to a wide angle, a point is beyond the lines of two sides but nearest to one of them.
+ */
 static void test_regions(void **state) {
     (void)state;
     const double corners[3][3] = {{0, 0, 0}, {4, 0, 0}, {5, 1, 0}};
     const struct {
         double p[3], distance2;
     } cases[] = {
-        {{4, 0.5, 0}, 0},        {{4, 0.5, 2}, 4},     {{4, 0.5, -3}, 9}, /* inside */
-        {{2, -1, 0}, 1},         {{2, -1, 1}, 2},                         /* below side a b */
-        {{5, 0, 0}, 0.5},        {{5, 0, 1}, 1.5},                        /* beside b c */
-        {{2, 3, 0}, 169.0 / 26},                                          /* above c a */
-        {{-3, -4, 0}, 25},       {{-1, 0.1, 0}, 1.01},                    /* at a */
-        {{4.1, -1, 0}, 1.01},                                             /* at b */
-        {{8, 5, 0}, 25},         {{6, 1, 2}, 5},                          /* at c */
-        {{-0.1, -1, 0}, 1.01},   {{0, -1, 0}, 1},                         /* two lines, at a */
+        {{4, 0.5, 0}, 0},
+        {{4, 0.5, 2}, 4},
+        {{4, 0.5, -3}, 9}, /* inside */
+        {{2, -1, 0}, 1},
+        {{2, -1, 1}, 2}, /* below side ab */
+        {{5, 0, 0}, 0.5},
+        {{5, 0, 1}, 1.5},        /* beside side bc */
+        {{2, 3, 0}, 169.0 / 26}, /* above side ca */
+        {{-3, -4, 0}, 25},
+        {{-1, 0.1, 0}, 1.01}, /* at a */
+        {{4.1, -1, 0}, 1.01}, /* at b */
+        {{8, 5, 0}, 25},
+        {{6, 1, 2}, 5}, /* at c */
+        /* beyond two lines, nearest to a */
+        {{-0.1, -1, 0}, 1.01},
+        {{0, -1, 0}, 1},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
-        for (int turn = 0; turn < 6; ++turn) { /* any corner first, either way round */
+        for (int turn = 0; turn < 6; ++turn) { /* each corner first, in both orientations */
             const double *a = corners[turn % 3], *b = corners[(turn + 1) % 3];
             const double *c = corners[(turn + 2) % 3];
             double found = turn < 3 ? point_triangle_distance2(cases[i].p, a, b, c)
@@ -58,7 +70,7 @@ static void test_regions(void **state) {
         }
 }
 
-/* Against the nearest of many points of the triangle. */
+/* The distance is that of the nearest of many points of the triangle. */
 static void test_random(void **state) {
     (void)state;
     enum { STEPS = 60 };
@@ -85,7 +97,7 @@ static void test_random(void **state) {
     }
 }
 
-/* A triangle of no area is its longest side; one of no size, its corner. */
+/* A triangle without area is its longest side; one without size is its corner. */
 static void test_degenerate(void **state) {
     (void)state;
     const double a[3] = {0, 0, 0}, b[3] = {1, 0, 0}, c[3] = {4, 0, 0};

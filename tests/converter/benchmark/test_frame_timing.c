@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * Quartiles, turns, and how much of a sweep is said to be done. Durations themselves are not
- * tested. */
+ *
+ * test_frame_timing.c - tests of quartiles, of the order in which frames are timed, and of the
+ * progress of a sweep. Durations themselves are not tested.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <cmocka.h>
-
 
 #include <math.h>
 #include <string.h>
@@ -37,26 +38,26 @@ static void test_quartiles(void **state) {
 
 enum { TIMED = 3, VIEWS = 2, FRAMES = 5 };
 
-/* Who drew what, in order. */
-typedef struct diary {
+/* The frames drawn, in order. */
+typedef struct frame_log {
     struct {
         int frame;
         double view;
     } entries[64];
     size_t count;
-} diary;
+} frame_log;
 
-typedef struct diarist {
-    diary *diary;
+typedef struct frame_logger {
+    frame_log *log;
     int number;
-} diarist;
+} frame_logger;
 
 static psplat_result note(void *self, const psplat_view *view, psplat_error *error) {
-    diarist *d = self;
+    frame_logger *d = self;
     (void)error;
-    assert_true(d->diary->count < 64);
-    d->diary->entries[d->diary->count].frame = d->number;
-    d->diary->entries[d->diary->count++].view = view->view[0];
+    assert_true(d->log->count < 64);
+    d->log->entries[d->log->count].frame = d->number;
+    d->log->entries[d->log->count++].view = view->view[0];
     return PSPLAT_OK;
 }
 
@@ -70,13 +71,13 @@ static void test_turns(void **state) {
     psplat_host *host = NULL;
     psplat_error error;
     assert_int_equal(psplat_host_create(PSPLAT_API_GL, 1, &host, &error), PSPLAT_OK);
-    diary d = {.count = 0};
-    diarist diarists[TIMED];
+    frame_log d = {.count = 0};
+    frame_logger loggers[TIMED];
     psplat_timed_frame timed[TIMED];
     psplat_frame_times times[TIMED];
     for (int i = 0; i < TIMED; ++i) {
-        diarists[i] = (diarist){&d, i};
-        timed[i] = (psplat_timed_frame){note, &diarists[i]};
+        loggers[i] = (frame_logger){&d, i};
+        timed[i] = (psplat_timed_frame){note, &loggers[i]};
     }
     const psplat_view views[VIEWS] = {{.view = {1}, .width = 16, .height = 16},
                                       {.view = {2}, .width = 16, .height = 16}};
@@ -88,7 +89,8 @@ static void test_turns(void **state) {
                                .count = TIMED,
                                .rounds = FRAMES};
     assert_int_equal(psplat_timing_run(&desc, times, &error), PSPLAT_OK);
-    /* Rounds: each frame once, all of them the same view, views in turn; two do not count. */
+    /* In each round every frame is drawn once, all of the same view; views alternate. Two rounds
+     * are not timed. */
     assert_int_equal(d.count, TIMED * (FRAMES + 2));
     for (size_t i = 0; i < d.count; ++i) {
         assert_int_equal(d.entries[i].frame, i % TIMED);
@@ -98,7 +100,7 @@ static void test_turns(void **state) {
         assert_true(times[i].wall.median >= 0 && times[i].cpu.median >= 0);
         assert_true(times[i].wall.low <= times[i].wall.median);
         assert_true(times[i].wall.median <= times[i].wall.high);
-        assert_true(isnan(times[i].gpu.median)); /* software has none */
+        assert_true(isnan(times[i].gpu.median)); /* a software driver has no GPU time */
     }
     desc.progress = stop_after_half;
     desc.user = &done;
@@ -119,7 +121,7 @@ static int stop(void *user, const char *what, double fraction) {
     return 1;
 }
 
-/* What is planned is done when all of it has run; finer conversions are more of it. */
+/* Work is planned as it will run, and ends at 1; finer conversions take a larger share. */
 static void test_progress(void **state) {
     (void)state;
     double last = 0, coarse = 0;

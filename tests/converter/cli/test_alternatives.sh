@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-# What convert adds for viewers that know no splats: --fallback and --gaussian.
+# test_alternatives.sh - tests of the data that convert adds for viewers that do not know the
+# extension, with --fallback and --gaussian.
 . "$SOURCE_DIR/tests/support/cli.sh"
 write_cube cube.obj
 
-# attributes FILE: extensions used, then names of all attributes of all primitives, and how many meshes stand in.
+# attributes FILE: prints the number of fallback meshes, the extensions used, and the names of all
+# attributes of all primitives.
 attributes() {
     node - "$1" <<'JS'
 const bytes = require('fs').readFileSync(process.argv[2]), gltf = JSON.parse(bytes.toString('utf8', 20, 20 + bytes.readUInt32LE(12)));
@@ -30,7 +32,7 @@ case_fallback() {
     run "$PHONGSPLAT" validate mesh.glb
     expect_success
     expect_output '^mesh.glb: valid, 6 splats drawn in 1 batches$'
-    # Who reads meshes finds the cube.
+    # A reader without the extension finds the cube's mesh.
     run "$PHONGSPLAT" convert mesh.glb again.glb -t 2 -q --report again.json
     expect_success
     grep -q '"patches": *6,' again.json || fail "the mesh that stands in is no cube: $(cat again.json)"

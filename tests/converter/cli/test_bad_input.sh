@@ -1,18 +1,18 @@
 # SPDX-License-Identifier: MIT
-# Each way in which an input can be wrong: one line, the documented exit code, no file. Each is a test
-# of its own.
+# test_bad_input.sh - tests of each way in which an input can be defective: one line of error, the
+# documented exit code, and no output file. Each case is a test of its own.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 write_cube cube.obj
 
-# refuse CODE PATTERN FILE: convert does not accept FILE.
+# refuse CODE PATTERN FILE: asserts that convert refuses FILE.
 refuse() {
     run "$PHONGSPLAT" convert "$3" out/x.glb --report out/x.json
     expect_error "$1" "$3: .*($2)"
     expect_files ''
 }
 
-# cube.glb, an asset.
+# write_asset: makes cube.glb, an asset.
 write_asset() {
     run "$PHONGSPLAT" convert cube.obj cube.glb -t 2 -q
     expect_success
@@ -21,7 +21,7 @@ write_asset() {
 case_missing() {
     refuse 2 'No such file' missing.obj
     refuse 2 'No such file' -
-    # What a terminal would act on is not printed.
+    # Control characters, on which a terminal would act, are not printed.
     run "$PHONGSPLAT" convert "$(printf 'a\nb\033[31m')" out/x.glb
     expect_error 2 'a[?]b[?].*: No such file'
 }
@@ -40,7 +40,7 @@ case_empty() {
 }
 
 # A GLB whose header promises more than there is, a binary PLY and a binary STL cut short, an OFF
-# without its faces, a JSON that stops.
+# without its faces, and a JSON that ends early.
 case_truncated() {
     write_asset
     head -c 300 cube.glb >cut.glb
@@ -57,7 +57,7 @@ case_truncated() {
     refuse 3 '.' cut.gltf
 }
 
-# The extension promises what the content is not.
+# The file extension promises a format that the content does not have.
 case_wrong_magic() {
     printf 'glTX\002\000\000\000\014\000\000\000' >magic.glb
     refuse 3 'glTF' magic.glb
@@ -67,7 +67,7 @@ case_wrong_magic() {
     refuse 3 'OFF' magic.off
 }
 
-# Other kinds of files, and a glTF that requires what nobody here knows.
+# Other kinds of files, and a glTF that requires an unknown extension.
 case_unsupported() {
     printf '%%PDF-1.7\n' >paper.pdf
     refuse 4 'OBJ, PLY' paper.pdf
@@ -87,7 +87,7 @@ JSON
     refuse 4 'KHR_draco_mesh_compression' requires.gltf
 }
 
-# Nothing in it has an area.
+# No triangle has an area.
 case_no_mesh() {
     printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\n' >points.obj
     refuse 3 'no face' points.obj
@@ -97,7 +97,7 @@ case_no_mesh() {
     refuse 3 '.' nothing.gltf
 }
 
-# A coordinate that is no number, or more than can be computed with.
+# A coordinate is not a number, or is too large to compute with.
 case_not_a_number() {
     for coordinate in nan NaN inf -inf 1e999; do
         printf 'v 0 0 %s\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' "$coordinate" >number.obj
@@ -116,7 +116,8 @@ case_index_out_of_range() {
     refuse 3 'line 6' index.off
 }
 
-# A count beyond memory in a header, and a file beyond what is read (a hole of 5 GiB).
+# A header announces more elements than the memory can hold, and a file is longer than is read (a
+# hole of 5 GiB).
 case_too_large() {
     printf 'OFF\n4000000000 4000000000 0\n0 0 0\n' >counts.off
     refuse 3 '.' counts.off
@@ -141,7 +142,7 @@ case_long_path() {
         run "$PHONGSPLAT" $command "$long/$long/none.glb" $picture
         expect_error 2 'd\.\.\.d.*/none.glb: No such file or directory$'
     done
-    # A multi-byte character is kept whole or left out.
+    # A multi-byte character is printed whole or left out.
     wide=$(printf '\303\274%.0s' $(seq 100))
     run "$PHONGSPLAT" inspect "$wide.glb"
     expect_error 2 'No such file'
@@ -149,7 +150,7 @@ case_long_path() {
     expect_files ''
 }
 
-# A pipe is a file like any other; it cannot be read twice.
+# A pipe is read like a file, although it cannot be read twice.
 case_pipe() {
     mkfifo pipe
     cat cube.obj >pipe &
@@ -160,7 +161,8 @@ case_pipe() {
     expect_success
 }
 
-# The other commands read assets: the same codes, and what is not a splat asset is said to be so.
+# The other commands read assets: they give the same codes, and say so when a file is no splat
+# asset.
 case_assets() {
     write_asset
     : >empty.glb

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
-# Each way in which an output cannot be written: one line, exit code 5, what was there untouched,
-# nothing left behind, and no long work before it. Each is a test of its own.
+# test_bad_output.sh - tests of each way in which an output cannot be written: one line of error,
+# exit code 5, an existing file unchanged, nothing left behind, and no long work before the error.
+# Each case is a test of its own.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 write_cube cube.obj
@@ -12,7 +13,7 @@ each_writer() {
     run "$PHONGSPLAT" convert cube.obj "$1" -t 2
     "$2" "$1"
     run "$PHONGSPLAT" convert cube.obj - -t 2 --report "$1" -q
-    sed -i '/./d' stdout.txt # the asset, which had gone out before the report
+    sed -i '/./d' stdout.txt # the asset, which was written before the report
     "$2" "$1"
     run "$PHONGSPLAT" render cube.glb "$1" --size 8x8
     "$2" "$1"
@@ -20,7 +21,7 @@ each_writer() {
     "$2" "$1"
 }
 
-# It is there, and -w was not given.
+# The output exists, and -w was not given.
 case_exists() {
     echo old >out/there
     refused_existing() {
@@ -31,7 +32,7 @@ case_exists() {
     each_writer out/there refused_existing
 }
 
-# It is the input, by this or another name, even with -w.
+# The output is the input, by this or another name, even with -w.
 case_is_the_input() {
     cp cube.obj keep.obj
     ln -s cube.obj link.obj
@@ -48,7 +49,7 @@ case_is_the_input() {
     expect_files ''
 }
 
-# The report would replace the asset, whatever they are called.
+# The report would replace the asset, under whatever name.
 case_is_the_asset() {
     ln -s out alias
     for name in out/x.glb ./out/x.glb alias/x.glb; do
@@ -58,7 +59,7 @@ case_is_the_asset() {
     done
 }
 
-# Its directory is missing, is a file, or cannot be written.
+# The directory is missing, is a file, or cannot be written to.
 case_unwritable_directory() {
     echo old >out/there
     refused_directory() {
@@ -68,7 +69,7 @@ case_unwritable_directory() {
     each_writer out/none/x refused_directory
     each_writer out/there/x refused_directory
     mkdir -m 555 sealed
-    # Root may write everywhere but where the kernel keeps the names.
+    # Root may write everywhere except where the kernel owns the names.
     if [ "$(id -u)" -ne 0 ]; then
         each_writer sealed/x refused_directory
     else
@@ -90,7 +91,7 @@ case_is_a_directory() {
     expect_files ''
 }
 
-# Its name is too long for a directory or for the system; the cause is said, not cut off.
+# The name is too long for a directory or for the system; the message is not cut off.
 case_long_name() {
     run "$PHONGSPLAT" convert cube.obj "out/$(printf '%0300d' 0).glb"
     expect_error 5 'File name too long$'
@@ -99,7 +100,7 @@ case_long_name() {
     expect_files ''
 }
 
-# A link that points nowhere is not followed to create something there.
+# A link that points nowhere is not followed to create a file there.
 case_dangling_link() {
     ln -s nowhere out/link
     run "$PHONGSPLAT" convert cube.obj out/link -w
@@ -107,7 +108,8 @@ case_dangling_link() {
     expect_files link
 }
 
-# Standard output is closed: an error where it was needed, and no file takes its place.
+# Standard output is closed: this is an error where it is needed, and no opened file takes its
+# number.
 case_closed() {
     closed() {
         code=0
@@ -124,12 +126,12 @@ case_closed() {
     cmp cube.glb out/x.glb || fail "with standard output closed the asset differs"
 }
 
-# The disk is full: on a device that always is, and on a small file system where one can be mounted.
+# The disk is full: a device that always is, and a small file system where one can be mounted.
 case_full_disk() {
     refused_full() {
         expect_error 5 "$1: cannot be written: No space left"
     }
-    each_writer_over() { # with -w, because the device is there
+    each_writer_over() { # with -w, because the device exists
         run "$PHONGSPLAT" convert cube.obj "$1" -w -t 2
         refused_full "$1"
         run "$PHONGSPLAT" render cube.glb "$1" -w --size 200x200 --supersample 1
@@ -151,7 +153,8 @@ case_full_disk() {
     [ "$(cat full/old)" = old ] || fail "changed the old file"
 }
 
-# The file may not grow so large: an error like that of a full disk, not the end by SIGXFSZ.
+# The file size is limited: the error is that of a full disk, and the process does not end by
+# SIGXFSZ.
 case_limited_size() {
     echo old >out/old
     for name in new old; do

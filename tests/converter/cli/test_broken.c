@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * What convert does about promises that are broken. The converter is made to find them so: the
- * linker puts the function below in front of psplat_convert (--wrap). */
+ *
+ * test_broken.c - tests of what convert reports about broken promises: exit code, message and
+ * report. The linker's --wrap puts a function in front of psplat_convert that makes the report
+ * claim such promises.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -53,7 +56,7 @@ static int leave(void **state) {
     return chdir("/") || rmdir(directory);
 }
 
-/* Runs convert and keeps what it writes to standard error. */
+/* Runs convert, and keeps its standard error. */
 static int convert(const char *model, char *text, size_t size) {
     char input[512];
     snprintf(input, sizeof input, "%s/samples/models/%s", PSPLAT_SOURCE_DIR, model);
@@ -80,7 +83,8 @@ static void test_kept(void **state) {
     assert_string_equal(text, "");
 }
 
-/* Each gives exit code 9 and one line with the place, the value, the limit and the number. */
+/* Each broken promise gives exit code 9 and one line with the place, the value, the limit and the
+ * number. */
 static void test_broken(void **state) {
     (void)state;
     static const char *const causes[PSPLAT_PROMISE_COUNT] = {
@@ -98,7 +102,7 @@ static void test_broken(void **state) {
         if (strncmp(text, "phongsplat: ", 12) || !strstr(text, "cube.off: at 0.25 -1.5 1e+06: ") ||
             !strstr(text, causes[k]) || !strstr(text, "the output was written"))
             fail_msg("%s", text);
-        /* It is true, and the report says the same. */
+        /* The output was written indeed, and the report agrees. */
         assert_int_equal(access("out.glb", R_OK), 0);
         FILE *file = fopen("out.json", "r");
         assert_non_null(file);
@@ -110,7 +114,7 @@ static void test_broken(void **state) {
     }
 }
 
-/* Of a scene the mesh is named, each by itself in the report, and all count. */
+/* For a scene the line names the mesh and counts all meshes, and the report lists each mesh. */
 static void test_broken_scene(void **state) {
     (void)state;
     char text[1024];

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
-# compare: what it measures, prints and refuses.
+# test_compare.sh - tests of compare: what it measures, prints and refuses.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 write_cube cube.obj
 "$PHONGSPLAT" convert -q cube.obj cube.glb -t 2 </dev/null || fail "convert"
 
-# The table, and the report with all documented keys.
+# The table is printed, and the report has all documented keys.
 case_report() {
     run "$PHONGSPLAT" compare cube.obj cube.glb --samples 20000 --size 64 --software --report out/r.json
     expect_success
@@ -38,7 +38,7 @@ if (!(r.face_normal_rms_degrees < 0.01 && r.source_samples >= 20000)) throw Erro
 JS
 }
 
-# Standard output carries the report alone, or instead of the table, or nothing.
+# Standard output carries the report alone, the table, or nothing.
 case_outputs() {
     run "$PHONGSPLAT" compare cube.obj cube.glb --no-images --samples 1000 --report -
     expect_success
@@ -59,7 +59,7 @@ case_outputs() {
     expect_output 'phongsplat compare .*SOURCE A.glb'
 }
 
-# Equal inputs, options and seed give equal figures, whatever the number of threads.
+# Equal inputs, options and seed give equal results for any number of threads.
 case_threads() {
     for threads in 1 2 3; do
         run env OMP_NUM_THREADS=$threads "$PHONGSPLAT" compare cube.obj cube.glb --no-images --samples 5000 --report -
@@ -73,13 +73,14 @@ case_threads() {
     return 0
 }
 
-# A mesh instead of an asset: as a file of any kind, also as glTF without splats.
+# The target may be a mesh in a file of any kind, also glTF without splats.
 case_meshes() {
     sed 's/^v 0 0 0$/v 0.1 0 0/' cube.obj >dented.obj
     run "$PHONGSPLAT" compare cube.obj dented.obj --samples 5000 --size 32 --software --report out/r.json
     expect_success
     expect_output '^dented.obj: 12 triangles against 12 triangles of cube.obj$'
-    # The corner is 0.1 from where it was; the nearest point of the dented cube is a little nearer.
+    # The corner is 0.1 from its earlier place; the nearest point of the dented cube is a little
+    # closer.
     node - out/r.json <<'JS' || fail "dented"
 const r = JSON.parse(require('fs').readFileSync(process.argv[2], 'utf8'));
 if ('mode' in r || !(r.views.length === 12 && r.image_covered > 0)) throw Error('pictures');
@@ -98,7 +99,8 @@ JS
     expect_output '^plain.gltf: 1 triangles against 1 triangles of plain.gltf$'
 }
 
-# Twelve maps beside each other in five panels; in a directory that is there, or made; all or none.
+# Twelve heatmaps of five panels each are written into a directory that exists or is made; either
+# all of them are written or none.
 case_maps() {
     run "$PHONGSPLAT" compare cube.obj cube.glb --samples 1000 --size 32 --software --heatmap out/maps --mode flat --no-filter
     expect_success
@@ -123,7 +125,8 @@ case_maps() {
     expect_files maps
 }
 
-# Without a graphics context: told so, nothing written; figures of shape are to be had all the same.
+# Without a graphics context an error is given and nothing is written; errors of shape are measured
+# nevertheless.
 case_no_graphics() {
     none=$work/none.json
     run env __EGL_VENDOR_LIBRARY_FILENAMES=$none __EGL_VENDOR_LIBRARY_DIRS=$work/none EGL_PLATFORM=none \
@@ -134,7 +137,8 @@ case_no_graphics() {
     expect_success
 }
 
-# Inputs of every wrong kind: their own exit code, one line that names them, nothing written.
+# Defective inputs of every kind give their own exit code and one line that names them, and nothing
+# is written.
 case_bad_input() {
     expect_files ''
     refused() { # CODE PATTERN SOURCE TARGET
@@ -159,7 +163,7 @@ case_bad_input() {
     printf '\211PNG' >picture.png
     refused 4 '^phongsplat: picture.png: ' picture.png cube.glb
     refused 4 '^phongsplat: picture.png: ' cube.obj picture.png
-    # An asset is no mesh to compare with.
+    # An asset is refused as the source.
     refused '[34]' '^phongsplat: cube.glb: ' cube.glb cube.glb
 }
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# convert on good input: what it writes, prints and promises.
+# test_convert.sh - tests of convert on good input: what it writes, prints and promises.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 write_cube cube.obj
@@ -10,7 +10,7 @@ expect_files cube.glb cube.json
 expect_output '^out/cube.glb: [0-9]+ splats, [0-9]+ bytes, '
 [ "$(wc -l <stdout.txt)" -eq 1 ] || fail "the summary is not one line"
 
-# The report is JSON, has the promised keys, and agrees with the file.
+# The report is JSON, has the documented keys, and agrees with the file.
 node - out/cube.json out/cube.glb <<'JS' || fail "report"
 const fs = require('fs'), [, , json, glb] = process.argv;
 const r = JSON.parse(fs.readFileSync(json, 'utf8'));
@@ -30,7 +30,7 @@ JS
 run "$PHONGSPLAT" validate out/cube.glb
 expect_success
 
-# The same bytes again, whichever way the options are written, and nothing printed when quiet.
+# However options are written, the bytes are the same, and nothing is printed with -q.
 run "$PHONGSPLAT" convert -q --tolerance=2 -i cube.obj -o out/again.glb
 expect_success
 [ ! -s stdout.txt ] || fail "quiet: $(cat stdout.txt)"
@@ -39,7 +39,7 @@ run "$PHONGSPLAT" convert cube.obj -t2 -wq -o out/again.glb
 expect_success
 cmp out/cube.glb out/again.glb || fail "overwriting differs"
 
-# Standard output carries the asset, or the report, alone.
+# Standard output carries only the asset, or only the report.
 run "$PHONGSPLAT" convert cube.obj - -t 2
 expect_success
 cmp out/cube.glb stdout.txt || fail "standard output differs"
@@ -49,7 +49,7 @@ expect_success
 node -e 'JSON.parse(require("fs").readFileSync("stdout.txt"))' || fail "report on standard output"
 rm out/third.glb
 
-# What was promised is in the report, and a promise not asked for is not given.
+# The report contains promises that were requested, and no others.
 "$PHONGSPLAT" convert cube.obj - -t 2 --normal-tolerance 5 --report out/promise.json >/dev/null </dev/null || fail "normals of a cube"
 node - out/cube.json out/promise.json <<'JS' || fail "promises"
 const [r, n] = process.argv.slice(2).map((path) => JSON.parse(require('fs').readFileSync(path, 'utf8')));
@@ -62,7 +62,7 @@ if (!n.promises.normal.given || n.promises.normal.limit !== 5 || !(n.promises.no
 JS
 rm out/promise.json
 
-# Budgets: kept, and refused with a code of their own where nothing fits; then nothing is written.
+# Budgets are kept; where nothing fits, the exit code is one of its own and nothing is written.
 run "$PHONGSPLAT" convert cube.obj out/budget.glb --splats 6 --report out/budget.json
 expect_success
 [ "$(grep -c '"splats": 6,' out/budget.json)" -eq 1 ] || fail "budget of 6 splats"
@@ -76,14 +76,15 @@ run "$PHONGSPLAT" convert cube.obj out/budget.glb --bytes 10 --tolerance 1
 expect_error 10 'cube.obj: a tolerance of 1 % takes [0-9]+ bytes, more than the budget of 10'
 expect_files again.glb cube.glb cube.json
 
-# A tighter tolerance is kept as well, names may hold spaces and look like options behind --.
+# A tighter tolerance is kept as well. Names may contain spaces, and may look like options behind
+# --.
 mv cube.obj './-a cube.obj'
 run "$PHONGSPLAT" convert --tolerance 0.5% -- '-a cube.obj' 'out/a b.glb'
 expect_success
 expect_files 'a b.glb' again.glb cube.glb cube.json
 echo "$checks checks passed"
 
-# Points without faces, with normals and without.
+# Points without faces are converted, with and without normals.
 scan=$SOURCE_DIR/samples/models/scan.xyz
 run "$PHONGSPLAT" convert "$scan" out/scan.glb -t 2
 expect_success

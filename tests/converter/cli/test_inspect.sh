@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# inspect and validate: what they say about an asset agrees with the file.
+# test_inspect.sh - tests that inspect and validate agree with the asset's file.
 . "$SOURCE_DIR/tests/support/cli.sh"
 write_cube cube.obj
 run "$PHONGSPLAT" convert cube.obj cube.glb -t 2 --report cube.json
@@ -39,7 +39,7 @@ expect_output '^PSPLAT_surface_splats:TURN +1 unsigned (byte|short) +[0-9]+ +[0-
 expect_output '^bounds '
 expect_output '^batch 0: '
 
-# A mesh placed twice is stored once.
+# A mesh that is placed twice is stored once.
 node - "$SOURCE_DIR/schema/minimal.gltf" <<'JS'
 const fs = require('fs'), gltf = JSON.parse(fs.readFileSync(process.argv[2], 'utf8'));
 fs.writeFileSync('once.gltf', JSON.stringify(gltf));

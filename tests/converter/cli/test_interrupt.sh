@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-# Ctrl-C in the middle of a conversion: exit code 8 at once, one line, nothing left behind.
+# test_interrupt.sh - tests of interrupting a conversion by Ctrl-C: it ends at once with exit code 8
+# and one line, and leaves nothing behind.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 
-# write_sheet N FILE: a wavy sheet of 2 (N - 1)^2 triangles keeps the converter busy for longer than
-# the signal takes.
+# write_sheet N FILE: writes a wavy sheet of 2 (N - 1)^2 triangles, which keeps the converter busy
+# for longer than the signal takes.
 write_sheet() {
     awk -v n="$1" 'BEGIN {
         for (y = 0; y < n; ++y) for (x = 0; x < n; ++x) print "v", x, y, 5 * sin(x / 3) * cos(y / 4)
@@ -17,11 +18,12 @@ write_sheet() {
 
 now() { date +%s%3N; }
 
-# stop SIGNAL SECONDS ARGUMENTS...: converts and is stopped after so long.
+# stop SIGNAL SECONDS ARGUMENTS...: starts a conversion and stops it after so many seconds.
 stop() {
     signal=$1 seconds=$2
     shift 2
-    # A shell starts background jobs with SIGINT ignored, which the program respects; env undoes it.
+    # A shell starts background jobs with SIGINT ignored, which the program respects; env undoes
+    # that.
     env --default-signal=INT "$PHONGSPLAT" convert "$@" >stdout.txt 2>stderr.txt </dev/null &
     process=$!
     sleep "$seconds"
@@ -32,7 +34,7 @@ stop() {
     took=$(($(now) - begin))
     command_line="convert $* stopped by SIG$signal after $seconds s"
     expect_error 8 '^phongsplat: interrupted$'
-    # Freeing the memory of the process is all that has to be waited for.
+    # The process needs only the time to free its memory.
     [ "$took" -lt 2000 ] || fail "$command_line: ended $took ms later"
 }
 
@@ -40,19 +42,21 @@ write_sheet 141 sheet.obj
 write_sheet 501 large.obj
 for signal in INT TERM; do
     stop $signal 1 sheet.obj out/x.glb -t 0.02% --report out/x.json
-    # In one of the first stages of 500,000 triangles, and while the search for a budget goes on.
+    # These signals come during one of the first stages of 500,000 triangles, and during the search
+    # for a budget.
     stop $signal 0.3 large.obj out/x.glb -t 0.05%
     stop $signal 4 large.obj out/x.glb --bytes 300000
     expect_files ''
 done
 
-# What an output held before stays.
+# An interrupted conversion leaves an existing output as it is.
 echo before >out/x.glb
 stop INT 1 sheet.obj out/x.glb -w --splats 5000
 expect_files x.glb
 [ "$(cat out/x.glb)" = before ] || fail "an interrupted conversion replaced its output"
 
-# On a terminal the line of progress comes, gives an estimate, and goes; elsewhere there is none.
+# On a terminal the progress line appears, gives an estimate, and is removed; elsewhere there is
+# none.
 if command -v script >/dev/null; then
     script -qec "timeout --foreground -s INT 20 '$PHONGSPLAT' convert sheet.obj out/y.glb -t 0.02%" typescript \
         >/dev/null 2>&1 </dev/null || true

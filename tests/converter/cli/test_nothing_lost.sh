@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: MIT
-# Whatever happens to a command that writes, its output is the old file or the new one, whole, and nothing else is left behind;
-# test_output_faults does the same for each system call. Each case is a test of its own.
+# test_nothing_lost.sh - tests that the output of a command that is killed, or runs twice at once,
+# is the old file or the new one, whole, and that nothing else is left behind. test_output_faults.c
+# does the same for each system call. Each case is a test of its own.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 write_cube cube.obj
 run "$PHONGSPLAT" convert cube.obj cube.glb -t 2
 expect_success
 
-export OMP_NUM_THREADS=1 # threads do not help where tests run beside each other
+export OMP_NUM_THREADS=1 # tests run in parallel, so that threads do not help
 
 now() { date +%s%3N; }
 
-# same FILE FILE: but for how long it took and what it needed.
+# same FILE FILE: compares reports except for times and memory.
 same() {
     measured='"(seconds|peak_memory_bytes)":'
     grep -avE "$measured" "$1" >one.txt
@@ -19,8 +20,9 @@ same() {
     cmp one.txt other.txt
 }
 
-# kill_at_moments FILES COMMAND...: COMMAND, which replaces FILES, is killed at moments of the time it takes, most of them in the
-# second half and one after it. Each file is always what it was before or what COMMAND writes, and both are seen.
+# kill_at_moments FILES COMMAND...: kills COMMAND, which replaces FILES, at several moments of its
+# duration, most of them in its second half and one after its end. Each file must be as it was
+# before or as COMMAND writes it, and both must occur.
 kill_at_moments() {
     targets=$1 is_old=0 is_new=0
     shift
@@ -48,7 +50,7 @@ kill_at_moments() {
             checks=$((checks + 1))
         done
     done
-    # A temporary file that was about to replace the target may be left, as README says: in an instant hardly ever met.
+    # A temporary file may be left in the instant before it replaces the target, as README says.
     rm -f out/.phongsplat-*.tmp
     expect_files $targets
     [ $is_old -gt 0 ] || fail "$command_line: never early enough"
@@ -67,8 +69,8 @@ case_killed_compare() {
     kill_at_moments r.json "$PHONGSPLAT" compare cube.obj cube.glb --samples 1000 --report out/r.json -w -q
 }
 
-# Two converters write the same output at once. Both may replace it: both succeed. Neither may: one succeeds, and the other says
-# why not. The output is what one of them writes.
+# Two converters write the same output at once. If both may replace it, both succeed; otherwise one
+# succeeds, and the other says why not. The output is that of one of them.
 case_two_at_once() {
     "$PHONGSPLAT" convert cube.obj a.glb -t 2 -q
     "$PHONGSPLAT" convert cube.obj b.glb -t 9 -q --no-creases
@@ -94,7 +96,8 @@ case_two_at_once() {
     done
 }
 
-# What another process left behind is nobody's obstacle, and is not taken away: it might be at work still.
+# Leftover files of another process do not disturb, and are not removed, because that process might
+# still be running.
 case_leftovers() {
     touch out/.phongsplat-1-0-0.tmp
     run "$PHONGSPLAT" convert cube.obj out/x.glb -t 2 -q

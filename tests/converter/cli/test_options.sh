@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# The command line itself: help, version, and each way to get it wrong.
+# test_options.sh - tests of the command line itself: help, version, and each kind of wrong
+# arguments.
 . "$SOURCE_DIR/tests/support/cli.sh"
 
 run "$PHONGSPLAT" --version
@@ -53,12 +54,12 @@ for arguments in '--splats 0' '--splats -1' '--splats 1e3' '--splats 1000000001'
     run "$PHONGSPLAT" convert in.obj out.glb $arguments
     expect_error 1 'convert: (splats|bytes|effort|normal-tolerance|no-creases): '
 done
-# Names may be shortened as long as they mean one option.
+# Names may be shortened as long as they are unique.
 run "$PHONGSPLAT" convert in.obj out.glb --no
 expect_error 1 '--no: unknown option, or short for several'
 run "$PHONGSPLAT" convert in.obj out.glb --tol 0.5% --eff=3 --qui
 expect_error 2 'in.obj'
-# What contradicts each other.
+# Options that contradict each other are refused.
 run "$PHONGSPLAT" convert in.obj out.glb --splats 5 --bytes 5
 expect_error 1 'splats: not together with bytes'
 run "$PHONGSPLAT" convert in.obj out.glb --no-creases --crease-angle 40
@@ -73,7 +74,8 @@ done
 run "$PHONGSPLAT" inspect in.glb --format xml
 expect_error 1 'format'
 
-# One line even where an argument holds several, and the cause even where it is long.
+# The error is one line even where an argument has several lines, and keeps its cause even where an
+# argument is long.
 two_lines=$(printf 'a\nb')
 long=$(printf '%0300d' 0)
 for argument in "$two_lines" "$long"; do
@@ -89,11 +91,11 @@ for argument in "$two_lines" "$long"; do
     expect_error 1 'is not WIDTHxHEIGHT'
 done
 
-# Behind -- nothing is an option; the missing file is what is wrong.
+# Behind -- nothing is an option, so that the error is the missing file.
 run "$PHONGSPLAT" validate -- --help
 expect_error 2 '--help'
 
-# A name may be given once: as an option or as an operand.
+# A file may be given once, as an option or as an operand.
 run "$PHONGSPLAT" convert -i in.obj -o out.glb third
 expect_error 1 'third: is one argument too many'
 run "$PHONGSPLAT" convert out.glb -i in.obj

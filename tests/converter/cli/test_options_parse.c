@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Option tables: every way to write a value, and values at the ends of their ranges. */
+ *
+ * test_options_parse.c - tests of the option tables: every way to write a value, and values at both
+ * ends of their ranges.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -133,7 +136,7 @@ static void test_ends_of_ranges(void **state) {
     }
 }
 
-/* An effort that is not given is 2, and 0 is not the same as none given. */
+/* An effort that is not given is 2; 0 is a valid effort and different from none given. */
 static void test_efforts_are_those_of_conversions(void **state) {
     (void)state;
     const char *const given[] = {"--quiet", "--effort=2", "--effort=0", "--effort=1", "--effort=9"};

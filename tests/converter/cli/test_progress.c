@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * What the progress line says, for a clock set by hand. */
+ *
+ * test_progress.c - tests of the text of the progress line, for a clock that the test sets.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -16,7 +18,7 @@ static psplat_progress begin(void) {
     return (psplat_progress){.enabled = 1, .start = 1000, .left = -1};
 }
 
-/* The number before a word of the line. */
+/* Returns the number before a word of the line. */
 static double number_before(const char *line, const char *word) {
     const char *end = strstr(line, word);
     if (!end) fail_msg("no '%s' in '%s'", word, line);
@@ -26,7 +28,8 @@ static double number_before(const char *line, const char *word) {
     return number;
 }
 
-/* Half of the work done in so many seconds leaves as many. */
+/* Returns the time left after half of the work has taken so many seconds, which is the same again.
+ */
 static double left_at_half(double seconds, const char *unit) {
     static const char *const stages[] = {"selecting splats", "improving", "closing holes"};
     psplat_progress p = begin();
@@ -43,7 +46,7 @@ static double left_at_half(double seconds, const char *unit) {
 static void test_estimate(void **state) {
     (void)state;
     assert_true(fabs(left_at_half(4, " s left") - 4) <= 1);   /* whole seconds */
-    assert_true(fabs(left_at_half(42, " s left") - 45) <= 5); /* fives */
+    assert_true(fabs(left_at_half(42, " s left") - 45) <= 5); /* multiples of five */
     assert_true(fabs(left_at_half(600, " min left") - 10) <= 1);
 }
 
@@ -56,13 +59,13 @@ static void test_silence_at_first(void **state) {
     assert_null(strstr(p.shown, "left"));
     psplat_progress_update(&p, 1002.1, "selecting splats", 0.5);
     assert_non_null(strstr(p.shown, "left"));
-    /* Nothing done, nothing known. */
+    /* No estimate is given before any work is done. */
     p = begin();
     psplat_progress_update(&p, 1100, "reading", 0.1);
     assert_null(strstr(p.shown, "left"));
 }
 
-/* Stages that come again, and such as nobody knows, take nothing back. */
+/* Stages that repeat, and unknown ones, do not lower the progress. */
 static void test_never_falls(void **state) {
     (void)state;
     const char *const stages[] = {"sampling", "closing holes", "selecting splats", "unheard of",
@@ -78,7 +81,7 @@ static void test_never_falls(void **state) {
     }
 }
 
-/* Work at an even pace: the seconds left fall with the clock. */
+/* Where work proceeds evenly, the seconds left fall with the clock. */
 static void test_even_pace(void **state) {
     (void)state;
     psplat_progress p = begin();
@@ -96,7 +99,7 @@ static void test_unchanged(void **state) {
     assert_true(psplat_progress_update(&p, 1000, "sampling", 0.5));
     assert_false(psplat_progress_update(&p, 1000.1, "sampling", 0.5));
     assert_true(psplat_progress_update(&p, 1000.2, "selecting splats", 0.5));
-    /* A name longer than the line. */
+    /* a name longer than the line */
     char name[400];
     memset(name, 'x', sizeof name - 1);
     name[sizeof name - 1] = 0;

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: MIT
-# render: sizes, backgrounds and modes of the PNGs it writes.
+# test_render.sh - tests of render: sizes, backgrounds and modes of its PNGs.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 write_cube cube.obj
 run "$PHONGSPLAT" convert cube.obj cube.glb -t 2
 expect_success
 
-# draw OPTIONS...: renders and leaves width, height, channels, and the RGBA of corner and centre in
-# the variable picture.
+# draw OPTIONS...: renders, and stores width, height, channels and the RGBA of the corner and of the
+# centre in the variable picture.
 draw() {
     run "$PHONGSPLAT" render cube.glb out/x.png -w --software "$@"
     expect_success
@@ -27,31 +27,33 @@ case "$picture" in '31 47 3 16,32,48 '*) ;; *) fail "coloured background: $pictu
 draw --size 64x48 --background=1,2,3
 case "$picture" in '64 48 3 1,2,3 '*) ;; *) fail "coloured background: $picture" ;; esac
 
-# Transparent: alpha 0 in the corner, 1 in the middle, where the colour is that over white.
+# With a transparent background, alpha is 0 in the corner and 1 in the middle, whose colour is that
+# over white.
 draw --size 64x48 --background transparent
 [ "$picture" = "64 48 4 0,0,0,0 $white,255" ] || fail "transparent background: $picture, $white"
 
-# Straight on, the cube's faces are flat: every mode shades them alike.
+# Seen straight on, the cube's face is flat, so that every mode shades it alike.
 for mode in phong gaussian flat; do
     draw --size 64x64 --azimuth 0 --elevation 0 --mode $mode
     [ "${front:=$picture}" = "$picture" ] || fail "$mode: $picture instead of $front"
 done
-# The debug views show what they say: the normal of that face is (0, 0, 1), its colour that of a mesh without any, 0.8; one splat covers it.
+# The debug views show values of that face: its normal (0, 0, 1), its colour 0.8, which is that of a
+# mesh without any, and one splat on each pixel.
 for shown in normal=128,128,255 unlit=231,231,231 overdraw=0,0,128; do
     draw --size 64x64 --azimuth 0 --elevation 0 --shading "${shown%%=*}"
     [ "${picture##* }" = "${shown#*=}" ] || fail "$shown: $picture"
 done
-# From above, the light meets the top at the same angle; from the side below it does not matter
-# which way is around: 360 degrees more are the same picture.
+# An azimuth of 360 degrees gives the same picture as 0.
 draw --size 64x64 --azimuth 360 --elevation 0
 [ "$front" = "$picture" ] || fail "a full turn: $picture instead of $front"
 
-# Far away the cube is small: the middle is drawn, a quarter of the way out is not.
+# From far away the cube is small: the centre shows it, and a quarter of the way out does not.
 draw --size 64x64 --distance 8
 [ "${picture##* }" != 255,255,255 ] || fail "distance 8: nothing was drawn"
 
-# Large pictures are drawn in tiles of 3072 samples, here two, on either side of x = 384 or y = 384. Against
-# a single tile of fewer samples only edges may differ, by the steps of the average (1/8 and 1/7 of the contrast).
+# Large pictures are drawn in tiles of 3072 samples, here two, on either side of x = 384 or y = 384.
+# A single tile of fewer samples may differ only at edges, by the steps of the average (1/8 and 1/7
+# of the contrast).
 for size in 400x60 60x400; do
     draw --size $size --distance 0.2 --supersample 7
     mv out/x.png out/single.png
@@ -72,7 +74,7 @@ JS
 done
 rm out/single.png
 
-# No graphics: one line, whatever the driver has to say.
+# Without graphics there is one line of error, whatever the driver prints.
 for setting in __EGL_VENDOR_LIBRARY_FILENAMES LIBGL_DRIVERS_PATH; do
     run env $setting=/nonexistent "$PHONGSPLAT" render cube.glb out/none.png --software
     expect_error 6 'cube.glb: EGL '

@@ -1,28 +1,32 @@
 # SPDX-License-Identifier: MIT
-# convert on whole scenes: the same graph with splats, promises where meshes are seen, warnings.
+# test_scene.sh - tests of convert on whole scenes: the same graph with splats, promises at the size
+# in which meshes are seen, and warnings.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 still=$SOURCE_DIR/samples/models/still-life.glb
 
-# json_of FILE.glb: its JSON chunk.
+# json_of FILE.glb: prints its JSON chunk.
 json_of() {
     node -e "const b = require('fs').readFileSync('$1'); console.log(b.subarray(20, 20 + b.readUInt32LE(12)).toString())"
 }
 
-# write_scene FILE REST: a glTF whose mesh 0 is a tetrahedron; REST is the JSON of all but accessors and buffers.
+# write_scene FILE REST: writes a glTF whose mesh 0 is a tetrahedron; REST is the JSON of everything
+# but accessors and buffers.
 write_scene() {
     cat >"$1" <<END
 {"asset":{"version":"2.0"},$2,"accessors":[{"bufferView":0,"componentType":5126,"type":"VEC3","count":4},
 {"bufferView":1,"componentType":5121,"type":"SCALAR","count":12}],"bufferViews":[{"buffer":0,"byteLength":48},
 {"buffer":0,"byteOffset":48,"byteLength":12}],"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,
 END
-    # The corners 0 0 0, 1 0 0, 0 1 0, 0 0 1 as floats, then 0 2 1, 0 1 3, 1 2 3, 2 0 3.
+    # These are the corners 0 0 0, 1 0 0, 0 1 0 and 0 0 1 as floats, then the faces 0 2 1, 0 1 3, 1
+    # 2 3 and 2 0 3.
     { printf 'AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAIBAAEDAQIDAgAD'; echo '"}]}'; } >>"$1"
     tr -d '\n' <"$1" >joined && mv joined "$1"
 }
 tetrahedron='"meshes":[{"name":"tetra","primitives":[{"attributes":{"POSITION":0},"indices":1}]}]'
 
-# Every node, camera, light, scene, name and extra is as it was; only what a splat's coordinates need is added below.
+# Every node, camera, light, scene, name and extra is as it was; only nodes for the splats'
+# coordinates are added below.
 case_graph() {
     run "$PHONGSPLAT" convert "$still" out/still.glb -t 2
     expect_success
@@ -59,7 +63,7 @@ assert.deepStrictEqual(splats.materials.map((m) => m.extras), source.materials.m
 JS
 }
 
-# The promise holds of the scene as it is seen: mirrored, stretched by 1.9, turned and nested.
+# The promise holds for the scene as it is seen: mirrored, stretched by 1.9, turned and nested.
 case_promise() {
     run "$PHONGSPLAT" convert "$still" out/still.glb -w -t 2 --effort 0 --report out/r.json
     expect_success
@@ -82,7 +86,7 @@ assert.ok(!('bytes' in r.meshes[0]) && r.bytes > 0);
 JS
 }
 
-# A budget is of all meshes together: the four faces of each of two tetrahedra.
+# A budget is for all meshes together: the four faces of each of two tetrahedra.
 case_budget() {
     write_scene pair.gltf "\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0},{\"mesh\":1,\"translation\":[2,0,0]}],
         \"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]},{\"primitives\":[{\"attributes\":
@@ -94,7 +98,8 @@ case_budget() {
     expect_error 10 'pair.gltf: a tolerance of 1 % takes 8 splats, more than the budget of 7'
 }
 
-# What splats cannot be is said, once for each rule, and only said: the exit code is 0. Not with -q.
+# Content that splats cannot represent gives one warning for each rule, and the exit code is 0. With
+# -q there are no warnings.
 case_dropped() {
     write_scene dropped.gltf "\"extensionsUsed\":[\"EXT_other\"],\"scenes\":[{\"nodes\":[0,1]}],
         \"nodes\":[{\"mesh\":0,\"skin\":0},{\"mesh\":1,\"name\":\"empty\"}],\"skins\":[{\"joints\":[1]}],
@@ -114,7 +119,7 @@ case_dropped() {
     checks=$((checks + 5))
 }
 
-# One mesh in a thousand places is converted once and stored once.
+# A mesh in a thousand places is converted once and stored once.
 case_instances() {
     nodes=$(awk 'BEGIN { for (i = 0; i < 1000; i++) printf "%s{\"mesh\":0,\"translation\":[%d,%d,0]}", i ? "," : "", i % 32 * 2, int(i / 32) * 2 }')
     roots=$(awk 'BEGIN { for (i = 0; i < 1000; i++) printf "%s%d", i ? "," : "", i }')
@@ -125,12 +130,12 @@ case_instances() {
     run "$PHONGSPLAT" inspect out/many.glb
     expect_success
     expect_output '^batch 999: .* 4 splats'
-    # A transform of some 60 bytes for each, and no second node.
+    # Each place takes about 60 bytes for its transform, and no second node.
     [ "$(wc -c <out/many.glb)" -lt 100000 ] || fail "$(wc -c <out/many.glb) bytes"
     json_of out/many.glb | node -e "const j = JSON.parse(require('fs').readFileSync(0)); if (j.nodes.length !== 1000) throw j.nodes.length"
 }
 
-# Meshes that no scene or another one shows are converted as well; two scenes stay two.
+# Meshes that no scene, or another scene, shows are converted as well; two scenes stay two.
 case_scenes() {
     write_scene two.gltf "\"scene\":1,\"scenes\":[{\"name\":\"a\",\"nodes\":[0]},{\"nodes\":[1]}],\"nodes\":[{\"mesh\":0},
         {\"mesh\":1,\"scale\":[9,9,9]}],\"meshes\":[{\"name\":\"first\",\"primitives\":[{\"attributes\":{\"POSITION\":0},

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-# convert writes the same bytes whatever the number of threads.
+# test_threads.sh - tests that convert writes the same bytes for any number of threads.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 
-# A saddle of 12 by 12 squares: curved, with borders.
+# The shape is a saddle of 12 by 12 squares, which is curved and has borders.
 awk 'BEGIN {
     n = 12
     for (y = 0; y <= n; ++y)
@@ -21,7 +21,7 @@ awk 'BEGIN {
 for threads in 1 2; do
     run env OMP_NUM_THREADS=$threads "$PHONGSPLAT" convert saddle.obj out/$threads.glb -t 3% --report out/$threads.json
     expect_success
-    # The report but for time and memory.
+    # Reports are compared except for time and memory.
     grep -Ev '"(seconds|peak_memory_bytes)"' out/$threads.json >measured.$threads
 done
 cmp out/1.glb out/2.glb || fail "two threads write what one does not"

@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: MIT
-# phongsplat tradeoff: a sweep from end to end, resumed, refused, killed; what it recommends. Sizes are
-# small: it is the bookkeeping that is tested here.
+# test_tradeoff.sh - tests of phongsplat tradeoff: a sweep from end to end, resumed, refused and
+# killed, and its recommendations. Sizes are small, because the bookkeeping is tested here and not
+# the values.
 . "$SOURCE_DIR/tests/support/cli.sh"
 cube=$SOURCE_DIR/samples/models/cube.off
 small="--size 16 --frames 1 --samples 200"
 
-# sweep ARGUMENTS...: into the directory d.
+# sweep ARGUMENTS...: runs a sweep with small sizes.
 # shellcheck disable=SC2086  # options are several words
 sweep() { run env PATH="$work/bin:/usr/bin:/bin" "$PHONGSPLAT" tradeoff $small "$@"; }
 
-# expect_measured SETTINGS MEASURED TIMED
+# expect_measured SETTINGS MEASURED TIMED: asserts the numbers in the summary.
 expect_measured() {
     expect_output "^[^ ]+: $1 settings, $2 of them measured anew, $3 timed anew\$"
 }
 
-# columns FILE: the rows of a table, less what is another each time: durations. Numbers come last, and only text before
-# them has commas of its own.
+# columns FILE: prints the rows of a table without durations, which differ each time. Numbers come
+# last, and only text before them contains commas.
 columns() {
     awk -F, 'NR == 1 { for (i = 0; i < NF; ++i) left_out[i] = $(NF - i) ~ /_ms|_s$|frames/ }
         { line = ""; for (i = NF; i > 0; --i) if (!left_out[i - 1]) line = line $(NF - i + 1) ","; print line }' "$1"
@@ -35,36 +36,36 @@ case_sweep() {
         fail "no command in the table"
     [ "$(columns d/tradeoff.csv | awk -F, '/^splats/ && $(NF - 40) == ""' | wc -l)" -eq 0 ] || fail "cells are empty"
 
-    # Finished: nothing is measured.
+    # A finished sweep measures nothing.
     columns d/tradeoff.csv >before.txt
     cp d/tradeoff.csv same.csv
     sweep "$cube" d --tolerances 2 --no-gltfpack
     expect_measured 13 0 0
     cmp -s d/tradeoff.csv same.csv || fail "a finished sweep has changed its table"
 
-    # One more tolerance; all are timed with it.
+    # With one more tolerance all settings are timed anew.
     sweep "$cube" d --tolerances 2,1% --no-gltfpack
     expect_measured 25 12 25
     columns d/tradeoff.csv | grep ^splats,2, >with.txt
     grep ^splats,2, before.txt | cmp -s - with.txt || fail "old rows have changed"
-    # One less leaves the table.
+    # With one tolerance less its rows leave the table.
     sweep "$cube" d --tolerances 1 --no-gltfpack
     expect_measured 13 0 0
     ! grep -q ^splats,2, d/tradeoff.csv || fail "a row that is not asked for"
-    # More frames: all are timed, and nothing else is done.
+    # With more frames all are timed, and nothing else is done.
     sweep "$cube" d --tolerances 1 --no-gltfpack --frames 2
     expect_measured 13 0 13
-    # Pictures of another size.
+    # Pictures of another size are measured anew.
     sweep "$cube" d --tolerances 1 --no-gltfpack --size 24
     expect_measured 13 12 13
-    # A damaged asset is made again, and one that is gone; what they are was measured.
+    # A damaged or missing asset is made and measured again.
     echo >>d/assets/linear-1.glb
     sweep "$cube" d --tolerances 1 --no-gltfpack --size 24
     expect_measured 13 6 13
     rm d/assets/constant-1.glb
     sweep "$cube" d --tolerances 1 --no-gltfpack --size 24
     expect_measured 13 6 13
-    # A changed source, of the same name and length.
+    # A changed source of the same name and length is measured anew.
     cp "$cube" own.off
     sweep own.off d --tolerances 1 --no-gltfpack
     expect_measured 13 12 13
@@ -75,7 +76,7 @@ case_sweep() {
     expect_measured 13 12 13
 }
 
-# Charts are drawn where gnuplot is; without it all else is there, and the page does without them.
+# Charts are drawn where gnuplot is installed; without it the page is complete but for them.
 case_charts() {
     mkdir -p bin
     printf '#!/bin/sh\nexit 127\n' >bin/gnuplot
@@ -96,12 +97,13 @@ case_charts() {
     done
     [ "$(grep -c '<figure' d/index.html)" -eq 5 ] || fail "the page has no charts"
     [ -z "$(find d -name '.phongsplat-*')" ] || fail "leftovers: $(find d)"
-    # Users draw them again, changed.
+    # Users can change the script and draw the charts again.
     (cd d && sed 's/880,500/440,250/' charts.gp >small.gp && gnuplot small.gp 2>/dev/null)
     grep -q 'width="440"' d/error-bytes.svg || fail "the script draws nothing by itself"
 }
 
-# expect_budget PATTERN: exit code 10 and a last line with it; gnuplot may have been missed before.
+# expect_budget PATTERN: asserts exit code 10 and a last line with the pattern; a line before it may
+# say that gnuplot is missing.
 expect_budget() {
     expect_code 10
     tail -n 1 stderr.txt | grep -Eqe "$1" || fail "$command_line: '$1' is not in: $(cat stderr.txt)"
@@ -112,7 +114,8 @@ case_advice() {
     # shellcheck disable=SC2086
     sweep "$cube" d $options
     expect_code 0
-    # An exact model: any tolerance gives six splats. Whatever is recommended makes the asset that was measured.
+    # For an exact model any tolerance gives six splats. The recommended command makes the asset
+    # that was measured.
     # shellcheck disable=SC2086
     sweep "$cube" d $options --max-error 2% -q
     expect_code 0
@@ -132,7 +135,7 @@ case_advice() {
     expect_budget 'the nearest'
 }
 
-# write_gltfpack COMMAND: a program of that name that leaves its arguments in log.
+# write_gltfpack COMMAND: makes a program of that name that leaves its arguments in log.
 write_gltfpack() {
     mkdir -p bin
     cat >bin/gltfpack <<SCRIPT
@@ -151,19 +154,19 @@ case_gltfpack() {
     expect_code 0
     expect_measured 15 14 15
     [ "$(grep -c '^gltfpack,,0' d/tradeoff.csv)" -eq 2 ] || fail "rows of gltfpack"
-    # OFF is none of its formats; ours has normals.
+    # gltfpack does not read OFF; the OBJ made for it has normals.
     grep -q '^-i d/assets/source.obj .* -si 0.25 -cc$' log || fail "arguments: $(cat log)"
     grep -q ' -si 0.5 -noq$' log || fail "arguments: $(cat log)"
     [ "$(grep -c '^vn ' d/assets/source.obj)" -ge 6 ] || fail "no normals: $(cat d/assets/source.obj)"
     grep -q 'gltfpack -si 0.25' d/index.html || fail "no row in the page"
-    # Of another version, its rows are others; uninstalled, they leave the table.
+    # Another version of gltfpack has other rows; without it they leave the table.
     sed -i 's/gltfpack 0.0/gltfpack 0.1/' bin/gltfpack
     sweep "$cube" d --tolerances 2 --ratios 0.5,0.25
     expect_measured 15 2 15
     rm bin/gltfpack
     sweep "$cube" d --tolerances 2
     expect_measured 13 0 0
-    # Where it fails, the rest goes on.
+    # Where gltfpack fails, the rest of the sweep goes on.
     write_gltfpack 'echo "cannot do this" >&2; exit 3'
     sweep "$cube" e --tolerances 2 --ratios 0.5
     expect_code 0
@@ -173,7 +176,7 @@ case_gltfpack() {
     sweep "$cube" e --tolerances 2 --gltfpack ./absent
     expect_code 0
     grep -q '^phongsplat: gltfpack cannot be run; it is left out$' stderr.txt || fail "warning: $(cat stderr.txt)"
-    # The real one, where it is installed.
+    # The real gltfpack is used where it is installed.
     rm bin/gltfpack
     real=$(PATH=$PATH command -v gltfpack) || return 0
     sweep "$cube" f --tolerances 2 --ratios 1 --gltfpack "$real"
@@ -206,7 +209,7 @@ case_refused() {
     expect_code 0
     cp d/tradeoff.csv good.csv
     echo mine >d/notes.txt
-    # Changed by hand, cut off, something else.
+    # The table was changed by hand, was cut off, or is something else.
     sed '9s/,[^,]*$/,none/' good.csv >d/tradeoff.csv
     sweep "$cube" d --tolerances 2 --no-gltfpack
     expect_error 3 '^phongsplat: d/tradeoff.csv: line 9: a cell is not a number; --fresh starts over'
@@ -217,7 +220,7 @@ case_refused() {
     sweep "$cube" d --tolerances 2 --no-gltfpack
     expect_error 3 '^phongsplat: d/tradeoff.csv: line 1: these are not the columns of a sweep'
     cmp -s d/tradeoff.csv "$cube" || fail "what is no table was written over"
-    # Whole lines that are missing are measured.
+    # Missing whole lines are measured again.
     head -n 9 good.csv >d/tradeoff.csv
     sweep "$cube" d --tolerances 2 --no-gltfpack
     expect_code 0
@@ -228,7 +231,7 @@ case_refused() {
     [ "$(cat d/notes.txt)" = mine ] || fail "a file of the user is gone"
 }
 
-# Each file is limited to 2 KiB, less than an asset takes: as on a full disk, writing fails.
+# Each file is limited to 2 KiB, less than an asset takes: writing fails as on a full disk.
 case_full_disk() {
     command_line="tradeoff without room" code=0
     (ulimit -f 4 && "$PHONGSPLAT" tradeoff $small "$cube" d --no-gltfpack) >stdout.txt 2>stderr.txt || code=$?
@@ -248,7 +251,7 @@ case_full_disk() {
     columns d/tradeoff.csv | cmp -s - before.txt || fail "rows have changed"
 }
 
-# Killed at moments all over the sweep and started again, it ends as if nothing had happened.
+# A sweep that is killed at many moments and started again ends as if it had not been killed.
 case_killed() {
     sweep "$cube" whole --tolerances 2,1 --no-gltfpack
     expect_code 0
@@ -260,7 +263,7 @@ case_killed() {
         timeout -s KILL "$delay" "$PHONGSPLAT" tradeoff $small "$cube" d --tolerances 2,1 --no-gltfpack \
             >stdout.txt 2>stderr.txt || code=$?
         [ "$code" -ne 0 ] || break
-        # timeout does not wait for the end of what it has killed.
+        # timeout does not wait for the end of the process that it kills.
         sleep 0.2
         [ "$code" -eq 137 ] || fail "killed after $delay s: exit code $code: $(cat stderr.txt)"
         moments=$((moments + 1))
@@ -273,7 +276,7 @@ case_killed() {
         cmp "d/assets/$file.glb" "whole/assets/$file.glb" || fail "$file differs"
     done
 
-    # Ctrl-C ends it at once, and says so.
+    # Ctrl-C ends it at once with a message.
     code=0
     # shellcheck disable=SC2086
     timeout -s INT 0.3 "$PHONGSPLAT" tradeoff $small --frames 100000 "$cube" d --tolerances 2,1 --no-gltfpack >stdout.txt 2>stderr.txt || code=$?

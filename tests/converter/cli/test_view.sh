@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# view: finds phongsplat-viewer beside itself, then in PATH, and hands its arguments over as they are.
+# test_view.sh - tests that view finds phongsplat-viewer beside itself, then in PATH, and passes its
+# arguments on unchanged.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir alone both path
 cp "$PHONGSPLAT" alone/
@@ -24,12 +25,13 @@ expect_output '^path: phongsplat-viewer$'
 
 run env PATH=/nonexistent alone/phongsplat view a.glb
 expect_error 6 '^phongsplat: phongsplat-viewer: not found '
-# One that cannot be run is passed over.
+# A file that cannot be executed is skipped.
 chmod -x both/phongsplat-viewer
 run env PATH="$PWD/path:$PATH" both/phongsplat view
 expect_output '^path: phongsplat-viewer$'
 
-# What this program ignores the viewer does not: a closed pipe ends it. 141: 128 + SIGPIPE.
+# This program ignores SIGPIPE, and the viewer must not: a closed pipe ends it with 141, which is
+# 128 + SIGPIPE.
 cat >both/phongsplat-viewer <<'EOF2'
 #!/bin/sh
 kill -s PIPE $$

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// CGAL's Hausdorff distances behind C functions; see hausdorff.h.
+//
+// hausdorff.cpp - CGAL's Hausdorff distances behind C functions, which hausdorff.h documents.
 #include "hausdorff.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -14,7 +15,8 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 namespace processing = CGAL::Polygon_mesh_processing;
 
-// Each triangle with vertices of its own: what they share does not matter to distances.
+// Returns the mesh with separate vertices for each triangle, since shared vertices do not affect
+// distances.
 Mesh mesh_of(const hausdorff_soup &soup) {
     Mesh mesh;
     for (std::size_t t = 0; t < soup.triangle_count; ++t) {

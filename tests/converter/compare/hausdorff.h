@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-/* Triangles; vertices may belong to several. */
+/* Triangles; a vertex may belong to several of them. */
 typedef struct hausdorff_soup {
     const double *points; /* point_count x 3 */
     size_t point_count;
@@ -20,12 +20,14 @@ typedef struct hausdorff_soup {
     size_t triangle_count;
 } hausdorff_soup;
 
-/* The greatest distance of a point of one to the other: at least what is returned, and more by at
- * most bound; where it is less than bound, bound is returned (Polygon_mesh_processing::
- * bounded_error_Hausdorff_distance). Negative: CGAL failed. */
+/* Returns the greatest distance of a point of `from` to `to`. The exact value is at least the
+ * returned one and at most `bound` more; where it is less than `bound`, `bound` is returned (CGAL's
+ * Polygon_mesh_processing::bounded_error_Hausdorff_distance). Returns a negative number if CGAL
+ * failed. */
 double hausdorff_bounded(const hausdorff_soup *from, const hausdorff_soup *to, double bound);
-/* The same of points that CGAL spreads over one: count by area, and its vertices
- * (approximate_Hausdorff_distance). */
+/* Returns the greatest distance to `to` from the vertices of `from` and from `count` points that
+ * CGAL spreads over it by area (approximate_Hausdorff_distance), or a negative number if CGAL
+ * failed. */
 double hausdorff_sampled(const hausdorff_soup *from, const hausdorff_soup *to, size_t count);
 
 #ifdef __cplusplus

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * The greatest distances, against those that CGAL finds between the same triangles.
  *
- * Splats become polygons for that. Three things may differ, all in lengths: CGAL's value is up to
- * its bound too small, and not below the bound; a polygon of 64 sides lies inside its ellipse by up
- * to (1 - cos(pi / 64)) radii; and what is found at N points may miss the maximum by as much as the
- * radius of the largest hole between them, since a distance changes by no more than the way gone.
- * Among N random points on an area A about (A / a) (N a / A)^2 exp(-N a / A) discs of area a are
- * expected to be empty (Hall, Introduction to the Theory of Coverage Processes, 1988, section 3.3):
- * 0.002 of them for a = 2 ln(N) A / N and N = 10,000.
+ * test_hausdorff.c - tests of the greatest distances (one-sided Hausdorff distances) against those
+ * that CGAL finds between the same triangles, for a cube with a broken splat and for converted
+ * models. Splats become polygons for CGAL. Three deviations are allowed, all of them lengths.
+ * CGAL's value is up to its bound too small, and never below the bound. A polygon of 64 sides lies
+ * inside its ellipse by up to (1 - cos(pi / 64)) radii. The maximum over N points may miss the true
+ * one by the radius of the largest hole between the points, since a distance changes by no more
+ * than the way gone. Among N random points on an area A about (A / a) (N a / A)^2 exp(-N a / A)
+ * discs of area a are expected to be empty (Hall, Introduction to the Theory of Coverage Processes,
+ * 1988, section 3.3): 0.002 of them for a = 2 ln(N) A / N and N = 10,000.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,10 +33,10 @@
 #include "splats/splats.h"
 
 static const double pi = 3.14159265358979323846;
-/* % of the diagonal. */
+/* CGAL's error bound, % of the diagonal */
 static const double bound = 0.5;
 
-/* Ours, and as many for CGAL to spread. */
+/* number of points sampled by the converter and by CGAL, each */
 enum { POINTS = 10000 };
 enum { SIDES = 64, CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES };
 
@@ -44,7 +45,7 @@ typedef struct polygons {
     double *points;
     uint32_t *triangles;
     size_t point_count, triangle_count;
-    double error; /* of the polygons */
+    double error; /* greatest distance of a polygon from its ellipse */
     double area;
 } polygons;
 
@@ -83,19 +84,19 @@ static double hole_radius(double area, size_t samples) {
     return sqrt(2 * log((double)samples) / (double)samples * area / pi);
 }
 
-/* ours and CGAL's in %, the others lengths. */
+/* Asserts that the converter's distance and CGAL's two (all in %) agree; the others are lengths. */
 static void agree(double ours, double bounded, double sampled, double hole, double error,
                   double diagonal) {
     hole *= 100 / diagonal, error *= 100 / diagonal;
     assert_true(bounded >= 0 && sampled >= 0);
-    /* Found at points of the surface, ours is never too great. */
+    /* The converter's distance is one of a point on the surface, hence never too great. */
     assert_true(ours <= bounded + bound + error);
     if (bounded > bound) assert_true(ours >= bounded - hole - error);
-    /* Both miss what lies between points, the one or the other more. */
+    /* Either sampling misses the points between its own. */
     assert_near(ours, sampled, hole + error);
 }
 
-/* *most: the distance that CGAL finds, both ways, %. */
+/* Compares both directions, and stores the greatest distance that CGAL finds, in %. */
 static void check(const fixture *f, const psplat_asset *asset, double *most) {
     const psplat_shape_desc desc = {.samples = POINTS};
     psplat_shape_errors e = fixture_compare_asset(f, asset, &desc);
@@ -115,7 +116,7 @@ static void check(const fixture *f, const psplat_asset *asset, double *most) {
     free(p.triangles);
 }
 
-/* A cube, one of whose splats floats, and another of which is cut in half. */
+/* One splat of a cube is moved outwards, and then another one is cut in half. */
 static void test_cube(void **state) {
     (void)state;
     fixture f;
@@ -132,15 +133,15 @@ static void test_cube(void **state) {
         check(&f, asset, &most);
         psplat_asset_destroy(asset);
         scene_free(&s);
-        /* The middle of the face that floats is 0.3 half edges from it; the half that was cut off
-         * is open as far as its middle is from the edges, half an edge. */
+        /* The middle of the moved face is 0.3 half edges from its place. The half that was cut off
+         * is open, and its middle is half an edge from the next splats. */
         const double expected[] = {bound, 100 * 0.3 / sqrt(12), 100 * 0.5 / sqrt(12)};
         assert_near(most, expected[broken], bound + 1e-4);
     }
     fixture_free(&f);
 }
 
-/* Coarse conversions: of a sphere, a torus, a part with creases and holes. */
+/* Compares a coarse conversion of a model. */
 static void check_converted(const char *name, double tolerance) {
     fixture f;
     psplat_splats splats = {0};
@@ -155,7 +156,7 @@ static void check_converted(const char *name, double tolerance) {
     assert_int_equal(psplat_glb_write_as(&splats, NULL, NULL, &glb, &size, NULL), PSPLAT_OK);
     assert_int_equal(psplat_asset_open_memory(glb, size, NULL, &asset, NULL), PSPLAT_OK);
     check(&f, asset, &most);
-    /* It is no comparison of nothing with nothing: splats use their tolerance. */
+    /* Splats do use their tolerance, so that the distances compared are not 0. */
     assert_true(most > tolerance / 2);
     psplat_asset_destroy(asset);
     psplat_splats_free(&splats);

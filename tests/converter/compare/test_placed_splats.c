@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Splats where nodes place them, and the nearest of them, against the definitions. */
+ *
+ * test_placed_splats.c - tests of splats placed by nodes, and of the nearest of them to a point.
+ * Expected values are the definitions: transformed points and tangents, and distances over a dense
+ * grid.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,7 +29,7 @@
 
 static const double none[3] = {0, 0, 0};
 
-/* A random affine map that is far from singular, by columns; strength: how far from a rigid one. */
+/* Makes a random affine map (4 x 4, by columns) that is far from singular. */
 static void random_map(uint64_t *random, double matrix[16]) {
     double determinant, cofactor[3];
     memset(matrix, 0, 16 * sizeof *matrix);
@@ -44,8 +48,8 @@ static void transform(const double m[16], const double p[3], double result[3]) {
         result[k] = m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k];
 }
 
-/* Normals as tangents say: perpendicular to the images of two vectors that were perpendicular to
- * them, on the side of the image of the normal itself, times what spec 4 says of their length. */
+/* Stores the transformed normal by its definition: perpendicular to the images of two vectors that
+ * are perpendicular to it, on the side of its own image, and of the length that spec 4 gives. */
 static void transform_normal(const double m[16], const double n[3], double result[3]) {
     double a[3], b[3], unit[3], images[3][3];
     const double *vectors[3] = {a, b, unit};
@@ -73,7 +77,7 @@ static void assert_near3(const double a[3], const double b[3], double tolerance)
     for (int k = 0; k < 3; ++k) assert_near(a[k], b[k], tolerance);
 }
 
-/* Points, what the lines keep of them, and normals go with the map. */
+/* Asserts that points, which of them the lines keep, and normals agree with the map. */
 static void check_placed(const psplat_region *stored, const psplat_blend_field *field,
                          const psplat_region *placed, const psplat_blend_field *placed_field,
                          const double m[16], uint64_t *random) {
@@ -90,7 +94,7 @@ static void check_placed(const psplat_region *stored, const psplat_blend_field *
         point_of(stored, uv, p);
         transform(m, p, q);
         psplat_region_local(placed, q, uvh);
-        /* Rounding of coordinates of some 10 in units of radii of 0.02 and more. */
+        /* Rounding of coordinates of about 10 in units of radii of 0.02 and more. */
         assert_near(uvh[2], 0, 1e-12);
         assert_near(hypot(uvh[0], uvh[1]), hypot(uv[0], uv[1]), 1e-10);
         assert_int_equal(psplat_region_contains(placed, uvh, 1, 0),
@@ -134,10 +138,10 @@ static void test_transforms(void **state) {
         psplat_asset_destroy(asset);
         scene_free(&s);
     }
-    assert_in_range(mirrored, 4, 16); /* of 20 */
+    assert_in_range(mirrored, 4, 16); /* out of 20 */
 }
 
-/* What convert writes comes back to the bit, also far from the origin. */
+/* Splats that convert writes come back bit by bit, also far from the origin. */
 static void test_exact(void **state) {
     (void)state;
     fixture f;
@@ -175,10 +179,9 @@ static void test_exact(void **state) {
     fixture_free(&f);
 }
 
-/* ---- the nearest point ------------------------------------------------------------------------
- */
+/* ---- the nearest point ----------------------------------------------------------------------- */
 
-/* Over a grid of (u, v) as fine as this. */
+/* steps of the grid of (u, v) along each axis */
 enum { GRID = 150 };
 
 static double brute_distance(const psplat_region *region, const double point[3]) {
@@ -193,9 +196,8 @@ static double brute_distance(const psplat_region *region, const double point[3])
     return sqrt(least);
 }
 
-/* A region's distance is that of its points, but for the grid's spacing; exactly so beside a
- * circle.
- */
+/* The distance of a region is the least over a grid of its points, up to the spacing; beside a
+ * circle it is exact. */
 static void test_distance(void **state) {
     (void)state;
     uint64_t random = 9;
@@ -210,7 +212,8 @@ static void test_distance(void **state) {
                    3 * (psplat_random_unit(&random) - 0.5) * regions[i].radius[0];
         double found = psplat_region_distance(&regions[i], p),
                brute = brute_distance(&regions[i], p);
-        /* Never above; below by the diagonal of a cell at most, and a cell at an outline. */
+        /* The distance is never above that of the grid; it is below by at most the diagonal of a
+         * cell, plus a cell at an outline. */
         assert_true(found <= brute * (1 + 1e-12));
         assert_true(found >= brute - 3 * regions[i].radius[0] / GRID);
     }
@@ -225,25 +228,25 @@ static void test_distance_exact(void **state) {
     assert_near(psplat_region_distance(&r, (const double[]){5, 0, 4}), 5, 1e-14);
     assert_near(psplat_region_distance(&r, (const double[]){1e9, 0, 0}), 1e9 - 2, 1e-6);
     r.radius[0] = 1e4,
-    r.radius[1] = 1; /* a needle: off its tip, beside it, off its side's middle */
+    r.radius[1] = 1; /* a needle: beyond its tip, beside it, off the middle of its side */
     assert_near(psplat_region_distance(&r, (const double[]){1e4 + 1, 0, 0}), 1, 1e-11);
     assert_near(psplat_region_distance(&r, (const double[]){0, 3, 0}), 2, 1e-14);
     r.radius[1] = 1e4;
-    r.line_count = 2; /* u >= 1/2 and v >= 1/2: a quarter with a corner */
+    r.line_count = 2; /* u >= 1/2 and v >= 1/2 leave a quarter with a corner. */
     r.lines[0][0] = r.lines[1][1] = 1, r.lines[0][2] = r.lines[1][2] = -0.5;
     r.radius[0] = r.radius[1] = 2;
     assert_near(psplat_region_distance(&r, (const double[]){0, 0, 0}), sqrt(2), 1e-14);
     assert_near(psplat_region_distance(&r, (const double[]){0, 1.5, 0}), 1, 1e-14);
-    /* Beyond the circle, whose nearest point the line cuts away: the end of the arc. */
+    /* The line cuts off the circle's nearest point; the end of the arc is nearest. */
     assert_near(psplat_region_distance(&r, (const double[]){0, 4, 0}), hypot(1, 4 - sqrt(3)),
                 1e-14);
     r.lines[1][1] = -1, r.lines[1][2] = -0.5; /* v <= -1/2 */
     assert_near(psplat_region_distance(&r, (const double[]){0, 0, 0}), sqrt(2), 1e-14);
-    r.lines[1][1] = 0, r.lines[1][0] = -1; /* u <= -1/2 and u >= 1/2 */
+    r.lines[1][1] = 0, r.lines[1][0] = -1; /* no point has u <= -1/2 and u >= 1/2 */
     assert_true(isinf(psplat_region_distance(&r, (const double[]){0, 0, 0})));
 }
 
-/* The nearest of many is the least of all. */
+/* The distance of the nearest splat is the least over all splats. */
 static void test_nearest(void **state) {
     (void)state;
     uint64_t random = 4;

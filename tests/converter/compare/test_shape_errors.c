@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Distances, normals and coverage where they are known exactly. */
+ *
+ * test_shape_errors.c - tests of shape errors (distances, normals, coverage, overhang) between a
+ * mesh and splats or another mesh, where they are known exactly: squares, triangles and cubes with
+ * splats at known heights, angles and gaps.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,14 +17,15 @@
 #include "compare/shape_errors.h"
 
 static const double degrees = 180 / 3.14159265358979323846;
-/* Of coordinates in single precision near 1, in % of a diagonal near 1. */
+/* Float rounding of coordinates near 1, in % of a diagonal near 1. */
 static const double single = 3e-5;
-/* Normals of the source are kept in single precision: 1e-7 radians, a few roundings. */
+/* Float rounding of the source's normals, some 1e-7 radians, in degrees. */
 static const double single_degrees = 3e-5;
-/* Diagonal of the square. */
+/* diagonal of the square */
 static const double root2 = 1.41421356237309505;
 
-/* Five standard deviations of a part of count independent points, %. */
+/* Returns five standard deviations, in %, of a proportion estimated from `count` independent
+ * points. */
 static double five_sigma(double part, size_t count) {
     return 5 * 100 * sqrt(part * (1 - part) / (double)count);
 }
@@ -32,7 +37,7 @@ static void assert_spread(psplat_statistics s, double max, double rms, double p9
     assert_near(s.p95, p95, tolerance);
 }
 
-/* The square itself as a splat: nothing is wrong. */
+/* A splat equal to the square has no error. */
 static void test_same(void **state) {
     (void)state;
     fixture f;
@@ -45,7 +50,7 @@ static void test_same(void **state) {
     scene_free(&s);
     assert_near(e.diagonal, root2, 1e-12);
     assert_int_equal(e.elements, 1);
-    /* 200,000 on either side and the corners. */
+    /* 200,000 samples in all, plus the corners */
     assert_in_range(e.source_samples, 199990, 200020);
     assert_in_range(e.target_samples, 199990, 200020);
     assert_spread(e.outward, 0, 0, 0, single);
@@ -55,11 +60,11 @@ static void test_same(void **state) {
     assert_near(e.uncovered_area, 0, 0);
     assert_near(e.overhang_area, 0, 0);
     assert_near(e.crease_area, 0, 0);      /* borders are no creases */
-    assert_near(e.reach, 2 / root2, 1e-6); /* the scene's depth tolerance is 0.01 */
+    assert_near(e.reach, 2 / root2, 1e-6); /* the reach follows the scene's depth tolerance, 0.01 */
     fixture_free(&f);
 }
 
-/* One splat above one triangle: every distance is the height. */
+/* One splat lies above one triangle, so that every distance is its height. */
 static void test_height(void **state) {
     (void)state;
     static const double positions[] = {0, 0, 0, 3, 0, 0, 0, 4, 0};
@@ -69,10 +74,10 @@ static void test_height(void **state) {
     for (int above = 0; above < 2; ++above) {
         scene s = scene_blank(1);
         psplat_splat *splat = &s.splats[0];
-        double height = above ? 0.125 : -0.125; /* 2.5 % of 5 */
+        double height = above ? 0.125 : -0.125; /* 2.5 % of the diagonal, 5 */
         splat->radius[0] = splat->radius[1] = 8;
         splat->center[2] = (float)height;
-        splat->clip_count = 3; /* x >= 0, y >= 0, 4 x + 3 y <= 12 */
+        splat->clip_count = 3; /* x >= 0, y >= 0 and 4 x + 3 y <= 12 */
         splat->clip[0][0] = 1, splat->clip[1][1] = 1;
         splat->clip[2][0] = -32, splat->clip[2][1] = -24, splat->clip[2][2] = 12;
         psplat_asset *asset = scene_open(&s);
@@ -87,14 +92,14 @@ static void test_height(void **state) {
         assert_near(near.uncovered_area, 0, 0);
         assert_near(near.overhang_area, 100, 0); /* farther than 1.5 % */
         assert_near(far.uncovered_area, 100, 0);
-        assert_spread(far.normal, 0, 0, 0, 0); /* of no point */
+        assert_spread(far.normal, 0, 0, 0, 0); /* no point counts */
         psplat_asset_destroy(asset);
         scene_free(&s);
     }
     fixture_free(&f);
 }
 
-/* A splat whose back is to the viewer covers nothing, however near. */
+/* A splat whose back is to the viewer covers nothing, however near it is. */
 static void test_back(void **state) {
     (void)state;
     fixture f;
@@ -118,18 +123,18 @@ static void test_hole(void **state) {
     assert_near(e.overhang_area, 0, 0);
     assert_near(e.outward.max, 25 / root2, single); /* found at the corners of the mesh */
     assert_near(e.inward.max, 0, single);
-    /* x^2 over a quarter of 0 ... 1; 5 % are beyond 0.2. Both are of samples, 1.5 % of which
-     * are five standard deviations. */
+    /* The mean of x^2 is taken over a quarter of 0 ... 1, and 5 % of points are beyond 0.2. Both
+     * are estimates from samples, whose five standard deviations are 1.5 %. */
     assert_near(e.outward.rms, 100 / root2 * sqrt(0.25 * 0.25 * 0.25 / 3), 0.2);
     assert_near(e.outward.p95, 100 / root2 * 0.2, 0.4);
     assert_near(e.distance.rms, e.outward.rms / sqrt(2), single);
-    /* Of both sides a twentieth is a tenth of the source. */
+    /* A twentieth of both sides is a tenth of the source. */
     assert_near(e.distance.p95, 100 / root2 * 0.15, 0.4);
     assert_near(e.distance.max, e.outward.max, 0);
     fixture_free(&f);
 }
 
-/* A splat reaches past a border by a fifth of the square. */
+/* A splat reaches across a border by a fifth of the square. */
 static void test_overhang(void **state) {
     (void)state;
     fixture f;
@@ -144,7 +149,7 @@ static void test_overhang(void **state) {
     fixture_free(&f);
 }
 
-/* A disc that reaches beyond all sides: its curved outline is sampled, too. */
+/* A disc reaches beyond all sides, which tests the sampling of its curved outline. */
 static void test_disc(void **state) {
     (void)state;
     fixture f;
@@ -153,14 +158,14 @@ static void test_disc(void **state) {
     s.splats[0].center[0] = s.splats[0].center[1] = 0.5f;
     const psplat_shape_desc desc = {.reach = 1e-3};
     psplat_shape_errors e = fixture_compare(&f, s, &desc);
-    double outside = 1 - 1 / 3.14159265358979323846; /* but for 1e-5 of a diagonal */
+    double outside = 1 - 1 / 3.14159265358979323846; /* exact to 1e-5 of a diagonal */
     assert_near(e.overhang_area, 100 * outside, five_sigma(outside, FIXTURE_SAMPLES));
     assert_near(e.inward.max, 50 / root2, single);
     assert_near(e.outward.max, 0, single);
     fixture_free(&f);
 }
 
-/* The normal at the centre leans by 10 degrees, everywhere. */
+/* The normal leans by 10 degrees everywhere. */
 static void test_tilted(void **state) {
     (void)state;
     fixture f;
@@ -175,7 +180,8 @@ static void test_tilted(void **state) {
     fixture_free(&f);
 }
 
-/* Two splats with normals to either side blend to the middle where they weigh alike. */
+/* Two splats with normals leaning to either side blend to the middle normal where their weights are
+ * equal. */
 static void test_blended(void **state) {
     (void)state;
     fixture f;
@@ -187,14 +193,14 @@ static void test_blended(void **state) {
         s.splats[i].normal[i] = (float)sin(60 / degrees);
         s.splats[i].normal[2] = (float)cos(60 / degrees);
     }
-    /* (tan, tan, 2) / 2: atan(tan 60 / sqrt 2). */
+    /* The blended normal is (tan, tan, 2) / 2, which leans by atan(tan 60 / sqrt 2). */
     psplat_shape_errors e = fixture_compare(&f, s, NULL);
     double angle = atan(tan(60 / degrees) / root2) * degrees;
     assert_spread(e.normal, angle, angle, angle, single_degrees);
     fixture_free(&f);
 }
 
-/* Of two splats farther apart than the depth tolerance the upper one alone is seen (spec 5.3). */
+/* Of two splats farther apart than the depth tolerance, only the upper one is seen (spec 5.3). */
 static void test_hidden(void **state) {
     (void)state;
     fixture f;
@@ -208,15 +214,15 @@ static void test_hidden(void **state) {
         s.depth_tolerance = hidden ? 0.05f : 0.07f;
         s.splats[1].normal[0] = s.splats[1].normal[2] = (float)sqrt(0.5);
         psplat_shape_errors e = fixture_compare(&f, s, NULL);
-        /* (0, 0, 1) + (1, 0, 1) over the same weights. */
+        /* (0, 0, 1) + (1, 0, 1) at equal weights */
         double angle = hidden ? 0 : atan(0.5) * degrees;
         assert_spread(e.normal, angle, angle, angle, single_degrees);
     }
     fixture_free(&f);
 }
 
-/* A field that is right in the middle of each face of a cube and errs towards its creases: the
- * angle at u is atan(u / 2). */
+/* On each face of a cube, a normal field is exact in the middle and has errors towards the creases:
+ * the angle at u is atan(u / 2). */
 static void test_creases(void **state) {
     (void)state;
     fixture f;
@@ -224,27 +230,27 @@ static void test_creases(void **state) {
     double half = f.mesh.positions[0] < 0 ? -f.mesh.positions[0] : f.mesh.positions[0];
     scene s = scene_cube((float)half);
     for (int k = 0; k < 3; ++k) s.origin[k] = f.mesh.origin[k];
-    double edge = half / (double)s.splats[0].radius[0]; /* (u, v) there */
+    double edge = half / (double)s.splats[0].radius[0]; /* (u, v) at the edge */
     for (size_t i = 0; i < s.count; ++i) s.splats[i].gradient[0] = 0.5f;
-    /* A tenth of each face on every side. */
+    /* A tenth of each face on every side is within the crease width. */
     const psplat_shape_desc desc = {.crease_width = 100 * 0.2 * half / (half * sqrt(12))};
     psplat_shape_errors e = fixture_compare(&f, s, &desc);
     assert_near(e.crease_width, desc.crease_width, 1e-12);
     assert_near(e.crease_area, 36, five_sigma(0.36, FIXTURE_SAMPLES));
-    /* The extremes are as near to the edges as the samples come: 0.3 % of a face. */
+    /* The maxima are as close to the edges as samples come: 0.3 % of a face. */
     assert_near(e.crease_normal.max, atan(0.5 * edge) * degrees, 0.1);
     assert_near(e.face_normal.max, atan(0.5 * 0.8 * edge) * degrees, 0.1);
     assert_near(e.normal.max, e.crease_normal.max, 0);
     assert_true(e.face_normal.rms < e.normal.rms && e.normal.rms < e.crease_normal.rms);
-    /* The parts make up the whole, weighted by their areas. */
+    /* The values near and away from creases make up the whole, weighted by their areas. */
     double parts = e.crease_area / 100 * e.crease_normal.rms * e.crease_normal.rms +
                    (1 - e.crease_area / 100) * e.face_normal.rms * e.face_normal.rms;
     assert_near(sqrt(parts), e.normal.rms, 1e-9);
-    assert_near(e.uncovered_area, 0, 0.01); /* single precision at the creases */
+    assert_near(e.uncovered_area, 0, 0.01); /* rounding to float at the creases */
     fixture_free(&f);
 }
 
-/* Where three sheets meet is a crease; their outer ends are borders and none. */
+/* The common edge of three sheets is a crease; their outer ends are borders and no creases. */
 static void test_junction(void **state) {
     (void)state;
     static const double positions[] = {0,  0, 0, 0,  1, 0, 1, 0, 0, 1, 1, 0,
@@ -252,7 +258,7 @@ static void test_junction(void **state) {
     static const uint32_t triangles[] = {0, 2, 3, 0, 3, 1, 4, 0, 1, 4, 1, 5, 0, 6, 7, 0, 7, 1};
     fixture f;
     fixture_mesh(&f, positions, 8, triangles, 6);
-    /* A tenth of each of the three unit squares; the diagonal is sqrt(4 + 1 + 1). */
+    /* A tenth of each of the three unit squares counts; the diagonal is sqrt(4 + 1 + 1). */
     const psplat_shape_desc desc = {.crease_width = 100 * 0.1 / sqrt(6)};
     psplat_shape_errors e = fixture_compare(&f, fixture_rectangle(-1, 1, 0, 1, 0), &desc);
     assert_near(e.crease_area, 10, five_sigma(0.1, FIXTURE_SAMPLES));
@@ -280,7 +286,7 @@ static void test_mesh_same(void **state) {
     fixture_free(&same);
 }
 
-/* A square shifted sideways and up, whose origin is another. */
+/* A square is shifted sideways and up, with another origin. */
 static void test_mesh_shifted(void **state) {
     (void)state;
     fixture f, other;
@@ -290,10 +296,11 @@ static void test_mesh_shifted(void **state) {
     fixture_finish(&other);
     psplat_shape_errors e = fixture_compare_mesh(&f, &other, NULL);
     double far = 100 / root2 * hypot(0.25, 0.01);
-    assert_near(e.outward.max, far, 1e-9); /* the vertices are among the points */
+    assert_near(e.outward.max, far, 1e-9); /* The vertices are among the points. */
     assert_near(e.inward.max, far, 1e-9);
     assert_near(e.uncovered_area, 25, five_sigma(0.25, FIXTURE_SAMPLES));
-    assert_near(e.overhang_area, 100, 0); /* 0.7 % above it is more than half of 1 % */
+    /* Its height of 0.7 % is more than half of the reach, 1 %. */
+    assert_near(e.overhang_area, 100, 0);
     assert_spread(e.normal, 0, 0, 0, single_degrees);
     fixture_free(&f);
     fixture_free(&other);
@@ -337,7 +344,7 @@ static void test_probe(void **state) {
 
 /* ---- settings -------------------------------------------------------------------------------- */
 
-/* Equal seeds give equal figures, others do not; counts are kept. */
+/* Equal seeds give equal results, and other seeds do not; the numbers of samples are kept. */
 static void test_settings(void **state) {
     (void)state;
     fixture f;
@@ -351,7 +358,7 @@ static void test_settings(void **state) {
     psplat_shape_errors other = fixture_compare_asset(&f, asset, &desc);
     assert_memory_equal(&a, &b, sizeof a);
     assert_true(a.outward.rms != other.outward.rms && a.inward.rms != other.inward.rms);
-    /* Of two samples of 3000 each: 5 % are some five standard deviations. */
+    /* Each is an estimate from 3000 samples, so that 5 % are about five standard deviations. */
     assert_near(other.outward.rms / a.outward.rms, 1, 0.05);
     assert_in_range(a.source_samples, 3000, 6002);
     assert_in_range(a.target_samples, 2900 + 300 * 8, 3000 + 300 * 12);
@@ -360,14 +367,14 @@ static void test_settings(void **state) {
     fixture_free(&f);
 }
 
-/* What is nowhere is infinitely far, and covers nothing. */
+/* A target without a surface is infinitely far, and covers nothing. */
 static void test_nothing(void **state) {
     (void)state;
     static const double flat[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
     fixture f;
     fixture_square(&f);
     scene s = fixture_rectangle(0, 1, 0, 1, 0);
-    psplat_asset *asset = fixture_open(&s, flat); /* singular: draws nothing */
+    psplat_asset *asset = fixture_open(&s, flat); /* a singular matrix, which draws nothing */
     psplat_shape_errors e = fixture_compare_asset(&f, asset, &(psplat_shape_desc){.samples = 100});
     assert_true(isinf(e.outward.max) && isinf(e.outward.rms) && isinf(e.distance.max));
     assert_int_equal(e.elements, 0);

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Where splats lie in a file: every one once, with its lines, and nothing on top of another; and of
- * all layouts the smallest is kept. */
+ *
+ * test_buffer_layout.c - tests of the layout of splats in a file's buffer: every splat is stored
+ * once with its lines, nothing overlaps, and the smallest of all layouts is chosen. Splats are the
+ * random ones of writer_fixture.h in integers, floats, and several formats.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,14 +25,15 @@
 
 enum { MESHES = 4 };
 
-/* What is laid out: integers, floats, nothing, and integers of other formats. */
+/* The splats to be laid out: integers, floats, nothing, and integers in other formats. */
 typedef struct laid {
     psplat_splats splats[MESHES];
     psplat_attribute_table tables[MESHES];
     psplat_scene scene;
 } laid;
 
-/* Halves of each run are of two materials and depth tolerances: families. */
+/* Divides each run between two materials and two depth tolerances, which makes families of
+ * primitives. */
 static void divide_runs(psplat_splats *s) {
     psplat_run *runs = writer_memory(4 * s->run_count, sizeof *runs);
     size_t count = 0;
@@ -54,7 +58,7 @@ static void divide_runs(psplat_splats *s) {
     s->material_count = 2;
 }
 
-/* Sheets point to the splats. */
+/* Makes the splats; the tables point to them. */
 static void lay(size_t count, laid *l) {
     const written kinds[MESHES] = {
         {.count = count, .size = 2, .precision = steps_of(2), .has_slopes = 1, .has_surface = 1},
@@ -98,7 +102,7 @@ static psplat_buffer_layout make(laid *l, const psplat_buffer_layout_plan *plan)
     return layout;
 }
 
-/* The run that a splat is in. */
+/* Returns the run of a splat. */
 static const psplat_run *run_of(const psplat_splats *s, size_t index) {
     const psplat_run *run = s->runs;
     for (; index >= run->count; ++run) index -= run->count;
@@ -107,7 +111,8 @@ static const psplat_run *run_of(const psplat_splats *s, size_t index) {
 
 /* ---- primitives ----------------------------------------------------------------------------- */
 
-/* Each splat is in one primitive, of its mesh, material and tolerance, with room for its lines. */
+/* Asserts that each splat is in one primitive, with its mesh, material and tolerance, and with room
+ * for its lines. */
 static void check_primitives(const laid *l, const psplat_buffer_layout *layout) {
     uint8_t *seen[MESHES];
     for (size_t m = 0; m < MESHES; ++m) seen[m] = writer_memory(l->splats[m].count, 1);
@@ -133,7 +138,7 @@ static void check_primitives(const laid *l, const psplat_buffer_layout *layout) 
         assert_true(count > 0);
         assert_int_equal(count, primitive->count);
         assert_true(primitive->counts[primitive->clip_lines] >
-                    0); /* no more lines than someone has */
+                    0); /* no primitive has more lines than a splat of it needs */
         for (size_t k = 0; k < PSPLAT_MAX_CLIP_LINES; ++k)
             assert_int_equal(primitive->formats[PSPLAT_ATTRIBUTE_LINE + k].components > 0,
                              k < primitive->clip_lines);
@@ -146,7 +151,7 @@ static void check_primitives(const laid *l, const psplat_buffer_layout *layout) 
 
 /* ---- bytes ---------------------------------------------------------------------------------- */
 
-/* An attribute of a primitive: its elements are where they should be, and there alone. */
+/* Asserts that the elements of an attribute lie where they should, and only there. */
 static void check_attribute(const laid *l, const psplat_buffer_layout *layout,
                             const psplat_primitive_layout *primitive, size_t kind,
                             uint8_t *const *taken) {
@@ -171,7 +176,7 @@ static void check_attribute(const laid *l, const psplat_buffer_layout *layout,
         }
 }
 
-/* Every byte of every view is of one element, or 0. */
+/* Asserts that every byte of every view belongs to one element, or is 0. */
 static void check_bytes(const laid *l, const psplat_buffer_layout *layout) {
     uint8_t **taken = writer_memory(layout->view_count, sizeof *taken);
     for (size_t v = 0; v < layout->view_count; ++v)
@@ -207,8 +212,8 @@ static void test_every_plan(void **state) {
     }
 }
 
-/* Where padding costs nothing a family is one primitive, where it costs everything each class is.
- */
+/* Where padding is free, a family is one primitive; where it is infinitely expensive, each class is
+ * one. */
 static void test_padding(void **state) {
     (void)state;
     laid l;
@@ -228,7 +233,7 @@ static void test_padding(void **state) {
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
-/* Bytes of the GLB of a plan. */
+/* Returns the size in bytes of the GLB of a plan. */
 static size_t size_of(laid *l, const psplat_buffer_layout_plan *plan) {
     psplat_buffer_layout layout = make(l, plan);
     psplat_writer json = {.compact = 1};
@@ -249,9 +254,9 @@ static void check_smallest(size_t count, const psplat_codec *codec) {
     uint8_t *data = writer_file(l.splats, MESHES, &desc, &size);
     uint8_t *again = writer_file(l.splats, MESHES, &desc, &again_size);
     assert_int_equal(again_size, size);
-    assert_memory_equal(again, data, size); /* equal input, equal bytes */
+    assert_memory_equal(again, data, size); /* Equal input gives equal bytes. */
     for (unsigned bits = 0; bits < 8; ++bits) {
-        if (bits & 2 && !codec) continue; /* the filter is of the compression */
+        if (bits & 2 && !codec) continue; /* The filter belongs to the compression. */
         const psplat_buffer_layout_plan plan = plan_of(bits, codec ? 0.1 : 1, codec);
         size_t other = size_of(&l, &plan);
         if (other < least) least = other;

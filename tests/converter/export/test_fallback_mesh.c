@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * Coarse meshes for viewers that know no splats: near the surface, sharp where it is, whole. */
+ *
+ * test_fallback_mesh.c - tests of simplified meshes for viewers that do not know the extension:
+ * they stay within the tolerance of the surface, keep creases, and are closed where the source is.
+ * The shapes are a cube, a torus and a textured square; expected values are their volumes and
+ * counts.
+ */
 #include "appearance_fixture.h"
 #include "stage_fixture.h"
 #include "shape_fixture.h"
@@ -21,7 +26,7 @@ static psplat_fallback_mesh make(const psplat_mesh *mesh, double percent) {
     return fallback;
 }
 
-/* Corner k of triangle t, in double. */
+/* Stores corner k of triangle t in double. */
 static void corner(const psplat_fallback_mesh *s, size_t t, size_t k, double out[3]) {
     for (size_t i = 0; i < 3; ++i) out[i] = (double)s->vertices[s->indices[3 * t + k]].position[i];
 }
@@ -45,7 +50,7 @@ static double primitive_area(const psplat_fallback_mesh *s,
     return sum;
 }
 
-/* Six times the volume inside. */
+/* Returns six times the enclosed volume. */
 static double volume(const psplat_fallback_mesh *s) {
     double sum = 0;
     for (size_t t = 0; t < s->index_count / 3; ++t) {
@@ -62,12 +67,13 @@ static void test_cube(void **state) {
     psplat_mesh mesh = shape_cube(8);
     shape_weld(&mesh);
     psplat_fallback_mesh s = make(&mesh, 0.5);
-    assert_true(s.index_count <= 3 * 40); /* of 768: 12 and some whose ends lie on edges */
+    /* Of 768 triangles, 12 and some with ends on edges remain. */
+    assert_true(s.index_count <= 3 * 40);
     assert_true(s.vertex_count <= 64);
     assert_int_equal(s.primitive_count, 1);
     assert_false(s.has_color);
     assert_true(fabs(volume(&s) - 6 * 8) < 1e-12);
-    for (size_t t = 0; t < s.index_count / 3; ++t) { /* three normals that are the face's */
+    for (size_t t = 0; t < s.index_count / 3; ++t) { /* All three corners have the face's normal. */
         double area[3];
         area_vector(&s, t, area);
         for (size_t k = 0; k < 3; ++k) {
@@ -81,8 +87,8 @@ static void test_cube(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* All triangles are there at next to no tolerance; fewer the more there is, each near the surface.
- */
+/* At a tiny tolerance all triangles remain; the larger the tolerance, the fewer triangles remain,
+ * each near the surface. */
 static void test_torus(void **state) {
     (void)state;
     fixture f;
@@ -97,7 +103,7 @@ static void test_torus(void **state) {
         psplat_fallback_mesh s = make(&f.mesh, percent);
         assert_true(s.index_count < before && s.index_count > 60);
         before = s.index_count;
-        /* No more than a layer of that thickness is lost: 6 * area * tolerance. */
+        /* At most a layer as thick as the tolerance is lost: 6 * area * tolerance. */
         assert_true(fabs(volume(&s) - inside) < 6 * f.surface.area * tolerance);
         psplat_fallback_mesh_free(&s);
     }
@@ -106,7 +112,7 @@ static void test_torus(void **state) {
     fixture_free(&f);
 }
 
-/* Vertices are numbered as indices meet them, and each is met. */
+/* Vertices are numbered in the order in which indices refer to them, and each is used. */
 static void test_order(void **state) {
     (void)state;
     fixture f;
@@ -128,7 +134,8 @@ static void stripes(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     memcpy(rgba, x < 8 ? red : green, 4);
 }
 
-/* A square of two materials, halves of it, one of them with a texture: colours everywhere. */
+/* The square has two materials, one for each half, one of them with a texture: vertices get
+ * colours. */
 static void test_materials(void **state) {
     (void)state;
     painted p;
@@ -152,7 +159,7 @@ static void test_materials(void **state) {
     assert_int_equal(s.primitives[1].group, 2);
     for (size_t i = 0; i < 2; ++i)
         assert_true(fabs(primitive_area(&s, &s.primitives[i]) - 2) < 1e-6);
-    assert_true(s.index_count <= 3 * 8); /* of 128: flat */
+    assert_true(s.index_count <= 3 * 8); /* Of 128 flat triangles few remain. */
     assert_true(s.has_color);
     for (size_t v = 0; v < s.vertex_count; ++v) {
         const psplat_fallback_vertex *vertex = &s.vertices[v];
@@ -170,7 +177,8 @@ static void half_rough(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     rgba[0] = rgba[3] = 255, rgba[1] = x < 8 ? 102 : 153, rgba[2] = 51;
 }
 
-/* A texture's roughness (green) and metalness (blue) become factors: their means, 1/2 and 1/5. */
+/* The roughness (green) and metalness (blue) of a texture become factors by their means, 1/2 and
+ * 1/5. */
 static void test_finish(void **state) {
     (void)state;
     painted p;
@@ -180,14 +188,15 @@ static void test_finish(void **state) {
         (psplat_texture_info){.image = &p.image, .transform = {1, 0, 0, 0, 1, 0}};
     psplat_fallback_mesh s = make(&p.mesh, 0.5);
     assert_int_equal(s.primitive_count, 1);
-    /* The texture wraps around, as do the triangles' surroundings: alike on both sides. */
+    /* The texture repeats, and so do the footprints of vertices at its edges: both sides are equal.
+     */
     assert_true(fabsf(s.primitives[0].material.roughness - 0.25f) < 1e-4f);
     assert_true(fabsf(s.primitives[0].material.metallic - 0.2f) < 1e-4f);
     psplat_fallback_mesh_free(&s);
     painted_free(&p);
 }
 
-/* What a mesh without materials calls groups divides nothing. */
+/* Groups without materials do not divide the mesh. */
 static void test_groups_alone(void **state) {
     (void)state;
     psplat_mesh mesh = shape_cube(2);

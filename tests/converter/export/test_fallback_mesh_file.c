@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Files with meshes that stand in (spec 6.1), in all precisions: the runtime finds the splats, and
- * a reader that knows none finds the mesh in the same place. */
+ *
+ * test_fallback_mesh_file.c - tests of files with fallback meshes (spec 6.1), in all precisions:
+ * the runtime reads the splats, and a reader without the extension reads the mesh in the same
+ * place.
+ */
 #include "mesh_fixture.h"
 #include "export/alternatives.h"
 #include "export/fallback_mesh.h"
@@ -56,7 +59,7 @@ static size_t count_triangles(const product *p) {
     return count;
 }
 
-/* Splats drawn. */
+/* Returns the number of splats that the runtime reads. */
 static size_t draw(const uint8_t *data, size_t size) {
     psplat_asset *asset = NULL;
     psplat_error error = {0};
@@ -68,8 +71,8 @@ static size_t draw(const uint8_t *data, size_t size) {
     return count;
 }
 
-/* Each corner of the mesh in the file is where the mesh that stands in has it, to within half a
- * step of positions in each axis and float rounding; counts of single meshes agree. */
+/* Asserts that each vertex in the file is where the fallback mesh has it, to within half a step of
+ * positions along each axis and rounding to float, and that the numbers of triangles agree. */
 static void check_mesh(const product *p, const psplat_mesh *found) {
     const psplat_fallback_mesh *s = &p->fallbacks[0];
     double tolerance = sqrt(3) * (p->splats[0].precision.unit / 2 + 1e-6);
@@ -131,13 +134,13 @@ static void test_torus(void **state) {
     check_model("torus.off", -1);
 }
 
-/* Several meshes, materials and colours; one mesh is placed twice. */
+/* The scene has several meshes, materials and colours, and places one mesh twice. */
 static void test_scene(void **state) {
     (void)state;
     check_model("painted.glb", 0);
 }
 
-/* Steps so small that shorts do not hold the mesh. */
+/* Steps are so small that 16-bit integers cannot hold the mesh. */
 static void test_small_steps(void **state) {
     (void)state;
     check_model("cube.off", 0.002);

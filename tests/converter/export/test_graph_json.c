@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_graph_json.c - what a file says of its scenes, nodes, cameras and lights is written as it
- * was read.
+ * test_graph_json.c - tests that scenes, nodes, cameras, lights, names and extras are written as
+ * they were read. Expected values are the JSON texts.
  */
 #include "gltf_fixture.h"
 #include "base/json_writer.h"
@@ -23,7 +23,8 @@ static psplat_scene scene_of(const char *name, const char *text) {
     return scene;
 }
 
-/* The graph as JSON; the same placement for each mesh, which keep their indices. */
+/* Asserts the JSON of the graph with the same placement for each mesh; meshes keep their indices.
+ */
 static void check_graph(const psplat_scene *scene, psplat_dequantize_transform placement,
                         const char *expected) {
     psplat_dequantize_transform placements[4] = {placement, placement, placement, placement};
@@ -49,8 +50,8 @@ static void check_graph(const psplat_scene *scene, psplat_dequantize_transform p
 
 #define MESHES "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]"
 
-/* Nested and mirrored nodes, one mesh twice, two scenes, both kinds of cameras, all lights, names
- * and extras of every kind of JSON. The members are in the order in which they are written. */
+/* Nested and mirrored nodes, one mesh used twice, two scenes, both kinds of cameras, all lights,
+ * names, and extras of every JSON type. The members are in the order in which they are written. */
 #define NODES                                                                                      \
     "\"scene\":1,\"scenes\":[{\"name\":\"first\",\"nodes\":[0]},"                                  \
     "{\"nodes\":[0,4],\"extras\":[1,[2,{\"a\":null}],true,\"x\"]}],"                               \
@@ -78,7 +79,7 @@ static void check_graph(const psplat_scene *scene, psplat_dequantize_transform p
 
 static const psplat_dequantize_transform nowhere = {{0, 0, 0}, 1};
 
-/* The document around a tetrahedron; rest follows the asset. */
+/* Returns the document around a tetrahedron; `rest` follows the asset. */
 static const char *document(const char *rest) {
     static char text[16384];
     gltf g = tetrahedron();
@@ -94,7 +95,7 @@ static void test_as_it_was(void **state) {
     psplat_scene scene = scene_of(
         "g.gltf", document(NODES MESHES "," CAMERAS ",\"extras\":{\"z\":0},"
                                         "\"extensionsUsed\":[\"KHR_lights_punctual\"]," LIGHTS));
-    /* tinygltf sorts the keys of extras; an escaped letter is written as itself. */
+    /* tinygltf sorts the keys of extras; an escaped letter is written as UTF-8. */
     const char *expected =
         ASSET "\"scene\":1,\"scenes\":[{\"name\":\"first\",\"nodes\":[0]},"
               "{\"nodes\":[0,4],\"extras\":[1,[2,{\"a\":null}],true,\"x\"]}],"
@@ -111,7 +112,8 @@ static void test_as_it_was(void **state) {
     psplat_scene_free(&scene);
 }
 
-/* A placement is a child of what the file says, and no part of it, unless nobody could tell. */
+/* A placement becomes a child node, unless it can be merged into the node without changing anything
+ * else. */
 static void test_placements(void **state) {
     (void)state;
     static const psplat_dequantize_transform placement = {{10, 20, 30}, 0.5};
@@ -143,7 +145,7 @@ static void test_placements(void **state) {
     psplat_scene_free(&scene);
 }
 
-/* Files without a graph: one node for each mesh, that is where its splats are. */
+/* A file without a graph gets one node for each mesh, at the place of its splats. */
 static void test_made(void **state) {
     (void)state;
     static const psplat_dequantize_transform placement = {{1, 2, 3}, 1};

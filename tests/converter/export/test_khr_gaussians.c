@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Splats as Gaussians: as wide as what clip lines leave, turned to it, and lit. */
+ *
+ * test_khr_gaussians.c - tests of converting splats to Gaussians (KHR_gaussian_splatting): their
+ * extent and orientation are the second moments of what clip lines leave of the ellipse, and their
+ * colours are lit. Expected moments are those of ellipses, squares and bands.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +17,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* One splat of radii 2 and 1 in the plane z = 0, white and not metallic. */
+/* Returns a splat of radii 2 and 1 in the plane z = 0, white and not metallic. */
 static psplat_splat plain(void) {
     return (psplat_splat){
         .rotation = {0, 0, 0, 1}, .radius = {2, 1}, .normal = {0, 0, 1}, .color = {1, 1, 1, 1}};
@@ -42,7 +46,7 @@ static void assert_near(double found, double expected, double tolerance) {
     if (!(fabs(found - expected) <= tolerance)) fail_msg("%.9g, expected %.9g", found, expected);
 }
 
-/* The uniform ellipse has a quarter of its squared radii as second moments. */
+/* The second moments of a uniform ellipse are a quarter of its squared radii. */
 static void test_whole_ellipse(void **state) {
     (void)state;
     psplat_splat splat = plain();
@@ -53,7 +57,7 @@ static void test_whole_ellipse(void **state) {
     for (int k = 0; k < 4; ++k) assert_near((double)g.rotation[k], k == 3, 1e-7);
 }
 
-/* A square inside the circle, of half side 1/2: moments h^2 / 3. */
+/* A square of half side 1/2 inside the circle has moments of h^2 / 3. */
 static void test_square(void **state) {
     (void)state;
     psplat_splat splat = plain();
@@ -67,7 +71,8 @@ static void test_square(void **state) {
         assert_near((double)g.scale[k], PSPLAT_GAUSSIAN_WIDTH * 1.5 / sqrt(3), 1e-5);
 }
 
-/* A diagonal band of the circle is long along the diagonal, wherever the splat lies. */
+/* A diagonal band of the circle is longest along the diagonal, in every orientation of the splat.
+ */
 static void test_turned(void **state) {
     (void)state;
     psplat_splat splat = plain();
@@ -79,7 +84,7 @@ static void test_turned(void **state) {
         splat.clip[i][1] = i ? -s : s;
         splat.clip[i][2] = 0.2f;
     }
-    const float rotation[4] = {0.5f, 0.5f, 0.5f, 0.5f}; /* x to y, y to z, z to x */
+    const float rotation[4] = {0.5f, 0.5f, 0.5f, 0.5f}; /* maps x to y, y to z, and z to x */
     for (int k = 0; k < 4; ++k) splat.rotation[k] = rotation[k];
     psplat_gaussian g = make(&splat, NULL, NULL);
     double x = (double)g.rotation[0], y = (double)g.rotation[1], z = (double)g.rotation[2];
@@ -89,7 +94,7 @@ static void test_turned(void **state) {
     assert_near(axis[0], 0, 1e-6);
     assert_near(fabs(axis[1]), sqrt(0.5), 1e-6);
     assert_near(axis[1], axis[2], 1e-6);
-    /* About a band of half width 0.2: h^2 / 3. */
+    /* The band has about a half width of 0.2, hence h^2 / 3. */
     assert_near((double)g.scale[1], PSPLAT_GAUSSIAN_WIDTH * 0.2 / sqrt(3), 0.003);
     assert_true(g.scale[0] > 3 * g.scale[1]);
 }
@@ -108,7 +113,8 @@ static double shown(const psplat_gaussian *g, int channel) {
     return (double)g->harmonic[channel] * 0.28209479177387814 + 0.5;
 }
 
-/* Unlit is the colour; lit is darker where the surface turns from the light, and never black. */
+/* An unlit splat has its colour; a lit one is darker where it faces away from the light, and never
+ * black. */
 static void test_colours(void **state) {
     (void)state;
     psplat_splat splat = plain();
@@ -129,7 +135,7 @@ static void test_colours(void **state) {
     assert_true(shown(&bright, 1) < (double)psplat_srgb_of_linear(0.4f));
 }
 
-/* What varies (spec 3.10) is taken along; light that is emitted adds, up to white. */
+/* Values that vary by splat (spec 3.10) are used; emission is added, up to white. */
 static void test_finish(void **state) {
     (void)state;
     psplat_splat splat = plain();

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Compressed and plain files of the same splats: what each says it needs, and that both hold the
- * same. */
+ *
+ * test_meshopt_codec.c - tests of the EXT_meshopt_compression codec: compressed and plain files of
+ * the same splats hold the same values, and each declares the extensions that it needs.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -28,7 +30,7 @@ static const written everything = {.count = 500,
                                    .has_surface = 1,
                                    .has_emissive = 1};
 
-/* Mentions of a word in the JSON. */
+/* Counts occurrences of a word in the JSON chunk. */
 static size_t mentions(const uint8_t *data, const char *word) {
     char *text = writer_json(data);
     size_t count = 0;
@@ -61,8 +63,8 @@ static void test_extensions(void **state) {
         1, 1, "\"extensionsRequired\":[\"KHR_mesh_quantization\",\"EXT_meshopt_compression\"]");
 }
 
-/* The codec gives back every byte, of any row that glTF allows, of one row and of several blocks.
- */
+/* The codec restores every byte, for every row size that glTF allows, for one row and for several
+ * blocks. */
 static void test_bytes(void **state) {
     (void)state;
     static const size_t counts[] = {1, 15, 16, 17, 255, 256, 257, 1000};
@@ -76,7 +78,7 @@ static void test_bytes(void **state) {
             size_t packed_size =
                 psplat_meshopt_codec.encode(packed, bound, rows, counts[c], stride);
             assert_in_range(packed_size, 1, bound);
-            assert_int_equal(packed[0], 0xa0); /* the version that the extension has */
+            assert_int_equal(packed[0], 0xa0); /* the version that the extension prescribes */
             assert_int_equal(
                 meshopt_decodeVertexBuffer(again, counts[c], stride, packed, packed_size), 0);
             assert_memory_equal(again, rows, size);
@@ -101,7 +103,7 @@ static void test_smaller(void **state) {
     psplat_splats_free(&s);
 }
 
-/* Room for nothing: an error, and no file. */
+/* Stands for a codec without room: the write fails, and no file is made. */
 static size_t no_bytes(uint8_t *out, size_t capacity, const void *rows, size_t count,
                        size_t stride) {
     (void)out, (void)capacity, (void)rows, (void)count, (void)stride;

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Normals of the file: hard and smooth edges, and normals that are not to be trusted. */
+ *
+ * test_authored_normals.c - tests of normals given by the file: where they mark hard and smooth
+ * edges, and where they are not usable (flat-shaded, random, missing or backward). The shape is
+ * mostly a roof of two halves that meet at a known angle.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,13 +26,13 @@ static void place_roof(double s, double t, double p[3]) {
     p[0] = 2 * s - 1, p[1] = 2 * t, p[2] = -roof_slope * fabs(2 * s - 1);
 }
 
-/* 20 x 20 squares whose halves meet at an angle of degrees. */
+/* Makes 20 x 20 squares whose two halves meet at an angle of `degrees`. */
 static void make_roof(fixture *f, double degrees) {
     roof_slope = tan(degrees / 2 * fixture_pi / 180);
     fixture_grid(f, 20, 20, place_roof);
 }
 
-/* Normals of one direction everywhere: smooth across any edge. */
+/* Sets all normals to one direction, which makes every edge smooth. */
 static void set_normals(psplat_mesh *mesh, const float n[3]) {
     mesh->corner_normals = malloc(mesh->triangle_count * 9 * sizeof(float));
     assert_non_null(mesh->corner_normals);
@@ -52,8 +56,8 @@ static void test_hard_edge(void **state) {
     }
 }
 
-/* Where the file's normals agree, an edge of 45 degrees is smooth; one of 90 is a crease, since a
- * splat could not follow it, and yet its normals stay as they are. */
+/* Where the file's normals agree, an edge of 45 degrees is smooth. One of 90 degrees is a crease,
+ * because a splat could not follow it, but its normals are kept. */
 static void test_smooth_edge(void **state) {
     (void)state;
     for (int sharp = 0; sharp < 2; ++sharp) {
@@ -69,8 +73,8 @@ static void test_smooth_edge(void **state) {
     }
 }
 
-/* The last edge of a dart has two normals at one end only: it belongs to the crease. Two normals at
- * an end of an edge beside it make no spur. */
+/* A ridge fades out. Its last edge, which has two normals at one end only, belongs to the crease;
+ * an edge beside it with two normals at one end does not become a crease. */
 static void test_dart(void **state) {
     (void)state;
     fixture f;
@@ -78,19 +82,20 @@ static void test_dart(void **state) {
     set_normals(&f.mesh, up);
     for (size_t c = 0; c < 3 * f.mesh.triangle_count; ++c) {
         uint32_t v = f.mesh.triangles[c];
-        int right = 0; /* the triangle lies right of the ridge */
+        int right = 0; /* whether the triangle is on the right of the ridge */
         for (size_t k = 0; k < 3; ++k) right |= f.mesh.triangles[c - c % 3 + k] % 21 > 10;
         if (v % 21 != 10 || v / 21 > 7 || !right) continue;
-        f.mesh.corner_normals[3 * c] = 0.6f; /* on the ridge, up to its eighth vertex */
+        f.mesh.corner_normals[3 * c] = 0.6f; /* along the ridge up to its eighth vertex */
         f.mesh.corner_normals[3 * c + 2] = 0.8f;
     }
     fixture_build(&f);
     assert_int_equal(f.surface.patch_count, 1);
-    assert_int_equal(f.surface.crease_edges, 8); /* seven, and the one that fades */
+    /* Seven edges, and the last one on which the ridge fades. */
+    assert_int_equal(f.surface.crease_edges, 8);
     fixture_free(&f);
 }
 
-/* A sphere with one normal for each triangle is a sphere. Its normals are averaged, as if the file
+/* A sphere with one normal for each triangle is smooth: its normals are averaged, as if the file
  * had none. */
 static void test_flat_shaded(void **state) {
     (void)state;
@@ -113,7 +118,7 @@ static void test_flat_shaded(void **state) {
     }
 }
 
-/* The same on a box is what a box has. */
+/* A box with one normal for each triangle keeps its creases. */
 static void test_flat_box(void **state) {
     (void)state;
     for (int n = 1; n <= 10; n += 9) {
@@ -127,8 +132,8 @@ static void test_flat_box(void **state) {
     }
 }
 
-/* Random normals, none at all, or such as point backwards: the surface is that of a file without.
- */
+/* Where normals are random, zero or backward, the surface is the same as for a file without
+ * normals. */
 static void test_garbage(void **state) {
     (void)state;
     for (int kind = 0; kind < 3; ++kind) {
@@ -151,8 +156,8 @@ static void test_garbage(void **state) {
     }
 }
 
-/* A corner without a normal, and one with a normal of the back, get the average around them; the
- * others keep theirs. */
+/* A corner with no normal, and one with a backward normal, get the average around them; the other
+ * corners keep theirs. */
 static void test_missing_corners(void **state) {
     (void)state;
     fixture f;
@@ -164,15 +169,15 @@ static void test_missing_corners(void **state) {
     fixture_build(&f);
     assert_int_equal(f.surface.patch_count, 1);
     for (size_t c = 0; c < 3 * f.mesh.triangle_count; ++c) {
-        int averaged = c == 301 || c == 601; /* of a plane: up */
+        int averaged = c == 301 || c == 601; /* the average of a plane is up */
         for (size_t k = 0; k < 3; ++k)
             assert_near((double)f.surface.corner_normals[3 * c + k],
-                        (double)(averaged ? up[k] : tilted[k]), 1e-6); /* single precision */
+                        (double)(averaged ? up[k] : tilted[k]), 1e-6); /* float normals */
     }
     fixture_free(&f);
 }
 
-/* A flat-shaded sphere does not take its normals from the roof beside it. */
+/* A flat-shaded sphere does not affect whether the normals of the roof beside it are used. */
 static void test_components(void **state) {
     (void)state;
     fixture roof, sphere;
@@ -201,7 +206,7 @@ static void test_components(void **state) {
     fixture_free(&sphere);
 }
 
-/* Without creases the file's normals bound nothing either, but are kept. */
+/* Without creases the file's normals bound no patch, but they are kept. */
 static void test_no_creases(void **state) {
     (void)state;
     fixture f;

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * What is a crease and what is not: noise, coarse meshes, fillets, darts, tips, unusual angles. */
+ *
+ * test_crease.c - tests of crease detection: which edges are creases, and which are not, on noisy
+ * and coarse meshes, fillets, creases that fade out, tips, and unusual angles. The shapes have
+ * known edges; expected values are their numbers of creases and patches.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -21,15 +25,15 @@ static void expect(const psplat_mesh *mesh, double degrees, size_t patches, size
     psplat_surface_free(&s);
 }
 
-/* Whether a point of the clean cube lies on its edges. */
+/* Returns whether a point of the cube without noise lies on one of its edges. */
 static int is_on_edge(const double p[3]) {
     int extreme = 0;
     for (int k = 0; k < 3; ++k) extreme += fabs(p[k]) > 1 - 1e-9;
     return extreme >= 2;
 }
 
-/* All twelve edges of a noisy cube are found whole, and nothing else. Noise in parts of the mesh's
- * edges or of its diagonal: up to 10 % of an edge, that is 16 degrees between triangles. */
+/* All twelve edges of a noisy cube are found completely, and no other edges. Noise is up to 10 % of
+ * the mesh's edges, which bends triangles by 16 degrees, or a part of the diagonal. */
 static void test_noisy_cube(void **state) {
     (void)state;
     const struct {
@@ -56,8 +60,8 @@ static void test_noisy_cube(void **state) {
     }
 }
 
-/* No noise makes a crease on a sphere, be it a fifth of the edges' length: half of them bend by
- * more than the crease angle then. */
+/* No noise makes a crease on a sphere, even with a fifth of the edge length, at which half of the
+ * edges bend by more than the crease angle. */
 static void test_noisy_sphere(void **state) {
     (void)state;
     const double parts[] = {0.02, 0.1, 0.2};
@@ -72,7 +76,7 @@ static void test_noisy_sphere(void **state) {
     }
 }
 
-/* A prism without noise: the angle between its faces decides. */
+/* The angle between the faces of a prism decides whether its edges are creases. */
 static void test_prisms(void **state) {
     (void)state;
     static const double profile[4][2] = {{0, -1}, {1, -1}, {1, 1}, {0, 1}};
@@ -81,13 +85,14 @@ static void test_prisms(void **state) {
         size_t n = (size_t)sides;
         double bend = 360.0 / sides;
         expect(&mesh, bend - 1, n + 2, 3 * n);
-        /* Eight faces are too few to tell a round side from faces that end in the caps' creases. */
+        /* Eight faces are too few to tell a round side from faces that end in the creases of the
+         * caps. */
         if (sides > 8) expect(&mesh, bend + 1, 3, 2 * n);
         psplat_mesh_free(&mesh);
     }
 }
 
-/* A box of 90 degrees with a fillet or a chamfer all around the top. */
+/* A box with edges of 90 degrees has a fillet or a chamfer all around its top. */
 static void test_fillets(void **state) {
     (void)state;
     enum { SIDES = 48 };
@@ -103,14 +108,14 @@ static void test_fillets(void **state) {
         profile[count - 1][0] = 0;
         profile[count - 1][1] = 1.2;
         psplat_mesh mesh = shape_turned((const double(*)[2])profile, count, SIDES);
-        if (segments == 1) /* both edges of the chamfer, and the bottom's */
+        if (segments == 1) /* both edges of the chamfer, and that of the bottom */
             expect(&mesh, 30, 4, 3 * SIDES);
         if (segments >= 4) expect(&mesh, 30, 2, SIDES);
         psplat_mesh_free(&mesh);
     }
 }
 
-/* The rim of a cone is a crease; its tip has no crease that would lead to it. */
+/* The rim of a cone is a crease; no crease leads to its tip. */
 static void test_cones(void **state) {
     (void)state;
     for (int sides = 16; sides <= 64; sides *= 2) {
@@ -133,23 +138,23 @@ static void place_dart(double s, double t, double p[3]) {
 
 enum { ROUNDINGS = 4, FACETS = 2 * (ROUNDINGS + 2) };
 
-/* A profile with a bend of 45 degrees in its middle: on both sides a face, then narrow facets that
- * bend by 9 degrees each, then a face. */
+/* Places a profile with a bend of 45 degrees in its middle: a face, narrow strips that bend by 9
+ * degrees each, the bend, more such strips, and a face. */
 static void place_rounded_faces(double s, double t, double p[3]) {
     int facets = (int)lrint(s * FACETS);
     double x = 0, z = 0, turn = 0;
     for (int i = 0; i < facets; ++i) {
         int from_middle = i < FACETS / 2 ? FACETS / 2 - 1 - i : i - FACETS / 2;
         double width = from_middle >= 1 && from_middle <= ROUNDINGS ? 0.3 : 1;
-        int joint = i < FACETS / 2 ? from_middle : from_middle + 1; /* 0: the middle */
+        int joint = i < FACETS / 2 ? from_middle : from_middle + 1; /* 0 for the middle */
         x += width * cos(turn), z -= width * sin(turn);
         turn += (joint == 0 ? 45 : joint <= ROUNDINGS ? 9 : 0) * fixture_pi / 180;
     }
     p[0] = x, p[1] = 8 * t, p[2] = z;
 }
 
-/* Of a coarse mesh that bends in two ways, much and little, what bends much is a crease, though the
- * normals continued over the little bends would meet at it. */
+/* A coarse mesh bends much in one place and little in others. The large bend is a crease, although
+ * the normals extrapolated over the small bends would agree at it. */
 static void test_two_kinds_of_bends(void **state) {
     (void)state;
     fixture f;
@@ -162,8 +167,8 @@ static void test_two_kinds_of_bends(void **state) {
     fixture_free(&f);
 }
 
-/* A ridge that fades out is followed until it bends by less than a third of the crease angle; where
- * it ends the surface stays whole. Noise shortens it. */
+/* A crease that fades out is followed until it bends by less than a third of the crease angle;
+ * beyond its end the surface is one patch. Noise shortens the crease. */
 static void test_dart(void **state) {
     (void)state;
     for (int noisy = 0; noisy < 2; ++noisy) {
@@ -178,14 +183,15 @@ static void test_dart(void **state) {
             assert_int_equal(f.mesh.triangles[e] % 41, 20); /* on the ridge */
             reach = max2(reach, f.mesh.positions[3 * (size_t)f.mesh.triangles[e] + 1]);
         }
-        /* The ridge bends by 2 atan(slope): 30 degrees at 0.93, 10 at 1.25. */
+        /* The ridge bends by 2 atan(slope): 30 degrees at y = 0.93, and 10 degrees at 1.25. */
         assert_in_range((int)(1000 * reach), noisy ? 650 : 1150, 1300);
         fixture_free(&f);
     }
 }
 
-/* Twenty facets of 18 degrees end at the caps of a cylinder: they bend by more than a third of the
- * crease angle, but branch off its creases instead of continuing them. */
+/* Twenty strips of 18 degrees end at the caps of a cylinder. They bend by more than a third of the
+ * crease angle, but they branch off the caps' creases instead of continuing them, and are no
+ * creases. */
 static void test_no_spurs(void **state) {
     (void)state;
     double profile[14][2] = {{0, -1}};
@@ -196,7 +202,8 @@ static void test_no_spurs(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Angles at the ends of what may be asked for. */
+/* The crease angles lie at both ends of their range, and on both sides of the 90 degrees of a cube.
+ */
 static void test_extreme_angles(void **state) {
     (void)state;
     psplat_mesh mesh = shape_cube(4);
@@ -205,7 +212,7 @@ static void test_extreme_angles(void **state) {
     expect(&mesh, 179.9, 1, 0);
     expect(&mesh, 0.1, 6, 48);
     psplat_mesh_free(&mesh);
-    /* Two triangles folded flat onto each other, and one alone. */
+    /* two triangles folded flat onto each other, and a single one */
     double positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.1, 0.8, 0};
     uint32_t triangles[] = {0, 1, 2, 1, 0, 3};
     psplat_mesh fold = {
@@ -216,7 +223,7 @@ static void test_extreme_angles(void **state) {
     expect(&fold, 30, 1, 0);
 }
 
-/* A triangle without area, as it closes a T-junction, bends nothing. */
+/* A triangle without area, such as one that closes a T-junction, makes no crease. */
 static void test_flat_triangle(void **state) {
     (void)state;
     double positions[] = {0, 0, 0, 2, 0, 0, 1, 2, 0, 1, 0, 0, 1, -2, 0};
@@ -226,7 +233,7 @@ static void test_flat_triangle(void **state) {
     expect(&mesh, 30, 1, 0);
 }
 
-/* The size and place of a noisy part do not matter: the same edges are found. */
+/* The same edges of a noisy part are found at every size and place. */
 static void test_noisy_scales(void **state) {
     (void)state;
     const double scales[] = {1e-9, 1e9}, offset = 1e6;
@@ -245,14 +252,14 @@ static void test_noisy_scales(void **state) {
     }
 }
 
-/* The bundled part: every face of its design is one patch, its holes are not cut into facets, and a
- * wall that bends by 28 degrees only is found since it is connected to sharper creases. */
+/* Each face of the bundled part is one patch, its holes are not cut into strips, and an edge that
+ * bends by only 28 degrees is found because it is connected to sharper creases. */
 static void test_part(void **state) {
     (void)state;
     fixture f;
     fixture_model(&f, "part.obj");
     assert_int_equal(f.surface.patch_count, 14);
-    assert_in_range(f.surface.crease_edges, 709, 750); /* edges of 30 degrees and more: 709 */
+    assert_in_range(f.surface.crease_edges, 709, 750); /* 709 edges bend by 30 degrees or more */
     fixture_free(&f);
 }
 

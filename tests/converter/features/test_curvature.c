@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Noise is told from the shape, and taken out of the normals, however much of it there is. */
+ *
+ * test_curvature.c - tests that noise is distinguished from the shape and removed from the normals,
+ * at every strength of noise. The shape is a flat square with noise of the vertices, so that any
+ * remaining bend is an error.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,7 +35,8 @@ static double root_mean_square(const float *bends, const psplat_surface *surface
     return sqrt(squares / count);
 }
 
-/* What is left of the bends of a square with noise; noise: of the vertices, in edges. */
+/* Returns the ratio of the smoothed bends of a noisy square to the measured ones, both as root mean
+ * squares. *bend receives the latter, in radians; noise is in edge lengths of the mesh. */
 static double left_of(double noise, double *bend) {
     fixture f;
     psplat_curvature c;
@@ -46,9 +51,9 @@ static double left_of(double noise, double *bend) {
     return left;
 }
 
-/* The same part of the noise is left whether it bends edges by 1 degree or 17: what counts as bends
- * of the shape, beyond 50 degrees, is made up for. Its estimate is 5 % off at most; the rest is
- * what bends do not follow as sines do. */
+/* The ratio is the same whether noise bends edges by 1 degree or by 17: the bends above 50 degrees,
+ * which count as shape, are compensated for. That estimate is at most 5 % off; the rest of the
+ * tolerance allows for bends that do not follow the sines of the model. */
 static void test_noise(void **state) {
     (void)state;
     static const double parts[] = {0.03, 0.06, 0.09, 0.125};

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Neighbourhoods against brute force: order, reach and sums; what is near in space but not on the
- * surface; and the creases around. */
+ *
+ * test_neighborhood.c - tests of neighbourhoods of samples on the surface against brute force:
+ * their order, their reach and their sums, points that are near in space but not along the surface,
+ * and the creases around. The shapes are a sphere, a torus, a folded sheet, a roof and a cube.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +20,7 @@
 #include "features/neighborhood.h"
 #include "mesh/mesh.h"
 
-/* A metric of random axes, of which the second counts 1 / stretch. */
+/* Returns a metric with random axes in which the second one counts 1 / stretch. */
 static psplat_metric metric_at(const double center[3], double stretch, uint64_t *random) {
     psplat_metric m;
     memcpy(m.center, center, sizeof m.center);
@@ -52,7 +55,7 @@ static void check_covariance(const psplat_neighborhood *n, size_t count) {
     for (size_t i = 0; i < count; ++i)
         psplat_covariance_add(&direct, n->samples[i].p, n->samples[i].n);
     assert_near(found.count, (double)count, 0);
-    for (int k = 0; k < 3; ++k) { /* the same sums in the same order */
+    for (int k = 0; k < 3; ++k) { /* equal sums in equal order */
         assert_near(found.p[k], direct.p[k], 0);
         assert_near(found.n[k], direct.n[k], 0);
         for (int l = 0; l < 3; ++l) assert_near(found.np[k][l], direct.np[k][l], 0);
@@ -60,7 +63,8 @@ static void check_covariance(const psplat_neighborhood *n, size_t count) {
     for (int k = 0; k < 6; ++k) assert_near(found.pp[k], direct.pp[k], 0);
 }
 
-/* A closed surface without creases: everything within reach, nearest first. */
+/* On a closed surface without creases, all samples within reach are found, and the nearest come
+ * first. */
 static void check_ball(psplat_neighborhood *n, const fixture *f, uint32_t seed, double stretch,
                        double reach, uint64_t *random) {
     psplat_metric m = metric_at(f->samples.positions + 3 * (size_t)seed, stretch, random);
@@ -75,7 +79,7 @@ static void check_ball(psplat_neighborhood *n, const fixture *f, uint32_t seed, 
     for (size_t i = 0; i < n->count; ++i) {
         const double *p = f->samples.positions + 3 * (size_t)n->samples[i].index;
         double distance = distance_in(&m, p), relative[3];
-        /* Squares are ranked as floats: 6e-8 of each, half of that of a distance. */
+        /* Squares are sorted as floats, which are exact to 6e-8, and distances to half of that. */
         assert_true(distance >= before * (1 - 1e-7));
         before = distance;
         sub3(relative, p, n->origin);
@@ -109,15 +113,15 @@ static void test_order(void **state) {
     const double reaches[] = {0.5, 0.05, 1.2, 0.001, 3, 0.3};
     for (uint32_t i = 0; i < 6; ++i) {
         check_ball(&n, &f, (uint32_t)(i * f.samples.count / 6), 1, reaches[i] * radius, &random);
-        if (i == 4) assert_int_equal(n.whole, 1); /* more than the diameter */
+        if (i == 4) assert_int_equal(n.whole, 1); /* The reach exceeds the diameter. */
     }
-    n.stamp = UINT32_MAX - 1; /* the next gatherings' stamps wrap around */
+    n.stamp = UINT32_MAX - 1; /* The stamps of the next calls wrap around. */
     for (uint32_t i = 0; i < 3; ++i) check_ball(&n, &f, 10 * i, 1, 0.4 * radius, &random);
     psplat_neighborhood_free(&n);
     fixture_free(&f);
 }
 
-/* Stretched, a distance counts less along one axis: the ball is an ellipsoid. */
+/* With a stretched metric one axis counts less, so that the ball is an ellipsoid. */
 static void test_stretched(void **state) {
     (void)state;
     fixture f;
@@ -125,7 +129,7 @@ static void test_stretched(void **state) {
     uint64_t random = 8;
     fixture_model(&f, "torus.off");
     fixture_sample(&f, 0.02);
-    /* So short that the part of the torus within reach is in one piece. */
+    /* The reach is so short that the part of the torus inside it is in one piece. */
     for (uint32_t i = 0; i < 8; ++i)
         check_ball(&n, &f, (uint32_t)(i * f.samples.count / 8), 2, 0.04 * f.surface.diagonal,
                    &random);
@@ -137,7 +141,8 @@ static void test_stretched(void **state) {
 
 static const double gap = 0.2;
 
-/* A sheet bent into a U along y: legs of length 3 at z = 0 and z = gap, a half-circle at x = 3. */
+/* Places a sheet bent into a U along y: legs of length 3 at z = 0 and z = gap, and a half circle at
+ * x = 3. */
 static void place_fold(double s, double t, double p[3]) {
     double bow = fixture_pi * gap / 2, at = s * (6 + bow), turn = (at - 3) / (gap / 2);
     p[1] = t;
@@ -145,7 +150,8 @@ static void place_fold(double s, double t, double p[3]) {
     p[2] = at < 3 ? 0 : at > 3 + bow ? gap : gap / 2 - gap / 2 * cos(turn);
 }
 
-/* The other leg is nearer than reach and connected, but only through what is out of reach. */
+/* The other leg is nearer than the reach and connected, but only through points beyond the reach.
+ */
 static void test_fold(void **state) {
     (void)state;
     fixture f;
@@ -165,11 +171,11 @@ static void test_fold(void **state) {
         for (size_t i = 0; i < f.samples.count; ++i)
             other += f.samples.positions[3 * i + 2] > 0.5 * gap &&
                      distance_in(&m, f.samples.positions + 3 * i) <= reach;
-        assert_true(other > 10); /* or there were nothing to get wrong */
+        assert_true(other > 10); /* There are samples that could be found wrongly. */
         gather(&n, &f, &m, f.samples.triangles[seed], reach);
         assert_int_equal(n.whole, 0);
         for (size_t i = 0; i < n.count; ++i) assert_near(n.samples[i].p[2], 0, 1e-9);
-        gather(&n, &f, &m, f.samples.triangles[seed], 8); /* around the bow */
+        gather(&n, &f, &m, f.samples.triangles[seed], 8); /* far enough to go around the bend */
         assert_int_equal(n.whole, 1);
         assert_int_equal(n.count, f.samples.count);
     }
@@ -179,13 +185,13 @@ static void test_fold(void **state) {
 
 /* ---- creases --------------------------------------------------------------------------------- */
 
-/* Two slopes of 45 degrees that meet in a ridge along x = 0. */
+/* Places two slopes of 45 degrees that meet in a ridge along x = 0. */
 static void place_roof(double s, double t, double p[3]) {
     p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = -fabs(p[0]);
 }
 
-/* The ridge is not crossed; its edges within reach, and the borders', are listed once each, on the
- * seed's side. */
+/* The ridge is not crossed. Its edges within reach, and those of the borders, are listed once each,
+ * on the seed's side. */
 static void test_ridge(void **state) {
     (void)state;
     fixture f;
@@ -218,9 +224,10 @@ static void test_ridge(void **state) {
             for (size_t k = 0; k < i; ++k) assert_true(n.creases[k] != edge);
         }
         assert_int_equal(n.crease_count, expected);
-        assert_int_equal(ridge > 0, reaches[r] > 0.4 * sqrt(2)); /* the seed's distance from it */
+        /* distance of the seed from the ridge */
+        assert_int_equal(ridge > 0, reaches[r] > 0.4 * sqrt(2));
         assert_int_equal(n.whole, r == 4);
-        size_t creases = n.crease_count; /* the same without samples */
+        size_t creases = n.crease_count; /* A call without samples finds the same creases. */
         assert_int_equal(psplat_neighborhood_gather(&n, &f.surface, NULL, &m, triangle, reaches[r]),
                          1);
         assert_int_equal(n.crease_count, creases);
@@ -230,8 +237,8 @@ static void test_ridge(void **state) {
     fixture_free(&f);
 }
 
-/* Triangles much larger than the reach: only some of their samples are near, so that a greater
- * reach may find more though no triangle is out of reach. */
+/* Where triangles are much larger than the reach, only some of their samples are near, so that a
+ * greater reach may find more although no triangle is beyond it. */
 static void test_large_triangles(void **state) {
     (void)state;
     fixture f;
@@ -256,7 +263,7 @@ static void test_large_triangles(void **state) {
         if (n.whole) assert_int_equal(n.count, all);
         before = n.count;
     }
-    assert_int_equal(n.whole, 1); /* 0.88 diagonals; a face measures 0.82 */
+    assert_int_equal(n.whole, 1); /* The reach is 0.88 diagonals, and a face measures 0.82. */
     psplat_neighborhood_free(&n);
     fixture_free(&f);
 }

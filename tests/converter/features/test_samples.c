@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Samples lie on their triangles, keep their distance, leave no gap, and line the creases. */
+ *
+ * test_samples.c - tests of blue-noise samples (Poisson disk): they lie on their triangles, keep
+ * their distance, leave no gap, and line the creases. The models are bundled ones; expected numbers
+ * follow from areas and edge lengths.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -26,7 +30,7 @@ typedef struct fixture {
     psplat_samples samples;
 } fixture;
 
-/* spacing in diagonals. */
+/* Draws samples of a model; spacing is in diagonals. */
 static void draw(fixture *f, const char *path, double spacing, uint64_t seed) {
     psplat_error error;
     if (psplat_mesh_read(path, &f->mesh, &error)) fail_msg("%s", error.text);
@@ -66,7 +70,8 @@ static void test_on_triangles(void **state) {
     release(&f);
 }
 
-/* On the sphere: no two samples closer than the spacing, no point farther than 1.3 from one. */
+/* On the sphere no two samples are closer than the spacing, and no point is farther than 1.3
+ * spacings from a sample. */
 static void test_blue_noise(void **state) {
     (void)state;
     fixture f;
@@ -91,7 +96,7 @@ static void test_blue_noise(void **state) {
     release(&f);
 }
 
-/* Each of the cube's twelve edges is lined by samples of both its faces, ends included. */
+/* Each of the cube's twelve edges is lined by samples of both its faces, including their ends. */
 static void test_creases_lined(void **state) {
     (void)state;
     fixture f;
@@ -106,7 +111,8 @@ static void test_creases_lined(void **state) {
         on_corners += sides == 3;
     }
     assert_int_equal(on_corners, 24);
-    /* 24 sides of length 2 half at spacing / 2, of which offer() may thin out a third. */
+    /* 24 sides of length 2 half have samples at spacing / 2, of which up to a third may be thinned
+     * out. */
     size_t full = (size_t)(24 * 2 * half / (f.samples.spacing / 2));
     assert_in_range(on_edges, full * 2 / 3, full * 4 / 3 + 24);
     release(&f);
@@ -129,8 +135,8 @@ static void test_deterministic(void **state) {
     release(&c);
 }
 
-/* Appended samples follow those there before, which keep their places; both are listed with their
- * triangles, each once. */
+/* Appended samples follow the earlier ones, which keep their places; all of them are listed with
+ * their triangles, each once. */
 static void test_append(void **state) {
     (void)state;
     fixture f;
@@ -167,8 +173,8 @@ static void test_append(void **state) {
     release(&f);
 }
 
-/* A spacing so fine that 32 bits cannot count the samples is refused before anything is drawn; and
- * one of nothing. */
+/* A spacing so fine that 32 bits cannot count the samples is refused before any sample is drawn,
+ * and so is a spacing of 0. */
 static void test_too_many(void **state) {
     (void)state;
     fixture f;
@@ -186,7 +192,7 @@ static void test_too_many(void **state) {
     release(&f);
 }
 
-/* One sample: what is much smaller than the spacing. */
+/* A mesh much smaller than the spacing gets one sample. */
 static void test_few(void **state) {
     (void)state;
     fixture f;
@@ -195,7 +201,7 @@ static void test_few(void **state) {
     assert_int_equal(f.samples.first[f.mesh.triangle_count], f.samples.count);
     release(&f);
     draw(&f, MODELS "cube.off", 1000, 1);
-    assert_true(f.samples.count >= 6); /* creases line each face */
+    assert_true(f.samples.count >= 6); /* creases line each of the six faces */
     release(&f);
 }
 

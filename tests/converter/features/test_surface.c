@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Connectivity, creases, patches and normals of the bundled models and of difficult meshes. */
+ *
+ * test_surface.c - tests of building the surface: connectivity, creases, patches and normals of the
+ * bundled models and of difficult meshes. Expected counts are those of the models' geometry.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,9 +45,9 @@ static void test_cube(void **state) {
     assert_int_equal(s.crease_edges, 12);
     assert_int_equal(s.border_edges, 0);
     for (size_t corner = 0; corner < 3 * mesh.triangle_count; ++corner)
-        for (size_t k = 0; k < 3; ++k) /* no normal is averaged over an edge of the cube */
+        for (size_t k = 0; k < 3; ++k) /* No normal is averaged over an edge of the cube. */
             assert_near((double)s.corner_normals[3 * corner + k],
-                        s.face_normals[3 * (corner / 3) + k], 1e-7); /* float */
+                        s.face_normals[3 * (corner / 3) + k], 1e-7); /* float normals */
     psplat_surface_free(&s);
     psplat_mesh_free(&mesh);
 }
@@ -63,8 +66,8 @@ static void test_smooth(void **state) {
     }
 }
 
-/* Noise of half the mesh's edge length turns many edges by more than the crease angle; none of
- * them is a crease. */
+/* Noise of half the mesh's edge length bends many edges by more than the crease angle; none of them
+ * is a crease. */
 static void test_noise(void **state) {
     (void)state;
     psplat_mesh mesh = read_model(MODELS "sphere.ply");
@@ -92,8 +95,8 @@ static void test_noise(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* A tent whose ridge flattens towards one end: a crease that ends inside the surface is kept, and
- * does not cut the patch in two. */
+/* The ridge of a tent flattens towards one end. This crease that ends inside the surface is kept,
+ * and does not cut the patch in two. */
 static void test_dart(void **state) {
     (void)state;
     enum { N = 21 };
@@ -128,8 +131,8 @@ static void test_dart(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Three sheets on one edge, and two triangles that disagree about their sides: all are creases,
- * nothing is joined across them. */
+/* Three sheets share one edge, and two triangles have opposite orientations: all their edges are
+ * creases, and nothing is joined across them. */
 static void test_broken(void **state) {
     (void)state;
     double positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0, 0.5, 0, 1, 2, 1, 0};
@@ -145,7 +148,7 @@ static void test_broken(void **state) {
     psplat_surface_free(&s);
 }
 
-/* Without creases only what has no neighbour bounds a patch: neither angles, nor groups. */
+/* Without creases only borders bound a patch; neither angles nor groups do. */
 static void test_no_creases(void **state) {
     (void)state;
     psplat_mesh mesh = read_model(MODELS "part.obj");
@@ -164,7 +167,7 @@ static void test_no_creases(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Counts that no surface is built for: none, and more than indices of edges can number. */
+/* Two counts are refused: no triangles, and more than 32-bit indices of edges can number. */
 static void test_counts(void **state) {
     (void)state;
     psplat_surface s;
@@ -177,7 +180,7 @@ static void test_counts(void **state) {
     psplat_surface_free(&s);
 }
 
-/* The same cube at sizes and places far from 1: what is measured scales, what is found stays. */
+/* The same cube at sizes and places far from 1: measures scale, and counts stay. */
 static void test_scales(void **state) {
     (void)state;
     const double scales[] = {1e-9, 1, 1e9}, offsets[] = {0, 1e6};

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Candidates on surfaces whose best splat is known: plane, cylinder, sphere, and the corners of a
- * cube. */
+ *
+ * test_candidate.c - tests of growing candidates on surfaces whose best splat is known: a plane, a
+ * cylinder, a sphere, and the corners of a cube. Expected radii follow from the sagitta: at best, a
+ * splat spans heights of twice the tolerance.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +22,7 @@
 #include "fit/normal_field.h"
 #include "features/samples.h"
 
-/* Limits for a tolerance in the mesh's units, normals left free. */
+/* Returns limits for a tolerance in units of the mesh, without a normal tolerance. */
 static psplat_limits limits_of(const fixture *f, double tolerance, double margin) {
     return (psplat_limits){.tolerance = tolerance,
                            .crease_tolerance = 0.2 * tolerance,
@@ -37,7 +40,7 @@ static psplat_candidate grow(const fixture *f, const psplat_limits *limits, uint
     return candidate;
 }
 
-/* The sample nearest to a point. */
+/* Returns the sample nearest to a point. */
 static uint32_t sample_at(const fixture *f, double x, double y, double z) {
     uint32_t best = 0;
     double least = HUGE_VAL;
@@ -50,8 +53,9 @@ static uint32_t sample_at(const fixture *f, double x, double y, double z) {
     return best;
 }
 
-/* What holds for every candidate: a frame, an ellipse, lines of unit length that keep the seed, the
- * seed among what it covers, and each covered sample inside, near, facing its way and once. */
+/* Asserts what holds for every candidate: its axes are orthonormal, its radii ordered and positive,
+ * its lines normalised so that they keep the seed; it covers the seed; and each covered sample is
+ * listed once, lies inside, within the tolerance, and faces the same way. */
 static void check_candidate(const fixture *f, const psplat_limits *limits,
                             const psplat_candidate *c, uint32_t seed) {
     const psplat_region *r = &c->region;
@@ -92,7 +96,7 @@ static void place_square(double s, double t, double p[3]) {
     p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0;
 }
 
-/* A square is one splat of four lines, wherever its seed is: also on a side and in a corner. */
+/* A square is one splat with four clip lines for every seed, also on a side and in a corner. */
 static void test_plane(void **state) {
     (void)state;
     fixture f;
@@ -108,7 +112,7 @@ static void test_plane(void **state) {
         assert_int_equal(c.covered_count, f.samples.count);
         assert_int_equal(c.region.line_count, 4);
         assert_near(c.deviation, 0, 1e-12);
-        for (int k = 0; k < 4; ++k) assert_near(c.field[k], 0, 1e-6); /* float normals */
+        for (int k = 0; k < 4; ++k) assert_near(c.field[k], 0, 1e-6); /* the file's floats */
         psplat_candidate_free(&c);
     }
     fixture_free(&f);
@@ -119,19 +123,19 @@ static void test_plane(void **state) {
 enum { AROUND = 96 };
 static const double length = 8;
 
-/* Half a tube of radius 1 along z. */
+/* Places half a tube of radius 1 along z. */
 static void place_tube(double s, double t, double p[3]) {
     p[0] = sin(fixture_pi * (s - 0.5)), p[1] = cos(fixture_pi * (s - 0.5)),
     p[2] = length * (t - 0.5);
 }
 
-/* A strip along the axis, as wide as the tolerance allows: half-width w with a sagitta of twice the
- * tolerance, 1 - cos w = 2 tolerance. */
+/* The best splat is a strip along the axis, as wide as the tolerance allows: its half-width w has a
+ * sagitta of twice the tolerance, 1 - cos w = 2 tolerance. */
 static void test_cylinder(void **state) {
     (void)state;
     fixture f;
     fixture_grid(&f, AROUND, 24, place_tube);
-    for (size_t t = 0; t < f.mesh.triangle_count; ++t) { /* the outside out */
+    for (size_t t = 0; t < f.mesh.triangle_count; ++t) { /* The outer side becomes the front. */
         uint32_t swap = f.mesh.triangles[3 * t];
         f.mesh.triangles[3 * t] = f.mesh.triangles[3 * t + 1];
         f.mesh.triangles[3 * t + 1] = swap;
@@ -154,8 +158,8 @@ static void test_cylinder(void **state) {
         assert_true(fabs(dot3(r->u, axis)) > 0.999);
         assert_true(dot3(r->n, f.surface.face_normals + 3 * (size_t)c.triangle) > 0.9);
         assert_true(r->radius[1] > 0.8 * widest && r->radius[1] < 1.02 * widest);
-        /* No point of the ellipse is farther than the tolerance from the true cylinder; the mesh is
-         * inside it by at most 1 - cos(pi / 2 / 96). */
+        /* No point of the ellipse is farther than the tolerance from the exact cylinder; the mesh
+         * lies inside it by at most 1 - cos(pi / 2 / 96). */
         for (int k = 0; k < 64; ++k) {
             double p[3], turn = 2 * fixture_pi * k / 64;
             for (int ring = 0; ring <= 4; ++ring) {
@@ -163,7 +167,8 @@ static void test_cylinder(void **state) {
                 assert_near(hypot(p[0], p[1]), 1, tolerance + 2e-4);
             }
         }
-        /* The normal turns across and not along: beta = r_v (BSK04), alpha = 0, by a tenth. */
+        /* The normal turns across the strip and not along it: beta = r_v and alpha = 0 (BSK04), to
+         * within a tenth. */
         assert_near(c.field[2], 0, 0.1 * r->radius[1]);
         assert_near(c.field[3], r->radius[1], 0.1 * r->radius[1]);
         psplat_candidate_free(&c);
@@ -173,7 +178,8 @@ static void test_cylinder(void **state) {
 
 /* ---- sphere ---------------------------------------------------------------------------------- */
 
-/* The best is a cap whose height is twice the tolerance: 1 - cos(half-angle) = 2 tolerance. */
+/* The best splat is a cap whose height is twice the tolerance: 1 - cos(half angle) = 2 tolerance.
+ */
 static void test_sphere(void **state) {
     (void)state;
     fixture f;
@@ -192,9 +198,10 @@ static void test_sphere(void **state) {
                           c.region.radius[1] / best);
             assert_int_equal(c.region.line_count, 0);
             assert_true(c.region.radius[1] > 0.8 * best);
-            /* Its outline may reach beyond the samples that it covers, to where it leaves the
-             * sphere by the tolerance as its middle does: (1 + t)^2 - (1 - t)^2 = 4 t. The mesh
-             * lies 0.1 % inside the sphere. A little longer where it is narrower. */
+            /* The outline may reach beyond the covered samples, to where it leaves the sphere by
+             * the tolerance, while the middle lies inside by as much: radius^2 = (1 + t)^2 - (1 -
+             * t)^2 = 4 t. The mesh lies 0.1 % inside the sphere. An ellipse may be a little longer
+             * where it is narrower. */
             double widest2 = 4 * parts[i] * radius * radius;
             assert_true(c.region.radius[0] < 1.1 * sqrt(widest2));
             assert_true(c.region.radius[0] * c.region.radius[1] < 1.02 * widest2);
@@ -209,7 +216,7 @@ static void test_sphere(void **state) {
     fixture_free(&f);
 }
 
-/* Where normals may err by little, they and not the tolerance bound the splat. */
+/* With a narrow normal tolerance the normals bound the splat, and not the distance. */
 static void test_normal_tolerance(void **state) {
     (void)state;
     fixture f;
@@ -237,7 +244,7 @@ static void test_normal_tolerance(void **state) {
             cross3(across, m, n);
             greatest = max2(greatest, atan2(length3(across), dot3(m, n)));
         }
-        /* What fitting promises, recomputed from the normals themselves. */
+        /* The bound that fitting promises holds for the sample normals themselves. */
         assert_true(greatest <= (i ? 0.05 : 0.01) * (1 + 1e-6)); /* float normals */
     }
     psplat_candidate_free(&tight);
@@ -247,8 +254,8 @@ static void test_normal_tolerance(void **state) {
 
 /* ---- corners --------------------------------------------------------------------------------- */
 
-/* From every sample on an edge or corner of the cube grows a splat of one face that reaches over no
- * edge. */
+/* From every sample on an edge or corner of the cube a splat of one face grows that reaches across
+ * no edge. */
 static void test_corners(void **state) {
     (void)state;
     fixture f;
@@ -279,10 +286,9 @@ static void test_corners(void **state) {
     fixture_free(&f);
 }
 
-/* ---- covering again ---------------------------------------------------------------------------
- */
+/* ---- samples added later --------------------------------------------------------------------- */
 
-/* Samples that were not there when a candidate grew count as covered where it covers them. */
+/* Samples that are added after a candidate has grown count as covered where it covers them. */
 static void test_cover(void **state) {
     (void)state;
     fixture f;

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Clip lines around a seed: convex and reflex corners, curved creases, too many creases. */
+ *
+ * test_clip_lines.c - tests of choosing clip lines (at most four) around a seed from creases:
+ * convex and reflex corners, curved creases, and too many creases. The creases are polylines in the
+ * plane of a splat of radius 2; expected counts and distances follow from their geometry.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -17,7 +21,8 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* A chain of creases through the given points, the surface to its left, joined by vertex ids. */
+/* Stores a chain of creases through the given points, joined by vertex ids, with the surface to its
+ * left. Returns the index behind the last segment. */
 static size_t chain(psplat_segment *segments, size_t begin, const double (*points)[2], size_t count,
                     int closed) {
     size_t edges = closed ? count : count - 1;
@@ -34,7 +39,8 @@ static psplat_region unit_region(void) {
     return (psplat_region){.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {2, 2}};
 }
 
-/* How far the region's lines keep a point of the plane (2 per unit of u), least over the lines. */
+/* Returns by how much the region's lines keep a point, the least over all lines, in units of the
+ * plane (2 per unit of u). */
 static double kept_by(const psplat_region *r, double u, double v) {
     double least = 1e9;
     for (uint32_t i = 0; i < r->line_count; ++i) {
@@ -52,7 +58,7 @@ static void test_no_creases(void **state) {
     assert_int_equal(r.line_count, 0);
 }
 
-/* Ten collinear edges are one line, exactly along them. */
+/* Ten collinear edges become one line that lies on them. */
 static void test_straight_chain(void **state) {
     (void)state;
     psplat_segment s[10];
@@ -80,7 +86,7 @@ static void test_convex_corner(void **state) {
     assert_true(kept_by(&r, -0.41, 0) < 0 && kept_by(&r, 0, -0.31) < 0);
 }
 
-/* Around a reflex corner one line does: the other edge lies behind it. */
+/* One line suffices around a reflex corner, since the other edge lies behind it. */
 static void test_reflex_corner(void **state) {
     (void)state;
     double points[3][2] = {{0.1, -1}, {0.1, 0.2}, {1, 0.2}};
@@ -99,8 +105,8 @@ static void test_reflex_corner(void **state) {
     }
 }
 
-/* A convex arc of many edges: as few lines as the slack allows, no surface lost, none reached
- * beyond it. */
+/* A convex arc of many edges gets as few lines as the slack allows; no surface is lost, and none is
+ * reached beyond the slack. */
 static void test_curved_chain(void **state) {
     (void)state;
     enum { COUNT = 33 };
@@ -114,7 +120,7 @@ static void test_curved_chain(void **state) {
     const double slack = 0.15;
     psplat_region r = unit_region();
     assert_int_equal(psplat_clip_choose(&r, s, count, seed, slack), 1);
-    /* A run of 47 degrees has a sagitta of 0.15; the one from the middle leaves both ends. */
+    /* A run of 47 degrees has a sagitta of 0.15; the run from the middle leaves both ends. */
     assert_int_equal(r.line_count, 3);
     for (int i = 0; i < COUNT; ++i) {
         double kept = kept_by(&r, points[i][0], points[i][1]);
@@ -122,10 +128,11 @@ static void test_curved_chain(void **state) {
         assert_true(kept <= slack + 1e-12);
     }
     r = unit_region();
-    assert_int_equal(psplat_clip_choose(&r, s, count, seed, 0.001), 0); /* four cannot follow it */
+    /* four lines cannot follow the arc that closely */
+    assert_int_equal(psplat_clip_choose(&r, s, count, seed, 0.001), 0);
 }
 
-/* A pentagon around the seed needs five lines. */
+/* A pentagon around the seed would need five lines. */
 static void test_too_many(void **state) {
     (void)state;
     for (size_t sides = 3; sides <= 6; ++sides) {
@@ -143,7 +150,7 @@ static void test_too_many(void **state) {
     }
 }
 
-/* Two chains through one vertex, in any order of their pieces: the lines are the same. */
+/* Two chains through one vertex give the same lines, in whatever order their segments come. */
 static void test_order(void **state) {
     (void)state;
     enum { COUNT = 8 };

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Colours and materials of splats are the best for the samples they cover. */
+ *
+ * test_color_fit.c - tests that fitted colours, gradients and material values are the least-squares
+ * best for the samples that a splat covers. The shape is one ellipse over a lattice of samples with
+ * colours that are known functions of (u, v).
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -58,8 +62,8 @@ static double v_of(int sample) {
     return row / 10.0 - 1;
 }
 
-/* A colour that is linear over the splat comes back but for the little that keeps gradients of few
- * samples at bay: 0.001 of 0.25. */
+/* A colour that is linear over the splat comes back, up to the regularisation that keeps gradients
+ * of few samples small: 0.001 against a variance of 0.25. */
 static void test_gradient(void **state) {
     (void)state;
     fixture f;
@@ -82,11 +86,13 @@ static void test_gradient(void **state) {
     assert_near(finish->color_u[2], 0, 1e-6);
     assert_int_equal(psplat_fit_colors(&f.samples, 0, f.selection.candidates, f.selection.count),
                      PSPLAT_OK);
-    assert_near(f.candidate.color[0], 0.5, 1e-6); /* the mean: samples lie alike on both sides */
+    /* The colour is the mean, because samples lie symmetrically. */
+    assert_near(f.candidate.color[0], 0.5, 1e-6);
     assert_near(finish->color_u[0], 0, 0);
 }
 
-/* The same where the samples lie to one side, and those of greater u have greater v. */
+/* A linear colour comes back also where the samples lie to one side, and where u and v are
+ * correlated. */
 static void test_lopsided(void **state) {
     (void)state;
     fixture f;
@@ -114,7 +120,8 @@ static void test_lopsided(void **state) {
     }
 }
 
-/* Three samples in a corner say nothing of the far side, though a plane through them does. */
+/* Three samples in a corner do not determine the colour at the far side, although a plane goes
+ * through them. */
 static void test_few_samples(void **state) {
     (void)state;
     fixture f;
@@ -133,7 +140,7 @@ static void test_few_samples(void **state) {
             double value = (double)f.candidate.color[k] +
                            cos(angle) * (double)f.candidate.finish.color_u[k] +
                            sin(angle) * (double)f.candidate.finish.color_v[k];
-            assert_true(value >= -0.51 && value <= 1.51); /* half of the samples' range beyond */
+            assert_true(value >= -0.51 && value <= 1.51); /* half of the samples' range beyond it */
         }
 }
 
@@ -146,7 +153,7 @@ static void test_finish(void **state) {
             f.finishes[3 * i + k] = (float)(0.2 * k + 0.1 * u_of(i));
             f.emissive[3 * i + k] = (float)(0.9 - 0.2 * k - 0.1 * v_of(i));
         }
-    f.finishes[0] = 1000; /* of a sample that is not covered */
+    f.finishes[0] = 1000; /* This sample is not covered. */
     f.samples.finishes = f.finishes;
     assert_int_equal(psplat_fit_colors(&f.samples, 1, f.selection.candidates, f.selection.count),
                      PSPLAT_OK);
@@ -161,7 +168,7 @@ static void test_finish(void **state) {
     for (int k = 0; k < 3; ++k) assert_near(f.candidate.finish.emissive[k], 0.9 - 0.2 * k, 1e-6);
 }
 
-/* What covers nothing is plain, and what is not taken stays as it is. */
+/* A candidate that covers nothing gets plain values, and one that is not taken stays as it is. */
 static void test_nothing(void **state) {
     (void)state;
     fixture f;

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Candidates around given samples, and candidates made larger, where the largest ellipse is known:
- * bowls, whose tolerance it fills, and squares, whose sides it must not cross. */
+ *
+ * test_enclose.c - tests of candidates enclosing given samples and of enlarging candidates, where
+ * the largest ellipse is known: bowls, whose contours are ellipses that use up the tolerance, and
+ * squares, whose sides a splat must not cross.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,15 +37,15 @@ static psplat_limits limits_of(const fixture *f, double tolerance, double margin
 /* ---- enclosing ------------------------------------------------------------------------------- */
 
 static const double bowl_radius[2] = {1, 0.4};
-static const double bowl_depth = 0.02; /* at these radii */
+static const double bowl_depth = 0.02; /* depth at these radii */
 
-/* A bowl whose contours are ellipses, to 1.5 of their radii. */
+/* Places a bowl whose contours are ellipses, up to 1.5 times their radii. */
 static void place_bowl(double s, double t, double p[3]) {
     double x = 3 * s - 1.5, y = 3 * t - 1.5;
     p[0] = x * bowl_radius[0], p[1] = y * bowl_radius[1], p[2] = bowl_depth * (x * x + y * y);
 }
 
-/* A fixture turned and moved; frame: its axes. */
+/* Turns and moves a fixture at random; `frame` receives its axes. */
 static void turn_mesh(fixture *f, uint64_t *random, double origin[3], double frame[3][3]) {
     random_axes(random, frame[0], frame[1], frame[2]);
     for (int k = 0; k < 3; ++k) origin[k] = 4 * psplat_random_unit(random) - 2;
@@ -54,7 +57,7 @@ static void turn_mesh(fixture *f, uint64_t *random, double origin[3], double fra
     }
 }
 
-/* The samples of a bowl within its radii, in a frame. The caller frees them. */
+/* Returns the samples of a bowl within its radii, in a frame. The caller frees them. */
 static uint32_t *samples_within(const fixture *f, const double origin[3], double frame[3][3],
                                 size_t *count) {
     uint32_t *set = malloc((f->samples.count + 1) * sizeof *set);
@@ -69,7 +72,7 @@ static uint32_t *samples_within(const fixture *f, const double origin[3], double
     return set;
 }
 
-/* The plane of samples, relative to an origin. */
+/* Returns the plane fitted to samples, relative to an origin. */
 static psplat_plane plane_of(const fixture *f, const uint32_t *set, size_t count,
                              const double origin[3]) {
     psplat_covariance sums = {0};
@@ -84,7 +87,7 @@ static psplat_plane plane_of(const fixture *f, const uint32_t *set, size_t count
     return plane;
 }
 
-/* Whether a candidate covers all of a set. */
+/* Returns whether a candidate covers all samples of a set. */
 static int covers_all(const fixture *f, const psplat_candidate *c, const uint32_t *set,
                       size_t count) {
     uint8_t *covered = calloc(f->samples.count, 1);
@@ -96,8 +99,8 @@ static int covers_all(const fixture *f, const psplat_candidate *c, const uint32_
     return all;
 }
 
-/* The samples inside a contour need all of the tolerance: the ellipse around them is that contour,
- * and nothing of it can be made larger. At half of the tolerance there is none. */
+/* The samples inside a contour need the whole tolerance: the ellipse around them is that contour,
+ * and cannot be enlarged. At half of the tolerance there is no ellipse. */
 static void test_contour(void **state) {
     (void)state;
     uint64_t random = 5;
@@ -112,8 +115,8 @@ static void test_contour(void **state) {
         fixture_build(&f);
         fixture_sample(&f, 0.004);
         uint32_t *set = samples_within(&f, origin, frame, &count);
-        /* Half of the depth, and something for the lean of the samples' plane and the margin; the
-         * least growth would take 0.6 of it. */
+        /* The tolerance is half of the depth and a little for the tilt of the samples' plane and
+         * for the margin; the smallest step of growth would need 0.6 of the depth. */
         psplat_limits limits = limits_of(&f, 0.54 * bowl_depth, turn % 2 * 0.005);
         const psplat_fit_context context = fixture_context(&f, &limits, &scratch);
         psplat_plane plane = plane_of(&f, set, count, origin);
@@ -142,8 +145,8 @@ static void test_contour(void **state) {
     }
 }
 
-/* An ellipse does not ask how many samples are where: with a quarter of those on one side it is the
- * same contour. */
+/* The ellipse does not depend on the density of samples: with a quarter of the samples on one side,
+ * it is the same contour. */
 static void test_uneven(void **state) {
     (void)state;
     uint64_t random = 6;
@@ -181,8 +184,8 @@ static void test_uneven(void **state) {
     }
 }
 
-/* What is enclosed is covered, also the farthest samples, which lie on the ellipse itself: random
- * few samples of the bowl. Rows and single samples have no ellipse. */
+/* All enclosed samples are covered, also the farthest ones, which lie on the ellipse itself. The
+ * sets are a few random samples of the bowl. Rows and single samples have no ellipse. */
 static void test_few(void **state) {
     (void)state;
     fixture f;
@@ -198,7 +201,8 @@ static void test_few(void **state) {
     for (int trial = 0; trial < 200; ++trial) {
         uint32_t set[8];
         size_t few = trial < 4 ? 1 + (size_t)trial % 2 : 3 + (size_t)trial % 6;
-        size_t at = psplat_random_next(&random) % count; /* different ones: steps are short */
+        /* steps are short, so that samples differ */
+        size_t at = psplat_random_next(&random) % count;
         for (size_t i = 0; i < few; ++i) {
             set[i] = all[at];
             at = (at + 1 + psplat_random_next(&random) % (count / 8)) % count;
@@ -225,8 +229,9 @@ static void test_few(void **state) {
 
 /* ---- growing ellipses ------------------------------------------------------------------------ */
 
-/* Grows a candidate's ellipse, and checks what must hold: what is recorded stays, inside and near,
- * and all of the region is near the mesh. Returns its area over that before. */
+/* Grows a candidate's ellipse and asserts what must hold: the list of covered samples stays the
+ * same, they lie inside and within the tolerance, and the whole region is near the mesh. Returns
+ * the ratio of its area to that before. */
 static double grow_ellipse(const fixture *f, const psplat_limits *limits, psplat_candidate *c) {
     psplat_scratch scratch = {0};
     uint32_t *covered = malloc(c->covered_count * sizeof *covered);
@@ -265,8 +270,8 @@ static psplat_candidate grow(const fixture *f, const psplat_limits *limits, uint
     return c;
 }
 
-/* Candidates all over models: they become larger or stay; those that were made smaller than the
- * tolerance allows become larger. */
+/* Candidates from all over a model never become smaller; those grown at 0.6 of the tolerance become
+ * larger on average. */
 static void test_grow_ellipse(void **state) {
     (void)state;
     const struct {
@@ -302,8 +307,8 @@ static void place_square(double s, double t, double p[3]) {
     p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0;
 }
 
-/* Over an open square, nothing passes a side by more than the slack. An ellipse that lines cut on
- * all sides stays: it would only become costlier. */
+/* Over an open square no splat passes a side by more than the slack. An ellipse that lines cut on
+ * all sides stays, because growing would only add cost. */
 static void test_borders(void **state) {
     (void)state;
     fixture f;
@@ -324,7 +329,8 @@ static void test_borders(void **state) {
         c.region.u[0] = c.region.v[1] = c.region.n[2] = 1;
         c.region.radius[0] = radius, c.region.radius[1] = 0.5 * radius;
         double factor = grow_ellipse(&f, &limits, &c), points[PSPLAT_REGION_POINTS][3];
-        if (room > 1.6 * radius) assert_near(factor, pow(1.25, 4), 1e-9); /* each axis twice */
+        /* each axis twice by 1.25 */
+        if (room > 1.6 * radius) assert_near(factor, pow(1.25, 4), 1e-9);
         size_t count = psplat_region_points(&c.region, points);
         for (size_t k = 0; k < count; ++k)
             for (int a = 0; a < 2; ++a)

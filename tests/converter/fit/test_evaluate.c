@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * What is said of a region as a splat: each limit is asked, each has its own answer, and the answer
- * depends on nothing but the region, the site and what is demanded. */
+ *
+ * test_evaluate.c - tests of evaluating a region as a splat: each limit is checked and has a status
+ * of its own, and the result depends on nothing but the region, the site and the demands. The shape
+ * is a disc of radius 2, flat or with a dome of known height.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +23,7 @@
 
 static const double tolerance = 0.02;
 
-/* A disc of radius 2 with a dome of this height, open all around. */
+/* Height of the dome on a disc of radius 2 with an open border. */
 static double dome;
 
 static void place_dome(double s, double t, double p[3]) {
@@ -72,7 +75,8 @@ static psplat_region disc(double x, double height, double radius) {
                            .radius = {radius, radius}};
 }
 
-/* A site of its own for each evaluation, at the triangle of the sample nearest to the middle. */
+/* Evaluates the region at a site of its own, at the triangle of the sample nearest to its centre.
+ */
 static psplat_evaluation evaluate(stage *s, const psplat_region *region,
                                   const psplat_demands *wanted) {
     psplat_demands demands = *wanted;
@@ -91,7 +95,7 @@ static psplat_fit_status status_of(stage *s, const psplat_region *region, int sk
     return evaluate(s, region, &(psplat_demands){.skip = skip}).status;
 }
 
-/* In the plane a disc covers the samples inside it, less the margin, and nothing deviates. */
+/* On the plane a disc covers the samples inside it, less the margin, and deviates by nothing. */
 static void test_kept(void **state) {
     (void)state;
     stage s;
@@ -117,21 +121,21 @@ static void test_broken(void **state) {
     (void)state;
     stage s;
     stage_begin(&s, 0);
-    psplat_region region = disc(0, 0, 3); /* the round border needs more lines than four */
+    psplat_region region = disc(0, 0, 3); /* The round border needs more than four lines. */
     assert_int_equal(status_of(&s, &region, 0), PSPLAT_FIT_TOO_MANY_LINES);
     region = disc(2, 0.9 * tolerance, 0.1);
     assert_int_equal(status_of(&s, &region, 0), PSPLAT_FIT_CREASE_TOO_FAR);
     region = disc(0, 1.1 * tolerance, 0.5);
     assert_int_equal(status_of(&s, &region, 0), PSPLAT_FIT_SAMPLES_LOST);
     stage_end(&s);
-    stage_begin(&s, 0.5); /* 0.03 lower at 0.5 from the middle */
+    stage_begin(&s, 0.5); /* The surface is 0.03 lower at 0.5 from the middle. */
     region = disc(0, 0.5, 0.6);
     assert_int_equal(status_of(&s, &region, 0), PSPLAT_FIT_LEAVES_SURFACE);
     assert_int_equal(status_of(&s, &region, PSPLAT_SKIP_EXACTNESS), PSPLAT_FIT_LEAVES_SURFACE);
     assert_int_equal(status_of(&s, &region, PSPLAT_SKIP_NEARNESS), PSPLAT_FIT_KEPT);
     region = disc(0, 0.49, 0.3);
     s.limits.normal_tolerance = 0.02;
-    s.limits.constant_normals = 1; /* the dome leans by 0.07 there */
+    s.limits.constant_normals = 1; /* The dome leans by 0.07 there. */
     assert_int_equal(status_of(&s, &region, 0), PSPLAT_FIT_NORMALS_DIFFER);
     assert_int_equal(status_of(&s, &region, PSPLAT_SKIP_NORMALS), PSPLAT_FIT_KEPT);
     s.limits.constant_normals = 0;
@@ -142,8 +146,8 @@ static void test_broken(void **state) {
     stage_end(&s);
 }
 
-/* On a plane of few large triangles, which are near to all samples, a tilted disc may leave them by
- * the tolerance at its rim. */
+/* On a plane of a few large triangles, which are near to all samples, a tilted disc may leave the
+ * plane at its rim by the tolerance and no more. */
 static void test_tilted(void **state) {
     (void)state;
     stage s;
@@ -159,7 +163,7 @@ static void test_tilted(void **state) {
     stage_end(&s);
 }
 
-/* One colour that changes linearly suits a ramp, and not a step. */
+/* One colour that changes linearly suits a ramp, and does not suit a step. */
 static void test_colors(void **state) {
     (void)state;
     stage s;
@@ -186,7 +190,8 @@ static void test_colors(void **state) {
     stage_end(&s);
 }
 
-/* What is demanded besides the limits: the seed, samples that are held, and a gain. */
+/* Besides the limits, demands are tested: to keep the seed, to keep given samples, and to gain
+ * enough. */
 static void test_demands(void **state) {
     (void)state;
     stage s;
@@ -227,7 +232,7 @@ static void test_demands(void **state) {
     stage_end(&s);
 }
 
-/* Two evaluations are the same, whatever was evaluated between them, there or elsewhere. */
+/* Two evaluations agree, whatever was evaluated between them, at that site or elsewhere. */
 static void test_repeated(void **state) {
     (void)state;
     stage s;
@@ -255,7 +260,7 @@ static void test_repeated(void **state) {
     stage_end(&s);
 }
 
-/* The last resort covers its one sample, or none, whatever the limits are. */
+/* The splat of last resort covers its one sample, or none, whatever the limits are. */
 static void test_one(void **state) {
     (void)state;
     stage s;

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Eigenvectors and normal fields (spec 3.5) against exact answers. */
+ *
+ * test_normal_field.c - tests of eigenvectors and of fitting the normal field (spec 3.5) by least
+ * squares, against answers that are exact: fields sampled at points, a quadric, and underdetermined
+ * systems.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +33,7 @@ static void test_eigen(void **state) {
                                  m[1] * v[0] + m[3] * v[1] + m[4] * v[2],
                                  m[2] * v[0] + m[4] * v[1] + m[5] * v[2]};
             mad3(product, -values[k], v);
-            assert_near(length3(product), 0, 1e-14); /* rounding of unit-sized numbers */
+            assert_near(length3(product), 0, 1e-14); /* rounding of numbers of unit size */
             assert_near(length3(v), 1, 1e-14);
         }
     }
@@ -41,7 +45,7 @@ enum { SAMPLES = 25 };
 
 static const double wide[2] = {2, 0.5};
 
-/* Parameters spread over the square, or over a part of it with this size and centre. */
+/* Spreads parameters over a square of this size and centre. */
 static void spread(double (*uv)[2], size_t count, double size, double center) {
     uint64_t random = 5;
     for (size_t i = 0; i < count; ++i)
@@ -55,7 +59,7 @@ static void fit(double (*uv)[2], double (*xy)[2], size_t count, const double rad
 }
 
 /* A field comes back from its own values. From a hundredth of the ellipse, off its centre, the
- * normal equations leave a condition of 1e6 and so 1e-16 times that. */
+ * normal equations have a condition of 1e6, hence an error of 1e-16 times that. */
 static void test_field_recovered(void **state) {
     (void)state;
     const double field[5] = {0.1, -0.2, -0.7, 0.3, 0.45};
@@ -69,8 +73,9 @@ static void test_field_recovered(void **state) {
     }
 }
 
-/* The height (a s'^2 + c t'^2) / 2 over axes turned against those of the ellipse has local normals
- * -grad, linear in (s, t) with the Hessian's symmetric matrix: exactly a field with gamma. */
+/* The height (a s'^2 + c t'^2) / 2, over axes turned against those of the ellipse, has the local
+ * normal -grad. This is linear in (s, t) with the symmetric Hessian as its matrix, hence exactly a
+ * field with gamma. */
 static void test_field_of_turned_quadric(void **state) {
     (void)state;
     const double a = 0.3, c = -0.2, turn = 0.7, radius[2] = {1.5, 0.4};
@@ -96,7 +101,8 @@ static void test_field_of_turned_quadric(void **state) {
     }
 }
 
-/* The residual of a least-squares fit is orthogonal to what each number of the field can do. */
+/* The residual of a least-squares fit is orthogonal to the derivatives by each parameter of the
+ * field. */
 static void test_field_is_least_squares(void **state) {
     (void)state;
     double uv[SAMPLES][2], xy[SAMPLES][2], field[5], moments[5] = {0};
@@ -116,21 +122,21 @@ static void test_field_is_least_squares(void **state) {
     for (int k = 0; k < 5; ++k) assert_near(moments[k], 0, 1e-13); /* sums of 25 products */
 }
 
-/* Underdetermined: among all solutions of x + 0.5 alpha = 1 and y + 0.5 gamma = 0.25 the one
- * nearest to zero. */
+/* The system is underdetermined: among all solutions of x + 0.5 alpha = 1 and y + 0.5 gamma = 0.25,
+ * the fit gives the one nearest to zero. */
 static void test_field_least_norm(void **state) {
     (void)state;
     double uv[1][2] = {{0.5, 0}}, xy[1][2] = {{1, 0.25}}, field[5];
     fit(uv, xy, 1, wide, field);
-    /* The regularisation leaves its square, 1e-18, and rounding over it, 1e-16 / 1e-9. */
+    /* The regularisation leaves its square, 1e-18, and rounding divided by it, 1e-16 / 1e-9. */
     assert_near(field[0], 0.8, 1e-7);
     assert_near(field[2], 0.4, 1e-7);
     assert_near(field[1], 0.2, 1e-7);
     assert_near(field[4], 0.1, 1e-7);
-    assert_near(field[3], 0, 1e-7); /* v is 0: nothing is known of beta */
+    assert_near(field[3], 0, 1e-7); /* v is 0, so that beta is undetermined */
 }
 
-/* A row along u, and sets of one point repeated: every number stays small and the values fit. */
+/* For a row along u, and for one point repeated, every parameter stays small and the values fit. */
 static void test_field_of_a_row(void **state) {
     (void)state;
     for (int same = 0; same < 2; ++same) {
@@ -143,15 +149,15 @@ static void test_field_of_a_row(void **state) {
         for (int i = 0; i < 4; ++i) {
             double found[2];
             psplat_normal_field_at(field, wide, uv[i], found);
-            assert_near(found[0], xy[i][0], 1e-7); /* as above */
+            assert_near(found[0], xy[i][0], 1e-7); /* the tolerance of test_field_least_norm */
             assert_near(found[1], xy[i][1], 1e-7);
         }
         for (int k = 0; k < 5; ++k) assert_true(fabs(field[k]) < 0.6);
     }
 }
 
-/* A gradient beyond what spec 3.5 allows: three samples in a tiny part of the ellipse, whose
- * normals differ much. Their mean is all that can be said. */
+/* Three samples in a tiny part of the ellipse, whose normals differ much, would need a gradient
+ * beyond the bound of spec 3.5; the fit then gives their mean. */
 static void test_field_bound(void **state) {
     (void)state;
     double uv[3][2] = {{0, 0}, {0.01, 0}, {0, 0.01}}, xy[3][2] = {{0, 0}, {0.5, 0}, {0, 0.1}};
@@ -160,7 +166,7 @@ static void test_field_bound(void **state) {
     assert_near(field[0], 0.5 / 3, 1e-15);
     assert_near(field[1], 0.1 / 3, 1e-15);
     for (int k = 2; k < 5; ++k) assert_true(field[k] == 0);
-    xy[1][0] = 0.05; /* alpha 5, beta 10: within the bound */
+    xy[1][0] = 0.05; /* alpha 5 and beta 10, within the bound */
     fit(uv, xy, 3, (double[]){1, 1}, field);
     assert_near(field[2], 5, 1e-6);
     assert_near(field[3], 10, 1e-6);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_quantize_candidate.c - splats on the grid of a file: they lie on it, they keep what is
- * promised of them at every precision, and neither scale nor place of a model changes them.
+ * test_quantize_candidate.c - tests of splats rounded to the grid of a file. They lie on the grid,
+ * they keep their promises at every precision, and neither scale nor place of a model changes them.
+ * The shapes are a part, a cone and a thin plate.
  */
 #include "mesh_fixture.h"
 
@@ -53,8 +54,8 @@ static void keeps_promises(const char *name, const psplat_convert_desc *desc) {
     psplat_mesh_free(&mesh);
 }
 
-/* The part's creases meet at all angles, the cone has a tip, the plate is as thin as the tolerance
- * is wide. */
+/* The creases of the part meet at all angles, the cone has a tip, and the plate is about as thin as
+ * the tolerance is wide. */
 static void test_promises(void **state) {
     (void)state;
     static const struct {
@@ -72,7 +73,7 @@ static void test_promises(void **state) {
                                                              .precision = cases[i].precision});
 }
 
-/* Normals too are judged as they are rounded. */
+/* The normal tolerance is checked with rounded normals. */
 static void test_normals(void **state) {
     (void)state;
     keeps_promises("sphere.ply", &(psplat_convert_desc){.tolerance_percent = 3,
@@ -93,7 +94,7 @@ static void assert_same_code(const psplat_quantized_splat *a, const psplat_quant
     assert_memory_equal(a->lines, b->lines, sizeof a->lines);
 }
 
-/* Snapping what lies on the grid changes nothing: not one bit. */
+/* Rounding a splat that lies on the grid changes no bit. */
 static void test_on_grid(void **state) {
     (void)state;
     psplat_mesh mesh;
@@ -118,8 +119,9 @@ static void test_on_grid(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* A limit's precision rounds a region's lines and field as the stored splat's: candidates are
- * judged as they are stored. Random lines through the ellipse, in all directions. */
+/* The precision of the limits rounds a region's lines and field as in the stored splat, so that a
+ * candidate is evaluated as it will be stored. The test cuts the ellipse by random lines in all
+ * directions. */
 static void test_rounded_once(void **state) {
     (void)state;
     const psplat_precision precision = {.unit = 1e-3,
@@ -139,8 +141,9 @@ static void test_rounded_once(void **state) {
         psplat_quantize_line(&precision, line);
         memcpy(again, line, sizeof again);
         psplat_quantize_line(&precision, again);
-        for (int k = 0; k < 3; ++k) assert_near(again[k], line[k], 1e-12); /* of the ellipse */
-        for (int k = 0; k < 64; ++k) { /* nothing that was kept is cut off */
+        /* in units of the ellipse */
+        for (int k = 0; k < 3; ++k) assert_near(again[k], line[k], 1e-12);
+        for (int k = 0; k < 64; ++k) { /* A point that was kept is not cut off. */
             double a = 2 * fixture_pi * k / 64, x = cos(a), y = sin(a);
             if (kept[0] * x + kept[1] * y + kept[2] >= 0)
                 assert_true(line[0] * x + line[1] * y + line[2] >= -0.011 * precision.line_step);
@@ -167,10 +170,10 @@ static void assert_same_codes(const psplat_splats *a, const psplat_splats *b) {
     }
 }
 
-/* A model scaled by a power of two is the same integers with another unit. */
+/* A model scaled by a power of two has the same integers with another unit. */
 static void test_scale(void **state) {
     (void)state;
-    static const double scales[] = {0x1p-30, 0x1p30}; /* about 1e-9, 1e9 */
+    static const double scales[] = {0x1p-30, 0x1p30}; /* about 1e-9 and 1e9 */
     const psplat_convert_desc desc = {.tolerance_percent = 3,
                                       .effort = PSPLAT_EFFORT_NONE,
                                       .unverified = 1,
@@ -193,8 +196,8 @@ static void test_scale(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* A model far from the origin is the same integers, its origin elsewhere. Offsets and vertices are
- * whole numbers, so that the file loses nothing of the vertices. */
+/* A model far from the origin has the same integers with another origin. Offsets and vertices are
+ * whole numbers, so that the file loses no digit of the vertices. */
 static void test_place(void **state) {
     (void)state;
     static const double offsets[] = {0, 40960000.0};

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Materials of an OBJ: what a library says, and files that are missing, broken or elsewhere. */
+ *
+ * test_mtl.c - tests of OBJ materials (MTL): factors, textures and groups, and libraries or images
+ * that are missing, broken or outside the model's directory. The shape is a square of two
+ * triangles.
+ */
 #include "mesh_fixture.h"
 
 #include "picture_bytes.h"
@@ -14,7 +18,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* Two triangles beside each other, of which each test says the materials. */
+/* Two triangles side by side, whose materials each test defines. */
 #define SQUARE                                                                                     \
     "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 0.25\n"
 #define FACES "usemtl one\nf 1/1 2/2 3/3\nusemtl two words\nf 1/1 3/3 4/4\n"
@@ -59,7 +63,7 @@ static void test_factors(void **state) {
     const psplat_source_material *two = &mesh.source_materials[mesh.groups[1]];
     assert_string_equal(one->name, "one");
     assert_string_equal(two->name, "two words");
-    /* Rounding of single precision, here and below. */
+    /* Tolerances here and below are for rounding to float. */
     assert_near(one->material.base_color[0], srgb(0.5), 1e-6);
     assert_near(one->material.base_color[1], 1, 1e-6);
     assert_near(one->material.base_color[3], 0.5, 0);
@@ -77,7 +81,7 @@ static void test_factors(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Coordinates run down the image, and belong to corners. */
+/* Texture coordinates run down the image, and belong to corners. */
 static void test_texture(void **state) {
     (void)state;
     static const uint8_t pixels[2][3] = {{255, 0, 0}, {0, 0, 255}};
@@ -115,7 +119,7 @@ static void test_texture(void **state) {
     drop("a b.png");
 }
 
-/* Each leaves the factor alone, and says why in the image. */
+/* Each unreadable image leaves the factor as it is, and the image says why. */
 static void test_unreadable(void **state) {
     (void)state;
     static const char *const names[] = {"missing.png", "../up.png", "a/../../up.png",
@@ -152,7 +156,7 @@ static void test_warnings(void **state) {
     drop("m.mtl");
 }
 
-/* Libraries are looked for beside the OBJ alone, and textures beside the library. */
+/* Libraries are searched only beside the OBJ, and textures only beside the library. */
 static void test_directories(void **state) {
     (void)state;
     char path[512];
@@ -169,7 +173,7 @@ static void test_directories(void **state) {
         read_text("m.obj", "mtllib sub\\l.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl one\nf 1 2 3\n");
     assert_null(mesh.materials->problem);
     assert_non_null(mesh.source_materials[mesh.groups[0]].base_color.image->pixels);
-    assert_null(mesh.corner_uvs[0]); /* nobody said where on it */
+    assert_null(mesh.corner_uvs[0]); /* the file gives no texture coordinates */
     psplat_mesh_free(&mesh);
     mesh = read_text("m.obj", "mtllib ../l.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl one\nf 1 2 3\n");
     assert_non_null(strstr(mesh.materials->problem, "../l.mtl"));
@@ -179,24 +183,24 @@ static void test_directories(void **state) {
     drop("sub");
 }
 
-/* Looks that are the same are one group; faces before all materials have one of their own. */
+/* Equal materials become one group; faces before the first usemtl have a group of their own. */
 static void test_groups(void **state) {
     (void)state;
     psplat_mesh mesh = read_with("newmtl one\nKd 1 0 0\nnewmtl two words\nKd 1 0 0\n",
                                  SQUARE "f 1 2 3\n" FACES "f 2 3 4\n");
-    assert_int_equal(mesh.triangle_count, 3); /* the first one is there twice */
+    assert_int_equal(mesh.triangle_count, 3); /* the first triangle occurs twice */
     assert_int_equal(mesh.groups[0], 2);
     assert_int_equal(mesh.groups[1], 0);
     assert_int_equal(mesh.groups[2], 0);
     assert_near(mesh.source_materials[2].material.base_color[0], 0.8, 1e-6);
     psplat_mesh_free(&mesh);
     mesh = read_text("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl one\nf 1 2 3\n");
-    assert_null(mesh.materials); /* no library, no materials */
+    assert_null(mesh.materials); /* without a library there are no materials */
     assert_null(mesh.groups);
     psplat_mesh_free(&mesh);
 }
 
-/* A corner that a face names twice counts once, with the coordinates it had first. */
+/* A corner that a face names twice counts once, with the texture coordinates that came first. */
 static void test_repeated_corners(void **state) {
     (void)state;
     psplat_mesh mesh = read_with("newmtl one\n", SQUARE "usemtl one\nf 1/4 2/2 1/1 2/3 3/3\n"

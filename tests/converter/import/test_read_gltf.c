@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_read_gltf.c - glTF and GLB: modes, index types, transforms, colours, materials, and what is
- * refused. Each file is a small JSON with its buffer as a data URI.
+ * test_read_gltf.c - tests of reading glTF and GLB: modes, index types, transforms, attributes,
+ * materials, and what is refused. Each file is a small JSON with its buffer as a data URI, mostly a
+ * tetrahedron, whose volume is known.
  */
 #include "gltf_fixture.h"
 
@@ -44,14 +45,15 @@ static void test_index_types(void **state) {
 
 static void test_strips_and_fans(void **state) {
     (void)state;
-    /* A closed tetrahedron as one strip: 0 2 1, 1 2 3, 1 3 0, 0 3 2 after alternation. */
+    /* A closed tetrahedron as one strip, which alternation turns into 0 2 1, 1 2 3, 1 3 0, 0 3 2.
+     */
     static const unsigned char strip[6] = {0, 2, 1, 3, 0, 2};
     gltf g = with_points();
     add(&g, strip, sizeof strip, UBYTE, "SCALAR", 6, "");
     check_volume(finish(&g, NODE "\"meshes\":[{\"primitives\":[{\"mode\":5,\"attributes\":{"
                                  "\"POSITION\":0},\"indices\":1}]}]"),
                  1, 4);
-    /* A fan around 0 and the face across from it; lines and points beside them are not drawn. */
+    /* A fan around vertex 0, and the opposite face; points and lines beside them are not drawn. */
     static const unsigned char fan[5] = {3, 1, 2, 0, 1}, cap[3] = {0, 2, 1};
     g = with_points();
     add(&g, fan, sizeof fan, UBYTE, "SCALAR", 5, "");
@@ -67,22 +69,23 @@ static void test_strips_and_fans(void **state) {
 static void test_transforms(void **state) {
     (void)state;
     gltf g = tetrahedron();
-    /* Twice scaled by 2 under a mirroring node: 64 times the volume, still facing outwards. */
+    /* Two nested nodes scale by 2, below a mirroring one: the volume is 64 times as large, and
+     * triangles still face outwards. */
     const char *text =
         finish(&g, SCENE "\"nodes\":[{\"children\":[1],\"scale\":[-2,2,2],\"rotation\":[0,0,1,0]},"
                          "{\"mesh\":0,\"matrix\":[2,0,0,0,0,2,0,0,0,0,2,0,1,2,3,1]}]," INDEXED);
     check_volume(text, 64, 4);
     psplat_mesh mesh = read_text("t.gltf", text);
-    /* x: 1 ... 3 of the child, times -2, turned by 180 degrees about z: 2 ... 6; y: -2 x (2 ... 4).
-     */
+    /* The child's x of 1 ... 3, times -2 and turned by 180 degrees about z, becomes 2 ... 6; y
+     * becomes -2 x (2 ... 4). */
     static const double origin[3] = {4, -6, 8};
     for (int k = 0; k < 3; ++k) assert_near(mesh.origin[k], origin[k], 1e-12);
     psplat_mesh_free(&mesh);
-    /* Two instances of one mesh. */
+    /* The mesh has two instances. */
     check_volume(finish(&g, "\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],\"nodes\":[{\"mesh\":0},"
                             "{\"mesh\":0,\"translation\":[8,0,0]}]," INDEXED),
                  2, 8);
-    /* Only the scene's nodes count; a file without scenes is taken as it is. */
+    /* Only the scene's nodes count; in a file without scenes all nodes count. */
     check_volume(
         finish(&g, SCENE "\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[8,0,0]}]," INDEXED),
         1, 4);
@@ -91,8 +94,8 @@ static void test_transforms(void **state) {
 
 static void test_normals(void **state) {
     (void)state;
-    /* A 45 degree normal on a face stretched by 2 in x: the inverse transpose halves its x. The
-     * mirrored instance must turn it with its winding. */
+    /* A face with a normal at 45 degrees is stretched by 2 in x: the inverse transpose halves the
+     * normal's x. The mirrored instance must turn the normal along with its winding. */
     static const float triangle[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static const float normals[3][3] = {{1, 0, 1}, {0, 0, 0}, {0, 0, 1}};
     gltf g = {0};
@@ -111,9 +114,10 @@ static void test_normals(void **state) {
 
 static void test_uvs_and_tangents(void **state) {
     (void)state;
-    /* The first triangle has no area: what follows moves up with its corners. Mirrored, so that the
-     * second and third corner change places and the tangent's hand turns; unsigned shorts stand for
-     * 0 ... 1, others for themselves (KHR_mesh_quantization). */
+    /* The first triangle has no area, so that the attributes of the second one move up with its
+     * corners. The node mirrors, so that its second and third corner are exchanged and the
+     * tangent's sign turns. Normalised unsigned shorts stand for 0 ... 1, and others for their
+     * values (KHR_mesh_quantization). */
     static const float corners[6][3] = {{5, 5, 5}, {5, 5, 5}, {5, 5, 5},
                                         {0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     static const float tangents[6][4] = {{0}, {0}, {0}, {1, 1, 0, 1}, {0, 1, 0, -1}, {1, 0, 0, 1}};
@@ -140,7 +144,8 @@ static void test_uvs_and_tangents(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* A primitive without colours, normals and uvs after one that has them, and before. */
+/* A primitive without colours, normals and texture coordinates comes after one that has them, and
+ * then before it. */
 static void test_attributes_of_some(void **state) {
     (void)state;
     static const float normals[4][3] = {{1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}};
@@ -160,7 +165,8 @@ static void test_attributes_of_some(void **state) {
                  "\"attributes\":{\"POSITION\":0},\"indices\":1}]}]",
                  orders[kind]);
         psplat_mesh mesh = read_text("s.gltf", finish(&g, nodes));
-        size_t with = kind ? 0 : 12, without = 12 - with; /* the first corners of each */
+        /* the first corners of either primitive */
+        size_t with = kind ? 0 : 12, without = 12 - with;
         assert_int_equal(mesh.triangle_count, 8);
         assert_true(mesh.corner_normals[3 * with] == 1 && mesh.corner_normals[3 * without] == 0);
         assert_true(mesh.corner_colors[4 * with] == 0.5f && mesh.corner_colors[4 * without] == 1);
@@ -186,7 +192,7 @@ static void test_colors(void **state) {
         psplat_mesh mesh = read_text("c.gltf", finish(&g, rest));
         assert_non_null(mesh.corner_colors);
         assert_near((double)mesh.corner_colors[0], 1, 0);
-        assert_near((double)mesh.corner_colors[2], 0.2, 1e-6); /* linear as stored */
+        assert_near((double)mesh.corner_colors[2], 0.2, 1e-6); /* linear values as stored */
         assert_near((double)mesh.corner_colors[3], kind == 0 ? 0.4 : 1, 1e-6);
         for (size_t i = 0; i < 48; ++i)
             assert_true(mesh.corner_colors[i] >= 0 && mesh.corner_colors[i] <= 1);
@@ -220,7 +226,8 @@ static void test_one_material(void **state) {
 
 static void test_two_materials(void **state) {
     (void)state;
-    /* glTF's default material (white, metallic) beside a red one; a texture that is not there. */
+    /* The default material of glTF (white, metallic) stands beside a red one whose texture is
+     * missing. */
     gltf g = tetrahedron();
     psplat_mesh mesh = read_text(
         "m.gltf",
@@ -243,11 +250,11 @@ static void test_two_materials(void **state) {
     assert_near((double)red->material.base_color[1], 0, 0);
     assert_near((double)white->material.base_color[1], 1, 0);
     assert_near((double)white->material.metallic, 1, 0);
-    /* An image that cannot be read says why, and the factor stands alone. */
+    /* An image that cannot be read says why, and the factor is used without it. */
     assert_null(red->base_color.image->pixels);
     assert_non_null(strstr(red->base_color.image->problem, "missing.png"));
     assert_null(white->base_color.image);
-    assert_near((double)mesh.material.metallic, 0, 0); /* the first one's */
+    assert_near((double)mesh.material.metallic, 0, 0); /* the first material's */
     psplat_mesh_free(&mesh);
 }
 
@@ -277,7 +284,7 @@ static void test_glb(void **state) {
     data[4] = 1;
     refuse_bytes("g.glb", data, total, PSPLAT_ERROR_UNSUPPORTED, "byte 4: GLB version 1");
     data[4] = 2;
-    /* As long as what follows with its own header: eight bytes too many. */
+    /* The chunk's length exceeds the file by its own header of eight bytes. */
     data[20 + length] = 44;
     refuse_bytes("g.glb", data, total, PSPLAT_ERROR_FORMAT,
                  "the BIN chunk is longer than the file");
@@ -354,12 +361,12 @@ static void test_refused_accessors(void **state) {
         "bad.gltf",
         finish(&g, NODE "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]"),
         PSPLAT_ERROR_RANGE, "vertex 2: a coordinate is not finite");
-    /* A missing buffer, a short one, and JSON too deep for a recursive reader. */
+    /* A missing buffer, a short one, and JSON nested too deeply for a recursive reader. */
     refuse_text("bad.gltf",
                 "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4,\"uri\":\"missing."
                 "bin\"}]}",
                 PSPLAT_ERROR_FORMAT, "missing.bin");
-    /* A model may name no file but those beside it and below. */
+    /* A model may refer only to files beside it and below. */
     static const char *const outside[] = {"../bad.gltf", "a/../../bad.gltf", "%2e%2e/bad.gltf"};
     for (size_t i = 0; i < 3; ++i) {
         char text[128];

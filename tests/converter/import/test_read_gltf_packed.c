@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_read_gltf_packed.c - glTF that keeps its numbers small: sparse accessors,
- * KHR_mesh_quantization and EXT_meshopt_compression in all modes and with all filters. Each file is
- * the same tetrahedron.
+ * test_read_gltf_packed.c - tests of reading compact glTF: sparse accessors, KHR_mesh_quantization,
+ * and EXT_meshopt_compression in all modes and with all filters. Each file is the same tetrahedron,
+ * whose volume is known.
  */
 #include "gltf_fixture.h"
 
@@ -22,10 +22,10 @@ static void check_volume(const char *text, double six_volumes, double tolerance)
     psplat_mesh_free(&mesh);
 }
 
-/* ---- sparse ------------------------------------------------------------------------------------
- */
+/* ---- sparse ---------------------------------------------------------------------------------- */
 
-/* Positions as a sparse accessor 0: base in view 0 or none, indices and values in views 1 and 2. */
+/* Returns a file whose accessor 0 has sparse positions: the base is in view 0 or absent, and the
+ * indices and values are in views 1 and 2. */
 static const char *sparse(gltf *g, int has_base, const char *count, const void *indices,
                           size_t index_count, int type, const float values[][3]) {
     size_t size = type == UBYTE ? 1 : type == USHORT ? 2 : 4;
@@ -57,19 +57,19 @@ static void test_sparse(void **state) {
     gltf g;
     check_volume(sparse(&g, 1, "4", one, 1, UBYTE, wide), 3, 1e-12);
     check_volume(sparse(&g, 1, "4", two, 2, USHORT, wide), 15, 1e-12);
-    check_volume(sparse(&g, 0, "4", three, 3, UINT, points + 1), 1, 1e-12); /* beside zeros */
+    /* all others are zeros */
+    check_volume(sparse(&g, 0, "4", three, 3, UINT, points + 1), 1, 1e-12);
     static const unsigned char beyond[1] = {4};
     refuse_text("t.gltf", sparse(&g, 1, "4", beyond, 1, UBYTE, wide), PSPLAT_ERROR_RANGE,
                 "accessor 0: sparse element 4 does not exist");
     refuse_text("t.gltf", sparse(&g, 1, "4", three, 1, FLOAT, wide), PSPLAT_ERROR_FORMAT,
                 "accessor 0: its sparse elements make no sense");
-    /* Zeros that the file does not hold are not asked of the memory. */
+    /* No memory is requested for zeros that the file does not contain. */
     refuse_text("t.gltf", sparse(&g, 0, "4000000000", three, 3, UINT, points + 1),
                 PSPLAT_ERROR_RANGE, "accessor 0: 4000000000 elements without a bufferView");
 }
 
-/* ---- integers ----------------------------------------------------------------------------------
- */
+/* ---- integers -------------------------------------------------------------------------------- */
 
 static void test_quantised(void **state) {
     (void)state;
@@ -79,7 +79,7 @@ static void test_quantised(void **state) {
     const char *required = "\"extensionsUsed\":[\"KHR_mesh_quantization\"],"
                            "\"extensionsRequired\":[\"KHR_mesh_quantization\"],";
     char rest[1024];
-    /* Steps of a node's scale. */
+    /* Integers are steps of a node's scale. */
     gltf g = {0};
     add(&g, steps, sizeof steps, USHORT, "VEC3", 4, "");
     strcpy(strrchr(g.views, '}'), ",\"byteStride\":8}");
@@ -87,7 +87,7 @@ static void test_quantised(void **state) {
     snprintf(rest, sizeof rest,
              "%s" SCENE "\"nodes\":[{\"mesh\":0,\"scale\":[0.001,0.001,0.001]}]," PLAIN, required);
     check_volume(finish(&g, rest), 1, 1e-12);
-    /* Normalised: the greatest number is 1, and what is below -1 is -1. */
+    /* Normalised shorts: the greatest value is 1, and a value below -1 becomes -1. */
     static const int16_t shorts[4][4] = {{0, 0, 0}, {32767, 0, 0}, {0, -32767, 0}, {0, 0, -32768}};
     g = (gltf){0};
     add(&g, shorts, sizeof shorts, SHORT, "VEC3", 4, ",\"normalized\":true");
@@ -95,7 +95,7 @@ static void test_quantised(void **state) {
     add(&g, faces, sizeof faces, UBYTE, "SCALAR", 12, "");
     snprintf(rest, sizeof rest, "%s" SCENE "\"nodes\":[{\"mesh\":0}]," PLAIN, required);
     check_volume(finish(&g, rest), 1, 1e-12);
-    /* Normalised, mirrored by its own numbers; normals of bytes. */
+    /* Normalised integers are mirrored by their own values; normals are bytes. */
     g = (gltf){0};
     add(&g, parts, sizeof parts, BYTE, "VEC3", 4, ",\"normalized\":true");
     strcpy(strrchr(g.views, '}'), ",\"byteStride\":4}");
@@ -113,17 +113,16 @@ static void test_quantised(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* ---- compression --------------------------------------------------------------------------------
- */
+/* ---- compression ----------------------------------------------------------------------------- */
 
-/* What a compressed view says of itself; zeros: the truth. */
+/* The header of a compressed view, which tests can falsify. */
 typedef struct packed {
     const char *mode, *filter;
     size_t stride, count;
     const char *component_and_type;
 } packed;
 
-/* Compressed bytes go into buffer 0, the view is of buffer 1, which does not exist. */
+/* Adds compressed bytes to buffer 0, and a view of buffer 1, which has no bytes. */
 static void add_packed(gltf *g, const unsigned char *bytes, size_t size, packed p) {
     const char *comma = g->count++ ? "," : "";
     append(g->views, sizeof g->views,
@@ -158,7 +157,7 @@ static void add_positions(gltf *g) {
                (packed){"ATTRIBUTES", NULL, 12, 4, "\"componentType\":5126,\"type\":\"VEC3\""});
 }
 
-/* stride: 2 or 4. */
+/* Adds the indices; stride is 2 or 4 bytes. */
 static void add_faces(gltf *g, int is_sequence, size_t stride) {
     unsigned char bytes[512];
     unsigned indices[12];
@@ -202,7 +201,8 @@ static void test_filters(void **state) {
                (packed){"ATTRIBUTES", "OCTAHEDRAL", 4, 4,
                         "\"componentType\":5120,\"type\":\"VEC3\",\"normalized\":true"});
     int16_t quaternions[4][4];
-    meshopt_encodeFilterQuat(quaternions, 4, 8, 12, &halves[0][0]); /* read, then not used */
+    /* an attribute that is decoded and then not used */
+    meshopt_encodeFilterQuat(quaternions, 4, 8, 12, &halves[0][0]);
     size = meshopt_encodeVertexBuffer(bytes, sizeof bytes, quaternions, 4, 8);
     add_packed(&g, bytes, size,
                (packed){"ATTRIBUTES", "QUATERNION", 8, 4,
@@ -213,13 +213,13 @@ static void test_filters(void **state) {
                                                    "\"indices\":1}]}]"));
     assert_near(signed_volume(&mesh), 1, 1e-4); /* 15 bits of mantissa */
     assert_non_null(mesh.corner_normals);
-    for (size_t k = 0; k < 3; ++k) /* of vertex 0; bytes */
+    for (size_t k = 0; k < 3; ++k) /* the normal of vertex 0, in bytes */
         assert_near((double)mesh.corner_normals[k], k == 2, 0.01);
     assert_non_null(mesh.corner_tangents);
     psplat_mesh_free(&mesh);
 }
 
-/* The GLB has its BIN chunk beside a buffer without bytes, and before it. */
+/* The GLB has its BIN chunk after a buffer without bytes, and then before it. */
 static void test_glb(void **state) {
     (void)state;
     gltf g = {0};
@@ -248,7 +248,8 @@ static void test_glb(void **state) {
 
 #define UNINDEXED "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}]"
 
-/* Announcements that memory or bytes do not stand for; none may reach a decoder's assertion. */
+/* Headers announce more than the memory or the bytes can hold; none may reach an assertion of the
+ * decoder. */
 static void test_refused(void **state) {
     (void)state;
     static const struct {
@@ -281,20 +282,20 @@ static void test_refused(void **state) {
         add_packed(&g, zeros, cases[i].size, view);
         refuse_text("r.gltf", finish_packed(&g, NODE UNINDEXED), cases[i].code, cases[i].cause);
     }
-    /* The same bytes for many views would multiply what they hold. */
+    /* Several views of the same bytes would multiply the memory needed. */
     gltf g = {0};
     add_positions(&g);
     size_t size = g.size;
     add_positions(&g);
     char *second = strstr(strstr(g.views, "byteOffset") + 1, "byteOffset");
-    second[12] = '0', second[13] = ','; /* of two digits: "byteOffset":NN, */
+    second[12] = '0', second[13] = ','; /* the digits after "byteOffset": */
     memmove(second + 14, strstr(second + 13, "\"byteLength"),
             strlen(strstr(second + 13, "\"byteLength")) + 1);
     g.size = size;
     refuse_text("r.gltf", finish_packed(&g, NODE UNINDEXED), PSPLAT_ERROR_RANGE, "are not its own");
 }
 
-/* Whatever a byte becomes, the mesh is read or refused. */
+/* Whatever a byte is changed to, the mesh is read or refused. */
 static void test_damaged(void **state) {
     (void)state;
     gltf whole = {0};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_read_mesh.c - what a mesh is after reading OBJ, PLY, OFF and STL, and the cleaning that
- * follows.
+ * test_read_mesh.c - tests of reading OBJ, PLY, OFF and STL, and of cleaning the mesh afterwards:
+ * welding, dropping of repeated and flat triangles, polygons, normals and colours. The files are
+ * small texts with meshes of known volume.
  */
 #include "mesh_fixture.h"
 
@@ -19,7 +20,7 @@ static void check_tetrahedron(psplat_mesh *mesh) {
     assert_int_equal(mesh->triangle_count, 4);
     assert_int_equal(mesh->dropped, 0);
     for (int k = 0; k < 3; ++k) assert_true(mesh->origin[k] == 0.5);
-    assert_true(signed_volume(mesh) == 1); /* of halves: exact */
+    assert_true(signed_volume(mesh) == 1); /* exact for halves */
     assert_int_equal(mesh->material.double_sided, 0);
     psplat_mesh_free(mesh);
     assert_null(mesh->positions);
@@ -37,8 +38,8 @@ static void test_obj(void **state) {
 
 static void test_obj_dialects(void **state) {
     (void)state;
-    /* Negative indices, texture coordinates, a continued line, carriage returns, no last newline.
-     */
+    /* Negative indices, texture coordinates, a continued line, carriage returns, and no newline at
+     * the end. */
     psplat_mesh mesh =
         read_text("t.obj", "v 0 0 0\r\nv 1 0 0\r\nv 0 1 \\\r\n 0\r\nv 0 0 1\r\nvt 0 0\r\n"
                            "f -4/1 -2/1 -3/1\r\nf 1/1 2/1 4/1\r\nf 2 3 4\r\n"
@@ -67,7 +68,7 @@ static void test_ply_text(void **state) {
     check_tetrahedron(&mesh);
 }
 
-/* Bytes of a little file, in either order. */
+/* Bytes of a small file, in either byte order. */
 typedef struct writer {
     uint8_t data[2048];
     size_t size;
@@ -148,7 +149,7 @@ static void test_stl(void **state) {
     make_stl(&w);
     psplat_mesh mesh = read_bytes("t.stl", w.data, w.size);
     check_tetrahedron(&mesh);
-    /* The content decides, not the name. */
+    /* The content decides the format, and not the name. */
     mesh = read_bytes("t.obj", w.data, w.size);
     check_tetrahedron(&mesh);
 
@@ -169,12 +170,14 @@ static void test_stl(void **state) {
 
 static void test_welding(void **state) {
     (void)state;
-    /* Three triangles, nothing shared; -0 is 0; the fourth has two corners in one place. */
+    /* Three triangles share no vertices, and -0 equals 0; the fourth has two corners in one place.
+     */
     psplat_mesh mesh =
         read_text("w.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -0 0 -0\nv 1 0 0\nv 0 0 1\n"
                            "v 0 1 0\nv 1 1 0\nv 1 0 0\nv 9 9 9\nv 2 0 0\n"
                            "f 1 2 3\nf 4 6 5\nf 7 9 8\nf 1 4 8\nf 2 2 3\nf 1 2 11\n");
-    assert_int_equal(mesh.vertex_count, 5); /* not the unused 9 9 9, nor the flat one's 2 0 0 */
+    /* without the unused 9 9 9 and the 2 0 0 of the flat triangle */
+    assert_int_equal(mesh.vertex_count, 5);
     assert_int_equal(mesh.triangle_count, 3);
     assert_int_equal(mesh.dropped, 3);               /* equal positions, equal indices, collinear */
     assert_int_equal(mesh.material.double_sided, 1); /* it has borders */
@@ -182,7 +185,8 @@ static void test_welding(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* What only dropped triangles use is no part of the mesh, nor of the box that it is centred by. */
+/* Vertices that only dropped triangles use are no part of the mesh, nor of the box by which it is
+ * centred. */
 static void test_left_over(void **state) {
     (void)state;
     psplat_mesh mesh = read_text("l.obj", "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 9 9 9\nv 9 9 9\n"
@@ -190,8 +194,8 @@ static void test_left_over(void **state) {
     assert_int_equal(mesh.vertex_count, 3);
     assert_true(mesh.origin[0] == 1 && mesh.origin[1] == 1 && mesh.origin[2] == 0);
     psplat_mesh_free(&mesh);
-    /* Different, until 0.5 is subtracted: the flat face at the one edge goes, the rest is joined.
-     */
+    /* These vertices differ until 0.5 is subtracted: the face that becomes flat is dropped, and the
+     * rest is joined. */
     mesh = read_text("r.off", "OFF\n6 5 0\n0 0 0\n1 0 0\n1 0 1e-45\n0.5 1 0\n1 1 1\n0 0 1\n"
                               "3 0 1 3\n3 2 3 1\n3 2 4 3\n3 0 3 5\n3 4 5 3\n");
     assert_int_equal(mesh.vertex_count, 5);
@@ -201,13 +205,13 @@ static void test_left_over(void **state) {
 
 static void test_seams(void **state) {
     (void)state;
-    /* The last face uses copies of its corners that are off by the rounding of single precision. */
+    /* The last face uses copies of its corners that differ by rounding to float. */
     psplat_mesh mesh = read_text("s.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1e-9 0 0\n"
                                           "v 0 1.00000001 0\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 6 5 4\n");
     assert_int_equal(mesh.vertex_count, 4);
     assert_int_equal(mesh.material.double_sided, 0);
     psplat_mesh_free(&mesh);
-    /* A hundred times that is a slit that somebody meant. */
+    /* With 1e-5 instead of 1e-9 the gap is intended. */
     mesh = read_text("s.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1e-5 0 0\n"
                               "v 0 1.00001 0\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 6 5 4\n");
     assert_int_equal(mesh.vertex_count, 6);
@@ -217,7 +221,7 @@ static void test_seams(void **state) {
 
 static void test_non_manifold(void **state) {
     (void)state;
-    /* Five faces at one edge, one of them twice, one of them flipped: OpenMesh's own structure
+    /* One edge has five faces, one of them repeated and one flipped; OpenMesh's halfedge structure
      * would keep two. */
     psplat_mesh mesh = read_text("n.off", "OFF\n6 5 0\n0 0 0\n0 0 1\n1 0 0\n0 1 0\n-1 0 0\n0 -1 0\n"
                                           "3 0 1 2\n3 0 1 3\n3 1 0 4\n3 0 1 5\n3 0 1 5\n");
@@ -228,8 +232,8 @@ static void test_non_manifold(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* A tetrahedron of which one writer repeats every face, another with both windings, to have it seen
- * from inside too. */
+/* One exporter repeats every face of a tetrahedron, and another one writes both windings to make it
+ * visible from inside. */
 static void test_repeated(void **state) {
     (void)state;
     for (int turned = 0; turned < 2; ++turned) {
@@ -255,7 +259,8 @@ static double area(const psplat_mesh *mesh) {
                      *b = mesh->positions + (size_t)v[1] * 3,
                      *c = mesh->positions + (size_t)v[2] * 3;
         double z = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-        assert_true(z > 0); /* all turn the same way: none lies outside the outline */
+        /* All triangles have the polygon's orientation, so that none lies outside its outline. */
+        assert_true(z > 0);
         sum += z / 2;
     }
     return sum;
@@ -263,7 +268,8 @@ static double area(const psplat_mesh *mesh) {
 
 static void test_concave_polygons(void **state) {
     (void)state;
-    /* An L, beginning at each of its corners in turn: a fan from most of them would be wrong. */
+    /* A polygon in the shape of an L begins at each of its corners in turn; a fan from most of them
+     * would be wrong. */
     static const int l[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
     for (int first = 0; first < 6; ++first) {
         char text[256] = "OFF\n6 1 0\n";
@@ -275,15 +281,15 @@ static void test_concave_polygons(void **state) {
         strcat(text, "6 0 1 2 3 4 5\n");
         psplat_mesh mesh = read_text("l.off", text);
         assert_int_equal(mesh.triangle_count, 4);
-        assert_true(fabs(area(&mesh) - 3) < 1e-12); /* of halves, summed in double */
+        assert_true(fabs(area(&mesh) - 3) < 1e-12); /* halves, summed in double */
         psplat_mesh_free(&mesh);
     }
 }
 
 static void test_normals_per_corner(void **state) {
     (void)state;
-    /* One vertex has another normal in each face; the second face has none, the third a zero one.
-     */
+    /* One vertex has another normal in each face; the second face has none, and the third a zero
+     * normal. */
     psplat_mesh mesh = read_text("n.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv -1 0 0\n"
                                           "vn 0 0 2\nvn 0 3 4\nvn 0 0 0\nf 1//1 2//1 3//2\n"
                                           "f 1 4 2\nf 1//3 3//1 5//2\n");
@@ -299,7 +305,7 @@ static void test_normals_per_corner(void **state) {
 
 static void test_colors(void **state) {
     (void)state;
-    /* sRGB 188 is linear 0.5029 (IEC 61966-2-1); alpha stays linear. */
+    /* sRGB 188 is 0.5029 in linear light (IEC 61966-2-1); alpha stays linear. */
     psplat_mesh mesh = read_text("c.off", "COFF\n4 2 0\n0 0 0 255 0 188 128\n1 0 0 0 0 0 255\n"
                                           "0 1 0 0 255 0 255\n1 1 0 0 0 0 0\n3 0 1 2\n3 1 3 2\n");
     assert_non_null(mesh.corner_colors);
@@ -308,7 +314,7 @@ static void test_colors(void **state) {
     assert_near((double)mesh.corner_colors[9], 1, 0); /* green of the third corner */
     assert_near((double)mesh.material.base_color[0], 1, 0);
     psplat_mesh_free(&mesh);
-    /* One colour everywhere becomes the base colour. */
+    /* A uniform colour becomes the base colour. */
     mesh = read_text("c.ply",
                      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
                      "property float z\nproperty uchar red\nproperty uchar green\n"
@@ -337,17 +343,18 @@ static void test_off_with_everything(void **state) {
 
 static void test_far_from_the_origin(void **state) {
     (void)state;
-    /* At ten million times its size a text still has the digits, and the mesh keeps them. */
+    /* Text has enough digits for a model at ten million times its size from the origin, and the
+     * mesh keeps them. */
     psplat_mesh mesh = read_text("f.obj", "v 10000000 0 0\nv 10000001.25 0 0\nv 10000000 0.125 0\n"
                                           "f 1 2 3\n");
     assert_true(mesh.origin[0] == 10000000.625);
     assert_true(mesh.positions[0] == -0.625 && mesh.positions[3] == 0.625);
     psplat_mesh_free(&mesh);
-    /* And tiny ones are not flat. */
+    /* Tiny triangles are not taken for flat ones. */
     mesh = read_text("f.obj", "v 0 0 0\nv 1e-30 0 0\nv 0 1e-30 0\nf 1 2 3\n");
     assert_int_equal(mesh.triangle_count, 1);
     psplat_mesh_free(&mesh);
-    /* Nor are those that are a million million times as long as wide. */
+    /* A triangle a million million times as long as wide is not taken for flat either. */
     mesh = read_text("f.obj", "v 0 0 0\nv 1 0 0\nv 0.5 1e-12 0\nf 1 2 3\n");
     assert_int_equal(mesh.triangle_count, 1);
     psplat_mesh_free(&mesh);

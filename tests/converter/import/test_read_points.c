@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Files of points without faces: XYZ in its dialects, PLY, OFF; and what is wrong with broken ones.
+ *
+ * test_read_points.c - tests of reading points without faces from XYZ in its dialects, PLY and OFF,
+ * and of refusing broken files. The points are mostly the corners of a unit square.
  */
 #include "mesh_fixture.h"
 #include "mesh/mesh.h"
@@ -8,7 +10,7 @@
 #include <string.h>
 #include <stdio.h>
 
-/* The four corners of a unit square, whichever file they come from. */
+/* Asserts that the mesh has the four corners of a unit square. */
 static void check_square(const psplat_mesh *mesh) {
     assert_int_equal(mesh->point_count, 4);
     assert_int_equal(mesh->vertex_count, 4);
@@ -58,15 +60,16 @@ static void check_normals(const psplat_mesh *mesh, float z) {
         assert_true(mesh->corner_normals[i] == (i % 3 == 2 ? z : 0));
 }
 
-/* sRGB 188 is a linear half, to 8 bits: (188/255 + 0.055)/1.055 to the power of 2.4. */
+/* Asserts the colour orange: sRGB 188 is half of the light to 8 bits, ((188/255 + 0.055) /
+ * 1.055)^2.4. */
 static void check_orange(const psplat_mesh *mesh) {
-    assert_null(mesh->corner_colors); /* uniform: in the material */
+    assert_null(mesh->corner_colors); /* a uniform colour is in the material */
     assert_near((double)mesh->material.base_color[0], 1, 0);
     assert_near((double)mesh->material.base_color[1], 0.50289, 1e-4);
     assert_near((double)mesh->material.base_color[2], 0, 0);
 }
 
-/* What six columns hold is in their values; normals are scaled and may face down. */
+/* The values of six columns decide what they are; normals may have any length and face down. */
 static void test_columns(void **state) {
     (void)state;
     psplat_mesh mesh =
@@ -100,7 +103,7 @@ static void test_columns(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* A colour for each point, on the corners that are this point. */
+/* The corners at each point have its colour. */
 static void test_colors(void **state) {
     (void)state;
     psplat_mesh mesh = read_text("ramp.xyz", "0 0 0 0 0 0\n1 0 0 255 0 0\n0 1 0 0 255 0\n"
@@ -115,7 +118,7 @@ static void test_colors(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Both byte orders, with normals. */
+/* Both byte orders are tested, with normals. */
 static void test_binary(void **state) {
     (void)state;
     static const float rows[4][6] = {

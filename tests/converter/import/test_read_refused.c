@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_read_refused.c - every class of bad OBJ, PLY, OFF and STL: the code, and a text that names
- * the file, the place and the cause.
+ * test_read_refused.c - tests that every class of defective OBJ, PLY, OFF and STL is refused with
+ * its code and a text that names the file, the place and the cause.
  */
 #include "mesh_fixture.h"
 #include "import/read_mesh.h"
@@ -30,7 +30,7 @@ static void test_files(void **state) {
 
 static void test_too_large(void **state) {
     (void)state;
-    /* A sparse file of 5 GiB: refused by its length, before it is read. */
+    /* A sparse file of 5 GiB is refused for its length before it is read. */
     write_bytes("large.obj", "v", 1);
     psplat_mesh mesh;
     psplat_error error = {0};
@@ -68,7 +68,7 @@ static void test_obj(void **state) {
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n", PSPLAT_ERROR_RANGE,
          "line 4: vertex"},
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -99999999999999999999\n", PSPLAT_ERROR_RANGE,
-         "line 4: vertex"}, /* strtoll's most negative number, which has no positive one */
+         "line 4: vertex"}, /* strtoll's least number, whose negative does not exist */
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2//1 3//1\n", PSPLAT_ERROR_RANGE, "line 4: normal 1"},
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 3/1\n", PSPLAT_ERROR_RANGE,
          "line 4: texture coordinate 1"},
@@ -176,7 +176,7 @@ static void test_ply(void **state) {
         refuse_text("bad.ply", cases[i].text, cases[i].code, cases[i].cause);
 }
 
-/* A binary file cut at every length: never read past, always refused. */
+/* A binary file that is cut at any length is refused, and never read beyond its end. */
 static void test_ply_truncated(void **state) {
     (void)state;
     static const char header[] =
@@ -192,7 +192,7 @@ static void test_ply_truncated(void **state) {
     assert_int_equal(mesh.triangle_count, 1);
     psplat_mesh_free(&mesh);
     for (size_t size = 4; size < begin; ++size) {
-        /* Which error depends on the word that is cut; there is one, and nothing is read past. */
+        /* The error depends on the word that is cut. */
         write_bytes("cut.ply", data, size);
         assert_int_not_equal(psplat_mesh_read(fixture_path, &mesh, NULL), PSPLAT_OK);
         unlink(fixture_path);

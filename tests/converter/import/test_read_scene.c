@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_read_scene.c - whole files: which meshes, placed where, what is refused, and warnings of
- * what is dropped.
+ * test_read_scene.c - tests of reading whole files as scenes: meshes, their instances and
+ * placements, defective graphs, and warnings for what is dropped. Meshes are tetrahedra, whose
+ * sizes are known.
  */
 #include "gltf_fixture.h"
 #include "import/read_scene.h"
@@ -48,7 +49,7 @@ static void test_warnings(void **state) {
     memset(longest, 'x', sizeof longest);
     longest[sizeof longest - 1] = 0;
     psplat_scene_warn(&scene, "%s", longest);
-    assert_in_range(strlen(scene.warnings[3]), 100, 500); /* cut, not overrun */
+    assert_in_range(strlen(scene.warnings[3]), 100, 500); /* cut off without an overrun */
     psplat_scene_free(&scene);
     assert_null(scene.warnings);
     psplat_scene_free(&scene);
@@ -62,7 +63,7 @@ static void test_warnings(void **state) {
     "}]}],\"materials\":[{\"name\":\"red\",\"extras\":{\"a\":1},\"pbrMetallicRoughness\":{"        \
     "\"baseColorFactor\":[1,0,0,1]}},{\"doubleSided\":true}]"
 
-/* Each mesh in its own coordinates, its groups indices of the file's materials. */
+/* Each mesh has its own coordinates; its groups are indices of the file's materials. */
 static void test_meshes(void **state) {
     (void)state;
     gltf g = tetrahedron();
@@ -81,19 +82,18 @@ static void test_meshes(void **state) {
     assert_int_equal(a->groups[0], 1);
     assert_int_equal(b->groups[0], 2); /* the default material */
     assert_true(a->origin[0] == 0.5 && b->origin[0] == 0.5);
-    assert_int_equal(b->triangle_count, 4); /* the second four repeat them */
+    assert_int_equal(b->triangle_count, 4); /* the last four triangles repeat the first four */
     assert_int_equal(scene.warning_count, 0);
     psplat_scene_free(&scene);
 }
 
-/* ---- instances ---------------------------------------------------------------------------------
- */
+/* ---- instances ------------------------------------------------------------------------------- */
 
 static void test_instances(void **state) {
     (void)state;
     gltf g = tetrahedron();
-    /* Mirrored and sheared below a turned and stretched node; the second scene has one more, the
-     * last node is in none. */
+    /* Two nodes, one mirrored and one sheared, lie below a turned and stretched node. The second
+     * scene has one more node, and the last node is in no scene. */
     psplat_scene scene = scene_of(finish(
         &g, "\"scenes\":[{\"nodes\":[0]},{\"nodes\":[0,3]}],\"nodes\":[{\"children\":[1,2],"
             "\"scale\":[3,1,1],\"rotation\":[0,0,0.7071067811865476,0.7071067811865476]},"
@@ -107,11 +107,11 @@ static void test_instances(void **state) {
     assert_int_equal(count, 2);
     assert_int_equal(instances[0].node, 1);
     assert_near(instances[0].stretch, 3, 1e-12);
-    /* diag(3, 1, 1) times the shear [1 1; 0 1]: of [3 3; 0 1] the greater root of
-     * s^4 - 19 s^2 + 9. */
+    /* diag(3, 1, 1) times the shear [1 1; 0 1] is [3 3; 0 1], whose greatest singular value is the
+     * greater root of s^4 - 19 s^2 + 9. */
     assert_near(instances[1].stretch, sqrt((19 + sqrt(325.0)) / 2), 1e-12);
-    /* The first spans x -3 ... 0, the second 15 ... 18, both turned by 90 degrees; y and z 0 ... 1.
-     */
+    /* The first instance spans x -3 ... 0 and the second one 15 ... 18, both turned by 90 degrees;
+     * y and z span 0 ... 1. */
     assert_near(psplat_scene_diagonal(&scene, instances, count), sqrt(21 * 21 + 1 + 1), 1e-12);
     free(instances);
     assert_int_equal(psplat_scene_instances(&scene, 1, &instances, &count, NULL), PSPLAT_OK);
@@ -124,7 +124,7 @@ static void test_instances(void **state) {
     psplat_scene_free(&scene);
 }
 
-/* Where an instance lies: T R S, of a rotation whose matrix has simple numbers. */
+/* The matrix of an instance is T R S; the matrix of this rotation has simple numbers. */
 static void test_transform(void **state) {
     (void)state;
     static const double expected[16] = {0,    1.2,   1.6,  0, -0.8, 0.48, -0.36, 0,
@@ -142,7 +142,8 @@ static void test_transform(void **state) {
     psplat_scene_free(&scene);
 }
 
-/* Of scale 0 nothing is drawn: no instance, one warning; sizes that only look like 0 are drawn. */
+/* A node of scale 0 draws nothing: it has no instance, and one warning is given. Sizes that are
+ * merely tiny are drawn. */
 static void test_flattened(void **state) {
     (void)state;
     gltf g = tetrahedron();
@@ -162,11 +163,9 @@ static void test_flattened(void **state) {
     psplat_scene_free(&scene);
 }
 
-/* ---- graphs that are none
- * ------------------------------------------------------------------------
- */
+/* ---- defective graphs ------------------------------------------------------------------------ */
 
-/* A chain of nodes with the mesh at its end. */
+/* Returns a chain of nodes with the mesh at its end. */
 static const char *chain(gltf *g, int depth) {
     static char nodes[8192];
     nodes[0] = 0;
@@ -237,8 +236,7 @@ static void test_refused(void **state) {
     }
 }
 
-/* ---- what is dropped ---------------------------------------------------------------------------
- */
+/* ---- dropped content ------------------------------------------------------------------------- */
 
 static void test_dropped(void **state) {
     (void)state;
@@ -253,7 +251,7 @@ static void test_dropped(void **state) {
         "\"meshes\":[{\"name\":\"lines\",\"primitives\":[{\"mode\":1,\"attributes\":{"
         "\"POSITION\":0}}]},{\"weights\":[0.5],\"primitives\":[{\"attributes\":{\"POSITION\":0},"
         "\"indices\":1,\"extras\":1,\"targets\":[{\"POSITION\":2}]},"
-        "{\"mode\":0,\"attributes\":{\"POSITION\":0}}]}," /* a mesh in a point: */
+        "{\"mode\":0,\"attributes\":{\"POSITION\":0}}]}," /* followed by a mesh that is a point */
         "{\"primitives\":[{\"attributes\":{\"POSITION\":0}},{\"attributes\":{}}]}]"));
     static const char *const expected[] = {
         "1 animations are dropped",
@@ -268,7 +266,7 @@ static void test_dropped(void **state) {
     for (size_t i = 0; i < 7; ++i)
         if (!strstr(scene.warnings[i], expected[i]))
             fail_msg("'%s' instead of '%s'", scene.warnings[i], expected[i]);
-    /* Half of the target: the corner at x = 1 is at 2. */
+    /* Half of the target is added: the corner at x = 1 is at 2. */
     assert_near(signed_volume(&scene.meshes[1].mesh), 2, 1e-12);
     assert_int_equal(scene.meshes[0].mesh.triangle_count, 0);
     assert_int_equal(scene.node_count, 3);

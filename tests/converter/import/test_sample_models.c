@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_sample_models.c - the sample models: the committed files are what the generator makes, they
- * are closed where they should be, and the part has the features for which it was made.
+ * test_sample_models.c - tests that the sample models in the repository are those that the
+ * generator makes, that they are closed where they should be, and that the part has the features
+ * for which it was made. Expected counts follow from the generator's shapes.
  */
 #include "mesh_fixture.h"
 
@@ -16,7 +17,7 @@ static const struct {
     const char *name;
     size_t vertices, triangles;
     int euler;  /* vertices - edges + triangles: 2 - 2 x genus for one closed piece */
-    int closed; /* seen from outside only */
+    int closed; /* whether it is visible only from outside */
 } models[] = {
     {"part.obj", 5961, 11926, -2, 1}, /* two through-holes */
     {"cube.off", 8, 12, 2, 1},
@@ -31,7 +32,7 @@ static const struct {
     {"still-life.glb", 3516, 7000, 16, 1}, /* a table, three cups, two pears, two dice */
 };
 
-/* An edge as its two triangles see it. */
+/* An edge and its two triangles. */
 typedef struct edge {
     uint32_t low, high;
     uint32_t triangles[2];
@@ -105,8 +106,9 @@ static void test_topology(void **state) {
     }
 }
 
-/* Sines and cosines may differ in their last digit from machine to machine, and text has seven
- * figures: 1e-5 of the size is far above both and far below an edge. */
+/* Compares a committed file with a newly generated one. Sines and cosines may differ in their last
+ * digit between machines, and text has seven digits: 1e-5 of the size is far above both and far
+ * below the length of an edge. */
 static void compare(const char *name) {
     psplat_mesh old = read_committed(name), new = read_model(fixture_directory, name);
     double size = 0;
@@ -136,8 +138,7 @@ static void test_regenerated(void **state) {
     assert_int_equal(failed, 0);
 }
 
-/* ---- known shapes ------------------------------------------------------------------------------
- */
+/* ---- known shapes ---------------------------------------------------------------------------- */
 
 static void test_sphere(void **state) {
     (void)state;
@@ -146,9 +147,9 @@ static void test_sphere(void **state) {
     for (size_t i = 0; i < mesh.triangle_count * 3; ++i)
         for (size_t k = 0; k < 3; ++k) {
             double x = mesh.positions[(size_t)mesh.triangles[i] * 3 + k] + mesh.origin[k];
-            assert_near((double)mesh.corner_normals[i * 3 + k], x, 2e-7); /* single precision */
+            assert_near((double)mesh.corner_normals[i * 3 + k], x, 2e-7); /* rounding to float */
         }
-    /* The volume of a unit sphere, less what flat triangles cut off: below 0.5 %. */
+    /* The volume of a unit sphere, less what flat triangles cut off: less than 0.5 %. */
     assert_near(signed_volume(&mesh) / 6, 4.18879, 0.02);
     psplat_mesh_free(&mesh);
 }
@@ -173,8 +174,9 @@ typedef struct part {
     psplat_mesh mesh;
     edge *edges;
     size_t edge_count;
-    double (*normals)[3]; /* unit, of each triangle */
-    int *creases;         /* of each vertex: edges whose faces differ by more than 30 degrees */
+    double (*normals)[3]; /* unit normals of the triangles */
+    /* for each vertex the number of edges that bend by more than 30 degrees */
+    int *creases;
 } part;
 
 static void subtract(const part *p, uint32_t a, uint32_t b, double d[3]) {
@@ -195,7 +197,8 @@ static double dihedral(const part *p, const edge *e) {
     return angle_between(p->normals[e->triangles[0]], p->normals[e->triangles[1]]);
 }
 
-/* The corner of the second triangle that is not on the edge lies below the first one's plane. */
+/* Returns whether the edge is convex: the second triangle's corner off the edge lies below the
+ * plane of the first one. */
 static int is_convex(const part *p, const edge *e) {
     const uint32_t *t = p->mesh.triangles + (size_t)e->triangles[1] * 3;
     double d[3];
@@ -237,8 +240,8 @@ static void free_part(part *p) {
     psplat_mesh_free(&p->mesh);
 }
 
-/* Crease edges of one kind, and pairs of them that meet at a vertex without others at a small
- * angle: links of a curved crease. */
+/* Counts crease edges of one kind, and pairs of them that meet at a small angle at a vertex without
+ * other creases, which are links of a curved crease. */
 static void count_creases(const part *p, int convex, size_t *creases, size_t *bends) {
     double(*direction)[3] = calloc(p->mesh.vertex_count, sizeof *direction);
     assert_non_null(direction);
@@ -284,7 +287,7 @@ static void test_part_corners(void **state) {
     free_part(&p);
 }
 
-/* Interior angle at each corner of each flat face that points up or down (y). */
+/* The test sums the interior angles at each corner of the flat faces that point up or down (y). */
 static void test_part_reflex_corner(void **state) {
     (void)state;
     part p = load_part();
@@ -305,7 +308,7 @@ static void test_part_reflex_corner(void **state) {
         up += fabs(angles[v][0] - 270) < 0.01 && p.creases[v] >= 3;
         down += fabs(angles[v][1] - 270) < 0.01 && p.creases[v] >= 3;
     }
-    assert_true(up >= 1 && down >= 1); /* the notch, seen from both sides */
+    assert_true(up >= 1 && down >= 1); /* the notch, from above and from below */
     free(angles);
     free_part(&p);
 }

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Images of every kind come out as RGBA as stored; broken ones fail with their cause. */
+ *
+ * test_image.c - tests of reading PNG and JPEG images: every kind comes out as RGBA bytes as
+ * stored, and a broken one fails with its cause. The images are encoded by libpng and libjpeg in
+ * the test, so that every pixel is known.
+ */
 #include "picture_bytes.h"
 #include "material/image.h"
 
@@ -70,7 +74,7 @@ static void test_png_palette(void **state) {
 
 static void test_png_sixteen_bits(void **state) {
     (void)state;
-    /* libpng takes these as linear and says so in the file, which is not to be listened to. */
+    /* libpng takes these values as linear and says so in the file; the reader must ignore that. */
     static const uint16_t grey[3] = {0, 0x8080, 0xffff};
     size_t size;
     uint8_t *data = png_of(grey, 3, 1, PNG_FORMAT_LINEAR_Y, NULL, &size);
@@ -79,7 +83,8 @@ static void test_png_sixteen_bits(void **state) {
     psplat_image_free(&image);
 }
 
-/* libpng's simplified interface would spoil it. */
+/* A 16-bit interlaced image needs a path of its own, because libpng's simplified interface would
+ * change its values. */
 static void test_png_sixteen_bits_interlaced(void **state) {
     (void)state;
     static const uint8_t header[] = "\0\0\0\1\0\0\0\1\x10\0\0\0\1\x1d\xe9\x77\x80";
@@ -94,7 +99,8 @@ static void test_png_sixteen_bits_interlaced(void **state) {
     free(data);
 }
 
-/* The same picture with a chunk in place of sRGB, which libpng puts after the header. */
+/* Returns the same picture with another chunk in place of sRGB, which libpng puts after the header.
+ */
 static uint8_t *with_chunk(uint8_t *png, size_t *size, const void *chunk, size_t chunk_size) {
     enum { BEFORE = 8 + 25, SRGB = 13 };
     uint8_t *data = malloc(*size + chunk_size);
@@ -120,7 +126,7 @@ static void test_png_colour_chunks_do_not_matter(void **state) {
     psplat_image_free(&image);
 }
 
-/* A chunk that a reader must know and does not. */
+/* An unknown chunk that is marked as critical is refused. */
 static void test_png_unknown_critical_chunk(void **state) {
     (void)state;
     static const uint8_t unknown[] = "\0\0\0\0ABCD\xdb\x17\x20\xa5", pixel[3] = {0};
@@ -148,8 +154,8 @@ static void test_jpeg(void **state) {
         uint8_t *data = jpeg_of(&rgb[0][0][0], 32, 32, 3, progressive, &size);
         psplat_image image = decode(data, size);
         for (size_t i = 0; i < 32 * 32; ++i) {
-            /* At quality 100 a smooth picture errs by little: colours are stored at half the
-             * resolution. */
+            /* At quality 100 a smooth picture changes by little, because colours are stored at half
+             * the resolution. */
             for (size_t k = 0; k < 3; ++k)
                 assert_in_range(image.pixels[4 * i + k] + 16 - (&rgb[0][0][0])[3 * i + k], 6, 26);
             assert_int_equal(image.pixels[4 * i + 3], 255);
@@ -164,12 +170,13 @@ static void test_jpeg(void **state) {
     }
 }
 
-/* However much of the file is missing, it is an error, and nothing is left behind. */
+/* Asserts that the file is refused wherever it is cut off, and that nothing is left behind. */
 static void refuse_beginnings(const uint8_t *data, size_t size, size_t least) {
     for (size_t cut = least; cut < size; ++cut) {
         psplat_image image;
         psplat_error error = {0};
-        uint8_t *part = malloc(cut); /* so that sanitizers see where it ends */
+        /* A copy of exact size lets sanitizers see reads beyond its end. */
+        uint8_t *part = malloc(cut);
         assert_non_null(part);
         memcpy(part, data, cut);
         psplat_result result = psplat_image_decode(part, cut, &image, &error);
@@ -186,14 +193,15 @@ static void test_truncated(void **state) {
     for (size_t i = 0; i < sizeof pixels; ++i) (&pixels[0][0][0])[i] = (uint8_t)(i * i);
     size_t size;
     uint8_t *data = png_of(pixels, 16, 16, PNG_FORMAT_RGB, NULL, &size);
-    refuse_beginnings(data, size - 20, 8); /* what follows the pixels may be missing */
+    refuse_beginnings(data, size - 20, 8); /* The trailer behind the pixels may be missing. */
     free(data);
     data = jpeg_of(&pixels[0][0][0], 16, 16, 3, 0, &size);
     refuse_beginnings(data, size - 2, 3);
     free(data);
 }
 
-/* Bytes turned one by one, deterministically: an image or an error, and no other harm. */
+/* Bytes are changed one by one in a fixed pattern: the result is an image or an error, and no other
+ * harm. */
 static void test_corrupted(void **state) {
     (void)state;
     uint8_t pixels[8][8][3] = {{{0}}};
@@ -223,7 +231,8 @@ static void test_too_large(void **state) {
     psplat_error error;
     size_t size;
     uint8_t *data = jpeg_of(pixel, 1, 1, 3, 0, &size);
-    /* The frame header: its marker, two of length, one of precision, then height and width. */
+    /* The frame header consists of its marker, two bytes of length, one of precision, then height
+     * and width. */
     for (size_t i = 0; i + 9 < size; ++i)
         if (data[i] == 0xff && data[i + 1] == 0xc0) memcpy(data + i + 5, "\xff\xdc\xff\xdc", 4);
     assert_int_equal(psplat_image_decode(data, size, &image, &error), PSPLAT_ERROR_RANGE);

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Textures as glTF 2.0 section 3.8 means them, and averaged over what a sample stands for. */
+ *
+ * test_texture_sampling.c - tests of texture lookups as glTF 2.0 section 3.8 defines them, and of
+ * averages over the footprint of a sample. Images are ramps, stripes and checkerboards of a few
+ * grey texels, so that expected values follow by hand.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +28,7 @@ typedef struct fixture {
     psplat_texture_info texture;
 } fixture;
 
-/* Grey texels. */
+/* Makes a texture of grey texels. */
 static void make(fixture *f, const uint8_t *grey, uint32_t width, uint32_t height, int is_srgb) {
     *f = (fixture){0};
     assert_int_equal(psplat_image_allocate(&f->image, width, height, NULL), PSPLAT_OK);
@@ -45,7 +49,7 @@ static double at(const fixture *f, double s, double t, const double axes[2][2]) 
     return (double)rgba[0];
 }
 
-/* Rounding of single precision. */
+/* Rounding to float. */
 #define CLOSE 1e-6
 
 static void test_texel_centres(void **state) {
@@ -56,7 +60,7 @@ static void test_texel_centres(void **state) {
     for (int y = 0; y < 2; ++y)
         for (int x = 0; x < 3; ++x)
             assert_near(at(&f, (x + 0.5) / 3, (y + 0.5) / 2, point), (3 * y + x) / 5.0, CLOSE);
-    /* Halfway between two, and in the middle of four. */
+    /* Halfway between two texels, and in the middle of four. */
     assert_near(at(&f, 1 / 3.0, 0.25, point), 0.1, CLOSE);
     assert_near(at(&f, 1 / 3.0, 0.5, point), 0.4, CLOSE);
     f.texture.nearest = 1;
@@ -89,7 +93,7 @@ static void test_wraps(void **state) {
         if (fabs(found - cases[i].expected) > CLOSE)
             fail_msg("case %zu: %g instead of %g", i, found, cases[i].expected);
     }
-    /* Between the last texel and the first, where the image repeats. */
+    /* Between the last texel and the first one, where the image repeats. */
     f.texture.nearest = 0;
     f.texture.wrap[0] = PSPLAT_WRAP_REPEAT;
     assert_near(at(&f, 0, 0.5, point), 0.5, CLOSE);
@@ -103,12 +107,12 @@ static void test_linear_light(void **state) {
     static const uint8_t grey[2] = {0, 255};
     fixture f;
     make(&f, grey, 2, 1, 1);
-    /* Half of the light, not of the number 128, which is a fifth of it. */
+    /* The mean is half of the light, and not the value 128, which is a fifth of it. */
     assert_near(at(&f, 0.5, 0.5, point), 0.5, CLOSE);
     release(&f);
     static const uint8_t middle[1] = {128};
     make(&f, middle, 1, 1, 1);
-    assert_near(at(&f, 0.5, 0.5, point), 0.2158605, 1e-5); /* IEC 61966-2-1 of 128/255 */
+    assert_near(at(&f, 0.5, 0.5, point), 0.2158605, 1e-5); /* 128/255 by IEC 61966-2-1 */
     release(&f);
     for (int i = 0; i < 256; ++i) {
         float stored = (float)i / 255;
@@ -116,7 +120,7 @@ static void test_linear_light(void **state) {
     }
 }
 
-/* Each level's mean is the image's, also of sizes that are not powers of two. */
+/* The mean of each level is that of the image, also for sizes that are not powers of two. */
 static void test_means(void **state) {
     (void)state;
     enum { WIDTH = 37, HEIGHT = 11 };
@@ -130,7 +134,7 @@ static void test_means(void **state) {
     }
     fixture f;
     make(&f, grey, WIDTH, HEIGHT, 0);
-    assert_int_equal(f.mipmap.level_count, 6); /* 37 18 9 4 2 1 */
+    assert_int_equal(f.mipmap.level_count, 6); /* widths 37, 18, 9, 4, 2, 1 */
     for (uint32_t level = 0; level < f.mipmap.level_count; ++level) {
         const psplat_mipmap_level *l = &f.mipmap.levels[level];
         double sum = 0;
@@ -140,12 +144,12 @@ static void test_means(void **state) {
                 psplat_mipmap_texel(&f.mipmap, level, x, y, rgba);
                 sum += (double)rgba[3];
             }
-        assert_near(sum / ((double)l->width * l->height), mean, 2e-5); /* 16 bits */
+        assert_near(sum / ((double)l->width * l->height), mean, 2e-5); /* levels of 16 bits */
     }
     release(&f);
 }
 
-/* A checkerboard seen from afar is grey, also where it is seen from afar in one direction alone. */
+/* From afar a checkerboard is grey, also where only one axis of the footprint is long. */
 static void test_footprints(void **state) {
     (void)state;
     enum { SIZE = 64 };
@@ -160,9 +164,10 @@ static void test_footprints(void **state) {
     assert_near(at(&f, 0.3, 0.3, wide), 0.5, 1e-3);
     assert_near(at(&f, 0.3, 0.3, all), 0.5, 1e-3);
     release(&f);
-    /* Along the stripes an ellipse may be long without leaving one; across it may not. */
+    /* An ellipse that is long along the stripes still sees one of them; across them it does not. */
     static const double along[2][2] = {{0.01, 0}, {0, 0.3}}, across[2][2] = {{0.25, 0}, {0, 0.01}};
-    static const double skewed[2][2] = {{0.007, 0.2}, {-0.007, 0.2}}; /* conjugate axes of along */
+    /* conjugate axes of `along` */
+    static const double skewed[2][2] = {{0.007, 0.2}, {-0.007, 0.2}};
     make(&f, stripes, SIZE, SIZE, 0);
     assert_near(at(&f, 0.4, 0.5, along), 1, 1e-3);
     assert_near(at(&f, 0.4, 0.5, skewed), 1, 1e-3);
@@ -184,7 +189,7 @@ static void test_transform(void **state) {
     assert_near(st[1], 0, 0);
 }
 
-/* An image that could not be read is no texture. */
+/* An image that could not be read counts as no texture. */
 static void test_unreadable(void **state) {
     (void)state;
     psplat_image image = {0};

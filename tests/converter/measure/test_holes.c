@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Holes between splats whose place and width are known: found wherever they are, and none where
- * there are none. */
+ *
+ * test_holes.c - tests of finding holes between splats. Shapes are flat meshes covered by discs
+ * that leave holes of known place and width; every hole must be found, and every point found must
+ * be open.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +27,7 @@
 
 static const double tolerance = 0.05;
 
-/* A level mesh, turned and moved, and discs in its plane; (x, y) are those of the plane. */
+/* A flat mesh, turned and moved, and discs in its plane; (x, y) are coordinates in that plane. */
 typedef struct scene {
     fixture f;
     double origin[3], x[3], y[3], n[3];
@@ -34,12 +37,12 @@ typedef struct scene {
     psplat_holes holes;
 } scene;
 
-static double width, height; /* of the mesh, whose middle is the origin */
+static double width, height; /* size of the mesh, whose centre is the origin */
 static void place_level(double s, double t, double p[3]) {
     p[0] = width * (s - 0.5), p[1] = height * (t - 0.5), p[2] = 0;
 }
 
-/* random: 0 leaves the scene level. */
+/* Begins a scene; random NULL leaves it unturned. */
 static void scene_begin(scene *s, double w, double h, uint32_t columns, uint32_t rows,
                         uint64_t *random) {
     *s = (scene){.x = {1, 0, 0}, .y = {0, 1, 0}, .n = {0, 0, 1}};
@@ -66,7 +69,7 @@ static void scene_end(scene *s) {
     fixture_free(&s->f);
 }
 
-/* A disc whose u axis is turned by an angle, facing up or (-1) down. */
+/* Adds a disc whose u axis is turned by an angle, and that faces up (side 1) or down (-1). */
 static psplat_region *add_disc(scene *s, double a, double b, double radius, double angle,
                                int side) {
     psplat_candidate c = {.taken = 1, .color = {1, 1, 1, 1}, .region.radius = {radius, radius}};
@@ -82,7 +85,7 @@ static psplat_region *add_disc(scene *s, double a, double b, double radius, doub
     return &s->discs.candidates[s->discs.count - 1].region;
 }
 
-/* What no splat covers, going by all of them; p with the normal of the mesh. */
+/* Returns whether no splat covers a point with the normal of the mesh; it asks all splats. */
 static int is_open(const scene *s, const double p[3]) {
     for (uint32_t i = 0; i < s->splats.count; ++i) {
         double uvh[3];
@@ -92,7 +95,8 @@ static int is_open(const scene *s, const double p[3]) {
     return 1;
 }
 
-/* Finds the holes, and checks that each is one and lies on its triangle, and their order. */
+/* Finds the holes, and asserts that each is open and lies on its triangle, and that they are
+ * ordered by triangles. */
 static size_t find(scene *s, double coarse, double fine) {
     psplat_holes_free(&s->holes);
     psplat_measured_splats_free(&s->measured);
@@ -106,7 +110,7 @@ static size_t find(scene *s, double coarse, double fine) {
         const uint32_t *t = s->f.mesh.triangles + 3 * (size_t)s->holes.triangles[i];
         const double *at = s->f.mesh.positions;
         assert_true(is_open(s, p));
-        /* Rounding of coordinates of 4. */
+        /* rounding of coordinates of 4 */
         assert_near(point_triangle_distance2(p, at + 3 * (size_t)t[0], at + 3 * (size_t)t[1],
                                              at + 3 * (size_t)t[2]),
                     0, 1e-28);
@@ -115,7 +119,7 @@ static size_t find(scene *s, double coarse, double fine) {
     return s->holes.count;
 }
 
-/* A hole in the plane of the mesh. */
+/* Stores a hole's coordinates in the plane of the mesh. */
 static void local_hole(const scene *s, size_t i, double xy[2]) {
     double d[3];
     sub3(d, s->holes.points + 3 * i, s->origin);
@@ -124,8 +128,8 @@ static void local_hole(const scene *s, size_t i, double xy[2]) {
 
 /* ---- covered --------------------------------------------------------------------------------- */
 
-/* A square under one disc, under one that lines cut to the square itself, and under one that is a
- * little too small for its corners. */
+/* A square lies under one disc, then under a disc that lines cut to the square itself, then under a
+ * disc that is a little too small for its corners. */
 static void test_square(void **state) {
     (void)state;
     uint64_t random = 3;
@@ -159,7 +163,8 @@ static void test_square(void **state) {
     }
 }
 
-/* A splat of the other side covers nothing, nor does one farther than the tolerance. */
+/* A splat of the other side covers nothing, nor does one that is farther away than the tolerance.
+ */
 static void test_sides(void **state) {
     (void)state;
     scene s;
@@ -177,8 +182,8 @@ static void test_sides(void **state) {
 
 /* ---- gaps of known width --------------------------------------------------------------------- */
 
-/* Two discs cut by parallel lines that leave a slit, of an angle and at a distance from the middle.
- */
+/* Adds two discs that parallel lines cut so that they leave a slit, at an angle and at a distance
+ * from the middle. */
 static void add_slit(scene *s, double angle, double offset, double gap) {
     for (int side = 0; side < 2; ++side) {
         psplat_region *r = add_disc(s, 0, 0, 4, angle, 1);
@@ -189,8 +194,8 @@ static void add_slit(scene *s, double angle, double offset, double gap) {
     }
 }
 
-/* Points all along a slit: none is farther from a hole than a part is wide, or, where another hole
- * of the same cube was kept, the cube's diagonal more. */
+/* Asserts that each point along the slit is at most a cube's edge from a hole, or a cube's diagonal
+ * more where another hole of the same cube was kept. */
 static void check_along(const scene *s, double angle, double offset, double coarse) {
     for (double t = -3; t < 3; t += 0.37 * coarse) {
         double x = offset * cos(angle) - t * sin(angle), y = offset * sin(angle) + t * cos(angle);
@@ -205,9 +210,9 @@ static void check_along(const scene *s, double angle, double offset, double coar
     }
 }
 
-/* A part no wider than `fine` around a point of the slit has its middle within two thirds of that:
- * a slit of twice `fine` is found in each part of the size `coarse`, however it lies. What is
- * narrower may be missed, but what is found lies in it. */
+/* A triangle part no wider than `fine` around a point of the slit has its middle within two thirds
+ * of that, so that a slit of twice `fine` is found in each part of size `coarse`, in any direction.
+ * A narrower slit may be missed, but every point found lies in it. */
 static void test_slits(void **state) {
     (void)state;
     const double coarse = 0.25, fine = 1.0 / 128;
@@ -225,7 +230,7 @@ static void test_slits(void **state) {
             for (size_t i = 0; i < count; ++i) {
                 double xy[2];
                 local_hole(&s, i, xy);
-                /* Lines in single precision, of a radius of 4. */
+                /* clip lines in floats, for a radius of 4 */
                 assert_near(xy[0] * cos(angle) + xy[1] * sin(angle), offset, gaps[g] / 2 + 1e-6);
             }
             if (g < 2) check_along(&s, angle, offset, coarse);
@@ -233,8 +238,8 @@ static void test_slits(void **state) {
         }
 }
 
-/* Two discs side by side over a band: their circles meet at y = +-sqrt(1.2^2 - 1), beyond which the
- * band has a notch on each side. */
+/* Two discs lie side by side over a band: their circles meet at y = +-sqrt(1.2^2 - 1), beyond which
+ * the band has a notch on each side. */
 static void test_notch(void **state) {
     (void)state;
     const double meet = sqrt(1.2 * 1.2 - 1);
@@ -261,8 +266,8 @@ static void test_notch(void **state) {
 
 /* ---- many splats ----------------------------------------------------------------------------- */
 
-/* A square of some triangles under `across` by `across` discs that overlap; one of them missing at
- * every `missing` places. */
+/* Adds a square of some triangles under `across` by `across` overlapping discs, of which every
+ * `missing`-th is left out. */
 static void add_lattice(scene *s, uint32_t across, uint32_t missing, uint32_t first) {
     double step = 4.0 / across;
     for (uint32_t i = 0; i < across * across; ++i)
@@ -298,7 +303,7 @@ static void test_one_lost(void **state) {
     }
 }
 
-/* The holes and their order do not depend on how many threads look for them. */
+/* The holes and their order do not depend on the number of threads. */
 static void test_threads(void **state) {
     (void)state;
     uint64_t random = 4;
@@ -322,7 +327,8 @@ static void test_threads(void **state) {
 
 /* ---- point sets ------------------------------------------------------------------------------ */
 
-/* Points beside triangles that are covered: those farther than the tolerance are open. */
+/* The triangles are covered, and points beside them are open where they are farther away than the
+ * tolerance. */
 static void test_points(void **state) {
     (void)state;
     enum { POINTS = 600 };
@@ -346,9 +352,9 @@ static void test_points(void **state) {
         open += i % 7 == 0;
     }
     add_disc(&s, 0, 0, 3, 0, 1);
-    assert_int_equal(find(&s, 1e-9, 0.01), open); /* no two in one cube */
+    assert_int_equal(find(&s, 1e-9, 0.01), open); /* No two points are in one cube. */
     for (size_t i = 0; i < open; ++i) {
-        for (size_t k = 0; k < 3; ++k) /* a mean of three times the same */
+        for (size_t k = 0; k < 3; ++k) /* a mean of three equal values */
             assert_near(s.holes.points[3 * i + k], s.f.mesh.points[21 * i + k], 1e-15);
         assert_int_equal(s.holes.triangles[i], s.f.mesh.point_triangles[7 * i]);
     }

@@ -1,5 +1,11 @@
 /* SPDX-License-Identifier: MIT
- * Triangles of mixed orientation: every component gets one, on the side that the file means. */
+ *
+ * test_orientation.c - tests that triangles of mixed orientation are made consistent. Every
+ * component gets one orientation; the file decides its front by its normals or by most of its area,
+ * and else a closed component faces outwards. The shapes are bundled models with triangles flipped
+ * at random, nested shells, an open sheet and a Moebius strip; expected values are the volumes and
+ * counts of the unflipped mesh.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -34,7 +40,8 @@ static void drop_normals(psplat_mesh *mesh) {
     mesh->corner_normals = NULL;
 }
 
-/* As a writer errs that mixes up the winding: normals and colours stay at their vertices. */
+/* Flips a triangle as an exporter with mixed winding does: normals and colours stay at their
+ * vertices. */
 static void flip(psplat_mesh *mesh, size_t triangle) {
     uint32_t *t = mesh->triangles + 3 * triangle, vertex = t[1];
     t[1] = t[2], t[2] = vertex;
@@ -62,8 +69,8 @@ static double volume(const psplat_mesh *mesh) {
     return sum;
 }
 
-/* Half of the triangles flipped at random, with and without normals in the file: the outer side
- * becomes the front, and nothing but the real borders and creases bounds patches. */
+/* Half of the triangles are flipped at random, with and without normals in the file. The outer side
+ * becomes the front, and only the real borders and creases bound patches. */
 static void test_random_flips(void **state) {
     (void)state;
     const char *names[] = {"sphere.ply", "torus.off", "cube.off", "part.obj"};
@@ -77,7 +84,8 @@ static void test_random_flips(void **state) {
         for (size_t t = 0; t < mesh.triangle_count; ++t)
             if (psplat_random_unit(&random) < 0.5) flip(&mesh, t);
         assert_int_equal(orient(&mesh), 1);
-        assert_near(volume(&mesh), expected, 1e-12 * fabs(expected)); /* order of the sum */
+        /* relative, sums in another order */
+        assert_near(volume(&mesh), expected, 1e-12 * fabs(expected));
         assert_int_equal(psplat_surface_build(&mesh, fixture_crease_angle, &after, NULL), 0);
         assert_int_equal(after.patch_count, before.patch_count);
         assert_int_equal(after.crease_edges, before.crease_edges);
@@ -87,7 +95,7 @@ static void test_random_flips(void **state) {
     }
 }
 
-/* The corners of a turned triangle keep what they carried. */
+/* The corners of a turned triangle keep their attributes. */
 static void test_corners_move_along(void **state) {
     (void)state;
     psplat_mesh mesh = read_model("sphere.ply");
@@ -104,7 +112,7 @@ static void test_corners_move_along(void **state) {
         memcpy(p, mesh.positions + 3 * (size_t)mesh.triangles[c], sizeof p);
         double length = normalize3(p);
         assert_true(length > 0);
-        for (size_t k = 0; k < 3; ++k) /* single precision of the file */
+        for (size_t k = 0; k < 3; ++k) /* the file's floats */
             assert_near((double)mesh.corner_normals[3 * c + k], p[k], 1e-6);
         for (size_t k = 0; k < 4; ++k)
             assert_near((double)mesh.corner_colors[4 * c + k],
@@ -113,8 +121,8 @@ static void test_corners_move_along(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Two shells, the inner one facing inwards: a wall. One flipped triangle in each is repaired, but
- * the inner shell is not turned outwards. */
+/* Two shells of which the inner one faces inwards form a wall. One flipped triangle in each is
+ * repaired, but the inner shell is not turned outwards. */
 static void test_inner_wall(void **state) {
     (void)state;
     psplat_mesh one = read_model("torus.off"), two = {0};
@@ -133,21 +141,21 @@ static void test_inner_wall(void **state) {
     flip(&two, triangles + 7);
     assert_int_equal(orient(&two), 1);
     double expected = volume(&one) * (1 - 0.125);
-    assert_near(volume(&two), expected, 1e-12 * expected); /* order of the sum */
+    assert_near(volume(&two), expected, 1e-12 * expected); /* relative, sums in another order */
     psplat_mesh_free(&one);
     psplat_mesh_free(&two);
 }
 
-/* Inside out, but with normals that point out: the winding is the error. */
+/* A model is inside out, but its normals point outwards: the winding is taken for the error. */
 static void test_normals_decide(void **state) {
     (void)state;
     psplat_mesh mesh = read_model("sphere.ply");
     double expected = volume(&mesh);
     for (size_t t = 0; t < mesh.triangle_count; ++t) flip(&mesh, t);
-    assert_near(volume(&mesh), -expected, 1e-12 * expected); /* order of the sum */
+    assert_near(volume(&mesh), -expected, 1e-12 * expected); /* relative, sums in another order */
     assert_int_equal(orient(&mesh), 1);
     assert_near(volume(&mesh), expected, 1e-12 * expected);
-    /* Without them it is what the file says. */
+    /* Without normals the file's orientation stays. */
     for (size_t t = 0; t < mesh.triangle_count; ++t) flip(&mesh, t);
     drop_normals(&mesh);
     assert_int_equal(orient(&mesh), 1);
@@ -159,7 +167,7 @@ static void place_plane(double s, double t, double p[3]) {
     p[0] = s, p[1] = t, p[2] = 0;
 }
 
-/* An open sheet keeps the side that most of it had. */
+/* An open sheet keeps the side that most of its triangles had. */
 static void test_open_majority(void **state) {
     (void)state;
     for (int wrong = 0; wrong < 2; ++wrong) {
@@ -171,8 +179,8 @@ static void test_open_majority(void **state) {
         fixture_build(&f);
         assert_int_equal(f.surface.patch_count, 1);
         assert_int_equal(f.surface.crease_edges, 0);
-        for (size_t t = 0; t < f.mesh.triangle_count; ++t)
-            assert_near(f.surface.face_normals[3 * t + 2], wrong ? -1 : 1, 1e-12); /* rounding */
+        for (size_t t = 0; t < f.mesh.triangle_count; ++t) /* rounding of unit vectors */
+            assert_near(f.surface.face_normals[3 * t + 2], wrong ? -1 : 1, 1e-12);
         fixture_free(&f);
     }
 }
@@ -184,14 +192,15 @@ static void place_moebius(double s, double t, double p[3]) {
     p[2] = width * sin(turn / 2);
 }
 
-/* A Moebius strip has no front: one line across it stays a border between two sides of a sheet. */
+/* A Moebius strip has no front: one line across it remains, on which triangles of opposite sides
+ * meet. */
 static void test_moebius(void **state) {
     (void)state;
     enum { COLUMNS = 40, ROWS = 4 };
     fixture f;
     fixture_grid(&f, COLUMNS, ROWS, place_moebius);
     for (size_t i = 0; i < 3 * f.mesh.triangle_count; ++i) {
-        uint32_t v = f.mesh.triangles[i]; /* the last column is the first one upside down */
+        uint32_t v = f.mesh.triangles[i]; /* The last column is the first one upside down. */
         if (v % (COLUMNS + 1) == COLUMNS)
             f.mesh.triangles[i] = (ROWS - v / (COLUMNS + 1)) * (COLUMNS + 1);
     }
@@ -201,7 +210,8 @@ static void test_moebius(void **state) {
     for (size_t e = 0; e < 3 * f.mesh.triangle_count; ++e)
         disagree += f.surface.neighbors[e] == PSPLAT_NONE;
     assert_int_equal(f.surface.border_edges, 2 * COLUMNS);
-    /* Both sides of at least one line from border to border, and no more than a jagged one. */
+    /* At least one line from border to border is counted, once for each side, and at most a jagged
+     * one, which is three times as long. */
     assert_in_range(disagree - f.surface.border_edges, 2 * ROWS, 6 * ROWS);
     fixture_free(&f);
 }

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * From drawn pixels to a PNG: averaging, encoding, alpha, and what a PNG decoder reads back. */
+ *
+ * test_picture.c - tests of turning drawn pixels into a PNG: averaging, encoding and alpha.
+ * Expected values follow from the sRGB curve by hand, and PNGs are read back by libpng.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,13 +17,13 @@
 
 static void test_rows_are_turned_and_values_encoded(void **state) {
     (void)state;
-    /* bottom row: black, white; top row: mid grey, out of range */
+    /* The bottom row is black and white; the top row is mid grey and out of range. */
     const float rgba[] = {0,          0,          0,          1, 1,  1, 1, 1,
                           0.2158605f, 0.2158605f, 0.2158605f, 1, -1, 7, 1, 1};
     const uint8_t expected[] = {128, 128, 128, 0, 255, 255, 0, 0, 0, 255, 255, 255};
     uint8_t pixels[12];
     psplat_picture_reduce(rgba, 2, 2, 1, 3, pixels);
-    assert_memory_equal(pixels, expected, sizeof expected); /* 0.2158605 is sRGB 128/255 */
+    assert_memory_equal(pixels, expected, sizeof expected); /* 0.2158605 encodes as 128 */
 }
 
 static void test_average_is_linear(void **state) {
@@ -35,7 +38,7 @@ static void test_average_is_linear(void **state) {
 
 static void test_alpha_is_straight(void **state) {
     (void)state;
-    /* a quarter covered by red over nothing keeps its red */
+    /* A pixel a quarter of which is red, and the rest empty, keeps its red. */
     const float rgba[16] = {1, 0, 0, 1};
     const uint8_t expected[] = {255, 0, 0, 64};
     uint8_t pixels[4];

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The default camera sees all of a box, wherever it looks from and however the picture is shaped.
+ *
+ * test_viewpoint.c - tests that the default camera sees a whole bounding box from every direction
+ * and for every shape of picture. Expected values are normalised device coordinates of the corners
+ * of the box, and the tangent cone of its bounding sphere.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +24,7 @@ static void transform(const double m[16], const double in[4], double out[4]) {
     }
 }
 
-/* Normalised device coordinates of a point of the scene. */
+/* Stores the normalised device coordinates of a point of the scene. */
 static void project(const psplat_view *view, const double point[3], double ndc[3]) {
     double in[4] = {point[0], point[1], point[2], 1}, eye[4], clip[4];
     transform(view->view, in, eye);
@@ -75,8 +78,8 @@ static void test_sphere_touches_the_shorter_side(void **state) {
         psplat_view view = {.width = sizes[s][0], .height = sizes[s][1]};
         psplat_viewpoint at = {0};
         fit(&at, min, max, &view);
-        /* The silhouette of a sphere of radius r seen from distance d: a cone of half angle
-         * asin(r / d), which must be the half angle of view of the shorter side. */
+        /* The silhouette of a sphere of radius r at distance d is a cone with half angle asin(r /
+         * d), which must be half the angle of view along the shorter side. */
         int shorter = view.width < view.height ? 0 : 5;
         double distance = -view.view[14];
         assert_true(fabs(tan(asin(sqrt(3) / distance)) * view.projection[shorter] - 1) < 1e-12);
@@ -91,15 +94,15 @@ static void test_directions(void **state) {
     psplat_view view = {.width = 64, .height = 64};
     fit(&(psplat_viewpoint){0}, min, max, &view);
     project(&view, right, ndc);
-    assert_true(ndc[0] > 0.1 && fabs(ndc[1]) < 1e-12); /* +x is on the right from +z */
+    assert_true(ndc[0] > 0.1 && fabs(ndc[1]) < 1e-12); /* seen from +z, +x is on the right */
     project(&view, up, ndc);
     assert_true(ndc[1] > 0.1 && fabs(ndc[0]) < 1e-12); /* +y is up */
     fit(&(psplat_viewpoint){.azimuth_degrees = 90}, min, max, &view);
     project(&view, front, ndc);
-    assert_true(ndc[0] < -0.1); /* from +x, +z is on the left */
+    assert_true(ndc[0] < -0.1); /* seen from +x, +z is on the left */
     fit(&(psplat_viewpoint){.elevation_degrees = 90}, min, max, &view);
     project(&view, front, ndc);
-    assert_true(ndc[1] < -0.1 && fabs(ndc[0]) < 1e-12); /* from above, the front is below */
+    assert_true(ndc[1] < -0.1 && fabs(ndc[0]) < 1e-12); /* seen from above, the front is below */
 }
 
 static void test_near_plane_stays_in_front_of_the_eye(void **state) {
@@ -109,7 +112,7 @@ static void test_near_plane_stays_in_front_of_the_eye(void **state) {
     for (size_t i = 0; i < 5; ++i) {
         psplat_view view = {.width = 64, .height = 64};
         fit(&(psplat_viewpoint){.distance = distances[i]}, min, max, &view);
-        /* near and far from m[10] and m[14] of a perspective matrix */
+        /* near and far planes, from m[10] and m[14] of a perspective matrix */
         double near = view.projection[14] / (view.projection[10] - 1);
         double far = view.projection[14] / (view.projection[10] + 1);
         assert_true(near > 0);
@@ -117,7 +120,8 @@ static void test_near_plane_stays_in_front_of_the_eye(void **state) {
     }
 }
 
-/* Half a disc and a disc, clipped so that the sphere must be smaller than the unclipped box's. */
+/* Lines keep 0 <= x <= 1 of an ellipse and x >= 1 of a disc, so that the sphere must be smaller
+ * than that of the box around both without lines. */
 static void test_sphere_leaves_out_what_is_clipped(void **state) {
     (void)state;
     psplat_splat splats[2] = {
@@ -125,10 +129,10 @@ static void test_sphere_leaves_out_what_is_clipped(void **state) {
         {.center = {1, 0, 0}, .rotation = {0, 0, 0, 1}, .radius = {1, 1}, .normal = {0, 0, 1}}};
     const float line[3] = {-1, 0, 0.25f}; /* keeps x <= 1 of the first splat */
     memcpy(splats[0].clip[0], line, sizeof line);
-    const float other[3] = {1, 0, 0}; /* keeps x >= 0 of it */
+    const float other[3] = {1, 0, 0}; /* keeps x >= 0 of the first splat */
     memcpy(splats[0].clip[1], other, sizeof other);
     for (int i = 0; i < 2; ++i) splats[i].clip_count = 2;
-    memcpy(splats[1].clip[0], other, sizeof other); /* keeps x >= 1 of the second */
+    memcpy(splats[1].clip[0], other, sizeof other); /* keeps x >= 1 of the second splat */
     memcpy(splats[1].clip[1], other, sizeof other);
     psplat_run run = {.count = 2, .clip_lines = 2};
     psplat_material material = {.base_color = {1, 1, 1, 1}, .metallic = 1, .roughness = 1};
@@ -147,8 +151,8 @@ static void test_sphere_leaves_out_what_is_clipped(void **state) {
     assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, NULL), PSPLAT_OK);
     double center[3], radius = 0;
     psplat_viewpoint_sphere(asset, center, &radius);
-    /* x 0 ... 2, y 99 ... 101. The outline of 16 sides reaches 2 % beyond a circle; the farthest
-     * corners are those of the first splat at (0, +-1). */
+    /* The sphere encloses x 0 ... 2 and y 99 ... 101. The outline with 16 sides reaches 2 % beyond
+     * a circle; the farthest corners are those of the first splat at (0, +-1). */
     assert_true(fabs(center[0] - 1) < 0.02 && fabs(center[1] - 100) < 1e-6);
     assert_true(radius > sqrt(2) - 0.02 && radius < 1.03 * sqrt(2));
     psplat_asset_destroy(asset);
@@ -168,7 +172,7 @@ static void test_light_comes_from_the_camera_s_side(void **state) {
     assert_true(eye[2] > 0 && eye[1] > 0 && eye[0] < 0);
 }
 
-/* What falls on a pixel of the whole picture falls on the same pixel of the part. */
+/* A point that falls on a pixel of the whole picture falls on the same pixel of the crop. */
 static void test_crop(void **state) {
     (void)state;
     const double center[3] = {3, 4, 5}, point[3] = {3.2, 3.7, 5.1};
@@ -182,7 +186,7 @@ static void test_crop(void **state) {
     double a[3], b[3];
     project(&whole, point, a);
     project(&part, point, b);
-    /* In pixels, by double arithmetic. */
+    /* in pixels, computed in double */
     assert_true(fabs((a[0] + 1) * 320 - 300 - (b[0] + 1) * 100) < 1e-9);
     assert_true(fabs((a[1] + 1) * 240 - 100 - (b[1] + 1) * 75) < 1e-9);
     assert_true(fabs(a[2] - b[2]) < 1e-12);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The machined part, converted and drawn: the renderer agrees with the reference rasteriser on what
- * the converter really writes. */
+ *
+ * test_agreement_part.c - tests that the renderer agrees with the reference rasteriser on a real
+ * conversion, that of the bundled machined part, in all modes and with the filter.
+ */
 #include "agreement.h"
 #include "export/glb_writer.h"
 #include "import/read_mesh.h"
@@ -38,7 +40,8 @@ static psplat_asset *convert_part(void) {
     return asset;
 }
 
-/* From outside, distance half diagonals away in direction from; most of it in view. */
+/* Returns a view from outside, `distance` half diagonals away in the direction `from`, with most of
+ * the part inside the picture. */
 static psplat_view view_of(const psplat_asset *asset, const double from[3], double distance) {
     psplat_view view = camera_view(160, 120);
     double low[3], high[3], eye[3], middle[3], size2 = 0, from2 = 0;
@@ -61,14 +64,15 @@ static psplat_view view_of(const psplat_asset *asset, const double from[3], doub
 }
 
 static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
-    /* As in test_agreement.c, but splats as large as a fifth of their distance: (2 / 5)^2 of
-     * epsilon. */
+    /* The tolerances are those of test_agreement.c, for splats as large as a fifth of their
+     * distance: (2 / 5)^2 of epsilon. */
     const agreement_ties ties = {2e-4, 2e-6, 0.16};
     psplat_view view = view_of(asset, from, 4);
     agreement a = agreement_measure(g, asset, NULL, &view, 1, &ties);
     print_message("phong alone: covered %zu skipped %zu\n", a.covered, a.skipped);
-    assert_true(a.skipped * 5 < a.covered); /* or the test would see little */
-    /* Of splats that lie in one plane nothing decides which is nearest: this mode skips them. */
+    assert_true(a.skipped * 5 < a.covered); /* Most pixels must be compared. */
+    /* Where splats lie in one plane it is undefined which one is nearest; this mode skips such
+     * pixels. */
     view.mode = PSPLAT_MODE_PARAMETERS;
     agreement parameters = agreement_measure(g, asset, NULL, &view, 1, &ties);
     agreement_add(&a, &parameters);
@@ -92,8 +96,8 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     }
 }
 
-/* With the filter of spec 5.8, from near and from so far that splats are below a pixel, and creases
- * between soft clip lines. */
+/* Tests the filter of spec 5.8, close up and from so far that splats are smaller than a pixel, with
+ * creases between soft clip lines. */
 static void check_filter(gpu *g, const psplat_asset *asset, const double from[3], double pixels) {
     const agreement_ties ties = {2e-4, 2e-6, 0.16};
     psplat_view view = view_of(asset, from, 4);
@@ -108,7 +112,8 @@ static void check_filter(gpu *g, const psplat_asset *asset, const double from[3]
                       pixels, a.covered, a.skipped, a.mismatches, a.depth, a.thin_depth, a.color);
         assert_true((double)a.covered > 0.07 * pixels * pixels && a.skipped * 3 < a.covered);
         assert_int_equal(a.mismatches, 0);
-        /* Where a splat shows in single pixels, their position error counts times depth a pixel. */
+        /* Where a splat covers single pixels, its position error is multiplied by the depth per
+         * pixel. */
         assert_true(a.depth <= 1e-6 && a.thin_depth <= 5e-6 && a.color <= 1e-4);
     }
 }

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * The smallest error that fits a budget: within it, near it, and the more the smaller. */
+ *
+ * test_budget.c - tests of searching the smallest tolerance that fits a budget of splats or bytes:
+ * the result is within the budget, close to it, and its error decreases as the budget grows. The
+ * models are a sphere and a cube.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -29,7 +33,7 @@ static psplat_mesh read_model(const char *name) {
     return mesh;
 }
 
-/* A search for the splats of one mesh. */
+/* Searches the tolerance for the splats of one mesh. */
 static psplat_result convert_budget(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                                     const psplat_budget *budget, psplat_splats *splats,
                                     psplat_report *report, size_t *needed, psplat_error *error) {
@@ -88,7 +92,7 @@ static void test_splats(void **state) {
         psplat_splats splats;
         psplat_report r = search(&mesh, (psplat_budget){.splats = budgets[i]}, &splats);
         assert_in_range(splats.count, (budgets[i] * 85 + 99) / 100, budgets[i]);
-        /* Twice the splats, some half of the error: at most three quarters. */
+        /* Twice as many splats give about half of the error, at most three quarters. */
         assert_true(r.tolerance_percent < 0.75 * coarser);
         assert_int_equal(psplat_report_broken(&r), PSPLAT_PROMISE_COUNT);
         assert_true(r.max_distance_percent <= r.tolerance_percent * (1 + 1e-6));
@@ -98,7 +102,7 @@ static void test_splats(void **state) {
             psplat_splats_free(&splats);
             continue;
         }
-        /* What was found is what a conversion with that tolerance gives and measures. */
+        /* A conversion with the tolerance found gives the same splats and report. */
         psplat_convert_desc desc = {.tolerance_percent = r.tolerance_percent,
                                     .effort = PSPLAT_EFFORT_NONE};
         psplat_splats same;
@@ -117,7 +121,7 @@ static void test_bytes(void **state) {
     (void)state;
     psplat_mesh mesh = read_model("sphere.ply");
     psplat_splats splats;
-    /* Of two budgets the tighter one counts. */
+    /* The tighter of two budgets counts. */
     psplat_report r = search(&mesh, (psplat_budget){.splats = 100000, .bytes = 6000}, &splats);
     assert_in_range(glb_size(&splats), 6000 * 85 / 100, 6000);
     assert_int_equal(psplat_report_broken(&r), PSPLAT_PROMISE_COUNT);
@@ -125,7 +129,7 @@ static void test_bytes(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Six faces take six splats at any tolerance: the search must not go on for ever. */
+/* Six faces need six splats at any tolerance: the search must end nevertheless. */
 static void test_flat(void **state) {
     (void)state;
     psplat_mesh mesh = read_model("cube.off");
@@ -157,7 +161,7 @@ static void test_impossible(void **state) {
     refuse(&mesh, 0, (psplat_budget){.splats = 5}, "takes 6 splats, more than the budget of 5");
     refuse(&mesh, 0, (psplat_budget){.bytes = 100}, "bytes, more than the budget of 100");
     psplat_mesh_free(&mesh);
-    /* Possible at coarser tolerances than the one that will do. */
+    /* The budget fits at coarser tolerances than the coarsest allowed one. */
     mesh = read_model("sphere.ply");
     refuse(&mesh, 0.5, (psplat_budget){.splats = 40}, "a tolerance of 0.5 % takes");
     psplat_mesh_free(&mesh);
@@ -175,7 +179,7 @@ static void test_arguments(void **state) {
                      PSPLAT_ERROR_ARGUMENT);
 }
 
-/* What progress was told. */
+/* The values that the progress callback received. */
 typedef struct progress_log {
     double last;
     int calls, stop_at;
@@ -209,7 +213,7 @@ static void test_progress(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* The stages' shares follow each other and end with the whole. */
+/* The shares of the stages follow each other and end with 1. */
 static void test_schedule(void **state) {
     (void)state;
     const char *const stages[] = {"reading",   "finding creases", "sampling",  "selecting splats",

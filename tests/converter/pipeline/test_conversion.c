@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * The conversion as a whole: what the report promises, on models whose answer is known. */
+ *
+ * test_conversion.c - tests of whole conversions: the promises of the report, on bundled models and
+ * on shapes whose splats are known (cube, sphere, triangle, two sheets), and the round trip through
+ * a file.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -42,7 +46,7 @@ static psplat_splats convert(const psplat_mesh *mesh, double percent, psplat_rep
     return splats;
 }
 
-/* Both distances within the tolerance, no sample open, on every bundled model. */
+/* Both distances are within the tolerance, and no sample is open, on every bundled model. */
 static void test_promise(void **state) {
     (void)state;
     const struct {
@@ -60,8 +64,8 @@ static void test_promise(void **state) {
                       models[i].name, r.splats, r.max_distance_percent, models[i].percent,
                       r.rms_normal_degrees, r.uncovered_samples, r.verification_samples);
         assert_true(r.max_distance_percent <= models[i].percent);
-        /* Holes are closed until fresh samples find none; the odd one may still slip between
-         * those, but not one in ten thousand. */
+        /* Holes are filled until fresh samples find none; a hole may still lie between those
+         * samples, but not one sample in ten thousand may be open. */
         assert_true(r.uncovered_samples * 10000 <= r.verification_samples);
         assert_int_equal(r.splats, splats.count);
         psplat_splats_free(&splats);
@@ -69,7 +73,7 @@ static void test_promise(void **state) {
     }
 }
 
-/* A tolerance that would fill the memory with samples is refused before it does. */
+/* A tolerance that would need too many samples for the memory is refused in advance. */
 static void test_too_fine(void **state) {
     (void)state;
     psplat_mesh mesh = read_model("cube.off");
@@ -82,7 +86,7 @@ static void test_too_fine(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Six splats of four lines, each a face to the last bit that float leaves. */
+/* A cube becomes six splats with four lines, each a face up to rounding to float. */
 static void test_cube(void **state) {
     (void)state;
     psplat_mesh mesh = read_model("cube.off");
@@ -103,10 +107,10 @@ static void test_cube(void **state) {
             memcpy(p, s->center, sizeof p);
             mad3(p, polygon[k][0] * s->radius[0], s->u);
             mad3(p, polygon[k][1] * s->radius[1], s->v);
-            assert_near(dot3(p, s->n), half, 1e-6 * half); /* float */
+            assert_near(dot3(p, s->n), half, 1e-6 * half); /* rounding to float */
             reach = max2(reach, length3(p));
         }
-        assert_near(reach, half * sqrt(3), 1e-5 * half); /* its farthest corner is the cube's */
+        assert_near(reach, half * sqrt(3), 1e-5 * half); /* the farthest corner is the cube's */
         for (int k = 0; k < 3; ++k) assert_near((double)splats.splats[i].gradient[k], 0, 1e-6);
     }
     assert_true(r.max_distance_percent < 1e-4);
@@ -116,8 +120,8 @@ static void test_cube(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Every outline stays within the tolerance of the sphere, and the linear field follows its normals
- * where the constant one cannot. */
+/* Every outline stays within the tolerance of the sphere, and the linear normal field follows its
+ * normals better than a constant one. */
 static void test_sphere(void **state) {
     (void)state;
     psplat_mesh mesh = read_model("sphere.ply");
@@ -134,7 +138,7 @@ static void test_sphere(void **state) {
             memcpy(p, regions[i].center, sizeof p);
             mad3(p, polygon[k][0] * regions[i].radius[0], regions[i].u);
             mad3(p, polygon[k][1] * regions[i].radius[1], regions[i].v);
-            /* The mesh itself is 0.1 % inside the sphere. */
+            /* The mesh itself lies 0.1 % inside the sphere. */
             assert_near(length3(p), radius, tolerance + 0.001 * radius);
         }
     }
@@ -157,7 +161,8 @@ static void test_deterministic(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Scaling by a power of two changes exponents only: the same splats, scaled. */
+/* Scaling by a power of two changes only exponents, so that splats are the same but for their
+ * scale. */
 static void test_scale(void **state) {
     (void)state;
     psplat_mesh mesh = read_model("cone.stl");
@@ -172,7 +177,8 @@ static void test_scale(void **state) {
             double scale = scales[s], radius = (double)plain.splats[i].radius[0];
             for (int k = 0; k < 3; ++k)
                 assert_near((double)splats.splats[i].center[k] / scale,
-                            (double)plain.splats[i].center[k], 1e-5 * radius); /* BARS: 1e-5 */
+                            /* rounding to float */
+                            (double)plain.splats[i].center[k], 1e-5 * radius);
             assert_near((double)splats.splats[i].radius[0] / scale, radius, 1e-5 * radius);
         }
         psplat_splats_free(&splats);
@@ -182,7 +188,7 @@ static void test_scale(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* One triangle: its three sides are clip lines, nothing reaches beyond them. */
+/* The three sides of a triangle are clip lines, and no splat reaches across them. */
 static void test_triangle(void **state) {
     (void)state;
     double positions[] = {0, 0, 0, 3, 0, 0, 0, 1, 0};
@@ -198,7 +204,7 @@ static void test_triangle(void **state) {
     psplat_splats_free(&splats);
 }
 
-/* Two sheets closer than the tolerance, facing apart, are covered each by its own splats. */
+/* Two sheets closer than the tolerance that face apart are each covered by splats of their own. */
 static void test_double_sheet(void **state) {
     (void)state;
     double positions[] = {0, 0, 0,     4, 0, 0,     4, 3, 0,     0, 3, 0,
@@ -243,7 +249,7 @@ static void test_interrupt(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* What is written is what is read, splat by splat, bit by bit; and written twice it is the same. */
+/* Splats come back from a file bit by bit, and writing twice gives the same bytes. */
 static void test_round_trip(void **state) {
     (void)state;
     const char *names[] = {"cone.stl", "painted.glb", "cube.off"};
@@ -263,10 +269,11 @@ static void test_round_trip(void **state) {
             const psplat_batch *batch = psplat_asset_batch(asset, b);
             for (size_t k = 0; k < batch->splat_count; ++k, ++at) {
                 psplat_splat expected = splats.splats[at];
-                while (expected.clip_count < batch->clip_count) /* lines that cut nothing off */
+                /* padding lines that cut nothing off */
+                while (expected.clip_count < batch->clip_count)
                     memcpy(expected.clip[expected.clip_count++], (float[]){1, 0, 1},
                            sizeof *expected.clip);
-                if (splats.has_color) /* stored in 16 bits, all else as it is */
+                if (splats.has_color) /* colours take 16 bits, all else is exact */
                     for (int c = 0; c < 4; ++c) {
                         assert_near((double)batch->splats[k].color[c], (double)expected.color[c],
                                     0.5 / 65535 + 1e-7);

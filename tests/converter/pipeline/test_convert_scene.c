@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_convert_scene.c - all meshes of a scene: tolerances where they are seen, progress as of one
- * conversion, failures that name the mesh, equal bytes, and what the runtime sees of it.
+ * test_convert_scene.c - tests of converting all meshes of a scene: each mesh's tolerance follows
+ * its size in the scene, progress is that of one conversion, failures name the mesh, and results
+ * repeat. The scene has four meshes of a tetrahedron or lines, whose placements are known.
  */
 #include "gltf_fixture.h"
 #include "export/glb_writer.h"
@@ -25,7 +26,8 @@
     "\"meshes\":[" MESH("a") "," MESH("b") ",{\"primitives\":[{\"mode\":0,\"attributes\":{"        \
                                            "\"POSITION\":0}}]}," MESH("c") "]"
 
-/* a twice, once stretched by 4 and mirrored; b a tenth as large; c far away; lines in between. */
+/* Returns a scene with mesh a twice, once stretched by 4 and mirrored, mesh b at a tenth of its
+ * size, mesh c far away, and a mesh of lines between them. */
 static psplat_scene make_scene(void) {
     psplat_scene scene;
     psplat_error error = {0};
@@ -49,14 +51,14 @@ static void test_tolerances(void **state) {
     psplat_error error = {0};
     const psplat_convert_desc desc = {.tolerance_percent = 1};
     if (psplat_scene_convert(&scene, &desc, splats, &report, &error)) fail_msg("%s", error.text);
-    /* x: -6 ... 1, y: 0 ... 21, z: 0 ... 1. */
+    /* x from -6 to 1, y from 0 to 21, z from 0 to 1 */
     double diagonal = sqrt(7 * 7 + 21 * 21 + 1), own = sqrt(3);
     const double lengths[4] = {diagonal / 4, diagonal * 10, 0, diagonal};
     assert_int_equal(report.mesh_count, 4);
     assert_near(report.total.diagonal, diagonal, 1e-12);
     assert_true(report.total.tolerance_percent == 1);
     for (size_t i = 0; i < 4; ++i) assert_near(report.meshes[i].diagonal, lengths[i], 1e-9);
-    /* The small one at 20 % of its own box, not at 128 %. */
+    /* The small mesh gets 20 % of its own box, the upper limit, and not 128 %. */
     assert_near(report.meshes[1].tolerance_percent / 100 * lengths[1], 0.2 * own, 1e-12);
     assert_near(report.meshes[3].tolerance_percent, 1, 1e-15);
     assert_int_equal(report.total.splats, splats[0].count + splats[1].count + splats[3].count);
@@ -69,7 +71,7 @@ static void test_tolerances(void **state) {
     psplat_scene_free(&scene);
 }
 
-/* What the runtime shows is where the nodes put it, up to the placement of the splats. */
+/* The runtime shows splats where the nodes place the meshes. */
 static void test_opened(void **state) {
     (void)state;
     psplat_scene scene = make_scene();
@@ -88,7 +90,7 @@ static void test_opened(void **state) {
     assert_memory_equal(data[0], data[1], size[0]);
     if (psplat_asset_open_memory(data[0], size[0], NULL, &asset, &error))
         fail_msg("%s", error.text);
-    /* Centres of the tetrahedron's splats lie within its box, as each node places it. */
+    /* The centres of the tetrahedron's splats lie within its box as each node places it. */
     static const double low[4][3] = {{0, 0, 0}, {-6, 0, 0}, {0, 0, 0}, {0, 20, 0}};
     static const double high[4][3] = {{1, 1, 1}, {-2, 1, 1}, {0.1, 0.1, 0.1}, {1, 21, 1}};
     size_t inside[4] = {0}, centers = 0;
@@ -107,7 +109,7 @@ static void test_opened(void **state) {
             }
     }
     assert_int_equal(centers, 16);    /* four faces, four times */
-    assert_in_range(inside[0], 4, 8); /* and those of the small one may lie there */
+    assert_in_range(inside[0], 4, 8); /* the small one's may lie there too */
     for (size_t i = 1; i < 4; ++i) assert_int_equal(inside[i], 4);
     psplat_asset_destroy(asset);
     free(data[0]);
@@ -128,8 +130,8 @@ static int watch(void *user, const char *stage, double fraction) {
     return ++p->calls == p->stop_at;
 }
 
-/* Forward only, from the first mesh to the last; stopped anywhere, nothing is left and the mesh at
- * hand is named. */
+/* Progress only increases, from the first mesh to the last. An interrupted conversion leaves
+ * nothing and names the mesh at which it stopped. */
 static void test_progress(void **state) {
     (void)state;
     psplat_scene scene = make_scene();

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Input that says little or too much: vertices that no face has, nothing at all, numbers that are
- * none, points too few to be a surface; and surfaces nearly flat or bent within the tolerance. */
+ *
+ * test_extreme_input.c - tests of input with too little or too much in it: vertices that no face
+ * uses, no surface, numbers that are not finite, too few points, and surfaces that are nearly flat
+ * or bend within the tolerance. Expected values are error codes, or splats known by hand.
+ */
 #include "mesh_fixture.h"
 
 #include "extreme_fixture.h"
@@ -15,10 +18,9 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- vertices ----------------------------------------------------------------------------------
- */
+/* ---- vertices -------------------------------------------------------------------------------- */
 
-/* A cube is six splats to the last bit of float, wherever vertices lie that no face has. */
+/* A cube becomes six splats exact to rounding to float, wherever unused vertices lie. */
 static void test_unreferenced(void **state) {
     (void)state;
     for (int strays = 0; strays < 2; ++strays) {
@@ -36,8 +38,7 @@ static void test_unreferenced(void **state) {
     }
 }
 
-/* ---- nothing and no numbers --------------------------------------------------------------------
- */
+/* ---- no surface, and values that are not finite ---------------------------------------------- */
 
 static double refused(const char *name, const char *text, psplat_result code) {
     psplat_mesh mesh = {0};
@@ -75,8 +76,7 @@ static void test_nothing(void **state) {
                         "times not refused with a sentence", 0);
 }
 
-/* ---- the least surfaces ------------------------------------------------------------------------
- */
+/* ---- the smallest surfaces ------------------------------------------------------------------- */
 
 static extreme convert_points(const char *name, const char *text) {
     extreme e = {.mesh = read_text("t.xyz", text)};
@@ -114,10 +114,9 @@ static void test_few_points(void **state) {
     extreme_free(&e);
 }
 
-/* ---- curvature ---------------------------------------------------------------------------------
- */
+/* ---- curvature ------------------------------------------------------------------------------- */
 
-/* A bend of 1e-9 of its size: one splat, as of a plane. */
+/* Places a sheet that bends by 1e-9 of its size, which needs one splat, as a plane does. */
 static void place_nearly_flat(double s, double t, double p[3]) {
     p[0] = s, p[1] = t, p[2] = 1e-9 * (s * s + 0.5 * t * t);
 }
@@ -139,8 +138,8 @@ static void place_ball(double s, double t, double p[3]) {
     p[0] = radius * ring * cos(phi), p[1] = radius * ring * sin(phi), p[2] = radius * z;
 }
 
-/* A ball of a third of the tolerance over a square a hundred times its size: normals of a splat
- * stay in the bound of spec 3.5, whatever they would have to be. */
+/* A ball whose radius is a third of the tolerance hangs over a square of more than a hundred times
+ * its size: the normal field of every splat stays within the bound of spec 3.5. */
 static void test_bent_within_tolerance(void **state) {
     (void)state;
     shape s = {0};

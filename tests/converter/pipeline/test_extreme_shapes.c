@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * Input that is barely a surface, or hardly fits splats, converts right all the same: every point
- * covered by a splat of its own side, every splat near the surface. */
+ *
+ * test_extreme_shapes.c - tests that input which is hardly a surface, or hardly fits splats, is
+ * converted correctly: every point is covered by a splat of its own side, and every splat is near
+ * the surface. The shapes are non-manifold, flipped, intersecting, tiny or have difficult corners;
+ * the measure is the brute force of extreme_fixture.h.
+ */
 #include "mesh_fixture.h"
 
 #include "extreme_fixture.h"
@@ -11,10 +15,9 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- what is wrong with a mesh ----------------------------------------------------------------
- */
+/* ---- defective meshes ------------------------------------------------------------------------ */
 
-/* Three sheets that share one edge. */
+/* Three sheets share one edge. */
 static void test_three_sheets(void **state) {
     (void)state;
     shape s = {0};
@@ -29,7 +32,7 @@ static void test_three_sheets(void **state) {
     extreme_free(&e);
 }
 
-/* Two tents that touch in their tips. */
+/* Two tents touch at their tips. */
 static void test_bowtie(void **state) {
     (void)state;
     shape s = {0};
@@ -42,7 +45,7 @@ static void test_bowtie(void **state) {
     extreme_free(&e);
 }
 
-/* Every corner a vertex of its own, every face twice. */
+/* Each corner has a vertex of its own, and each face occurs twice. */
 static void test_duplicates(void **state) {
     (void)state;
     shape box = {0}, s = {0};
@@ -69,7 +72,7 @@ static void place_sphere(double s, double t, double p[3]) {
     if (t == 1) p[2] = 1;
 }
 
-/* Half of a sphere's triangles face inwards: all splats face outwards. */
+/* Half of a sphere's triangles face inwards; all splats must face outwards. */
 static void test_flipped(void **state) {
     (void)state;
     shape s = {0};
@@ -82,11 +85,11 @@ static void test_flipped(void **state) {
     extreme e = extreme_right("half of the faces flipped", &s, 2);
     for (size_t i = 0; i < e.splats.count; ++i)
         assert_true(dot3(e.regions[i].n, e.regions[i].center) > 0);
-    assert_true(e.splats.count < 100); /* 60 to 70 without flips */
+    assert_true(e.splats.count < 100); /* without flips there are 60 to 70 */
     extreme_free(&e);
 }
 
-/* Two boxes through each other: both stay whole. */
+/* Two boxes intersect; both stay whole. */
 static void test_intersecting(void **state) {
     (void)state;
     shape s = {0};
@@ -98,13 +101,14 @@ static void test_intersecting(void **state) {
     extreme_free(&e);
 }
 
-/* A box, a hollow in it that faces inwards, and a box beside it. */
+/* A box contains a hollow, whose faces point inwards, and stands beside another box. */
 static void test_shells(void **state) {
     (void)state;
     shape s = {0};
     static const double a[2][3] = {{0, 0, 0}, {1, 1, 1}};
-    static const double b[2][3] = {{0.8, 0.2, 0.2}, {0.2, 0.8, 0.8}}; /* x exchanged */
-    static const double c[2][3] = {{1.01, 0, 0}, {1.5, 1, 1}};        /* a tolerance away */
+    /* x exchanged: faces inwards */
+    static const double b[2][3] = {{0.8, 0.2, 0.2}, {0.2, 0.8, 0.8}};
+    static const double c[2][3] = {{1.01, 0, 0}, {1.5, 1, 1}}; /* a tolerance away */
     shape_box(&s, a[0], a[1]);
     shape_box(&s, b[0], b[1]);
     shape_box(&s, c[0], c[1]);
@@ -123,8 +127,7 @@ static void test_shells(void **state) {
     extreme_free(&e);
 }
 
-/* ---- the least there can be ---------------------------------------------------------------------
- */
+/* ---- the smallest meshes --------------------------------------------------------------------- */
 
 static void test_triangle(void **state) {
     (void)state;
@@ -150,11 +153,10 @@ static void test_tetrahedron(void **state) {
     extreme_free(&e);
 }
 
-/* ---- corners ------------------------------------------------------------------------------------
- */
+/* ---- corners --------------------------------------------------------------------------------- */
 
-/* A cube without one of its eight parts: three reflex edges meet in a corner, and three faces have
- * a reflex corner in their plane. */
+/* A cube lacks one of its eight parts: three reflex edges meet in a corner, and three faces have a
+ * reflex corner in their plane. */
 static void test_reflex(void **state) {
     (void)state;
     shape s = {0};
@@ -176,18 +178,19 @@ static void test_reflex(void **state) {
                 int cell = i * step[1] + k * step[2], missing = i == 1 && k == 1;
                 uint32_t a = v[cell], b = v[cell + step[1]], c = v[cell + step[1] + step[2]];
                 uint32_t d = v[cell + step[2]];
-                shape_quad(&s, a, d, c, b); /* the near side, facing back */
+                shape_quad(&s, a, d, c, b); /* the near side, which faces back */
                 int far = (missing ? 1 : 2) * step[0];
                 shape_quad(&s, v[cell + far], v[cell + step[1] + far],
                            v[cell + step[1] + step[2] + far], v[cell + step[2] + far]);
             }
     }
     extreme e = extreme_right("reflex corner", &s, 0.5);
-    assert_true(e.splats.count <= 15); /* three squares, three L of two each, and three sides */
+    /* three squares, three L shapes of two splats each, and three sides */
+    assert_true(e.splats.count <= 15);
     extreme_free(&e);
 }
 
-/* A star's tip: three ridges and three valleys meet. */
+/* Three ridges and three valleys meet at the tip of a star. */
 static void test_star(void **state) {
     (void)state;
     shape s = {0};
@@ -203,16 +206,15 @@ static void test_star(void **state) {
     extreme_free(&e);
 }
 
-/* ---- sizes and places
- * ----------------------------------------------------------------------------- */
+/* ---- sizes and places ------------------------------------------------------------------------ */
 
 static void place_bump(double s, double t, double p[3]) {
     p[0] = 1.9 * s, p[1] = 1.3 * t;
     p[2] = 0.23 * sin(4.1 * s + 0.7) * cos(3.3 * t + 0.2) + 0.11 * s * t;
 }
 
-/* A bent sheet without symmetries that rounding would have to choose from, its coordinates of 28
- * bits behind the point, so that an offset of 2^23 leaves them as they are. */
+/* Returns a bent sheet without symmetries, where rounding would have to choose between equals. Its
+ * coordinates have 28 bits behind the point, so that an offset of 2^23 does not change them. */
 static shape make_sheet(double scale, double offset) {
     shape s = {0};
     shape_grid(&s, 23, 17, place_bump);
@@ -222,7 +224,7 @@ static shape make_sheet(double scale, double offset) {
     return s;
 }
 
-/* The same splats, in the same order. */
+/* Asserts that the splats are the same, in the same order, but for scale and offset. */
 static void check_scaled(const char *name, const extreme *e, const extreme *first, double scale,
                          double offset) {
     double size = first->report.diagonal * scale, most = 0;
@@ -241,9 +243,9 @@ static void check_scaled(const char *name, const extreme *e, const extreme *firs
     extreme_at_most(name, most, "of the size, the splats differ", 1e-5);
 }
 
-/* Scaled by powers of two, and moved by 2^23 sizes, all numbers but their exponents are the same,
- * and so are the splats. Other scales round, which may decide between splats that are worth the
- * same. */
+/* After scaling by powers of two, or moving by 2^23 sizes, all numbers differ in their exponents
+ * only, and so do the splats. Other scales round, which may decide between splats of equal value.
+ */
 static void test_scales(void **state) {
     (void)state;
     static const struct {

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT
- * Input that is thinner or finer than the tolerance, and tips and creases that end, converts right
- * all the same, in few splats. */
+ *
+ * test_extremes_thin.c - tests that input thinner or finer than the tolerance, and input with tips
+ * and creases that end, is converted correctly and into few splats. The measure is the brute force
+ * of extreme_fixture.h.
+ */
 #include "mesh_fixture.h"
 
 #include "extreme_fixture.h"
 
 #include <math.h>
 
-/* A square with a triangle of no area on its side, one as a needle, and a strip of 1e-7 across. */
+/* A square has triangles without area on its side, a needle, and a strip 1e-7 wide. */
 static void test_slivers(void **state) {
     (void)state;
     shape s = {0};
@@ -27,10 +30,9 @@ static void test_slivers(void **state) {
     extreme_free(&e);
 }
 
-/* ---- what is thinner than the tolerance --------------------------------------------------------
- */
+/* ---- thinner than the tolerance -------------------------------------------------------------- */
 
-/* A plate of a tenth of the tolerance: the splats of either side cover it alone. */
+/* A plate is a tenth of the tolerance thick: each side is covered by splats of its own. */
 static void test_thin_plate(void **state) {
     (void)state;
     shape s = {0};
@@ -47,7 +49,7 @@ static void test_thin_plate(void **state) {
     extreme_free(&e);
 }
 
-/* A closed wire, a thousand times longer than thick, at a tolerance of twenty radii. */
+/* A closed wire is a thousand times longer than thick, and the tolerance is twenty of its radii. */
 static void test_wire(void **state) {
     (void)state;
     shape s = {0};
@@ -64,19 +66,18 @@ static void test_wire(void **state) {
     extreme_free(&e);
 }
 
-/* ---- tips and ends
- * -------------------------------------------------------------------------------- */
+/* ---- tips and ends --------------------------------------------------------------------------- */
 
-/* The tip of a cone is no crease, and no plane. */
+/* The tip of a cone lies on no crease and in no plane. */
 static void test_cone(void **state) {
     (void)state;
     shape s = {0};
     uint32_t tip = shape_vertex(&s, 0, 0, 1), ring = shape_ring(&s, 64, 0.7, 0);
     shape_fan(&s, tip, ring, 64);
     extreme e = extreme_convert("cone tip", &s, 1);
-    /* The promise is about interpolated normals, which at the tip belong to no side; this measure
-     * takes those of faces, for which a splat of the far side does not cover the last of the tip: 8
-     * of 20,000 points are within 2 % of the height. */
+    /* The promise is about interpolated normals, which at the tip point along the axis. This
+     * measure uses face normals, for which a splat of the far side does not cover the very tip: 8
+     * of 20,000 points, within 2 % of the height, are open. */
     extreme_at_most("cone tip", (double)e.uncovered, "of 20,000 points uncovered", 8);
     assert_int_equal(e.report.uncovered_samples, 0);
     extreme_at_most("cone tip", e.distance, "of the tolerance, the farthest splat", 1 + 1e-5);
@@ -89,7 +90,7 @@ static void place_dart(double s, double t, double p[3]) {
     p[2] = p[1] > 0 ? 0.9 * p[1] * fabs(p[0]) : 0;
 }
 
-/* A crease that fades out in the middle of a sheet. */
+/* A crease fades out in the middle of a sheet. */
 static void test_dart(void **state) {
     (void)state;
     shape s = {0};

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * What the reference rasteriser draws of a converted sphere and cube has their outlines, within the
- * tolerance of the conversion, and their depth. */
+ *
+ * test_silhouette.c - tests of pictures by the reference rasteriser of a converted sphere and cube:
+ * their outlines and depths agree with the exact shapes, within the tolerance of the conversion.
+ */
 #include "reference_view.h"
 #include "export/glb_writer.h"
 #include "import/read_mesh.h"
@@ -22,7 +24,7 @@ enum { SIZE = 240 };
 
 typedef struct shape {
     psplat_asset *asset;
-    double half;      /* radius of the sphere, half edge of the cube */
+    double half;      /* radius of the sphere, or half edge of the cube */
     double tolerance; /* of the conversion, in units of the model */
 } shape;
 
@@ -48,7 +50,7 @@ static shape convert(const char *path, double percent) {
     return s;
 }
 
-/* A parallel view along a direction, 1.25 half sizes from the middle to the edge. */
+/* Returns a parallel view along a direction, with half_view from the middle to the edge. */
 static psplat_view view_along(const shape *s, const double from[3], double half_view) {
     psplat_view view = camera_view(SIZE, SIZE);
     double eye[3], target[3] = {0, 0, 0};
@@ -72,7 +74,7 @@ static void test_sphere(void **state) {
             double y = (2 * (i / SIZE + 0.5) / SIZE - 1) * half_view, r = hypot(x, y);
             int covered = p.image.color[4 * i + 3] > 0;
             if (r > s.half + s.tolerance) assert_false(covered);
-            /* The mesh's facets lie up to 0.2 % of the radius inside the sphere. */
+            /* The mesh lies up to 0.2 % of the radius inside the sphere. */
             if (r < 0.998 * s.half - s.tolerance) ++inside, cracks += !covered;
             if (r > 0.5 * s.half || !covered) continue;
             /* Depth runs from 0.5 to 12 half sizes; the surface leans by at most 30 degrees here.
@@ -82,14 +84,14 @@ static void test_sphere(void **state) {
             assert_true(fabs(distance - expected) <= 1.2 * s.tolerance + 0.002 * s.half);
         }
         print_message("%zu of %zu pixels are cracks\n", cracks, inside);
-        /* Splats that overlap seen from above may let slanted views pass between them. */
+        /* Slanted views may pass between splats that overlap when seen from above. */
         assert_true(cracks * 2000 < inside);
         picture_free(&p);
     }
     psplat_asset_destroy(s.asset);
 }
 
-/* Faces are planes and edges lines to within a pixel, whatever the tolerance. */
+/* Faces and edges are exact to a hundredth of a pixel, whatever the tolerance. */
 static void test_cube(void **state) {
     (void)state;
     shape s = convert(PSPLAT_SOURCE_DIR "/samples/models/cube.off", 1);
@@ -106,7 +108,7 @@ static void test_cube(void **state) {
             if (r < s.half - 0.01 * pixel) assert_true(covered);
             if (!covered) continue;
             double distance = 0.5 * s.half + p.image.depth[i] * 11.5 * s.half;
-            assert_true(fabs(distance - 3 * s.half) <= 1e-5 * s.half); /* float centres */
+            assert_true(fabs(distance - 3 * s.half) <= 1e-5 * s.half); /* centres are floats */
         }
         picture_free(&p);
     }

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * From textures to splats: what a square shows, its splats show within what was promised. */
+ *
+ * test_textured_conversion.c - tests of converting textures to splat colours, materials and
+ * normals: the splats show the square's texture within the colour tolerance. Images are halves,
+ * ramps and leaning normals, whose best colours are known.
+ */
 #include "appearance_fixture.h"
 
 #include "near.h"
@@ -16,14 +20,14 @@
 
 enum { SIZE = 64 };
 
-/* Black on the left, white on the right. */
+/* black on the left, white on the right */
 static void halves(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     (void)y;
     memset(rgba, x < SIZE / 2 ? 0 : 255, 3);
     rgba[3] = 255;
 }
 
-/* Light that grows evenly across, and downwards in green. */
+/* light that grows linearly to the right and, in green, downwards */
 static void ramp(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     float across = ((float)x + 0.5f) / SIZE, down = ((float)y + 0.5f) / SIZE;
     rgba[0] = (uint8_t)(255 * psplat_srgb_of_linear(0.1f + 0.8f * across) + 0.5f);
@@ -36,7 +40,7 @@ static void red(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     rgba[0] = 255, rgba[1] = rgba[2] = 0, rgba[3] = 255;
 }
 
-/* Leans by atan(1/2) to the right. */
+/* normals that lean by atan(1/2) to the right */
 static void lean(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     (void)x, (void)y;
     const double length = sqrt(1.25);
@@ -59,7 +63,7 @@ static psplat_splats convert(const painted *p, double color_tolerance, psplat_co
     return splats;
 }
 
-/* A flat square needs one splat; its colours need more, and each splat is of one. */
+/* A flat square needs one splat; its two colours need more, each of one colour. */
 static void test_edge(void **state) {
     (void)state;
     painted p;
@@ -76,7 +80,7 @@ static void test_edge(void **state) {
     size_t pure = 0;
     for (size_t i = 0; i < splats.count; ++i)
         pure += splats.splats[i].color[0] < 0.01f || splats.splats[i].color[0] > 0.95f;
-    assert_true(pure >= 2); /* each half has a splat of its own */
+    assert_true(pure >= 2); /* Each half has at least one splat of its own. */
     psplat_splats_free(&splats);
     painted_free(&p);
 }
@@ -89,10 +93,10 @@ static void test_ramp(void **state) {
     p.source_material.base_color =
         (psplat_texture_info){.image = &p.image, .wrap = {PSPLAT_WRAP_CLAMP, PSPLAT_WRAP_CLAMP}};
     psplat_splats splats = convert(&p, 2, PSPLAT_COLOR_FIELD_CHOSEN, &report);
-    assert_non_null(splats.finishes); /* linear is what pays here */
+    assert_non_null(splats.finishes); /* Linear colours pay here. */
     assert_true(report.rms_color_percent < 2);
     assert_true(report.rms_color_constant_percent > 4 * report.rms_color_percent);
-    for (size_t i = 0; i < splats.count; ++i) /* blue is the same everywhere: 128 */
+    for (size_t i = 0; i < splats.count; ++i) /* Blue is 128 everywhere. */
         assert_near(splats.splats[i].color[2], psplat_linear_of_srgb(128 / 255.0f), 1e-4);
     psplat_splats_free(&splats);
     splats = convert(&p, 2, PSPLAT_COLOR_FIELD_CONSTANT, &constant);
@@ -133,7 +137,7 @@ static void test_finishes(void **state) {
     psplat_splats splats = convert(&p, 10, PSPLAT_COLOR_FIELD_CONSTANT, &report);
     assert_non_null(splats.finishes);
     for (size_t i = 0; i < splats.count; ++i) {
-        /* All are means over the same samples of the same picture of 0 and 1. */
+        /* All values are means over the same samples of one image of 0 and 1. */
         float part = splats.splats[i].color[0];
         assert_near(splats.finishes[i].roughness, part, 1e-5);
         assert_near(splats.finishes[i].metallic, part, 1e-5);
@@ -154,15 +158,15 @@ static void test_normal_map(void **state) {
     assert_true(report.rms_normal_degrees < 0.01);
     for (size_t i = 0; i < splats.count; ++i) {
         const psplat_splat *s = &splats.splats[i];
-        assert_near(s->center[2], 0, 1e-6);                  /* the shape is as flat as before */
-        assert_near(s->normal[0] / s->normal[2], 0.5, 0.01); /* eight bits */
+        assert_near(s->center[2], 0, 1e-6);                  /* as flat as before */
+        assert_near(s->normal[0] / s->normal[2], 0.5, 0.01); /* normals of eight bits */
         assert_near(s->normal[1], 0, 0.01);
     }
     psplat_splats_free(&splats);
     painted_free(&p);
 }
 
-/* Groups keep to themselves, each with its material. */
+/* Each group has splats of its own with its material. */
 static void test_two_materials(void **state) {
     (void)state;
     painted p;

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Point sets become meshes through their points, and splats near all of them. */
+ *
+ * test_points_to_mesh.c - tests of reconstructing a mesh from points, and of converting it to
+ * splats. Point sets are drawn from known surfaces (spheres, sheets, a cube, a quadric), so that
+ * triangle counts, areas and normals are known. The mesh goes through every point.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +28,7 @@
 #include "splats/splats.h"
 #include "verify/report.h"
 
-/* A set under construction. */
+/* A point set under construction, with room for `capacity` points. */
 typedef struct cloud {
     psplat_points points;
     size_t capacity;
@@ -58,7 +62,7 @@ static void random_direction(uint64_t *random, double n[3]) {
     normalize3(n);
 }
 
-/* Random points of the unit sphere, without those above z = top. */
+/* Returns random points of the unit sphere, except those above z = top. */
 static cloud make_sphere(size_t count, double top) {
     cloud c = {0};
     uint64_t random = 7;
@@ -87,7 +91,7 @@ static size_t border_edges(const psplat_mesh *mesh) {
     return borders;
 }
 
-/* Those with both ends within half of the middle in x and y. */
+/* Counts border edges whose two ends lie within `half` of the centre in x and y. */
 static size_t inner_borders(const psplat_mesh *mesh, double half) {
     size_t borders, inner = 0, edges = 3 * mesh->triangle_count;
     uint32_t *pairs = malloc(edges * sizeof *pairs);
@@ -115,7 +119,8 @@ static void face_normal(const psplat_mesh *mesh, size_t triangle, double n[3]) {
     normalize3(n);
 }
 
-/* Every point is a corner of the triangle that it is said to belong to: none was moved or lost. */
+/* Asserts that every point is a corner of the triangle to which it belongs, so that none was moved
+ * or lost. */
 static void check_points(const cloud *c, const psplat_mesh *mesh, double tolerance) {
     for (size_t i = 0; i < mesh->point_count; ++i) {
         double least = HUGE_VAL;
@@ -130,7 +135,8 @@ static void check_points(const cloud *c, const psplat_mesh *mesh, double toleran
     }
 }
 
-/* A closed sphere through every point, facing outwards, whatever the normals say or do not say. */
+/* Points of a sphere give a closed mesh through every point that faces outwards, whether normals
+ * point outwards, inwards, either way, or are missing. */
 static void test_sphere(void **state) {
     (void)state;
     enum { OUTWARDS, INWARDS, MIXED, NONE };
@@ -146,7 +152,8 @@ static void test_sphere(void **state) {
         if (normals == NONE) drop_normals(&c);
         psplat_mesh mesh = connect(&c);
         double side = normals == INWARDS ? -1 : 1;
-        assert_int_equal(mesh.triangle_count, 2 * c.points.count - 4); /* Euler: genus 0 */
+        /* Euler's formula for genus 0 */
+        assert_int_equal(mesh.triangle_count, 2 * c.points.count - 4);
         assert_int_equal(border_edges(&mesh), 0);
         assert_int_equal(mesh.material.double_sided, 0);
         check_points(&c, &mesh, 1e-15);
@@ -159,7 +166,8 @@ static void test_sphere(void **state) {
             for (size_t k = 0; k < 3; ++k) {
                 memcpy(out, corner(&mesh, t, k), sizeof out);
                 mad3(out, 1, mesh.origin);
-                double tolerance = normals == NONE ? 0.01 : 1e-6; /* estimated; float */
+                /* estimated normals, or the given floats */
+                double tolerance = normals == NONE ? 0.01 : 1e-6;
                 for (size_t a = 0; a < 3; ++a)
                     assert_near((double)mesh.corner_normals[9 * t + 3 * k + a], side * out[a],
                                 tolerance);
@@ -170,7 +178,7 @@ static void test_sphere(void **state) {
     }
 }
 
-/* Sizes and places from one extreme to the other give the same triangles. */
+/* Point sets of extreme size or place give the same triangles. */
 static void test_scale(void **state) {
     (void)state;
     static const struct {
@@ -180,7 +188,7 @@ static void test_scale(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         cloud c = make_sphere(500, 1);
         for (size_t k = 0; k < 3 * c.points.count; ++k) {
-            /* Offsets round the coordinates to 2^-29 of the radius: let all cases have them so. */
+            /* Offsets round the coordinates to 2^-29 of the radius; all cases are rounded alike. */
             double rounded = (c.points.positions[k] + 0x1p24) - 0x1p24;
             c.points.positions[k] = rounded * cases[i].scale + cases[i].offset;
         }
@@ -214,12 +222,12 @@ static double area_of(const psplat_mesh *mesh) {
     return sum;
 }
 
-/* A gap wider than four times the spacing stays one, and nothing else becomes one. */
+/* A gap wider than four times the spacing stays a hole, and no other hole appears. */
 static void test_hole(void **state) {
     (void)state;
-    cloud c = make_sphere(3000, 0.9); /* a hole 0.87 wide, spacing 0.06 */
+    cloud c = make_sphere(3000, 0.9); /* The hole is 0.87 wide; the spacing is 0.06. */
     psplat_mesh mesh = connect(&c);
-    /* One rim, of about as many edges as spacings fit around it. */
+    /* There is one rim, with about as many edges as spacings fit around it. */
     size_t borders = border_edges(&mesh);
     assert_in_range(borders, 20, 80);
     assert_near(area_of(&mesh), 4 * fixture_pi * 0.95, 0.02 * 4 * fixture_pi);
@@ -229,7 +237,7 @@ static void test_hole(void **state) {
     psplat_points_free(&c.points);
 }
 
-/* Points of one face in two densities, ten times apart in area: one sheet without gaps. */
+/* Points on one face in two densities, ten times apart by area, give one sheet without gaps. */
 static void test_densities(void **state) {
     (void)state;
     cloud c = {0};
@@ -240,22 +248,22 @@ static void test_densities(void **state) {
         if (p[0] < 0.5 || i % 10 == 0) add(&c, p, up);
     }
     psplat_mesh mesh = connect(&c);
-    assert_near(area_of(&mesh), 1, 0.06); /* but for the rim, where no point is */
+    assert_near(area_of(&mesh), 1, 0.06); /* No point lies exactly on the rim. */
     assert_int_equal(inner_borders(&mesh, 0.35), 0);
     psplat_mesh_free(&mesh);
     psplat_points_free(&c.points);
 }
 
-/* Points off the sphere by a third of their spacing: still one closed surface, smooth and facing
- * outwards, with normals better than those of its triangles; each point belongs to a triangle
- * nearby. */
+/* Points lie off the sphere by a third of their spacing. They still give one closed, smooth surface
+ * that faces outwards, with better normals than those of its triangles; each point belongs to a
+ * triangle nearby. */
 static void test_noise(void **state) {
     (void)state;
     cloud c = make_sphere(3000, 1);
     uint64_t random = 11;
     double spacing = sqrt(4 * fixture_pi / 3000);
     for (size_t i = 0; i < c.points.count; ++i) {
-        double noise = -6; /* about normal: twelve uniforms */
+        double noise = -6; /* the sum of twelve uniform numbers is about normally distributed */
         for (int k = 0; k < 12; ++k) noise += psplat_random_unit(&random);
         for (size_t k = 0; k < 3; ++k) c.points.positions[3 * i + k] *= 1 + 0.3 * spacing * noise;
     }
@@ -269,7 +277,7 @@ static void test_noise(void **state) {
         for (size_t k = 0; k < 3; ++k) {
             memcpy(p, corner(&mesh, t, k), sizeof p);
             mad3(p, 1, mesh.origin);
-            assert_near(normalize3(p), 1, 0.3 * spacing); /* points: up to 4 times as far */
+            assert_near(normalize3(p), 1, 0.3 * spacing); /* points are up to 4 times as far */
             assert_true(dot3(n, p) > 0.7);
             double cosine = 0;
             for (size_t a = 0; a < 3; ++a)
@@ -278,7 +286,8 @@ static void test_noise(void **state) {
         }
     }
     double rms = sqrt(squares / (3 * (double)mesh.triangle_count));
-    assert_true(rms < 3 * fixture_pi / 180); /* noise alone is 0.3 spacings over a spacing: 17 */
+    /* Noise alone turns faces by 0.3 spacings over a spacing, 17 degrees. */
+    assert_true(rms < 3 * fixture_pi / 180);
     for (size_t i = 0; i < mesh.point_count; ++i) {
         double d[3];
         sub3(d, corner(&mesh, mesh.point_triangles[i], 0), mesh.points + 3 * i);
@@ -288,8 +297,8 @@ static void test_noise(void **state) {
     psplat_points_free(&c.points);
 }
 
-/* A cube of points in a grid, with points on its edges whose normals, if any, can only be those of
- * one face: every edge is found, and normals are those of the faces up to it. */
+/* The points lie on a grid on a cube. Those on its edges have the normal of one face, if any. Every
+ * edge is found, and normals up to the edges are those of the faces. */
 static void test_cube(void **state) {
     (void)state;
     enum { STEPS = 16 };
@@ -348,8 +357,8 @@ static void test_estimated(void **state) {
     psplat_points_free(&c.points);
 }
 
-/* The same points again, exactly or in the last digit of single precision, are one vertex, but all
- * stay points. */
+/* Repeated points, exactly equal or different in the last digit of a float, become one vertex, but
+ * all of them stay points. */
 static void test_duplicates(void **state) {
     (void)state;
     cloud c = make_sphere(1000, 1);
@@ -369,8 +378,8 @@ static void test_duplicates(void **state) {
     psplat_points_free(&c.points);
 }
 
-/* The two sides of a plate that is a third as thick as its points are apart do not mix: two sheets,
- * each facing its way. */
+/* The two sides of a plate, a third as thick as its points are apart, stay separate: they give two
+ * sheets that face opposite ways. */
 static void test_sheets(void **state) {
     (void)state;
     cloud c = {0};
@@ -396,7 +405,7 @@ static void test_sheets(void **state) {
         folded += n[2] * z[0] <= 0;
         area[z[0] > 0] += length3(n) / 2;
     }
-    assert_near(area[0], 1, 0.06); /* but for the rim */
+    assert_near(area[0], 1, 0.06); /* No point lies exactly on the rim. */
     assert_near(area[1], 1, 0.06);
     assert_int_equal(mixed, 0);
     assert_int_equal(folded, 0);
@@ -404,7 +413,7 @@ static void test_sheets(void **state) {
     psplat_points_free(&c.points);
 }
 
-/* Points that no surface reaches get one of their own, in the plane of their normal. */
+/* Points that no surface reaches get a small surface of their own, in the plane of their normal. */
 static void test_alone(void **state) {
     (void)state;
     cloud c = {0};
@@ -443,8 +452,8 @@ static void test_refused(void **state) {
     assert_string_equal(error.text, "point 1: a coordinate is not finite");
 }
 
-/* Not on a line, but by so little that its square is 0: no surface, and no failure of another kind.
- */
+/* Points deviate from a line by so little that the square of it is 0: no surface is found, and no
+ * other failure occurs. */
 static void test_nearly_on_a_line(void **state) {
     (void)state;
     psplat_mesh mesh;
@@ -454,7 +463,7 @@ static void test_nearly_on_a_line(void **state) {
     assert_int_equal(psplat_mesh_from_points(&points, &mesh, &error), PSPLAT_ERROR_NO_SPLATS);
 }
 
-/* ---- converted ------------------------------------------------------------------------------ */
+/* ---- conversion ----------------------------------------------------------------------------- */
 
 static psplat_splats convert(const psplat_mesh *mesh, double percent, psplat_report *report) {
     psplat_splats splats;
@@ -464,7 +473,7 @@ static psplat_splats convert(const psplat_mesh *mesh, double percent, psplat_rep
     return splats;
 }
 
-/* Whether some splat that faces n covers p within the tolerance. */
+/* Returns whether some splat that faces along n covers p within the tolerance. */
 static int is_covered(const psplat_region *regions, size_t count, const double p[3],
                       const double n[3], double tolerance) {
     for (size_t i = 0; i < count; ++i) {
@@ -477,8 +486,8 @@ static int is_covered(const psplat_region *regions, size_t count, const double p
     return 0;
 }
 
-/* Splats cover every point of the set, and none reaches into its hole further than the points that
- * surround it are apart. */
+/* Splats cover every point of the set, and none reaches into its hole farther than the points
+ * around it are apart. */
 static void test_converted(void **state) {
     (void)state;
     for (int normals = 0; normals < 2; ++normals) {
@@ -496,12 +505,12 @@ static void test_converted(void **state) {
         for (size_t i = 0; i < mesh.point_count; ++i)
             assert_true(is_covered(regions, splats.count, mesh.points + 3 * i, directions + 3 * i,
                                    tolerance));
-        /* The hole is a cap 26 degrees around the pole. */
+        /* The hole is a cap of 26 degrees around the pole. */
         uint64_t random = 1;
         for (size_t i = 0; i < 1000; ++i) {
             double n[3], p[3];
             random_direction(&random, n);
-            if (n[2] < cos(0.3)) continue; /* 17 degrees: within the hole, 0.15 from its rim */
+            if (n[2] < cos(0.3)) continue; /* 17 degrees: inside the hole, 0.15 from its rim */
             sub3(p, n, mesh.origin);
             assert_false(is_covered(regions, splats.count, p, n, tolerance));
         }
@@ -517,7 +526,7 @@ static void test_converted(void **state) {
     }
 }
 
-/* Equal input, equal bytes. */
+/* The same points give the same bytes. */
 static void test_repeated(void **state) {
     (void)state;
     cloud c = make_sphere(1500, 1);

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Clip lines across a crease: after joining, two splats reach the line where their planes meet,
- * and no farther. */
+ *
+ * test_close_seams.c - tests of extending clip lines across a crease: afterwards two splats reach
+ * the line where their planes meet, and no farther. The shape is a pair of squares that meet at a
+ * known angle; expected distances are the intersection of the two planes.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,12 +26,12 @@
 #include "select/close_seams.h"
 #include "select/selection.h"
 
-/* Two unit squares that meet along the v axis of a random frame. The first lies in its plane and
- * the second is bent away from it. */
+/* Two unit squares that meet along the v axis of a random frame. The first one lies in the plane of
+ * the frame, and the second one is bent away from it. */
 typedef struct roof {
     fixture f;
-    double o[3], u[3], v[3], n[3]; /* the first square's frame; the crease is u = 0 */
-    double u2[3], n2[3];           /* into the second square, and its normal */
+    double o[3], u[3], v[3], n[3]; /* frame of the first square; u = 0 is the crease */
+    double u2[3], n2[3];           /* direction into the second square, and its normal */
     psplat_selection selection;
 } roof;
 
@@ -36,7 +39,8 @@ static void place_square(double s, double t, double p[3]) {
     p[0] = s, p[1] = t, p[2] = 0;
 }
 
-/* bend: by how much the second square turns down (convex) or up (negative: concave). */
+/* Makes the squares; bend is the angle in radians by which the second one turns down (convex edge)
+ * or, if negative, up (concave edge). */
 static void make_roof(roof *r, double bend, uint64_t *random) {
     fixture_grid(&r->f, 2, 1, place_square);
     random_axes(random, r->u, r->v, r->n);
@@ -57,7 +61,7 @@ static void make_roof(roof *r, double bend, uint64_t *random) {
     assert_non_null(r->selection.candidates);
 }
 
-/* Whether a triangle has the crease for a side. */
+/* Returns whether one side of the triangle is the crease. */
 static int meets_ridge(const roof *r, uint32_t triangle) {
     for (size_t k = 0; k < 3; ++k) {
         size_t edge = 3 * (size_t)triangle + k;
@@ -66,7 +70,8 @@ static int meets_ridge(const roof *r, uint32_t triangle) {
     return 0;
 }
 
-/* A splat on one of the squares, raised by height, cut where the clip stage says. */
+/* Adds a splat on one of the squares, raised by height, with the clip line that psplat_clip_choose
+ * finds. */
 static void add_splat(roof *r, int second, double height) {
     psplat_candidate *candidate = &r->selection.candidates[second];
     const double *u = second ? r->u2 : r->u, *n = second ? r->n2 : r->n;
@@ -82,7 +87,7 @@ static void add_splat(roof *r, int second, double height) {
         const double *face = r->f.surface.face_normals + 3 * (size_t)candidate->triangle;
         if (dot3(face, n) > 0.999 && meets_ridge(r, candidate->triangle)) break;
     }
-    /* Its borders are far away: the crease alone cuts it. */
+    /* The borders are far away, so that the crease alone cuts the splat. */
     uint32_t edges[3];
     psplat_segment segments[3];
     size_t count = 0;
@@ -98,7 +103,8 @@ static void add_splat(roof *r, int second, double height) {
     mad3(region->center, height, n);
 }
 
-/* How far a splat's line lies beyond the crease, in its plane, at the crease's middle. */
+/* Returns how far the splat's line lies beyond the crease, in the splat's plane and at the middle
+ * of the crease. */
 static double reach_of(const roof *r, int second) {
     const psplat_region *region = &r->selection.candidates[second].region;
     double uvh[3];
@@ -108,7 +114,7 @@ static double reach_of(const roof *r, int second) {
     return (line[0] * uvh[0] + line[1] * uvh[1] + line[2]) / rate;
 }
 
-/* Where the planes at these heights meet, beyond the crease as seen in the first plane. */
+/* Returns how far beyond the crease, in the first plane, the planes at these heights meet. */
 static double meeting(double bend, double own, double other) {
     return (other - own * cos(bend)) / sin(bend);
 }
@@ -122,10 +128,11 @@ static void join_and_check(double bend, double first, double second, uint64_t *r
         .tolerance = 0.05, .crease_tolerance = 0.02, .crease_slack = 1e-3, .margin = 0.01};
     const psplat_fit_context context = fixture_context(&r.f, &limits, NULL);
     assert_int_equal(psplat_close_seams(&context, &r.selection), PSPLAT_OK);
-    /* Outward of the second square is -u2, of which the first plane's height grows by sin. */
+    /* The second square's direction beyond the crease is -u2, along which the height over the first
+     * plane grows by sin(bend). */
     double wanted[2] = {meeting(bend, first, second), meeting(bend, second, first)};
     for (int k = 0; k < 2; ++k) {
-        double most = wanted[k] > 0 ? wanted[k] : 0; /* never moved in */
+        double most = wanted[k] > 0 ? wanted[k] : 0; /* A line never moves inwards. */
         /* Lines may be found, and moved, a millionth of the ellipse too far. */
         assert_near(reach_of(&r, k), most, 2e-6);
     }
@@ -147,8 +154,8 @@ static void test_meet(void **state) {
         }
 }
 
-/* Planes that nearly agree meet far away, if at all: their lines grow no fins. A splat of the other
- * square that lies farther away than the tolerance has no say. */
+/* Planes that almost agree meet far away or never: their lines are not extended to thin fins. A
+ * splat of the other square that is farther away than the tolerance has no effect. */
 static void test_stay(void **state) {
     (void)state;
     uint64_t random = 4;
@@ -160,7 +167,7 @@ static void test_stay(void **state) {
         psplat_limits limits = {.tolerance = 0.05, .crease_tolerance = 0.02, .crease_slack = 1e-3};
         const psplat_fit_context context = fixture_context(&r.f, &limits, NULL);
         assert_int_equal(psplat_close_seams(&context, &r.selection), PSPLAT_OK);
-        /* The tolerance decides what is near, and half of it how far a line may move. */
+        /* The tolerance decides which splats are near, and half of it bounds the move of a line. */
         assert_near(reach_of(&r, 0), shallow ? 0.025 : 0, 2e-6);
         psplat_selection_free(&r.selection);
         fixture_free(&r.f);

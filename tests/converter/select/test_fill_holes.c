@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Holes between splats are found and closed, whatever made them; where there are none, nothing
- * changes. */
+ *
+ * test_fill_holes.c - tests of finding and closing holes between splats, whatever their cause:
+ * splats without overlap, a lost splat, a hole in the mesh itself. Coverage is checked with 200,000
+ * fresh samples; where there is no hole, nothing may change.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -31,8 +34,8 @@ typedef struct repair {
     psplat_splats splats;
 } repair;
 
-/* Everything before fill_holes.c, with samples of this spacing, and this overlap of splats in
- * spacings. tolerance, spacing: in diagonals. */
+/* Runs the stages before fill_holes.c, with this spacing of samples and this overlap of splats.
+ * tolerance and spacing are in diagonals, margin in spacings. */
 static void repair_begin(repair *r, double tolerance, double spacing, double margin) {
     fixture_sample(&r->f, spacing);
     r->desc = (psplat_convert_desc){0};
@@ -58,11 +61,11 @@ static void repair_begin(repair *r, double tolerance, double spacing, double mar
 static void repair_end(repair *r) {
     psplat_splats_free(&r->splats);
     psplat_selection_free(&r->c.selection);
-    r->f.samples = r->c.samples; /* fill_holes.c has appended to them */
+    r->f.samples = r->c.samples; /* fill_holes.c has appended samples. */
     fixture_free(&r->f);
 }
 
-/* Samples of its own that no splat covers, of 200,000. */
+/* Returns how many of 200,000 fresh samples no splat covers. */
 static size_t count_holes(const repair *r) {
     enum { PROBES = 200000 };
     psplat_samples probes;
@@ -77,8 +80,8 @@ static size_t count_holes(const repair *r) {
     return holes;
 }
 
-/* Repairs, and checks what then holds: next to no holes, earlier samples in their places, and the
- * splats those taken. Returns how many samples were added. */
+/* Fills the holes and asserts the result: no fresh sample is open, earlier samples keep their
+ * places, and the splats are the candidates taken. Returns the number of samples added. */
 static size_t repair_and_check(repair *r) {
     size_t before = r->c.samples.count;
     double *positions = malloc(before * 3 * sizeof *positions);
@@ -92,7 +95,7 @@ static size_t repair_and_check(repair *r) {
     return r->c.samples.count - before;
 }
 
-/* Splats without overlap, on samples far apart, leave holes between these. */
+/* Splats without overlap, on samples far apart, leave holes between samples. */
 static void test_gaps(void **state) {
     (void)state;
     const char *names[] = {"sphere.ply", "torus.off"};
@@ -110,7 +113,7 @@ static void test_gaps(void **state) {
     }
 }
 
-/* A splat that got lost leaves a hole much larger than the samples' spacing. */
+/* A splat that is missing leaves a hole much larger than the sample spacing. */
 static void test_lost(void **state) {
     (void)state;
     repair r;
@@ -123,17 +126,16 @@ static void test_lost(void **state) {
                                     candidates[i].covered_count > candidates[lost].covered_count))
             lost = i;
     r.c.selection.candidates[lost].taken = 0;
-    psplat_selection_drop_untaken(&r.c.selection); /* nor does the pool hold it */
+    psplat_selection_drop_untaken(&r.c.selection); /* The pool must not hold it either. */
     assert_int_equal(psplat_sort_splats(&r.c.selection, &(psplat_sort_desc){0}, &r.splats),
                      PSPLAT_OK);
-    assert_true(count_holes(&r) > 50); /* the rest of it others cover as well */
+    assert_true(count_holes(&r) > 50); /* Other splats cover the rest of its area. */
     assert_true(repair_and_check(&r) > 0);
     assert_in_range(r.splats.count, splats, splats + 4);
     repair_end(&r);
 }
 
-/* Where splats leave no hole no sample and no splat is added, and a second repair changes nothing.
- */
+/* Where splats leave no hole, no sample and no splat is added, and a second run changes nothing. */
 static void test_nothing(void **state) {
     (void)state;
     repair r;
@@ -150,7 +152,7 @@ static void test_nothing(void **state) {
     repair_end(&r);
 }
 
-/* A square with a square hole: the hole is none of the splats'. */
+/* Places a square with a square hole, which is part of the mesh and must stay open. */
 static void place_square(double s, double t, double p[3]) {
     p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0;
 }

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * The selection covers every sample and comes out the same each time; once improved, it keeps no
- * candidate that none needs. */
+ *
+ * test_greedy_cover.c - tests of the greedy set cover: the selection covers every sample, repeats
+ * bit by bit, and after pruning contains no candidate without which all samples would be covered.
+ * The models are bundled ones.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +22,7 @@
 #include "select/greedy_cover.h"
 #include "select/selection.h"
 
-/* As conversions set them; for samples a quarter of the tolerance apart. */
+/* Returns limits as a conversion sets them, for samples a quarter of the tolerance apart. */
 static psplat_limits limits_of(const fixture *f, double part) {
     double tolerance = part * f->surface.diagonal;
     return (psplat_limits){.tolerance = tolerance,
@@ -29,7 +32,7 @@ static psplat_limits limits_of(const fixture *f, double part) {
                            .distance = f->distance};
 }
 
-/* How many of the taken candidates cover each sample; the caller frees it. */
+/* Returns for each sample how many taken candidates cover it; the caller frees the array. */
 static uint32_t *count_covers(const fixture *f, const psplat_selection *selection) {
     uint32_t *covers = calloc(f->samples.count, sizeof *covers);
     assert_non_null(covers);
@@ -42,7 +45,8 @@ static uint32_t *count_covers(const fixture *f, const psplat_selection *selectio
     return covers;
 }
 
-/* Every sample is covered, and every candidate taken is all that covers one of them. */
+/* Asserts that every sample is covered, and that every taken candidate alone covers one of its
+ * samples. */
 static void check_cover(const fixture *f, const psplat_selection *selection) {
     uint32_t *covers = count_covers(f, selection);
     for (size_t i = 0; i < f->samples.count; ++i) assert_true(covers[i] > 0);
@@ -55,7 +59,7 @@ static void check_cover(const fixture *f, const psplat_selection *selection) {
     free(covers);
 }
 
-/* Covers all samples, drops what is not needed, and forgets the pool. */
+/* Covers all samples, drops candidates that are not needed, and forgets the pool. */
 static void select_all(const fixture *f, double part, uint64_t seed, psplat_selection *selection) {
     psplat_limits limits = limits_of(f, part);
     psplat_convert_desc desc = {.seed = seed};
@@ -110,7 +114,7 @@ static void test_repeatable(void **state) {
     fixture_free(&f);
 }
 
-/* A selection that covers all already stays as it is: nothing new is grown. */
+/* A selection that covers all samples stays as it is, and no candidate grows. */
 static void test_existing(void **state) {
     (void)state;
     fixture f;
@@ -121,7 +125,7 @@ static void test_existing(void **state) {
     assert_int_equal(selection.count, 6);
     double kept[6][3];
     for (int i = 0; i < 6; ++i) memcpy(kept[i], selection.candidates[i].region.center, 24);
-    /* Two of them once more, as candidates of their own. */
+    /* Two of the candidates are added once more. */
     for (int i = 0; i < 2; ++i) {
         psplat_candidate copy = selection.candidates[i];
         copy.covered = malloc(copy.covered_count * sizeof *copy.covered);
@@ -144,8 +148,8 @@ static void test_existing(void **state) {
     fixture_free(&f);
 }
 
-/* Samples appended later are covered by what is taken, once it was asked again, or by selecting
- * again. */
+/* Samples that are appended later are covered by taken candidates after these are asked again, or
+ * by selecting again. */
 static void test_appended(void **state) {
     (void)state;
     fixture f;
@@ -168,7 +172,8 @@ static void test_appended(void **state) {
     size_t covered = 0;
     for (size_t i = 0; i < f.samples.count; ++i) covered += covers[i] > 0;
     for (size_t i = 0; i < before; ++i) assert_true(covers[i] > 0);
-    assert_true(covered > before + extra.count / 2); /* most lie between the first ones */
+    /* Most of the new samples lie between the old ones. */
+    assert_true(covered > before + extra.count / 2);
     free(covers);
     select_all(&f, 0.04, 2, &selection);
     check_cover(&f, &selection);
@@ -178,8 +183,8 @@ static void test_appended(void **state) {
     fixture_free(&f);
 }
 
-/* One candidate for each seed, in their order, whatever grew when; settling keeps those taken, in
- * their order. */
+/* Each seed gives one candidate, in the order of the seeds and independently of when it grew;
+ * dropping the rest keeps the order of those taken. */
 static void test_pool(void **state) {
     (void)state;
     enum { SEEDS = 40 };
@@ -192,8 +197,8 @@ static void test_pool(void **state) {
     fixture_sample(&f, 0.01);
     psplat_limits limits = limits_of(&f, 0.04);
     const psplat_fit_context context = fixture_context(&f, &limits, &scratch);
-    for (uint32_t i = 0; i < SEEDS; ++i)
-        seeds[i] = (uint32_t)((size_t)i * 7919 % f.samples.count); /* a prime: all over */
+    for (uint32_t i = 0; i < SEEDS; ++i) /* 7919 is a prime, so that seeds spread over the mesh. */
+        seeds[i] = (uint32_t)((size_t)i * 7919 % f.samples.count);
     assert_int_equal(psplat_selection_grow(&context, seeds, SEEDS, &selection), PSPLAT_OK);
     assert_int_equal(selection.count, SEEDS);
     assert_int_equal(psplat_selection_taken(&selection), 0);
@@ -225,7 +230,7 @@ static int stop_at_once(void *user, const char *stage, double fraction) {
     return ++*(int *)user == 2;
 }
 
-/* Stopping leaves a selection that can be freed, and says so. */
+/* An interrupted selection returns that error, and can be freed. */
 static void test_interrupted(void **state) {
     (void)state;
     fixture f;
@@ -246,8 +251,8 @@ static void test_interrupted(void **state) {
     fixture_free(&f);
 }
 
-/* Greedy choice: after one round what gains most is taken, each that is taken has gained nearly as
- * much, and none that would is left. */
+/* Asserts the rule of greedy choice after one round: the candidate of greatest gain is taken, each
+ * taken one has gained at least 0.8 of that, and no candidate with such a gain is left. */
 static void check_greedy(const fixture *f, const psplat_selection *selection) {
     const double worth_taking = 0.8;
     uint32_t *covers = count_covers(f, selection);
@@ -258,7 +263,7 @@ static void check_greedy(const fixture *f, const psplat_selection *selection) {
         if (c->covered_count > most) most = c->covered_count, largest = c;
         if (c->covered_count < least) least = c->covered_count;
     }
-    assert_true((double)least < 0.7 * (double)most); /* there is something to choose */
+    assert_true((double)least < 0.7 * (double)most); /* The candidates' gains differ. */
     assert_int_equal(largest->taken, 1);
     for (size_t i = 0; i < f->samples.count; ++i) covered += covers[i] > 0;
     assert_true((double)covered >= (double)taken * worth_taking * (double)most);

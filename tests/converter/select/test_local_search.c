@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Exchanging candidates on set covers whose answer is known: nothing is lost, nothing grows, and
- * what greedy choice misses is found. */
+ *
+ * test_local_search.c - tests of the local search on set covers whose best answer is known: no
+ * sample is lost, the number of taken candidates never grows, and better covers than the greedy one
+ * are found. Samples lie on a line or a ring, and candidates are intervals or random sets.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,7 +18,7 @@
 #include "fit/candidate.h"
 #include "select/selection.h"
 
-/* Adds a candidate that covers count samples from first on. */
+/* Adds a candidate that covers `count` samples from `first` on. */
 static psplat_candidate *add(psplat_selection *selection, uint32_t first, uint32_t count,
                              int taken) {
     psplat_candidate candidate = {.covered_count = count, .taken = taken};
@@ -26,7 +29,7 @@ static psplat_candidate *add(psplat_selection *selection, uint32_t first, uint32
     return &selection->candidates[selection->count - 1];
 }
 
-/* How many taken candidates cover each sample; the caller frees it. */
+/* Returns for each sample how many taken candidates cover it; the caller frees the array. */
 static uint32_t *count_covers(const psplat_selection *selection, size_t samples) {
     uint32_t *covers = calloc(samples + 1, sizeof *covers);
     assert_non_null(covers);
@@ -37,7 +40,8 @@ static uint32_t *count_covers(const psplat_selection *selection, size_t samples)
     return covers;
 }
 
-/* What was covered still is, and each candidate taken is all that covers some sample. */
+/* Asserts that samples covered before are covered still, and that each taken candidate alone covers
+ * some sample. */
 static void check_cover(const psplat_selection *selection, const uint32_t *before, size_t samples) {
     uint32_t *covers = count_covers(selection, samples);
     for (size_t i = 0; i < samples; ++i) assert_int_equal(covers[i] > 0, before[i] > 0);
@@ -51,7 +55,8 @@ static void check_cover(const psplat_selection *selection, const uint32_t *befor
     free(covers);
 }
 
-/* Takes the candidate of the greatest gain, the first of equal ones, until all is covered. */
+/* Takes the candidate of greatest gain, the first one among equals, until all samples are covered.
+ */
 static void take_greedily(psplat_selection *selection, size_t samples) {
     for (;;) {
         uint32_t *covers = count_covers(selection, samples);
@@ -68,7 +73,7 @@ static void take_greedily(psplat_selection *selection, size_t samples) {
     }
 }
 
-/* Random sets of some neighbouring samples of a ring; chosen greedily, or all of them. */
+/* Makes random sets of neighbouring samples on a ring, and takes a greedy choice of them or all. */
 static void make_ring(psplat_selection *selection, uint32_t samples, uint32_t sets, int greedy,
                       uint64_t seed) {
     *selection = (psplat_selection){0};
@@ -81,8 +86,7 @@ static void make_ring(psplat_selection *selection, uint32_t samples, uint32_t se
     if (greedy) take_greedily(selection, samples);
 }
 
-/* ---- what always holds ------------------------------------------------------------------------
- */
+/* ---- invariants ----------------------------------------------------------------------------- */
 
 static void test_keeps(void **state) {
     (void)state;
@@ -103,7 +107,7 @@ static void test_keeps(void **state) {
     }
 }
 
-/* Without moves, what is not needed goes, and nothing comes. */
+/* Without moves, candidates that are not needed are dropped, and none is added. */
 static void test_prunes(void **state) {
     (void)state;
     enum { SAMPLES = 100, SETS = 60 };
@@ -118,7 +122,7 @@ static void test_prunes(void **state) {
     for (size_t c = 0; c < SETS; ++c) assert_true(selection.candidates[c].taken <= taken[c]);
     free(before);
     psplat_selection_free(&selection);
-    /* A candidate that covers nothing, and none at all. */
+    /* One candidate covers nothing; then there is no candidate at all. */
     add(&selection, 0, 0, 1);
     add(&selection, 0, 5, 1);
     assert_int_equal(fixture_improve(&selection, 5, 5, 20, 1), PSPLAT_OK);
@@ -150,11 +154,11 @@ static void test_repeatable(void **state) {
     psplat_selection_free(&other);
 }
 
-/* ---- what greedy choice misses ----------------------------------------------------------------
- */
+/* ---- better than greedy --------------------------------------------------------------------- */
 
-/* Two rows of 30 samples that two candidates cover, and columns of 16, 8, 4 and 2 of each row, each
- * with one sample of the next: greedy choice falls for the columns (the textbook's worst case). */
+/* Two candidates cover two rows of 30 samples, and columns of 16, 8, 4 and 2 samples of each row
+ * cover one sample of the next column too. Greedy choice takes the columns (the worst case of the
+ * textbooks), and the search must find the two rows. */
 static void test_beats_greedy(void **state) {
     (void)state;
     enum { ROW = 30 };
@@ -176,8 +180,8 @@ static void test_beats_greedy(void **state) {
     psplat_selection_free(&selection);
 }
 
-/* A line of 200 samples and all intervals of 21 of them, every eleventh taken: each of these has a
- * sample of its own, and yet 10 instead of 18 suffice. */
+/* Of all intervals of 21 among 200 samples every eleventh is taken: each of these 18 alone covers a
+ * sample, and yet 10 intervals suffice. */
 static void test_line(void **state) {
     (void)state;
     enum { SAMPLES = 200, LONG = 21 };
@@ -196,7 +200,7 @@ static void test_line(void **state) {
     }
 }
 
-/* Moves start at the samples in focus: what is not connected with them stays as it is. */
+/* Moves start at the samples in focus; candidates that are not connected with these stay. */
 static void test_focus(void **state) {
     (void)state;
     enum { HALF = 100, LONG = 21 };
@@ -215,12 +219,12 @@ static void test_focus(void **state) {
     for (size_t c = 0; c < each; ++c) assert_int_equal(selection.candidates[c].taken, taken[c]);
     for (size_t c = each; c < selection.count; ++c) after += selection.candidates[c].taken != 0;
     assert_true(before > 7);
-    assert_int_equal(after, 5); /* 100 samples by 21 */
+    assert_int_equal(after, 5); /* ceil(100 / 21) */
     psplat_selection_free(&selection);
 }
 
-/* Strict moves leave what they cannot make less: the same candidates, not others of equal number.
- */
+/* Strict moves that save no candidate change nothing, not even to an equal number of other
+ * candidates. */
 static void test_strict(void **state) {
     (void)state;
     enum { SAMPLES = 300, SETS = 250 };
@@ -257,18 +261,18 @@ static void test_strict(void **state) {
         psplat_selection_free(&free_one);
     }
     assert_true(saved > 40);
-    assert_true(moved > 0); /* what others do is more than that */
+    assert_true(moved > 0); /* Moves that are not strict do change candidates here. */
 }
 
-/* Two of three intervals overlap so far that a fourth replaces them: strict moves find it. */
+/* Two of three overlapping intervals can be replaced by a fourth, which strict moves find. */
 static void test_strict_saves(void **state) {
     (void)state;
     psplat_selection selection = {0};
     add(&selection, 0, 10, 1);
     add(&selection, 8, 10, 1);
     add(&selection, 16, 10, 1);
-    add(&selection, 5, 9, 0);  /* useless */
-    add(&selection, 0, 17, 0); /* instead of the first two */
+    add(&selection, 5, 9, 0);  /* saves nothing */
+    add(&selection, 0, 17, 0); /* replaces the first two */
     assert_int_equal(fixture_exchange(&selection, 26, 26, 100, 1, 1), PSPLAT_OK);
     assert_int_equal(psplat_selection_taken(&selection), 2);
     assert_int_equal(selection.candidates[4].taken + selection.candidates[2].taken, 2);

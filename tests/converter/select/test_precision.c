@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_precision.c - the grid that a conversion chooses: none where floats are asked for or 16 bits
- * do not suffice, else one that suits the tolerance, and that flat models survive.
+ * test_precision.c - tests of the grid of quantization that a conversion chooses: none where floats
+ * are requested or 16 bits do not suffice, and otherwise one that suits the tolerance. The shapes
+ * are a cube and a tilted square, for which the number of splats is known.
  */
 #include "mesh_fixture.h"
 
@@ -30,12 +31,12 @@ static psplat_splats convert(const psplat_mesh *mesh, double percent, double pre
     return splats;
 }
 
-/* A square, not along the axes. */
+/* Places a square that is parallel to no axis. */
 static void place_plane(double s, double t, double p[3]) {
     p[0] = s, p[1] = 0.8 * t, p[2] = 0.6 * t + 0.3 * s;
 }
 
-/* Flat models stay as few splats as they are sides, and lie where they did. */
+/* A flat model keeps one splat for each side, in its plane. */
 static void test_flat(void **state) {
     (void)state;
     fixture plane, cube;
@@ -56,7 +57,7 @@ static void test_flat(void **state) {
     psplat_mesh_free(&plane.mesh);
 }
 
-/* Floats are what steps too fine for shorts give too, bit for bit. */
+/* Steps too fine for 16-bit integers give the same bits as floats. */
 static void test_floats(void **state) {
     (void)state;
     fixture cube;
@@ -72,8 +73,8 @@ static void test_floats(void **state) {
     fixture_free(&cube);
 }
 
-/* The step of positions is what was asked for, but no longer than the longest that keeps promises;
- * what repeats around repeats, and codes fit their integers. */
+/* The position step is the requested one, up to the longest that keeps the promises; steps of
+ * angles divide a full turn, and their codes fit 16-bit integers. */
 static void test_steps(void **state) {
     (void)state;
     static const double asked[] = {0.05, 0.5, 4}, given[] = {0.05, 0.5, 0.5};
@@ -97,7 +98,8 @@ static void test_steps(void **state) {
     fixture_free(&cube);
 }
 
-/* Splats with normals all around and one radius, in tolerances, and what their normals get. */
+/* Returns the bits chosen for the normals of splats that face all ways and have one radius, in
+ * tolerances. */
 static int bits_of(double radius) {
     enum { COUNT = 200 };
     const psplat_convert_desc desc = {.precision = PSPLAT_USUAL_PRECISION};
@@ -114,8 +116,9 @@ static int bits_of(double radius) {
     return p.normal_bits;
 }
 
-/* Steps of 8 bits are 1 / 127, those of 11 and 14 an eighth of that each. Off by half of one in
- * either direction, a rim may be 0.3 tolerances away: up to some 50, 400 and 3000 of them. */
+/* Steps are 1/127 for 8 bits, an eighth of that for 11 bits, and an eighth again for 14 bits. An
+ * error of half a step in either direction may move a rim by 0.3 tolerances: this allows radii up
+ * to about 50, 400 and 3000 tolerances. */
 static void test_normal_bits(void **state) {
     (void)state;
     assert_int_equal(bits_of(20), 8);

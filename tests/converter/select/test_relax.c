@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * What relaxation proposes: candidates for cells and for pairs of neighbours, which keep the limits
- * and cover what they are proposed for. */
+ *
+ * test_relax.c - tests of the relaxation, which proposes candidates for the cells of taken
+ * candidates and for pairs of neighbours. Proposals must keep the limits and cover the samples for
+ * which they are proposed. The shapes are a flat square, whose best cover is known, and bundled
+ * models.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,7 +28,8 @@
 
 static const psplat_convert_desc desc = {.seed = 1};
 
-/* A conversion up to its samples, which the fixture has drawn; tolerance in diagonals. */
+/* Returns a conversion up to its samples, which the fixture has drawn; tolerance is in diagonals.
+ */
 static psplat_conversion conversion_of(const fixture *f, double tolerance) {
     double length = tolerance * f->surface.diagonal;
     return (psplat_conversion){.desc = &desc,
@@ -39,7 +44,8 @@ static psplat_conversion conversion_of(const fixture *f, double tolerance) {
                                           .distance = f->distance}};
 }
 
-/* How many taken candidates cover each sample, and one that does; the caller frees both. */
+/* Stores for each sample how many taken candidates cover it, and one of these; the caller frees
+ * both arrays. */
 static uint8_t *count_covers(const psplat_conversion *c, uint32_t **by) {
     uint8_t *covers = calloc(c->samples.count + 1, 1);
     *by = calloc(c->samples.count + 1, sizeof **by);
@@ -55,8 +61,8 @@ static uint8_t *count_covers(const psplat_conversion *c, uint32_t **by) {
     return covers;
 }
 
-/* A proposal is not taken, stays near the mesh, and covers samples that are inside its ellipse and
- * lines and within the tolerance, on its side. */
+/* Asserts that a proposal is not taken, stays near the mesh, and that the samples it covers lie
+ * inside its ellipse and lines, within the tolerance and on its side. */
 static void check_proposal(const psplat_conversion *c, const psplat_candidate *proposal) {
     int near = 0;
     assert_int_equal(proposal->taken, 0);
@@ -83,7 +89,7 @@ static void place_square(double s, double t, double p[3]) {
     p[0] = 4 * s - 2, p[1] = 4 * t - 2, p[2] = 0;
 }
 
-/* Takes a candidate of the square's part that a line keeps: what it covers is found. */
+/* Takes a candidate on the part of the square that a line keeps; its covered samples are found. */
 static void take_part(psplat_conversion *c, double sign) {
     psplat_scratch scratch = {0};
     psplat_fit_context context = psplat_conversion_context(c);
@@ -92,7 +98,7 @@ static void take_part(psplat_conversion *c, double sign) {
     psplat_region *r = &half.region;
     r->u[0] = r->v[1] = r->n[2] = 1;
     r->line_count = 1;
-    r->lines[0][0] = sign, r->lines[0][2] = 0.1; /* both cover a strip in the middle */
+    r->lines[0][0] = sign, r->lines[0][2] = 0.1; /* Both halves cover a strip in the middle. */
     half.triangle = c->samples.triangles[0];
     context.scratch = &scratch;
     assert_int_equal(psplat_candidate_cover(&context, &half), PSPLAT_OK);
@@ -101,9 +107,9 @@ static void take_part(psplat_conversion *c, double sign) {
     assert_int_equal(psplat_selection_push(&c->selection, &half), 1);
 }
 
-/* Two halves of a flat square: one candidate covers both, with the square's four lines, and
- * exchange takes it instead; two others are for the halves' cells. The candidates lie a little
- * above and below the square. */
+/* For two halves of a flat square one proposal covers both with the square's four lines, and the
+ * local search takes it instead of them. Two other proposals belong to the cells of the halves. The
+ * halves lie a little above and below the square. */
 static void test_two_halves(void **state) {
     (void)state;
     fixture f;
@@ -123,7 +129,8 @@ static void test_two_halves(void **state) {
     }
     assert_non_null(whole);
     assert_int_equal(whole->region.line_count, 4);
-    /* It lies in the square, though neither half did: their moments are seen from one place. */
+    /* The proposal lies in the square although neither half did, because the moments of both refer
+     * to one origin. */
     assert_near(whole->deviation, 0, 1e-12);
     psplat_local_search_desc what = {&c.samples, 50, c.samples.count, 0, 1, 1};
     assert_int_equal(psplat_local_search(&c.selection, &what), PSPLAT_OK);
@@ -132,7 +139,8 @@ static void test_two_halves(void **state) {
     fixture_free(&f);
 }
 
-/* Takes candidates until all is covered, and proposes. Returns how many there were. */
+/* Takes candidates until all samples are covered, and proposes. Returns the number of candidates
+ * before. */
 static size_t select_and_relax(psplat_conversion *c) {
     const psplat_fit_context context = psplat_conversion_context(c);
     assert_int_equal(psplat_greedy_cover(&context, c->desc, &c->selection, NULL), PSPLAT_OK);
@@ -144,7 +152,7 @@ static size_t select_and_relax(psplat_conversion *c) {
     return before;
 }
 
-/* Whether a candidate covers all samples that `owner` alone covers. */
+/* Returns whether a candidate covers all samples that `owner` alone covers. */
 static int covers_cell(const psplat_conversion *c, const psplat_candidate *candidate,
                        const uint8_t *covers, const uint32_t *by, uint32_t owner) {
     uint8_t *covered = calloc(c->samples.count, 1);
@@ -157,8 +165,8 @@ static int covers_cell(const psplat_conversion *c, const psplat_candidate *candi
     return all;
 }
 
-/* On curved surfaces, faces and creases: whatever is proposed keeps the limits, and covers the cell
- * of one taken candidate at least. Most cells get a proposal. */
+/* On curved surfaces, flat faces and creases every proposal keeps the limits and covers the cell of
+ * at least one taken candidate. Most cells get a proposal. */
 static void test_limits(void **state) {
     (void)state;
     const struct {
@@ -199,7 +207,7 @@ static void test_limits(void **state) {
     }
 }
 
-/* The same proposals in the same order for any number of threads. */
+/* Any number of threads gives the same proposals in the same order. */
 static void test_threads(void **state) {
     (void)state;
     fixture f;
@@ -229,7 +237,7 @@ static void test_threads(void **state) {
     fixture_free(&f);
 }
 
-/* Nothing is taken, so nothing is proposed. */
+/* Without taken candidates there are no proposals. */
 static void test_nothing(void **state) {
     (void)state;
     fixture f;

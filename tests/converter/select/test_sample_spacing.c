@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Samples are as dense as the splats to come are small, whatever the number of threads. */
+ *
+ * test_sample_spacing.c - tests that the spacing of samples follows the size of the expected
+ * splats, for any number of threads. The shapes are a cube, which needs the coarsest samples,
+ * waves, which need the finest ones, and a sphere between them.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +23,8 @@
 
 static const psplat_convert_desc desc = {.seed = 3};
 
-/* Everything before sampling; the tolerance in diagonals, the finest spacing in tolerances. */
+/* Runs the stages before sampling; tolerance is in diagonals, and the finest spacing in tolerances.
+ */
 static void begin(psplat_conversion *c, fixture *f, double tolerance, double finest) {
     f->distance = psplat_distance_create(&f->mesh);
     assert_non_null(f->distance);
@@ -39,9 +44,9 @@ static void end(psplat_conversion *c, fixture *f) {
     fixture_free(f);
 }
 
-/* What holds at any density: the spacing between the two ends, the margin a fifth of it, and about
- * as many samples as blue noise of that spacing has: two thirds of a square of it each, more along
- * creases. */
+/* Asserts what holds at any density: the spacing lies between the finest one and three times that,
+ * the margin is a fifth of the spacing, and there are about as many samples as blue noise of that
+ * spacing has, more than one for two squares of the spacing. */
 static void check(const psplat_conversion *c) {
     double spacing = c->samples.spacing;
     assert_true(spacing >= c->finest * (1 - 1e-12) && spacing <= 3 * c->finest * (1 + 1e-12));
@@ -49,7 +54,7 @@ static void check(const psplat_conversion *c) {
     assert_true((double)c->samples.count > 0.5 * c->surface.area / (spacing * spacing));
 }
 
-/* Six splats cover a cube: the coarsest samples do. */
+/* Six splats cover a cube, so that the coarsest samples suffice. */
 static void test_flat(void **state) {
     (void)state;
     fixture f;
@@ -62,7 +67,7 @@ static void test_flat(void **state) {
     end(&c, &f);
 }
 
-/* Waves, higher than the tolerance, of a length of some finest spacings. */
+/* Places waves that are higher than the tolerance and a few finest spacings long. */
 static void place_waves(double s, double t, double p[3]) {
     p[0] = s, p[1] = t, p[2] = 0.01 * sin(80 * s) * sin(80 * t);
 }
@@ -80,8 +85,8 @@ static void test_bumpy(void **state) {
     end(&c, &f);
 }
 
-/* On a sphere, splats become smaller with the tolerance while the finest spacing stays: so does the
- * spacing, between both ends. */
+/* On a sphere splats become smaller with the tolerance; with a fixed finest spacing the spacing
+ * becomes smaller too, and stays between both ends. */
 static void test_between(void **state) {
     (void)state;
     double before = HUGE_VAL;
@@ -102,7 +107,7 @@ static void test_between(void **state) {
     assert_true(inner > 0);
 }
 
-/* The same samples to the last bit for any number of threads. */
+/* Any number of threads gives the same samples to the last bit. */
 static void test_threads(void **state) {
     (void)state;
     const char *names[] = {"sphere.ply", "part.obj"};

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Candidates as stored splats and back: rotations, normals, lines, and the order in a file. */
+ *
+ * test_sort_splats.c - tests of storing candidates as splats and reading them back: rotations,
+ * normals, clip lines, and the order in a file. Expected values are the candidates themselves and
+ * the Morton order of their centres.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,7 +23,7 @@
 #include "select/sort_splats.h"
 #include "splats/splats.h"
 
-/* Rounding to single precision, twice over: of the quaternion and of what it turns. */
+/* Rounding to float, twice each: of the quaternion and of the vectors that it rotates. */
 static const double single = 4 * 0x1p-24;
 
 static const psplat_sort_desc coloured = {.has_color = 1}, plain;
@@ -32,7 +36,7 @@ static psplat_splats store(psplat_candidate *candidates, size_t count) {
     return splats;
 }
 
-/* Stores one candidate with these axes and compares what comes back. */
+/* Stores one candidate with these axes, and compares the axes that come back. */
 static void check_axes(const double u[3], const double v[3], const double n[3]) {
     psplat_candidate candidate = {.region = {.radius = {2, 1}}, .taken = 1};
     memcpy(candidate.region.u, u, 3 * sizeof(double));
@@ -55,7 +59,7 @@ static void check_axes(const double u[3], const double v[3], const double n[3]) 
     psplat_splats_free(&splats);
 }
 
-/* Axes after a turn by angle about a unit axis (Rodrigues). */
+/* Checks axes that are turned by an angle about a unit axis (Rodrigues' formula). */
 static void check_turn(const double axis[3], double angle) {
     double axes[3][3];
     for (int i = 0; i < 3; ++i) {
@@ -76,7 +80,8 @@ static void test_rotations(void **state) {
         double u[3], v[3], n[3];
         random_axes(&random, u, v, n);
         check_axes(u, v, n);
-        /* About random axes, to either side of half a turn, where w changes its sign. */
+        /* Turns about random axes by just less or more than half a turn, where w changes its sign.
+         */
         const double beside[] = {0, 1e-3, -1e-3, 1e-7, -1e-7, 1e-15};
         for (size_t k = 0; k < sizeof beside / sizeof *beside; ++k)
             check_turn(n, fixture_pi + beside[k]);
@@ -84,7 +89,7 @@ static void test_rotations(void **state) {
     }
 }
 
-/* The 24 turns of a cube: w, and others, are exactly zero or equal. */
+/* The 24 rotations of a cube have components, such as w, that are exactly zero or equal. */
 static void test_cube_rotations(void **state) {
     (void)state;
     size_t turns = 0;
@@ -128,10 +133,11 @@ static void compare(const psplat_candidate *c, const psplat_region *back, const 
             if (i < r->line_count)
                 assert_near(back->lines[i][k], r->lines[i][k], single);
             else
-                assert_true(s->clip[i][k] == 0); /* nothing of an earlier splat is left */
+                assert_true(s->clip[i][k] == 0); /* No line of an earlier splat is left. */
         }
     double n[3] = {(double)s->normal[0], (double)s->normal[1], (double)s->normal[2]};
-    /* Spec 3.5: the stored normal tells x and y; |field| < 1, so that dividing loses little. */
+    /* The stored normal determines x and y by spec 3.5; |field| < 1, so that the division loses
+     * little. */
     assert_near(length3(n), 1, single);
     assert_near(dot3(n, r->u) / dot3(n, r->n), c->field[0], 8 * single);
     assert_near(dot3(n, r->v) / dot3(n, r->n), c->field[1], 8 * single);
@@ -173,8 +179,8 @@ static void test_round_trip(void **state) {
     psplat_splats_free(&splats);
 }
 
-/* Inside a class centres on a grid of 8^3 come in Morton order: x is the lowest bit of each three.
- */
+/* Inside a class, centres on a grid of 8^3 come in Morton order: x is the lowest bit of each group
+ * of three. */
 static void test_morton(void **state) {
     (void)state;
     enum { SIDE = 8, COUNT = SIDE * SIDE * SIDE };
@@ -182,7 +188,8 @@ static void test_morton(void **state) {
     const double scales[] = {1, 1e-9, 1e9, 1e-37, 1e37};
     for (size_t s = 0; s < sizeof scales / sizeof *scales; ++s) {
         for (uint32_t i = 0; i < 2 * COUNT; ++i) {
-            uint32_t at = i * 3001 % COUNT; /* every place once, out of order */
+            /* 3001 is coprime to COUNT, so that each place occurs once, out of order. */
+            uint32_t at = i * 3001 % COUNT;
             psplat_region r = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}};
             for (int k = 0; k < 3; ++k) r.center[k] = scales[s] * ((double)(at >> 3 * k & 7) - 3);
             r.line_count = i < COUNT ? 2 : 0;
@@ -206,7 +213,8 @@ static void test_morton(void **state) {
     }
 }
 
-/* Runs: by clip lines, flat or not, and material, each with what it promises. */
+/* Splats are grouped in runs of equal number of clip lines, depth tolerance and material, each with
+ * these values. */
 static void test_runs(void **state) {
     (void)state;
     enum { COUNT = 12 };
@@ -235,7 +243,7 @@ static void test_runs(void **state) {
     psplat_splats_free(&splats);
 }
 
-/* No candidates, and candidates all in one place, have an order too. */
+/* No candidates, and candidates that are all in one place, also have a defined order. */
 static void test_degenerate(void **state) {
     (void)state;
     psplat_candidate same[5];
@@ -248,8 +256,9 @@ static void test_degenerate(void **state) {
             .taken = 1};
     }
     splats = store(same, 5);
-    for (int i = 0; i < 5; ++i) assert_near((double)splats.splats[i].color[0], i, 0); /* stable */
-    /* Storing again replaces what was stored. */
+    /* The sort is stable. */
+    for (int i = 0; i < 5; ++i) assert_near((double)splats.splats[i].color[0], i, 0);
+    /* Storing again replaces the earlier splats. */
     psplat_selection fewer = {same, 2, 5};
     assert_int_equal(psplat_sort_splats(&fewer, &plain, &splats), PSPLAT_OK);
     assert_int_equal(splats.count, 2);

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * What all splats of a material share becomes its factor; what differs stays. */
+ *
+ * test_hoist_constants.c - tests that a value which all splats of a material share moves into the
+ * material's factor, and that values which differ stay. The splats are made by hand, three for each
+ * of two materials.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +18,7 @@
 
 enum { COUNT = 6 };
 
-/* Two materials of three splats each, in two runs; everything plain. */
+/* Makes two materials with three plain splats each, in two runs. */
 static psplat_splats make(void) {
     psplat_splats s = {.splats = calloc(COUNT, sizeof *s.splats),
                        .finishes = calloc(COUNT, sizeof *s.finishes),
@@ -51,7 +55,7 @@ static void test_plain(void **state) {
     psplat_splats_free(&s);
 }
 
-/* Without finishes colours do not change over a splat: they fold. */
+/* Without finishes colours do not change over a splat, so that they can move into the factor. */
 static void test_without_finishes(void **state) {
     (void)state;
     psplat_splats s = make();
@@ -66,7 +70,7 @@ static void test_without_finishes(void **state) {
     psplat_splats_free(&s);
 }
 
-/* One material shares all of it, the other nothing. */
+/* All splats of one material agree in everything; those of the other agree in nothing. */
 static void test_one_of_two(void **state) {
     (void)state;
     psplat_splats s = make();
@@ -94,14 +98,14 @@ static void test_one_of_two(void **state) {
     psplat_splats_free(&s);
 }
 
-/* Occlusion has no factor to become; a gradient keeps its colour. */
+/* Occlusion has no factor into which it could move, and a colour with a gradient stays. */
 static void test_what_cannot_fold(void **state) {
     (void)state;
     psplat_splats s = make();
     for (int i = 0; i < COUNT; ++i) {
         s.finishes[i].occlusion = 0.5f;
         s.splats[i].color[0] = 0.5f;
-        s.finishes[i].color_u[0] = i < 3 ? 0.25f : 0; /* the same in all three */
+        s.finishes[i].color_u[0] = i < 3 ? 0.25f : 0; /* equal in all three */
     }
     assert_int_equal(psplat_hoist_constants(&s), PSPLAT_OK);
     assert_true(s.finishes && s.has_color);

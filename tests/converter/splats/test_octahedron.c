@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * Unit vectors in two integers: how far off they come back, and where the octahedron folds. */
+ *
+ * test_octahedron.c - tests of octahedral unit vectors in two integers (Meyer et al. 2010): the
+ * error of what comes back, and the edges where the octahedron is folded. Expected values are
+ * bounds derived from the lattice, a search over neighbouring codes, and the decoder of the
+ * meshoptimizer library.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +25,7 @@ static int32_t greatest(int bits) {
     return (1 << (bits - 1)) - 1;
 }
 
-/* Angle between a vector and what is stored of it, radians. */
+/* Returns the angle in radians between a vector and its stored form. */
 static double error_of(const double normal[3], int bits) {
     int32_t code[2] = {INT32_MAX, INT32_MAX};
     double found[3];
@@ -31,10 +36,11 @@ static double error_of(const double normal[3], int bits) {
     return 2 * asin(fmin(sqrt(distance2_3(found, normal)) / 2, 1));
 }
 
-/* On a face the codes are a hexagonal lattice of spacing sqrt(2)/greatest, so that nothing is
- * farther than 1/sqrt(3) of that from one of them; the face's middle, where that is the largest
- * angle, is 1/sqrt(3) from the centre. Rounding to bytes or shorts adds half a step of each
- * component. Where a code is left out, as some are of bytes, its neighbours are a spacing away. */
+/* Returns the greatest error in radians. On a face of the octahedron the codes form a hexagonal
+ * lattice of spacing sqrt(2) / greatest, so that no point is farther than 1 / sqrt(3) of that from
+ * a code. The angle is largest in the middle of the face, which is 1 / sqrt(3) from the centre.
+ * Rounding to bytes or shorts adds half a step of each component. Where a code is left out, as some
+ * codes of bytes are, its neighbours are one spacing away. */
 static double bound_of(int bits) {
     return (bits <= 8 ? sqrt(6) : sqrt(2)) / greatest(bits) +
            sqrt(3) / 2 / (bits <= 8 ? 127 : 32767);
@@ -52,12 +58,12 @@ static void test_error(void **state) {
             worst = fmax(worst, error_of(n, bits));
         }
         if (!(worst <= bound_of(bits))) fail_msg("%d bits: %g of %g", bits, worst, bound_of(bits));
-        /* It is a bound that something comes near to. */
+        /* The bound is not far above the errors that occur. */
         assert_true(worst > 0.4 * bound_of(bits));
     }
 }
 
-/* The six poles are stored exactly, with zeros of either sign. */
+/* The six poles are stored exactly, also with negative zeros. */
 static void test_poles(void **state) {
     (void)state;
     for (int bits = PSPLAT_OCTAHEDRON_LEAST_BITS; bits <= PSPLAT_OCTAHEDRON_MOST_BITS; ++bits)
@@ -69,7 +75,8 @@ static void test_poles(void **state) {
         }
 }
 
-/* Along the edges where the lower half is folded up, z = 0, and along those between faces. */
+/* Vectors lie along the edges where the lower half is folded up (z = 0), and along those between
+ * faces. */
 static void test_folds(void **state) {
     (void)state;
     static const double tiny[] = {0, -0.0, 1e-17, -1e-17, 1e-9, -1e-9, 1e-4, -1e-4};
@@ -86,8 +93,8 @@ static void test_folds(void **state) {
                 }
 }
 
-/* Every code decodes to a vector whose own code is as near, though it may be another one: the four
- * corners are all -z, and bytes may be too coarse to tell two codes apart. */
+/* Every code decodes to a vector whose own code decodes alike. That may be another code, because
+ * the four corners are all -z, and bytes may be too coarse to tell two codes apart. */
 static void test_every_code(void **state) {
     (void)state;
     for (int bits = PSPLAT_OCTAHEDRON_LEAST_BITS; bits <= 9; ++bits)
@@ -105,7 +112,7 @@ static void test_every_code(void **state) {
             }
 }
 
-/* No neighbour within three steps decodes to anything nearer. */
+/* No code within three steps decodes to a nearer vector. */
 static void test_nearest(void **state) {
     (void)state;
     uint32_t random = 3;
@@ -128,9 +135,9 @@ static void test_nearest(void **state) {
     }
 }
 
-/* As the library decodes what the filter of EXT_meshopt_compression has, by other instructions:
- * bytes alike; of shorts that are all but halfway between two, at most one in a hundred is a step
- * off. */
+/* The library decodes the filter of EXT_meshopt_compression with other instructions: bytes must be
+ * equal; of shorts, which may lie almost halfway between two values, at most one in a hundred may
+ * be one step off. */
 static void test_filter(void **state) {
     (void)state;
     for (int bits = PSPLAT_OCTAHEDRON_LEAST_BITS; bits <= PSPLAT_OCTAHEDRON_MOST_BITS; ++bits) {
@@ -141,7 +148,7 @@ static void test_filter(void **state) {
                 const int32_t code[2] = {x, y};
                 int32_t expected[3];
                 if (!psplat_octahedron_is_code(code, bits)) continue;
-                /* Four of each, as the library takes them. */
+                /* The library takes four vectors at a time. */
                 int8_t bytes[4][4];
                 int16_t shorts[4][4];
                 for (int i = 0; i < 4; ++i)

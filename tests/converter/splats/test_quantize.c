@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * What is stored of a splat is what the runtime reads: of floats the bits, of integers what they
- * were snapped to, up to the roundings that each tolerance counts in ulp = 2^-24, relative. */
+ *
+ * test_quantize.c - tests that the runtime reads the splats which the writer stored. Floats come
+ * back bit by bit; integers come back as the values to which the splats were rounded, up to the
+ * roundings that each tolerance counts in ulp = 2^-24 (relative). The splats are the random ones of
+ * writer_fixture.h, in boxes of edge length 1e-9 to 1e9.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -25,8 +29,9 @@ static const double ulp = 0x1p-24;
 static const psplat_write_desc compressed = {.codec = &psplat_meshopt_codec};
 static const psplat_write_desc plain;
 
-/* Decoders of the octahedral filter round their shorts by different instructions, and may come out
- * a step apart in each component; bytes are alike (test_octahedron.c). U follows N. */
+/* Returns the tolerance for normals behind the octahedral filter. Decoders round its shorts by
+ * different instructions and may differ by a step in each component; bytes are equal
+ * (test_octahedron.c). The axis u follows the normal. */
 static double filtered(const psplat_precision *p) {
     return p->normal_bits > 8 ? 2 * sqrt(3) / 32767 : 0;
 }
@@ -45,7 +50,7 @@ static void compare(const char *what, size_t index, const float *found, const fl
                 relative * fabs((double)expected[k]) + absolute);
 }
 
-/* q and -q are the same. */
+/* Compares quaternions, of which q and -q are the same rotation. */
 static void compare_rotations(size_t index, const float *found, const float *expected,
                               double tolerance) {
     double dot = 0;
@@ -55,7 +60,7 @@ static void compare_rotations(size_t index, const float *found, const float *exp
                 tolerance);
 }
 
-/* Which of the grid's splats stands here. */
+/* Returns the index of the splat that belongs to this place of the grid. */
 static size_t index_of(const written *w, const psplat_batch *batch, const psplat_splat *found,
                        double at[3]) {
     for (int k = 0; k < 3; ++k)
@@ -73,8 +78,9 @@ static void compare_lines(size_t index, const psplat_splat *found, const psplat_
     assert_true(found->clip_count >= expected->clip_count);
     for (uint32_t k = 0; k < found->clip_count; ++k) {
         const float *line = k < expected->clip_count ? expected->clip[k] : padding;
-        /* The part of the range, the range and their product round a turn: 3 ulp of half a turn,
-         * and cosines round once in either. c likewise, and in the snapped splat once more. */
+        /* The fraction of the range, the range and their product each round an angle (3 ulp of half
+         * a turn), and the cosine rounds once in the writer and in the reader. The offset c rounds
+         * likewise, and once more in the rounded splat. */
         compare("line", index, found->clip[k], line, 2, 0, is_coded ? (3 * 3.1416 + 2) * ulp : 0);
         compare("distance", index, found->clip[k] + 2, line + 2, 1, 4 * ulp * is_coded, 0);
     }
@@ -106,7 +112,8 @@ static void compare_splats(const written *w, size_t index, const psplat_splat *f
                            const psplat_splat *expected, int is_packed) {
     int is_coded = w->precision.unit > 0;
     double unit = is_coded ? w->precision.unit : 1;
-    for (int k = 0; k < 2; ++k) /* two ends of a range, what is between, and the snapped radius */
+    /* The two ends of the range, the fraction and the rounded radius each round. */
+    for (int k = 0; k < 2; ++k)
         near_to("radius", index, (double)found->radius[k] * unit, (double)expected->radius[k],
                 6 * ulp * is_coded * (double)expected->radius[k]);
     if (is_coded)
@@ -114,7 +121,8 @@ static void compare_splats(const written *w, size_t index, const psplat_splat *f
                           4 * ulp + filtered(&w->precision) / 2 * is_packed);
     else
         compare("rotation", index, found->rotation, expected->rotation, 4, 0, 0);
-    /* N and the axes' quaternion are floats: some four roundings, of which two are doubled. */
+    /* The normal and the quaternion of the axes are floats: about four roundings, of which two
+     * count twice. */
     compare("normal", index, found->normal, expected->normal, 3, 0,
             is_coded * 8 * ulp + is_packed * filtered(&w->precision));
     compare("gradient", index, found->gradient, expected->gradient, 3, is_coded * 4 * ulp, 0);
@@ -131,7 +139,7 @@ static double color_range(const psplat_splats *s) {
     return range;
 }
 
-/* Every splat comes back, once. */
+/* Asserts that every splat comes back once. */
 static void check_asset(const written *w, const psplat_splats *s, const psplat_asset *asset) {
     int is_coded = w->precision.unit > 0;
     uint8_t *seen = writer_memory(w->count, 1);
@@ -144,7 +152,7 @@ static void check_asset(const written *w, const psplat_splats *s, const psplat_a
             double at[3];
             size_t index = index_of(w, batch, &batch->splats[i], at);
             assert_int_equal(seen[index]++, 0);
-            for (int k = 0; k < 3; ++k) /* of the origin a rounding in double, twice */
+            for (int k = 0; k < 3; ++k) /* The origin is rounded twice in double. */
                 near_to("position", index, at[k], w->origin[k] + (double)s->splats[index].center[k],
                         is_coded * ulp * fabs((double)s->splats[index].center[k]) +
                             0x1p-51 * fabs(w->origin[k]));
@@ -174,7 +182,7 @@ static void check(const written *w, const psplat_write_desc *desc) {
     psplat_splats_free(&s);
 }
 
-/* Floats, integers, and compressed. */
+/* Checks a file of floats, one of integers, and a compressed one. */
 static void check_all(written w) {
     const psplat_precision steps = w.precision.unit > 0 ? w.precision : steps_of(w.size);
     w.precision = (psplat_precision){0};
@@ -185,9 +193,9 @@ static void check_all(written w) {
     check(&w, &compressed);
 }
 
-/* ---- what there is -------------------------------------------------------------------------- */
+/* ---- attributes ----------------------------------------------------------------------------- */
 
-/* Each set of attributes that may be there or not. */
+/* Tests each set of optional attributes. */
 static void test_attributes(void **state) {
     (void)state;
     for (int bits = 0; bits < 64; ++bits)
@@ -202,7 +210,8 @@ static void test_attributes(void **state) {
                             .has_emissive = (bits & 16) != 0});
 }
 
-/* Each class of clip lines alone, and each with each: padding is what the rest gets. */
+/* Tests each number of clip lines alone and together with each other number: a primitive of both
+ * pads the splats with fewer lines. */
 static void test_lines(void **state) {
     (void)state;
     for (unsigned lines = 1; lines < 32; ++lines)
@@ -222,7 +231,8 @@ static void test_one(void **state) {
                             .has_emissive = 1});
 }
 
-/* More than 65536, which no index of 16 bits tells apart, and many blocks of the compression. */
+/* There are more than 65536 splats, too many for 16-bit indices, in many blocks of the compression.
+ */
 static void test_many(void **state) {
     (void)state;
     written w = {.count = 70000, .size = 1, .has_color = 1, .has_slopes = 1, .has_surface = 1};
@@ -238,7 +248,7 @@ static void test_sizes(void **state) {
         check_all((written){.count = 50, .size = pow(10, power), .has_slopes = 1, .has_color = 1});
 }
 
-/* Far from zero, which the node's translation makes good in double. */
+/* The mesh is far from zero; the node's translation restores that in double. */
 static void test_far(void **state) {
     (void)state;
     for (int power = -9; power <= 9; power += 9) {
@@ -250,7 +260,7 @@ static void test_far(void **state) {
     }
 }
 
-/* Radii that differ so much that bytes do not hold their logarithms. */
+/* Radii differ so much that bytes cannot hold their logarithms. */
 static void test_thin(void **state) {
     (void)state;
     check_all((written){.count = 200, .size = 1, .least_part = 1e-6});
@@ -258,7 +268,7 @@ static void test_thin(void **state) {
 
 /* ---- steps ---------------------------------------------------------------------------------- */
 
-/* Steps for each of the types that columns have, bytes and shorts. */
+/* Steps are such that columns need each of their types, bytes and shorts. */
 static void test_steps(void **state) {
     (void)state;
     for (int i = 0; i < 16; ++i) {
@@ -275,7 +285,7 @@ static void test_steps(void **state) {
     }
 }
 
-/* What integers do not hold is refused, not cut off. */
+/* Values that integers cannot hold are refused and not clamped. */
 static void test_too_fine(void **state) {
     (void)state;
     for (int i = 0; i < 7; ++i) {
@@ -301,7 +311,7 @@ static void test_too_fine(void **state) {
     }
 }
 
-/* Nothing that is not a number gets into a file, of finishes neither. */
+/* The writer refuses values that are not finite, also in finishes. */
 static void test_not_finite(void **state) {
     (void)state;
     written w = {.count = 5, .size = 1, .has_gradients = 1};
@@ -319,9 +329,9 @@ static void test_not_finite(void **state) {
     }
 }
 
-/* ---- fixpoints ------------------------------------------------------------------------------ */
+/* ---- rounding twice -------------------------------------------------------------------------- */
 
-/* Snapping what is snapped changes no bit. */
+/* Rounding a rounded splat changes no bit. */
 static void test_snapped(void **state) {
     (void)state;
     for (int i = 0; i < 20; ++i) {
@@ -344,7 +354,7 @@ static void test_snapped(void **state) {
     }
 }
 
-/* A turn by half a circle is none of the ellipse; what changes along its axes changes sides. */
+/* Half a turn leaves the ellipse as it is; gradients and lines along its axes change their sign. */
 static void test_flipped(void **state) {
     (void)state;
     written w = {.count = 400, .size = 1, .has_gradients = 1};
@@ -362,14 +372,14 @@ static void test_flipped(void **state) {
         psplat_splat_region(&splat, &after);
         double along = 0;
         for (int k = 0; k < 3; ++k) along += before.u[k] * after.u[k];
-        assert_true(fabs(along) > 0.999); /* a turn by half a step of 1/256 */
+        assert_true(fabs(along) > 0.999); /* half a step of 1/256 */
         flipped += along < 0;
         for (int k = 0; k < 3; ++k) {
             float sign = along < 0 ? -1.0f : 1.0f;
             assert_true(finish.color_u[k] == sign * s.finishes[i].color_u[k]);
             assert_true(finish.color_v[k] == sign * s.finishes[i].color_v[k]);
         }
-        for (uint32_t l = 0; l < splat.clip_count; ++l) { /* a line stays where it is */
+        for (uint32_t l = 0; l < splat.clip_count; ++l) { /* The line stays in place. */
             double dot = 0;
             for (int k = 0; k < 2; ++k)
                 dot += (double)splat.clip[l][k] * (double)s.splats[i].clip[l][k];
@@ -380,7 +390,8 @@ static void test_flipped(void **state) {
     psplat_splats_free(&s);
 }
 
-/* Snapped lines cut off nothing that they kept, and reach no farther than a step and their turn. */
+/* Rounded lines cut off nothing that the lines kept before, and reach no farther than a step and
+ * their turn. */
 static void test_lines_keep(void **state) {
     (void)state;
     written w = {.count = 300, .size = 1, .lines = 16};
@@ -395,13 +406,14 @@ static void test_lines_keep(void **state) {
                 double sign = 0, u = cos(a * 0.0872664626), v = sin(a * 0.0872664626);
                 const float *old = before[i].clip[l], *line = s.splats[i].clip[l];
                 for (int k = 0; k < 2; ++k) sign += (double)old[k] * (double)line[k];
-                double side = sign < 0 ? -1 : 1; /* axes may have turned by half a circle */
+                double side = sign < 0 ? -1 : 1; /* The axes may have turned by half a circle. */
                 double kept = (double)old[0] * u + (double)old[1] * v + (double)old[2];
                 double now = side * ((double)line[0] * u + (double)line[1] * v) + (double)line[2];
-                /* What float leaves, and the hundredth of a step that a line may lose. */
+                /* A line may lose a hundredth of its step (1/64), and rounding to float. */
                 if (kept >= 0) assert_true(now >= -0.01 / 64 - 4 * ulp);
-                /* A line through the ellipse moves by a step at most to keep the ends of its chord,
-                 * from which it turned by half a step; half of that again at the points here. */
+                /* A line through the ellipse moves by at most a step, and by its turn (half a step
+                 * of the angle) to keep the ends of its chord; at the points tested the turn counts
+                 * once more. */
                 double turn = 1.5708 * s.precision.line_turn_step;
                 if (fabsf(old[2]) < 1)
                     assert_true(now <= kept + s.precision.line_step + 2 * turn + 4 * ulp);
@@ -410,7 +422,8 @@ static void test_lines_keep(void **state) {
     psplat_splats_free(&s);
 }
 
-/* What was read, as splats of a mesh: a run of each batch, which may have joined several. */
+/* Returns the splats read from a file as those of a mesh, with one run for each batch, which may
+ * have joined several runs. */
 static psplat_splats splats_of(const psplat_asset *asset, const psplat_splats *original) {
     double unit = original->precision.unit > 0 ? original->precision.unit : 1;
     psplat_splats s = *original;
@@ -438,7 +451,7 @@ static psplat_splats splats_of(const psplat_asset *asset, const psplat_splats *o
     return s;
 }
 
-/* Writing what was read gives the same bytes. */
+/* Writing again what was read gives the same bytes. */
 static void test_written_again(void **state) {
     (void)state;
     for (int i = 0; i < 8; ++i) {

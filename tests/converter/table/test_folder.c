@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * The directory of a sweep: made, recognised, refused. */
+ *
+ * test_folder.c - tests of the directory of a sweep: it is made, recognised when it belongs to a
+ * sweep, and otherwise refused.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <cmocka.h>
-
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +16,7 @@
 #include <unistd.h>
 #include "table/folder.h"
 
-static char place[64]; /* a directory of the test's own */
+static char place[64]; /* a directory for this test */
 
 static const char *inside(const char *name) {
     static char path[128];
@@ -61,7 +63,7 @@ static void test_made_and_found_again(void **state) {
     assert_int_equal(access(inside("new/tradeoff.csv"), F_OK), 0);
     mkdir(inside("empty"), 0777);
     assert_opens("empty");
-    /* What is the user's within it stays. */
+    /* Files of the user in it stay. */
     touch("new/notes.txt");
     assert_opens("new");
     assert_int_equal(access(inside("new/notes.txt"), F_OK), 0);
@@ -82,12 +84,12 @@ static void test_others(void **state) {
     assert_refused("file", "is not a directory");
     assert_refused("absent/deep", "cannot be made");
     assert_int_equal(access(inside("full/tradeoff.csv"), F_OK), -1); /* nothing was written */
-    mkdir(inside("linked"), 0777); /* the table must not be a link to somewhere else */
+    mkdir(inside("linked"), 0777); /* The table must not be a link to another place. */
     assert_int_equal(symlink("/dev/null", inside("linked/tradeoff.csv")), 0);
     assert_refused("linked", "it holds tradeoff.csv");
 }
 
-/* What a killed process leaves of a file does not make a directory somebody else's. */
+/* Leftover temporary files of a killed process do not make the directory count as the user's. */
 static void test_leftovers(void **state) {
     (void)state;
     mkdir(inside("new"), 0777);

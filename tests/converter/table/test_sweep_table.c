@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Tables are exact, a row is known by its key, and what is wrong with a line is named. */
+ *
+ * test_sweep_table.c - tests of the table of a sweep: values come back bit by bit, rows are
+ * recognised by their keys, and errors name the line. The tables are invented.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,14 +27,14 @@ static psplat_text write(const psplat_sweep_table *table) {
     return text;
 }
 
-/* The same table, with nothing measured. */
+/* Returns the same table with no row measured. */
 static psplat_sweep_table blank(const psplat_sweep_table *table) {
     psplat_sweep_table copy = *table;
     assert_int_equal(psplat_sweep_table_plan(&copy, NULL), PSPLAT_OK);
     return copy;
 }
 
-/* How many rows of a blank table a text fills. */
+/* Returns how many rows of a blank table a text fills. */
 static size_t recalled(psplat_sweep_table *table, const char *text, size_t size) {
     size_t count = 0;
     psplat_error error = {0};
@@ -47,13 +50,13 @@ static void test_round_trip(void **state) {
         0.1,      1.0 / 3,   DBL_MAX, DBL_MIN,     5e-324, -0.0, 1e22, 123456789012345678.0,
         INFINITY, -INFINITY, NAN,     DBL_EPSILON, -1e-7};
     for (size_t i = 0; i < sizeof hard / sizeof *hard; ++i) t.rows[1].values[i] = hard[i];
-    uint64_t seed = 7; /* a linear congruential generator's bits as numbers of any size */
+    uint64_t seed = 7; /* the bits of a linear congruential generator, as numbers of any size */
     for (size_t i = 2; i < t.count; ++i)
         for (size_t k = 0; k < PSPLAT_COLUMN_COUNT; ++k) {
             seed = seed * UINT64_C(6364136223846793005) + 1442695040888963407u;
             memcpy(&t.rows[i].values[k], &seed, sizeof seed);
         }
-    t.rows[5].is_measured = 0; /* not written */
+    t.rows[5].is_measured = 0; /* this row is not written */
     psplat_text text = write(&t);
     assert_int_equal(recalled(&back, text.data, text.size), t.count - 1);
     for (size_t i = 0; i < t.count; ++i)
@@ -62,7 +65,7 @@ static void test_round_trip(void **state) {
             if (isnan(x) || i == 5)
                 assert_true(isnan(y));
             else
-                assert_true(x == y); /* to the last bit */
+                assert_true(x == y); /* equal to the last bit */
         }
     psplat_text again = write(&back);
     assert_string_equal(again.data, text.data);
@@ -72,7 +75,7 @@ static void test_round_trip(void **state) {
     psplat_sweep_table_free(&back);
 }
 
-/* Names of files may hold anything; the table stays one. */
+/* File names may contain any characters, and the table is still read back. */
 static void test_strange_names(void **state) {
     (void)state;
     psplat_sweep_table t = make_table(0);
@@ -89,7 +92,7 @@ static void test_strange_names(void **state) {
     psplat_sweep_table_free(&second);
 }
 
-/* Whatever changes what a row would be makes it another row; what does not, does not. */
+/* A change of anything on which a row depends makes it another row; other changes do not. */
 static void test_keys(void **state) {
     (void)state;
     psplat_sweep_table t = make_table(1);
@@ -105,7 +108,7 @@ static void test_keys(void **state) {
         if (change == 4) o->samples = 100;
         if (change == 5) o->crease_angle = 40;
         if (change == 6) o->no_creases = 1;
-        if (change == 7) o->seed = UINT64_MAX, expected = 7; /* of splats only */
+        if (change == 7) o->seed = UINT64_MAX, expected = 7; /* splats only */
         if (change == 8) o->effort = 1, expected = 7;
         if (change == 9) strcpy(other.gltfpack, "gltfpack 2"), expected = 61;
         if (change == 10) o->tolerances.count = 2, expected = 1 + 24 + 6;
@@ -127,7 +130,8 @@ static void assert_refused(psplat_sweep_table *table, const char *data, size_t s
         fail_msg("'%s' instead of '%s'", error.text, expected);
 }
 
-/* Cut off anywhere: whole lines that are gone are measured again, others are noticed. */
+/* A table may be cut off anywhere: rows of missing lines are measured again, and a partial line is
+ * an error. */
 static void test_truncated(void **state) {
     (void)state;
     psplat_sweep_table t = make_table(0);
@@ -155,7 +159,7 @@ static void test_causes(void **state) {
     assert_refused(&t, "a,b\n1,2\n", 8, "line 1: these are not the columns of a sweep");
     assert_refused(&t, "a,b", 3, "line 1: the line is cut off");
     char *end = strstr(strstr(text.data, "\nsplats,"), "\n") + 1;
-    end = strchr(end, '\n'); /* of line 3 */
+    end = strchr(end, '\n'); /* the end of line 3 */
     end[-1] = 'x';
     assert_refused(&t, text.data, text.size, "line 3: a cell is not a number");
     end[-1] = '"';
@@ -178,10 +182,10 @@ static void test_options(void **state) {
                                    "inf", "1;2", "1,2 ", "1,2,x", "%",    "1e",  "+1"};
     for (size_t i = 0; i < sizeof refused / sizeof *refused; ++i)
         if (psplat_ladder_read(refused[i], 0.1, 10, &ladder)) fail_msg("accepts '%s'", refused[i]);
-    assert_int_equal(ladder.count, 3); /* as it was */
+    assert_int_equal(ladder.count, 3); /* unchanged */
     assert_false(psplat_ladder_read("1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1", 0.1, 10, &ladder));
 
-    /* What is given stays, the rest is the default. */
+    /* Given options stay, and the others get their defaults. */
     psplat_sweep_options given = {.size = 64, .no_creases = 1};
     psplat_sweep_options_complete(&given);
     assert_int_equal(given.size, 64);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * What is recommended for limits. */
+ *
+ * test_advice.c - tests of the setting that is recommended for limits of error, size and time. The
+ * tables are invented, so that the best row is known.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,20 +39,21 @@ static void assert_setting(const psplat_sweep_table *table, psplat_demand demand
     assert_int_equal(s->no_filter, 0);
 }
 
-/* Distances are 0.97 of the tolerance; constant normals take fewer bytes, flat splats less time. */
+/* Distances are 0.97 of the tolerance; constant normals take fewer bytes, and flat splats take less
+ * time. */
 static void test_error_limits(void **state) {
     (void)state;
     psplat_sweep_table j = make_table(1);
-    /* Distance says nothing of normals and modes: their defaults stay, though others are cheaper.
-     */
+    /* A distance does not depend on normals and modes, so that these keep their defaults, although
+     * others are cheaper. */
     assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.5, 0, 0}, 0.5,
                    PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
     assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.48, 0, 0}, 0.2,
                    PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
-    /* Of normals: linear 4 degrees at 1 %, constant 3.6 only at 0.2 %. */
+    /* Normal errors: linear normals have 4 degrees at 1 %, and constant ones 3.6 only at 0.2 %. */
     assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_NORMAL, 4.1, 0, 0}, 1, PSPLAT_FIELD_LINEAR,
                    PSPLAT_MODE_PHONG);
-    /* Of pictures: 1.2 % at 1 % with linear normals. */
+    /* Picture errors: linear normals have 1.2 % at 1 %. */
     assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 1.25, 0, 0}, 1, PSPLAT_FIELD_LINEAR,
                    PSPLAT_MODE_PHONG);
     psplat_sweep_table_free(&j);
@@ -58,14 +62,16 @@ static void test_error_limits(void **state) {
 static void test_budgets(void **state) {
     (void)state;
     psplat_sweep_table j = make_table(0);
-    /* The finest linear one that fits. At 1 %: 120 splats of 64 bytes and 2,000 more. */
+    /* The finest setting with linear normals that fits; at 1 % it takes 120 splats of 64 bytes and
+     * 2,000 more. */
     assert_setting(&j, (psplat_demand){.bytes = 9680}, 1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
     assert_setting(&j, (psplat_demand){.bytes = 1e9}, 0.1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
     assert_setting(&j, (psplat_demand){.ms = 1e9}, 0.1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
-    /* Both at once: the smaller one rules. */
+    /* With two limits the tighter one decides. */
     assert_setting(&j, (psplat_demand){.bytes = 9680, .ms = 1e9}, 1, PSPLAT_FIELD_LINEAR,
                    PSPLAT_MODE_PHONG);
-    /* Phong takes 6 n^0.2 ms, flat 3 n^0.2: where only flat is fast enough, flat it is. */
+    /* Phong takes 6 n^0.2 ms, and flat 3 n^0.2 ms: where only flat is fast enough, flat is
+     * recommended. */
     double fastest = INFINITY;
     for (size_t i = 0; i < j.count; ++i)
         if (j.rows[i].setting.mode == PSPLAT_MODE_PHONG && j.rows[i].setting.competitor)
@@ -73,7 +79,7 @@ static void test_budgets(void **state) {
     psplat_advice advice = advise(&j, (psplat_demand){.ms = 0.9 * fastest});
     assert_true(advice.fits);
     assert_int_not_equal(setting_of(&j, advice)->mode, PSPLAT_MODE_PHONG);
-    /* A distance within that time: the default mode does not fit, so it is left. */
+    /* A distance is demanded within that time, for which the default mode is too slow. */
     advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 2, 0, 0.9 * fastest});
     assert_true(advice.fits);
     assert_int_not_equal(setting_of(&j, advice)->mode, PSPLAT_MODE_PHONG);
@@ -93,8 +99,8 @@ static void test_nearest_miss(void **state) {
     psplat_sweep_table_free(&j);
 }
 
-/* Times within 5 % are equal, and the default is taken; without filter nothing is recommended that
- * has an alternative. */
+/* Times within 5 % count as equal, and the default is taken. A row without the filter is
+ * recommended only where no other row fits. */
 static void test_noise(void **state) {
     (void)state;
     psplat_row rows[3] = {plain_row(100, 2, 1), plain_row(100, 2, 1.04), plain_row(90, 1, 0.5)};
@@ -105,7 +111,7 @@ static void test_noise(void **state) {
     rows[1].values[PSPLAT_COLUMN_CPU_MS] = 1.06;
     assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 2, 0, 0}).row, 0);
     assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 1, 0, 0}).row, 2);
-    /* Differences within 3 %: the smaller file. */
+    /* Differences within 3 % count as equal, and the smaller file is taken. */
     rows[0] = plain_row(200, 2, 1);
     rows[1] = plain_row(100, 2.059, 1);
     rows[2] = plain_row(90, 2.061, 1);
@@ -116,7 +122,7 @@ static void test_missing_values(void **state) {
     (void)state;
     psplat_row rows[3] = {plain_row(100, NAN, 1), plain_row(200, 2, NAN), plain_row(300, 4, 3)};
     const psplat_sweep_table j = {.rows = rows, .count = 3};
-    /* What is not known, or makes no sense, keeps no limit. */
+    /* A value that is unknown, or makes no sense, satisfies no limit. */
     assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 3, 0, 0}).row, 1);
     assert_int_equal(advise(&j, (psplat_demand){.ms = 5}).row, 2);
     rows[0].values[PSPLAT_COLUMN_DIFFERENCE] = -1;
@@ -124,12 +130,12 @@ static void test_missing_values(void **state) {
     rows[2].values[PSPLAT_COLUMN_DIFFERENCE] = INFINITY;
     psplat_advice advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 3, 0, 5});
     assert_false(advice.fits);
-    assert_true(advice.row == SIZE_MAX); /* no row knows both */
+    assert_true(advice.row == SIZE_MAX); /* no row has both values */
     const psplat_sweep_table empty = {.count = 0};
     assert_true(advise(&empty, (psplat_demand){.bytes = 5}).row == SIZE_MAX);
 }
 
-/* gltfpack's smallest that keeps the limits is named beside. */
+/* The smallest gltfpack row that keeps the limits is named as well. */
 static void test_simplified(void **state) {
     (void)state;
     psplat_sweep_table j = make_table(1);
@@ -137,20 +143,21 @@ static void test_simplified(void **state) {
     assert_true(advice.simplified < j.count);
     const psplat_row *row = &j.rows[advice.simplified];
     assert_int_equal(row->setting.competitor, PSPLAT_COMPETITOR_GLTFPACK);
-    assert_true(row->setting.ratio == 0.2); /* 0.97 / 6; the next, 0.97 / 3, is too much */
+    /* its distance is 0.97 / 6; the next ratio's, 0.97 / 3, is too large */
+    assert_true(row->setting.ratio == 0.2);
     advice = advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 1e-6, 0, 0});
     assert_true(advice.simplified == SIZE_MAX);
     psplat_sweep_table_free(&j);
 }
 
-/* Without limits each asset has one row at most, drawn in the best way. */
+/* Without limits, each asset has at most one row, drawn in the best way. */
 static void test_front(void **state) {
     (void)state;
     psplat_sweep_table j = make_table(1);
     size_t order[128];
     uint8_t is_front[128];
     size_t count = psplat_advise_front(j.rows, j.count, order, is_front);
-    /* Linear normals beat constant ones but where these make the smallest file of all. */
+    /* Linear normals beat constant ones except where these give the smallest file. */
     assert_int_equal(count, 6);
     for (size_t i = 0; i < count; ++i) {
         const psplat_setting *s = &j.rows[order[i]].setting;
@@ -163,7 +170,8 @@ static void test_front(void **state) {
                               j.rows[order[i - 1]].values[PSPLAT_COLUMN_BYTES]);
     }
     psplat_sweep_table_free(&j);
-    /* Flat looks half a percent better and takes longer: phong. It is 4 % better: flat. */
+    /* Flat looks half a percent better and takes longer, so that phong is taken; then it looks 4 %
+     * better and is taken. */
     psplat_row rows[2] = {plain_row(100, 2, 1), plain_row(100, 1.99, 1.5)};
     rows[1].setting.mode = PSPLAT_MODE_FLAT;
     assert_int_equal(psplat_advise_front(rows, 2, order, is_front), 1);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Charts by gnuplot where it is installed, and what is said where it is not, or fails. */
+ *
+ * test_charts.c - tests of charts drawn by gnuplot where it is installed, and of the message where
+ * it is missing or fails. The tables are invented.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,7 +10,6 @@
 #include <cmocka.h>
 
 #include "invented_table.h"
-
 
 #include <math.h>
 #include <stdio.h>
@@ -26,7 +28,7 @@ static char place[64], saved_path[4096];
 static int set_up(void **state) {
     (void)state;
     snprintf(saved_path, sizeof saved_path, "%s", getenv("PATH"));
-    strcpy(place, "/tmp/phongsplat-it's-XXXXXX"); /* a quote, for gnuplot to read */
+    strcpy(place, "/tmp/phongsplat-it's-XXXXXX"); /* The quote must be escaped for gnuplot. */
     return mkdtemp(place) ? 0 : -1;
 }
 
@@ -38,7 +40,7 @@ static int tear_down(void **state) {
     return system(command);
 }
 
-/* Puts a shell script in gnuplot's place. */
+/* Replaces gnuplot by a shell script. */
 static void fallback(const char *script) {
     char path[96], both[4200];
     snprintf(path, sizeof path, "%s/gnuplot", place);
@@ -51,7 +53,7 @@ static void fallback(const char *script) {
     setenv("PATH", both, 1);
 }
 
-/* Writes the table and draws it; left_out is empty where all went well. */
+/* Writes the table and draws it; left_out stays empty unless something failed. */
 static void draw(const psplat_sweep_table *table, char left_out[PSPLAT_CHARTS_CAUSE]) {
     psplat_text text = {0};
     psplat_sweep_table_write(table, &text);
@@ -61,7 +63,7 @@ static void draw(const psplat_sweep_table *table, char left_out[PSPLAT_CHARTS_CA
     assert_int_equal(psplat_charts_write(table, place, left_out, NULL), PSPLAT_OK);
 }
 
-/* The text of a chart, or NULL. */
+/* Returns the text of a chart, or NULL. */
 static char *read_chart(size_t chart) {
     char *svg = NULL;
     size_t size = 0;
@@ -99,16 +101,17 @@ static void test_charts(void **state) {
     assert_all_drawn(&t);
     for (size_t i = 0; i < PSPLAT_CHARTS; ++i) {
         char *svg = read_chart(i);
-        assert_true(strlen(svg) < 60000); /* bytes, to be committed */
-        /* gnuplot leaves a > as it is. */
+        assert_true(strlen(svg) < 60000); /* bytes; charts are committed to repositories */
+        /* gnuplot does not escape a >. */
         assert_non_null(strstr(svg, "&lt;p&amp;q>.obj: "));
         assert_non_null(strstr(svg, "Pareto front"));
         assert_int_equal(count_of(svg, "<text>gltfpack</text>"), 1);
         assert_int_equal(count_of(svg, "<text>-si "), i == 1 ? 6 : count_of(svg, "<text>-si "));
-        /* A label for each tolerance of phong splats, and colours of Okabe and Ito. */
+        /* There is a label for each tolerance of phong splats, and the colours are those of Okabe
+         * and Ito. */
         assert_int_equal(count_of(svg, " %</text>"), 5);
         assert_true(count_of(svg, "rgb(  0, 114, 178)") > 10);
-        /* Filled circles: five points and one in the legend. */
+        /* There are filled circles for five points and one in the legend. */
         assert_int_equal(count_of(svg, "#gpPt6'"), 6);
         assert_int_equal(count_of(svg, "source mesh"), i == 2);
         free(svg);
@@ -116,7 +119,7 @@ static void test_charts(void **state) {
     psplat_sweep_table_free(&t);
 }
 
-/* What has no logarithm is left out, and a chart without points is a chart all the same. */
+/* Values without a logarithm are left out, and a chart without points is still a chart. */
 static void test_odd_values(void **state) {
     (void)state;
     skip_without_gnuplot();
@@ -124,7 +127,7 @@ static void test_odd_values(void **state) {
     const double odd[] = {NAN, INFINITY, -INFINITY, 0, -5, 1e-300, 1e300};
     for (size_t i = 0; i < t.count; ++i)
         for (size_t k = 0; k < PSPLAT_COLUMN_COUNT; ++k) t.rows[i].values[k] = odd[(3 * i + k) % 7];
-    size_t counts[] = {t.count, 1, 0}; /* all, the source alone, nothing */
+    size_t counts[] = {t.count, 1, 0}; /* all rows, the source alone, none */
     for (size_t i = 0; i < 3; ++i) {
         t.count = counts[i];
         assert_all_drawn(&t);
@@ -144,7 +147,7 @@ static void assert_none_left(void) {
     assert_int_equal(access(path, F_OK), 0);
 }
 
-/* Charts of an earlier sweep would say something else than the table. */
+/* Charts of an earlier sweep are removed, since they would contradict the table. */
 static void test_left_out(void **state) {
     (void)state;
     char left_out[PSPLAT_CHARTS_CAUSE];

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The page is well-formed and whole, whatever the names and the numbers. */
+ *
+ * test_page.c - tests that the HTML page is well-formed and complete for any names and numbers. The
+ * tables are invented; a small XML reader checks the page.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,7 +10,6 @@
 #include <cmocka.h>
 
 #include "invented_table.h"
-
 
 #include <math.h>
 #include <stdio.h>
@@ -22,7 +24,7 @@
 #include "table/sweep_table.h"
 #include "table/text.h"
 
-/* ---- a reader of XML that knows elements, attributes, text and entities ---------------------- */
+/* ---- XML reader for elements, attributes, text and entities ---------------------------------- */
 
 enum { MOST_DEPTH = 32 };
 
@@ -106,7 +108,7 @@ static size_t count_of(const char *text, const char *word) {
     return count;
 }
 
-/* A folder with charts, as gnuplot writes them. */
+/* Makes a folder with charts such as gnuplot writes. */
 static void make_charts(char folder[32]) {
     static const char chart[] =
         "<?xml version=\"1.0\"?>\n<svg width=\"9\"><text>mark</text></svg>\n";
@@ -130,7 +132,7 @@ static void test_odd_values(void **state) {
     const double odd[] = {NAN, INFINITY, -INFINITY, 0, -5, 1e-300, 1e300};
     for (size_t i = 0; i < t.count; ++i)
         for (size_t k = 0; k < PSPLAT_COLUMN_COUNT; ++k) t.rows[i].values[k] = odd[(3 * i + k) % 7];
-    size_t counts[] = {t.count, 1, 0}; /* all, the source alone, nothing */
+    size_t counts[] = {t.count, 1, 0}; /* all rows, the source alone, none */
     for (size_t i = 0; i < 3; ++i) {
         psplat_text page = {0};
         t.count = counts[i];
@@ -152,7 +154,7 @@ static void test_page(void **state) {
     psplat_page_write(&t, folder, &page);
     remove_charts(folder);
     assert_false(page.failed);
-    /* Every setting has its row, in the words of setting.c. */
+    /* Every setting has a row with the words of setting.c. */
     for (size_t i = 0; i < t.count; ++i) {
         psplat_text cell = {0};
         psplat_text_add(&cell, "<td>");
@@ -165,10 +167,10 @@ static void test_page(void **state) {
     assert_int_equal(count_of(page.data, "<table>"), 3);
     assert_int_equal(count_of(page.data, "<tr"), count_of(page.data, "</tr>"));
     assert_non_null(strstr(page.data, "&lt;p&amp;q&gt;.obj"));
-    /* Nothing is fetched and nothing runs. */
+    /* The page loads nothing and runs no script. */
     const char *const outside[] = {"<script", "<link", "<img", "@import", "url(", "href=", "http"};
     for (size_t i = 0; i < 7; ++i) assert_null(strstr(page.data, outside[i]));
-    /* What the reader calls well-formed is XML; HTML's void elements are left out of it. */
+    /* The reader accepts XML; void elements of HTML are removed for it. */
     for (char *at; (at = strstr(page.data, "<!doctype html>"));) memset(at, ' ', 15);
     for (char *at; (at = strstr(page.data, "<br>"));) memset(at, ' ', 4);
     for (char *at; (at = strstr(page.data, "<meta "));) memset(at, ' ', strcspn(at, ">") + 1);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Fronts and knees, with ties, missing values, zeros and negatives. */
+ *
+ * test_pareto.c - tests of Pareto fronts and of their knees, with ties, missing values, zeros and
+ * negative values. The rows are invented.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -15,7 +18,7 @@
 
 static const psplat_column columns[] = {PSPLAT_COLUMN_BYTES, PSPLAT_COLUMN_DIFFERENCE};
 
-/* What is marked, as a word of 0 and 1. */
+/* Asserts which rows are on the front, as a word of 0 and 1. */
 static void assert_front(const psplat_row *rows, size_t count, const char *expected) {
     uint8_t is_front[16];
     char found[17] = "";
@@ -36,7 +39,8 @@ static void test_front(void **state) {
 
 static void test_ties(void **state) {
     (void)state;
-    /* Equal rows do not beat each other; what is equal in one and worse in the other is beaten. */
+    /* Equal rows do not dominate each other; a row that is equal in one value and worse in the
+     * other is dominated. */
     const psplat_row rows[] = {plain_row(100, 5, 1), plain_row(100, 5, 2), plain_row(100, 6, 1),
                                plain_row(101, 5, 1)};
     assert_front(rows, 4, "1100");
@@ -60,7 +64,7 @@ static void test_order(void **state) {
     const uint8_t is_front[] = {1, 1, 1, 1, 0};
     size_t order[5];
     assert_int_equal(psplat_pareto_sort(rows, 5, is_front, PSPLAT_COLUMN_BYTES, order), 3);
-    assert_int_equal(order[0], 1); /* the first of two equal ones */
+    assert_int_equal(order[0], 1); /* the first of two equal rows */
     assert_int_equal(order[1], 2);
     assert_int_equal(order[2], 0);
 }
@@ -72,19 +76,19 @@ static size_t knee_of(const psplat_row *rows, size_t count) {
 
 static void test_knee(void **state) {
     (void)state;
-    /* Twice the bytes first divide the error by ten, then by next to nothing. */
+    /* The first doubling of the bytes divides the error by ten, and the others by very little. */
     const psplat_row bent[] = {plain_row(100, 100, 1), plain_row(200, 10, 1), plain_row(400, 9, 1),
                                plain_row(800, 8, 1), plain_row(1600, 7, 1)};
     assert_int_equal(knee_of(bent, 5), 1);
-    /* A straight line, and one that bulges outwards, have no knee: the best is taken. */
+    /* A straight line, and one that bulges outwards, have no knee: the best row is taken. */
     const psplat_row straight[] = {plain_row(1, 64, 1), plain_row(2, 32, 1), plain_row(4, 16, 1)};
     const psplat_row bulging[] = {plain_row(1, 64, 1), plain_row(2, 60, 1), plain_row(4, 1, 1)};
     assert_int_equal(knee_of(bulging, 3), 2);
-    assert_true(knee_of(straight, 3) >= 1); /* rounding decides between its two finer ones */
+    assert_true(knee_of(straight, 3) >= 1); /* rounding decides between the two finer ones */
     assert_int_equal(knee_of(straight, 2), 1);
     assert_int_equal(knee_of(straight, 1), 0);
     assert_int_equal(knee_of(straight, 0), 0);
-    /* An error of 0 is as good as it gets, not a failure. */
+    /* An error of 0 is the best value, and no failure. */
     const psplat_row exact[] = {plain_row(100, 5, 1), plain_row(200, 0, 1), plain_row(300, -1, 1)};
     assert_int_equal(knee_of(exact, 3), 1);
 }

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * JSON as written for reports and by inspect. */
+ *
+ * test_report.c - tests of the JSON writer for reports and for inspect: numbers, strings and
+ * nesting.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <cmocka.h>
-
 
 #include <math.h>
 #include <stdio.h>
@@ -45,7 +47,7 @@ static void test_numbers_read_back_exactly(void **state) {
     psplat_writer_numbers(&json, NULL, numbers, 5);
     assert_json(&json, "[0.1, 1e+300, -2.5, 0.3333333333333333, 4]\n");
     json = (psplat_writer){0};
-    /* Integers look like integers as long as a double holds each of them. */
+    /* Integers are written without exponent as long as a double holds each of them. */
     const double integers[] = {0, 10, 60, -700, 123456789012, 1e15};
     psplat_writer_numbers(&json, NULL, integers, 6);
     assert_json(&json, "[0, 10, 60, -700, 123456789012, 1e+15]\n");
@@ -55,7 +57,7 @@ static void test_numbers_read_back_exactly(void **state) {
     assert_json(&json, "[null, null, null]\n");
 }
 
-/* Names of files hold any bytes; JSON holds UTF-8. */
+/* File names hold any bytes; JSON holds UTF-8. */
 static void test_strings(void **state) {
     (void)state;
     psplat_writer json = {0};

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * What the converter measures, against gaps, distances and normals put there by hand. */
+ *
+ * test_verify.c - tests of the verification that follows a conversion: distances, coverage, normals
+ * and promises. The shape is a cube with six splats made by hand, which are then removed, moved,
+ * turned or uncut by known amounts.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,19 +28,19 @@
 #include "verify/report.h"
 #include "verify/verify.h"
 
-enum { SAMPLES = 50000 }; /* the least that are drawn */
+enum { SAMPLES = 50000 }; /* the least number that is drawn */
 
 static const double degrees = 180 / 3.14159265358979323846;
-/* Of coordinates in single precision, in half edges: a few roundings. */
+/* A few roundings of float coordinates, in half edges. */
 static const double single = 1e-6;
 
-/* A cube and its six splats, made by hand: each a face, cut by four lines. */
+/* A cube and its six splats, each a face that four lines cut. */
 typedef struct cube {
     fixture f;
     psplat_splats splats;
     double half;
     double tolerance;
-    double normal_tolerance; /* degrees; 0: none */
+    double normal_tolerance; /* degrees; 0 stands for no tolerance */
 } cube;
 
 static void make_cube(cube *c) {
@@ -89,12 +93,13 @@ static psplat_report verify(const cube *c) {
     return r;
 }
 
-/* Percent of the diagonal as half edges. */
+/* Converts % of the diagonal to half edges. */
 static double in_halves(const cube *c, double percent) {
     return percent / 100 * c->f.surface.diagonal / c->half;
 }
 
-/* What a report says of its promises, beside its measures. */
+/* Asserts that a report names `broken` as its only broken promise (PSPLAT_PROMISE_COUNT: none), and
+ * lists its places in order of their values. */
 static void assert_kept(const psplat_report *r, psplat_promise broken) {
     for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k)
         assert_int_equal(r->promises[k].broken > 0, k == (int)broken);
@@ -114,14 +119,15 @@ static void test_perfect(void **state) {
     assert_in_range(r.verification_samples, SAMPLES - 1, SAMPLES + 1);
     assert_int_equal(r.uncovered_samples, 0);
     assert_near(in_halves(&c, r.max_distance_percent), 0, single);
-    assert_near(r.rms_normal_degrees, 0, 1e-4); /* single precision is 1e-5 degrees */
+    assert_near(r.rms_normal_degrees, 0, 1e-4); /* degrees; rounding to float gives 1e-5 */
     assert_near(r.p95_normal_degrees, 0, 1e-4);
     assert_near(r.max_normal_degrees, 0, 1e-4);
     assert_kept(&r, PSPLAT_PROMISE_COUNT);
     free_cube(&c);
 }
 
-/* Without one face a sixth is open, and its middle is half an edge from the next splat. */
+/* Without the splat of one face, a sixth of the surface is open, and the middle of that face is
+ * half an edge from the next splat. */
 static void test_missing(void **state) {
     (void)state;
     for (size_t gone = 0; gone < 6; ++gone) {
@@ -131,19 +137,21 @@ static void test_missing(void **state) {
         c.splats.count = 5;
         psplat_report r = verify(&c);
         double share = (double)r.uncovered_samples / (double)r.verification_samples;
-        /* Each of the face's triangles gets its share of samples but for one; the outermost single
-         * precision may belong to the neighbour. */
+        /* Each triangle gets its share of samples up to one, and samples at the edges may belong to
+         * the neighbour by rounding to float. */
         assert_near(share, 1.0 / 6, 10.0 / SAMPLES);
-        /* Of 8333 samples on a face the nearest to its middle is some 0.01 edges from it. */
+        /* Of 8333 samples on a face the nearest to its middle is about 0.01 edges from it. */
         assert_near(in_halves(&c, r.max_distance_surface_percent), 1, 0.05);
         assert_near(in_halves(&c, r.max_distance_splats_percent), 0, single);
         assert_true(r.max_distance_percent == r.max_distance_surface_percent);
-        /* Distance to the nearest edge: density 8 (1 - x) / 4 over 0 ... 1, mean square 1 / 6. */
+        /* The distance x to the nearest edge has the density 8 (1 - x) / 4 over 0 ... 1, whose mean
+         * square is 1 / 6. */
         assert_near(in_halves(&c, r.rms_distance_percent), sqrt(1.0 / 36), 0.01);
-        assert_near(r.rms_normal_degrees, 0, 1e-4); /* of the samples where something shows */
+        assert_near(r.rms_normal_degrees, 0, 1e-4); /* over covered samples */
         assert_int_equal(r.promises[PSPLAT_PROMISE_COVERAGE].broken, r.uncovered_samples);
-        /* The open samples farther than the tolerance from a splat break that promise as well, but
-         * their places are those of coverage, and the first is near the middle of the face. */
+        /* Open samples farther than the tolerance from a splat break the promise of distance as
+         * well, but the places listed are those of coverage, and the first one is near the middle
+         * of the face. */
         assert_int_equal(psplat_report_broken(&r), PSPLAT_PROMISE_COVERAGE);
         assert_int_equal(r.place_count, PSPLAT_MOST_PLACES);
         double middle[3];
@@ -154,7 +162,7 @@ static void test_missing(void **state) {
     }
 }
 
-/* Marks stand at the samples of the missing face and nowhere else. */
+/* The samples of the missing face are marked, and no others. */
 static void test_marks(void **state) {
     (void)state;
     cube c;
@@ -208,14 +216,14 @@ static void test_moved(void **state) {
     }
 }
 
-/* A splat that looks inwards covers nothing, however near it is. */
+/* A splat that faces inwards covers nothing, however near it is. */
 static void test_inside_out(void **state) {
     (void)state;
     cube c;
     make_cube(&c);
     float *q = c.splats.splats[4].rotation, before[4];
     memcpy(before, q, sizeof before);
-    /* Half a turn about its own u axis: times the quaternion i. */
+    /* Half a turn about its own u axis multiplies the quaternion by i. */
     q[0] = before[3], q[1] = before[2], q[2] = -before[1], q[3] = -before[0];
     psplat_report r = verify(&c);
     assert_near((double)r.uncovered_samples / (double)r.verification_samples, 1.0 / 6,
@@ -224,7 +232,7 @@ static void test_inside_out(void **state) {
     free_cube(&c);
 }
 
-/* Every normal turned by the same angle, and a gradient on top of right ones. */
+/* First every normal is turned by the same angle, then correct normals get a gradient. */
 static void test_normals(void **state) {
     (void)state;
     cube c;
@@ -253,13 +261,13 @@ static void test_normals(void **state) {
         double u = ((i + 0.5) / STEPS * 2 - 1) / 1.5; /* the face ends at u = 1 / 1.5 */
         squares += pow(atan(slope * u) * degrees, 2) / STEPS;
     }
-    /* 50000 samples: the mean square is known to 1 %, its root to half of that. */
+    /* 50000 samples give the mean square to 1 %, and its root to half of that. */
     assert_near(r.rms_normal_degrees, sqrt(squares), 0.01 * sqrt(squares));
     assert_near(r.p95_normal_degrees, atan(slope * 0.95 / 1.5) * degrees, 0.1);
     assert_near(r.rms_normal_constant_degrees, 0, 1e-4);
 
-    /* The same slope across: gamma u along V. Radii are equal, so x changes with v alike, and the
-     * slope grows with the distance from the middle of the face. */
+    /* The same slope acts across: gamma u along v. The radii are equal, so that x changes with v
+     * alike, and the slope grows with the distance from the middle of the face. */
     for (size_t i = 0; i < 6; ++i) {
         c.splats.splats[i].gradient[0] = 0;
         c.splats.splats[i].gradient[2] = (float)slope;
@@ -277,17 +285,17 @@ static void test_normals(void **state) {
     free_cube(&c);
 }
 
-/* The field of one face leans more and more towards its rim: where it exceeds the tolerance is
- * known, and the places are there. */
+/* The field of one face leans more and more towards its rim, so that it is known where it exceeds
+ * the tolerance; the places must lie there. */
 static void test_normal_promise(void **state) {
     (void)state;
     cube c;
     make_cube(&c);
-    const double slope = 0.3, rim = atan(slope / 1.5) * degrees; /* 11.3 */
+    const double slope = 0.3, rim = atan(slope / 1.5) * degrees; /* 11.3 degrees */
     c.splats.splats[1].gradient[0] = (float)slope;
     psplat_report r = verify(&c);
-    assert_near(r.max_normal_degrees, rim, 0.01); /* some sample is that near the rim */
-    assert_kept(&r, PSPLAT_PROMISE_COUNT);        /* nothing was promised */
+    assert_near(r.max_normal_degrees, rim, 0.01); /* Some sample is that close to the rim. */
+    assert_kept(&r, PSPLAT_PROMISE_COUNT);        /* Nothing was promised. */
     assert_true(r.promises[PSPLAT_PROMISE_NORMAL].limit == 0);
     c.normal_tolerance = rim + 0.001;
     r = verify(&c);
@@ -295,13 +303,14 @@ static void test_normal_promise(void **state) {
     c.normal_tolerance = 0.5 * rim;
     r = verify(&c);
     assert_kept(&r, PSPLAT_PROMISE_NORMAL);
-    /* tan grows slowly: beyond |u| 0.49 of the rim of one face in six. */
+    /* The tangent grows faster than the angle: samples beyond |u| = 0.49 of the rim, on one face in
+     * six. */
     double u = tan(0.5 * rim / degrees) / tan(rim / degrees);
     assert_near((double)r.promises[PSPLAT_PROMISE_NORMAL].broken / SAMPLES, (1 - u) / 6, 0.002);
     assert_near(r.promises[PSPLAT_PROMISE_NORMAL].limit, 0.5 * rim, 0);
     for (size_t i = 0; i < r.place_count; ++i)
         assert_true(r.places[i].value > 0.5 * rim && r.places[i].value < rim * (1 + single));
-    /* A second splat over the same face whose field is right: it keeps the promise for both. */
+    /* A second splat over the same face has correct normals and keeps the promise for both. */
     psplat_splat seven[7];
     memcpy(seven, c.splats.splats, 6 * sizeof *seven);
     seven[6] = seven[1];
@@ -315,8 +324,8 @@ static void test_normal_promise(void **state) {
     free_cube(&c);
 }
 
-/* A face's splat without one of its lines reaches over that edge: by half an edge, the cut at 1.5
- * times the face, at right angles to the surface and so far from it as well. */
+/* Without one of its lines a face's splat reaches over that edge by half an edge: the ellipse ends
+ * at 1.5 times the face. At right angles to the next face, it is as far from the surface. */
 static void test_crease_promise(void **state) {
     (void)state;
     cube c;
@@ -324,7 +333,7 @@ static void test_crease_promise(void **state) {
     psplat_region *regions = psplat_splat_regions(&c.splats);
     assert_non_null(regions);
     for (size_t over = 0; over < 2; ++over) {
-        /* In half edges; the tolerance is 0.069. */
+        /* in half edges; the tolerance is 0.069 */
         double reach = over ? 0.08 : 0.06;
         c.splats.splats[3].clip[2][2] = (float)((1 + reach) / 1.5);
         psplat_report r = verify(&c);
@@ -334,7 +343,7 @@ static void test_crease_promise(void **state) {
         assert_int_equal(crease->broken, over);
         assert_int_equal(r.promises[PSPLAT_PROMISE_DISTANCE].broken, over);
         if (!over) continue;
-        /* Its place is the crease: an edge of that face in the line's direction. */
+        /* The place is on the crease, the edge of that face in the line's direction. */
         const psplat_place *place = &r.places[r.place_count - 1];
         assert_int_equal(place->promise, PSPLAT_PROMISE_CREASE);
         double d[3], on_v;
@@ -348,8 +357,9 @@ static void test_crease_promise(void **state) {
     free_cube(&c);
 }
 
-/* Two squares, one over the other by a quarter of the tolerance, both looking up. The splat of the
- * large one crosses the border of the small one, which is none of its business. */
+/* Two squares face up, the small one above the large one by a quarter of the tolerance. The splat
+ * of the large one crosses the border of the small one, which belongs to another sheet and breaks
+ * no promise. */
 static void test_crease_of_another_sheet(void **state) {
     (void)state;
     const double height = 0.005;
@@ -387,7 +397,7 @@ static void test_crease_of_another_sheet(void **state) {
     free_cube(&c);
 }
 
-/* Sizes and places far from 1 change nothing that is measured in percent. */
+/* Sizes and places far from 1 do not change measures in percent. */
 static void test_scales(void **state) {
     (void)state;
     const double scales[] = {1e-9, 1e9};

@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Small pictures: means in linear light, and differences where both cover. */
+ *
+ * test_distant_view.c - tests of the distant view, a picture shrunk by averaging blocks in linear
+ * light, and of the difference of two pictures over the pixels that both cover. Pictures have a few
+ * blocks of known pixels.
+ */
 #include "views/distant_view.h"
 
 #include <setjmp.h>
@@ -15,7 +19,8 @@ static void fill(uint8_t *pixel, uint8_t r, uint8_t g, uint8_t b) {
     memcpy(pixel, rgba, 4);
 }
 
-/* Half black and half white is 0.5 in linear light, which sRGB encodes as 188; alike is alike. */
+/* Half black and half white is 0.5 in linear light, which sRGB encodes as 188; blocks of one colour
+ * keep it. */
 static void test_means(void **state) {
     uint8_t fine[FINE * FINE * 4], small[SIZE * SIZE * 4];
     (void)state;
@@ -24,7 +29,7 @@ static void test_means(void **state) {
             int white = (x + y) % 2, left = x < PSPLAT_DISTANT;
             fill(fine + 4 * (y * FINE + x), left ? (uint8_t)(255 * white) : 200, left ? 0 : 3, 77);
         }
-    fine[4 * (FINE * FINE - 1) + 3] = 0; /* the last block is not filled */
+    fine[4 * (FINE * FINE - 1) + 3] = 0; /* One pixel of the last block is not covered. */
     psplat_distant_view_shrink(fine, SIZE, small);
     for (int i = 0; i < SIZE * SIZE; ++i) {
         assert_int_equal(small[4 * i], i % 2 ? 200 : 188);
@@ -34,7 +39,7 @@ static void test_means(void **state) {
     }
 }
 
-/* Pixels of which one picture lacks one do not count. */
+/* A pixel that either picture lacks does not count. */
 static void test_differences(void **state) {
     uint8_t truth[4 * 4], shown[4 * 4];
     uint64_t differences = 5, pixels = 1;

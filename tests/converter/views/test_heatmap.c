@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Maps of where errors sit, of plates whose distances and angles are known everywhere.
+ * test_heatmap.c - tests of the heatmaps of distance and normal error. The shapes are square plates
+ * at a known distance or angle, so that the colour of every pixel follows from the limits.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +29,7 @@ enum { SIZE = 64, PANELS = 5 };
 static const uint8_t zero[3] = {0, 0, 4}, middle[3] = {186, 54, 85}, top[3] = {252, 255, 164},
                      cyan[3] = {0, 220, 220}, grey[3] = {48, 48, 48};
 
-/* A square in a plane z = a x + height, two-sided. */
+/* A two-sided square in the plane z = slope x + height. */
 typedef struct plate {
     double positions[4][3];
     uint32_t triangles[2][3];
@@ -60,17 +61,18 @@ static void plate_free(plate *p) {
 }
 
 typedef struct drawn {
-    psplat_picture_views *gallery;
+    psplat_picture_views *views;
     uint8_t *pixels;
     int width, height;
-    size_t counts[PANELS][5]; /* of pixels in each panel that have a color of those above */
+    size_t counts[PANELS][5]; /* pixels of each panel that have one of the colours above */
 } drawn;
 
 static void check(psplat_result result, const psplat_error *error) {
     if (result) fail_msg("%s", error->text);
 }
 
-/* Rounding may take a colour to its neighbour. */
+/* Returns whether the pixel has the colour, up to 2 steps of 255, since rounding may give a
+ * neighbouring colour. */
 static int has_color(const uint8_t *pixel, const uint8_t color[3]) {
     for (int c = 0; c < 3; ++c)
         if (abs(pixel[c] - color[c]) > 2) return 0;
@@ -87,17 +89,17 @@ static void count(drawn *d) {
 static drawn draw(gpu *g, const plate *source, const plate *target, int view,
                   const psplat_heatmap_limits *limits) {
     const psplat_picture_views_desc desc = {g->host, source->original, SIZE};
-    const psplat_pictured exhibit = {.mesh = target->original};
+    const psplat_pictured pictured = {.mesh = target->original};
     const psplat_shape_desc reach = {.reach = 100};
     psplat_shape_probe *probe;
     psplat_error error;
     drawn d = {0};
-    check(psplat_picture_views_create(&desc, &d.gallery, &error), &error);
+    check(psplat_picture_views_create(&desc, &d.views, &error), &error);
     check(
         psplat_shape_probe_create_mesh(source->original, target->original, &reach, &probe, &error),
         &error);
-    check(psplat_picture_views_heatmap(d.gallery, &exhibit, probe, view, limits, &d.pixels,
-                                       &d.width, &d.height, &error),
+    check(psplat_picture_views_heatmap(d.views, &pictured, probe, view, limits, &d.pixels, &d.width,
+                                       &d.height, &error),
           &error);
     assert_int_equal(d.width, PANELS * SIZE);
     assert_int_equal(d.height, SIZE);
@@ -108,19 +110,20 @@ static drawn draw(gpu *g, const plate *source, const plate *target, int view,
 
 static size_t covered_in(const drawn *d, int view) {
     const uint8_t *picture =
-        d->gallery->pictures + (size_t)view * psplat_picture_views_bytes(d->gallery);
+        d->views->pictures + (size_t)view * psplat_picture_views_bytes(d->views);
     size_t covered = 0;
     for (int i = 0; i < SIZE * SIZE; ++i) covered += picture[4 * i + 3] != 0;
     return covered;
 }
 
 static void drawn_free(drawn *d) {
-    psplat_picture_views_destroy(d->gallery);
+    psplat_picture_views_destroy(d->views);
     free(d->pixels);
 }
 
-/* A larger plate half a limit away: every pixel that shows the source has the middle colour, and
- * normals are those of the source. Far from the origin as well, from all sides. */
+/* A larger plate lies at half of the distance limit: every pixel that shows the source has the
+ * middle colour, and normals are those of the source. This holds from all sides, also far from the
+ * origin. */
 static void test_distance(void **state) {
     static const double origins[2][3] = {{0, 0, 0}, {1e6, -2e6, 1e6}};
     for (int i = 0; i < 2; ++i)
@@ -143,7 +146,7 @@ static void test_distance(void **state) {
         }
 }
 
-/* A plate that is turned by a limit's half, and smaller: beyond it nothing is seen. */
+/* A smaller plate is turned by half of the angle limit; nothing is seen beyond it. */
 static void test_angle(void **state) {
     const double origin[3] = {0, 0, 0};
     plate source, target;
@@ -152,10 +155,10 @@ static void test_angle(void **state) {
     const psplat_heatmap_limits limits = {50, 0.001, 20};
     drawn d = draw(*state, &source, &target, 0, &limits);
     size_t covered = covered_in(&d, 0), seen = d.counts[4][1];
-    /* A quarter of the plate, but for the pixels at its edge. */
+    /* The plate fills a quarter of the source, but for pixels at its edge. */
     assert_in_range(seen, covered / 5, covered / 3);
     assert_int_equal(seen + d.counts[4][3], covered);
-    /* Nearly everything is beyond the limit of distance. */
+    /* Nearly every pixel is beyond the distance limit. */
     assert_in_range(d.counts[3][2], covered * 9 / 10, covered);
     drawn_free(&d);
     plate_free(&source);
@@ -167,15 +170,16 @@ static void test_panels(void **state) {
     plate source, target;
     plate_make(&source, origin, 1, 0, 0);
     plate_make(&target, origin, 0.5, 0, 0);
-    const psplat_heatmap_limits limits = {0, 1, 1}; /* of no difference: all or nothing */
+    /* With a picture limit of 0 each pixel is at either end of the scale. */
+    const psplat_heatmap_limits limits = {0, 1, 1};
     drawn d = draw(*state, &source, &target, 2, &limits);
-    const uint8_t *picture = d.gallery->pictures + 2 * psplat_picture_views_bytes(d.gallery);
+    const uint8_t *picture = d.views->pictures + 2 * psplat_picture_views_bytes(d.views);
     size_t source_only = 0;
     for (int y = 0; y < SIZE; ++y)
         for (int x = 0; x < SIZE; ++x) {
             const uint8_t *row = d.pixels + 3 * PANELS * SIZE * (SIZE - 1 - y);
             const uint8_t *a = picture + 4 * (y * SIZE + x),
-                          *b = d.gallery->shown + 4 * (y * SIZE + x);
+                          *b = d.views->shown + 4 * (y * SIZE + x);
             assert_memory_equal(row + 3 * x, a, 3);
             assert_memory_equal(row + 3 * (SIZE + x), b, 3);
             source_only += a[3] && !b[3];
@@ -195,22 +199,22 @@ static void test_arguments(void **state) {
     plate_make(&p, origin, 1, 0, 0);
     const psplat_heatmap_limits limits = {1, 1, 1};
     drawn d = draw(g, &p, &p, 0, &limits);
-    const psplat_pictured exhibit = {.mesh = p.original}, nothing = {0};
+    const psplat_pictured pictured = {.mesh = p.original}, nothing = {0};
     const psplat_shape_desc reach = {.reach = 1};
     psplat_shape_probe *probe;
     psplat_error error;
     check(psplat_shape_probe_create_mesh(p.original, p.original, &reach, &probe, &error), &error);
     const struct {
-        const psplat_pictured *exhibit;
+        const psplat_pictured *pictured;
         const psplat_shape_probe *probe;
         int view;
-    } wrong[] = {{&exhibit, probe, -1},
-                 {&exhibit, probe, PSPLAT_PICTURE_VIEWS},
-                 {&exhibit, NULL, 0},
+    } wrong[] = {{&pictured, probe, -1},
+                 {&pictured, probe, PSPLAT_PICTURE_VIEWS},
+                 {&pictured, NULL, 0},
                  {&nothing, probe, 0}};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
         uint8_t *pixels = (uint8_t *)&d;
-        assert_int_equal(psplat_picture_views_heatmap(d.gallery, wrong[i].exhibit, wrong[i].probe,
+        assert_int_equal(psplat_picture_views_heatmap(d.views, wrong[i].pictured, wrong[i].probe,
                                                       wrong[i].view, &limits, &pixels, &d.width,
                                                       &d.height, &error),
                          PSPLAT_ERROR_ARGUMENT);

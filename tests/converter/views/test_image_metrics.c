@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Errors of pictures against exact answers and a plain implementation of the papers' formulas.
+ * test_image_metrics.c - tests of the error measures of pictures (PSNR, SSIM, difference, missing
+ * and extra pixels), against answers known by hand and a direct implementation of the formulas of
+ * Wang et al. 2004.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,10 +28,10 @@ static void set_pixel(uint8_t *picture, int x, int y, int r, int g, int b) {
     for (int c = 0; c < 4; ++c) picture[4 * (y * SIZE + x) + c] = (uint8_t)rgba[c];
 }
 
-static psplat_picture_errors errors_of(const uint8_t *source, const uint8_t *exhibit) {
+static psplat_picture_errors errors_of(const uint8_t *source, const uint8_t *pictured) {
     psplat_image_metrics sums = {0};
     psplat_picture_errors errors = {0};
-    assert_int_equal(psplat_image_metrics_add(&sums, source, exhibit, SIZE, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_image_metrics_add(&sums, source, pictured, SIZE, NULL), PSPLAT_OK);
     psplat_image_metrics_report(&sums, &errors);
     return errors;
 }
@@ -39,15 +41,15 @@ static void fill(uint8_t *picture, int value) {
         set_pixel(picture, i % SIZE, i / SIZE, value, value, value);
 }
 
-/* ---- known answers ----------------------------------------------------------------------------
- */
+/* ---- known answers --------------------------------------------------------------------------- */
 
 static void test_offset(void **state) {
     (void)state;
     fill(first, 100);
     fill(second, 107);
     psplat_picture_errors e = errors_of(first, second);
-    /* MSE is 7 squared in every channel; eq. 6 of Wang et al. with variances 0. Rounding alone. */
+    /* Every channel's MSE is 7^2, and SSIM is eq. 6 of Wang et al. with variances 0; only rounding
+     * differs. */
     assert_near(e.psnr, 20 * log10(255.0 / 7), 1e-12);
     assert_near(e.difference, 100 * 7.0 / 255, 1e-12);
     assert_near(e.inside, e.difference, 0);
@@ -73,7 +75,7 @@ static void test_nothing(void **state) {
     assert_near(e.ssim, 1, 0);
     assert_near(e.difference + e.inside + e.missing + e.extra, 0, 0);
     assert_int_equal(e.covered, 0);
-    fill(second, 255); /* something of nothing */
+    fill(second, 255); /* The second picture shows something where the first one shows nothing. */
     e = errors_of(first, second);
     assert_near(e.psnr, 0, 1e-12);
     assert_near(e.extra, 100, 0);
@@ -96,8 +98,8 @@ static int disc(uint8_t *picture, double x0, double radius, int value) {
 
 static void test_outlines(void **state) {
     (void)state;
-    /* Two discs of one colour, seven pixels apart: whole columns of pixels are missing and extra.
-     */
+    /* Two discs of one colour lie seven pixels apart, so that whole columns of pixels are missing
+     * or extra. */
     int covered = disc(first, 18, 12.3, 200), only = 0;
     assert_int_equal(disc(second, 25, 12.3, 200), covered);
     for (int i = 3; i < BYTES; i += 4) only += first[i] && !second[i];
@@ -110,7 +112,7 @@ static void test_outlines(void **state) {
     assert_int_equal(e.covered, covered);
 }
 
-/* All views are one long picture: the mean of squares, not of decibels. */
+/* All views count as one long picture: squared errors are averaged, and not decibels. */
 static void test_sums(void **state) {
     (void)state;
     psplat_image_metrics sums = {0};
@@ -134,7 +136,8 @@ static double luma(const uint8_t *picture, int x, int y) {
     return 0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2];
 }
 
-/* Eq. 13 to 16 of the paper as they stand: means first, then deviations from them. */
+/* Returns SSIM of a window by eq. 13 to 16 of the paper, with means first and then deviations from
+ * them. */
 static double window(const uint8_t *a, const uint8_t *b, int x0, int y0) {
     double weights[11][11], total = 0, mean[2] = {0, 0}, var[2] = {0, 0}, covariance = 0;
     for (int y = -5; y <= 5; ++y)
@@ -179,9 +182,9 @@ static void test_similarity(void **state) {
             ++count;
         }
     psplat_picture_errors e = errors_of(first, second);
-    assert_true(e.ssim > 0.2 && e.ssim < 0.95); /* neither trivially good nor bad */
-    assert_near(e.ssim, sum / count,
-                1e-11); /* 65025 is squared in E x^2 - (E x)^2: 1e-16 of that */
+    assert_true(e.ssim > 0.2 && e.ssim < 0.95); /* a value that is far from both ends */
+    /* E x^2 - (E x)^2 loses 1e-16 of the square of 255^2 = 65025. */
+    assert_near(e.ssim, sum / count, 1e-11);
     psplat_picture_errors other = errors_of(second, first);
     assert_near(other.ssim, e.ssim, 1e-12);
     assert_near(other.psnr, e.psnr, 0);

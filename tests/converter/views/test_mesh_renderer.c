@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The mesh that splats are compared with is drawn as they are: one splat's ellipse beside the
- * square around it, with the same normals, material and lights, in GL and GLES; and what becomes of
- * a context that refuses.
+ * test_mesh_renderer.c - tests that the renderer of the source mesh shades as the renderer of
+ * splats does. One splat's ellipse is compared with the square around it, which has the same
+ * normals, material and lights, in GL and GLES. Faults injected into the GL loader test what the
+ * renderer does with a context that refuses.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,9 +27,9 @@
 
 enum { SIZE = 128, BYTES = 4 * SIZE * SIZE };
 
-static const double half = 1.3; /* of the square's edges, in radii of the splat */
+static const double half = 1.3; /* half edge of the square, in radii of the splat */
 
-/* A splat and the square around it, which is a mesh of two triangles. */
+/* A splat, and the square around it as a mesh of two triangles. */
 typedef struct plate {
     scene splat;
     double positions[4][3];
@@ -38,7 +39,8 @@ typedef struct plate {
     psplat_source_mesh *original;
 } plate;
 
-/* The splat's own field at (u, v), as the header of splats defines it. */
+/* Stores the splat's blended normal at (u, v), by the formula in splat.h; its length need not be 1.
+ */
 static void field_at(const psplat_splat *s, double u, double v, float normal[3]) {
     double q = (double)s->radius[1] / (double)s->radius[0], z = (double)s->normal[2];
     normal[0] = (float)((double)s->normal[0] / z + (double)s->gradient[0] * u +
@@ -48,8 +50,8 @@ static void field_at(const psplat_splat *s, double u, double v, float normal[3])
     normal[2] = 1;
 }
 
-/* The splat has unit axes along x, y, z. The mesh gets its field, which need not have unit length.
- */
+/* Makes a splat with unit axes along x, y, z. The mesh gets the normals of its field, which need
+ * not have unit length. */
 static void plate_make(plate *p, const psplat_material *material, const double origin[3],
                        int colored) {
     static const int corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -98,7 +100,7 @@ static psplat_view view_of(const double origin[3], const double direction[3]) {
     camera_look(&view, eye, origin);
     camera_perspective(&view, SIZE, 0.5, 20);
     view.linear_output = 0;
-    view.no_filter = 1; /* which widens outlines */
+    view.no_filter = 1; /* The filter would widen outlines. */
     const float directions[3][3] = {{0.3f, -0.4f, -2}, {-1, 0.5f, -0.7f}, {0.2f, 0.1f, 1}};
     for (int k = 0; k < 3; ++k) {
         memcpy(view.lights[k].direction, directions[k], sizeof directions[k]);
@@ -119,12 +121,12 @@ static void begin(gpu *g, int is_float) {
     check(psplat_host_begin(g->host, SIZE, SIZE, is_float, nothing, &error), &error);
 }
 
-static psplat_mesh_renderer *facets_of(gpu *g, const plate *p) {
+static psplat_mesh_renderer *renderer_of(gpu *g, const plate *p) {
     const psplat_mesh_renderer_desc desc = {psplat_host_get_proc, g->host, p->original};
-    psplat_mesh_renderer *facets;
+    psplat_mesh_renderer *renderer;
     psplat_error error;
-    check(psplat_mesh_renderer_create(&desc, &facets, &error), &error);
-    return facets;
+    check(psplat_mesh_renderer_create(&desc, &renderer, &error), &error);
+    return renderer;
 }
 
 static void draw_both(gpu *g, const plate *p, const psplat_view *view, uint8_t *splat,
@@ -138,22 +140,21 @@ static void draw_both(gpu *g, const plate *p, const psplat_view *view, uint8_t *
     check(psplat_host_read_rgba8(g->host, splat, &error), &error);
     psplat_model_destroy(g->renderer, model);
     psplat_asset_destroy(asset);
-    psplat_mesh_renderer *facets = facets_of(g, p);
+    psplat_mesh_renderer *renderer = renderer_of(g, p);
     begin(g, 0);
-    check(psplat_mesh_renderer_draw(facets, view, PSPLAT_MESH_RENDERER_LIGHT, &error), &error);
+    check(psplat_mesh_renderer_draw(renderer, view, PSPLAT_MESH_RENDERER_LIGHT, &error), &error);
     check(psplat_host_read_rgba8(g->host, mesh, &error), &error);
-    psplat_mesh_renderer_destroy(facets);
+    psplat_mesh_renderer_destroy(renderer);
 }
 
-/* ---- colours ----------------------------------------------------------------------------------
- */
+/* ---- colours --------------------------------------------------------------------------------- */
 
 typedef struct look {
     const char *name;
     psplat_material material;
     int colored;
     double direction[3];
-    int expected; /* whether anything is to be seen */
+    int expected; /* whether anything is drawn */
 } look;
 
 #define PLAIN                                                                                      \
@@ -201,7 +202,7 @@ static void compare_look(gpu *g, const look *l, const psplat_view *view, const d
     if (!l->expected) assert_int_equal(covered + square, 0);
     if (l->expected) assert_in_range(covered, 1200, square);
     assert_int_equal(only, 0);
-    /* A step of 8 bits, where the two round to either side. */
+    /* One step of 8 bits, where the two programs round to either side. */
     assert_in_range(most, 0, 1);
     plate_free(&p);
 }
@@ -247,28 +248,27 @@ static void test_viewport_and_linear_output(void **state) {
     psplat_error error;
     plate p;
     plate_make(&p, &looks[4].material, origin, 0);
-    psplat_mesh_renderer *facets = facets_of(g, &p);
+    psplat_mesh_renderer *renderer = renderer_of(g, &p);
     view.x = SIZE / 2;
     view.width = view.height = SIZE / 2;
     view.linear_output = 1;
     begin(g, 1);
-    check(psplat_mesh_renderer_draw(facets, &view, PSPLAT_MESH_RENDERER_LIGHT, &error), &error);
+    check(psplat_mesh_renderer_draw(renderer, &view, PSPLAT_MESH_RENDERER_LIGHT, &error), &error);
     check(psplat_host_read_float(g->host, whole, &error), &error);
     size_t covered = 0, bright = 0;
     for (int i = 0; i < SIZE * SIZE; ++i) {
         if (whole[4 * i + 3] == 0) continue;
         assert_true(i % SIZE >= SIZE / 2 && i / SIZE < SIZE / 2);
         ++covered;
-        bright += whole[4 * i + 2] > 2; /* emissive is 2, light comes on top */
+        bright += whole[4 * i + 2] > 2; /* The emission is 2, to which the light is added. */
     }
     assert_in_range(covered, 500, SIZE * SIZE / 4);
     assert_int_equal(bright, covered);
-    psplat_mesh_renderer_destroy(facets);
+    psplat_mesh_renderer_destroy(renderer);
     plate_free(&p);
 }
 
-/* ---- normals ----------------------------------------------------------------------------------
- */
+/* ---- normals --------------------------------------------------------------------------------- */
 
 static void test_normals(void **state) {
     gpu *g = *state;
@@ -278,9 +278,9 @@ static void test_normals(void **state) {
     psplat_error error;
     plate p;
     plate_make(&p, &looks[0].material, origin, 0);
-    psplat_mesh_renderer *facets = facets_of(g, &p);
+    psplat_mesh_renderer *renderer = renderer_of(g, &p);
     begin(g, 1);
-    check(psplat_mesh_renderer_draw(facets, &view, PSPLAT_MESH_RENDERER_NORMALS, &error), &error);
+    check(psplat_mesh_renderer_draw(renderer, &view, PSPLAT_MESH_RENDERER_NORMALS, &error), &error);
     check(psplat_host_read_float(g->host, normals, &error), &error);
     const psplat_splat *s = p.splat.splats;
     size_t covered = 0;
@@ -290,51 +290,50 @@ static void test_normals(void **state) {
         double x = 3 * (i % SIZE + 0.5 - SIZE / 2) / SIZE,
                y = 3 * (i / SIZE + 0.5 - SIZE / 2) / SIZE;
         field_at(s, x / (double)s->radius[0], y / (double)s->radius[1], expected);
-        /* Single precision over three units, and the rasteriser's subpixels (1/256). */
+        /* Rounding to float over three units, and the subpixels of the rasteriser (1/256). */
         for (int c = 0; c < 3; ++c)
             assert_near((double)normals[4 * i + c], (double)expected[c], 1e-3);
         ++covered;
     }
     assert_in_range(covered, 5000, 10000); /* 2.6 x 1.82 of 3 x 3 units */
-    psplat_mesh_renderer_destroy(facets);
+    psplat_mesh_renderer_destroy(renderer);
     plate_free(&p);
 }
 
-/* ---- refusals ---------------------------------------------------------------------------------
- */
+/* ---- refusals -------------------------------------------------------------------------------- */
 
 static void test_other_light(void **state) {
     gpu *g = *state;
     const double origin[3] = {0, 0, 0}, direction[3] = FRONT;
     plate p;
     plate_make(&p, &looks[0].material, origin, 0);
-    psplat_mesh_renderer *facets = facets_of(g, &p);
+    psplat_mesh_renderer *renderer = renderer_of(g, &p);
     psplat_view view = view_of(origin, direction);
     psplat_error error;
     view.lights[1].type = PSPLAT_LIGHT_POINT;
-    assert_int_equal(psplat_mesh_renderer_draw(facets, &view, PSPLAT_MESH_RENDERER_LIGHT, &error),
+    assert_int_equal(psplat_mesh_renderer_draw(renderer, &view, PSPLAT_MESH_RENDERER_LIGHT, &error),
                      PSPLAT_ERROR_ARGUMENT);
     assert_int_equal(error.code, PSPLAT_ERROR_ARGUMENT);
     view.lights[1].type = PSPLAT_LIGHT_DIRECTIONAL;
     view.lights[2].casts_shadow = 1;
-    assert_int_equal(psplat_mesh_renderer_draw(facets, &view, PSPLAT_MESH_RENDERER_LIGHT, &error),
+    assert_int_equal(psplat_mesh_renderer_draw(renderer, &view, PSPLAT_MESH_RENDERER_LIGHT, &error),
                      PSPLAT_ERROR_ARGUMENT);
-    view.light_count = 2; /* of lights that shine */
-    assert_int_equal(psplat_mesh_renderer_draw(facets, &view, PSPLAT_MESH_RENDERER_LIGHT, &error),
+    view.light_count = 2; /* Only the first two lights shine. */
+    assert_int_equal(psplat_mesh_renderer_draw(renderer, &view, PSPLAT_MESH_RENDERER_LIGHT, &error),
                      PSPLAT_OK);
     view.light_count = PSPLAT_MAX_LIGHTS + 1;
-    assert_int_equal(psplat_mesh_renderer_draw(facets, &view, PSPLAT_MESH_RENDERER_LIGHT, &error),
+    assert_int_equal(psplat_mesh_renderer_draw(renderer, &view, PSPLAT_MESH_RENDERER_LIGHT, &error),
                      PSPLAT_ERROR_ARGUMENT);
-    psplat_mesh_renderer_destroy(facets);
+    psplat_mesh_renderer_destroy(renderer);
     plate_free(&p);
 }
 
-/* A loader with faults; GL functions have no user pointer. */
+/* A function loader with faults. GL functions have no user pointer, hence a static object. */
 static struct fault {
     psplat_host *host;
-    const char *missing; /* a function that is not there, */
-    const char *refused; /* or what is not to be had: "shader", "program", "version" */
-    unsigned error;      /* or an error flag after buffers were filled */
+    const char *missing; /* name of a function that is absent */
+    const char *refused; /* "shader", "program" or "version", which fails */
+    unsigned error;      /* an error flag that is set after buffers were filled */
     int filled;
     PFNGLBUFFERDATAPROC buffer_data;
     PFNGLGETERRORPROC get_error;
@@ -393,13 +392,13 @@ static void *fault_get_proc(void *user, const char *name) {
 
 static void expect_failure(gpu *g, const plate *p, psplat_result code, const char *words) {
     const psplat_mesh_renderer_desc desc = {fault_get_proc, g->host, p->original};
-    psplat_mesh_renderer *facets = (psplat_mesh_renderer *)&fault;
+    psplat_mesh_renderer *renderer = (psplat_mesh_renderer *)&fault;
     psplat_error error = {0};
-    assert_int_equal(psplat_mesh_renderer_create(&desc, &facets, &error), code);
-    assert_null(facets);
+    assert_int_equal(psplat_mesh_renderer_create(&desc, &renderer, &error), code);
+    assert_null(renderer);
     assert_int_equal(error.code, code);
     if (!strstr(error.text, words)) fail_msg("no '%s' in: %s", words, error.text);
-    assert_int_equal(psplat_mesh_renderer_create(&desc, &facets, NULL), code);
+    assert_int_equal(psplat_mesh_renderer_create(&desc, &renderer, NULL), code);
 }
 
 static void test_failures(void **state) {
@@ -423,9 +422,9 @@ static void test_failures(void **state) {
     expect_failure(g, &p, PSPLAT_ERROR_GRAPHICS, "0x502");
     fault = (struct fault){0};
     const psplat_mesh_renderer_desc desc = {fault_get_proc, g->host, p.original};
-    psplat_mesh_renderer *facets;
-    assert_int_equal(psplat_mesh_renderer_create(&desc, &facets, NULL), PSPLAT_OK);
-    psplat_mesh_renderer_destroy(facets);
+    psplat_mesh_renderer *renderer;
+    assert_int_equal(psplat_mesh_renderer_create(&desc, &renderer, NULL), PSPLAT_OK);
+    psplat_mesh_renderer_destroy(renderer);
     psplat_mesh_renderer_destroy(NULL);
     plate_free(&p);
 }

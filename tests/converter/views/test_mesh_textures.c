@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The source is drawn with its textures as the converter reads them: two programs, one in GLSL, one
- * in C, look up the same places of the same images.
+ * test_mesh_textures.c - tests that the source mesh is drawn with its textures as the converter
+ * reads them: two programs, one in GLSL and one in C, look up the same texels. The shape is a
+ * textured square that fills the picture; expected values are those of the converter
+ * (appearance.c).
  */
 #include "appearance_fixture.h"
 
@@ -31,7 +33,7 @@ static void leaning(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     rgba[0] = 204, rgba[1] = 153, rgba[2] = 230, rgba[3] = 255;
 }
 
-/* The square from straight ahead, filling the picture. */
+/* Returns a view from straight ahead in which the square fills the picture. */
 static psplat_view view_of(void) {
     static const double eye[3] = {0, 0, 5}, middle[3] = {0, 0, 0};
     psplat_view view = camera_view(SIZE, SIZE);
@@ -46,28 +48,29 @@ static void draw(gpu *g, const psplat_mesh *mesh, psplat_mesh_renderer_output ou
     static const float nothing[4] = {0};
     psplat_view view = view_of();
     psplat_source_mesh *original;
-    psplat_mesh_renderer *facets = NULL;
+    psplat_mesh_renderer *renderer = NULL;
     psplat_error error = {0};
     if (psplat_source_mesh_create(mesh, 0, &original, &error)) fail_msg("%s", error.text);
     const psplat_mesh_renderer_desc desc = {psplat_host_get_proc, g->host, original};
     psplat_result result = psplat_host_begin(g->host, SIZE, SIZE, 1, nothing, &error);
-    if (!result) result = psplat_mesh_renderer_create(&desc, &facets, &error);
+    if (!result) result = psplat_mesh_renderer_create(&desc, &renderer, &error);
     if (result) fail_msg("%s", error.text);
-    result = psplat_mesh_renderer_draw(facets, &view, output, &error);
+    result = psplat_mesh_renderer_draw(renderer, &view, output, &error);
     if (!result) result = psplat_host_read_float(g->host, pixels, &error);
     if (result) fail_msg("%s", error.text);
-    psplat_mesh_renderer_destroy(facets);
+    psplat_mesh_renderer_destroy(renderer);
     psplat_source_mesh_destroy(original);
 }
 
-/* What appearance.c makes of the place that a pixel shows; rows begin at the bottom. */
+/* Returns the appearance by appearance.c at the point that a pixel shows; rows begin at the bottom.
+ */
 static psplat_baked_point shade_of(const painted *p, int pixel) {
     static const float up[3] = {0, 0, 1};
     double x = (pixel % SIZE + 0.5) / SIZE, y = (double)(pixel / SIZE) + 0.5;
     psplat_appearance appearance;
     psplat_baked_point shade;
     y /= SIZE;
-    /* Triangle 0 is the half below the diagonal, 1 the other. */
+    /* Triangle 0 is the half below the diagonal, and triangle 1 the other half. */
     const double lower[3] = {1 - x, x - y, y}, upper[3] = {1 - y, x, y - x};
     assert_int_equal(psplat_appearance_build(&p->mesh, 2.0 / SIZE, &appearance), PSPLAT_OK);
     psplat_appearance_bake(&appearance, x < y, x < y ? upper : lower, up, &shade);
@@ -108,7 +111,7 @@ static void test_base_color(void **state) {
         }
         print_message("use %zu: mean %.4f, greatest %.3f\n", use, sum, greatest);
         /* GL filters with fractions of 8 bits. Where the image repeats, or texels have hard edges,
-         * a pixel may see the other side of an edge. */
+         * a pixel may show the other side of an edge; the sum over the picture stays below this. */
         assert_true(sum < 0.002);
         if (use == 0) assert_true(greatest < 0.01);
         painted_free(&p);
@@ -120,21 +123,21 @@ static void test_normal_map(void **state) {
     painted p;
     painted_make(&p, 1, TEXELS, leaning);
     p.source_material.normal = (psplat_texture_info){.image = &p.image, .strength = 0.7f};
-    const double turned[6] = {0, -1, 1, 1, 0, 0}; /* a quarter */
+    const double turned[6] = {0, -1, 1, 1, 0, 0}; /* a quarter turn */
     for (int turn = 0; turn < 2; ++turn) {
         if (turn) memcpy(p.source_material.normal.transform, turned, sizeof turned);
         draw(*state, &p.mesh, PSPLAT_MESH_RENDERER_NORMALS, pixels);
         for (int i = 0; i < SIZE * SIZE; i += 5) {
             psplat_baked_point shade = shade_of(&p, i);
-            if (is_diagonal(i)) continue; /* derivatives across two triangles */
+            if (is_diagonal(i)) continue; /* Derivatives there mix both triangles. */
             for (int k = 0; k < 3; ++k)
-                assert_near(pixels[4 * i + k], shade.normal[k], 0.005); /* filtered 8 bits */
+                assert_near(pixels[4 * i + k], shade.normal[k], 0.005); /* 8-bit texels, filtered */
         }
     }
     painted_free(&p);
 }
 
-/* Textures of one value each are factors. */
+/* Textures of one value give the same picture as factors of that value. */
 static void test_factors(void **state) {
     static float textured[BYTES], plain[BYTES];
     painted p;
@@ -148,12 +151,12 @@ static void test_factors(void **state) {
     p.source_material.material.metallic = 230 / 255.0f;
     p.source_material.material.emissive[1] *= psplat_linear_of_srgb(153 / 255.0f);
     draw(*state, &p.mesh, PSPLAT_MESH_RENDERER_LIGHT, plain);
-    for (int i = 0; i < BYTES; ++i)
-        assert_near(textured[i], plain[i], 0.008); /* decoded by tables, 1/255 of a factor */
+    for (int i = 0; i < BYTES; ++i) /* colours decoded by tables; 1/255 of a factor */
+        assert_near(textured[i], plain[i], 0.008);
     painted_free(&p);
 }
 
-/* Each group shows its own. */
+/* Each group of triangles shows its own material. */
 static void test_groups(void **state) {
     static float pixels[BYTES];
     painted p;
@@ -169,7 +172,7 @@ static void test_groups(void **state) {
     draw(*state, &p.mesh, PSPLAT_MESH_RENDERER_LIGHT, pixels);
     for (int i = 0; i < SIZE * SIZE; ++i) {
         if (is_diagonal(i)) continue;
-        int lower = i % SIZE > i / SIZE; /* triangle 0 */
+        int lower = i % SIZE > i / SIZE; /* the pixel shows triangle 0 */
         assert_near(pixels[4 * i], lower ? 0.25 : 1, 1e-6);
     }
     p.mesh.groups = NULL;

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Views, pictures of the source, and the errors of what stands for it.
+ * test_picture_views.c - tests of the views in which pictures are compared, of the source's
+ * pictures, and of the errors of a mesh or of splats that are drawn in its place. Models are
+ * bundled ones; expected values are the geometry of the icosahedron's axes, zero errors of the
+ * source against itself, and the order of errors between finer and coarser splats.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -32,50 +35,50 @@ enum { SIZE = 96 };
 
 static const double degree = CAMERA_PI / 180;
 
-typedef struct room {
+typedef struct pictured_source {
     psplat_mesh mesh;
     psplat_source_mesh *source;
-    psplat_picture_views *gallery;
-} room;
+    psplat_picture_views *views;
+} pictured_source;
 
 static void check(psplat_result result, const psplat_error *error) {
     if (result) fail_msg("%s", error->text);
 }
 
-static void open_source(room *r, const char *model) {
+static void open_source(pictured_source *r, const char *model) {
     char path[512];
     psplat_error error;
-    *r = (room){0};
+    *r = (pictured_source){0};
     snprintf(path, sizeof path, PSPLAT_SOURCE_DIR "/samples/models/%s", model);
     check(psplat_mesh_read(path, &r->mesh, &error), &error);
     check(psplat_source_mesh_create(&r->mesh, 0, &r->source, &error), &error);
 }
 
-static void open_gallery(gpu *g, room *r, int size) {
+static void open_views(gpu *g, pictured_source *r, int size) {
     const psplat_picture_views_desc desc = {g->host, r->source, size};
     psplat_error error;
-    check(psplat_picture_views_create(&desc, &r->gallery, &error), &error);
+    check(psplat_picture_views_create(&desc, &r->views, &error), &error);
 }
 
-static void close_room(room *r) {
-    psplat_picture_views_destroy(r->gallery);
+static void close_source(pictured_source *r) {
+    psplat_picture_views_destroy(r->views);
     psplat_source_mesh_destroy(r->source);
     psplat_mesh_free(&r->mesh);
 }
 
-static const uint8_t *picture_at(const room *r, int view) {
-    return r->gallery->pictures + (size_t)view * psplat_picture_views_bytes(r->gallery);
+static const uint8_t *picture_at(const pictured_source *r, int view) {
+    return r->views->pictures + (size_t)view * psplat_picture_views_bytes(r->views);
 }
 
-static psplat_picture_errors compare(const room *r, const psplat_pictured *exhibit, int view) {
+static psplat_picture_errors compare(const pictured_source *r, const psplat_pictured *pictured,
+                                     int view) {
     psplat_picture_errors errors;
     psplat_error error;
-    check(psplat_picture_views_compare(r->gallery, exhibit, view, &errors, &error), &error);
+    check(psplat_picture_views_compare(r->views, pictured, view, &errors, &error), &error);
     return errors;
 }
 
-/* ---- views ------------------------------------------------------------------------------------
- */
+/* ---- views ----------------------------------------------------------------------------------- */
 
 static void sort3(double a[3]) {
     for (int i = 0; i < 2; ++i)
@@ -91,40 +94,40 @@ static double angle_between(const double a[3], const double b[3]) {
     return acos(fmin(1, a[0] * b[0] + a[1] * b[1] + a[2] * b[2])) / degree;
 }
 
-/* Of the view's eye, from the source's center. */
-static void direction_of(const room *r, int index, double direction[3]) {
-    psplat_view view = psplat_picture_views_at(r->gallery, index);
+/* Stores the direction from the source's centre to the view's eye. */
+static void direction_of(const pictured_source *r, int index, double direction[3]) {
+    psplat_view view = psplat_picture_views_at(r->views, index);
     for (int i = 0; i < 3; ++i) direction[i] = view.view[4 * i + 2];
 }
 
 static void test_views(void **state) {
-    room r;
+    pictured_source r;
     double nearest = 180, directions[PSPLAT_PICTURE_VIEWS][3], parts[PSPLAT_PICTURE_VIEWS][3];
     open_source(&r, "cube.off");
-    open_gallery(*state, &r, 16);
+    open_views(*state, &r, 16);
     for (int i = 0; i < PSPLAT_PICTURE_VIEWS; ++i) {
         direction_of(&r, i, directions[i]);
         for (int k = 0; k < 3; ++k) parts[i][k] = fabs(directions[i][k]);
         sort3(parts[i]);
-        assert_true(acos(parts[i][2]) > 11 * degree); /* from the nearest axis, */
-        assert_true(asin(parts[i][0]) > 7 * degree);  /* and from the nearest plane of two */
+        assert_true(acos(parts[i][2]) > 11 * degree); /* angle from the nearest axis */
+        assert_true(asin(parts[i][0]) > 7 * degree);  /* angle from the nearest coordinate plane */
         for (int k = 0; k < i; ++k) {
             double angle = angle_between(directions[i], directions[k]);
             nearest = fmin(nearest, angle);
-            /* What a cube's symmetries make of one view is far from any other but the opposite. */
+            /* The symmetries of a cube map no view close to another one, except to its opposite. */
             if (angle < 179) assert_true(angle_between(parts[i], parts[k]) > 7);
         }
     }
-    assert_near(nearest, 63.4349, 0.001); /* of an icosahedron */
-    close_room(&r);
+    assert_near(nearest, 63.4349, 0.001); /* degrees between neighbouring axes of an icosahedron */
+    close_source(&r);
 }
 
 static void test_pictures(void **state) {
     static const char *const models[] = {"part.obj", "torus.off", "sphere.ply", "slab.ply"};
     for (size_t m = 0; m < sizeof models / sizeof *models; ++m) {
-        room r;
+        pictured_source r;
         open_source(&r, models[m]);
-        open_gallery(*state, &r, SIZE);
+        open_views(*state, &r, SIZE);
         for (int i = 0; i < PSPLAT_PICTURE_VIEWS; ++i) {
             const uint8_t *picture = picture_at(&r, i);
             int covered = 0;
@@ -132,45 +135,44 @@ static void test_pictures(void **state) {
                 for (int x = 0; x < SIZE; ++x) {
                     if (!picture[4 * (y * SIZE + x) + 3]) continue;
                     ++covered;
-                    /* A margin of a fortieth of the picture on each side. */
+                    /* Each side has a margin of a fortieth of the picture. */
                     assert_true(x > 1 && y > 1 && x < SIZE - 2 && y < SIZE - 2);
                 }
             assert_true(covered > SIZE * SIZE / 50);
             for (int k = 0; k < i; ++k)
                 assert_memory_not_equal(picture, picture_at(&r, k), 4 * SIZE * SIZE);
         }
-        close_room(&r);
+        close_source(&r);
     }
 }
 
-/* ---- exhibits ---------------------------------------------------------------------------------
- */
+/* ---- pictures of meshes and of splats -------------------------------------------------------- */
 
 static void test_itself(void **state) {
-    room r;
+    pictured_source r;
     open_source(&r, "painted.glb");
-    open_gallery(*state, &r, SIZE);
-    const psplat_pictured exhibit = {.mesh = r.source};
+    open_views(*state, &r, SIZE);
+    const psplat_pictured pictured = {.mesh = r.source};
     for (int view = -1; view < 2; ++view) {
-        psplat_picture_errors e = compare(&r, &exhibit, view);
+        psplat_picture_errors e = compare(&r, &pictured, view);
         assert_true(isinf(e.psnr));
         assert_near(e.ssim, 1, 1e-12);
         assert_near(e.difference + e.inside + e.missing + e.extra, 0, 0);
         assert_true(e.covered > 0);
     }
-    close_room(&r);
+    close_source(&r);
 }
 
 static void test_far_away(void **state) {
-    room here, there;
+    pictured_source here, there;
     static const double offset[3] = {1e6, -1e6, 2e6};
     open_source(&here, "torus.off");
     open_source(&there, "torus.off");
     psplat_source_mesh_destroy(there.source);
     for (int i = 0; i < 3; ++i) there.mesh.origin[i] += offset[i];
     assert_int_equal(psplat_source_mesh_create(&there.mesh, 0, &there.source, NULL), PSPLAT_OK);
-    open_gallery(*state, &here, SIZE);
-    open_gallery(*state, &there, SIZE);
+    open_views(*state, &here, SIZE);
+    open_views(*state, &there, SIZE);
     size_t moved = 0;
     int most = 0;
     for (int i = 0; i < PSPLAT_PICTURE_VIEWS; ++i) {
@@ -180,11 +182,11 @@ static void test_far_away(void **state) {
             if (a[k + 3] && b[k + 3] && abs(a[k] - b[k]) > most) most = abs(a[k] - b[k]);
         }
     }
-    /* The eye is off by 1e-10 there: a pixel centre that close to an edge would be a miracle, and a
-     * colour rounds to the other side at most. */
+    /* The eye is off by 1e-10 there, so that practically no pixel centre is close enough to an edge
+     * to change sides, and a colour differs by one rounding at most. */
     assert_int_equal(moved, 0);
     assert_in_range(most, 0, 1);
-    /* And a mesh that is moved by 2 % of the diagonal is another one. */
+    /* A mesh that is moved by 2 % of the diagonal differs. */
     psplat_mesh moved_mesh = here.mesh;
     psplat_source_mesh *other;
     moved_mesh.origin[0] += 0.04 * here.source->radius;
@@ -193,12 +195,12 @@ static void test_far_away(void **state) {
     assert_true(e.missing > 1 && e.missing < 10 && fabs(e.extra - e.missing) < 1);
     assert_true(e.psnr < 25 && e.ssim < 0.95);
     psplat_source_mesh_destroy(other);
-    close_room(&here);
-    close_room(&there);
+    close_source(&here);
+    close_source(&there);
 }
 
-/* A model of the source's splats. */
-static psplat_model *convert(gpu *g, const room *r, double tolerance) {
+/* Returns a model of splats converted from the source. */
+static psplat_model *convert(gpu *g, const pictured_source *r, double tolerance) {
     const psplat_convert_desc desc = {.tolerance_percent = tolerance, .effort = PSPLAT_EFFORT_NONE};
     psplat_splats splats;
     psplat_asset *asset;
@@ -218,16 +220,16 @@ static psplat_model *convert(gpu *g, const room *r, double tolerance) {
 
 static void test_splats(void **state) {
     gpu *g = *state;
-    room r;
+    pictured_source r;
     psplat_picture_errors e[3][2];
     open_source(&r, "torus.off");
-    open_gallery(g, &r, SIZE);
+    open_views(g, &r, SIZE);
     psplat_model *models[2] = {convert(g, &r, 3), convert(g, &r, 1)};
     for (int mode = 0; mode < 3; ++mode)
         for (int i = 0; i < 2; ++i) {
-            const psplat_pictured exhibit = {
+            const psplat_pictured pictured = {
                 .renderer = g->renderer, .model = models[i], .mode = (psplat_mode)mode};
-            e[mode][i] = compare(&r, &exhibit, -1);
+            e[mode][i] = compare(&r, &pictured, -1);
             print_message("mode %d, model %d: %5.2f dB, SSIM %.3f, %.2f (%.2f) %%, missing %.2f, "
                           "extra %.2f %%\n",
                           mode, i, e[mode][i].psnr, e[mode][i].ssim, e[mode][i].difference,
@@ -235,7 +237,8 @@ static void test_splats(void **state) {
             assert_true(e[mode][i].inside < e[mode][i].difference);
             assert_int_equal(e[mode][i].covered, e[0][0].covered);
         }
-    /* Finer splats are nearer, and so is each mode than the next (BSK04 figure 9). */
+    /* Finer splats are nearer to the source, and so is each mode than the next one (BSK04 figure
+     * 9). */
     for (int mode = 0; mode < 3; ++mode) {
         assert_true(e[mode][1].inside < e[mode][0].inside && e[mode][1].ssim > e[mode][0].ssim);
         assert_true(e[mode][1].extra < e[mode][0].extra && e[mode][1].psnr > e[mode][0].psnr);
@@ -244,58 +247,57 @@ static void test_splats(void **state) {
         for (int mode = 1; mode < 3; ++mode)
             assert_true(e[mode - 1][i].inside < e[mode][i].inside &&
                         e[mode - 1][i].ssim > e[mode][i].ssim);
-    /* The sum of the views is the whole. */
-    const psplat_pictured exhibit = {.renderer = g->renderer, .model = models[1]};
+    /* The measures of single views add up to that of all views. */
+    const psplat_pictured pictured = {.renderer = g->renderer, .model = models[1]};
     double missing = 0;
     size_t covered = 0;
     for (int i = 0; i < PSPLAT_PICTURE_VIEWS; ++i) {
-        psplat_picture_errors one = compare(&r, &exhibit, i);
+        psplat_picture_errors one = compare(&r, &pictured, i);
         missing += one.missing * (double)one.covered;
         covered += one.covered;
     }
     assert_int_equal(covered, e[0][1].covered);
     assert_near(missing / (double)covered, e[0][1].missing, 1e-9);
     for (int i = 0; i < 2; ++i) psplat_model_destroy(g->renderer, models[i]);
-    close_room(&r);
+    close_source(&r);
 }
 
-/* ---- the rest of the interface ------------------------------------------------------------------
- */
+/* ---- the rest of the interface --------------------------------------------------------------- */
 
 static void test_draw_original(void **state) {
     gpu *g = *state;
-    room r;
+    pictured_source r;
     static const float nothing[4] = {0};
     static uint8_t drawn[4 * SIZE * SIZE];
     psplat_error error;
     open_source(&r, "part.obj");
-    open_gallery(g, &r, SIZE);
-    psplat_view view = psplat_picture_views_at(r.gallery, 3);
+    open_views(g, &r, SIZE);
+    psplat_view view = psplat_picture_views_at(r.views, 3);
     check(psplat_host_begin(g->host, SIZE, SIZE, 0, nothing, &error), &error);
-    check(psplat_picture_views_draw_source(r.gallery, &view, &error), &error);
+    check(psplat_picture_views_draw_source(r.views, &view, &error), &error);
     check(psplat_host_read_rgba8(g->host, drawn, &error), &error);
     assert_memory_equal(drawn, picture_at(&r, 3), sizeof drawn);
     view.lights[0].type = PSPLAT_LIGHT_SPOT;
-    assert_int_equal(psplat_picture_views_draw_source(r.gallery, &view, &error),
+    assert_int_equal(psplat_picture_views_draw_source(r.views, &view, &error),
                      PSPLAT_ERROR_ARGUMENT);
-    close_room(&r);
+    close_source(&r);
 }
 
 static void test_arguments(void **state) {
     gpu *g = *state;
-    room r;
+    pictured_source r;
     psplat_picture_errors errors;
     psplat_error error;
     open_source(&r, "cube.off");
-    open_gallery(g, &r, 16);
+    open_views(g, &r, 16);
     const psplat_pictured cube = {.mesh = r.source}, nothing = {.renderer = g->renderer};
     assert_int_equal(
-        psplat_picture_views_compare(r.gallery, &cube, PSPLAT_PICTURE_VIEWS, &errors, &error),
+        psplat_picture_views_compare(r.views, &cube, PSPLAT_PICTURE_VIEWS, &errors, &error),
         PSPLAT_ERROR_ARGUMENT);
-    assert_int_equal(psplat_picture_views_compare(r.gallery, &nothing, 0, &errors, &error),
+    assert_int_equal(psplat_picture_views_compare(r.views, &nothing, 0, &errors, &error),
                      PSPLAT_ERROR_ARGUMENT);
-    assert_int_equal(psplat_picture_views_compare(r.gallery, &cube, 0, &errors, &error), PSPLAT_OK);
-    psplat_picture_views *none = r.gallery;
+    assert_int_equal(psplat_picture_views_compare(r.views, &cube, 0, &errors, &error), PSPLAT_OK);
+    psplat_picture_views *none = r.views;
     const psplat_picture_views_desc descs[] = {{NULL, r.source, 16},
                                                {g->host, NULL, 16},
                                                {g->host, r.source, -1},
@@ -306,7 +308,7 @@ static void test_arguments(void **state) {
         assert_null(none);
     }
     psplat_picture_views_destroy(NULL);
-    close_room(&r);
+    close_source(&r);
 }
 
 int test_picture_views_main(void) {
@@ -316,7 +318,7 @@ int test_picture_views_main(void) {
         cmocka_unit_test(test_splats),    cmocka_unit_test(test_draw_original),
         cmocka_unit_test(test_arguments),
     };
-    /* What it asks of GL is that of test_facets. */
+    /* test_mesh_renderer.c tests the calls of GL that these tests share. */
     const struct CMUnitTest again[] = {cmocka_unit_test(test_itself),
                                        cmocka_unit_test(test_draw_original)};
     int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);
