@@ -2,8 +2,8 @@
  *
  * buffer_layout.h - the primitives of a file and the buffer views that hold their attributes.
  *
- * The layout is made from attribute tables (splat_attributes.h); gltf_document.c describes it in JSON and
- * glb_writer.c writes its bytes.
+ * The layout is made from attribute tables (splat_attributes.h); gltf_document.c describes it in
+ * JSON and glb_writer.c writes its bytes.
  */
 #ifndef PHONGSPLAT_EXPORT_BUFFER_LAYOUT_H
 #define PHONGSPLAT_EXPORT_BUFFER_LAYOUT_H

@@ -2,8 +2,9 @@
  *
  * splat_attributes.h - the attribute table: the vertex attributes of a mesh's splats as bytes.
  *
- * The glTF writer works in this order: splat_attributes.c turns splats into attributes, buffer_layout.c
- * places them in buffer views, gltf_document.c writes the JSON, glb_writer.c the GLB.
+ * The glTF writer works in this order: splat_attributes.c turns splats into attributes,
+ * buffer_layout.c places them in buffer views, gltf_document.c writes the JSON, glb_writer.c the
+ * GLB.
  */
 #ifndef PHONGSPLAT_EXPORT_SPLAT_ATTRIBUTES_H
 #define PHONGSPLAT_EXPORT_SPLAT_ATTRIBUTES_H

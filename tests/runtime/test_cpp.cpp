@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// test_cpp.cpp - tests a C++17 program that embeds the runtime: it uses every function of the public
-// headers and initialises structs without designators. The list of functions is checked against the
-// headers.
+// test_cpp.cpp - tests a C++17 program that embeds the runtime: it uses every function of the
+// public headers and initialises structs without designators. The list of functions is checked
+// against the headers.
 #include <phongsplat/host.h>
 #include <phongsplat/phongsplat.h>
 #include <phongsplat/reference.h>
