@@ -85,7 +85,7 @@ static psplat_result write_splats(const psplat_asset_maker *m, const psplat_sett
     psplat_text_stem(&model, m->context->path);
     char *path = make_path(m->folder, "", setting);
     psplat_result result = path && model.data ? PSPLAT_OK : fail_memory(error);
-    if (!result) result = psplat_glb_write_as(splats, model.data, &desc, &data, &size, error);
+    if (!result) result = psplat_glb_write(splats, model.data, &desc, &data, &size, error);
     if (!result) result = psplat_output_write(path, data, size, 1, error);
     free(path);
     free(model.data);

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * glb_writer.c - splats to a complete GLB (spec 3). Several layouts are tried, the smallest file is
- * kept. Equal splats give equal bytes, whatever the locale and the machine's byte order.
+ * glb_writer.c - the glTF writer: splats and the graph of their scene become a complete GLB (spec
+ * 3).
+ *
+ * It makes several layouts of the same data and keeps the smallest file. Equal splats give equal
+ * bytes in every locale and on machines of either byte order.
  */
 #include "export/glb_writer.h"
 
@@ -18,19 +21,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of more splats layouts are not tried: JSON is next to nothing of the file, and time counts. */
-enum { TRIED_SPLATS = 200000 };
+/* The most splats of which all layouts are tried. In larger files the JSON is a negligible part,
+ * and one good layout saves the time. Chosen by hand. */
+enum { MOST_SPLATS_TO_TRY = 200000 };
 
 /* ---- what is refused ------------------------------------------------------------------------ */
 
-/* JSON has no word for infinity or not-a-number, and a reader would refuse them anyway. */
+/* Tells whether all values are finite: JSON cannot say infinity or NaN, and readers refuse both. */
 static int all_finite(const float *values, size_t count) {
     for (size_t i = 0; i < count; ++i)
         if (!isfinite(values[i])) return 0;
     return 1;
 }
 
-/* Which part of a splat is not finite; NULL: all are. finish may be NULL. */
+/* Returns the name of an attribute of a splat that is not finite, or NULL if all are. finish may be
+ * NULL. */
 static const char *infinite_part(const psplat_splat *s, const psplat_finish *finish) {
     if (!all_finite(s->center, 3)) return "POSITION";
     if (!all_finite(s->normal, 3)) return "NORMAL";
@@ -98,7 +103,8 @@ static uint8_t *put_u32(uint8_t *out, uint32_t value) {
     return out;
 }
 
-/* glTF 2.0 section 4.4: header, JSON chunk padded with spaces, BIN chunk. */
+/* Puts the file together as glTF 2.0 section 4.4 defines it: header, JSON chunk padded with spaces,
+ * BIN chunk. */
 static psplat_result pack(const psplat_writer *json, const psplat_buffer_layout *layout,
                           uint8_t **data, size_t *size, psplat_error *error) {
     enum { HEADERS = 12 + 8 + 8, MAGIC = 0x46546c67, JSON = 0x4e4f534a, BIN = 0x004e4942 };
@@ -127,7 +133,7 @@ static psplat_result pack(const psplat_writer *json, const psplat_buffer_layout 
     return PSPLAT_OK;
 }
 
-/* Replaces *data by the file of another plan where that is smaller. */
+/* Makes the file of another plan, which replaces *data if it is smaller. */
 static psplat_result try_plan(const psplat_scene *scene, const psplat_buffer_layout_plan *plan,
                               psplat_buffer_layout *layout, uint8_t **data, size_t *size,
                               psplat_error *error) {
@@ -165,14 +171,15 @@ static psplat_result try_plans(const psplat_scene *scene, const psplat_write_des
                                                  .rows_alike = (plan & ALIKE) != 0,
                                                  .padding = codec ? 0.1 : 1,
                                                  .codec = codec};
-        if (tried.normals_apart && !codec) continue; /* which need its filter */
-        if (splats > TRIED_SPLATS && plan != (codec ? APART | NORMALS | ALIKE : APART)) continue;
+        if (tried.normals_apart && !codec) continue; /* they need the filter of a codec */
+        if (splats > MOST_SPLATS_TO_TRY && plan != (codec ? APART | NORMALS | ALIKE : APART))
+            continue;
         result = try_plan(scene, &tried, layout, data, size, error);
     }
     return result;
 }
 
-/* What all plans have in common. */
+/* Fills the tables of attributes and the fallback meshes, which all plans share. */
 static psplat_result fill(const psplat_splats *splats, const psplat_write_desc *desc,
                           psplat_buffer_layout *layout, psplat_fallback_file *fallbacks,
                           psplat_error *error) {
@@ -218,9 +225,9 @@ psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats 
     return result;
 }
 
-psplat_result psplat_glb_write_as(const psplat_splats *splats, const char *name,
-                                  const psplat_write_desc *desc, uint8_t **data, size_t *size,
-                                  psplat_error *error) {
+psplat_result psplat_glb_write(const psplat_splats *splats, const char *name,
+                               const psplat_write_desc *desc, uint8_t **data, size_t *size,
+                               psplat_error *error) {
     uint32_t root = 0;
     size_t length = name ? strlen(name) : 0;
     char *copy = calloc(length + 1, 1);

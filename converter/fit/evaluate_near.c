@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * evaluate_near.c - the check whether all of a region lies within the tolerance of the surface.
+ * evaluate_near.c - the check of the distance bound: whether all of a region lies within the
+ * tolerance of the surface.
  *
  * In a draft, points of the outline are measured against the samples alone, which is quick. The
  * exact check measures points all over the region against the mesh. Most of these are quickly found

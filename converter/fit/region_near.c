@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * region_near.c - the check whether all of a region lies within the tolerance of the mesh.
+ * region_near.c - the check of the distance bound: whether all of a region lies within the
+ * tolerance of the mesh.
  */
 #include "fit/region_near.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * region_near.h - the check whether all of a region lies within the tolerance of the mesh.
+ * region_near.h - the check of the distance bound: whether all of a region lies within the
+ * tolerance of the mesh.
  */
 #ifndef PHONGSPLAT_FIT_REGION_NEAR_H
 #define PHONGSPLAT_FIT_REGION_NEAR_H

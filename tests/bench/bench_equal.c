@@ -94,7 +94,7 @@ static psplat_model *convert(const bench *b, const psplat_convert_desc *desc, si
     uint8_t *glb = NULL;
     size_t size = 0;
     check(psplat_convert(&b->mesh, desc, &splats, NULL, &error), &error);
-    check(psplat_glb_write_as(&splats, NULL, NULL, &glb, &size, &error), &error);
+    check(psplat_glb_write(&splats, NULL, NULL, &glb, &size, &error), &error);
     check(psplat_asset_open_memory(glb, size, NULL, &asset, &error), &error);
     check(psplat_model_create(b->renderer, asset, &model, &error), &error);
     *count = splats.count;

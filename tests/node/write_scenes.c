@@ -102,7 +102,7 @@ static void write_finishes(const char *directory, const char *name, unsigned bit
     uint8_t *data = NULL;
     size_t size = 0;
     psplat_error error;
-    if (psplat_glb_write_as(&splats, NULL, &desc, &data, &size, &error)) {
+    if (psplat_glb_write(&splats, NULL, &desc, &data, &size, &error)) {
         fprintf(stderr, "%s: %s\n", name, error.text);
         failed = 1;
     } else

@@ -194,7 +194,7 @@ uint8_t *scene_glb(const scene *s, size_t *size) {
     }
     psplat_error error;
     uint8_t *data = NULL;
-    if (psplat_glb_write_as(&splats, "scene", NULL, &data, size, &error)) {
+    if (psplat_glb_write(&splats, "scene", NULL, &data, size, &error)) {
         fprintf(stderr, "scene: %s\n", error.text);
         abort();
     }

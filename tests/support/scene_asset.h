@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * scene_asset.h - small assets for tests, made in memory through psplat_glb_write_as and read back
+ * scene_asset.h - small assets for tests, made in memory through psplat_glb_write and read back
  * through psplat_asset_open_memory. A scene is plain data: take a ready-made one, change what the
  * test is about, open it, free it.
  *

@@ -153,7 +153,7 @@ static void check_converted(const char *name, double tolerance) {
         .tolerance_percent = tolerance, .effort = PSPLAT_EFFORT_NONE, .unverified = 1};
     fixture_model(&f, name);
     assert_int_equal(psplat_convert(&f.mesh, &desc, &splats, NULL, NULL), PSPLAT_OK);
-    assert_int_equal(psplat_glb_write_as(&splats, NULL, NULL, &glb, &size, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write(&splats, NULL, NULL, &glb, &size, NULL), PSPLAT_OK);
     assert_int_equal(psplat_asset_open_memory(glb, size, NULL, &asset, NULL), PSPLAT_OK);
     check(&f, asset, &most);
     /* Splats do use their tolerance, so that the distances compared are not 0. */

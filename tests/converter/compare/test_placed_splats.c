@@ -155,7 +155,7 @@ static void test_exact(void **state) {
     uint8_t *glb;
     size_t size;
     assert_int_equal(psplat_convert(&f.mesh, &desc, &splats, NULL, NULL), PSPLAT_OK);
-    assert_int_equal(psplat_glb_write_as(&splats, "part", NULL, &glb, &size, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write(&splats, "part", NULL, &glb, &size, NULL), PSPLAT_OK);
     assert_int_equal(psplat_asset_open_memory(glb, size, NULL, &asset, NULL), PSPLAT_OK);
     free(glb);
     assert_int_equal(psplat_placed_splats_create(asset, f.mesh.origin, &placed, NULL), PSPLAT_OK);

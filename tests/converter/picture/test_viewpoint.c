@@ -147,7 +147,7 @@ static void test_sphere_leaves_out_what_is_clipped(void **state) {
     uint8_t *data = NULL;
     size_t size = 0;
     psplat_asset *asset = NULL;
-    assert_int_equal(psplat_glb_write_as(&set, NULL, NULL, &data, &size, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write(&set, NULL, NULL, &data, &size, NULL), PSPLAT_OK);
     assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, NULL), PSPLAT_OK);
     double center[3], radius = 0;
     psplat_viewpoint_sphere(asset, center, &radius);

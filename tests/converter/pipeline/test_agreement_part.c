@@ -32,7 +32,7 @@ static psplat_asset *convert_part(void) {
     assert_int_equal(psplat_mesh_read(PSPLAT_SOURCE_DIR "/samples/models/part.obj", &mesh, &error),
                      PSPLAT_OK);
     assert_int_equal(psplat_convert(&mesh, &desc, &splats, NULL, &error), PSPLAT_OK);
-    assert_int_equal(psplat_glb_write_as(&splats, "part", NULL, &data, &size, &error), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write(&splats, "part", NULL, &data, &size, &error), PSPLAT_OK);
     assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, &error), PSPLAT_OK);
     free(data);
     psplat_splats_free(&splats);

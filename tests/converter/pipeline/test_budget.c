@@ -78,7 +78,7 @@ static psplat_report search(const psplat_mesh *mesh, psplat_budget budget, pspla
 static size_t glb_size(const psplat_splats *splats) {
     uint8_t *data;
     size_t size;
-    assert_int_equal(psplat_glb_write_as(splats, "model", NULL, &data, &size, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write(splats, "model", NULL, &data, &size, NULL), PSPLAT_OK);
     free(data);
     return size;
 }

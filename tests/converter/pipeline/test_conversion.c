@@ -259,8 +259,8 @@ static void test_round_trip(void **state) {
         uint8_t *data, *again;
         size_t size, size_again, at = 0;
         psplat_asset *asset;
-        assert_int_equal(psplat_glb_write_as(&splats, "m", NULL, &data, &size, NULL), PSPLAT_OK);
-        assert_int_equal(psplat_glb_write_as(&splats, "m", NULL, &again, &size_again, NULL),
+        assert_int_equal(psplat_glb_write(&splats, "m", NULL, &data, &size, NULL), PSPLAT_OK);
+        assert_int_equal(psplat_glb_write(&splats, "m", NULL, &again, &size_again, NULL),
                          PSPLAT_OK);
         assert_int_equal(size, size_again);
         assert_memory_equal(data, again, size);

@@ -42,7 +42,7 @@ static shape convert(const char *path, double percent) {
     assert_int_equal(psplat_convert(&mesh, &desc, &splats, &report, &error), PSPLAT_OK);
     s.tolerance = percent / 100 * report.diagonal;
     for (int k = 0; k < 3; ++k) splats.origin[k] = 0; /* centred on the scene's origin */
-    assert_int_equal(psplat_glb_write_as(&splats, NULL, NULL, &data, &size, &error), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write(&splats, NULL, NULL, &data, &size, &error), PSPLAT_OK);
     assert_int_equal(psplat_asset_open_memory(data, size, NULL, &s.asset, &error), PSPLAT_OK);
     free(data);
     psplat_splats_free(&splats);

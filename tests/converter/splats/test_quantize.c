@@ -303,7 +303,7 @@ static void test_too_fine(void **state) {
         uint8_t *data = NULL;
         size_t size = 1;
         psplat_error error = {0};
-        if (psplat_glb_write_as(&s, NULL, NULL, &data, &size, &error) != PSPLAT_ERROR_RANGE)
+        if (psplat_glb_write(&s, NULL, NULL, &data, &size, &error) != PSPLAT_ERROR_RANGE)
             fail_msg("%d is written", i);
         assert_null(data);
         assert_int_equal(size, 0);
@@ -322,7 +322,7 @@ static void test_not_finite(void **state) {
         uint8_t *data = NULL;
         size_t size;
         psplat_error error = {0};
-        assert_int_equal(psplat_glb_write_as(&s, NULL, NULL, &data, &size, &error),
+        assert_int_equal(psplat_glb_write(&s, NULL, NULL, &data, &size, &error),
                          PSPLAT_ERROR_RANGE);
         assert_null(data);
         psplat_splats_free(&s);

@@ -209,7 +209,7 @@ static psplat_model *convert(gpu *g, const pictured_source *r, double tolerance)
     uint8_t *data;
     size_t size;
     check(psplat_convert(&r->mesh, &desc, &splats, NULL, &error), &error);
-    check(psplat_glb_write_as(&splats, NULL, NULL, &data, &size, &error), &error);
+    check(psplat_glb_write(&splats, NULL, NULL, &data, &size, &error), &error);
     check(psplat_asset_open_memory(data, size, NULL, &asset, &error), &error);
     check(psplat_model_create(g->renderer, asset, &model, &error), &error);
     psplat_asset_destroy(asset);

@@ -51,7 +51,7 @@ static char *write_json(const psplat_splats *splats, const char *name) {
     uint8_t *data = NULL;
     size_t size = 0;
     psplat_error error;
-    if (psplat_glb_write_as(splats, name, NULL, &data, &size, &error)) fail_msg("%s", error.text);
+    if (psplat_glb_write(splats, name, NULL, &data, &size, &error)) fail_msg("%s", error.text);
     size_t json_size = (size_t)data[12] | (size_t)data[13] << 8 | (size_t)data[14] << 16;
     char *json = malloc(json_size + 1);
     assert_non_null(json);
@@ -76,7 +76,7 @@ static void assert_refused(const psplat_splats *splats, psplat_result expected, 
     uint8_t *data = (uint8_t *)1;
     size_t size = 1;
     psplat_error error = {0};
-    assert_int_equal(psplat_glb_write_as(splats, NULL, NULL, &data, &size, &error), expected);
+    assert_int_equal(psplat_glb_write(splats, NULL, NULL, &data, &size, &error), expected);
     assert_null(data);
     assert_int_equal(size, 0);
     if (word) assert_non_null(strstr(error.text, word));
@@ -88,9 +88,8 @@ static void test_refuses(void **state) {
     psplat_splats splats = one(&s, 1);
     uint8_t *data;
     size_t size;
-    assert_int_equal(psplat_glb_write_as(NULL, NULL, NULL, &data, &size, NULL),
-                     PSPLAT_ERROR_ARGUMENT);
-    assert_int_equal(psplat_glb_write_as(&splats, NULL, NULL, NULL, &size, NULL),
+    assert_int_equal(psplat_glb_write(NULL, NULL, NULL, &data, &size, NULL), PSPLAT_ERROR_ARGUMENT);
+    assert_int_equal(psplat_glb_write(&splats, NULL, NULL, NULL, &size, NULL),
                      PSPLAT_ERROR_ARGUMENT);
     psplat_splats empty = {0};
     assert_refused(&empty, PSPLAT_ERROR_NO_SPLATS, NULL);
@@ -154,7 +153,7 @@ static void test_gradients(void **state) {
     uint8_t *data = NULL;
     size_t size = 0;
     psplat_asset *asset = NULL;
-    assert_int_equal(psplat_glb_write_as(&splats, NULL, NULL, &data, &size, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_glb_write(&splats, NULL, NULL, &data, &size, NULL), PSPLAT_OK);
     assert_int_equal(psplat_asset_open_memory(data, size, NULL, &asset, NULL), PSPLAT_OK);
     const psplat_batch *uncut = psplat_asset_batch(asset, 0), *cut = psplat_asset_batch(asset, 1);
     assert_int_equal(uncut->attributes[4].components, 3);
