@@ -17,16 +17,20 @@ check() {
     valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite,indirect --errors-for-leak-kinds=definite,indirect \
         --child-silent-after-fork=yes --suppressions=tests/checks/valgrind.supp "$@" >build/valgrind/log.txt 2>&1 || code=$?
     count=$((count + 1))
-    printf '%-4s %4d s  %s\n' "$([ $code -eq 0 ] && echo ok || echo FAIL)" $(($(date +%s) - begin)) "$(basename "$*")"
+    printf '%-4s %4d s  %s\n' "$([ $code -eq 0 ] && echo ok || echo FAIL)" $(($(date +%s) - begin)) "$(basename "$1") ${2:-}"
     [ $code -eq 0 ] || { failures=$((failures + 1)); cat build/valgrind/log.txt; }
 }
 
 tests=build/valgrind/tests
-for source in tests/runtime/test_*.c; do
-    program=$tests/$(basename "$source" .c)
+for room in tests/runtime/*/; do
+    program=$tests/$(basename "$room")_tests
     [ ! -x "$program" ] || check "$program"
 done
-for name in mesh mesh_gltf mesh_refused points_read output output_faults report store authored; do check "$tests/test_$name"; done
+for test in import_tests/test_read_mesh import_tests/test_read_gltf import_tests/test_read_refused import_tests/test_read_points \
+    base_tests/test_output test_output_faults/test_output_faults verify_tests/test_report select_tests/test_sort_splats \
+    features_tests/test_authored_normals; do
+    check "$tests/${test%/*}" "${test#*/}"
+done
 check "$tests/bench_splats" samples/models/cube.off --tolerances 2
 echo "$count programs, $failures with errors"
 [ $failures -eq 0 ]

@@ -174,13 +174,6 @@ psplat_result psplat_picture_views_show(psplat_picture_views *views,
 
 /* ---- comparison ------------------------------------------------------------------------------ */
 
-void psplat_picture_views_flip(const uint8_t *rgba, int size, uint8_t *rgb, size_t stride) {
-    for (int y = 0; y < size; ++y) {
-        uint8_t *row = rgb + 3 * (size_t)(size - 1 - y) * stride;
-        for (int x = 0; x < size; ++x, rgba += 4) memcpy(row + 3 * x, rgba, 3);
-    }
-}
-
 /* Measures the mean difference of distant views, % of white. */
 static psplat_result measure_distant(psplat_picture_views *views, const drawable *d, int first,
                                      int last, double *difference, psplat_error *error) {

@@ -33,7 +33,5 @@ psplat_result psplat_picture_views_begin(psplat_picture_views *views, int size, 
 psplat_result psplat_picture_views_show(psplat_picture_views *views,
                                         const psplat_pictured *pictured, int view,
                                         psplat_error *error);
-/* Copies RGBA with row 0 at the bottom to RGB with row 0 on top and rows of stride pixels. */
-void psplat_picture_views_flip(const uint8_t *rgba, int size, uint8_t *rgb, size_t stride);
 
 #endif
