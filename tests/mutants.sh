@@ -4,7 +4,7 @@
 # Each mutant of tests/mutants.txt changes one line of a copy of the working tree; its program is built there, and its tests
 # have to fail, or to take longer than a minute. With PATTERN, a basic regular expression, only the mutants whose lines in
 # the list match it are tried. Prints a line for each and names those that survive, and fails where one survives, where
-# an expression no longer changes one line, or where what it makes of it does not compile. Takes about five minutes on two
+# an expression no longer changes one line, or where the mutant does not compile. Takes about five minutes on two
 # processors; CMAKE_C_COMPILER_LAUNCHER=ccache and CMAKE_CXX_COMPILER_LAUNCHER=ccache spare some of it.
 # --check builds nothing: it only looks whether each expression changes one line of its file, and whether the tests exist.
 set -eu

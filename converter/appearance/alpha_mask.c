@@ -45,7 +45,7 @@ static const psplat_source_material *mask_of(const psplat_mesh *mesh, size_t tri
     return &mesh->source_materials[group];
 }
 
-/* Whether the mask shows the point of a triangle with these barycentric coordinates. */
+/* Returns whether the mask shows the point of a triangle with these barycentric coordinates. */
 static int is_shown(const cutter *c, uint32_t triangle, const double weights[3]) {
     const psplat_source_material *mask = mask_of(&c->mesh, triangle);
     return !mask ||
@@ -59,7 +59,8 @@ static double edge_length(const psplat_mesh *mesh, size_t triangle, size_t k) {
     return length3(d);
 }
 
-/* Whether the edge of a mask crosses a triangle, tested at a grid of points as fine as the step. */
+/* Returns whether the edge of a mask crosses a triangle, tested at a grid of points as fine as the
+ * step. */
 static int is_crossed(const cutter *c, uint32_t triangle) {
     double longest = 0;
     if (!mask_of(&c->mesh, triangle)) return 0;

@@ -9,7 +9,7 @@
 
 #include <phongsplat/splat.h>
 
-/* Whether a triangle of the mesh has a material with a mask. */
+/* Returns whether a triangle of the mesh has a material with a mask. */
 int psplat_alpha_mask_is_needed(const psplat_mesh *mesh);
 
 /* Stores in *shown the part of a mesh that its masks show. Triangles that the edge of a mask

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Whether a byte continues a UTF-8 sequence. */
+/* Returns whether a byte continues a UTF-8 sequence. */
 static int is_continuation(char byte) {
     return ((unsigned char)byte & 0xc0) == 0x80;
 }

@@ -44,7 +44,8 @@ static double turn(const double *flat, uint32_t a, uint32_t b, uint32_t c) {
     return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
 }
 
-/* Whether corner i of the remaining ring is an ear: convex, without others in its triangle. */
+/* Returns whether corner i of the remaining ring is an ear: convex, without others in its triangle.
+ */
 static int is_ear(const double *flat, const uint32_t *ring, size_t count, size_t i) {
     uint32_t a = ring[(i + count - 1) % count], b = ring[i], c = ring[(i + 1) % count];
     if (!(turn(flat, a, b, c) > 0)) return 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * gltfpack.h - what a mesh simplifier makes of the source.
+ * gltfpack.h - runs gltfpack, a mesh simplifier, on the source.
  */
 #ifndef PHONGSPLAT_BENCHMARK_GLTFPACK_H
 #define PHONGSPLAT_BENCHMARK_GLTFPACK_H
@@ -14,7 +14,7 @@ typedef struct psplat_gltfpack {
     char version[128];   /* as it calls itself; "": cannot be run */
 } psplat_gltfpack;
 
-/* Looks for a program; NULL is the one in PATH, if there is. */
+/* Looks for a program; NULL stands for the one in PATH, if there is one. */
 psplat_gltfpack psplat_gltfpack_find(const char *program);
 /* Tells whether it reads the format of a file, by the name's extension. */
 int psplat_gltfpack_reads(const char *path);

@@ -31,7 +31,7 @@ psplat_result psplat_make_asset(const psplat_asset_maker *maker, psplat_row *row
 /* Returns the path of an asset in the folder, from malloc, or NULL where memory ran out. Of
  * gltfpack's two files it is that of the one that can be read (see psplat_gltfpack_run). */
 char *psplat_make_asset_path(const char *folder, const psplat_setting *setting);
-/* Tells whether what was made for a row is there, as long as the row says. */
+/* Tells whether the asset of a row exists and has the size that the row says. */
 int psplat_make_asset_is_done(const char *folder, const psplat_row *row);
 
 #endif

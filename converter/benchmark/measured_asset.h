@@ -32,11 +32,11 @@ psplat_result psplat_measured_asset_open(psplat_measured_asset *asset,
                                          const psplat_setting *setting, const char *path,
                                          psplat_error *error);
 void psplat_measured_asset_close(psplat_measured_asset *asset);
-/* Fills the values of the row that compare.h calls shape. */
+/* Fills the values of the row that compare/shape_errors.h measures. */
 psplat_result psplat_measured_asset_shape(const psplat_measured_asset *asset,
                                           psplat_sweep_context *context, int samples,
                                           psplat_row *row, psplat_error *error);
-/* Fills those of pictures, drawn as the row's setting says. */
+/* Fills the values of pictures (views/image_metrics.h), drawn as the row's setting says. */
 psplat_result psplat_measured_asset_picture(const psplat_measured_asset *asset,
                                             psplat_sweep_context *context, psplat_row *row,
                                             psplat_error *error);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * subprocess.h - other programs.
+ * subprocess.h - runs another program and reads the first line that it prints.
  */
 #ifndef PHONGSPLAT_BENCHMARK_SUBPROCESS_H
 #define PHONGSPLAT_BENCHMARK_SUBPROCESS_H

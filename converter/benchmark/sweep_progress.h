@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * sweep_progress.h - what a sweep is at, and how much of it is done.
+ * sweep_progress.h - the progress of a sweep: its current task, and the part of the work that is
+ * done.
  */
 #ifndef PHONGSPLAT_BENCHMARK_SWEEP_PROGRESS_H
 #define PHONGSPLAT_BENCHMARK_SWEEP_PROGRESS_H
@@ -27,8 +28,8 @@ typedef struct psplat_sweep_progress {
 /* Adds a task to what is planned. */
 void psplat_sweep_progress_plan(psplat_sweep_progress *progress, psplat_task task,
                                 const psplat_setting *setting);
-/* Ends the task that is running and begins another, or, of PSPLAT_TASK_TIME, those that are left.
- * Fails with INTERRUPTED where report is not 0. */
+/* Ends the task that is running and begins another; PSPLAT_TASK_TIME begins all timings at once.
+ * Fails with INTERRUPTED if the callback of the progress does not return 0. */
 psplat_result psplat_sweep_progress_begin(psplat_sweep_progress *progress, psplat_task task,
                                           const psplat_setting *setting, psplat_error *error);
 /* Reports how much of the running task is done; for callbacks, where user is the

@@ -19,7 +19,7 @@ typedef enum psplat_exit {
     PSPLAT_EXIT_GRAPHICS = 6,    /* no usable graphics context, or no viewer */
     PSPLAT_EXIT_MEMORY = 7,      /* out of memory */
     PSPLAT_EXIT_INTERRUPTED = 8, /* stopped by a signal */
-    PSPLAT_EXIT_BROKEN = 9,      /* the output is written, but not all that was asked for is kept */
+    PSPLAT_EXIT_BROKEN = 9,      /* the output is written, but a promise is broken in places */
     PSPLAT_EXIT_BUDGET = 10      /* no conversion fits the budget */
 } psplat_exit;
 

@@ -15,7 +15,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double default_crease_degrees = 30; /* the default of psplat_convert_desc */
 

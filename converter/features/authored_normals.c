@@ -45,7 +45,7 @@ static const float *normal_of(const psplat_surface *surface, uint32_t corner) {
     return surface->mesh->corner_normals + 3 * (size_t)corner;
 }
 
-/* Whether the normal of a corner points to the front of its triangle. */
+/* Returns whether the normal of a corner points to the front of its triangle. */
 static int is_trusted(const psplat_surface *surface, uint32_t corner) {
     const float *n = normal_of(surface, corner);
     double own[3] = {(double)n[0], (double)n[1], (double)n[2]};
@@ -89,7 +89,7 @@ static uint8_t read_edge(const psplat_surface *surface, uint32_t edge) {
     return counts[2] == 2 ? PSPLAT_AUTHORED_SMOOTH : 0;
 }
 
-/* Whether the normals of its two triangles differ at both ends of an edge. */
+/* Returns whether the normals of its two triangles differ at both ends of an edge. */
 static int normals_differ(const psplat_surface *surface, uint32_t edge) {
     int counts[3];
     compare_ends(surface, edge, equal_normals_cosine, counts);
@@ -113,7 +113,7 @@ static size_t flood(normal_reader *r, uint32_t seed, uint8_t floods, int whole, 
     return count;
 }
 
-/* Whether the normals of a component of count triangles are credible. */
+/* Returns whether the normals of a component of count triangles are credible. */
 static int is_credible(normal_reader *r, size_t count) {
     size_t trusted = 0, patches = 0;
     for (size_t i = 0; i < count; ++i) {

@@ -85,7 +85,7 @@ static void drop_short_chains(psplat_surface *surface, const uint8_t *kinds, uin
     }
 }
 
-/* Whether the two triangles of an edge belong to different groups. */
+/* Returns whether the two triangles of an edge belong to different groups. */
 static int is_group_border(const psplat_surface *surface, uint32_t edge) {
     const uint32_t *groups = surface->mesh->groups;
     return groups && groups[edge / 3] != groups[surface->neighbors[edge]];

@@ -137,7 +137,8 @@ static int grid_add(thin_grid *grid, const psplat_samples *samples, uint32_t ind
     return 1;
 }
 
-/* Whether an accepted sample of the same patch and side is within radius (at most a cell). */
+/* Returns whether an accepted sample of the same patch and side is within radius (at most a cell).
+ */
 static int grid_has_near(const thin_grid *grid, const psplat_surface *surface,
                          const psplat_samples *samples, const double p[3], uint32_t triangle,
                          double radius) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * candidate.h - a possible splat with the samples that it covers, and how one is grown.
+ * candidate.h - a possible splat with the samples that it covers.
  */
 #ifndef PHONGSPLAT_FIT_CANDIDATE_H
 #define PHONGSPLAT_FIT_CANDIDATE_H

@@ -27,8 +27,8 @@ void psplat_moments_of(const double (*uv)[2], size_t count, int gradients, pspla
 void psplat_moments_solve(const psplat_moments *moments, double mean, const double along[2],
                           double fitted[3]);
 
-/* Gives those of count candidates that are taken the colours and finishes of the samples that they
- * cover. gradients: 1 lets colours change over a splat. Fails only with PSPLAT_ERROR_MEMORY. */
+/* Gives each taken one of count candidates the colours and finishes of the samples that it
+ * covers. gradients: 1 lets colours change over a splat. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_fit_colors(const psplat_samples *samples, int gradients,
                                 psplat_candidate *candidates, size_t count);
 

@@ -138,8 +138,7 @@ psplat_fit_status psplat_candidate_replace(const psplat_fit_context *context, ps
 void psplat_candidate_put_nearest_first(const psplat_samples *samples, const double point[3],
                                         psplat_candidate *candidate);
 
-/* ---- the steps of an evaluation, for evaluate.c only -------------------------------------------
- */
+/* ---- the steps of an evaluation, for evaluate.c only ---------------------------------------- */
 
 /* evaluate_color.c: returns KEPT where the colours of the covered samples (count) are within the
  * tolerance of one colour that may change linearly, else COLORS_DIFFER. */

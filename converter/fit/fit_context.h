@@ -40,7 +40,7 @@ typedef struct psplat_scratch {
     uint32_t *covered;      /* the samples that the region covers, indices into near.samples */
     uint32_t *next_in_cell; /* near_count, for evaluate_near.c */
     double (*uv)[2], (*slopes)[2]; /* parameters and local normals of the covered samples */
-    double *heights;               /* of samples, for candidate.c */
+    double *heights;               /* of samples, for grow_candidate.c */
     psplat_segment *segments;
     size_t capacity, segment_capacity; /* of the arrays, and of segments */
 } psplat_scratch;

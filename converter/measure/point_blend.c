@@ -10,7 +10,6 @@
 #include "measure/measured_splats.h"
 
 #include <math.h>
-#include <string.h>
 
 /* The least cosine between a splat's normal and the surface's at which the splat counts. Splats
  * that are seen more edge-on do not show. Chosen by hand. */

@@ -6,9 +6,7 @@
 
 #include "material/source_materials.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 size_t psplat_mesh_corners(const psplat_mesh *mesh, psplat_corners arrays[PSPLAT_CORNER_ARRAYS]) {
     const psplat_corners all[PSPLAT_CORNER_ARRAYS] = {

@@ -99,8 +99,8 @@ static component measure_component(const flood *f, size_t begin, size_t end) {
     return c;
 }
 
-/* Whether the flood fill made the back of a component its front. Triangles through a point set had
- * no orientation before, so that only normals and volume count. */
+/* Returns whether the flood fill made the back of a component its front. Triangles through a point
+ * set had no orientation before, so that only normals and volume count. */
 static int is_inverted(const component *c, int is_point_set) {
     if (fabs(c->agreement) > min_normal_agreement * c->area) return c->agreement < 0;
     if (is_point_set) return c->volume < 0;
@@ -142,7 +142,7 @@ static void orient_components(flood *f) {
     }
 }
 
-/* Whether the two triangles of every edge now run along it in opposite directions. */
+/* Returns whether the two triangles of every edge now run along it in opposite directions. */
 static int is_consistent(const flood *f) {
     for (uint32_t e = 0; e < 3 * f->mesh->triangle_count; ++e) {
         uint32_t pair = f->pairs[e];

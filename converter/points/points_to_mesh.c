@@ -165,7 +165,8 @@ static double relative_height(const psplat_point_cloud *cloud, uint32_t a, uint3
     return length > 0 ? fabs(height) : 0;
 }
 
-/* Whether the normals agree about which side is outside. Those of two close sheets do as well. */
+/* Returns whether the normals agree about which side is outside. Those of two close sheets do as
+ * well. */
 static int normals_agree(const psplat_point_cloud *cloud) {
     size_t level = 0, opposed = 0;
     for (uint32_t i = 0; i < cloud->kept_count; ++i)
@@ -211,7 +212,7 @@ static int rescale(psplat_point_cloud *cloud) {
     return 1;
 }
 
-/* Whether a neighbour faces the other way. */
+/* Returns whether a neighbour faces the other way. */
 static int is_opposed(const psplat_point_cloud *cloud, uint32_t point) {
     for (int k = 0; k < PSPLAT_NEIGHBORS; ++k) {
         uint32_t other = cloud->neighbors[PSPLAT_NEIGHBORS * (size_t)point + (size_t)k];

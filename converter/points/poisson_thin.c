@@ -34,7 +34,7 @@ static void cell_of(const dart_grid *grid, uint32_t point, int64_t cell[3]) {
         cell[k] = (int64_t)floor(grid->positions[3 * (size_t)point + (size_t)k] / grid->radius);
 }
 
-/* Whether the normals of two points face away from each other. */
+/* Returns whether the normals of two points face away from each other. */
 static int face_away(const dart_grid *grid, uint32_t a, uint32_t b) {
     if (!grid->normals) return 0;
     const float *m = grid->normals + 3 * (size_t)a, *n = grid->normals + 3 * (size_t)b;

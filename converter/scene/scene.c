@@ -10,7 +10,6 @@
 #include "material/source_materials.h"
 #include "mesh/mesh.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>

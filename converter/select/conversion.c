@@ -18,7 +18,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static const double default_tolerance_percent = 0.5;
 /* The greatest tolerance of a mesh that is a part of something larger, in % of its own diagonal. A

@@ -30,7 +30,7 @@ static int starts_with_any_case(const char *text, const char *word) {
     return !*word;
 }
 
-/* Whether the first word is [ST][C][N][4][n]OFF, as geomview defines it. */
+/* Returns whether the first word is [ST][C][N][4][n]OFF, as geomview defines it. */
 static int is_off(const char *text) {
     if (starts_with(text, "ST")) text += 2;
     text += *text == 'C';
@@ -48,8 +48,8 @@ static int is_binary_stl(const psplat_source *source) {
     return source->size == STL_HEADER + STL_TRIANGLE * triangles;
 }
 
-/* Whether the first line that is neither empty nor a comment is a statement of OBJ, which has no
- * magic number. */
+/* Returns whether the first line that is neither empty nor a comment is a statement of OBJ, which
+ * has no magic number. */
 static int is_obj(const char *text) {
     static const char *const statements[] = {"v ", "v\t", "vn ",     "vt ",     "o ",
                                              "g ", "f ",  "mtllib ", "usemtl ", "s "};
@@ -87,8 +87,8 @@ static size_t count_numbers(const char **text) {
     return numbers;
 }
 
-/* Whether the first line that is neither empty nor a comment, or the one after the number of
- * points, holds numbers alone. XYZ has no magic number either. */
+/* Returns whether the first line that is neither empty nor a comment, or the one after the number
+ * of points, holds numbers alone. XYZ has no magic number either. */
 static int is_xyz(const char *text) {
     text = skip_comments(text);
     size_t numbers = count_numbers(&text);

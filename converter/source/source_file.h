@@ -52,7 +52,7 @@ psplat_result psplat_source_load(const char *path, psplat_source *source, psplat
 /* Frees the content and all that the checks have stored. */
 void psplat_source_free(psplat_source *source);
 
-/* Whether the file is a .gltf or a .glb. */
+/* Returns whether the file is a .gltf or a .glb. */
 int psplat_source_is_gltf(const psplat_source *source);
 
 #ifdef __cplusplus

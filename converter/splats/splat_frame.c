@@ -7,7 +7,6 @@
 #include "base/region.h"
 
 #include <math.h>
-#include <string.h>
 
 /* This is Shepperd's (1978) method: it divides by the largest of the four components. */
 void psplat_quaternion_of_axes(const double u[3], const double v[3], const double n[3],

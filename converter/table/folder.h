@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * folder.h - the directory of a sweep. One that holds a tradeoff.csv is one; files of the user
- * beside it are left alone. Two sweeps at once must not share one.
+ * folder.h - the directory of a sweep. A directory that holds a tradeoff.csv counts as one; files
+ * of the user beside it are left alone. Two sweeps at once must not share a directory.
  */
 #ifndef PHONGSPLAT_TABLE_FOLDER_H
 #define PHONGSPLAT_TABLE_FOLDER_H

@@ -8,7 +8,8 @@
 #include "table/setting.h"
 
 /* X(CONSTANT, name). Units are in the names; distances are % of the source's diagonal, angles
- * degrees, areas and differences % (see compare.h). They stand in the order in which they are
+ * degrees, areas and differences % (see
+ * compare/shape_errors.h and views/image_metrics.h). They stand in the order in which they are
  * measured: first the asset and its shape, then pictures, then times (medians and quartiles). */
 #define PSPLAT_COLUMNS(X)                                                                          \
     X(BYTES, bytes)                                                                                \
@@ -81,7 +82,7 @@ extern const char *const psplat_row_value_names[PSPLAT_COLUMN_COUNT];
 psplat_row psplat_row_empty(const psplat_setting *setting);
 
 /* Tells which time stands for what a frame costs: the GPU's where every drawn row has it, else the
- * CPU's of all threads, since software GL draws with the CPU, and a clock on the wall measures what
+ * CPU's of all threads, since software GL draws with the CPU, and wall-clock time includes what
  * else the machine does. */
 psplat_column psplat_rows_cost(const psplat_row *rows, size_t count);
 

@@ -30,7 +30,7 @@ typedef struct psplat_sweep_options {
     int effort;
     uint64_t seed;
     int samples; /* of shape comparisons; default that of psplat_shape_desc */
-    int size;    /* pictures are so many pixels wide and high; default 512 */
+    int size;    /* width and height of pictures in pixels; default 512 */
     int frames;  /* of each setting that are timed; default 24 */
 } psplat_sweep_options;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * advice.h - one setting for what somebody asks for.
+ * advice.h - recommends one setting within the user's limits.
  */
 #ifndef PHONGSPLAT_TRADEOFF_ADVICE_H
 #define PHONGSPLAT_TRADEOFF_ADVICE_H
@@ -22,7 +22,7 @@ typedef struct psplat_demand {
 } psplat_demand;
 
 typedef struct psplat_advice {
-    size_t row;        /* SIZE_MAX: no setting has what it takes to choose one */
+    size_t row;        /* SIZE_MAX: no row has the values that the choice needs */
     int fits;          /* 0: nothing keeps the limits, row is the nearest miss */
     size_t simplified; /* the smallest of gltfpack's meshes that keeps them; SIZE_MAX: none does */
 } psplat_advice;

@@ -8,8 +8,9 @@
 #include "table/sweep_table.h"
 #include "table/text.h"
 
-/* Adds the page, which is self-contained and has no scripts. It holds what was measured on what,
- * the front, the charts that lie in the folder (NULL leaves them out), and every row. */
+/* Adds the page, which is self-contained and has no scripts. It shows the source and the
+ * machine's graphics, the front, the charts that lie in the folder (NULL leaves them out), and
+ * every row. */
 void psplat_page_write(const psplat_sweep_table *table, const char *folder, psplat_text *text);
 
 #endif

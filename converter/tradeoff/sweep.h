@@ -5,10 +5,10 @@
  *     options -> table of settings -> assets -> measurements -> table, charts, page
  *
  * A sweep converts one mesh by a ladder of tolerances and two kinds of normal fields, measures each
- * conversion with compare.h, draws it in each mode with and without filter, and times them all in
- * turn. What is measured is kept in a directory: tradeoff.csv, assets, charts, a page. Nothing
- * prints but the command line. Numbers are written and read in the C locale, which the command line
- * never leaves.
+ * conversion (compare/shape_errors.h), draws it in each mode with and without filter, and times
+ * them all in turn. What is measured is kept in a directory: tradeoff.csv, assets, charts, a page.
+ * Nothing prints but the command line. Numbers are written and read in the C locale, which the
+ * command line never leaves.
  */
 #ifndef PHONGSPLAT_TRADEOFF_SWEEP_H
 #define PHONGSPLAT_TRADEOFF_SWEEP_H

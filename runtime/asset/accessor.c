@@ -165,8 +165,7 @@ psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value value,
     return PSPLAT_OK;
 }
 
-/* ---- values: whatever the machine's byte order and integers are -------------------------------
- */
+/* ---- values: whatever the machine's byte order and integers are ----------------------------- */
 
 static float float_at(const uint8_t *bytes) {
     uint32_t bits = (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |

@@ -6,7 +6,6 @@
  * function of the host's, so that even blended depths (spec 5.4) can be converted back.
  */
 #include "renderer/depth_span.h"
-#include "core/matrix.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,8 +4,8 @@
  * Reading and checking a file is the slow part and needs no GL; the upload is for the thread that
  * draws.
  */
-#ifndef ENGINE_LOADER_H
-#define ENGINE_LOADER_H
+#ifndef ENGINE_BACKGROUND_LOADER_H
+#define ENGINE_BACKGROUND_LOADER_H
 
 #include <phongsplat/phongsplat.h>
 

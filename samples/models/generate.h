@@ -74,8 +74,7 @@ solid make_scan(double x, double y, double z, int count);
 solid make_vase(void);   /* open, with texture coordinates */
 solid make_ribbon(void); /* a coloured ring */
 
-/* ---- formats.c: each returns 0, or -1 where the file cannot be written ------------------------
- */
+/* ---- formats.c: each returns 0, or -1 where the file cannot be written ---------------------- */
 
 int write_obj(const char *path, const solid *s);
 int write_off(const char *path, const solid *s);
@@ -91,13 +90,11 @@ int write_gltf(const char *path, const solid *s);
 /* Writes the painted piece: a textured vase and two coloured rings under a tree of nodes. */
 int write_painted_glb(const char *path, const solid *vase, const solid *ribbon);
 
-/* ---- still_life.c: a scene --------------------------------------------------------------------
- */
+/* ---- still_life.c: a scene ------------------------------------------------------------------ */
 
 int write_still_life(const char *path);
 
-/* ---- png.c: an RGB picture as PNG with stored deflate blocks; *size bytes, malloc'ed ----------
- */
+/* ---- png.c: an RGB picture as PNG with stored deflate blocks; *size bytes, malloc'ed -------- */
 
 uint8_t *make_png(const uint8_t *rgb, uint32_t width, uint32_t height, size_t *size);
 

@@ -82,8 +82,7 @@ void outline_free(outline *o) {
     *o = (outline){0};
 }
 
-/* ---- triangulation ----------------------------------------------------------------------------
- */
+/* ---- triangulation -------------------------------------------------------------------------- */
 
 typedef struct delaunay {
     double (*points)[2]; /* perturbed; used only for decisions */

@@ -105,8 +105,7 @@ solid make_sphere(int subdivisions) {
     return s;
 }
 
-/* ---- grids: surfaces over (u, v) --------------------------------------------------------------
- */
+/* ---- grids: surfaces over (u, v) ------------------------------------------------------------ */
 
 solid make_torus(double major, double minor, int segments, int sides) {
     solid s = {0};
@@ -163,8 +162,7 @@ solid make_cone(double radius, double height, int segments) {
     return s;
 }
 
-/* ---- the painted piece --------------------------------------------------------------------------
- */
+/* ---- the painted piece ---------------------------------------------------------------------- */
 
 /* Makes a surface of revolution row by row. Its seam is there twice, so that texture coordinates
  * can run from 0 to 1; for that, positions are added directly instead of being joined. */

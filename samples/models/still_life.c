@@ -7,11 +7,9 @@
 #include "gltf_parts.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
-/* ---- shapes ------------------------------------------------------------------------------------
- */
+/* ---- shapes --------------------------------------------------------------------------------- */
 
 /* Makes a surface of revolution about y. The profile runs from the axis back to the axis, so that
  * the surface closes; its outside is on the right of the profile. */
@@ -68,8 +66,7 @@ static solid make_pear(void) {
     return s;
 }
 
-/* ---- the file ----------------------------------------------------------------------------------
- */
+/* ---- the file ------------------------------------------------------------------------------- */
 
 /* Adds a texture of planks, 32 x 32 pixels. */
 static int add_planks(scene *g) {

@@ -35,8 +35,7 @@ static void check(psplat_result result, const psplat_error *error) {
     exit(1);
 }
 
-/* ---- a sphere of smooth colours ---------------------------------------------------------------
- */
+/* ---- a sphere of smooth colours ------------------------------------------------------------- */
 
 static void put_vertex(psplat_mesh *mesh, size_t row, size_t column) {
     double theta = pi * (double)row / STEPS, phi = pi * (double)column / STEPS;
@@ -77,8 +76,7 @@ static void make_sphere(psplat_mesh *mesh) {
         }
 }
 
-/* ---- measuring --------------------------------------------------------------------------------
- */
+/* ---- measuring ------------------------------------------------------------------------------ */
 
 typedef struct options {
     double tolerance;

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The rooms of the house stand in one order: a file includes only headers of its own room and of rooms before it, no two files
+# The folders (rooms) of runtime and converter stand in one order: a file includes only headers of its own room and of rooms before it, no two files
 # need each other, and the runtime keeps to itself. Every rule is a function that prints its violations; each is first tried
 # on a small tree that breaks it. In the end the rooms are printed in their order.
 # Environment: SOURCE_DIR; RUNTIME, REFERENCE (static libraries), LIBRARIES (all of them); NM, OBJDUMP, AR, CC.
@@ -48,7 +48,7 @@ rooms_in_order() {
     area=$2
     shift 2
     # shellcheck disable=SC2046  # names of files have no blanks
-    includes "$root" $(room_sources "$root" "$area" "$@") | grep ': "' | grep -vE '"(shaders|layout|bench_shaders)\.h"$' |
+    includes "$root" $(room_sources "$root" "$area" "$@") | grep ': "' | grep -vE '"(shaders|layout)\.h"$' |
         awk -v area="$area" -v rooms="$*" -v root="$root" '
             BEGIN { count = split(rooms, names, " "); for (i = 1; i <= count; ++i) place[names[i]] = i }
             {

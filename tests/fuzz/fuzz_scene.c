@@ -16,8 +16,7 @@
 #include "scene/scene.h"
 #include "splats/splats.h"
 
-/* ---- what holds of scenes -----------------------------------------------------------------------
- */
+/* ---- what holds of scenes ------------------------------------------------------------------- */
 
 static void check_index(uint32_t index, size_t count) {
     FUZZ_DEMAND(index == PSPLAT_NO_INDEX || index < count);

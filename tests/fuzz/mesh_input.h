@@ -21,7 +21,7 @@ void fuzz_read_mesh(const uint8_t *data, size_t size, void (*use)(const psplat_m
  * same as their mesh. */
 void fuzz_read_scene(const uint8_t *data, size_t size, void (*use)(const psplat_scene *scene));
 
-/* Demands the promises of converter.h. */
+/* Demands the promises of psplat_mesh_read (import/read_mesh.h). */
 void fuzz_check_mesh(const psplat_mesh *mesh);
 
 #endif

@@ -4,8 +4,8 @@
  * renderer share. Without EGL a test fails and says so, because the renderer cannot be tested
  * without a context. Include this file after cmocka.h.
  */
-#ifndef PHONGSPLAT_TEST_CANVAS_H
-#define PHONGSPLAT_TEST_CANVAS_H
+#ifndef PHONGSPLAT_TEST_GL_CANVAS_H
+#define PHONGSPLAT_TEST_GL_CANVAS_H
 
 #include <phongsplat/host.h>
 #include <phongsplat/phongsplat.h>

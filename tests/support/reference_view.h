@@ -3,8 +3,8 @@
  * reference_view.h - views for tests, and images that the reference rasteriser draws of them.
  * Matrices are column-major, angles in radians.
  */
-#ifndef PHONGSPLAT_TEST_CAMERA_H
-#define PHONGSPLAT_TEST_CAMERA_H
+#ifndef PHONGSPLAT_TEST_REFERENCE_VIEW_H
+#define PHONGSPLAT_TEST_REFERENCE_VIEW_H
 
 #include "scene_asset.h"
 

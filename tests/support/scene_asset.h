@@ -9,8 +9,8 @@
  *     psplat_asset *asset = scene_open(&s);
  *     scene_free(&s);
  */
-#ifndef PHONGSPLAT_TEST_SCENE_H
-#define PHONGSPLAT_TEST_SCENE_H
+#ifndef PHONGSPLAT_TEST_SCENE_ASSET_H
+#define PHONGSPLAT_TEST_SCENE_ASSET_H
 
 #include <phongsplat/phongsplat.h>
 

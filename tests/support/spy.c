@@ -17,8 +17,7 @@ enum {
 
 enum { QUERY_INTEGER, QUERY_CAPABILITY, QUERY_TEXTURE, QUERY_SAMPLER };
 
-/* ---- functions --------------------------------------------------------------------------------
- */
+/* ---- functions ------------------------------------------------------------------------------ */
 
 /* The rows of spy_calls.h are expanded once for the functions' names ... */
 #define SPY_VOID(name, parameters, arguments, before) FUNCTION_##name,
@@ -58,8 +57,7 @@ static _Thread_local spy *active;
 #undef SPY_DELETE
 #undef SPY_OTHER
 
-/* ---- what is watched --------------------------------------------------------------------------
- */
+/* ---- what is watched ------------------------------------------------------------------------ */
 
 static void trouble(const char *call, const char *text, unsigned number) {
     if (active->trouble[0]) return;
@@ -156,8 +154,7 @@ static void died(const char *call, spy_object kind, GLuint name) {
     --active->live[kind];
 }
 
-/* ---- faults -----------------------------------------------------------------------------------
- */
+/* ---- faults --------------------------------------------------------------------------------- */
 
 /* Counts a call. Returns 0 where the context is lost, so that the call must not be made. */
 static int enter(void) {
@@ -172,8 +169,7 @@ static int is_due(spy_fault fault) {
     return active->fault == fault && active->happened++ == active->at;
 }
 
-/* ---- stand-ins --------------------------------------------------------------------------------
- */
+/* ---- stand-ins ------------------------------------------------------------------------------ */
 
 #define NOTHING
 #define INTEGER(name) touch_integer(call, name);
@@ -291,8 +287,7 @@ static void spy_TexSubImage2D(GLenum target, GLint level, GLint x, GLint y, GLsi
         real_TexSubImage2D()(target, level, x, y, width, height, format, type, pixels);
 }
 
-/* ---- the loader -------------------------------------------------------------------------------
- */
+/* ---- the loader ----------------------------------------------------------------------------- */
 
 static const struct {
     const char *name;

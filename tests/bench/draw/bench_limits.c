@@ -58,8 +58,7 @@ static void see_from(trial *t, double distance) {
     camera_perspective(&t->view, 40 * distance, distance / 2, distance * 2);
 }
 
-/* ---- what is varied ---------------------------------------------------------------------------
- */
+/* ---- what is varied ------------------------------------------------------------------------- */
 
 static trial at_origin_distance(double x) {
     trial t = ball();
@@ -172,8 +171,7 @@ static const quantity quantities[] = {
     {"gap of two surfaces, epsilon 0", "of the distance", with_gap, 0.1, 0.5, 1e-9},
 };
 
-/* ---- measuring --------------------------------------------------------------------------------
- */
+/* ---- measuring ------------------------------------------------------------------------------ */
 
 /* Draws and returns the renderer's colours and coverage. */
 static float *draw(gpu *g, const psplat_asset *asset, const psplat_view *view) {

@@ -41,8 +41,7 @@ static void fail(const char *what, const char *why) {
     exit(1);
 }
 
-/* ---- what is timed from within ------------------------------------------------------------------
- */
+/* ---- what is timed from within -------------------------------------------------------------- */
 
 static psplat_result read_file(void *user, const psplat_allocator *allocator, const char *path,
                                size_t max_size, void **data, size_t *size) {

@@ -2,8 +2,8 @@
  *
  * draw_options.h - the command line of bench_draw.
  */
-#ifndef PHONGSPLAT_BENCH_OPTIONS_H
-#define PHONGSPLAT_BENCH_OPTIONS_H
+#ifndef PHONGSPLAT_BENCH_DRAW_OPTIONS_H
+#define PHONGSPLAT_BENCH_DRAW_OPTIONS_H
 
 #include <phongsplat/phongsplat.h>
 

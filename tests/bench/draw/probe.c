@@ -90,8 +90,7 @@ probe_report probe_end(void) {
     return probe.report;
 }
 
-/* ---- GL functions of the loader ----------------------------------------------------------------
- */
+/* ---- GL functions of the loader ------------------------------------------------------------- */
 
 static void PSPLAT_GL_CALL bind_framebuffer(GLenum target, GLuint framebuffer) {
     if (target != GL_READ_FRAMEBUFFER) probe.wanted = framebuffer;

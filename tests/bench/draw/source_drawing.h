@@ -3,8 +3,8 @@
  * source_drawing.h - the mesh that a model was made from, drawn as indexed triangles and lit per
  * pixel. It is built only together with the converter.
  */
-#ifndef PHONGSPLAT_BENCH_MESH_H
-#define PHONGSPLAT_BENCH_MESH_H
+#ifndef PHONGSPLAT_BENCH_SOURCE_DRAWING_H
+#define PHONGSPLAT_BENCH_SOURCE_DRAWING_H
 
 #include "draw_method.h"
 

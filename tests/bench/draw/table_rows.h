@@ -3,8 +3,8 @@
  * table_rows.h - a sphere of splats as integers (spec 3.9), 20 bytes each in one interleaved view,
  * in spatial order. It resembles files of the converter and is made at once in any size.
  */
-#ifndef PHONGSPLAT_BENCH_ROWS_H
-#define PHONGSPLAT_BENCH_ROWS_H
+#ifndef PHONGSPLAT_BENCH_TABLE_ROWS_H
+#define PHONGSPLAT_BENCH_TABLE_ROWS_H
 
 #include <stddef.h>
 #include <stdint.h>

@@ -11,7 +11,6 @@
 #include "export/meshopt_codec.h"
 #include "import/read_scene.h"
 #include "mesh/mesh.h"
-#include "pipeline/convert.h"
 #include "pipeline/convert_scene.h"
 #include "scene/scene.h"
 #include "select/conversion.h"

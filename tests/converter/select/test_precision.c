@@ -8,7 +8,6 @@
 
 #include "stage_fixture.h"
 #include "base/region.h"
-#include "base/random.h"
 #include "features/surface.h"
 #include "fit/candidate.h"
 #include "mesh/mesh.h"

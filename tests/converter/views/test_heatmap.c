@@ -22,7 +22,6 @@
 #include "views/heatmap.h"
 #include "views/picture_views.h"
 #include "views/picture_views_parts.h"
-#include "near.h"
 
 enum { SIZE = 64, PANELS = 5 };
 

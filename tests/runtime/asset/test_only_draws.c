@@ -17,8 +17,7 @@
 
 #include <stdlib.h>
 
-/* ---- an allocator that counts, and fails when told to ------------------------------------------
- */
+/* ---- an allocator that counts, and fails when told to --------------------------------------- */
 
 typedef struct counter {
     size_t calls, fail_at; /* fail_at 0: no call fails */
@@ -47,8 +46,7 @@ static psplat_asset *open_as(const void *data, size_t size, int only_draws, coun
     return asset;
 }
 
-/* ---- the same pixels --------------------------------------------------------------------------
- */
+/* ---- the same pixels ------------------------------------------------------------------------ */
 
 static psplat_view view_of(void) {
     psplat_view view = camera_view(CANVAS_SIZE, CANVAS_SIZE);
@@ -146,8 +144,7 @@ static void test_finishes(void **state) {
     free(text);
 }
 
-/* ---- memory ------------------------------------------------------------------------------------
- */
+/* ---- memory --------------------------------------------------------------------------------- */
 
 /* A splat takes 48 bytes instead of 128, a chunk of 256 takes 32, and the rest is what every asset
  * has. */

@@ -198,8 +198,7 @@ static void disturb(const fixture *f) {
     disturb_unpacking(f);
 }
 
-/* ---- before and after ---------------------------------------------------------------------------
- */
+/* ---- before and after ----------------------------------------------------------------------- */
 
 static void begin(fixture *f) {
     f->gl.Disable(GL_RASTERIZER_DISCARD); /* otherwise the host could not clear */
@@ -237,8 +236,7 @@ static void expect_picture(fixture *f, const float *expected) {
     }
 }
 
-/* ---- what the runtime does ----------------------------------------------------------------------
- */
+/* ---- what the runtime does ------------------------------------------------------------------ */
 
 static void draw(fixture *f, const psplat_item *item, const psplat_item *calm_item) {
     psplat_error error = {0};
@@ -425,8 +423,7 @@ static void test_spy(void **state) {
     assert_non_null(strstr(f->spy.trouble, "glHint"));
 }
 
-/* ---- fixtures -----------------------------------------------------------------------------------
- */
+/* ---- fixtures ------------------------------------------------------------------------------- */
 
 static int setup(void **state, psplat_api api) {
     psplat_error error = {0};

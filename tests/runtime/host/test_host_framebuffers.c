@@ -41,8 +41,7 @@ typedef struct world {
     GLuint framebuffer, renderbuffers[2]; /* renderbuffers: colour, depth */
 } world;
 
-/* ---- the host's framebuffer ---------------------------------------------------------------------
- */
+/* ---- the host's framebuffer ----------------------------------------------------------------- */
 
 static void make_framebuffer(world *w, GLenum color, GLenum depth, int samples) {
     const host_gl *gl = &w->gl;
@@ -87,8 +86,7 @@ static void read_pixels(const world *w, GLenum format, float *rgba) {
                 ten ? (float)(packed[i] >> (10 * k) & 1023) / 1023 : (float)bytes[4 * i + k] / 255;
 }
 
-/* ---- the host's plane ---------------------------------------------------------------------------
- */
+/* ---- the host's plane ----------------------------------------------------------------------- */
 
 static GLuint compile(const world *w, GLenum type, const char *body) {
     const char *sources[2] = {w->api == PSPLAT_API_GL ? "#version 330 core\n"
@@ -169,8 +167,7 @@ static double plane_depth(const psplat_view *view, int x, int y, double *edge) {
     return 0.5 + 0.5 * (p[14] - p[10] * distance) / distance;
 }
 
-/* ---- who is seen --------------------------------------------------------------------------------
- */
+/* ---- who is seen ---------------------------------------------------------------------------- */
 
 static double encode(double linear) {
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
@@ -262,8 +259,7 @@ static void test_depths(void **state) {
         expect_format(*state, &formats[i]);
 }
 
-/* ---- several samples a pixel --------------------------------------------------------------------
- */
+/* ---- several samples a pixel ---------------------------------------------------------------- */
 
 /* Draws into a framebuffer of several samples, which the host then resolves. */
 static void draw_resolved(world *w, int samples, int has_plane, float *rgba) {
@@ -308,8 +304,7 @@ static void test_samples(void **state) {
     assert_true(mixed > 60 && equal > SIZE * SIZE * 9 / 10);
 }
 
-/* ---- views, scissor boxes, depth ranges ---------------------------------------------------------
- */
+/* ---- views, scissor boxes, depth ranges ----------------------------------------------------- */
 
 /* A view with an offset shows the same picture at another place; pixels outside the view keep
  * colour and depth. */
@@ -450,8 +445,7 @@ static void test_host_pixels(void **state) {
     scene_free(&disc);
 }
 
-/* ---- fixtures -----------------------------------------------------------------------------------
- */
+/* ---- fixtures ------------------------------------------------------------------------------- */
 
 static int setup(void **state, psplat_api api) {
     const double eye[3] = {1.2, 0.9, 2.2}, target[3] = {0, 0, 0};

@@ -98,8 +98,7 @@ static void test_far_over_near(void **state) {
     extreme_check(*state, "far / near = 1e7", &e, (extreme_bounds){.least = 4 * 1500});
 }
 
-/* ---- projections ------------------------------------------------------------------------------
- */
+/* ---- projections ---------------------------------------------------------------------------- */
 
 /* Returns a sphere whose back faces are culled: where sides are confused, its inside shows. */
 static extreme culled_sphere(void) {

@@ -41,8 +41,7 @@ static psplat_view make_view(int index) {
     return view;
 }
 
-/* ---- a renderer that threads can have -----------------------------------------------------------
- */
+/* ---- a renderer that threads can have ------------------------------------------------------- */
 
 typedef struct thread_renderer {
     const common *common;
@@ -99,8 +98,7 @@ static void expect_flawless(const thread_renderer *a) {
     assert_int_equal(a->different, 0);
 }
 
-/* ---- in turns -----------------------------------------------------------------------------------
- */
+/* ---- in turns ------------------------------------------------------------------------------- */
 
 /* Two contexts of each API take turns; each is made current only by drawing in it. */
 static void test_turns(void **state) {
@@ -143,8 +141,7 @@ static void test_one_context(void **state) {
     thread_renderer_close(&first);
 }
 
-/* ---- at once ------------------------------------------------------------------------------------
- */
+/* ---- at once -------------------------------------------------------------------------------- */
 
 static void *draw_all(void *argument) {
     thread_renderer *a = argument;
@@ -207,8 +204,7 @@ static void test_workers(void **state) {
     thread_renderer_close(&a);
 }
 
-/* ---- fixtures -----------------------------------------------------------------------------------
- */
+/* ---- fixtures ------------------------------------------------------------------------------- */
 
 static int setup(void **state) {
     common *c = calloc(1, sizeof *c);

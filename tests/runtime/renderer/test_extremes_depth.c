@@ -24,8 +24,7 @@ static void see_from(extreme *e, double distance, double near, double far) {
     camera_perspective(&e->view, 40 * distance, near, far);
 }
 
-/* ---- surfaces close to each other --------------------------------------------------------------
- */
+/* ---- surfaces close to each other ----------------------------------------------------------- */
 
 /* Depths between the view's own planes do not matter here: no pixel is left out for a depth tie. */
 static const agreement_ties edges = {2e-4, 0, 0};
@@ -155,8 +154,7 @@ static void test_depth_range(void **state) {
     extreme_at_most("depth ranges of the host", most, "of the depth range", 2e-7);
 }
 
-/* ---- splats of one plane -----------------------------------------------------------------------
- */
+/* ---- splats of one plane -------------------------------------------------------------------- */
 
 /* Returns discs in the plane z = 0 that are turned within it, with random centres: each pixel sees
  * some twenty. */

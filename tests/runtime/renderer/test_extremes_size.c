@@ -26,8 +26,7 @@ static extreme culled_sphere(size_t splats) {
     return e;
 }
 
-/* ---- units and places --------------------------------------------------------------------------
- */
+/* ---- units and places ----------------------------------------------------------------------- */
 
 static void scale_asset(scene *s, double scale) {
     for (size_t i = 0; i < s->count; ++i) {
@@ -69,8 +68,7 @@ static void test_far_from_origin(void **state) {
     }
 }
 
-/* ---- where the eye is --------------------------------------------------------------------------
- */
+/* ---- where the eye is ----------------------------------------------------------------------- */
 
 static void test_eye_in_model(void **state) {
     extreme e = extreme_of(scene_sphere(300, 1));
@@ -119,8 +117,7 @@ static void test_focal_lengths(void **state) {
                   (extreme_bounds){.thin_uv = 5e-4, .ties = {2e-4, 5e-7, 0.3}, .least = 10000});
 }
 
-/* ---- images ------------------------------------------------------------------------------------
- */
+/* ---- images --------------------------------------------------------------------------------- */
 
 /* A pixel's position is known to 2^-24 of the image's length, which in pixels is a hundred times
  * more than in an image of 160 pixels. */
@@ -137,8 +134,7 @@ static void test_long_images(void **state) {
     }
 }
 
-/* ---- splats in a pixel -------------------------------------------------------------------------
- */
+/* ---- splats in a pixel ---------------------------------------------------------------------- */
 
 /* With the filter every splat is widened to a pixel. A tie is less than a hundredth of a radius. */
 static void test_below_a_pixel(void **state) {

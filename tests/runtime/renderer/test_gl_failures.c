@@ -124,8 +124,7 @@ static void draw_expected(spied_renderer *s, float *expected) {
     expect_nothing_left(s);
 }
 
-/* ---- one thing at a time ------------------------------------------------------------------------
- */
+/* ---- one thing at a time -------------------------------------------------------------------- */
 
 static void try_allocations(psplat_api api) {
     static float expected[SIZE * SIZE * 4];
@@ -268,8 +267,7 @@ static void test_flags_of_the_host(void **state) {
     spied_renderer_close(&s);
 }
 
-/* ---- lost contexts ------------------------------------------------------------------------------
- */
+/* ---- lost contexts -------------------------------------------------------------------------- */
 
 /* Where the loss is not noticed at once, because it came after the last call that tells, the next
  * frame notices it. From then on every call reports it. */

@@ -225,8 +225,7 @@ static void test_nothing(void **state) {
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
-/* ---- fixtures -----------------------------------------------------------------------------------
- */
+/* ---- fixtures ------------------------------------------------------------------------------- */
 
 static int setup(void **state, psplat_api api) {
     const double eye[3] = {0.3, 0.2, 2}, target[3] = {0, 0, 0};

@@ -161,8 +161,7 @@ static void test_materials(void **state) {
     scene_free(&rough);
 }
 
-/* ---- materials that vary -----------------------------------------------------------------------
- */
+/* ---- materials that vary -------------------------------------------------------------------- */
 
 /* Returns the memory of one splat with these attributes. */
 static psplat_memory draw_varied(const char *const names[2], const psplat_view *view) {
