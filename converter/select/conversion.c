@@ -132,6 +132,9 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
     const psplat_convert_desc *desc = c->desc;
     double degrees =
         desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
+    if (desc->effort < PSPLAT_EFFORT_NONE || desc->effort > PSPLAT_GREATEST_EFFORT)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "an effort of %d; %d is the greatest",
+                           desc->effort, PSPLAT_GREATEST_EFFORT);
     if (psplat_conversion_interrupted(desc, "finding creases", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     double crease_angle = desc->no_creases ? PSPLAT_NO_CREASES : degrees * PSPLAT_DEGREE;

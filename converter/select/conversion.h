@@ -37,6 +37,9 @@ typedef enum psplat_color_field {
  * are the defaults; the command line calls it 0. */
 enum { PSPLAT_EFFORT_NONE = -1 };
 
+/* The greatest effort. */
+enum { PSPLAT_GREATEST_EFFORT = 9 };
+
 /* The options of a conversion. Zeros are the defaults. */
 typedef struct psplat_convert_desc {
     double tolerance_percent;        /* epsilon in % of the bounding-box diagonal; 0 means 0.5 */
@@ -83,7 +86,8 @@ typedef struct psplat_conversion {
 
 /* Builds all of c that does not depend on samples: surface, limits and appearance. c holds desc and
  * splats; mesh must outlive c. psplat_conversion_free must follow, even where this fails. Errors:
- * MEMORY, INTERRUPTED, NO_SPLATS, RANGE (too large a mesh, too small a tolerance). */
+ * ARGUMENT (an effort out of range), MEMORY, INTERRUPTED, NO_SPLATS, RANGE (too large a mesh, too
+ * small a tolerance). */
 psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
                                       psplat_error *error);
 

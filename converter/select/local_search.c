@@ -386,8 +386,7 @@ psplat_result psplat_local_search(psplat_selection *selection,
 }
 
 /* The rounds of efforts 1 ... 9, after those of 0, the default. Chosen by hand. */
-enum { EFFORTS = 10 };
-static const int rounds_of_effort[EFFORTS] = {2, 1, 2, 3, 4, 6, 9, 13, 18, 25};
+static const int rounds_of_effort[PSPLAT_GREATEST_EFFORT + 1] = {2, 1, 2, 3, 4, 6, 9, 13, 18, 25};
 
 int psplat_local_search_rounds(const psplat_convert_desc *desc) {
     return desc->effort == PSPLAT_EFFORT_NONE ? 0 : rounds_of_effort[desc->effort];

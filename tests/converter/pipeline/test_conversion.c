@@ -249,6 +249,23 @@ static void test_interrupt(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* Efforts end at 9, and the one below 0 stands for none: those beyond are refused by name. */
+static void test_effort_out_of_range(void **state) {
+    (void)state;
+    const int efforts[] = {PSPLAT_EFFORT_NONE - 1, PSPLAT_GREATEST_EFFORT + 1};
+    psplat_mesh mesh = read_model("cube.off");
+    for (size_t i = 0; i < sizeof efforts / sizeof *efforts; ++i) {
+        const psplat_convert_desc desc = {.tolerance_percent = 2, .effort = efforts[i]};
+        psplat_splats splats;
+        psplat_error error;
+        assert_int_equal(psplat_convert(&mesh, &desc, &splats, NULL, &error),
+                         PSPLAT_ERROR_ARGUMENT);
+        assert_non_null(strstr(error.text, "effort"));
+        assert_null(splats.splats);
+    }
+    psplat_mesh_free(&mesh);
+}
+
 /* Splats come back from a file bit by bit, and writing twice gives the same bytes. */
 static void test_round_trip(void **state) {
     (void)state;
@@ -294,11 +311,17 @@ static void test_round_trip(void **state) {
 
 int test_conversion_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_promise),       cmocka_unit_test(test_too_fine),
-        cmocka_unit_test(test_cube),          cmocka_unit_test(test_sphere),
-        cmocka_unit_test(test_deterministic), cmocka_unit_test(test_scale),
-        cmocka_unit_test(test_triangle),      cmocka_unit_test(test_double_sheet),
-        cmocka_unit_test(test_interrupt),     cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_promise),
+        cmocka_unit_test(test_too_fine),
+        cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_deterministic),
+        cmocka_unit_test(test_scale),
+        cmocka_unit_test(test_triangle),
+        cmocka_unit_test(test_double_sheet),
+        cmocka_unit_test(test_interrupt),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_effort_out_of_range),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
