@@ -16,21 +16,23 @@
 /* The greatest number of shadow maps, which lie side by side in one texture. */
 #define PSPLAT_SHADOW_COUNT 4
 
-/* Splats lie in rows of an RGBA32F texture, 512 in each. With the 4 texels of a coloured splat a
- * row is 2048 texels wide, the least size that GLES 3.0 guarantees.
+/* Splats lie in rows of an RGBA32F texture, 512 in each. With 4 texels a splat a row is 2048 texels
+ * wide, the least size that GLES 3.0 guarantees; where a splat has 5 of them, rows have 256 splats.
  *
  *     texel 0: center x y z, ratio of radii r_v / r_u
  *     texel 1: quaternion x y z w times sqrt(r_u): a rotation matrix is quadratic in its
  *              quaternion, so the matrix of this one is r_u times the axes
  *     texel 2: normal field at the center and its gradient (x, y, alpha, beta of spec 3.5)
  *     texel 3: linear colour and gamma, in batches that have either
+ *     last:    alpha, beta, gamma of the surface, in curved batches that have shapes of their own
+ *              (spec 3.4); in the other curved batches the surface is that of the normal field
  *
- * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat. Finishes (the
- * parts of a material that vary over a batch, spec 3.10) lie in another one, up to 4 texels a
- * splat: occlusion, roughness, metallic; emissive; change of colour with u; change of colour with
- * v. The PSPLAT_FINISH_ bits say which of them a batch has. */
-#define PSPLAT_ROW_BITS 9
-#define PSPLAT_ROW_SPLATS 512
+ * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat; where some of a
+ * batch's lines are bent, of an RGBA32F texture (a, b, c, kappa). Finishes (the parts of a material
+ * that vary over a batch, spec 3.10) lie in another one, up to 4 texels a splat: occlusion,
+ * roughness, metallic; emissive; change of colour with u; change of colour with v. The
+ * PSPLAT_FINISH_ bits say which of them a batch has. */
+#define PSPLAT_SPLAT_ROW_BITS(is_wide, has_shape) (9 - (is_wide) * (has_shape))
 #define PSPLAT_SPLAT_TEXELS 3
 #define PSPLAT_FINISH_SURFACE 1
 #define PSPLAT_FINISH_EMISSIVE 2

@@ -8,8 +8,13 @@
 
 extern const char psplat_shader_layout_h[];
 extern const char psplat_shader_shading_glsl[];
+extern const char psplat_shader_splat_data_glsl[];
+extern const char psplat_shader_shift_glsl[];
 extern const char psplat_shader_splat_vert[];
+extern const char psplat_shader_curved_vert[];
+extern const char psplat_shader_sums_glsl[];
 extern const char psplat_shader_splat_frag[];
+extern const char psplat_shader_curved_frag[];
 extern const char psplat_shader_resolve_vert[];
 extern const char psplat_shader_resolve_frag[];
 extern const char psplat_shader_depth_frag[]; /* for the headless host */

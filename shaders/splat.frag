@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * splat.frag - the fragments of one splat. Those outside the ellipse or a clip line are discarded;
- * the others add to the sums of spec 5.4, which layout.h lists.
+ * splat.frag - the fragments of one flat splat. Those outside the ellipse or a clip line are
+ * discarded; the others add to the sums of spec 5.4.
  *
- * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, COLOR, FINISH, COLORS, MATERIALS, OCCLUSION,
- * NEAR, POWER, FILTER, COUNT and WEIGHT_FLOOR, and for the pass that shades the macros of
- * shading.glsl.
+ * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, BENDS, COLOR, FINISH, NEAR and FILTER. sums.glsl
+ * comes before this file.
  */
 #if FILTER
 in vec4 v_uv;
@@ -30,36 +29,35 @@ flat in vec3 v_color;
 #endif
 #if CLIP_COUNT > 0
 in CLIP_TYPE v_clip;
+#if BENDS
+in CLIP_TYPE v_across;
+flat in CLIP_TYPE v_bend;
+#if FILTER
+flat in CLIP_TYPE v_slope0;
+flat in CLIP_TYPE v_slope1;
+flat in CLIP_TYPE v_slope2;
+#endif
 #endif
 
-#if PASS != PSPLAT_PASS_VISIBILITY
-layout(location = 0) out vec4 o_sum;
-#if OCCLUSION
-layout(location = 1) out vec4 o_depth;
-#elif MATERIALS
-layout(location = 1) out vec2 o_depth;
-#else
-layout(location = 1) out float o_depth;
+/* Returns the values of the clip lines: with the filter in pixels, as clip lines are softened. */
+CLIP_TYPE clip_values() {
+    CLIP_TYPE values = v_clip;
+#if BENDS
+    values += v_bend * v_across * v_across;
+#if FILTER
+    values *= inversesqrt(v_slope0 + v_across * (v_slope1 + v_across * v_slope2));
 #endif
 #endif
-#if COLORS
-layout(location = 2) out vec4 o_color;
+    return values;
+}
 #endif
-#if MATERIALS
-layout(location = 3) out vec4 o_surface;
-#endif
-
-uniform vec2 u_kernel; /* -sharpness, exponent / 2 */
-uniform vec3 u_base_color;
-uniform vec3 u_emissive;
-uniform vec3 u_surface; /* metallic, roughness, unlit */
 
 void discard_outside(float r2) {
     if (r2 > 1.0) discard;
 #if CLIP_COUNT == 1
-    if (v_clip < (FILTER == 1 ? -0.5 : 0.0)) discard;
+    if (clip_values() < (FILTER == 1 ? -0.5 : 0.0)) discard;
 #elif CLIP_COUNT > 1
-    if (any(lessThan(v_clip, CLIP_TYPE(FILTER == 1 ? -0.5 : 0.0)))) discard;
+    if (any(lessThan(clip_values(), CLIP_TYPE(FILTER == 1 ? -0.5 : 0.0)))) discard;
 #endif
 #if PASS == PSPLAT_PASS_VISIBILITY && NEAR
     /* Here the splat itself lies between the eye and the near plane, outside the view; only the
@@ -74,7 +72,7 @@ float filter_of() {
 #if FILTER
     factor = v_uv.z;
 #if CLIP_COUNT > 0
-    CLIP_TYPE inside = clamp(v_clip + 0.5, 0.0, 1.0);
+    CLIP_TYPE inside = clamp(clip_values() + 0.5, 0.0, 1.0);
 #if CLIP_COUNT == 1
     factor *= inside;
 #elif CLIP_COUNT == 2
@@ -89,59 +87,25 @@ float filter_of() {
     return factor;
 }
 
-/* Returns psi of spec 3.7 times the filter's factor. The lower bound keeps a covered pixel covered
- * where a sharp kernel underflows. */
-float weight_of(float r2) {
-#if COUNT
-    return 1.0;
-#elif POWER
-    return max(exp(u_kernel.x * pow(r2, u_kernel.y)) * filter_of(), WEIGHT_FLOOR);
-#else
-    return max(exp(u_kernel.x * r2) * filter_of(), WEIGHT_FLOOR);
-#endif
-}
-
 void main() {
     float r2 = dot(v_uv.xy, v_uv.xy);
     discard_outside(r2);
 
 #if PASS == PSPLAT_PASS_PARAMETERS
-    o_sum = vec4(v_uv.xy, v_index, 1.0);
-    o_depth = gl_FragCoord.z;
+    write_parameters(v_uv.xy, v_index, gl_FragCoord.z);
 #elif PASS != PSPLAT_PASS_VISIBILITY
-    float weight = weight_of(r2);
     float depth = gl_FragCoord.z;
 #if FILTER
     depth += v_uv.w;
 #endif
-    vec3 color = u_base_color;
-    vec3 emissive = u_emissive;
-    vec4 surface = vec4(u_surface, 1.0);
+    vec3 color = vec3(1.0), surface = vec3(1.0), emissive = vec3(1.0);
 #if FINISH
-    color *= clamp(v_color, 0.0, 1.0);
-    emissive *= v_emissive;
-    surface *= vec4(v_surface.zy, 1.0, v_surface.x);
+    color = clamp(v_color, 0.0, 1.0);
+    surface = v_surface;
+    emissive = v_emissive;
 #elif COLOR
-    color *= v_color;
+    color = v_color;
 #endif
-#if PASS == PSPLAT_PASS_NORMALS
-    o_sum = weight * vec4(v_normal, 1.0);
-#else
-    vec3 window = vec3(gl_FragCoord.xy, depth);
-    o_sum = weight * vec4(shade(v_normal, window, color, emissive, surface), 1.0);
-#endif
-#if OCCLUSION
-    o_depth = weight * vec4(depth, surface.zw, 0.0);
-#elif MATERIALS
-    o_depth = weight * vec2(depth, surface.z);
-#else
-    o_depth = weight * depth;
-#endif
-#if MATERIALS
-    o_surface = weight * vec4(emissive, surface.y);
-#endif
-#if COLORS
-    o_color = weight * vec4(color, surface.x);
-#endif
+    write_sums(weight_of(r2, filter_of()), depth, v_normal, color, surface, emissive);
 #endif
 }

@@ -1,29 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * splat.vert - draws a splat as one triangle in its plane around its ellipse. The corners are
- * constants in (u, v). The normal field and the clip distances are linear in (u, v), so they are
- * exact at the corners, and the hardware interpolates them with perspective. Vertices are pulled
- * from textures by gl_VertexID (layout.h).
+ * splat.vert - draws a flat splat as one triangle in its plane around its ellipse. The corners are
+ * constants in (u, v). The normal field and the values of straight clip lines are linear in (u, v),
+ * so they are exact at the corners, and the hardware interpolates them with perspective; of bent
+ * lines the fragment shader gets two linear values. Curved splats whose curvature does not show are
+ * drawn by this shader too, as the ellipses in their tangent planes (spec 5.1).
  *
- * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, WIDE, COLOR, FINISH, FIELD, GAMMA, NEAR,
- * TWO_SIDED and FILTER.
+ * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
+ * NEAR, TWO_SIDED, FILTER and TANGENT. splat_data.glsl and shift.glsl come before this file.
  */
 invariant gl_Position;
-
-uniform highp sampler2D u_splats;
-uniform highp sampler2D u_clips;
-#if FINISH
-uniform highp sampler2D u_finishes;
-uniform int u_finish; /* PSPLAT_FINISH_ bits */
-#endif
-uniform mat4 u_modelview;
-uniform mat4 u_projection;
-uniform mat4 u_clip_matrix; /* their product, used by the filter, which need not be as exact */
-uniform mat3 u_normal_matrix;
-uniform vec3 u_shift; /* psplat_placement.shift, see shift_of() */
-uniform vec3 u_view_direction; /* of orthographic views, away from the eye; 0 0 0 in perspective */
-uniform vec3 u_half_viewport; /* half the width and height in pixels, half the depth range */
-uniform int u_first_index; /* the batch's first splat, counted over all batches */
 
 #if FILTER
 out vec4 v_uv; /* u, v; ratio of areas; window depth that was subtracted (spec 5.8) */
@@ -48,6 +34,15 @@ flat out vec3 v_color;
 #endif
 #if CLIP_COUNT > 0
 out CLIP_TYPE v_clip;
+#if BENDS
+out CLIP_TYPE v_across;      /* a v - b u */
+flat out CLIP_TYPE v_bend;   /* kappa / 2 */
+#if FILTER
+flat out CLIP_TYPE v_slope0; /* the square of the slope in pixels is a polynomial in v_across */
+flat out CLIP_TYPE v_slope1;
+flat out CLIP_TYPE v_slope2;
+#endif
+#endif
 #endif
 
 /* Returns a corner of an equilateral triangle, counter-clockwise seen from N. Its inscribed circle
@@ -58,53 +53,6 @@ vec2 corner_uv(int corner) {
     return corner == 0 ? vec2(-1.7388, -1.0039)
                        : corner == 1 ? vec2(1.7388, -1.0039) : vec2(0.0, 2.0078);
 }
-
-/* Returns the rotation matrix of a quaternion times |q|^2: its columns are |q|^2 U, V, N. */
-mat3 axes_of(vec4 q) {
-    vec3 s = q.xyz * q.xyz;
-    vec3 p = q.xyz * q.yzx; /* xy, yz, zx */
-    vec3 w = q.xyz * q.w;
-    float d = q.w * q.w;
-    return mat3(vec3(d + s.x - s.y - s.z, 2.0 * (p.x + w.z), 2.0 * (p.z - w.y)),
-                vec3(2.0 * (p.x - w.z), d - s.x + s.y - s.z, 2.0 * (p.y + w.x)),
-                vec3(2.0 * (p.z + w.y), 2.0 * (p.y - w.x), d - s.x - s.y + s.z));
-}
-
-#if PASS == PSPLAT_PASS_VISIBILITY || TWO_SIDED
-/* Returns the view ray of a point, away from the eye and of any length. */
-vec3 view_ray(vec3 eye) {
-    return u_shift.y > 0.0 ? eye : u_view_direction;
-}
-#endif
-
-#if PASS == PSPLAT_PASS_VISIBILITY
-/* Returns 1 / max(|cos|, 1/2) of eq. (5) for the angle between the splat's normal and the view ray.
- */
-float grazing_of(vec3 normal, vec3 ray) {
-    float projected = dot(normal, ray), both = dot(normal, normal) * dot(ray, ray);
-    return sqrt(both / max(projected * projected, 0.25 * both));
-}
-
-/* Returns what to add to gl_Position.z so that the point lies epsilon further along its own view
- * ray (spec 5.3). With p the point and s = 1 + epsilon / |p| the shifted point is s p, and
- * z'/w' = (z_row.xyz * s p + z_row.w) / (s w). Over the old w that is
- * z - z_row.w * epsilon / (|p| + epsilon). x, y and w stay, so both passes rasterise the same
- * pixels.
- *
- * Epsilon is at least 2^-20 of the distance times grazing (spec 5.3). The shift is at least 2^-20
- * of w, eight steps of a 24-bit depth buffer; but this least shift does not move a point beyond the
- * far plane, because then nothing would tell that the pixel is covered. Between the corners of a
- * splat of radius R at distance D the shift has an error of up to (2 R / D)^2 of epsilon. */
-float shift_of(vec3 eye, vec2 zw, float grazing) {
-    float distance = length(eye);
-    float epsilon = max(u_shift.z, 9.5367431640625e-7 * distance) * grazing;
-    float bottom = u_shift.y > 0.0 ? distance + epsilon : 1.0;
-    float room = zw.y * (1.0 - 1.1920929e-7) - zw.x;
-    float least = abs(zw.y) * 9.5367431640625e-7;
-    if (room > 0.0) least = min(least, room);
-    return max(u_shift.x * epsilon / bottom, least);
-}
-#endif
 
 #if FILTER
 /* The screen-space filter of spec 5.8. A 2 x 2 matrix is a rotation times q plus a reflection times
@@ -154,32 +102,67 @@ Footprint footprint_of(vec4 center, vec4 along_u, vec4 along_v) {
 #endif
 
 #if CLIP_COUNT > 0
-/* Returns a clip line's signed distance: in (u, v), or with the filter in pixels times the factor
- * by which widened is scaled. */
-float clip_distance(ivec2 first, int line, vec2 uv, mat2 widened) {
-    vec3 abc = texelFetch(u_clips, first + ivec2(line, 0), 0).xyz;
-    float value = dot(abc.xy, uv) + abc.z;
-#if FILTER
-    /* |J'^-T (a, b)| is computed by cofactors. */
-    vec2 turned = abc.x * vec2(widened[1].y, -widened[1].x) +
-                  abc.y * vec2(-widened[0].y, widened[0].x);
-    value *= abs(determinant(widened)) * inversesqrt(dot(turned, turned));
-#endif
-    return value;
+/* Returns |det J'| J'^-T (a, b), by cofactors. */
+vec2 turned_of(vec2 ab, mat2 widened) {
+    return ab.x * vec2(widened[1].y, -widened[1].x) + ab.y * vec2(-widened[0].y, widened[0].x);
 }
 
-CLIP_TYPE clip_distances(int column, int row, vec2 uv, mat2 widened) {
-    ivec2 first = ivec2(column * CLIP_COUNT, row);
-#if CLIP_COUNT == 1
-    return clip_distance(first, 0, uv, widened);
-#elif CLIP_COUNT == 2
-    return vec2(clip_distance(first, 0, uv, widened), clip_distance(first, 1, uv, widened));
-#elif CLIP_COUNT == 3
-    return vec3(clip_distance(first, 0, uv, widened), clip_distance(first, 1, uv, widened),
-                clip_distance(first, 2, uv, widened));
+/* What the fragment shader needs of a clip line. */
+struct Line {
+    float value;  /* of a straight line its signed distance: in (u, v), or with the filter in pixels
+                     times the factor by which widened is scaled; of a bent one a u + b v + c */
+    float across; /* the next three are for bent lines: a v - b u */
+    float bend;   /* kappa / 2 */
+    vec3 slope;   /* coefficients, by powers of across, of the square by which value has to be
+                     divided with the filter */
+};
+
+Line line_of(ivec2 texel, vec2 uv, mat2 widened) {
+    vec4 abc = texelFetch(u_clips, texel, 0);
+    Line line = Line(dot(abc.xy, uv) + abc.z, 0.0, 0.0, vec3(0.0));
+#if BENDS
+    line.across = abc.x * uv.y - abc.y * uv.x;
+    line.bend = 0.5 * abc.w;
+#endif
+#if FILTER
+    vec2 turned = turned_of(abc.xy, widened);
+    float area = abs(determinant(widened));
+#if BENDS
+    /* The gradient of (3b) is (a, b) + kappa across (-b, a). */
+    vec2 along = turned_of(vec2(-abc.y, abc.x), widened) * (abc.w / area);
+    turned /= area;
+    line.slope = vec3(dot(turned, turned), 2.0 * dot(turned, along), dot(along, along));
 #else
-    return vec4(clip_distance(first, 0, uv, widened), clip_distance(first, 1, uv, widened),
-                clip_distance(first, 2, uv, widened), clip_distance(first, 3, uv, widened));
+    line.value *= area * inversesqrt(dot(turned, turned));
+#endif
+#endif
+    return line;
+}
+
+#if CLIP_COUNT == 1
+#define OF_LINES(member) lines[0].member
+#elif CLIP_COUNT == 2
+#define OF_LINES(member) vec2(lines[0].member, lines[1].member)
+#elif CLIP_COUNT == 3
+#define OF_LINES(member) vec3(lines[0].member, lines[1].member, lines[2].member)
+#else
+#define OF_LINES(member) vec4(lines[0].member, lines[1].member, lines[2].member, lines[3].member)
+#endif
+
+/* Sets the outputs of the clip lines. */
+void find_lines(ivec2 place, vec2 uv, mat2 widened) {
+    Line lines[CLIP_COUNT];
+    for (int i = 0; i < CLIP_COUNT; ++i)
+        lines[i] = line_of(ivec2(place.x * CLIP_COUNT + i, place.y), uv, widened);
+    v_clip = OF_LINES(value);
+#if BENDS
+    v_across = OF_LINES(across);
+    v_bend = OF_LINES(bend);
+#if FILTER
+    v_slope0 = OF_LINES(slope.x);
+    v_slope1 = OF_LINES(slope.y);
+    v_slope2 = OF_LINES(slope.z);
+#endif
 #endif
 }
 #endif
@@ -198,27 +181,6 @@ vec3 normal_of(ivec2 texel, mat3 axes, float length2, float ratio, vec2 uv) {
 }
 #endif
 
-#if FINISH
-/* Sets the outputs of the finish (spec 3.10). The factors that all splats share are applied in
- * splat.frag. Eq. (4a) is linear in (u, v), so the rasteriser interpolates it exactly. */
-void find_finish(int column, int row, vec2 uv) {
-    int surface = u_finish & PSPLAT_FINISH_SURFACE;
-    int emissive = (u_finish & PSPLAT_FINISH_EMISSIVE) / PSPLAT_FINISH_EMISSIVE;
-    int gradient = (u_finish & PSPLAT_FINISH_GRADIENT) / PSPLAT_FINISH_GRADIENT;
-    ivec2 texel = ivec2(column * (surface + emissive + 2 * gradient), row);
-    v_surface = v_emissive = vec3(1.0);
-    if (surface > 0) v_surface = texelFetch(u_finishes, texel, 0).rgb;
-    texel.x += surface;
-    if (emissive > 0) v_emissive = texelFetch(u_finishes, texel, 0).rgb;
-#if FIELD
-    texel.x += emissive;
-    if (gradient > 0)
-        v_color += uv.x * texelFetch(u_finishes, texel, 0).rgb +
-                   uv.y * texelFetch(u_finishes, texel + ivec2(1, 0), 0).rgb;
-#endif
-}
-#endif
-
 #if TWO_SIDED
 /* Returns whether the splat clearly turns its back to the eye (cos <= -1/2 of spec 5.2), which
  * gl_FrontFacing does not say. */
@@ -231,25 +193,29 @@ bool is_behind(vec3 normal, vec3 eye_center) {
 void main() {
     int splat = gl_VertexID / 3;
     vec2 uv = corner_uv(gl_VertexID - 3 * splat);
-    int row = splat >> PSPLAT_ROW_BITS;
-    int column = splat & (PSPLAT_ROW_SPLATS - 1);
-    ivec2 texel = ivec2(column * (PSPLAT_SPLAT_TEXELS + WIDE), row);
+    ivec2 place = place_of(splat), texel = texel_of(place);
     vec4 center = texelFetch(u_splats, texel, 0);
     vec4 rotation = texelFetch(u_splats, texel + ivec2(1, 0), 0);
-    mat3 axes = axes_of(rotation);
+    mat3 axes = axes_of(rotation), plane = axes; /* the columns of plane lie in the ellipse */
+    vec3 up = axes[2];
+#if TANGENT
+    vec2 slope = texelFetch(u_splats, texel + ivec2(2, 0), 0).xy;
+    plane = mat3(axes[0] - slope.x * axes[2], axes[1] - slope.y * axes[2], axes[2]);
+    up = axes * vec3(slope, 1.0);
+#endif
 
     /* The position goes through eye space, so that z and w of a point, and with them its depth,
      * come from one rounded number. */
     vec3 eye_center = (u_modelview * vec4(center.xyz, 1.0)).xyz;
-    vec3 offset = axes[0] * uv.x + axes[1] * (center.w * uv.y);
+    vec3 offset = plane[0] * uv.x + plane[1] * (center.w * uv.y);
     vec3 eye = eye_center + mat3(u_modelview) * offset;
     gl_Position = u_projection * vec4(eye, 1.0);
 
     mat2 widened = mat2(1.0);
 #if FILTER
     vec4 clip_center = u_clip_matrix * vec4(center.xyz, 1.0);
-    vec4 along_u = u_clip_matrix * vec4(axes[0], 0.0);
-    vec4 along_v = u_clip_matrix * vec4(axes[1] * center.w, 0.0);
+    vec4 along_u = u_clip_matrix * vec4(plane[0], 0.0);
+    vec4 along_v = u_clip_matrix * vec4(plane[1] * center.w, 0.0);
     Footprint footprint = footprint_of(clip_center, along_u, along_v);
     v_uv = vec4(uv, 1.0, 0.0);
     widened *= 1e6; /* clip lines are hard, as with Footprint.lines */
@@ -263,12 +229,12 @@ void main() {
     v_uv = uv;
 #endif
 #if CLIP_COUNT > 0
-    v_clip = clip_distances(column, row, uv, widened);
+    find_lines(place, uv, widened);
 #endif
 
     /* The length is about 1 whatever the unit of the scene is, so that squares stay in the range of
      * float. */
-    vec3 normal = u_normal_matrix * (axes[2] / dot(rotation, rotation));
+    vec3 normal = u_normal_matrix * (up / dot(rotation, rotation));
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR
     v_near = gl_Position.z + gl_Position.w;
@@ -283,10 +249,11 @@ void main() {
     if (is_behind(normal, eye_center)) v_normal = -v_normal;
 #endif
 #if FINISH
-    v_color = vec3(1.0);
-    if ((u_finish & PSPLAT_FINISH_COLOR) > 0)
-        v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
-    find_finish(column, row, uv);
+    /* Eq. (4a) is linear in (u, v), so the rasteriser interpolates it exactly. */
+    Finish finish = finish_of(place);
+    v_color = finish.color + uv.x * finish.color_u + uv.y * finish.color_v;
+    v_surface = finish.surface;
+    v_emissive = finish.emissive;
 #elif COLOR
     v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * region.h - the shape of a splat: an elliptical surfel cut by clip lines.
+ * region.h - the shape of a splat: an elliptical surfel, flat or curved, cut by clip lines.
  */
 #ifndef PHONGSPLAT_BASE_REGION_H
 #define PHONGSPLAT_BASE_REGION_H
@@ -10,19 +10,58 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A convex part of a plane: an ellipse cut by clip lines. Parameters (u, v) are coordinates along
- * the axes in units of the radii, so that the ellipse is the unit disc. A line (a, b, c) keeps the
- * points with a u + b v + c >= 0 (spec 3.6). */
+/* An ellipse cut by clip lines, and the surface over it. Parameters (u, v) are coordinates along
+ * the axes in units of the radii, so that the ellipse is the unit disc. A line (a, b, c) of bend k
+ * keeps the points with a u + b v + c + k (a v - b u)^2 / 2 >= 0 (spec 3.6); with k > 0 what it
+ * keeps is not convex. At s along u and t along v, in lengths, the surface has over the plane the
+ * height slope . (s, t) + (A s^2 + 2 B s t + C t^2) / 2 with A, B, C = hessian (spec 3.4 in
+ * lengths). */
 typedef struct psplat_region {
     double center[3];
     double u[3], v[3], n[3]; /* orthonormal */
     double radius[2];
     double lines[PSPLAT_MAX_CLIP_LINES][3];
+    double bends[PSPLAT_MAX_CLIP_LINES]; /* 0: the line is straight */
     uint32_t line_count;
+    double slope[2], hessian[3]; /* of the surface; all 0: it is the plane */
 } psplat_region;
 
-/* Stores the parameters (u, v) of a point and its height above the plane, in units of length. */
+/* Returns whether the surface differs from the plane. */
+int psplat_region_is_curved(const psplat_region *region);
+
+/* Stores the slopes of the surface along u and v at (u, v): lengths over lengths. */
+void psplat_region_slope(const psplat_region *region, const double uv[2], double slope[2]);
+
+/* Returns the height of the surface over the plane at (u, v), a length. */
+double psplat_region_height(const psplat_region *region, const double uv[2]);
+
+/* Stores the point of the surface at (u, v). */
+void psplat_region_point(const psplat_region *region, const double uv[2], double point[3]);
+
+/* Stores the unit normal of the surface at (u, v). */
+void psplat_region_normal(const psplat_region *region, const double uv[2], double normal[3]);
+
+/* Returns the radius of a sphere around the centre that holds the surface over all of the ellipse.
+ */
+double psplat_region_reach(const psplat_region *region);
+
+/* Returns the greatest magnitude of the surface's second derivative, one over a length, and with
+ * that how far it may leave a chord of length l: that times l^2 / 8. */
+double psplat_region_bend(const psplat_region *region);
+
+/* Stores the parameters (u, v) of a point and how far it lies above the surface, in units of
+ * length: for a plane its height, else the height times the cosine of the surface's slope, which
+ * is the distance up to the third order. */
 void psplat_region_local(const psplat_region *region, const double point[3], double uvh[3]);
+
+/* Returns the value of clip line i at (u, v), which is at least 0 where the line keeps the point.
+ */
+double psplat_region_line_value(const psplat_region *region, uint32_t i, const double uv[2]);
+
+/* Stores the point (u, v) of clip line i, straight or bent, that is m along it: m is measured in
+ * units of the radii from the line's point that is nearest to u = v = 0, along the straight line.
+ */
+void psplat_region_line_point(const psplat_region *region, uint32_t i, double m, double uv[2]);
 
 /* Whether (u, v) lies in the region, with its ellipse scaled by scale and its lines moved outwards
  * by slack, in units of their values. */
@@ -31,7 +70,11 @@ int psplat_region_contains(const psplat_region *region, const double uv[2], doub
 
 /* Stores the region as a polygon in (u, v) with at most capacity corners, counter-clockwise: a
  * regular polygon that is inscribed in the unit circle or else circumscribed, cut by the lines.
- * Returns the number of corners, which is 0 if the lines leave nothing. */
+ * Bent lines become a few chords, or tangents where the polygon is circumscribed and they bulge
+ * out. So a circumscribed polygon holds all of the region, and the corners of an inscribed one are
+ * points of it; its sides are inside too, but for those that are chords of lines that bulge in.
+ * capacity is at least PSPLAT_OUTLINE. Returns the number of corners, which is 0 if the lines leave
+ * nothing. */
 size_t psplat_region_polygon(const psplat_region *region, int inscribed, double (*polygon)[2],
                              size_t capacity);
 
@@ -39,15 +82,17 @@ size_t psplat_region_polygon(const psplat_region *region, int inscribed, double 
  * fit that leaves the surface between samples. Chosen by hand. */
 enum { PSPLAT_OUTLINE = 16 + PSPLAT_MAX_CLIP_LINES };
 
-/* Returns the area, in units of length squared, of the inscribed polygon of 64 sides. */
+/* Returns the area in the plane, in units of length squared: with straight lines that of the
+ * inscribed polygon of 64 sides, with bent ones within about as much of what they leave. */
 double psplat_region_area(const psplat_region *region);
 
 /* The most points that psplat_region_points stores. */
-#define PSPLAT_REGION_POINTS 145
+#define PSPLAT_REGION_POINTS 385
 
-/* Stores points that are spread over a region: its middle, the corners of its inscribed polygon,
- * and the points halfway between. points has room for PSPLAT_REGION_POINTS. Returns the count
- * stored. */
+/* Stores points that are spread over a region's surface: its middle, the corners of its inscribed
+ * polygon, and the points halfway between, as far as lines keep these; of a curved region also
+ * points along the sides, and more between. points has room for PSPLAT_REGION_POINTS. Returns the
+ * count stored. */
 size_t psplat_region_points(const psplat_region *region, double (*points)[3]);
 
 #endif

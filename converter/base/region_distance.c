@@ -2,11 +2,13 @@
  *
  * region_distance.c - distance of a point to a splat region, and to the nearest of many.
  *
- * In its plane a region is a convex part of an ellipse. Its point nearest to a point outside is the
- * nearest point of the ellipse if the clip lines keep that, and lies on one of the lines otherwise.
+ * In its plane a flat region with straight lines is a convex part of an ellipse. Its point nearest
+ * to a point outside is the nearest point of the ellipse if the clip lines keep that, and lies on
+ * one of the lines otherwise.
  */
 #include "base/region_distance.h"
 
+#include "base/curved_distance.h"
 #include "base/region.h"
 #include "base/region_tree.h"
 #include "base/vector.h"
@@ -88,11 +90,19 @@ static double in_plane_distance(const psplat_region *region, const double uv[2])
     return sqrt(least);
 }
 
-double psplat_region_distance(const psplat_region *region, const double point[3]) {
+/* Returns the distance of a point to a region, or at least limit where it is not less than that. */
+static double distance_below(const psplat_region *region, const double point[3], double limit) {
     double uvh[3];
+    int plain = !psplat_region_is_curved(region);
+    for (uint32_t i = 0; i < region->line_count; ++i) plain = plain && region->bends[i] == 0;
+    if (!plain) return psplat_curved_distance(region, point, limit);
     psplat_region_local(region, point, uvh);
     if (psplat_region_contains(region, uvh, 1, 0)) return fabs(uvh[2]);
     return hypot(uvh[2], in_plane_distance(region, uvh));
+}
+
+double psplat_region_distance(const psplat_region *region, const double point[3]) {
+    return distance_below(region, point, HUGE_VAL);
 }
 
 typedef struct nearest_query {
@@ -104,10 +114,10 @@ typedef struct nearest_query {
 static int visit_nearer(void *user, uint32_t index) {
     nearest_query *n = user;
     const psplat_region *region = &n->regions[index];
-    /* A region is no nearer than the sphere around its ellipse. */
-    double beyond = n->distance + max2(region->radius[0], region->radius[1]);
+    /* A region is no nearer than a sphere around its surface. */
+    double beyond = n->distance + psplat_region_reach(region);
     if (distance2_3(region->center, n->point) > beyond * beyond) return 0;
-    n->distance = min2(n->distance, psplat_region_distance(region, n->point));
+    n->distance = min2(n->distance, distance_below(region, n->point, n->distance));
     return 0;
 }
 

@@ -34,20 +34,61 @@ struct psplat_region_tree {
     uint32_t node_count;
 };
 
-/* Returns the box around the circumscribed polygon, cut by the clip lines, which may leave little
- * of a large ellipse. */
-static box region_box(const psplat_region *region, double reach) {
-    double outline[POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES][2];
-    size_t count = psplat_region_polygon(region, 0, outline, POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES);
-    box result;
-    for (int k = 0; k < 3; ++k) {
-        double low = count ? HUGE_VAL : 0, high = -low;
+/* The heights of a region's surface beyond those of its slopes at the corners of a polygon, as the
+ * sum of a convex function and a concave one. */
+typedef struct bow {
+    double convex[POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES];  /* at least 0 */
+    double concave[POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES]; /* at most 0 */
+    double least_convex, most_concave;                     /* over the polygon */
+} bow;
+
+/* Splits the quadratic part of the heights along its principal directions in (u, v): one square
+ * times half a number for each, which is convex or concave by that number's sign. A square is least
+ * where the polygon comes nearest to 0 in that direction. */
+static bow bow_of(const psplat_region *r, double (*outline)[2], size_t count) {
+    bow result = {{0}, {0}, 0, 0};
+    double a = r->hessian[0] * r->radius[0] * r->radius[0];
+    double b = r->hessian[1] * r->radius[0] * r->radius[1];
+    double c = r->hessian[2] * r->radius[1] * r->radius[1];
+    double angle = 0.5 * atan2(2 * b, a - c), x = cos(angle), y = sin(angle);
+    for (int k = 0; k < 2; ++k) {
+        double half = ((a + c) / 2 + (k ? -1 : 1) * hypot((a - c) / 2, b)) / 2;
+        double *part = half > 0 ? result.convex : result.concave, low = HUGE_VAL, high = -HUGE_VAL;
         for (size_t i = 0; i < count; ++i) {
-            double along = outline[i][0] * region->radius[0] * region->u[k] +
-                           outline[i][1] * region->radius[1] * region->v[k];
+            double along =
+                k ? outline[i][1] * x - outline[i][0] * y : outline[i][0] * x + outline[i][1] * y;
+            part[i] += half * along * along;
             low = min2(low, along);
             high = max2(high, along);
         }
+        double nearest = max2(max2(low, -high), 0);
+        *(half > 0 ? &result.least_convex : &result.most_concave) += half * nearest * nearest;
+    }
+    return result;
+}
+
+/* Returns the box around the surface over the circumscribed polygon, cut by the clip lines, which
+ * may leave little of a large ellipse. A convex function is greatest at a corner; so along each
+ * axis the slopes and the convex part are bounded together, and the concave part by itself. */
+static box region_box(const psplat_region *region, double reach) {
+    double outline[POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES][2];
+    size_t count = psplat_region_polygon(region, 0, outline, POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES);
+    bow bow = {{0}, {0}, 0, 0};
+    box result;
+    if (psplat_region_is_curved(region)) bow = bow_of(region, outline, count);
+    for (int k = 0; k < 3; ++k) {
+        double low = count ? HUGE_VAL : 0, high = -low, up = region->n[k];
+        const double *rising = up > 0 ? bow.convex : bow.concave;
+        const double *falling = up > 0 ? bow.concave : bow.convex;
+        double s = region->u[k] + up * region->slope[0], t = region->v[k] + up * region->slope[1];
+        for (size_t i = 0; i < count; ++i) {
+            double along =
+                outline[i][0] * region->radius[0] * s + outline[i][1] * region->radius[1] * t;
+            low = min2(low, along + up * falling[i]);
+            high = max2(high, along + up * rising[i]);
+        }
+        if (count) low += up * (up > 0 ? bow.least_convex : bow.most_concave);
+        if (count) high += up * (up > 0 ? bow.most_concave : bow.least_convex);
         result.low[k] = region->center[k] + low - reach;
         result.high[k] = region->center[k] + high + reach;
     }

@@ -105,6 +105,7 @@ static psplat_result convert(const psplat_asset_maker *m, psplat_row *row, pspla
         .seed = o->seed,
         .progress = psplat_sweep_progress_show_stage,
         .user = m->progress,
+        .planar = row->setting.planar,
     };
     psplat_splats splats = {0};
     psplat_report report = {0};

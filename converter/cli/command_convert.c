@@ -44,6 +44,7 @@ typedef struct arguments {
     int effort;        /* as in psplat_convert_desc */
     int no_creases;
     int constant_normals;
+    int planar;
     const char *precision;
     double position_precision; /* what it means, as in psplat_convert_desc */
     int no_compress;
@@ -128,6 +129,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "constant-normals", PSPLAT_OPTION_FLAG, &a->constant_normals, NULL,
          "one normal a splat instead of a linear field: smaller files\nthat need more splats for "
          "the same shading",
+         0, 0, NULL},
+        {0, "planar", PSPLAT_OPTION_FLAG, &a->planar, NULL,
+         "flat splats alone, as in the paper of 2004, instead of\ncurved ones where these need "
+         "fewer",
          0, 0, NULL},
         {0, "precision", PSPLAT_OPTION_TEXT, &a->precision, "P",
          "float: numbers keep all their bits; or the greatest step of\npositions, in tolerances, "
@@ -241,6 +246,7 @@ static psplat_convert_desc describe(const arguments *a, psplat_progress *progres
         .seed = a->seed,
         .progress = psplat_progress_show,
         .user = progress,
+        .planar = a->planar,
     };
 }
 

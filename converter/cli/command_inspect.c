@@ -16,13 +16,14 @@
 #include <sys/stat.h>
 
 enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1 }; /* of splats, by their number of clip lines */
-/* There are sixteen names of attributes, each with a few types and numbers of components. */
+/* There are seventeen names of attributes, each with a few types and numbers of components. */
 enum { MAX_ATTRIBUTES = 64 };
 
 /* Sums over all primitives of an asset. */
 typedef struct summary {
     size_t splats;
     size_t splats_by_clip_lines[CLASSES];
+    size_t curved_splats, bent_splats;    /* the latter in primitives with bent clip lines */
     size_t attribute_bytes, stored_bytes; /* uncompressed, and in the file */
     size_t file_bytes;
     psplat_attribute attributes[MAX_ATTRIBUTES];
@@ -36,8 +37,8 @@ static psplat_parse parse(int argc, char **argv, const char **input, int *format
         .command = "inspect",
         .operands = "A.glb",
         .summary =
-            "Shows what an asset (.glb or .gltf) holds: splats by number of clip lines, bytes\n"
-            "by attribute, bounds, materials.",
+            "Shows what an asset (.glb or .gltf) holds: splats by number of clip lines, how\n"
+            "many are curved, bytes by attribute, bounds, materials.",
         .options = options,
         .option_count = 1,
         .slots = {input},
@@ -91,6 +92,8 @@ static int summarize(const psplat_asset *asset, summary *s) {
         is_seen[batch->primitive] = 1;
         s->splats += batch->splat_count;
         s->splats_by_clip_lines[batch->clip_count] += batch->splat_count;
+        s->curved_splats += batch->is_curved ? batch->splat_count : 0;
+        s->bent_splats += batch->has_bends ? batch->splat_count : 0;
         for (size_t k = 0; k < batch->attribute_count; ++k) add_attribute(s, &batch->attributes[k]);
     }
     free(is_seen);
@@ -98,10 +101,16 @@ static int summarize(const psplat_asset *asset, summary *s) {
     return 1;
 }
 
+/* Returns what surface a batch's splats have, followed by a space; nothing for planes. */
+static const char *surface_name(const psplat_batch *batch) {
+    return !batch->is_curved ? "" : batch->has_shape ? "curved (by SHAPE) " : "curved ";
+}
+
 static void print_batch(const psplat_batch *b, size_t index) {
     const psplat_material *m = &b->material;
-    printf("batch %zu: primitive %u, %zu splats with %u clip lines, depth tolerance %.6g\n", index,
-           b->primitive, b->splat_count, b->clip_count, (double)b->depth_tolerance);
+    printf("batch %zu: primitive %u, %zu %ssplats with %u %sclip lines, depth tolerance %.6g\n",
+           index, b->primitive, b->splat_count, surface_name(b), b->clip_count,
+           b->has_bends ? "bent " : "", (double)b->depth_tolerance);
     printf(
         "  kernel exp(-%g r^%g), base colour %.3g %.3g %.3g %.3g%s, metallic %.3g, roughness %.3g"
         "%s%s\n",
@@ -116,6 +125,8 @@ static void print_pretty(const char *path, const psplat_asset *asset, const summ
            s->attribute_bytes);
     for (int i = 0; i < CLASSES; ++i)
         if (s->splats_by_clip_lines[i]) printf("%10d  %10zu\n", i, s->splats_by_clip_lines[i]);
+    if (s->curved_splats) printf("    curved  %10zu\n", s->curved_splats);
+    if (s->bent_splats) printf("bent lines  %10zu\n", s->bent_splats);
     printf("\n%-36s %-16s %10s %10s %10s\n", "attribute", "type", "bytes", "in the file",
            "a splat");
     for (size_t i = 0; i < s->attribute_count; ++i) {
@@ -176,6 +187,9 @@ static void write_batches(psplat_writer *json, const psplat_asset *asset) {
         psplat_writer_count(json, "primitive", batch->primitive);
         psplat_writer_count(json, "splats", batch->splat_count);
         psplat_writer_count(json, "clip_lines", batch->clip_count);
+        psplat_writer_boolean(json, "is_curved", batch->is_curved);
+        psplat_writer_boolean(json, "has_shape", batch->has_shape);
+        psplat_writer_boolean(json, "has_bends", batch->has_bends);
         psplat_writer_number(json, "depth_tolerance", (double)batch->depth_tolerance);
         psplat_writer_number(json, "kernel_sharpness", (double)batch->kernel.sharpness);
         psplat_writer_number(json, "kernel_exponent", (double)batch->kernel.exponent);
@@ -196,6 +210,8 @@ static int print_json(const char *path, const psplat_asset *asset, const summary
     psplat_writer_string(&json, "file", path);
     psplat_writer_count(&json, "splats", s->splats);
     psplat_writer_numbers(&json, "splats_by_clip_lines", by_clip_lines, CLASSES);
+    psplat_writer_count(&json, "curved_splats", s->curved_splats);
+    psplat_writer_count(&json, "bent_splats", s->bent_splats);
     psplat_writer_count(&json, "attribute_bytes", s->attribute_bytes);
     psplat_writer_count(&json, "stored_bytes", s->stored_bytes);
     psplat_writer_count(&json, "file_bytes", s->file_bytes);

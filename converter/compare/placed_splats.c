@@ -5,6 +5,11 @@
  * An affine map M turns the scaled axes of an ellipse into conjugate diameters of its image. The
  * axes U' and V' of the image come from the singular value decomposition (r_u' U', r_v' V') R = M
  * (r_u U, r_v V). Parameters become (u', v') = R (u, v), and so do clip lines and gradients.
+ *
+ * A curved splat is a graph of heights along N over its plane. Its image is a graph of heights
+ * along the image of N, whatever that makes with the image of the plane: over the plane
+ * perpendicular to it, to which the images of both axes are projected. What these rise along it
+ * adds to the slopes. So every affine image of a curved region is a curved region, exactly.
  */
 #include "compare/placed_splats.h"
 
@@ -86,6 +91,39 @@ static void apply_rotation(const double r[2][2], double *u, double *v) {
     *v = r[1][0] * x + r[1][1] * y;
 }
 
+/* Returns the sum of r[i][a] * r[j][b] * form[a][b], the entry i, j of a quadratic form in new
+ * parameters. */
+static double turned_form(const double r[2][2], const double form[2][2], int i, int j) {
+    double sum = 0;
+    for (int a = 0; a < 2; ++a)
+        for (int b = 0; b < 2; ++b) sum += r[i][a] * r[j][b] * form[a][b];
+    return sum;
+}
+
+/* Finds the image of a curved region's frame and surface, given the images of its scaled axes, and
+ * the rows of R. */
+static void place_surface(const transform *m, double axes[2][3], psplat_region *region,
+                          double r[2][2]) {
+    const double *radius = region->radius, *h = region->hessian;
+    apply(m->linear, region->n, region->n);
+    double stretch = normalize3(region->n), rise[2], form[2][2];
+    form[0][0] = stretch * h[0] * radius[0] * radius[0];
+    form[0][1] = form[1][0] = stretch * h[1] * radius[0] * radius[1];
+    form[1][1] = stretch * h[2] * radius[1] * radius[1];
+    for (int i = 0; i < 2; ++i) {
+        double along = dot3(axes[i], region->n);
+        rise[i] = stretch * region->slope[i] * radius[i] + along;
+        mad3(axes[i], -along, region->n);
+    }
+    find_axes(axes[0], axes[1], region, r);
+    const double(*turn)[2] = (const double(*)[2])r, (*old)[2] = (const double(*)[2])form;
+    apply_rotation(turn, &rise[0], &rise[1]);
+    for (int i = 0; i < 2; ++i) region->slope[i] = rise[i] / radius[i];
+    region->hessian[0] = turned_form(turn, old, 0, 0) / (radius[0] * radius[0]);
+    region->hessian[1] = turned_form(turn, old, 0, 1) / (radius[0] * radius[1]);
+    region->hessian[2] = turned_form(turn, old, 1, 1) / (radius[1] * radius[1]);
+}
+
 static void place(const transform *m, psplat_region *region, psplat_blend_field *field) {
     double axes[2][3], r[2][2];
     field->depth *= m->scale;
@@ -95,10 +133,14 @@ static void place(const transform *m, psplat_region *region, psplat_blend_field 
         apply(m->linear, region->v, axes[1]);
         for (int i = 0; i < 2; ++i)
             for (int k = 0; k < 3; ++k) axes[i][k] *= region->radius[i];
-        apply(m->normal, region->n, region->n);
-        normalize3(region->n);
         for (int i = 0; i < 3; ++i) apply(m->normal, field->normals[i], field->normals[i]);
-        find_axes(axes[0], axes[1], region, r);
+        if (psplat_region_is_curved(region)) {
+            place_surface(m, axes, region, r);
+        } else {
+            apply(m->normal, region->n, region->n);
+            normalize3(region->n);
+            find_axes(axes[0], axes[1], region, r);
+        }
         for (uint32_t i = 0; i < region->line_count; ++i)
             apply_rotation((const double(*)[2])r, &region->lines[i][0], &region->lines[i][1]);
         for (int k = 0; k < 3; ++k)

@@ -17,9 +17,9 @@ typedef struct psplat_placed_splats {
 } psplat_placed_splats;
 
 /* Transforms the splats of all batches to the coordinates of the scene minus origin: axes become
- * orthogonal again, and clip lines and normals follow them (spec 4). Splats under a singular
- * transform are left out, since they draw nothing. A pure translation changes nothing but the
- * centres. The caller frees *placed with psplat_placed_splats_free. Errors: MEMORY, RANGE. */
+ * orthogonal again, and surfaces, clip lines and normals follow them (spec 4). Splats under a
+ * singular transform are left out, since they draw nothing. A pure translation changes nothing but
+ * the centres. The caller frees *placed with psplat_placed_splats_free. Errors: MEMORY, RANGE. */
 psplat_result psplat_placed_splats_create(const psplat_asset *asset, const double origin[3],
                                           psplat_placed_splats *placed, psplat_error *error);
 /* Builds the tree of placed->splats, which finds the splats within reach (a length) of a point.

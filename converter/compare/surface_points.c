@@ -16,8 +16,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The sides of the polygon in place of an ellipse; each clip line adds one corner at most. */
-enum { MIN_SIDES = 8, MAX_SIDES = 64, MAX_CORNERS = MAX_SIDES + PSPLAT_MAX_CLIP_LINES };
+/* The sides of the polygon in place of an ellipse, and the least with bent lines; each clip line
+ * adds one corner at most. */
+enum {
+    MIN_SIDES = 8,
+    BENT_SIDES = PSPLAT_OUTLINE - PSPLAT_MAX_CLIP_LINES,
+    MAX_SIDES = 64,
+    MAX_CORNERS = MAX_SIDES + PSPLAT_MAX_CLIP_LINES
+};
 
 void psplat_surface_points_free(psplat_surface_points *cloud) {
     free(cloud->points);
@@ -79,43 +85,75 @@ psplat_result psplat_surface_points_of_mesh(const psplat_source_mesh *mesh, cons
 
 /* ---- points of splats ------------------------------------------------------------------------ */
 
-/* A polygon around a region, with a triangle fan for sampling by area. Random points between the
- * ellipse and the polygon's sides are rejected. */
+/* A convex polygon around a region, with a triangle fan for sampling by area. Random points between
+ * the region and the polygon's sides are rejected. */
 typedef struct outline {
     double corners[MAX_CORNERS][2];
     size_t count;
     double areas[MAX_CORNERS]; /* running sums of the fan around corner 0 */
-    double area;
+    double stretch;            /* greatest ratio of an area on the surface to that in the plane */
+    double area;               /* of the polygon, times stretch */
 } outline;
 
+/* Returns how much greater an area of the surface is than that below it in the plane. */
+static double stretch_at(const psplat_region *region, const double uv[2]) {
+    double slope[2];
+    psplat_region_slope(region, uv, slope);
+    return sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+}
+
+/* Puts a straight line behind each clip line that bulges in, so that the outline is convex. */
+static psplat_region convex_hull(const psplat_region *region) {
+    psplat_region hull = *region;
+    for (uint32_t i = 0; i < hull.line_count; ++i) {
+        if (!(hull.bends[i] > 0)) continue;
+        double square = hull.lines[i][0] * hull.lines[i][0] + hull.lines[i][1] * hull.lines[i][1],
+               bend = hull.bends[i] * square;
+        /* It is least far back where it meets the circle, which is quadratic in that. */
+        double root = sqrt(max2(1 + hull.bends[i] * (2 * hull.lines[i][2] + bend), 0));
+        hull.lines[i][2] = (2 * hull.lines[i][2] + bend) / (1 + root);
+        hull.bends[i] = 0;
+    }
+    return hull;
+}
+
 static void find_outline(const psplat_region *region, outline *o) {
-    o->count = psplat_region_polygon(region, 0, o->corners, MAX_CORNERS);
+    psplat_region hull = convex_hull(region);
+    o->count = psplat_region_polygon(&hull, 0, o->corners, MAX_CORNERS);
     o->area = 0;
+    o->stretch = 1; /* The slope is linear, so that its length is greatest at a corner. */
+    for (size_t i = 0; i < o->count; ++i)
+        o->stretch = max2(o->stretch, stretch_at(region, o->corners[i]));
     for (size_t i = 2; i < o->count; ++i) {
         const double *p = o->corners[0], *a = o->corners[i - 1], *b = o->corners[i];
         double twice = (a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]);
         o->area += max2(twice / 2, 0) * region->radius[0] * region->radius[1];
         o->areas[i] = o->area;
     }
+    o->area *= o->stretch;
 }
 
-static void region_point(const psplat_region *region, const double uv[2], double point[3]) {
-    memcpy(point, region->center, 3 * sizeof(double));
-    mad3(point, uv[0] * region->radius[0], region->u);
-    mad3(point, uv[1] * region->radius[1], region->v);
+/* Returns whether a region has a line whose outline is not that of the region itself. */
+static int has_bends(const psplat_region *region) {
+    for (uint32_t i = 0; i < region->line_count; ++i)
+        if (region->bends[i] != 0) return 1;
+    return 0;
 }
 
-/* Adds a random point of the outline unless it is outside the ellipse. */
+/* Adds a random point of the outline unless it is outside the region; where the surface is less
+ * stretched than elsewhere, also by chance. */
 static void push_random(const psplat_region *region, const outline *o, uint64_t *random,
                         psplat_surface_points *cloud) {
-    double at = psplat_random_unit(random) * o->area, uv[2], point[3];
+    double at = psplat_random_unit(random) * (o->area / o->stretch), uv[2], point[3];
     size_t i = 2;
     while (i + 1 < o->count && o->areas[i] < at) ++i;
     const double *p = o->corners[0], *a = o->corners[i - 1], *b = o->corners[i];
     double s = sqrt(psplat_random_unit(random)), t = psplat_random_unit(random);
     for (int k = 0; k < 2; ++k) uv[k] = (1 - s) * p[k] + s * ((1 - t) * a[k] + t * b[k]);
     if (uv[0] * uv[0] + uv[1] * uv[1] > 1) return;
-    region_point(region, uv, point);
+    if (has_bends(region) && !psplat_region_contains(region, uv, 1, 0)) return;
+    if (o->stretch > 1 && psplat_random_unit(random) * o->stretch > stretch_at(region, uv)) return;
+    psplat_region_point(region, uv, point);
     push(cloud, point);
 }
 
@@ -134,9 +172,10 @@ static void push_all(const psplat_region *regions, size_t region_count, size_t c
 
 static void push_corners(const psplat_region *region, size_t sides, psplat_surface_points *cloud) {
     double corners[MAX_CORNERS][2], point[3];
+    if (has_bends(region) && sides < BENT_SIDES) sides = BENT_SIDES;
     size_t count = psplat_region_polygon(region, 1, corners, sides + PSPLAT_MAX_CLIP_LINES);
     for (size_t i = 0; i < count; ++i) {
-        region_point(region, corners[i], point);
+        psplat_region_point(region, corners[i], point);
         push(cloud, point);
     }
 }
@@ -146,7 +185,8 @@ psplat_result psplat_surface_points_of_regions(const psplat_region *regions, siz
                                                psplat_surface_points *cloud, psplat_error *error) {
     size_t sides = region_count ? count / region_count : 0;
     sides = sides < MIN_SIDES ? MIN_SIDES : sides > MAX_SIDES ? MAX_SIDES : sides;
-    size_t most = count + region_count * (sides + 2 * PSPLAT_MAX_CLIP_LINES);
+    size_t corners = (sides < BENT_SIDES ? BENT_SIDES : sides) + 2 * PSPLAT_MAX_CLIP_LINES;
+    size_t most = count + region_count * corners;
     psplat_result result = allocate(cloud, most, 0, error);
     if (result) return result;
     outline o;

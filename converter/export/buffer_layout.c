@@ -6,6 +6,7 @@
  * a buffer view, because every view takes JSON and JSON is most of a small file. For the same
  * reason splats with few clip lines may join the primitive of those with more: their missing lines
  * are padded with lines that cut nothing off, where that takes fewer bytes than another primitive.
+ * And a few flat splats may join the primitive of curved ones, with a shape that is 0.
  */
 #include "export/buffer_layout.h"
 
@@ -20,16 +21,23 @@
 /* Estimates of the JSON that a primitive and each of its attributes take, bytes, chosen by hand. */
 enum { PRIMITIVE_BYTES = 260, ATTRIBUTE_BYTES = 130 };
 
-enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1 }; /* of splats, by their number of clip lines */
+/* How many flat splats may share a primitive with curved ones: fewer than FEW, or at most one of
+ * SHARE splats. More would be slow to draw, since a curved splat costs more than a flat one. Chosen
+ * by hand. */
+enum { FEW = 32, SHARE = 10 };
+
+enum { CLASSES = PSPLAT_LINE_CLASSES, PARTS = PSPLAT_PARTS }; /* of splats, by their clip lines */
 
 /* ---- primitives ----------------------------------------------------------------------------- */
 
-/* The runs of splats that may share a primitive: equal material and depth tolerance, and at most
- * one run of each number of clip lines. */
+/* The runs of splats that may share a primitive: equal material, depth tolerance and kind of
+ * surface, and at most one run of each number of clip lines. Flat runs that joined a curved family
+ * are parts of their own. */
 typedef struct family {
     uint32_t material;
     float depth_tolerance;
-    size_t first[CLASSES], count[CLASSES]; /* by clip lines */
+    int is_curved, has_shape;
+    size_t first[PARTS], count[PARTS];
 } family;
 
 static size_t find_families(const psplat_splats *splats, family *families) {
@@ -37,13 +45,17 @@ static size_t find_families(const psplat_splats *splats, family *families) {
     for (size_t i = 0; i < splats->run_count; ++i) {
         const psplat_run *run = &splats->runs[i];
         size_t f = 0;
-        while (f < count && (families[f].material != run->material ||
-                             families[f].depth_tolerance != run->depth_tolerance ||
-                             families[f].count[run->clip_lines]))
+        while (f < count &&
+               (families[f].material != run->material ||
+                families[f].depth_tolerance != run->depth_tolerance ||
+                families[f].is_curved != run->is_curved ||
+                families[f].has_shape != run->has_shape || families[f].count[run->clip_lines]))
             ++f;
         if (f == count)
-            families[count++] =
-                (family){.material = run->material, .depth_tolerance = run->depth_tolerance};
+            families[count++] = (family){.material = run->material,
+                                         .depth_tolerance = run->depth_tolerance,
+                                         .is_curved = run->is_curved,
+                                         .has_shape = run->has_shape};
         families[f].first[run->clip_lines] = first;
         families[f].count[run->clip_lines] = run->count;
         first += run->count;
@@ -51,16 +63,67 @@ static size_t find_families(const psplat_splats *splats, family *families) {
     return count;
 }
 
+/* Returns whether nothing of the family's splats would change in a primitive of curved ones: with
+ * SHAPE beside the field they keep their own; else their normals have to be those of the plane. */
+static int fits_curved(const psplat_attribute_table *table, const family *flat,
+                       const family *curved) {
+    psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS];
+    int fits = curved->has_shape || table->codes;
+    for (size_t k = 0; k < CLASSES && fits && !curved->has_shape; ++k) {
+        const psplat_run like = {.clip_lines = (uint32_t)k};
+        psplat_attribute_table_formats(table, flat->first[k], flat->count[k], &like, formats);
+        fits = !formats[PSPLAT_ATTRIBUTE_TILT].components &&
+               !formats[PSPLAT_ATTRIBUTE_FIELD].components;
+    }
+    return fits;
+}
+
+/* Returns the splats of the classes from ... to: those of the family, or the flat ones that joined
+ * it. */
+static size_t count_of(const family *f, size_t from, size_t to, int joined) {
+    size_t count = 0;
+    for (size_t k = from; k <= to; ++k) count += f->count[k + (joined ? CLASSES : 0)];
+    return count;
+}
+
+static int are_few(size_t flat, size_t curved) {
+    return !flat || (curved && (flat < FEW || flat * SHARE <= flat + curved));
+}
+
+/* Moves flat families into curved ones, where those may hold them. Returns how many families are
+ * left. */
+static size_t join_families(const psplat_attribute_table *table, family *families, size_t count) {
+    size_t kept = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const family flat = families[i];
+        size_t to = flat.is_curved ? count : 0;
+        for (; to < count; ++to) {
+            const family *f = &families[to];
+            if (f->is_curved && f->material == flat.material &&
+                f->depth_tolerance == flat.depth_tolerance && !count_of(f, 0, CLASSES - 1, 1) &&
+                are_few(count_of(&flat, 0, CLASSES - 1, 0), count_of(f, 0, CLASSES - 1, 0)) &&
+                fits_curved(table, &flat, f))
+                break;
+        }
+        for (size_t k = 0; k < CLASSES && to < count; ++k) {
+            families[to].first[CLASSES + k] = flat.first[k];
+            families[to].count[CLASSES + k] = flat.count[k];
+        }
+        if (to == count) families[kept++] = flat;
+    }
+    return kept;
+}
+
 /* Estimates the bytes of writing the classes from ... to as one primitive: JSON and padding. */
 static double cost_of(const family *f, size_t from, size_t to, size_t line_bytes, double padding) {
+    size_t own = count_of(f, from, to, 0), joined = count_of(f, from, to, 1);
     double cost = 0;
-    int any = 0;
+    if (!are_few(joined, own)) return HUGE_VAL;
     for (size_t k = from; k <= to; ++k) {
-        size_t lines = f->count[k] * (to - k);
+        size_t lines = (f->count[k] + f->count[CLASSES + k]) * (to - k);
         if (lines) cost += padding * (double)(lines * line_bytes);
-        any |= f->count[k] > 0;
     }
-    return any ? cost + PRIMITIVE_BYTES + (double)(6 + to) * ATTRIBUTE_BYTES : 0;
+    return own ? cost + PRIMITIVE_BYTES + (double)(6 + to) * ATTRIBUTE_BYTES : 0;
 }
 
 /* Finds the cheapest division of the classes into primitives by trying all of them. The result has
@@ -73,7 +136,7 @@ static unsigned cheapest_cut(const family *f, size_t line_bytes, double padding)
         for (size_t k = 0, from = 0; k < CLASSES; ++k) {
             if (!(cut >> k & 1)) continue;
             size_t to = k;
-            while (to > from && !f->count[to]) --to;
+            while (to > from && !f->count[to] && !f->count[CLASSES + to]) --to;
             cost += cost_of(f, from, to, line_bytes, padding);
             from = k + 1;
         }
@@ -84,10 +147,13 @@ static unsigned cheapest_cut(const family *f, size_t line_bytes, double padding)
 
 /* Sets the formats that hold all splats of a primitive. */
 static void set_formats(const psplat_attribute_table *table, psplat_primitive_layout *primitive) {
-    for (size_t class = 0; class < CLASSES; ++class) {
+    const psplat_run like = {.clip_lines = (uint32_t)primitive->clip_lines,
+                             .is_curved = primitive->is_curved,
+                             .has_shape = primitive->has_shape};
+    for (size_t part = 0; part < PARTS; ++part) {
         psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS];
-        psplat_attribute_table_formats(table, primitive->first[class], primitive->counts[class],
-                                       primitive->clip_lines, formats);
+        psplat_attribute_table_formats(table, primitive->first[part], primitive->counts[part],
+                                       &like, formats);
         for (size_t k = 0; k < PSPLAT_ATTRIBUTE_KINDS; ++k) {
             size_t components = primitive->formats[k].components;
             primitive->formats[k] = formats[k];
@@ -98,18 +164,23 @@ static void set_formats(const psplat_attribute_table *table, psplat_primitive_la
 
 static void add_primitives(psplat_buffer_layout *layout, size_t mesh, const family *f,
                            unsigned cut) {
-    psplat_primitive_layout primitive = {
-        .mesh = mesh, .material = f->material, .depth_tolerance = f->depth_tolerance};
+    const psplat_primitive_layout empty = {.mesh = mesh,
+                                           .material = f->material,
+                                           .depth_tolerance = f->depth_tolerance,
+                                           .is_curved = f->is_curved,
+                                           .has_shape = f->has_shape};
+    psplat_primitive_layout primitive = empty;
     for (size_t class = 0; class < CLASSES; ++class) {
-        primitive.first[class] = f->first[class];
-        primitive.counts[class] = f->count[class];
-        primitive.count += f->count[class];
-        if (f->count[class]) primitive.clip_lines = class;
+        for (size_t part = class; part < PARTS; part += CLASSES) {
+            primitive.first[part] = f->first[part];
+            primitive.counts[part] = f->count[part];
+            primitive.count += f->count[part];
+            if (f->count[part]) primitive.clip_lines = class;
+        }
         if (!(cut >> class & 1) || !primitive.count) continue;
         set_formats(&layout->tables[mesh], &primitive);
         layout->primitives[layout->primitive_count++] = primitive;
-        primitive = (psplat_primitive_layout){
-            .mesh = mesh, .material = f->material, .depth_tolerance = f->depth_tolerance};
+        primitive = empty;
     }
 }
 
@@ -123,15 +194,18 @@ static void sort_primitives(psplat_primitive_layout *primitives, size_t count) {
         }
 }
 
-static int make_primitives(psplat_buffer_layout *layout, size_t mesh, double padding) {
+static int make_primitives(const psplat_buffer_layout_plan *plan, psplat_buffer_layout *layout,
+                           size_t mesh) {
     const psplat_attribute_table *table = &layout->tables[mesh];
     family *families = malloc((table->splats->run_count + 1) * sizeof *families);
     size_t first = layout->primitive_count;
     if (!families) return 0;
     size_t count = find_families(table->splats, families);
+    if (plan->flat_joins) count = join_families(table, families, count);
     size_t line_bytes = psplat_attribute_bytes(&table->formats[PSPLAT_ATTRIBUTE_LINE]);
     for (size_t i = 0; i < count; ++i)
-        add_primitives(layout, mesh, &families[i], cheapest_cut(&families[i], line_bytes, padding));
+        add_primitives(layout, mesh, &families[i],
+                       cheapest_cut(&families[i], line_bytes, plan->padding));
     sort_primitives(layout->primitives + first, layout->primitive_count - first);
     free(families);
     return 1;
@@ -171,13 +245,13 @@ static void put_attribute(const psplat_buffer_layout *layout,
                           const psplat_primitive_layout *primitive, size_t kind, int is_octahedral,
                           uint8_t *out, size_t stride) {
     const psplat_attribute_table *table = &layout->tables[primitive->mesh];
-    for (size_t class = 0; class < CLASSES; ++class)
-        for (size_t i = 0; i < primitive->counts[class]; ++i, out += stride)
+    for (size_t part = 0; part < PARTS; ++part)
+        for (size_t i = 0; i < primitive->counts[part]; ++i, out += stride)
             if (is_octahedral)
-                psplat_attribute_table_put_octahedral(table, primitive->first[class] + i, out);
+                psplat_attribute_table_put_octahedral(table, primitive->first[part] + i, out);
             else
                 psplat_attribute_table_put(table, kind, &primitive->formats[kind],
-                                           primitive->first[class] + i, out);
+                                           primitive->first[part] + i, out);
 }
 
 static int is_apart(const psplat_buffer_layout_plan *plan, const psplat_attribute_table *table,
@@ -190,11 +264,17 @@ static int is_apart(const psplat_buffer_layout_plan *plan, const psplat_attribut
 static int add_separate_attribute(psplat_buffer_layout *layout, psplat_primitive_layout *primitive,
                                   size_t kind) {
     int is_octahedral = !psplat_attribute_is_clip_line(kind);
-    size_t stride = psplat_attribute_bytes(&layout->tables[primitive->mesh].formats[kind]);
+    size_t stride = psplat_attribute_bytes(&primitive->formats[kind]);
     uint8_t *out =
         add_rows(layout, stride, is_octahedral, primitive->count, &primitive->places[kind]);
     if (out) put_attribute(layout, primitive, kind, is_octahedral, out, stride);
     return out != NULL;
+}
+
+/* Returns whether an attribute takes the place of the kind before it: it has the same name, and a
+ * primitive has only one of both. */
+static int replaces_previous(size_t kind) {
+    return kind == PSPLAT_ATTRIBUTE_SURFACE_TILT || kind == PSPLAT_ATTRIBUTE_SURFACE_FIELD;
 }
 
 /* Finds the offsets of attributes in rows that have room for those of all primitives from first to
@@ -209,8 +289,10 @@ static size_t row_of(const psplat_buffer_layout_plan *plan, const psplat_buffer_
         for (size_t i = first; i <= last; ++i)
             if (layout->primitives[i].formats[kind].components > format.components)
                 format.components = layout->primitives[i].formats[kind].components;
-        offsets[kind] = bytes;
-        if (!is_apart(plan, table, kind)) bytes += psplat_attribute_bytes(&format);
+        offsets[kind] = replaces_previous(kind) ? offsets[kind - 1] : bytes;
+        if (is_apart(plan, table, kind)) continue;
+        size_t end = offsets[kind] + psplat_attribute_bytes(&format);
+        if (end > bytes) bytes = end;
     }
     return bytes;
 }
@@ -258,12 +340,13 @@ static int compress(const psplat_codec *codec, psplat_buffer_view *view) {
     return view->packed_size > 0;
 }
 
-/* Allocates the most primitives and views that there can be: each run may need three views. */
+/* Allocates the most primitives and views that there can be: each run may need one for its rows,
+ * one for its normals and two for its lines, straight and bent. */
 static int reserve(psplat_buffer_layout *layout) {
     size_t runs = 1;
     for (size_t i = 0; i < layout->mesh_count; ++i) runs += layout->tables[i].splats->run_count;
     layout->primitives = calloc(runs, sizeof *layout->primitives);
-    layout->views = calloc(3 * runs, sizeof *layout->views);
+    layout->views = calloc(4 * runs, sizeof *layout->views);
     return layout->primitives && layout->views;
 }
 
@@ -272,7 +355,7 @@ psplat_result psplat_buffer_layout_make(const psplat_buffer_layout_plan *plan,
     int is_made = reserve(layout);
     for (size_t i = 0; i < layout->mesh_count && is_made; ++i) {
         size_t first = layout->primitive_count;
-        is_made = make_primitives(layout, i, plan->padding);
+        is_made = make_primitives(plan, layout, i);
         if (is_made && layout->primitive_count > first)
             is_made = add_mesh(plan, layout, first, layout->primitive_count - 1);
     }

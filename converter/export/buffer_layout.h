@@ -18,14 +18,19 @@ typedef struct psplat_attribute_place {
     size_t view, offset;
 } psplat_attribute_place;
 
-/* One primitive: splats of one mesh with equal material and depth tolerance, sorted by their number
- * of clip lines. */
+/* The parts of a primitive: one for each number of clip lines, and, after those, one for each
+ * number of clip lines of flat splats that share it with curved ones. */
+enum { PSPLAT_LINE_CLASSES = PSPLAT_MAX_CLIP_LINES + 1, PSPLAT_PARTS = 2 * PSPLAT_LINE_CLASSES };
+
+/* One primitive: splats of one mesh with equal material and depth tolerance, and of the same kind
+ * of surface but for a few flat ones. */
 typedef struct psplat_primitive_layout {
     size_t mesh, count;
-    size_t first[PSPLAT_MAX_CLIP_LINES + 1], counts[PSPLAT_MAX_CLIP_LINES + 1]; /* by clip lines */
+    size_t first[PSPLAT_PARTS], counts[PSPLAT_PARTS];
     size_t clip_lines; /* the most of any splat; splats with fewer are padded (spec 3.6) */
     size_t material;
     float depth_tolerance;
+    int is_curved, has_shape; /* as in psplat_run */
     psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS];
     psplat_attribute_place places[PSPLAT_ATTRIBUTE_KINDS];
 } psplat_primitive_layout;
@@ -56,6 +61,7 @@ typedef struct psplat_buffer_layout_plan {
     int rows_alike;            /* all primitives of a mesh have rows of the same attributes */
     int lines_apart;           /* clip lines have a view of their own, one line in a row */
     int normals_apart;         /* normals have a view of their own, for the octahedral filter */
+    int flat_joins;            /* few flat splats may share a primitive with curved ones */
     double padding;            /* expected bytes in the file for one byte of padding */
     const psplat_codec *codec; /* NULL leaves the views uncompressed */
 } psplat_buffer_layout_plan;

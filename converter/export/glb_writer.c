@@ -43,7 +43,10 @@ static const char *infinite_part(const psplat_splat *s, const psplat_finish *fin
     if (!all_finite(s->rotation, 4)) return "ROTATION";
     if (!all_finite(s->radius, 2)) return "SCALE";
     if (!all_finite(s->gradient, 3)) return "NORMAL_FIELD";
-    if (!all_finite(s->clip[0], 3 * PSPLAT_MAX_CLIP_LINES)) return "CLIP";
+    if (!all_finite(s->shape, 5)) return "SHAPE";
+    if (!all_finite(s->clip[0], 3 * PSPLAT_MAX_CLIP_LINES) ||
+        !all_finite(s->bend, PSPLAT_MAX_CLIP_LINES))
+        return "CLIP";
     if (!finish) return NULL;
     const float surface[3] = {finish->occlusion, finish->roughness, finish->metallic};
     if (!all_finite(finish->color_u, 3)) return "COLOR_U";
@@ -52,22 +55,55 @@ static const char *infinite_part(const psplat_splat *s, const psplat_finish *fin
     return all_finite(finish->emissive, 3) ? NULL : "EMISSIVE";
 }
 
+/* Returns whether splats that have integers have steps for all that a run has. */
+static int has_steps(const psplat_precision *precision, const psplat_run *run) {
+    if (!(precision->unit > 0)) return 1;
+    return (!run->is_curved || precision->shape_step > 0) &&
+           (!run->has_bends || precision->bend_step > 0);
+}
+
+/* Returns what a splat has that its run says it has not, or NULL. */
+static const char *unexpected_part(const psplat_run *run, const psplat_splat *splat) {
+    for (int k = 0; k < 5 && !run->is_curved; ++k)
+        if (splat->shape[k] != 0) return "a shape";
+    for (uint32_t i = 0; i < splat->clip_count && !run->has_bends; ++i)
+        if (splat->bend[i] != 0) return "bent lines";
+    return NULL;
+}
+
+static psplat_result check_run_splat(const psplat_run *run, size_t r, const psplat_splat *splat,
+                                     size_t index, psplat_error *error) {
+    const char *unexpected = unexpected_part(run, splat);
+    if (splat->clip_count != run->clip_lines)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "splat %zu has not the %u clip lines of run %zu", index,
+                           (unsigned)run->clip_lines, r);
+    if (!unexpected) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "splat %zu has %s, run %zu has not", index,
+                       unexpected, r);
+}
+
 static psplat_result check_runs(const psplat_splats *splats, psplat_error *error) {
-    size_t index = 0;
+    size_t index = 0, count = 0;
     for (size_t r = 0; r < splats->run_count; ++r) {
         const psplat_run *run = &splats->runs[r];
         if (!run->count || run->material >= splats->material_count ||
             run->clip_lines > PSPLAT_MAX_CLIP_LINES)
             return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                                "run %zu is empty or has a material or lines that there are not", r);
-        for (size_t i = 0; i < run->count; ++i, ++index)
-            if (index >= splats->count || splats->splats[index].clip_count != run->clip_lines)
-                return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
-                                   "splat %zu has not the %u clip lines of run %zu", index,
-                                   (unsigned)run->clip_lines, r);
+        if ((run->has_shape && !run->is_curved) || !has_steps(&splats->precision, run))
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "run %zu has shapes without being curved, or something without a "
+                               "step for it",
+                               r);
+        for (size_t i = 0; i < run->count && index < splats->count; ++i, ++index) {
+            psplat_result result = check_run_splat(run, r, &splats->splats[index], index, error);
+            if (result) return result;
+        }
+        count += run->count;
     }
-    if (index == splats->count) return PSPLAT_OK;
-    return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "runs add up to %zu of %zu splats", index,
+    if (count == splats->count) return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "runs add up to %zu of %zu splats", count,
                        splats->count);
 }
 
@@ -157,23 +193,37 @@ static psplat_result try_plan(const psplat_scene *scene, const psplat_buffer_lay
     return PSPLAT_OK;
 }
 
+static int has_curved_runs(const psplat_splats *splats) {
+    for (size_t i = 0; i < splats->run_count; ++i)
+        if (splats->runs[i].is_curved) return 1;
+    return 0;
+}
+
 static psplat_result try_plans(const psplat_scene *scene, const psplat_write_desc *desc,
                                psplat_buffer_layout *layout, uint8_t **data, size_t *size,
                                psplat_error *error) {
-    enum { APART = 1, NORMALS = 2, ALIKE = 4, PLANS = 8 };
+    enum { APART = 1, NORMALS = 2, ALIKE = 4, JOINED = 8, PADDED = 16, PLANS = 32 };
     const psplat_codec *codec = desc->codec;
+    const unsigned large = codec ? APART | NORMALS | ALIKE : APART;
+    unsigned plans = JOINED;
     size_t splats = 0;
     psplat_result result = PSPLAT_OK;
-    for (size_t i = 0; i < layout->mesh_count; ++i) splats += layout->tables[i].splats->count;
-    for (unsigned plan = 0; plan < PLANS && !result; ++plan) {
+    for (size_t i = 0; i < layout->mesh_count; ++i) {
+        splats += layout->tables[i].splats->count;
+        if (has_curved_runs(layout->tables[i].splats)) plans = PLANS;
+    }
+    for (unsigned plan = 0; plan < plans && !result; ++plan) {
         const psplat_buffer_layout_plan tried = {.lines_apart = (plan & APART) != 0,
                                                  .normals_apart = (plan & NORMALS) != 0,
                                                  .rows_alike = (plan & ALIKE) != 0,
-                                                 .padding = codec ? 0.1 : 1,
+                                                 .flat_joins = (plan & JOINED) != 0,
+                                                 .padding = !codec          ? 1
+                                                            : plan & PADDED ? 0.02
+                                                                            : 0.1,
                                                  .codec = codec};
-        if (tried.normals_apart && !codec) continue; /* they need the filter of a codec */
-        if (splats > MOST_SPLATS_TO_TRY && plan != (codec ? APART | NORMALS | ALIKE : APART))
-            continue;
+        /* Normals apart need the filter of a codec, and without one padding costs what it costs. */
+        if ((tried.normals_apart || plan & PADDED) && !codec) continue;
+        if (splats > MOST_SPLATS_TO_TRY && plan != large) continue;
         result = try_plan(scene, &tried, layout, data, size, error);
     }
     return result;

@@ -74,6 +74,14 @@ static int has_integers(const psplat_primitive_layout *primitive, size_t kind) {
            primitive->formats[kind].type != PSPLAT_TYPE_FLOAT;
 }
 
+static int has_bends(const psplat_primitive_layout *primitive) {
+    for (size_t kind = PSPLAT_ATTRIBUTE_LINE; psplat_attribute_is_clip_line(kind); ++kind) {
+        const psplat_attribute_format *format = &primitive->formats[kind];
+        if (format->components > (format->type == PSPLAT_TYPE_FLOAT ? 3u : 2u)) return 1;
+    }
+    return 0;
+}
+
 /* Writes the ranges of those attributes that are integers (spec 3.9). */
 static void add_ranges(psplat_writer *json, const psplat_attribute_table *table,
                        const psplat_primitive_layout *primitive) {
@@ -85,10 +93,18 @@ static void add_ranges(psplat_writer *json, const psplat_attribute_table *table,
         psplat_writer_float(json, "turnRange", ranges.turn);
     if (has_integers(primitive, PSPLAT_ATTRIBUTE_TILT))
         psplat_writer_float(json, "tiltRange", ranges.tilt);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_SURFACE_TILT))
+        psplat_writer_float(json, "tiltRange", ranges.surface_tilt);
     if (has_integers(primitive, PSPLAT_ATTRIBUTE_FIELD))
         psplat_writer_float(json, "fieldRange", ranges.field);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_SURFACE_FIELD))
+        psplat_writer_float(json, "fieldRange", ranges.shape);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_SHAPE))
+        psplat_writer_float(json, "shapeRange", ranges.shape);
     if (has_integers(primitive, PSPLAT_ATTRIBUTE_LINE))
         psplat_writer_floats(json, "clipRange", ranges.clip, 2);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_LINE) && has_bends(primitive))
+        psplat_writer_float(json, "bendRange", ranges.bend);
     if (has_integers(primitive, PSPLAT_ATTRIBUTE_COLOR_U))
         psplat_writer_float(json, "colorRange", ranges.color);
 }
@@ -99,25 +115,25 @@ static const psplat_fallback_table *fallback_of(const psplat_buffer_layout *layo
     return table && table->fallback ? table : NULL;
 }
 
-/* Returns 1 where the primitive has nothing that version 2 of the extension added, so that older
+/* Returns the lowest version of the extension that has all that the primitive has, so that older
  * readers accept it. */
 static size_t version_of(const psplat_buffer_layout *layout,
                          const psplat_primitive_layout *primitive) {
     int more = layout->tables[primitive->mesh].codes || fallback_of(layout, primitive->mesh);
     for (size_t i = PSPLAT_ATTRIBUTE_COLOR_U; i < PSPLAT_ATTRIBUTE_GAUSSIAN_ROTATION; ++i)
         more |= primitive->formats[i].components > 0;
-    return more ? 2 : 1;
+    return primitive->is_curved || has_bends(primitive) ? 3 : more ? 2 : 1;
 }
 
 /* Finds the least and the greatest POSITION of all splats of a primitive. */
 static void extent_of(const psplat_attribute_table *table, const psplat_primitive_layout *primitive,
                       float low[3], float high[3]) {
     int any = 0;
-    for (size_t class = 0; class <= PSPLAT_MAX_CLIP_LINES; ++class) {
+    for (size_t part = 0; part < PSPLAT_PARTS; ++part) {
         float from[3], to[3];
-        if (!primitive->counts[class]) continue;
-        psplat_attribute_table_extent(table, primitive->first[class], primitive->counts[class],
-                                      from, to);
+        if (!primitive->counts[part]) continue;
+        psplat_attribute_table_extent(table, primitive->first[part], primitive->counts[part], from,
+                                      to);
         for (int k = 0; k < 3; ++k) {
             low[k] = any ? fminf(low[k], from[k]) : from[k];
             high[k] = any ? fmaxf(high[k], to[k]) : to[k];
@@ -138,6 +154,7 @@ static void add_splat_extension(psplat_writer *json, const psplat_buffer_layout 
     psplat_writer_count(json, "clipLines", primitive->clip_lines);
     psplat_writer_float(json, "depthTolerance", (float)((double)primitive->depth_tolerance / unit));
     psplat_writer_floats(json, "positionExtent", extent, 3);
+    if (primitive->is_curved) psplat_writer_boolean(json, "curved", 1);
     add_ranges(json, table, primitive);
     add_kernel(json, &table->splats->kernel);
     psplat_writer_close(json, '}');
@@ -203,7 +220,8 @@ static void add_meshes(psplat_writer *json, const psplat_scene *scene,
         if (primitive == layout->primitive_count || layout->primitives[primitive].mesh != mesh)
             continue;
         psplat_writer_open(json, NULL, '{');
-        if (from->name) psplat_writer_string(json, "name", from->name);
+        /* The node of a scene that was made for one mesh has its name. */
+        if (from->name && !scene->is_made) psplat_writer_string(json, "name", from->name);
         psplat_writer_open(json, "primitives", '[');
         for (; primitive < layout->primitive_count && layout->primitives[primitive].mesh == mesh;
              ++primitive)

@@ -1,19 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * khr_gaussians.c - splats as flat Gaussians of KHR_gaussian_splatting.
+ * khr_gaussians.c - splats as Gaussians of KHR_gaussian_splatting.
  *
  * That extension has no clip lines, no normals and no light. So a Gaussian gets the second moments
- * of the area that clip lines leave of its splat, and a colour with the light baked into it.
+ * of what clip lines leave of its splat, and a colour with the light baked into it. Those of flat
+ * splats are flat; those of curved ones are tilted as their surface is and as thick as that bends.
  */
 #include "export/khr_gaussians.h"
 
+#include "base/eigen.h"
 #include "base/region.h"
+#include "base/vector.h"
 #include "material/mipmap.h"
 #include "splats/splat_frame.h"
 #include "splats/splats.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* The sides of the polygon that stands for an ellipse, and the least thickness of a Gaussian, in
+ * its second standard deviations. */
+enum { SIDES = 64 };
+static const double least_thickness = 0.01;
 
 /* ---- shape ----------------------------------------------------------------------------------- */
 
@@ -36,7 +45,6 @@ static int polygon_moments(double (*p)[2], size_t count, double moments[3]) {
 /* Stores the second moments of a region about its centre, squared lengths along u and v. A region
  * of which clip lines leave nothing gets those of its ellipse. */
 static void region_moments(const psplat_region *region, double moments[3]) {
-    enum { SIDES = 64 };
     double polygon[SIDES + PSPLAT_MAX_CLIP_LINES][2], a = region->radius[0], b = region->radius[1];
     size_t count = region->line_count
                        ? psplat_region_polygon(region, 1, polygon, sizeof polygon / sizeof *polygon)
@@ -58,19 +66,77 @@ static void turn(const float q[4], double angle, float out[4]) {
     for (int k = 0; k < 4; ++k) out[k] = (float)product[k];
 }
 
-/* Aligns the Gaussian with the principal axes of the moments. Its thickness is a hundredth of the
- * smaller standard deviation. */
+/* Adds a triangle's second moments of s, t and height about the centre, in the order of
+ * psplat_eigen, times its signed area in (u, v), by Dunavant's (1985) rule of six points, which is
+ * exact to the fourth degree. Returns that area. */
+static double add_triangle(const psplat_region *region, const double a[2], const double b[2],
+                           const double c[2], double sums[6]) {
+    static const double weights[2] = {0.223381589678011, 0.109951743655322};
+    static const double places[2] = {0.445948490915965, 0.091576213509771};
+    double area = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
+    for (int i = 0; i < 6; ++i) {
+        double at[3], p[3], uv[2];
+        for (int k = 0; k < 3; ++k) at[k] = k == i % 3 ? 1 - 2 * places[i / 3] : places[i / 3];
+        for (int k = 0; k < 2; ++k) uv[k] = at[0] * a[k] + at[1] * b[k] + at[2] * c[k];
+        p[0] = uv[0] * region->radius[0], p[1] = uv[1] * region->radius[1];
+        p[2] = psplat_region_height(region, uv);
+        for (int k = 0, entry = 0; k < 3; ++k)
+            for (int l = k; l < 3; ++l) sums[entry++] += weights[i / 3] * area * p[k] * p[l];
+    }
+    return area;
+}
+
+/* Stores the second moments of a curved region's surface about its centre, in the order of
+ * psplat_eigen. A region of which clip lines leave nothing gets those of its whole. */
+static void surface_moments(const psplat_region *region, double moments[6]) {
+    double polygon[SIDES + PSPLAT_MAX_CLIP_LINES][2], area = 0;
+    psplat_region whole = *region;
+    size_t count = psplat_region_polygon(region, 1, polygon, sizeof polygon / sizeof *polygon);
+    whole.line_count = 0;
+    if (count < 3)
+        count = psplat_region_polygon(&whole, 1, polygon, sizeof polygon / sizeof *polygon);
+    memset(moments, 0, 6 * sizeof *moments);
+    for (size_t i = 2; i < count; ++i)
+        area += add_triangle(region, polygon[0], polygon[i - 1], polygon[i], moments);
+    for (int k = 0; k < 6 && area > 0; ++k) moments[k] /= area;
+}
+
+/* Aligns the Gaussian of a curved splat with the principal axes of its surface. */
+static void set_curved_shape(const psplat_region *region, psplat_gaussian *g) {
+    double moments[6], values[3], local[3][3], axes[3][3] = {{0}};
+    surface_moments(region, moments);
+    psplat_eigen(moments, values, local);
+    /* The two longest first. The third follows from them, and has the side of the normal. */
+    double side = local[2][0] * local[1][1] < local[2][1] * local[1][0] ? -1 : 1;
+    for (int i = 0; i < 2; ++i) {
+        double sign = i ? side : 1;
+        mad3(axes[i], sign * local[2 - i][0], region->u);
+        mad3(axes[i], sign * local[2 - i][1], region->v);
+        mad3(axes[i], sign * local[2 - i][2], region->n);
+    }
+    cross3(axes[2], axes[0], axes[1]);
+    psplat_quaternion_of_axes(axes[0], axes[1], axes[2], g->rotation);
+    for (int i = 0; i < 3; ++i)
+        g->scale[i] = (float)(PSPLAT_GAUSSIAN_WIDTH * sqrt(max2(values[2 - i], 0)));
+    g->scale[2] = fmaxf(g->scale[2], (float)least_thickness * g->scale[1]);
+}
+
+/* Aligns the Gaussian with the principal axes of the moments. */
 static void set_shape(const psplat_splat *splat, psplat_gaussian *g) {
     psplat_region region;
     double m[3];
     psplat_splat_region(splat, &region);
+    if (psplat_region_is_curved(&region)) {
+        set_curved_shape(&region, g);
+        return;
+    }
     region_moments(&region, m);
     double mean = (m[0] + m[2]) / 2, half = (m[0] - m[2]) / 2;
     double spread = sqrt(half * half + m[1] * m[1]);
     turn(splat->rotation, atan2(m[1], half) / 2, g->rotation);
     g->scale[0] = (float)(PSPLAT_GAUSSIAN_WIDTH * sqrt(mean + spread));
     g->scale[1] = (float)(PSPLAT_GAUSSIAN_WIDTH * sqrt(fmax(mean - spread, 0)));
-    g->scale[2] = 0.01f * g->scale[1];
+    g->scale[2] = (float)least_thickness * g->scale[1];
 }
 
 /* ---- colour ---------------------------------------------------------------------------------- */

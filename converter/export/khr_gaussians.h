@@ -13,14 +13,15 @@
 /* A Gaussian at the centre of its splat, opaque. */
 typedef struct psplat_gaussian {
     float rotation[4]; /* unit quaternion x, y, z, w */
-    float scale[3];    /* standard deviations along the rotated axes; the last is tiny */
+    float scale[3];    /* standard deviations along the rotated axes, the longest first; the last is
+                          tiny for flat splats */
     float harmonic[3]; /* spherical harmonic of degree 0 of the sRGB-encoded colour */
 } psplat_gaussian;
 
-/* The standard deviations of a Gaussian are those of the area that clip lines leave of the ellipse,
- * about the splat's centre, times this factor (no unit, chosen by hand). A smaller factor shows
- * gaps between splats, a larger one blurs their outlines. A whole ellipse of radius r gets 0.6 r,
- * so that the Gaussian has fallen to a quarter at its edge. */
+/* The standard deviations of a Gaussian are those of what clip lines leave of the ellipse, or of
+ * the surface over it, about the splat's centre, times this factor (no unit, chosen by hand). A
+ * smaller factor shows gaps between splats, a larger one blurs their outlines. A whole ellipse of
+ * radius r gets 0.6 r, so that the Gaussian has fallen to a quarter at its edge. */
 #define PSPLAT_GAUSSIAN_WIDTH 1.2
 
 /* Makes a Gaussian of every splat; *gaussians is from malloc and owned by the caller. Viewers do

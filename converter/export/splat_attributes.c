@@ -3,7 +3,8 @@
  * splat_attributes.c - the attribute table: the vertex attributes of a mesh's splats as bytes.
  *
  * An attribute that has its default value in every splat is not written: there is no NORMAL_FIELD
- * where all gradients are 0, and no third component of it where all of those are 0. Integers are
+ * where all gradients are 0, and no third component of it where all of those are 0, unless it is
+ * that of curved surfaces. Integers are
  * stored in the smallest type that holds them, in little-endian order, so that equal splats give
  * equal bytes on every machine.
  */
@@ -27,8 +28,11 @@ const char *const psplat_attribute_names[PSPLAT_ATTRIBUTE_KINDS] = {"POSITION",
                                                                     OURS "ROTATION",
                                                                     OURS "TURN",
                                                                     OURS "TILT",
+                                                                    OURS "TILT",
                                                                     OURS "SCALE",
                                                                     OURS "NORMAL_FIELD",
+                                                                    OURS "NORMAL_FIELD",
+                                                                    OURS "SHAPE",
                                                                     OURS "CLIP_0",
                                                                     OURS "CLIP_1",
                                                                     OURS "CLIP_2",
@@ -76,6 +80,16 @@ static const float *gaussian_values(const psplat_gaussian *gaussian, size_t kind
                                                       : gaussian->harmonic;
 }
 
+/* Stores a clip line of a splat and its bend, where the splat has that line; else one that cuts
+ * nothing off (spec 3.6). */
+static void line_values(const psplat_splat *splat, size_t line, float values[4]) {
+    static const float padding[4] = {1, 0, 1, 0};
+    memcpy(values, padding, sizeof padding);
+    if (line >= splat->clip_count) return;
+    memcpy(values, splat->clip[line], sizeof splat->clip[line]);
+    values[3] = splat->bend[line];
+}
+
 /* Stores the attribute of a splat as floats: its value, or, where integers will be rounded from it,
  * the fraction of its range. */
 static void values_of(const psplat_attribute_table *table, size_t kind, size_t index,
@@ -87,22 +101,23 @@ static void values_of(const psplat_attribute_table *table, size_t kind, size_t i
     const float orm[3] = {f->occlusion, f->roughness, f->metallic};
     float sign = table->codes && table->codes[index].flipped ? -1.0f : 1.0f;
     const float *from = is_gaussian(kind) ? gaussian_values(&table->gaussians[index], kind)
-                        : kind == PSPLAT_ATTRIBUTE_POSITION ? s->center
-                        : kind == PSPLAT_ATTRIBUTE_NORMAL   ? s->normal
-                        : kind == PSPLAT_ATTRIBUTE_COLOR    ? s->color
-                        : kind == PSPLAT_ATTRIBUTE_ROTATION ? s->rotation
-                        : kind == PSPLAT_ATTRIBUTE_SCALE    ? s->radius
-                        : kind == PSPLAT_ATTRIBUTE_FIELD    ? s->gradient
-                        : psplat_attribute_is_clip_line(kind)
-                            ? s->clip[kind - PSPLAT_ATTRIBUTE_LINE]
-                        : kind == PSPLAT_ATTRIBUTE_COLOR_U ? f->color_u
-                        : kind == PSPLAT_ATTRIBUTE_COLOR_V ? f->color_v
-                        : kind == PSPLAT_ATTRIBUTE_ORM     ? orm
-                                                           : f->emissive;
-    size_t components = table->formats[kind].components;
-    memcpy(values, from, components * sizeof *values);
-    if (psplat_attribute_is_clip_line(kind) && kind - PSPLAT_ATTRIBUTE_LINE >= s->clip_count)
-        values[0] = values[2] = 1, values[1] = 0; /* spec 3.6: cuts nothing off */
+                        : kind == PSPLAT_ATTRIBUTE_POSITION      ? s->center
+                        : kind == PSPLAT_ATTRIBUTE_NORMAL        ? s->normal
+                        : kind == PSPLAT_ATTRIBUTE_COLOR         ? s->color
+                        : kind == PSPLAT_ATTRIBUTE_ROTATION      ? s->rotation
+                        : kind == PSPLAT_ATTRIBUTE_SCALE         ? s->radius
+                        : kind == PSPLAT_ATTRIBUTE_FIELD         ? s->gradient
+                        : kind == PSPLAT_ATTRIBUTE_SURFACE_FIELD ? s->gradient
+                        : kind == PSPLAT_ATTRIBUTE_SHAPE         ? s->shape + 2
+                        : kind == PSPLAT_ATTRIBUTE_COLOR_U       ? f->color_u
+                        : kind == PSPLAT_ATTRIBUTE_COLOR_V       ? f->color_v
+                        : kind == PSPLAT_ATTRIBUTE_ORM           ? orm
+                                                                 : f->emissive;
+    if (psplat_attribute_is_clip_line(kind)) {
+        line_values(s, kind - PSPLAT_ATTRIBUTE_LINE, values);
+        return;
+    }
+    memcpy(values, from, table->formats[kind].components * sizeof *values);
     if (kind == PSPLAT_ATTRIBUTE_GAUSSIAN_SCALE && table->codes)
         for (size_t k = 0; k < 3; ++k)
             values[k] = (float)((double)values[k] / table->splats->precision.unit);
@@ -126,6 +141,8 @@ static int codes_of(const psplat_attribute_table *table, size_t kind, size_t ind
         values[0] = c->turn;
     else if (kind == PSPLAT_ATTRIBUTE_TILT)
         memcpy(values, c->tilt, sizeof c->tilt);
+    else if (kind == PSPLAT_ATTRIBUTE_SURFACE_TILT)
+        memcpy(values, c->shape_tilt, sizeof c->shape_tilt);
     else if (kind == PSPLAT_ATTRIBUTE_SCALE)
         for (int k = 0; k < 2; ++k)
             values[k] = (c->scale[k] - table->least_scale) * table->scale_factor;
@@ -135,9 +152,11 @@ static int codes_of(const psplat_attribute_table *table, size_t kind, size_t ind
             values[k] = (int32_t)fmax(1, rint((double)table->gaussians[index].scale[k] / p->unit));
     else if (kind == PSPLAT_ATTRIBUTE_FIELD)
         memcpy(values, c->field, sizeof c->field);
+    else if (kind == PSPLAT_ATTRIBUTE_SURFACE_FIELD || kind == PSPLAT_ATTRIBUTE_SHAPE)
+        memcpy(values, c->shape, sizeof c->shape);
     else if (psplat_attribute_is_clip_line(kind) &&
              kind - PSPLAT_ATTRIBUTE_LINE >= table->splats->splats[index].clip_count)
-        values[0] = 0, values[1] = (int32_t)lrint(1 / p->line_step);
+        values[0] = values[2] = 0, values[1] = (int32_t)lrint(1 / p->line_step);
     else if (psplat_attribute_is_clip_line(kind))
         memcpy(values, c->lines[kind - PSPLAT_ATTRIBUTE_LINE], sizeof c->lines[0]);
     else
@@ -211,16 +230,43 @@ static size_t components_of(const psplat_attribute_table *table, size_t kind, si
     return most;
 }
 
+/* Returns the components that lines need: one less than in the table where none of them bends. */
+static size_t line_components(const psplat_attribute_table *table, size_t kind, size_t first,
+                              size_t count) {
+    size_t all = table->formats[kind].components, straight = table->codes ? 2 : 3;
+    for (size_t i = first; i < first + count && all > straight; ++i)
+        if (differs_from_default(table, kind, i, straight)) return all;
+    return straight;
+}
+
+/* Returns whether the attribute is one of those that primitives of a run's kind of surface have. */
+static int belongs_to(const psplat_run *like, size_t kind) {
+    int is_surface = like->is_curved && !like->has_shape;
+    if (kind == PSPLAT_ATTRIBUTE_SHAPE) return like->has_shape;
+    if (kind == PSPLAT_ATTRIBUTE_TILT || kind == PSPLAT_ATTRIBUTE_FIELD) return !is_surface;
+    if (kind == PSPLAT_ATTRIBUTE_SURFACE_TILT || kind == PSPLAT_ATTRIBUTE_SURFACE_FIELD)
+        return is_surface;
+    return !psplat_attribute_is_clip_line(kind) || kind - PSPLAT_ATTRIBUTE_LINE < like->clip_lines;
+}
+
+/* Returns whether the attribute may be left out where it has its default value. */
+static int is_optional(size_t kind) {
+    return kind == PSPLAT_ATTRIBUTE_TILT || kind == PSPLAT_ATTRIBUTE_SURFACE_TILT ||
+           kind == PSPLAT_ATTRIBUTE_FIELD ||
+           (kind >= PSPLAT_ATTRIBUTE_COLOR_U && !is_gaussian(kind));
+}
+
 void psplat_attribute_table_formats(const psplat_attribute_table *table, size_t first, size_t count,
-                                    size_t lines,
+                                    const psplat_run *like,
                                     psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS]) {
     memcpy(formats, table->formats, sizeof table->formats);
     for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind) {
         psplat_attribute_format *format = &formats[kind];
-        if (psplat_attribute_is_clip_line(kind) && kind - PSPLAT_ATTRIBUTE_LINE >= lines)
+        if (!belongs_to(like, kind))
             format->components = 0;
-        if (kind == PSPLAT_ATTRIBUTE_TILT || kind == PSPLAT_ATTRIBUTE_FIELD ||
-            (kind >= PSPLAT_ATTRIBUTE_COLOR_U && !is_gaussian(kind)))
+        else if (psplat_attribute_is_clip_line(kind))
+            format->components = line_components(table, kind, first, count);
+        else if (is_optional(kind))
             format->components = components_of(table, kind, first, count);
     }
     if (formats[PSPLAT_ATTRIBUTE_COLOR_U].components ||
@@ -320,6 +366,12 @@ static void set_material_formats(psplat_attribute_table *table) {
     if (splats->finishes) set_finishes(table);
 }
 
+static int has_bends(const psplat_splats *splats) {
+    for (size_t i = 0; i < splats->run_count; ++i)
+        if (splats->runs[i].has_bends) return 1;
+    return 0;
+}
+
 static void set_floats(psplat_attribute_table *table) {
     static const psplat_attribute_format formats[] = {
         [PSPLAT_ATTRIBUTE_POSITION] = {PSPLAT_TYPE_FLOAT, 3},
@@ -327,10 +379,13 @@ static void set_floats(psplat_attribute_table *table) {
         [PSPLAT_ATTRIBUTE_ROTATION] = {PSPLAT_TYPE_FLOAT, 4},
         [PSPLAT_ATTRIBUTE_SCALE] = {PSPLAT_TYPE_FLOAT, 2},
         [PSPLAT_ATTRIBUTE_FIELD] = {PSPLAT_TYPE_FLOAT, 3},
+        [PSPLAT_ATTRIBUTE_SURFACE_FIELD] = {PSPLAT_TYPE_FLOAT, 3},
+        [PSPLAT_ATTRIBUTE_SHAPE] = {PSPLAT_TYPE_FLOAT, 3},
     };
     memcpy(table->formats, formats, sizeof formats);
     for (size_t k = 0; k < PSPLAT_MAX_CLIP_LINES; ++k)
-        table->formats[PSPLAT_ATTRIBUTE_LINE + k] = (psplat_attribute_format){PSPLAT_TYPE_FLOAT, 3};
+        table->formats[PSPLAT_ATTRIBUTE_LINE + k] =
+            (psplat_attribute_format){PSPLAT_TYPE_FLOAT, has_bends(table->splats) ? 4 : 3};
 }
 
 /* Writes the logarithms of radii from the least one on. The range of 16-bit integers with these
@@ -374,17 +429,50 @@ static psplat_result check_integers(const psplat_attribute_table *table, psplat_
                        "positions are more than a billion steps from the origin");
 }
 
+/* Sets the formats of what only curved splats have. */
+static void set_shape(psplat_attribute_table *table) {
+    psplat_attribute_format *formats = table->formats;
+    if (!(table->splats->precision.shape_step > 0)) return;
+    formats[PSPLAT_ATTRIBUTE_SURFACE_TILT].components = 2;
+    formats[PSPLAT_ATTRIBUTE_SHAPE].components = 3;
+    formats[PSPLAT_ATTRIBUTE_SURFACE_TILT].type =
+        type_for(greatest(table, PSPLAT_ATTRIBUTE_SURFACE_TILT), 1);
+    formats[PSPLAT_ATTRIBUTE_SHAPE].type = type_for(greatest(table, PSPLAT_ATTRIBUTE_SHAPE), 1);
+    formats[PSPLAT_ATTRIBUTE_SURFACE_FIELD] = formats[PSPLAT_ATTRIBUTE_SHAPE];
+}
+
+/* Gives all lines one type, because they share the ranges of the extension object. */
+static void set_lines(psplat_attribute_table *table) {
+    int32_t most = 0;
+    for (size_t k = 0; k < PSPLAT_MAX_CLIP_LINES; ++k) {
+        psplat_attribute_format *format = &table->formats[PSPLAT_ATTRIBUTE_LINE + k];
+        format->components = has_bends(table->splats) ? 3 : 2;
+        int32_t found = greatest(table, PSPLAT_ATTRIBUTE_LINE + k);
+        if (found > most) most = found;
+    }
+    for (size_t k = 0; k < PSPLAT_MAX_CLIP_LINES; ++k)
+        table->formats[PSPLAT_ATTRIBUTE_LINE + k].type = type_for(most, 1);
+}
+
+/* Quantizes all splats, and finds the least position. */
+static void quantize(psplat_attribute_table *table) {
+    const psplat_splats *splats = table->splats;
+    for (size_t run = 0, i = 0; run < splats->run_count; ++run)
+        for (size_t end = i + splats->runs[run].count; i < end; ++i) {
+            psplat_quantize_splat(&splats->precision, &splats->runs[run], &splats->splats[i],
+                                  &table->codes[i]);
+            for (int k = 0; k < 3; ++k)
+                if (!i || table->codes[i].position[k] < table->low[k])
+                    table->low[k] = table->codes[i].position[k];
+        }
+}
+
 static psplat_result set_integers(psplat_attribute_table *table, psplat_error *error) {
     const psplat_splats *splats = table->splats;
     psplat_attribute_format *formats = table->formats;
     table->codes = malloc(splats->count * sizeof *table->codes);
     if (!table->codes) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for integers");
-    for (size_t i = 0; i < splats->count; ++i) {
-        psplat_quantize_splat(&splats->precision, &splats->splats[i], &table->codes[i]);
-        for (int k = 0; k < 3; ++k)
-            if (!i || table->codes[i].position[k] < table->low[k])
-                table->low[k] = table->codes[i].position[k];
-    }
+    quantize(table);
     formats[PSPLAT_ATTRIBUTE_POSITION] = (psplat_attribute_format){PSPLAT_TYPE_UNSIGNED_SHORT, 3};
     formats[PSPLAT_ATTRIBUTE_NORMAL] = (psplat_attribute_format){
         splats->precision.normal_bits <= 8 ? PSPLAT_TYPE_BYTE : PSPLAT_TYPE_SHORT, 3};
@@ -394,15 +482,9 @@ static psplat_result set_integers(psplat_attribute_table *table, psplat_error *e
     formats[PSPLAT_ATTRIBUTE_TURN].type = type_for(greatest(table, PSPLAT_ATTRIBUTE_TURN), 0);
     formats[PSPLAT_ATTRIBUTE_TILT].type = type_for(greatest(table, PSPLAT_ATTRIBUTE_TILT), 1);
     formats[PSPLAT_ATTRIBUTE_FIELD].type = type_for(greatest(table, PSPLAT_ATTRIBUTE_FIELD), 1);
+    set_shape(table);
     set_scale(table);
-    int32_t most = 0;
-    for (size_t k = 0; k < PSPLAT_MAX_CLIP_LINES; ++k) {
-        formats[PSPLAT_ATTRIBUTE_LINE + k].components = 2;
-        int32_t found = greatest(table, PSPLAT_ATTRIBUTE_LINE + k);
-        if (found > most) most = found;
-    }
-    for (size_t k = 0; k < PSPLAT_MAX_CLIP_LINES; ++k)
-        formats[PSPLAT_ATTRIBUTE_LINE + k].type = type_for(most, 1);
+    set_lines(table);
     return check_integers(table, error);
 }
 
@@ -448,8 +530,12 @@ void psplat_attribute_table_ranges(const psplat_attribute_table *table,
     *ranges = (psplat_quantization_ranges){
         .turn = (float)(most_of(formats[PSPLAT_ATTRIBUTE_TURN].type) * p->turn_step),
         .tilt = (float)(most_of(formats[PSPLAT_ATTRIBUTE_TILT].type) * p->tilt_step),
+        .surface_tilt =
+            (float)(most_of(formats[PSPLAT_ATTRIBUTE_SURFACE_TILT].type) * p->shape_step),
         .field = (float)(most_of(formats[PSPLAT_ATTRIBUTE_FIELD].type) * p->field_step),
+        .shape = (float)(most_of(formats[PSPLAT_ATTRIBUTE_SHAPE].type) * p->shape_step),
         .scale = {(float)exp(least), (float)exp(least + steps * p->scale_step)},
         .clip = {(float)(line * p->line_turn_step), (float)(line * p->line_step)},
+        .bend = (float)(line * p->bend_step),
         .color = table->color_range};
 }

@@ -32,8 +32,11 @@ typedef enum psplat_attribute_kind {
     PSPLAT_ATTRIBUTE_ROTATION,
     PSPLAT_ATTRIBUTE_TURN,
     PSPLAT_ATTRIBUTE_TILT,
+    PSPLAT_ATTRIBUTE_SURFACE_TILT, /* TILT of fields that are those of curved surfaces: the steps */
     PSPLAT_ATTRIBUTE_SCALE,
     PSPLAT_ATTRIBUTE_FIELD,
+    PSPLAT_ATTRIBUTE_SURFACE_FIELD, /* and NORMAL_FIELD; finer, because they move the surface */
+    PSPLAT_ATTRIBUTE_SHAPE,
     PSPLAT_ATTRIBUTE_LINE,
     PSPLAT_ATTRIBUTE_COLOR_U = PSPLAT_ATTRIBUTE_LINE + PSPLAT_MAX_CLIP_LINES,
     PSPLAT_ATTRIBUTE_COLOR_V,
@@ -95,10 +98,11 @@ void psplat_attribute_table_add_gaussians(psplat_attribute_table *table,
                                           const psplat_gaussian *gaussians);
 void psplat_attribute_table_free(psplat_attribute_table *table);
 
-/* Finds the formats that the splats first to first + count - 1 need, with the given number of clip
- * lines: attributes that have their default value in all of them get no components. */
+/* Finds the formats that the splats first to first + count - 1 need in a primitive with the clip
+ * lines and the kind of surface of a run: attributes that have their default value in all of them
+ * get no components, and lines that are all straight none for their bend. */
 void psplat_attribute_table_formats(const psplat_attribute_table *table, size_t first, size_t count,
-                                    size_t lines,
+                                    const psplat_run *like,
                                     psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS]);
 /* Finds the least and the greatest POSITION of these splats as they are written. */
 void psplat_attribute_table_extent(const psplat_attribute_table *table, size_t first, size_t count,
@@ -113,7 +117,7 @@ void psplat_attribute_table_put_octahedral(const psplat_attribute_table *table, 
 /* The ranges that the integers of attributes stand for, as the extension object has them (spec
  * 3.9). */
 typedef struct psplat_quantization_ranges {
-    float turn, tilt, field, scale[2], clip[2], color;
+    float turn, tilt, surface_tilt, field, shape, scale[2], clip[2], bend, color;
 } psplat_quantization_ranges;
 void psplat_attribute_table_ranges(const psplat_attribute_table *table,
                                    psplat_quantization_ranges *ranges);

@@ -5,8 +5,9 @@
  * A convex region free of creases is found around the seed as in IRIS (Deits, Tedrake 2014): the
  * crease that is nearest in the ellipse's metric gives a line, all creases behind that line are
  * done, and the next nearest one gives the next line. A line is fitted to a chain of crease edges,
- * straight or curved, as far as all of them stay within the slack. It touches the chain from
- * outside, so that a convex chain loses no surface.
+ * straight or curved, as far as all of them stay within the slack. Where a bent line (spec 3.6)
+ * fits more of the chain than a straight one, it is taken instead: a parabola needs about half as
+ * many pieces. A line touches the chain from outside, so that a convex chain loses no surface.
  */
 #include "fit/clip_lines.h"
 
@@ -32,15 +33,40 @@ typedef struct clipper {
     double radius[2]; /* lengths of u and v */
     double seed[2];   /* (u, v) */
     double slack;     /* a length */
+    int may_bend;     /* 0: lines are straight */
 } clipper;
 
-/* A line that keeps the points p with normal . p >= offset, in lengths. */
-typedef struct half_plane {
-    double normal[2], offset;
-} half_plane;
+/* A line that keeps the points where its value is at least 0 (spec 3.6); (a, b) is a unit vector.
+ */
+typedef struct clip_line {
+    double a, b, c, bend;
+} clip_line;
 
-static double along(const clipper *c, const half_plane *line, const double uv[2]) {
-    return line->normal[0] * uv[0] * c->radius[0] + line->normal[1] * uv[1] * c->radius[1];
+/* The greatest bend of a line; spec 3.6 allows 4. */
+static const double greatest_bend = 3;
+
+/* Returns the place of a point along a line, in (u, v). */
+static double place_along(const clip_line *line, const double uv[2]) {
+    return line->a * uv[1] - line->b * uv[0];
+}
+
+static double line_value(const clip_line *line, const double uv[2]) {
+    double along = place_along(line, uv);
+    return line->a * uv[0] + line->b * uv[1] + line->c + line->bend * along * along / 2;
+}
+
+/* Returns by how much the value of a line changes for each unit of length across it at a point. For
+ * a bent one it is at most the rate at the vertex, so that distances are rather too large. */
+static double rate_at(const clipper *c, const clip_line *line, const double uv[2]) {
+    double turn = line->bend * place_along(line, uv);
+    double a = line->a - turn * line->b, b = line->b + turn * line->a;
+    return fmin(hypot(line->a / c->radius[0], line->b / c->radius[1]),
+                hypot(a / c->radius[0], b / c->radius[1]));
+}
+
+/* Returns about how far, in lengths, a line keeps a point. */
+static double line_distance(const clipper *c, const clip_line *line, const double uv[2]) {
+    return line_value(line, uv) / rate_at(c, line, uv);
 }
 
 static double seed_distance(const clipper *c, const piece *p) {
@@ -52,14 +78,20 @@ static double seed_distance(const clipper *c, const piece *p) {
     return hypot(s[0] - t * d[0], s[1] - t * d[1]);
 }
 
+/* Gives a straight line the direction (a, b), of any length, through a point. */
+static void set_direction(double a, double b, const double at[2], clip_line *line) {
+    double length = hypot(a, b);
+    line->a = a / length, line->b = b / length;
+    line->c = -(line->a * at[0] + line->b * at[1]);
+    line->bend = 0;
+}
+
 /* Finds the line from a to b that keeps its left side. Returns 0 for coincident points. */
-static int line_through(const clipper *c, const double a[2], const double b[2], half_plane *line) {
-    double d[2] = {(b[0] - a[0]) * c->radius[0], (b[1] - a[1]) * c->radius[1]};
-    double length = hypot(d[0], d[1]);
+static int line_through(const clipper *c, const double a[2], const double b[2], clip_line *line) {
+    double d[2] = {b[0] - a[0], b[1] - a[1]};
+    double length = hypot(d[0] * c->radius[0], d[1] * c->radius[1]);
     if (!(length > 1e-9 * c->radius[0])) return 0;
-    line->normal[0] = -d[1] / length;
-    line->normal[1] = d[0] / length;
-    line->offset = along(c, line, a);
+    set_direction(-d[1], d[0], a, line);
     return 1;
 }
 
@@ -70,10 +102,10 @@ static size_t nearest_piece(const clipper *c) {
     size_t best = SIZE_MAX;
     double best_distance = HUGE_VAL, best_left = -HUGE_VAL;
     for (size_t i = 0; i < c->count; ++i) {
-        half_plane line;
+        clip_line line;
         if (c->pieces[i].done || !line_through(c, c->pieces[i].a, c->pieces[i].b, &line)) continue;
         double distance = seed_distance(c, &c->pieces[i]);
-        double left = along(c, &line, c->seed) - line.offset;
+        double left = line_distance(c, &line, c->seed);
         int nearer = distance < best_distance - 1e-9;
         if (!nearer && !(distance <= best_distance + 1e-9 && left > best_left)) continue;
         best = i, best_distance = distance, best_left = left;
@@ -86,54 +118,160 @@ typedef struct run {
     size_t first, last;
 } run;
 
-/* Fits a line to a run: that of its chord, moved out until it touches the run. Returns 0 where the
- * run bends by more than the slack, or where the line would cut off the seed. */
-static int fit_run(const clipper *c, run r, half_plane *line) {
-    if (!line_through(c, c->pieces[r.first].a, c->pieces[r.last].b, line)) return 0;
-    double least = HUGE_VAL, greatest = -HUGE_VAL;
-    for (size_t i = r.first;; i = c->pieces[i].next) {
-        const piece *p = &c->pieces[i];
-        double a = along(c, line, p->a), b = along(c, line, p->b);
-        least = fmin(least, fmin(a, b));
-        greatest = fmax(greatest, fmax(a, b));
-        if (i == r.last) break;
+/* Moves a line out until it touches a run. Returns 0 where the run leaves it by more than the
+ * slack, or where the line would cut off the seed. A straight piece may leave a bent line most in
+ * its middle. */
+static int touch_run(const clipper *c, run r, clip_line *line) {
+    double least = HUGE_VAL, greatest = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (size_t i = r.first;; i = c->pieces[i].next) {
+            const piece *p = &c->pieces[i];
+            const double middle[2] = {(p->a[0] + p->b[0]) / 2, (p->a[1] + p->b[1]) / 2};
+            const double *points[3] = {p->a, p->b, middle};
+            for (int k = 0; k < (line->bend != 0 ? 3 : 2); ++k)
+                if (pass)
+                    greatest = fmax(greatest, line_distance(c, line, points[k]));
+                else
+                    least = fmin(least, line_value(line, points[k]));
+            if (i == r.last) break;
+        }
+        if (!pass) line->c -= least;
     }
-    line->offset = least;
-    return greatest - least <= c->slack && along(c, line, c->seed) >= least - 1e-9 * c->radius[0];
+    return greatest <= c->slack && line_distance(c, line, c->seed) >= -1e-9 * c->radius[0];
 }
 
-/* Extends a run of one piece at both ends while one line still fits it, and stores that line.
- * Returns 0 where not even the piece alone has one. */
-static int grow_run(const clipper *c, size_t start, half_plane *line) {
-    run r = {start, start};
-    if (!fit_run(c, r, line)) return 0;
-    for (int grown = 1; grown;) {
-        grown = 0;
-        for (int end = 0; end < 2; ++end) {
-            run longer = r;
-            size_t next = end ? c->pieces[r.last].next : c->pieces[r.first].previous;
-            if (next == SIZE_MAX || next == r.first || next == r.last) continue;
-            if (c->pieces[next].done) continue;
-            if (end)
-                longer.last = next;
-            else
-                longer.first = next;
-            half_plane candidate;
-            if (!fit_run(c, longer, &candidate)) continue;
-            r = longer, *line = candidate, grown = 1;
+/* Fits a straight line to a run, of the direction of its chord. */
+static int fit_straight(const clipper *c, run r, clip_line *line) {
+    return line_through(c, c->pieces[r.first].a, c->pieces[r.last].b, line) &&
+           touch_run(c, r, line);
+}
+
+/* Solves m x = right of three unknowns by elimination. Returns 0 where m is singular. */
+static int solve3(double m[3][3], double right[3]) {
+    for (int k = 0; k < 3; ++k) {
+        if (!(m[k][k] > 1e-12 * m[0][0])) return 0;
+        for (int l = k + 1; l < 3; ++l) {
+            double factor = m[l][k] / m[k][k];
+            for (int i = k; i < 3; ++i) m[l][i] -= factor * m[k][i];
+            right[l] -= factor * right[k];
         }
+    }
+    for (int k = 3; k-- > 0;) {
+        for (int l = k + 1; l < 3; ++l) right[k] -= m[k][l] * right[l];
+        right[k] /= m[k][k];
     }
     return 1;
 }
 
+/* Fits value = c + slope y + bend y^2 / 2 over the places y along a line to the ends and the
+ * middles of a run's pieces, by least squares. Returns 0 where these do not determine a parabola.
+ */
+static int fit_parabola(const clipper *c, run r, const clip_line *line, double x[3]) {
+    double m[3][3] = {{0}};
+    memset(x, 0, 3 * sizeof *x);
+    for (size_t i = r.first;; i = c->pieces[i].next) {
+        const piece *p = &c->pieces[i];
+        for (int k = 0; k <= 2; ++k) {
+            const double uv[2] = {p->a[0] + (p->b[0] - p->a[0]) * k / 2,
+                                  p->a[1] + (p->b[1] - p->a[1]) * k / 2};
+            double y = place_along(line, uv), row[3] = {1, y, y * y / 2};
+            double value = line->a * uv[0] + line->b * uv[1];
+            for (int j = 0; j < 3; ++j) {
+                for (int l = 0; l < 3; ++l) m[j][l] += row[j] * row[l];
+                x[j] += row[j] * value;
+            }
+        }
+        if (i == r.last) break;
+    }
+    return solve3(m, x);
+}
+
+/* Fits a bent line to a run: a parabola whose direction is turned until its vertex is where
+ * spec 3.6 has it. */
+static int fit_bent(const clipper *c, run r, clip_line *line) {
+    enum { TURNS = 3 };
+    double x[3] = {0};
+    if (!line_through(c, c->pieces[r.first].a, c->pieces[r.last].b, line)) return 0;
+    for (int turn = 0; turn < TURNS; ++turn) {
+        double a = line->a, b = line->b;
+        const double at[2] = {0, 0};
+        if (!fit_parabola(c, r, line, x) || !(fabs(x[1]) < 1)) return 0;
+        if (turn + 1 < TURNS) set_direction(a + x[1] * b, b - x[1] * a, at, line);
+    }
+    line->c = -x[0];
+    line->bend = -x[2];
+    return fabs(line->bend) <= greatest_bend && touch_run(c, r, line);
+}
+
+static int fit_run(const clipper *c, run r, int bent, clip_line *line) {
+    return bent ? fit_bent(c, r, line) : fit_straight(c, r, line);
+}
+
+/* Returns a run longer by one piece at one end; its first is SIZE_MAX where there is none. */
+static run longer_run(const clipper *c, run r, int end) {
+    size_t next = end ? c->pieces[r.last].next : c->pieces[r.first].previous;
+    if (next == SIZE_MAX || next == r.first || next == r.last || c->pieces[next].done)
+        r.first = SIZE_MAX;
+    else if (end)
+        r.last = next;
+    else
+        r.first = next;
+    return r;
+}
+
+/* Extends a run at both ends while one line still fits it, and stores that line. Returns how many
+ * pieces it became longer by. */
+static size_t extend_run(const clipper *c, int bent, run *r, clip_line *line) {
+    size_t total = 0;
+    for (int grown = 1; grown;) {
+        grown = 0;
+        for (int end = 0; end < 2; ++end) {
+            run longer = longer_run(c, *r, end);
+            clip_line candidate;
+            if (longer.first == SIZE_MAX || !fit_run(c, longer, bent, &candidate)) continue;
+            *r = longer, *line = candidate, grown = 1;
+            ++total;
+        }
+    }
+    return total;
+}
+
+/* Finds the line of the longest run around a piece. Returns 0 where not even the piece alone has
+ * one. */
+static int grow_run(const clipper *c, size_t start, clip_line *line) {
+    run r = {start, start};
+    if (!fit_straight(c, r, line)) return 0;
+    extend_run(c, 0, &r, line);
+    if (!c->may_bend) return 1;
+    /* A parabola may leave the run by more at first, and by less once the run is longer: a chord is
+     * nearest to a short arc. One step is taken for good at either end. */
+    extend_run(c, 1, &r, line);
+    return 1;
+}
+
+/* Returns the part of a piece at which a line crosses it, between ends on both sides. */
+static double crossing(const clip_line *line, const piece *p) {
+    const double d[2] = {p->b[0] - p->a[0], p->b[1] - p->a[1]};
+    double at = line_value(line, p->a), to = line_value(line, p->b), along = place_along(line, d);
+    /* The value is at + slope t + square t^2. */
+    double square = line->bend * along * along / 2, slope = to - at - square;
+    double root = sqrt(slope * slope - 4 * square * at);
+    double q = -(slope + (slope < 0 ? -root : root)) / 2;
+    double t = q != 0 ? at / q : 0;
+    return t >= 0 && t <= 1 ? t : q / square;
+}
+
 /* Marks the pieces that a line cuts away as done, and shortens those that it crosses. */
-static void apply_line(clipper *c, const half_plane *line) {
+static void apply_line(clipper *c, const clip_line *line) {
+    double most = c->slack * (1 + 1e-9);
     for (size_t i = 0; i < c->count; ++i) {
         piece *p = &c->pieces[i];
-        double a = along(c, line, p->a) - line->offset, b = along(c, line, p->b) - line->offset;
-        if (fmax(a, b) <= c->slack * (1 + 1e-9)) p->done = 1;
-        if (p->done || (a >= 0 && b >= 0)) continue;
-        double *out = a < 0 ? p->a : p->b, t = a / (a - b);
+        const double middle[2] = {(p->a[0] + p->b[0]) / 2, (p->a[1] + p->b[1]) / 2};
+        double a = line_distance(c, line, p->a), b = line_distance(c, line, p->b);
+        double m = line->bend != 0 ? line_distance(c, line, middle) : a;
+        if (fmax(m, fmax(a, b)) <= most) p->done = 1;
+        if (p->done || (a >= 0) == (b >= 0)) continue;
+        double *out = a < 0 ? p->a : p->b, t = crossing(line, p);
         double cut[2] = {p->a[0] + t * (p->b[0] - p->a[0]), p->a[1] + t * (p->b[1] - p->a[1])};
         out[0] = cut[0], out[1] = cut[1];
     }
@@ -166,34 +304,32 @@ static void link_chain(clipper *c) {
     }
 }
 
-static void store_line(const clipper *c, const half_plane *line, double out[3]) {
-    double a = line->normal[0] * c->radius[0], b = line->normal[1] * c->radius[1];
-    double length = hypot(a, b);
-    out[0] = a / length, out[1] = b / length, out[2] = -line->offset / length;
-}
-
 static int choose_lines(clipper *c, psplat_region *region) {
     link_chain(c);
     region->line_count = 0;
     for (size_t i; (i = nearest_piece(c)) != SIZE_MAX;) {
-        half_plane line;
+        clip_line line;
         if (region->line_count == PSPLAT_MAX_CLIP_LINES || !grow_run(c, i, &line)) return 0;
         apply_line(c, &line);
         c->pieces[i].done = 1;
-        store_line(c, &line, region->lines[region->line_count++]);
+        const double stored[3] = {line.a, line.b, line.c};
+        memcpy(region->lines[region->line_count], stored, sizeof stored);
+        region->bends[region->line_count++] = line.bend;
     }
     return 1;
 }
 
 int psplat_clip_choose(psplat_region *region, const psplat_segment *segments, size_t count,
-                       const double seed[2], double slack) {
+                       const double seed[2], double slack, int may_bend) {
     region->line_count = 0;
+    memset(region->bends, 0, sizeof region->bends);
     if (!count) return 1;
     clipper c = {.pieces = malloc(count * sizeof(piece)),
                  .count = count,
                  .radius = {region->radius[0], region->radius[1]},
                  .seed = {seed[0], seed[1]},
-                 .slack = slack};
+                 .slack = slack,
+                 .may_bend = may_bend};
     if (!c.pieces) return 0;
     for (size_t i = 0; i < count; ++i) {
         c.pieces[i] = (piece){.vertex = {segments[i].vertex[0], segments[i].vertex[1]}};

@@ -10,9 +10,9 @@
 
 /* Replaces the lines of a region by up to PSPLAT_MAX_CLIP_LINES that keep the seed (u, v) and cut
  * away every crease segment. The region may then reach over a crease by at most slack, a length in
- * the plane. Returns 1 on success. Returns 0, and leaves no lines, where so many do not suffice or
- * memory runs out. */
+ * the plane. Lines are straight unless may_bend is 1. Returns 1 on success. Returns 0, and leaves
+ * no lines, where so many do not suffice or memory runs out. */
 int psplat_clip_choose(psplat_region *region, const psplat_segment *segments, size_t count,
-                       const double seed[2], double slack);
+                       const double seed[2], double slack, int may_bend);
 
 #endif

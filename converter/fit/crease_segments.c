@@ -21,6 +21,50 @@ static void keep_between(psplat_segment *s, double from, double to) {
     along3(s->b, start, to, d);
 }
 
+/* Takes the height of the surface off that over the plane at an end of a segment. */
+static void take_height(const psplat_region *region, double end[3]) {
+    double slope[2];
+    psplat_region_slope(region, end, slope);
+    end[2] = (end[2] - psplat_region_height(region, end)) /
+             sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+}
+
+/* Stores the parameters of a point and its height over the plane, which along a straight edge
+ * changes linearly. */
+static void plane_local(const psplat_region *region, const double point[3], double uvh[3]) {
+    double d[3];
+    sub3(d, point, region->center);
+    uvh[0] = dot3(d, region->u) / region->radius[0];
+    uvh[1] = dot3(d, region->v) / region->radius[1];
+    uvh[2] = dot3(d, region->n);
+}
+
+/* Narrows a range of places along a segment, from a on by d, to the longest part that a bent line
+ * keeps. */
+static void keep_inside_bent(const psplat_region *region, uint32_t i, const double a[3],
+                             const double d[3], double *from, double *to) {
+    const double *line = region->lines[i];
+    double along = line[0] * a[1] - line[1] * a[0], rate = line[0] * d[1] - line[1] * d[0];
+    double bend = region->bends[i];
+    /* The value at t is c + b t + e t^2. */
+    double c = line[0] * a[0] + line[1] * a[1] + line[2] + bend * along * along / 2;
+    double b = line[0] * d[0] + line[1] * d[1] + bend * along * rate, e = bend * rate * rate / 2;
+    double cuts[4] = {*from, *from, *to, *to}, root = b * b - 4 * e * c, longest = 0;
+    if (root > 0) {
+        double q = -(b + copysign(sqrt(root), b)) / 2;
+        double first = c / q, second = e != 0 ? q / e : HUGE_VAL;
+        cuts[1] = min2(max2(min2(first, second), *from), *to);
+        cuts[2] = min2(max2(max2(first, second), *from), *to);
+    }
+    *to = *from;
+    for (int k = 0; k < 3; ++k) {
+        double middle = (cuts[k] + cuts[k + 1]) / 2, length = cuts[k + 1] - cuts[k];
+        if (!(length > longest) || c + (b + e * middle) * middle < 0) continue;
+        longest = length;
+        *from = cuts[k], *to = cuts[k + 1];
+    }
+}
+
 /* Clips a segment to the unit circle and the lines. Returns 0 where nothing is left. */
 static int clip_segment(psplat_segment *s, const psplat_region *region) {
     double d[3];
@@ -31,6 +75,10 @@ static int clip_segment(psplat_segment *s, const psplat_region *region) {
     double from = max2((-ab - sqrt(root)) / aa, 0), to = min2((-ab + sqrt(root)) / aa, 1);
     for (uint32_t i = 0; i < region->line_count; ++i) {
         const double *line = region->lines[i];
+        if (region->bends[i] != 0) {
+            keep_inside_bent(region, i, s->a, d, &from, &to);
+            continue;
+        }
         double inside = line[0] * s->a[0] + line[1] * s->a[1] + line[2];
         double rate = line[0] * d[0] + line[1] * d[1];
         if (rate > 0) from = max2(from, -inside / rate);
@@ -53,9 +101,11 @@ size_t psplat_segments_find(const psplat_surface *surface, const uint32_t *creas
         psplat_segment *s = &segments[count];
         s->vertex[0] = mesh->triangles[edge], s->vertex[1] = mesh->triangles[next];
         s->across = surface->neighbors[edge];
-        psplat_region_local(region, mesh->positions + 3 * (size_t)s->vertex[0], s->a);
-        psplat_region_local(region, mesh->positions + 3 * (size_t)s->vertex[1], s->b);
+        plane_local(region, mesh->positions + 3 * (size_t)s->vertex[0], s->a);
+        plane_local(region, mesh->positions + 3 * (size_t)s->vertex[1], s->b);
         if (!clip_segment(s, region)) continue;
+        take_height(region, s->a);
+        take_height(region, s->b);
         count += min2(fabs(s->a[2]), fabs(s->b[2])) <= height;
     }
     return count;

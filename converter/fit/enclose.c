@@ -10,10 +10,12 @@
 #include "base/covariance.h"
 #include "base/region.h"
 #include "base/vector.h"
+#include "features/neighborhood.h"
 #include "fit/candidate.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
 #include "fit/grow_ellipse.h"
+#include "fit/surface_fit.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -61,43 +63,89 @@ static int least_ellipse(const double (*points)[2], size_t count, double *weight
     return 1;
 }
 
-/* Makes the region of an ellipse in a plane, whose radii grow by the margin. */
-static void set_region(const psplat_plane *plane, const double origin[3], const ellipse *e,
-                       double height, double margin, psplat_region *region) {
+/* Makes an ellipse in a region's plane, relative to its centre and axes, that of the region, whose
+ * radii grow by the margin. The new centre is on the region's surface. */
+static void set_ellipse(const ellipse *e, double margin, psplat_region *region) {
     double middle = (e->shape[0] + e->shape[2]) / 2;
     double spread = hypot((e->shape[0] - e->shape[2]) / 2, e->shape[1]);
-    double angle = 0.5 * atan2(2 * e->shape[1], e->shape[0] - e->shape[2]);
-    *region = (psplat_region){
-        .radius = {sqrt(middle + spread) + margin, sqrt(max2(middle - spread, 0)) + margin}};
-    for (int k = 0; k < 3; ++k) {
-        region->center[k] = origin[k] + plane->mean[k] + e->center[0] * plane->u[k] +
-                            e->center[1] * plane->v[k] + height * plane->n[k];
-        region->u[k] = cos(angle) * plane->u[k] + sin(angle) * plane->v[k];
-    }
-    memcpy(region->n, plane->n, sizeof region->n);
+    double angle = 0.5 * atan2(2 * e->shape[1], e->shape[0] - e->shape[2]), u[3];
+    const double uv[2] = {e->center[0] / region->radius[0], e->center[1] / region->radius[1]};
+    psplat_region_point(region, uv, region->center);
+    for (int k = 0; k < 3; ++k) u[k] = cos(angle) * region->u[k] + sin(angle) * region->v[k];
+    memcpy(region->u, u, sizeof u);
     cross3(region->v, region->n, region->u);
+    region->radius[0] = sqrt(middle + spread) + margin;
+    region->radius[1] = sqrt(max2(middle - spread, 0)) + margin;
 }
 
-/* Finds the region that encloses the samples of a set, given their plane relative to origin. points
- * and weights have room for count. Returns 0 where a sample is farther from the plane than the
- * tolerance, or all lie in a row. */
-static int enclose(const psplat_fit_context *context, const double *origin, const uint32_t *set,
-                   size_t count, const psplat_plane *plane, double (*points)[2], double *weights,
-                   psplat_region *region) {
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    ellipse e;
-    for (size_t i = 0; i < count; ++i) {
+/* The samples to enclose, and scratch memory for as many points in a plane. */
+typedef struct enclosed {
+    const psplat_fit_context *context;
+    const double *origin;
+    psplat_near_sample *samples; /* relative to origin */
+    double (*points)[2], *weights;
+    size_t count;
+} enclosed;
+
+/* Stores the parameters of sample i, in lengths, and its height above the surface. */
+static void sample_local(const enclosed *e, size_t i, const psplat_region *region, double d[3]) {
+    double p[3];
+    for (int k = 0; k < 3; ++k) p[k] = e->origin[k] + e->samples[i].p[k];
+    psplat_region_local(region, p, d);
+    for (int k = 0; k < 2; ++k) d[k] *= region->radius[k];
+}
+
+/* Gives a region the least ellipse around the samples. Returns 0 where they lie in a row. */
+static int surround(const enclosed *e, psplat_region *region) {
+    ellipse least;
+    for (size_t i = 0; i < e->count; ++i) {
         double d[3];
-        sub3(d, context->samples->positions + 3 * (size_t)set[i], origin);
-        sub3(d, d, plane->mean);
-        points[i][0] = dot3(d, plane->u), points[i][1] = dot3(d, plane->v);
-        low = min2(low, dot3(d, plane->n));
-        high = max2(high, dot3(d, plane->n));
+        sample_local(e, i, region, d);
+        memcpy(e->points[i], d, sizeof e->points[i]);
     }
-    if (high - low > 2 * context->limits->tolerance) return 0;
-    if (!least_ellipse((const double(*)[2])points, count, weights, &e)) return 0;
-    set_region(plane, origin, &e, (low + high) / 2, context->limits->margin, region);
+    if (!least_ellipse((const double(*)[2])e->points, e->count, e->weights, &least)) return 0;
+    set_ellipse(&least, e->context->limits->margin, region);
     return 1;
+}
+
+/* Moves a region along its normal to the middle of the samples' heights, and scales its ellipse so
+ * that it contains them all. Returns 0 where a sample is farther than the tolerance. */
+static int settle(const enclosed *e, psplat_region *region) {
+    double low = HUGE_VAL, high = -HUGE_VAL, farthest2 = 0, margin = e->context->limits->margin;
+    double inner[2] = {region->radius[0] - margin, region->radius[1] - margin};
+    for (size_t i = 0; i < e->count; ++i) {
+        double d[3];
+        sample_local(e, i, region, d);
+        double x = d[0] / inner[0], y = d[1] / inner[1];
+        farthest2 = max2(farthest2, x * x + y * y);
+        low = min2(low, d[2]), high = max2(high, d[2]);
+    }
+    if (high - low > 2 * e->context->limits->tolerance || !(farthest2 < HUGE_VAL)) return 0;
+    mad3(region->center, (low + high) / 2, region->n);
+    double factor = sqrt(farthest2 * (1 + rounding_slack));
+    for (int k = 0; k < 2 && factor > 1; ++k) region->radius[k] = inner[k] * factor + margin;
+    return 1;
+}
+
+/* Finds the region that encloses the samples, given their plane. It is flat where that is near
+ * enough to all of them, else curved: then frame and ellipse are found by turns. Returns 0 where
+ * a sample is farther from it than the tolerance, or all lie in a row. */
+static int enclose(const enclosed *e, const psplat_plane *plane, psplat_region *region) {
+    *region = (psplat_region){.radius = {1, 1}};
+    memcpy(region->u, plane->u, sizeof region->u);
+    memcpy(region->v, plane->v, sizeof region->v);
+    memcpy(region->n, plane->n, sizeof region->n);
+    for (int k = 0; k < 3; ++k) region->center[k] = e->origin[k] + plane->mean[k];
+    if (!surround(e, region)) return 0;
+    psplat_region flat = *region;
+    int curved = !e->context->limits->planar;
+    for (int turn = 0; turn < 2 && curved; ++turn)
+        curved = (!turn || surround(e, region)) &&
+                 psplat_fit_surface(e->samples, NULL, e->count, e->origin, region);
+    if (curved && psplat_surface_sagitta(region) > PSPLAT_FLAT_PART * e->context->limits->tolerance)
+        return settle(e, region);
+    *region = flat;
+    return settle(e, region);
 }
 
 /* Gives a candidate that records what it must cover a region, and grows its ellipse. Frees the
@@ -115,23 +163,42 @@ static psplat_result make_candidate(const psplat_fit_context *context, const psp
     return status == PSPLAT_FIT_MEMORY ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }
 
+/* Copies the samples of a set. */
+static void take_samples(const enclosed *e, const uint32_t *set) {
+    const psplat_samples *samples = e->context->samples;
+    for (size_t i = 0; i < e->count; ++i) {
+        psplat_near_sample *sample = &e->samples[i];
+        sample->index = set[i];
+        sub3(sample->p, samples->positions + 3 * (size_t)set[i], e->origin);
+        for (size_t k = 0; k < 3; ++k)
+            sample->n[k] = (double)samples->normals[3 * (size_t)set[i] + k];
+    }
+}
+
 psplat_result psplat_candidate_enclose(const psplat_fit_context *context, const uint32_t *set,
                                        size_t count, const double origin[3],
                                        const psplat_plane *plane, psplat_candidate *candidate) {
     psplat_region region;
     *candidate = (psplat_candidate){0};
-    double(*points)[2] = malloc((count + 1) * sizeof *points);
-    double *weights = malloc((count + 1) * sizeof *weights);
+    enclosed e = {.context = context,
+                  .origin = origin,
+                  .samples = malloc((count + 1) * sizeof *e.samples),
+                  .points = malloc((count + 1) * sizeof *e.points),
+                  .weights = malloc((count + 1) * sizeof *e.weights),
+                  .count = count};
     uint32_t *covered = malloc((count + 1) * sizeof *covered);
-    psplat_result result = points && weights && covered ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
-    if (!result && enclose(context, origin, set, count, plane, points, weights, &region)) {
+    psplat_result result =
+        e.samples && e.points && e.weights && covered ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    if (!result) take_samples(&e, set);
+    if (!result && enclose(&e, plane, &region)) {
         memcpy(covered, set, count * sizeof *covered);
         *candidate = (psplat_candidate){.covered = covered, .covered_count = count};
         covered = NULL; /* It is the candidate's. */
         result = make_candidate(context, &region, candidate);
     }
-    free(points);
-    free(weights);
+    free(e.samples);
+    free(e.points);
+    free(e.weights);
     free(covered);
     return result;
 }

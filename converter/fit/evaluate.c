@@ -13,6 +13,7 @@
 #include "fit/clip_lines.h"
 #include "fit/crease_segments.h"
 #include "fit/fit_context.h"
+#include "fit/surface_fit.h"
 #include "mesh/mesh.h"
 #include "splats/quantize.h"
 
@@ -121,13 +122,30 @@ static int choose_lines(const psplat_fit_context *context, size_t segments, cons
                         int exact, psplat_region *region) {
     const psplat_limits *limits = context->limits;
     int chosen = psplat_clip_choose(region, context->scratch->segments, segments, inside,
-                                    limits->crease_slack);
+                                    limits->crease_slack, !limits->planar);
     for (uint32_t i = 0; exact && limits->precision && i < region->line_count; ++i)
-        psplat_quantize_line(limits->precision, region->lines[i]);
+        psplat_quantize_line(limits->precision, region->lines[i], &region->bends[i]);
     return chosen;
 }
 
 /* ---- coverage ------------------------------------------------------------------------------ */
+
+/* Returns how far a point at (u, v) and a height over the plane is above the surface. */
+static double height_above(const psplat_region *region, const double uvh[3]) {
+    double slope[2];
+    psplat_region_slope(region, uvh, slope);
+    return (uvh[2] - psplat_region_height(region, uvh)) /
+           sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+}
+
+/* Returns whether a sample's normal faces the way of the region's surface at (u, v). */
+static int faces(const psplat_region *region, int curved, const double uv[2], const double n[3]) {
+    if (dot3(n, region->n) < PSPLAT_LEAST_COVERED_COSINE) return 0;
+    if (!curved) return 1;
+    double normal[3];
+    psplat_region_normal(region, uv, normal);
+    return dot3(n, normal) >= PSPLAT_LEAST_SURFACE_COSINE;
+}
 
 /* Finds the samples that a region covers, into scratch->covered and scratch->uv, and the parameters
  * of all that lie in its surroundings. Returns their number; 0 where the seed is not among them. */
@@ -139,6 +157,7 @@ static size_t cover(const psplat_fit_context *context, const psplat_region *regi
                    (region->radius[k] - min2(context->limits->margin, 0.5 * region->radius[k]));
     sub3(center, region->center, s->near.origin);
     size_t count = 0;
+    int curved = psplat_region_is_curved(region);
     int seed_met = seed == PSPLAT_NONE;
     for (uint32_t i = 0; i < s->near_count; ++i) {
         const psplat_near_sample *sample = &s->near.samples[i];
@@ -148,9 +167,10 @@ static size_t cover(const psplat_fit_context *context, const psplat_region *regi
         uvh[1] = dot3(d, region->v) / region->radius[1];
         uvh[2] = dot3(d, region->n);
         double x = uvh[0] * inner[0], y = uvh[1] * inner[1];
+        if (curved) uvh[2] = height_above(region, uvh);
         if (fabs(uvh[2]) > tolerance || x * x + y * y > 1) continue;
         if (!psplat_region_contains(region, uvh, 1, line_slack)) continue;
-        if (dot3(sample->n, region->n) < PSPLAT_LEAST_COVERED_COSINE) continue;
+        if (!faces(region, curved, uvh, sample->n)) continue;
         seed_met |= sample->index == seed;
         memcpy(s->uv[count], uvh, sizeof s->uv[count]);
         s->covered[count++] = i;
@@ -158,15 +178,18 @@ static size_t cover(const psplat_fit_context *context, const psplat_region *regi
     return seed_met ? count : 0;
 }
 
-/* Returns whether all samples that a candidate covers lie inside a region and near its plane. */
+/* Returns whether all samples that a candidate covers lie inside a region, near its surface, and
+ * face its way. */
 static int holds(const psplat_fit_context *context, const psplat_region *region,
                  const psplat_candidate *held) {
+    int curved = psplat_region_is_curved(region);
     for (size_t i = 0; i < held->covered_count; ++i) {
-        double uvh[3];
-        psplat_region_local(region, context->samples->positions + 3 * (size_t)held->covered[i],
-                            uvh);
+        size_t at = 3 * (size_t)held->covered[i];
+        double uvh[3], n[3];
+        psplat_region_local(region, context->samples->positions + at, uvh);
+        for (size_t k = 0; k < 3; ++k) n[k] = (double)context->samples->normals[at + k];
         if (fabs(uvh[2]) > context->limits->tolerance ||
-            !psplat_region_contains(region, uvh, 1, line_slack))
+            !psplat_region_contains(region, uvh, 1, line_slack) || !faces(region, curved, uvh, n))
             return 0;
     }
     return 1;
@@ -217,6 +240,8 @@ static psplat_fit_status check_limits(const psplat_fit_context *context, int ski
 
 static psplat_fit_status evaluate(const psplat_fit_context *context, psplat_site *site,
                                   const psplat_demands *demands, psplat_evaluation *e) {
+    if (psplat_surface_slope_bound(&e->region) > PSPLAT_GREATEST_SURFACE_SLOPE)
+        return PSPLAT_FIT_LEAVES_SURFACE;
     psplat_fit_status status = find_lines(context, site, demands, &e->region);
     if (status) return status;
     int large = is_large(demands, &e->region);

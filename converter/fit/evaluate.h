@@ -28,6 +28,9 @@
 /* The least cosine between a splat's normal and those of the samples that it covers: beyond,
  * homogeneous normals with third coordinate 1 grow without bound (BSK04 section 3). */
 #define PSPLAT_LEAST_COVERED_COSINE 0.25
+/* The same between the normal of a curved splat's surface and that of a sample beneath it: the
+ * surface follows the samples. */
+#define PSPLAT_LEAST_SURFACE_COSINE 0.87
 /* The factor up to which a new candidate's radii grow once its samples are found, and the steps in
  * which that factor is searched. */
 #define PSPLAT_GREATEST_NEW_GROWTH 1.4

@@ -25,10 +25,11 @@ static const double ring_scales[RINGS] = {1, 0.6};
 
 /* ---- by samples ---------------------------------------------------------------------------- */
 
-/* Returns whether a point (relative to the neighbourhood's origin) is within the tolerance of the
- * tangent plane of a sample, at a place that is no farther from the sample than the greatest gap.
- */
-static int is_near_plane(const psplat_fit_context *context, const double q[3]) {
+/* Returns whether a point of a region's surface (relative to the neighbourhood's origin) is no
+ * farther than the greatest gap from a sample that is within the tolerance of the surface. Of a
+ * flat splat it is the point that must be within the tolerance of the sample's tangent plane. A
+ * curved one leaves these planes long before it leaves the surface between two samples. */
+static int is_near_some(const psplat_fit_context *context, int curved, const double q[3]) {
     const psplat_scratch *s = context->scratch;
     double tolerance2 = context->limits->tolerance * context->limits->tolerance;
     double gap = PSPLAT_GREATEST_GAP * context->samples->spacing, gap2 = gap * gap;
@@ -37,7 +38,8 @@ static int is_near_plane(const psplat_fit_context *context, const double q[3]) {
         sub3(d, q, s->near.samples[i].p);
         double distance2 = dot3(d, d);
         if (distance2 > tolerance2 + gap2) continue;
-        double height = dot3(d, s->near.samples[i].n), height2 = height * height;
+        double height = curved ? s->uvh[i][2] : dot3(d, s->near.samples[i].n);
+        double height2 = height * height;
         if (height2 <= tolerance2 && distance2 - height2 <= gap2) return 1;
     }
     return 0;
@@ -46,9 +48,8 @@ static int is_near_plane(const psplat_fit_context *context, const double q[3]) {
 /* Finds the points of a region on the rings, relative to origin. Returns their number. */
 static size_t outline_points(const psplat_region *region, const double origin[3],
                              double points[][3]) {
-    double polygon[PSPLAT_OUTLINE][2], middle[2] = {0, 0}, center[3];
+    double polygon[PSPLAT_OUTLINE][2], middle[2] = {0, 0};
     size_t count = psplat_region_polygon(region, 1, polygon, PSPLAT_OUTLINE), total = 0;
-    sub3(center, region->center, origin);
     for (size_t i = 0; i < count; ++i)
         for (int k = 0; k < 2; ++k) middle[k] += polygon[i][k] / (double)count;
     for (int ring = 0; ring < RINGS; ++ring)
@@ -56,9 +57,8 @@ static size_t outline_points(const psplat_region *region, const double origin[3]
             double uv[2];
             for (int k = 0; k < 2; ++k)
                 uv[k] = middle[k] + ring_scales[ring] * (polygon[i][k] - middle[k]);
-            memcpy(points[total], center, sizeof center);
-            mad3(points[total], uv[0] * region->radius[0], region->u);
-            mad3(points[total], uv[1] * region->radius[1], region->v);
+            psplat_region_point(region, uv, points[total]);
+            sub3(points[total], points[total], origin);
         }
     return total;
 }
@@ -67,8 +67,9 @@ static psplat_fit_status outline_nearness(const psplat_fit_context *context,
                                           const psplat_region *region) {
     double points[RINGS * PSPLAT_OUTLINE][3];
     size_t count = outline_points(region, context->scratch->near.origin, points);
+    int curved = psplat_region_is_curved(region);
     for (size_t i = 0; i < count; ++i)
-        if (!is_near_plane(context, points[i])) return PSPLAT_FIT_LEAVES_SURFACE;
+        if (!is_near_some(context, curved, points[i])) return PSPLAT_FIT_LEAVES_SURFACE;
     return PSPLAT_FIT_KEPT;
 }
 
@@ -79,8 +80,8 @@ enum { CELLS = 16 };
 typedef struct cells {
     const psplat_region *region;
     uint32_t heads[CELLS * CELLS];
-    const uint32_t *nexts;  /* of each sample, in its cell; PSPLAT_NONE at the end */
-    const double (*uvh)[3]; /* of each sample */
+    const uint32_t *nexts; /* of each sample, in its cell; PSPLAT_NONE at the end */
+    const psplat_near_sample *samples;
 } cells;
 
 static int cell_along(double x) {
@@ -89,7 +90,7 @@ static int cell_along(double x) {
 
 /* Sorts the samples into the cells by their parameters, which the scratch holds. */
 static void fill_cells(psplat_scratch *s, const psplat_region *region, cells *c) {
-    *c = (cells){.region = region, .nexts = s->next_in_cell, .uvh = (const double(*)[3])s->uvh};
+    *c = (cells){.region = region, .nexts = s->next_in_cell, .samples = s->near.samples};
     memset(c->heads, 0xff, sizeof c->heads);
     for (uint32_t i = (uint32_t)s->near_count; i-- > 0;) { /* The nearest of all come first. */
         const double *uvh = s->uvh[i];
@@ -100,17 +101,16 @@ static void fill_cells(psplat_scratch *s, const psplat_region *region, cells *c)
     }
 }
 
-/* Finds the nearest of the samples in the cells around a point; PSPLAT_NONE where there is none. */
-static uint32_t nearest_sample(const cells *c, const double uv[2], double *distance2) {
+/* Finds the sample nearest to a point in the cells around it; PSPLAT_NONE where there is none. */
+static uint32_t nearest_sample(const cells *c, const double uv[2], const double q[3],
+                               double *distance2) {
     uint32_t nearest = PSPLAT_NONE;
     int column = cell_along(uv[0]), row = cell_along(uv[1]);
     *distance2 = HUGE_VAL;
     for (int y = row > 0 ? row - 1 : 0; y <= row + 1 && y < CELLS; ++y)
         for (int x = column > 0 ? column - 1 : 0; x <= column + 1 && x < CELLS; ++x)
             for (uint32_t i = c->heads[y * CELLS + x]; i != PSPLAT_NONE; i = c->nexts[i]) {
-                double du = (c->uvh[i][0] - uv[0]) * c->region->radius[0];
-                double dv = (c->uvh[i][1] - uv[1]) * c->region->radius[1], h = c->uvh[i][2];
-                double d2 = du * du + dv * dv + h * h;
+                double d2 = distance2_3(c->samples[i].p, q);
                 if (d2 < *distance2) *distance2 = d2, nearest = i;
             }
     return nearest;
@@ -157,10 +157,11 @@ static int is_near_sample(const psplat_fit_context *context, const double point[
 static psplat_fit_status point_nearness(const psplat_fit_context *context, const cells *c,
                                         const double point[3]) {
     const psplat_limits *limits = context->limits;
-    double uvh[3], distance2;
+    double uvh[3], q[3], distance2;
     int near;
     psplat_region_local(c->region, point, uvh);
-    uint32_t nearest = nearest_sample(c, uvh, &distance2);
+    sub3(q, point, context->scratch->near.origin);
+    uint32_t nearest = nearest_sample(c, uvh, q, &distance2);
     if (distance2 <= limits->tolerance * limits->tolerance) return PSPLAT_FIT_KEPT;
     if (nearest != PSPLAT_NONE &&
         is_near_triangles(context, context->scratch->near.samples[nearest].index, point))

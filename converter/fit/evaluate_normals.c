@@ -11,6 +11,7 @@
 #include "splats/quantize.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The greatest slope of the field at the centre, so that its cosine stays twice above the least
  * that spec 3.5 allows. Lines may cut the centre off, far from all samples. */
@@ -66,6 +67,14 @@ static int is_bounded(const psplat_scratch *s, const psplat_evaluation *e, const
     return 1;
 }
 
+/* Sets the field to the normals of the region's surface (spec 3.4). */
+static void set_field_of_surface(psplat_evaluation *e) {
+    const psplat_region *r = &e->region;
+    const double field[5] = {-r->slope[0], -r->slope[1], -r->hessian[0] * r->radius[0],
+                             -r->hessian[2] * r->radius[1], -r->hessian[1] * r->radius[0]};
+    memcpy(e->field, field, sizeof field);
+}
+
 static void fit_field(const psplat_fit_context *context, psplat_evaluation *e) {
     const psplat_scratch *s = context->scratch;
     const psplat_limits *limits = context->limits;
@@ -85,7 +94,10 @@ static void fit_field(const psplat_fit_context *context, psplat_evaluation *e) {
 psplat_fit_status psplat_evaluate_normals(const psplat_fit_context *context, psplat_evaluation *e) {
     double tolerance = context->limits->normal_tolerance;
     find_slopes(context, &e->region, e->count);
-    fit_field(context, e);
+    if (psplat_region_is_curved(&e->region) && !context->samples->turned)
+        set_field_of_surface(e);
+    else
+        fit_field(context, e);
     if (hypot(e->field[0], e->field[1]) > greatest_center_slope) return PSPLAT_FIT_NORMALS_DIFFER;
     if (!(tolerance > 0)) return PSPLAT_FIT_KEPT;
     e->normal_error = greatest_error(context->scratch, e);

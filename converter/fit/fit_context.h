@@ -24,6 +24,7 @@ typedef struct psplat_limits {
     double margin;           /* how far a splat reaches beyond the samples that it covers */
     double normal_tolerance; /* greatest error of the normal field, radians; 0: unbounded */
     int constant_normals;    /* 1: normal fields have no gradients */
+    int planar;              /* 1: all splats are flat */
     double color_tolerance;  /* greatest root mean square of a splat's colour error, parts of sRGB's
                                 range; 0: unbounded */
     int constant_colors;     /* 1: colours have no gradients */

@@ -20,6 +20,7 @@
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
 #include "fit/grow_ellipse.h"
+#include "fit/surface_fit.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -81,30 +82,58 @@ static double best_height(const double *heights, size_t count, double tolerance)
     return best;
 }
 
+/* Moves a region along its normal to where most of some samples are (indices into near; NULL: the
+ * first count). Returns the greatest sum of the squares of their parameters. */
+static double settle(const psplat_fit_context *context, const uint32_t *some, size_t count,
+                     psplat_region *region) {
+    const psplat_neighborhood *near = &context->scratch->near;
+    double greatest = 0, *heights = context->scratch->heights;
+    for (size_t i = 0; i < count; ++i) {
+        double p[3], d[3];
+        for (int k = 0; k < 3; ++k) p[k] = near->origin[k] + near->samples[some ? some[i] : i].p[k];
+        psplat_region_local(region, p, d);
+        greatest = max2(greatest, d[0] * d[0] + d[1] * d[1]);
+        heights[i] = d[2];
+    }
+    mad3(region->center, best_height(heights, count, context->limits->tolerance), region->n);
+    return greatest;
+}
+
+/* Gives a region the least ellipse of given variances along its axes around some samples (indices
+ * into near; NULL: the first count), at the height where most of them are. */
+static void surround(const psplat_fit_context *context, const double variance[2],
+                     const uint32_t *some, size_t count, psplat_region *region) {
+    for (int k = 0; k < 2; ++k) region->radius[k] = sqrt(variance[k]);
+    double scale = settle(context, some, count, region);
+    for (int k = 0; k < 2; ++k)
+        region->radius[k] = sqrt(variance[k] * scale) + context->limits->margin;
+}
+
 /* Finds the ellipse of a plane's axes around some samples (indices into near; NULL: the first
- * count), at the height where most of them are. */
+ * count), at the height where most of them are, and the surface over it: the plane where that is
+ * near enough. */
 static void fit_ellipse(const psplat_fit_context *context, const psplat_plane *plane,
                         const uint32_t *some, size_t count, psplat_region *region) {
     const psplat_neighborhood *near = &context->scratch->near;
-    const psplat_limits *limits = context->limits;
-    double scale = 0, *heights = context->scratch->heights;
     /* A row of samples still gets some width. */
     double least = 0.01 * context->samples->spacing * context->samples->spacing;
     double variance[2] = {plane->variance[0] + least, plane->variance[1] + least};
-    for (size_t i = 0; i < count; ++i) {
-        double d[3];
-        sub3(d, near->samples[some ? some[i] : i].p, plane->mean);
-        double x = dot3(d, plane->u), y = dot3(d, plane->v);
-        scale = max2(scale, x * x / variance[0] + y * y / variance[1]);
-        heights[i] = dot3(d, plane->n);
-    }
+    *region = (psplat_region){.line_count = 0};
     memcpy(region->u, plane->u, sizeof region->u);
     memcpy(region->v, plane->v, sizeof region->v);
     memcpy(region->n, plane->n, sizeof region->n);
     for (int k = 0; k < 3; ++k) region->center[k] = near->origin[k] + plane->mean[k];
-    mad3(region->center, best_height(heights, count, limits->tolerance), plane->n);
-    for (int k = 0; k < 2; ++k) region->radius[k] = sqrt(variance[k] * scale) + limits->margin;
-    region->line_count = 0;
+    psplat_region flat = *region;
+    if (!context->limits->planar) {
+        for (int k = 0; k < 2; ++k) region->radius[k] = 2 * sqrt(variance[k]);
+        if (psplat_fit_surface(near->samples, some, count, near->origin, region)) {
+            surround(context, variance, some, count, region);
+            if (psplat_surface_sagitta(region) > PSPLAT_FLAT_PART * context->limits->tolerance)
+                return;
+        }
+    }
+    *region = flat;
+    surround(context, variance, some, count, region);
 }
 
 /* ---- regions tried ------------------------------------------------------------------------- */
@@ -150,7 +179,8 @@ static psplat_fit_status try_nearest(search *s, size_t count) {
     psplat_region region;
     psplat_neighborhood_covariance(&s->context->scratch->near, count, &covariance);
     psplat_covariance_fit(&covariance, &plane);
-    if (plane.variance[2] > tolerance * tolerance) return PSPLAT_FIT_LEAVES_SURFACE;
+    if (s->context->limits->planar && plane.variance[2] > tolerance * tolerance)
+        return PSPLAT_FIT_LEAVES_SURFACE;
     fit_ellipse(s->context, &plane, NULL, count, &region);
     psplat_evaluation evaluation = try_region(s, &region);
     if (evaluation.status) return evaluation.status;
@@ -243,6 +273,19 @@ static int adapt_metric(search *s) {
     return 1;
 }
 
+/* Fits the surface of a curved region anew to the samples that the last evaluation covered: that of
+ * a larger one leaves a part of the samples by more than it has to. */
+static void fit_again(const search *s, size_t covered, psplat_region *region) {
+    const psplat_scratch *scratch = s->context->scratch;
+    if (!psplat_region_is_curved(region) || covered < LEAST_SAMPLES) return;
+    psplat_region fitted = *region;
+    if (!psplat_fit_surface(scratch->near.samples, scratch->covered, covered, scratch->near.origin,
+                            &fitted))
+        return;
+    settle(s->context, scratch->covered, covered, &fitted);
+    *region = fitted;
+}
+
 /* Shrinks the candidate until all of its outline is near the mesh, and within the surroundings of
  * the region that was tried last. Returns 0 where that does not help. */
 static int shrink_to_mesh(search *s) {
@@ -251,10 +294,11 @@ static int shrink_to_mesh(search *s) {
                                         .skip = PSPLAT_SKIP_LINES | PSPLAT_SKIP_COLORS |
                                                 PSPLAT_SKIP_NORMALS};
         psplat_region region = s->candidate->region;
-        psplat_fit_status status = psplat_evaluate(s->context, &s->site, &region, &demands).status;
-        if (status == PSPLAT_FIT_MEMORY) s->failed = 1;
-        if (status == PSPLAT_FIT_KEPT) return 1;
+        psplat_evaluation evaluation = psplat_evaluate(s->context, &s->site, &region, &demands);
+        if (evaluation.status == PSPLAT_FIT_MEMORY) s->failed = 1;
+        if (evaluation.status == PSPLAT_FIT_KEPT) return 1;
         for (int k = 0; k < 2; ++k) region.radius[k] *= shrink_factor;
+        fit_again(s, evaluation.count, &region);
         s->candidate->covered_count = 0;
         try_region(s, &region);
         if (!s->candidate->covered_count) return 0;

@@ -33,6 +33,10 @@ static void order_axes(psplat_region *region) {
         double u = region->u[k];
         region->u[k] = region->v[k], region->v[k] = -u;
     }
+    double slope = region->slope[0], along = region->hessian[0];
+    region->slope[0] = region->slope[1], region->slope[1] = -slope;
+    region->hessian[0] = region->hessian[2], region->hessian[2] = along;
+    region->hessian[1] = -region->hessian[1];
 }
 
 /* Makes the chosen axes of a region longer by a factor. */

@@ -7,7 +7,9 @@
  * evaluated there by the same limits as all others. So the promises hold for what is stored, and
  * quantization costs a few splats instead of a part of the tolerance. A splat may move little
  * across its plane but much within it: mostly one of the grid points around the centre lies close
- * to the plane.
+ * to the plane. A curved splat moves along its surface: at each place it gets the normal that the
+ * surface has there, and second derivatives fitted anew, so that the rounding of centre and normal
+ * is made up for as far as these can.
  */
 #include "fit/quantize_candidate.h"
 
@@ -27,19 +29,23 @@
 
 /* All of these were chosen by hand. */
 /* The number of grid points tried, and how far from the centre they are looked for, in steps. */
-enum { OPTIONS = 3, SEARCHED_STEPS = 3 };
+enum { OPTIONS = 8, SEARCHED_STEPS = 3 };
+/* The number of grid points near a curved surface that are tried with normals of the grid, and
+ * every how many of the old region's points the surface is fitted to there. */
+enum { PLACES = 8, FITTED_STEP = 4 };
 /* What leaving the plane by the tolerance costs; moving by a radius costs 1. */
 static const double plane_cost = 0.5;
 /* The radii tried, in steps from those of the candidate rounded down: larger ones first. */
 static const int radius_steps[][2] = {{1, 1}, {0, 0}, {-1, -1}};
 enum { RADIUS_STEPS = sizeof radius_steps / sizeof *radius_steps };
 /* How often, and by which factor, a candidate shrinks that fits nowhere on the grid. */
-enum { SHRINKINGS = 8 };
-static const double shrink_factor = 0.8;
+enum { SHRINKINGS = 16 };
+static const double shrink_factor = 0.9;
 
-/* Axes and a centre on the grid, and what moving there costs. */
+/* Axes and a centre on the grid, the second derivatives of the surface in these axes, which are not
+ * rounded yet, and what moving there costs. */
 typedef struct option {
-    double axes[3][3], center[3], cost;
+    double axes[3][3], center[3], hessian[3], cost;
 } option;
 
 typedef struct quantizer {
@@ -52,11 +58,11 @@ typedef struct quantizer {
     option options[OPTIONS];
 } quantizer;
 
-/* Inserts an option into a list of the cheapest ones, cheapest first, and drops the last. */
-static void keep_cheapest(option *options, const option *new) {
-    for (int i = 0; i < OPTIONS; ++i) {
+/* Inserts an option into a list of the count cheapest ones, cheapest first, and drops the last. */
+static void keep_cheapest(option *options, int count, const option *new) {
+    for (int i = 0; i < count; ++i) {
         if (options[i].cost <= new->cost) continue;
-        memmove(options + i + 1, options + i, (size_t)(OPTIONS - 1 - i) * sizeof *options);
+        memmove(options + i + 1, options + i, (size_t)(count - 1 - i) * sizeof *options);
         options[i] = *new;
         return;
     }
@@ -79,7 +85,7 @@ static double best_offset(const quantizer *q, const double n[3], double *spread)
 static void find_centers(quantizer *q, double axes[3][3]) {
     double unit = q->precision->unit, tolerance = q->context->limits->tolerance;
     double spread, offset = best_offset(q, axes[2], &spread);
-    option o;
+    option o = {.hessian = {0}};
     memcpy(o.axes, axes, sizeof o.axes);
     for (int i = -SEARCHED_STEPS; i <= SEARCHED_STEPS; ++i)
         for (int j = -SEARCHED_STEPS; j <= SEARCHED_STEPS; ++j)
@@ -92,8 +98,91 @@ static void find_centers(quantizer *q, double axes[3][3]) {
                 o.cost = hypot(dot3(d, axes[0]) / q->old.radius[0],
                                dot3(d, axes[1]) / q->old.radius[1]) +
                          plane_cost * (fabs(dot3(d, axes[2]) - offset) + spread) / tolerance;
-                keep_cheapest(q->options, &o);
+                keep_cheapest(q->options, OPTIONS, &o);
             }
+}
+
+/* ---- curved surfaces ------------------------------------------------------------------------ */
+
+/* Finds the grid points nearest to the old surface and its centre. */
+static void find_places(const quantizer *q, option places[PLACES]) {
+    double unit = q->precision->unit, tolerance = q->context->limits->tolerance;
+    option o = {.hessian = {0}};
+    for (int i = 0; i < PLACES; ++i) places[i].cost = HUGE_VAL;
+    for (int i = -SEARCHED_STEPS; i <= SEARCHED_STEPS; ++i)
+        for (int j = -SEARCHED_STEPS; j <= SEARCHED_STEPS; ++j)
+            for (int k = -SEARCHED_STEPS; k <= SEARCHED_STEPS; ++k) {
+                const int steps[3] = {i, j, k};
+                double uvh[3];
+                for (int c = 0; c < 3; ++c)
+                    o.center[c] = unit * (rint(q->old.center[c] / unit) + steps[c]);
+                psplat_region_local(&q->old, o.center, uvh);
+                o.cost = hypot(uvh[0], uvh[1]) + plane_cost * fabs(uvh[2]) / tolerance;
+                keep_cheapest(places, PLACES, &o);
+            }
+}
+
+/* Fits the second derivatives of an option to the points of the old surface, with the option's
+ * centre and axes as they are, and adds to the cost how far the surface leaves these points. */
+static void fit_option(const quantizer *q, option *o) {
+    double m[3][3] = {{0}}, right[3] = {0}, shift[3], farthest = 0;
+    double local[PSPLAT_REGION_POINTS][3], scale = q->old.radius[0];
+    sub3(shift, q->old.center, o->center);
+    for (size_t i = 0; i < q->point_count; ++i) {
+        double d[3];
+        for (int k = 0; k < 3; ++k) d[k] = q->points[i][k] + shift[k];
+        for (int k = 0; k < 3; ++k) local[i][k] = dot3(d, o->axes[k]) / scale;
+        double s = local[i][0], t = local[i][1], row[3] = {s * s / 2, s * t, t * t / 2};
+        for (int k = 0; k < 3; ++k) {
+            for (int l = 0; l < 3; ++l) m[k][l] += row[k] * row[l];
+            right[k] += row[k] * local[i][2];
+        }
+    }
+    for (int k = 0; k < 3; ++k) m[k][k] += 1e-12 * (double)q->point_count;
+    for (int k = 0; k < 2; ++k)
+        for (int l = k + 1; l < 3; ++l) {
+            double factor = m[l][k] / m[k][k];
+            for (int c = k; c < 3; ++c) m[l][c] -= factor * m[k][c];
+            right[l] -= factor * right[k];
+        }
+    for (int k = 3; k-- > 0;) {
+        for (int l = k + 1; l < 3; ++l) right[k] -= m[k][l] * right[l];
+        right[k] /= m[k][k];
+    }
+    for (int k = 0; k < 3; ++k) o->hessian[k] = right[k] / scale;
+    psplat_quantize_shape(q->precision, q->old.radius, o->hessian);
+    for (size_t i = 0; i < q->point_count; ++i) {
+        const double *h = o->hessian;
+        double s = local[i][0] * scale, t = local[i][1] * scale;
+        double height = (h[0] * s * s + 2 * h[1] * s * t + h[2] * t * t) / 2;
+        farthest = max2(farthest, fabs(local[i][2] * scale - height));
+    }
+    for (int k = 0; k < 3; ++k) o->hessian[k] = right[k] / scale;
+    o->cost += plane_cost * farthest / q->context->limits->tolerance;
+}
+
+/* Tries the grid points near a curved surface with the normals of the grid next to the surface's
+ * own there, and keeps the cheapest pairs. */
+static void find_options_on_surface(quantizer *q) {
+    static const int32_t codes[][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+    option places[PLACES];
+    find_places(q, places);
+    for (int i = 0; i < PLACES; ++i) {
+        double uvh[3], normal[3];
+        int32_t middle[2];
+        psplat_region_local(&q->old, places[i].center, uvh);
+        psplat_region_normal(&q->old, uvh, normal);
+        psplat_octahedron_encode(normal, q->precision->normal_bits, middle);
+        for (size_t k = 0; k < sizeof codes / sizeof *codes; ++k) {
+            const int32_t code[2] = {middle[0] + codes[k][0], middle[1] + codes[k][1]};
+            option o = places[i];
+            if (!psplat_octahedron_is_code(code, q->precision->normal_bits)) continue;
+            psplat_quantized_axes(q->precision, code, q->old.u, o.axes);
+            o.cost = hypot(uvh[0], uvh[1]);
+            fit_option(q, &o);
+            keep_cheapest(q->options, OPTIONS, &o);
+        }
+    }
 }
 
 /* Finds the cheapest pairs of a grid normal next to the old one and a grid point around the centre.
@@ -103,6 +192,14 @@ static void find_options(quantizer *q) {
     q->point_count = psplat_region_points(&q->old, q->points);
     for (size_t i = 0; i < q->point_count; ++i) sub3(q->points[i], q->points[i], q->old.center);
     for (int i = 0; i < OPTIONS; ++i) q->options[i].cost = HUGE_VAL;
+    if (psplat_region_is_curved(&q->old)) {
+        size_t count = 0;
+        for (size_t i = 0; i < q->point_count; i += FITTED_STEP)
+            memcpy(q->points[count++], q->points[i], sizeof q->points[0]);
+        q->point_count = count;
+        find_options_on_surface(q);
+        return;
+    }
     psplat_octahedron_encode(q->old.n, q->precision->normal_bits, middle);
     for (int32_t i = -1; i <= 1; ++i)
         for (int32_t k = -1; k <= 1; ++k) {
@@ -131,6 +228,8 @@ static psplat_region region_of(const quantizer *q, const option *o, double facto
         r.radius[k] = unit * exp(step * (down + steps[k]));
     }
     if (r.radius[1] > r.radius[0]) r.radius[0] = r.radius[1];
+    memcpy(r.hessian, o->hessian, sizeof r.hessian);
+    if (psplat_region_is_curved(&r)) psplat_quantize_shape(q->precision, r.radius, r.hessian);
     return r;
 }
 

@@ -2,16 +2,18 @@
  *
  * crease_crossings.c - creases and borders that lie too deep inside splats of their own patch.
  *
- * A splat is convex and ends a little behind the creases of its patch, so no point of these may lie
- * deeper inside its outline than that. The depth of a point is its distance from the nearest side
- * of the outline, which is a concave function. Its maximum along an edge is that of a linear
- * program in one variable, which a ternary search finds. Splats do not store their patch, so the
- * samples that a splat covers vote: a crossing counts if at least half of them belong to patches
- * whose creases the splat crosses. So the creases of another sheet that lies closer than the
- * tolerance are left out.
+ * A splat ends a little behind the creases of its patch, so no point of these may lie deeper inside
+ * its outline than that. The depth of a point is its distance from the nearest side of the outline.
+ * With straight clip lines that is a concave function: its maximum along an edge is that of a
+ * linear program in one variable, which a ternary search finds. Bent lines are looked at by
+ * themselves, since chords would cut off more of them than a tolerance, and then the maximum is
+ * searched about the deepest of some places. Splats do not store their patch, so the samples that a
+ * splat covers vote: a crossing counts if at least half of them belong to patches whose creases the
+ * splat crosses. So the creases of another sheet that lies closer than the tolerance are left out.
  */
 #include "measure/crease_crossings.h"
 
+#include "base/polynomial.h"
 #include "base/region.h"
 #include "base/region_tree.h"
 #include "base/vector.h"
@@ -23,21 +25,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The capacity of an outline, and the steps of the ternary search: each leaves 2/3 of the range. */
-enum { MOST_CORNERS = 68, TERNARY_STEPS = 48 };
+/* The capacity of an outline, the steps of the ternary search, each of which leaves 2/3 of the
+ * range, and the places of an edge at which bent lines are looked at first. */
+enum { MOST_CORNERS = 68, TERNARY_STEPS = 48, PLACES = 16 };
 
 /* ---- the depth of an edge in a splat --------------------------------------------------------- */
 
-/* The distances of a point on an edge from the sides of an outline, positive inside. Each is a
- * linear function a + b t of the place t = 0 ... 1 on the edge. */
+/* The distances of a point on an edge from the sides of a convex outline, positive inside. Each is
+ * a linear function a + b t of the place t = 0 ... 1 on the edge. */
 typedef struct sides {
     double a[MOST_CORNERS], b[MOST_CORNERS];
     size_t count;
+    const psplat_region *region; /* NULL unless it has bent lines */
+    double from[2], to[2];       /* the edge in (u, v) */
 } sides;
+
+/* Returns the distance of (u, v) from a bent line, up to the second order: its value over the
+ * gradient of that. */
+static double bent_distance(const psplat_region *region, uint32_t i, const double uv[2]) {
+    const double *line = region->lines[i];
+    double turn = region->bends[i] * (line[0] * uv[1] - line[1] * uv[0]);
+    double u = (line[0] - turn * line[1]) / region->radius[0];
+    double v = (line[1] + turn * line[0]) / region->radius[1];
+    return psplat_region_line_value(region, i, uv) / hypot(u, v);
+}
 
 static double depth_at(const sides *s, double t) {
     double least = HUGE_VAL;
     for (size_t i = 0; i < s->count; ++i) least = min2(least, s->a[i] + t * s->b[i]);
+    if (!s->region) return least;
+    const double uv[2] = {s->from[0] + t * (s->to[0] - s->from[0]),
+                          s->from[1] + t * (s->to[1] - s->from[1])};
+    for (uint32_t i = 0; i < s->region->line_count; ++i)
+        if (s->region->bends[i] != 0) least = min2(least, bent_distance(s->region, i, uv));
     return least;
 }
 
@@ -51,9 +71,24 @@ static void clip_range(double range[2], double a, double b) {
         range[1] = range[0] - 1;
 }
 
+/* Leaves out the bent clip lines. Returns whether there is one. */
+static int leave_straight(psplat_region *region) {
+    uint32_t kept = 0, count = region->line_count;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (region->bends[i] != 0) continue;
+        memmove(region->lines[kept], region->lines[i], sizeof region->lines[i]);
+        region->bends[kept++] = region->bends[i];
+    }
+    region->line_count = kept;
+    return kept < count;
+}
+
 static void find_sides(sides *s, const psplat_region *region, double from[3], double to[3]) {
     double polygon[MOST_CORNERS][2];
-    size_t corners = psplat_region_polygon(region, 1, polygon, MOST_CORNERS);
+    psplat_region straight = *region;
+    s->region = leave_straight(&straight) ? region : NULL;
+    for (int k = 0; k < 2; ++k) s->from[k] = from[k], s->to[k] = to[k];
+    size_t corners = psplat_region_polygon(&straight, 1, polygon, MOST_CORNERS);
     double p[2] = {from[0] * region->radius[0], from[1] * region->radius[1]};
     double d[2] = {to[0] * region->radius[0] - p[0], to[1] * region->radius[1] - p[1]};
     s->count = 0;
@@ -82,12 +117,28 @@ static double greatest_depth(const sides *s, const double range[2], double *at) 
     return depth_at(s, *at);
 }
 
+/* Does the same where the depth is not concave: about the deepest of some places. */
+static double deepest_part(const sides *s, const double range[2], double *at) {
+    double step = (range[1] - range[0]) / PLACES, deepest = -HUGE_VAL, place = range[0];
+    for (int i = 0; i <= PLACES; ++i) {
+        double depth = depth_at(s, range[0] + i * step);
+        if (depth > deepest) deepest = depth, place = range[0] + i * step;
+    }
+    const double about[2] = {max2(range[0], place - step), min2(range[1], place + step)};
+    double found = greatest_depth(s, about, at);
+    if (found >= deepest) return found;
+    *at = place;
+    return deepest;
+}
+
 /* Returns an upper bound of the depth of an edge (its ends as u, v, height) that is quick to find:
- * the smaller radius, and the distance of the farther end from each clip line. */
+ * the smaller radius, and the distance of the farther end from each clip line that is straight, or
+ * that bulges out and so lies within its straight one. */
 static double depth_bound(const psplat_region *region, const double from[3], const double to[3]) {
     double least = region->radius[1];
     for (uint32_t i = 0; i < region->line_count; ++i) {
         const double *line = region->lines[i];
+        if (region->bends[i] > 0) continue;
         double inside =
             max2(line[0] * from[0] + line[1] * from[1], line[0] * to[0] + line[1] * to[1]) +
             line[2];
@@ -97,24 +148,71 @@ static double depth_bound(const psplat_region *region, const double from[3], con
     return least;
 }
 
+/* Finds the parts of an edge, whose ends are from and to in the region, that are within tolerance
+ * of its surface: at most three ranges of t. For a plane that is one range. The height over a
+ * curved surface is quadratic in t; the distance is less than the height by the cosine of a slope,
+ * of which the greatest on the way is taken. Returns the number of ranges. */
+static size_t near_ranges(const psplat_region *region, const double from[3], const double to[3],
+                          double tolerance, double ranges[5][2]) {
+    double slope[2], other[2], height[3], ends[6] = {0}, roots[2];
+    size_t count = 1, result = 0;
+    if (!psplat_region_is_curved(region)) {
+        ranges[0][0] = 0, ranges[0][1] = 1;
+        clip_range(ranges[0], tolerance - from[2], from[2] - to[2]);
+        clip_range(ranges[0], tolerance + from[2], to[2] - from[2]);
+        return ranges[0][0] <= ranges[0][1];
+    }
+    psplat_region_slope(region, from, slope);
+    psplat_region_slope(region, to, other);
+    double stretch = hypot(1, max2(hypot(slope[0], slope[1]), hypot(other[0], other[1])));
+    height[0] = from[2] * hypot(1, hypot(slope[0], slope[1]));
+    height[1] = to[2] * hypot(1, hypot(other[0], other[1])) - height[0];
+    height[2] = 0;
+    for (int k = 0; k < 2; ++k)
+        height[2] -= (other[k] - slope[k]) * (to[k] - from[k]) * region->radius[k] / 2;
+    height[1] -= height[2];
+    for (int side = -1; side < 2; side += 2) {
+        const double over[3] = {height[0] + side * tolerance * stretch, height[1], height[2]};
+        size_t found = psplat_polynomial_roots(over, 2, 0, 1, roots);
+        for (size_t k = 0; k < found; ++k) ends[count++] = roots[k];
+    }
+    ends[count] = 1;
+    for (size_t i = 2; i < count; ++i)
+        for (size_t k = i; k > 1 && ends[k] < ends[k - 1]; --k) {
+            double swap = ends[k];
+            ends[k] = ends[k - 1], ends[k - 1] = swap;
+        }
+    for (size_t i = 0; i < count; ++i) {
+        double middle = 0.5 * (ends[i] + ends[i + 1]);
+        if (fabs(psplat_polynomial_at(height, 2, middle)) > tolerance * stretch) continue;
+        ranges[result][0] = ends[i], ranges[result++][1] = ends[i + 1];
+    }
+    return result;
+}
+
 /* Returns the greatest depth in a region of the part of edge a b that is within tolerance of its
- * plane, and stores where it is. Returns 0 or less where the edge stays outside. Where the depth is
- * at most known_depth, the result may be any number up to that, and point may be left unset. */
+ * surface, and stores where it is. Returns 0 or less where the edge stays outside. Where the depth
+ * is at most known_depth, the result may be any number up to that, and point may be left unset. */
 static double edge_depth(const psplat_region *region, const double a[3], const double b[3],
                          double tolerance, double known_depth, double point[3]) {
-    double from[3], to[3], range[2] = {0, 1}, at;
+    double from[3], to[3], ranges[5][2], deepest = 0, at;
     sides s;
     psplat_region_local(region, a, from);
     psplat_region_local(region, b, to);
     if (depth_bound(region, from, to) <= known_depth) return 0;
-    clip_range(range, tolerance - from[2], from[2] - to[2]);
-    clip_range(range, tolerance + from[2], to[2] - from[2]);
+    size_t count = near_ranges(region, from, to, tolerance, ranges);
     find_sides(&s, region, from, to);
-    for (size_t i = 0; i < s.count && range[0] <= range[1]; ++i) clip_range(range, s.a[i], s.b[i]);
-    if (!s.count || !(range[0] <= range[1])) return 0;
-    double depth = greatest_depth(&s, range, &at);
-    for (int k = 0; k < 3; ++k) point[k] = a[k] + at * (b[k] - a[k]);
-    return depth;
+    for (size_t r = 0; r < count && s.count; ++r) {
+        double *range = ranges[r];
+        for (size_t i = 0; i < s.count && range[0] <= range[1]; ++i)
+            clip_range(range, s.a[i], s.b[i]);
+        if (!(range[0] <= range[1])) continue;
+        double depth = s.region ? deepest_part(&s, range, &at) : greatest_depth(&s, range, &at);
+        if (r && depth <= deepest) continue;
+        deepest = depth;
+        for (int k = 0; k < 3; ++k) point[k] = a[k] + at * (b[k] - a[k]);
+    }
+    return deepest;
 }
 
 /* ---- all edges ------------------------------------------------------------------------------ */
@@ -149,10 +247,21 @@ static void push_crossing(crossing_list *list, const psplat_crease_crossing *cro
     list->items[list->count++] = *crossing;
 }
 
+/* Returns whether a splat faces as the edge's triangle does: a curved one by its normal at the
+ * edge's middle. */
+static int may_face(const psplat_region *region, const edge_probe *p) {
+    double middle[3], uvh[3], normal[3];
+    if (!psplat_region_is_curved(region)) return dot3(p->normal, region->n) > 0;
+    for (int k = 0; k < 3; ++k) middle[k] = 0.5 * (p->a[k] + p->b[k]);
+    psplat_region_local(region, middle, uvh);
+    psplat_region_normal(region, uvh, normal);
+    return dot3(p->normal, normal) > 0;
+}
+
 static int visit_region(void *user, uint32_t index) {
     edge_probe *p = user;
     const psplat_region *region = &p->measured->regions[index];
-    if (dot3(p->normal, region->n) <= 0) return 0;
+    if (!may_face(region, p)) return 0;
     psplat_crease_crossing found = {.edge = p->edge, .splat = index};
     found.depth = edge_depth(region, p->a, p->b, p->measured->tolerance,
                              min2(p->greatest, p->limit), found.point);

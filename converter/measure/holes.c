@@ -2,8 +2,10 @@
  *
  * holes.c - an exhaustive search for points of the surface that no stored splat covers.
  *
- * The set of points that a splat covers is convex: a region of its plane, extended by the tolerance
- * above and below. So a splat that covers the three corners of a triangle covers all of it. A
+ * The set of points that a flat splat covers is convex where its clip lines are straight: a region
+ * of its plane, extended by the tolerance above and below. So a splat that covers the three corners
+ * of a triangle covers all of it. Of a curved one and of bent lines it is bounded how far they go
+ * astray between the corners. A
  * triangle that no single splat covers is halved until the middle of a part is found open, or the
  * part is too small to matter. The search draws no random points: a hole that it misses is smaller
  * than its resolution.
@@ -69,22 +71,98 @@ static void push_hole(searcher *s, const double point[3]) {
     h->triangles[h->count++] = s->triangle;
 }
 
-/* Returns whether all of a part (its corners as u, v, height in the splat's region) lies beyond one
- * side of what the splat covers. */
-static int is_outside_splat(const psplat_region *region, double tolerance, const double uvh[3][3]) {
-    double middle[2], spread = 0;
-    int above = 1, below = 1;
-    for (int k = 0; k < 2; ++k) middle[k] = (uvh[0][k] + uvh[1][k] + uvh[2][k]) / 3;
+/* A part in a splat's region: u, v and height at its corners, and what happens between them. For a
+ * flat splat heights are linear there, and the slopes are 0. */
+typedef struct local_part {
+    double uvh[3][3];
+    double slopes[3][2]; /* of the splat's surface at the corners */
+    double bow;          /* how far heights leave those interpolated from the corners: a length */
+    double least_stretch, most_stretch; /* of lengths on the surface over those in the plane */
+} local_part;
+
+/* The height over the surface, along the normal of the plane, at (l0, l1, l2) in barycentric
+ * coordinates differs from the one interpolated by the sum of l_i l_j times half of the second
+ * derivative along each side. The sum of l_i l_j is at most 1/3. Slopes are linear in between. */
+static void bound_between(const psplat_region *region, local_part *part) {
+    double mean[2] = {0, 0}, spread = 0, most = 0;
+    for (int i = 0; i < 3; ++i) psplat_region_slope(region, part->uvh[i], part->slopes[i]);
     for (int i = 0; i < 3; ++i) {
-        above &= uvh[i][2] > tolerance, below &= uvh[i][2] < -tolerance;
-        spread = max2(spread, hypot(uvh[i][0] - middle[0], uvh[i][1] - middle[1]));
+        const double *from = part->slopes[i], *to = part->slopes[(i + 1) % 3];
+        double second = 0;
+        for (int k = 0; k < 2; ++k) {
+            second += (to[k] - from[k]) * (part->uvh[(i + 1) % 3][k] - part->uvh[i][k]) *
+                      region->radius[k];
+            mean[k] += from[k] / 3;
+        }
+        most = max2(most, fabs(second));
+    }
+    for (int i = 0; i < 3; ++i)
+        spread = max2(spread, hypot(part->slopes[i][0] - mean[0], part->slopes[i][1] - mean[1]));
+    double slope = hypot(mean[0], mean[1]);
+    part->bow = most / 6;
+    part->least_stretch = hypot(1, max2(slope - spread, 0));
+    part->most_stretch = hypot(1, slope + spread);
+}
+
+/* Returns the height of a corner along the normal of the plane. */
+static double plane_height(const local_part *part, int corner) {
+    const double *slope = part->slopes[corner];
+    return part->uvh[corner][2] * sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+}
+
+/* Returns how far the values of a bent clip line leave those interpolated from the corners. Between
+ * corners they are less where it bulges in, and more where it bulges out. */
+static double line_bow(const psplat_region *region, uint32_t i, const local_part *part) {
+    const double *line = region->lines[i];
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int k = 0; k < 3; ++k) {
+        double along = line[0] * part->uvh[k][1] - line[1] * part->uvh[k][0];
+        low = min2(low, along);
+        high = max2(high, along);
+    }
+    return fabs(region->bends[i]) * (high - low) * (high - low) / 8;
+}
+
+/* Returns whether a splat that covers the corners of a part surely covers what lies between. */
+static int covers_between(const searcher *s, const psplat_region *region, const subtriangle *t,
+                          const local_part *part) {
+    for (uint32_t i = 0; i < region->line_count; ++i)
+        for (int k = 0; k < 3 && region->bends[i] > 0; ++k)
+            if (psplat_region_line_value(region, i, part->uvh[k]) < line_bow(region, i, part))
+                return 0;
+    if (part->bow == 0 && part->most_stretch == 1) return 1;
+    double normals[3][3];
+    for (int i = 0; i < 3; ++i) {
+        if (fabs(plane_height(part, i)) + part->bow > s->measured->tolerance * part->least_stretch)
+            return 0;
+        memcpy(normals[i], region->n, sizeof normals[i]);
+        mad3(normals[i], -part->slopes[i][0], region->u);
+        mad3(normals[i], -part->slopes[i][1], region->v);
+    }
+    /* Both normals are linear in between: their product is a sum of these with positive factors. */
+    for (int i = 0; i < 3; ++i)
+        for (int j = i; j < 3; ++j)
+            if (!(dot3(t->n[i], normals[j]) + dot3(t->n[j], normals[i]) > 0)) return 0;
+    return 1;
+}
+
+/* Returns whether all of a part lies beyond one side of what the splat covers. */
+static int is_outside_splat(const psplat_region *region, double tolerance, const local_part *part) {
+    double middle[2], spread = 0, most = tolerance * part->most_stretch + part->bow;
+    int above = 1, below = 1;
+    for (int k = 0; k < 2; ++k)
+        middle[k] = (part->uvh[0][k] + part->uvh[1][k] + part->uvh[2][k]) / 3;
+    for (int i = 0; i < 3; ++i) {
+        double height = plane_height(part, i);
+        above &= height > most, below &= height < -most;
+        spread = max2(spread, hypot(part->uvh[i][0] - middle[0], part->uvh[i][1] - middle[1]));
     }
     if (above || below || hypot(middle[0], middle[1]) > 1 + spread + 1e-5) return 1;
     for (uint32_t i = 0; i < region->line_count; ++i) {
-        const double *line = region->lines[i];
+        double slack = region->bends[i] < 0 ? line_bow(region, i, part) + 1e-5 : 1e-5;
         int outside = 1;
         for (int k = 0; k < 3; ++k)
-            outside &= line[0] * uvh[k][0] + line[1] * uvh[k][1] + line[2] < -1e-5;
+            outside &= psplat_region_line_value(region, i, part->uvh[k]) < -slack;
         if (outside) return 1;
     }
     return 0;
@@ -96,15 +174,16 @@ static int find_near(searcher *s, const subtriangle *t, size_t begin, size_t end
     for (size_t i = begin; i < end && !s->failed; ++i) {
         uint32_t splat = s->near[i];
         const psplat_region *region = &s->measured->regions[splat];
-        double uvh[3][3];
+        local_part part = {.least_stretch = 1, .most_stretch = 1};
         int covered = 1;
         for (int k = 0; k < 3; ++k) {
-            psplat_region_local(region, t->p[k], uvh[k]);
-            covered = covered && psplat_measured_splats_cover(s->measured, splat, t->n[k], uvh[k]);
+            psplat_region_local(region, t->p[k], part.uvh[k]);
+            covered =
+                covered && psplat_measured_splats_cover(s->measured, splat, t->n[k], part.uvh[k]);
         }
-        if (covered) return 1;
-        if (!is_outside_splat(region, s->measured->tolerance, (const double(*)[3])uvh))
-            push_near(s, splat);
+        if (psplat_region_is_curved(region)) bound_between(region, &part);
+        if (covered && covers_between(s, region, t, &part)) return 1;
+        if (!is_outside_splat(region, s->measured->tolerance, &part)) push_near(s, splat);
     }
     return 0;
 }

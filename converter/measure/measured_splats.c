@@ -85,6 +85,11 @@ psplat_result psplat_measured_splats_create(const psplat_splats *splats, double 
 int psplat_measured_splats_cover(const psplat_measured_splats *measured, uint32_t splat,
                                  const double normal[3], const double uvh[3]) {
     const psplat_region *region = &measured->regions[splat];
-    return fabs(uvh[2]) <= measured->tolerance && dot3(normal, region->n) > 0 &&
-           psplat_region_contains(region, uvh, 1 + rounding_slack, rounding_slack);
+    double own[3];
+    if (!(fabs(uvh[2]) <= measured->tolerance) ||
+        !psplat_region_contains(region, uvh, 1 + rounding_slack, rounding_slack))
+        return 0;
+    if (!psplat_region_is_curved(region)) return dot3(normal, region->n) > 0;
+    psplat_region_normal(region, uvh, own);
+    return dot3(normal, own) > 0;
 }

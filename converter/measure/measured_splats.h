@@ -43,8 +43,8 @@ psplat_result psplat_measured_splats_create(const psplat_splats *splats, double 
 void psplat_measured_splats_free(psplat_measured_splats *measured);
 
 /* Returns whether a splat covers a surface point: uvh are the point's parameters and height in the
- * splat's region, and normal is the surface's. A splat that faces away from that normal, as on the
- * other side of a thin wall, does not cover the point. */
+ * splat's region (psplat_region_local), and normal is the surface's. A splat that faces away from
+ * that normal at (u, v), as on the other side of a thin wall, does not cover the point. */
 int psplat_measured_splats_cover(const psplat_measured_splats *measured, uint32_t splat,
                                  const double normal[3], const double uvh[3]);
 

@@ -101,7 +101,7 @@ void psplat_viewpoint_crop(psplat_view *view, int x, int y, int width, int heigh
 
 /* ---- the bounding sphere ------------------------------------------------------------------ */
 
-enum { SIDES = 16, MAX_CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES };
+enum { SIDES = 16, TANGENTS = 4, MAX_CORNERS = SIDES + TANGENTS * PSPLAT_MAX_CLIP_LINES };
 
 typedef struct outline {
     double corners[MAX_CORNERS][2]; /* (u, v) */
@@ -121,12 +121,12 @@ static outline circle(void) {
 
 /* Clips an outline by one line (Sutherland and Hodgman 1974). A convex outline gains at most one
  * corner. */
-static outline cut(const outline *o, const float line[3]) {
+static outline cut(const outline *o, const double line[3]) {
     outline kept = {.count = 0};
     for (int i = 0; i < o->count; ++i) {
         const double *a = o->corners[i], *b = o->corners[(i + 1) % o->count];
-        double da = (double)line[0] * a[0] + (double)line[1] * a[1] + (double)line[2];
-        double db = (double)line[0] * b[0] + (double)line[1] * b[1] + (double)line[2];
+        double da = line[0] * a[0] + line[1] * a[1] + line[2];
+        double db = line[0] * b[0] + line[1] * b[1] + line[2];
         if (da >= 0 && kept.count < MAX_CORNERS)
             memcpy(kept.corners[kept.count++], a, sizeof *kept.corners);
         if ((da >= 0) == (db >= 0) || kept.count == MAX_CORNERS) continue;
@@ -135,6 +135,29 @@ static outline cut(const outline *o, const float line[3]) {
         ++kept.count;
     }
     return kept;
+}
+
+/* Clips an outline by one clip line and its bend. A line that bulges out keeps less than each of
+ * its tangents does. Behind one that bulges in goes the straight line through the points in which
+ * it meets the circle. */
+static outline cut_by(const outline *o, const float clip[3], double bend) {
+    const double line[3] = {(double)clip[0], (double)clip[1], (double)clip[2]};
+    double length2 = line[0] * line[0] + line[1] * line[1];
+    outline kept = *o;
+    if (bend < 0) {
+        for (int i = 0; i < TANGENTS; ++i) {
+            double place = ((2 * i + 1) / (double)TANGENTS - 1) * sqrt(length2);
+            const double tangent[3] = {line[0] - bend * place * line[1],
+                                       line[1] + bend * place * line[0],
+                                       line[2] - bend * place * place / 2};
+            kept = cut(&kept, tangent);
+        }
+        return kept;
+    }
+    double bulge = bend * length2, chord[3] = {line[0], line[1], line[2]};
+    if (bend > 0)
+        chord[2] = (2 * line[2] + bulge) / (1 + sqrt(fmax(1 + bend * (2 * line[2] + bulge), 0)));
+    return cut(o, chord);
 }
 
 /* Rotates a vector by the unit quaternion q. */
@@ -146,27 +169,58 @@ static void rotate(const float q[4], const double v[3], double out[3]) {
     out[2] = v[2] + w * t[2] + x * t[1] - y * t[0];
 }
 
-/* Calls visit with the corners of every splat's outline in the scene. */
-static void visit_corners(const psplat_asset *asset, void (*visit)(void *user, const double p[3]),
-                          void *user) {
+/* Returns the height of a splat's surface over its plane at (u, v) (spec eq. 1a). */
+static double height_of(const psplat_splat *s, double u, double v) {
+    double q = (double)s->radius[1] / (double)s->radius[0];
+    double along = (double)s->shape[0] + (double)s->shape[2] * u / 2 + (double)s->shape[4] * q * v;
+    double across = (double)s->shape[1] + (double)s->shape[3] * v / 2;
+    return -(double)s->radius[0] * (along * u + across * q * v);
+}
+
+static int is_curved(const psplat_splat *s) {
+    for (int k = 0; k < 5; ++k)
+        if (s->shape[k] != 0) return 1;
+    return 0;
+}
+
+/* Calls visit with the point of a splat's surface at (u, v), placed by the matrix m. */
+static void visit_point(const psplat_splat *s, const double m[16], double u, double v,
+                        void (*visit)(void *user, const double p[3]), void *user) {
+    double local[3] = {u * (double)s->radius[0], v * (double)s->radius[1], height_of(s, u, v)};
+    double p[3], q[3];
+    rotate(s->rotation, local, p);
+    for (int r = 0; r < 3; ++r) p[r] += (double)s->center[r];
+    for (int r = 0; r < 3; ++r) q[r] = m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
+    visit(user, q);
+}
+
+/* Calls visit with the corners of a splat's outline. Within it a curved splat may reach farther, so
+ * there it is visited on some rings around the outline's middle, and in that. */
+static void visit_splat(const psplat_splat *s, const double m[16],
+                        void (*visit)(void *user, const double p[3]), void *user) {
+    enum { RINGS = 4 };
+    outline o = circle();
+    double middle[2] = {0, 0};
+    int rings = is_curved(s) ? RINGS : 1;
+    for (uint32_t k = 0; k < s->clip_count; ++k) o = cut_by(&o, s->clip[k], (double)s->bend[k]);
+    for (int k = 0; k < o.count; ++k)
+        for (int i = 0; i < 2; ++i) middle[i] += o.corners[k][i] / o.count;
+    for (int ring = 0; ring < rings; ++ring)
+        for (int k = 0; k < o.count; ++k) {
+            double t = (double)ring / RINGS;
+            visit_point(s, m, o.corners[k][0] + t * (middle[0] - o.corners[k][0]),
+                        o.corners[k][1] + t * (middle[1] - o.corners[k][1]), visit, user);
+        }
+    if (o.count && rings > 1) visit_point(s, m, middle[0], middle[1], visit, user);
+}
+
+/* Calls visit with points of the surface of every splat in the scene. */
+static void visit_all(const psplat_asset *asset, void (*visit)(void *user, const double p[3]),
+                      void *user) {
     for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
         const psplat_batch *batch = psplat_asset_batch(asset, b);
-        const double *m = batch->model;
-        for (size_t i = 0; i < batch->splat_count; ++i) {
-            const psplat_splat *s = &batch->splats[i];
-            outline o = circle();
-            for (uint32_t k = 0; k < s->clip_count; ++k) o = cut(&o, s->clip[k]);
-            for (int k = 0; k < o.count; ++k) {
-                double flat[3] = {o.corners[k][0] * (double)s->radius[0],
-                                  o.corners[k][1] * (double)s->radius[1], 0};
-                double p[3], q[3];
-                rotate(s->rotation, flat, p);
-                for (int r = 0; r < 3; ++r) p[r] += (double)s->center[r];
-                for (int r = 0; r < 3; ++r)
-                    q[r] = m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
-                visit(user, q);
-            }
-        }
+        for (size_t i = 0; i < batch->splat_count; ++i)
+            visit_splat(&batch->splats[i], batch->model, visit, user);
     }
 }
 
@@ -190,10 +244,10 @@ static void grow_sphere(void *user, const double p[3]) {
 
 void psplat_viewpoint_sphere(const psplat_asset *asset, double center[3], double *radius) {
     extent e = {.min = {INFINITY, INFINITY, INFINITY}, .max = {-INFINITY, -INFINITY, -INFINITY}};
-    visit_corners(asset, grow_box, &e);
+    visit_all(asset, grow_box, &e);
     /* Clip lines may leave nothing of any splat; then the centres and radii have to do. */
     if (!(e.min[0] <= e.max[0])) psplat_asset_bounds(asset, e.min, e.max);
     for (int i = 0; i < 3; ++i) e.center[i] = center[i] = 0.5 * (e.min[i] + e.max[i]);
-    visit_corners(asset, grow_sphere, &e);
+    visit_all(asset, grow_sphere, &e);
     *radius = e.radius > 0 ? e.radius : 1;
 }

@@ -36,8 +36,10 @@ static void add_counts(psplat_report *total, const psplat_report *part) {
     total->uncovered_samples += part->uncovered_samples;
 }
 
-/* Returns the root mean square over the samples of both. */
+/* Returns the root mean square over the samples of both, and that of the one exactly where the
+ * other has no samples. */
 static double join_rms(double a, size_t samples_of_a, double b, size_t samples_of_b) {
+    if (!samples_of_a) return b;
     double count = (double)samples_of_a + (double)samples_of_b;
     return count > 0 ? sqrt((a * a * (double)samples_of_a + b * b * (double)samples_of_b) / count)
                      : 0;

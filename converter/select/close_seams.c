@@ -2,11 +2,12 @@
  *
  * close_seams.c - the closing of cracks between splats on both sides of a crease.
  *
- * A clip line stands where the crease is, but the plane of a splat may pass the crease at a small
+ * A clip line stands where the crease is, but the surface of a splat may pass the crease at a small
  * height. So may that of the splat on the other side, and then a crack opens between the two. Pauly
  * et al. (2003) cut two splats where their planes intersect. Likewise each line is moved out until
- * it reaches, all along the crease, the nearest plane from the other side. Lines are never moved
- * in: a splat that reaches a little behind its neighbour is hidden, but a crack is seen.
+ * it reaches, all along the crease, the nearest surface from the other side; of curved splats the
+ * tangent planes at the crease are taken. Lines are never moved in: a splat that reaches a little
+ * behind its neighbour is hidden, but a crack is seen.
  */
 #include "select/close_seams.h"
 
@@ -37,6 +38,8 @@ static const double least_crease_sine = 0.1;
 /* The farthest move of a line, in tolerances. It keeps splats from growing fins at shallow creases,
  * and from reaching over a crease by a whole tolerance. */
 static const double greatest_move_tolerances = 0.5;
+/* The same of bent lines, whose moves are longer at other places along them. */
+static const double greatest_bent_move_tolerances = 0.2;
 /* How far outside its own region (of the unit ellipse) a splat still counts as lying at a crease
  * point. */
 static const double region_slack = 0.005;
@@ -44,28 +47,31 @@ static const double region_slack = 0.005;
  * rounding puts them on either side of it. */
 static const double line_slack = 1e-6;
 
-/* One point of a crease where a candidate has a clip line, and the planes across from there. */
+/* One point of a crease where a candidate has a clip line, and the surfaces across from there. */
 typedef struct crease_point {
     const psplat_surface *surface;
     const psplat_candidate *candidates;
     uint32_t patch; /* across the crease */
     double tolerance;
     double point[3];   /* on the crease */
-    double foot[3];    /* the point's projection on the candidate's plane */
-    double outward[3]; /* unit, in that plane, perpendicular to the line */
-    double move;       /* distance to the nearest plane found across; HUGE_VAL: none */
+    double foot[3];    /* the point of the candidate's surface next to it */
+    double outward[3]; /* unit, tangent to the surface there, away from what the line keeps */
+    double move;       /* distance to the nearest surface found across; HUGE_VAL: none */
 } crease_point;
 
 static int visit_neighbor(void *user, uint32_t index) {
     crease_point *c = user;
     const psplat_region *other = &c->candidates[index].region;
     if (c->surface->patches[c->candidates[index].triangle] != c->patch) return 0;
-    double uvh[3], sine = dot3(other->n, c->outward), d[3];
+    double uvh[3], d[3], normal[3];
     psplat_region_local(other, c->point, uvh);
+    psplat_region_normal(other, uvh, normal);
+    double sine = dot3(normal, c->outward);
     if (fabs(uvh[2]) > c->tolerance || fabs(sine) < least_crease_sine) return 0;
     if (!psplat_region_contains(other, uvh, 1 + region_slack, region_slack)) return 0;
-    sub3(d, other->center, c->foot);
-    c->move = min2(c->move, max2(dot3(other->n, d) / sine, 0));
+    psplat_region_point(other, uvh, d);
+    sub3(d, d, c->foot);
+    c->move = min2(c->move, max2(dot3(normal, d) / sine, 0));
     return c->move == 0;
 }
 
@@ -74,19 +80,25 @@ static uint32_t nearest_line(const psplat_region *region, const double uv[2]) {
     uint32_t best = 0;
     double least = HUGE_VAL;
     for (uint32_t i = 0; i < region->line_count; ++i) {
-        const double *line = region->lines[i];
-        double distance = fabs(line[0] * uv[0] + line[1] * uv[1] + line[2]);
+        double distance = fabs(psplat_region_line_value(region, i, uv));
         if (distance < least) least = distance, best = i;
     }
     return best;
 }
 
-/* Finds the outward unit direction of a line in space. Returns by how much the line's value
- * decreases for each unit of length in that direction. */
-static double line_outward(const psplat_region *region, const double line[3], double outward[3]) {
-    double a = line[0] / region->radius[0], b = line[1] / region->radius[1];
-    for (int k = 0; k < 3; ++k) outward[k] = -a * region->u[k] - b * region->v[k];
-    return normalize3(outward);
+/* Finds the unit direction, tangent to the surface at (u, v), in which line i cuts off. Returns by
+ * how much the line's value decreases for each unit of length in that direction. */
+static double line_outward(const psplat_region *region, uint32_t i, const double uv[2],
+                           double outward[3]) {
+    const double *line = region->lines[i];
+    double turn = region->bends[i] * (line[0] * uv[1] - line[1] * uv[0]), slope[2];
+    double a = (line[0] - turn * line[1]) / region->radius[0];
+    double b = (line[1] + turn * line[0]) / region->radius[1], rate = hypot(a, b);
+    psplat_region_slope(region, uv, slope);
+    double rise = -(a * slope[0] + b * slope[1]);
+    for (int k = 0; k < 3; ++k)
+        outward[k] = -a * region->u[k] - b * region->v[k] + rise * region->n[k];
+    return rate * rate / normalize3(outward);
 }
 
 /* What find_moves needs for each candidate. */
@@ -97,8 +109,8 @@ typedef struct closer {
     psplat_scratch scratch;
 } closer;
 
-/* Raises the move of the line at a crease point (u, v, height in the region) to the distance at
- * which it meets the nearest plane across the crease there. */
+/* Raises the move of the line at a crease point (u, v, height in the region), in units of the
+ * line's value, to that at which it meets the nearest surface across the crease there. */
 static void find_move_at_point(const closer *closer, const psplat_region *region,
                                const double uvh[3], uint32_t across, double moves[]) {
     const psplat_surface *surface = closer->context->surface;
@@ -108,18 +120,17 @@ static void find_move_at_point(const closer *closer, const psplat_region *region
                       .move = HUGE_VAL,
                       .tolerance = closer->context->limits->tolerance};
     uint32_t i = nearest_line(region, uvh);
-    const double *line = region->lines[i];
-    double rate = line_outward(region, line, c.outward);
-    memcpy(c.foot, region->center, sizeof c.foot);
-    mad3(c.foot, uvh[0] * region->radius[0], region->u);
-    mad3(c.foot, uvh[1] * region->radius[1], region->v);
+    double rate = line_outward(region, i, uvh, c.outward), normal[3];
+    psplat_region_point(region, uvh, c.foot);
+    psplat_region_normal(region, uvh, normal);
     memcpy(c.point, c.foot, sizeof c.point);
-    mad3(c.point, uvh[2], region->n);
+    mad3(c.point, uvh[2], normal);
     psplat_region_tree_visit(closer->region_tree, c.point, visit_neighbor, &c);
     /* The line may already reach beyond this point. */
-    double reach = (line[0] * uvh[0] + line[1] * uvh[1] + line[2]) / rate;
+    double reach = psplat_region_line_value(region, i, uvh);
+    double most = region->bends[i] != 0 ? greatest_bent_move_tolerances : greatest_move_tolerances;
     if (c.move < HUGE_VAL)
-        moves[i] = max2(moves[i], min2(c.move, greatest_move_tolerances * c.tolerance) - reach);
+        moves[i] = max2(moves[i], min2(c.move, most * c.tolerance) * rate - reach);
 }
 
 /* Finds the crease segments inside a candidate's region, and stores them in the scratch. Returns 0
@@ -139,7 +150,8 @@ static int find_segments(closer *c, const psplat_candidate *candidate, size_t *c
     return 1;
 }
 
-/* Finds how far each line of a candidate has to move, a length. Returns 0 when out of memory. */
+/* Finds by how much the value of each line of a candidate has to rise. Returns 0 when out of
+ * memory. */
 static int find_moves(closer *c, const psplat_candidate *candidate, double moves[]) {
     size_t count;
     if (!find_segments(c, candidate, &count)) return 0;
@@ -160,15 +172,15 @@ static int find_moves(closer *c, const psplat_candidate *candidate, double moves
 static psplat_result move_lines(const psplat_limits *limits, psplat_region *region,
                                 const double moves[]) {
     psplat_region moved = *region;
-    double most = 0, outward[3];
+    double most = 0;
     int near;
     for (uint32_t i = 0; i < region->line_count; ++i) {
         most = max2(most, moves[i]);
-        moved.lines[i][2] += moves[i] * line_outward(region, region->lines[i], outward);
+        moved.lines[i][2] += moves[i];
     }
     if (most == 0) return PSPLAT_OK;
     for (uint32_t i = 0; limits->precision && i < moved.line_count; ++i)
-        psplat_quantize_line(limits->precision, moved.lines[i]);
+        psplat_quantize_line(limits->precision, moved.lines[i], &moved.bends[i]);
     psplat_result result = psplat_region_near(&moved, limits->distance, limits->tolerance, &near);
     if (!result && near) *region = moved;
     return result;

@@ -35,6 +35,8 @@ static const double linear_color_tolerance = 0.06;
 /* The next five were chosen by hand. */
 /* The part of the tolerance that fits may use; the rest is for rounding to single precision. */
 static const double fitted_part = 0.99;
+/* The part of a tolerance of normals that fits of curved splats may use. */
+static const double curved_normal_part = 0.95;
 /* How far creases may leave the plane of a splat, and how far a splat may reach over them, in parts
  * of the tolerance. They are smaller than 1, since creases are the lines that the eye follows. */
 static const double crease_tolerance_part = 0.5;
@@ -91,6 +93,12 @@ static double set_tolerance(psplat_conversion *c) {
     return c->percent * (c->diagonal / own);
 }
 
+/* Returns the part of the tolerance of normals that fits may use. The normals of curved splats bend
+ * away between the last samples and the rim. */
+static double normal_part(const psplat_convert_desc *desc) {
+    return desc->planar ? 1 : curved_normal_part;
+}
+
 static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     double degrees = c->desc->normal_tolerance_degrees, effective_percent = set_tolerance(c);
     double color_limit = color_tolerance(c->desc, c->percent);
@@ -101,8 +109,10 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
         (psplat_limits){.tolerance = fitted_part * c->tolerance,
                         .crease_tolerance = crease_tolerance_part * c->tolerance,
                         .crease_slack = crease_slack_part * c->tolerance,
-                        .normal_tolerance = c->desc->normal_tolerance_degrees * PSPLAT_DEGREE,
+                        .normal_tolerance = normal_part(c->desc) *
+                                            c->desc->normal_tolerance_degrees * PSPLAT_DEGREE,
                         .constant_normals = c->desc->constant_normals,
+                        .planar = c->desc->planar,
                         .color_tolerance = color_limit,
                         .constant_colors = has_constant_colors(c->desc, color_limit)};
     double expected = c->surface.area / (spacing * spacing);

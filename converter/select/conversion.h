@@ -65,6 +65,8 @@ typedef struct psplat_convert_desc {
      * return other than 0 stops the conversion with PSPLAT_ERROR_INTERRUPTED. May be NULL. */
     int (*progress)(void *user, const char *stage, double fraction);
     void *user;
+    int planar; /* 1: flat splats alone, as in the paper of 2004; 0: curved where that needs fewer
+                 */
 } psplat_convert_desc;
 
 /* The data that the stages of a conversion share. */

@@ -154,7 +154,8 @@ static psplat_result propose(const psplat_fit_context *context, size_t index, vo
     psplat_covariance sums = group->first == group->second ? group->sums : union_sums(r, group);
     psplat_plane plane;
     psplat_covariance_fit(&sums, &plane);
-    if (plane.variance[2] > c->limits.tolerance * c->limits.tolerance) return PSPLAT_OK;
+    if (c->limits.planar && plane.variance[2] > c->limits.tolerance * c->limits.tolerance)
+        return PSPLAT_OK;
     size_t count = size_of(group) + size_of(first) + size_of(second);
     uint32_t *set = malloc((count + 1) * sizeof *set);
     if (!set) return PSPLAT_ERROR_MEMORY;

@@ -17,9 +17,11 @@
 #include <stdlib.h>
 
 /* All of these were chosen by hand. */
-/* The coarsest spacing as a multiple of the finest, and the number of samples that splats are to
- * cover on average. */
-static const double coarsest_spacing_factor = 3, samples_per_splat = 120;
+/* The coarsest spacing as a multiple of the finest, which is made for flat splats on round
+ * surfaces, and that where all are flat. The number of samples that splats are to cover on average.
+ */
+static const double coarsest_spacing_factor = 10, planar_spacing_factor = 3;
+static const double samples_per_splat = 120;
 /* How far splats reach beyond the samples that they cover, in spacings. So only few holes are left
  * between samples, which fill_holes.c closes. */
 static const double margin_spacings = 0.2;
@@ -50,7 +52,9 @@ static psplat_result mean_covered(const psplat_conversion *c, double *covered) {
 }
 
 psplat_result psplat_draw_samples_for_limits(psplat_conversion *c, psplat_error *error) {
-    double covered, coarse = coarsest_spacing_factor * c->finest;
+    double covered;
+    double coarse =
+        (c->limits.planar ? planar_spacing_factor : coarsest_spacing_factor) * c->finest;
     psplat_result result = draw(c, coarse, error);
     if (result) return result;
     if (mean_covered(c, &covered))

@@ -2,9 +2,9 @@
  *
  * sort_splats.c - the conversion of candidates to splats, in the order of a file.
  *
- * Unclipped splats come first (BSK04 section 4.1), and flat ones before others. Within a run,
- * splats follow a Morton curve, which keeps neighbours together in memory. It saves 15 % of the
- * drawing time that a shuffled order takes.
+ * Unclipped splats come first (BSK04 section 4.1), flat ones before others, and curved ones last.
+ * Within a run, splats follow a Morton curve, which keeps neighbours together in memory. It saves
+ * 15 % of the drawing time that a shuffled order takes.
  */
 #include "select/sort_splats.h"
 
@@ -19,10 +19,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* How much a number of a normal field may differ from that of the surface, as a part of 1 or of the
+ * number, and still count as rounded: a few steps of floats. */
+static const double rounding = 1e-6;
+
+/* Finds the numbers of a region's surface (spec eq. 1a). Differences give planes 0 and not -0, as
+ * rounding to a grid does. */
+static void shape_of(const psplat_region *region, double shape[5]) {
+    shape[0] = 0 - region->slope[0];
+    shape[1] = 0 - region->slope[1];
+    shape[2] = 0 - region->hessian[0] * region->radius[0];
+    shape[3] = 0 - region->hessian[2] * region->radius[1];
+    shape[4] = 0 - region->hessian[1] * region->radius[0];
+}
+
+/* Returns whether the normals of a curved candidate are not those of its surface. */
+static int has_own_shape(const psplat_candidate *candidate) {
+    double shape[5];
+    shape_of(&candidate->region, shape);
+    for (int k = 0; k < 5; ++k)
+        if (fabs(candidate->field[k] - shape[k]) > rounding * max2(1, fabs(shape[k]))) return 1;
+    return 0;
+}
+
 static void candidate_to_splat(const psplat_candidate *candidate, psplat_splat *splat) {
     const psplat_region *region = &candidate->region;
-    double normal[3];
+    double normal[3], shape[5];
     memset(splat, 0, sizeof *splat);
+    shape_of(region, shape);
     memcpy(normal, region->n, sizeof normal);
     mad3(normal, candidate->field[0], region->u);
     mad3(normal, candidate->field[1], region->v);
@@ -35,12 +59,18 @@ static void candidate_to_splat(const psplat_candidate *candidate, psplat_splat *
     for (int k = 0; k < 4; ++k) splat->color[k] = candidate->color[k];
     for (uint32_t i = 0; i < region->line_count; ++i)
         for (int k = 0; k < 3; ++k) splat->clip[i][k] = (float)region->lines[i][k];
+    for (uint32_t i = 0; i < region->line_count; ++i) splat->bend[i] = (float)region->bends[i];
     splat->clip_count = region->line_count;
+    for (int k = 0; k < 5; ++k) splat->shape[k] = (float)shape[k];
 }
+
+/* The surfaces of splats, in the order of a file. */
+enum { FLAT = 0, PLANE, CURVED, SURFACES };
 
 /* What a splat is sorted by. */
 typedef struct order_entry {
-    uint32_t class, material, index; /* class: twice the clip lines, plus 1 unless flat */
+    uint32_t class, material, index; /* class: SURFACES times the clip lines, plus the surface */
+    int has_shape;                   /* as in psplat_run */
     uint64_t code;
 } order_entry;
 
@@ -97,9 +127,12 @@ static void take_candidates(const psplat_selection *selection, const psplat_sort
         const psplat_candidate *candidate = &selection->candidates[i];
         if (!candidate->taken) continue;
         int flat = 2 * candidate->deviation < (double)storing->flat_depth_tolerance;
+        int curved = psplat_region_is_curved(&candidate->region);
+        uint32_t surface = curved ? CURVED : flat ? FLAT : PLANE;
         candidate_to_splat(candidate, &splats[count]);
         if (finishes) finishes[count] = candidate->finish;
-        entries[count].class = 2 * candidate->region.line_count + !flat;
+        entries[count].class = SURFACES * candidate->region.line_count + surface;
+        entries[count].has_shape = curved && has_own_shape(candidate);
         entries[count++].material = storing->groups ? storing->groups[candidate->triangle] : 0;
     }
 }
@@ -111,14 +144,37 @@ static size_t find_runs(const order_entry *entries, size_t count, const psplat_s
     for (size_t i = 0; i < count; ++i) {
         if (!i || entries[i].class != entries[i - 1].class ||
             entries[i].material != entries[i - 1].material)
-            runs[run_count++] = (psplat_run){
-                .clip_lines = entries[i].class / 2,
-                .material = entries[i].material,
-                .depth_tolerance = entries[i].class % 2 ? storing->depth_tolerance
-                                                        : storing->flat_depth_tolerance};
+            runs[run_count++] = (psplat_run){.clip_lines = entries[i].class / SURFACES,
+                                             .material = entries[i].material,
+                                             .is_curved = entries[i].class % SURFACES == CURVED,
+                                             .depth_tolerance = entries[i].class % SURFACES == FLAT
+                                                                    ? storing->flat_depth_tolerance
+                                                                    : storing->depth_tolerance};
         runs[run_count - 1].count++;
+        runs[run_count - 1].has_shape |= entries[i].has_shape;
     }
     return run_count;
+}
+
+/* Makes the splats of curved runs what a file can say of them: the field is that of the surface in
+ * all of a run's splats, or else no surface has a slope at its centre. */
+static void settle_shapes(const psplat_run *run, psplat_splat *splats) {
+    for (size_t i = 0; i < run->count && run->is_curved; ++i) {
+        if (run->has_shape)
+            splats[i].shape[0] = splats[i].shape[1] = 0;
+        else
+            memcpy(splats[i].gradient, splats[i].shape + 2, sizeof splats[i].gradient);
+    }
+}
+
+/* Sets what follows from the splats of each run, which are sorted. */
+static void settle_runs(psplat_run *runs, size_t run_count, psplat_splat *splats) {
+    for (size_t r = 0; r < run_count; splats += runs[r++].count) {
+        settle_shapes(&runs[r], splats);
+        for (size_t i = 0; i < runs[r].count; ++i)
+            for (uint32_t k = 0; k < splats[i].clip_count; ++k)
+                runs[r].has_bends |= splats[i].bend[k] != 0;
+    }
 }
 
 /* The memory of one conversion, before and after sorting. */
@@ -173,6 +229,7 @@ psplat_result psplat_sort_splats(const psplat_selection *selection, const psplat
         sort_splats(&s, count);
         splats->count = count;
         splats->run_count = find_runs(s.entries, count, storing, s.runs);
+        settle_runs(s.runs, splats->run_count, s.sorted);
         splats->has_color = storing->has_color;
         hand_over(&s, splats);
     }

@@ -12,7 +12,7 @@
 
 #include <stdint.h>
 
-/* How candidates become splats. Splats that leave the surface by less than half of
+/* How candidates become splats. Plane ones that leave the surface by less than half of
  * flat_depth_tolerance are flat. */
 typedef struct psplat_sort_desc {
     float depth_tolerance, flat_depth_tolerance; /* of runs; lengths */
@@ -21,7 +21,9 @@ typedef struct psplat_sort_desc {
 } psplat_sort_desc;
 
 /* Converts the taken candidates to splats in single precision. They are sorted by their number of
- * clip lines, then flat ones before others, then by material, and then along a Morton curve. Sets
+ * clip lines, then flat ones, other plane ones and curved ones, then by material, and then along a
+ * Morton curve. Curved candidates whose field is not that of their surface (up to the rounding to
+ * float) have no slope at the centre; one of them gives its whole run shapes of its own. Sets
  * splats, finishes, runs, their counts and has_color, and frees what splats held of these before.
  * Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_sort_splats(const psplat_selection *selection, const psplat_sort_desc *storing,

@@ -18,6 +18,11 @@
 #include <math.h>
 #include <string.h>
 
+/* The greatest bend of a clip line (spec 3.6) less what rounding to floats may add, and the most
+ * steps of its distance, as many as two bytes hold. */
+static const double greatest_bend = 4 - 1e-5;
+enum { MOST_LINE_STEPS = 32767 };
+
 void psplat_turn_basis(const double n[3], double b1[3], double b2[3]) {
     double s = n[2] < 0 ? -1 : 1, a = -1 / (s + n[2]), b = n[0] * n[1] * a;
     const double first[3] = {1 + s * n[0] * n[0] * a, s * b, -s * n[0]};
@@ -64,25 +69,112 @@ static double conservative_distance(const double line[3], double a, double b) {
     return x * -a + y * -b >= -c ? 1 : least;
 }
 
-static void encode_line(const psplat_precision *p, const double line[3], int32_t code[2]) {
+/* A clip line (x, y, c) of unit direction, and its bend. */
+typedef struct bent_line {
+    double x, y, c, bend;
+} bent_line;
+
+/* Returns the value of a line at a point of the plane: at least 0 where the line keeps the point.
+ */
+static double line_value(const bent_line *line, const double p[2]) {
+    double along = line->x * p[1] - line->y * p[0];
+    return line->x * p[0] + line->y * p[1] + line->c + line->bend * along * along / 2;
+}
+
+/* Returns the least distance at which the rounded direction and bend keep all points of the unit
+ * circle that the line keeps: the circle's points where the rounded line's value has no slope. */
+static double distance_for_circle(const bent_line *line, const bent_line *rounded) {
+    double least = -HUGE_VAL, x = fabs(rounded->bend) > 1 ? 1 / rounded->bend : 1;
+    const double places[4][2] = {{-1, 0}, {1, 0}, {x, sqrt(1 - x * x)}, {x, -sqrt(1 - x * x)}};
+    for (int i = 0; i < 4; ++i) {
+        const double *q = places[i];
+        double p[2] = {rounded->x * q[0] - rounded->y * q[1],
+                       rounded->y * q[0] + rounded->x * q[1]};
+        if (line_value(line, p) >= 0) least = fmax(least, rounded->c - line_value(rounded, p));
+    }
+    return least;
+}
+
+/* Returns how far along a line the last point lies in which it meets the unit circle; below 0 where
+ * it does not. Its square M solves (c + bend M / 2)^2 + M = 1. */
+static double last_place(const bent_line *line) {
+    double half = line->bend * line->bend / 4, middle = (line->c * line->bend + 1) / 2;
+    double rest = line->c * line->c - 1, root = middle * middle - half * rest;
+    if (!(root >= 0)) return -1;
+    /* The form that does not cancel; half is above 0. */
+    double square = middle > 0 ? -rest / (middle + sqrt(root)) : (sqrt(root) - middle) / half;
+    return square >= 0 ? fmin(sqrt(square), 1) : -1;
+}
+
+/* Returns a distance at which the rounded direction and bend keep all points of the line itself
+ * within the circle. It is the greatest of the distances that some of these points need, and what
+ * their second derivative along the line allows between two. */
+static double distance_for_line(const bent_line *line, const bent_line *rounded) {
+    enum { PLACES = 32 };
+    double last = last_place(line), least = -HUGE_VAL, gap = 2 * last / PLACES;
+    double sine = fabs(line->x * rounded->y - line->y * rounded->x);
+    double bends = fabs(line->bend * rounded->bend);
+    double change =
+        fabs(line->bend - rounded->bend) + 6 * bends * sine +
+        (fabs(line->bend) + fabs(rounded->bend) + bends * fabs(line->bend)) * sine * sine;
+    if (last < 0) return -HUGE_VAL;
+    for (int i = 0; i <= PLACES; ++i) {
+        double m = i * gap - last, away = -line->c - line->bend * m * m / 2;
+        double p[2] = {away * line->x - m * line->y, away * line->y + m * line->x};
+        least = fmax(least, rounded->c - line_value(rounded, p));
+    }
+    return least + change * gap * gap / 8;
+}
+
+/* Rounds the bend of a line, and returns the distance at which the rounded line of that direction
+ * keeps all that the line keeps. What the rounded line's value is to be at least 0 for grows
+ * steadily against its direction, so that the border of what the line keeps decides. */
+static double encode_bend(const psplat_precision *p, const double line[3], double bend,
+                          double angle, int32_t *code) {
+    double length = hypot(line[0], line[1]);
+    const bent_line given = {line[0] / length, line[1] / length, line[2] / length, bend * length};
+    bent_line rounded = {cos(angle), sin(angle), 0, 0};
+    *code = 0;
+    if (p->bend_step > 0) {
+        double most = floor(greatest_bend / p->bend_step);
+        *code = round_to(fmin(fmax(given.bend / p->bend_step, -most), most), 1);
+    }
+    for (;; *code = 0) {
+        rounded.bend = *code * p->bend_step;
+        double distance =
+            fmax(distance_for_circle(&given, &rounded), distance_for_line(&given, &rounded));
+        /* Some lines that cut next to nothing off would need more steps than a file can hold. A
+         * straight line never does. */
+        if (!*code || distance <= MOST_LINE_STEPS * p->line_step) return distance;
+    }
+}
+
+static void encode_line(const psplat_precision *p, const double line[3], double bend,
+                        int32_t code[3]) {
     int32_t whole = round_to(1, p->line_turn_step);
     int32_t turn = round_to(atan2(line[1], line[0]) / PSPLAT_PI, p->line_turn_step);
     if (turn <= -whole) turn += 2 * whole;
     if (turn > whole) turn -= 2 * whole;
-    double angle = PSPLAT_PI * turn * p->line_turn_step;
-    double distance = fmin(fmax(conservative_distance(line, cos(angle), sin(angle)), -1), 1);
-    /* The 0.01 steps absorb the rounding to float of a line that is on the grid already. */
-    double steps = ceil(distance / p->line_step - 0.01);
+    double angle = PSPLAT_PI * turn * p->line_turn_step, distance, most = 1 / p->line_step;
     code[0] = turn;
-    code[1] = (int32_t)fmin(fmax(steps, -1 / p->line_step), 1 / p->line_step);
+    code[2] = 0;
+    if (bend != 0)
+        distance = encode_bend(p, line, bend, angle, &code[2]);
+    else
+        distance = conservative_distance(line, cos(angle), sin(angle));
+    if (code[2]) most = MOST_LINE_STEPS;
+    /* The 0.01 steps absorb the rounding to float of a line that is on the grid already. */
+    double steps = ceil(fmin(fmax(distance / p->line_step, -most), most) - 0.01);
+    code[1] = (int32_t)fmin(fmax(steps, -most), most);
 }
 
-void psplat_quantize_line(const psplat_precision *p, double line[3]) {
-    int32_t code[2];
-    encode_line(p, line, code);
+void psplat_quantize_line(const psplat_precision *p, double line[3], double *bend) {
+    int32_t code[3];
+    encode_line(p, line, *bend, code);
     line[0] = cos(PSPLAT_PI * code[0] * p->line_turn_step);
     line[1] = sin(PSPLAT_PI * code[0] * p->line_turn_step);
     line[2] = code[1] * p->line_step;
+    *bend = code[2] * p->bend_step;
 }
 
 void psplat_quantize_field(const psplat_precision *p, double field[5]) {
@@ -92,31 +184,66 @@ void psplat_quantize_field(const psplat_precision *p, double field[5]) {
     }
 }
 
-/* Encodes the normal field in the axes of the code: the slopes at the centre as tilt, and their
- * change over the radii as field. */
+void psplat_quantize_shape(const psplat_precision *p, const double radius[2], double hessian[3]) {
+    const double lengths[3] = {radius[0], radius[0], radius[1]};
+    for (int k = 0; k < 3; ++k)
+        hessian[k] = p->shape_step > 0 ? round_to(hessian[k] * lengths[k], p->shape_step) *
+                                             p->shape_step / lengths[k]
+                                       : 0;
+}
+
+/* Rounds the changes of a field's slopes over the radii, in the axes of the code. `change` holds
+ * the second derivatives along uu, vv and vu of the splat's own axes for each unit of length
+ * (spec 3.5), with the sign of the field. */
+static void encode_changes(const psplat_region *region, const double axes[3][3],
+                           const double change[3], const double radius[2], double step,
+                           int32_t code[3]) {
+    static const int pairs[3][2] = {{0, 0}, {1, 1}, {1, 0}};
+    double turned[2][2], bent[2][2];
+    for (int k = 0; k < 2; ++k) {
+        turned[k][0] = dot3(axes[k], region->u);
+        turned[k][1] = dot3(axes[k], region->v);
+        bent[k][0] = change[0] * turned[k][0] + change[2] * turned[k][1];
+        bent[k][1] = change[2] * turned[k][0] + change[1] * turned[k][1];
+    }
+    for (int i = 0; i < 3; ++i) {
+        const double *a = turned[pairs[i][0]], *b = bent[pairs[i][1]];
+        code[i] = round_to((a[0] * b[0] + a[1] * b[1]) * radius[i == 1], step);
+    }
+}
+
+static void encode_tilt(const double normal[3], const double axes[3][3], double step,
+                        int32_t code[2]) {
+    double height = dot3(normal, axes[2]);
+    for (int k = 0; k < 2; ++k) code[k] = round_to(dot3(normal, axes[k]) / height, step);
+}
+
+/* Encodes the normal field of a splat where it is not that of a curved surface. */
 static void encode_field(const psplat_precision *p, const psplat_region *region,
                          const psplat_splat *splat, const double axes[3][3],
                          psplat_quantized_splat *code) {
-    double normal[3], turned[2][2], bent[2][2];
+    const double change[3] = {(double)splat->gradient[0] / region->radius[0],
+                              (double)splat->gradient[1] / region->radius[1],
+                              (double)splat->gradient[2] / region->radius[0]};
+    double normal[3];
     for (int k = 0; k < 3; ++k) normal[k] = (double)splat->normal[k];
-    double height = dot3(normal, axes[2]);
-    /* The Hessian for each unit of length (spec 3.5), and its products with the code's axes. */
-    double xx = (double)splat->gradient[0] / region->radius[0];
-    double yy = (double)splat->gradient[1] / region->radius[1];
-    double xy = (double)splat->gradient[2] / region->radius[0];
-    for (int k = 0; k < 2; ++k) {
-        code->tilt[k] = round_to(dot3(normal, axes[k]) / height, p->tilt_step);
-        turned[k][0] = dot3(axes[k], region->u);
-        turned[k][1] = dot3(axes[k], region->v);
-        bent[k][0] = xx * turned[k][0] + xy * turned[k][1];
-        bent[k][1] = xy * turned[k][0] + yy * turned[k][1];
-    }
-    static const int pairs[3][2] = {{0, 0}, {1, 1}, {1, 0}};
-    for (int i = 0; i < 3; ++i) {
-        const double *a = turned[pairs[i][0]], *b = bent[pairs[i][1]];
-        code->field[i] =
-            round_to((a[0] * b[0] + a[1] * b[1]) * region->radius[i == 1], p->field_step);
-    }
+    encode_tilt(normal, axes, p->tilt_step, code->tilt);
+    encode_changes(region, axes, change, region->radius, p->field_step, code->field);
+}
+
+/* Encodes the surface of a curved splat. The radii that are stored are those of the code, so that
+ * the surface keeps its curvature where they were rounded. */
+static void encode_shape(const psplat_precision *p, const psplat_region *region,
+                         const double axes[3][3], psplat_quantized_splat *code) {
+    const double change[3] = {-region->hessian[0], -region->hessian[2], -region->hessian[1]};
+    double normal[3], radius[2];
+    if (!(p->shape_step > 0)) return;
+    for (int k = 0; k < 2; ++k) radius[k] = p->unit * exp(code->scale[k] * p->scale_step);
+    memcpy(normal, region->n, sizeof normal);
+    mad3(normal, -region->slope[0], region->u);
+    mad3(normal, -region->slope[1], region->v);
+    encode_changes(region, axes, change, radius, p->shape_step, code->shape);
+    encode_tilt(normal, axes, p->shape_step, code->shape_tilt);
 }
 
 void psplat_quantized_axes(const psplat_precision *p, const int32_t normal[2], const double u[3],
@@ -127,8 +254,13 @@ void psplat_quantized_axes(const psplat_precision *p, const int32_t normal[2], c
             axes[1]);
 }
 
-void psplat_quantize_splat(const psplat_precision *p, const psplat_splat *splat,
-                           psplat_quantized_splat *code) {
+/* Returns whether the field of a run's splats is that of their curved surface. */
+static int field_is_shape(const psplat_run *run) {
+    return run->is_curved && !run->has_shape;
+}
+
+void psplat_quantize_splat(const psplat_precision *p, const psplat_run *run,
+                           const psplat_splat *splat, psplat_quantized_splat *code) {
     psplat_region region;
     double axes[3][3];
     psplat_splat_region(splat, &region);
@@ -141,30 +273,45 @@ void psplat_quantize_splat(const psplat_precision *p, const psplat_splat *splat,
     for (int k = 0; k < 2; ++k)
         code->scale[k] = round_to(log(region.radius[k] / p->unit), p->scale_step);
     if (code->scale[1] > code->scale[0]) code->scale[0] = code->scale[1];
-    encode_field(p, &region, splat, (const double(*)[3])axes, code);
+    if (!field_is_shape(run)) encode_field(p, &region, splat, (const double(*)[3])axes, code);
+    if (run->is_curved) encode_shape(p, &region, (const double(*)[3])axes, code);
+    if (run->has_shape) memset(code->shape_tilt, 0, sizeof code->shape_tilt);
     for (uint32_t i = 0; i < splat->clip_count; ++i) {
         double line[3];
         for (int k = 0; k < 3; ++k)
             line[k] = region.lines[i][k] * (k < 2 && code->flipped ? -1 : 1);
-        encode_line(p, line, code->lines[i]);
+        encode_line(p, line, run->has_bends ? region.bends[i] : 0, code->lines[i]);
     }
 }
 
-void psplat_dequantize_splat(const psplat_precision *p, const psplat_quantized_splat *code,
+/* Sets the normal, the field and the shape of a splat from its code and axes. */
+static void dequantize_field(const psplat_precision *p, const psplat_run *run,
+                             const psplat_quantized_splat *code, const double axes[3][3],
                              psplat_splat *splat) {
-    double n[3], u[3], v[3], normal[3];
-    psplat_octahedron_normal(code->normal, p->normal_bits, n);
-    axes_of(n, code->turn * p->turn_step, u, v);
-    psplat_quaternion_of_axes(u, v, n, splat->rotation);
-    memcpy(normal, n, sizeof normal);
-    mad3(normal, code->tilt[0] * p->tilt_step, u);
-    mad3(normal, code->tilt[1] * p->tilt_step, v);
+    const int32_t *tilt = field_is_shape(run) ? code->shape_tilt : code->tilt;
+    const int32_t *field = field_is_shape(run) ? code->shape : code->field;
+    double tilt_step = field_is_shape(run) ? p->shape_step : p->tilt_step, normal[3];
+    double field_step = field_is_shape(run) ? p->shape_step : p->field_step;
+    memcpy(normal, axes[2], sizeof normal);
+    mad3(normal, tilt[0] * tilt_step, axes[0]);
+    mad3(normal, tilt[1] * tilt_step, axes[1]);
     normalize3(normal);
     for (int k = 0; k < 3; ++k) {
-        splat->center[k] = (float)(code->position[k] * p->unit);
         splat->normal[k] = (float)normal[k];
-        splat->gradient[k] = (float)(code->field[k] * p->field_step);
+        splat->gradient[k] = (float)(field[k] * field_step);
+        splat->shape[2 + k] = (float)(code->shape[k] * p->shape_step);
     }
+    for (int k = 0; k < 2; ++k) splat->shape[k] = (float)(code->shape_tilt[k] * p->shape_step);
+}
+
+void psplat_dequantize_splat(const psplat_precision *p, const psplat_run *run,
+                             const psplat_quantized_splat *code, psplat_splat *splat) {
+    double axes[3][3];
+    psplat_octahedron_normal(code->normal, p->normal_bits, axes[2]);
+    axes_of(axes[2], code->turn * p->turn_step, axes[0], axes[1]);
+    psplat_quaternion_of_axes(axes[0], axes[1], axes[2], splat->rotation);
+    dequantize_field(p, run, code, (const double(*)[3])axes, splat);
+    for (int k = 0; k < 3; ++k) splat->center[k] = (float)(code->position[k] * p->unit);
     for (int k = 0; k < 2; ++k)
         splat->radius[k] = (float)(p->unit * exp(code->scale[k] * p->scale_step));
     for (uint32_t i = 0; i < splat->clip_count; ++i) {
@@ -172,19 +319,24 @@ void psplat_dequantize_splat(const psplat_precision *p, const psplat_quantized_s
         splat->clip[i][0] = (float)cos(angle);
         splat->clip[i][1] = (float)sin(angle);
         splat->clip[i][2] = (float)(code->lines[i][1] * p->line_step);
+        splat->bend[i] = (float)(code->lines[i][2] * p->bend_step);
+    }
+}
+
+static void round_splat(psplat_splats *splats, const psplat_run *run, size_t i) {
+    psplat_quantized_splat code;
+    psplat_quantize_splat(&splats->precision, run, &splats->splats[i], &code);
+    psplat_dequantize_splat(&splats->precision, run, &code, &splats->splats[i]);
+    if (!splats->finishes || !code.flipped) return;
+    for (int k = 0; k < 3; ++k) {
+        splats->finishes[i].color_u[k] *= -1;
+        splats->finishes[i].color_v[k] *= -1;
     }
 }
 
 void psplat_round_to_precision(psplat_splats *splats) {
     if (!(splats->precision.unit > 0)) return;
-    for (size_t i = 0; i < splats->count; ++i) {
-        psplat_quantized_splat code;
-        psplat_quantize_splat(&splats->precision, &splats->splats[i], &code);
-        psplat_dequantize_splat(&splats->precision, &code, &splats->splats[i]);
-        if (!splats->finishes || !code.flipped) continue;
-        for (int k = 0; k < 3; ++k) {
-            splats->finishes[i].color_u[k] *= -1;
-            splats->finishes[i].color_v[k] *= -1;
-        }
-    }
+    for (size_t run = 0, i = 0; run < splats->run_count; ++run)
+        for (size_t end = i + splats->runs[run].count; i < end; ++i)
+            round_splat(splats, &splats->runs[run], i);
 }

@@ -23,13 +23,20 @@ void psplat_turn_basis(const double normal[3], double b1[3], double b2[3]);
 void psplat_quantized_axes(const psplat_precision *precision, const int32_t normal[2],
                            const double u[3], double axes[3][3]);
 
-/* Rounds a clip line as psplat_quantize_splat does, for a region whose axes are on the grid. The
- * rounded line cuts nothing off that the line keeps. */
-void psplat_quantize_line(const psplat_precision *precision, double line[3]);
+/* Rounds a clip line and its bend as psplat_quantize_splat does, for a region whose axes are on the
+ * grid. The rounded line cuts nothing off that the line keeps. It is straight where the step of
+ * bends is 0. */
+void psplat_quantize_line(const psplat_precision *precision, double line[3], double *bend);
 
-/* Rounds a normal field (x, y, alpha, beta, gamma) as psplat_quantize_splat does, for a region
- * whose axes are on the grid. */
+/* Rounds a normal field (x, y, alpha, beta, gamma) as psplat_quantize_splat does where it is not
+ * that of a curved surface, for a region whose axes are on the grid. */
 void psplat_quantize_field(const psplat_precision *precision, double field[5]);
+
+/* Rounds the second derivatives A, B, C of a region's surface (base/region.h) as
+ * psplat_quantize_splat does, for a region whose axes and radii are on the grid: what is rounded is
+ * alpha = -A r_u, beta = -C r_v and gamma = -B r_u. They become 0 where the step of shapes is 0. */
+void psplat_quantize_shape(const psplat_precision *precision, const double radius[2],
+                           double hessian[3]);
 
 /* A splat as integers, each a multiple of a step of psplat_precision. */
 typedef struct psplat_quantized_splat {
@@ -37,20 +44,22 @@ typedef struct psplat_quantized_splat {
     int32_t normal[2]; /* the octahedral code of N, not in steps */
     int32_t turn;
     int32_t tilt[2];
-    int32_t scale[2]; /* of the logarithm of radius over unit */
-    int32_t field[3];
-    int32_t lines[PSPLAT_MAX_CLIP_LINES][2]; /* turn and distance */
+    int32_t scale[2];      /* of the logarithm of radius over unit */
+    int32_t field[3];      /* it and tilt are 0 where the field is that of a curved surface */
+    int32_t shape_tilt[2]; /* the tilt of such a field */
+    int32_t shape[3];      /* of curved surfaces */
+    int32_t lines[PSPLAT_MAX_CLIP_LINES][3]; /* turn, distance and bend */
     int flipped;                             /* 1: U and V point against those of the splat */
 } psplat_quantized_splat;
 
-/* Rounds a splat to the nearest integers. Clip lines are rounded outwards: they cut nothing off
- * that the splat keeps. */
-void psplat_quantize_splat(const psplat_precision *precision, const psplat_splat *splat,
-                           psplat_quantized_splat *code);
+/* Rounds a splat of a run to the nearest integers. The run says what is stored of the splat's shape
+ * and bends. Clip lines are rounded outwards: they cut nothing off that the splat keeps. */
+void psplat_quantize_splat(const psplat_precision *precision, const psplat_run *run,
+                           const psplat_splat *splat, psplat_quantized_splat *code);
 
 /* Makes of the integers what a reader does, up to its own rounding, in the mesh's units. The colour
  * of *splat stays as it is. splat->clip_count tells how many lines there are. */
-void psplat_dequantize_splat(const psplat_precision *precision, const psplat_quantized_splat *code,
-                             psplat_splat *splat);
+void psplat_dequantize_splat(const psplat_precision *precision, const psplat_run *run,
+                             const psplat_quantized_splat *code, psplat_splat *splat);
 
 #endif

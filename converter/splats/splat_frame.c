@@ -39,6 +39,13 @@ void psplat_splat_region(const psplat_splat *splat, psplat_region *region) {
         .n = {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
         .radius = {(double)splat->radius[0], (double)splat->radius[1]},
         .line_count = splat->clip_count};
-    for (uint32_t i = 0; i < splat->clip_count; ++i)
+    for (uint32_t i = 0; i < splat->clip_count; ++i) {
         for (int k = 0; k < 3; ++k) region->lines[i][k] = (double)splat->clip[i][k];
+        region->bends[i] = (double)splat->bend[i];
+    }
+    region->slope[0] = -(double)splat->shape[0];
+    region->slope[1] = -(double)splat->shape[1];
+    region->hessian[0] = -(double)splat->shape[2] / region->radius[0];
+    region->hessian[1] = -(double)splat->shape[4] / region->radius[0];
+    region->hessian[2] = -(double)splat->shape[3] / region->radius[1];
 }

@@ -17,6 +17,10 @@ typedef struct psplat_run {
     uint32_t clip_lines;   /* the number of clip lines that each splat has */
     uint32_t material;     /* index into the materials */
     float depth_tolerance; /* epsilon of spec 5.3, in the mesh's units */
+    int is_curved;         /* 0: the shape of every splat is 0 */
+    int has_shape;         /* 1: the splats are curved, and their fields are not those of their
+                              shapes, of which x and y are 0 (spec 3.4) */
+    int has_bends;         /* 0: every clip line is straight */
 } psplat_run;
 
 /* The steps of the grid on which a file holds splats: each value is an integer times a step. All
@@ -25,14 +29,18 @@ typedef struct psplat_precision {
     double unit;       /* of positions, in the mesh's units; the node of the file scales by it */
     double scale_step; /* of the natural logarithm of radii */
     double turn_step, line_turn_step; /* half turns: one over a whole number */
-    double tilt_step, field_step;     /* slopes */
+    double tilt_step, field_step;     /* slopes of normal fields that move no surface */
+    double shape_step;                /* slopes of surfaces, and of the fields that are theirs; 0
+                                         where no run is curved */
     double line_step;                 /* parts of the ellipse: one over a whole number */
+    double bend_step;                 /* of the bends of lines; 0 where all are straight */
     int normal_bits;                  /* of each of the two octahedral coordinates of N, 4 ... 14 */
 } psplat_precision;
 
-/* The splats of one mesh. They are sorted by their number of clip lines, then flat ones before
- * others, then by material, and then in spatial order. Flat splats lie on their surface and need
- * next to no depth tolerance. Each group but for the spatial order is a run. */
+/* The splats of one mesh. They are sorted by their number of clip lines; then come plane splats of
+ * flat surfaces, other plane ones and curved ones; then they are sorted by material, and then in
+ * spatial order. Splats of flat surfaces lie on them and need next to no depth tolerance. Each
+ * group but for the spatial order is a run. */
 typedef struct psplat_splats {
     psplat_splat *splats;
     psplat_finish *finishes; /* count (spec 3.10); NULL where all are neutral */
@@ -50,7 +58,7 @@ typedef struct psplat_splats {
 /* Frees all that splats owns, and zeroes it. */
 void psplat_splats_free(psplat_splats *splats);
 
-/* Returns the plane regions of the splats, in double precision: count of them, malloc'ed and owned
+/* Returns the regions of the splats, in double precision: count of them, malloc'ed and owned
  * by the caller; NULL when out of memory. */
 psplat_region *psplat_splat_regions(const psplat_splats *splats);
 

@@ -11,18 +11,26 @@
 
 const char *const psplat_competitor_names[] = {"mesh", "splats", "gltfpack"};
 const char *const psplat_field_names[] = {"linear", "constant"};
+const char *const psplat_surface_names[] = {"curved", "planar"};
 const char *const psplat_mode_names[] = {"phong", "gaussian", "flat", NULL};
 const char *const psplat_filter_names[] = {"on", "off"};
 
 int psplat_setting_shares_asset(const psplat_setting *a, const psplat_setting *b) {
     return a->competitor == b->competitor && a->tolerance == b->tolerance && a->ratio == b->ratio &&
-           a->field == b->field;
+           a->field == b->field && a->planar == b->planar;
+}
+
+/* Planar splats with linear normals are what the curved ones are compared with. */
+static int is_plain_planar(const psplat_setting *setting) {
+    return setting->planar && setting->field == PSPLAT_FIELD_LINEAR;
 }
 
 void psplat_setting_file(const psplat_setting *setting, psplat_text *text) {
     if (setting->competitor == PSPLAT_COMPETITOR_MESH) return;
     int is_splats = setting->competitor == PSPLAT_COMPETITOR_SPLATS;
-    psplat_text_add(text, "%s-", is_splats ? psplat_field_names[setting->field] : "gltfpack");
+    const char *kind =
+        is_plain_planar(setting) ? psplat_surface_names[1] : psplat_field_names[setting->field];
+    psplat_text_add(text, "%s-", is_splats ? kind : "gltfpack");
     psplat_text_number(text, is_splats ? setting->tolerance : setting->ratio);
     psplat_text_add(text, ".glb");
 }
@@ -35,8 +43,11 @@ void psplat_setting_describe(const psplat_setting *setting, psplat_text *text) {
         psplat_text_number(text, setting->ratio);
     } else {
         psplat_text_number(text, setting->tolerance);
-        psplat_text_add(text, " %%, %s normals, %s%s", psplat_field_names[setting->field],
-                        psplat_mode_names[setting->mode], setting->no_filter ? ", no filter" : "");
+        int is_planar = is_plain_planar(setting);
+        psplat_text_add(text, " %%, %s %s, %s%s",
+                        is_planar ? "planar" : psplat_field_names[setting->field],
+                        is_planar ? "splats" : "normals", psplat_mode_names[setting->mode],
+                        setting->no_filter ? ", no filter" : "");
     }
 }
 
@@ -53,6 +64,7 @@ static void add_splat_options(const psplat_setting *setting, const psplat_sweep_
     psplat_text_number(text, setting->tolerance);
     psplat_text_add(text, "%%%s",
                     setting->field == PSPLAT_FIELD_CONSTANT ? " --constant-normals" : "");
+    if (setting->planar) psplat_text_add(text, " --planar");
     add_option("normal-tolerance", options->normal_tolerance, text);
     add_option("crease-angle", options->crease_angle, text);
     if (options->no_creases) psplat_text_add(text, " --no-creases");

@@ -30,21 +30,25 @@ typedef struct psplat_setting {
     double tolerance; /* %, of splats */
     double ratio;     /* of triangles kept, of gltfpack */
     psplat_normal_field field;
+    int planar; /* as in psplat_convert_desc; 1 wherever normals are constant */
     psplat_mode mode;
     int no_filter;
 } psplat_setting;
 
 extern const char *const psplat_competitor_names[];              /* "mesh", "splats", "gltfpack" */
 extern const char *const psplat_field_names[PSPLAT_FIELD_COUNT]; /* "linear", "constant" */
+extern const char *const psplat_surface_names[2];                /* "curved", "planar" */
 extern const char
     *const psplat_mode_names[PSPLAT_DRAWN_MODES + 1]; /* "phong", "gaussian", "flat", NULL */
 extern const char *const psplat_filter_names[2];      /* "on", "off" */
 
 /* Tells whether both draw the same file. */
 int psplat_setting_shares_asset(const psplat_setting *a, const psplat_setting *b);
-/* Adds "linear-0.5.glb" or "gltfpack-0.1.glb", and nothing for the source. */
+/* Adds "linear-0.5.glb", "planar-0.5.glb", "constant-0.5.glb" or "gltfpack-0.1.glb", and nothing
+ * for the source. */
 void psplat_setting_file(const psplat_setting *setting, psplat_text *text);
-/* Adds "0.5 %, linear normals, phong, no filter", "gltfpack -si 0.1" or "source mesh". */
+/* Adds "0.5 %, linear normals, phong, no filter", "0.5 %, planar splats, phong", "gltfpack -si 0.1"
+ * or "source mesh". */
 void psplat_setting_describe(const psplat_setting *setting, psplat_text *text);
 /* Adds the command that makes the asset: "phongsplat convert part.obj part.glb --tolerance 0.5%".
  */

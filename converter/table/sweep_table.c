@@ -2,8 +2,8 @@
  *
  * sweep_table.c - rows as lines of CSV, and lines as rows.
  *
- *     kind,tolerance_percent,ratio,normals,mode,filter,source,source_hash,program,command,...
- *     splats,0.5,,linear,phong,on,"part.obj",0123456789abcdef,"phongsplat 0.1.0",...
+ *     kind,tolerance_percent,ratio,normals,surface,mode,filter,source,source_hash,program,...
+ *     splats,0.5,,linear,curved,phong,on,"part.obj",0123456789abcdef,"phongsplat 0.1.0",...
  *
  * Only keys have cells with quotes. So the values of a line are read from its end, and its key is
  * compared as it stands.
@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char key_names[] = "kind,tolerance_percent,ratio,normals,mode,filter,source,"
+static const char key_names[] = "kind,tolerance_percent,ratio,normals,surface,mode,filter,source,"
                                 "source_hash,program,command,measured_with,graphics";
 
 /* ---- keys --------------------------------------------------------------------------------- */
@@ -69,7 +69,8 @@ static char *make_key(const psplat_sweep_table *table, const psplat_setting *s) 
     psplat_text_add(&key, "%s", psplat_competitor_names[s->competitor]);
     add_positive(&key, s->tolerance);
     add_positive(&key, s->ratio);
-    psplat_text_add(&key, ",%s,%s,%s", is_splats ? psplat_field_names[s->field] : "",
+    psplat_text_add(&key, ",%s,%s,%s,%s", is_splats ? psplat_field_names[s->field] : "",
+                    is_splats ? psplat_surface_names[s->planar] : "",
                     is_splats ? psplat_mode_names[s->mode] : "",
                     is_splats ? psplat_filter_names[s->no_filter] : "");
     add_cell(&key, table->source);
@@ -90,27 +91,34 @@ static void add_row(psplat_sweep_table *table, const psplat_setting *setting) {
 }
 
 /* An asset is drawn in each mode, with and without filter. */
-static void add_asset(psplat_sweep_table *table, double tolerance, int field) {
+static void add_asset(psplat_sweep_table *table, double tolerance, psplat_normal_field field,
+                      int planar) {
     for (int mode = 0; mode < PSPLAT_DRAWN_MODES; ++mode)
         for (int no_filter = 0; no_filter < 2; ++no_filter)
             add_row(table, &(psplat_setting){.competitor = PSPLAT_COMPETITOR_SPLATS,
                                              .tolerance = tolerance,
-                                             .field = (psplat_normal_field)field,
+                                             .field = field,
+                                             .planar = planar,
                                              .mode = (psplat_mode)mode,
                                              .no_filter = no_filter});
 }
 
+/* The conversions with each tolerance: curved, planar, and planar with constant normals. */
+enum { CONVERSIONS = 3 };
+
 psplat_result psplat_sweep_table_plan(psplat_sweep_table *table, psplat_error *error) {
     const psplat_ladder *tolerances = &table->options.tolerances, *ratios = &table->options.ratios;
-    const size_t drawn = 2 * PSPLAT_DRAWN_MODES * PSPLAT_FIELD_COUNT;
+    const size_t drawn = 2 * PSPLAT_DRAWN_MODES * CONVERSIONS;
     int has_all = 1;
     table->count = 0;
     table->rows = malloc((1 + drawn * tolerances->count + ratios->count) * sizeof *table->rows);
     if (!table->rows) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for rows");
     add_row(table, &(psplat_setting){.competitor = PSPLAT_COMPETITOR_MESH});
-    for (size_t i = 0; i < tolerances->count; ++i)
-        for (int field = 0; field < PSPLAT_FIELD_COUNT; ++field)
-            add_asset(table, tolerances->steps[i], field);
+    for (size_t i = 0; i < tolerances->count; ++i) {
+        add_asset(table, tolerances->steps[i], PSPLAT_FIELD_LINEAR, 0);
+        add_asset(table, tolerances->steps[i], PSPLAT_FIELD_LINEAR, 1);
+        add_asset(table, tolerances->steps[i], PSPLAT_FIELD_CONSTANT, 1);
+    }
     for (size_t i = ratios->count; i-- && *table->gltfpack;)
         add_row(table, &(psplat_setting){.competitor = PSPLAT_COMPETITOR_GLTFPACK,
                                          .ratio = ratios->steps[i]});

@@ -43,7 +43,8 @@ static double value_of(const choice *c, size_t row, psplat_column column) {
 
 /* Counts how many steps a setting is from the defaults. */
 static int departures(const psplat_setting *s) {
-    return (int)s->field + (int)s->mode + s->no_filter;
+    int is_other = s->field != PSPLAT_FIELD_LINEAR || s->planar;
+    return is_other + (int)s->mode + s->no_filter;
 }
 
 static int is_default_unseen(const choice *c, const psplat_setting *s) {

@@ -65,24 +65,28 @@ static const char preamble[] =
     "\n"
     "# Values of a column in the rows of some splats, or of gltfpack; there are none in others.\n"
     "is_splats(i, n, f) = strcol('kind') eq 'splats' && strcol('mode') eq mode(i) && \\\n"
-    "    strcol('normals') eq n && strcol('filter') eq f\n"
+    "    strcol('normals') eq (n eq 'constant' ? n : 'linear') && \\\n"
+    "    strcol('surface') eq (n eq 'linear' ? 'curved' : 'planar') && strcol('filter') eq f\n"
     "splats(c, i, n, f) = is_splats(i, n, f) ? column(c) : NaN\n"
     "gltfpack(c) = strcol('kind') eq 'gltfpack' ? column(c) : NaN\n"
     "\n"
     "# Parts of plots of a column yname against a column xname, by the first modes.\n"
     "table = 'tradeoff.csv'\n"
     "front = \"$front using 1:2 with lines lw 12 lc rgb '#f7efa0' title 'Pareto front'\"\n"
-    "spread = \"for [i=1:modes] for [n in 'linear constant'] \\\n"
+    "spread = \"for [i=1:modes] for [n in 'linear planar constant'] \\\n"
     "    table using (splats(xname, i, n, 'on')):(column(yname)): \\\n"
     "    (column(xname.'_q1')):(column(xname.'_q3')) with xerrorbars pt 0 lc rgb pale(i)\"\n"
     "linear = \"for [i=1:modes] table using (splats(xname, i, 'linear', 'on')):(column(yname)) \\\n"
     "    with linespoints pt filled(i) ps 0.8 lw 1.4 lc rgb color(i) \\\n"
     "    title (modes > 1 ? mode(i).', ' : '').'linear normals'\"\n"
+    "planar = \"for [i=1:modes] table using (splats(xname, i, 'planar', 'on')):(column(yname)) \\\n"
+    "    with linespoints dt 4 pt hollow(i) ps 0.8 lw 1.4 lc rgb color(i) \\\n"
+    "    title (modes > 1 ? mode(i).', ' : '').'planar splats'\"\n"
     "constant = \"for [i=1:modes] table using (splats(xname, i, 'constant', 'on')):(column(yname)) "
     "\\\n"
     "    with linespoints dt 2 pt hollow(i) ps 0.8 lw 1.4 lc rgb color(i) \\\n"
     "    title (modes > 1 ? mode(i).', ' : '').'constant normals'\"\n"
-    "unfiltered = \"for [i=1:modes] for [n in 'linear constant'] \\\n"
+    "unfiltered = \"for [i=1:modes] for [n in 'linear planar constant'] \\\n"
     "    table using (splats(xname, i, n, 'off')):(column(yname)) \\\n"
     "    with points pt 2 ps 0.6 lc rgb color(i), \\\n"
     "    keyentry with points pt 2 ps 0.6 lc rgb '#666666' title 'no filter'\"\n"
@@ -239,7 +243,7 @@ static void add_plot(const chart *c, const psplat_sweep_table *table, psplat_tex
                     c->by_asset ? 1 : PSPLAT_DRAWN_MODES, c->place,
                     strcmp(c->place, "right") ? "0.8,0.5" : "-0.7,-0.7");
     if (is_time(c)) psplat_text_add(script, "@spread, ");
-    psplat_text_add(script, "@linear, @constant%s", c->by_asset ? "" : ", @unfiltered");
+    psplat_text_add(script, "@linear, @planar, @constant%s", c->by_asset ? "" : ", @unfiltered");
     if (*table->gltfpack) psplat_text_add(script, ", @simplified, @ratios");
     if (is_time(c))
         psplat_text_add(script, ", \\\n    keyentry with lines dt 3 lc rgb '#444444' title 'source "

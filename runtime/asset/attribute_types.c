@@ -10,11 +10,12 @@
 #define SIGNED (BIT(PSPLAT_BYTE) | BIT(PSPLAT_SHORT))
 #define UNSIGNED (BIT(PSPLAT_UNSIGNED_BYTE) | BIT(PSPLAT_UNSIGNED_SHORT))
 
+/* The last number of a line is its bend, where it has one more than version 2 knows. */
 #define CLIP(k)                                                                                    \
     {                                                                                              \
         PSPLAT_EXTENSION ":CLIP_" #k, {                                                            \
-            {1, 3, 3, FLOATS, 0}, {                                                                \
-                2, 2, 2, SIGNED, 0                                                                 \
+            {1, 3, 3, FLOATS, 0}, {2, 2, 2, SIGNED, 0}, {3, 4, 4, FLOATS, 0}, {                    \
+                3, 3, 3, SIGNED, 0                                                                 \
             }                                                                                      \
         }                                                                                          \
     }
@@ -28,6 +29,7 @@ const psplat_attribute_type psplat_attribute_types[PSPLAT_ATTRIBUTES] = {
     {PSPLAT_EXTENSION ":TILT", {{2, 2, 2, FLOATS | SIGNED, 0}}},
     {PSPLAT_EXTENSION ":SCALE", {{1, 2, 2, FLOATS, 0}, {2, 2, 2, UNSIGNED, 0}}},
     {PSPLAT_EXTENSION ":NORMAL_FIELD", {{1, 2, 3, FLOATS, 0}, {2, 2, 3, SIGNED, 0}}},
+    {PSPLAT_EXTENSION ":SHAPE", {{3, 3, 3, FLOATS | SIGNED, 0}}},
     CLIP(0),
     CLIP(1),
     CLIP(2),

@@ -14,6 +14,7 @@
  *     splat_set.c        one primitive of splats and its attributes
  *     values.c           the values of these, decoded and checked
  *     unpack.c           turns integers among them into what they stand for
+ *     surface.c          the surface of a splat: its bounds
  *     node.c             the node tree and its transforms
  *     asset.c            the public asset made of all of these
  *
@@ -27,7 +28,7 @@
 #include "asset/pack.h"
 
 #define PSPLAT_EXTENSION "PSPLAT_surface_splats"
-#define PSPLAT_EXTENSION_VERSION 2 /* the newest that is read; older ones are read, too */
+#define PSPLAT_EXTENSION_VERSION 3 /* the newest that is read; older ones are read, too */
 #define PSPLAT_NONE SIZE_MAX
 
 typedef struct psplat_buffer {
@@ -68,9 +69,10 @@ typedef struct psplat_set {
     psplat_material material;
     float bounds_min[3], bounds_max[3];
     int has_color, has_gamma, has_color_gradient, has_surface, has_emissive;
+    int is_curved, has_shape, has_bends;
     size_t version;
     double scale_range[2]; /* first and last radius; zeros where not stated (spec 3.9) */
-    float tilt_range, field_range, color_range;
+    float tilt_range, field_range, color_range, shape_range, bend_range;
     float turn_range, clip_range[2]; /* 1 where not stated */
     psplat_attribute *attributes;    /* attribute_count of them, in the asset's arena */
     size_t attribute_count;
@@ -181,7 +183,7 @@ typedef struct psplat_attribute_form {
 
 typedef struct psplat_attribute_type {
     const char *name;
-    psplat_attribute_form forms[2];
+    psplat_attribute_form forms[4];
 } psplat_attribute_type;
 
 /* An accessor whose bytes are all inside its buffer. */
@@ -218,6 +220,7 @@ enum {
     PSPLAT_TILT,
     PSPLAT_SCALE,
     PSPLAT_NORMAL_FIELD,
+    PSPLAT_SHAPE,
     PSPLAT_FIRST_CLIP,
     PSPLAT_COLOR_U = PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES,
     PSPLAT_FIRST_FINISH = PSPLAT_COLOR_U, /* this and all below fill a psplat_finish */
@@ -245,8 +248,9 @@ typedef struct psplat_radii {
 void psplat_radii_set(psplat_radii *radii, const double range[2], float largest);
 
 /* These replace, in place, count elements that were read from integers by what the integers stand
- * for. A line grows from the two stored numbers to three. */
+ * for. A line grows from the two stored numbers to three, a bent one from three to four. */
 void psplat_unpack_lines(float *values, size_t count, const float range[2]);
+void psplat_unpack_bent_lines(float *values, size_t count, const float range[2], float bend_range);
 void psplat_unpack_radii(float *values, size_t count, const psplat_radii *radii);
 void psplat_unpack_scaled(float *values, size_t value_count, float range);
 

@@ -1,22 +1,31 @@
 /* SPDX-License-Identifier: MIT
  *
- * pack.c - packs splats for the GPU: 48 bytes a splat, 16 more where it has a colour or a gamma,
- * and 12 for each clip line and for each further value that varies over the splat.
+ * pack.c - packs splats for the GPU: 48 bytes a splat, 16 more where it has a colour or a gamma and
+ * where it has a shape of its own, 12 for each clip line (16 for bent ones) and 12 for each further
+ * value that varies over the splat.
  */
 #include "asset/pack.h"
 #include "layout.h"
 
 #include <math.h>
 
-enum { NARROW = 4 * PSPLAT_SPLAT_TEXELS, WIDE = NARROW + 4 };
+enum { NARROW = 4 * PSPLAT_SPLAT_TEXELS };
 
 psplat_packing psplat_packing_of(const psplat_batch *batch) {
     unsigned surface = batch->has_surface ? PSPLAT_FINISH_SURFACE : 0u;
     unsigned emissive = batch->has_emissive ? PSPLAT_FINISH_EMISSIVE : 0u;
     unsigned gradient = batch->has_color_gradient ? PSPLAT_FINISH_GRADIENT : 0u;
-    return (psplat_packing){.splat_floats = batch->has_color || batch->has_gamma ? WIDE : NARROW,
-                            .clip_floats = 3 * (int)batch->clip_count,
+    int is_wide = batch->has_color || batch->has_gamma;
+    int has_shape = batch->is_curved && batch->has_shape;
+    int line_floats = batch->has_bends ? 4 : 3;
+    return (psplat_packing){.splat_floats = NARROW + 4 * (is_wide + has_shape),
+                            .clip_floats = line_floats * (int)batch->clip_count,
                             .finish_floats = 3 * (!!surface + !!emissive + (gradient ? 2 : 0)),
+                            .line_floats = line_floats,
+                            .is_curved = !!batch->is_curved,
+                            .wide_at = is_wide ? NARROW : 0,
+                            .shape_at = has_shape ? NARROW + 4 * is_wide : 0,
+                            .row_splats = 1 << PSPLAT_SPLAT_ROW_BITS(is_wide, has_shape),
                             .finish = surface | emissive | gradient};
 }
 
@@ -65,17 +74,44 @@ void psplat_pack_splats(const psplat_packing *packing, const psplat_splat *splat
                         float *out) {
     for (size_t i = 0; i < count; ++i, out += packing->splat_floats) {
         pack_splat(&splats[i], out);
-        if (packing->splat_floats == NARROW) continue;
-        for (int k = 0; k < 3; ++k) out[NARROW + k] = splats[i].color[k];
-        out[NARROW + 3] = splats[i].gradient[2];
+        if (packing->wide_at) {
+            for (int k = 0; k < 3; ++k) out[packing->wide_at + k] = splats[i].color[k];
+            out[packing->wide_at + 3] = splats[i].gradient[2];
+        }
+        if (packing->shape_at) {
+            for (int k = 0; k < 3; ++k) out[packing->shape_at + k] = splats[i].shape[2 + k];
+            out[packing->shape_at + 3] = 0.0f;
+        }
     }
+}
+
+/* Half the largest eigenvalue, in magnitude, of the Hessian of (1a) over the unit disc. */
+static float sagitta_of(const psplat_packing *packing, const float *splat) {
+    const float *q = splat + 4,
+                *second = packing->shape_at ? splat + packing->shape_at : splat + 10;
+    float radius = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    float gamma = packing->shape_at  ? second[2]
+                  : packing->wide_at ? splat[packing->wide_at + 3]
+                                     : 0.0f;
+    float a = second[0], b = splat[3] * gamma, c = splat[3] * second[1];
+    float root = sqrtf(0.25f * (a - c) * (a - c) + b * b);
+    return 0.5f * radius * (fabsf(0.5f * (a + c)) + root);
+}
+
+float psplat_packed_sagitta(const psplat_packing *packing, const float *splats, size_t count) {
+    float most = 0.0f;
+    for (size_t i = 0; packing->is_curved && i < count; ++i)
+        most = fmaxf(most, sagitta_of(packing, splats + i * (size_t)packing->splat_floats));
+    return most;
 }
 
 void psplat_pack_clips(const psplat_packing *packing, const psplat_splat *splats, size_t count,
                        float *out) {
     for (size_t i = 0; i < count; ++i)
-        for (int line = 0; line < packing->clip_floats / 3; ++line)
+        for (int line = 0; line < packing->clip_floats / packing->line_floats; ++line) {
             for (int k = 0; k < 3; ++k) *out++ = splats[i].clip[line][k];
+            if (packing->line_floats == 4) *out++ = splats[i].bend[line];
+        }
 }
 
 static float *put_texel(float *out, const float texel[3]) {

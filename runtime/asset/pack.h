@@ -12,10 +12,15 @@
  * such texture. */
 typedef struct psplat_packing {
     int splat_floats, clip_floats, finish_floats;
-    unsigned finish; /* PSPLAT_FINISH_ bits without COLOR */
+    int line_floats; /* of one clip line: 3, or 4 where lines are bent */
+    int is_curved;
+    int wide_at, shape_at; /* where a splat's texels of colour and gamma and of its shape begin, in
+                              floats; 0: there is none */
+    int row_splats;        /* splats in a row of each texture (layout.h) */
+    unsigned finish;       /* PSPLAT_FINISH_ bits without COLOR */
 } psplat_packing;
 
-/* Returns the packing that follows from a batch's clip_count and has_ members. */
+/* Returns the packing that follows from a batch's clip_count, is_curved and has_ members. */
 psplat_packing psplat_packing_of(const psplat_batch *batch);
 
 /* The splats of one primitive. An array is NULL where a splat has no floats in it. */
@@ -35,6 +40,10 @@ void psplat_pack_clips(const psplat_packing *packing, const psplat_splat *splats
                        float *out);
 void psplat_pack_finishes(const psplat_packing *packing, const psplat_finish *finishes,
                           size_t count, float *out);
+
+/* Returns how far the surface of a splat leaves its tangent plane at the centre, at most and along
+ * N, over count packed splats; 0 where they are flat. In the units of the centres. */
+float psplat_packed_sagitta(const psplat_packing *packing, const float *splats, size_t count);
 
 /* Returns what an asset keeps of a batch's splats where it was opened only for drawing, else
  * NULL. */

@@ -11,14 +11,21 @@
 static psplat_result find_attributes(const psplat_gltf *gltf, psplat_json_value object,
                                      psplat_json_value found[PSPLAT_ATTRIBUTES]) {
     enum { OURS = PSPLAT_ATTRIBUTES - PSPLAT_ROTATION };
-    static const char *const underscored[OURS] = {
-        "_" PSPLAT_EXTENSION ":ROTATION",     "_" PSPLAT_EXTENSION ":TURN",
-        "_" PSPLAT_EXTENSION ":TILT",         "_" PSPLAT_EXTENSION ":SCALE",
-        "_" PSPLAT_EXTENSION ":NORMAL_FIELD", "_" PSPLAT_EXTENSION ":CLIP_0",
-        "_" PSPLAT_EXTENSION ":CLIP_1",       "_" PSPLAT_EXTENSION ":CLIP_2",
-        "_" PSPLAT_EXTENSION ":CLIP_3",       "_" PSPLAT_EXTENSION ":COLOR_U",
-        "_" PSPLAT_EXTENSION ":COLOR_V",      "_" PSPLAT_EXTENSION ":OCCLUSION_ROUGHNESS_METALLIC",
-        "_" PSPLAT_EXTENSION ":EMISSIVE"};
+    static const char *const underscored[OURS] = {"_" PSPLAT_EXTENSION ":ROTATION",
+                                                  "_" PSPLAT_EXTENSION ":TURN",
+                                                  "_" PSPLAT_EXTENSION ":TILT",
+                                                  "_" PSPLAT_EXTENSION ":SCALE",
+                                                  "_" PSPLAT_EXTENSION ":NORMAL_FIELD",
+                                                  "_" PSPLAT_EXTENSION ":SHAPE",
+                                                  "_" PSPLAT_EXTENSION ":CLIP_0",
+                                                  "_" PSPLAT_EXTENSION ":CLIP_1",
+                                                  "_" PSPLAT_EXTENSION ":CLIP_2",
+                                                  "_" PSPLAT_EXTENSION ":CLIP_3",
+                                                  "_" PSPLAT_EXTENSION ":COLOR_U",
+                                                  "_" PSPLAT_EXTENSION ":COLOR_V",
+                                                  "_" PSPLAT_EXTENSION
+                                                  ":OCCLUSION_ROUGHNESS_METALLIC",
+                                                  "_" PSPLAT_EXTENSION ":EMISSIVE"};
     const char *names[PSPLAT_ATTRIBUTES + OURS];
     psplat_json_value members[PSPLAT_ATTRIBUTES + OURS];
     for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) names[i] = psplat_attribute_types[i].name;
@@ -68,6 +75,19 @@ static psplat_result check_presence(const psplat_gltf *gltf, psplat_json_value o
     return PSPLAT_OK;
 }
 
+/* Checks that SHAPE is there only where splats are curved, and that curved splats have all three
+ * numbers of a shape (rule 18 of spec 9). */
+static psplat_result check_curved(const psplat_gltf *gltf, psplat_json_value attributes,
+                                  psplat_json_value shape, const psplat_readers *r,
+                                  const psplat_set *set) {
+    if (shape && !set->is_curved)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, shape),
+                           "SHAPE is present although the primitive is not curved");
+    if (!set->is_curved || shape || r->of[PSPLAT_NORMAL_FIELD].components == 3) return PSPLAT_OK;
+    return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, attributes),
+                       "a curved primitive has a NORMAL_FIELD of three numbers or a SHAPE");
+}
+
 static psplat_result open_readers(psplat_gltf *gltf, psplat_json_value object,
                                   const psplat_set *set, psplat_readers *r) {
     psplat_json_value found[PSPLAT_ATTRIBUTES];
@@ -80,7 +100,12 @@ static psplat_result open_readers(psplat_gltf *gltf, psplat_json_value object,
             result = psplat_reader_open(gltf, found[i], &psplat_attribute_types[i], set->version,
                                         count, &r->of[i]);
     }
-    return result;
+    return result ? result : check_curved(gltf, object, found[PSPLAT_SHAPE], r, set);
+}
+
+/* Returns whether a line is stored with its bend. */
+static int is_bent(const psplat_reader *reader) {
+    return reader->components == (reader->component_type == PSPLAT_FLOAT ? 4u : 3u);
 }
 
 /* Checks that the extension object says what integers stand for (spec 3.9). */
@@ -95,6 +120,7 @@ static psplat_result check_ranges(const psplat_gltf *gltf, psplat_json_value ext
         {PSPLAT_TILT, "tiltRange, which the integers of TILT need,", set->tilt_range > 0},
         {PSPLAT_NORMAL_FIELD, "fieldRange, which the integers of NORMAL_FIELD need,",
          set->field_range > 0},
+        {PSPLAT_SHAPE, "shapeRange, which the integers of SHAPE need,", set->shape_range > 0},
         {PSPLAT_COLOR_U, "colorRange, which the integers of COLOR_U need,", set->color_range > 0},
         {PSPLAT_COLOR_V, "colorRange, which the integers of COLOR_V need,", set->color_range > 0}};
     for (size_t i = 0; i < sizeof ranges / sizeof *ranges; ++i) {
@@ -103,6 +129,10 @@ static psplat_result check_ranges(const psplat_gltf *gltf, psplat_json_value ext
         if (needs && !ranges[i].is_stated)
             return psplat_gltf_require(gltf, extension, 0, ranges[i].name);
     }
+    for (size_t i = PSPLAT_FIRST_CLIP; i < PSPLAT_FIRST_CLIP + set->clip_count; ++i)
+        if (is_bent(&r->of[i]) && r->of[i].component_type != PSPLAT_FLOAT && !(set->bend_range > 0))
+            return psplat_gltf_require(gltf, extension, 0,
+                                       "bendRange, which the integers of bends need,");
     return PSPLAT_OK;
 }
 
@@ -128,7 +158,7 @@ static psplat_result check_extent(const psplat_gltf *gltf, psplat_json_value val
                        found[0], found[1], found[2], stated[0], stated[1], stated[2]);
 }
 
-/* A splat takes 128 bytes in memory, 184 with a finish, and at least 11 in a file. A file may use
+/* A splat takes 164 bytes in memory, 212 with a finish, and at least 11 in a file. A file may use
  * its bytes for several primitives, but a small file must not fill the memory that way. */
 static psplat_result check_total(psplat_gltf *gltf, psplat_json_value attributes, size_t count) {
     if (count <= gltf->loaded_bytes / 8 && gltf->splat_total <= gltf->loaded_bytes / 8 - count) {
@@ -163,6 +193,9 @@ static int reserve_packed(psplat_gltf *gltf, psplat_set *set) {
     const psplat_batch like = {.clip_count = set->clip_count,
                                .has_color = set->has_color,
                                .has_gamma = set->has_gamma,
+                               .is_curved = set->is_curved,
+                               .has_shape = set->has_shape,
+                               .has_bends = set->has_bends,
                                .has_color_gradient = set->has_color_gradient,
                                .has_surface = set->has_surface,
                                .has_emissive = set->has_emissive};
@@ -190,6 +223,19 @@ static psplat_result reserve(psplat_gltf *gltf, psplat_json_value attributes, ps
                        "no memory for %zu splats", set->count);
 }
 
+/* Notes what the attributes say of all splats. */
+static void set_flags(const psplat_readers *r, psplat_set *set) {
+    set->count = r->of[PSPLAT_POSITION].count;
+    set->has_color = r->is_present[PSPLAT_COLOR];
+    set->has_gamma = r->of[PSPLAT_NORMAL_FIELD].components == 3;
+    set->has_shape = r->is_present[PSPLAT_SHAPE];
+    for (size_t i = PSPLAT_FIRST_CLIP; i < PSPLAT_FIRST_CLIP + set->clip_count; ++i)
+        set->has_bends |= is_bent(&r->of[i]);
+    set->has_color_gradient = r->is_present[PSPLAT_COLOR_U];
+    set->has_surface = r->is_present[PSPLAT_ORM];
+    set->has_emissive = r->is_present[PSPLAT_EMISSIVE];
+}
+
 psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
                                psplat_json_value extension, psplat_set *set) {
     psplat_json_value stated = 0;
@@ -199,12 +245,7 @@ psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
     if (!result) result = open_readers(gltf, attributes, set, &readers);
     if (!result) result = check_ranges(gltf, extension, &readers, set);
     if (result) return result;
-    set->count = readers.of[PSPLAT_POSITION].count;
-    set->has_color = readers.is_present[PSPLAT_COLOR];
-    set->has_gamma = readers.of[PSPLAT_NORMAL_FIELD].components == 3;
-    set->has_color_gradient = readers.is_present[PSPLAT_COLOR_U];
-    set->has_surface = readers.is_present[PSPLAT_ORM];
-    set->has_emissive = readers.is_present[PSPLAT_EMISSIVE];
+    set_flags(&readers, set);
     result = check_total(gltf, attributes, set->count);
     if (!result) result = reserve(gltf, attributes, set);
     if (!result) result = describe(gltf, &readers, set);

@@ -44,15 +44,26 @@ void psplat_unpack_turns(const float *normals, const float *turns, size_t count,
     for (size_t i = 0; i < count; ++i) unpack_turn(normals + 3 * i, turns[i], quaternions + 4 * i);
 }
 
-/* Goes backwards, because what is written takes more room than what is read. */
+static inline void unpack_line(const float turn_and_distance[2], const float range[2],
+                               float line[3]) {
+    double cosine, sine;
+    float turn = turn_and_distance[0] * range[0], distance = turn_and_distance[1] * range[1];
+    turn_by((double)turn, &cosine, &sine);
+    line[0] = (float)cosine;
+    line[1] = (float)sine;
+    line[2] = distance;
+}
+
+/* This and the next go backwards, because what is written takes more room than what is read. */
 void psplat_unpack_lines(float *values, size_t count, const float range[2]) {
+    for (size_t i = count; i-- > 0;) unpack_line(values + 2 * i, range, values + 3 * i);
+}
+
+void psplat_unpack_bent_lines(float *values, size_t count, const float range[2], float bend_range) {
     for (size_t i = count; i-- > 0;) {
-        double cosine, sine;
-        float turn = values[2 * i] * range[0], distance = values[2 * i + 1] * range[1];
-        turn_by((double)turn, &cosine, &sine);
-        values[3 * i] = (float)cosine;
-        values[3 * i + 1] = (float)sine;
-        values[3 * i + 2] = distance;
+        float bend = values[3 * i + 2] * bend_range;
+        unpack_line(values + 3 * i, range, values + 4 * i);
+        values[4 * i + 3] = bend;
     }
 }
 

@@ -5,6 +5,7 @@
  * is spent here and in touching the memory of its splats for the first time, which happens once.
  */
 #include "asset/gltf.h"
+#include "asset/surface.h"
 
 #include <float.h>
 #include <math.h>
@@ -23,7 +24,7 @@ typedef struct decoder {
     size_t components[PSPLAT_ATTRIBUTES]; /* of each splat, once unpacked to floats */
     double cosines[BLOCK];                /* between NORMAL and N */
     psplat_radii radii;                   /* used where radii are integers */
-    double low[3], high[3];               /* box of the ellipses */
+    double low[3], high[3];               /* box of the splats */
     float center_low[3], center_high[3];  /* box of their centres */
 } decoder;
 
@@ -64,8 +65,13 @@ static void unpack(decoder *d, size_t attribute) {
     float *values = d->values[attribute];
     if (reader->component_type == PSPLAT_FLOAT) return;
     if (attribute == PSPLAT_SCALE) psplat_unpack_radii(values, d->count, &d->radii);
-    if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U)
-        psplat_unpack_lines(values, d->count, set->clip_range);
+    if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U) {
+        if (reader->components == 2)
+            psplat_unpack_lines(values, d->count, set->clip_range);
+        else
+            psplat_unpack_bent_lines(values, d->count, set->clip_range, set->bend_range);
+    }
+    if (attribute == PSPLAT_SHAPE) psplat_unpack_scaled(values, d->count * 3, set->shape_range);
     if (attribute == PSPLAT_TURN) psplat_unpack_scaled(values, d->count, set->turn_range);
     if (attribute == PSPLAT_TILT) psplat_unpack_scaled(values, d->count * 2, set->tilt_range);
     if (attribute == PSPLAT_NORMAL_FIELD)
@@ -76,7 +82,8 @@ static void unpack(decoder *d, size_t attribute) {
 
 /* Returns the number of components of an attribute once it is unpacked. */
 static size_t unpacked_components(const psplat_reader *reader, size_t attribute) {
-    if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U) return 3;
+    if (attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_COLOR_U)
+        return reader->components + (reader->component_type != PSPLAT_FLOAT);
     if (attribute == PSPLAT_ROTATION) return 4; /* made from a turn where it is not stored */
     return reader->components;
 }
@@ -105,20 +112,6 @@ static int normalise(float *values, size_t count) {
     if (fabs(length - 1) > 2 * (double)FLT_EPSILON)
         for (size_t i = 0; i < count; ++i) values[i] = (float)((double)values[i] * scale);
     return 1;
-}
-
-/* Columns U, V, N of the rotation by quaternion q. */
-static inline void rotation_axes(const float q[4], double axes[3][3]) {
-    double x = (double)q[0], y = (double)q[1], z = (double)q[2], w = (double)q[3];
-    axes[0][0] = 1 - 2 * (y * y + z * z);
-    axes[0][1] = 2 * (x * y + z * w);
-    axes[0][2] = 2 * (x * z - y * w);
-    axes[1][0] = 2 * (x * y - z * w);
-    axes[1][1] = 1 - 2 * (x * x + z * z);
-    axes[1][2] = 2 * (y * z + x * w);
-    axes[2][0] = 2 * (x * z + y * w);
-    axes[2][1] = 2 * (y * z - x * w);
-    axes[2][2] = 1 - 2 * (x * x + y * y);
 }
 
 static psplat_result normalise_block(decoder *d, size_t attribute, const char *what) {
@@ -150,7 +143,7 @@ static void tilt_block(decoder *d) {
     for (size_t i = 0; i < d->count; ++i) {
         double axes[3][3], x = (double)tilts[2 * i], y = (double)tilts[2 * i + 1];
         double scale = 1 / sqrt(1 + x * x + y * y);
-        rotation_axes(rotations + 4 * i, axes);
+        psplat_rotation_axes(rotations + 4 * i, axes);
         for (size_t k = 0; k < 3; ++k)
             normals[3 * i + k] =
                 (float)(scale * ((double)normals[3 * i + k] + x * axes[0][k] + y * axes[1][k]));
@@ -162,7 +155,7 @@ static void find_cosines(decoder *d) {
     const float *rotations = d->values[PSPLAT_ROTATION], *normals = d->values[PSPLAT_NORMAL];
     for (size_t i = 0; i < d->count; ++i) {
         double axes[3][3];
-        rotation_axes(rotations + 4 * i, axes);
+        psplat_rotation_axes(rotations + 4 * i, axes);
         d->cosines[i] = (double)normals[3 * i] * axes[2][0] +
                         (double)normals[3 * i + 1] * axes[2][1] +
                         (double)normals[3 * i + 2] * axes[2][2];
@@ -230,6 +223,22 @@ static psplat_result decode_normals(const decoder *d, psplat_splat *splat) {
     return decode_gradient(d, splat, cosine);
 }
 
+/* Sets the shape, of which x and y are those of the normal field unless it is stored, and checks
+ * the bound of spec 3.4, eq. (1b). */
+static psplat_result decode_shape(const decoder *d, psplat_splat *splat) {
+    const int *is_present = d->readers->is_present;
+    int is_stored = is_present[PSPLAT_SHAPE];
+    memcpy(splat->shape + 2, is_stored ? values_of(d, PSPLAT_SHAPE) : splat->gradient,
+           sizeof splat->gradient);
+    if (is_present[PSPLAT_ROTATION] && !is_stored)
+        psplat_surface_find_tilt(splat, splat->shape);
+    else if (is_present[PSPLAT_TILT] && !is_stored)
+        memcpy(splat->shape, values_of(d, PSPLAT_TILT), 2 * sizeof *splat->shape);
+    if (psplat_surface_is_allowed(splat)) return PSPLAT_OK;
+    return fail_value(d, is_stored ? PSPLAT_SHAPE : PSPLAT_NORMAL_FIELD,
+                      "makes the surface steeper than spec 3.4 allows");
+}
+
 /* Returns whether all values are from 0 to 1, as those of COLOR_0, OCCLUSION_ROUGHNESS_METALLIC and
  * EMISSIVE must be. */
 static int are_parts(const float *values, size_t count) {
@@ -272,44 +281,73 @@ static psplat_result decode_clip_lines(const decoder *d, psplat_splat *splat) {
         memcpy(line, values_of(d, PSPLAT_FIRST_CLIP + i), sizeof splat->clip[i]);
         if (line[0] == 0 && line[1] == 0)
             return fail_value(d, PSPLAT_FIRST_CLIP + i, "is no line: a and b are 0");
+        if (d->components[PSPLAT_FIRST_CLIP + i] == 3) continue;
+        splat->bend[i] = values_of(d, PSPLAT_FIRST_CLIP + i)[3];
+        if (!(fabsf(splat->bend[i]) <= 4))
+            return fail_value(d, PSPLAT_FIRST_CLIP + i, "is bent by more than 4");
     }
     return PSPLAT_OK;
 }
 
-/* Enlarges the boxes by the centre and by the unclipped ellipse. For most ellipses the circle
- * around them already shows that they are inside. */
-static psplat_result enlarge_bounds(decoder *d, const psplat_splat *splat) {
-    double axes[3][3], most = (double)splat->radius[0] * (1 + 1e-6);
+/* Enlarges the box of the centres. Returns whether the sphere of this radius around a splat's
+ * centre lies in the box of the splats already, which for most splats spares the exact test. */
+static int enlarge_centers(decoder *d, const psplat_splat *splat, double radius) {
     int is_inside = 1;
     for (size_t i = 0; i < 3; ++i) {
         double center = (double)splat->center[i];
-        is_inside &= center - most > d->low[i] && center + most < d->high[i];
+        is_inside &= center - radius > d->low[i] && center + radius < d->high[i];
         if (splat->center[i] < d->center_low[i]) d->center_low[i] = splat->center[i];
         if (splat->center[i] > d->center_high[i]) d->center_high[i] = splat->center[i];
     }
-    if (is_inside) return PSPLAT_OK;
-    rotation_axes(splat->rotation, axes);
-    for (size_t i = 0; i < 3; ++i) {
+    return is_inside;
+}
+
+/* Enlarges the box of the splats along an axis. */
+static psplat_result enlarge_box(decoder *d, size_t axis, double low, double high) {
+    if (high > (double)FLT_MAX || low < -(double)FLT_MAX)
+        return fail_value(d, PSPLAT_SCALE, "makes the splat reach beyond what a float can hold");
+    if (low < d->low[axis]) d->low[axis] = low;
+    if (high > d->high[axis]) d->high[axis] = high;
+    return PSPLAT_OK;
+}
+
+/* Enlarges the boxes by the centre and by the unclipped ellipse. */
+static psplat_result enlarge_by_ellipse(decoder *d, const psplat_splat *splat) {
+    double axes[3][3];
+    psplat_result result = PSPLAT_OK;
+    if (enlarge_centers(d, splat, (double)splat->radius[0] * (1 + 1e-6))) return PSPLAT_OK;
+    psplat_rotation_axes(splat->rotation, axes);
+    for (size_t i = 0; i < 3 && !result; ++i) {
         double center = (double)splat->center[i];
         double u = (double)splat->radius[0] * axes[0][i], v = (double)splat->radius[1] * axes[1][i];
-        double reach = sqrt(u * u + v * v), low = center - reach, high = center + reach;
-        if (high > (double)FLT_MAX || low < -(double)FLT_MAX)
-            return fail_value(d, PSPLAT_SCALE,
-                              "makes the splat reach beyond what a float can hold");
-        if (low < d->low[i]) d->low[i] = low;
-        if (high > d->high[i]) d->high[i] = high;
+        double reach = sqrt(u * u + v * v);
+        result = enlarge_box(d, i, center - reach, center + reach);
     }
-    return PSPLAT_OK;
+    return result;
+}
+
+/* Enlarges the boxes by the centre and by the unclipped surface. */
+static psplat_result enlarge_by_surface(decoder *d, const psplat_splat *splat) {
+    double low[3], high[3];
+    psplat_result result = PSPLAT_OK;
+    if (enlarge_centers(d, splat, (double)splat->radius[0] * PSPLAT_CURVED_REACH)) return PSPLAT_OK;
+    psplat_surface_find_box(splat, low, high);
+    for (size_t i = 0; i < 3 && !result; ++i) {
+        double center = (double)splat->center[i];
+        result = enlarge_box(d, i, center + low[i], center + high[i]);
+    }
+    return result;
 }
 
 static psplat_result decode_splat(decoder *d, psplat_splat *splat) {
     *splat = d->blank;
     psplat_result result = decode_frame(d, splat);
     if (!result) result = decode_normals(d, splat);
+    if (!result && d->set->is_curved) result = decode_shape(d, splat);
     if (!result) result = decode_color(d, splat);
     if (!result) result = decode_clip_lines(d, splat);
-    if (!result) result = enlarge_bounds(d, splat);
-    return result;
+    if (result) return result;
+    return d->set->is_curved ? enlarge_by_surface(d, splat) : enlarge_by_ellipse(d, splat);
 }
 
 /* ---- the primitive ------------------------------------------------------------------------ */

@@ -25,6 +25,29 @@ static void normal_of(const psplat_splat *splat, double normal[3]) {
     for (int i = 0; i < 3; ++i) normal[i] *= scale;
 }
 
+static int is_curved(const psplat_splat *splat) {
+    const float *shape = splat->shape;
+    return shape[0] != 0.0f || shape[1] != 0.0f || shape[2] != 0.0f || shape[3] != 0.0f ||
+           shape[4] != 0.0f;
+}
+
+/* Returns bounds over the disc of the slope at the centre and of its change, by (1b). */
+static void slopes_of(const psplat_splat *splat, double *center, double *change) {
+    double q = (double)splat->radius[1] / (double)splat->radius[0];
+    const float *s = splat->shape;
+    double alpha = s[2], beta = s[3], gamma = s[4];
+    *center = hypot((double)s[0], (double)s[1]);
+    *change = sqrt(alpha * alpha + beta * beta + gamma * gamma * (1.0 + q * q));
+}
+
+/* Returns the radius of a sphere around the splat's centre that encloses the splat. */
+static float reach_of(const psplat_splat *splat) {
+    double center, change;
+    if (!is_curved(splat)) return splat->radius[0];
+    slopes_of(splat, &center, &change);
+    return (float)((double)splat->radius[0] * hypot(1.0, center + 0.5 * change));
+}
+
 /* Finds a sphere around the middle of the centres' bounding box. Comparisons take the place of fmin
  * and fmax, which are function calls, because there are millions of splats. */
 static void find_sphere(const psplat_splat *splats, size_t count, psplat_chunk *chunk) {
@@ -37,7 +60,8 @@ static void find_sphere(const psplat_splat *splats, size_t count, psplat_chunk *
             min[i] = x < min[i] ? x : min[i];
             max[i] = x > max[i] ? x : max[i];
         }
-        if (splats[k].radius[0] > largest) largest = splats[k].radius[0];
+        float reach = reach_of(&splats[k]);
+        if (reach > largest) largest = reach;
     }
     for (int i = 0; i < 3; ++i) chunk->center[i] = (float)(0.5 * ((double)min[i] + (double)max[i]));
     for (size_t k = 0; k < count; ++k) {
@@ -50,6 +74,17 @@ static void find_sphere(const psplat_splat *splats, size_t count, psplat_chunk *
     chunk->radius = (float)(radius * (1.0 + 1e-6)); /* rounded outwards */
 }
 
+/* Returns the least cosine between an axis and a unit normal of a splat, given that with N. Normals
+ * lean away from N by up to the angle of the greatest slope. */
+static double least_cosine(const psplat_splat *splat, double cosine) {
+    double center, change;
+    if (!is_curved(splat)) return cosine;
+    slopes_of(splat, &center, &change);
+    double slope = center + change, sine = sqrt(fmax(1.0 - cosine * cosine, 0.0));
+    double least = (cosine - sine * slope) / hypot(1.0, slope);
+    return cosine < 0.0 || least < 0.0 ? -1.0 : least;
+}
+
 /* Finds the cone around the mean normal. */
 static void find_cone(const psplat_splat *splats, size_t count, psplat_chunk *chunk) {
     double axis[3] = {0.0, 0.0, 0.0}, normals[PSPLAT_CHUNK_SPLATS][3], cosine = 1.0;
@@ -60,7 +95,7 @@ static void find_cone(const psplat_splat *splats, size_t count, psplat_chunk *ch
     double length = sqrt(psplat_dot3(axis, axis));
     for (int i = 0; i < 3; ++i) axis[i] = length > 0.0 ? axis[i] / length : 0.0;
     for (size_t k = 0; k < count; ++k) {
-        double c = psplat_dot3(axis, normals[k]);
+        double c = least_cosine(&splats[k], psplat_dot3(axis, normals[k]));
         cosine = c < cosine ? c : cosine;
     }
     for (int i = 0; i < 3; ++i) chunk->axis[i] = (float)axis[i];

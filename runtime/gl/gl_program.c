@@ -10,11 +10,17 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char prelude_gl[] = "#version 330 core\n";
-static const char prelude_es[] = "#version 300 es\n"
-                                 "precision highp float;\n"
-                                 "precision highp int;\n"
-                                 "precision highp sampler2D;\n";
+/* With depth that is said to be no less than a primitive's, GPUs keep their early depth test. */
+#define CONSERVATIVE_DEPTH(name)                                                                   \
+    "#ifdef GL_" name "_conservative_depth\n"                                                      \
+    "#extension GL_" name "_conservative_depth : enable\n"                                         \
+    "#endif\n"
+
+static const char prelude_gl[] = "#version 330 core\n" CONSERVATIVE_DEPTH("ARB");
+static const char prelude_es[] =
+    "#version 300 es\n" CONSERVATIVE_DEPTH("EXT") "precision highp float;\n"
+                                                  "precision highp int;\n"
+                                                  "precision highp sampler2D;\n";
 
 /* ---- shadings ---------------------------------------------------------------------------- */
 
@@ -43,12 +49,20 @@ int psplat_shading_reads_light(int shading) {
 
 /* ---- keys -------------------------------------------------------------------------------- */
 
-/* Returns the options that a splat pass uses. */
+/* Returns the options that a splat pass uses. Curved splats are cut and turned fragment by
+ * fragment in every pass, and not filtered (spec 5.8). */
 static unsigned used_by_splats(const psplat_program_key *key) {
-    unsigned used = PSPLAT_OPTION_WIDE;
-    if (key->pass == PSPLAT_PASS_VISIBILITY) return used | PSPLAT_OPTION_NEAR;
+    unsigned used = PSPLAT_OPTION_WIDE | PSPLAT_OPTION_SHAPE;
+    if (key->clip_count > 0) used |= PSPLAT_OPTION_BENDS;
+    if (key->options & PSPLAT_OPTION_CURVED)
+        used |= PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_GAMMA;
+    else
+        used |= PSPLAT_OPTION_TANGENT;
+    if (key->pass == PSPLAT_PASS_VISIBILITY)
+        return key->options & PSPLAT_OPTION_CURVED ? used : used | PSPLAT_OPTION_NEAR;
     if (key->pass == PSPLAT_PASS_PARAMETERS) return used;
-    used |= PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_FILTER | PSPLAT_OPTION_POWER;
+    used |= PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_POWER;
+    if (!(key->options & PSPLAT_OPTION_CURVED)) used |= PSPLAT_OPTION_FILTER;
     const unsigned colors = PSPLAT_OPTION_COLOR | PSPLAT_OPTION_FINISH;
     if (key->pass == PSPLAT_PASS_RADIANCE) return used | colors | PSPLAT_OPTIONS_LIGHT;
     used |= PSPLAT_OPTION_FIELD | PSPLAT_OPTION_GAMMA | PSPLAT_OPTION_COUNT;
@@ -67,7 +81,9 @@ static unsigned used_by_resolve(const psplat_program_key *key) {
 
 /* Adds options that others imply, and removes those that have no effect beside others. */
 static unsigned normalise_options(unsigned options) {
-    if (!(options & PSPLAT_OPTION_FIELD)) options &= ~(unsigned)PSPLAT_OPTION_GAMMA;
+    int is_field = options & PSPLAT_OPTION_CURVED && !(options & PSPLAT_OPTION_SHAPE);
+    if (options & PSPLAT_OPTION_SHAPE) options &= ~(unsigned)PSPLAT_OPTION_TANGENT;
+    if (!(options & PSPLAT_OPTION_FIELD) && !is_field) options &= ~(unsigned)PSPLAT_OPTION_GAMMA;
     if (options & PSPLAT_OPTION_COUNT) options &= ~(unsigned)PSPLAT_OPTION_POWER;
     if (options & PSPLAT_OPTION_FINISH && options & PSPLAT_OPTION_COLOR)
         options = (options & ~(unsigned)PSPLAT_OPTION_COLOR) | PSPLAT_OPTION_WIDE;
@@ -100,13 +116,16 @@ static int is_same_key(const psplat_program_key *a, const psplat_program_key *b)
 
 /* ---- building ---------------------------------------------------------------------------- */
 
-static GLuint compile(const psplat_gl *gl, GLenum type, const char *defines, const char *head,
-                      const char *body, const char *tail, psplat_error *error) {
-    const GLchar *const sources[] = {
-        gl->is_es ? prelude_es : prelude_gl, defines, psplat_shader_layout_h, head, body, tail};
+static GLuint compile(const psplat_gl *gl, GLenum type, const char *defines,
+                      const char *const parts[PSPLAT_MAX_SHADER_PARTS], psplat_error *error) {
+    enum { HEAD = 3 };
+    const GLchar *sources[HEAD + PSPLAT_MAX_SHADER_PARTS] = {gl->is_es ? prelude_es : prelude_gl,
+                                                             defines, psplat_shader_layout_h};
+    GLsizei count = HEAD;
+    for (int i = 0; i < PSPLAT_MAX_SHADER_PARTS && parts[i]; ++i) sources[count++] = parts[i];
     GLuint shader = gl->CreateShader(type);
     GLint compiled = GL_FALSE;
-    gl->ShaderSource(shader, sizeof sources / sizeof *sources, sources, NULL);
+    gl->ShaderSource(shader, count, sources, NULL);
     gl->CompileShader(shader);
     gl->GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
     if (compiled) return shader;
@@ -136,12 +155,11 @@ static GLuint link_shaders(const psplat_gl *gl, GLuint vertex, GLuint fragment,
     return 0;
 }
 
-GLuint psplat_program_build(const psplat_gl *gl, const char *defines, const char *vertex,
-                            const char *head, const char *fragment, const char *tail,
+GLuint psplat_program_build(const psplat_gl *gl, const psplat_program_source *source,
                             psplat_error *error) {
-    GLuint first = compile(gl, GL_VERTEX_SHADER, defines, "", vertex, "", error);
+    GLuint first = compile(gl, GL_VERTEX_SHADER, source->defines, source->vertex, error);
     if (!first) return 0;
-    GLuint second = compile(gl, GL_FRAGMENT_SHADER, defines, head, fragment, tail, error);
+    GLuint second = compile(gl, GL_FRAGMENT_SHADER, source->defines, source->fragment, error);
     GLuint program = second ? link_shaders(gl, first, second, error) : 0;
     gl->DeleteShader(first);
     if (second) gl->DeleteShader(second);
@@ -189,29 +207,46 @@ static void write_defines(const psplat_gl *gl, const psplat_program_key *key, ch
     /* Weights must stay above the least positive number that the targets can hold. */
     int used = snprintf(out, size,
                         "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n"
-                        "#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
+                        "#define LINE_TYPE %s\n#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
                         "#define HALF_TARGETS %d\n",
-                        key->pass, key->clip_count, clip_types[key->clip_count], key->light_count,
+                        key->pass, key->clip_count, clip_types[key->clip_count],
+                        key->options & PSPLAT_OPTION_BENDS ? "vec4" : "vec3", key->light_count,
                         gl->half_targets ? "1e-3" : "1e-30", gl->half_targets);
     for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
         used += snprintf(out + used, size - (size_t)used, "#define %s %d\n", options[i].name,
                          !!(key->options & options[i].option));
 }
 
+/* Puts the shaders of a splat pass together. */
+static psplat_program_source splat_source(const psplat_program_key *key, const char *defines) {
+    psplat_program_source source = {.defines = defines};
+    const char **vertex = source.vertex, **fragment = source.fragment;
+    int is_curved = !!(key->options & PSPLAT_OPTION_CURVED);
+    *vertex++ = psplat_shader_splat_data_glsl;
+    *vertex++ = psplat_shader_shift_glsl;
+    *vertex = is_curved ? psplat_shader_curved_vert : psplat_shader_splat_vert;
+    if (key->pass == PSPLAT_PASS_RADIANCE) *fragment++ = psplat_shader_shading_glsl;
+    *fragment++ = psplat_shader_sums_glsl;
+    *fragment = is_curved ? psplat_shader_curved_frag : psplat_shader_splat_frag;
+    return source;
+}
+
+static psplat_program_source resolve_source(const psplat_program_key *key, const char *defines) {
+    int is_shaded = !(key->options & PSPLAT_OPTION_AS_IS);
+    return (psplat_program_source){.defines = defines,
+                                   .vertex = {psplat_shader_resolve_vert},
+                                   .fragment = {psplat_shader_shading_glsl,
+                                                psplat_shader_resolve_frag,
+                                                is_shaded ? shadings[key->shading].source : NULL}};
+}
+
 static int build(const psplat_gl *gl, psplat_program *program, psplat_error *error) {
     const psplat_program_key *key = &program->key;
-    char defines[800];
+    char defines[1000];
     write_defines(gl, key, defines, sizeof defines);
-    if (key->is_resolve)
-        program->id = psplat_program_build(
-            gl, defines, psplat_shader_resolve_vert, psplat_shader_shading_glsl,
-            psplat_shader_resolve_frag,
-            key->options & PSPLAT_OPTION_AS_IS ? "" : shadings[key->shading].source, error);
-    else
-        program->id = psplat_program_build(
-            gl, defines, psplat_shader_splat_vert,
-            key->pass == PSPLAT_PASS_RADIANCE ? psplat_shader_shading_glsl : "",
-            psplat_shader_splat_frag, "", error);
+    psplat_program_source source =
+        key->is_resolve ? resolve_source(key, defines) : splat_source(key, defines);
+    program->id = psplat_program_build(gl, &source, error);
     if (program->id) find_uniforms(gl, program);
     return program->id != 0;
 }

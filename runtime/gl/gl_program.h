@@ -36,7 +36,12 @@
     X(AS_IS, 32768)  /* the sum is a colour already, which is not shaded */                        \
     /* for both kinds of pass, where materials vary over a batch (spec 3.10): */                   \
     X(FINISH, 65536)     /* splats have a finish */                                                \
-    X(OCCLUSION, 131072) /* occlusion varies; implies MATERIALS */
+    X(OCCLUSION, 131072) /* occlusion varies; implies MATERIALS */                                 \
+    /* for the splat passes, of curved splats and bent clip lines: */                              \
+    X(CURVED, 262144)  /* the view ray is cut with the quadric */                                  \
+    X(TANGENT, 524288) /* ellipses lie in the tangent plane at the centre; never with CURVED */    \
+    X(SHAPE, 1048576)  /* splats have a shape of their own (layout.h) */                           \
+    X(BENDS, 2097152)  /* clip lines are bent */
 
 enum {
 #define PSPLAT_OPTION_ENUM(name, value) PSPLAT_OPTION_##name = value,
@@ -67,6 +72,8 @@ typedef struct psplat_program_key {
     X(shift)                                                                                       \
     X(view_direction)                                                                              \
     X(half_viewport)                                                                               \
+    X(depth_range)                                                                                 \
+    X(unstretch)                                                                                   \
     X(first_index)                                                                                 \
     X(finish)                                                                                      \
     X(kernel)                                                                                      \
@@ -121,12 +128,18 @@ void psplat_programs_destroy(psplat_programs *programs, const psplat_gl *gl,
 int psplat_shading_reads_color(int shading);
 int psplat_shading_reads_light(int shading);
 
+enum { PSPLAT_MAX_SHADER_PARTS = 4 };
+
+/* The texts of a program's two shaders, each in parts that follow one another; NULL ends a list. */
+typedef struct psplat_program_source {
+    const char *defines; /* comes first in both */
+    const char *vertex[PSPLAT_MAX_SHADER_PARTS], *fragment[PSPLAT_MAX_SHADER_PARTS];
+} psplat_program_source;
+
 /* Compiles and links a vertex and a fragment shader. Each source follows the version line of the
- * context, the defines and layout.h. The fragment shader also has head before it and tail behind it
- * (each may be ""). Returns 0 and fills error with PSPLAT_ERROR_GRAPHICS on failure. The caller
- * deletes the program. */
-GLuint psplat_program_build(const psplat_gl *gl, const char *defines, const char *vertex,
-                            const char *head, const char *fragment, const char *tail,
+ * context, the defines and layout.h. Returns 0 and fills error with PSPLAT_ERROR_GRAPHICS on
+ * failure. The caller deletes the program. */
+GLuint psplat_program_build(const psplat_gl *gl, const psplat_program_source *source,
                             psplat_error *error);
 
 #endif

@@ -136,8 +136,10 @@ static psplat_result draw_depth(psplat_host *host, psplat_error *error) {
     if (result != PSPLAT_OK) return result;
     if (!host->vertex_array) gl->GenVertexArrays(1, &host->vertex_array);
     if (!host->depth_program)
-        host->depth_program = psplat_program_build(gl, "", psplat_shader_resolve_vert, "",
-                                                   psplat_shader_depth_frag, "", error);
+        host->depth_program = psplat_program_build(
+            gl,
+            &(psplat_program_source){"", {psplat_shader_resolve_vert}, {psplat_shader_depth_frag}},
+            error);
     if (!host->depth_program) return PSPLAT_ERROR_GRAPHICS;
 
     gl->Viewport(0, 0, target->width, target->height);

@@ -62,7 +62,7 @@ static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit
                        psplat_oracle_pixel *p) {
     int bends = d->view->mode == PSPLAT_MODE_PHONG;
     double weight = d->blends ? weight_of(&at->batch->kernel, share) : 1;
-    double sign = at->placed.cosine > -0.5 ? 1 : -1, normal[3], radiance[3];
+    double sign = share->is_reversed ? -1 : 1, normal[3], radiance[3];
     double u = bends ? share->u : 0, v = bends ? share->v : 0;
     psplat_oracle_surface surface = surface_of(at, u, v);
     p->weight += weight;
@@ -91,18 +91,20 @@ static void note_margins(const psplat_oracle_margins *margins, psplat_oracle_pix
     if (margins->edge > -clear_failure) p->depth_tie = fmin(p->depth_tie, fabs(margins->depth));
 }
 
-/* Notes the margins of a fragment that sets the visibility limit, or would set it if its edges were
- * elsewhere. */
-static void note_visibility(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
-                            const psplat_oracle_sight *sight, psplat_oracle_pixel *p) {
+/* Notes the margins of points that set the visibility limit, or would set it if edges were
+ * elsewhere, and of what is not hidden beyond it. */
+static void note_points(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
+                        const psplat_oracle_sight *sight, psplat_oracle_pixel *p) {
     const double rounding = 1e-12;
-    const psplat_oracle_fragment *f = sight->fragment;
-    if (!f) return;
-    double limit = d->blends ? psplat_oracle_fragment_limit(&at->placed, sight->ray, f) : f->t;
-    if (limit > p->limit + rounding * fabs(p->limit)) return;
-    psplat_oracle_margins margins =
-        psplat_oracle_fragment_margins(&d->camera, &at->placed, sight->ray, f, at->cull);
-    note_margins(&margins, p);
+    for (int i = 0; i < sight->meeting->count; ++i) {
+        const psplat_oracle_fragment *f = &sight->meeting->points[i];
+        double limit = d->blends ? psplat_oracle_fragment_limit(&at->placed, sight->ray, f) : f->t;
+        int is_shown = !at->filter.is_on && f->t <= p->limit; /* hidden edges do not show */
+        if (!is_shown && limit > p->limit + rounding * fabs(p->limit)) continue;
+        psplat_oracle_margins margins =
+            psplat_oracle_fragment_margins(&d->camera, &at->placed, sight->ray, f, at->cull);
+        note_margins(&margins, p);
+    }
 }
 
 /* Notes how near the limit is to the far plane, because a limit beyond it may count as none (5.3).
@@ -137,11 +139,11 @@ void psplat_oracle_blend(const psplat_oracle_drawing *d, const psplat_oracle_vis
     psplat_oracle_margins margins;
     int exists = psplat_oracle_filter_share(sight, &share, d->ties ? &margins : NULL);
     if (d->ties) {
-        note_visibility(d, at, sight, p);
+        note_points(d, at, sight, p);
         note_far_limit(d, at, sight->ray, p);
         note_margins(&at->filter.margins, p);
         if (exists) note_limit(d, at, sight->ray, &share, p);
-        if (share.tested <= p->limit) note_margins(&margins, p); /* hidden edges do not show */
+        if (share.tested <= p->limit) note_margins(&margins, p);
     }
     /* Where the ray meets no splat, what the filter adds beside splats does not count (5.8). */
     int chosen =

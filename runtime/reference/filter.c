@@ -80,7 +80,7 @@ void psplat_oracle_filter_set(psplat_oracle_filter *filter, const psplat_oracle_
     double half[2] = {0.5 * camera->width, 0.5 * camera->height}, before[2][2];
     *filter = (psplat_oracle_filter){.ratio = 1, .margins = {1, 1}};
     psplat_oracle_camera_frame(camera, splat, filter->frame);
-    if (!may_filter) return;
+    if (!may_filter || splat->is_curved) return;
     double *center = filter->frame[0], slope = slope_of(filter->frame);
     psplat_oracle_margins margins =
         margins_of(filter->frame, 0.5 + 0.5 * center[2] / center[3], slope);
@@ -139,15 +139,17 @@ static int find_point(const psplat_oracle_sight *sight, point *found) {
     return 1;
 }
 
-/* Returns delta of a clip line, its distance in pixels. *scale becomes the number of pixels that a
+/* Returns delta of clip line k, its distance in pixels. *scale becomes the number of pixels that a
  * unit of (u, v) spans perpendicular to the line. J'^-T is the matrix of cofactors over det J'. */
-static double soft_distance(const psplat_oracle_filter *filter, const double line[3],
+static double soft_distance(const psplat_oracle_sight *sight, uint32_t k,
                             const psplat_oracle_fragment *f, double *scale) {
-    double x = filter->jacobian[1][1] * line[0] - filter->jacobian[1][0] * line[1];
-    double y = filter->jacobian[0][0] * line[1] - filter->jacobian[0][1] * line[0];
-    double pixels = fabs(filter->determinant) / hypot(x, y);
-    *scale = pixels * hypot(line[0], line[1]);
-    return (line[0] * f->u + line[1] * f->v + line[2]) * pixels;
+    const double(*jacobian)[2] = sight->filter->jacobian;
+    double by[2], value = psplat_oracle_line_value(sight->splat, k, f->u, f->v, by);
+    double x = jacobian[1][1] * by[0] - jacobian[1][0] * by[1];
+    double y = jacobian[0][0] * by[1] - jacobian[0][1] * by[0];
+    double pixels = fabs(sight->filter->determinant) / hypot(x, y);
+    *scale = pixels * hypot(by[0], by[1]);
+    return value * pixels;
 }
 
 /* Returns the product of the clip lines' factors. *least is lowered to the least margin between a
@@ -156,7 +158,7 @@ static double factor_of_lines(const psplat_oracle_sight *sight, const psplat_ora
                               double *least) {
     double factor = 1, scale = 1;
     for (uint32_t k = 0; k < sight->splat->clip_count; ++k) {
-        double delta = soft_distance(sight->filter, sight->splat->clip[k], f, &scale);
+        double delta = soft_distance(sight, k, f, &scale);
         double t = sight->filter->softness;
         factor *= fmin(fmax(0.5 + delta / t, 0), 1);
         *least = fmin(*least, (0.5 * t + delta) / fmax(1, scale));
@@ -172,8 +174,14 @@ static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share 
     if (!find_point(sight, &at)) return 0;
     const psplat_oracle_fragment *f = &at.f;
     double factor = factor_of_lines(sight, f, &edge);
-    *share = (psplat_oracle_share){
-        f->t, f->t, f->depth, f->u, f->v, f->r, factor * sight->filter->ratio};
+    *share = (psplat_oracle_share){f->t,
+                                   f->t,
+                                   f->depth,
+                                   f->u,
+                                   f->v,
+                                   f->r,
+                                   factor * sight->filter->ratio,
+                                   psplat_oracle_is_reversed(sight->splat, f)};
     double tested = f->depth - sight->filter->nearer;
     share->tested = psplat_oracle_camera_reach(sight->camera, sight->ray, tested);
     double inverse = f->r > 0 ? 1 / f->r : 0;
@@ -187,14 +195,12 @@ static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share 
 
 int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_share *share,
                                psplat_oracle_margins *margins) {
-    const psplat_oracle_fragment *f = sight->fragment;
+    const psplat_oracle_fragment *f = psplat_oracle_met(sight->meeting);
     *share = (psplat_oracle_share){.tested = HUGE_VAL};
     if (margins) *margins = (psplat_oracle_margins){-1, -1};
     if (sight->filter->is_on) return share_filtered(sight, share, margins);
     if (!f) return 0;
-    *share = (psplat_oracle_share){f->t, f->t, f->depth, f->u, f->v, f->r, 1};
-    if (margins)
-        *margins =
-            psplat_oracle_fragment_margins(sight->camera, sight->splat, sight->ray, f, sight->cull);
-    return psplat_oracle_fragment_exists(sight->splat, f, sight->cull);
+    *share = (psplat_oracle_share){
+        f->t, f->t, f->depth, f->u, f->v, f->r, 1, psplat_oracle_is_reversed(sight->splat, f)};
+    return 1;
 }

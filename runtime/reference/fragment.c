@@ -1,22 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * fragment.c - where a ray meets a splat's plane (spec 5.1), from which side (5.2), whether that
+ * fragment.c - where a ray meets a splat's surface (spec 5.1), from which side (5.2), whether that
  * point is a fragment, and how near it is to the opposite.
  */
 #include "reference/oracle.h"
 
 #include <math.h>
 
-/* The plane's point on the ray is that of BSK04 eq. 6; its cosine is N'.e of spec 5.2, with e
- * opposite to the ray. */
-int psplat_oracle_fragment_find(const psplat_oracle_camera *camera,
-                                const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
-                                psplat_oracle_fragment *fragment) {
-    double to_center[3], from_center[3], point[3], w = 0;
-    psplat_oracle_along(splat->center, -1, ray->origin, to_center);
-    fragment->s = psplat_oracle_dot(splat->plane, to_center) /
-                  psplat_oracle_dot(splat->plane, ray->direction);
-    if (!isfinite(fragment->s)) return 0; /* the ray is parallel to the plane */
+/* Fills in what follows from the ray's parameter s. Returns 0 where there is no such point in front
+ * of the eye. The cosine is N'.e of spec 5.2, with e opposite to the ray. */
+static int set_point(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                     const psplat_oracle_ray *ray, psplat_oracle_fragment *fragment) {
+    double from_center[3], point[3], normal[3], w = 0;
+    if (!isfinite(fragment->s)) return 0;
     psplat_oracle_along(ray->origin, fragment->s, ray->direction, point);
     psplat_oracle_along(point, -1, splat->center, from_center);
     fragment->u = psplat_oracle_dot(splat->parameter[0], from_center);
@@ -24,26 +20,85 @@ int psplat_oracle_fragment_find(const psplat_oracle_camera *camera,
     fragment->r = sqrt(fragment->u * fragment->u + fragment->v * fragment->v);
     fragment->t = fragment->s * ray->length;
     fragment->depth = psplat_oracle_camera_depth(camera, point, &w);
-    fragment->cosine = -psplat_oracle_dot(splat->side, ray->direction) / ray->length;
+    psplat_oracle_surface_normal(splat, fragment->u, fragment->v, normal);
+    double lengths = psplat_oracle_length(normal) * ray->length;
+    fragment->cosine = -psplat_oracle_dot(normal, ray->direction) / lengths;
     return w > 0;
 }
 
-double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
-                                    const psplat_oracle_fragment *fragment) {
-    double point[3];
-    psplat_oracle_along(ray->origin, fragment->s, ray->direction, point);
-    double least = 0x1p-20 * psplat_oracle_length(point) / fmax(fabs(splat->cosine), 0.5); /* 5a */
-    return fragment->t + fmax(splat->epsilon, least);
+/* Returns 1 where the point is a fragment: inside the ellipse and the clip lines, between the near
+ * and the far plane and, where cull is 1, seen from the front. */
+static int exists(const psplat_oracle_splat *splat, const psplat_oracle_fragment *fragment,
+                  int cull) {
+    if (fragment->is_missed) return 0;
+    if (!psplat_oracle_is_inside(splat, fragment->u, fragment->v)) return 0;
+    if (cull && !splat->is_curved && !(fragment->cosine > 0)) return 0;
+    return fragment->depth >= 0 && fragment->depth <= 1;
 }
 
-int psplat_oracle_fragment_exists(const psplat_oracle_splat *splat,
-                                  const psplat_oracle_fragment *fragment, int cull) {
-    double u = fragment->u, v = fragment->v;
-    if (!(u * u + v * v <= 1)) return 0;
-    for (uint32_t k = 0; k < splat->clip_count; ++k)
-        if (!(splat->clip[k][0] * u + splat->clip[k][1] * v + splat->clip[k][2] >= 0)) return 0;
-    if (cull && !(fragment->cosine > 0)) return 0;
-    return fragment->depth >= 0 && fragment->depth <= 1;
+/* Adds a point of the ray, which lies farther than those there are. */
+static void add_point(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                      const psplat_oracle_ray *ray, int cull, psplat_oracle_fragment point,
+                      psplat_oracle_meeting *meeting) {
+    if (meeting->is_inside || !set_point(camera, splat, ray, &point)) return;
+    meeting->points[meeting->count++] = point;
+    meeting->is_inside = exists(splat, &point, cull);
+}
+
+/* The front is what a ray meets at the root where it goes in (spec 5.1), so that culled splats are
+ * asked for that root alone. The order of the roots is that of their parameters. */
+static void meet_curved(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                        const psplat_oracle_ray *ray, int cull, psplat_oracle_meeting *meeting) {
+    psplat_oracle_crossing crossing;
+    psplat_oracle_crossing_set(&crossing, splat, ray->origin, ray->direction);
+    psplat_oracle_fragment middle = {.s = psplat_oracle_crossing_middle(&crossing), .is_missed = 1};
+    if (crossing.discriminant < 0) {
+        add_point(camera, splat, ray, cull, middle, meeting);
+        return;
+    }
+    psplat_oracle_fragment front = {.s = psplat_oracle_crossing_root(&crossing, 0)};
+    psplat_oracle_fragment back = {.s = psplat_oracle_crossing_root(&crossing, 1)};
+    int back_is_first = back.s < front.s;
+    if (!cull && back_is_first) add_point(camera, splat, ray, cull, back, meeting);
+    add_point(camera, splat, ray, cull, front, meeting);
+    if (!cull && !back_is_first) add_point(camera, splat, ray, cull, back, meeting);
+}
+
+/* The plane's point on the ray is that of BSK04 eq. 6. It is not finite where the ray is parallel
+ * to the plane. */
+void psplat_oracle_meet(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                        const psplat_oracle_ray *ray, int cull, psplat_oracle_meeting *meeting) {
+    double to_center[3];
+    *meeting = (psplat_oracle_meeting){.count = 0};
+    if (splat->is_curved) {
+        meet_curved(camera, splat, ray, cull, meeting);
+        return;
+    }
+    psplat_oracle_along(splat->center, -1, ray->origin, to_center);
+    psplat_oracle_fragment point = {.s = psplat_oracle_dot(splat->plane, to_center) /
+                                         psplat_oracle_dot(splat->plane, ray->direction)};
+    add_point(camera, splat, ray, cull, point, meeting);
+}
+
+const psplat_oracle_fragment *psplat_oracle_met(const psplat_oracle_meeting *meeting) {
+    return meeting->is_inside ? &meeting->points[meeting->count - 1] : NULL;
+}
+
+/* Theta of eq. (5) is the angle at the centre of a flat splat, and at the fragment of a curved one.
+ */
+double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
+                                    const psplat_oracle_fragment *fragment) {
+    double point[3], theta = splat->is_curved ? fragment->cosine : splat->cosine;
+    double cosine = fmax(fabs(theta), 0.5);
+    psplat_oracle_along(ray->origin, fragment->s, ray->direction, point);
+    double least = 0x1p-20 * psplat_oracle_length(point) / cosine; /* eq. (5a) */
+    return fragment->t + fmax(splat->epsilon / cosine, least);
+}
+
+/* Planes that turn away only a little are no backs, since they stand for a curved surface. */
+int psplat_oracle_is_reversed(const psplat_oracle_splat *splat,
+                              const psplat_oracle_fragment *fragment) {
+    return splat->is_curved ? !(fragment->cosine > 0) : !(splat->cosine > -0.5);
 }
 
 /* ---- margins -------------------------------------------------------------------------------- */
@@ -54,21 +109,58 @@ double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2
     return value / fmax(1, sqrt(x * x + y * y));
 }
 
-/* Finds the derivatives of (u, v) by the pixel's x (steps[0]) and y (steps[1]), where the ray meets
- * the plane at s: q = o + s d with s = n.(c - o) / n.d. */
+/* Finds the derivatives of (u, v) by the pixel's x (steps[0]) and y (steps[1]). The ray's point at
+ * s moves with the ray and along it, so that it stays on the surface, whose normal is n: s moves by
+ * -n.moved / n.d. Along a contour the steps are infinite. */
 static void find_steps(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
-                       const psplat_oracle_ray *ray, double s, double steps[2][2]) {
+                       const psplat_oracle_ray *ray, const psplat_oracle_fragment *fragment,
+                       double steps[2][2]) {
     psplat_oracle_ray_steps by;
+    double normal[3];
     psplat_oracle_camera_ray_steps(camera, ray, &by);
-    double facing = psplat_oracle_dot(splat->plane, ray->direction);
+    psplat_oracle_surface_normal(splat, fragment->u, fragment->v, normal);
+    double facing = psplat_oracle_dot(normal, ray->direction);
     for (int k = 0; k < 2; ++k) {
         double moved[3];
-        psplat_oracle_along(by.origin[k], s, by.direction[k], moved);
-        double s_by = -psplat_oracle_dot(splat->plane, moved) / facing;
+        psplat_oracle_along(by.origin[k], fragment->s, by.direction[k], moved);
+        double s_by = -psplat_oracle_dot(normal, moved) / facing;
         psplat_oracle_along(moved, s_by, ray->direction, moved);
         steps[k][0] = psplat_oracle_dot(splat->parameter[0], moved);
         steps[k][1] = psplat_oracle_dot(splat->parameter[1], moved);
     }
+}
+
+/* Returns the margin to the contour of a curved surface, where D is 0. D over the squares of the
+ * ray's and of the gradient's lengths is the square of the cosine where the ray meets the surface,
+ * and below 0 where it misses. */
+static double contour_margin(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                             const psplat_oracle_ray *ray, const psplat_oracle_fragment *fragment) {
+    psplat_oracle_crossing crossing;
+    psplat_oracle_ray_steps by;
+    double normal[3], change[2];
+    psplat_oracle_crossing_set(&crossing, splat, ray->origin, ray->direction);
+    psplat_oracle_camera_ray_steps(camera, ray, &by);
+    psplat_oracle_surface_normal(splat, fragment->u, fragment->v, normal);
+    double unit = psplat_oracle_dot(normal, normal) * ray->length * ray->length;
+    for (int k = 0; k < 2; ++k)
+        change[k] =
+            psplat_oracle_crossing_change(&crossing, splat, by.origin[k], by.direction[k]) / unit;
+    return crossing.discriminant / unit / fmax(1, hypot(change[0], change[1]));
+}
+
+/* Returns the least margin to the ellipse and to the clip lines. */
+static double edge_margin(const psplat_oracle_splat *splat, const psplat_oracle_fragment *fragment,
+                          double steps[2][2]) {
+    double u = fragment->u, v = fragment->v, r = fragment->r;
+    double inverse = r > 0 ? 1 / r : 0;
+    double least = psplat_oracle_edge(1 - r, u * inverse, v * inverse, steps);
+    for (uint32_t k = 0; k < splat->clip_count; ++k) {
+        double by[2], value = psplat_oracle_line_value(splat, k, u, v, by);
+        double length = hypot(by[0], by[1]);
+        least =
+            fmin(least, psplat_oracle_edge(value / length, by[0] / length, by[1] / length, steps));
+    }
+    return least;
 }
 
 psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera *camera,
@@ -76,16 +168,10 @@ psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera 
                                                      const psplat_oracle_ray *ray,
                                                      const psplat_oracle_fragment *fragment,
                                                      int cull) {
-    double steps[2][2], u = fragment->u, v = fragment->v, r = fragment->r;
-    find_steps(camera, splat, ray, fragment->s, steps);
-    double inverse = r > 0 ? 1 / r : 0;
-    double least = psplat_oracle_edge(1 - r, u * inverse, v * inverse, steps);
-    for (uint32_t k = 0; k < splat->clip_count; ++k) {
-        const double *line = splat->clip[k];
-        double length = hypot(line[0], line[1]);
-        double a = line[0] / length, b = line[1] / length, c = line[2] / length;
-        least = fmin(least, psplat_oracle_edge(a * u + b * v + c, a, b, steps));
-    }
-    least = fmin(least, cull ? fragment->cosine : fabs(fragment->cosine));
+    double steps[2][2] = {{0}};
+    if (!fragment->is_missed) find_steps(camera, splat, ray, fragment, steps);
+    double least = edge_margin(splat, fragment, steps);
+    if (splat->is_curved) least = fmin(least, contour_margin(camera, splat, ray, fragment));
+    if (!fragment->is_missed) least = fmin(least, cull ? fragment->cosine : fabs(fragment->cosine));
     return (psplat_oracle_margins){least, fmin(fragment->depth, 1 - fragment->depth)};
 }

@@ -54,29 +54,46 @@ int psplat_oracle_lighting_has_shadows(const psplat_oracle_lighting *lighting) {
     return 0;
 }
 
+/* Returns the distance from a point towards the light at which the light's ray meets the splat; of
+ * two points of a curved one the one nearer to the light. What lies beyond the light or is no part
+ * of the splat is not met: then it returns 0. */
+static double distance_to(const psplat_oracle_splat *splat, const double point[3],
+                          const double to_light[3], double distance, double normal[3]) {
+    psplat_oracle_crossing crossing;
+    double offset[3], met[3], s[2] = {-1, -1}, farthest = 0;
+    psplat_oracle_along(splat->center, -1, point, offset);
+    s[0] = psplat_oracle_dot(splat->plane, offset) / psplat_oracle_dot(splat->plane, to_light);
+    if (splat->is_curved) {
+        psplat_oracle_crossing_set(&crossing, splat, point, to_light);
+        for (int k = 0; k < 2; ++k) s[k] = psplat_oracle_crossing_root(&crossing, k);
+    }
+    for (int k = 0; k < 2; ++k) {
+        if (!(s[k] > farthest && s[k] <= distance && isfinite(s[k]))) continue;
+        psplat_oracle_along(offset, -s[k], to_light, met); /* from there to the splat's centre */
+        double u = -psplat_oracle_dot(splat->parameter[0], met);
+        double v = -psplat_oracle_dot(splat->parameter[1], met);
+        if (!psplat_oracle_is_inside(splat, u, v)) continue;
+        psplat_oracle_surface_normal(splat, u, v, normal);
+        farthest = s[k];
+    }
+    return farthest;
+}
+
 /* Returns 1 where the splat keeps the light off a point: the way to the light meets it farther from
  * the point than its epsilon, which is eq. (5) with the light as the eye. Its side does not matter.
  */
-static int stands_between(const psplat_oracle_caster *caster, const psplat_oracle_light *light,
+static int stands_between(const psplat_oracle_splat *splat, const psplat_oracle_light *light,
                           const double point[3], const double to_light[3], double distance) {
-    const psplat_oracle_splat *splat = &caster->placed;
-    double offset[3], met[3], from_light[3];
-    psplat_oracle_along(splat->center, -1, point, offset);
-    double s = psplat_oracle_dot(splat->plane, offset) / psplat_oracle_dot(splat->plane, to_light);
-    if (!(s > 0 && s <= distance && isfinite(s))) return 0;
-    psplat_oracle_along(offset, -s, to_light, met); /* from there to the splat's centre */
-    double u = -psplat_oracle_dot(splat->parameter[0], met);
-    double v = -psplat_oracle_dot(splat->parameter[1], met);
-    if (!(u * u + v * v <= 1)) return 0;
-    for (uint32_t k = 0; k < splat->clip_count; ++k)
-        if (!(splat->clip[k][0] * u + splat->clip[k][1] * v + splat->clip[k][2] >= 0)) return 0;
+    double from_light[3], normal[3];
+    double s = distance_to(splat, point, to_light, distance, normal);
+    if (!(s > 0)) return 0;
+    int is_at_center = !splat->is_curved && light->type != PSPLAT_LIGHT_DIRECTIONAL;
     for (int i = 0; i < 3; ++i)
-        from_light[i] = light->type == PSPLAT_LIGHT_DIRECTIONAL
-                            ? light->direction[i]
-                            : splat->center[i] - light->position[i];
+        from_light[i] = is_at_center ? splat->center[i] - light->position[i] : -to_light[i];
     psplat_oracle_normalise(from_light);
-    double cosine = psplat_oracle_dot(splat->side, from_light);
-    return s > caster->epsilon / fmax(fabs(cosine), 0.5);
+    psplat_oracle_normalise(normal);
+    double cosine = psplat_oracle_dot(normal, from_light);
+    return s > splat->epsilon / fmax(fabs(cosine), 0.5);
 }
 
 static int is_in_shadow(const psplat_oracle_lighting *lighting, const psplat_oracle_light *light,

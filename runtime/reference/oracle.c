@@ -32,7 +32,7 @@ static void visit_splats(psplat_oracle_drawing *d, splat_visitor call) {
             at.splat = &batch->splats[i];
             at.index = first + (int32_t)i;
             psplat_oracle_place_splat(at.splat, batch->clip_count, &space, &at.placed);
-            psplat_oracle_camera_face(&d->camera, &space, &at.placed);
+            psplat_oracle_camera_face(&d->camera, &at.placed);
             psplat_oracle_filter_set(&at.filter, &d->camera, &at.placed,
                                      d->blends && !d->view->no_filter);
             call(d, &at);
@@ -48,6 +48,7 @@ typedef void (*pixel_visitor)(psplat_oracle_drawing *d, const psplat_oracle_visi
 /* Returns the pixels that the splat may touch, as it is and as the filter widens it. */
 static psplat_oracle_box box_of(const psplat_oracle_drawing *d, const psplat_oracle_visit *at) {
     double frame[3][4];
+    if (at->placed.is_curved) return psplat_oracle_camera_curved_bounds(&d->camera, &at->placed);
     psplat_oracle_camera_frame(&d->camera, &at->placed, frame);
     psplat_oracle_box box = psplat_oracle_camera_bounds(&d->camera, frame);
     if (!at->filter.is_on) return box;
@@ -64,14 +65,13 @@ static psplat_oracle_box box_of(const psplat_oracle_drawing *d, const psplat_ora
 static void visit_pixels(psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                          pixel_visitor call) {
     psplat_oracle_ray ray;
-    psplat_oracle_fragment f;
-    psplat_oracle_sight sight = {&d->camera, &at->placed, &at->filter, &ray, NULL, at->cull};
+    psplat_oracle_meeting meeting;
+    psplat_oracle_sight sight = {&d->camera, &at->placed, &at->filter, &ray, &meeting, at->cull};
     psplat_oracle_box box = box_of(d, at);
     for (int y = box.y0; y < box.y1; ++y)
         for (int x = box.x0; x < box.x1; ++x) {
             psplat_oracle_camera_ray(&d->camera, x + 0.5, y + 0.5, &ray);
-            int is_met = psplat_oracle_fragment_find(&d->camera, &at->placed, &ray, &f);
-            sight.fragment = is_met ? &f : NULL;
+            psplat_oracle_meet(&d->camera, &at->placed, &ray, at->cull, &meeting);
             call(d, at, &sight, &d->pixels[(size_t)y * (size_t)d->view->width + (size_t)x]);
         }
 }
@@ -81,8 +81,8 @@ static void visit_pixels(psplat_oracle_drawing *d, const psplat_oracle_visit *at
 /* First pass: lowers the pixel's visibility limit, and keeps the nearest fragment. */
 static void see(psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                 const psplat_oracle_sight *sight, psplat_oracle_pixel *p) {
-    const psplat_oracle_fragment *f = sight->fragment;
-    if (!f || !psplat_oracle_fragment_exists(&at->placed, f, at->cull)) return;
+    const psplat_oracle_fragment *f = psplat_oracle_met(sight->meeting);
+    if (!f) return;
     double limit = d->blends ? psplat_oracle_fragment_limit(&at->placed, sight->ray, f) : f->t;
     p->limit = fmin(p->limit, limit);
     if (!(f->t < p->nearest)) return;
@@ -106,8 +106,7 @@ static void blend_visible(psplat_oracle_drawing *d, const psplat_oracle_visit *a
 }
 
 static void collect_caster(psplat_oracle_drawing *d, const psplat_oracle_visit *at) {
-    d->lighting.casters[d->lighting.caster_count++] =
-        (psplat_oracle_caster){at->placed, at->space->epsilon};
+    d->lighting.casters[d->lighting.caster_count++] = at->placed;
 }
 
 /* ---- psplat_reference_draw ------------------------------------------------------------------- */

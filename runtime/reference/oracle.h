@@ -37,6 +37,7 @@ typedef struct psplat_oracle_space {
     double model_view[16];
     double normal_matrix[3][3]; /* |det M3|^(1/3) M3^-T, row by row */
     double epsilon;             /* |det M3|^(1/3) depthTolerance */
+    int is_curved;              /* that of the batch */
 } psplat_oracle_space;
 
 /* Composes view, transform and the batch's model matrix. Returns 0 where their product is singular,
@@ -44,20 +45,28 @@ typedef struct psplat_oracle_space {
 int psplat_oracle_place_batch(const psplat_batch *batch, const double transform[16],
                               const double view[16], psplat_oracle_space *space);
 
-/* A splat in eye space. */
+/* A splat in eye space. A point p is c + u axis[0] + v axis[1] + w axis[2]; the plane is w = 0, and
+ * the surface of a curved splat is where f(u, v, w) is 0: eq. (1a) divided by r_u says that
+ *
+ *     f = w + slope.(u, v) + (bend[0] u^2 + 2 bend[1] u v + bend[2] v^2) / 2 */
 typedef struct psplat_oracle_splat {
     double center[3];
-    double axis[2][3];      /* images of r_u U and r_v V: conjugate radii of the ellipse */
-    double plane[3];        /* axis[0] x axis[1], not normalised */
-    double parameter[2][3]; /* u = parameter[0].(q - c), v = parameter[1].(q - c): eq. (1) */
+    double axis[3][3]; /* images of r_u U, r_v V and r_u N; the first two are conjugate radii of the
+                          ellipse */
+    double plane[3];   /* axis[0] x axis[1], not normalised */
+    double parameter[3][3]; /* u = parameter[0].(p - c), v = parameter[1].(p - c): eq. (1); where
+                               the splat is curved, w = parameter[2].(p - c) */
     double side[3];         /* unit image of N as a normal; it points to the front */
     double normal[3][3];    /* n(u, v) = normal[0] + u normal[1] + v normal[2]: eq. (2) */
-    double clip[PSPLAT_MAX_CLIP_LINES][3];
+    double clip[PSPLAT_MAX_CLIP_LINES][4]; /* a, b, c and the bend of each line */
     uint32_t clip_count;
-    double cosine, epsilon; /* eq. (5); set by psplat_oracle_camera_face */
+    int is_curved;            /* that of the batch: also where the surface is the plane */
+    double slope[2], bend[3]; /* of the surface; 0 where it is the plane */
+    double epsilon;           /* that of the batch: eq. (5) before it is divided by a cosine */
+    double cosine; /* of the angle in eq. (5) at the centre; set by psplat_oracle_camera_face */
 } psplat_oracle_splat;
 
-/* Moves a stored splat into eye space; cosine and epsilon are left alone. */
+/* Moves a stored splat into eye space; cosine is left alone. */
 void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
                                const psplat_oracle_space *space, psplat_oracle_splat *placed);
 
@@ -102,10 +111,8 @@ double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const doub
 double psplat_oracle_camera_reach(const psplat_oracle_camera *camera, const psplat_oracle_ray *ray,
                                   double depth);
 
-/* Sets the splat's cosine (of the angle between its normal and the direction from its centre to the
- * eye) and its epsilon along the camera's rays, by eq. (5). */
-void psplat_oracle_camera_face(const psplat_oracle_camera *camera, const psplat_oracle_space *space,
-                               psplat_oracle_splat *splat);
+/* Sets the splat's cosine, of the angle between N' and the direction from its centre to the eye. */
+void psplat_oracle_camera_face(const psplat_oracle_camera *camera, psplat_oracle_splat *splat);
 
 /* Finds the splat in clip space: its point (u, v) is frame[0] + u frame[1] + v frame[2]. */
 void psplat_oracle_camera_frame(const psplat_oracle_camera *camera,
@@ -121,30 +128,88 @@ typedef struct psplat_oracle_box {
 psplat_oracle_box psplat_oracle_camera_bounds(const psplat_oracle_camera *camera,
                                               double frame[3][4]);
 
+/* Does the same for the surface of a curved splat. */
+psplat_oracle_box psplat_oracle_camera_curved_bounds(const psplat_oracle_camera *camera,
+                                                     const psplat_oracle_splat *splat);
+
+/* ---- curve.c: the surfaces of sections 3.4 and 5.1, the lines of section 3.6
+ * --------------------- */
+
+/* The height f of a ray above the surface of a curved splat is F(s) = height[0] + height[1] (s -
+ * s0)
+ * + height[2] (s - s0)^2 at its parameter s. s0 is where the ray is nearest to the centre, so that
+ * nothing cancels where the eye is far away. */
+typedef struct psplat_oracle_crossing {
+    double s0, origin[3], direction[3]; /* the ray at s0, in (u, v, w) */
+    double height[3];
+    double discriminant; /* D of section 5.1 */
+} psplat_oracle_crossing;
+
+void psplat_oracle_crossing_set(psplat_oracle_crossing *crossing, const psplat_oracle_splat *splat,
+                                const double origin[3], const double direction[3]);
+
+/* Returns the ray's parameter s where F is 0 and its slope is -sqrt(D), so that the ray meets the
+ * front, or where is_back is 1 its slope is sqrt(D). It is not finite where there is no such root.
+ */
+double psplat_oracle_crossing_root(const psplat_oracle_crossing *crossing, int is_back);
+
+/* Returns the ray's parameter s halfway between both roots, real or not; it is not finite where F
+ * is linear. */
+double psplat_oracle_crossing_middle(const psplat_oracle_crossing *crossing);
+
+/* Returns the derivative of D where the ray's origin and direction move by these amounts. */
+double psplat_oracle_crossing_change(const psplat_oracle_crossing *crossing,
+                                     const psplat_oracle_splat *splat, const double origin[3],
+                                     const double direction[3]);
+
+/* Stores a normal of the splat's surface at (u, v) that points to its front, of any length: the
+ * gradient of f in eye space, or the plane's normal. */
+void psplat_oracle_surface_normal(const psplat_oracle_splat *splat, double u, double v,
+                                  double normal[3]);
+
+/* Returns the value of clip line k at (u, v), which is at least 0 where the line keeps the point
+ * (eq. (3b)), and stores its derivatives by u and by v where slope is not NULL. */
+double psplat_oracle_line_value(const psplat_oracle_splat *splat, uint32_t k, double u, double v,
+                                double slope[2]);
+
+/* Returns 1 where (u, v) is inside the ellipse and kept by all clip lines. */
+int psplat_oracle_is_inside(const psplat_oracle_splat *splat, double u, double v);
+
 /* ---- fragment.c: sections 5.1 and 5.2 ----------------------------------------------------- */
 
-/* The point where a ray meets a splat's plane. */
+/* A point where a ray meets a splat's surface, or misses it narrowly. */
 typedef struct psplat_oracle_fragment {
     double s, t;    /* along the ray: its parameter, and the distance |direction| s */
     double depth;   /* window depth */
     double u, v, r; /* r is the length of (u, v) */
-    double cosine;  /* of N' and the direction to the eye: > 0 where seen from the front */
+    double cosine;  /* of the surface's normal and the direction to the eye: > 0 where seen from the
+                       front */
+    int is_missed;  /* 1: the ray passes by a curved surface, and this is where it is nearest */
 } psplat_oracle_fragment;
 
-/* Finds where the ray meets the splat's plane in front of the eye. Returns 0 where it does not. */
-int psplat_oracle_fragment_find(const psplat_oracle_camera *camera,
-                                const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
-                                psplat_oracle_fragment *fragment);
+/* The points where a ray meets a splat in front of the eye, the nearest first and none beyond the
+ * first that is a fragment. */
+typedef struct psplat_oracle_meeting {
+    psplat_oracle_fragment points[2];
+    int count;     /* 0 ... 2 */
+    int is_inside; /* 1: the last of them is a fragment */
+} psplat_oracle_meeting;
+
+/* Finds these points; where cull is 1, of a curved splat only the one seen from the front. */
+void psplat_oracle_meet(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                        const psplat_oracle_ray *ray, int cull, psplat_oracle_meeting *meeting);
+
+/* Returns the fragment, or NULL where there is none. */
+const psplat_oracle_fragment *psplat_oracle_met(const psplat_oracle_meeting *meeting);
 
 /* Returns the distance t up to which other fragments of the pixel contribute if this fragment
  * exists: one term of the minimum in eq. (5a). */
 double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
                                     const psplat_oracle_fragment *fragment);
 
-/* Returns 1 where that point is a fragment: inside the ellipse and the clip lines, between the near
- * and the far plane and, where cull is 1, seen from the front. */
-int psplat_oracle_fragment_exists(const psplat_oracle_splat *splat,
-                                  const psplat_oracle_fragment *fragment, int cull);
+/* Returns 1 where the normals of a fragment are negated because it is seen from behind (5.2). */
+int psplat_oracle_is_reversed(const psplat_oracle_splat *splat,
+                              const psplat_oracle_fragment *fragment);
 
 /* Returns the margin of a decision by the sign of a function of (u, v): the function's value, or
  * its distance from 0 in pixels (to first order) where that is less. by_u and by_v are its
@@ -153,8 +218,9 @@ double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2
 
 /* Margins say how far a fragment is from the opposite decision about its existence: they are
  * positive where it exists, and one is negative where it does not. edge is the least margin to the
- * ellipse, the clip lines and the side (in (u, v) or pixels), depth that to the near and the far
- * plane (window depth). These are what psplat_reference_image.tie and depth_tie are made of. */
+ * ellipse, the clip lines, the side and the contour of a curved surface (in (u, v) or pixels),
+ * depth that to the near and the far plane (window depth). These are what
+ * psplat_reference_image.tie and depth_tie are made of. */
 typedef struct psplat_oracle_margins {
     double edge, depth;
 } psplat_oracle_margins;
@@ -179,7 +245,7 @@ typedef struct psplat_oracle_filter {
     double nearer; /* window depth that is subtracted where it is compared with the limit */
 } psplat_oracle_filter;
 
-/* Computes the filter of a splat. may_filter 0 turns it off. */
+/* Computes the filter of a splat. may_filter 0 turns it off; curved splats have none. */
 void psplat_oracle_filter_set(psplat_oracle_filter *filter, const psplat_oracle_camera *camera,
                               const psplat_oracle_splat *splat, int may_filter);
 
@@ -189,8 +255,8 @@ typedef struct psplat_oracle_sight {
     const psplat_oracle_splat *splat;
     const psplat_oracle_filter *filter;
     const psplat_oracle_ray *ray;
-    const psplat_oracle_fragment *fragment; /* NULL where the ray does not meet its plane */
-    int cull;                               /* 1: backs are not seen */
+    const psplat_oracle_meeting *meeting;
+    int cull; /* 1: backs are not seen */
 } psplat_oracle_sight;
 
 /* The contribution of a splat to a pixel where it is visible. */
@@ -198,11 +264,13 @@ typedef struct psplat_oracle_share {
     double tested;   /* the distance along the ray that is compared with the visibility limit */
     double t, depth; /* its distance along the ray and its window depth */
     double u, v, r;
-    double factor; /* by which the filter multiplies its weight, 0 ... 1 */
+    double factor;   /* by which the filter multiplies its weight, 0 ... 1 */
+    int is_reversed; /* 1: its normal is negated */
 } psplat_oracle_share;
 
 /* Finds what the splat adds. Returns 0 where it adds nothing; tested is HUGE_VAL where the ray does
- * not meet its plane. margins may be NULL. */
+ * not meet its plane. margins are those of the widened splat, -1 where it is not filtered; they may
+ * be NULL. */
 int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_share *share,
                                psplat_oracle_margins *margins);
 
@@ -258,19 +326,12 @@ typedef struct psplat_oracle_light {
     int casts_shadow;
 } psplat_oracle_light;
 
-/* A splat that may cast shadows, and its batch's epsilon of eq. (5) before it is divided by a
- * cosine. */
-typedef struct psplat_oracle_caster {
-    psplat_oracle_splat placed;
-    double epsilon;
-} psplat_oracle_caster;
-
 typedef struct psplat_oracle_lighting {
     psplat_oracle_light lights[PSPLAT_MAX_LIGHTS];
     int count;
     double ambient[3];
     psplat_oracle_environment environment;
-    psplat_oracle_caster *casters; /* caster_count of them where a light casts shadows */
+    psplat_oracle_splat *casters; /* caster_count of them where a light casts shadows */
     size_t caster_count;
 } psplat_oracle_lighting;
 

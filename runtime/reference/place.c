@@ -29,6 +29,7 @@ int psplat_oracle_place_batch(const psplat_batch *batch, const double transform[
     psplat_oracle_multiply(view, placed, space->model_view);
     if (!normal_matrix(space->model_view, space->normal_matrix, &scale)) return 0;
     space->epsilon = scale * (double)batch->depth_tolerance;
+    space->is_curved = batch->is_curved;
     return 1;
 }
 
@@ -46,8 +47,8 @@ static void axes_of(const float rotation[4], double axes[3][3]) {
         for (int k = 0; k < 3; ++k) axes[i][k] = rows[i][k];
 }
 
-/* Finds the rows that take q - c to (u, v) (spec 3.4). They are the dual basis of the two axes,
- * which stays right where a transform makes the axes conjugate diameters (spec 4). */
+/* Finds the rows that take q - c to (u, v) (spec 3.4). They are the dual basis of the two axes in
+ * their plane, which stays right where a transform makes the axes conjugate diameters (spec 4). */
 static void parameter_rows(psplat_oracle_splat *placed) {
     psplat_oracle_cross(placed->axis[0], placed->axis[1], placed->plane);
     double area2 = psplat_oracle_dot(placed->plane, placed->plane);
@@ -56,6 +57,37 @@ static void parameter_rows(psplat_oracle_splat *placed) {
     for (int i = 0; i < 3; ++i) {
         placed->parameter[0][i] /= area2;
         placed->parameter[1][i] /= area2;
+    }
+}
+
+/* Does the same for the points of a curved splat, which are not in the plane: under a transform
+ * that shears, (u, v) is constant along the image of N, which is not the plane's normal (spec 4).
+ */
+static void curved_parameter_rows(psplat_oracle_splat *placed) {
+    psplat_oracle_cross(placed->axis[0], placed->axis[1], placed->plane);
+    double volume = psplat_oracle_dot(placed->plane, placed->axis[2]);
+    for (int k = 0; k < 3; ++k) {
+        psplat_oracle_cross(placed->axis[(k + 1) % 3], placed->axis[(k + 2) % 3],
+                            placed->parameter[k]);
+        for (int i = 0; i < 3; ++i) placed->parameter[k][i] /= volume;
+    }
+}
+
+/* Sets the surface of eq. (1a), which is the plane where the shape is 0. */
+static void surface(const psplat_splat *splat, psplat_oracle_splat *placed) {
+    double q = (double)splat->radius[1] / (double)splat->radius[0];
+    placed->slope[0] = (double)splat->shape[0];
+    placed->slope[1] = q * (double)splat->shape[1];
+    placed->bend[0] = (double)splat->shape[2];
+    placed->bend[1] = q * (double)splat->shape[4];
+    placed->bend[2] = q * (double)splat->shape[3];
+}
+
+static void clip_lines(const psplat_splat *splat, uint32_t count, psplat_oracle_splat *placed) {
+    placed->clip_count = count;
+    for (uint32_t k = 0; k < count; ++k) {
+        for (int i = 0; i < 3; ++i) placed->clip[k][i] = splat->clip[k][i];
+        placed->clip[k][3] = splat->bend[k];
     }
 }
 
@@ -91,13 +123,18 @@ void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
     axes_of(splat->rotation, axes);
     psplat_oracle_transform(space->model_view, center, 1, moved);
     for (int i = 0; i < 3; ++i) placed->center[i] = moved[i];
-    for (int axis = 0; axis < 2; ++axis) {
+    for (int axis = 0; axis < 3; ++axis) {
         psplat_oracle_transform(space->model_view, axes[axis], 0, moved);
-        for (int i = 0; i < 3; ++i) placed->axis[axis][i] = (double)splat->radius[axis] * moved[i];
+        for (int i = 0; i < 3; ++i)
+            placed->axis[axis][i] = (double)splat->radius[axis % 2] * moved[i];
     }
-    parameter_rows(placed);
+    surface(splat, placed);
+    placed->is_curved = space->is_curved;
+    if (placed->is_curved)
+        curved_parameter_rows(placed);
+    else
+        parameter_rows(placed);
     normal_field(splat, axes, space->normal_matrix, placed);
-    placed->clip_count = clip_count;
-    for (uint32_t k = 0; k < clip_count; ++k)
-        for (int i = 0; i < 3; ++i) placed->clip[k][i] = splat->clip[k][i];
+    clip_lines(splat, clip_count, placed);
+    placed->epsilon = space->epsilon;
 }

@@ -65,8 +65,7 @@ void psplat_oracle_camera_ray_steps(const psplat_oracle_camera *camera,
         }
 }
 
-void psplat_oracle_camera_face(const psplat_oracle_camera *camera, const psplat_oracle_space *space,
-                               psplat_oracle_splat *splat) {
+void psplat_oracle_camera_face(const psplat_oracle_camera *camera, psplat_oracle_splat *splat) {
     psplat_oracle_ray ray;
     double to_eye[3];
     psplat_oracle_camera_ray(camera, 0, 0,
@@ -76,7 +75,6 @@ void psplat_oracle_camera_face(const psplat_oracle_camera *camera, const psplat_
                                      : camera->eye[i] / camera->eye[3] - splat->center[i];
     psplat_oracle_normalise(to_eye);
     splat->cosine = psplat_oracle_dot(splat->side, to_eye);
-    splat->epsilon = space->epsilon / fmax(fabs(splat->cosine), 0.5);
 }
 
 double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const double point[3],
@@ -154,27 +152,77 @@ static int pixel_of(double window, int size) {
     return (int)fmin(fmax(window, 0), size);
 }
 
-psplat_oracle_box psplat_oracle_camera_bounds(const psplat_oracle_camera *camera,
-                                              double frame[3][4]) {
-    const double margin_pixels = 1;
-    int size[2] = {camera->width, camera->height};
-    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
-    polygon shape;
-    octagon(frame, &shape);
+/* The bounds of polygons in window coordinates; low is above high where there are none. */
+typedef struct extent {
+    double low[2], high[2];
+} extent;
+
+/* Enlarges the bounds by what the near and the far plane leave of the polygon. */
+static void enlarge(const psplat_oracle_camera *camera, polygon shape, extent *bounds) {
+    const int size[2] = {camera->width, camera->height};
     clip_depth(&shape, -1);
     if (shape.count) clip_depth(&shape, 1);
-    if (!shape.count) return (psplat_oracle_box){0, 0, 0, 0};
     for (int k = 0; k < shape.count; ++k)
         for (int i = 0; i < 2; ++i) {
             const double *corner = shape.corner[k];
             /* w is 0 at the eye alone, and every pixel may see what is there. */
             double at = (0.5 + 0.5 * corner[i] / corner[3]) * size[i];
             int known = corner[3] > 0 && isfinite(at);
-            low[i] = fmin(low[i], known ? at : 0);
-            high[i] = fmax(high[i], known ? at : size[i]);
+            bounds->low[i] = fmin(bounds->low[i], known ? at : 0);
+            bounds->high[i] = fmax(bounds->high[i], known ? at : size[i]);
         }
-    return (psplat_oracle_box){pixel_of(floor(low[0] - margin_pixels), size[0]),
-                               pixel_of(ceil(high[0] + margin_pixels), size[0]),
-                               pixel_of(floor(low[1] - margin_pixels), size[1]),
-                               pixel_of(ceil(high[1] + margin_pixels), size[1])};
+}
+
+static psplat_oracle_box box_of(const psplat_oracle_camera *camera, const extent *bounds) {
+    const double margin_pixels = 1, *low = bounds->low, *high = bounds->high;
+    if (!(low[0] <= high[0])) return (psplat_oracle_box){0, 0, 0, 0};
+    return (psplat_oracle_box){pixel_of(floor(low[0] - margin_pixels), camera->width),
+                               pixel_of(ceil(high[0] + margin_pixels), camera->width),
+                               pixel_of(floor(low[1] - margin_pixels), camera->height),
+                               pixel_of(ceil(high[1] + margin_pixels), camera->height)};
+}
+
+psplat_oracle_box psplat_oracle_camera_bounds(const psplat_oracle_camera *camera,
+                                              double frame[3][4]) {
+    extent bounds = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+    polygon shape;
+    octagon(frame, &shape);
+    enlarge(camera, shape, &bounds);
+    return box_of(camera, &bounds);
+}
+
+/* Finds the octagon at the height w over the tangent plane at the centre, which is that of the axes
+ * r_u (U - x N) and r_v (V - y N). */
+static void raised_octagon(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                           double w, polygon *out) {
+    psplat_oracle_splat plane = *splat;
+    double frame[3][4];
+    psplat_oracle_along(splat->center, w, splat->axis[2], plane.center);
+    for (int k = 0; k < 2; ++k)
+        psplat_oracle_along(splat->axis[k], -splat->slope[k], splat->axis[2], plane.axis[k]);
+    psplat_oracle_camera_frame(camera, &plane, frame);
+    octagon(frame, out);
+}
+
+/* The surface lies in a prism between two octagons. What the near and the far plane leave of the
+ * prism has its corners on its faces. */
+psplat_oracle_box psplat_oracle_camera_curved_bounds(const psplat_oracle_camera *camera,
+                                                     const psplat_oracle_splat *splat) {
+    const double *b = splat->bend;
+    double mean = (b[0] + b[2]) / 2, spread = hypot((b[0] - b[2]) / 2, b[1]);
+    extent bounds = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+    polygon low, high, face;
+    raised_octagon(camera, splat, -fmax(mean + spread, 0) / 2, &low);
+    raised_octagon(camera, splat, -fmin(mean - spread, 0) / 2, &high);
+    for (int k = 0; k < CORNERS; ++k) {
+        int next = (k + 1) % CORNERS;
+        const double *corners[4] = {low.corner[k], low.corner[next], high.corner[next],
+                                    high.corner[k]};
+        face.count = 4;
+        for (int i = 0; i < 4; ++i) memcpy(face.corner[i], corners[i], sizeof face.corner[i]);
+        enlarge(camera, face, &bounds);
+    }
+    enlarge(camera, low, &bounds);
+    enlarge(camera, high, &bounds);
+    return box_of(camera, &bounds);
 }

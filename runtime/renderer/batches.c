@@ -2,7 +2,8 @@
  *
  * batches.c - draws the splats of one pass, batch by batch: chooses for each the shader variant
  * that has what the batch needs and nothing else, sets its uniforms, and leaves out the chunks that
- * lie outside the view or turn their backs to it (core/chunk.h).
+ * lie outside the view or turn their backs to it (core/chunk.h). A curved batch whose curvature
+ * does not show is drawn as ellipses, as flat ones are.
  */
 #include "renderer/frame.h"
 #include "core/matrix.h"
@@ -55,14 +56,34 @@ static void use_placement(const psplat_gl *gl, const psplat_program *program,
     gl->Uniform3fv(program->shift, 1, placement->shift);
     gl->Uniform3fv(program->view_direction, 1, direction);
     gl->Uniform3fv(program->half_viewport, 1, camera->half_viewport);
+    gl->UniformMatrix3fv(program->ray, 1, GL_FALSE, camera->ray);
+    gl->Uniform2f(program->depth_range, camera->depth_range[0], camera->depth_range[1]);
+    gl->Uniform1f(program->unstretch, placement->unstretch);
 }
 
 /* ---- one batch --------------------------------------------------------------------------- */
 
+/* How far a patch may be from its tangent plane where that is drawn in its place: in pixels (spec
+ * 5.1), and as a part of the depth tolerance, within which splats of one surface lie anyway. */
+#define MAX_FLAT_PIXELS 0.125
+#define MAX_FLAT_TOLERANCE 0.25
+
+/* Returns 1 where a curved batch has to be drawn as such in this view. */
+static int shows_curvature(const psplat_model_batch *batch, const psplat_camera *camera,
+                           const psplat_placement *placement) {
+    double sagitta = (double)batch->sagitta;
+    return batch->is_curved && sagitta > MAX_FLAT_TOLERANCE * (double)batch->depth_tolerance &&
+           psplat_camera_pixels(camera, placement->clip, batch->bounds_min, batch->bounds_max,
+                                sagitta) > MAX_FLAT_PIXELS;
+}
+
 /* Returns the PSPLAT_OPTION_ bits that the batch asks for. */
 static unsigned options_of(const psplat_model_batch *batch, const psplat_placement *placement,
-                           int is_culled) {
+                           int is_culled, int is_curved) {
     unsigned options = 0;
+    if (batch->is_curved) options |= is_curved ? PSPLAT_OPTION_CURVED : PSPLAT_OPTION_TANGENT;
+    if (batch->has_shape) options |= PSPLAT_OPTION_SHAPE;
+    if (batch->has_bends) options |= PSPLAT_OPTION_BENDS;
     if (batch->has_color || batch->has_gamma) options |= PSPLAT_OPTION_WIDE;
     if (batch->has_color) options |= PSPLAT_OPTION_COLOR;
     if (batch->has_gamma) options |= PSPLAT_OPTION_GAMMA;
@@ -83,10 +104,14 @@ static void set_culling(const psplat_gl *gl, int is_culled, int is_mirrored) {
         gl->Disable(GL_CULL_FACE);
 }
 
+static void draw_run(const psplat_gl *gl, GLsizei first, GLsizei end, int vertices) {
+    if (end > first) gl->DrawArrays(GL_TRIANGLES, vertices * first, vertices * (end - first));
+}
+
 /* Draws the chunks that may be visible, each run of consecutive ones with one call, and enters them
- * in the frame's extent. */
+ * in the frame's extent. vertices is the number of a splat's vertices. */
 static void draw_chunks(psplat_frame *f, const psplat_model_batch *batch,
-                        const psplat_placement *placement) {
+                        const psplat_placement *placement, int vertices) {
     const psplat_gl *gl = &f->renderer->gl;
     const psplat_chunk_view *view = &placement->chunk_view;
     GLsizei count = batch->splat_count, first = 0, end = 0;
@@ -98,10 +123,10 @@ static void draw_chunks(psplat_frame *f, const psplat_model_batch *batch,
             end = at + PSPLAT_CHUNK_SPLATS < count ? at + PSPLAT_CHUNK_SPLATS : count;
             continue;
         }
-        if (end > first) gl->DrawArrays(GL_TRIANGLES, 3 * first, 3 * (end - first));
+        draw_run(gl, first, end, vertices);
         first = end = at + PSPLAT_CHUNK_SPLATS;
     }
-    if (end > first) gl->DrawArrays(GL_TRIANGLES, 3 * first, 3 * (end - first));
+    draw_run(gl, first, end, vertices);
 }
 
 static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch,
@@ -110,7 +135,8 @@ static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch
     psplat_renderer *renderer = f->renderer;
     const psplat_gl *gl = &renderer->gl;
     int is_culled = placement->chunk_view.is_culled;
-    key.options |= options_of(batch, placement, is_culled);
+    int is_curved = shows_curvature(batch, camera, placement);
+    key.options |= options_of(batch, placement, is_culled, is_curved);
     key.clip_count = (int)batch->clip_count;
     const psplat_program *program = NULL;
     psplat_result result = psplat_programs_find(&renderer->programs, gl, &renderer->allocator, key,
@@ -126,12 +152,12 @@ static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch
         gl->Uniform2f(program->kernel, -batch->kernel.sharpness, 0.5f * batch->kernel.exponent);
     }
     if (key.pass == PSPLAT_PASS_RADIANCE) psplat_frame_use_light(f, program);
-    set_culling(gl, is_culled, placement->is_mirrored);
+    set_culling(gl, is_culled && !is_curved, placement->is_mirrored);
     psplat_gl_texture_bind(gl, PSPLAT_UNIT_SPLATS, &batch->splats, GL_TEXTURE_2D);
     psplat_gl_texture_bind(gl, PSPLAT_UNIT_CLIPS, &batch->clips, GL_TEXTURE_2D);
     if (batch->finish)
         psplat_gl_texture_bind(gl, PSPLAT_UNIT_FINISHES, &batch->finishes, GL_TEXTURE_2D);
-    draw_chunks(f, batch, placement);
+    draw_chunks(f, batch, placement, is_curved ? 6 : 3);
     return PSPLAT_OK;
 }
 

@@ -41,7 +41,8 @@ static void find_unproject(psplat_camera *camera, const double inverse[16],
     psplat_matrix_to_float(product, 16, camera->unproject);
     camera->half_viewport[0] = 0.5f * (float)desc->width;
     camera->half_viewport[1] = 0.5f * (float)desc->height;
-    camera->half_viewport[2] = (float)(0.5 * (far - near));
+    camera->half_viewport[2] = camera->depth_range[0] = (float)(0.5 * (far - near));
+    camera->depth_range[1] = (float)(0.5 * (far + near));
     camera->margin[0] = 2.0 / desc->width;
     camera->margin[1] = 2.0 / desc->height;
 }
@@ -102,7 +103,7 @@ static int crosses_near(const double clip[16], const float min[3], const float m
     return 0;
 }
 
-/* Finds what shift_of() in splat.vert needs: the factor of the shift in z of clip space, 1 where it
+/* Finds what shift_of() in shift.glsl needs: the factor of the shift in z of clip space, 1 where it
  * is divided by the distance (perspective), and epsilon of eq. (5) without its cosine. */
 static void find_shift(const psplat_camera *camera, double epsilon, float shift[3]) {
     const double *p = camera->projection;
@@ -110,6 +111,27 @@ static void find_shift(const psplat_camera *camera, double epsilon, float shift[
     shift[1] = camera->is_perspective ? 1.0f : 0.0f;
     /* A lower bound avoids 0 / 0 where the eye is at a corner of a splat's triangle. */
     shift[2] = fmaxf((float)epsilon, 1e-30f);
+}
+
+/* Between -1 and 1, x / w changes by at most (dx + dw) / w where x changes by dx and w by dw. */
+double psplat_camera_pixels(const psplat_camera *camera, const double clip[16], const float min[3],
+                            const float max[3], double length) {
+    double rows[4] = {0.0}, least = HUGE_VAL;
+    for (int row = 0; row < 4; ++row) {
+        for (int axis = 0; axis < 3; ++axis)
+            rows[row] += clip[4 * axis + row] * clip[4 * axis + row];
+        rows[row] = length * sqrt(rows[row]);
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+        double w = clip[15];
+        for (int axis = 0; axis < 3; ++axis)
+            w += clip[4 * axis + 3] * (double)(corner >> axis & 1 ? max[axis] : min[axis]);
+        least = fmin(least, w - rows[3]);
+    }
+    if (!(least > 0.0)) return HUGE_VAL;
+    double x = (double)camera->half_viewport[0] * (rows[0] + rows[3]);
+    double y = (double)camera->half_viewport[1] * (rows[1] + rows[3]);
+    return sqrt(x * x + y * y) / least;
 }
 
 static int is_zero(const double m[16]) {
@@ -138,6 +160,7 @@ int psplat_camera_place(const psplat_camera *camera, const psplat_placement_desc
     psplat_matrix_to_float(modelview, 16, placement->modelview);
     psplat_matrix_to_float(normal, 9, placement->normal);
     find_shift(camera, desc->depth_tolerance * cbrt(fabs(det)), placement->shift);
+    placement->unstretch = (float)(1.0 / cbrt(fabs(det)));
     placement->is_mirrored = (det < 0.0) != camera->is_mirrored;
     placement->is_near = crosses_near(clip, desc->bounds_min, desc->bounds_max);
     psplat_chunk_view_set(&placement->chunk_view, clip, inverse, camera->margin,

@@ -23,6 +23,7 @@ typedef struct psplat_camera {
                               is infinite; 1 where far is finite */
     float projection_float[16];
     float half_viewport[3]; /* half the width and height in pixels, half the depth range */
+    float depth_range[2];   /* half and middle of the depth range */
     int is_perspective;     /* 0: orthographic */
     int is_mirrored;        /* 1: the projection turns counter-clockwise into clockwise */
 } psplat_camera;
@@ -40,7 +41,8 @@ typedef struct psplat_placement {
     double clip[16];     /* object to clip space */
     float modelview[16]; /* object to eye space */
     float normal[9];     /* normals from object to eye space (spec 4) */
-    float shift[3];      /* u_shift of splat.vert */
+    float shift[3];      /* u_shift of shift.glsl */
+    float unstretch;     /* lengths in eye space to lengths in object space: |det|^(-1/3) */
     int is_mirrored;     /* 1: front faces are clockwise in the window */
     int is_near;         /* 1: the near plane may cut the batch's bounding box */
     psplat_chunk_view chunk_view;
@@ -63,6 +65,12 @@ typedef struct psplat_placement_desc {
  * nothing is drawn (spec 4). */
 int psplat_camera_place(const psplat_camera *camera, const psplat_placement_desc *desc,
                         psplat_placement *placement);
+
+/* Returns by how many pixels the images of points of a box move at most where the points move by a
+ * length, all in the object space of a matrix to clip space. The result is infinite where the box
+ * reaches behind the eye. It counts what is in the view. */
+double psplat_camera_pixels(const psplat_camera *camera, const double clip[16], const float min[3],
+                            const float max[3], double length);
 
 /* Computes transform times model; all zeros of transform mean the identity. */
 void psplat_camera_compose(const double transform[16], const double model[16], double scene[16]);

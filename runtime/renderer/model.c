@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
  * model.c - uploads an asset: its splats are packed into float textures (layout.h), from which the
- * vertex shader pulls them. A splat takes 48 bytes, 16 more where it has a colour or a gamma, 12
- * for each clip line and 12 for each texel of its finish.
+ * vertex shader pulls them. A splat takes 48 bytes, 16 more where it has a colour or a gamma and
+ * where it has a shape of its own, 12 for each clip line (16 for bent ones) and 12 for each texel
+ * of its finish.
  */
 #include "gl/gl_state.h"
 #include "core/memory.h"
 #include "asset/pack.h"
 #include "renderer/renderer.h"
 
+#include <math.h>
 #include <string.h>
 
-/* Rows of texels that are packed before each upload, which take at most 0.5 MB. */
-enum { ROWS_PER_UPLOAD = 16, MAX_SPLAT_FLOATS = 4 * (PSPLAT_SPLAT_TEXELS + 1) };
+/* Rows of texels that are packed before each upload, and the most floats of a row. */
+enum { ROWS_PER_UPLOAD = 16, MAX_ROW_FLOATS = 4 * 512 * 4 };
 
 /* The source of one of a batch's textures: splats that the asset has packed already, or ones to be
  * packed. */
@@ -23,6 +25,7 @@ typedef struct source {
     int channels;         /* of each texel */
     const float *packed;  /* splat_count * floats; NULL where pack has to be called */
     psplat_chunk *chunks; /* found by pack_splats */
+    float *sagitta;       /* raised by pack_splats */
     void (*pack)(const struct source *source, size_t first, size_t count, float *out);
 } source;
 
@@ -34,6 +37,7 @@ static void pack_splats(const source *s, size_t first, size_t count, float *out)
         psplat_chunks_find(splats, here, s->chunks + (first + i) / PSPLAT_CHUNK_SPLATS);
         psplat_pack_splats(&s->packing, splats, here, out + i * (size_t)s->floats);
     }
+    *s->sagitta = fmaxf(*s->sagitta, psplat_packed_sagitta(&s->packing, out, count));
 }
 
 static void pack_clips(const source *s, size_t first, size_t count, float *out) {
@@ -53,21 +57,22 @@ static void put_rows(const psplat_gl *gl, const source *s, GLsizei row, GLsizei 
 
 /* Uploads splats from the asset's own memory; the last row only as far as there are splats. */
 static void upload_packed(const psplat_gl *gl, const source *s) {
-    GLsizei texels = s->floats / s->channels, width = PSPLAT_ROW_SPLATS * texels;
-    GLsizei rows = (GLsizei)(s->batch->splat_count / PSPLAT_ROW_SPLATS);
-    GLsizei rest = (GLsizei)(s->batch->splat_count % PSPLAT_ROW_SPLATS);
+    size_t row = (size_t)s->packing.row_splats;
+    GLsizei texels = s->floats / s->channels, width = s->packing.row_splats * texels;
+    GLsizei rows = (GLsizei)(s->batch->splat_count / row);
+    GLsizei rest = (GLsizei)(s->batch->splat_count % row);
     if (rows) put_rows(gl, s, 0, rows, width, s->packed);
     if (rest)
-        put_rows(gl, s, rows, 1, rest * texels,
-                 s->packed + (size_t)rows * PSPLAT_ROW_SPLATS * (size_t)s->floats);
+        put_rows(gl, s, rows, 1, rest * texels, s->packed + (size_t)rows * row * (size_t)s->floats);
 }
 
 /* Packs and uploads splats in bands of ROWS_PER_UPLOAD rows. */
 static void upload_splats(const psplat_gl *gl, const source *s, GLsizei height, float *staging) {
-    GLsizei width = PSPLAT_ROW_SPLATS * s->floats / s->channels;
+    size_t splats = (size_t)s->packing.row_splats;
+    GLsizei width = s->packing.row_splats * s->floats / s->channels;
     for (GLsizei row = 0; row < height; row += ROWS_PER_UPLOAD) {
         GLsizei rows = height - row < ROWS_PER_UPLOAD ? height - row : ROWS_PER_UPLOAD;
-        size_t first = (size_t)row * PSPLAT_ROW_SPLATS, count = (size_t)rows * PSPLAT_ROW_SPLATS;
+        size_t first = (size_t)row * splats, count = (size_t)rows * splats;
         if (count > s->batch->splat_count - first) count = s->batch->splat_count - first;
         s->pack(s, first, count, staging);
         put_rows(gl, s, row, rows, width, staging);
@@ -77,10 +82,11 @@ static void upload_splats(const psplat_gl *gl, const source *s, GLsizei height, 
 /* Makes one texture of a batch and fills it. */
 static psplat_result upload(psplat_renderer *renderer, const source *s, float *staging,
                             psplat_gl_texture *texture, psplat_error *error) {
-    psplat_gl_texture_desc desc = {
-        .texel = s->channels == 4 ? PSPLAT_TEXEL_RGBA32F : PSPLAT_TEXEL_RGB32F,
-        .width = PSPLAT_ROW_SPLATS * s->floats / s->channels,
-        .height = (GLsizei)((s->batch->splat_count + PSPLAT_ROW_SPLATS - 1) / PSPLAT_ROW_SPLATS)};
+    size_t row = (size_t)s->packing.row_splats;
+    psplat_gl_texture_desc desc = {.texel = s->channels == 4 ? PSPLAT_TEXEL_RGBA32F
+                                                             : PSPLAT_TEXEL_RGB32F,
+                                   .width = s->packing.row_splats * s->floats / s->channels,
+                                   .height = (GLsizei)((s->batch->splat_count + row - 1) / row)};
     if (!s->floats) return PSPLAT_OK;
     psplat_result result =
         psplat_gl_texture_create(&renderer->gl, &renderer->memory.models, &desc, texture, error);
@@ -105,6 +111,9 @@ static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
     out->clip_count = batch->clip_count;
     out->has_color = batch->has_color;
     out->has_gamma = batch->has_gamma;
+    out->is_curved = batch->is_curved;
+    out->has_shape = batch->is_curved && batch->has_shape;
+    out->has_bends = batch->has_bends;
     out->finish = psplat_packing_of(batch).finish;
     out->kernel = batch->kernel;
     out->depth_tolerance = batch->depth_tolerance;
@@ -121,14 +130,26 @@ static psplat_result upload_textures(psplat_renderer *renderer, const psplat_bat
                                      float *staging, psplat_error *error) {
     psplat_packing p = psplat_packing_of(batch);
     const psplat_packed none = {0}, *from = packed ? packed : &none;
-    const source sources[] = {{p, batch, p.splat_floats, 4, from->splats, out->chunks, pack_splats},
-                              {p, batch, p.clip_floats, 3, from->clips, NULL, pack_clips},
-                              {p, batch, p.finish_floats, 3, from->finishes, NULL, pack_finishes}};
+    float *sagitta = &out->sagitta;
+    const source sources[] = {
+        {p, batch, p.splat_floats, 4, from->splats, out->chunks, sagitta, pack_splats},
+        {p, batch, p.clip_floats, p.line_floats, from->clips, NULL, NULL, pack_clips},
+        {p, batch, p.finish_floats, 3, from->finishes, NULL, NULL, pack_finishes}};
     psplat_gl_texture *const textures[] = {&out->splats, &out->clips, &out->finishes};
     psplat_result result = PSPLAT_OK;
+    if (packed) *sagitta = psplat_packed_sagitta(&p, packed->splats, batch->splat_count);
     for (size_t i = 0; i < 3 && result == PSPLAT_OK; ++i)
         result = upload(renderer, &sources[i], staging, textures[i], error);
     return result;
+}
+
+/* Makes the box of a curved batch enclose the ellipses that may be drawn in place of its patches
+ * (spec 5.1) too. */
+static void enlarge_bounds(psplat_model_batch *batch) {
+    for (int i = 0; i < 3; ++i) {
+        batch->bounds_min[i] -= batch->sagitta;
+        batch->bounds_max[i] += batch->sagitta;
+    }
 }
 
 static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model, size_t index,
@@ -143,6 +164,8 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
         out->clips = twin->clips;
         out->finishes = twin->finishes;
         out->chunks = twin->chunks;
+        out->sagitta = twin->sagitta;
+        enlarge_bounds(out);
         return PSPLAT_OK;
     }
     out->is_owner = 1;
@@ -151,14 +174,17 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
     if (!out->chunks)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu chunks", chunk_count);
     if (packed) memcpy(out->chunks, packed->chunks, chunk_count * sizeof *out->chunks);
-    return upload_textures(renderer, batch, packed, out, staging, error);
+    psplat_result result = upload_textures(renderer, batch, packed, out, staging, error);
+    enlarge_bounds(out);
+    return result;
 }
 
 static psplat_result check_sizes(const psplat_gl *gl, const psplat_asset *asset,
                                  psplat_error *error) {
-    size_t most = (size_t)gl->max_texture_size * PSPLAT_ROW_SPLATS;
     for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i) {
-        size_t count = psplat_asset_batch(asset, i)->splat_count;
+        const psplat_batch *batch = psplat_asset_batch(asset, i);
+        size_t row = (size_t)psplat_packing_of(batch).row_splats, count = batch->splat_count;
+        size_t most = (size_t)gl->max_texture_size * row;
         if (count > most)
             return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
                                "a primitive has %zu splats, this GL takes %zu", count, most);
@@ -182,7 +208,7 @@ static psplat_result upload_batches(psplat_renderer *renderer, const psplat_asse
 
 static psplat_result upload_all(psplat_renderer *renderer, const psplat_asset *asset,
                                 psplat_model *model, psplat_error *error) {
-    size_t size = sizeof(float) * MAX_SPLAT_FLOATS * PSPLAT_ROW_SPLATS * ROWS_PER_UPLOAD;
+    size_t size = sizeof(float) * MAX_ROW_FLOATS * ROWS_PER_UPLOAD;
     float *staging = psplat_allocate(&renderer->allocator, 1, size);
     if (!staging) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory to pack splats");
     psplat_result result = upload_batches(renderer, asset, model, staging, error);

@@ -35,13 +35,15 @@ typedef struct psplat_model_batch {
     uint32_t primitive;
     GLsizei splat_count;
     uint32_t clip_count;
-    int has_color, has_gamma;
+    int has_color, has_gamma, is_curved, has_shape, has_bends;
     unsigned finish; /* PSPLAT_FINISH_ bits */
     double model[16];
     psplat_kernel kernel;
     float depth_tolerance;
     psplat_material material;
-    float bounds_min[3], bounds_max[3];
+    float sagitta;                      /* psplat_packed_sagitta of all splats, object space */
+    float bounds_min[3], bounds_max[3]; /* of the patches and of the tangent ellipses at their
+                                           centres */
 } psplat_model_batch;
 
 struct psplat_environment {

@@ -27,8 +27,17 @@ static polygon whole_splat(void) {
     return p;
 }
 
-static double side_of(const float line[3], const double corner[2]) {
-    return (double)line[0] * corner[0] + (double)line[1] * corner[1] + (double)line[2];
+static double side_of(const float line[3], double offset, const double corner[2]) {
+    return (double)line[0] * corner[0] + (double)line[1] * corner[1] + offset;
+}
+
+/* Returns the third number of a straight line that keeps all that a line of this bend keeps of the
+ * circle: its own if it bulges out, else that of the line through its ends. */
+static double offset_of(const float line[3], double bend) {
+    double offset = (double)line[2];
+    if (!(bend > 0)) return offset;
+    double bulge = bend * ((double)line[0] * (double)line[0] + (double)line[1] * (double)line[1]);
+    return (2 * offset + bulge) / (1 + sqrt(fmax(1 + bend * (2 * offset + bulge), 0)));
 }
 
 static void add_corner(polygon *p, double u, double v) {
@@ -39,11 +48,12 @@ static void add_corner(polygon *p, double u, double v) {
 
 /* Keeps the part on the side that the clip line keeps (Sutherland and Hodgman 1974). The polygon is
  * convex and gains one corner at most. */
-static void cut(polygon *p, const float line[3]) {
+static void cut(polygon *p, const float line[3], double bend) {
     polygon kept = {.count = 0};
+    double offset = offset_of(line, bend);
     for (int i = 0; i < p->count; ++i) {
         const double *a = p->corners[i], *b = p->corners[(i + 1) % p->count];
-        double sa = side_of(line, a), sb = side_of(line, b), t = sa / (sa - sb);
+        double sa = side_of(line, offset, a), sb = side_of(line, offset, b), t = sa / (sa - sb);
         if (sa >= 0) add_corner(&kept, a[0], a[1]);
         if ((sa >= 0) != (sb >= 0))
             add_corner(&kept, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]));
@@ -51,16 +61,33 @@ static void cut(polygon *p, const float line[3]) {
     *p = kept;
 }
 
-/* Computes center + x U + y V, where U and V are the first columns of the quaternion's rotation
+/* Computes center + x U + y V + z N, where U, V and N are the columns of the quaternion's rotation
  * matrix. */
-static void to_object(const psplat_splat *s, double x, double y, double out[3]) {
+static void to_object(const psplat_splat *s, double x, double y, double z, double out[3]) {
     const double q[4] = {(double)s->rotation[0], (double)s->rotation[1], (double)s->rotation[2],
                          (double)s->rotation[3]};
     const double u[3] = {1 - 2 * (q[1] * q[1] + q[2] * q[2]), 2 * (q[0] * q[1] + q[3] * q[2]),
                          2 * (q[0] * q[2] - q[3] * q[1])};
     const double v[3] = {2 * (q[0] * q[1] - q[3] * q[2]), 1 - 2 * (q[0] * q[0] + q[2] * q[2]),
                          2 * (q[1] * q[2] + q[3] * q[0])};
-    for (int i = 0; i < 3; ++i) out[i] = (double)s->center[i] + x * u[i] + y * v[i];
+    const double n[3] = {2 * (q[0] * q[2] + q[3] * q[1]), 2 * (q[1] * q[2] - q[3] * q[0]),
+                         1 - 2 * (q[0] * q[0] + q[1] * q[1])};
+    for (int i = 0; i < 3; ++i)
+        out[i] = (double)s->center[i] + x * u[i] + y * v[i] + (z != 0 ? z * n[i] : 0);
+}
+
+/* Returns the height of a splat's surface over its plane at (u, v) (eq. 1a of schema/README.md). */
+static double height_of(const psplat_splat *s, double u, double v) {
+    double q = (double)s->radius[1] / (double)s->radius[0];
+    double along = (double)s->shape[0] + (double)s->shape[2] * u / 2 + (double)s->shape[4] * q * v;
+    double across = (double)s->shape[1] + (double)s->shape[3] * v / 2;
+    return -(double)s->radius[0] * (along * u + across * q * v);
+}
+
+static int is_curved(const psplat_splat *s) {
+    for (int k = 0; k < 5; ++k)
+        if (s->shape[k] != 0) return 1;
+    return 0;
 }
 
 typedef struct extent {
@@ -82,18 +109,34 @@ static void grow_sphere(extent *e, const double p[3]) {
     e->around.radius = fmax(e->around.radius, sqrt(square));
 }
 
+/* Visits the point of a splat's surface at (u, v), placed by the matrix m. */
+static void visit_point(const psplat_splat *s, const double m[16], double u, double v, extent *e,
+                        void (*visit)(extent *e, const double p[3])) {
+    double p[3], q[3];
+    to_object(s, (double)s->radius[0] * u, (double)s->radius[1] * v, height_of(s, u, v), p);
+    for (int r = 0; r < 3; ++r) q[r] = m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
+    visit(e, q);
+}
+
+/* Visits the corners of a splat's outline. Within it a curved splat may reach farther, so there it
+ * is visited on some rings around the outline's middle, and in that. */
 static void visit_splat(const psplat_splat *s, const double m[16], extent *e,
                         void (*visit)(extent *e, const double p[3])) {
+    enum { RINGS = 4 };
     polygon outline = whole_splat();
-    for (uint32_t i = 0; i < s->clip_count; ++i) cut(&outline, s->clip[i]);
-    for (int i = 0; i < outline.count; ++i) {
-        double p[3], q[3];
-        to_object(s, (double)s->radius[0] * outline.corners[i][0],
-                  (double)s->radius[1] * outline.corners[i][1], p);
-        for (int r = 0; r < 3; ++r)
-            q[r] = m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
-        visit(e, q);
-    }
+    double middle[2] = {0, 0};
+    int rings = is_curved(s) ? RINGS : 1;
+    for (uint32_t i = 0; i < s->clip_count; ++i) cut(&outline, s->clip[i], (double)s->bend[i]);
+    for (int i = 0; i < outline.count; ++i)
+        for (int k = 0; k < 2; ++k) middle[k] += outline.corners[i][k] / outline.count;
+    for (int ring = 0; ring < rings; ++ring)
+        for (int i = 0; i < outline.count; ++i) {
+            const double *corner = outline.corners[i];
+            double t = (double)ring / RINGS;
+            visit_point(s, m, corner[0] + t * (middle[0] - corner[0]),
+                        corner[1] + t * (middle[1] - corner[1]), e, visit);
+        }
+    if (outline.count && rings > 1) visit_point(s, m, middle[0], middle[1], e, visit);
 }
 
 static void visit_all(const psplat_asset *asset, extent *e,

@@ -102,6 +102,9 @@ static inline psplat_asset *fixture_open(const scene *s, const double matrix[16]
     memcpy(moved, glb, at);
     memcpy(moved + at, text, strlen(text));
     memcpy(moved + at + strlen(text), glb + at, size - at);
+    /* A node has a matrix or a translation. */
+    char *still = strstr((char *)moved + 20, ",\"translation\":[0,0,0]");
+    if (still) memset(still, ' ', strlen(",\"translation\":[0,0,0]"));
     length += (uint32_t)strlen(text);
     size += strlen(text);
     memcpy(moved + 12, &length, 4);

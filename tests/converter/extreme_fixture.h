@@ -173,9 +173,10 @@ static inline double surface_distance(const psplat_mesh *mesh, const double p[3]
 
 static inline int splat_covers(const psplat_region *region, const double p[3], const double n[3],
                                double tolerance) {
-    double uvh[3];
+    double uvh[3], facing[3];
     psplat_region_local(region, p, uvh);
-    return fabs(uvh[2]) <= tolerance && dot3(region->n, n) > 0 &&
+    psplat_region_normal(region, uvh, facing);
+    return fabs(uvh[2]) <= tolerance && dot3(facing, n) > 0 &&
            psplat_region_contains(region, uvh, 1 + 1e-5, 1e-5); /* rounding to float */
 }
 
@@ -228,11 +229,10 @@ static inline double greatest_distance(const psplat_mesh *mesh, const psplat_reg
         for (size_t k = 0; k < corners; ++k)
             for (int a = 0; a < 2; ++a) middle[a] += polygon[k][a] / (double)corners;
         for (size_t k = 0; k < 2 * corners; ++k) {
-            double p[3], part = k < corners ? 1 : 0.5;
-            const double *q = polygon[k % corners];
-            memcpy(p, r->center, sizeof p);
-            mad3(p, (middle[0] + part * (q[0] - middle[0])) * r->radius[0], r->u);
-            mad3(p, (middle[1] + part * (q[1] - middle[1])) * r->radius[1], r->v);
+            double p[3], uv[2], part = k < corners ? 1 : 0.5;
+            for (int a = 0; a < 2; ++a)
+                uv[a] = middle[a] + part * (polygon[k % corners][a] - middle[a]);
+            psplat_region_point(r, uv, p);
             greatest = max2(greatest, surface_distance(mesh, p));
         }
     }

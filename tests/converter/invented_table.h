@@ -19,6 +19,7 @@ static inline psplat_row splats_row(double tolerance, psplat_normal_field field,
     const psplat_setting setting = {.competitor = PSPLAT_COMPETITOR_SPLATS,
                                     .tolerance = tolerance,
                                     .field = field,
+                                    .planar = field == PSPLAT_FIELD_CONSTANT,
                                     .mode = mode,
                                     .no_filter = no_filter};
     return psplat_row_empty(&setting);
@@ -41,6 +42,7 @@ static inline void fill_row(psplat_row *row) {
     int is_splats = s->competitor == PSPLAT_COMPETITOR_SPLATS;
     double fineness = is_splats ? 1 / s->tolerance : 30 * s->ratio;
     double elements = is_splats ? 120 * pow(fineness, 0.8) : 3000 * fineness;
+    if (s->planar && !s->field) elements *= 2; /* as flat splats need, where curved ones do */
     double worse = s->field ? 1.7 : 1;
     double *v = row->values;
     v[PSPLAT_COLUMN_ELEMENTS] = floor(elements);

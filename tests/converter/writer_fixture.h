@@ -28,6 +28,9 @@ typedef struct written {
     float darkest;     /* least colour value, where there are colours */
     double least_part; /* least ratio of the second radius to the first; 0 stands for 0.1 */
     unsigned lines;    /* bit n allows n clip lines; 0 allows all */
+    unsigned curved;   /* bit n gives the splats of n clip lines a curved surface */
+    int has_shape;     /* of their own, beside the normal field */
+    int has_bends;     /* of every second line */
     int has_color, has_slopes, has_gamma;
     int has_gradients, has_surface, has_emissive; /* spec 3.10 */
 } written;
@@ -38,6 +41,8 @@ static const psplat_precision usual_steps = {.unit = 1.0 / GRID,
                                              .line_turn_step = 1.0 / 128,
                                              .tilt_step = 1.0 / 512,
                                              .field_step = 1.0 / 512,
+                                             .shape_step = 1.0 / 256,
+                                             .bend_step = 1.0 / 16,
                                              .line_step = 1.0 / 64,
                                              .normal_bits = 11};
 
@@ -89,6 +94,25 @@ static inline void put_on_grid(const written *w, size_t index, psplat_splat *s, 
     }
 }
 
+/* Gives a splat a random surface. Without a shape of its own its field becomes that of it. */
+static inline void put_shape(const written *w, psplat_splat *s, uint32_t *state) {
+    psplat_region region;
+    psplat_splat_region(s, &region);
+    for (int k = 0; k < 5; ++k) s->shape[k] = scene_random(state) - 0.5f;
+    if (w->has_shape) {
+        s->shape[0] = s->shape[1] = 0;
+        return;
+    }
+    double normal[3], length = 0;
+    for (int k = 0; k < 3; ++k) {
+        normal[k] =
+            region.n[k] + (double)s->shape[0] * region.u[k] + (double)s->shape[1] * region.v[k];
+        length += normal[k] * normal[k];
+    }
+    for (int k = 0; k < 3; ++k) s->normal[k] = (float)(normal[k] / sqrt(length));
+    memcpy(s->gradient, s->shape + 2, sizeof s->gradient);
+}
+
 /* Returns random splats in runs of one clip class each, rounded to the precision where there is
  * one. */
 static inline psplat_splats writer_splats(const written *w, uint32_t seed) {
@@ -108,7 +132,12 @@ static inline psplat_splats writer_splats(const written *w, uint32_t seed) {
         s.finishes = writer_memory(w->count, sizeof *s.finishes);
     size_t count = 0;
     for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines) {
-        psplat_run run = {.clip_lines = lines, .depth_tolerance = (float)(w->size / 128)};
+        int curved = w->curved >> lines & 1;
+        psplat_run run = {.clip_lines = lines,
+                          .depth_tolerance = (float)(w->size / 128),
+                          .is_curved = curved,
+                          .has_shape = curved && w->has_shape,
+                          .has_bends = w->has_bends};
         for (size_t i = 0; i < w->count; ++i) {
             psplat_splat *to = &s.splats[count];
             uint32_t has = all.splats[i].clip_count;
@@ -120,6 +149,9 @@ static inline psplat_splats writer_splats(const written *w, uint32_t seed) {
             for (uint32_t k = to->clip_count; k < has; ++k) to->clip[k][1] = 1;
             to->clip_count = has;
             put_on_grid(w, count, to, &state);
+            if (curved) put_shape(w, to, &state);
+            for (uint32_t k = 1; k < has && w->has_bends; k += 2)
+                to->bend[k] = 8 * scene_random(&state) - 4;
             if (s.finishes) s.finishes[count] = random_finish(w, &state);
             ++count;
             ++run.count;

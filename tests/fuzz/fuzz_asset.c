@@ -47,6 +47,21 @@ static psplat_result read_input(void *user, const psplat_allocator *allocator, c
 
 /* ---- promises ----------------------------------------------------------------------------- */
 
+/* Checks spec 3.4: a plane where nothing says otherwise, else a surface that is not too steep,
+ * which is that of the field or has no slope at its centre. */
+static void check_shape(const psplat_splat *splat, const psplat_batch *batch) {
+    double s[5], q = (double)splat->radius[1] / (double)splat->radius[0];
+    for (int k = 0; k < 5; ++k) s[k] = (double)splat->shape[k];
+    for (int k = 0; k < 5; ++k) FUZZ_DEMAND(batch->is_curved || splat->shape[k] == 0);
+    FUZZ_DEMAND(batch->is_curved || !batch->has_shape);
+    FUZZ_DEMAND(hypot(s[0], s[1]) + sqrt(s[2] * s[2] + s[3] * s[3] + s[4] * s[4] * (1 + q * q)) <=
+                4 * (1 + 1e-12));
+    if (!batch->is_curved) return;
+    for (int k = 0; k < 2; ++k) FUZZ_DEMAND(!batch->has_shape || splat->shape[k] == 0);
+    for (int k = 0; k < 3; ++k)
+        FUZZ_DEMAND(batch->has_shape || splat->shape[2 + k] == splat->gradient[k]);
+}
+
 static void check_splat(const psplat_splat *splat, const psplat_batch *batch) {
     FUZZ_DEMAND(splat->clip_count == batch->clip_count);
     FUZZ_DEMAND(splat->radius[0] >= splat->radius[1] && splat->radius[1] > 0);
@@ -61,10 +76,13 @@ static void check_splat(const psplat_splat *splat, const psplat_batch *batch) {
         FUZZ_DEMAND(batch->has_color || splat->color[i] == 1);
     }
     FUZZ_DEMAND(batch->has_gamma || splat->gradient[2] == 0);
+    check_shape(splat, batch);
     for (uint32_t k = 0; k < PSPLAT_MAX_CLIP_LINES; ++k) {
         int is_line = splat->clip[k][0] != 0 || splat->clip[k][1] != 0;
         FUZZ_DEMAND(is_line == (k < splat->clip_count));
         FUZZ_DEMAND(isfinite(splat->clip[k][2]));
+        FUZZ_DEMAND(fabsf(splat->bend[k]) <= 4 && (is_line || splat->bend[k] == 0));
+        FUZZ_DEMAND(batch->has_bends || splat->bend[k] == 0);
     }
 }
 

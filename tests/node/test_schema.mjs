@@ -34,7 +34,16 @@ function change(json, attributes, version = 2) {
 
 const faults = {
   'version is missing': (json) => delete extension(json, 0).version,
-  'version is of the future': (json) => (extension(json, 0).version = 3),
+  'version is of the future': (json) => (extension(json, 0).version = 4),
+  'curved in version 2': (json) => Object.assign(extension(json, 0), { version: 2, curved: true }),
+  'a curve that is a number': (json) => Object.assign(extension(json, 0), { version: 3, curved: 1 }),
+  'a shape of nothing': (json) => (extension(json, 0).shapeRange = 0),
+  'a bend of nothing': (json) => (extension(json, 0).bendRange = 0),
+  'a shape of a plane': (json) => change(json, { SHAPE: 0 }, 3),
+  'a curve without a shape': (json) => {
+    change(json, { NORMAL_FIELD: undefined }, 3);
+    extension(json, 0).curved = true;
+  },
   'a radius of nothing': (json) => (extension(json, 0).scaleRange = [0, 1]),
   'one radius': (json) => (extension(json, 0).scaleRange = [1]),
   'a field of nothing': (json) => (extension(json, 0).fieldRange = 0),
@@ -70,6 +79,13 @@ for (const [what, breakIt] of Object.entries(faults)) {
     assert.equal(validate(json), false);
   });
 }
+
+test('schema takes: a shape beside a field', () => {
+  const { json } = readAsset(join(schemaDirectory, 'minimal.gltf'));
+  change(json, { SHAPE: 0 }, 3);
+  Object.assign(extension(json, 0), { curved: true, shapeRange: 0.5, bendRange: 4 });
+  assert.ok(validate(json), ajv.errorsText(validate.errors));
+});
 
 const additions = {
   'a turn': { TURN: 0, ROTATION: undefined },

@@ -61,22 +61,37 @@ static scene default_material(void) {
     return s;
 }
 
-/* Writes every attribute of spec 3.10. Bits name those that vary: colour gradients, surface,
- * emissive. Splats have all numbers of clip lines, in as many runs. */
+/* What write_all varies: the attributes of spec 3.10, and curved surfaces. */
+enum { GRADIENTS = 1, SURFACE = 2, EMISSIVE = 4, CURVED = 8, OWN_SHAPE = 16, BENT = 32 };
 enum { SPLATS = 100 };
 
 static void vary(psplat_finish *f, unsigned bits, uint32_t *state) {
     *f = (psplat_finish){.occlusion = 1, .roughness = 1, .metallic = 1, .emissive = {1, 1, 1}};
-    for (int k = 0; k < 3 && bits & 1; ++k) {
+    for (int k = 0; k < 3 && bits & GRADIENTS; ++k) {
         f->color_u[k] = scene_random(state) - 0.5f;
         f->color_v[k] = scene_random(state) - 0.5f;
     }
-    if (bits & 2) f->occlusion = f->metallic = scene_random(state);
-    if (bits & 4) f->emissive[1] = scene_random(state);
+    if (bits & SURFACE) f->occlusion = f->metallic = scene_random(state);
+    if (bits & EMISSIVE) f->emissive[1] = scene_random(state);
 }
 
-static void write_finishes(const char *directory, const char *name, unsigned bits,
-                           const psplat_precision *precision, const psplat_codec *codec) {
+/* Curves a splat, whose normal is then that of its axes, and bends its lines. */
+static void curve(psplat_splat *s, unsigned bits, uint32_t *state) {
+    const float *q = s->rotation;
+    const float normal[3] = {2 * (q[0] * q[2] + q[1] * q[3]), 2 * (q[1] * q[2] - q[0] * q[3]),
+                             1 - 2 * (q[0] * q[0] + q[1] * q[1])};
+    memcpy(s->normal, normal, sizeof normal);
+    for (int k = 0; k < 3; ++k) {
+        if (bits & CURVED) s->shape[2 + k] = scene_random(state) - 0.5f;
+        s->gradient[k] = bits & OWN_SHAPE ? scene_random(state) - 0.5f : s->shape[2 + k];
+    }
+    for (uint32_t k = 0; k < s->clip_count && bits & BENT; ++k)
+        s->bend[k] = 6 * scene_random(state) - 3;
+}
+
+/* Splats have all numbers of clip lines, in as many runs. */
+static void write_all(const char *directory, const char *name, unsigned bits,
+                      const psplat_precision *precision, const psplat_codec *codec) {
     uint32_t state = 5;
     scene all = scene_ellipses(SPLATS, PSPLAT_MAX_CLIP_LINES, 4);
     psplat_splat sorted[SPLATS];
@@ -89,14 +104,20 @@ static void write_finishes(const char *directory, const char *name, unsigned bit
                             .materials = &all.material,
                             .material_count = 1,
                             .kernel = all.kernel,
-                            .has_color = bits & 1,
+                            .has_color = bits & GRADIENTS,
                             .precision = *precision};
     for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines)
         for (size_t i = lines; i < SPLATS; i += PSPLAT_MAX_CLIP_LINES + 1) {
             runs[lines].clip_lines = lines;
             runs[lines].count++;
+            runs[lines].depth_tolerance = 0.01f;
+            runs[lines].is_curved = (bits & CURVED) != 0;
+            runs[lines].has_shape = (bits & OWN_SHAPE) != 0;
+            runs[lines].has_bends = (bits & BENT) != 0;
             vary(&finishes[splats.count], bits, &state);
-            sorted[splats.count++] = all.splats[i];
+            sorted[splats.count] = all.splats[i];
+            if (bits & (CURVED | BENT)) curve(&sorted[splats.count], bits, &state);
+            ++splats.count;
         }
     const psplat_write_desc desc = {.codec = codec};
     uint8_t *data = NULL;
@@ -117,7 +138,9 @@ static const psplat_precision floats, shorts = {.unit = 1.0 / 20000,
                                                 .line_turn_step = 1.0 / 256,
                                                 .tilt_step = 1.0 / 512,
                                                 .field_step = 1.0 / 512,
+                                                .shape_step = 1.0 / 2048,
                                                 .line_step = 1.0 / 128,
+                                                .bend_step = 1.0 / 64,
                                                 .normal_bits = 11};
 
 static const psplat_precision bytes = {.unit = 1.0 / 100,
@@ -126,10 +149,32 @@ static const psplat_precision bytes = {.unit = 1.0 / 100,
                                        .line_turn_step = 1.0 / 16,
                                        .tilt_step = 1.0 / 64,
                                        .field_step = 1.0 / 64,
+                                       .shape_step = 1.0 / 128,
                                        .line_step = 1.0 / 16,
+                                       .bend_step = 1.0 / 16,
                                        .normal_bits = 8};
 
+/* Writes splats in each precision and, where there is a folder for them, compressed ones. */
+static void write_variants(char **folders, int folder_count, const char *what, unsigned bits) {
+    static const struct {
+        const char *name;
+        const psplat_precision *precision;
+    } variants[] = {{"float", &floats}, {"short", &shorts}, {"byte", &bytes}};
+    for (size_t i = 0; i < sizeof variants / sizeof *variants; ++i) {
+        char name[40];
+        snprintf(name, sizeof name, "%s_%u_%s", what, bits, variants[i].name);
+        write_all(folders[0], name, bits, variants[i].precision, NULL);
+#ifdef PSPLAT_MESHOPTIMIZER
+        if (folder_count == 2)
+            write_all(folders[1], name, bits, variants[i].precision, &psplat_meshopt_codec);
+#endif
+    }
+    (void)folder_count;
+}
+
 int main(int argc, char **argv) {
+    static const unsigned curved[] = {CURVED, CURVED | OWN_SHAPE, BENT, CURVED | BENT,
+                                      CURVED | OWN_SHAPE | BENT | GRADIENTS | SURFACE | EMISSIVE};
     if (argc != 2 && argc != 3) return 2;
     write_scene(argv[1], "disc", scene_disc(1));
     write_scene(argv[1], "sphere", scene_sphere(500, 1));
@@ -138,21 +183,9 @@ int main(int argc, char **argv) {
     write_scene(argv[1], "decorated", decorated());
     write_scene(argv[1], "unlit", unlit());
     write_scene(argv[1], "default_material", default_material());
-    for (unsigned bits = 1; bits < 8; ++bits) {
-        char name[32];
-        snprintf(name, sizeof name, "finishes_%u_float", bits);
-        write_finishes(argv[1], name, bits, &floats, NULL);
-        snprintf(name, sizeof name, "finishes_%u_short", bits);
-        write_finishes(argv[1], name, bits, &shorts, NULL);
-        snprintf(name, sizeof name, "finishes_%u_byte", bits);
-        write_finishes(argv[1], name, bits, &bytes, NULL);
-#ifdef PSPLAT_MESHOPTIMIZER
-        if (argc == 3) write_finishes(argv[2], name, bits, &bytes, &psplat_meshopt_codec);
-        snprintf(name, sizeof name, "finishes_%u_short", bits);
-        if (argc == 3) write_finishes(argv[2], name, bits, &shorts, &psplat_meshopt_codec);
-        snprintf(name, sizeof name, "finishes_%u_float", bits);
-        if (argc == 3) write_finishes(argv[2], name, bits, &floats, &psplat_meshopt_codec);
-#endif
-    }
+    for (unsigned bits = 1; bits < CURVED; ++bits)
+        write_variants(argv + 1, argc - 1, "finishes", bits);
+    for (size_t i = 0; i < sizeof curved / sizeof *curved; ++i)
+        write_variants(argv + 1, argc - 1, "curved", curved[i]);
     return failed;
 }

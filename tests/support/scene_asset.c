@@ -5,6 +5,7 @@
 #include "scene_asset.h"
 
 #include "export/glb_writer.h"
+#include "scene_curved.h"
 #include "splats/splats.h"
 
 #include <math.h>
@@ -77,6 +78,23 @@ void scene_set_axes(psplat_splat *splat, const double u[3], const double v[3]) {
     double scale = 0.5 / sqrt(square[k]);
     for (int i = 0; i < 4; ++i) q[i] = products[k][i] * scale;
     for (int i = 0; i < 4; ++i) splat->rotation[i] = (float)q[i];
+}
+
+void scene_curve_splat(psplat_splat *splat) {
+    const double x = splat->rotation[0], y = splat->rotation[1], z = splat->rotation[2];
+    const double w = splat->rotation[3], s = 2 / (x * x + y * y + z * z + w * w);
+    const double axes[3][3] = {{1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)},
+                               {s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)},
+                               {s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)}};
+    double local[3] = {0, 0, 0};
+    for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < 3; ++i) local[k] += (double)splat->normal[i] * axes[k][i];
+    for (int k = 0; k < 2; ++k) splat->shape[k] = (float)(local[k] / local[2]);
+    for (int k = 0; k < 3; ++k) splat->shape[2 + k] = splat->gradient[k];
+}
+
+void scene_curve(scene *s) {
+    for (size_t i = 0; i < s->count; ++i) scene_curve_splat(&s->splats[i]);
 }
 
 static void set_normal(psplat_splat *splat, const double n[3]) {
@@ -175,6 +193,7 @@ scene scene_ellipses(size_t count, uint32_t max_clip_lines, uint32_t seed) {
 }
 
 uint8_t *scene_glb(const scene *s, size_t *size) {
+    if (scene_is_curved(s)) return scene_curved_glb(s, size);
     psplat_splats splats = {.kernel = s->kernel,
                             .has_color = s->has_color,
                             .materials = (psplat_material[]){s->material},

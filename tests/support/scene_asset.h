@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * scene_asset.h - small assets for tests, made in memory through psplat_glb_write and read back
- * through psplat_asset_open_memory. A scene is plain data: take a ready-made one, change what the
+ * scene_asset.h - small assets for tests, made in memory through psplat_glb_write, or by
+ * scene_curved.h where splats are curved or have bent clip lines, and read back through
+ * psplat_asset_open_memory. A scene is plain data: take a ready-made one, change what the
  * test is about, open it, free it.
  *
  *     scene s = scene_sphere(500, 1.0f);
@@ -22,6 +23,7 @@ typedef struct scene {
     float depth_tolerance;    /* default: 1 % of the size */
     int has_color;            /* default: 0, and color 1 1 1 1 */
     double origin[3];         /* translation of the node */
+    int flat_is_curved;       /* default: 0; 1: flat splats lie in curved primitives */
 } scene;
 
 /* Returns count splats at the origin with unit axes along x, y, z and radius 1, white. */
@@ -48,6 +50,10 @@ uint8_t *scene_glb(const scene *s, size_t *size);
 psplat_asset *scene_open(const scene *s);
 
 void scene_free(scene *s);
+
+/* Gives a splat the shape of its normal field (spec 3.4), or each splat of a scene. */
+void scene_curve_splat(psplat_splat *splat);
+void scene_curve(scene *s);
 
 /* Sets a splat's rotation so that U and V are the given orthonormal axes. */
 void scene_set_axes(psplat_splat *splat, const double u[3], const double v[3]);

@@ -53,11 +53,38 @@ static void test_what_is_cut_away_has_bounds(void **state) {
     assert_true(isfinite(b.center[0]) && isfinite(b.radius));
 }
 
+/* A disc that is bent to a dome ends at a depth of a half: the sphere that holds its rim and its
+ * top has about the radius of its rim. A bent line that keeps half of it makes the sphere smaller.
+ */
+static void test_curved_splats_count(void **state) {
+    (void)state;
+    for (int cut = 0; cut < 2; ++cut) {
+        scene s = scene_disc(2);
+        s.splats[0].gradient[0] = s.splats[0].gradient[1] = 0.5f;
+        s.splats[0].clip_count = (uint32_t)cut;
+        s.splats[0].clip[0][0] = -1;
+        s.splats[0].bend[0] = 0.4f; /* keeps x <= 0.4 y^2 / 4 */
+        scene_curve(&s);
+        sphere b = sphere_of(s);
+        double farthest = 0;
+        for (int i = 0; i < 100 * 100; ++i) {
+            double x = i % 100 / 24.75 - 2, y = i / 100 / 24.75 - 2, z = -(x * x + y * y) / 8;
+            const double d[3] = {x - b.center[0], y - b.center[1], z - b.center[2]};
+            if (x * x + y * y > 4 || (cut && x > 0.1 * y * y)) continue;
+            farthest = fmax(farthest, sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
+        }
+        assert_true(b.center[2] < -0.2 && b.center[2] > -0.4);
+        /* The outline of twelve sides reaches 3.6 % beyond the circle. */
+        assert_true(b.radius >= farthest && b.radius < 1.05 * farthest);
+    }
+}
+
 int test_bounds_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_clip_lines_count),
         cmocka_unit_test(test_a_disc_is_inside),
         cmocka_unit_test(test_what_is_cut_away_has_bounds),
+        cmocka_unit_test(test_curved_splats_count),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

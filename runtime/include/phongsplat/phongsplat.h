@@ -103,10 +103,13 @@ typedef struct psplat_batch {
     psplat_kernel kernel;
     float depth_tolerance; /* depthTolerance of spec 5.3, in the units of psplat_splat.center */
     psplat_material material;
-    float bounds_min[3]; /* axis-aligned bounding box of the unclipped ellipses, object space */
+    float bounds_min[3]; /* axis-aligned bounding box of the unclipped splats, object space */
     float bounds_max[3];
     int has_color;          /* 0: color is 1 1 1 1 in every splat */
     int has_gamma;          /* 0: gradient[2] is 0 in every splat */
+    int is_curved;          /* 0: shape is 0 in every splat */
+    int has_shape;          /* 0: in a curved batch, shape is that of the normal field */
+    int has_bends;          /* 0: bend is 0 in every splat */
     int has_color_gradient; /* 0: color_u and color_v are 0 in every finish */
     int has_surface;        /* 0: occlusion, roughness and metallic are 1 in every finish */
     int has_emissive;       /* 0: emissive is 1 in every finish */

@@ -39,12 +39,15 @@ typedef struct psplat_reference_image {
     int32_t *splat;  /* index of the nearest splat, counted over all batches in draw order; -1 where
                         the ray meets no splat */
     uint32_t *count; /* splats blended into the pixel (at most 1 in flat and parameters mode) */
-    double *tie;     /* the least of these: distance to an edge, |1 - r| or to a clip line with a, b
-                        normalised, in (u, v) or in pixels, whichever is less; and |cosine| between
-                        a splat's normal and the ray, which decides between front and back. With the
-                        filter, edges are those of the ellipses that decide visibility and those of
-                        the widened ones; the edge of a softened clip line is where its factor
-                        becomes 0 */
+    double *tie; /* the least of these: distance to an edge, |1 - r| or to a clip line, in (u, v)
+                    or in pixels, whichever is less; |cosine| between the normal of a splat's
+                    surface and the ray, which decides between front and back; and for a curved
+                    splat the distance in pixels to its contour, where rays touch it (to first
+                    order), or the square of the cosine where that is less. A ray that misses the
+                    splat beyond its contour ties if it would touch it inside its edges. With the
+                    filter, edges are those of the ellipses that decide visibility and those of
+                    the widened ones; the edge of a softened clip line is where its factor
+                    becomes 0 */
     double *depth_tie;   /* least difference of window depth to the near plane, the far plane and
                             the visibility limit */
     double *epsilon_tie; /* least |t - limit| over the greatest epsilon of eq. (5); always 1 in flat
@@ -53,7 +56,7 @@ typedef struct psplat_reference_image {
 
 /* Draws a scene with the given view, of which x, y and environment are ignored; the projection may
  * be any invertible matrix. The arrays of image have view.width x view.height pixels. While it runs
- * it takes some 300 bytes a pixel from the C library, and 400 bytes a splat where a light casts
+ * it takes some 300 bytes a pixel from the C library, and 500 bytes a splat where a light casts
  * shadows. Where the materials of several batches meet in a pixel, their factors are blended as
  * COLOR_0 is (spec 5.4). Images should be small, because shadows are found by rays and environments
  * are integrated pixel by pixel. Values of the shadings NORMAL, DEPTH and OVERDRAW are never

@@ -29,20 +29,25 @@ extern "C" {
 /* The greatest number of clip lines of a splat (spec 3.6). */
 #define PSPLAT_MAX_CLIP_LINES 4
 
-/* One Phong splat (BSK04): an elliptical disc (surfel) in object space with a linear field of
- * normals, cut by up to four clip lines.
+/* One Phong splat (BSK04): an elliptical disc (surfel) in object space, flat or curved, with a
+ * linear field of normals, cut by up to four clip lines.
  *
  * The unit axes U, V, N are the rotated x, y and z axes. A point q of the splat's plane has
  *
  *     u = U.(q - center) / radius[0]       v = V.(q - center) / radius[1]      (BSK04 eq. 1)
  *
- * and belongs to the splat where u*u + v*v <= 1 and, for each clip line (a, b, c),
- * a*u + b*v + c >= 0. Its normal there, of any length, is
+ * and belongs to the splat where u*u + v*v <= 1 and, for each clip line (a, b, c) of bend k,
+ * a*u + b*v + c + k*(a*v - b*u)^2/2 >= 0. The splat's surface has there the height above that plane
+ *
+ *     h(u, v) = -r_u (x u + alpha u^2/2 + gamma q u v + q y v + q beta v^2/2)     (spec eq. 1a)
+ *
+ * with x, y, alpha, beta, gamma = shape, and its normal, of any length, is
  *
  *     n(u, v) = N + (x + gradient[0]*u + gradient[2]*q*v) U
  *                 + (y + gradient[2]*u + gradient[1]*v) V                      (BSK04 eq. 2)
  *
- * where x = normal.U / normal.N, y = normal.V / normal.N and q = radius[1] / radius[0]. */
+ * where x = normal.U / normal.N, y = normal.V / normal.N and q = radius[1] / radius[0]. Where shape
+ * equals (x, y, gradient), that is the normal of the surface itself. */
 typedef struct psplat_splat {
     float center[3];   /* in the units of the asset's POSITION */
     float rotation[4]; /* unit quaternion x, y, z, w */
@@ -52,7 +57,9 @@ typedef struct psplat_splat {
                           the change of y with u, which times q is that of x with v (spec 3.5) */
     float color[4];    /* linear RGBA, multiplies the material's base colour; 1 where unstored */
     float clip[PSPLAT_MAX_CLIP_LINES][3]; /* a, b, c; rows from clip_count on are 0 */
+    float bend[PSPLAT_MAX_CLIP_LINES];    /* kappa of each clip line (spec 3.6); 0: straight */
     uint32_t clip_count;                  /* 0 ... PSPLAT_MAX_CLIP_LINES */
+    float shape[5]; /* x, y, alpha, beta, gamma of the surface (spec 3.4); all 0: flat */
 } psplat_splat;
 
 /* The parts of a material that vary from splat to splat beyond one colour each; only sets of splats

@@ -114,6 +114,8 @@ int main(int argc, char **argv) {
     probe_open(host);
     table_head(&o, host);
     for (size_t i = 0; i < o.sphere_count; ++i) run_subject(host, subject_sphere(o.spheres[i]), &o);
+    for (size_t i = 0; i < o.curved_count; ++i)
+        run_subject(host, subject_curved_sphere(o.curved[i]), &o);
     for (size_t i = 0; i < o.file_count; ++i) run_subject(host, subject_open(o.files[i]), &o);
     probe_close();
     psplat_host_destroy(host);

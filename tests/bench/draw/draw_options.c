@@ -17,6 +17,7 @@ static const char usage[] =
     "the medians of what frames took.\n"
     "  --sphere N[,N...]  splats of the sphere; 10000,100000,1000000 where no FILE is given, else "
     "none\n"
+    "  --curved N[,N...]  splats of spheres of curved splats; none\n"
     "  --size N[,N...]    pixels of the square image; 512,1024\n"
     "  --mode M[,M...]    phong, gaussian, flat; all three\n"
     "  --shading NAME     lit, unlit, toon, normal, depth, overdraw, splats; lit\n"
@@ -75,9 +76,9 @@ static size_t index_of(const char *name, size_t length, const char *const *names
     return 0;
 }
 
-static void parse_spheres(options *o, const char *text) {
-    while (*text && o->sphere_count < OPTIONS_MAX_LIST)
-        o->spheres[o->sphere_count++] = (size_t)next_number(&text, 4, 100000000);
+static void parse_spheres(size_t *counts, size_t *count, const char *text) {
+    while (*text && *count < OPTIONS_MAX_LIST)
+        counts[(*count)++] = (size_t)next_number(&text, 4, 100000000);
 }
 
 static void parse_sizes(options *o, const char *text) {
@@ -105,7 +106,9 @@ static int parse_flag(options *o, const char *name) {
 
 static void parse_value(options *o, const char *name, const char *value) {
     if (strcmp(name, "--sphere") == 0) {
-        parse_spheres(o, value);
+        parse_spheres(o->spheres, &o->sphere_count, value);
+    } else if (strcmp(name, "--curved") == 0) {
+        parse_spheres(o->curved, &o->curved_count, value);
     } else if (strcmp(name, "--size") == 0) {
         parse_sizes(o, value);
     } else if (strcmp(name, "--mode") == 0) {
@@ -147,7 +150,8 @@ options options_parse(int argc, char **argv) {
     }
     o.files = (const char *const *)argv + i;
     o.file_count = (size_t)(argc - i);
-    if (!o.sphere_count && !o.file_count) parse_spheres(&o, "10000,100000,1000000");
+    if (!o.sphere_count && !o.curved_count && !o.file_count)
+        parse_spheres(o.spheres, &o.sphere_count, "10000,100000,1000000");
     if (o.mesh && o.file_count != 1) refuse("--mesh needs one FILE.glb:", o.mesh);
     return o;
 }

@@ -10,7 +10,8 @@
 enum { OPTIONS_MAX_LIST = 16 };
 
 typedef struct options {
-    size_t spheres[OPTIONS_MAX_LIST], sphere_count;
+    size_t spheres[OPTIONS_MAX_LIST], sphere_count; /* of flat splats */
+    size_t curved[OPTIONS_MAX_LIST], curved_count;  /* spheres of curved ones */
     int sizes[OPTIONS_MAX_LIST];
     size_t size_count;
     psplat_mode modes[PSPLAT_MODE_COUNT];

@@ -103,6 +103,16 @@ subject subject_sphere(size_t count) {
     return sphere;
 }
 
+subject subject_curved_sphere(size_t count) {
+    scene s = scene_sphere(count, 1.0f);
+    sort(&s);
+    scene_curve(&s);
+    s.depth_tolerance = 0.1f * s.splats[0].radius[0] * s.splats[0].radius[0];
+    subject sphere = describe("curved sphere", scene_open(&s));
+    scene_free(&s);
+    return sphere;
+}
+
 subject subject_open(const char *path) {
     psplat_asset *asset = NULL;
     psplat_error error;

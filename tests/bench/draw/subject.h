@@ -17,6 +17,9 @@ typedef struct subject {
 
 /* Makes a sphere of count splats in spatial order. */
 subject subject_sphere(size_t count);
+/* Makes one of curved splats, whose depth tolerance is a fifth of the height of each, about what it
+ * is in conversions. */
+subject subject_curved_sphere(size_t count);
 /* Opens an asset; ends the program with a message where that fails. */
 subject subject_open(const char *path);
 void subject_close(subject *s);

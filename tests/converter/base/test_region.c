@@ -247,12 +247,263 @@ static void test_near(void **state) {
     fixture_free(&f);
 }
 
+/* ---- curved surfaces ------------------------------------------------------------------------- */
+
+/* Returns a random number of low ... high. */
+static double between(uint64_t *random, double low, double high) {
+    return low + (high - low) * psplat_random_unit(random);
+}
+
+/* Returns a region anywhere whose surface has these curvatures along u and v, in one over lengths,
+ * and slopes at its centre. */
+static psplat_region curved_region(uint64_t *random, const double slope[2], double along,
+                                   double across) {
+    psplat_region r = random_region(random, 0);
+    for (int k = 0; k < 2; ++k) r.slope[k] = slope[k];
+    r.hessian[0] = along, r.hessian[2] = across;
+    return r;
+}
+
+/* A paraboloid, a saddle, a cylinder and a tilted plane: heights s^2 a / 2 + t^2 b / 2 over a place
+ * s, t, and normals perpendicular to differences of points. */
+static void test_surface(void **state) {
+    (void)state;
+    uint64_t random = 15;
+    const double shapes[][4] = {
+        {0, 0, 0.5, 0.5}, {0, 0, 0.5, -0.5}, {0, 0, -0.8, 0}, {1, -2, 0, 0}, {0.3, 0.2, 1, -0.4}};
+    for (int i = 0; i < 50; ++i) {
+        const double *shape = shapes[i % 5];
+        psplat_region r = curved_region(&random, shape, shape[2], shape[3]);
+        double uv[2] = {between(&random, -1, 1), between(&random, -1, 1)}, p[3], q[3], n[3];
+        double s = 2 * uv[0], t = 0.5 * uv[1], step = 1e-5, uvh[3];
+        double height = shape[0] * s + shape[1] * t + (shape[2] * s * s + shape[3] * t * t) / 2;
+        assert_true(psplat_region_is_curved(&r));
+        assert_near(psplat_region_height(&r, uv), height, 1e-14);
+        region_point(&r, uv[0], uv[1], height, q);
+        psplat_region_point(&r, uv, p);
+        for (int k = 0; k < 3; ++k) assert_near(p[k], q[k], 1e-14);
+        psplat_region_normal(&r, uv, n);
+        assert_near(length3(n), 1, 1e-14);
+        assert_true(dot3(n, r.n) > 0);
+        for (int k = 0; k < 2; ++k) {
+            double ahead[2] = {uv[0], uv[1]}, behind[2] = {uv[0], uv[1]}, a[3], b[3], d[3];
+            ahead[k] += step, behind[k] -= step;
+            psplat_region_point(&r, ahead, a);
+            psplat_region_point(&r, behind, b);
+            sub3(d, a, b);
+            assert_near(dot3(d, n), 0, 1e-13); /* rounding of coordinates of 10 */
+        }
+        psplat_region_local(&r, p, uvh);
+        for (int k = 0; k < 2; ++k) assert_near(uvh[k], uv[k], 1e-13);
+        assert_near(uvh[2], 0, 1e-13);
+        assert_near(psplat_region_bend(&r), max2(fabs(shape[2]), fabs(shape[3])), 1e-15);
+    }
+}
+
+/* The curvature of a saddle s t is 1 along both diagonals. */
+static void test_bend(void **state) {
+    (void)state;
+    psplat_region r = level_region(0, 0, 0, 2, 1);
+    r.hessian[1] = 1;
+    assert_near(psplat_region_bend(&r), 1, 1e-15);
+    assert_near(psplat_region_height(&r, (const double[]){0.5, 0.5}), 0.5, 1e-15);
+    r.hessian[0] = 3, r.hessian[1] = 0, r.hessian[2] = -4;
+    assert_near(psplat_region_bend(&r), 4, 1e-15);
+    r.hessian[0] = r.hessian[2] = 1, r.hessian[1] = 0.5; /* eigenvalues 0.5 and 1.5 */
+    assert_near(psplat_region_bend(&r), 1.5, 1e-15);
+}
+
+/* The height of a point that lies at a distance along the normal is that distance: exactly for
+ * planes and where the slope is 0, and otherwise with an error of half of the second derivative
+ * down the slope times the squared distance over (1 + slope^2)^(3/2), and higher orders. */
+static void test_local_distance(void **state) {
+    (void)state;
+    uint64_t random = 16;
+    for (int i = 0; i < 300; ++i) {
+        const double slope[2] = {between(&random, -2, 2), between(&random, -2, 2)};
+        double bend = i % 3 ? 0.5 : 0, p[3], n[3], uvh[3], distance = between(&random, -0.1, 0.1);
+        psplat_region r = curved_region(&random, slope, bend * between(&random, -1, 1),
+                                        bend * between(&random, -1, 1));
+        double uv[2] = {between(&random, -0.5, 0.5), between(&random, -0.5, 0.5)}, at[2];
+        psplat_region_point(&r, uv, p);
+        psplat_region_normal(&r, uv, n);
+        psplat_region_slope(&r, uv, at);
+        mad3(p, distance, n);
+        psplat_region_local(&r, p, uvh);
+        double stretch = sqrt(1 + at[0] * at[0] + at[1] * at[1]);
+        double down = r.hessian[0] * at[0] * at[0] + r.hessian[2] * at[1] * at[1];
+        double error = down * distance * distance / (2 * stretch * stretch * stretch);
+        assert_near(uvh[2], distance + error, 3 * bend * bend * pow(fabs(distance), 3) + 1e-13);
+    }
+}
+
+/* The sphere around the centre holds all of the surface, and touches it where it is tilted. */
+static void test_reach(void **state) {
+    (void)state;
+    uint64_t random = 17;
+    for (int i = 0; i < 100; ++i) {
+        const double slope[2] = {between(&random, -2, 2), between(&random, -2, 2)};
+        psplat_region r =
+            curved_region(&random, slope, between(&random, -1, 1), between(&random, -1, 1));
+        r.hessian[1] = between(&random, -1, 1);
+        double farthest = 0, reach = psplat_region_reach(&r);
+        for (int k = 0; k < 400; ++k) {
+            const double uv[2] = {cos(k * fixture_pi / 200), sin(k * fixture_pi / 200)};
+            double p[3];
+            psplat_region_point(&r, uv, p);
+            farthest = max2(farthest, sqrt(distance2_3(p, r.center)));
+        }
+        assert_true(farthest <= reach && reach < 2 * farthest);
+    }
+    psplat_region flat = level_region(1, 2, 3, 2, 0.5);
+    assert_near(psplat_region_reach(&flat), 2, 0);
+    flat.slope[0] = 1;
+    assert_near(psplat_region_reach(&flat), sqrt(8), 1e-14);
+}
+
+/* ---- bent lines ------------------------------------------------------------------------------ */
+
+static psplat_region bent_region(uint64_t *random, uint32_t lines) {
+    psplat_region r = level_region(0, 0, 0, 1, 1);
+    r.line_count = lines;
+    for (uint32_t i = 0; i < lines; ++i) {
+        double angle = between(random, 0, 2 * fixture_pi), length = between(random, 0.8, 1.2);
+        r.lines[i][0] = length * cos(angle), r.lines[i][1] = length * sin(angle);
+        r.lines[i][2] = length * between(random, -0.3, 1.1);
+        r.bends[i] = (i + lines) % 4 ? between(random, -4, 4) : 0;
+    }
+    return r;
+}
+
+/* A line's points have the value 0, and its value grows to the kept side. */
+static void test_bent_lines(void **state) {
+    (void)state;
+    uint64_t random = 18;
+    for (int i = 0; i < 100; ++i) {
+        psplat_region r = bent_region(&random, 3);
+        double m = between(&random, -1, 1), uv[2];
+        psplat_region_line_point(&r, 1, m, uv);
+        assert_near(psplat_region_line_value(&r, 1, uv), 0, 1e-14);
+        for (int k = 0; k < 2; ++k) uv[k] += 0.01 * r.lines[1][k];
+        double square = r.lines[1][0] * r.lines[1][0] + r.lines[1][1] * r.lines[1][1];
+        assert_near(psplat_region_line_value(&r, 1, uv), 0.01 * square, 1e-14);
+    }
+    /* Curvature 2 about the vertex 0.5, 0: u >= 0.5 + v^2 is left of bend -2. */
+    psplat_region r = level_region(0, 0, 0, 1, 1);
+    r.line_count = 1, r.lines[0][0] = 1, r.lines[0][2] = -0.5, r.bends[0] = -2;
+    assert_true(psplat_region_contains(&r, (const double[]){0.55, 0.2}, 1, 0));
+    assert_false(psplat_region_contains(&r, (const double[]){0.55, 0.3}, 1, 0));
+}
+
+/* Whether a point lies inside a polygon: it is crossed an odd number of times on the way there. */
+static int is_inside(double (*polygon)[2], size_t count, const double p[2]) {
+    int inside = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double *a = polygon[i], *b = polygon[(i + 1) % count];
+        if ((a[1] > p[1]) == (b[1] > p[1])) continue;
+        inside ^= p[0] < a[0] + (b[0] - a[0]) * (p[1] - a[1]) / (b[1] - a[1]);
+    }
+    return inside;
+}
+
+/* Corners of inscribed polygons are points of the region, and circumscribed ones hold all of it,
+ * with few sides and with many. Areas are those that random points tell. */
+static void test_bent_polygons(void **state) {
+    (void)state;
+    enum { POINTS = 3000 };
+    uint64_t random = 19;
+    for (uint32_t i = 0; i < 400; ++i) {
+        psplat_region r = bent_region(&random, i % (PSPLAT_MAX_CLIP_LINES + 1));
+        size_t capacity = i % 2 ? PSPLAT_OUTLINE : 68, kept = 0;
+        double(*inner)[2] = malloc(capacity * sizeof *inner);
+        double(*outer)[2] = malloc(capacity * sizeof *outer);
+        assert_non_null(inner);
+        assert_non_null(outer);
+        size_t inner_count = psplat_region_polygon(&r, 1, inner, capacity);
+        size_t outer_count = psplat_region_polygon(&r, 0, outer, capacity);
+        assert_true(inner_count <= capacity && outer_count <= capacity);
+        for (size_t k = 0; k < inner_count; ++k)
+            assert_true(psplat_region_contains(&r, inner[k], 1 + 2e-9, 2e-9));
+        for (int k = 0; k < POINTS; ++k) {
+            const double uv[2] = {between(&random, -1, 1), between(&random, -1, 1)};
+            if (!psplat_region_contains(&r, uv, 1, 0)) continue;
+            assert_true(is_inside(outer, outer_count, uv));
+            ++kept;
+        }
+        /* Four standard deviations of random points, and what a polygon leaves out. */
+        double area = psplat_region_area(&r), share = 4.0 / POINTS;
+        assert_near(area, share * (double)kept, 4 * share * sqrt((double)kept + 1) + 0.01);
+        free(inner);
+        free(outer);
+    }
+}
+
+/* Half of a disc that a bent line cuts through its centre has the area of half a disc, less or more
+ * what lies between the line and its chord: bend w^3 / 12 over a width of w. */
+static void test_bent_area(void **state) {
+    (void)state;
+    for (int bend = -1; bend <= 1; ++bend) {
+        psplat_region r = level_region(0, 0, 0, 1, 1);
+        r.line_count = 1, r.lines[0][1] = 1, r.bends[0] = bend;
+        /* It meets the circle where |v| = u^2 / 2. */
+        double area = 0;
+        for (int k = 0; k < 20000; ++k) {
+            double u = (k + 0.5) / 10000 - 1, rim = sqrt(1 - u * u), line = -bend * u * u / 2;
+            area += max2(rim - max2(line, -rim), 0) / 10000;
+        }
+        assert_near(psplat_region_area(&r), area, 2e-3 * area);
+        if (bend) continue;
+        assert_near(area, fixture_pi / 2, 1e-5);
+    }
+}
+
+static void test_bent_points(void **state) {
+    (void)state;
+    uint64_t random = 20;
+    for (uint32_t i = 0; i < 200; ++i) {
+        psplat_region r = bent_region(&random, i % (PSPLAT_MAX_CLIP_LINES + 1));
+        r.hessian[0] = between(&random, -1, 1), r.slope[1] = between(&random, -1, 1);
+        double points[PSPLAT_REGION_POINTS][3], uvh[3];
+        size_t count = psplat_region_points(&r, points);
+        assert_true(count <= PSPLAT_REGION_POINTS);
+        assert_true(count > 0 || psplat_region_area(&r) < 1e-3);
+        for (size_t k = 0; k < count; ++k) {
+            psplat_region_local(&r, points[k], uvh);
+            assert_near(uvh[2], 0, 1e-14);
+            assert_true(psplat_region_contains(&r, uvh, 1 + 2e-9, 2e-9));
+        }
+    }
+}
+
+/* A curved square has points all along its sides and between: none of its places is farther than a
+ * seventh of a side from one. */
+static void test_curved_points(void **state) {
+    (void)state;
+    psplat_region r = level_region(0, 0, 0, 1, 1);
+    r.hessian[0] = 0.1;
+    r.line_count = 4;
+    for (int i = 0; i < 4; ++i) r.lines[i][i / 2] = i % 2 ? -1 : 1, r.lines[i][2] = 0.5;
+    double points[PSPLAT_REGION_POINTS][3];
+    size_t count = psplat_region_points(&r, points);
+    assert_in_range(count, 100, PSPLAT_REGION_POINTS);
+    for (int i = 0; i < 21 * 21; ++i) {
+        double x = (i % 21 - 10) / 20.0, y = (i / 21 - 10) / 20.0, least = HUGE_VAL;
+        for (size_t k = 0; k < count; ++k)
+            least = min2(least, hypot(points[k][0] - x, points[k][1] - y));
+        assert_true(least < 1.0 / 7);
+    }
+}
+
 int test_region_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_local),   cmocka_unit_test(test_contains),
-        cmocka_unit_test(test_polygon), cmocka_unit_test(test_points),
-        cmocka_unit_test(test_near),    cmocka_unit_test(test_area),
-        cmocka_unit_test(test_within),
+        cmocka_unit_test(test_local),         cmocka_unit_test(test_contains),
+        cmocka_unit_test(test_polygon),       cmocka_unit_test(test_points),
+        cmocka_unit_test(test_near),          cmocka_unit_test(test_area),
+        cmocka_unit_test(test_within),        cmocka_unit_test(test_surface),
+        cmocka_unit_test(test_bend),          cmocka_unit_test(test_local_distance),
+        cmocka_unit_test(test_reach),         cmocka_unit_test(test_bent_lines),
+        cmocka_unit_test(test_bent_polygons), cmocka_unit_test(test_bent_area),
+        cmocka_unit_test(test_bent_points),   cmocka_unit_test(test_curved_points),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -171,11 +171,75 @@ static void test_degenerate(void **state) {
     psplat_region_tree_destroy(NULL);
 }
 
+/* Makes a region whose slopes are at most steep, with lines bent both ways. */
+static psplat_region curved_region(uint64_t *random, double steep, uint32_t lines) {
+    psplat_region r = {.line_count = lines, .radius = {2, 0.2 + 1.8 * psplat_random_unit(random)}};
+    random_axes(random, r.u, r.v, r.n);
+    for (int k = 0; k < 3; ++k) r.center[k] = 2 * psplat_random_unit(random) - 1;
+    for (int k = 0; k < 2; ++k) r.slope[k] = steep * (0.6 * psplat_random_unit(random) - 0.3);
+    for (int k = 0; k < 3; ++k)
+        r.hessian[k] = steep * (psplat_random_unit(random) - 0.5) / r.radius[k == 2];
+    for (uint32_t i = 0; i < lines; ++i) {
+        double angle = 2 * fixture_pi * psplat_random_unit(random);
+        r.lines[i][0] = cos(angle), r.lines[i][1] = sin(angle);
+        r.lines[i][2] = 0.1 + 0.6 * psplat_random_unit(random);
+        r.bends[i] = 8 * psplat_random_unit(random) - 4;
+    }
+    return r;
+}
+
+/* Returns how far a region's box reaches along an axis, to the side of sign, by halving. */
+static double box_end(const psplat_region_tree *region_tree, int axis, int sign) {
+    double low = -20, high = 20;
+    while (high - low > 1e-9) {
+        double from[3] = {-99, -99, -99}, to[3] = {99, 99, 99}, middle = 0.5 * (low + high);
+        visits v = {.total = 0};
+        *(sign > 0 ? &from[axis] : &to[axis]) = sign * middle;
+        psplat_region_tree_visit_box(region_tree, from, to, visit, &v);
+        if (v.total)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Boxes hold all of curved, clipped surfaces, and are not much wider: the polygon of 16 sides is up
+ * to 2 % wider than the ellipse, tangents stand for bent lines, and heights that curve both ways
+ * are bounded one by one. */
+static void test_curved(void **state) {
+    (void)state;
+    uint64_t random = 13;
+    double widest = 0;
+    for (uint32_t i = 0; i < 120; ++i) {
+        psplat_region r = curved_region(&random, i % 3 ? 0.7 : 4, i / 3 % 4);
+        psplat_region_tree *region_tree = psplat_region_tree_create(&r, 1, 0);
+        extent held = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+        assert_non_null(region_tree);
+        for (int k = 0; k < 100 * 100; ++k) {
+            const double uv[2] = {k % 100 / 49.5 - 1, k / 100 / 49.5 - 1};
+            double p[3];
+            psplat_region_point(&r, uv, p);
+            if (psplat_region_contains(&r, uv, 1, 0)) include(&held, p);
+        }
+        for (int k = 0; k < 6 && held.low[0] < HUGE_VAL; ++k) {
+            int axis = k / 2, sign = k % 2 ? 1 : -1;
+            double end = box_end(region_tree, axis, sign);
+            double beyond = end - (k % 2 ? held.high[axis] : -held.low[axis]);
+            assert_true(beyond >= -1e-8);
+            widest = max2(widest, beyond / 2); /* in first radii */
+        }
+        psplat_region_tree_destroy(region_tree);
+    }
+    assert_true(widest < 1);
+}
+
 int test_region_tree_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random),
         cmocka_unit_test(test_sound),
         cmocka_unit_test(test_degenerate),
+        cmocka_unit_test(test_curved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -57,4 +57,20 @@ for name in once twice; do
     expect_output "^$name.gltf: valid, "
 done
 cmp once.txt twice.txt || fail "splats placed twice are counted twice"
+
+# Curved splats and bent lines are named and counted.
+run "$PHONGSPLAT" inspect "$SOURCE_DIR/schema/curved.gltf"
+expect_success
+expect_output '^ +curved +3$'
+expect_output '^bent lines +3$'
+expect_output '^batch 0: primitive 0, 2 curved splats with 1 bent clip lines, '
+expect_output '^batch 1: primitive 1, 1 curved \(by SHAPE\) splats with 1 bent clip lines, '
+run "$PHONGSPLAT" inspect "$SOURCE_DIR/schema/curved.gltf" --format json
+expect_output '"curved_splats": 3'
+expect_output '"bent_splats": 3'
+expect_output '"has_shape": true'
+run "$PHONGSPLAT" inspect once.gltf
+grep -q 'curved\|bent' stdout.txt && fail "plane splats are called curved"
+run "$PHONGSPLAT" validate "$SOURCE_DIR/schema/curved.gltf"
+expect_success
 echo "$checks checks passed"

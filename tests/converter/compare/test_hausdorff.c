@@ -38,7 +38,7 @@ static const double bound = 0.5;
 
 /* number of points sampled by the converter and by CGAL, each */
 enum { POINTS = 10000 };
-enum { SIDES = 64, CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES };
+enum { SIDES = 64, CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES, RINGS = 6 };
 
 /* Splats as triangles. */
 typedef struct polygons {
@@ -49,21 +49,36 @@ typedef struct polygons {
     double area;
 } polygons;
 
+/* Returns how far triangles between rings leave a region: its rim and bent lines are chords, and
+ * its surface bends between their corners. */
+static double error_of(const psplat_region *region) {
+    double most = max2(region->radius[0], region->radius[1]), side = most / RINGS;
+    double error = (1 - cos(pi / SIDES)) * most;
+    for (uint32_t i = 0; i < region->line_count; ++i) /* four chords of a line of 2 at most */
+        error = max2(error, fabs(region->bends[i]) * 0.5 * 0.5 / 8 * most);
+    return error + psplat_region_bend(region) * 2 * side * side / 8;
+}
+
+/* Adds a region as rings of triangles around the middle of its outline. */
 static void add_region(const psplat_region *region, polygons *p) {
-    double corners[CORNERS][2];
+    double corners[CORNERS][2], middle[2] = {0, 0};
     size_t count = psplat_region_polygon(region, 1, corners, CORNERS);
-    uint32_t first = (uint32_t)p->point_count;
-    for (size_t i = 0; i < count; ++i) {
-        double *point = p->points + 3 * p->point_count++;
-        memcpy(point, region->center, 3 * sizeof *point);
-        mad3(point, corners[i][0] * region->radius[0], region->u);
-        mad3(point, corners[i][1] * region->radius[1], region->v);
+    uint32_t first = (uint32_t)p->point_count, around = (uint32_t)count;
+    for (size_t i = 0; i < count; ++i)
+        for (int k = 0; k < 2; ++k) middle[k] += corners[i][k] / (double)count;
+    for (size_t i = 0; i < (RINGS + 1) * count; ++i) {
+        double t = 1 - (double)(i / count) / RINGS, uv[2];
+        for (int k = 0; k < 2; ++k) uv[k] = middle[k] + t * (corners[i % count][k] - middle[k]);
+        psplat_region_point(region, uv, p->points + 3 * p->point_count++);
     }
-    for (uint32_t i = 2; i < count; ++i) {
-        const uint32_t fan[3] = {first, first + i - 1, first + i};
-        memcpy(p->triangles + 3 * p->triangle_count++, fan, sizeof fan);
+    for (uint32_t i = 0; i < RINGS * around; ++i) {
+        uint32_t next = i % around + 1 < around ? i + 1 : i + 1 - around;
+        const uint32_t two[6] = {first + i, first + next,          first + next + around,
+                                 first + i, first + next + around, first + i + around};
+        memcpy(p->triangles + 3 * p->triangle_count, two, sizeof two);
+        p->triangle_count += 2;
     }
-    p->error = max2(p->error, (1 - cos(pi / SIDES)) * max2(region->radius[0], region->radius[1]));
+    p->error = max2(p->error, error_of(region));
     p->area += psplat_region_area(region);
 }
 
@@ -71,8 +86,8 @@ static polygons polygons_of(const psplat_asset *asset, const double origin[3]) {
     polygons p = {0};
     psplat_placed_splats placed;
     assert_int_equal(psplat_placed_splats_create(asset, origin, &placed, NULL), PSPLAT_OK);
-    p.points = malloc(placed.splats.count * CORNERS * 3 * sizeof *p.points);
-    p.triangles = malloc(placed.splats.count * CORNERS * 3 * sizeof *p.triangles);
+    p.points = malloc(placed.splats.count * (RINGS + 1) * CORNERS * 3 * sizeof *p.points);
+    p.triangles = malloc(placed.splats.count * RINGS * CORNERS * 6 * sizeof *p.triangles);
     assert_non_null(p.points);
     assert_non_null(p.triangles);
     for (size_t i = 0; i < placed.splats.count; ++i) add_region(&placed.splats.regions[i], &p);

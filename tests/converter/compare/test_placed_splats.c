@@ -141,6 +141,80 @@ static void test_transforms(void **state) {
     assert_in_range(mirrored, 4, 16); /* out of 20 */
 }
 
+/* Stores the image of a surface's normal, of any length: the cross product of the images of both
+ * tangents, on the side of the image of the normal. */
+static void image_normal(const psplat_region *r, const double uv[2], const double m[16],
+                         double result[3]) {
+    double slope[2], tangents[3][3], images[3][3];
+    psplat_region_slope(r, uv, slope);
+    memcpy(tangents[0], r->u, sizeof tangents[0]);
+    memcpy(tangents[1], r->v, sizeof tangents[1]);
+    for (int k = 0; k < 2; ++k) mad3(tangents[k], slope[k], r->n);
+    psplat_region_normal(r, uv, tangents[2]);
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k)
+            images[i][k] =
+                m[k] * tangents[i][0] + m[4 + k] * tangents[i][1] + m[8 + k] * tangents[i][2];
+    cross3(result, images[0], images[1]);
+    double side = dot3(result, images[2]) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; ++k) result[k] *= side;
+    normalize3(result);
+}
+
+/* Curved splats under any affine map, mirrors among them, are curved splats again: points of the
+ * surface, what the lines keep, and normals are the images. */
+static void test_curved(void **state) {
+    (void)state;
+    uint64_t random = 21;
+    for (uint32_t round = 0; round < 20; ++round) {
+        double m[16];
+        scene s = scene_ellipses(30, 4, round + 1);
+        scene_curve(&s);
+        for (size_t i = 0; i < s.count; ++i)
+            for (uint32_t k = 0; k < s.splats[i].clip_count; ++k)
+                s.splats[i].bend[k] = (float)(4 * psplat_random_unit(&random) - 2);
+        random_map(&random, m);
+        psplat_asset *asset = fixture_open(&s, m);
+        psplat_placed_splats placed;
+        assert_int_equal(psplat_placed_splats_create(asset, none, &placed, NULL), PSPLAT_OK);
+        assert_int_equal(placed.splats.count, s.count);
+        size_t at = 0;
+        for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
+            const psplat_batch *batch = psplat_asset_batch(asset, b);
+            psplat_splats stored = {.splats = (psplat_splat *)batch->splats,
+                                    .count = batch->splat_count};
+            psplat_region *regions = psplat_splat_regions(&stored);
+            assert_non_null(regions);
+            for (size_t i = 0; i < 20 * stored.count; ++i) {
+                const psplat_region *from = &regions[i / 20], *to = &placed.splats.regions[at];
+                double uv[2], p[3], q[3], uvh[3], normal[3], expected[3];
+                assert_true(psplat_region_is_curved(from));
+                for (int k = 0; k < 2; ++k) uv[k] = 2.4 * psplat_random_unit(&random) - 1.2;
+                psplat_region_point(from, uv, p);
+                transform(m, p, q);
+                psplat_region_local(to, q, uvh);
+                /* Rounding of coordinates of about 10 in units of radii of 0.005 and more, and of
+                 * heights that steep surfaces make of that. */
+                assert_near(uvh[2], 0, 1e-11);
+                assert_near(hypot(uvh[0], uvh[1]), hypot(uv[0], uv[1]), 1e-9);
+                assert_int_equal(psplat_region_contains(to, uvh, 1, 0),
+                                 psplat_region_contains(from, uv, 1, 0));
+                psplat_region_normal(to, uvh, normal);
+                image_normal(from, uv, m, expected);
+                assert_near3(normal, expected, 1e-8);
+                psplat_blend_field_normal(&placed.splats.fields[at], uvh, normal);
+                normalize3(normal); /* The field is that of the surface, rounded to floats. */
+                assert_near3(normal, expected, 1e-5);
+                at += i % 20 == 19;
+            }
+            free(regions);
+        }
+        psplat_placed_splats_free(&placed);
+        psplat_asset_destroy(asset);
+        scene_free(&s);
+    }
+}
+
 /* Splats that convert writes come back bit by bit, also far from the origin. */
 static void test_exact(void **state) {
     (void)state;
@@ -273,7 +347,7 @@ int test_placed_splats_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_transforms), cmocka_unit_test(test_exact),
         cmocka_unit_test(test_distance),   cmocka_unit_test(test_distance_exact),
-        cmocka_unit_test(test_nearest),
+        cmocka_unit_test(test_nearest),    cmocka_unit_test(test_curved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

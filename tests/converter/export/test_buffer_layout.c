@@ -231,6 +231,42 @@ static void test_padding(void **state) {
     laid_free(&l);
 }
 
+/* Splats without clip lines are flat and the others curved, with a SHAPE. Returns the primitives
+ * into which they go where padding is free. */
+static size_t count_joined(size_t count, int has_shape, int flat_joins) {
+    const written w = {.count = count,
+                       .size = 1,
+                       .precision = steps_of(1),
+                       .has_slopes = 1,
+                       .curved = 30,
+                       .has_shape = has_shape};
+    psplat_buffer_layout_plan plan = plan_of(0, 0, NULL);
+    psplat_splats splats = writer_splats(&w, 5);
+    psplat_attribute_table table;
+    psplat_buffer_layout layout = {.tables = &table, .mesh_count = 1};
+    psplat_error error = {0};
+    plan.flat_joins = flat_joins;
+    if (psplat_attribute_table_fill(&splats, &table, &error)) fail_msg("%s", error.text);
+    if (psplat_buffer_layout_make(&plan, &layout, &error)) fail_msg("%s", error.text);
+    size_t primitives = layout.primitive_count, flat = layout.primitives[0].counts[0];
+    size_t joined = layout.primitives[0].counts[PSPLAT_LINE_CLASSES];
+    assert_int_equal(primitives == 1 ? joined : flat, splats.runs[0].count);
+    psplat_buffer_layout_clear(&layout);
+    psplat_attribute_table_free(&table);
+    psplat_splats_free(&splats);
+    return primitives;
+}
+
+/* A few flat splats join curved ones where they keep their normals, which takes a SHAPE; many stay
+ * alone, since curved primitives are slower to draw. */
+static void test_flat_joins(void **state) {
+    (void)state;
+    assert_int_equal(count_joined(60, 1, 0), 2);
+    assert_int_equal(count_joined(60, 1, 1), 1);
+    assert_int_equal(count_joined(60, 0, 1), 2);
+    assert_int_equal(count_joined(3000, 1, 1), 2);
+}
+
 /* ---- files ---------------------------------------------------------------------------------- */
 
 /* Returns the size in bytes of the GLB of a plan. */
@@ -287,6 +323,7 @@ int test_buffer_layout_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_plan),
         cmocka_unit_test(test_padding),
+        cmocka_unit_test(test_flat_joins),
         cmocka_unit_test(test_smallest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * test_candidate.c - tests of growing candidates on surfaces whose best splat is known: a plane, a
- * cylinder, a sphere, and the corners of a cube. Expected radii follow from the sagitta: at best, a
- * splat spans heights of twice the tolerance.
+ * cylinder, a sphere, a saddle, and the corners of a cube. Expected radii of flat splats follow
+ * from the sagitta: at best, a splat spans heights of twice the tolerance. Those of curved ones
+ * follow from the third or fourth order of the surface, and from the bound of their slopes.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -69,6 +70,14 @@ static void check_candidate(const fixture *f, const psplat_limits *limits,
     for (uint32_t i = 0; i < r->line_count; ++i)
         assert_near(hypot(r->lines[i][0], r->lines[i][1]), 1, 1e-12);
     assert_true(c->deviation <= limits->tolerance * (1 + 1e-12));
+    for (int k = 0; k < 16 && psplat_region_is_curved(r); ++k) { /* One field does for both. */
+        const double uv[2] = {cos(k), sin(k)};
+        double xy[2], normal[3], field[3];
+        psplat_region_normal(r, uv, normal);
+        psplat_normal_field_at(c->field, r->radius, uv, xy);
+        for (int a = 0; a < 3; ++a) field[a] = r->n[a] + xy[0] * r->u[a] + xy[1] * r->v[a];
+        assert_near(dot3(field, normal), length3(field), 1e-12);
+    }
     uint8_t *seen = calloc(f->samples.count, 1);
     assert_non_null(seen);
     uint32_t patch = f->surface.patches[f->samples.triangles[seed]];
@@ -129,8 +138,8 @@ static void place_tube(double s, double t, double p[3]) {
     p[2] = length * (t - 0.5);
 }
 
-/* The best splat is a strip along the axis, as wide as the tolerance allows: its half-width w has a
- * sagitta of twice the tolerance, 1 - cos w = 2 tolerance. */
+/* The best flat splat is a strip along the axis, as wide as the tolerance allows: its half-width w
+ * has a sagitta of twice the tolerance, 1 - cos w = 2 tolerance. */
 static void test_cylinder(void **state) {
     (void)state;
     fixture f;
@@ -145,6 +154,7 @@ static void test_cylinder(void **state) {
     fixture_sample(&f, 0.004);
     const double tolerance = 0.02;
     psplat_limits limits = limits_of(&f, tolerance, 0.02);
+    limits.planar = 1;
     double widest = sin(acos(1 - 2 * tolerance));
     const double axis[3] = {0, 0, 1};
     for (int i = 0; i < 5; ++i) {
@@ -176,9 +186,102 @@ static void test_cylinder(void **state) {
     fixture_free(&f);
 }
 
+/* Returns how far the surface of a region is at most from one whose distance is known, at points
+ * all over its ellipse. */
+static double farthest(const psplat_region *r, double (*distance)(const double p[3])) {
+    double greatest = 0;
+    for (int k = 0; k < 64; ++k)
+        for (int ring = 0; ring <= 8; ++ring) {
+            double p[3], turn = 2 * fixture_pi * k / 64;
+            const double uv[2] = {ring * cos(turn) / 8, ring * sin(turn) / 8};
+            psplat_region_point(r, uv, p);
+            greatest = max2(greatest, distance(p));
+        }
+    return greatest;
+}
+
+static double tube_distance(const double p[3]) {
+    return fabs(hypot(p[0], p[1]) - 1);
+}
+
+/* A curved splat on the tube is a strip, too. Over the half-width w a parabola leaves the circle by
+ * the fourth order, x^4 / 8, of which the best fit leaves w^4 / 64 to both sides: that is the
+ * tolerance at w = (64 tolerance)^(1/4) but for higher orders, which are a third of it there. It is
+ * at least twice as wide as the flat one, and all of it is within the tolerance. */
+static void test_curved_cylinder(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, AROUND, 24, place_tube);
+    fixture_build(&f); /* the inner side is the front */
+    fixture_sample(&f, 0.004);
+    const double tolerance = 0.004, axis[3] = {0, 0, 1};
+    psplat_limits limits = limits_of(&f, tolerance, 0.02);
+    double flat = sin(acos(1 - 2 * tolerance)), widest = pow(64 * tolerance, 0.25);
+    for (int i = 0; i < 5; ++i) {
+        double angle = -0.5 + 0.25 * i;
+        uint32_t seed = sample_at(&f, sin(angle), cos(angle), 0.2 * i);
+        psplat_candidate c = grow(&f, &limits, seed);
+        const psplat_region *r = &c.region;
+        check_candidate(&f, &limits, &c, seed);
+        print_message("curved cylinder: %.2f x %.3f, flat %.3f, widest %.3f\n", r->radius[0],
+                      r->radius[1], flat, widest);
+        assert_true(fabs(dot3(r->u, axis)) > 0.99);
+        assert_true(r->radius[1] > 2 * flat && r->radius[1] < 1.1 * widest);
+        /* The mesh lies inside the circle by at most 1 - cos(pi / 2 / 96) = 1.3e-4. */
+        assert_true(farthest(r, tube_distance) < tolerance + 2e-4);
+        /* It bends around the axis and nowhere else: the second derivative of the best parabola is
+         * that of the circle, 1, and up to w^2 more. */
+        assert_near(r->hessian[0], 0, 0.02);
+        assert_near(r->hessian[1], 0, 0.05);
+        assert_near(fabs(r->hessian[2]), 1 + 0.3 * r->radius[1] * r->radius[1], 0.3);
+        psplat_candidate_free(&c);
+    }
+    fixture_free(&f);
+}
+
+/* ---- saddle ---------------------------------------------------------------------------------- */
+
+/* Places a saddle over a square of side 4, whose slopes reach 0.9 in the corners. */
+static void place_saddle(double s, double t, double p[3]) {
+    p[0] = 4 * s - 2, p[1] = 4 * t - 2,
+    p[2] = 0.15 * (p[0] * p[0] - p[1] * p[1]) + 0.05 * p[0] * p[1];
+}
+
+/* A saddle, whatever its size, is one curved splat: its surface is of second order. The tolerance
+ * is for the mesh, whose chords of 1/30 leave it by 0.16 * (4 / 60)^2 / 2 = 4e-4. Only the seed in
+ * the middle sees all of it alike. */
+static void test_saddle(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, 60, 60, place_saddle);
+    fixture_build(&f);
+    fixture_sample(&f, 0.01);
+    psplat_limits limits = limits_of(&f, 0.005, 0.05);
+    limits.crease_tolerance = limits.tolerance;
+    uint32_t seed = sample_at(&f, 0, 0, 0);
+    psplat_candidate c = grow(&f, &limits, seed);
+    check_candidate(&f, &limits, &c, seed);
+    print_message("saddle: %zu of %zu samples, %u lines, deviation %.2g\n", c.covered_count,
+                  f.samples.count, c.region.line_count, c.deviation);
+    assert_int_equal(c.covered_count, f.samples.count);
+    assert_int_equal(c.region.line_count, 4);
+    /* its Gaussian curvature: in its own axes 0.3, -0.3 and 0.05 */
+    const double *h = c.region.hessian;
+    assert_near(h[0] * h[2] - h[1] * h[1], -0.0925, 0.003);
+    assert_near(h[0] + h[2], 0, 0.01);
+    limits.planar = 1;
+    psplat_candidate flat = grow(&f, &limits, seed);
+    assert_int_equal(psplat_region_is_curved(&flat.region), 0);
+    assert_true(8 * flat.covered_count < c.covered_count);
+    psplat_candidate_free(&flat);
+    psplat_candidate_free(&c);
+    fixture_free(&f);
+}
+
 /* ---- sphere ---------------------------------------------------------------------------------- */
 
-/* The best splat is a cap whose height is twice the tolerance: 1 - cos(half angle) = 2 tolerance.
+/* The best flat splat is a cap whose height is twice the tolerance: 1 - cos(half angle) = 2
+ * tolerance.
  */
 static void test_sphere(void **state) {
     (void)state;
@@ -189,6 +292,7 @@ static void test_sphere(void **state) {
     const double parts[] = {0.02, 0.08};
     for (size_t i = 0; i < 2; ++i) {
         psplat_limits limits = limits_of(&f, parts[i] * radius, 0.02 * radius);
+        limits.planar = 1;
         double best = radius * sin(acos(1 - 2 * parts[i]));
         for (uint32_t k = 0; k < 4; ++k) {
             uint32_t seed = (uint32_t)(k * f.samples.count / 4);
@@ -210,6 +314,44 @@ static void test_sphere(void **state) {
                 region_point(&c.region, cos(turn), sin(turn), 0, p);
                 assert_near(length3(p), radius, (parts[i] + 0.0015) * radius);
             }
+            psplat_candidate_free(&c);
+        }
+    }
+    fixture_free(&f);
+}
+
+static double sphere_radius;
+
+static double sphere_distance(const double p[3]) {
+    return fabs(length3(p) - sphere_radius);
+}
+
+/* On a sphere of radius 1 a paraboloid over the radius x leaves it by x^4 / 64 to both sides at
+ * best, and a little more for higher orders: x = (64 tolerance)^(1/4). At small tolerances a curved
+ * splat comes near to that, and all of it is within the tolerance. */
+static void test_curved_sphere(void **state) {
+    (void)state;
+    fixture f;
+    fixture_model(&f, "sphere.ply");
+    double radius = sphere_radius = length3(f.mesh.positions);
+    fixture_sample(&f, 0.004);
+    const double parts[] = {0.004, 0.02};
+    for (size_t i = 0; i < 2; ++i) {
+        psplat_limits limits = limits_of(&f, parts[i] * radius, 0.02 * radius);
+        double flat = radius * sin(acos(1 - 2 * parts[i])),
+               best = radius * pow(64 * parts[i], 0.25);
+        for (uint32_t k = 0; k < 4; ++k) {
+            uint32_t seed = (uint32_t)(k * f.samples.count / 4);
+            psplat_candidate c = grow(&f, &limits, seed);
+            check_candidate(&f, &limits, &c, seed);
+            print_message("curved sphere: %.3f x %.3f, flat %.3f, best %.3f\n", c.region.radius[0],
+                          c.region.radius[1], flat, best);
+            assert_int_equal(c.region.line_count, 0);
+            assert_true(c.region.radius[1] > 1.8 * flat);
+            assert_true(c.region.radius[0] < 1.15 * best);
+            /* The mesh lies 0.1 % inside the sphere. */
+            assert_true(farthest(&c.region, sphere_distance) < (parts[i] + 0.0015) * radius);
+            assert_true(psplat_region_is_curved(&c.region));
             psplat_candidate_free(&c);
         }
     }
@@ -314,9 +456,15 @@ static void test_cover(void **state) {
 
 int test_candidate_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plane),   cmocka_unit_test(test_cylinder),
-        cmocka_unit_test(test_sphere),  cmocka_unit_test(test_normal_tolerance),
-        cmocka_unit_test(test_corners), cmocka_unit_test(test_cover),
+        cmocka_unit_test(test_plane),
+        cmocka_unit_test(test_cylinder),
+        cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_curved_cylinder),
+        cmocka_unit_test(test_curved_sphere),
+        cmocka_unit_test(test_saddle),
+        cmocka_unit_test(test_normal_tolerance),
+        cmocka_unit_test(test_corners),
+        cmocka_unit_test(test_cover),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -136,11 +136,11 @@ static void test_rounded_once(void **state) {
     for (int i = 0; i < 1000; ++i) {
         double angle = 2 * fixture_pi * psplat_random_unit(&random), again[3], field[5], twice[5];
         double line[3] = {cos(angle), sin(angle), 1.9 * psplat_random_unit(&random) - 0.95},
-               kept[3];
+               kept[3], bend = 0;
         memcpy(kept, line, sizeof kept);
-        psplat_quantize_line(&precision, line);
+        psplat_quantize_line(&precision, line, &bend);
         memcpy(again, line, sizeof again);
-        psplat_quantize_line(&precision, again);
+        psplat_quantize_line(&precision, again, &bend);
         /* in units of the ellipse */
         for (int k = 0; k < 3; ++k) assert_near(again[k], line[k], 1e-12);
         for (int k = 0; k < 64; ++k) { /* A point that was kept is not cut off. */
@@ -160,12 +160,14 @@ static void test_rounded_once(void **state) {
 
 /* ---- scale and place ----------------------------------------------------------------------- */
 
+static const psplat_run flat = {.count = 1};
+
 static void assert_same_codes(const psplat_splats *a, const psplat_splats *b) {
     assert_int_equal(a->count, b->count);
     for (size_t i = 0; i < a->count; ++i) {
         psplat_quantized_splat left, right;
-        psplat_quantize_splat(&a->precision, &a->splats[i], &left);
-        psplat_quantize_splat(&b->precision, &b->splats[i], &right);
+        psplat_quantize_splat(&a->precision, &flat, &a->splats[i], &left);
+        psplat_quantize_splat(&b->precision, &flat, &b->splats[i], &right);
         assert_same_code(&left, &right);
     }
 }

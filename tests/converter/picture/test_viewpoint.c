@@ -15,6 +15,7 @@
 #include <string.h>
 #include "export/glb_writer.h"
 #include "picture/viewpoint.h"
+#include "scene_asset.h"
 #include "splats/splats.h"
 
 static void transform(const double m[16], const double in[4], double out[4]) {
@@ -159,6 +160,53 @@ static void test_sphere_leaves_out_what_is_clipped(void **state) {
     free(data);
 }
 
+/* Makes a scene of one splat of radii 2 and 1 that is bent to a dome along u and to a bowl along v,
+ * and that bent lines keep the middle of where line_count is 2. */
+static scene bent_scene(uint32_t line_count) {
+    scene s = scene_blank(1);
+    psplat_splat *splat = &s.splats[0];
+    splat->radius[0] = 2;
+    splat->gradient[0] = 1.2f, splat->gradient[1] = -0.8f, splat->gradient[2] = 0.3f;
+    splat->clip_count = line_count;
+    for (uint32_t i = 0; i < line_count; ++i) {
+        splat->clip[i][0] = i ? -1 : 1;
+        splat->clip[i][2] = i ? 0.1f : 0.2f;
+        splat->bend[i] = i ? 0.6f : -0.5f;
+    }
+    scene_curve(&s);
+    return s;
+}
+
+/* Stores the point of the splat of bent_scene at (u, v): its axes are x, y and z. */
+static void bent_point(double u, double v, double p[3]) {
+    p[0] = 2 * u, p[1] = v, p[2] = -(1.2 * u * u / 2 + 0.3 * u * v / 2 - 0.8 * v * v / 4) * 2;
+}
+
+/* The sphere encloses all of a curved surface that bent lines leave, and little more. */
+static void test_sphere_holds_curved_splats(void **state) {
+    (void)state;
+    for (uint32_t lines = 0; lines < 3; lines += 2) {
+        scene s = bent_scene(lines);
+        psplat_asset *asset = scene_open(&s);
+        double center[3], radius = 0, farthest = 0;
+        psplat_viewpoint_sphere(asset, center, &radius);
+        for (int i = 0; i < 200 * 200; ++i) {
+            double u = i % 200 / 99.5 - 1, v = i / 200 / 99.5 - 1, p[3], square = 0;
+            if (u * u + v * v > 1) continue;
+            if (lines && (u + 0.2 - 0.25 * v * v < 0 || -u + 0.1 + 0.3 * v * v < 0)) continue;
+            bent_point(u, v, p);
+            for (int k = 0; k < 3; ++k) square += (p[k] - center[k]) * (p[k] - center[k]);
+            farthest = fmax(farthest, sqrt(square));
+        }
+        assert_true(farthest <= radius);
+        /* The outline with 16 sides reaches 2 % beyond the circle, where the surface is steep. A
+         * straight line stands for each bent one. */
+        assert_true(radius < farthest * (lines ? 1.2 : 1.04));
+        psplat_asset_destroy(asset);
+        scene_free(&s);
+    }
+}
+
 static void test_light_comes_from_the_camera_s_side(void **state) {
     (void)state;
     const double min[3] = {-1, -1, -1}, max[3] = {1, 1, 1};
@@ -199,6 +247,7 @@ int test_viewpoint_main(void) {
         cmocka_unit_test(test_directions),
         cmocka_unit_test(test_near_plane_stays_in_front_of_the_eye),
         cmocka_unit_test(test_sphere_leaves_out_what_is_clipped),
+        cmocka_unit_test(test_sphere_holds_curved_splats),
         cmocka_unit_test(test_light_comes_from_the_camera_s_side),
         cmocka_unit_test(test_crop),
     };

@@ -64,8 +64,8 @@ static psplat_view view_of(const psplat_asset *asset, const double from[3], doub
 }
 
 static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
-    /* The tolerances are those of test_agreement.c, for splats as large as a fifth of their
-     * distance: (2 / 5)^2 of epsilon. */
+    /* The tolerances are those of test_agreement_curved.c, for splats as large as a fifth of their
+     * distance: (2 / 5)^2 of epsilon, and window depth as in its near views. */
     const agreement_ties ties = {2e-4, 2e-6, 0.16};
     psplat_view view = view_of(asset, from, 4);
     agreement a = agreement_measure(g, asset, NULL, &view, 1, &ties);
@@ -84,7 +84,7 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     assert_int_equal(a.mismatches, 0);
     assert_int_equal(a.other, 0);
     assert_true(a.uv <= 5e-5 && a.thin_uv <= 5e-4);
-    assert_true(a.depth <= 1e-6 && a.thin_depth <= 2e-5);
+    assert_true(a.depth <= 2e-6 && a.thin_depth <= 2e-5);
     assert_true(a.color <= 1e-4);
     for (int mode = PSPLAT_MODE_GAUSSIAN; mode <= PSPLAT_MODE_FLAT; ++mode) {
         view.mode = (psplat_mode)mode;
@@ -92,7 +92,7 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
         print_message("mode %d: mismatches %zu depth %.1e color %.1e\n", mode, other.mismatches,
                       other.depth, other.color);
         assert_int_equal(other.mismatches, 0);
-        assert_true(other.depth <= 1e-6 && other.color <= 1e-4);
+        assert_true(other.depth <= 2e-6 && other.color <= 1e-4);
     }
 }
 
@@ -114,7 +114,7 @@ static void check_filter(gpu *g, const psplat_asset *asset, const double from[3]
         assert_int_equal(a.mismatches, 0);
         /* Where a splat covers single pixels, its position error is multiplied by the depth per
          * pixel. */
-        assert_true(a.depth <= 1e-6 && a.thin_depth <= 5e-6 && a.color <= 1e-4);
+        assert_true(a.depth <= 2e-6 && a.thin_depth <= 5e-6 && a.color <= 1e-4);
     }
 }
 

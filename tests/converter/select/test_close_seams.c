@@ -98,7 +98,7 @@ static void add_splat(roof *r, int second, double height) {
     }
     count = psplat_segments_find(&r->f.surface, edges, count, region, 0.01, segments);
     assert_int_equal(count, 1);
-    assert_int_equal(psplat_clip_choose(region, segments, count, seed, 1e-3), 1);
+    assert_int_equal(psplat_clip_choose(region, segments, count, seed, 1e-3, 0), 1);
     assert_int_equal(region->line_count, 1);
     mad3(region->center, height, n);
 }

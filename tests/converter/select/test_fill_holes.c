@@ -34,9 +34,10 @@ typedef struct repair {
     psplat_splats splats;
 } repair;
 
-/* Runs the stages before fill_holes.c, with this spacing of samples and this overlap of splats.
+/* Runs the stages before fill_holes.c, with this spacing of samples and this overlap of splats,
+ * which are flat where planar is 1.
  * tolerance and spacing are in diagonals, margin in spacings. */
-static void repair_begin(repair *r, double tolerance, double spacing, double margin) {
+static void repair_begin(repair *r, double tolerance, double spacing, double margin, int planar) {
     fixture_sample(&r->f, spacing);
     r->desc = (psplat_convert_desc){0};
     r->splats = (psplat_splats){0};
@@ -50,6 +51,7 @@ static void repair_begin(repair *r, double tolerance, double spacing, double mar
                                   .crease_tolerance = 0.5 * r->c.tolerance,
                                   .crease_slack = 0.3 * r->c.tolerance,
                                   .margin = margin * r->f.samples.spacing,
+                                  .planar = planar,
                                   .distance = r->f.distance};
     const psplat_fit_context context = psplat_conversion_context(&r->c);
     assert_int_equal(psplat_greedy_cover(&context, &r->desc, &r->c.selection, NULL), PSPLAT_OK);
@@ -99,16 +101,17 @@ static size_t repair_and_check(repair *r) {
 static void test_gaps(void **state) {
     (void)state;
     const char *names[] = {"sphere.ply", "torus.off"};
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < 4; ++i) {
         repair r;
-        fixture_model(&r.f, names[i]);
-        repair_begin(&r, 0.03, 0.03, 0);
+        int planar = i % 2;
+        fixture_model(&r.f, names[i / 2]);
+        repair_begin(&r, 0.03, 0.03, 0, planar);
         size_t holes = count_holes(&r), splats = r.splats.count;
-        assert_true(holes > 10);
+        if (planar) assert_true(holes > 10); /* A few curved splats have few seams. */
         size_t added = repair_and_check(&r);
-        print_message("%s: %zu holes, %zu samples added, %zu splats became %zu\n", names[i], holes,
-                      added, splats, r.splats.count);
-        assert_true(added > 0);
+        print_message("%s: %zu holes, %zu samples added, %zu splats became %zu\n", names[i / 2],
+                      holes, added, splats, r.splats.count);
+        assert_int_equal(added > 0, holes > 0);
         repair_end(&r);
     }
 }
@@ -118,7 +121,7 @@ static void test_lost(void **state) {
     (void)state;
     repair r;
     fixture_model(&r.f, "sphere.ply");
-    repair_begin(&r, 0.04, 0.02, 0.4);
+    repair_begin(&r, 0.04, 0.02, 0.4, 1);
     size_t lost = 0, splats = r.splats.count;
     const psplat_candidate *candidates = r.c.selection.candidates;
     for (size_t i = 0; i < r.c.selection.count; ++i)
@@ -140,7 +143,7 @@ static void test_nothing(void **state) {
     (void)state;
     repair r;
     fixture_model(&r.f, "cube.off");
-    repair_begin(&r, 0.02, 0.02, 0.4);
+    repair_begin(&r, 0.02, 0.02, 0.4, 1);
     assert_int_equal(count_holes(&r), 0);
     assert_int_equal(repair_and_check(&r), 0);
     psplat_splat kept[6];
@@ -172,7 +175,7 @@ static void test_open_mesh(void **state) {
     }
     r.f.mesh.triangle_count = kept;
     fixture_build(&r.f);
-    repair_begin(&r, 0.01, 0.01, 0);
+    repair_begin(&r, 0.01, 0.01, 0, 1);
     repair_and_check(&r);
     /* No splat reaches into the hole by more than the tolerance. */
     psplat_region *regions = psplat_splat_regions(&r.splats);
@@ -200,7 +203,7 @@ static void test_interrupted(void **state) {
     repair r;
     psplat_error error = {0};
     fixture_model(&r.f, "cube.off");
-    repair_begin(&r, 0.02, 0.02, 0.4);
+    repair_begin(&r, 0.02, 0.02, 0.4, 1);
     r.desc.progress = stop_at_once;
     assert_int_equal(psplat_fill_holes(&r.c, &error), PSPLAT_ERROR_INTERRUPTED);
     assert_int_equal(error.code, PSPLAT_ERROR_INTERRUPTED);

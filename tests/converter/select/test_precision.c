@@ -105,7 +105,8 @@ static int bits_of(double radius) {
     psplat_conversion c = {.desc = &desc, .tolerance = 1, .surface = {.diagonal = 1000}};
     uint64_t random = 3;
     for (int i = 0; i < COUNT; ++i) {
-        psplat_candidate candidate = {.taken = 1, .region = {.radius = {radius, radius}}};
+        psplat_candidate candidate = {
+            .taken = 1, .covered_count = 1, .region = {.radius = {radius, radius}}};
         psplat_region *r = &candidate.region;
         random_axes(&random, r->u, r->v, r->n);
         assert_true(psplat_selection_push(&c.selection, &candidate));

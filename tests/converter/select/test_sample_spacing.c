@@ -34,6 +34,7 @@ static void begin(psplat_conversion *c, fixture *f, double tolerance, double fin
                              .tolerance = tolerance * f->surface.diagonal};
     c->finest = finest * c->tolerance;
     c->limits = (psplat_limits){.tolerance = 0.98 * c->tolerance,
+                                .planar = 1, /* The closed forms are those of flat splats. */
                                 .crease_tolerance = 0.5 * c->tolerance,
                                 .crease_slack = 0.3 * c->tolerance,
                                 .distance = f->distance};
@@ -44,7 +45,7 @@ static void end(psplat_conversion *c, fixture *f) {
     fixture_free(f);
 }
 
-/* Asserts what holds at any density: the spacing lies between the finest one and three times that,
+/* Asserts what holds at any density: the spacing lies between the finest one and ten times that,
  * the margin is a fifth of the spacing, and there are about as many samples as blue noise of that
  * spacing has, more than one for two squares of the spacing. */
 static void check(const psplat_conversion *c) {

@@ -243,6 +243,68 @@ static void test_runs(void **state) {
     psplat_splats_free(&splats);
 }
 
+/* Returns a candidate in a plane of its own, whose field is that of its surface. */
+static psplat_candidate curved_candidate(uint32_t lines, double bend) {
+    psplat_candidate c = {.region = {.u = {1, 0, 0},
+                                     .v = {0, 1, 0},
+                                     .n = {0, 0, 1},
+                                     .radius = {2, 0.5},
+                                     .line_count = lines,
+                                     .hessian = {0.25, 0.125, -0.5}},
+                          .field = {0, 0, -0.5, 0.25, -0.25},
+                          .deviation = 0.01,
+                          .taken = 1};
+    for (uint32_t i = 0; i < lines; ++i) c.region.lines[i][0] = 1;
+    if (lines) c.region.bends[lines - 1] = bend;
+    return c;
+}
+
+/* Curved splats have runs of their own behind the plane ones of as many lines. Their gradients
+ * follow from the Hessian A, B, C by the signs and lengths of spec 3.4: alpha = -A r_u, beta =
+ * -C r_v, gamma = -B r_u. */
+static void test_curved_runs(void **state) {
+    (void)state;
+    psplat_candidate candidates[] = {curved_candidate(1, 0.5), curved_candidate(0, 0),
+                                     curved_candidate(0, 0), curved_candidate(0, 0)};
+    memset(candidates[3].region.hessian, 0, sizeof candidates[3].region.hessian);
+    candidates[2].region.slope[0] = 0.125;
+    candidates[2].field[0] = -0.125;
+    candidates[2].field[2] *= 1 + 1e-7; /* rounded to float */
+    psplat_splats splats = {0};
+    psplat_selection selection = {candidates, 4, 4};
+    const psplat_sort_desc storing = {1, 0.1f, NULL, 0, 0};
+    assert_int_equal(psplat_sort_splats(&selection, &storing, &splats), PSPLAT_OK);
+    assert_int_equal(splats.run_count, 3);
+    const psplat_run *flat = splats.runs, *plain_lines = flat + 1, *bent = flat + 2;
+    assert_true(!flat->is_curved && flat->depth_tolerance == 0.1f && flat->count == 1);
+    assert_true(plain_lines->is_curved && !plain_lines->has_shape && !plain_lines->has_bends);
+    assert_true(plain_lines->depth_tolerance == 1 && plain_lines->count == 2);
+    assert_true(bent->is_curved && bent->has_bends && bent->clip_lines == 1);
+    for (int i = 1; i < 4; ++i) {
+        static const float shape[3] = {-0.5f, 0.25f, -0.25f};
+        assert_memory_equal(splats.splats[i].shape + 2, shape, sizeof shape);
+        assert_memory_equal(splats.splats[i].gradient, shape, sizeof shape);
+    }
+    assert_true(splats.splats[0].shape[2] == 0 && splats.splats[3].bend[0] == 0.5f);
+    assert_true(splats.splats[1].shape[0] + splats.splats[2].shape[0] == -0.125f);
+    psplat_splats_free(&splats);
+}
+
+/* A field that is not that of the surface gives all splats of its run shapes of their own. */
+static void test_own_shapes(void **state) {
+    (void)state;
+    for (int k = 0; k < 5; ++k) {
+        psplat_candidate candidates[] = {curved_candidate(0, 0), curved_candidate(0, 0)};
+        candidates[1].field[k] += 1e-3;
+        psplat_splats splats = store(candidates, 2);
+        assert_int_equal(splats.run_count, 1);
+        assert_true(splats.runs->is_curved && splats.runs->has_shape);
+        for (int i = 0; i < 2; ++i)
+            assert_true(splats.splats[i].shape[0] == 0 && splats.splats[i].shape[2] == -0.5f);
+        psplat_splats_free(&splats);
+    }
+}
+
 /* No candidates, and candidates that are all in one place, also have a defined order. */
 static void test_degenerate(void **state) {
     (void)state;
@@ -270,9 +332,10 @@ static void test_degenerate(void **state) {
 
 int test_sort_splats_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rotations),  cmocka_unit_test(test_cube_rotations),
-        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_morton),
-        cmocka_unit_test(test_runs),       cmocka_unit_test(test_degenerate),
+        cmocka_unit_test(test_rotations),   cmocka_unit_test(test_cube_rotations),
+        cmocka_unit_test(test_round_trip),  cmocka_unit_test(test_morton),
+        cmocka_unit_test(test_runs),        cmocka_unit_test(test_degenerate),
+        cmocka_unit_test(test_curved_runs), cmocka_unit_test(test_own_shapes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

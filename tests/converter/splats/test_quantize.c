@@ -83,6 +83,7 @@ static void compare_lines(size_t index, const psplat_splat *found, const psplat_
          * likewise, and once more in the rounded splat. */
         compare("line", index, found->clip[k], line, 2, 0, is_coded ? (3 * 3.1416 + 2) * ulp : 0);
         compare("distance", index, found->clip[k] + 2, line + 2, 1, 4 * ulp * is_coded, 0);
+        compare("bend", index, found->bend + k, expected->bend + k, 1, 4 * ulp * is_coded, 0);
     }
 }
 
@@ -126,6 +127,10 @@ static void compare_splats(const written *w, size_t index, const psplat_splat *f
     compare("normal", index, found->normal, expected->normal, 3, 0,
             is_coded * 8 * ulp + is_packed * filtered(&w->precision));
     compare("gradient", index, found->gradient, expected->gradient, 3, is_coded * 4 * ulp, 0);
+    /* In files of floats, x and y follow from the normal and the rotation; both are below 1. */
+    compare("slope", index, found->shape, expected->shape, 2, is_coded * 4 * ulp,
+            is_coded ? 0 : 16 * ulp);
+    compare("shape", index, found->shape + 2, expected->shape + 2, 3, is_coded * 4 * ulp, 0);
     compare_lines(index, found, expected, is_coded);
     compare_colors(index, found, expected, is_coded);
 }
@@ -210,6 +215,23 @@ static void test_attributes(void **state) {
                             .has_emissive = (bits & 16) != 0});
 }
 
+/* Tests curved splats beside plain ones, with fields that are those of their surfaces or not, and
+ * with bent lines or straight ones only. */
+static void test_curved(void **state) {
+    (void)state;
+    static const unsigned curved[] = {0, 1, 2, 5, 21, 31};
+    for (int bits = 0; bits < 32; ++bits)
+        for (size_t i = 0; i < sizeof curved / sizeof *curved; ++i)
+            check_all((written){.count = 60,
+                                .size = 3,
+                                .curved = curved[i],
+                                .has_shape = bits & 1,
+                                .has_bends = (bits & 2) != 0,
+                                .has_slopes = (bits & 4) != 0,
+                                .has_gamma = (bits & 4) != 0 && (bits & 8),
+                                .has_gradients = (bits & 16) != 0});
+}
+
 /* Tests each number of clip lines alone and together with each other number: a primitive of both
  * pads the splats with fewer lines. */
 static void test_lines(void **state) {
@@ -288,8 +310,9 @@ static void test_steps(void **state) {
 /* Values that integers cannot hold are refused and not clamped. */
 static void test_too_fine(void **state) {
     (void)state;
-    for (int i = 0; i < 7; ++i) {
+    for (int i = 0; i < 9; ++i) {
         written w = {.count = 80, .size = 10, .has_slopes = 1, .least_part = 1e-3};
+        if (i > 6) w.curved = 31, w.has_bends = 1;
         psplat_splats s = writer_splats(&w, 5);
         psplat_precision p = steps_of(w.size);
         if (i == 0) p.unit /= 2;
@@ -299,6 +322,8 @@ static void test_too_fine(void **state) {
         if (i == 4) p.scale_step = 5e-5;
         if (i == 5) p.line_turn_step = 1.0 / 40000;
         for (size_t k = 0; k < s.count && i == 6; ++k) s.splats[k].center[2] += 1e6f;
+        if (i == 7) p.shape_step = 1e-6;
+        if (i == 8) p.bend_step = 1e-5;
         s.precision = p;
         uint8_t *data = NULL;
         size_t size = 1;
@@ -307,6 +332,29 @@ static void test_too_fine(void **state) {
             fail_msg("%d is written", i);
         assert_null(data);
         assert_int_equal(size, 0);
+        psplat_splats_free(&s);
+    }
+}
+
+/* Runs must say what their splats have, and integers need steps for it. */
+static void test_wrong_runs(void **state) {
+    (void)state;
+    for (int i = 0; i < 6; ++i) {
+        written w = {.count = 20, .size = 1, .curved = 31, .has_bends = 1};
+        if (i >= 4) w.precision = steps_of(1);
+        psplat_splats s = writer_splats(&w, 5);
+        if (i == 0) s.runs[0].is_curved = 0;
+        if (i == 1) s.runs[0].is_curved = 0, s.runs[0].has_shape = 1;
+        if (i == 2) s.runs[3].has_bends = 0;
+        if (i == 3) s.runs[1].count++;
+        if (i == 4) s.precision.shape_step = 0;
+        if (i == 5) s.precision.bend_step = 0;
+        uint8_t *data = NULL;
+        size_t size;
+        psplat_error error = {0};
+        if (psplat_glb_write(&s, NULL, NULL, &data, &size, &error) != PSPLAT_ERROR_ARGUMENT)
+            fail_msg("%d is written", i);
+        assert_null(data);
         psplat_splats_free(&s);
     }
 }
@@ -336,6 +384,7 @@ static void test_snapped(void **state) {
     (void)state;
     for (int i = 0; i < 20; ++i) {
         written w = {.count = 500, .size = pow(10, i % 7 - 3), .has_slopes = 1, .has_gamma = 1};
+        if (i % 3) w.curved = 31, w.has_bends = 1, w.has_shape = i % 3 == 2;
         w.precision = steps_of(w.size);
         w.precision.normal_bits = PSPLAT_OCTAHEDRON_LEAST_BITS + i % 11;
         w.has_gradients = 1;
@@ -366,7 +415,9 @@ static void test_flipped(void **state) {
         psplat_splats one = s;
         psplat_splat splat = s.splats[i];
         psplat_finish finish = s.finishes[i];
+        psplat_run run = {.count = 1};
         one.splats = &splat, one.finishes = &finish, one.count = 1;
+        one.runs = &run, one.run_count = 1;
         psplat_splat_region(&splat, &before);
         psplat_round_to_precision(&one);
         psplat_splat_region(&splat, &after);
@@ -422,6 +473,86 @@ static void test_lines_keep(void **state) {
     psplat_splats_free(&s);
 }
 
+/* Rounding the second derivatives of a region moves each of alpha, beta and gamma by half a step at
+ * most, and rounding the splat that is made of it moves them no more. */
+static void test_shapes(void **state) {
+    (void)state;
+    const psplat_precision p = steps_of(1);
+    const psplat_run run = {.count = 1, .is_curved = 1};
+    uint32_t random = 3;
+    for (int i = 0; i < 500; ++i) {
+        double radius[2], hessian[3], rounded[3];
+        for (int k = 0; k < 2; ++k)
+            radius[k] = p.unit * exp(p.scale_step * floor(100 * (double)scene_random(&random)));
+        if (radius[1] > radius[0]) radius[0] = radius[1];
+        for (int k = 0; k < 3; ++k)
+            hessian[k] = (2 * (double)scene_random(&random) - 1) / radius[0];
+        memcpy(rounded, hessian, sizeof rounded);
+        psplat_quantize_shape(&p, radius, rounded);
+        const double lengths[3] = {radius[0], radius[0], radius[1]};
+        for (int k = 0; k < 3; ++k)
+            near_to("shape", (size_t)i, rounded[k] * lengths[k], hessian[k] * lengths[k],
+                    0.5001 * p.shape_step);
+        psplat_splat splat = {.rotation = {0, 0, 0, 1},
+                              .radius = {(float)radius[0], (float)radius[1]},
+                              .normal = {0, 0, 1},
+                              .shape = {0, 0, (float)(-rounded[0] * radius[0]),
+                                        (float)(-rounded[2] * radius[1]),
+                                        (float)(-rounded[1] * radius[0])}};
+        psplat_splat again = splat;
+        psplat_quantized_splat code;
+        psplat_quantize_splat(&p, &run, &splat, &code);
+        psplat_dequantize_splat(&p, &run, &code, &again);
+        compare("rounded shape", (size_t)i, again.shape, splat.shape, 5, 4 * ulp, 0);
+        compare("field", (size_t)i, again.gradient, splat.shape + 2, 3, 4 * ulp, 0);
+    }
+}
+
+static double value_of(const double line[3], double bend, const double p[2]) {
+    double along = line[0] * p[1] - line[1] * p[0];
+    return line[0] * p[0] + line[1] * p[1] + line[2] + bend * along * along / 2;
+}
+
+/* Rounded bent lines cut off nothing of the unit disc that the lines keep, at whatever steps, and
+ * rounding them again changes nothing. How far the border of what is kept moves outwards is less
+ * than a step, what half a step of the turn and of the bend can move it, and the bound's own error,
+ * which is a part of these. */
+static void test_bent_lines_keep(void **state) {
+    (void)state;
+    uint32_t random = 11;
+    for (int i = 0; i < 4000; ++i) {
+        int exponent = 4 + (int)(8 * scene_random(&random));
+        const psplat_precision p = {.line_step = 1 / pow(2, exponent),
+                                    .line_turn_step = 1 / pow(2, exponent + 1),
+                                    .bend_step = i % 4 ? 1.0 / 16 : 1 / pow(2, exponent - 1)};
+        double angle = 6.2832 * (double)scene_random(&random), again[3];
+        const double line[3] = {cos(angle), sin(angle), 2.4 * (double)scene_random(&random) - 1.2};
+        double bend = 8 * (double)scene_random(&random) - 4, rounded[3], now = bend, twice;
+        memcpy(rounded, line, sizeof line);
+        psplat_quantize_line(&p, rounded, &now);
+        assert_true(fabs(now) <= 4);
+        memcpy(again, rounded, sizeof rounded);
+        twice = now;
+        psplat_quantize_line(&p, again, &twice);
+        for (int k = 0; k < 3; ++k) near_to("again", (size_t)i, again[k], rounded[k], 1e-12);
+        near_to("bend again", (size_t)i, twice, now, 0);
+        double most = 0;
+        for (int k = 0; k < 4096; ++k) {
+            double r = k < 1024 ? 1 : sqrt((double)scene_random(&random));
+            double t = k < 1024 ? k * 6.283185307 / 1024 : 6.2832 * (double)scene_random(&random);
+            const double at[2] = {r * cos(t), r * sin(t)};
+            double before = value_of(line, bend, at), after = value_of(rounded, now, at);
+            if (before >= 0 && !(after >= -0.011 * p.line_step))
+                fail_msg("%d: %g of bend %g is cut off at %g %g by %g", i, before, bend, at[0],
+                         at[1], after);
+            most = fmax(most, after - before);
+        }
+        double turn = 1.5708 * p.line_turn_step * (2 + 8);
+        if (fabs(line[2]) < 0.9 && fabs(now) > 0)
+            assert_true(most <= 1.1 * (p.line_step + turn + p.bend_step));
+    }
+}
+
 /* Returns the splats read from a file as those of a mesh, with one run for each batch, which may
  * have joined several runs. */
 static psplat_splats splats_of(const psplat_asset *asset, const psplat_splats *original) {
@@ -437,7 +568,10 @@ static psplat_splats splats_of(const psplat_asset *asset, const psplat_splats *o
         const psplat_batch *batch = psplat_asset_batch(asset, b);
         s.runs[b] = (psplat_run){.count = (uint32_t)batch->splat_count,
                                  .clip_lines = batch->clip_count,
-                                 .depth_tolerance = original->runs->depth_tolerance};
+                                 .depth_tolerance = original->runs->depth_tolerance,
+                                 .is_curved = batch->is_curved,
+                                 .has_shape = batch->has_shape,
+                                 .has_bends = batch->has_bends};
         for (int k = 0; k < 3; ++k) s.origin[k] = batch->model[12 + k];
         for (size_t i = 0; i < batch->splat_count; ++i, ++count) {
             psplat_splat *to = &s.splats[count];
@@ -454,8 +588,10 @@ static psplat_splats splats_of(const psplat_asset *asset, const psplat_splats *o
 /* Writing again what was read gives the same bytes. */
 static void test_written_again(void **state) {
     (void)state;
-    for (int i = 0; i < 8; ++i) {
+    for (int i = 0; i < 32; ++i) {
         written w = {.count = 300, .size = i & 4 ? 1e-5 : 40, .origin = {3e5, -0.1, 7}};
+        w.curved = i & 8 ? 31 : 0;
+        w.has_shape = w.has_bends = (i & 16) != 0;
         w.has_color = w.has_slopes = w.has_gradients = w.has_surface = w.has_emissive = 1;
         if (i & 1) w.precision = steps_of(w.size);
         const psplat_write_desc *desc = i & 2 ? &compressed : &plain;
@@ -479,11 +615,13 @@ static void test_written_again(void **state) {
 
 int test_quantize_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_attributes), cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_one),        cmocka_unit_test(test_many),
-        cmocka_unit_test(test_sizes),      cmocka_unit_test(test_far),
-        cmocka_unit_test(test_thin),       cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_too_fine),   cmocka_unit_test(test_not_finite),
+        cmocka_unit_test(test_attributes), cmocka_unit_test(test_curved),
+        cmocka_unit_test(test_lines),      cmocka_unit_test(test_one),
+        cmocka_unit_test(test_many),       cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_far),        cmocka_unit_test(test_thin),
+        cmocka_unit_test(test_steps),      cmocka_unit_test(test_too_fine),
+        cmocka_unit_test(test_not_finite), cmocka_unit_test(test_wrong_runs),
+        cmocka_unit_test(test_shapes),     cmocka_unit_test(test_bent_lines_keep),
         cmocka_unit_test(test_snapped),    cmocka_unit_test(test_flipped),
         cmocka_unit_test(test_lines_keep), cmocka_unit_test(test_written_again),
     };

@@ -199,7 +199,7 @@ static void test_command(void **state) {
     psplat_setting_command(&row.setting, &options, "my models/it's.obj", &text);
     assert_string_equal(text.data,
                         "phongsplat convert 'my models/it'\\''s.obj' 'it'\\''s.glb' --tolerance "
-                        "0.5% --constant-normals --normal-tolerance 5 --effort 1 --seed 3"
+                        "0.5% --constant-normals --planar --normal-tolerance 5 --effort 1 --seed 3"
                         " --precision float --no-compress");
     free(text.data);
 }

@@ -422,13 +422,65 @@ static void test_scales(void **state) {
     }
 }
 
+/* A saddle 2 wide, of curvatures -0.3 and 0.2. */
+static void place_saddle(double s, double t, double p[3]) {
+    p[0] = 2 * s - 1, p[1] = 2 * t - 1, p[2] = -0.15 * p[0] * p[0] + 0.1 * p[1] * p[1];
+}
+
+/* One curved splat that four lines cut to the square is the saddle itself, up to what its triangles
+ * sag: 0.3 / 8 of the square of their sides. Without its shape it leaves the surface by 0.15 in the
+ * middles of two borders and covers less. */
+static void test_curved(void **state) {
+    (void)state;
+    enum { CELLS = 24 };
+    for (int flat = 0; flat < 2; ++flat) {
+        cube c = {.half = 1};
+        psplat_splat splat = {.rotation = {0, 0, 0, 1},
+                              .radius = {1.5f, 1.5f},
+                              .normal = {0, 0, 1},
+                              .gradient = {0.45f, -0.3f, 0},
+                              .color = {1, 1, 1, 1},
+                              .clip_count = 4};
+        for (int i = 0; i < 4; ++i) {
+            splat.clip[i][i / 2] = i % 2 ? -1 : 1;
+            splat.clip[i][2] = (float)(1 / 1.5);
+        }
+        for (int i = 0; i < 2 && !flat; ++i) splat.shape[2 + i] = splat.gradient[i];
+        psplat_run run = {.count = 1, .clip_lines = 4, .is_curved = !flat};
+        fixture_grid(&c.f, CELLS, CELLS, place_saddle);
+        fixture_build(&c.f);
+        c.tolerance = 0.01;
+        c.splats = (psplat_splats){
+            .splats = &splat, .count = 1, .runs = &run, .run_count = 1, .kernel = {2, 2}};
+        psplat_report r = verify(&c);
+        double sag = 0.3 / 8 * 4 / (CELLS * CELLS);
+        if (flat) {
+            assert_true(r.uncovered_samples > r.verification_samples / 4);
+            assert_near(in_halves(&c, r.max_distance_surface_percent), 0.15, 0.01);
+        } else {
+            assert_int_equal(r.uncovered_samples, 0);
+            assert_true(in_halves(&c, r.max_distance_percent) <= 2 * sag);
+            /* Normals of corners on the border are those of half a cell inside. */
+            assert_true(r.max_normal_degrees < (0.3 + 0.2) / CELLS * degrees);
+            assert_kept(&r, PSPLAT_PROMISE_COUNT);
+        }
+        fixture_free(&c.f);
+    }
+}
+
 int test_verify_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_perfect),        cmocka_unit_test(test_missing),
-        cmocka_unit_test(test_marks),          cmocka_unit_test(test_moved),
-        cmocka_unit_test(test_inside_out),     cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_scales),         cmocka_unit_test(test_normal_promise),
-        cmocka_unit_test(test_crease_promise), cmocka_unit_test(test_crease_of_another_sheet),
+        cmocka_unit_test(test_curved),
+        cmocka_unit_test(test_perfect),
+        cmocka_unit_test(test_missing),
+        cmocka_unit_test(test_marks),
+        cmocka_unit_test(test_moved),
+        cmocka_unit_test(test_inside_out),
+        cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_scales),
+        cmocka_unit_test(test_normal_promise),
+        cmocka_unit_test(test_crease_promise),
+        cmocka_unit_test(test_crease_of_another_sheet),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,10 +19,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { CENTER, ROTATION, RADIUS, NORMAL, GRADIENT, COLOR_AND_CLIP, SUMS };
+enum { CENTER, ROTATION, RADIUS, NORMAL, GRADIENT, COLOR_AND_CLIP, SHAPE_AND_BEND, SUMS };
 
 /* What a file holds, as sums over splats i = 1 ... of i times the sum over values k = 1 ... of k
- * times the value. The last sum takes the colour's four values and the clip lines' a, b, c. */
+ * times the value. One sum takes the colour's four values and the clip lines' a, b, c, and the last
+ * the shape's five and the lines' bends. */
 typedef struct old_file {
     const char *name;
     size_t batches;
@@ -95,6 +96,16 @@ static const old_file files[] = {
      {66, 341, 0, 0, 0},
      1,
      {17941938, 179383.392, 1118757.06, 65313.439, 41120.7418, 1364195.67}},
+    {"8-curved.glb",
+     1,
+     {0, 0, 0, 0, 100},
+     0,
+     {2891989, 7074.32587, 175033.048, -1057.70119, -860.375, 286128.122, 21852.1016}},
+    {"compressed/8-shapes.glb",
+     1,
+     {0, 0, 0, 0, 100},
+     0,
+     {2891989, 7074.32587, 175033.048, -1065.79933, 1614.98438, 282320.122, 900.101562}},
 };
 
 static psplat_asset *open_old(const char *name) {
@@ -132,6 +143,8 @@ static void add_splat(sum sums[SUMS], size_t index, const psplat_splat *splat) {
     add(&sums[COLOR_AND_CLIP], i, splat->color, 0, 4);
     for (size_t k = 0; k < splat->clip_count; ++k)
         add(&sums[COLOR_AND_CLIP], i, splat->clip[k], 4 + 3 * k, 3);
+    add(&sums[SHAPE_AND_BEND], i, splat->shape, 0, 5);
+    add(&sums[SHAPE_AND_BEND], i, splat->bend, 5, splat->clip_count);
 }
 
 static void check_file(const old_file *file) {
@@ -145,6 +158,10 @@ static void check_file(const old_file *file) {
         /* Values that vary over a mesh came with version 2. */
         assert_int_equal(batch->finishes != NULL, !strcmp(file->name, "compressed/7-painted.glb"));
         assert_true(batch->depth_tolerance > 0);
+        /* Curved splats and bent lines came with version 3. */
+        assert_int_equal(batch->is_curved, strstr(file->name, "8-") != NULL);
+        assert_int_equal(batch->has_shape, !strcmp(file->name, "compressed/8-shapes.glb"));
+        assert_int_equal(batch->has_bends, !strcmp(file->name, "8-curved.glb"));
         classes[batch->clip_count] += batch->splat_count;
         for (size_t i = 0; i < batch->splat_count; ++i) add_splat(sums, ++index, &batch->splats[i]);
     }
@@ -227,7 +244,7 @@ static void test_fields_of_old(void **state) {
 
 static void test_future(void **state) {
     (void)state;
-    static const char *const versions[] = {"3", "4294967295"};
+    static const char *const versions[] = {"4", "4294967295"};
     for (size_t i = 0; i < sizeof versions / sizeof *versions; ++i) {
         char *text = document_minimal(PSPLAT_SOURCE_DIR), stated[40], expected[40];
         snprintf(stated, sizeof stated, "\"version\": %s,", versions[i]);

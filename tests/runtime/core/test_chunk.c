@@ -51,6 +51,11 @@ static void invert_affine(const double m[16], double out[16]) {
     out[15] = 1;
 }
 
+static double determinant(const double m[16]) {
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
+           m[8] * (m[1] * m[6] - m[2] * m[5]);
+}
+
 /* Makes a random scale, shear and reflection that places the splats in front of the camera, beside
  * it or around it. */
 static void random_modelview(double m[16]) {
@@ -58,8 +63,7 @@ static void random_modelview(double m[16]) {
     do {
         for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r) m[4 * c + r] = uniform(-1, 1);
-    } while (fabs(m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
-                  m[8] * (m[1] * m[6] - m[2] * m[5])) < 0.05);
+    } while (fabs(determinant(m)) < 0.05);
     m[12] = uniform(-3, 3);
     m[13] = uniform(-3, 3);
     m[14] = uniform(-6, 2);
@@ -77,8 +81,9 @@ static void projection_of(int is_perspective, double m[16]) {
     m[15] = is_perspective ? 0 : 1;
 }
 
-/* Places splats around a point so that they face roughly in one direction. */
-static void random_splats(psplat_splat *splats, size_t count) {
+/* Places splats around a point so that they face roughly in one direction. steepness bounds the
+ * numbers of their shapes. */
+static void random_splats(psplat_splat *splats, size_t count, double steepness) {
     double place[3], spread = uniform(0.02, 1);
     for (int i = 0; i < 3; ++i) place[i] = uniform(-1, 1);
     for (size_t k = 0; k < count; ++k) {
@@ -91,6 +96,7 @@ static void random_splats(psplat_splat *splats, size_t count) {
         for (int i = 0; i < 4; ++i) s->rotation[i] /= (float)sqrt(length);
         s->radius[0] = (float)uniform(0.01, 0.2);
         s->radius[1] = s->radius[0] * 0.5f;
+        for (int i = 0; i < 5; ++i) s->shape[i] = (float)(steepness * uniform(-1, 1));
     }
 }
 
@@ -103,34 +109,45 @@ static void rotate(const float q[4], const double v[3], double out[3]) {
         out[r] = m[3 * r] * v[0] + m[3 * r + 1] * v[1] + m[3 * r + 2] * v[2];
 }
 
-/* Returns whether one of 25 points of the ellipse is visible: inside the view, on a front side. The
- * front is that of the transformed plane seen from the eye at 0; unlike the tested code, this uses
- * no object space. */
-static int shows(const psplat_splat *s, const double modelview[16], const double projection[16],
-                 int is_perspective, int is_culled) {
-    double u[3], v[3], eye_u[3], eye_v[3], n[3], det;
-    rotate(s->rotation, (const double[3]){1, 0, 0}, u);
-    rotate(s->rotation, (const double[3]){0, 1, 0}, v);
-    for (int r = 0; r < 3; ++r) {
-        eye_u[r] = eye_v[r] = 0;
-        for (int k = 0; k < 3; ++k) {
-            eye_u[r] += modelview[4 * k + r] * u[k] * (double)s->radius[0];
-            eye_v[r] += modelview[4 * k + r] * v[k] * (double)s->radius[1];
-        }
+static void apply(const double modelview[16], const double v[3], double out[3]) {
+    for (int r = 0; r < 3; ++r)
+        out[r] = modelview[r] * v[0] + modelview[4 + r] * v[1] + modelview[8 + r] * v[2];
+}
+
+/* Finds the point of a splat at (u, v) by eq. (1a), and a normal of the surface there from two
+ * tangents, in eye space, in which no normal is transformed. */
+static void find_point(const psplat_splat *s, const double modelview[16], double u, double v,
+                       double point[3], double normal[3]) {
+    double axes[3][3], ru = s->radius[0], rv = s->radius[1], q = rv / ru;
+    const double x = s->shape[0], y = s->shape[1];
+    const double a = s->shape[2], b = s->shape[3], g = s->shape[4];
+    for (int k = 0; k < 3; ++k) {
+        double axis[3];
+        rotate(s->rotation, (const double[3]){k == 0, k == 1, k == 2}, axis);
+        apply(modelview, axis, axes[k]);
+    }
+    double h = -ru * (x * u + a * u * u / 2 + g * q * u * v + q * y * v + q * b * v * v / 2);
+    double by_u = -ru * (x + a * u + g * q * v), by_v = -ru * q * (g * u + y + b * v);
+    double center[3] = {s->center[0], s->center[1], s->center[2]}, du[3], dv[3];
+    apply(modelview, center, point);
+    for (int i = 0; i < 3; ++i) {
+        point[i] += modelview[12 + i] + u * ru * axes[0][i] + v * rv * axes[1][i] + h * axes[2][i];
+        du[i] = ru * axes[0][i] + by_u * axes[2][i];
+        dv[i] = rv * axes[1][i] + by_v * axes[2][i];
     }
     for (int i = 0; i < 3; ++i)
-        n[i] = eye_u[(i + 1) % 3] * eye_v[(i + 2) % 3] - eye_u[(i + 2) % 3] * eye_v[(i + 1) % 3];
-    det = modelview[0] * (modelview[5] * modelview[10] - modelview[6] * modelview[9]) -
-          modelview[4] * (modelview[1] * modelview[10] - modelview[2] * modelview[9]) +
-          modelview[8] * (modelview[1] * modelview[6] - modelview[2] * modelview[5]);
+        normal[i] = du[(i + 1) % 3] * dv[(i + 2) % 3] - du[(i + 2) % 3] * dv[(i + 1) % 3];
+}
+
+/* Returns whether one of 25 points of the splat is visible: inside the view, on a front side.
+ * Unlike the tested code, this uses no object space. */
+static int shows(const psplat_splat *s, const double modelview[16], const double projection[16],
+                 int is_perspective, int is_culled) {
     for (int k = 0; k < 25; ++k) {
-        double r = sqrt((k + 0.5) / 25), a = 2.4 * k, p[4] = {0, 0, 0, 1}, clip[4];
-        for (int row = 0; row < 3; ++row) {
-            p[row] = modelview[12 + row] + r * cos(a) * eye_u[row] + r * sin(a) * eye_v[row];
-            for (int c = 0; c < 3; ++c) p[row] += modelview[4 * c + row] * (double)s->center[c];
-        }
+        double r = sqrt((k + 0.5) / 25), a = 2.4 * k, p[4] = {0, 0, 0, 1}, n[3], clip[4];
+        find_point(s, modelview, r * cos(a), r * sin(a), p, n);
         double facing = is_perspective ? -(n[0] * p[0] + n[1] * p[1] + n[2] * p[2]) : n[2];
-        if (is_culled && !(facing * det > 0)) return 0;
+        if (is_culled && !(facing * determinant(modelview) > 0)) continue;
         for (int row = 0; row < 4; ++row) {
             clip[row] = 0;
             for (int c = 0; c < 4; ++c) clip[row] += projection[4 * c + row] * p[c];
@@ -152,22 +169,46 @@ static void test_left_out(void **state) {
         double modelview[16], inverse[16], projection[16], clip[16];
         psplat_chunk chunk;
         psplat_chunk_view view;
-        random_splats(splats, COUNT);
+        size_t count = round & 8 ? 1 : COUNT; /* of one splat the bounds are tight */
+        random_splats(splats, count, round & 4 ? uniform(0, 1) : 0);
         random_modelview(modelview);
         projection_of(is_perspective, projection);
         multiply(projection, modelview, clip);
         invert_affine(modelview, inverse);
-        psplat_chunks_find(splats, COUNT, &chunk);
+        psplat_chunks_find(splats, count, &chunk);
         psplat_chunk_view_set(&view, clip, inverse, margin, is_perspective,
                               is_perspective ? none : ahead, is_culled);
         if (psplat_chunk_is_visible(&chunk, &view)) continue;
         ++hidden;
-        for (int k = 0; k < COUNT; ++k)
+        for (size_t k = 0; k < count; ++k)
             seen += shows(&splats[k], modelview, projection, is_perspective, is_culled);
         assert_int_equal(seen, 0);
     }
     print_message("%d of %d chunks left out\n", hidden, (int)ROUNDS);
     assert_true(hidden > ROUNDS / 4);
+}
+
+/* The sphere encloses curved patches; rounding to float counts a millionth. */
+static void test_enclosed(void **state) {
+    (void)state;
+    const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    double greatest = 0;
+    for (int round = 0; round < 1000; ++round) {
+        psplat_splat splat;
+        psplat_chunk chunk;
+        random_splats(&splat, 1, 1);
+        psplat_chunks_find(&splat, 1, &chunk);
+        for (int k = 0; k < 40; ++k) {
+            double point[3], normal[3], square = 0, angle = 0.157 * k;
+            find_point(&splat, identity, cos(angle), sin(angle), point, normal);
+            for (int i = 0; i < 3; ++i)
+                square +=
+                    (point[i] - (double)chunk.center[i]) * (point[i] - (double)chunk.center[i]);
+            greatest = fmax(greatest, sqrt(square) / (double)chunk.radius);
+        }
+    }
+    print_message("patches reach to %.3f of their spheres\n", greatest);
+    assert_true(greatest <= 1 + 1e-6 && greatest > 0.8);
 }
 
 static int cell_of(const psplat_splat *s) {
@@ -237,6 +278,7 @@ static void test_sides(void **state) {
 int test_chunk_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_left_out),
+        cmocka_unit_test(test_enclosed),
         cmocka_unit_test(test_sphere),
         cmocka_unit_test(test_sides),
     };

@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALL_OPTIONS = 1 << 18, MAX_KEYS = 20000 };
+enum { ALL_OPTIONS = (1 << 22) - 1, MAX_KEYS = 40000 };
 
 typedef struct key_list {
     psplat_program_key *keys;
@@ -52,11 +52,25 @@ static void keep_distinct(key_list *list) {
     list->count = kept;
 }
 
+/* Returns options among which are all that programs of this kind use. */
+static unsigned possible_options(const psplat_program_key *key) {
+    const unsigned only_splats =
+        PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TANGENT | PSPLAT_OPTION_SHAPE | PSPLAT_OPTION_BENDS;
+    const unsigned only_resolve = PSPLAT_OPTION_ENCODE | PSPLAT_OPTION_AS_IS;
+    const unsigned only_normals =
+        PSPLAT_OPTIONS_TARGETS | PSPLAT_OPTION_COUNT | PSPLAT_OPTION_FIELD;
+    if (key->is_resolve) return ALL_OPTIONS & ~only_splats;
+    return ALL_OPTIONS & ~only_resolve &
+           ~(key->pass == PSPLAT_PASS_RADIANCE ? only_normals : (unsigned)PSPLAT_OPTIONS_LIGHT);
+}
+
 /* Adds the distinct programs of one pass, clip count, shading and number of lights. */
 static void add_options(key_list *list, psplat_program_key key) {
     size_t first = list->count;
     key_list part = {list->keys + first, 0};
-    for (unsigned options = 0; options < ALL_OPTIONS; ++options) {
+    const unsigned possible = possible_options(&key);
+    for (unsigned options = possible, is_last = 0; !is_last; options = (options - 1) & possible) {
+        is_last = options == 0;
         key.options = options;
         psplat_program_key reduced = psplat_program_key_reduce(key);
         /* Keys that reducing leaves unchanged represent all keys that reduce to them. */
@@ -72,9 +86,16 @@ static key_list list_create(void) {
     return list;
 }
 
-/* Returns whether the key combines materials that vary with options that change other lines of the
- * shaders. */
+/* Returns whether the key combines options that change different lines of the shaders: materials
+ * that vary with others, and what curved splats add with weights, targets and light. */
 static int is_like_others(const psplat_program_key *key) {
+    const unsigned second =
+        PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TANGENT | PSPLAT_OPTION_SHAPE | PSPLAT_OPTION_BENDS;
+    const unsigned others = PSPLAT_OPTION_POWER | PSPLAT_OPTION_COUNT | PSPLAT_OPTION_MATERIALS |
+                            PSPLAT_OPTION_OCCLUSION | PSPLAT_OPTIONS_LIGHT;
+    const unsigned sides = PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TWO_SIDED;
+    if (key->options & second && key->options & others) return 1;
+    if (key->options & second && (key->options & sides) == PSPLAT_OPTION_TWO_SIDED) return 1;
     const unsigned varied = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_OCCLUSION;
     const unsigned apart = PSPLAT_OPTION_POWER | PSPLAT_OPTION_COUNT | PSPLAT_OPTION_TWO_SIDED;
     return key->options & varied && (key->clip_count > 0 || key->options & apart);
@@ -113,15 +134,17 @@ static void test_bounded(void **state) {
     }
     /* Passes of normals have 5 programs for gammas, fields and attributes that are skipped. With
      * more targets there are three times these and 8 for colours and finishes. All of it is
-     * multiplied by sides, filter and three weights. */
-    assert_true(most <= (5 + 3 * 13) * 2 * 2 * 3);
+     * multiplied by sides, filter and three weights, and by the kinds of surfaces: flat, tangent,
+     * flat and curved with a shape of their own, curved. */
+    assert_true(most <= (5 + 3 * 13) * 2 * 2 * 3 * 5);
 }
 
 static void test_no_use(void **state) {
     (void)state;
     psplat_program_key visible = {.pass = PSPLAT_PASS_VISIBILITY, .options = ~0u, .light_count = 3};
     visible = psplat_program_key_reduce(visible);
-    assert_int_equal(visible.options, PSPLAT_OPTION_WIDE | PSPLAT_OPTION_NEAR);
+    assert_int_equal(visible.options, PSPLAT_OPTION_WIDE | PSPLAT_OPTION_SHAPE |
+                                          PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TWO_SIDED);
     assert_int_equal(visible.light_count, 0);
     psplat_program_key depth = {.is_resolve = 1, .shading = PSPLAT_SHADING_DEPTH, .light_count = 3};
     depth.options = PSPLAT_OPTIONS_TARGETS | PSPLAT_OPTIONS_LIGHT;

@@ -33,7 +33,7 @@ static double magnitude(uint32_t *random, double low, double high) {
 
 /* ---- a random splat in a random view ------------------------------------------------------- */
 
-static void random_splat(psplat_splat *splat, uint32_t *random) {
+static void random_splat(psplat_splat *splat, int has_bends, uint32_t *random) {
     double u[3], v[3], length = 0, along = 0;
     for (int i = 0; i < 3; ++i) {
         u[i] = between(random, -1, 1);
@@ -58,6 +58,7 @@ static void random_splat(psplat_splat *splat, uint32_t *random) {
         splat->clip[k][0] = (float)cos(angle);
         splat->clip[k][1] = (float)sin(angle);
         splat->clip[k][2] = (float)between(random, 0, 1);
+        if (has_bends) splat->bend[k] = (float)between(random, -3, 3);
     }
 }
 
@@ -151,16 +152,24 @@ static int widen(double frame[3][4], double cofactors[2][2], double *area, doubl
     return 1;
 }
 
-/* Returns the least (a u + b v + c) over the lines, in pixels of J', plus half of soft. */
+/* Returns the value of line k at uv by eq. (3b), and stores its derivatives. */
+static double value_of(const psplat_splat *splat, uint32_t k, const double uv[2], double by[2]) {
+    double a = splat->clip[k][0], b = splat->clip[k][1], bend = splat->bend[k];
+    double m = a * uv[1] - b * uv[0];
+    by[0] = a - bend * m * b;
+    by[1] = b + bend * m * a;
+    return a * uv[0] + b * uv[1] + (double)splat->clip[k][2] + bend * m * m / 2;
+}
+
+/* Returns the least value of the lines, in pixels of J', plus half of soft. */
 static double softness(const psplat_splat *splat, double cofactors[2][2], double area, double soft,
                        const double uv[2]) {
     double least = HUGE_VAL;
     for (uint32_t k = 0; k < splat->clip_count; ++k) {
-        const float *line = splat->clip[k];
-        double a = line[0], b = line[1];
-        double across = hypot(cofactors[0][0] * a + cofactors[0][1] * b,
-                              cofactors[1][0] * a + cofactors[1][1] * b);
-        least = fmin(least, (a * uv[0] + b * uv[1] + (double)line[2]) * area / across + 0.5 * soft);
+        double by[2], value = value_of(splat, k, uv, by);
+        double across = hypot(cofactors[0][0] * by[0] + cofactors[0][1] * by[1],
+                              cofactors[1][0] * by[0] + cofactors[1][1] * by[1]);
+        least = fmin(least, value * area / across + 0.5 * soft);
     }
     return least;
 }
@@ -182,11 +191,9 @@ static int other_fragment(double frame[3][4], double nearer, double x, double y,
 }
 
 static int is_kept(const psplat_splat *splat, const double uv[2]) {
+    double by[2];
     for (uint32_t k = 0; k < splat->clip_count; ++k)
-        if ((double)splat->clip[k][0] * uv[0] + (double)splat->clip[k][1] * uv[1] +
-                (double)splat->clip[k][2] <
-            0)
-            return 0;
+        if (value_of(splat, k, uv, by) < 0) return 0;
     return 1;
 }
 
@@ -224,14 +231,14 @@ static void compare(const psplat_splat *splat, const double transform[16], const
     counts->splats += counts->covered > before;
 }
 
-static void check_random_splats(int no_filter) {
+static void check_random_splats(int no_filter, int has_bends) {
     uint32_t random = 20040602;
     tally counts = {0};
-    const int tries = 4000;
+    const int tries = has_bends ? 1500 : 4000;
     for (int i = 0; i < tries; ++i) {
         scene s = scene_blank(1);
         double transform[16];
-        random_splat(&s.splats[0], &random);
+        random_splat(&s.splats[0], has_bends, &random);
         random_transform(transform, &random);
         psplat_view view = random_view(&random);
         view.no_filter = no_filter;
@@ -244,22 +251,34 @@ static void check_random_splats(int no_filter) {
     }
     print_message("%d splats, %zu seen, %zu pixels covered, %zu skipped\n", tries, counts.splats,
                   counts.covered, counts.skipped);
-    assert_true(counts.splats > 500 && counts.covered > 20000);
+    assert_true(counts.splats > (size_t)tries / 8 && counts.covered > 5 * (size_t)tries);
     assert_true(counts.skipped * 100 < counts.covered);
 }
 
 static void test_random_splats(void **state) {
     (void)state;
-    check_random_splats(1);
+    check_random_splats(1, 0);
 }
 
 static void test_random_filtered_splats(void **state) {
     (void)state;
-    check_random_splats(0);
+    check_random_splats(0, 0);
+}
+
+static void test_random_bent_lines(void **state) {
+    (void)state;
+    check_random_splats(1, 1);
+}
+
+static void test_random_filtered_bent_lines(void **state) {
+    (void)state;
+    check_random_splats(0, 1);
 }
 
 int test_reference_brute_main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_random_splats),
-                                       cmocka_unit_test(test_random_filtered_splats)};
+                                       cmocka_unit_test(test_random_filtered_splats),
+                                       cmocka_unit_test(test_random_bent_lines),
+                                       cmocka_unit_test(test_random_filtered_bent_lines)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

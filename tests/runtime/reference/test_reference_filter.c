@@ -244,16 +244,23 @@ static void test_thin(void **state) {
 /* ---- clip lines ------------------------------------------------------------------------------ */
 
 /* Compares a red splat that has a clip line, at a distance in pixels, with a green one that is
- * equal but whose line is far away: the ratio of their colours is the line's factor. */
-static size_t check_line(double ru, double rv, double degrees, double angle, double offset) {
+ * equal but whose line is far away: the ratio of their colours is the line's factor. Over a length
+ * of ru a bent line leaves the straight one by bend pixels. What is not tilted is turned in its
+ * plane. */
+static size_t check_line(double ru, double rv, double degrees, double angle, double offset,
+                         double bend) {
     const double center[2] = {16.3, 16.6};
-    double a = cos(angle) * fmax(ru, 1);
-    double slim = rv * cos(degrees * CAMERA_PI / 180), b = sin(angle) * fmax(slim, 1);
+    double slim = rv * cos(degrees * CAMERA_PI / 180), wide = fmax(ru, 1), high = fmax(slim, 1);
+    double a = cos(angle) * wide, b = sin(angle) * high;
+    double kappa = (double)(float)(2 * bend / (wide * wide)), turn = degrees == 0 ? 0.5 : 0;
     double soft = fmin(fmax(1 / slim - 1, 0), 1);
     scene s = unlit_scene(2);
     for (int k = 0; k < 2; ++k) {
         place(&s.splats[k], center[0], center[1], 0, ru, rv);
         tilt(&s.splats[k], degrees);
+        if (turn > 0)
+            scene_set_axes(&s.splats[k], (double[]){cos(turn), sin(turn), 0},
+                           (double[]){-sin(turn), cos(turn), 0});
         paint(&s.splats[k], k);
         s.splats[k].clip_count = 1;
     }
@@ -261,13 +268,19 @@ static size_t check_line(double ru, double rv, double degrees, double angle, dou
     s.splats[0].clip[0][0] = (float)a;
     s.splats[0].clip[0][1] = (float)b;
     s.splats[0].clip[0][2] = (float)offset;
+    s.splats[0].bend[0] = (float)kappa;
     psplat_view view = pixel_view();
     picture p = picture_of(&s, NULL, &view);
     size_t partly = 0;
     for (int i = 0; i < SIZE * SIZE; ++i) {
-        double dx = i % SIZE + 0.5 - (double)s.splats[0].center[0];
-        double dy = i / SIZE + 0.5 - (double)s.splats[0].center[1];
-        double delta = cos(angle) * dx + sin(angle) * dy + offset;
+        double x = i % SIZE + 0.5 - (double)s.splats[0].center[0];
+        double y = i / SIZE + 0.5 - (double)s.splats[0].center[1];
+        double dx = cos(turn) * x + sin(turn) * y, dy = cos(turn) * y - sin(turn) * x;
+        double along = a * dy / high - b * dx / wide;
+        double slope[2] = {cos(angle) - kappa * along * b / wide,
+                           sin(angle) + kappa * along * a / high};
+        double delta = cos(angle) * dx + sin(angle) * dy + offset + kappa * along * along / 2;
+        delta /= hypot(slope[0], slope[1]);
         double factor = soft > 0 ? fmin(fmax(0.5 + delta / soft, 0), 1) : delta >= 0;
         double red = (double)p.image.color[4 * i], green = (double)p.image.color[4 * i + 1];
         if (!(green > 0)) continue;
@@ -290,12 +303,12 @@ static void test_soft_lines(void **state) {
                   {8, 0.7, 0, 0.1}, /* thin */
                   {0.5, 0.2, 0, 0}, /* small */
                   {0.05, 0.04, 70, 0.2} /* far below a pixel */};
-    for (int i = 0; i < 5; ++i) {
-        size_t partly = 0;
+    for (int i = 0; i < 15; ++i) {
+        size_t partly = 0, at = (size_t)i % 5;
         for (int k = 0; k < 8; ++k)
-            partly +=
-                check_line(splats[i].ru, splats[i].rv, splats[i].degrees, k, splats[i].offset);
-        assert_true(i < 2 ? partly == 0 : partly >= 4);
+            partly += check_line(splats[at].ru, splats[at].rv, splats[at].degrees, k,
+                                 splats[at].offset, (double[]){0, 2, -1.5}[i / 5]);
+        assert_true(at < 2 ? partly == 0 : partly >= 4);
     }
 }
 
@@ -399,6 +412,22 @@ static void test_unfiltered(void **state) {
     s.splats[0].center[2] = -10.2f; /* beyond the far plane */
     check_same(&s, pixel_view());
     scene_free(&s);
+}
+
+/* It leaves out curved splats, however small. */
+static void test_unfiltered_curved(void **state) {
+    (void)state;
+    const double radii[][2] = {{8, 0.7}, {0.8, 0.3}, {0.05, 0.05}};
+    for (int i = 0; i < 3; ++i) {
+        scene s = unlit_scene(1);
+        place(&s.splats[0], 16.4, 16.2, 0, radii[i][0], radii[i][1]);
+        s.splats[0].shape[2] = 0.5f;
+        s.splats[0].clip_count = 1;
+        s.splats[0].clip[0][0] = 0.8f;
+        s.splats[0].bend[0] = 0.5f;
+        check_same(&s, pixel_view());
+        scene_free(&s);
+    }
 }
 
 /* It also leaves out splats over whose axes w changes by more than a quarter, or whose centre is
@@ -534,6 +563,7 @@ int test_reference_filter_main(void) {
         cmocka_unit_test(test_edge_on),
         cmocka_unit_test(test_thin),
         cmocka_unit_test(test_soft_lines),
+        cmocka_unit_test(test_unfiltered_curved),
         cmocka_unit_test(test_half),
         cmocka_unit_test(test_no_seam),
         cmocka_unit_test(test_unfiltered),

@@ -141,6 +141,34 @@ static scene sphere_over_floor(size_t count) {
     return s;
 }
 
+/* Returns the sphere with curved splats, as many as still show their curvature. */
+static scene curved_over_floor(int is_two_sided) {
+    scene s = scene_sphere(100, 0.5f);
+    scene_curve(&s);
+    s = with_floor(s);
+    s.depth_tolerance = 0.004f;
+    s.material.double_sided = is_two_sided;
+    return s;
+}
+
+/* Shadow maps see both sides of curved splats, too. */
+static void test_curved(void **state) {
+    for (int sides = 0; sides < 2; ++sides) {
+        psplat_view view = view_of();
+        scene s = curved_over_floor(sides);
+        check(*state, "curved sphere, directional light", &s, &view);
+        view.lights[0].type = PSPLAT_LIGHT_SPOT;
+        view.lights[0].outer_angle = 0.6f;
+        view.lights[0].inner_angle = 0.55f;
+        for (int i = 0; i < 3; ++i) {
+            view.lights[0].position[i] = (double[]){-1.8, -0.9, 3}[i];
+            view.lights[0].color[i] *= 13;
+        }
+        check(*state, "curved sphere, spot light", &s, &view);
+        scene_free(&s);
+    }
+}
+
 static void test_directional(void **state) {
     psplat_view view = view_of();
     scene s = cube_over_floor();
@@ -226,11 +254,9 @@ static void test_far_from_origin(void **state) {
 
 int test_agreement_shadow_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_directional),
-        cmocka_unit_test(test_spot),
-        cmocka_unit_test(test_four),
-        cmocka_unit_test(test_depth_range),
-        cmocka_unit_test(test_far_from_origin),
+        cmocka_unit_test(test_directional), cmocka_unit_test(test_curved),
+        cmocka_unit_test(test_spot),        cmocka_unit_test(test_four),
+        cmocka_unit_test(test_depth_range), cmocka_unit_test(test_far_from_origin),
     };
     const struct CMUnitTest gles_tests[] = {cmocka_unit_test(test_four)};
     int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);

@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * surface_fit.c - the least-squares fit of a splat's curved surface to samples.
+ *
+ * In the region's frame the surface is the height c + p s + q t + (A s^2 + 2 B s t + C t^2) / 2.
+ * Its six coefficients follow from the samples' heights and, with a small weight, from the slopes
+ * of their normals, which determine them where few samples lie in a row (Hermite data, as in
+ * algebraic point set surfaces, Guennebaud, Gross 2007). The normal equations need nothing but sums
+ * of products of the samples' coordinates. The frame is then turned into the tangent plane at the
+ * centre, so that files need not store the slopes there.
+ */
+#include "fit/surface_fit.h"
+
+#include "base/vector.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The weight of the equations of slopes against those of heights, in units of the radius, and the
+ * part of the trace that is added to the normal equations' diagonal so that few samples have a
+ * solution too: with second derivatives of 0 where nothing is known of them. Chosen by hand. */
+static const double slope_weight = 0.03, ridge_part = 1e-9;
+/* The least cosine of a sample's normal whose slope is used, the greatest slope at the centre by
+ * which the frame is turned, and the slope beyond which it is turned and fitted again. */
+static const double least_cosine = 0.2, greatest_turn = 3, small_turn = 0.05;
+
+enum { UNKNOWNS = 6 }; /* c, p, q, A, B, C */
+
+/* Sums over samples in units of the scale: powers s^i t^j by [i][j], heights and slopes times the
+ * factors of the unknowns. */
+typedef struct sums {
+    double powers[5][5];
+    double right[UNKNOWNS];
+} sums;
+
+double psplat_surface_sagitta(const psplat_region *r) {
+    double radius = max2(r->radius[0], r->radius[1]);
+    return psplat_region_bend(r) * radius * radius / 2;
+}
+
+double psplat_surface_slope_bound(const psplat_region *r) {
+    const double *h = r->hessian;
+    double a = h[0] * r->radius[0], b = h[1] * r->radius[0], c = h[2] * r->radius[1];
+    double ratio = r->radius[1] / r->radius[0];
+    return hypot(r->slope[0], r->slope[1]) + sqrt(a * a + c * c + b * b * (1 + ratio * ratio));
+}
+
+static void add_powers(sums *m, double s, double t) {
+    double s2 = s * s, t2 = t * t, st = s * t;
+    m->powers[0][0] += 1;
+    m->powers[1][0] += s, m->powers[0][1] += t;
+    m->powers[2][0] += s2, m->powers[1][1] += st, m->powers[0][2] += t2;
+    m->powers[3][0] += s2 * s, m->powers[2][1] += s2 * t;
+    m->powers[1][2] += s * t2, m->powers[0][3] += t2 * t;
+    m->powers[4][0] += s2 * s2, m->powers[3][1] += s2 * st, m->powers[2][2] += s2 * t2;
+    m->powers[1][3] += st * t2, m->powers[0][4] += t2 * t2;
+}
+
+static void add_sample(sums *m, const psplat_near_sample *sample, const psplat_region *r,
+                       const double center[3], double scale) {
+    double d[3];
+    sub3(d, sample->p, center);
+    double s = dot3(d, r->u) / scale, t = dot3(d, r->v) / scale, h = dot3(d, r->n) / scale;
+    add_powers(m, s, t);
+    double height = max2(dot3(sample->n, r->n), least_cosine);
+    double x = -slope_weight * dot3(sample->n, r->u) / height;
+    double y = -slope_weight * dot3(sample->n, r->v) / height;
+    m->right[0] += h;
+    m->right[1] += h * s + x;
+    m->right[2] += h * t + y;
+    m->right[3] += h * s * s / 2 + x * s;
+    m->right[4] += h * s * t + x * t + y * s;
+    m->right[5] += h * t * t / 2 + y * t;
+}
+
+/* Stores the normal equations' matrix: heights are (1, s, t, s^2/2, st, t^2/2) x, slopes
+ * (0, 1, 0, s, t, 0) x and (0, 0, 1, 0, s, t) x. */
+static void normal_matrix(const double p[5][5], double m[UNKNOWNS][UNKNOWNS]) {
+    static const int powers[UNKNOWNS][2] = {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}};
+    static const double factors[UNKNOWNS] = {1, 1, 1, 0.5, 1, 0.5};
+    double w = slope_weight, trace = 0;
+    for (int i = 0; i < UNKNOWNS; ++i)
+        for (int j = 0; j < UNKNOWNS; ++j)
+            m[i][j] = factors[i] * factors[j] *
+                      p[powers[i][0] + powers[j][0]][powers[i][1] + powers[j][1]];
+    m[1][1] += w * p[0][0], m[2][2] += w * p[0][0];
+    m[3][1] += w * p[1][0], m[4][1] += w * p[0][1];
+    m[4][2] += w * p[1][0], m[5][2] += w * p[0][1];
+    m[3][3] += w * p[2][0], m[4][4] += w * (p[2][0] + p[0][2]), m[5][5] += w * p[0][2];
+    m[4][3] += w * p[1][1], m[5][4] += w * p[1][1];
+    for (int i = 0; i < UNKNOWNS; ++i) trace += m[i][i];
+    for (int i = 0; i < UNKNOWNS; ++i) m[i][i] += ridge_part * trace;
+}
+
+/* Solves the normal equations by the Cholesky factors L D L^T of the matrix, of which only the
+ * lower half is read. With level, the slopes at the centre are 0. */
+static void solve(const sums *sums, int level, double x[UNKNOWNS]) {
+    double m[UNKNOWNS][UNKNOWNS];
+    normal_matrix(sums->powers, m);
+    memcpy(x, sums->right, UNKNOWNS * sizeof *x);
+    for (int i = 1; level && i <= 2; ++i) {
+        for (int k = 0; k < UNKNOWNS; ++k) m[i][k] = m[k][i] = 0;
+        m[i][i] = 1, x[i] = 0;
+    }
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        for (int j = 0; j < i; ++j) {
+            for (int k = 0; k < j; ++k) m[i][j] -= m[i][k] * m[j][k] * m[k][k];
+            m[i][j] /= m[j][j];
+        }
+        for (int k = 0; k < i; ++k) m[i][i] -= m[i][k] * m[i][k] * m[k][k];
+        for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
+    }
+    for (int i = 0; i < UNKNOWNS; ++i) x[i] /= m[i][i];
+    for (int i = UNKNOWNS; i-- > 0;)
+        for (int k = i + 1; k < UNKNOWNS; ++k) x[i] -= m[k][i] * x[k];
+}
+
+/* Turns the frame so that a surface of these slopes at the centre gets n for its normal there. */
+static void turn_frame(psplat_region *r, const double slope[2]) {
+    double u[3];
+    mad3(r->n, -slope[0], r->u);
+    mad3(r->n, -slope[1], r->v);
+    normalize3(r->n);
+    memcpy(u, r->u, sizeof u);
+    mad3(u, -dot3(u, r->n), r->n);
+    normalize3(u);
+    memcpy(r->u, u, sizeof u);
+    cross3(r->v, r->n, r->u);
+}
+
+int psplat_fit_surface(const psplat_near_sample *samples, const uint32_t *some, size_t count,
+                       const double origin[3], psplat_region *r) {
+    double scale = max2(r->radius[0], r->radius[1]), x[UNKNOWNS];
+    memset(r->slope, 0, sizeof r->slope);
+    memset(r->hessian, 0, sizeof r->hessian);
+    for (int step = 0, level = 0; step < 3; ++step) {
+        sums m = {.right = {0}};
+        double center[3];
+        sub3(center, r->center, origin);
+        for (size_t i = 0; i < count; ++i)
+            add_sample(&m, &samples[some ? some[i] : i], r, center, scale);
+        solve(&m, level, x);
+        mad3(r->center, x[0] * scale, r->n);
+        if (level) break;
+        double turn = hypot(x[1], x[2]);
+        if (!(turn <= greatest_turn)) return 0;
+        turn_frame(r, x + 1);
+        level = step == 1 || turn <= small_turn;
+    }
+    for (int k = 0; k < 3; ++k) r->hessian[k] = x[3 + k] / scale;
+    return 1;
+}

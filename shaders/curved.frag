@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * curved.frag - the fragments of one curved splat: finds where the view ray meets the patch (spec
+ * 5.1) in the splat's local coordinates (curved.vert), and writes the point's depth and its part of
+ * the sums.
+ *
+ * Along the ray the height over the surface is F(t) = c + b t + a t^2, t being 0 at the billboard
+ * and 1 the way from the eye to there. At its roots F' is -+sqrt(b^2 - 4 a c): at one of them the ray
+ * comes from outside, and there the front is seen. F is set up at the billboard, beside the patch,
+ * because from the eye its terms would cancel.
+ *
+ * Divisions and square roots are what a fragment costs, so that their number is kept low.
+ *
+ * gl_program.c defines PASS, CLIP_COUNT, BENDS, SHAPE, COLOR, FINISH, FIELD and TWO_SIDED. sums.glsl
+ * comes before this file.
+ */
+#if defined(GL_ARB_conservative_depth) || defined(GL_EXT_conservative_depth)
+/* GPUs can go on testing depth before they shade: curved.vert puts billboards before patches. */
+layout(depth_greater) out highp float gl_FragDepth;
+#endif
+
+uniform vec3 u_shift;       /* psplat_placement.shift */
+uniform vec2 u_depth_range; /* half and middle of the depth range */
+
+in vec4 v_local;
+flat in vec4 v_eye;
+flat in vec4 v_shape;
+#if PASS == PSPLAT_PASS_VISIBILITY
+in float v_distance;
+flat in float v_epsilon;
+flat in float v_unit;
+#endif
+#if PASS == PSPLAT_PASS_PARAMETERS
+flat in float v_index;
+#else
+flat in vec3 v_normal_x;
+flat in vec3 v_normal_y;
+flat in vec3 v_normal_z;
+#endif
+#if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
+#if SHAPE
+flat in float v_field_x;
+flat in float v_field_y;
+flat in float v_field_xx;
+flat in float v_field_xy;
+flat in float v_field_yy;
+#endif
+#if FINISH
+flat in vec3 v_color;
+#if FIELD
+flat in vec3 v_color_u;
+flat in vec3 v_color_v;
+#endif
+flat in vec3 v_surface;
+flat in vec3 v_emissive;
+#elif COLOR
+flat in vec3 v_color;
+#endif
+#endif
+#if CLIP_COUNT > 0
+flat in LINE_TYPE v_lines[CLIP_COUNT];
+#endif
+
+/* Where a ray meets the quadric. */
+struct Hit {
+    float t;
+    vec2 uv;
+    float inverse_w; /* of clip coordinates */
+    float ndc;       /* z in normalised device coordinates */
+    bool is_inside; /* the ellipse, the clip lines, and the near and the far plane */
+};
+
+/* Returns the gradient of a height field at uv. */
+vec2 gradient(vec2 slope, vec3 second, vec2 uv) {
+    return slope + uv.x * second.xy + uv.y * second.yz;
+}
+
+#if CLIP_COUNT > 0
+bool is_kept(vec2 uv) {
+    float least = 0.0;
+    for (int i = 0; i < CLIP_COUNT; ++i) {
+        float value = dot(v_lines[i].xy, uv) + v_lines[i].z;
+#if BENDS
+        float across = v_lines[i].x * uv.y - v_lines[i].y * uv.x;
+        value += 0.5 * v_lines[i].w * across * across;
+#endif
+        least = min(least, value);
+    }
+    return least >= 0.0;
+}
+#endif
+
+/* In perspective the eye is 0 and clip coordinates are linear, so t more of the ray adds t times z
+ * and w of the billboard's point, less t times what z is at the eye. In orthographic views t of the
+ * ray adds t to z. */
+Hit hit_at(vec3 ray, float t) {
+    Hit hit;
+    hit.t = t;
+    hit.uv = v_local.xy + t * ray.xy;
+    hit.inverse_w = gl_FragCoord.w / (1.0 + u_shift.y * t);
+    float nearer = u_shift.y > 0.0 ? u_shift.x : 1.0;
+    hit.ndc = gl_FragCoord.w * v_local.w + nearer * t * hit.inverse_w;
+    hit.is_inside = dot(hit.uv, hit.uv) <= 1.0 && hit.inverse_w > 0.0 && abs(hit.ndc) <= 1.0;
+#if CLIP_COUNT > 0
+    hit.is_inside = hit.is_inside && is_kept(hit.uv);
+#endif
+    return hit;
+}
+
+/* Finds the fragment: where only fronts are seen, that of the root at which the ray comes in, else
+ * the nearer one of those inside. Of the two forms of a root the one is used whose terms do not
+ * cancel. */
+bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float root) {
+    vec3 at = v_local.xyz, ray = u_shift.y * at - v_eye.xyz;
+    vec2 g = gradient(slope, second, at.xy);
+    float c = at.z - 0.5 * dot(g + slope, at.xy), b = ray.z - dot(g, ray.xy);
+    float a = -0.5 * dot(vec2(dot(second.xy, ray.xy), dot(second.yz, ray.xy)), ray.xy);
+    float square = b * b - 4.0 * a * c;
+    is_back = false;
+    if (square < 0.0) return false;
+    root = sqrt(square);
+    float half_sum = 0.5 * (b > 0.0 ? b + root : b - root);
+    float front = b > 0.0 ? -half_sum / a : -c / half_sum;
+#if TWO_SIDED
+    float back = b > 0.0 ? -c / half_sum : -half_sum / a;
+    hit = hit_at(ray, min(front, back));
+    if (!hit.is_inside) hit = hit_at(ray, max(front, back));
+    is_back = hit.t != front;
+#else
+    hit = hit_at(ray, front);
+#endif
+    return hit.is_inside;
+}
+
+#if PASS != PSPLAT_PASS_PARAMETERS
+/* Returns the normal, in eye space, of a height field of this gradient. */
+vec3 normal_of(vec2 gradient) {
+    return v_normal_z - gradient.x * v_normal_x - gradient.y * v_normal_y;
+}
+#endif
+
+#if PASS == PSPLAT_PASS_VISIBILITY
+/* Returns by how much the point that lies epsilon / max(cos, 1/2) further along the view ray is
+ * deeper (spec 5.3), as shift_of() in shift.glsl explains. With r the ray's point at w = 1 the point
+ * is w r, and with m = max(cos, 1/2) the shift is
+ *
+ *     u_shift.x (epsilon / w) / (m |r| + epsilon / w) / w
+ *
+ * in perspective, and u_shift.x epsilon / m / w in orthographic views, for which v_epsilon has the
+ * factor |r|. |n . r| is the root, but for units. |r| itself counts only where cos is less than 1/2,
+ * and there an error of (R / D)^2 for splats of radius R at distance D, as v_distance has, will do. */
+float shift_of(Hit hit, vec3 normal, float root) {
+    float inverse_w = u_shift.y > 0.0 ? gl_FragCoord.w : 1.0;
+    float ray_length = v_distance * inverse_w, projected = root * v_unit * inverse_w;
+    float m = max(projected * inversesqrt(dot(normal, normal)), 0.5 * ray_length);
+    float epsilon = v_epsilon * (u_shift.y > 0.0 ? hit.inverse_w : 1.0);
+    epsilon = max(epsilon, u_shift.y * 9.5367431640625e-7 * ray_length);
+    float shift = u_shift.x * epsilon * hit.inverse_w / (m + u_shift.y * epsilon);
+    float room = max(1.0 - 1.1920929e-7 - hit.ndc, 0.0);
+    return max(shift, min(room, 9.5367431640625e-7));
+}
+#endif
+
+void main() {
+    vec2 slope = v_shape.xy;
+    vec3 second = vec3(v_shape.zw, v_eye.w);
+    Hit hit;
+    bool is_back;
+    float root;
+    if (!find_hit(slope, second, hit, is_back, root)) discard;
+#if PASS == PSPLAT_PASS_VISIBILITY
+    vec3 normal = normal_of(gradient(slope, second, hit.uv));
+    gl_FragDepth = u_depth_range.x * (hit.ndc + shift_of(hit, normal, root)) + u_depth_range.y;
+#else
+    float depth = u_depth_range.x * hit.ndc + u_depth_range.y;
+    gl_FragDepth = depth;
+#endif
+#if PASS == PSPLAT_PASS_PARAMETERS
+    write_parameters(hit.uv, v_index, depth);
+#elif PASS != PSPLAT_PASS_VISIBILITY
+#if SHAPE
+    slope = vec2(v_field_x, v_field_y);
+    second = vec3(v_field_xx, v_field_xy, v_field_yy);
+#endif
+    vec3 normal = normal_of(FIELD == 1 ? gradient(slope, second, hit.uv) : slope);
+    if (is_back) normal = -normal;
+    vec3 color = vec3(1.0), surface = vec3(1.0), emissive = vec3(1.0);
+#if FINISH
+    color = v_color;
+#if FIELD
+    color += hit.uv.x * v_color_u + hit.uv.y * v_color_v;
+#endif
+    color = clamp(color, 0.0, 1.0);
+    surface = v_surface;
+    emissive = v_emissive;
+#elif COLOR
+    color = v_color;
+#endif
+    float weight = weight_of(dot(hit.uv, hit.uv), 1.0);
+    write_sums(weight, depth, normal, color, surface, emissive);
+#endif
+}

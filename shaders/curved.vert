@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * curved.vert - draws a curved splat as a billboard: a rectangle through its centre that hides all
+ * of its patch from the eye. The fragment shader finds where the view ray meets the patch (compare
+ * Sigg, Weyrich, Botsch, Gross: GPU-Based Ray-Casting of Quadratic Surfaces, 2006, whose primitives
+ * are bounded by screen rectangles instead).
+ *
+ * Everything happens in the splat's local coordinates (u, v, h / r_u), in which its ellipse is the
+ * unit disc and its patch the height field h = slope . uv + uv H uv / 2. They are an affine image of
+ * eye space, whatever the model matrix is; rays, order along rays and sides stay what they are.
+ *
+ * gl_program.c defines PASS, CLIP_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA and
+ * TWO_SIDED. splat_data.glsl and shift.glsl come before this file.
+ */
+uniform mat3 u_ray;         /* from (pixel x, pixel y, 1) to the view ray */
+uniform float u_unstretch;  /* from lengths in eye space to lengths in object space, on average */
+
+out vec4 v_local;           /* local coordinates of the billboard's point; z of clip space */
+flat out vec4 v_eye;        /* local coordinates of the eye, in orthographic views the direction to
+                               it; the last element of H */
+flat out vec4 v_shape;      /* slope; the first two elements of H */
+#if PASS == PSPLAT_PASS_VISIBILITY
+out float v_distance;       /* of the billboard's point, in perspective */
+flat out float v_epsilon;   /* in orthographic views times the length of u_view_direction */
+flat out float v_unit;      /* turns local normals times local rays into those of eye space */
+#endif
+#if PASS == PSPLAT_PASS_PARAMETERS
+flat out float v_index;
+#else
+flat out vec3 v_normal_x;   /* the columns of the matrix from local normals to eye space */
+flat out vec3 v_normal_y;
+flat out vec3 v_normal_z;
+#endif
+#if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
+#if SHAPE
+/* The normal field where it is not that of the surface, as slopes of a height. These are single
+ * numbers because they fill gaps between vectors where a GL has only 15 of them for varyings. */
+flat out float v_field_x;
+flat out float v_field_y;
+flat out float v_field_xx;
+flat out float v_field_xy;
+flat out float v_field_yy;
+#endif
+#if FINISH
+flat out vec3 v_color;      /* not clamped */
+#if FIELD
+flat out vec3 v_color_u;
+flat out vec3 v_color_v;
+#endif
+flat out vec3 v_surface;
+flat out vec3 v_emissive;
+#elif COLOR
+flat out vec3 v_color;
+#endif
+#endif
+#if CLIP_COUNT > 0
+flat out LINE_TYPE v_lines[CLIP_COUNT];
+#endif
+
+/* A splat's surface in local coordinates. */
+struct Surface {
+    vec2 slope;
+    vec3 second;    /* H: d2h/du2, d2h/dudv, d2h/dv2 */
+    vec2 low_high;  /* bounds of uv H uv / 2 over the unit disc, with some room */
+};
+
+/* Returns slopes and second derivatives of the height whose gradient is a field (spec 3.5). */
+void find_height(vec2 xy, vec3 alpha_beta_gamma, float ratio, out vec2 slope, out vec3 second) {
+    slope = -vec2(xy.x, ratio * xy.y);
+    second = -vec3(alpha_beta_gamma.x, ratio * alpha_beta_gamma.z, ratio * alpha_beta_gamma.y);
+}
+
+Surface surface_of(vec4 field, float gamma, ivec2 texel, float ratio) {
+    Surface surface;
+#if SHAPE
+    vec3 shape = texelFetch(u_splats, texel + ivec2(PSPLAT_SPLAT_TEXELS + WIDE, 0), 0).xyz;
+    find_height(vec2(0.0), shape, ratio, surface.slope, surface.second);
+#else
+    find_height(field.xy, vec3(field.zw, gamma), ratio, surface.slope, surface.second);
+#endif
+    vec3 h = surface.second;
+    float mean = 0.5 * (h.x + h.z), root = length(vec2(0.5 * (h.x - h.z), h.y));
+    surface.low_high = vec2(0.5 * min(mean - root, 0.0) - 1e-3, 0.5 * max(mean + root, 0.0) + 1e-3);
+    return surface;
+}
+
+/* Returns whether the eye sees the backs of all points of the patch: where n . (eye - point), which
+ * is eye.z - slope . eye.xy - uv H eye.xy + uv H uv / 2, is negative all over the disc. In
+ * orthographic views eye is a direction, and the last term is not there. */
+bool is_turned_away(Surface surface, vec3 eye) {
+    vec3 h = surface.second;
+    float bent = length(vec2(dot(h.xy, eye.xy), dot(h.yz, eye.xy)));
+    float most = eye.z - dot(surface.slope, eye.xy) + bent;
+    return most + u_shift.y * surface.low_high.y < 0.0;
+}
+
+/* A billboard: the rectangle with these half axes around center, before perspective makes it
+ * larger by enlarge. is_known is false where the eye is so near that there is none. */
+struct Billboard {
+    vec3 center, across, along;
+    float enlarge;
+    bool is_known;
+};
+
+/* Finds the rectangle across the ray to the centre that hides the cylinder of the disc and of
+ * surface.low_high. In coordinates that are sheared so that the tangent plane lies flat, the
+ * cylinder stands upright. enlarge is for the points of the cylinder that are nearest to the eye. */
+Billboard billboard_of(Surface surface, vec3 eye) {
+    vec3 sheared = vec3(eye.xy, eye.z - dot(surface.slope, eye.xy));
+    float distance = length(sheared);
+    vec3 axis = sheared / distance;
+    float sine = length(axis.xy);
+    vec2 aside = sine > 1e-5 ? axis.xy / sine : vec2(1.0, 0.0);
+    vec2 bounds = surface.low_high;
+    float reach = sine + max(bounds.x * axis.z, bounds.y * axis.z);
+    Billboard b;
+    b.is_known = u_shift.y == 0.0 || distance > 1.01 * reach;
+    b.enlarge = u_shift.y > 0.0 ? distance / (distance - reach) : 1.0;
+    vec3 up = vec3(-aside * axis.z, sine);
+    b.across = vec3(-aside.y, aside.x, 0.0);
+    b.along = up * (abs(axis.z) + 0.5 * sine * (bounds.y - bounds.x));
+    b.center = up * (0.5 * sine * (bounds.x + bounds.y));
+    b.center.z += dot(surface.slope, b.center.xy);
+    b.across.z += dot(surface.slope, b.across.xy);
+    b.along.z += dot(surface.slope, b.along.xy);
+    return b;
+}
+
+/* Returns by how much the half axes of a billboard have to grow, as parts of themselves, so that
+ * its sides move outwards by a 128th of a pixel: rasterisers round corners to a 256th. */
+vec2 room_of(Billboard b, vec4 center, mat3 local_to_clip_xyw) {
+    vec2 ndc = center.xy / center.w;
+    vec3 p = local_to_clip_xyw * b.across, q = local_to_clip_xyw * b.along;
+    vec2 across = u_half_viewport.xy * (p.xy - ndc * p.z) / center.w;
+    vec2 along = u_half_viewport.xy * (q.xy - ndc * q.z) / center.w;
+    float area = max(abs(across.x * along.y - across.y * along.x), 1e-12);
+    return min(vec2(length(along), length(across)) / (128.0 * area), 100.0);
+}
+
+/* Returns a z of clip space for a corner that lies between the planes, not behind any point of the
+ * patch. zw is that of the centre, the columns of local_to_zw are those of the local axes. */
+float safe_z(Surface surface, vec2 zw, mat3x2 local_to_zw, float w) {
+    mat2 disc = mat2(local_to_zw[0] + surface.slope.x * local_to_zw[2],
+                     local_to_zw[1] + surface.slope.y * local_to_zw[2]);
+    vec2 room = vec2(length(vec2(disc[0].x, disc[1].x)), length(vec2(disc[0].y, disc[1].y))) +
+                max(abs(surface.low_high.x), surface.low_high.y) * abs(local_to_zw[2]);
+    float z = zw.x - room.x;
+    float least = zw.y - (z > 0.0 ? -room.y : room.y);
+    return least > 0.0 ? clamp(z / least - 1e-5, -1.0, 0.9999) * w : -w;
+}
+
+void main() {
+    int splat = gl_VertexID / 6, vertex = gl_VertexID - 6 * splat;
+    int corner = vertex < 3 ? vertex : 6 - vertex; /* 0 1 2, 3 2 1 */
+    vec2 side = vec2(2 * (corner & 1) - 1, (corner & 2) - 1);
+    ivec2 place = place_of(splat), texel = texel_of(place);
+    vec4 center = texelFetch(u_splats, texel, 0);
+    vec4 rotation = texelFetch(u_splats, texel + ivec2(1, 0), 0);
+    vec4 field = texelFetch(u_splats, texel + ivec2(2, 0), 0);
+    float radius = dot(rotation, rotation), ratio = center.w, gamma = 0.0;
+#if GAMMA
+    gamma = texelFetch(u_splats, texel + ivec2(3, 0), 0).w;
+#endif
+    Surface surface = surface_of(field, gamma, texel, ratio);
+
+    mat3 axes = axes_of(rotation);
+    vec3 eye_center = (u_modelview * vec4(center.xyz, 1.0)).xyz;
+    mat3 to_eye = mat3(u_modelview) * mat3(axes[0], ratio * axes[1], axes[2]);
+    /* Times a unit of eye space's length this is the transpose of the inverse of to_eye, by eq.
+     * (2)'s own transform (spec 4). */
+    mat3 normals = u_normal_matrix * (axes / radius);
+    normals[1] /= ratio;
+    float unit = u_unstretch / radius;
+    vec3 eye = u_shift.y > 0.0 ? -unit * (eye_center * normals)
+                               : -unit * (u_view_direction * normals);
+#if !TWO_SIDED
+    if (is_turned_away(surface, eye)) {
+        gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+        return;
+    }
+#endif
+    mat3x4 clip_axes = mat3x4(u_projection) * to_eye;
+    vec4 clip_center = u_projection * vec4(eye_center, 1.0);
+    Billboard b = billboard_of(surface, eye);
+    vec3 local, point;
+    if (b.is_known) {
+        mat3 xyw = mat3(clip_axes[0].xyw, clip_axes[1].xyw, clip_axes[2].xyw);
+        vec2 grown = side * (1.0 + room_of(b, clip_center, xyw));
+        local = b.enlarge * (b.center + grown.x * b.across + grown.y * b.along);
+        point = eye_center + to_eye * local;
+    } else {
+        /* The whole view, half a radius before the eye. */
+        vec3 ray = u_ray * vec3((side + 1.0) * u_half_viewport.xy, 1.0);
+        vec3 w = vec3(u_projection[0].w, u_projection[1].w, u_projection[2].w);
+        point = ray * (0.5 * length(to_eye[0]) * length(w) / dot(w, ray));
+        local = eye + unit * (point * normals);
+    }
+    gl_Position = u_projection * vec4(point, 1.0);
+    v_local = vec4(local, gl_Position.z);
+    mat3x2 zw = mat3x2(clip_axes[0].zw, clip_axes[1].zw, clip_axes[2].zw);
+    gl_Position.z = safe_z(surface, clip_center.zw, zw, gl_Position.w);
+    v_eye = vec4(eye, surface.second.z);
+    v_shape = vec4(surface.slope, surface.second.xy);
+
+#if CLIP_COUNT > 0
+    for (int i = 0; i < CLIP_COUNT; ++i)
+        v_lines[i] = LINE_TYPE(texelFetch(u_clips, ivec2(place.x * CLIP_COUNT + i, place.y), 0));
+#endif
+#if PASS == PSPLAT_PASS_VISIBILITY
+    v_distance = length(view_ray(point));
+    v_epsilon = u_shift.z;
+    if (u_shift.y == 0.0)
+        v_epsilon = max(u_shift.z, 9.5367431640625e-7 * length(eye_center)) * v_distance;
+    v_unit = 1.0 / unit;
+#endif
+#if PASS == PSPLAT_PASS_PARAMETERS
+    v_index = float(u_first_index + splat);
+#else
+    v_normal_x = normals[0];
+    v_normal_y = normals[1];
+    v_normal_z = normals[2];
+#endif
+#if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
+#if SHAPE
+    vec2 slope;
+    vec3 second;
+    find_height(field.xy, vec3(field.zw, gamma), ratio, slope, second);
+    v_field_x = slope.x;
+    v_field_y = slope.y;
+    v_field_xx = second.x;
+    v_field_xy = second.y;
+    v_field_yy = second.z;
+#endif
+#if FINISH
+    Finish finish = finish_of(place);
+    v_color = finish.color;
+#if FIELD
+    v_color_u = finish.color_u;
+    v_color_v = finish.color_v;
+#endif
+    v_surface = finish.surface;
+    v_emissive = finish.emissive;
+#elif COLOR
+    v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
+#endif
+#endif
+}

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * splat_data.glsl - the head of both vertex shaders of splats: the textures that splats are pulled
+ * from by gl_VertexID (layout.h), the matrices, and what both read in the same way.
+ *
+ * gl_program.c defines WIDE, SHAPE, COLOR, FINISH and FIELD.
+ */
+uniform highp sampler2D u_splats;
+uniform highp sampler2D u_clips;
+#if FINISH
+uniform highp sampler2D u_finishes;
+uniform int u_finish; /* PSPLAT_FINISH_ bits */
+#endif
+uniform mat4 u_modelview;
+uniform mat4 u_projection;
+uniform mat4 u_clip_matrix; /* their product, used by the filter, which need not be as exact */
+uniform mat3 u_normal_matrix;
+uniform vec3 u_half_viewport; /* half the width and height in pixels, half the depth range */
+uniform int u_first_index; /* the batch's first splat, counted over all batches */
+
+/* Returns the column and the row of a splat in the textures, counted in splats. */
+ivec2 place_of(int splat) {
+    const int bits = PSPLAT_SPLAT_ROW_BITS(WIDE, SHAPE);
+    return ivec2(splat & ((1 << bits) - 1), splat >> bits);
+}
+
+/* Returns the first texel of a splat. */
+ivec2 texel_of(ivec2 place) {
+    return ivec2(place.x * (PSPLAT_SPLAT_TEXELS + WIDE + SHAPE), place.y);
+}
+
+/* Returns the rotation matrix of a quaternion times |q|^2: its columns are |q|^2 U, V, N. */
+mat3 axes_of(vec4 q) {
+    vec3 s = q.xyz * q.xyz;
+    vec3 p = q.xyz * q.yzx; /* xy, yz, zx */
+    vec3 w = q.xyz * q.w;
+    float d = q.w * q.w;
+    return mat3(vec3(d + s.x - s.y - s.z, 2.0 * (p.x + w.z), 2.0 * (p.z - w.y)),
+                vec3(2.0 * (p.x - w.z), d - s.x + s.y - s.z, 2.0 * (p.y + w.x)),
+                vec3(2.0 * (p.z + w.y), 2.0 * (p.y - w.x), d - s.x - s.y + s.z));
+}
+
+#if FINISH
+/* The attributes of spec 3.10, without the factors that all splats share. */
+struct Finish {
+    vec3 color, color_u, color_v; /* color_u and color_v only for linear fields */
+    vec3 surface;                 /* occlusion, roughness, metallic */
+    vec3 emissive;
+};
+
+Finish finish_of(ivec2 place) {
+    int surface = u_finish & PSPLAT_FINISH_SURFACE;
+    int emissive = (u_finish & PSPLAT_FINISH_EMISSIVE) / PSPLAT_FINISH_EMISSIVE;
+    int gradient = (u_finish & PSPLAT_FINISH_GRADIENT) / PSPLAT_FINISH_GRADIENT;
+    ivec2 texel = ivec2(place.x * (surface + emissive + 2 * gradient), place.y);
+    Finish finish = Finish(vec3(1.0), vec3(0.0), vec3(0.0), vec3(1.0), vec3(1.0));
+    if ((u_finish & PSPLAT_FINISH_COLOR) > 0)
+        finish.color = texelFetch(u_splats, texel_of(place) + ivec2(3, 0), 0).rgb;
+    if (surface > 0) finish.surface = texelFetch(u_finishes, texel, 0).rgb;
+    texel.x += surface;
+    if (emissive > 0) finish.emissive = texelFetch(u_finishes, texel, 0).rgb;
+#if FIELD
+    texel.x += emissive;
+    if (gradient > 0) {
+        finish.color_u = texelFetch(u_finishes, texel, 0).rgb;
+        finish.color_v = texelFetch(u_finishes, texel + ivec2(1, 0), 0).rgb;
+    }
+#endif
+    return finish;
+}
+#endif

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * sums.glsl - what a fragment of a splat writes: its part of the sums of spec 5.4, which layout.h
+ * lists.
+ *
+ * gl_program.c defines PASS, COLORS, MATERIALS, OCCLUSION, POWER, COUNT and WEIGHT_FLOOR, and for the
+ * pass that shades the macros of shading.glsl, which then comes before this file.
+ */
+#if PASS != PSPLAT_PASS_VISIBILITY
+layout(location = 0) out vec4 o_sum;
+#if OCCLUSION
+layout(location = 1) out vec4 o_depth;
+#elif MATERIALS
+layout(location = 1) out vec2 o_depth;
+#else
+layout(location = 1) out float o_depth;
+#endif
+#endif
+#if COLORS
+layout(location = 2) out vec4 o_color;
+#endif
+#if MATERIALS
+layout(location = 3) out vec4 o_surface;
+#endif
+
+uniform vec2 u_kernel; /* -sharpness, exponent / 2 */
+uniform vec3 u_base_color;
+uniform vec3 u_emissive;
+uniform vec3 u_surface; /* metallic, roughness, unlit */
+
+/* Returns psi of spec 3.7 times a factor, the filter's. The lower bound keeps a covered pixel covered
+ * where a sharp kernel underflows. */
+float weight_of(float r2, float factor) {
+#if COUNT
+    return 1.0;
+#elif POWER
+    return max(exp(u_kernel.x * pow(r2, u_kernel.y)) * factor, WEIGHT_FLOOR);
+#else
+    return max(exp(u_kernel.x * r2) * factor, WEIGHT_FLOOR);
+#endif
+}
+
+#if PASS == PSPLAT_PASS_PARAMETERS
+void write_parameters(vec2 uv, float index, float depth) {
+    o_sum = vec4(uv, index, 1.0);
+    o_depth = depth;
+}
+#elif PASS != PSPLAT_PASS_VISIBILITY
+/* Adds a fragment of this window depth. The last three are what varies over the batch: colour,
+ * occlusion with roughness and metallic, and emission; 1 each where they do not. */
+void write_sums(float weight, float depth, vec3 normal, vec3 varied_color, vec3 varied_surface,
+                vec3 varied_emissive) {
+    vec3 color = u_base_color * varied_color;
+    vec3 emissive = u_emissive * varied_emissive;
+    vec4 surface = vec4(u_surface, 1.0) * vec4(varied_surface.zy, 1.0, varied_surface.x);
+#if PASS == PSPLAT_PASS_NORMALS
+    o_sum = weight * vec4(normal, 1.0);
+#else
+    vec3 window = vec3(gl_FragCoord.xy, depth);
+    o_sum = weight * vec4(shade(normal, window, color, emissive, surface), 1.0);
+#endif
+#if OCCLUSION
+    o_depth = weight * vec4(depth, surface.zw, 0.0);
+#elif MATERIALS
+    o_depth = weight * vec2(depth, surface.z);
+#else
+    o_depth = weight * depth;
+#endif
+#if MATERIALS
+    o_surface = weight * vec4(emissive, surface.y);
+#endif
+#if COLORS
+    o_color = weight * vec4(color, surface.x);
+#endif
+}
+#endif
