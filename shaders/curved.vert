@@ -19,6 +19,9 @@ out vec4 v_local;           /* local coordinates of the billboard's point; z of 
 flat out vec4 v_eye;        /* local coordinates of the eye, in orthographic views the direction to
                                it; the last element of H */
 flat out vec4 v_shape;      /* slope; the first two elements of H */
+#if TWO_SIDED
+flat out float v_peek;      /* how far a ray stays under the surface behind its contour, at most */
+#endif
 #if PASS == PSPLAT_PASS_VISIBILITY
 out float v_distance;       /* of the billboard's point, in perspective */
 flat out float v_epsilon;   /* in orthographic views times the length of u_view_direction */
@@ -173,7 +176,9 @@ void main() {
     float unit = u_unstretch / radius;
     vec3 eye = u_shift.y > 0.0 ? -unit * (eye_center * normals)
                                : -unit * (u_view_direction * normals);
-#if !TWO_SIDED
+#if TWO_SIDED
+    v_peek = 2.0 * u_shift.z * unit;
+#else
     if (is_turned_away(surface, eye)) {
         gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
         return;

@@ -11,6 +11,8 @@
  */
 invariant gl_Position;
 
+uniform float u_unstretch; /* from lengths in eye space to lengths in object space, on average */
+
 #if FILTER
 out vec4 v_uv; /* u, v; ratio of areas; window depth that was subtracted (spec 5.8) */
 #else
@@ -182,11 +184,18 @@ vec3 normal_of(ivec2 texel, mat3 axes, float length2, float ratio, vec2 uv) {
 #endif
 
 #if TWO_SIDED
-/* Returns whether the splat clearly turns its back to the eye (cos <= -1/2 of spec 5.2), which
- * gl_FrontFacing does not say. */
-bool is_behind(vec3 normal, vec3 eye_center) {
+/* Returns whether the splat turns its back to the eye and does not only peek out behind a contour
+ * (spec 5.2). unit turns lengths of eye space into radii. */
+bool is_behind(ivec2 texel, mat3 normals, vec3 normal, float ratio, float unit, vec3 eye_center) {
     vec3 ray = view_ray(eye_center);
-    return dot(normal, ray) >= 0.5 * sqrt(dot(normal, normal) * dot(ray, ray));
+    vec2 uv = unit * (ray * mat2x3(normals));
+    uv.y /= ratio;
+    vec2 bend = texelFetch(u_splats, texel + ivec2(2, 0), 0).zw * vec2(1.0, ratio);
+    float first = unit * dot(ray, normal), second = dot(bend, uv * uv);
+#if GAMMA
+    second += 2.0 * ratio * texelFetch(u_splats, texel + ivec2(3, 0), 0).w * uv.x * uv.y;
+#endif
+    return first > 0.0 && (second <= 0.0 || first * first > 4.0 * second * u_shift.z * unit);
 }
 #endif
 
@@ -234,7 +243,8 @@ void main() {
 
     /* The length is about 1 whatever the unit of the scene is, so that squares stay in the range of
      * float. */
-    vec3 normal = u_normal_matrix * (up / dot(rotation, rotation));
+    float length2 = dot(rotation, rotation);
+    vec3 normal = u_normal_matrix * (up / length2);
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR
     v_near = gl_Position.z + gl_Position.w;
@@ -244,9 +254,11 @@ void main() {
 #elif PASS == PSPLAT_PASS_PARAMETERS
     v_index = float(u_first_index + splat);
 #else
-    v_normal = normal_of(texel, axes, dot(rotation, rotation), center.w, uv);
+    v_normal = normal_of(texel, axes, length2, center.w, uv);
 #if TWO_SIDED
-    if (is_behind(normal, eye_center)) v_normal = -v_normal;
+    mat3 normals = u_normal_matrix * (axes / length2);
+    if (is_behind(texel, normals, normal, center.w, u_unstretch / length2, eye_center))
+        v_normal = -v_normal;
 #endif
 #if FINISH
     /* Eq. (4a) is linear in (u, v), so the rasteriser interpolates it exactly. */

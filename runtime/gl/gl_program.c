@@ -62,6 +62,8 @@ static unsigned used_by_splats(const psplat_program_key *key) {
         return key->options & PSPLAT_OPTION_CURVED ? used : used | PSPLAT_OPTION_NEAR;
     if (key->pass == PSPLAT_PASS_PARAMETERS) return used;
     used |= PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_POWER;
+    /* The field tells backs from splats that peek out behind a contour (spec 5.2). */
+    if (key->options & PSPLAT_OPTION_TWO_SIDED) used |= PSPLAT_OPTION_GAMMA;
     if (!(key->options & PSPLAT_OPTION_CURVED)) used |= PSPLAT_OPTION_FILTER;
     const unsigned colors = PSPLAT_OPTION_COLOR | PSPLAT_OPTION_FINISH;
     if (key->pass == PSPLAT_PASS_RADIANCE) return used | colors | PSPLAT_OPTIONS_LIGHT;
@@ -81,7 +83,8 @@ static unsigned used_by_resolve(const psplat_program_key *key) {
 
 /* Adds options that others imply, and removes those that have no effect beside others. */
 static unsigned normalise_options(unsigned options) {
-    int is_field = options & PSPLAT_OPTION_CURVED && !(options & PSPLAT_OPTION_SHAPE);
+    int is_field = options & PSPLAT_OPTION_CURVED ? !(options & PSPLAT_OPTION_SHAPE)
+                                                  : (options & PSPLAT_OPTION_TWO_SIDED) != 0;
     if (options & PSPLAT_OPTION_SHAPE) options &= ~(unsigned)PSPLAT_OPTION_TANGENT;
     if (!(options & PSPLAT_OPTION_FIELD) && !is_field) options &= ~(unsigned)PSPLAT_OPTION_GAMMA;
     if (options & PSPLAT_OPTION_COUNT) options &= ~(unsigned)PSPLAT_OPTION_POWER;

@@ -37,7 +37,8 @@ typedef struct psplat_oracle_space {
     double model_view[16];
     double normal_matrix[3][3]; /* |det M3|^(1/3) M3^-T, row by row */
     double epsilon;             /* |det M3|^(1/3) depthTolerance */
-    int is_curved;              /* that of the batch */
+    double depth_tolerance;
+    int is_curved; /* that of the batch */
 } psplat_oracle_space;
 
 /* Composes view, transform and the batch's model matrix. Returns 0 where their product is singular,
@@ -60,10 +61,14 @@ typedef struct psplat_oracle_splat {
     double normal[3][3];    /* n(u, v) = normal[0] + u normal[1] + v normal[2]: eq. (2) */
     double clip[PSPLAT_MAX_CLIP_LINES][4]; /* a, b, c and the bend of each line */
     uint32_t clip_count;
-    int is_curved;            /* that of the batch: also where the surface is the plane */
-    double slope[2], bend[3]; /* of the surface; 0 where it is the plane */
-    double epsilon;           /* that of the batch: eq. (5) before it is divided by a cosine */
-    double cosine; /* of the angle in eq. (5) at the centre; set by psplat_oracle_camera_face */
+    int is_curved; /* that of the batch: also where the surface is the plane */
+    /* The surface's first and second derivatives, w by u and v. A flat splat has in bend those of
+     * the surface to which its normal field belongs. */
+    double slope[2], bend[3];
+    double peek; /* in w: how deep a ray runs under the surface behind its contour at most (5.2) */
+    int is_behind;  /* 1: a flat splat is seen from behind; set by psplat_oracle_camera_face */
+    double epsilon; /* that of the batch: eq. (5) before it is divided by a cosine */
+    double cosine;  /* of the angle in eq. (5) at the centre; set by psplat_oracle_camera_face */
 } psplat_oracle_splat;
 
 /* Moves a stored splat into eye space; cosine is left alone. */
@@ -111,7 +116,8 @@ double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const doub
 double psplat_oracle_camera_reach(const psplat_oracle_camera *camera, const psplat_oracle_ray *ray,
                                   double depth);
 
-/* Sets the splat's cosine, of the angle between N' and the direction from its centre to the eye. */
+/* Sets the splat's cosine, of the angle between N' and the direction from its centre to the eye,
+ * and is_behind. */
 void psplat_oracle_camera_face(const psplat_oracle_camera *camera, psplat_oracle_splat *splat);
 
 /* Finds the splat in clip space: its point (u, v) is frame[0] + u frame[1] + v frame[2]. */
@@ -167,6 +173,12 @@ double psplat_oracle_crossing_change(const psplat_oracle_crossing *crossing,
 void psplat_oracle_surface_normal(const psplat_oracle_splat *splat, double u, double v,
                                   double normal[3]);
 
+/* Returns by how much F'^2 is too large for a back to peek out behind a contour (5.2): such a back
+ * has 0 or less. F is the height along a ray of half second derivative `half_second` and derivative
+ * `first` where the ray comes out. Where it does not come out of the convex side it is HUGE_VAL. */
+double psplat_oracle_peek_excess(const psplat_oracle_splat *splat, double first,
+                                 double half_second);
+
 /* Returns the value of clip line k at (u, v), which is at least 0 where the line keeps the point
  * (eq. (3b)), and stores its derivatives by u and by v where slope is not NULL. */
 double psplat_oracle_line_value(const psplat_oracle_splat *splat, uint32_t k, double u, double v,
@@ -185,6 +197,7 @@ typedef struct psplat_oracle_fragment {
     double cosine;  /* of the surface's normal and the direction to the eye: > 0 where seen from the
                        front */
     int is_missed;  /* 1: the ray passes by a curved surface, and this is where it is nearest */
+    int is_peeking; /* 1: it is a back behind the contour, which is not drawn (5.2) */
 } psplat_oracle_fragment;
 
 /* The points where a ray meets a splat in front of the eye, the nearest first and none beyond the

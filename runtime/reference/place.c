@@ -29,6 +29,7 @@ int psplat_oracle_place_batch(const psplat_batch *batch, const double transform[
     psplat_oracle_multiply(view, placed, space->model_view);
     if (!normal_matrix(space->model_view, space->normal_matrix, &scale)) return 0;
     space->epsilon = scale * (double)batch->depth_tolerance;
+    space->depth_tolerance = (double)batch->depth_tolerance;
     space->is_curved = batch->is_curved;
     return 1;
 }
@@ -76,11 +77,12 @@ static void curved_parameter_rows(psplat_oracle_splat *placed) {
 /* Sets the surface of eq. (1a), which is the plane where the shape is 0. */
 static void surface(const psplat_splat *splat, psplat_oracle_splat *placed) {
     double q = (double)splat->radius[1] / (double)splat->radius[0];
-    placed->slope[0] = (double)splat->shape[0];
-    placed->slope[1] = q * (double)splat->shape[1];
-    placed->bend[0] = (double)splat->shape[2];
-    placed->bend[1] = q * (double)splat->shape[4];
-    placed->bend[2] = q * (double)splat->shape[3];
+    const float *second = placed->is_curved ? splat->shape + 2 : splat->gradient;
+    for (int k = 0; k < 2; ++k) placed->slope[k] = placed->is_curved ? (double)splat->shape[k] : 0;
+    placed->slope[1] *= q;
+    placed->bend[0] = (double)second[0];
+    placed->bend[1] = q * (double)second[2];
+    placed->bend[2] = q * (double)second[1];
 }
 
 static void clip_lines(const psplat_splat *splat, uint32_t count, psplat_oracle_splat *placed) {
@@ -128,8 +130,9 @@ void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
         for (int i = 0; i < 3; ++i)
             placed->axis[axis][i] = (double)splat->radius[axis % 2] * moved[i];
     }
-    surface(splat, placed);
     placed->is_curved = space->is_curved;
+    surface(splat, placed);
+    placed->peek = 2 * space->depth_tolerance / (double)splat->radius[0];
     if (placed->is_curved)
         curved_parameter_rows(placed);
     else

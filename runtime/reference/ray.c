@@ -65,6 +65,19 @@ void psplat_oracle_camera_ray_steps(const psplat_oracle_camera *camera,
         }
 }
 
+/* Returns whether a flat splat is seen from behind by a ray through its centre. The surface of its
+ * field lies under the plane by half of what bend says. */
+static int is_behind(const psplat_oracle_splat *splat, const double to_eye[3]) {
+    double d[3], normal[3];
+    for (int k = 0; k < 3; ++k) {
+        psplat_oracle_cross(splat->axis[(k + 1) % 3], splat->axis[(k + 2) % 3], normal);
+        d[k] = -psplat_oracle_dot(normal, to_eye) / psplat_oracle_dot(normal, splat->axis[k]);
+    }
+    double bent = splat->bend[0] * d[0] * d[0] + 2 * splat->bend[1] * d[0] * d[1] +
+                  splat->bend[2] * d[1] * d[1];
+    return d[2] > 0 && psplat_oracle_peek_excess(splat, d[2], bent / 2) > 0;
+}
+
 void psplat_oracle_camera_face(const psplat_oracle_camera *camera, psplat_oracle_splat *splat) {
     psplat_oracle_ray ray;
     double to_eye[3];
@@ -75,6 +88,7 @@ void psplat_oracle_camera_face(const psplat_oracle_camera *camera, psplat_oracle
                                      : camera->eye[i] / camera->eye[3] - splat->center[i];
     psplat_oracle_normalise(to_eye);
     splat->cosine = psplat_oracle_dot(splat->side, to_eye);
+    splat->is_behind = is_behind(splat, to_eye);
 }
 
 double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const double point[3],

@@ -169,28 +169,36 @@ static void test_slanted_epsilon(void **state) {
         }
 }
 
-/* Spec 5.2: normals of a two-sided material are negated only where the splat faces away from the
- * eye by more than 120 degrees. Light from behind and above shows which of the two was used. */
+/* Spec 5.2: normals of a two-sided material are negated where the splat faces away from the eye,
+ * but for those whose field bends so much that a ray through the centre has been at most two depth
+ * tolerances under the surface: with a curvature of 1/4 along u and 3/4 along v, about which it is
+ * tilted, that is where cos^2 <= 4 (3/4) depthTolerance sin^2. Light from behind and above shows
+ * which of the two was used. */
 static void test_two_sides(void **state) {
     (void)state;
-    const double degrees[] = {60, 100, 118, 122, 150, 180};
+    const double degrees[] = {60, 80, 100, 112, 115, 150, 180};
+    const float bends[2] = {0.25f, 0.75f};
     psplat_view view = front_view();
     camera_parallel(&view, 1, 1, 10);
-    for (int i = 0; i < 6; ++i) {
-        scene s = scene_disc(1);
-        s.material.double_sided = 1;
-        tilt(&s.splats[0], degrees[i]);
-        double sign = degrees[i] > 120 ? -1 : 1;
-        for (int k = 0; k < 3; ++k)
-            view.lights[0].direction[k] =
-                -(float)sign * s.splats[0].normal[k]; /* opposite to the normal that is used */
-        picture p = picture_of(&s, NULL, &view);
-        int middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
-        assert_int_equal(p.image.count[middle], 1);
-        assert_true(p.image.color[4 * middle] > 0.5f); /* fully lit, not from behind */
-        picture_free(&p);
-        scene_free(&s);
-    }
+    for (int is_bent = 0; is_bent < 3; ++is_bent)
+        for (int i = 0; i < 7; ++i) {
+            scene s = scene_disc(1);
+            s.material.double_sided = 1;
+            s.depth_tolerance = 0.0625f; /* the tilt of tan^2 = 16 / 3 is 113.4 degrees */
+            for (int k = 0; k < 2 && is_bent; ++k)
+                s.splats[0].gradient[k] = is_bent > 1 ? -bends[k] : bends[k];
+            tilt(&s.splats[0], degrees[i]);
+            double sign = degrees[i] > (is_bent == 1 ? 113.4 : 90) ? -1 : 1;
+            for (int k = 0; k < 3; ++k)
+                view.lights[0].direction[k] =
+                    -(float)sign * s.splats[0].normal[k]; /* opposite to the normal that is used */
+            picture p = picture_of(&s, NULL, &view);
+            int middle = HEIGHT / 2 * WIDTH + WIDTH / 2;
+            assert_int_equal(p.image.count[middle], 1);
+            assert_true(p.image.color[4 * middle] > 0.5f); /* fully lit, not from behind */
+            picture_free(&p);
+            scene_free(&s);
+        }
 }
 
 /* ---- modes ----------------------------------------------------------------------------------- */

@@ -288,14 +288,17 @@ static double side_of(int i) {
 /* The surface z = -k (X^2 + Y^2) / 2 is seen from the side: the ray (y, z) meets it at X = +-root
  * with root^2 = -2 z / k - y^2. Asserts that the picture shows it at X = sign root, and its
  * constant normal z, times turned. The first row of the image's coordinates is z, which camera_look
- * makes the image's -x. */
+ * makes the image's -x. Before it meets the back of a hill a ray has been k root^2 / 2 under the
+ * surface, which must be more than two depth tolerances. */
 static void check_side(const picture *p, double k, double sign, double turned) {
-    size_t covered = 0;
+    size_t covered = 0, peeking = 0;
+    double least = k > 0 && turned < 0 ? 4 * (double)0.01f / k : 0;
     for (int y = 0; y < SIDE; ++y)
         for (int x = 0; x < SIDE; ++x) {
             int at = y * SIDE + x;
             double z = -side_of(x), square = -2 * z / k - side_of(y) * side_of(y);
-            int inside = square > 0 && -2 * z / k <= 1;
+            int inside = square > least && -2 * z / k <= 1;
+            peeking += square > 0 && square <= least;
             if (p->image.tie[at] < 1e-9) continue;
             assert_int_equal(p->image.count[at], inside);
             if (!inside) continue;
@@ -306,7 +309,7 @@ static void check_side(const picture *p, double k, double sign, double turned) {
             assert_near((double)p->image.color[4 * at], 0.5 - 0.5 * turned, FLOAT_STEP);
             ++covered;
         }
-    assert_true(covered > 500);
+    assert_true(covered > 500 && (peeking > 50) == (least > 0));
 }
 
 /* Both points of a ray are inside the ellipse. A hill shows its near side, which is its front; a
