@@ -38,6 +38,11 @@ static const double flat_deviation_tolerances = 0.02;
  * more than more moves do. Chosen by hand. */
 enum { MOVES_PER_SPLAT = 5 };
 
+/* The sharpness of the blending kernel (spec 3.7). At a rim weights end with e^-4 = 0.018 instead of
+ * the default's 0.14, so that rims do not show; of 2, 3, 4 and 6 it gave the greatest SSIM of
+ * pictures of curved splats, with normals as good. */
+static const float kernel_sharpness = 4;
+
 /* Offsets of the user's seed, which give the local search and the verification random numbers of
  * their own. They are the ASCII letters of "improve" and "verify". */
 static const uint64_t improve_seed = 0x696d70726f766500u;
@@ -143,7 +148,7 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
 
 static void fill_splats(const psplat_conversion *c, const psplat_mesh *mesh) {
     c->splats->kernel =
-        (psplat_kernel){PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT};
+        (psplat_kernel){kernel_sharpness, PSPLAT_DEFAULT_KERNEL_EXPONENT};
     for (int k = 0; k < 3; ++k) c->splats->origin[k] = mesh->origin[k];
 }
 
