@@ -25,9 +25,6 @@ uniform vec2 u_depth_range; /* half and middle of the depth range */
 in vec4 v_local;
 flat in vec4 v_eye;
 flat in vec4 v_shape;
-#if TWO_SIDED
-flat in float v_peek;
-#endif
 #if PASS == PSPLAT_PASS_VISIBILITY
 in float v_distance;
 flat in float v_epsilon;
@@ -39,6 +36,9 @@ flat in float v_index;
 flat in vec3 v_normal_x;
 flat in vec3 v_normal_y;
 flat in vec3 v_normal_z;
+#if TWO_SIDED
+flat in float v_peek;
+#endif
 #endif
 #if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
 #if SHAPE
@@ -111,8 +111,9 @@ Hit hit_at(vec3 ray, float t) {
 }
 
 /* Finds the fragment: where only fronts are seen, that of the root at which the ray comes in, else
- * the nearer one of those inside, but for backs that only peek out behind a contour (spec 5.2). Of
- * the two forms of a root the one is used whose terms do not cancel. */
+ * the nearer one of those inside. is_back is true where normals are negated: not where the back only
+ * peeks out behind a contour (spec 5.2). Of the two forms of a root the one is used whose terms do
+ * not cancel. */
 bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float root) {
     vec3 at = v_local.xyz, ray = u_shift.y * at - v_eye.xyz;
     vec2 g = gradient(slope, second, at.xy);
@@ -126,10 +127,11 @@ bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float 
     float front = b > 0.0 ? -half_sum / a : -c / half_sum;
 #if TWO_SIDED
     float back = b > 0.0 ? -c / half_sum : -half_sum / a;
-    bool is_peeking = a > 0.0 && square <= 4.0 * a * v_peek;
     hit = hit_at(ray, min(front, back));
-    if (!hit.is_inside && !is_peeking) hit = hit_at(ray, max(front, back));
-    is_back = hit.t != front;
+    if (!hit.is_inside) hit = hit_at(ray, max(front, back));
+#if PASS != PSPLAT_PASS_VISIBILITY && PASS != PSPLAT_PASS_PARAMETERS
+    is_back = hit.t != front && !(a > 0.0 && square <= 4.0 * a * v_peek);
+#endif
 #else
     hit = hit_at(ray, front);
 #endif

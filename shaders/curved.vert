@@ -19,9 +19,6 @@ out vec4 v_local;           /* local coordinates of the billboard's point; z of 
 flat out vec4 v_eye;        /* local coordinates of the eye, in orthographic views the direction to
                                it; the last element of H */
 flat out vec4 v_shape;      /* slope; the first two elements of H */
-#if TWO_SIDED
-flat out float v_peek;      /* how far a ray stays under the surface behind its contour, at most */
-#endif
 #if PASS == PSPLAT_PASS_VISIBILITY
 out float v_distance;       /* of the billboard's point, in perspective */
 flat out float v_epsilon;   /* in orthographic views times the length of u_view_direction */
@@ -33,6 +30,9 @@ flat out float v_index;
 flat out vec3 v_normal_x;   /* the columns of the matrix from local normals to eye space */
 flat out vec3 v_normal_y;
 flat out vec3 v_normal_z;
+#if TWO_SIDED
+flat out float v_peek;      /* how far a ray stays under the surface behind its contour, at most */
+#endif
 #endif
 #if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
 #if SHAPE
@@ -176,9 +176,7 @@ void main() {
     float unit = u_unstretch / radius;
     vec3 eye = u_shift.y > 0.0 ? -unit * (eye_center * normals)
                                : -unit * (u_view_direction * normals);
-#if TWO_SIDED
-    v_peek = 2.0 * u_shift.z * unit;
-#else
+#if !TWO_SIDED
     if (is_turned_away(surface, eye)) {
         gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
         return;
@@ -224,6 +222,9 @@ void main() {
     v_normal_x = normals[0];
     v_normal_y = normals[1];
     v_normal_z = normals[2];
+#if TWO_SIDED
+    v_peek = 2.0 * u_shift.z * unit;
+#endif
 #endif
 #if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
 #if SHAPE

@@ -88,10 +88,8 @@ void psplat_oracle_surface_normal(const psplat_oracle_splat *splat, double u, do
 }
 
 /* Between its roots F is at least -F'^2 / 4a. */
-double psplat_oracle_peek_excess(const psplat_oracle_splat *splat, double first,
-                                 double half_second) {
-    if (!(first > 0 && half_second > 0)) return HUGE_VAL;
-    return first * first - 4 * half_second * splat->peek;
+int psplat_oracle_is_peeking(const psplat_oracle_splat *splat, double first, double half_second) {
+    return first > 0 && half_second > 0 && first * first <= 4 * half_second * splat->peek;
 }
 
 double psplat_oracle_line_value(const psplat_oracle_splat *splat, uint32_t k, double u, double v,

@@ -30,7 +30,7 @@ static int set_point(const psplat_oracle_camera *camera, const psplat_oracle_spl
  * and the far plane and, where cull is 1, seen from the front. */
 static int exists(const psplat_oracle_splat *splat, const psplat_oracle_fragment *fragment,
                   int cull) {
-    if (fragment->is_missed || fragment->is_peeking) return 0;
+    if (fragment->is_missed) return 0;
     if (!psplat_oracle_is_inside(splat, fragment->u, fragment->v)) return 0;
     if (cull && !splat->is_curved && !(fragment->cosine > 0)) return 0;
     return fragment->depth >= 0 && fragment->depth <= 1;
@@ -58,9 +58,9 @@ static void meet_curved(const psplat_oracle_camera *camera, const psplat_oracle_
     }
     psplat_oracle_fragment front = {.s = psplat_oracle_crossing_root(&crossing, 0)};
     psplat_oracle_fragment back = {.s = psplat_oracle_crossing_root(&crossing, 1)};
+    back.is_peeking =
+        psplat_oracle_is_peeking(splat, sqrt(crossing.discriminant), crossing.height[2]);
     int back_is_first = back.s < front.s;
-    double first = sqrt(crossing.discriminant);
-    back.is_peeking = !(psplat_oracle_peek_excess(splat, first, crossing.height[2]) > 0);
     if (!cull && back_is_first) add_point(camera, splat, ray, cull, back, meeting);
     add_point(camera, splat, ray, cull, front, meeting);
     if (!cull && !back_is_first) add_point(camera, splat, ray, cull, back, meeting);
@@ -99,7 +99,7 @@ double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const pspl
 
 int psplat_oracle_is_reversed(const psplat_oracle_splat *splat,
                               const psplat_oracle_fragment *fragment) {
-    return splat->is_curved ? !(fragment->cosine > 0) : splat->is_behind;
+    return splat->is_curved ? !(fragment->cosine > 0) && !fragment->is_peeking : splat->is_behind;
 }
 
 /* ---- margins -------------------------------------------------------------------------------- */
@@ -131,10 +131,9 @@ static void find_steps(const psplat_oracle_camera *camera, const psplat_oracle_s
     }
 }
 
-/* Returns the margin to the contour of a curved surface, where D is 0, and of a back also that to
- * where it starts to peek out, which D decides as well. D over the squares of the ray's and of the
- * gradient's lengths is the square of the cosine where the ray meets the surface, and below 0 where
- * it misses. */
+/* Returns the margin to the contour of a curved surface, where D is 0. D over the squares of the
+ * ray's and of the gradient's lengths is the square of the cosine where the ray meets the surface,
+ * and below 0 where it misses. */
 static double contour_margin(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
                              const psplat_oracle_ray *ray, const psplat_oracle_fragment *fragment) {
     psplat_oracle_crossing crossing;
@@ -147,11 +146,7 @@ static double contour_margin(const psplat_oracle_camera *camera, const psplat_or
     for (int k = 0; k < 2; ++k)
         change[k] =
             psplat_oracle_crossing_change(&crossing, splat, by.origin[k], by.direction[k]) / unit;
-    double excess = HUGE_VAL, pixels = unit * fmax(1, hypot(change[0], change[1]));
-    if (!fragment->is_missed && !(fragment->cosine > 0))
-        excess = psplat_oracle_peek_excess(splat, sqrt(fmax(crossing.discriminant, 0)),
-                                           crossing.height[2]);
-    return fmin(crossing.discriminant, excess) / pixels;
+    return crossing.discriminant / unit / fmax(1, hypot(change[0], change[1]));
 }
 
 /* Returns the least margin to the ellipse and to the clip lines. */

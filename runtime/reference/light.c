@@ -66,9 +66,6 @@ static double distance_to(const psplat_oracle_splat *splat, const double point[3
     if (splat->is_curved) {
         psplat_oracle_crossing_set(&crossing, splat, point, to_light);
         for (int k = 0; k < 2; ++k) s[k] = psplat_oracle_crossing_root(&crossing, k);
-        /* The light's own rays run the other way, and come out where these go in. */
-        double first = sqrt(fmax(crossing.discriminant, 0));
-        if (!(psplat_oracle_peek_excess(splat, first, crossing.height[2]) > 0)) s[0] = -1;
     }
     for (int k = 0; k < 2; ++k) {
         if (!(s[k] > farthest && s[k] <= distance && isfinite(s[k]))) continue;

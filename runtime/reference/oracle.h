@@ -173,11 +173,10 @@ double psplat_oracle_crossing_change(const psplat_oracle_crossing *crossing,
 void psplat_oracle_surface_normal(const psplat_oracle_splat *splat, double u, double v,
                                   double normal[3]);
 
-/* Returns by how much F'^2 is too large for a back to peek out behind a contour (5.2): such a back
- * has 0 or less. F is the height along a ray of half second derivative `half_second` and derivative
- * `first` where the ray comes out. Where it does not come out of the convex side it is HUGE_VAL. */
-double psplat_oracle_peek_excess(const psplat_oracle_splat *splat, double first,
-                                 double half_second);
+/* Returns 1 where a back only peeks out behind a contour (5.2): where a ray comes out of the convex
+ * side of the surface, under which it has not been deep. Its height F has there the derivative
+ * `first` and half of the second derivative `half_second`. */
+int psplat_oracle_is_peeking(const psplat_oracle_splat *splat, double first, double half_second);
 
 /* Returns the value of clip line k at (u, v), which is at least 0 where the line keeps the point
  * (eq. (3b)), and stores its derivatives by u and by v where slope is not NULL. */
@@ -197,7 +196,7 @@ typedef struct psplat_oracle_fragment {
     double cosine;  /* of the surface's normal and the direction to the eye: > 0 where seen from the
                        front */
     int is_missed;  /* 1: the ray passes by a curved surface, and this is where it is nearest */
-    int is_peeking; /* 1: it is a back behind the contour, which is not drawn (5.2) */
+    int is_peeking; /* 1: it is a back behind the contour, which is lit as a front (5.2) */
 } psplat_oracle_fragment;
 
 /* The points where a ray meets a splat in front of the eye, the nearest first and none beyond the

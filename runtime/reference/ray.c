@@ -75,7 +75,7 @@ static int is_behind(const psplat_oracle_splat *splat, const double to_eye[3]) {
     }
     double bent = splat->bend[0] * d[0] * d[0] + 2 * splat->bend[1] * d[0] * d[1] +
                   splat->bend[2] * d[1] * d[1];
-    return d[2] > 0 && psplat_oracle_peek_excess(splat, d[2], bent / 2) > 0;
+    return d[2] > 0 && !psplat_oracle_is_peeking(splat, d[2], bent / 2);
 }
 
 void psplat_oracle_camera_face(const psplat_oracle_camera *camera, psplat_oracle_splat *splat) {

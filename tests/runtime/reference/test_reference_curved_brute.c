@@ -140,7 +140,6 @@ static void clip_frame(const psplat_splat *splat, const double transform[16],
 typedef struct line {
     const psplat_splat *splat;
     double (*frame)[4];
-    double depth_tolerance;
     double origin[3], direction[3];
 } line;
 
@@ -253,18 +252,6 @@ static int is_kept(const line *ray, double s, double *depth) {
     return w > 0 && fabs(z / w) <= 1;
 }
 
-/* Returns whether a back at s only peeks out behind a contour: the height falls from there, the way
- * the ray has come, by at most two depth tolerances. Differences over a step are exact for a
- * quadratic. */
-static int is_peeking(const line *ray, double s, double step) {
-    double at = height_at(ray, s), before = height_at(ray, s - step),
-           after = height_at(ray, s + step);
-    double first = (after - before) / (2 * step),
-           second = (after - 2 * at + before) / (step * step);
-    double depth = first * first / (2 * second);
-    return second > 0 && depth <= 2 * ray->depth_tolerance / (double)ray->splat->radius[0];
-}
-
 /* Finds the nearest point that is a fragment. Of the two parts into which the extremum divides the
  * way over the ellipse, the ray meets a front where its height falls. */
 static int other_fragment(const line *ray, int cull, double *s, double *depth) {
@@ -276,8 +263,7 @@ static int other_fragment(const line *ray, int cull, double *s, double *depth) {
     double ends[3] = {low, top, high};
     for (int k = 0; k < 2; ++k) {
         *s = root_between(ray, ends[k], ends[k + 1]);
-        int is_front = height_at(ray, ends[k]) > height_at(ray, ends[k + 1]);
-        if (!is_front && (cull || is_peeking(ray, *s, (high - low) / 4))) continue;
+        if (cull && !(height_at(ray, ends[k]) > height_at(ray, ends[k + 1]))) continue;
         if (is_kept(ray, *s, depth)) return 1;
     }
     return 0;
@@ -287,11 +273,10 @@ typedef struct tally {
     size_t covered, skipped, splats;
 } tally;
 
-static void compare(const psplat_batch *batch, const double transform[16], const psplat_view *view,
+static void compare(const psplat_splat *splat, const double transform[16], const psplat_view *view,
                     const picture *p, tally *counts) {
     double frame[4][4];
-    const psplat_splat *splat = &batch->splats[0];
-    line ray = {.splat = splat, .frame = frame, .depth_tolerance = (double)batch->depth_tolerance};
+    line ray = {.splat = splat, .frame = frame};
     size_t before = counts->covered;
     clip_frame(splat, transform, view, frame);
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
@@ -323,13 +308,12 @@ static void test_random_curved_splats(void **state) {
         scene s = scene_blank(1);
         double transform[16];
         random_splat(&s.splats[0], &random);
-        s.depth_tolerance = (float)magnitude(&random, 0.001, 1);
         random_transform(transform, &random);
         psplat_view view = random_view(&random);
         view.no_filter = i % 2;
         psplat_asset *asset = scene_open(&s);
         picture p = picture_draw(asset, transform, &view);
-        compare(psplat_asset_batch(asset, 0), transform, &view, &p, &counts);
+        compare(&psplat_asset_batch(asset, 0)->splats[0], transform, &view, &p, &counts);
         picture_free(&p);
         psplat_asset_destroy(asset);
         scene_free(&s);
