@@ -26,8 +26,9 @@ static const double pi = 3.14159265358979323846;
 
 typedef struct shell {
     size_t begin, end; /* its triangles in the order of shells */
-    double low[3], high[3], area, volume;
-    int is_closed, is_turned;
+    double low[3], high[3];
+    double volume; /* negative if it faces inwards, 0 if it is open or too thin to tell */
+    int is_turned;
 } shell;
 
 typedef struct shells {
@@ -65,7 +66,9 @@ static int is_surrounded(const shells *s, uint32_t triangle) {
 
 /* Sums a component relative to one of its corners, for the sake of precision. */
 static shell measure(const shells *s, size_t begin, size_t end) {
-    shell out = {.begin = begin, .end = end, .is_closed = 1};
+    shell out = {.begin = begin, .end = end};
+    double area = 0;
+    int is_closed = 1;
     const double *origin = psplat_mesh_corner(s->mesh, s->order[begin], 0);
     for (int k = 0; k < 3; ++k) out.low[k] = out.high[k] = origin[k];
     for (size_t at = begin; at < end; ++at) {
@@ -82,9 +85,11 @@ static shell measure(const shells *s, size_t begin, size_t end) {
         sub3(ac, p[2], p[0]);
         cross3(normal, ab, ac);
         out.volume += dot3(normal, p[0]) / 6;
-        out.area += length3(normal) / 2;
-        out.is_closed = out.is_closed && is_surrounded(s, s->order[at]);
+        area += length3(normal) / 2;
+        is_closed = is_closed && is_surrounded(s, s->order[at]);
     }
+    double diameter = sqrt(distance2_3(out.low, out.high));
+    if (!is_closed || fabs(out.volume) <= min_volume * area * diameter) out.volume = 0;
     return out;
 }
 
@@ -107,13 +112,6 @@ static int list_shells(shells *s) {
 
 /* ---- which side, and what is inside -----------------------------------------------------------
  */
-
-/* Returns the volume where it is one: negative if the shell faces inwards, 0 if it is open. */
-static double volume_of(const shell *a) {
-    double diameter = sqrt(distance2_3(a->low, a->high));
-    int is_solid = a->is_closed && fabs(a->volume) > min_volume * a->area * diameter;
-    return is_solid ? a->volume : 0;
-}
 
 static int has_box_inside(const shell *outer, const shell *inner) {
     for (int k = 0; k < 3; ++k)
@@ -149,16 +147,14 @@ static int winds_around(const shells *s, const shell *outer, const shell *inner)
 /* Returns whether a shell is the wall of a hollow in a body. */
 static int is_cavity(const shells *s, const shell *inner) {
     for (size_t i = 0; i < s->count; ++i)
-        if (volume_of(&s->list[i]) > 0 && winds_around(s, &s->list[i], inner)) return 1;
+        if (s->list[i].volume > 0 && winds_around(s, &s->list[i], inner)) return 1;
     return 0;
 }
 
 /* Returns whether something stands inside a shell that is no inverted body like itself. */
 static int is_room(const shells *s, const shell *outer) {
     for (size_t i = 0; i < s->count; ++i)
-        if (&s->list[i] != outer && volume_of(&s->list[i]) >= 0 &&
-            winds_around(s, outer, &s->list[i]))
-            return 1;
+        if (s->list[i].volume >= 0 && winds_around(s, outer, &s->list[i])) return 1;
     return s->mesh->holds_parts;
 }
 
@@ -193,7 +189,7 @@ static void turn_inward(shells *s) {
     psplat_mesh *mesh = s->mesh;
     for (size_t i = 0; i < s->count; ++i) {
         shell *a = &s->list[i];
-        if (!(volume_of(a) < 0) || is_cavity(s, a)) continue;
+        if (!(a->volume < 0) || is_cavity(s, a)) continue;
         if (is_room(s, a)) {
             ++mesh->kept_rooms;
             continue;
