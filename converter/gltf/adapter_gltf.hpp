@@ -87,7 +87,8 @@ std::string one_line(std::string text);
 /* Parses the document and loads its buffers. Images are not decoded. */
 void read_document(const psplat_source &source, tinygltf::Model &model);
 
-/* ---- adapter_gltf_json.cpp: the JSON before it is read ---------------------------------------- */
+/* ---- adapter_gltf_json.cpp: the JSON before it is read ----------------------------------------
+ */
 
 constexpr size_t glb_header_bytes = 20; /* the headers of a GLB and of its JSON chunk */
 
