@@ -32,6 +32,7 @@ flat in float v_unit;
 #endif
 #if PASS == PSPLAT_PASS_PARAMETERS
 flat in float v_index;
+flat in float v_apart;
 #else
 flat in vec3 v_normal_x;
 flat in vec3 v_normal_y;
@@ -178,7 +179,11 @@ void main() {
     vec3 normal = normal_of(gradient(slope, second, hit.uv));
     gl_FragDepth = u_depth_range.x * (hit.ndc + shift_of(hit, normal, root)) + u_depth_range.y;
 #else
-    float depth = u_depth_range.x * hit.ndc + u_depth_range.y;
+    float ndc = hit.ndc;
+#if PASS == PSPLAT_PASS_PARAMETERS
+    ndc += min(v_apart, max(1.0 - 1.1920929e-7 - ndc, 0.0));
+#endif
+    float depth = u_depth_range.x * ndc + u_depth_range.y;
     gl_FragDepth = depth;
 #endif
 #if PASS == PSPLAT_PASS_PARAMETERS

@@ -26,6 +26,7 @@ flat out float v_unit;      /* turns local normals times local rays into those o
 #endif
 #if PASS == PSPLAT_PASS_PARAMETERS
 flat out float v_index;
+flat out float v_apart;
 #else
 flat out vec3 v_normal_x;   /* the columns of the matrix from local normals to eye space */
 flat out vec3 v_normal_y;
@@ -218,6 +219,7 @@ void main() {
 #endif
 #if PASS == PSPLAT_PASS_PARAMETERS
     v_index = float(u_first_index + splat);
+    v_apart = apart_of(v_index);
 #else
     v_normal_x = normals[0];
     v_normal_y = normals[1];

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * shift.glsl - view rays, and by how much the visibility pass moves a point away from the eye (spec
- * 5.3). Flat splats are shifted at their corners, curved ones at each fragment.
+ * 5.3). Flat splats are shifted at their corners, curved ones at each fragment. The shading `splats`
+ * shifts whole splats, too, so that those of one plane keep an order.
  */
 uniform vec3 u_shift; /* psplat_placement.shift, see shift_of() */
 uniform vec3 u_view_direction; /* of orthographic views, away from the eye; 0 0 0 in perspective */
@@ -37,5 +38,15 @@ float shift_of(vec3 eye, vec2 zw, float grazing) {
     float least = abs(zw.y) * 9.5367431640625e-7;
     if (room > 0.0) least = min(least, room);
     return max(u_shift.x * epsilon / bottom, least);
+}
+#endif
+
+#if PASS == PSPLAT_PASS_PARAMETERS
+uniform float u_apart; /* of the depth range, in normalised device coordinates; 0: none */
+
+/* Returns by how much a splat moves away from the eye so that, of several in one plane, the same one
+ * is the nearest from everywhere. Otherwise rounding would decide, pixel by pixel. */
+float apart_of(float index) {
+    return u_apart * fract(index * 0.61803399);
 }
 #endif

@@ -253,6 +253,8 @@ void main() {
     gl_Position.z += shift_of(eye, gl_Position.zw, grazing);
 #elif PASS == PSPLAT_PASS_PARAMETERS
     v_index = float(u_first_index + splat);
+    float room = gl_Position.w * (1.0 - 1.1920929e-7) - gl_Position.z;
+    gl_Position.z += min(gl_Position.w * apart_of(v_index), max(room, 0.0));
 #else
     v_normal = normal_of(texel, axes, length2, center.w, uv);
 #if TWO_SIDED

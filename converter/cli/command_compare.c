@@ -4,17 +4,16 @@
  */
 #define _XOPEN_SOURCE 700
 
-#include "appearance/alpha_mask.h"
 #include "base/output.h"
 #include "base/path.h"
 #include "cli/command.h"
+#include "cli/mesh_input.h"
 #include "cli/options.h"
 #include "cli/progress.h"
 #include "compare/shape_errors.h"
 #include "compare/source_mesh.h"
 #include "compare/source_mesh_parts.h"
 #include "compare/statistics.h"
-#include "import/read_mesh.h"
 #include "mesh/mesh.h"
 #include "table/setting.h"
 #include "views/asset_pictures.h"
@@ -70,10 +69,6 @@ typedef struct subjects {
  * normals in degrees. */
 static const double heatmap_difference = 20, heatmap_reaches = 0.25, heatmap_degrees = 20;
 
-/* The length of the pieces into which the edges of alpha masks are cut, % of the diagonal: finer
- * than most tolerances. */
-static const double mask_step_percent = 0.25;
-
 static psplat_parse check_combination(const arguments *a) {
     return a->no_images && a->maps
                ? psplat_options_refuse("compare", "heatmap", "not together with no-images")
@@ -125,26 +120,12 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
 
 /* ---- reading --------------------------------------------------------------------------------- */
 
-static psplat_result read_mesh(const char *path, double crease_angle, psplat_mesh *mesh,
-                               psplat_source_mesh **source, psplat_error *error) {
-    psplat_result result = psplat_mesh_read(path, mesh, error);
-    if (!result) result = psplat_alpha_mask_apply(mesh, mask_step_percent, error);
-    return result ? result : psplat_source_mesh_create(mesh, crease_angle, source, error);
-}
-
-static int is_gltf(const char *path) {
-    const char *dot = strrchr(path, '.');
-    return dot && (!strcasecmp(dot, ".glb") || !strcasecmp(dot, ".gltf"));
-}
-
 /* Reads the target, which is a mesh if it is a glTF file without splats or another format. */
 static psplat_result read_target(const arguments *a, subjects *s, psplat_error *error) {
     psplat_result result = psplat_command_open(a->target, NULL, &s->asset, error);
-    int is_mesh =
-        result == PSPLAT_ERROR_NO_SPLATS || (result == PSPLAT_ERROR_FORMAT && !is_gltf(a->target));
-    if (!is_mesh) return result;
+    if (!psplat_mesh_input_expected(a->target, result)) return result;
     *error = (psplat_error){0};
-    return read_mesh(a->target, a->crease_angle, &s->target_mesh, &s->target, error);
+    return psplat_mesh_input_read(a->target, a->crease_angle, &s->target_mesh, &s->target, error);
 }
 
 /* ---- outputs --------------------------------------------------------------------------------- */
@@ -284,7 +265,7 @@ static psplat_result work(const arguments *a, subjects *s, const char **path, ps
     psplat_progress progress = psplat_progress_begin(a->quiet);
     *path = a->source;
     psplat_progress_show_done(&progress, "reading", 0);
-    result = read_mesh(a->source, a->crease_angle, &s->source_mesh, &s->source, error);
+    result = psplat_mesh_input_read(a->source, a->crease_angle, &s->source_mesh, &s->source, error);
     if (!result) {
         *path = a->target;
         result = read_target(a, s, error);

@@ -7,6 +7,7 @@
 #include "base/output.h"
 #include "base/path.h"
 #include "cli/command.h"
+#include "cli/jobs.h"
 #include "cli/options.h"
 #include "cli/progress.h"
 #include "export/alternatives.h"
@@ -25,6 +26,7 @@
 
 #include <phongsplat/phongsplat.h>
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,6 +36,7 @@
 
 typedef struct arguments {
     const char *input;
+    psplat_operands more; /* further inputs */
     const char *output;
     const char *report;
     double tolerance;
@@ -52,6 +55,8 @@ typedef struct arguments {
     int gaussian;
     int overwrite;
     int quiet;
+    int jobs; /* at a time */
+    int no_progress, no_summary;
 } arguments;
 
 /* The results of a conversion; free_product frees everything. */
@@ -149,21 +154,31 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "Gaussians show the shape, lit for good and without sharp\nedges",
          0, 0, NULL},
         psplat_option_shared("seed", &a->seed),
+        {'j', "jobs", PSPLAT_OPTION_COUNT, &a->jobs, "N",
+         "with several inputs, convert N of them at a time\n(default 1)", 1, PSPLAT_MAX_JOBS, NULL},
         psplat_option_shared("report", &a->report),
         psplat_option_shared("overwrite", &a->overwrite),
         psplat_option_shared("quiet", &a->quiet),
     };
     const psplat_syntax syntax = {
         .command = "convert",
-        .operands = "IN OUT.glb",
-        .summary = "Converts a mesh (OBJ, PLY, OFF, STL, glTF, GLB) to Phong splats in a GLB.",
+        .operands = "IN OUT.glb | IN... OUT/",
+        .summary =
+            "Converts a mesh or a point set (OBJ, PLY, OFF, STL, glTF, GLB, text) to Phong splats\n"
+            "in a GLB, or several of them to OUT/NAME.glb each.",
         .notes =
             "OUT.glb is written whole or not at all. Tolerances are promises, checked on samples\n"
             "other than those that were fitted; one that is broken gives exit code 9, and the\n"
-            "report names the places.",
+            "report names the places.\n\n"
+            "Of several inputs, each is converted whatever happens to the others, and R.json has "
+            "an\n"
+            "entry for each. The exit code is the greatest of those that wrote nothing, else 9 or "
+            "0.\n"
+            "OUT/ is made where it does not exist.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .slots = {&a->input, &a->output},
+        .more = &a->more,
     };
     psplat_parse parsed = psplat_options_parse(&syntax, argc, argv);
     return parsed == PSPLAT_PARSE_OK ? check_combination(a) : parsed;
@@ -276,7 +291,7 @@ static psplat_result add_alternatives(const arguments *a, product *p, psplat_err
 }
 
 static psplat_result make(const arguments *a, product *p, psplat_error *error) {
-    psplat_progress progress = psplat_progress_begin(a->quiet);
+    psplat_progress progress = psplat_progress_begin(a->quiet || a->no_progress);
     char *name = model_name(a->input);
     psplat_write_desc written = {.codec = a->no_compress ? NULL : &psplat_meshopt_codec};
     psplat_progress_show(&progress, "reading", 0);
@@ -313,7 +328,8 @@ static int is_standard_output(const char *path) {
 
 /* Prints the summary, unless standard output takes a file. */
 static void print_summary(const arguments *a, const psplat_report *r) {
-    if (a->quiet || is_standard_output(a->output) || is_standard_output(a->report)) return;
+    if (a->quiet || a->no_summary || is_standard_output(a->output) || is_standard_output(a->report))
+        return;
     printf("%s: %zu splats, %zu bytes, max distance %.3g %% (tolerance %.3g %%), rms normal %.3g "
            "degrees, %zu of %zu samples uncovered, %.2f s\n",
            a->output, r->splats, r->bytes, r->max_distance_percent, r->tolerance_percent,
@@ -374,8 +390,20 @@ static void free_product(product *p) {
     free(p->bytes);
 }
 
-/* Runs the command after its options were read. */
-static int run(const arguments *a, product *p) {
+/* Writes the report, or what went wrong, for the report of several inputs. */
+static void take_notes(const product *p, psplat_result result, const psplat_error *error,
+                       FILE *notes) {
+    char *text = NULL;
+    size_t size = 0;
+    if (result)
+        fputs(*error->text ? error->text : psplat_result_text(result), notes);
+    else if (!psplat_scene_report_json(&p->scene, &p->report, &text, &size, NULL))
+        fwrite(text, 1, size - 1, notes); /* without the last newline */
+    free(text);
+}
+
+/* Converts one input. notes is NULL where it is the only one. */
+static int run(const arguments *a, product *p, FILE *notes) {
     double start = psplat_progress_clock();
     psplat_error error = {0};
     const char *subject = NULL;
@@ -392,6 +420,7 @@ static int run(const arguments *a, product *p) {
     p->report.total.seconds = psplat_progress_clock() - start;
     p->report.total.peak_memory_bytes = peak_memory();
     if (!result && a->report) result = write_report(a, p, &error);
+    if (notes) take_notes(p, result, &error, notes);
     if (result) {
         int code = psplat_command_fail(subject, &error);
         return p->needed ? PSPLAT_EXIT_BUDGET : code;
@@ -403,12 +432,87 @@ static int run(const arguments *a, product *p) {
     return PSPLAT_EXIT_BROKEN;
 }
 
+/* ---- several inputs -------------------------------------------------------------------------- */
+
+static int ends_with_slash(const char *path) {
+    return path[strlen(path) - 1] == '/';
+}
+
+static int is_directory(const char *path) {
+    struct stat status;
+    return !stat(path, &status) && S_ISDIR(status.st_mode);
+}
+
+/* Converts the input of one job; user is the arguments that all share. */
+static int run_job(const void *user, const psplat_job *job, FILE *notes) {
+    arguments a = *(const arguments *)user;
+    a.input = job->input;
+    a.output = job->output;
+    a.no_summary = is_standard_output(a.report);
+    a.no_progress = a.jobs > 1;
+    a.report = NULL;
+    product p = {0};
+    int code = run(&a, &p, notes);
+    free_product(&p);
+    return code;
+}
+
+/* Checks, before anything is written, where the assets and the report shall go. */
+static psplat_result check_several(const arguments *a, const psplat_jobs *jobs,
+                                   psplat_error *error) {
+    char shown[PSPLAT_SHOWN_PATH];
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; a->report && i < jobs->count && !result; ++i) {
+        result = psplat_output_check(jobs->list[i].input, a->report, a->overwrite, error);
+        if (result || !psplat_output_is_same(a->report, jobs->list[i].output)) continue;
+        psplat_path_shorten(a->report, shown);
+        result = psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: is also an asset", shown);
+    }
+    if (result || is_directory(a->output) || !mkdir(a->output, 0777)) return result;
+    psplat_path_shorten(a->output, shown);
+    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: cannot be created: %s", shown,
+                       strerror(errno));
+}
+
+static psplat_result report_several(const arguments *a, const psplat_jobs *jobs,
+                                    psplat_error *error) {
+    char *text = NULL;
+    size_t size = 0;
+    if (!a->report) return PSPLAT_OK;
+    psplat_result result = psplat_jobs_report(jobs, &text, &size, error);
+    if (!result) result = psplat_output_write(a->report, text, size, a->overwrite, error);
+    free(text);
+    return result;
+}
+
+static int run_several(const arguments *a) {
+    psplat_error error = {0};
+    psplat_jobs jobs = {0};
+    const char **inputs = malloc((a->more.count + 1) * sizeof *inputs);
+    if (!inputs) return PSPLAT_EXIT_MEMORY;
+    inputs[0] = a->input;
+    for (size_t i = 0; i < a->more.count; ++i) inputs[i + 1] = a->more.list[i];
+    psplat_result result = psplat_jobs_make(inputs, a->more.count + 1, a->output, &jobs, &error);
+    free(inputs);
+    if (!result) result = check_several(a, &jobs, &error);
+    if (!result) psplat_jobs_run(&jobs, a->jobs, run_job, a);
+    if (!result) result = report_several(a, &jobs, &error);
+    int code = result ? psplat_command_fail(NULL, &error) : psplat_jobs_code(&jobs);
+    psplat_jobs_free(&jobs);
+    return code;
+}
+
 int psplat_command_convert(int argc, char **argv) {
-    arguments a = {0};
+    arguments a = {.jobs = 1};
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
+    if (ends_with_slash(a.output) || (a.more.count && is_directory(a.output)))
+        return run_several(&a);
+    if (a.more.count)
+        return (int)refuse(a.output,
+                           "is one argument too many, or no directory for several inputs");
     product p = {0};
-    int code = run(&a, &p);
+    int code = run(&a, &p, NULL);
     free_product(&p);
     return code;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * command_render.c - phongsplat render: draws an asset into a PNG.
+ * command_render.c - phongsplat render: draws an asset, or a mesh, into a PNG.
  *
  * The picture is drawn larger than asked for into a float framebuffer and averaged in linear light.
  * Only this supersampling smooths silhouettes and creases, since a pixel is either inside a splat's
@@ -10,12 +10,17 @@
 
 #include "base/output.h"
 #include "cli/command.h"
+#include "cli/mesh_input.h"
 #include "cli/options.h"
+#include "compare/source_mesh.h"
+#include "compare/source_mesh_parts.h"
 #include "material/mipmap.h"
 #include "picture/picture.h"
 #include "picture/png_writer.h"
 #include "picture/viewpoint.h"
+#include "mesh/mesh.h"
 #include "views/gl_context.h"
+#include "views/mesh_renderer.h"
 
 #include <phongsplat/phongsplat.h>
 #include <phongsplat/host.h>
@@ -41,12 +46,15 @@ typedef struct arguments {
     int overwrite;
 } arguments;
 
-/* The asset and what draws it; free_scene frees everything. */
+/* What is drawn, an asset or a mesh, and what draws it; free_scene frees everything. */
 typedef struct scene {
-    psplat_asset *asset;
+    psplat_asset *asset; /* or NULL: a mesh */
+    psplat_mesh mesh;
+    psplat_source_mesh *source;
     psplat_host *host;
     psplat_renderer *renderer;
     psplat_model *model;
+    psplat_mesh_renderer *mesh_renderer;
 } scene;
 
 /* A tile of the picture, in its pixels, row 0 on top. */
@@ -88,9 +96,13 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
     const psplat_syntax syntax = {
         .command = "render",
         .operands = "A.glb OUT.png",
-        .summary = "Draws an asset (.glb or .gltf) into a PNG, seen whole and lit from behind the\n"
-                   "camera. The scene's y axis points up.",
-        .notes = "OUT.png is written whole or not at all; - is standard output.",
+        .summary =
+            "Draws an asset (.glb or .gltf) into a PNG, seen whole and lit from behind the\n"
+            "camera. The scene's y axis points up. Instead of an asset, A.glb may be a mesh.",
+        .notes =
+            "A mesh is drawn as triangles under the same light, so that both can be seen side by\n"
+            "side; it takes no --shading but lit, and no --mode, --shadows or --no-filter.\n\n"
+            "OUT.png is written whole or not at all; - is standard output.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .slots = {&a->input, &a->output},
@@ -98,9 +110,16 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
     return psplat_options_parse(&syntax, argc, argv);
 }
 
+static psplat_result prepare_mesh(scene *s, psplat_error *error) {
+    const psplat_mesh_renderer_desc desc = {psplat_host_get_proc, s->host, s->source};
+    psplat_result result = psplat_host_make_current(s->host, error);
+    return result ? result : psplat_mesh_renderer_create(&desc, &s->mesh_renderer, error);
+}
+
 static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) {
     psplat_result result = psplat_context_create(a->software, &s->host, error);
     if (result) return result;
+    if (!s->asset) return prepare_mesh(s, error);
     psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = s->host};
     result = psplat_renderer_create(&desc, &s->renderer, error);
     if (result) return result;
@@ -111,6 +130,16 @@ static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) 
 static int shows_numbers(int shading) {
     return shading != PSPLAT_SHADING_LIT && shading != PSPLAT_SHADING_UNLIT &&
            shading != PSPLAT_SHADING_TOON;
+}
+
+/* Finds a sphere around what is drawn. */
+static void find_sphere(const scene *s, double center[3], double *radius) {
+    if (s->asset) {
+        psplat_viewpoint_sphere(s->asset, center, radius);
+        return;
+    }
+    memcpy(center, s->source->center, 3 * sizeof *center);
+    *radius = s->source->radius > 0 ? s->source->radius : 1;
 }
 
 /* Returns the view of the whole picture before averaging. */
@@ -124,10 +153,16 @@ static psplat_view whole_view(const arguments *a, const scene *s) {
         .no_filter = a->no_filter,
         .linear_output = !shows_numbers(a->shading),
     };
-    psplat_viewpoint_sphere(s->asset, center, &radius);
+    find_sphere(s, center, &radius);
     psplat_viewpoint_fit(&a->viewpoint, center, radius, &view);
     view.lights[0].casts_shadow = a->shadows;
     return view;
+}
+
+static psplat_result draw_scene(scene *s, const psplat_view *view, psplat_error *error) {
+    const psplat_item item = {.model = s->model};
+    if (s->asset) return psplat_draw(s->renderer, view, &item, 1, error);
+    return psplat_mesh_renderer_draw(s->mesh_renderer, view, PSPLAT_MESH_RENDERER_LIGHT, error);
 }
 
 /* Draws a tile into rgba: (supersample * width) x (supersample * height) linear pixels. */
@@ -140,9 +175,8 @@ static psplat_result draw(const arguments *a, scene *s, const psplat_view *whole
     for (int i = 0; i < 3; ++i)
         clear[i] =
             shows_numbers(a->shading) ? a->background[i] : psplat_linear_of_srgb(a->background[i]);
-    psplat_item item = {.model = s->model};
     psplat_result result = psplat_host_begin(s->host, view.width, view.height, 1, clear, error);
-    if (!result) result = psplat_draw(s->renderer, &view, &item, 1, error);
+    if (!result) result = draw_scene(s, &view, error);
     if (!result) result = psplat_host_read_float(s->host, rgba, error);
     size_t samples = (size_t)view.width * (size_t)view.height;
     for (size_t i = 0; i < samples && !result && shows_numbers(a->shading); ++i)
@@ -216,10 +250,29 @@ static psplat_result render(const arguments *a, scene *s, psplat_error *error) {
 }
 
 static void free_scene(scene *s) {
+    psplat_mesh_renderer_destroy(s->mesh_renderer);
     if (s->renderer) psplat_model_destroy(s->renderer, s->model);
     psplat_renderer_destroy(s->renderer);
     psplat_host_destroy(s->host);
     psplat_asset_destroy(s->asset);
+    psplat_source_mesh_destroy(s->source);
+    psplat_mesh_free(&s->mesh);
+}
+
+/* Reads the input: an asset, or else a mesh. */
+static psplat_result read_input(const arguments *a, scene *s, psplat_error *error) {
+    psplat_result result = psplat_command_open(a->input, NULL, &s->asset, error);
+    if (!psplat_mesh_input_expected(a->input, result)) return result;
+    *error = (psplat_error){0};
+    return psplat_mesh_input_read(a->input, 0, &s->mesh, &s->source, error);
+}
+
+/* Returns the option that does not go with a mesh, or NULL. */
+static const char *option_of_splats(const arguments *a) {
+    if (a->shading != PSPLAT_SHADING_LIT) return "shading";
+    if (a->mode != PSPLAT_MODE_PHONG) return "mode";
+    if (a->shadows) return "shadows";
+    return a->no_filter ? "no-filter" : NULL;
 }
 
 int psplat_command_render(int argc, char **argv) {
@@ -235,10 +288,12 @@ int psplat_command_render(int argc, char **argv) {
     psplat_error error = {0};
     psplat_result result = psplat_output_check(a.input, a.output, a.overwrite, &error);
     if (result) return psplat_command_fail(NULL, &error);
-    if (psplat_command_open(a.input, NULL, &s.asset, &error))
-        return psplat_command_fail(a.input, &error);
-    result = render(&a, &s, &error);
+    result = read_input(&a, &s, &error);
+    const char *option = result || s.asset ? NULL : option_of_splats(&a);
+    if (!result && !option) result = render(&a, &s, &error);
     free_scene(&s);
+    if (option)
+        return (int)psplat_options_refuse("render", option, "is for splats, not for a mesh");
     return result ? psplat_command_fail(result == PSPLAT_ERROR_WRITE ? NULL : a.input, &error)
                   : PSPLAT_EXIT_SUCCESS;
 }

@@ -22,7 +22,7 @@ typedef struct command {
 
 static const command commands[] = {
     {"convert", psplat_command_convert, "a mesh becomes Phong splats in a GLB"},
-    {"render", psplat_command_render, "an asset becomes a PNG"},
+    {"render", psplat_command_render, "an asset, or a mesh, becomes a PNG"},
     {"inspect", psplat_command_inspect, "what an asset holds"},
     {"validate", psplat_command_validate, "whether an asset keeps the rules"},
     {"compare", psplat_command_compare, "how far an asset is from its mesh"},

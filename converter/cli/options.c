@@ -208,16 +208,28 @@ static psplat_parse read_option(const psplat_syntax *syntax, const psplat_option
     return psplat_options_refuse(syntax->command, row->name, cause);
 }
 
+/* Returns how many operands are too many and may be, behind the one of the first slot. */
+static int count_more(const psplat_syntax *syntax, int count) {
+    int open = 0;
+    if (!syntax->more || *syntax->slots[0]) return 0;
+    for (size_t i = 0; i < PSPLAT_MAX_SLOTS && syntax->slots[i]; ++i) open += !*syntax->slots[i];
+    return count > open ? count - open : 0;
+}
+
 /* Gives each slot that no option has filled the next operand. */
 static psplat_parse fill_slots(const psplat_syntax *syntax, char **operands, int count) {
     const char *command = syntax->command;
-    int used = 0;
+    int used = 0, more = count_more(syntax, count);
     for (int i = 0; i < count; ++i)
         if (!*operands[i]) return psplat_options_refuse(command, "''", "is an empty name");
     for (size_t i = 0; i < PSPLAT_MAX_SLOTS && syntax->slots[i]; ++i) {
         if (*syntax->slots[i]) continue;
         if (used == count) return psplat_options_refuse(command, syntax->operands, "are needed");
         *syntax->slots[i] = operands[used++];
+        if (i == 0 && more) {
+            *syntax->more = (psplat_operands){operands + used, (size_t)more};
+            used += more;
+        }
     }
     if (used == count) return PSPLAT_PARSE_OK;
     return psplat_options_refuse(command, operands[used], "is one argument too many");

@@ -36,8 +36,15 @@ typedef struct psplat_option {
 
 enum { PSPLAT_MAX_SLOTS = 2 };
 
+/* Operands, as a part of argv. */
+typedef struct psplat_operands {
+    char **list;
+    size_t count;
+} psplat_operands;
+
 /* The command line of a command; --help is always accepted. Operands fill, in order, the slots that
- * options have left NULL. Every slot must be filled in the end. */
+ * options have left NULL. Every slot must be filled in the end. Where more is set and no option has
+ * filled the first slot, operands that are too many stand behind the one of the first slot. */
 typedef struct psplat_syntax {
     const char *command;
     const char *operands; /* as --help shows them: "IN OUT.glb" */
@@ -46,6 +53,7 @@ typedef struct psplat_syntax {
     const psplat_option *options;
     size_t option_count;                  /* at most 30 */
     const char **slots[PSPLAT_MAX_SLOTS]; /* NULL after the last */
+    psplat_operands *more;                /* or NULL */
 } psplat_syntax;
 
 /* The result of parsing; other than PSPLAT_PARSE_OK it is the exit code of the command. */

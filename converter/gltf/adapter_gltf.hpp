@@ -87,6 +87,15 @@ std::string one_line(std::string text);
 /* Parses the document and loads its buffers. Images are not decoded. */
 void read_document(const psplat_source &source, tinygltf::Model &model);
 
+/* ---- adapter_gltf_json.cpp: the JSON before it is read ----------------------------------------
+ */
+
+constexpr size_t glb_header_bytes = 20; /* the headers of a GLB and of its JSON chunk */
+
+/* Checks syntax, the members that every file needs, and the extensions that the file requires.
+ * Fails with the line and column of a text, the byte of a GLB, or the name of the member. */
+void check_json(const char *text, size_t size, bool is_glb);
+
 /* ---- adapter_gltf_meshopt.cpp: EXT_meshopt_compression --------------------------------------- */
 
 /* tinygltf wants bytes for every buffer, but a compressed file may have fallback buffers without

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
  * adapter_gltf_document.cpp - the JSON document and buffers of a glTF or GLB, parsed by tinygltf.
- * Checked here, because tinygltf does not: nesting, chunks, versions, required extensions, and that
- * buffers lie beside the file.
+ * Checked here, because tinygltf does not: nesting, chunks, versions, and that buffers lie beside
+ * the file. adapter_gltf_json.cpp checks the JSON itself.
  */
 #include "base/file_bytes.h"
 #include "gltf/adapter_gltf.hpp"
@@ -22,8 +22,9 @@ std::string one_line(std::string text) {
 
 namespace {
 
-/* Bounds the depth of the JSON, since tinygltf recurses into extras and extensions. */
-void check_depth(const char *text, size_t size) {
+/* Bounds the depth of the JSON, since tinygltf recurses into extras and extensions. base is where
+ * the text begins in the file. */
+void check_depth(const char *text, size_t size, size_t base) {
     size_t depth = 0;
     bool in_string = false;
     for (size_t i = 0; i < size; ++i) {
@@ -34,7 +35,7 @@ void check_depth(const char *text, size_t size) {
             in_string = !in_string;
         } else if (!in_string && (c == '{' || c == '[')) {
             if (++depth > max_depth)
-                fail(PSPLAT_ERROR_RANGE, named("byte", i) + ": JSON nested deeper than 64");
+                fail(PSPLAT_ERROR_RANGE, named("byte", base + i) + ": JSON nested deeper than 64");
         } else if (!in_string && (c == '}' || c == ']') && depth > 0) {
             --depth;
         }
@@ -61,7 +62,7 @@ void check_glb(const psplat_source &source) {
     size_t json = read_u32(source.data + 12);
     if (json > source.size - 20)
         fail(PSPLAT_ERROR_FORMAT, "byte 12: the JSON chunk is longer than the file");
-    check_depth(source.data + 20, json);
+    check_depth(source.data + glb_header_bytes, json, glb_header_bytes);
     /* tinygltf 2.7 forgets the eight bytes of the second header and would read beyond the file. */
     size_t rest = source.size - 20 - json;
     if (rest >= 8 && read_u32(source.data + 20 + json) > rest - 8)
@@ -140,20 +141,9 @@ void check_version(const tinygltf::Asset &asset) {
              "; 2.0 is read");
 }
 
-void check_extensions(const tinygltf::Model &model) {
-    /* Those that are not implemented do not change the shape: factors replace what they say. */
-    static const char *const known[] = {"KHR_mesh_quantization",  "KHR_texture_transform",
-                                        "KHR_lights_punctual",    "KHR_texture_basisu",
-                                        "EXT_texture_webp",       "KHR_materials_",
-                                        "EXT_meshopt_compression"};
-    for (const std::string &name : model.extensionsRequired) {
-        bool is_known = false;
-        for (const char *prefix : known)
-            is_known = is_known || name.compare(0, std::strlen(prefix), prefix) == 0;
-        if (!is_known)
-            fail(PSPLAT_ERROR_UNSUPPORTED,
-                 "extensionsRequired: " + one_line(name).substr(0, 80) + " is not supported");
-    }
+/* Returns the first of tinygltf's lines, of which each has an error. */
+std::string first_line(const std::string &text) {
+    return one_line(text.substr(0, text.find('\n')));
 }
 
 } // namespace
@@ -171,6 +161,7 @@ void read_document(const psplat_source &source, tinygltf::Model &model) {
     if (source.format == PSPLAT_SOURCE_GLB) {
         check_glb(source);
         size_t json = read_u32(source.data + 12);
+        check_json(source.data + glb_header_bytes, json, true);
         bool is_replaced = replace_fallbacks(source.data + 20, json, replaced);
         if (is_replaced) replaced = repack(source, json, std::move(replaced));
         ok = loader.LoadBinaryFromMemory(
@@ -178,15 +169,15 @@ void read_document(const psplat_source &source, tinygltf::Model &model) {
             reinterpret_cast<const unsigned char *>(is_replaced ? replaced.data() : source.data),
             static_cast<unsigned int>(is_replaced ? replaced.size() : source.size), directory);
     } else {
-        check_depth(source.data, source.size);
+        check_depth(source.data, source.size, 0);
+        check_json(source.data, source.size, false);
         bool is_replaced = replace_fallbacks(source.data, source.size, replaced);
         ok = loader.LoadASCIIFromString(
             &model, &error, &warning, is_replaced ? replaced.data() : source.data,
             static_cast<unsigned int>(is_replaced ? replaced.size() : source.size), directory);
     }
-    if (!ok) fail(PSPLAT_ERROR_FORMAT, error.empty() ? "tinygltf cannot read it" : one_line(error));
+    if (!ok) fail(PSPLAT_ERROR_FORMAT, "not a valid glTF: " + first_line(error));
     check_version(model.asset);
-    check_extensions(model);
     decompress(model);
 }
 

@@ -92,11 +92,34 @@ void add_node(Soup &soup, const tinygltf::Model &model, int index, const Matrix 
     for (int child : node.children) add_node(soup, model, child, global, depth + 1, visits);
 }
 
+/* Marks all nodes below one; depth bounds cycles, which add_node refuses. */
+void mark_below(const tinygltf::Model &model, int index, size_t depth, std::vector<bool> &below) {
+    if (depth > max_depth || index < 0 || static_cast<size_t>(index) >= below.size()) return;
+    for (int child : model.nodes[static_cast<size_t>(index)].children) {
+        if (child < 0 || static_cast<size_t>(child) >= below.size()) continue;
+        if (below[static_cast<size_t>(child)]) continue;
+        below[static_cast<size_t>(child)] = true;
+        mark_below(model, child, depth + 1, below);
+    }
+}
+
+/* Returns the roots of a scene that are not below others of it, as adapter_gltf_scene.cpp does. */
+std::vector<int> topmost(const tinygltf::Model &model, const std::vector<int> &roots) {
+    std::vector<bool> below(model.nodes.size());
+    std::vector<int> top;
+    for (int root : roots) mark_below(model, root, 0, below);
+    for (int root : roots)
+        if (root < 0 || static_cast<size_t>(root) >= below.size() ||
+            !below[static_cast<size_t>(root)])
+            top.push_back(root);
+    return top.empty() ? roots : top; /* all are below each other: a cycle */
+}
+
 /* Returns the root nodes of the default scene; in a file without scenes, all nodes without a
  * parent. */
 std::vector<int> roots_of(const tinygltf::Model &model) {
     int index = model.defaultScene < 0 ? 0 : model.defaultScene;
-    if (!model.scenes.empty()) return element(model.scenes, index, "scene").nodes;
+    if (!model.scenes.empty()) return topmost(model, element(model.scenes, index, "scene").nodes);
     std::vector<bool> is_child(model.nodes.size());
     for (const tinygltf::Node &node : model.nodes)
         for (int child : node.children)

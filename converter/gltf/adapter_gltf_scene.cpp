@@ -122,20 +122,86 @@ void read_light(const tinygltf::Light &in, const std::string &name, psplat_scene
 }
 
 void read_view(const tinygltf::Model &model, const tinygltf::Scene &in, const std::string &name,
-               const std::vector<uint32_t> &parents, psplat_scene_view &out) {
+               psplat_scene_view &out) {
     describe(in, out);
     allocate(out.roots, out.root_count, in.nodes.size());
     std::vector<bool> seen(model.nodes.size());
     for (size_t i = 0; i < in.nodes.size(); ++i) {
         if (in.nodes[i] < 0) fail(PSPLAT_ERROR_RANGE, name + ": a node is negative");
         uint32_t root = checked(in.nodes[i], model.nodes.size(), name + ": node");
-        if (parents[root] != PSPLAT_NO_INDEX || seen[root])
-            fail(PSPLAT_ERROR_FORMAT,
-                 name + ": " + named("node", root) +
-                     (seen[root] ? " is in it twice" : " is the child of another, not a root"));
+        if (seen[root])
+            fail(PSPLAT_ERROR_FORMAT, name + ": " + named("node", root) + " is in it twice");
         seen[root] = true;
         out.roots[i] = root;
     }
+}
+
+/* ---- roots that have a parent ---------------------------------------------------------------- */
+
+std::vector<bool> roots_of(const psplat_scene &scene, const psplat_scene_view &view) {
+    std::vector<bool> is_root(scene.node_count);
+    for (size_t i = 0; i < view.root_count; ++i) is_root[view.roots[i]] = true;
+    return is_root;
+}
+
+/* Returns whether a node is shown through an ancestor that is a root as well. */
+bool has_root_above(uint32_t node, const std::vector<bool> &is_root,
+                    const std::vector<uint32_t> &parents) {
+    for (uint32_t at = parents[node]; at != PSPLAT_NO_INDEX; at = parents[at])
+        if (is_root[at]) return true;
+    return false;
+}
+
+void detach(psplat_scene &scene, uint32_t node, std::vector<uint32_t> &parents) {
+    psplat_scene_node &parent = scene.nodes[parents[node]];
+    uint32_t *end = std::remove(parent.children, parent.children + parent.child_count, node);
+    parent.child_count = static_cast<size_t>(end - parent.children);
+    parents[node] = PSPLAT_NO_INDEX;
+}
+
+/* Detaches roots whose parent their scene does not show, so that they keep only their own
+ * transform. */
+void detach_roots(psplat_scene &scene, size_t index, std::vector<uint32_t> &parents) {
+    const psplat_scene_view &view = scene.scenes[index];
+    const std::vector<bool> is_root = roots_of(scene, view);
+    for (size_t i = 0; i < view.root_count; ++i) {
+        uint32_t root = view.roots[i], parent = parents[root];
+        if (parent == PSPLAT_NO_INDEX || has_root_above(root, is_root, parents)) continue;
+        detach(scene, root, parents);
+        psplat_scene_warn(
+            &scene,
+            "scene %zu has node %u as a root, a child of node %u: the node leaves its "
+            "parent",
+            index, root, parent);
+    }
+}
+
+/* Drops roots that the scene shows below their parents anyway, so that nothing is shown twice. */
+void drop_roots(psplat_scene &scene, size_t index, const std::vector<uint32_t> &parents) {
+    psplat_scene_view &view = scene.scenes[index];
+    const std::vector<bool> is_root = roots_of(scene, view);
+    uint32_t *end = std::remove_if(view.roots, view.roots + view.root_count, [&](uint32_t root) {
+        return has_root_above(root, is_root, parents);
+    });
+    size_t left = static_cast<size_t>(end - view.roots);
+    if (left < view.root_count)
+        psplat_scene_warn(&scene,
+                          "%zu roots of scene %zu are children of nodes that it shows: they are "
+                          "shown once, below their parents",
+                          view.root_count - left, index);
+    view.root_count = left;
+}
+
+/* A root has no parent (glTF 2.0 section 3.5.1), but some files list every node as one. All scenes
+ * are rid of parents before any root is dropped, so that no node is lost. */
+void settle_roots(psplat_scene &scene, std::vector<uint32_t> &parents) {
+    bool any = false;
+    for (size_t i = 0; i < scene.scene_count; ++i)
+        for (size_t k = 0; k < scene.scenes[i].root_count; ++k)
+            any |= parents[scene.scenes[i].roots[k]] != PSPLAT_NO_INDEX;
+    if (!any) return;
+    for (size_t i = 0; i < scene.scene_count; ++i) detach_roots(scene, i, parents);
+    for (size_t i = 0; i < scene.scene_count; ++i) drop_roots(scene, i, parents);
 }
 
 /* ---- warnings ------------------------------------------------------------------------------ */
@@ -207,7 +273,8 @@ void read_graph(const tinygltf::Model &model, psplat_scene &scene) {
         read_light(model.lights[i], named("light", i), scene.lights[i]);
     allocate(scene.scenes, scene.scene_count, model.scenes.size());
     for (size_t i = 0; i < model.scenes.size(); ++i)
-        read_view(model, model.scenes[i], named("scene", i), parents, scene.scenes[i]);
+        read_view(model, model.scenes[i], named("scene", i), scene.scenes[i]);
+    settle_roots(scene, parents);
     scene.default_scene = checked(model.defaultScene, model.scenes.size(), "scene");
     scene.copyright = text_of(model.asset.copyright);
     scene.asset_extras = text_of(model.asset.extras_json_string);

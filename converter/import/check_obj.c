@@ -4,7 +4,8 @@
  *
  * It replaces by blanks or comments what OpenMesh must not see: material statements, because
  * OpenMesh would open any file that they name (obj_faces.c keeps them), line continuations, and
- * faces with fewer than three different vertices.
+ * faces with fewer than three different vertices. A file with vertices, but without faces, lines,
+ * curves and surfaces is a point set, which obj_points.c reads.
  */
 #include "base/polygon.h"
 #include "import/check.h"
@@ -18,7 +19,8 @@
 /* The elements counted so far, to which negative numbers in faces refer. */
 typedef struct obj_state {
     psplat_lines lines;
-    size_t texcoords, normals, colored;
+    size_t texcoords, normals, colored,
+        others; /* others: elements that are neither face nor point */
     size_t all_vertices, all_texcoords, all_normals; /* of the whole file */
 } obj_state;
 
@@ -175,6 +177,12 @@ static psplat_result check_material(psplat_source *source, obj_state *state, cha
                              PSPLAT_MAX_OBJ_MATERIALS);
 }
 
+/* Returns whether a statement is a line, a curve or a surface of free form. */
+static int is_other_element(const char *word, size_t length) {
+    return is_word(word, length, "l") || is_word(word, length, "curv") ||
+           is_word(word, length, "curv2") || is_word(word, length, "surf");
+}
+
 static psplat_result check_line(psplat_source *source, obj_state *state, psplat_error *error) {
     size_t length;
     char *word = psplat_lines_token(&state->lines, &length);
@@ -190,6 +198,7 @@ static psplat_result check_line(psplat_source *source, obj_state *state, psplat_
     }
     if (is_word(word, length, "mtllib") || is_word(word, length, "usemtl"))
         return check_material(source, state, word, error);
+    state->others += (size_t)is_other_element(word, length);
     return PSPLAT_OK;
 }
 
@@ -209,7 +218,10 @@ psplat_result psplat_check_obj(psplat_source *source, psplat_error *error) {
     while (!result && psplat_lines_next(&state.lines)) result = check_line(source, &state, error);
     psplat_lines_end(&state.lines);
     source->has_colors = source->vertices > 0 && state.colored == source->vertices;
-    if (!result && source->faces == 0)
+    source->normals = state.normals;
+    source->is_point_set =
+        source->vertices > 0 && source->faces + source->dropped + state.others == 0;
+    if (!result && source->faces == 0 && !source->is_point_set)
         result = psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0,
                              "%s: end of file: no face with an area (%zu vertices)", source->path,
                              source->vertices);

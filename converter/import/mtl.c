@@ -7,7 +7,8 @@
  *     map_Kd     texture of the base colour, multiplied by Kd
  *     Ke         emission, sRGB
  *     map_Ke     texture of the emission
- *     d, 1 - Tr  alpha; splats are drawn opaque
+ *     d          alpha; splats are drawn opaque
+ *     Tr         1 - alpha, in materials without d, but see settle_alphas
  *     Ns         Phong's exponent: roughness^4 = 2 / (Ns + 2), where the widths of Phong's and
  *                Trowbridge and Reitz' distributions are equal (Walter et al. 2007 section 5.2)
  *     Pr, Pm     roughness, metalness
@@ -33,6 +34,11 @@
 
 enum { MAX_IMAGES = 1024, PATH_SIZE = 4096 }; /* further images are ignored */
 
+/* What a material says about its alpha; negative where it says nothing. */
+typedef struct alpha {
+    float dissolve, transparency; /* d and Tr */
+} alpha;
+
 typedef struct library {
     const psplat_source *obj;
     psplat_source text;
@@ -41,6 +47,8 @@ typedef struct library {
     psplat_source_materials *materials;
     char **files;                    /* names of the materials' images */
     psplat_source_material *current; /* NULL in a material that no face uses */
+    alpha *alphas;                   /* by material */
+    int means_transparent;           /* some Tr is not 1, so that Tr 1 is meant */
     const psplat_material *base;     /* values that the library does not set */
     psplat_result result;
 } library;
@@ -81,12 +89,30 @@ static void read_color(library *l, float *color) {
     for (int k = 0; k < 3; ++k) color[k] = psplat_linear_of_srgb(clamp_unit(rgb[k]));
 }
 
-static void read_alpha(library *l, int inverted) {
+static alpha *current_alpha(const library *l) {
+    return &l->alphas[l->current - l->materials->source_materials];
+}
+
+/* Reads Tr, also of materials that no face uses: it tells what the others mean. */
+static void read_transparency(library *l) {
     double value;
     if (!number(l, &value)) return;
-    float alpha = clamp_unit(inverted ? 1 - value : value);
-    l->current->material.base_color[3] = alpha;
-    l->current->is_blended = alpha < 1;
+    l->means_transparent |= clamp_unit(value) < 1;
+    if (l->current) current_alpha(l)->transparency = clamp_unit(value);
+}
+
+/* Some programs, old MeshLab for one, write Tr 1 for what is opaque. So d decides where a material
+ * has both, and a library in which every Tr is 1 has nothing transparent. */
+static void settle_alphas(library *l) {
+    for (size_t i = 0; i < l->materials->source_material_count; ++i) {
+        psplat_source_material *material = &l->materials->source_materials[i];
+        alpha a = l->alphas[i];
+        if (a.dissolve < 0 && a.transparency >= 0 && l->means_transparent)
+            a.dissolve = 1 - a.transparency;
+        if (a.dissolve < 0) continue;
+        material->material.base_color[3] = a.dissolve;
+        material->is_blended = a.dissolve < 1;
+    }
 }
 
 static void read_factor(library *l, float *out) {
@@ -233,6 +259,7 @@ static void begin_material(library *l) {
     if (!l->current) return;
     l->current->material = *l->base;
     for (int k = 0; k < 3; ++k) l->current->material.base_color[k] = 1;
+    *current_alpha(l) = (alpha){-1, -1};
 }
 
 static void read_line(library *l) {
@@ -240,12 +267,12 @@ static void read_line(library *l) {
     char *word = psplat_lines_token(&l->lines, &length);
     if (!word || word[0] == '#') return;
     if (is_word(word, length, "newmtl")) begin_material(l);
+    if (is_word(word, length, "Tr")) read_transparency(l);
     psplat_source_material *a = l->current;
     if (!a) return;
     if (is_word(word, length, "Kd")) read_color(l, a->material.base_color);
     if (is_word(word, length, "Ke")) read_color(l, a->material.emissive);
-    if (is_word(word, length, "d")) read_alpha(l, 0);
-    if (is_word(word, length, "Tr")) read_alpha(l, 1);
+    if (is_word(word, length, "d")) read_factor(l, &current_alpha(l)->dissolve);
     if (is_word(word, length, "Ns")) read_exponent(l, &a->material.roughness);
     if (is_word(word, length, "Pr")) read_factor(l, &a->material.roughness);
     if (is_word(word, length, "Pm")) read_factor(l, &a->material.metallic);
@@ -283,6 +310,7 @@ static void read_library(library *l) {
     if (slash) memcpy(l->directory, path, (size_t)(slash - path) + 1);
     l->lines = psplat_lines_begin(&l->text);
     while (!l->result && psplat_lines_next(&l->lines)) read_line(l);
+    settle_alphas(l);
 }
 
 psplat_result psplat_mtl_read(const psplat_source *source, const psplat_material *base,
@@ -292,10 +320,12 @@ psplat_result psplat_mtl_read(const psplat_source *source, const psplat_material
     materials->source_materials = calloc(count + 1, sizeof *materials->source_materials);
     materials->images = calloc(MAX_IMAGES, sizeof *materials->images);
     l.files = calloc(MAX_IMAGES, sizeof *l.files);
-    if (materials->source_materials && materials->images && l.files) {
+    l.alphas = calloc(count + 1, sizeof *l.alphas);
+    if (materials->source_materials && materials->images && l.files && l.alphas) {
         materials->source_material_count = count + 1;
         for (size_t i = 0; i <= count; ++i) {
             materials->source_materials[i].material = *base;
+            l.alphas[i] = (alpha){-1, -1};
             if (i < count) materials->source_materials[i].name = copy_text(source->obj.names[i]);
         }
         read_library(&l);
@@ -304,6 +334,7 @@ psplat_result psplat_mtl_read(const psplat_source *source, const psplat_material
     }
     for (size_t i = 0; i < materials->image_count; ++i) free(l.files[i]);
     free(l.files);
+    free(l.alphas);
     psplat_source_free(&l.text);
     if (!l.result) return PSPLAT_OK;
     return psplat_fail(error, l.result, 0, "%s: out of memory for its materials", source->path);

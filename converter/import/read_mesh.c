@@ -9,6 +9,7 @@
 #include "gltf/read_gltf.h"
 #include "import/check.h"
 #include "import/mtl.h"
+#include "import/obj_points.h"
 #include "import/openmesh.h"
 #include "import/xyz.h"
 #include "material/source_materials.h"
@@ -75,12 +76,22 @@ static psplat_result read_library(const psplat_source *source, psplat_mesh *mesh
     return result;
 }
 
+static psplat_result read_point_format(psplat_source *source, psplat_points *points,
+                                       psplat_error *error) {
+    switch (source->format) {
+    case PSPLAT_SOURCE_XYZ:
+        return psplat_points_read_xyz(source, points, error);
+    case PSPLAT_SOURCE_OBJ:
+        return psplat_points_read_obj(source, points, error);
+    default:
+        return psplat_points_read_openmesh(source, points, error);
+    }
+}
+
 static psplat_result read_points(psplat_source *source, psplat_mesh *mesh, psplat_error *error) {
     psplat_points points = {0};
     psplat_error cause = {0};
-    psplat_result result = source->format == PSPLAT_SOURCE_XYZ
-                               ? psplat_points_read_xyz(source, &points, error)
-                               : psplat_points_read_openmesh(source, &points, error);
+    psplat_result result = read_point_format(source, &points, error);
     psplat_source_free(source); /* its memory is needed for the surface reconstruction */
     if (!result) {
         result = psplat_mesh_from_points(&points, mesh, &cause);

@@ -18,6 +18,7 @@
 #include "scene/scene.h"
 #include "source/source_file.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,10 +52,74 @@ static psplat_result make_graph(psplat_scene *scene, psplat_error *error) {
     return PSPLAT_OK;
 }
 
+/* ---- shells that face inwards ---------------------------------------------------------------- */
+
+typedef struct box {
+    double low[3], high[3];
+} box;
+
+/* Returns the box of a mesh where an instance stands. */
+static box box_of(const psplat_mesh *mesh, const double m[16]) {
+    box b = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
+    for (size_t v = 0; v < mesh->vertex_count; ++v) {
+        const double *p = mesh->positions + 3 * v;
+        for (int k = 0; k < 3; ++k) {
+            double at = m[k] * p[0] + m[4 + k] * p[1] + m[8 + k] * p[2] + m[12 + k];
+            b.low[k] = fmin(b.low[k], at);
+            b.high[k] = fmax(b.high[k], at);
+        }
+    }
+    return b;
+}
+
+static int is_inside(const box *inner, const box *outer) {
+    for (int k = 0; k < 3; ++k)
+        if (!(inner->low[k] >= outer->low[k] && inner->high[k] <= outer->high[k])) return 0;
+    return 1;
+}
+
+/* Marks meshes in whose box another mesh of the shown scene stands: they may be rooms. A graph that
+ * has no instances yet marks none. */
+static void mark_rooms(psplat_scene *scene) {
+    psplat_instance *instances = NULL;
+    size_t count = 0;
+    if (scene->mesh_count < 2 || !scene->node_count ||
+        psplat_scene_instances(scene, psplat_scene_shown(scene), &instances, &count, NULL))
+        return;
+    box *boxes = malloc((count + 1) * sizeof *boxes);
+    for (size_t i = 0; i < count && boxes; ++i)
+        boxes[i] = box_of(&scene->meshes[instances[i].mesh].mesh, instances[i].matrix);
+    for (size_t i = 0; i < count && boxes; ++i)
+        for (size_t k = 0; k < count; ++k)
+            if (instances[k].mesh != instances[i].mesh && is_inside(&boxes[k], &boxes[i]))
+                scene->meshes[instances[i].mesh].mesh.holds_parts = 1;
+    free(boxes);
+    free(instances);
+}
+
+/* Says which shells were turned, and which were not. */
+static void warn_of_shells(psplat_scene *scene, size_t index) {
+    const psplat_mesh *mesh = &scene->meshes[index].mesh;
+    char label[PSPLAT_SHOWN_PATH + 2] = "";
+    if (scene->mesh_count > 1) {
+        psplat_scene_label(scene, index, label);
+        strcat(label, ": ");
+    }
+    if (mesh->turned_shells)
+        psplat_scene_warn(scene, "%s%zu closed shells faced inwards and are turned (%zu triangles)",
+                          label, mesh->turned_shells, mesh->turned_triangles);
+    if (mesh->kept_rooms)
+        psplat_scene_warn(scene,
+                          "%s%zu closed shells face inwards and hold other parts: they stay, as "
+                          "rooms that are seen from inside",
+                          label, mesh->kept_rooms);
+}
+
 /* Cleans every mesh. A mesh without area is emptied with a warning; it is an error if all are. */
 static psplat_result clean_meshes(psplat_scene *scene, const char *path, psplat_error *error) {
     char label[PSPLAT_SHOWN_PATH], place[2 * PSPLAT_SHOWN_PATH + 2];
     size_t left = 0;
+    mark_rooms(scene);
     for (size_t i = 0; i < scene->mesh_count; ++i) {
         psplat_mesh *mesh = &scene->meshes[i].mesh;
         mesh->source_materials = scene->materials.source_materials;
@@ -126,6 +191,7 @@ psplat_result psplat_scene_read(const char *path, const char *name, psplat_scene
     psplat_result result = psplat_source_load(path, &source, error);
     if (result) return result;
     result = read_scene(&source, name, scene, error);
+    for (size_t i = 0; i < scene->mesh_count && !result; ++i) warn_of_shells(scene, i);
     if (!result) warn_of_materials(scene);
     if (result) psplat_scene_free(scene);
     psplat_source_free(&source);

@@ -9,6 +9,7 @@
 
 #include "mesh/mesh.h"
 #include "mesh/orientation.h"
+#include "mesh/shells.h"
 #include "mesh/stitch_borders.h"
 #include "mesh/weld.h"
 
@@ -110,6 +111,7 @@ psplat_result psplat_mesh_clean(psplat_mesh *mesh, const char *label, int has_ma
      * may be all that closes a T-junction. */
     if (!result) result = psplat_mesh_stitch_borders(mesh, &closed, error);
     if (!result) result = psplat_mesh_orient(mesh, &consistent, error);
+    if (!result) result = psplat_mesh_turn_shells(mesh, error);
     if (!result) result = drop_flat_and_center(mesh, error);
     if (result) return result;
     if (mesh->triangle_count == 0)

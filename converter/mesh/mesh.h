@@ -39,7 +39,10 @@ typedef struct psplat_mesh {
     size_t source_material_count;
     psplat_source_materials *materials; /* set by psplat_mesh_read, which has no scene; or NULL */
     size_t dropped;                     /* triangles dropped as degenerate or repeated */
-    int both_sides; /* some triangles existed twice, facing both ways: always double-sided */
+    int both_sides;  /* some triangles existed twice, facing both ways: always double-sided */
+    int holds_parts; /* set before cleaning: other meshes of the scene lie in its box */
+    /* What cleaning did about closed shells that face inwards (mesh/shells.h). */
+    size_t turned_shells, turned_triangles, kept_rooms;
     /* A point set keeps all its points here, and for each a triangle that it lies on or beside. Its
      * triangles say which points are neighbours and where the set has holes and borders. Distances
      * are measured to the points as well. NULL for a mesh. */

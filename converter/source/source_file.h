@@ -37,6 +37,7 @@ typedef struct psplat_source {
     psplat_source_format format;
     size_t vertices;      /* in the file */
     size_t faces;         /* in the file, less the dropped ones */
+    size_t normals;       /* in an OBJ */
     size_t dropped;       /* faces with fewer than three different vertices */
     int has_colors;       /* every vertex has a colour */
     int is_point_set;     /* vertices alone, no faces */

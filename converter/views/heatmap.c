@@ -8,6 +8,8 @@
 
 #include "base/vector.h"
 #include "compare/shape_errors.h"
+#include "views/heat_colors.h"
+#include "views/legend.h"
 #include "views/mesh_renderer.h"
 #include "views/picture_views.h"
 #include "views/picture_views_parts.h"
@@ -19,28 +21,6 @@
 #include <string.h>
 
 enum { PANELS = 5 };
-
-/* ---- colours --------------------------------------------------------------------------------- */
-
-/* The colours of pixels without a surface, and of surface that is not covered. */
-static const uint8_t background[3] = {48, 48, 48}, uncovered[3] = {0, 220, 220};
-
-/* Nine colours of the colour map "inferno" by S. van der Walt and N. Smith (matplotlib, CC0). Their
- * lightness rises evenly, so that a map can be read in grey as well. */
-static const uint8_t inferno[][3] = {{0, 0, 4},      {31, 12, 72},   {85, 15, 109},
-                                     {136, 34, 106}, {186, 54, 85},  {227, 89, 51},
-                                     {249, 140, 10}, {249, 201, 50}, {252, 255, 164}};
-
-/* Stores the colour of a value, by linear interpolation. Not-a-number gets the brightest colour. */
-static void set_heat(double value, double limit, uint8_t *rgb) {
-    const int last = (int)(sizeof inferno / sizeof *inferno) - 1;
-    double part = value <= 0 ? 0 : value < limit ? value / limit : 1, at = part * last;
-    int below = at < last ? (int)at : last - 1;
-    for (int c = 0; c < 3; ++c) {
-        double low = inferno[below][c], high = inferno[below + 1][c];
-        rgb[c] = (uint8_t)(low + (high - low) * (at - below) + 0.5);
-    }
-}
 
 static void set_color(const uint8_t color[3], uint8_t *rgb) {
     memcpy(rgb, color, 3);
@@ -116,20 +96,20 @@ static void set_difference(const map *m, size_t pixel, uint8_t *rgb) {
     int sum = 0;
     for (int c = 0; c < 3; ++c) sum += abs(a[c] - b[c]);
     if (a[3] || b[3])
-        set_heat(100 * sum / (3 * 255.0), m->limits->difference, rgb);
+        psplat_heat_color(100 * sum / (3 * 255.0), m->limits->difference, rgb);
     else
-        set_color(background, rgb);
+        set_color(psplat_heat_nothing, rgb);
 }
 
 static void set_shape(const map *m, int x, int y, uint8_t *distance_rgb, uint8_t *angle_rgb) {
     double point[3], normal[3], distance, angle;
     point_of_pixel(&m->source_pixels, x, y, point, normal);
     psplat_shape_probe_at(m->probe, point, normal, &distance, &angle);
-    set_heat(distance, m->limits->distance, distance_rgb);
+    psplat_heat_color(distance, m->limits->distance, distance_rgb);
     if (angle < 0)
-        set_color(uncovered, angle_rgb);
+        set_color(psplat_heat_uncovered, angle_rgb);
     else
-        set_heat(angle, m->limits->angle, angle_rgb);
+        psplat_heat_color(angle, m->limits->angle, angle_rgb);
 }
 
 static void set_row(const map *m, int y) {
@@ -143,14 +123,15 @@ static void set_row(const map *m, int y) {
         if (m->source_pixels.normals[4 * pixel + 3] > 0) {
             set_shape(m, x, y, distance, angle);
         } else {
-            set_color(background, distance);
-            set_color(background, angle);
+            set_color(psplat_heat_nothing, distance);
+            set_color(psplat_heat_nothing, angle);
         }
     }
 }
 
 static psplat_result fill_panels(map *m, psplat_error *error) {
-    size_t bytes = psplat_picture_views_bytes(m->views) / 4 * 3 * PANELS;
+    size_t rows = (size_t)(m->views->size + psplat_legend_height(m->views->size));
+    size_t bytes = rows * (size_t)m->views->size * 3 * PANELS;
     m->pixels = malloc(bytes);
     if (!m->pixels)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a map of %zu bytes",
@@ -161,6 +142,19 @@ static psplat_result fill_panels(map *m, psplat_error *error) {
 #endif
     for (int y = 0; y < size; ++y) set_row(m, y);
     return PSPLAT_OK;
+}
+
+/* Writes the legend below the panels. */
+static void draw_legend(const map *m, int is_mesh) {
+    const psplat_legend legends[PANELS] = {
+        {"source", -1, NULL},
+        {is_mesh ? "mesh" : "splats", -1, NULL},
+        {"difference, % of white", m->limits->difference, NULL},
+        {"distance, % of the diagonal", m->limits->distance, NULL},
+        {"normals, degrees", m->limits->angle, "not covered"},
+    };
+    size_t size = (size_t)m->views->size;
+    psplat_legend_draw(legends, PANELS, m->views->size, m->pixels + 3 * PANELS * size * size);
 }
 
 psplat_result psplat_picture_views_heatmap(psplat_picture_views *views,
@@ -180,10 +174,11 @@ psplat_result psplat_picture_views_heatmap(psplat_picture_views *views,
     psplat_result result = psplat_picture_views_show(views, pictured, view, error);
     if (!result) result = draw_source_pixels(views, view, &m.source_pixels, error);
     if (!result) result = fill_panels(&m, error);
+    if (!result) draw_legend(&m, pictured->mesh != NULL);
     free(m.source_pixels.normals);
     free(m.source_pixels.depth);
     *pixels = m.pixels;
     *width = PANELS * views->size;
-    *height = views->size;
+    *height = views->size + psplat_legend_height(views->size);
     return result;
 }

@@ -24,8 +24,9 @@ typedef struct psplat_heatmap_limits {
  * what is pictured, the difference of their colours, and the distance and the normal error at the
  * points of the source that are seen. Colours run from black (0) over violet and orange to pale
  * yellow (the limit and more). Cyan means not covered, as the probe says; dark grey means that
- * nothing is there. *pixels is from malloc and owned by the caller, *width and *height are those of
- * all panels together. Errors: ARGUMENT, MEMORY, GRAPHICS; *pixels is NULL then. */
+ * nothing is there. Below is a legend with numbers and units (views/legend.h). *pixels is from
+ * malloc and owned by the caller, *width and *height are those of all panels and the legend
+ * together. Errors: ARGUMENT, MEMORY, GRAPHICS; *pixels is NULL then. */
 psplat_result psplat_picture_views_heatmap(psplat_picture_views *views,
                                            const psplat_pictured *pictured,
                                            const psplat_shape_probe *probe, int view,

@@ -75,6 +75,7 @@ typedef struct psplat_program_key {
     X(depth_range)                                                                                 \
     X(unstretch)                                                                                   \
     X(first_index)                                                                                 \
+    X(apart)                                                                                       \
     X(finish)                                                                                      \
     X(kernel)                                                                                      \
     X(base_color)                                                                                  \

@@ -8,6 +8,11 @@
 #include "renderer/frame.h"
 #include "core/matrix.h"
 
+/* By how much of the depth range, in normalised device coordinates, the shading `splats` moves
+ * splats apart: some hundred times the rounding of depths, and some thousandths of a percent of the
+ * model where the planes lie close around it. */
+static const float splats_apart = 6.1035156e-5f; /* 2^-14 */
+
 /* ---- uniforms ---------------------------------------------------------------------------- */
 
 void psplat_frame_use_material(const psplat_gl *gl, const psplat_program *program,
@@ -147,6 +152,7 @@ static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch
     if (key.pass != PSPLAT_PASS_VISIBILITY) {
         psplat_frame_use_material(gl, program, &batch->material);
         gl->Uniform1i(program->first_index, (GLint)(first_index & 0x7fffffffu));
+        gl->Uniform1f(program->apart, key.shading == PSPLAT_SHADING_SPLATS ? splats_apart : 0.0f);
         gl->Uniform1i(program->finish,
                       (GLint)(batch->finish | (batch->has_color ? PSPLAT_FINISH_COLOR : 0u)));
         gl->Uniform2f(program->kernel, -batch->kernel.sharpness, 0.5f * batch->kernel.exponent);

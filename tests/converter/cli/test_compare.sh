@@ -108,7 +108,7 @@ case_maps() {
     expect_output '^12 pictures of 32 x 32, flat: '
     for map in out/maps/*; do
         [ "$(od -An -tx1 -j1 -N3 "$map" | tr -d ' ')" = 504e47 ] || fail "$map is no PNG"
-        [ "$(od -An -tu1 -j16 -N8 "$map" | tr -s ' ')" = ' 0 0 0 160 0 0 0 32' ] || fail "$map is not of 160 x 32 pixels"
+        [ "$(od -An -tu1 -j16 -N8 "$map" | tr -s ' ')" = ' 0 0 0 160 0 0 0 72' ] || fail "$map is not of 160 x 72 pixels, 40 of them for the legend"
     done
     rm out/maps/view_03.png
     echo old >out/maps/view_12.png

@@ -22,6 +22,8 @@ typedef struct values {
     uint64_t seed;
     int size[2], mode, count, effort, wipe, quiet;
     float color[4];
+    psplat_operands more;
+    int takes_more;
 } values;
 
 static const char *const mode_names[] = {"a", "bb", NULL};
@@ -46,7 +48,8 @@ static psplat_parse parse(values *v, const char *const *list) {
                                   .summary = "",
                                   .options = options,
                                   .option_count = sizeof options / sizeof *options,
-                                  .slots = {&v->first, &v->second}};
+                                  .slots = {&v->first, &v->second},
+                                  .more = v->takes_more ? &v->more : NULL};
     char name[] = "test", *arguments[16] = {name};
     int count = 1;
     for (; *list; ++list) arguments[count++] = (char *)(uintptr_t)*list;
@@ -190,8 +193,30 @@ static void test_every_result_has_an_exit_code(void **state) {
     }
 }
 
+/* Operands that are too many stand between those of the slots, where a command takes them. */
+static void test_more_operands(void **state) {
+    (void)state;
+    values v = {.takes_more = 1};
+    assert_int_equal(PARSE(&v, "a", "b", "-q", "c", "d"), PSPLAT_PARSE_OK);
+    assert_string_equal(v.first, "a");
+    assert_string_equal(v.second, "d");
+    assert_int_equal(v.more.count, 2);
+    v = (values){.takes_more = 1};
+    assert_int_equal(PARSE(&v, "-o", "out", "a", "b"), PSPLAT_PARSE_OK);
+    assert_string_equal(v.second, "out");
+    assert_int_equal(v.more.count, 1);
+    v = (values){.takes_more = 1};
+    assert_int_equal(PARSE(&v, "a", "b"), PSPLAT_PARSE_OK);
+    assert_int_equal(v.more.count, 0);
+    v = (values){.takes_more = 1, .first = "given"};
+    assert_int_equal(PARSE(&v, "a", "b"), PSPLAT_PARSE_ERROR);
+    v = (values){.takes_more = 0};
+    assert_int_equal(PARSE(&v, "a", "b", "c"), PSPLAT_PARSE_ERROR);
+}
+
 int test_options_parse_main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_more_operands),
         cmocka_unit_test(test_spellings_of_a_value),
         cmocka_unit_test(test_operands_fill_what_options_left),
         cmocka_unit_test(test_wrong_operands),

@@ -74,6 +74,40 @@ JS
 done
 rm out/single.png
 
+# A mesh is drawn as triangles, in any format: its picture is that of its splats but for edges.
+draw --size 64x48
+mv out/x.png out/splats.png
+run "$PHONGSPLAT" render cube.obj out/mesh.png --size 64x48 --software
+expect_success
+node - out/splats.png out/mesh.png <<'JS' || fail "the mesh is not drawn as its splats are"
+const [a, b] = process.argv.slice(2).map(require(process.env.SOURCE_DIR + '/tests/support/png.js'));
+let edges = 0, shown = 0;
+for (let y = 0; y < a.height; ++y)
+    for (let x = 0; x < a.width; ++x) {
+        const off = Math.max(...a.at(x, y).map((v, i) => Math.abs(v - b.at(x, y)[i])));
+        edges += off > 2;
+        shown += b.at(x, y).join() !== '255,255,255';
+    }
+if (shown < 500) throw Error('there is nothing to see');
+if (edges > 0.1 * shown) throw Error(`${edges} of ${shown} pixels differ`);
+JS
+for model in still-life.glb scan.xyz; do
+    run "$PHONGSPLAT" render "$SOURCE_DIR/samples/models/$model" out/mesh.png -w --size 64x48 --software --background 000000
+    expect_success
+    node -e 'const p = require(process.env.SOURCE_DIR + "/tests/support/png.js")("out/mesh.png"); let shown = 0;
+        for (let i = 0; i < 3072; ++i) shown += Math.max(...p.at(i % 64, i >> 6)) > 0;
+        if (shown < 200) throw Error(shown + " pixels")' || fail "$model: nothing to see"
+done
+for option in '--shading normal' '--mode flat' --shadows --no-filter; do
+    run "$PHONGSPLAT" render cube.obj out/none.png $option --software
+    expect_error 1 'is for splats, not for a mesh'
+done
+echo 'f 1 2' >bad.obj
+run "$PHONGSPLAT" render bad.obj out/none.png --software
+expect_error 3 'bad.obj: line 1'
+mv out/splats.png out/x.png
+rm out/mesh.png
+
 # Without graphics there is one line of error, whatever the driver prints.
 for setting in __EGL_VENDOR_LIBRARY_FILENAMES LIBGL_DRIVERS_PATH; do
     run env $setting=/nonexistent "$PHONGSPLAT" render cube.glb out/none.png --software

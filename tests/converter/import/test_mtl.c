@@ -81,6 +81,31 @@ static void test_factors(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* Tr 1 is transparent only where the library does not contradict it. */
+static void test_transparency(void **state) {
+    (void)state;
+    static const struct {
+        const char *library;
+        double one, two; /* alphas */
+    } cases[] = {
+        {"newmtl one\nTr 1.0\nnewmtl two words\nTr 1.000000\n", 1, 1},
+        {"newmtl one\nTr 1.0\nnewmtl two words\nTr 0\n", 0, 1},
+        {"newmtl one\nTr 1.0\nnewmtl two words\nnewmtl unused\nTr 0.5\n", 0, 1},
+        {"newmtl one\nd 1\nTr 1.0\nnewmtl two words\nTr 1.0\nd 1\n", 1, 1},
+        {"newmtl one\nTr 1\nd 0.25\nnewmtl two words\nTr 0.25\n", 0.25, 0.75},
+        {"newmtl one\nTr 0.5\nnewmtl two words\nTr 0.5\n", 0.5, 0.5},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        psplat_mesh mesh = read_with(cases[i].library, SQUARE FACES);
+        const psplat_source_material *one = &mesh.materials->source_materials[0];
+        assert_near(one[0].material.base_color[3], cases[i].one, 0);
+        assert_near(one[1].material.base_color[3], cases[i].two, 0);
+        assert_int_equal(one[0].is_blended, cases[i].one < 1);
+        assert_int_equal(one[1].is_blended, cases[i].two < 1);
+        psplat_mesh_free(&mesh);
+    }
+}
+
 /* Texture coordinates run down the image, and belong to corners. */
 static void test_texture(void **state) {
     (void)state;
@@ -225,10 +250,11 @@ static void test_many_materials(void **state) {
 
 int test_mtl_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_factors),          cmocka_unit_test(test_texture),
-        cmocka_unit_test(test_unreadable),       cmocka_unit_test(test_warnings),
-        cmocka_unit_test(test_directories),      cmocka_unit_test(test_groups),
-        cmocka_unit_test(test_repeated_corners), cmocka_unit_test(test_many_materials),
+        cmocka_unit_test(test_factors),        cmocka_unit_test(test_transparency),
+        cmocka_unit_test(test_texture),        cmocka_unit_test(test_unreadable),
+        cmocka_unit_test(test_warnings),       cmocka_unit_test(test_directories),
+        cmocka_unit_test(test_groups),         cmocka_unit_test(test_repeated_corners),
+        cmocka_unit_test(test_many_materials),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

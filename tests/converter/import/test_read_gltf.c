@@ -279,6 +279,12 @@ static void test_glb(void **state) {
     psplat_mesh mesh = read_bytes("g.glb", data, total);
     assert_int_equal(mesh.triangle_count, 1);
     psplat_mesh_free(&mesh);
+    data[29] = '}';
+    refuse_bytes("g.glb", data, total, PSPLAT_ERROR_FORMAT,
+                 "byte 29: '}' does not belong here in JSON");
+    data[29] = '{', data[20] = '[';
+    refuse_bytes("g.glb", data, total, PSPLAT_ERROR_FORMAT, "byte 28: ':' does not belong");
+    data[20] = '{';
     refuse_bytes("g.glb", data, 10, PSPLAT_ERROR_FORMAT, "byte 10: the file ends");
     refuse_bytes("g.glb", data, total - 1, PSPLAT_ERROR_FORMAT, "byte 8: the header says");
     data[4] = 1;
@@ -296,13 +302,16 @@ static void test_glb(void **state) {
 static void test_refused(void **state) {
     (void)state;
     gltf g = tetrahedron();
-    refuse_text("bad.gltf", "{\"asset\":", PSPLAT_ERROR_FORMAT, "");
-    refuse_text("bad.gltf", "{\"scenes\":[]}", PSPLAT_ERROR_FORMAT, "asset");
     refuse_text("bad.gltf", "{\"asset\":{\"version\":\"2.0\"}}", PSPLAT_ERROR_NO_SPLATS,
                 "no triangles");
     refuse_text("bad.gltf",
                 finish(&g, NODE "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]," INDEXED),
-                PSPLAT_ERROR_UNSUPPORTED, "KHR_draco_mesh_compression");
+                PSPLAT_ERROR_UNSUPPORTED,
+                "extensionsRequired: KHR_draco_mesh_compression is not supported; 'gltf-transform "
+                "copy IN OUT' makes a file without it");
+    refuse_text("bad.gltf", finish(&g, NODE "\"extensionsRequired\":[\"EXT_shape\"]," INDEXED),
+                PSPLAT_ERROR_UNSUPPORTED,
+                "extensionsRequired: EXT_shape is not supported; export the model without it");
     refuse_text("bad.gltf", finish(&g, "\"scenes\":[{\"nodes\":[7]}],\"nodes\":[]," INDEXED),
                 PSPLAT_ERROR_RANGE, "node 7 does not exist");
     refuse_text("bad.gltf", finish(&g, SCENE "\"nodes\":[{\"mesh\":3}]," INDEXED),
@@ -329,6 +338,35 @@ static void test_refused(void **state) {
                 finish(&g, NODE "\"meshes\":[{\"primitives\":[{\"mode\":1,\"attributes\":{"
                                 "\"POSITION\":0}}]}]"),
                 PSPLAT_ERROR_NO_SPLATS, "no triangles");
+}
+
+/* Errors of JSON have a place and a cause in words of their own. */
+static void test_refused_json(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *cause;
+    } cases[] = {
+        {"{\"asset\":", "line 1, column 10: the JSON ends before it is complete"},
+        {"{\"asset\":{}\n,\n  x}", "line 3, column 3: 'x' does not belong here in JSON"},
+        {"{\"asset\":tru3}", "line 1, column 13: '3' does not belong here in JSON"},
+        {"{\"asset\":{} \x80}", "line 1, column 13: a byte of value 128 does not belong here"},
+        {"{\"asset\":\"\\x\"}",
+         "line 1, column 12: a string has an escape that JSON does not know"},
+        {"{\"asset\":\"a\nb\"}", "line 1, column 12: a string has no end"},
+        {"{\"asset\":\"\xff\"}", "line 1, column 11: a string is not UTF-8"},
+        {"{\"asset\":1e999}", "a number is too large"},
+        {"{\"scenes\":[]}", "asset: has no version"},
+        {"{\"asset\":{\"version\":\"2.0\"},\"meshes\":{}}", "meshes: is not an array"},
+        {"{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{},7]}", "nodes[1]: is not an object"},
+        {"{\"asset\":{\"version\":\"2.0\"},\"accessors\":[{\"componentType\":5126,\"count\":1}]}",
+         "accessors[0]: has no type"},
+        {"{\"asset\":{\"version\":\"2.0\"},\"accessors\":[{\"componentType\":5126,\"count\":-1}]}",
+         "accessors[0]: count is not a whole number from 0 on"},
+        {"{\"asset\":{\"version\":\"2.0\"},\"meshes\":[{\"primitives\":[{}]}]}",
+         "meshes[0].primitives[0]: has no attributes"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        refuse_text("bad.gltf", cases[i].text, PSPLAT_ERROR_FORMAT, cases[i].cause);
 }
 
 static void test_refused_accessors(void **state) {
@@ -393,6 +431,7 @@ int test_read_gltf_main(void) {
         cmocka_unit_test(test_colors),           cmocka_unit_test(test_one_material),
         cmocka_unit_test(test_two_materials),    cmocka_unit_test(test_glb),
         cmocka_unit_test(test_refused),          cmocka_unit_test(test_refused_accessors),
+        cmocka_unit_test(test_refused_json),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_read_points.c - tests of reading points without faces from XYZ in its dialects, PLY and OFF,
- * and of refusing broken files. The points are mostly the corners of a unit square.
+ * test_read_points.c - tests of reading points without faces from XYZ in its dialects, PLY, OFF
+ * and OBJ, and of refusing broken files. The points are mostly the corners of a unit square.
  */
 #include "mesh_fixture.h"
 #include "mesh/mesh.h"
@@ -34,6 +34,9 @@ static void test_dialects(void **state) {
                      "0 0 0\n1 0 0\n0 1 0\n1 1 0\n"},
         {"twice.xyz", "0 0 0\n1 0 0\n0 1 0\n1 1 0\n"},
         {"points.off", "OFF\n4 0 0\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n"},
+        {"plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n"},
+        {"elements.obj", "o scan\nv 0 0 0 1\nv 1 0 0 1\np 1 -1\nv 0 1 0 1\nv 1 1 0 1\np 3 4\n"},
+        {"few_normals.obj", "vn 0 0 -1\nv 0 0 0\nv 1 0 \\\n0\nv 0 1 0\nv 1 1 0"},
         {"points.ply",
          "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty float y\n"
          "property float z\nproperty float confidence\nend_header\n"
@@ -100,6 +103,32 @@ static void test_columns(void **state) {
     check_square(&mesh);
     check_normals(&mesh, 1);
     check_orange(&mesh);
+    psplat_mesh_free(&mesh);
+}
+
+/* Normals of an OBJ follow the order of its vertices; colours are of 0 to 1, or of bytes. */
+static void test_obj(void **state) {
+    (void)state;
+    psplat_mesh mesh = read_text(
+        "scan.obj", "vn 0 0 -2\nv 0 0 0 1 0.7372549 0\nvn 0 0 -2\nv 1 0 0 1 0.7372549 0\n"
+                    "vn 0 0 -2\nv 0 1 0 1 0.7372549 0\nvn 0 0 -2\nv 1 1 0 1 0.7372549 0\n");
+    check_square(&mesh);
+    check_normals(&mesh, -1);
+    check_orange(&mesh);
+    psplat_mesh_free(&mesh);
+    mesh = read_text("bytes.obj", "v 0 0 0 255 188 0\nv 1 0 0 255 188 0\nv 0 1 0 255 188 0\n"
+                                  "v 1 1 0 255 188 0\n");
+    check_square(&mesh);
+    check_orange(&mesh);
+    psplat_mesh_free(&mesh);
+    /* The first normal belongs to the first vertex, wherever it stands. */
+    mesh = read_text("order.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n"
+                                  "vn -1 0 5\nvn 1 0 5\nvn -1 0 5\nvn 1 0 5\n");
+    check_square(&mesh);
+    for (size_t c = 0; c < 3 * mesh.triangle_count; ++c) {
+        double x = mesh.positions[3 * (size_t)mesh.triangles[c]];
+        assert_true((mesh.corner_normals[3 * c] > 0) == (x > 0));
+    }
     psplat_mesh_free(&mesh);
 }
 
@@ -170,6 +199,9 @@ static void test_refused(void **state) {
         {"a.xyz", "1 2 3\n2 2 3\n", PSPLAT_ERROR_NO_SPLATS, "2 different points without normals"},
         {"a.xyz", "0 0 0\n1 1 1\n2 2 2\n3 3 3\n", PSPLAT_ERROR_NO_SPLATS,
          "4 different points without normals span no surface"},
+        {"a.obj", "v 1 2 3\n", PSPLAT_ERROR_NO_SPLATS, "all points are at one place"},
+        {"a.obj", "v 0 0 0 1 1 1\nv 1 0 0 1 red 1\n", PSPLAT_ERROR_FORMAT,
+         "line 2: a component of the colour is not a number: 'red'"},
         {"a.off", "OFF\n1 0 0\n1 2 3\n", PSPLAT_ERROR_NO_SPLATS, "all points are at one place"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
@@ -181,7 +213,7 @@ int test_read_points_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_dialects), cmocka_unit_test(test_columns),
         cmocka_unit_test(test_colors),   cmocka_unit_test(test_binary),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_refused),  cmocka_unit_test(test_obj),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

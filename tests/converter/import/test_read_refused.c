@@ -48,7 +48,9 @@ static void test_obj(void **state) {
         psplat_result code;
         const char *cause;
     } cases[] = {
-        {"v 0 0 0\nv 1 0 0\nv 0 1 0\n", PSPLAT_ERROR_NO_SPLATS, "no face"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2\n", PSPLAT_ERROR_NO_SPLATS, "no face"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n", PSPLAT_ERROR_NO_SPLATS, "no face"},
+        {"# empty\nvt 0 0\n", PSPLAT_ERROR_NO_SPLATS, "no face"},
         {"v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", PSPLAT_ERROR_NO_SPLATS, "no triangle has an area"},
         {"v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n", PSPLAT_ERROR_NO_SPLATS, "no triangle has an area"},
         {"v 0 0 0\nv 1 0\nv 0 1 0\nf 1 2 3\n", PSPLAT_ERROR_FORMAT,

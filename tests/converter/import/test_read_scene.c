@@ -202,8 +202,6 @@ static void test_refused(void **state) {
          "node 1: nested"},
         {"\"nodes\":[{\"children\":[2]},{\"children\":[2]},{\"mesh\":0}]", PSPLAT_ERROR_FORMAT,
          "node 2: is a child twice"},
-        {"\"nodes\":[{\"children\":[1]},{\"mesh\":0}],\"scenes\":[{\"nodes\":[1]}]",
-         PSPLAT_ERROR_FORMAT, "scene 0: node 1 is the child of another"},
         {"\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0,0]}]", PSPLAT_ERROR_FORMAT,
          "scene 0: node 0 is in it twice"},
         {"\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[1]}]", PSPLAT_ERROR_RANGE,
@@ -234,6 +232,58 @@ static void test_refused(void **state) {
         snprintf(rest, sizeof rest, "%s," TWO_MESHES, cases[i].graph);
         refuse_scene(finish(&g, rest), cases[i].code, cases[i].cause);
     }
+}
+
+/* ---- roots that have a parent ---------------------------------------------------------------- */
+
+/* Asserts that the scene has the roots, and the node the children. */
+static void check_roots(const psplat_scene *scene, size_t view, size_t count, uint32_t first) {
+    assert_int_equal(scene->scenes[view].root_count, count);
+    assert_int_equal(scene->scenes[view].roots[0], first);
+}
+
+/* A root below another root is shown once, where its parents put it. */
+static void test_roots_below_roots(void **state) {
+    (void)state;
+    gltf g = tetrahedron();
+    const char *text =
+        finish(&g, "\"scenes\":[{\"nodes\":[2,0,1]}],\"nodes\":[{\"children\":[1],"
+                   "\"translation\":[8,0,0]},{\"children\":[2]},{\"mesh\":0}]," INDEXED);
+    psplat_scene scene = scene_of(text);
+    check_roots(&scene, 0, 1, 0);
+    assert_int_equal(scene.warning_count, 1);
+    assert_non_null(strstr(scene.warnings[0], "2 roots of scene 0 are children"));
+    psplat_instance *instances;
+    size_t count;
+    assert_int_equal(psplat_scene_instances(&scene, 0, &instances, &count, NULL), PSPLAT_OK);
+    assert_int_equal(count, 1);
+    assert_near(instances[0].matrix[12], 8, 0);
+    free(instances);
+    psplat_scene_free(&scene);
+    psplat_mesh mesh = read_text("t.gltf", text);
+    assert_int_equal(mesh.triangle_count, 4);
+    assert_near(mesh.origin[0], 8.5, 1e-12);
+    psplat_mesh_free(&mesh);
+}
+
+/* A root whose parent the scene does not show leaves the parent, in all scenes. */
+static void test_roots_of_hidden_parents(void **state) {
+    (void)state;
+    gltf g = tetrahedron();
+    const char *text =
+        finish(&g, "\"scenes\":[{\"nodes\":[1]},{\"nodes\":[0,1]}],\"nodes\":[{\"children\":[1,2],"
+                   "\"translation\":[8,0,0]},{\"mesh\":0},{}]," INDEXED);
+    psplat_scene scene = scene_of(text);
+    check_roots(&scene, 0, 1, 1);
+    check_roots(&scene, 1, 2, 0);
+    assert_int_equal(scene.nodes[0].child_count, 1);
+    assert_int_equal(scene.nodes[0].children[0], 2);
+    assert_int_equal(scene.warning_count, 1);
+    assert_non_null(strstr(scene.warnings[0], "scene 0 has node 1 as a root, a child of node 0"));
+    psplat_scene_free(&scene);
+    psplat_mesh mesh = read_text("t.gltf", text);
+    assert_near(mesh.origin[0], 0.5, 1e-12);
+    psplat_mesh_free(&mesh);
 }
 
 /* ---- dropped content ------------------------------------------------------------------------- */
@@ -282,10 +332,11 @@ static void test_dropped(void **state) {
 
 int test_read_scene_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_warnings),  cmocka_unit_test(test_meshes),
-        cmocka_unit_test(test_instances), cmocka_unit_test(test_transform),
-        cmocka_unit_test(test_flattened), cmocka_unit_test(test_depth),
-        cmocka_unit_test(test_refused),   cmocka_unit_test(test_dropped),
+        cmocka_unit_test(test_warnings),          cmocka_unit_test(test_meshes),
+        cmocka_unit_test(test_instances),         cmocka_unit_test(test_transform),
+        cmocka_unit_test(test_flattened),         cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_refused),           cmocka_unit_test(test_dropped),
+        cmocka_unit_test(test_roots_below_roots), cmocka_unit_test(test_roots_of_hidden_parents),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

@@ -58,7 +58,7 @@ static void test_nothing(void **state) {
     } cases[] = {
         {"an empty file", "t.obj", "", PSPLAT_ERROR_FORMAT},
         {"an empty mesh", "t.off", "OFF\n0 0 0\n", PSPLAT_ERROR_NO_SPLATS},
-        {"vertices alone", "t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", PSPLAT_ERROR_NO_SPLATS},
+        {"lines alone", "t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\n", PSPLAT_ERROR_NO_SPLATS},
         {"faces of no area", "t.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\nf 1 1 2\n",
          PSPLAT_ERROR_NO_SPLATS},
         {"a NaN", "t.obj", "v 0 nan 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", PSPLAT_ERROR_RANGE},

@@ -20,6 +20,7 @@
 #include "compare/source_mesh_parts.h"
 #include "mesh/mesh.h"
 #include "views/heatmap.h"
+#include "views/legend.h"
 #include "views/picture_views.h"
 #include "views/picture_views_parts.h"
 
@@ -101,7 +102,7 @@ static drawn draw(gpu *g, const plate *source, const plate *target, int view,
                                        &d.height, &error),
           &error);
     assert_int_equal(d.width, PANELS * SIZE);
-    assert_int_equal(d.height, SIZE);
+    assert_int_equal(d.height, SIZE + psplat_legend_height(SIZE));
     count(&d);
     psplat_shape_probe_destroy(probe);
     return d;
