@@ -16,6 +16,7 @@
 #include "compare/statistics.h"
 #include "compare/surface_points.h"
 #include "compare/tested_surface.h"
+#include "measure/splat_distance.h"
 #include "mesh/distance.h"
 
 #include <phongsplat/phongsplat.h>
@@ -23,6 +24,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* The least distance, in diagonals, to which the greatest one is refined. */
+static const double least_refined = 1e-7;
 
 enum { DEFAULT_SAMPLES = 200000, BLOCK_POINTS = 256 }; /* a thread measures a block at a time */
 
@@ -33,6 +37,7 @@ typedef struct comparison {
     psplat_surface_points here, there; /* points of the source and of the target */
     psplat_crease_zone crease_zone;
     double *outward, *inward; /* distances of all points of the source, and of the target */
+    double farthest;          /* the greatest distance found of any point of the target */
     double *angles;       /* degrees, of the uniform points of the source; negative if uncovered */
     uint8_t *near_crease; /* of the same points: whether they lie in the crease zone */
     psplat_shape_errors *errors;
@@ -69,6 +74,12 @@ static psplat_result measure_point(comparison *c, size_t i) {
     return find_angle(c->target, point, normal, &c->angles[i]);
 }
 
+static double greatest(const double *values, size_t count) {
+    double result = 0;
+    for (size_t i = 0; i < count; ++i) result = max2(result, values[i]);
+    return result;
+}
+
 /* ---- all points ------------------------------------------------------------------------------ */
 
 static psplat_result measure_outward(comparison *c) {
@@ -96,16 +107,35 @@ static psplat_result measure_inward(comparison *c) {
     return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }
 
+/* Finds the greatest distance of all points of splats, within the 1 % of psplat_splat_distance.
+ * Only splats that exceed the greatest distance of the points are searched in full. So the result
+ * does not depend on how splats are sized, nor much on the number of points. */
+static psplat_result refine_inward(comparison *c) {
+    const psplat_measured_splats *splats = &c->target->placed.splats;
+    c->farthest = greatest(c->inward, c->there.count);
+    if (c->target->mesh) return PSPLAT_OK;
+    const psplat_splat_distance_desc desc = {
+        .tolerance = max2(c->farthest, least_refined * c->source->surface.diagonal)};
+    double farthest = c->farthest;
+    long end = (long)splats->count;
+    int failed = 0;
+#if defined(_OPENMP)
+#pragma omp parallel for schedule(dynamic, 16) reduction(| : failed) reduction(max : farthest)
+#endif
+    for (long i = 0; i < end; ++i) {
+        psplat_splat_distance far;
+        failed |= psplat_splat_distance_find(&splats->regions[i], c->source->distance, &desc,
+                                             &far) != PSPLAT_OK;
+        farthest = max2(farthest, far.found);
+    }
+    c->farthest = farthest;
+    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+}
+
 /* ---- statistics ------------------------------------------------------------------------------ */
 
 static double percentage(size_t count, size_t all) {
     return all ? 100 * (double)count / (double)all : 0;
-}
-
-static double greatest(const double *values, size_t count) {
-    double result = 0;
-    for (size_t i = 0; i < count; ++i) result = max2(result, values[i]);
-    return result;
 }
 
 static psplat_statistics percent_statistics(const comparison *c, psplat_statistics s) {
@@ -120,13 +150,12 @@ static void summarize_distances(comparison *c) {
     e->overhang_area = percentage(beyond, inward);
     /* Corners count for the greatest distance only, since they stand for no area. */
     double outward_max = greatest(c->outward, c->here.count);
-    double inward_max = greatest(c->inward, c->there.count);
     e->outward = percent_statistics(c, psplat_statistics_of(c->outward, outward, NULL));
     e->inward = percent_statistics(c, psplat_statistics_of(c->inward, inward, NULL));
     e->distance =
         percent_statistics(c, psplat_statistics_both(c->outward, outward, c->inward, inward));
     e->outward.max = percent_of(c, outward_max);
-    e->inward.max = percent_of(c, inward_max);
+    e->inward.max = percent_of(c, c->farthest);
     e->distance.max = max2(e->outward.max, e->inward.max);
 }
 
@@ -205,6 +234,7 @@ static psplat_result compare(const psplat_source_mesh *source, const psplat_test
     psplat_result result = prepare(&c, desc ? desc : &defaults, error);
     if (!result) result = measure_outward(&c);
     if (!result) result = measure_inward(&c);
+    if (!result) result = refine_inward(&c);
     if (!result) result = summarize_normals(&c);
     if (!result) summarize_distances(&c);
     finish(&c);

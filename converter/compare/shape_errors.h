@@ -23,7 +23,9 @@ typedef struct psplat_shape_errors {
     psplat_statistics outward;  /* from source points to the nearest point of the target, %; max is
                                a lower bound of the one-sided Hausdorff distance, since it is
                                sampled */
-    psplat_statistics inward;   /* from target points to the nearest point of the source */
+    psplat_statistics inward;   /* from target points to the nearest point of the source; the max of
+                               splats is that of all their points, and at most 1 % too small, as
+                               long as psplat_splat_distance_find meets no limit */
     psplat_statistics distance; /* two-sided: max is the greater of both; rms and p95 are those of
                                the samples of both sides, each side with half the weight */
     psplat_statistics normal;   /* angle of blended and source normal, degrees, where covered */

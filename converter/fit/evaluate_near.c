@@ -12,6 +12,7 @@
 #include "base/vector.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
+#include "fit/region_near.h"
 #include "mesh/distance.h"
 #include "mesh/mesh.h"
 
@@ -172,6 +173,14 @@ static psplat_fit_status point_nearness(const psplat_fit_context *context, const
     return near ? PSPLAT_FIT_KEPT : PSPLAT_FIT_LEAVES_SURFACE;
 }
 
+/* Bounds the distance from all points of a region, which the points measured leave open. */
+static psplat_fit_status proven_nearness(const psplat_limits *limits, const psplat_region *region) {
+    int near;
+    if (psplat_region_near(region, limits->distance, limits->tolerance, &near))
+        return PSPLAT_FIT_MEMORY;
+    return near ? PSPLAT_FIT_KEPT : PSPLAT_FIT_LEAVES_SURFACE;
+}
+
 static psplat_fit_status mesh_nearness(const psplat_fit_context *context,
                                        const psplat_region *region) {
     double points[PSPLAT_REGION_POINTS][3];
@@ -180,7 +189,7 @@ static psplat_fit_status mesh_nearness(const psplat_fit_context *context,
     cells c;
     fill_cells(context->scratch, region, &c);
     for (size_t i = 0; i < count && !status; ++i) status = point_nearness(context, &c, points[i]);
-    return status;
+    return status || !context->limits->proven ? status : proven_nearness(context->limits, region);
 }
 
 psplat_fit_status psplat_evaluate_nearness(const psplat_fit_context *context,

@@ -29,6 +29,7 @@ typedef struct psplat_limits {
                                 range; 0: unbounded */
     int constant_colors;     /* 1: colours have no gradients */
     const psplat_precision *precision; /* that lines and fields are rounded to; NULL: none are */
+    int proven; /* 1: an exact check of the distance bound takes all points of a region, not some */
     const psplat_distance *distance; /* to the mesh; NULL: only triangles of samples are measured */
 } psplat_limits;
 

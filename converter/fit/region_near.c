@@ -6,13 +6,16 @@
 #include "fit/region_near.h"
 
 #include "base/region.h"
+#include "measure/splat_distance.h"
 #include "mesh/distance.h"
 
 psplat_result psplat_region_near(const psplat_region *region, const psplat_distance *distance,
                                  double tolerance, int *near) {
-    double points[PSPLAT_REGION_POINTS][3];
+    const psplat_splat_distance_desc desc = {.tolerance = tolerance, .stop_at_first = 1};
+    psplat_splat_distance measured;
     *near = 1;
     if (!distance) return PSPLAT_OK;
-    size_t count = psplat_region_points(region, points);
-    return psplat_distance_within(distance, &points[0][0], count, tolerance, near);
+    psplat_result result = psplat_splat_distance_find(region, distance, &desc, &measured);
+    *near = measured.nearness == PSPLAT_NEARNESS_WITHIN;
+    return result;
 }

@@ -11,9 +11,9 @@
 #include "base/region.h"
 #include "mesh/distance.h"
 
-/* Finds whether all of psplat_region_points of a region lie within the tolerance, a length, of the
- * mesh. *near becomes 1 where they do, or where distance is NULL. Fails only with
- * PSPLAT_ERROR_MEMORY. */
+/* Finds whether all points of a region lie within the tolerance, a length, of the mesh. *near
+ * becomes 1 where that is proven, or where distance is NULL. Fails only with PSPLAT_ERROR_MEMORY.
+ */
 psplat_result psplat_region_near(const psplat_region *region, const psplat_distance *distance,
                                  double tolerance, int *near);
 

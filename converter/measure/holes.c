@@ -219,6 +219,14 @@ static double halve(const subtriangle *t, subtriangle halves[2]) {
     return longest;
 }
 
+static double area_of(const subtriangle *t) {
+    double a[3], b[3], n[3];
+    sub3(a, t->p[1], t->p[0]);
+    sub3(b, t->p[2], t->p[0]);
+    cross3(n, a, b);
+    return length3(n) / 2;
+}
+
 /* Finds the holes of a part, given that near[begin ... near_count) are the splats near the part it
  * was halved from. One hole is enough in a part no larger than coarse. Returns whether there is
  * one. */
@@ -236,6 +244,7 @@ static int search_subtriangle(searcher *s, const subtriangle *t, size_t begin) {
     }
     int found = side <= s->coarse && is_open(s, p, n, end);
     if (found) push_hole(s, p);
+    if (!found && !(side > s->fine)) s->holes->unproven += area_of(t);
     for (int k = 0; k < 2 && side > s->fine && !s->failed; ++k)
         if (!found || side > s->coarse) found |= search_subtriangle(s, &halves[k], end);
     s->near_count = end;
@@ -291,6 +300,7 @@ void psplat_holes_free(psplat_holes *holes) {
 /* Appends the holes of a block. Returns 0 when out of memory. */
 static int append_holes(psplat_holes *holes, const psplat_holes *block) {
     size_t count = holes->count + block->count;
+    holes->unproven += block->unproven;
     if (!block->count) return 1;
     double *points = realloc(holes->points, count * 3 * sizeof *points);
     if (points) holes->points = points;

@@ -31,6 +31,11 @@ Point point(const double *p) {
     return Point(p[0], p[1], p[2]);
 }
 
+void store_corners(const Triangle &triangle, double corners[9]) {
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) corners[3 * i + k] = triangle.vertex(i)[k];
+}
+
 } // namespace
 
 struct psplat_distance {
@@ -123,6 +128,33 @@ extern "C" psplat_result psplat_distance_within(const psplat_distance *distance,
     return PSPLAT_OK;
 } catch (...) {
     return PSPLAT_ERROR_MEMORY;
+}
+
+extern "C" psplat_result
+psplat_distance_visit_box(const psplat_distance *distance, const double low[3],
+                          const double high[3], int (*visit)(void *user, const double corners[9]),
+                          void *user) try {
+    /* The box is widened by what rounding in CGAL's tests may cut off. */
+    double from[3], to[3], slack = 0;
+    for (int k = 0; k < 3; ++k)
+        slack = std::fmax(slack, 1e-9 * (std::fabs(low[k]) + std::fabs(high[k])));
+    for (int k = 0; k < 3; ++k) from[k] = low[k] - slack, to[k] = high[k] + slack;
+    const CGAL::Bbox_3 box(from[0], from[1], from[2], to[0], to[1], to[2]);
+    std::vector<Iterator> met;
+    distance->tree.all_intersected_primitives(box, std::back_inserter(met));
+    for (const Iterator &triangle : met) {
+        double corners[9];
+        store_corners(*triangle, corners);
+        if (visit(user, corners)) break;
+    }
+    return PSPLAT_OK;
+} catch (...) {
+    return PSPLAT_ERROR_MEMORY;
+}
+
+extern "C" void psplat_distance_triangle(const psplat_distance *distance, uint32_t triangle,
+                                         double corners[9]) {
+    store_corners(distance->triangles[triangle], corners);
 }
 
 extern "C" void psplat_distance_destroy(psplat_distance *distance) {

@@ -39,6 +39,17 @@ psplat_result psplat_distance_meets(const psplat_distance *distance, const doubl
 psplat_result psplat_distance_within(const psplat_distance *distance, const double *points,
                                      size_t count, double tolerance, int *within);
 
+/* Calls visit with the corners of each triangle that may meet the box from low to high, until visit
+ * returns other than 0. It may also be called for triangles that only come near the box. */
+psplat_result psplat_distance_visit_box(const psplat_distance *distance, const double low[3],
+                                        const double high[3],
+                                        int (*visit)(void *user, const double corners[9]),
+                                        void *user);
+
+/* Stores the corners of a triangle, which is one of those that psplat_distance_nearest stores. */
+void psplat_distance_triangle(const psplat_distance *distance, uint32_t triangle,
+                              double corners[9]);
+
 void psplat_distance_destroy(psplat_distance *distance);
 
 #ifdef __cplusplus

@@ -54,6 +54,9 @@ static void add_errors(psplat_report *total, const psplat_report *part) {
     raise_to(&total->max_distance_percent, part->max_distance_percent);
     raise_to(&total->max_distance_surface_percent, part->max_distance_surface_percent);
     raise_to(&total->max_distance_splats_percent, part->max_distance_splats_percent);
+    raise_to(&total->bound_distance_splats_percent, part->bound_distance_splats_percent);
+    raise_to(&total->unproven_surface_percent, part->unproven_surface_percent);
+    total->unproven_splats += part->unproven_splats;
     raise_to(&total->p95_normal_degrees, part->p95_normal_degrees);
     raise_to(&total->p95_normal_constant_degrees, part->p95_normal_constant_degrees);
     raise_to(&total->max_normal_degrees, part->max_normal_degrees);

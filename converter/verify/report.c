@@ -40,6 +40,10 @@ static void add_errors(psplat_writer *json, const psplat_report *report) {
     psplat_writer_number(json, "max_distance_surface_percent",
                          report->max_distance_surface_percent);
     psplat_writer_number(json, "max_distance_splats_percent", report->max_distance_splats_percent);
+    psplat_writer_number(json, "bound_distance_splats_percent",
+                         report->bound_distance_splats_percent);
+    psplat_writer_count(json, "unproven_splats", report->unproven_splats);
+    psplat_writer_number(json, "unproven_surface_percent", report->unproven_surface_percent);
     psplat_writer_number(json, "rms_distance_percent", report->rms_distance_percent);
     psplat_writer_number(json, "rms_normal_degrees", report->rms_normal_degrees);
     psplat_writer_number(json, "p95_normal_degrees", report->p95_normal_degrees);

@@ -12,10 +12,11 @@
 
 #include <stdint.h>
 
-/* What a conversion promises about its splats, each cut by its clip lines. Verification checks it
- * on samples of the surface other than those that were fitted, and at 145 points of each splat.
- * These are the points that the fit checked too: between them, some may be farther from the
- * surface. The limits allow for single precision. A splat covers a surface point that lies over or
+/* What a conversion promises about its splats, each cut by its clip lines. Verification proves
+ * coverage and distance, piece by piece of the surface and of each splat, and measures normals on
+ * samples of the surface other than those that were fitted. A promise is broken where a point was
+ * found that breaks it; where neither such a point nor a proof was found, the report says so. The
+ * limits allow for single precision. A splat covers a surface point that lies over or
  * under it by at most the tolerance and whose normal is on the same side as its own. */
 typedef enum psplat_promise {
     PSPLAT_PROMISE_COVERAGE, /* each surface point is covered by a splat */
@@ -36,7 +37,7 @@ typedef struct psplat_kept {
                      for normals without a tolerance */
     double worst; /* the greatest value found, in the same unit; for coverage, the greatest distance
                      of an uncovered point from the nearest splat, which may lie beside the point */
-    size_t broken; /* the number of samples, splats or crease edges beyond the limit */
+    size_t broken; /* the number of samples, holes, splats or crease edges beyond the limit */
 } psplat_kept;
 
 /* The greatest number of places in a report. */
@@ -63,12 +64,16 @@ typedef struct psplat_report {
     size_t peak_memory_bytes;    /* of the process */
     double diagonal;             /* of the bounding box, in the mesh's units */
     double tolerance_percent;
-    double max_distance_percent;         /* two-sided: the greater of the next two */
-    double max_distance_surface_percent; /* from the surface to the nearest splat that covers it,
-                                            along that splat's normal; where none does, to any */
-    double max_distance_splats_percent;  /* from the splats to the surface */
-    double rms_distance_percent;         /* from the surface to splats, as above */
-    double rms_normal_degrees;           /* angle from the blended normal to the surface's */
+    double max_distance_percent;          /* two-sided: the greater of the next two */
+    double max_distance_surface_percent;  /* from the surface to the nearest splat that covers it,
+                                             along that splat's normal; where none does, to any */
+    double max_distance_splats_percent;   /* from the splats to the surface */
+    double bound_distance_splats_percent; /* proven: no point of a splat is farther away */
+    size_t unproven_splats; /* whose bound exceeds the tolerance, though no point found does */
+    double unproven_surface_percent; /* of the area: the part where coverage was neither proven nor
+                                        seen to be broken */
+    double rms_distance_percent;     /* from the surface to splats, as above */
+    double rms_normal_degrees;       /* angle from the blended normal to the surface's */
     double p95_normal_degrees;
     double rms_normal_constant_degrees; /* the same with gradients set to 0 */
     double p95_normal_constant_degrees;

@@ -2,10 +2,11 @@
  *
  * verify.c - the verification of stored splats against the surface.
  *
- * It draws its own random samples of the surface, and measures coverage, normals and colours there.
- * The distance is two-sided (Hausdorff distance): from the samples to splats, and from points all
- * over each splat to the mesh. Creases inside splats are found without samples. For each broken
- * promise it reports the worst places.
+ * It draws its own random samples of the surface, about a tolerance apart, and measures coverage,
+ * normals and colours there. Holes between them are searched for without samples, down to a small
+ * part of the tolerance. The distance is two-sided (Hausdorff distance): from samples and holes to
+ * splats, and from each splat, bounded over all of it, to the mesh. Creases inside splats are found
+ * without samples. For each broken promise it reports the worst places.
  */
 #include "verify/verify.h"
 
@@ -18,8 +19,10 @@
 #include "features/surface.h"
 #include "material/mipmap.h"
 #include "measure/crease_crossings.h"
+#include "measure/holes.h"
 #include "measure/measured_splats.h"
 #include "measure/point_blend.h"
+#include "measure/splat_distance.h"
 #include "mesh/distance.h"
 #include "mesh/mesh.h"
 #include "verify/report.h"
@@ -30,6 +33,10 @@
 
 /* The number of samples for each splat, and the bounds of the number of all. Chosen by hand. */
 enum { SAMPLES_PER_SPLAT = 100, LEAST_SAMPLES = 50000, MOST_SAMPLES = 1000000 };
+
+/* The side of the cubes in each of which one hole is found, and the width below which parts of the
+ * surface are not divided, in tolerances. Chosen by hand. */
+static const double hole_side_tolerances = 1, least_hole_tolerances = 1.0 / 16;
 
 /* The part of a limit by which rounding may make measured angles exceed it. */
 static const double rounding_slack = 1e-6;
@@ -164,6 +171,11 @@ static void measure_color(const psplat_point_blend *blend, const psplat_surface 
     m->flat_color[i] = color_error(blend->flat_color, blend->weight, expected);
 }
 
+static double nearest_distance(const psplat_measured_splats *measured, const double point[3]) {
+    return psplat_region_nearest_distance(measured->regions, measured->count, measured->region_tree,
+                                          measured->tolerance, point);
+}
+
 static void measure_sample(const psplat_surface *surface, const psplat_samples *samples, size_t i,
                            const psplat_measured_splats *measured, measurements *m) {
     probe p = {
@@ -180,11 +192,7 @@ static void measure_sample(const psplat_surface *surface, const psplat_samples *
     psplat_region_tree_visit(measured->region_tree, blend->point, visit_splat, &p);
     int shows = dot3(blend->blended, blend->blended) > 0;
     m->uncovered[i] = p.height == HUGE_VAL;
-    m->distances[i] = m->uncovered[i]
-                          ? psplat_region_nearest_distance(measured->regions, measured->count,
-                                                           measured->region_tree,
-                                                           measured->tolerance, blend->point)
-                          : p.height;
+    m->distances[i] = m->uncovered[i] ? nearest_distance(measured, blend->point) : p.height;
     m->own[i] = m->uncovered[i] ? -1 : angle_degrees(p.cosine);
     m->blended[i] = shows ? angle_degrees(cosine3(blend->blended, p.normal)) : -1;
     m->constant[i] = shows ? angle_degrees(cosine3(blend->constant, p.normal)) : -1;
@@ -245,8 +253,22 @@ static double percent(const verifier *r, double length) {
     return 100 * length / r->v->diagonal;
 }
 
-static void report_coverage(verifier *r, const measurements *m) {
-    double squares = 0, greatest = 0, open = 0;
+/* Measures the holes, which samples may have missed. Returns their greatest distance from a splat.
+ */
+static double measure_holes(verifier *r, const psplat_holes *holes) {
+    double greatest = 0;
+    for (size_t i = 0; i < holes->count; ++i) {
+        const double *point = holes->points + 3 * i;
+        double distance = nearest_distance(&r->measured, point);
+        greatest = max2(greatest, distance);
+        r->far += distance > r->measured.tolerance;
+        add_place(&r->places, PSPLAT_PROMISE_COVERAGE, point, percent(r, distance));
+    }
+    return greatest;
+}
+
+static void report_coverage(verifier *r, const measurements *m, const psplat_holes *holes) {
+    double squares = 0, open = measure_holes(r, holes), greatest = open;
     size_t count = r->samples.count, uncovered = 0;
     for (size_t i = 0; i < count; ++i) {
         double distance = m->distances[i];
@@ -263,8 +285,9 @@ static void report_coverage(verifier *r, const measurements *m) {
     r->report->uncovered_samples = uncovered;
     r->report->max_distance_surface_percent = percent(r, greatest);
     r->report->rms_distance_percent = percent(r, sqrt(squares / (double)count));
+    r->report->unproven_surface_percent = 100 * holes->unproven / r->v->surface->area;
     set_promise(r->report, PSPLAT_PROMISE_COVERAGE, r->v->tolerance_percent, percent(r, open),
-                uncovered);
+                uncovered + holes->count);
 }
 
 static void report_normals(verifier *r, const measurements *m) {
@@ -312,9 +335,18 @@ static void report_blend_errors(verifier *r, const measurements *m) {
                &report->p95_color_constant_percent);
 }
 
+static psplat_result find_holes(verifier *r, psplat_holes *holes) {
+    double tolerance = r->measured.tolerance;
+    return psplat_holes_find(r->v->surface, &r->measured, hole_side_tolerances * tolerance,
+                             least_hole_tolerances * tolerance, holes);
+}
+
 static psplat_result measure_surface(verifier *r) {
     measurements m;
-    psplat_result result = PSPLAT_ERROR_MEMORY;
+    psplat_holes holes;
+    psplat_result result = find_holes(r, &holes);
+    if (result) return result;
+    result = PSPLAT_ERROR_MEMORY;
     if (allocate_measurements(&m, r->samples.count, r->samples.colors != NULL)) {
         long end = (long)r->samples.count;
 #if defined(_OPENMP)
@@ -322,46 +354,32 @@ static psplat_result measure_surface(verifier *r) {
 #endif
         for (long i = 0; i < end; ++i)
             measure_sample(r->v->surface, &r->samples, (size_t)i, &r->measured, &m);
-        report_coverage(r, &m);
+        report_coverage(r, &m, &holes);
         report_normals(r, &m);
         report_blend_errors(r, &m);
         result = PSPLAT_OK;
     }
     free_measurements(&m);
+    psplat_holes_free(&holes);
     return result;
 }
 
 /* ---- splats to surface ---------------------------------------------------------------------- */
 
-/* The point of a splat that is farthest from the surface. */
-typedef struct farthest {
-    double distance, point[3];
-} farthest;
-
-static int find_farthest(const psplat_distance *distance, const psplat_region *region,
-                         farthest *far) {
-    double points[PSPLAT_REGION_POINTS][3], distances[PSPLAT_REGION_POINTS];
-    size_t count = psplat_region_points(region, points);
-    *far = (farthest){0};
-    if (psplat_distance_query(distance, &points[0][0], count, distances)) return 0;
-    for (size_t i = 0; i < count; ++i) {
-        if (distances[i] < far->distance) continue;
-        far->distance = distances[i];
-        memcpy(far->point, points[i], sizeof far->point);
-    }
-    return 1;
-}
-
-static void report_distances(verifier *r, const farthest *far) {
-    double greatest = 0;
-    for (size_t s = 0; s < r->v->splats->count; ++s) {
-        greatest = max2(greatest, far[s].distance);
-        if (far[s].distance <= r->measured.tolerance) continue;
-        ++r->far;
-        add_place(&r->places, PSPLAT_PROMISE_DISTANCE, far[s].point, percent(r, far[s].distance));
-    }
+static void report_distances(verifier *r, const psplat_splat_distance *far) {
+    double greatest = 0, bound = 0;
     psplat_report *report = r->report;
+    report->unproven_splats = 0;
+    for (size_t s = 0; s < r->v->splats->count; ++s) {
+        greatest = max2(greatest, far[s].found);
+        bound = max2(bound, far[s].bound);
+        report->unproven_splats += far[s].nearness == PSPLAT_NEARNESS_UNDECIDED;
+        if (far[s].nearness != PSPLAT_NEARNESS_EXCEEDS) continue;
+        ++r->far;
+        add_place(&r->places, PSPLAT_PROMISE_DISTANCE, far[s].point, percent(r, far[s].found));
+    }
     report->max_distance_splats_percent = percent(r, greatest);
+    report->bound_distance_splats_percent = percent(r, bound);
     report->max_distance_percent =
         max2(report->max_distance_surface_percent, report->max_distance_splats_percent);
     set_promise(report, PSPLAT_PROMISE_DISTANCE, r->v->tolerance_percent,
@@ -369,7 +387,8 @@ static void report_distances(verifier *r, const farthest *far) {
 }
 
 static psplat_result measure_splats(verifier *r) {
-    farthest *far = malloc((r->v->splats->count + 1) * sizeof *far);
+    const psplat_splat_distance_desc desc = {.tolerance = r->measured.tolerance};
+    psplat_splat_distance *far = malloc((r->v->splats->count + 1) * sizeof *far);
     if (!far) return PSPLAT_ERROR_MEMORY;
     long end = (long)r->v->splats->count;
     int failed = 0;
@@ -377,7 +396,8 @@ static psplat_result measure_splats(verifier *r) {
 #pragma omp parallel for schedule(dynamic, 16) reduction(| : failed)
 #endif
     for (long i = 0; i < end; ++i)
-        failed |= !find_farthest(r->v->distance, &r->measured.regions[i], &far[i]);
+        failed |= psplat_splat_distance_find(&r->measured.regions[i], r->v->distance, &desc,
+                                             &far[i]) != PSPLAT_OK;
     if (!failed) report_distances(r, far);
     free(far);
     return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
@@ -402,18 +422,22 @@ static psplat_result measure_creases(verifier *r) {
     return PSPLAT_OK;
 }
 
+/* Returns how many samples are drawn: one for each square of the tolerance, within bounds. */
+static size_t sample_count(const psplat_verification *v, double tolerance) {
+    double wanted = max2((double)v->splats->count * SAMPLES_PER_SPLAT, LEAST_SAMPLES);
+    wanted = max2(wanted, v->surface->area / (tolerance * tolerance));
+    return (size_t)min2(wanted, MOST_SAMPLES);
+}
+
 psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,
                             psplat_error *error) {
-    size_t wanted = v->splats->count * SAMPLES_PER_SPLAT;
-    if (wanted < LEAST_SAMPLES) wanted = LEAST_SAMPLES;
-    if (wanted > MOST_SAMPLES) wanted = MOST_SAMPLES;
     double tolerance = v->tolerance_percent / 100 * v->diagonal;
     verifier r = {
         .v = v,
         .report = report,
         .places = {.least_separation = 2 * tolerance, .origin = v->surface->mesh->origin}};
-    psplat_result result =
-        psplat_samples_draw_uniform(v->surface, wanted, v->seed, &r.samples, error);
+    psplat_result result = psplat_samples_draw_uniform(v->surface, sample_count(v, tolerance),
+                                                       v->seed, &r.samples, error);
     if (result) return result;
     result = psplat_measured_splats_create(v->splats, tolerance, 2 * tolerance, &r.measured);
     if (!result) result = measure_surface(&r);

@@ -137,6 +137,18 @@ static inline void fixture_sample(fixture *f, double spacing) {
         PSPLAT_OK);
 }
 
+/* Asserts that points all over a region are within the tolerance of a mesh. */
+static inline void fixture_assert_near(const psplat_region *region, const psplat_distance *distance,
+                                       double tolerance) {
+    double points[PSPLAT_REGION_POINTS][3];
+    size_t count = psplat_region_points(region, points);
+    int near = 0;
+    assert_int_equal(
+        psplat_distance_within(distance, points[0], count, tolerance * (1 + 1e-9), &near),
+        PSPLAT_OK);
+    assert_int_equal(near, 1);
+}
+
 /* Returns the context in which candidates on a fixture are fitted. */
 static inline psplat_fit_context fixture_context(const fixture *f, const psplat_limits *limits,
                                                  psplat_scratch *scratch) {

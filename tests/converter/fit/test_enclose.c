@@ -24,7 +24,6 @@
 #include "base/region.h"
 #include "base/vector.h"
 #include "fit/candidate.h"
-#include "fit/region_near.h"
 
 static psplat_limits limits_of(const fixture *f, double tolerance, double margin) {
     return (psplat_limits){.tolerance = tolerance,
@@ -281,7 +280,6 @@ static double grow_ellipse(const fixture *f, const psplat_limits *limits, psplat
     uint32_t *covered = malloc(c->covered_count * sizeof *covered);
     size_t count = c->covered_count;
     double before = psplat_region_area(&c->region);
-    int near = 0;
     assert_non_null(covered);
     memcpy(covered, c->covered, count * sizeof *covered);
     const psplat_fit_context context = fixture_context(f, limits, &scratch);
@@ -296,10 +294,7 @@ static double grow_ellipse(const fixture *f, const psplat_limits *limits, psplat
         assert_true(fabs(uvh[2]) <= limits->tolerance * (1 + 1e-12));
     }
     assert_true(c->region.radius[0] >= c->region.radius[1]);
-    assert_int_equal(
-        psplat_region_near(&c->region, f->distance, limits->tolerance * (1 + 1e-9), &near),
-        PSPLAT_OK);
-    assert_int_equal(near, 1);
+    fixture_assert_near(&c->region, f->distance, limits->tolerance);
     free(covered);
     psplat_scratch_free(&scratch);
     return psplat_region_area(&c->region) / before;

@@ -19,7 +19,6 @@
 #include "fit/fit_context.h"
 #include "base/region.h"
 #include "fit/candidate.h"
-#include "fit/region_near.h"
 #include "select/conversion.h"
 #include "select/greedy_cover.h"
 #include "select/local_search.h"
@@ -64,14 +63,10 @@ static uint8_t *count_covers(const psplat_conversion *c, uint32_t **by) {
 /* Asserts that a proposal is not taken, stays near the mesh, and that the samples it covers lie
  * inside its ellipse and lines, within the tolerance and on its side. */
 static void check_proposal(const psplat_conversion *c, const psplat_candidate *proposal) {
-    int near = 0;
     assert_int_equal(proposal->taken, 0);
     assert_true(proposal->covered_count > 0);
     assert_true(proposal->deviation <= c->limits.tolerance * (1 + 1e-12));
-    assert_int_equal(
-        psplat_region_near(&proposal->region, c->distance, c->limits.tolerance * (1 + 1e-9), &near),
-        PSPLAT_OK);
-    assert_int_equal(near, 1);
+    fixture_assert_near(&proposal->region, c->distance, c->limits.tolerance);
     for (size_t i = 0; i < proposal->covered_count; ++i) {
         size_t sample = proposal->covered[i];
         double uvh[3], facing = 0;

@@ -119,6 +119,11 @@ static void test_perfect(void **state) {
     assert_in_range(r.verification_samples, SAMPLES - 1, SAMPLES + 1);
     assert_int_equal(r.uncovered_samples, 0);
     assert_near(in_halves(&c, r.max_distance_percent), 0, single);
+    assert_true(r.bound_distance_splats_percent >= r.max_distance_splats_percent);
+    assert_true(r.bound_distance_splats_percent <=
+                100 * c.tolerance / c.f.surface.diagonal * (1 + 2e-6));
+    assert_int_equal(r.unproven_splats, 0);
+    assert_near(r.unproven_surface_percent, 0, 1e-12);
     assert_near(r.rms_normal_degrees, 0, 1e-4); /* degrees; rounding to float gives 1e-5 */
     assert_near(r.p95_normal_degrees, 0, 1e-4);
     assert_near(r.max_normal_degrees, 0, 1e-4);
@@ -148,7 +153,11 @@ static void test_missing(void **state) {
          * square is 1 / 6. */
         assert_near(in_halves(&c, r.rms_distance_percent), sqrt(1.0 / 36), 0.01);
         assert_near(r.rms_normal_degrees, 0, 1e-4); /* over covered samples */
-        assert_int_equal(r.promises[PSPLAT_PROMISE_COVERAGE].broken, r.uncovered_samples);
+        /* Holes count as well as samples: one in each square of the tolerance, or two where squares
+         * are cut. */
+        size_t holes = r.promises[PSPLAT_PROMISE_COVERAGE].broken - r.uncovered_samples;
+        double squares = pow(2 * c.half / c.tolerance, 2);
+        assert_in_range(holes, (size_t)(0.5 * squares), (size_t)(2 * squares));
         /* Open samples farther than the tolerance from a splat break the promise of distance as
          * well, but the places listed are those of coverage, and the first one is near the middle
          * of the face. */

@@ -1,0 +1,494 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * splat_distance.c - the greatest distance from all points of a splat to a mesh, by branch and
+ * bound.
+ *
+ * The region's parameters are divided into cells, convex polygons that together hold all of it. The
+ * distance to one triangle is a convex function. So over a flat polygon it is greatest at a corner,
+ * and the greatest distance of the corners to any one triangle bounds that of the whole polygon to
+ * the mesh (Guthe, Borodin, Klein: Fast and Accurate Hausdorff Distance Calculation between Meshes,
+ * 2005). A curved surface stays between two polygons parallel to its tangent plane, since its
+ * second derivatives are constant. Cells for which no triangle gives a bound small enough are
+ * halved. Those at the rim are cut by tangents and chords, so that they exceed the region by the
+ * second order of their size only.
+ */
+#include "measure/splat_distance.h"
+
+#include "base/angle.h"
+#include "base/region.h"
+#include "base/vector.h"
+#include "mesh/distance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The sides of the polygon around the ellipse that is the first cell, and the most corners of a
+ * cell; one with more is replaced by its box. */
+enum { FIRST_SIDES = 16, MAX_CORNERS = 32 };
+
+/* The cells after which the search gives up. Chosen by hand: most splats take less than 2000. */
+enum { DEFAULT_MOST_CELLS = 100000 };
+
+/* The size below which cells are not halved, in tolerances, and how much the bound may exceed the
+ * greatest distance found where that is beyond the tolerance. Chosen by hand. */
+static const double least_size_tolerances = 1.0 / 512, found_slack = 1.01;
+
+/* What lies beyond the rim by less, in units of the parameters, is not cut off. */
+static const double rim_slack = 1e-12;
+
+/* How far outside of the region, in the same units, its corners may be by the rounding of tangents
+ * and chords to them. */
+static const double tip_slack = 1e-8;
+
+/* A convex polygon in (u, v). */
+typedef struct cell {
+    double corners[MAX_CORNERS][2];
+    size_t count;
+} cell;
+
+/* A cell in space: all of the surface over it lies within `bow` of the polygon with these corners.
+ */
+typedef struct patch {
+    double corners[MAX_CORNERS][3];
+    size_t count;
+    double bow;
+    double middle[3];    /* the surface's point over the mean of the corners */
+    double middle_uv[2]; /* its parameters */
+    double radius;       /* no point of the patch is farther from the middle */
+    double size[2];      /* lengths along u and v */
+} patch;
+
+/* A triangle and a sphere around it. Its planes are found when they are first needed: `up` is the
+ * unit normal, and sides are the unit normals of its sides within its plane, outwards. */
+typedef struct triangle {
+    double corners[9], middle[3], radius;
+    double up[3], sides[3][3];
+    int has_planes; /* 1: they are found; -1: it is too flat to have any */
+} triangle;
+
+/* The triangles that may be near a cell are a range of indices of `near`. Those of a cell follow
+ * those of the cell that it is a part of. */
+typedef struct searcher {
+    const psplat_region *region;
+    const psplat_distance *distance;
+    const psplat_splat_distance_desc *desc;
+    psplat_splat_distance *result;
+    triangle *triangles; /* that may be near the region */
+    triangle asked;      /* the one that was found last in the whole mesh */
+    size_t triangle_count, triangle_capacity;
+    uint32_t *near;
+    size_t near_count, near_capacity;
+    double accepted; /* cells with at most this bound are not halved */
+    int failed, done;
+} searcher;
+
+/* ---- cells ---------------------------------------------------------------------------------- */
+
+/* Keeps the part of a cell with line[0] u + line[1] v + line[2] >= 0. */
+static void clip(cell *c, const double line[3]) {
+    cell in = *c;
+    double before =
+        line[0] * in.corners[in.count - 1][0] + line[1] * in.corners[in.count - 1][1] + line[2];
+    const double *from = in.corners[in.count - 1];
+    c->count = 0;
+    for (size_t i = 0; i < in.count; ++i) {
+        const double *to = in.corners[i];
+        double after = line[0] * to[0] + line[1] * to[1] + line[2];
+        if ((before >= 0) != (after >= 0) && c->count < MAX_CORNERS) {
+            double t = before / (before - after);
+            for (int k = 0; k < 2; ++k) c->corners[c->count][k] = from[k] + t * (to[k] - from[k]);
+            ++c->count;
+        }
+        if (after >= 0 && c->count < MAX_CORNERS)
+            memcpy(c->corners[c->count++], to, sizeof c->corners[0]);
+        from = to, before = after;
+    }
+}
+
+static void box_of(const cell *c, double low[2], double high[2]) {
+    for (int k = 0; k < 2; ++k) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
+    for (size_t i = 0; i < c->count; ++i)
+        for (int k = 0; k < 2; ++k) {
+            low[k] = min2(low[k], c->corners[i][k]);
+            high[k] = max2(high[k], c->corners[i][k]);
+        }
+}
+
+/* Replaces a cell that has little room for more corners by the box around it. */
+static void make_room(cell *c) {
+    double low[2], high[2];
+    if (c->count + 2 + PSPLAT_MAX_CLIP_LINES < MAX_CORNERS) return;
+    box_of(c, low, high);
+    const double box[4][2] = {
+        {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}};
+    memcpy(c->corners, box, sizeof box);
+    c->count = 4;
+}
+
+static void mean_of(const cell *c, double mean[2]) {
+    mean[0] = mean[1] = 0;
+    for (size_t i = 0; i < c->count; ++i)
+        for (int k = 0; k < 2; ++k) mean[k] += c->corners[i][k] / (double)c->count;
+}
+
+/* Cuts a cell that reaches over the unit circle by the circle's tangent in its direction. */
+static void clip_by_circle(cell *c) {
+    double mean[2], farthest = 0;
+    for (size_t i = 0; i < c->count; ++i)
+        farthest = max2(farthest, hypot(c->corners[i][0], c->corners[i][1]));
+    if (farthest <= 1 + rim_slack) return;
+    mean_of(c, mean);
+    double length = hypot(mean[0], mean[1]);
+    if (!(length > 0.25)) return; /* No tangent cuts much off. */
+    clip(c, (const double[3]){-mean[0] / length, -mean[1] / length, 1});
+}
+
+/* Returns how far along clip line i a point is. */
+static double line_place(const double line[3], const double uv[2]) {
+    return (line[0] * uv[1] - line[1] * uv[0]) / hypot(line[0], line[1]);
+}
+
+/* Stores the straight line that keeps what bent line i keeps of a cell. A line that bulges out is
+ * concave, and keeps less than any tangent. One that bulges in keeps less than its chord, as far as
+ * that reaches along it. */
+static void straighten(const psplat_region *region, uint32_t i, const cell *c, double straight[3]) {
+    const double *line = region->lines[i];
+    double length2 = line[0] * line[0] + line[1] * line[1], bend = region->bends[i] * length2 / 2;
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (size_t k = 0; k < c->count; ++k) {
+        double place = line_place(line, c->corners[k]);
+        low = min2(low, place);
+        high = max2(high, place);
+    }
+    /* The line's value is its straight part and bend m^2 with m the place. m^2 is at most
+     * (low + high) m - low high between low and high, and at least 2 n m - n^2 for any n. */
+    double first = low + high, last = -low * high, length = sqrt(length2);
+    if (bend < 0) last = -0.25 * first * first;
+    straight[0] = line[0] - bend * first * line[1] / length;
+    straight[1] = line[1] + bend * first * line[0] / length;
+    straight[2] = line[2] + bend * last;
+}
+
+/* Cuts off what lies beyond the rim, as far as a few straight lines do. The cell becomes empty
+ * where it lies outside. */
+static void clip_by_rim(const psplat_region *region, cell *c) {
+    make_room(c);
+    clip_by_circle(c);
+    for (uint32_t i = 0; i < region->line_count && c->count; ++i) {
+        double least = HUGE_VAL, line[3];
+        for (size_t k = 0; k < c->count; ++k)
+            least = min2(least, psplat_region_line_value(region, i, c->corners[k]));
+        if (least >= -rim_slack) continue;
+        memcpy(line, region->lines[i], sizeof line);
+        if (region->bends[i] != 0) straighten(region, i, c, line);
+        clip(c, line);
+    }
+}
+
+static cell first_cell(void) {
+    cell c = {.count = FIRST_SIDES};
+    for (size_t i = 0; i < FIRST_SIDES; ++i) {
+        double angle = 2 * PSPLAT_PI * (double)i / FIRST_SIDES;
+        double far = (1 + rim_slack) / cos(PSPLAT_PI / FIRST_SIDES);
+        c.corners[i][0] = far * cos(angle), c.corners[i][1] = far * sin(angle);
+    }
+    return c;
+}
+
+/* ---- patches -------------------------------------------------------------------------------- */
+
+/* Adds the least and the greatest value of factor s t / 2 for |s| <= a, |t| <= b; where is_square,
+ * of factor s^2 / 2. */
+static void add_range(double factor, double a, double b, int is_square, double range[2]) {
+    double most = fabs(factor) * a * b / 2;
+    if (!is_square || factor > 0) range[1] += most;
+    if (!is_square || factor < 0) range[0] -= most;
+}
+
+/* Finds the polygon in space and its bow: over the cell's box the surface leaves the tangent plane
+ * of the box's middle by its second derivatives alone. */
+static void lift(const psplat_region *r, const cell *c, patch *p) {
+    double low[2], high[2], middle[2], slope[2], range[2] = {0, 0};
+    box_of(c, low, high);
+    for (int k = 0; k < 2; ++k) middle[k] = (low[k] + high[k]) / 2;
+    double a = (high[0] - low[0]) / 2 * r->radius[0], b = (high[1] - low[1]) / 2 * r->radius[1];
+    psplat_region_slope(r, middle, slope);
+    add_range(r->hessian[0], a, a, 1, range);
+    add_range(r->hessian[2], b, b, 1, range);
+    add_range(2 * r->hessian[1], a, b, 0, range);
+    double height = psplat_region_height(r, middle) + (range[0] + range[1]) / 2;
+    p->bow = (range[1] - range[0]) / 2;
+    p->count = c->count;
+    p->size[0] = 2 * a * sqrt(1 + slope[0] * slope[0]);
+    p->size[1] = 2 * b * sqrt(1 + slope[1] * slope[1]);
+    mean_of(c, p->middle_uv);
+    psplat_region_point(r, p->middle_uv, p->middle);
+    p->radius = 0;
+    for (size_t i = 0; i < c->count; ++i) {
+        const double *uv = c->corners[i];
+        double s = uv[0] * r->radius[0], t = uv[1] * r->radius[1], *corner = p->corners[i];
+        memcpy(corner, r->center, sizeof p->corners[i]);
+        mad3(corner, s, r->u);
+        mad3(corner, t, r->v);
+        mad3(corner,
+             height + slope[0] * (s - middle[0] * r->radius[0]) +
+                 slope[1] * (t - middle[1] * r->radius[1]),
+             r->n);
+        p->radius = max2(p->radius, distance2_3(corner, p->middle));
+    }
+    p->radius = sqrt(p->radius) + p->bow;
+}
+
+/* ---- triangles ------------------------------------------------------------------------------ */
+
+static void set_triangle(triangle *t, const double corners[9]) {
+    memcpy(t->corners, corners, sizeof t->corners);
+    double radius2 = 0;
+    for (int k = 0; k < 3; ++k) t->middle[k] = (corners[k] + corners[3 + k] + corners[6 + k]) / 3;
+    for (int i = 0; i < 3; ++i) radius2 = max2(radius2, distance2_3(t->middle, corners + 3 * i));
+    t->radius = sqrt(radius2);
+    t->has_planes = 0;
+}
+
+static void find_planes(triangle *t) {
+    double edges[3][3];
+    for (int i = 0; i < 3; ++i) sub3(edges[i], t->corners + 3 * ((i + 1) % 3), t->corners + 3 * i);
+    cross3(t->up, edges[0], edges[1]);
+    t->has_planes = normalize3(t->up) > 0 ? 1 : -1;
+    for (int i = 0; i < 3; ++i) {
+        cross3(t->sides[i], edges[i], t->up);
+        if (!(normalize3(t->sides[i]) > 0)) t->has_planes = -1;
+    }
+}
+
+/* Returns the squared distance of a point to a triangle, or where it is greater than `most`, some
+ * number greater than that. */
+static double triangle_distance2(const double p[3], triangle *t, double most) {
+    if (!t->has_planes) find_planes(t);
+    if (t->has_planes > 0) {
+        double d[3], beyond = 0;
+        for (int i = 0; i < 3; ++i) {
+            sub3(d, p, t->corners + 3 * i);
+            beyond = max2(beyond, dot3(d, t->sides[i]));
+        }
+        double height = dot3(d, t->up), least = height * height + beyond * beyond;
+        if (beyond == 0 || least > most) return least;
+    }
+    return point_triangle_distance2(p, t->corners, t->corners + 3, t->corners + 6);
+}
+
+/* Returns a bound of the distance from all of a patch to a triangle. One that is greater than
+ * `most` is not the least. */
+static double patch_bound(const patch *p, triangle *t, double most) {
+    double greatest = 0, left = max2(most - p->bow, 0), enough = left * left;
+    for (size_t i = 0; i < p->count && greatest <= enough; ++i)
+        greatest = max2(greatest, triangle_distance2(p->corners[i], t, enough));
+    return sqrt(greatest) + p->bow;
+}
+
+/* ---- the search ----------------------------------------------------------------------------- */
+
+/* Takes a point of the region, which is this far from the mesh. */
+static void take_found(searcher *s, const double point[3], double distance) {
+    psplat_splat_distance *r = s->result;
+    if (distance <= r->found) return;
+    r->found = distance;
+    memcpy(r->point, point, sizeof r->point);
+    if (!(distance > s->desc->tolerance)) return;
+    s->accepted = max2(s->accepted, found_slack * distance);
+    if (s->desc->stop_at_first) s->done = 1;
+}
+
+/* Finds the triangle of the mesh that is nearest to a point, into s->asked. Returns its distance.
+ */
+static double find_nearest(searcher *s, const double point[3]) {
+    double at[3], corners[9];
+    uint32_t index = 0;
+    s->failed |= psplat_distance_nearest(s->distance, point, at, &index) != PSPLAT_OK;
+    if (s->failed) return 0;
+    psplat_distance_triangle(s->distance, index, corners);
+    set_triangle(&s->asked, corners);
+    return sqrt(distance2_3(at, point));
+}
+
+static int reserve_near(searcher *s, size_t more) {
+    if (s->near_count + more <= s->near_capacity) return 1;
+    size_t capacity = 2 * (s->near_count + more) + 256;
+    uint32_t *grown = realloc(s->near, capacity * sizeof *grown);
+    s->failed |= !grown;
+    if (!grown) return 0;
+    s->near = grown;
+    s->near_capacity = capacity;
+    return 1;
+}
+
+/* Pushes those of the triangles near[begin ... end) that may be near enough to some point of a
+ * patch. Finds the nearest to its middle, NULL where none is near. Returns that one's distance. */
+static double push_near(searcher *s, const patch *p, size_t begin, size_t end, triangle **nearest) {
+    double most = s->accepted + p->radius, least = most;
+    *nearest = NULL;
+    if (!reserve_near(s, end - begin)) return HUGE_VAL;
+    for (size_t i = begin; i < end; ++i) {
+        triangle *t = &s->triangles[s->near[i]];
+        double d2 = distance2_3(p->middle, t->middle), reach = most + t->radius;
+        if (d2 > reach * reach) continue;
+        s->near[s->near_count++] = s->near[i];
+        if (d2 > (least + t->radius) * (least + t->radius)) continue;
+        double exact = triangle_distance2(p->middle, t, least * least);
+        if (exact > least * least) continue;
+        least = sqrt(exact);
+        *nearest = t;
+    }
+    return *nearest ? least : HUGE_VAL;
+}
+
+/* Measures the middle of a patch and finds the triangle nearest to that. Returns the bound that it
+ * gives. The lists hold all triangles within the tolerance of some point; beyond that the whole
+ * mesh is asked. */
+static double refine_bound(searcher *s, const patch *p, size_t begin, size_t end,
+                           triangle **nearest) {
+    double distance = push_near(s, p, begin, end, nearest);
+    if (s->failed) return HUGE_VAL;
+    if (distance > s->desc->tolerance) {
+        distance = find_nearest(s, p->middle);
+        *nearest = &s->asked;
+    }
+    if (psplat_region_contains(s->region, p->middle_uv, 1, 0)) take_found(s, p->middle, distance);
+    return patch_bound(p, *nearest, HUGE_VAL);
+}
+
+/* Measures the corners of a patch that is not halved any more. At sharp corners of the region its
+ * middle may be outside. */
+static void measure_tips(searcher *s, const cell *c) {
+    double point[3];
+    for (size_t i = 0; i < c->count && !s->failed; ++i) {
+        if (!psplat_region_contains(s->region, c->corners[i], 1 + tip_slack, tip_slack)) continue;
+        psplat_region_point(s->region, c->corners[i], point);
+        take_found(s, point, find_nearest(s, point));
+    }
+}
+
+static int is_exhausted(const searcher *s, const patch *p) {
+    size_t most = s->desc->most_cells ? s->desc->most_cells : DEFAULT_MOST_CELLS;
+    return s->result->cells > most ||
+           max2(p->size[0], p->size[1]) < least_size_tolerances * s->desc->tolerance;
+}
+
+static void search(searcher *s, cell *c, size_t begin, triangle *guess);
+
+/* Halves a cell across its longer side, and searches both halves. */
+static void search_halves(searcher *s, const cell *c, const patch *p, size_t begin,
+                          triangle *guess) {
+    double low[2], high[2], line[3] = {0, 0, 0};
+    int axis = p->size[1] > p->size[0];
+    box_of(c, low, high);
+    for (int side = -1; side < 2 && !s->done && !s->failed; side += 2) {
+        cell half = *c;
+        line[axis] = side;
+        line[2] = -side * (low[axis] + high[axis]) / 2;
+        clip(&half, line);
+        if (half.count) search(s, &half, begin, guess);
+    }
+}
+
+/* Bounds the distances of a cell, given that near[begin ... near_count) are the triangles near the
+ * cell that it is a part of, and one that is likely to be near. */
+static void search(searcher *s, cell *c, size_t begin, triangle *guess) {
+    patch p;
+    triangle *nearest;
+    size_t end = s->near_count;
+    clip_by_rim(s->region, c);
+    if (!c->count) return;
+    ++s->result->cells;
+    lift(s->region, c, &p);
+    double bound = patch_bound(&p, guess, s->accepted);
+    if (bound > s->accepted) {
+        bound = refine_bound(s, &p, begin, end, &nearest);
+        if (!s->failed && !s->done && bound > s->accepted) {
+            if (is_exhausted(s, &p)) {
+                measure_tips(s, c);
+            } else {
+                search_halves(s, c, &p, end, nearest);
+                bound = 0; /* The halves have bounds of their own. */
+            }
+        }
+    }
+    s->result->bound = max2(s->result->bound, bound);
+    s->near_count = end;
+}
+
+/* ---- a region ------------------------------------------------------------------------------- */
+
+static int push_triangle(void *user, const double corners[9]) {
+    searcher *s = user;
+    if (s->triangle_count == s->triangle_capacity) {
+        size_t capacity = 2 * s->triangle_capacity + 64;
+        triangle *grown = realloc(s->triangles, capacity * sizeof *grown);
+        s->failed |= !grown;
+        if (!grown) return 1;
+        s->triangles = grown;
+        s->triangle_capacity = capacity;
+    }
+    set_triangle(&s->triangles[s->triangle_count++], corners);
+    return 0;
+}
+
+/* Gathers the triangles within the tolerance of a patch. */
+static void gather(searcher *s, const patch *p) {
+    double low[3], high[3], reach = p->bow + s->desc->tolerance;
+    for (int k = 0; k < 3; ++k) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
+    for (size_t i = 0; i < p->count; ++i)
+        for (int k = 0; k < 3; ++k) {
+            low[k] = min2(low[k], p->corners[i][k] - reach);
+            high[k] = max2(high[k], p->corners[i][k] + reach);
+        }
+    s->failed |= psplat_distance_visit_box(s->distance, low, high, push_triangle, s) != PSPLAT_OK;
+    if (s->failed || !reserve_near(s, s->triangle_count)) return;
+    for (uint32_t i = 0; i < s->triangle_count; ++i) s->near[s->near_count++] = i;
+}
+
+/* Measures the corners of the region, where the greatest distances are likely. */
+static void measure_corners(searcher *s) {
+    double corners[PSPLAT_OUTLINE][2], point[3];
+    size_t count = psplat_region_polygon(s->region, 1, corners, PSPLAT_OUTLINE);
+    for (size_t i = 0; i < count && !s->failed && !s->done; ++i) {
+        psplat_region_point(s->region, corners[i], point);
+        take_found(s, point, find_nearest(s, point));
+    }
+}
+
+static void search_region(searcher *s) {
+    cell c = first_cell();
+    patch p;
+    clip_by_rim(s->region, &c);
+    if (!c.count) return;
+    lift(s->region, &c, &p);
+    gather(s, &p);
+    if (!s->failed) measure_corners(s);
+    if (!s->failed && !s->done) {
+        find_nearest(s, p.middle);
+        search(s, &c, 0, &s->asked);
+    }
+}
+
+psplat_result psplat_splat_distance_find(const psplat_region *region,
+                                         const psplat_distance *distance,
+                                         const psplat_splat_distance_desc *desc,
+                                         psplat_splat_distance *result) {
+    searcher s = {.region = region,
+                  .distance = distance,
+                  .desc = desc,
+                  .result = result,
+                  .accepted = desc->tolerance};
+    *result = (psplat_splat_distance){.nearness = PSPLAT_NEARNESS_UNDECIDED};
+    search_region(&s);
+    free(s.triangles);
+    free(s.near);
+    result->bound = max2(result->bound, result->found);
+    if (result->found > desc->tolerance)
+        result->nearness = PSPLAT_NEARNESS_EXCEEDS;
+    else if (result->bound <= desc->tolerance)
+        result->nearness = PSPLAT_NEARNESS_WITHIN;
+    return s.failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+}
