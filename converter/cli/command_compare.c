@@ -10,6 +10,7 @@
 #include "cli/mesh_input.h"
 #include "cli/options.h"
 #include "cli/progress.h"
+#include "compare/rays.h"
 #include "compare/shape_errors.h"
 #include "compare/source_mesh.h"
 #include "compare/source_mesh_parts.h"
@@ -27,6 +28,7 @@
 #include <phongsplat/host.h>
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +36,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { PATH_ROOM = 16 }; /* bytes of "/view_NN.png" and more */
+enum { SHOWN_PLACES = 3 }; /* in the table; the report has more */
+enum { PATH_ROOM = 16 };   /* bytes of "/view_NN.png" and more */
 
 typedef struct arguments {
     const char *source;
@@ -42,6 +45,7 @@ typedef struct arguments {
     const char *report;
     const char *maps; /* directory of heat maps */
     psplat_shape_desc shape;
+    psplat_ray_desc rays;
     double crease_angle;
     int samples;
     int format;
@@ -83,6 +87,11 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "hangs over is farther than half of it (default: twice the\n"
          "asset's depth tolerance; of a mesh 1)",
          1e-4, 50, NULL},
+        {0, "ray-reach", PSPLAT_OPTION_PERCENT, &a->rays.reach, "PERCENT",
+         "how near a surface point, times the cosine, a ray that sees\n"
+         "it has to meet the splats (default: half of the asset's\n"
+         "depth tolerance; of a mesh 0.25)",
+         1e-4, 50, NULL},
         {0, "crease-width", PSPLAT_OPTION_PERCENT, &a->shape.crease_width, "PERCENT",
          "what is near a crease (default: the reach)", 1e-4, 50, NULL},
         psplat_option_shared("crease-angle", &a->crease_angle),
@@ -108,7 +117,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         .summary =
             "Measures how an asset (.glb or .gltf) differs from the mesh that it stands for:\n"
             "distances both ways, normals after blending, what is not covered and what hangs\n"
-            "over. Instead of an asset, A.glb may be another mesh.",
+            "over, rays that miss it, and holes in pictures. Instead of an asset, A.glb may be "
+            "another mesh.",
         .notes = "Lengths are in % of the bounding box's diagonal, angles in degrees.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
@@ -187,8 +197,21 @@ static psplat_result write_maps(const arguments *a, const subjects *s, psplat_er
 
 static psplat_result measure(const arguments *a, subjects *s, psplat_error *error) {
     psplat_shape_errors *shape = &s->comparison.shape;
-    return s->target ? psplat_shape_compare_mesh(s->source, s->target, &a->shape, shape, error)
-                     : psplat_shape_compare(s->source, s->asset, &a->shape, shape, error);
+    psplat_ray_errors *rays = &s->comparison.rays;
+    psplat_result result =
+        s->target ? psplat_shape_compare_mesh(s->source, s->target, &a->shape, shape, error)
+                  : psplat_shape_compare(s->source, s->asset, &a->shape, shape, error);
+    if (result) return result;
+    return s->target ? psplat_rays_compare_mesh(s->source, s->target, &a->rays, rays, error)
+                     : psplat_rays_compare(s->source, s->asset, &a->rays, rays, error);
+}
+
+/* Returns how near an outline, in pixels, a pixel is no interior hole: as far as the reach of rays
+ * allows outlines to move, and two more. The pictures show a little more than the sphere around the
+ * source. */
+static int erosion_of(const arguments *a, const subjects *s) {
+    double reach = s->comparison.rays.reach / 100 * s->comparison.shape.diagonal;
+    return 2 + (int)ceil(reach * a->size / (2 * s->source->radius));
 }
 
 static psplat_result create_pictures(const arguments *a, subjects *s, psplat_error *error) {
@@ -200,7 +223,8 @@ static psplat_result create_pictures(const arguments *a, subjects *s, psplat_err
                                              .mesh = s->target,
                                              .mode = (psplat_mode)a->mode,
                                              .no_filter = a->no_filter,
-                                             .size = a->size};
+                                             .size = a->size,
+                                             .erosion = erosion_of(a, s)};
     return psplat_asset_pictures_create(&desc, &s->pictures, error);
 }
 
@@ -221,6 +245,7 @@ static psplat_result compare_pictures(const arguments *a, subjects *s, psplat_pr
     c->mode = (psplat_mode)a->mode;
     c->no_filter = a->no_filter;
     c->size = a->size;
+    c->erosion = erosion_of(a, s);
     return result;
 }
 
@@ -316,6 +341,25 @@ static void print_pictures(const psplat_comparison *c) {
     printf("from afar, an eighth as large: mean difference %.3g %% of white\n", p->distant);
     printf("outline: %.3g %% of %zu pixels missing, %.3g %% extra; worst view %d, %.2f dB\n",
            p->missing, p->covered, p->extra, worst + 1, c->views[worst].psnr);
+    printf("interior holes: %zu pixels of the background, %d or more from outlines\n",
+           p->interior_holes, c->erosion);
+}
+
+static void print_rays(const psplat_ray_errors *r) {
+    printf("\nrays that see the source: %zu of %zu miss the target by more than %.3g %% over the "
+           "cosine (%.3g %%)\n",
+           r->missed, r->count, r->reach, psplat_rays_missed_percent(r));
+    printf("  %zu of these show the background; not counted: %zu beside outlines, %zu hidden\n",
+           r->open, r->outline, r->hidden);
+    for (int i = PSPLAT_RAY_RANGES - 1; i >= 0; --i)
+        printf("  at cosines of %.1f to %.1f: %zu of %zu\n", psplat_rays_least_cosine(i),
+               psplat_rays_least_cosine(i + 1), r->range_missed[i], r->range_count[i]);
+    for (size_t i = 0; i < r->place_count && i < SHOWN_PLACES; ++i) {
+        const psplat_ray_place *p = &r->places[i];
+        printf("  missed at %.6g %.6g %.6g, seen from %.3f %.3f %.3f, cosine %.2f\n", p->point[0],
+               p->point[1], p->point[2], p->direction[0], p->direction[1], p->direction[2],
+               p->cosine);
+    }
 }
 
 static void print_table(const psplat_comparison *c) {
@@ -337,6 +381,7 @@ static void print_table(const psplat_comparison *c) {
     printf("hanging over by more than %.3g %%: %.4g %% of the area of %s\n", e->reach / 2,
            e->overhang_area, kind);
     printf("%.4g %% of the source's area is near creases\n", e->crease_area);
+    print_rays(&c->rays);
     if (c->has_pictures) print_pictures(c);
     printf("\ndiagonal %.6g, %zu and %zu points, %.2f s\n", e->diagonal, e->source_samples,
            e->target_samples, c->seconds);
@@ -371,6 +416,8 @@ int psplat_command_compare(int argc, char **argv) {
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
     a.shape.samples = (size_t)a.samples;
+    a.rays.rays = (size_t)a.samples / 2;
+    a.rays.seed = a.shape.seed;
     subjects s = {0};
     int code = run(&a, &s);
     free_subjects(&s);

@@ -382,6 +382,13 @@ psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surfac
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the samples do not fit into memory");
 }
 
+psplat_result psplat_samples_truncate(psplat_samples *samples, const psplat_surface *surface,
+                                      size_t count) {
+    if (count < samples->count) samples->count = count;
+    return group_by_triangle(samples, surface->mesh->triangle_count) ? PSPLAT_OK
+                                                                     : PSPLAT_ERROR_MEMORY;
+}
+
 void psplat_samples_free(psplat_samples *samples) {
     free(samples->positions);
     free(samples->normals);

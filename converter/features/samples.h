@@ -46,6 +46,11 @@ psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surfac
                                     const double *points, const uint32_t *triangles, size_t count,
                                     psplat_error *error);
 
+/* Removes the samples from index count on, as they were before they were appended. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_samples_truncate(psplat_samples *samples, const psplat_surface *surface,
+                                      size_t count);
+
 void psplat_samples_free(psplat_samples *samples);
 
 #endif

@@ -10,6 +10,7 @@
 #include "fit/color_fit.h"
 #include "fit/fit_context.h"
 #include "mesh/mesh.h"
+#include "select/close_rays.h"
 #include "select/close_seams.h"
 #include "select/conversion.h"
 #include "select/fill_holes.h"
@@ -171,6 +172,8 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     if (!result) result = quantize(c, error);
     if (result) return result;
     psplat_selection_drop_untaken(&c->selection);
+    result = psplat_close_rays(c, error);
+    if (result) return result;
     if (psplat_close_seams(&context, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
     if (psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,

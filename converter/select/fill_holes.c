@@ -175,12 +175,12 @@ static psplat_result close_holes(psplat_conversion *c, size_t first, int round) 
     return result ? result : improve_around_holes(c, first, round);
 }
 
-psplat_result psplat_fill_holes(psplat_conversion *c, psplat_error *error) {
+static psplat_result fill(psplat_conversion *c, int first_round, psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
     const psplat_fit_context context = psplat_conversion_context(c);
     psplat_result result = PSPLAT_OK;
     size_t holes = 1;
-    for (int round = 0; !result && holes && round < ROUNDS; ++round) {
+    for (int round = first_round; !result && holes && round < ROUNDS; ++round) {
         size_t first = c->samples.count;
         if (desc->progress && desc->progress(desc->user, "closing holes", (double)round / ROUNDS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
@@ -195,4 +195,12 @@ psplat_result psplat_fill_holes(psplat_conversion *c, psplat_error *error) {
         psplat_fit_each(&context, c->selection.count, grow_and_quantize_taken, &c->selection))
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while closing holes");
     return result;
+}
+
+psplat_result psplat_fill_holes(psplat_conversion *c, psplat_error *error) {
+    return fill(c, 0, error);
+}
+
+psplat_result psplat_fill_last_holes(psplat_conversion *c, psplat_error *error) {
+    return fill(c, IMPROVING_ROUNDS, error);
 }

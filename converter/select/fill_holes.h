@@ -16,4 +16,8 @@
  * many samples). */
 psplat_result psplat_fill_holes(psplat_conversion *c, psplat_error *error);
 
+/* Does the same without exchanging candidates: all that are taken stay, and others are added. For
+ * the holes that are left when candidates have been moved for another reason. */
+psplat_result psplat_fill_last_holes(psplat_conversion *c, psplat_error *error);
+
 #endif

@@ -28,8 +28,10 @@ static psplat_result create(const psplat_asset_pictures_desc *desc, psplat_asset
     const psplat_picture_views_desc views = {desc->host, desc->source, desc->size};
     const psplat_renderer_desc renderer = {.get_proc = psplat_host_get_proc, .user = desc->host};
     psplat_result result = psplat_picture_views_create(&views, &e->views, error);
-    e->pictured =
-        (psplat_pictured){.mode = desc->mode, .no_filter = desc->no_filter, .mesh = desc->mesh};
+    e->pictured = (psplat_pictured){.mode = desc->mode,
+                                    .no_filter = desc->no_filter,
+                                    .mesh = desc->mesh,
+                                    .erosion = desc->erosion};
     if (result || desc->mesh) return result;
     result = psplat_renderer_create(&renderer, &e->renderer, error);
     e->pictured.renderer = e->renderer;

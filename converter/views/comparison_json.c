@@ -5,6 +5,7 @@
 #include "views/comparison_json.h"
 
 #include "base/json_writer.h"
+#include "compare/rays.h"
 #include "compare/shape_errors.h"
 #include "compare/statistics.h"
 #include "views/image_metrics.h"
@@ -42,6 +43,46 @@ static void add_shape(psplat_writer *json, const psplat_shape_errors *e) {
     psplat_writer_number(json, "crease_area_percent", e->crease_area);
 }
 
+static void add_vector(psplat_writer *json, const char *key, const double v[3]) {
+    psplat_writer_open(json, key, '[');
+    for (int k = 0; k < 3; ++k) psplat_writer_number(json, NULL, v[k]);
+    psplat_writer_close(json, ']');
+}
+
+static void add_places(psplat_writer *json, const psplat_ray_errors *r) {
+    psplat_writer_open(json, "places", '[');
+    for (size_t i = 0; i < r->place_count; ++i) {
+        psplat_writer_open(json, NULL, '{');
+        add_vector(json, "point", r->places[i].point);
+        add_vector(json, "direction", r->places[i].direction);
+        psplat_writer_number(json, "cosine", r->places[i].cosine);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
+static void add_rays(psplat_writer *json, const psplat_ray_errors *r) {
+    psplat_writer_open(json, "rays", '{');
+    psplat_writer_count(json, "count", r->count);
+    psplat_writer_count(json, "missed", r->missed);
+    psplat_writer_number(json, "missed_percent", psplat_rays_missed_percent(r));
+    psplat_writer_count(json, "open", r->open);
+    psplat_writer_count(json, "hidden", r->hidden);
+    psplat_writer_count(json, "outline", r->outline);
+    psplat_writer_number(json, "reach_percent", r->reach);
+    psplat_writer_open(json, "ranges", '[');
+    for (int i = 0; i < PSPLAT_RAY_RANGES; ++i) {
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_number(json, "least_cosine", psplat_rays_least_cosine(i));
+        psplat_writer_count(json, "count", r->range_count[i]);
+        psplat_writer_count(json, "missed", r->range_missed[i]);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+    add_places(json, r);
+    psplat_writer_close(json, '}');
+}
+
 /* Writes the errors of pictures with keys that begin with prefix. */
 static void add_picture(psplat_writer *json, const char *prefix, const psplat_picture_errors *p) {
     const struct {
@@ -56,6 +97,7 @@ static void add_picture(psplat_writer *json, const char *prefix, const psplat_pi
         {"missing_percent", p->missing},
         {"extra_percent", p->extra},
         {"covered", (double)p->covered},
+        {"interior_holes", (double)p->interior_holes},
     };
     for (size_t i = 0; i < sizeof fields / sizeof *fields; ++i) {
         char key[64];
@@ -67,6 +109,7 @@ static void add_picture(psplat_writer *json, const char *prefix, const psplat_pi
 static void add_pictures(psplat_writer *json, const psplat_comparison *c) {
     static const char *const modes[] = {"phong", "gaussian", "flat"};
     psplat_writer_count(json, "image_size", (size_t)c->size);
+    psplat_writer_count(json, "image_erosion", (size_t)c->erosion);
     if (!c->is_mesh) {
         psplat_writer_string(json, "mode", modes[c->mode]);
         psplat_writer_boolean(json, "filter", !c->no_filter);
@@ -90,6 +133,7 @@ psplat_result psplat_comparison_json(const psplat_comparison *c, char **text, si
     psplat_writer_string(&json, "kind", c->is_mesh ? "triangles" : "splats");
     psplat_writer_count(&json, "source_triangles", c->source_triangles);
     add_shape(&json, &c->shape);
+    add_rays(&json, &c->rays);
     if (c->has_pictures) add_pictures(&json, c);
     psplat_writer_number(&json, "seconds", c->seconds);
     psplat_writer_close(&json, '}');

@@ -16,6 +16,7 @@
 
 enum { WINDOW_REACH = 5, WINDOW = 2 * WINDOW_REACH + 1 }; /* pixels */
 enum { MEANS = 4 };                                       /* of a window, see below */
+enum { DEFAULT_EROSION = 2 };                             /* pixels */
 
 static const double window_deviation = 1.5;         /* of the Gaussian window, pixels */
 static const double c1 = 0.01 * 255 * (0.01 * 255); /* (K1 L)^2 */
@@ -40,6 +41,27 @@ static void add_pixel(psplat_image_metrics *sums, const uint8_t *a, const uint8_
     if (!a[3] || !b[3]) return;
     sums->inside += difference;
     ++sums->both;
+}
+
+/* Returns whether a picture covers all pixels within so many of one, the corners of that square
+ * included. Beyond its edges is background. */
+static int is_interior(const uint8_t *rgba, int size, int x, int y, int erosion) {
+    if (x < erosion || y < erosion || x >= size - erosion || y >= size - erosion) return 0;
+    for (int j = y - erosion; j <= y + erosion; ++j)
+        for (int i = x - erosion; i <= x + erosion; ++i)
+            if (!rgba[4 * ((size_t)j * (size_t)size + (size_t)i) + 3]) return 0;
+    return 1;
+}
+
+static void add_holes(psplat_image_metrics *sums, const uint8_t *source, const uint8_t *pictured,
+                      int size) {
+    int erosion = sums->erosion > 0 ? sums->erosion : DEFAULT_EROSION;
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) {
+            size_t alpha = 4 * ((size_t)y * (size_t)size + (size_t)x) + 3;
+            if (source[alpha] && !pictured[alpha])
+                sums->holes += (uint64_t)is_interior(source, size, x, y, erosion);
+        }
 }
 
 /* ---- structural similarity ------------------------------------------------------------------- */
@@ -125,6 +147,7 @@ psplat_result psplat_image_metrics_add(psplat_image_metrics *sums, const uint8_t
     set_luma(&w.lumas[0], source, size);
     set_luma(&w.lumas[1], pictured, size);
     for (size_t i = 0; i < pixels; ++i) add_pixel(sums, source + 4 * i, pictured + 4 * i);
+    add_holes(sums, source, pictured, size);
     add_windows(sums, &w, source, pictured, size);
     free(memory);
     return PSPLAT_OK;
@@ -148,4 +171,5 @@ void psplat_image_metrics_report(const psplat_image_metrics *sums, psplat_pictur
     errors->missing = percent(sums->missing, sums->source);
     errors->extra = percent(sums->extra, sums->source);
     errors->covered = (size_t)sums->source;
+    errors->interior_holes = (size_t)sums->holes;
 }

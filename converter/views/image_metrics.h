@@ -23,6 +23,9 @@ typedef struct psplat_picture_errors {
                        that the source covers whole and the other picture covers; the reference is
                        the source at full size, averaged in linear light */
     size_t covered; /* pixels that the source covers */
+    size_t interior_holes; /* pixels of those that the other picture does not cover, though the
+                              source covers all within the erosion of them: holes that show the
+                              background, and no outline that lies a little inside */
 } psplat_picture_errors;
 
 /* Sums over the pixels of all pairs that were added. It begins zero-initialised. */
@@ -30,7 +33,9 @@ typedef struct psplat_image_metrics {
     uint64_t squares;     /* squared differences of 8-bit channels, where either covers a pixel */
     uint64_t differences; /* absolute differences of the same channels */
     uint64_t inside;      /* absolute differences where both cover a pixel */
-    uint64_t either, both, source, missing, extra; /* numbers of pixels */
+    uint64_t either, both, source, missing, extra, holes; /* numbers of pixels */
+    int erosion; /* set by the caller: pixels within which an outline of the source is near, by the
+                    greater of both coordinates; 0 means 2 */
     double ssim; /* SSIM of the windows around pixels that either covers */
 } psplat_image_metrics;
 

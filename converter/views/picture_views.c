@@ -191,7 +191,7 @@ static psplat_result measure_distant(psplat_picture_views *views, const drawable
 
 static psplat_result measure(psplat_picture_views *views, const drawable *d, int first, int last,
                              psplat_picture_errors *errors, psplat_error *error) {
-    psplat_image_metrics sums = {0};
+    psplat_image_metrics sums = {.erosion = d->pictured->erosion};
     psplat_result result = PSPLAT_OK;
     for (int i = first; i <= last && !result; ++i) {
         const uint8_t *source = views->pictures + (size_t)i * psplat_picture_views_bytes(views);

@@ -47,6 +47,7 @@ typedef struct psplat_pictured {
     psplat_mode mode;
     int no_filter;
     const psplat_source_mesh *mesh;
+    int erosion; /* of psplat_image_metrics */
 } psplat_pictured;
 
 /* Measures the differences in one view, or, if view is negative, in all views as if they were one

@@ -15,11 +15,14 @@ case_report() {
     expect_output '^  within [0-9.]+ % of creases +'
     expect_output '^12 pictures of 64 x 64, phong: PSNR ([0-9.]+|inf) dB, SSIM [01][.][0-9]+, mean difference [0-9.e-]+ % of white$'
     expect_output '^not covered within [0-9.]+ %: [0-9.e-]+ % of the source.s area$'
+    expect_output '^rays that see the source: 0 of [0-9]+ miss the target by more than [0-9.e-]+ % over the cosine [(]0 %[)]$'
+    expect_output '^  at cosines of 0.8 to 1.0: 0 of [0-9]+$'
+    expect_output '^interior holes: 0 pixels of the background, [0-9]+ or more from outlines$'
     node - out/r.json <<'JS' || fail "report"
 const r = JSON.parse(require('fs').readFileSync(process.argv[2], 'utf8'));
 const keys = ['source', 'target', 'kind', 'source_triangles', 'elements', 'source_samples', 'target_samples', 'diagonal',
-              'reach_percent', 'crease_width_percent', 'uncovered_area_percent', 'overhang_area_percent', 'crease_area_percent', 'seconds', 'image_size', 'mode', 'filter', 'views'];
-const picture = ['psnr_db', 'ssim', 'difference_percent', 'inside_percent', 'distant_percent', 'missing_percent', 'extra_percent', 'covered'];
+              'reach_percent', 'crease_width_percent', 'uncovered_area_percent', 'overhang_area_percent', 'crease_area_percent', 'seconds', 'rays', 'image_size', 'image_erosion', 'mode', 'filter', 'views'];
+const picture = ['psnr_db', 'ssim', 'difference_percent', 'inside_percent', 'distant_percent', 'missing_percent', 'extra_percent', 'covered', 'interior_holes'];
 for (const name of picture) keys.push('image_' + name);
 for (const [unit, names] of [['percent', ['outward', 'inward', 'distance']], ['degrees', ['normal', 'face_normal', 'crease_normal']]])
     for (const name of names) for (const kind of ['max', 'rms', 'p95']) keys.push(`${name}_${kind}_${unit}`);
@@ -30,6 +33,10 @@ if (Math.abs(r.diagonal - Math.sqrt(3)) > 1e-12) throw Error('diagonal');
 if (!(r.distance_max_percent <= 2 && r.distance_max_percent >= r.distance_p95_percent)) throw Error('the promise');
 if (r.distance_max_percent !== Math.max(r.outward_max_percent, r.inward_max_percent)) throw Error('two-sided');
 if (r.uncovered_area_percent > 0.1 || r.overhang_area_percent !== 0) throw Error('coverage');
+if (r.rays.count < 9990 || r.rays.missed !== 0 || r.rays.missed_percent !== 0 || r.rays.open !== 0 || r.rays.places.length !== 0) throw Error('rays');
+if (r.rays.ranges.length !== 4 || r.rays.ranges.reduce((sum, g) => sum + g.count, 0) !== r.rays.count || r.rays.ranges[0].least_cosine !== 0.2) throw Error('ranges');
+if (!(r.rays.reach_percent > 0 && r.rays.hidden >= 0 && r.rays.outline >= 0)) throw Error('rays beside outlines');
+if (r.image_interior_holes !== 0 || r.image_erosion < 3) throw Error('interior holes');
 if (r.image_size !== 64 || r.mode !== 'phong' || r.filter !== true) throw Error('how it was drawn');
 if (r.views.length !== 12 || r.views.some((v) => Object.keys(v).join() !== picture.join())) throw Error('views');
 if (r.views.reduce((sum, v) => sum + v.covered, 0) !== r.image_covered || !(r.image_covered > 12 * 500)) throw Error('covered');

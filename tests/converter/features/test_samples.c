@@ -167,6 +167,12 @@ static void test_append(void **state) {
             assert_int_equal(f.samples.triangles[f.samples.order[at]], t);
             assert_int_equal(listed[f.samples.order[at]]++, 0);
         }
+    /* Without those appended, all is as before. */
+    assert_int_equal(psplat_samples_truncate(&f.samples, &f.surface, before), PSPLAT_OK);
+    assert_int_equal(f.samples.count, before);
+    assert_int_equal(f.samples.first[f.mesh.triangle_count], before);
+    for (size_t at = 0; at < before; ++at) assert_true(f.samples.order[at] < before);
+    assert_memory_equal(f.samples.positions, positions, before * 3 * sizeof(double));
     free(positions);
     free(listed);
     psplat_samples_free(&extra);

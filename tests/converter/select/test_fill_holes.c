@@ -210,11 +210,35 @@ static void test_interrupted(void **state) {
     repair_end(&r);
 }
 
+/* The last holes are filled without exchanging any candidate. */
+static void test_last(void **state) {
+    (void)state;
+    repair r;
+    fixture_model(&r.f, "torus.off");
+    repair_begin(&r, 0.03, 0.03, 0, 1);
+    psplat_selection_drop_untaken(&r.c.selection);
+    size_t splats = r.c.selection.count;
+    double(*centers)[3] = malloc(splats * sizeof *centers);
+    assert_non_null(centers);
+    for (size_t i = 0; i < splats; ++i)
+        memcpy(centers[i], r.c.selection.candidates[i].region.center, sizeof *centers);
+    assert_true(count_holes(&r) > 10);
+    assert_int_equal(psplat_fill_last_holes(&r.c, NULL), PSPLAT_OK);
+    assert_int_equal(count_holes(&r), 0);
+    assert_true(r.splats.count > splats);
+    for (size_t i = 0; i < splats; ++i) {
+        assert_true(r.c.selection.candidates[i].taken);
+        assert_memory_equal(r.c.selection.candidates[i].region.center, centers[i], sizeof *centers);
+    }
+    free(centers);
+    repair_end(&r);
+}
+
 int test_fill_holes_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_gaps),        cmocka_unit_test(test_lost),
-        cmocka_unit_test(test_nothing),     cmocka_unit_test(test_open_mesh),
-        cmocka_unit_test(test_interrupted),
+        cmocka_unit_test(test_gaps),      cmocka_unit_test(test_lost),
+        cmocka_unit_test(test_last),      cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_open_mesh), cmocka_unit_test(test_interrupted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

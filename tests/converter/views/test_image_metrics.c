@@ -190,11 +190,38 @@ static void test_similarity(void **state) {
     assert_near(other.psnr, e.psnr, 0);
 }
 
+/* A pixel that lacks is an interior hole where the source covers all within the erosion. */
+static void test_interior_holes(void **state) {
+    (void)state;
+    for (int erosion = 1; erosion <= 4; ++erosion)
+        for (int side = 0; side < 2; ++side) {
+            psplat_image_metrics sums = {.erosion = erosion == 2 ? 0 : erosion}; /* 2 by default */
+            psplat_picture_errors e = {0};
+            memset(first, 0, BYTES);
+            memset(second, 0, BYTES);
+            /* Columns 10 ... 30 of all rows, which the edges of the picture end. */
+            for (int y = 0; y < SIZE; ++y)
+                for (int x = 10; x <= 30; ++x) {
+                    set_pixel(first, x, y, 200, 200, 200);
+                    /* The other one begins `erosion` columns later, or one more, in one row. */
+                    if (x >= 10 + erosion + side || y != 20) set_pixel(second, x, y, 200, 200, 200);
+                }
+            assert_int_equal(psplat_image_metrics_add(&sums, first, second, SIZE, NULL), PSPLAT_OK);
+            psplat_image_metrics_report(&sums, &e);
+            assert_int_equal(e.interior_holes, side);
+        }
+    fill(first, 100); /* Beyond the picture is background. */
+    memset(second, 0, BYTES);
+    assert_int_equal(errors_of(first, second).interior_holes, (SIZE - 4) * (SIZE - 4));
+    assert_int_equal(errors_of(second, first).interior_holes, 0);
+}
+
 int test_image_metrics_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_offset),  cmocka_unit_test(test_alike),
-        cmocka_unit_test(test_nothing), cmocka_unit_test(test_outlines),
-        cmocka_unit_test(test_sums),    cmocka_unit_test(test_similarity),
+        cmocka_unit_test(test_offset),         cmocka_unit_test(test_alike),
+        cmocka_unit_test(test_nothing),        cmocka_unit_test(test_outlines),
+        cmocka_unit_test(test_sums),           cmocka_unit_test(test_similarity),
+        cmocka_unit_test(test_interior_holes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * ray_holes.h - rays that see the surface and pass between the splats that should be there.
+ */
+#ifndef PHONGSPLAT_MEASURE_RAY_HOLES_H
+#define PHONGSPLAT_MEASURE_RAY_HOLES_H
+
+#include <phongsplat/splat.h>
+
+#include "features/surface.h"
+#include "measure/measured_splats.h"
+#include "measure/ray_meeting.h"
+#include "mesh/distance.h"
+
+#include <stdint.h>
+
+/* The least cosine of a ray to the normal of the face that it sees at which splats have to be
+ * whole.
+ */
+#define PSPLAT_LEAST_SIGHT_COSINE 0.2
+
+/* A ray that sees a point of a triangle, with that cosine, and meets no splat there. */
+typedef struct psplat_ray_hole {
+    psplat_sight sight;
+    double cosine;
+    uint32_t triangle;
+} psplat_ray_hole;
+
+typedef struct psplat_ray_holes {
+    psplat_ray_hole *holes; /* count */
+    size_t count;
+} psplat_ray_holes;
+
+/* Which rays are tried: 24 from each of so many points, which are uniform by area; their directions
+ * are spread over all sides and cosines, with more of them where rays are slanted. */
+typedef struct psplat_ray_search {
+    const psplat_surface *surface;
+    const psplat_measured_splats *measured; /* only the tree, the regions and the tolerance count */
+    const psplat_distance *distance;        /* to the surface */
+    size_t points;
+    uint64_t seed;
+} psplat_ray_search;
+
+/* Finds the rays that meet no splat's front within the tolerance over their cosine of the point
+ * that they see. The result does not depend on the number of threads; psplat_ray_holes_free frees
+ * it. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_ray_holes_find(const psplat_ray_search *search, psplat_ray_holes *holes);
+
+/* Frees the rays, and zeroes holes. */
+void psplat_ray_holes_free(psplat_ray_holes *holes);
+
+#endif

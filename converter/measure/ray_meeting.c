@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * ray_meeting.c - where a ray meets the splats of a place (spec 5.1, 5.2), in double precision.
+ *
+ * The height of the line over a curved splat is F0 + F1 t + F2 t^2 at t along it. An eye far along
+ * it looks down on the front at the root where the height rises.
+ */
+#include "measure/ray_meeting.h"
+
+#include "base/region.h"
+#include "base/vector.h"
+#include "mesh/distance.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Finds t at which the line comes out of the front of a curved splat. Returns 0 where it does not.
+ */
+static int meet_quadric(const psplat_sight *sight, const psplat_region *region, double *height) {
+    const double *h = region->hessian, *d = sight->direction;
+    double from[3], slope[2], x = dot3(d, region->u), y = dot3(d, region->v);
+    sub3(from, sight->point, region->center);
+    const double uv[2] = {dot3(from, region->u) / region->radius[0],
+                          dot3(from, region->v) / region->radius[1]};
+    psplat_region_slope(region, uv, slope);
+    double f0 = dot3(from, region->n) - psplat_region_height(region, uv);
+    double f1 = dot3(d, region->n) - slope[0] * x - slope[1] * y;
+    double f2 = -(h[0] * x * x + 2 * h[1] * x * y + h[2] * y * y) / 2;
+    double square = f1 * f1 - 4 * f0 * f2;
+    if (!(square > 0)) return 0;
+    double rise = sqrt(square);
+    *height = f1 > 0 ? -2 * f0 / (f1 + rise) : (rise - f1) / (2 * f2);
+    return isfinite(*height);
+}
+
+static int meet_plane(const psplat_sight *sight, const psplat_region *region, double *height) {
+    double d[3], cosine = dot3(sight->direction, region->n);
+    if (!(cosine > 0)) return 0;
+    sub3(d, region->center, sight->point);
+    *height = dot3(d, region->n) / cosine;
+    return isfinite(*height);
+}
+
+int psplat_sight_leaves(const psplat_sight *sight, const psplat_region *region, double *height,
+                        double uv[2]) {
+    double q[3];
+    int met = psplat_region_is_curved(region) ? meet_quadric(sight, region, height)
+                                              : meet_plane(sight, region, height);
+    if (!met) return 0;
+    along3(q, sight->point, *height, sight->direction);
+    sub3(q, q, region->center);
+    uv[0] = dot3(q, region->u) / region->radius[0];
+    uv[1] = dot3(q, region->v) / region->radius[1];
+    return 1;
+}
+
+int psplat_sight_meets(const psplat_sight *sight, const psplat_region *region, double slack,
+                       double *height, double uv[2]) {
+    return psplat_sight_leaves(sight, region, height, uv) &&
+           psplat_region_contains(region, uv, 1 + slack, slack);
+}
+
+/* The part of the way to the eye that begins at the point and does not count. */
+static const double skipped_part = 1e-7;
+
+psplat_result psplat_sight_is_free(const psplat_sight *sight, const psplat_distance *distance,
+                                   double length, int *is_free) {
+    double near[3], far[3];
+    int front = 0, back = 0;
+    along3(near, sight->point, skipped_part * length, sight->direction);
+    along3(far, sight->point, length, sight->direction);
+    psplat_result result = psplat_distance_meets(distance, far, near, &front);
+    if (!result && !front) result = psplat_distance_meets(distance, near, far, &back);
+    *is_free = !front && !back;
+    return result;
+}
+
+/* On a sphere that the moved sight touches, it is that many tolerances over the cosine from the
+ * point to there; on all that is flatter it is less. */
+static const double outline_way = 2;
+
+psplat_result psplat_sight_is_inner(const psplat_sight *sight, const double normal[3],
+                                    double cosine, const psplat_distance *distance,
+                                    double tolerance, int *is_inner) {
+    double across[3], moved[3], from[3], to[3], way = (outline_way + 1e-3) * tolerance / cosine;
+    psplat_result result = PSPLAT_OK;
+    memcpy(across, normal, sizeof across);
+    mad3(across, -cosine, sight->direction);
+    normalize3(across); /* It stays 0 where the sight is the normal, and the point is inner. */
+    *is_inner = 1;
+    for (int side = -1; side <= 1 && *is_inner && !result; side += 2) {
+        along3(moved, sight->point, side * tolerance, across);
+        along3(from, moved, way, sight->direction);
+        along3(to, moved, -way, sight->direction);
+        result = psplat_distance_meets(distance, from, to, is_inner);
+    }
+    return result;
+}

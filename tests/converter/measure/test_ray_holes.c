@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_ray_holes.c - tests of the search for rays that pass between splats: a square under two
+ * splats at different heights, where the rays that pass are known for each width of the overlap.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "measure/measured_splats.h"
+#include "measure/ray_holes.h"
+#include "mesh/distance.h"
+
+enum { POINTS = 20000 };
+
+/* Lengths on a square of side 1: the tolerance, and how far the splats are from its plane. */
+static const double tolerance = 0.002, height = 0.0015;
+static const double middle = 0.5; /* where the higher splat ends */
+
+static void place_square(double s, double t, double p[3]) {
+    p[0] = s, p[1] = t, p[2] = 0;
+}
+
+/* Returns a splat over all of the square that a line cuts: it keeps sign * (x - from) >= 0. */
+static psplat_region half(double sign, double from, double z) {
+    psplat_region region = {.center = {from, 0.5, z},
+                            .u = {1, 0, 0},
+                            .v = {0, 1, 0},
+                            .n = {0, 0, 1},
+                            .radius = {4, 4},
+                            .line_count = 1};
+    region.lines[0][0] = sign;
+    return region;
+}
+
+/* Finds the rays that pass between the splats where they overlap by this length. */
+static psplat_ray_holes find(const fixture *f, double overlap) {
+    psplat_region regions[2] = {half(-1, middle, height), half(1, middle - overlap, -height)};
+    psplat_measured_splats measured = {.regions = regions, .count = 2, .tolerance = tolerance};
+    psplat_ray_holes holes;
+    measured.region_tree = psplat_region_tree_create(regions, 2, 0);
+    assert_non_null(measured.region_tree);
+    const psplat_ray_search search = {.surface = &f->surface,
+                                      .measured = &measured,
+                                      .distance = f->distance,
+                                      .points = POINTS,
+                                      .seed = 7};
+    assert_int_equal(psplat_ray_holes_find(&search, &holes), PSPLAT_OK);
+    psplat_region_tree_destroy(measured.region_tree);
+    return holes;
+}
+
+/* Returns the length along x in which rays of this direction that see the square pass between the
+ * splats: they pass the rim of the higher one and come to the lower one's plane before its rim. */
+static double passing(double cosine, double along_x, double overlap) {
+    double slant = sqrt(1 - cosine * cosine) / cosine * along_x;
+    double length = 2 * height * slant - overlap;
+    return length > 0 ? length : 0;
+}
+
+/* Returns how many rays pass by the ranges of cosines: eight of each point in each. */
+static double expected(double overlap) {
+    enum { STEPS = 1000 };
+    static const double cosines[] = {0.2, 0.3, 0.55, 1};
+    double sum = 0;
+    for (int slant = 0; slant < 3; ++slant)
+        for (int i = 0; i < STEPS; ++i)
+            for (int k = 0; k < STEPS; k += 10) {
+                double part = (i + 0.5) / STEPS, angle = 2 * fixture_pi * (k + 5) / STEPS;
+                double cosine = cosines[slant] + part * (cosines[slant + 1] - cosines[slant]);
+                sum += 10 * passing(cosine, cos(angle), overlap) / ((double)STEPS * STEPS);
+            }
+    return 8 * POINTS * sum;
+}
+
+static void test_steps(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, 3, 3, place_square);
+    fixture_build(&f);
+    f.distance = psplat_distance_create(&f.mesh);
+    assert_non_null(f.distance);
+    double slant = sqrt(1 - 0.2 * 0.2) / 0.2;
+    for (int part = 0; part <= 4; ++part) {
+        double overlap = 2 * height * slant * part / 4;
+        psplat_ray_holes holes = find(&f, overlap);
+        double wanted = expected(overlap);
+        for (size_t i = 0; i < holes.count; ++i) {
+            const psplat_sight *sight = &holes.holes[i].sight;
+            double tilt = sight->direction[0] / sight->direction[2];
+            assert_near(holes.holes[i].cosine, sight->direction[2], 1e-12);
+            assert_true(sight->point[0] + height * tilt >= middle);
+            assert_true(sight->point[0] - height * tilt <= middle - overlap);
+        }
+        print_message("overlap %g: %zu rays pass, %g expected\n", overlap, holes.count, wanted);
+        /* Five standard deviations, of which rays of one point share some: their number is three
+         * times too uncertain at most. Up to 2 % are beside the outline, tolerance / 0.2 from the
+         * ends of the crack. */
+        assert_near((double)holes.count, wanted, 5 * sqrt(3 * wanted) + 0.02 * wanted);
+        if (part == 4) assert_int_equal(holes.count, 0);
+        psplat_ray_holes_free(&holes);
+    }
+    fixture_free(&f);
+}
+
+/* The number of threads changes nothing. */
+static void test_threads(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, 3, 3, place_square);
+    fixture_build(&f);
+    f.distance = psplat_distance_create(&f.mesh);
+    assert_non_null(f.distance);
+    fixture_threads(1);
+    psplat_ray_holes one = find(&f, 0.001);
+    fixture_threads(3);
+    psplat_ray_holes three = find(&f, 0.001);
+    fixture_threads(0);
+    assert_true(one.count > 0);
+    assert_int_equal(one.count, three.count);
+    for (size_t i = 0; i < one.count; ++i) {
+        assert_memory_equal(&one.holes[i].sight, &three.holes[i].sight, sizeof(psplat_sight));
+        assert_int_equal(one.holes[i].triangle, three.holes[i].triangle);
+    }
+    psplat_ray_holes_free(&one);
+    psplat_ray_holes_free(&three);
+    fixture_free(&f);
+}
+
+int test_ray_holes_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

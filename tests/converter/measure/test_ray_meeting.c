@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_ray_meeting.c - tests of where rays meet the fronts of flat and curved splats, of whether
+ * the mesh lets them pass, and of whether they see a point inside its outline. Answers are known
+ * from the shapes: a disc, a paraboloid, a square.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+#include "base/region.h"
+#include "base/vector.h"
+#include "measure/ray_meeting.h"
+#include "mesh/distance.h"
+
+static const double rounding = 1e-12; /* of lengths near 1 */
+
+/* Returns a disc of radius 1 in the plane z = 0, bent by these second derivatives. */
+static psplat_region disc(double along_x, double along_y) {
+    return (psplat_region){.u = {1, 0, 0},
+                           .v = {0, 1, 0},
+                           .n = {0, 0, 1},
+                           .radius = {1, 1},
+                           .hessian = {along_x, 0, along_y}};
+}
+
+/* Returns a sight from a point towards (sine, 0, cosine). */
+static psplat_sight sight_from(double x, double y, double z, double cosine) {
+    return (psplat_sight){{x, y, z}, {sqrt(1 - cosine * cosine), 0, cosine}};
+}
+
+/* A slanted ray meets a disc that lies lower farther back, by the step times the tangent. */
+static void test_flat(void **state) {
+    (void)state;
+    psplat_region low = disc(0, 0);
+    for (int i = 1; i <= 5; ++i) {
+        double height, uv[2], cosine = 0.2 * i, step = 0.1;
+        double slant = sqrt(1 - cosine * cosine) / cosine;
+        psplat_sight sight = sight_from(0.25, 0.5, step, cosine);
+        assert_int_equal(psplat_sight_meets(&sight, &low, 0, &height, uv), 1);
+        assert_near(height, -step / cosine, rounding);
+        assert_near(uv[0], 0.25 - step * slant, rounding);
+        assert_near(uv[1], 0.5, rounding);
+        sight.point[0] = -0.999 + step * slant, sight.point[1] = 0;
+        assert_int_equal(psplat_sight_meets(&sight, &low, 0, &height, uv), 1);
+        sight.point[0] = -1.001 + step * slant;
+        assert_int_equal(psplat_sight_meets(&sight, &low, 0, &height, uv), 0);
+        assert_int_equal(psplat_sight_meets(&sight, &low, 0.002, &height, uv), 1);
+        assert_int_equal(psplat_sight_leaves(&sight, &low, &height, uv), 1);
+        assert_near(uv[0], -1.001, rounding);
+        sight.direction[2] = -cosine; /* The back is not seen. */
+        assert_int_equal(psplat_sight_leaves(&sight, &low, &height, uv), 0);
+    }
+}
+
+static void test_lines(void **state) {
+    (void)state;
+    psplat_region half = disc(0, 0);
+    double height, uv[2];
+    half.line_count = 1;
+    half.lines[0][0] = 1, half.lines[0][2] = -0.25; /* It keeps u >= 1 / 4. */
+    psplat_sight sight = sight_from(0.3, 0, 0, 1);
+    assert_int_equal(psplat_sight_meets(&sight, &half, 0, &height, uv), 1);
+    sight.point[0] = 0.2;
+    assert_int_equal(psplat_sight_meets(&sight, &half, 0, &height, uv), 0);
+    assert_int_equal(psplat_sight_meets(&sight, &half, 0.06, &height, uv), 1);
+}
+
+/* Of the two places where a line meets a bowl or a hill, the front is the one at which it comes out
+ * of the side of the normal. */
+static void test_curved(void **state) {
+    (void)state;
+    for (int sign = -1; sign <= 1; sign += 2)
+        for (int i = 1; i <= 9; ++i) {
+            psplat_region bent = disc(sign, 0.5);
+            double height, uv[2], q[3], normal[3], cosine = 0.1 * i;
+            psplat_sight sight = sight_from(0.1, -0.2, sign * 0.02, cosine);
+            if (!psplat_sight_leaves(&sight, &bent, &height, uv)) continue;
+            along3(q, sight.point, height, sight.direction);
+            assert_near(q[2], (sign * q[0] * q[0] + 0.5 * q[1] * q[1]) / 2, 1e-10);
+            assert_near(uv[0], q[0], rounding);
+            psplat_region_normal(&bent, uv, normal);
+            assert_true(dot3(normal, sight.direction) > 0);
+        }
+    /* A ray that is level with the top of a hill passes above it, and one below leaves its front
+     * where it falls: x^2 / 2 = 0.02. */
+    psplat_region hill = disc(-1, 0);
+    double height, uv[2];
+    psplat_sight level = sight_from(0, 0, 0.001, 0);
+    assert_int_equal(psplat_sight_leaves(&level, &hill, &height, uv), 0);
+    level.point[2] = -0.02;
+    assert_int_equal(psplat_sight_leaves(&level, &hill, &height, uv), 1);
+    assert_near(uv[0], 0.2, rounding);
+}
+
+static void place_square(double s, double t, double p[3]) {
+    p[0] = s, p[1] = t, p[2] = 0;
+}
+
+/* The square 0 <= x, y <= 1 hides what lies behind it, and not itself. */
+static void test_free_way(void **state) {
+    (void)state;
+    fixture f;
+    int is_free;
+    fixture_grid(&f, 2, 2, place_square);
+    psplat_distance *distance = psplat_distance_create(&f.mesh);
+    assert_non_null(distance);
+    for (int side = -1; side <= 1; side += 2) { /* Backs hide as fronts do. */
+        const psplat_sight hidden = {{0.3, 0.4, -0.1 * side}, {0, 0, side}};
+        assert_int_equal(psplat_sight_is_free(&hidden, distance, 2, &is_free), PSPLAT_OK);
+        assert_int_equal(is_free, 0);
+        const psplat_sight beside = {{1.3, 0.4, -0.1 * side}, {0, 0, side}};
+        assert_int_equal(psplat_sight_is_free(&beside, distance, 2, &is_free), PSPLAT_OK);
+        assert_int_equal(is_free, 1);
+        const psplat_sight itself = {{0.3, 0.4, 0}, {0, 0, side}};
+        assert_int_equal(psplat_sight_is_free(&itself, distance, 2, &is_free), PSPLAT_OK);
+        assert_int_equal(is_free, 1);
+    }
+    psplat_distance_destroy(distance);
+    fixture_free(&f);
+}
+
+/* In a picture, seen at a cosine c from +x, a point is nearer to the border x = 0 of the square by
+ * the factor c than on the square. */
+static void test_inner(void **state) {
+    (void)state;
+    fixture f;
+    const double up[3] = {0, 0, 1}, tolerance = 0.01;
+    fixture_grid(&f, 2, 2, place_square);
+    psplat_distance *distance = psplat_distance_create(&f.mesh);
+    assert_non_null(distance);
+    for (int i = 2; i <= 9; ++i)
+        for (int inner = 0; inner < 2; ++inner) {
+            double cosine = 0.1 * i, away = tolerance / cosine * (inner ? 1.01 : 0.99);
+            int is_inner;
+            psplat_sight sight = sight_from(away, 0.4, 0, cosine);
+            assert_int_equal(
+                psplat_sight_is_inner(&sight, up, cosine, distance, tolerance, &is_inner),
+                PSPLAT_OK);
+            assert_int_equal(is_inner, inner);
+            sight.point[0] = 1 - away; /* The border that is nearer to the eye counts as well. */
+            assert_int_equal(
+                psplat_sight_is_inner(&sight, up, cosine, distance, tolerance, &is_inner),
+                PSPLAT_OK);
+            assert_int_equal(is_inner, inner);
+        }
+    psplat_distance_destroy(distance);
+    fixture_free(&f);
+}
+
+int test_ray_meeting_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_flat),   cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_curved), cmocka_unit_test(test_free_way),
+        cmocka_unit_test(test_inner),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
