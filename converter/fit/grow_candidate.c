@@ -354,6 +354,7 @@ psplat_result psplat_candidate_grow(const psplat_fit_context *context, uint32_t 
     psplat_site_turn(&s.site, n, u, 1);
     *candidate = (psplat_candidate){0};
     grow(&s);
+    if (context->limits->precision) candidate->needed = seed + 1;
     if (!s.failed) return PSPLAT_OK;
     psplat_candidate_free(candidate);
     return PSPLAT_ERROR_MEMORY;

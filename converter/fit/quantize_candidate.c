@@ -271,6 +271,46 @@ static psplat_fit_status shrink(quantizer *q, psplat_candidate *candidate) {
     return status;
 }
 
+/* Returns a region shrunk by a factor about a point of it (u, v), without lines. */
+static psplat_region shrunk_about(const psplat_region *region, const double uv[2], double factor) {
+    const double middle[2] = {(1 - factor) * uv[0], (1 - factor) * uv[1]};
+    psplat_region shrunk = *region;
+    shrunk.line_count = 0;
+    psplat_region_point(region, middle, shrunk.center);
+    psplat_region_slope(region, middle, shrunk.slope);
+    for (int k = 0; k < 2; ++k) shrunk.radius[k] *= factor;
+    return shrunk;
+}
+
+/* Shrinks a candidate about its first sample until it fits and covers that. */
+static psplat_fit_status shrink_about_first(quantizer *q, psplat_candidate *candidate) {
+    const psplat_region whole = q->old;
+    psplat_fit_status status = PSPLAT_FIT_NO_GAIN;
+    double uvh[3], factor = 1;
+    psplat_region_local(&whole, q->context->samples->positions + 3 * (size_t)candidate->covered[0],
+                        uvh);
+    for (int i = 0; i < SHRINKINGS && status && status != PSPLAT_FIT_MEMORY; ++i) {
+        q->old = shrunk_about(&whole, uvh, factor);
+        find_options(q);
+        candidate->covered_count = 1;
+        status = try_options(q, 1, radius_steps[1], 0, candidate);
+        factor *= shrink_factor;
+    }
+    return status;
+}
+
+/* Puts the sample that a candidate must cover first. Returns 0 where there is none. */
+static int put_needed_first(psplat_candidate *candidate) {
+    uint32_t *covered = candidate->covered;
+    for (size_t i = 0; candidate->needed && i < candidate->covered_count; ++i) {
+        if (covered[i] != candidate->needed - 1) continue;
+        covered[i] = covered[0];
+        covered[0] = candidate->needed - 1;
+        return 1;
+    }
+    return 0;
+}
+
 /* ---- the last resort ------------------------------------------------------------------------ */
 
 /* Returns a small disc on the grid that covers a point, with its centre as near to that as the grid
@@ -319,9 +359,11 @@ psplat_result psplat_quantize_candidate(const psplat_fit_context *context,
     psplat_fit_status status = PSPLAT_FIT_NO_GAIN;
     candidate->quantized = 1;
     if (candidate->covered_count) {
+        int is_needed = put_needed_first(candidate);
         find_options(&q);
         status = try_radii(&q, candidate);
-        if (status && status != PSPLAT_FIT_MEMORY) status = shrink(&q, candidate);
+        if (status && status != PSPLAT_FIT_MEMORY)
+            status = is_needed ? shrink_about_first(&q, candidate) : shrink(&q, candidate);
     }
     if (status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
     return status ? make_disc(&q, candidate) : PSPLAT_OK;

@@ -8,8 +8,9 @@
  * linear program in one variable, which a ternary search finds. Bent lines are looked at by
  * themselves, since chords would cut off more of them than a tolerance, and then the maximum is
  * searched about the deepest of some places. Splats do not store their patch, so the samples that a
- * splat covers vote: a crossing counts if at least half of them belong to patches whose creases the
- * splat crosses. So the creases of another sheet that lies closer than the tolerance are left out.
+ * splat covers vote: the sheet around the splat, bounded by creases, to which most of them belong
+ * is its own. The creases of other sheets that lie closer than the tolerance are left out, be they
+ * of the same patch, as where cloth is folded.
  */
 #include "measure/crease_crossings.h"
 
@@ -17,8 +18,10 @@
 #include "base/region.h"
 #include "base/region_tree.h"
 #include "base/vector.h"
+#include "features/neighborhood.h"
 #include "features/samples.h"
 #include "features/surface.h"
+#include "measure/crease_spill.h"
 #include "measure/measured_splats.h"
 
 #include <math.h>
@@ -29,6 +32,24 @@
  * range, and the places of an edge at which bent lines are looked at first. */
 enum { MOST_CORNERS = 68, TERNARY_STEPS = 48, PLACES = 16 };
 
+/* ---- what is looked at, and what is found ---------------------------------------------------- */
+
+typedef struct crossing_list {
+    psplat_crease_crossing *items;
+    size_t count, capacity;
+    int failed;
+} crossing_list;
+
+/* One crease edge whose crossings are looked for. */
+typedef struct edge_probe {
+    const psplat_measured_splats *measured;
+    const double *a, *b, *normal;
+    uint32_t edge;
+    double limit;        /* deeper crossings are listed */
+    double greatest;     /* depth found of those that are not */
+    crossing_list *list; /* shared by all threads */
+} edge_probe;
+
 /* ---- the depth of an edge in a splat --------------------------------------------------------- */
 
 /* The distances of a point on an edge from the sides of a convex outline, positive inside. Each is
@@ -36,8 +57,10 @@ enum { MOST_CORNERS = 68, TERNARY_STEPS = 48, PLACES = 16 };
 typedef struct sides {
     double a[MOST_CORNERS], b[MOST_CORNERS];
     size_t count;
-    const psplat_region *region; /* NULL unless it has bent lines */
+    const psplat_region *region; /* NULL where the outline says all: of a plane, lines straight */
     double from[2], to[2];       /* the edge in (u, v) */
+    int is_curved;
+    double ends[2][3], normal[3], tolerance; /* of the edge; of its triangle; of the measurement */
 } sides;
 
 /* Returns the distance of (u, v) from a bent line, up to the second order: its value over the
@@ -50,8 +73,20 @@ static double bent_distance(const psplat_region *region, uint32_t i, const doubl
     return psplat_region_line_value(region, i, uv) / hypot(u, v);
 }
 
+/* Returns whether a place of the edge lies within the tolerance of a curved surface that faces the
+ * way of the edge's triangle there. The ranges of t are wider than that, since a surface may be
+ * steep outside its ellipse. */
+static int is_on_surface(const sides *s, double t) {
+    double point[3], uvh[3], normal[3];
+    for (int k = 0; k < 3; ++k) point[k] = s->ends[0][k] + t * (s->ends[1][k] - s->ends[0][k]);
+    psplat_region_local(s->region, point, uvh);
+    psplat_region_normal(s->region, uvh, normal);
+    return fabs(uvh[2]) <= s->tolerance && dot3(s->normal, normal) > 0;
+}
+
 static double depth_at(const sides *s, double t) {
     double least = HUGE_VAL;
+    if (s->is_curved && !is_on_surface(s, t)) return -HUGE_VAL;
     for (size_t i = 0; i < s->count; ++i) least = min2(least, s->a[i] + t * s->b[i]);
     if (!s->region) return least;
     const double uv[2] = {s->from[0] + t * (s->to[0] - s->from[0]),
@@ -86,7 +121,8 @@ static int leave_straight(psplat_region *region) {
 static void find_sides(sides *s, const psplat_region *region, double from[3], double to[3]) {
     double polygon[MOST_CORNERS][2];
     psplat_region straight = *region;
-    s->region = leave_straight(&straight) ? region : NULL;
+    s->is_curved = psplat_region_is_curved(region);
+    s->region = leave_straight(&straight) || s->is_curved ? region : NULL;
     for (int k = 0; k < 2; ++k) s->from[k] = from[k], s->to[k] = to[k];
     size_t corners = psplat_region_polygon(&straight, 1, polygon, MOST_CORNERS);
     double p[2] = {from[0] * region->radius[0], from[1] * region->radius[1]};
@@ -190,13 +226,17 @@ static size_t near_ranges(const psplat_region *region, const double from[3], con
     return result;
 }
 
-/* Returns the greatest depth in a region of the part of edge a b that is within tolerance of its
+/* Returns the greatest depth in a region of the part of an edge that is within tolerance of its
  * surface, and stores where it is. Returns 0 or less where the edge stays outside. Where the depth
  * is at most known_depth, the result may be any number up to that, and point may be left unset. */
-static double edge_depth(const psplat_region *region, const double a[3], const double b[3],
-                         double tolerance, double known_depth, double point[3]) {
+static double edge_depth(const psplat_region *region, const edge_probe *p, double known_depth,
+                         double point[3]) {
+    const double *a = p->a, *b = p->b, tolerance = p->measured->tolerance;
     double from[3], to[3], ranges[5][2], deepest = 0, at;
-    sides s;
+    sides s = {.tolerance = tolerance};
+    memcpy(s.ends[0], a, sizeof s.ends[0]);
+    memcpy(s.ends[1], b, sizeof s.ends[1]);
+    memcpy(s.normal, p->normal, sizeof s.normal);
     psplat_region_local(region, a, from);
     psplat_region_local(region, b, to);
     if (depth_bound(region, from, to) <= known_depth) return 0;
@@ -217,22 +257,6 @@ static double edge_depth(const psplat_region *region, const double a[3], const d
 
 /* ---- all edges ------------------------------------------------------------------------------ */
 
-typedef struct crossing_list {
-    psplat_crease_crossing *items;
-    size_t count, capacity;
-    int failed;
-} crossing_list;
-
-/* One crease edge whose crossings are looked for. */
-typedef struct edge_probe {
-    const psplat_measured_splats *measured;
-    const double *a, *b, *normal;
-    uint32_t edge;
-    double limit;        /* deeper crossings are listed */
-    double greatest;     /* depth found of those that are not */
-    crossing_list *list; /* shared by all threads */
-} edge_probe;
-
 static void push_crossing(crossing_list *list, const psplat_crease_crossing *crossing) {
     if (list->count == list->capacity) {
         size_t capacity = 2 * list->capacity + 64;
@@ -247,24 +271,13 @@ static void push_crossing(crossing_list *list, const psplat_crease_crossing *cro
     list->items[list->count++] = *crossing;
 }
 
-/* Returns whether a splat faces as the edge's triangle does: a curved one by its normal at the
- * edge's middle. */
-static int may_face(const psplat_region *region, const edge_probe *p) {
-    double middle[3], uvh[3], normal[3];
-    if (!psplat_region_is_curved(region)) return dot3(p->normal, region->n) > 0;
-    for (int k = 0; k < 3; ++k) middle[k] = 0.5 * (p->a[k] + p->b[k]);
-    psplat_region_local(region, middle, uvh);
-    psplat_region_normal(region, uvh, normal);
-    return dot3(p->normal, normal) > 0;
-}
-
 static int visit_region(void *user, uint32_t index) {
     edge_probe *p = user;
     const psplat_region *region = &p->measured->regions[index];
-    if (!may_face(region, p)) return 0;
+    /* A curved one may face another way at each place of the edge. */
+    if (!psplat_region_is_curved(region) && dot3(p->normal, region->n) <= 0) return 0;
     psplat_crease_crossing found = {.edge = p->edge, .splat = index};
-    found.depth = edge_depth(region, p->a, p->b, p->measured->tolerance,
-                             min2(p->greatest, p->limit), found.point);
+    found.depth = edge_depth(region, p, min2(p->greatest, p->limit), found.point);
     if (found.depth <= p->limit) {
         p->greatest = max2(p->greatest, found.depth);
         return 0;
@@ -309,80 +322,153 @@ static double probe_all(const psplat_surface *surface, const psplat_measured_spl
     return greatest;
 }
 
-/* ---- majority votes on the patches of splats ------------------------------------------------- */
+/* ---- majority votes on the sheets of splats -------------------------------------------------- */
 
-/* The numbers of samples that a splat covers: of patches whose creases it crosses, and of others.
- */
+/* A sample that a splat covers, by its triangle. */
 typedef struct vote {
-    long crossed, other;
+    uint32_t splat, triangle;
 } vote;
+
+typedef struct vote_list {
+    vote *items;
+    size_t count, capacity;
+    int failed;
+} vote_list;
 
 /* One sample, which votes on the splats that cover it. */
 typedef struct voter {
-    const psplat_surface *surface;
     const psplat_measured_splats *measured;
-    const crossing_list *list;
-    const uint32_t *first; /* splat + 1: its crossings in the list */
-    vote *votes;
+    const uint8_t *crosses; /* of each splat: 1 where it has crossings */
+    vote_list *list;        /* shared by all threads */
     const double *point;
     double normal[3];
-    uint32_t patch;
+    uint32_t triangle;
 } voter;
+
+static void push_vote(vote_list *list, const vote *item) {
+    if (list->count == list->capacity) {
+        size_t capacity = 2 * list->capacity + 64;
+        vote *items = realloc(list->items, capacity * sizeof *items);
+        if (!items) {
+            list->failed = 1;
+            return;
+        }
+        list->items = items;
+        list->capacity = capacity;
+    }
+    list->items[list->count++] = *item;
+}
 
 static int visit_vote(void *user, uint32_t index) {
     voter *v = user;
+    const vote item = {index, v->triangle};
     double uvh[3];
-    if (v->first[index] == v->first[index + 1]) return 0;
+    if (!v->crosses[index]) return 0;
     psplat_region_local(&v->measured->regions[index], v->point, uvh);
     if (!psplat_measured_splats_cover(v->measured, index, v->normal, uvh)) return 0;
-    int crossed = 0;
-    for (uint32_t i = v->first[index]; i < v->first[index + 1] && !crossed; ++i)
-        crossed = v->surface->patches[v->list->items[i].edge / 3] == v->patch;
-    long *count = crossed ? &v->votes[index].crossed : &v->votes[index].other;
 #if defined(_OPENMP)
-#pragma omp atomic
+#pragma omp critical(psplat_vote_push)
 #endif
-    ++*count;
+    push_vote(v->list, &item);
     return 0;
 }
 
-static void count_votes(const voter *shared, const psplat_samples *samples) {
+static int compare_votes(const void *left, const void *right) {
+    const vote *a = left, *b = right;
+    if (a->splat != b->splat) return a->splat < b->splat ? -1 : 1;
+    return a->triangle < b->triangle ? -1 : a->triangle > b->triangle;
+}
+
+/* Finds the votes on the splats that have crossings, in an order that does not depend on threads.
+ */
+static psplat_result find_votes(const psplat_samples *samples,
+                                const psplat_measured_splats *measured,
+                                const crossing_list *crossings, vote_list *votes) {
+    uint8_t *crosses = calloc(measured->count + 1, 1);
+    if (!crosses) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < crossings->count; ++i) crosses[crossings->items[i].splat] = 1;
     long end = (long)samples->count;
 #if defined(_OPENMP)
 #pragma omp parallel for schedule(static)
 #endif
     for (long i = 0; i < end; ++i) {
-        voter v = *shared;
+        voter v = {.measured = measured, .crosses = crosses, .list = votes};
         v.point = samples->positions + 3 * i;
         for (int k = 0; k < 3; ++k) v.normal[k] = (double)samples->normals[3 * i + k];
-        v.patch = v.surface->patches[samples->triangles[i]];
-        psplat_region_tree_visit(v.measured->region_tree, v.point, visit_vote, &v);
+        v.triangle = samples->triangles[i];
+        psplat_region_tree_visit(measured->region_tree, v.point, visit_vote, &v);
     }
+    if (votes->count) qsort(votes->items, votes->count, sizeof *votes->items, compare_votes);
+    free(crosses);
+    return votes->failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }
 
-/* Drops the crossings of splats most of whose samples belong to other patches. */
+static int is_flooded(const psplat_neighborhood *near, uint32_t triangle) {
+    return near->stamps[triangle] == near->stamp;
+}
+
+/* Floods the sheet around a splat from a triangle: what is connected with it over edges that are no
+ * creases, no farther from the splat's centre than the splat reaches. */
+static int flood(const psplat_surface *surface, const psplat_region *region, double tolerance,
+                 uint32_t triangle, psplat_neighborhood *near) {
+    psplat_metric metric;
+    memcpy(metric.center, region->center, sizeof metric.center);
+    memcpy(metric.rows[0], region->u, sizeof metric.rows[0]);
+    memcpy(metric.rows[1], region->v, sizeof metric.rows[1]);
+    memcpy(metric.rows[2], region->n, sizeof metric.rows[2]);
+    return psplat_neighborhood_gather(near, surface, NULL, &metric, triangle,
+                                      psplat_region_reach(region) + tolerance);
+}
+
+/* Leaves the sheet flooded that has most of the votes on a splat, the first of them where several
+ * have as many. Votes of one sheet become PSPLAT_NONE when it was counted. Returns 0 when out of
+ * memory. */
+static int flood_own_sheet(const psplat_surface *surface, const psplat_region *region,
+                           double tolerance, vote *votes, size_t count, psplat_neighborhood *near) {
+    size_t most = 0;
+    uint32_t best = votes[0].triangle;
+    for (size_t i = 0; i < count; ++i) {
+        uint32_t start = votes[i].triangle;
+        size_t members = 0;
+        if (start == PSPLAT_NONE) continue;
+        if (!flood(surface, region, tolerance, start, near)) return 0;
+        for (size_t k = i; k < count; ++k) {
+            if (votes[k].triangle == PSPLAT_NONE || !is_flooded(near, votes[k].triangle)) continue;
+            votes[k].triangle = PSPLAT_NONE;
+            ++members;
+        }
+        if (members > most) most = members, best = start;
+    }
+    return flood(surface, region, tolerance, best, near);
+}
+
+/* Drops the crossings of sheets other than that which most samples of the splat belong to. Of a
+ * splat without votes all are kept. */
 static psplat_result drop_foreign_crossings(const psplat_surface *surface,
                                             const psplat_samples *samples,
                                             const psplat_measured_splats *measured,
                                             crossing_list *list) {
-    size_t splats = measured->count, kept = 0;
-    uint32_t *first = calloc(splats + 2, sizeof *first);
-    vote *votes = calloc(splats + 1, sizeof *votes);
-    if (first && votes) {
-        for (size_t i = 0; i < list->count; ++i) first[list->items[i].splat + 1]++;
-        for (size_t s = 0; s < splats; ++s) first[s + 1] += first[s];
-        voter shared = {
-            .surface = surface, .measured = measured, .list = list, .first = first, .votes = votes};
-        count_votes(&shared, samples);
-        for (size_t i = 0; i < list->count; ++i) {
-            const vote *v = &votes[list->items[i].splat];
-            if (v->crossed >= v->other) list->items[kept++] = list->items[i];
-        }
-        list->count = kept;
+    vote_list votes = {0};
+    psplat_neighborhood near = {0};
+    psplat_result result = find_votes(samples, measured, list, &votes);
+    size_t kept = 0, vote = 0;
+    for (size_t i = 0, end; i < list->count && !result; i = end) {
+        uint32_t splat = list->items[i].splat;
+        for (end = i; end < list->count && list->items[end].splat == splat;) ++end;
+        while (vote < votes.count && votes.items[vote].splat < splat) ++vote;
+        size_t first = vote;
+        while (vote < votes.count && votes.items[vote].splat == splat) ++vote;
+        if (vote > first &&
+            !flood_own_sheet(surface, &measured->regions[splat], measured->tolerance,
+                             votes.items + first, vote - first, &near))
+            result = PSPLAT_ERROR_MEMORY;
+        for (size_t k = i; k < end && !result; ++k)
+            if (vote == first || is_flooded(&near, list->items[k].edge / 3))
+                list->items[kept++] = list->items[k];
     }
-    psplat_result result = first && votes ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
-    free(first);
-    free(votes);
+    list->count = kept;
+    psplat_neighborhood_free(&near);
+    free(votes.items);
     return result;
 }
 
@@ -395,6 +481,7 @@ psplat_result psplat_crease_crossings_find(const psplat_surface *surface,
     *greatest = probe_all(surface, measured, limit, &list);
     psplat_result result = list.failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
     if (!result && list.count) result = drop_foreign_crossings(surface, samples, measured, &list);
+    if (!result) result = psplat_drop_unseen_crossings(surface, measured, list.items, &list.count);
     for (size_t i = 0; i < list.count; ++i) *greatest = max2(*greatest, list.items[i].depth);
     *crossings = list.items;
     *count = list.count;

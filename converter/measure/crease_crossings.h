@@ -9,22 +9,16 @@
 
 #include "features/samples.h"
 #include "features/surface.h"
+#include "measure/crease_spill.h"
 #include "measure/measured_splats.h"
 
-#include <stdint.h>
-
-/* A crease that lies inside a splat of its own patch. */
-typedef struct psplat_crease_crossing {
-    uint32_t edge; /* 3 * triangle + k of the crease, on the splat's side */
-    uint32_t splat;
-    double depth;    /* greatest distance, in the splat's plane, from the crease to its outline */
-    double point[3]; /* on the crease, at the greatest depth */
-} psplat_crease_crossing;
+#include <stddef.h>
 
 /* Finds the crossings deeper than limit, a length, and stores them in *crossings (*count, malloc'ed
  * and owned by the caller) in the order of splats and then edges. *greatest becomes the greatest
- * depth of the crossings stored or, where there are none, of those up to limit. The samples tell
- * which patches a splat covers most of; creases of other patches are left out. Fails only with
+ * depth of the crossings stored or, where there are none, of those up to limit. Two sorts of
+ * crossings are left out: of creases that do not bound the sheet of which the splat covers most
+ * samples, and of those beyond which nothing is seen to be wrong (crease_spill.h). Fails only with
  * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_crease_crossings_find(const psplat_surface *surface,
                                            const psplat_samples *samples,

@@ -20,6 +20,7 @@ void psplat_measured_splats_free(psplat_measured_splats *measured) {
     psplat_region_tree_destroy(measured->region_tree);
     free(measured->regions);
     free(measured->fields);
+    free(measured->materials);
     *measured = (psplat_measured_splats){0};
 }
 
@@ -61,7 +62,8 @@ psplat_result psplat_measured_splats_create(const psplat_splats *splats, double 
         (psplat_measured_splats){.count = splats->count, .tolerance = tolerance * (1 + 1e-6)};
     measured->regions = psplat_splat_regions(splats);
     measured->fields = malloc((splats->count + 1) * sizeof *measured->fields);
-    if (measured->regions && measured->fields)
+    measured->materials = calloc(splats->count + 1, sizeof *measured->materials);
+    if (measured->regions && measured->fields && measured->materials)
         measured->region_tree = psplat_region_tree_create(measured->regions, splats->count, reach);
     if (!measured->region_tree) {
         psplat_measured_splats_free(measured);
@@ -74,10 +76,12 @@ psplat_result psplat_measured_splats_create(const psplat_splats *splats, double 
     }
     for (size_t run = 0, i = 0; run < splats->run_count; ++run) {
         uint32_t material = splats->runs[run].material;
-        for (size_t end = i + splats->runs[run].count; i < end && i < splats->count; ++i)
+        for (size_t end = i + splats->runs[run].count; i < end && i < splats->count; ++i) {
+            measured->materials[i] = material;
             set_colors(&splats->splats[i], splats->finishes ? &splats->finishes[i] : NULL,
                        material < splats->material_count ? &splats->materials[material] : NULL,
                        &measured->fields[i]);
+        }
     }
     return PSPLAT_OK;
 }

@@ -49,6 +49,11 @@ enum { PROVING_ROUNDS = 2 };
  * pictures of curved splats, with normals as good. */
 static const float kernel_sharpness = 4;
 
+/* The steps of positions that are tried where the wanted one breaks a promise, in parts of it; 0
+ * stands for floats. Chosen by hand. */
+enum { FINER_GRIDS = 2 };
+static const double finer_parts[FINER_GRIDS] = {0.25, 0};
+
 /* Offsets of the user's seed, which give the local search and the verification random numbers of
  * their own. They are the ASCII letters of "improve" and "verify". */
 static const uint64_t improve_seed = 0x696d70726f766500u;
@@ -236,14 +241,54 @@ static psplat_result convert(psplat_conversion *c, const psplat_mesh *mesh, pspl
 
 static const psplat_convert_desc defaults;
 
+static psplat_result convert_once(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                  psplat_splats *splats, psplat_report *report,
+                                  psplat_error *error) {
+    *splats = (psplat_splats){0};
+    psplat_conversion c = {.desc = desc, .splats = splats};
+    psplat_result result = convert(&c, mesh, report, error);
+    psplat_conversion_free(&c);
+    if (result) psplat_splats_free(splats);
+    return result;
+}
+
+/* Returns the number of samples, splats and crease edges at which promises are broken. */
+static size_t broken_count(const psplat_report *report) {
+    size_t count = 0;
+    for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k) count += report->promises[k].broken;
+    return count;
+}
+
+/* Converts again on finer grids, and at last with floats, while promises are broken. What breaks
+ * fewest stays, the coarser one of equals. */
+static psplat_result refine_grid(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                 psplat_splats *splats, psplat_report *report,
+                                 psplat_error *error) {
+    for (int i = 0; i < FINER_GRIDS && broken_count(report); ++i) {
+        psplat_convert_desc finer = *desc;
+        psplat_splats other;
+        psplat_report other_report = *report;
+        finer.precision *= finer_parts[i];
+        psplat_result result = convert_once(mesh, &finer, &other, &other_report, error);
+        if (result) return result;
+        if (broken_count(&other_report) < broken_count(report)) {
+            psplat_splats swap = *splats;
+            *splats = other, other = swap;
+            *report = other_report;
+        }
+        psplat_splats_free(&other);
+    }
+    return PSPLAT_OK;
+}
+
 psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                              psplat_splats *splats, psplat_report *report, psplat_error *error) {
     if (!mesh || !splats)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "mesh and splats must not be NULL");
-    *splats = (psplat_splats){0};
-    psplat_conversion c = {.desc = desc ? desc : &defaults, .splats = splats};
-    psplat_result result = convert(&c, mesh, report, error);
-    psplat_conversion_free(&c);
+    if (!desc) desc = &defaults;
+    psplat_result result = convert_once(mesh, desc, splats, report, error);
+    if (result || !report || desc->unverified || !(splats->precision.unit > 0)) return result;
+    result = refine_grid(mesh, desc, splats, report, error);
     if (result) psplat_splats_free(splats);
     return result;
 }

@@ -40,6 +40,9 @@ static const double least_crease_sine = 0.1;
 static const double greatest_move_tolerances = 0.5;
 /* The same of bent lines, whose moves are longer at other places along them. */
 static const double greatest_bent_move_tolerances = 0.2;
+/* How far a line may reach beyond any point of its crease once it is moved, in tolerances. The
+ * value of a bent line changes at another rate at each of its points. */
+static const double greatest_reach_tolerances = 0.8;
 /* How far outside its own region (of the unit ellipse) a splat still counts as lying at a crease
  * point. */
 static const double region_slack = 0.005;
@@ -110,24 +113,29 @@ typedef struct closer {
 } closer;
 
 /* Raises the move of the line at a crease point (u, v, height in the region), in units of the
- * line's value, to that at which it meets the nearest surface across the crease there. */
+ * line's value, to that at which it meets the nearest surface across the crease there, if there is
+ * a triangle across. Lowers the line's limit to the move that reaches as far over the crease there
+ * as it may. */
 static void find_move_at_point(const closer *closer, const psplat_region *region,
-                               const double uvh[3], uint32_t across, double moves[]) {
+                               const double uvh[3], uint32_t across, double moves[],
+                               double limits[]) {
     const psplat_surface *surface = closer->context->surface;
     crease_point c = {.surface = surface,
                       .candidates = closer->selection->candidates,
-                      .patch = surface->patches[across],
+                      .patch = across == PSPLAT_NONE ? PSPLAT_NONE : surface->patches[across],
                       .move = HUGE_VAL,
                       .tolerance = closer->context->limits->tolerance};
     uint32_t i = nearest_line(region, uvh);
     double rate = line_outward(region, i, uvh, c.outward), normal[3];
+    /* The line may already reach beyond this point. */
+    double reach = psplat_region_line_value(region, i, uvh);
+    limits[i] = min2(limits[i], greatest_reach_tolerances * c.tolerance * rate - reach);
+    if (across == PSPLAT_NONE) return;
     psplat_region_point(region, uvh, c.foot);
     psplat_region_normal(region, uvh, normal);
     memcpy(c.point, c.foot, sizeof c.point);
     mad3(c.point, uvh[2], normal);
     psplat_region_tree_visit(closer->region_tree, c.point, visit_neighbor, &c);
-    /* The line may already reach beyond this point. */
-    double reach = psplat_region_line_value(region, i, uvh);
     double most = region->bends[i] != 0 ? greatest_bent_move_tolerances : greatest_move_tolerances;
     if (c.move < HUGE_VAL)
         moves[i] = max2(moves[i], min2(c.move, most * c.tolerance) * rate - reach);
@@ -154,17 +162,19 @@ static int find_segments(closer *c, const psplat_candidate *candidate, size_t *c
  * memory. */
 static int find_moves(closer *c, const psplat_candidate *candidate, double moves[]) {
     size_t count;
+    double limits[PSPLAT_MAX_CLIP_LINES];
+    for (int i = 0; i < PSPLAT_MAX_CLIP_LINES; ++i) limits[i] = HUGE_VAL;
     if (!find_segments(c, candidate, &count)) return 0;
     for (size_t i = 0; i < count; ++i) {
         const psplat_segment *s = &c->scratch.segments[i];
-        if (s->across == PSPLAT_NONE) continue;
         for (int step = 0; step <= SEGMENT_STEPS; ++step) {
             double uvh[3];
             for (int k = 0; k < 3; ++k)
                 uvh[k] = s->a[k] + (s->b[k] - s->a[k]) * step / SEGMENT_STEPS;
-            find_move_at_point(c, &candidate->region, uvh, s->across, moves);
+            find_move_at_point(c, &candidate->region, uvh, s->across, moves, limits);
         }
     }
+    for (int i = 0; i < PSPLAT_MAX_CLIP_LINES; ++i) moves[i] = max2(min2(moves[i], limits[i]), 0);
     return 1;
 }
 

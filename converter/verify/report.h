@@ -25,9 +25,11 @@ typedef enum psplat_promise {
     PSPLAT_PROMISE_NORMAL,   /* each covered surface point has, among the splats that cover it, one
                                 whose own normal field there is within the normal tolerance of the
                                 surface's (interpolated) normal; the blended normal may differ */
-    PSPLAT_PROMISE_CREASE,   /* no crease or border of the patch that a splat covers lies inside the
-                                splat by more than the tolerance (splats of neighbouring patches
-                                meet a little beyond their crease, or cracks would show) */
+    PSPLAT_PROMISE_CREASE,   /* no crease or border of the sheet that a splat covers lies inside the
+                                splat by more than the tolerance, where what the splat shows beyond
+                                it is seen to be wrong (measure/crease_spill.h; splats of
+                                neighbouring patches meet a little beyond their crease, or cracks
+                                would show) */
     PSPLAT_PROMISE_COUNT
 } psplat_promise;
 

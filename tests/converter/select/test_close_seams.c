@@ -174,10 +174,53 @@ static void test_stay(void **state) {
     }
 }
 
+/* A bent line that reaches over the ends of its crease by 0.7 tolerances moves no farther than to
+ * 0.8 there, although 0.2 are missing in the middle. */
+static void test_bent_line(void **state) {
+    (void)state;
+    uint64_t random = 5;
+    const double tolerance = 0.05, half = 0.3;
+    roof r;
+    make_roof(&r, fixture_pi / 2, &random);
+    add_splat(&r, 0, 0);
+    add_splat(&r, 1, 0.2 * tolerance);
+    psplat_region *region = &r.selection.candidates[0].region;
+    /* The line bulges out towards the ends of the crease, which the ellipse cuts at v = -half and
+     * half. */
+    double reach = 0.7 * tolerance / region->radius[0];
+    region->radius[1] = half / sqrt(1 - pow(0.3 / region->radius[0], 2));
+    region->bends[0] = 2 * reach / pow(half / region->radius[1], 2);
+    psplat_limits limits = {.tolerance = tolerance, .crease_tolerance = 0.02};
+    const psplat_fit_context context = fixture_context(&r.f, &limits, NULL);
+    assert_int_equal(psplat_close_seams(&context, &r.selection), PSPLAT_OK);
+    double greatest = 0, middle = 0;
+    for (int i = -50; i <= 50; ++i) {
+        double point[3], uvh[3], step = 1e-6;
+        memcpy(point, r.o, sizeof point);
+        mad3(point, half * i / 50.0, r.v);
+        psplat_region_local(region, point, uvh);
+        double value = psplat_region_line_value(region, 0, uvh), rate[2];
+        for (int k = 0; k < 2; ++k) {
+            double moved[2] = {uvh[0], uvh[1]};
+            moved[k] += step;
+            rate[k] =
+                (psplat_region_line_value(region, 0, moved) - value) / step / region->radius[k];
+        }
+        value /= hypot(rate[0], rate[1]) * tolerance;
+        greatest = fmax(greatest, value);
+        if (!i) middle = value;
+    }
+    assert_near(greatest, 0.8, 0.01);
+    assert_true(middle > 0.05 && middle < 0.15);
+    psplat_selection_free(&r.selection);
+    fixture_free(&r.f);
+}
+
 int test_close_seams_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_meet),
         cmocka_unit_test(test_stay),
+        cmocka_unit_test(test_bent_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

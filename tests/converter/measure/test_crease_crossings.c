@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_crease_crossings.c - tests of which creases inside a splat count: those of its own sheet, on
+ * its surface and facing its way, beyond which it shows something that is not there.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "stage_fixture.h"
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+#include "features/samples.h"
+#include "measure/crease_crossings.h"
+#include "measure/measured_splats.h"
+#include "mesh/mesh.h"
+
+/* Returns how many crossings of one region deeper than limit there are, and stores the greatest
+ * depth. */
+static size_t crossings(const fixture *f, psplat_region *region, uint32_t material,
+                        double tolerance, double limit, double *greatest) {
+    psplat_blend_field field = {.kernel = {2, 2}, .depth = HUGE_VAL};
+    psplat_measured_splats measured = {.regions = region,
+                                       .fields = &field,
+                                       .materials = &material,
+                                       .count = 1,
+                                       .tolerance = tolerance};
+    psplat_crease_crossing *found;
+    size_t count;
+    measured.region_tree = psplat_region_tree_create(region, 1, tolerance);
+    assert_non_null(measured.region_tree);
+    assert_int_equal(psplat_crease_crossings_find(&f->surface, &f->samples, &measured, limit,
+                                                  &found, &count, greatest),
+                     PSPLAT_OK);
+    for (size_t i = 0; i < count; ++i) assert_true(found[i].depth > limit);
+    free(found);
+    psplat_region_tree_destroy(measured.region_tree);
+    return count;
+}
+
+static psplat_region level_region(double ru, double rv) {
+    return (psplat_region){.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {ru, rv}};
+}
+
+/* ---- on the surface -------------------------------------------------------------------------- */
+
+static double rise;
+static void place_strip(double s, double t, double p[3]) {
+    /* It is tilted, so that its box meets that of the splat. */
+    p[0] = 0.5 + 0.2 * s, p[1] = 2 * t - 1, p[2] = rise + 0.08 * p[1];
+}
+
+/* A splat that is as steep outside its ellipse as a slope of 30, and a straight border that passes
+ * over it by 2.5 tolerances at its nearest: it is not on the splat's surface. Lowered onto it, it
+ * is, but not where its triangles face down. */
+static void test_on_surface(void **state) {
+    (void)state;
+    const double tolerance = 0.02;
+    for (int kind = 0; kind < 3; ++kind) {
+        fixture f;
+        rise = kind == 0 ? -2.5 * tolerance : 0;
+        fixture_grid(&f, 1, 1, place_strip);
+        for (size_t t = 0; t < 2 && kind == 2; ++t) {
+            uint32_t *c = f.mesh.triangles + 3 * t, swap = c[1];
+            c[1] = c[2], c[2] = swap;
+        }
+        fixture_build(&f);
+        psplat_region r = level_region(1, 0.1);
+        r.hessian[2] = 30;
+        double greatest;
+        size_t count = crossings(&f, &r, 0, tolerance, 0.01, &greatest);
+        if (kind == 1) {
+            /* At x = 0.5 the ellipse ends at y = 0.087, and at x = 0.7 at 0.071. */
+            assert_true(count > 0);
+            assert_true(greatest > 0.06 && greatest < 0.1);
+        } else {
+            assert_int_equal(count, 0);
+            /* Neither is it reported as one that is not too deep. */
+            assert_int_equal(crossings(&f, &r, 0, tolerance, 0.2, &greatest), 0);
+            assert_near(greatest, 0, 0);
+        }
+        fixture_free(&f);
+    }
+}
+
+/* ---- of its own sheet ------------------------------------------------------------------------ */
+
+/* A ramp of two turns, of which one lies above the other by less than the tolerance. */
+static void place_ramp(double s, double t, double p[3]) {
+    double angle = 4 * fixture_pi * s, radius = 2 - t;
+    p[0] = radius * cos(angle), p[1] = radius * sin(angle), p[2] = 0.004 * angle;
+}
+
+/* In the middle of the ramp its two ends are within the tolerance, above and below. They are of the
+ * same patch, but of other sheets than the splat's. The splat has another material than the ramp,
+ * so that nothing else lets a crossing pass. */
+static void test_own_sheet(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, 120, 6, place_ramp);
+    fixture_build(&f);
+    assert_int_equal(f.surface.patch_count, 1);
+    assert_int_equal(psplat_samples_draw_uniform(&f.surface, 20000, 7, &f.samples, NULL),
+                     PSPLAT_OK);
+    psplat_region r = level_region(0.3, 0.3);
+    r.center[0] = 1.5, r.center[2] = 0.004 * 2 * fixture_pi;
+    double greatest;
+    assert_int_equal(crossings(&f, &r, 1, 0.03, 0.1, &greatest), 0);
+    /* A splat at the inner border crosses it. */
+    r.center[0] = 1.05;
+    assert_true(crossings(&f, &r, 1, 0.03, 0.1, &greatest) > 0);
+    fixture_free(&f);
+}
+
+/* ---- seen ------------------------------------------------------------------------------------ */
+
+static double fold;
+static void place_fold(double s, double t, double p[3]) {
+    double x = 2 * s - 1;
+    p[0] = x < 0 ? x : x * cos(fold), p[1] = 2 * t - 1, p[2] = x < 0 ? 0 : -x * sin(fold);
+}
+
+/* Two squares of two groups meet at a crease. A splat of the first reaches over it by 0.08, four
+ * tolerances. Returns whether that counts. */
+static int is_counted(double angle, int is_painted, double *greatest) {
+    fixture f;
+    uint32_t groups[] = {0, 0, 1, 1};
+    psplat_source_material materials[2] = {{.material = {.base_color = {1, 0, 0, 1}}},
+                                           {.material = {.base_color = {0, 1, 0, 1}}}};
+    fold = angle;
+    fixture_grid(&f, 2, 1, place_fold);
+    f.mesh.groups = groups;
+    if (is_painted) f.mesh.source_materials = materials, f.mesh.source_material_count = 2;
+    fixture_build(&f);
+    assert_int_equal(f.surface.patch_count, 2);
+    fixture_sample(&f, 0.05);
+    psplat_region r = level_region(0.4, 0.3);
+    r.center[0] = -0.32;
+    int counted = crossings(&f, &r, 0, 0.02, 0.02, greatest) > 0;
+    f.mesh.groups = NULL, f.mesh.source_materials = NULL, f.mesh.source_material_count = 0;
+    fixture_free(&f);
+    return counted;
+}
+
+/* What a splat shows beyond a crease is seen to be wrong where the surface turns by 30 degrees or
+ * more, ends or is of another material; not where it just goes on. */
+static void test_seen(void **state) {
+    (void)state;
+    const double degree = fixture_pi / 180;
+    double greatest;
+    assert_int_equal(is_counted(0, 0, &greatest), 0);
+    assert_int_equal(is_counted(10 * degree, 0, &greatest), 0);
+    assert_int_equal(is_counted(35 * degree, 0, &greatest), 1);
+    /* The outline's polygon has 64 sides. */
+    assert_near(greatest, 0.08, 0.001);
+    assert_int_equal(is_counted(0, 1, &greatest), 1);
+    /* At 20 degrees the second square is more than a tolerance away where the splat ends. */
+    assert_int_equal(is_counted(20 * degree, 0, &greatest), 1);
+}
+
+int test_crease_crossings_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_on_surface),
+        cmocka_unit_test(test_own_sheet),
+        cmocka_unit_test(test_seen),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
