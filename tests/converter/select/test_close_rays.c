@@ -56,6 +56,7 @@ static void closing_begin(closing *r, const char *name, double tolerance, double
                                   .crease_slack = 0.3 * length,
                                   .margin = 0.5 * r->f.samples.spacing,
                                   .planar = planar,
+                                  .proven = 1,
                                   .distance = r->f.distance};
     const psplat_fit_context context = psplat_conversion_context(&r->c);
     assert_int_equal(psplat_greedy_cover(&context, &r->desc, &r->c.selection, NULL), PSPLAT_OK);
