@@ -127,9 +127,9 @@ static void place_fold(double s, double t, double p[3]) {
     p[0] = x < 0 ? x : x * cos(fold), p[1] = 2 * t - 1, p[2] = x < 0 ? 0 : -x * sin(fold);
 }
 
-/* Two squares of two groups meet at a crease. A splat of the first reaches over it by 0.08, four
- * tolerances. Returns whether that counts. */
-static int is_counted(double angle, int is_painted, double *greatest) {
+/* Two squares of two groups meet at a crease. A splat of the first reaches over it by 0.08. Returns
+ * whether that counts. */
+static int is_counted(double angle, int is_painted, double tolerance, double *greatest) {
     fixture f;
     uint32_t groups[] = {0, 0, 1, 1};
     psplat_source_material materials[2] = {{.material = {.base_color = {1, 0, 0, 1}}},
@@ -143,7 +143,7 @@ static int is_counted(double angle, int is_painted, double *greatest) {
     fixture_sample(&f, 0.05);
     psplat_region r = level_region(0.4, 0.3);
     r.center[0] = -0.32;
-    int counted = crossings(&f, &r, 0, 0.02, 0.02, greatest) > 0;
+    int counted = crossings(&f, &r, 0, tolerance, tolerance, greatest) > 0;
     f.mesh.groups = NULL, f.mesh.source_materials = NULL, f.mesh.source_material_count = 0;
     fixture_free(&f);
     return counted;
@@ -155,14 +155,17 @@ static void test_seen(void **state) {
     (void)state;
     const double degree = fixture_pi / 180;
     double greatest;
-    assert_int_equal(is_counted(0, 0, &greatest), 0);
-    assert_int_equal(is_counted(10 * degree, 0, &greatest), 0);
-    assert_int_equal(is_counted(35 * degree, 0, &greatest), 1);
+    assert_int_equal(is_counted(0, 0, 0.02, &greatest), 0);
+    assert_int_equal(is_counted(10 * degree, 0, 0.02, &greatest), 0);
+    assert_int_equal(is_counted(35 * degree, 0, 0.02, &greatest), 1);
     /* The outline's polygon has 64 sides. */
     assert_near(greatest, 0.08, 0.001);
-    assert_int_equal(is_counted(0, 1, &greatest), 1);
+    assert_int_equal(is_counted(0, 1, 0.02, &greatest), 1);
     /* At 20 degrees the second square is more than a tolerance away where the splat ends. */
-    assert_int_equal(is_counted(20 * degree, 0, &greatest), 1);
+    assert_int_equal(is_counted(20 * degree, 0, 0.02, &greatest), 1);
+    /* Within 0.05 it is not, up to 38 degrees: normals alone decide. */
+    assert_int_equal(is_counted(25 * degree, 0, 0.05, &greatest), 0);
+    assert_int_equal(is_counted(35 * degree, 0, 0.05, &greatest), 1);
 }
 
 int test_crease_crossings_main(void) {
