@@ -44,8 +44,8 @@ enum { MOVES_PER_SPLAT = 5 };
  * somewhere between these. Chosen by hand. */
 enum { PROVING_ROUNDS = 2 };
 
-/* The sharpness of the blending kernel (spec 3.7). At a rim weights end with e^-4 = 0.018 instead of
- * the default's 0.14, so that rims do not show; of 2, 3, 4 and 6 it gave the greatest SSIM of
+/* The sharpness of the blending kernel (spec 3.7). At a rim weights end with e^-4 = 0.018 instead
+ * of the default's 0.14, so that rims do not show; of 2, 3, 4 and 6 it gave the greatest SSIM of
  * pictures of curved splats, with normals as good. */
 static const float kernel_sharpness = 4;
 
@@ -188,8 +188,7 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
 }
 
 static void fill_splats(const psplat_conversion *c, const psplat_mesh *mesh) {
-    c->splats->kernel =
-        (psplat_kernel){kernel_sharpness, PSPLAT_DEFAULT_KERNEL_EXPONENT};
+    c->splats->kernel = (psplat_kernel){kernel_sharpness, PSPLAT_DEFAULT_KERNEL_EXPONENT};
     for (int k = 0; k < 3; ++k) c->splats->origin[k] = mesh->origin[k];
 }
 
