@@ -113,10 +113,10 @@ static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
  * are proven as they grow. */
 static psplat_result prove(psplat_conversion *c) {
     const psplat_fit_context context = psplat_conversion_context(c);
-    c->limits.proven = 1;
+    psplat_conversion_set_proven(c, 1);
     psplat_result result = psplat_prove_taken(c);
     if (!result) result = psplat_greedy_cover(&context, c->desc, &c->selection, NULL);
-    c->limits.proven = 0;
+    psplat_conversion_set_proven(c, 0);
     return result;
 }
 
@@ -172,7 +172,7 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     if (!result) result = improve(c, error);
     /* From here on, everything that may be taken is proven. */
     psplat_selection_drop_unproven(&c->selection);
-    c->limits.proven = 1;
+    psplat_conversion_set_proven(c, 1);
     if (!result) result = psplat_fill_holes(c, error);
     if (!result) result = quantize(c, error);
     if (result) return result;

@@ -33,8 +33,12 @@ static const double default_color_tolerance_percent = 10;
 static const double linear_color_tolerance = 0.06;
 
 /* The next five were chosen by hand. */
-/* The part of the tolerance that fits may use; the rest is for rounding to single precision. */
+/* The part of the tolerance that proven fits may use; the rest is for rounding to single precision.
+ */
 static const double fitted_part = 0.99;
+/* The part that fits may use which are measured at points only. Between these points they may leave
+ * the surface a little more, and one that does has to shrink until its proof holds. */
+static const double measured_part = 0.95;
 /* The part of a tolerance of normals that fits of curved splats may use. */
 static const double curved_normal_part = 0.95;
 /* How far creases may leave the plane of a splat, and how far a splat may reach over them, in parts
@@ -93,6 +97,11 @@ static double set_tolerance(psplat_conversion *c) {
     return c->percent * (c->diagonal / own);
 }
 
+void psplat_conversion_set_proven(psplat_conversion *c, int proven) {
+    c->limits.proven = proven;
+    c->limits.tolerance = (proven ? fitted_part : measured_part) * c->tolerance;
+}
+
 /* Returns the part of the tolerance of normals that fits may use. The normals of curved splats bend
  * away between the last samples and the rim. */
 static double normal_part(const psplat_convert_desc *desc) {
@@ -106,8 +115,7 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     double spacing = spacing_percent / 100 * c->surface.diagonal * sqrt(effective_percent);
     c->finest = spacing;
     c->limits =
-        (psplat_limits){.tolerance = fitted_part * c->tolerance,
-                        .crease_tolerance = crease_tolerance_part * c->tolerance,
+        (psplat_limits){.crease_tolerance = crease_tolerance_part * c->tolerance,
                         .crease_slack = crease_slack_part * c->tolerance,
                         .normal_tolerance = normal_part(c->desc) *
                                             c->desc->normal_tolerance_degrees * PSPLAT_DEGREE,
@@ -115,6 +123,7 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
                         .planar = c->desc->planar,
                         .color_tolerance = color_limit,
                         .constant_colors = has_constant_colors(c->desc, color_limit)};
+    psplat_conversion_set_proven(c, 0);
     double expected = c->surface.area / (spacing * spacing);
     if (!(expected <= most_samples))
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,

@@ -100,6 +100,10 @@ void psplat_conversion_free(psplat_conversion *c);
  */
 psplat_fit_context psplat_conversion_context(const psplat_conversion *c);
 
+/* Says whether fits are proven from here on (psplat_limits.proven), and sets the part of the
+ * tolerance that they may use. */
+void psplat_conversion_set_proven(psplat_conversion *c, int proven);
+
 /* Reports progress to desc->progress. Returns whether the conversion is to stop. */
 int psplat_conversion_interrupted(const psplat_convert_desc *desc, const char *stage,
                                   double fraction);

@@ -20,9 +20,6 @@ static psplat_result prove(const psplat_fit_context *context, size_t index, void
 }
 
 psplat_result psplat_prove_taken(psplat_conversion *c) {
-    psplat_limits limits = c->limits;
-    psplat_fit_context context = psplat_conversion_context(c);
-    limits.proven = 1;
-    context.limits = &limits;
+    const psplat_fit_context context = psplat_conversion_context(c);
     return psplat_fit_each(&context, c->selection.count, prove, &c->selection);
 }

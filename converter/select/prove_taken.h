@@ -9,8 +9,9 @@
 
 #include "select/conversion.h"
 
-/* Proves each taken candidate (psplat_prove_candidate), on all cores. Those that change
- * may leave holes. Fails only with PSPLAT_ERROR_MEMORY. */
+/* Proves each taken candidate (psplat_prove_candidate), on all cores, within the limits of proven
+ * fits (psplat_conversion_set_proven). Those that change may leave holes. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_prove_taken(psplat_conversion *c);
 
 #endif
