@@ -4,6 +4,8 @@
  *
  *     minimal part.glb part.ppm
  */
+#include "decode_image.h"
+
 #include <phongsplat/host.h>
 #include <phongsplat/phongsplat.h>
 
@@ -70,7 +72,8 @@ int main(int argc, char **argv) {
     psplat_asset_desc asset_desc = {.only_draws = 1};
     if (psplat_asset_open(argv[1], &asset_desc, &asset, &error)) return fail(&error);
     if (psplat_host_create(PSPLAT_API_GL, 0, &host, &error)) return fail(&error);
-    psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = host};
+    psplat_renderer_desc desc = {
+        .get_proc = psplat_host_get_proc, .user = host, .images = decode_images()};
     if (psplat_renderer_create(&desc, &renderer, &error)) return fail(&error);
     if (psplat_model_create(renderer, asset, &model, &error)) return fail(&error);
 

@@ -11,8 +11,8 @@
  *
  * Divisions and square roots are what a fragment costs, so that their number is kept low.
  *
- * gl_program.c defines PASS, CLIP_COUNT, BENDS, SHAPE, COLOR, FINISH, FIELD and TWO_SIDED. sums.glsl
- * comes before this file.
+ * gl_program.c defines PASS, CLIP_COUNT, BENDS, SHAPE, COLOR, FINISH, FIELD, TWO_SIDED, TEXTURED,
+ * MASK and NORMAL_MAP. maps.glsl, where splats are textured, and sums.glsl come before this file.
  */
 #if defined(GL_ARB_conservative_depth) || defined(GL_EXT_conservative_depth)
 /* GPUs can go on testing depth before they shade: curved.vert puts billboards before patches. */
@@ -168,13 +168,50 @@ float shift_of(Hit hit, vec3 normal, float root) {
 }
 #endif
 
+#if TEXTURED
+/* Returns the derivatives of (u, v) by window x and y, of which the billboard's point has those
+ * given, along the plane that touches the patch. Neighbours of the pixel may not meet the patch, so
+ * that the roots themselves have no derivatives. With the point p = e + k d on a ray d from the eye
+ * e, dp = k dd + d dk has no part along the normal, which gives dk. On a contour it is infinite;
+ * there it stays a number, or GLs might sample anything. */
+mat2 reach_of(Hit hit, vec2 slope, vec3 second, vec3 by_x, vec3 by_y) {
+    vec3 ray = u_shift.y * v_local.xyz - v_eye.xyz;
+    vec3 normal = vec3(-gradient(slope, second, hit.uv), 1.0);
+    float facing = dot(normal, ray);
+    vec2 along = ray.xy / (abs(facing) > 1e-12 ? facing : 1e-12);
+    float k = 1.0 + u_shift.y * hit.t;
+    return mat2(k * (by_x.xy - dot(normal, by_x) * along),
+                k * (by_y.xy - dot(normal, by_y) * along));
+}
+#endif
+
+#if NORMAL_MAP
+/* Returns the normal that the texture makes of another. The columns of the matrix from local
+ * coordinates to eye space are cross products of those for normals, but for one factor. */
+vec3 turn_by_map(Place place, vec3 normal, vec2 gradient) {
+    vec3 x = cross(v_normal_y, v_normal_z), y = cross(v_normal_z, v_normal_x);
+    vec3 z = cross(v_normal_x, v_normal_y);
+    float side = sign(dot(x, v_normal_x));
+    return turn_normal(place, normal, side * (x + gradient.x * z), side * (y + gradient.y * z));
+}
+#endif
+
 void main() {
+#if TEXTURED
+    vec3 by_x = dFdx(v_local.xyz), by_y = dFdy(v_local.xyz);
+#endif
     vec2 slope = v_shape.xy;
     vec3 second = vec3(v_shape.zw, v_eye.w);
     Hit hit;
     bool is_back;
     float root;
     if (!find_hit(slope, second, hit, is_back, root)) discard;
+#if TEXTURED
+    mat2 reach = reach_of(hit, slope, second, by_x, by_y);
+#endif
+#if MASK
+    if (is_masked(hit.uv, reach)) discard;
+#endif
 #if PASS == PSPLAT_PASS_VISIBILITY
     vec3 normal = normal_of(gradient(slope, second, hit.uv));
     gl_FragDepth = u_depth_range.x * (hit.ndc + shift_of(hit, normal, root)) + u_depth_range.y;
@@ -189,12 +226,14 @@ void main() {
 #if PASS == PSPLAT_PASS_PARAMETERS
     write_parameters(hit.uv, v_index, depth);
 #elif PASS != PSPLAT_PASS_VISIBILITY
+#if NORMAL_MAP
+    vec2 rise = gradient(slope, second, hit.uv);
+#endif
 #if SHAPE
     slope = vec2(v_field_x, v_field_y);
     second = vec3(v_field_xx, v_field_xy, v_field_yy);
 #endif
     vec3 normal = normal_of(FIELD == 1 ? gradient(slope, second, hit.uv) : slope);
-    if (is_back) normal = -normal;
     vec3 color = vec3(1.0), surface = vec3(1.0), emissive = vec3(1.0);
 #if FINISH
     color = v_color;
@@ -207,6 +246,14 @@ void main() {
 #elif COLOR
     color = v_color;
 #endif
+#if TEXTURED
+    Place place = place_of_colors(hit.uv, reach);
+    apply_maps(place, color, surface, emissive);
+#endif
+#if NORMAL_MAP
+    normal = turn_by_map(place, normal, rise);
+#endif
+    if (is_back) normal = -normal;
     float weight = weight_of(dot(hit.uv, hit.uv), 1.0);
     write_sums(weight, depth, normal, color, surface, emissive);
 #endif

@@ -9,8 +9,8 @@
  * unit disc and its patch the height field h = slope . uv + uv H uv / 2. They are an affine image of
  * eye space, whatever the model matrix is; rays, order along rays and sides stay what they are.
  *
- * gl_program.c defines PASS, CLIP_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA and
- * TWO_SIDED. splat_data.glsl and shift.glsl come before this file.
+ * gl_program.c defines PASS, CLIP_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
+ * TWO_SIDED and TEXTURED. splat_data.glsl and shift.glsl come before this file.
  */
 uniform mat3 u_ray;         /* from (pixel x, pixel y, 1) to the view ray */
 uniform float u_unstretch;  /* from lengths in eye space to lengths in object space, on average */
@@ -56,6 +56,9 @@ flat out vec3 v_emissive;
 #elif COLOR
 flat out vec3 v_color;
 #endif
+#endif
+#if TEXTURED
+flat out float v_splat;     /* the splat's index in the batch; below 2^24, so that it is exact */
 #endif
 #if CLIP_COUNT > 0
 flat out LINE_TYPE v_lines[CLIP_COUNT];
@@ -206,6 +209,9 @@ void main() {
     v_eye = vec4(eye, surface.second.z);
     v_shape = vec4(surface.slope, surface.second.xy);
 
+#if TEXTURED
+    v_splat = float(splat);
+#endif
 #if CLIP_COUNT > 0
     for (int i = 0; i < CLIP_COUNT; ++i)
         v_lines[i] = LINE_TYPE(texelFetch(u_clips, ivec2(place.x * CLIP_COUNT + i, place.y), 0));

@@ -31,7 +31,11 @@
  * batch's lines are bent, of an RGBA32F texture (a, b, c, kappa). Finishes (the parts of a material
  * that vary over a batch, spec 3.10) lie in another one, up to 4 texels a splat: occlusion,
  * roughness, metallic; emissive; change of colour with u; change of colour with v. The
- * PSPLAT_FINISH_ bits say which of them a batch has. */
+ * PSPLAT_FINISH_ bits say which of them a batch has.
+ *
+ * Texture coordinates (spec 3.11) lie in rows of an RGB32F texture, 2 texels a splat, or 4 where they
+ * have a second order: T0, T_u, T_v, T_uu, T_uv, T_vv, two numbers each. Where splats have colours it
+ * is an RGBA32F texture, and the fourth numbers are the alpha of COLOR_0. */
 #define PSPLAT_SPLAT_ROW_BITS(is_wide, has_shape) (9 - (is_wide) * (has_shape))
 #define PSPLAT_SPLAT_TEXELS 3
 #define PSPLAT_FINISH_SURFACE 1
@@ -44,12 +48,19 @@
 #define PSPLAT_UNIT_SPLATS 0
 #define PSPLAT_UNIT_CLIPS 1
 #define PSPLAT_UNIT_FINISHES 2
+#define PSPLAT_UNIT_TEXCOORDS 3
 #define PSPLAT_UNIT_DEPTH 4
 #define PSPLAT_UNIT_SHADOWS 5
 #define PSPLAT_UNIT_DIFFUSE 6
 #define PSPLAT_UNIT_GLOSSY 7
 #define PSPLAT_UNIT_SPLIT_SUM 8
 #define PSPLAT_UNIT_COUNT 9
+
+/* The textures of materials are on further units, which only frames with such textures touch: one
+ * for each psplat_texture_slot. */
+#define PSPLAT_UNIT_MAPS 9
+#define PSPLAT_MAP_COUNT 5
+#define PSPLAT_UNIT_COUNT_MAPS 14
 
 /* Texels along an edge of the table of a and b of eq. (9). Its axes are the square root of n.e,
  * because a and b change most at grazing angles, and roughness. */

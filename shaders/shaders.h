@@ -12,6 +12,7 @@ extern const char psplat_shader_splat_data_glsl[];
 extern const char psplat_shader_shift_glsl[];
 extern const char psplat_shader_splat_vert[];
 extern const char psplat_shader_curved_vert[];
+extern const char psplat_shader_maps_glsl[];
 extern const char psplat_shader_sums_glsl[];
 extern const char psplat_shader_splat_frag[];
 extern const char psplat_shader_curved_frag[];

@@ -3,8 +3,8 @@
  * splat.frag - the fragments of one flat splat. Those outside the ellipse or a clip line are
  * discarded; the others add to the sums of spec 5.4.
  *
- * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, BENDS, COLOR, FINISH, NEAR and FILTER. sums.glsl
- * comes before this file.
+ * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, BENDS, COLOR, FINISH, NEAR, FILTER, TEXTURED,
+ * MASK and NORMAL_MAP. maps.glsl, where splats are textured, and sums.glsl come before this file.
  */
 #if FILTER
 in vec4 v_uv;
@@ -26,6 +26,10 @@ flat in vec3 v_emissive;
 #elif COLOR
 flat in vec3 v_color;
 #endif
+#endif
+#if NORMAL_MAP
+flat in vec3 v_axis_u;
+flat in vec3 v_axis_v;
 #endif
 #if CLIP_COUNT > 0
 in CLIP_TYPE v_clip;
@@ -87,9 +91,27 @@ float filter_of() {
     return factor;
 }
 
+#if TEXTURED
+/* Returns the derivatives of (u, v) by window x and y. It has to be called before a discard, after
+ * which neighbours of a pixel have none. 1 / w and (u, v) / w are linear over the window, so that
+ * their differences between pixels are their derivatives. */
+mat2 reach_of() {
+    float inverse_w = gl_FragCoord.w;
+    vec2 uv = v_uv.xy, over_w = uv * inverse_w;
+    return mat2(dFdx(over_w) - uv * dFdx(inverse_w), dFdy(over_w) - uv * dFdy(inverse_w)) /
+           inverse_w;
+}
+#endif
+
 void main() {
     float r2 = dot(v_uv.xy, v_uv.xy);
+#if TEXTURED
+    mat2 reach = reach_of();
+#endif
     discard_outside(r2);
+#if MASK
+    if (is_masked(v_uv.xy, reach)) discard;
+#endif
 
 #if PASS == PSPLAT_PASS_PARAMETERS
     write_parameters(v_uv.xy, v_index, gl_FragCoord.z);
@@ -106,6 +128,14 @@ void main() {
 #elif COLOR
     color = v_color;
 #endif
-    write_sums(weight_of(r2, filter_of()), depth, v_normal, color, surface, emissive);
+    vec3 normal = v_normal;
+#if TEXTURED
+    Place place = place_of_colors(v_uv.xy, reach);
+    apply_maps(place, color, surface, emissive);
+#endif
+#if NORMAL_MAP
+    normal = turn_normal(place, normal, v_axis_u, v_axis_v);
+#endif
+    write_sums(weight_of(r2, filter_of()), depth, normal, color, surface, emissive);
 #endif
 }

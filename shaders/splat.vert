@@ -7,7 +7,7 @@
  * drawn by this shader too, as the ellipses in their tangent planes (spec 5.1).
  *
  * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
- * NEAR, TWO_SIDED, FILTER and TANGENT. splat_data.glsl and shift.glsl come before this file.
+ * NEAR, TWO_SIDED, FILTER, TANGENT, TEXTURED and NORMAL_MAP. splat_data.glsl and shift.glsl come before this file.
  */
 invariant gl_Position;
 
@@ -33,6 +33,13 @@ flat out vec3 v_emissive;
 #elif COLOR
 flat out vec3 v_color;
 #endif
+#endif
+#if TEXTURED
+flat out float v_splat;   /* the splat's index in the batch; below 2^24, so that it is exact */
+#endif
+#if NORMAL_MAP
+flat out vec3 v_axis_u;   /* derivatives by u and v of the point in eye space, in radii */
+flat out vec3 v_axis_v;
 #endif
 #if CLIP_COUNT > 0
 out CLIP_TYPE v_clip;
@@ -244,6 +251,13 @@ void main() {
     /* The length is about 1 whatever the unit of the scene is, so that squares stay in the range of
      * float. */
     float length2 = dot(rotation, rotation);
+#if TEXTURED
+    v_splat = float(splat);
+#endif
+#if NORMAL_MAP
+    v_axis_u = mat3(u_modelview) * plane[0] * (u_unstretch / length2);
+    v_axis_v = mat3(u_modelview) * plane[1] * (u_unstretch / length2 * center.w);
+#endif
     vec3 normal = u_normal_matrix * (up / length2);
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR
@@ -259,8 +273,13 @@ void main() {
     v_normal = normal_of(texel, axes, length2, center.w, uv);
 #if TWO_SIDED
     mat3 normals = u_normal_matrix * (axes / length2);
-    if (is_behind(texel, normals, normal, center.w, u_unstretch / length2, eye_center))
+    if (is_behind(texel, normals, normal, center.w, u_unstretch / length2, eye_center)) {
         v_normal = -v_normal;
+#if NORMAL_MAP
+        v_axis_u = -v_axis_u; /* what the texture makes of the normal is negated, too */
+        v_axis_v = -v_axis_v;
+#endif
+    }
 #endif
 #if FINISH
     /* Eq. (4a) is linear in (u, v), so the rasteriser interpolates it exactly. */

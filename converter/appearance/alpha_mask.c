@@ -372,7 +372,7 @@ psplat_result psplat_alpha_mask_cut(const psplat_mesh *mesh, double step, psplat
     memcpy(c.mesh.positions, mesh->positions, 3 * mesh->vertex_count * sizeof(double));
     for (size_t t = 0; t < mesh->triangle_count; ++t)
         store_triangle(&c.mesh, t, mesh, t, corners, mesh->triangles + 3 * t);
-    if (psplat_appearance_build(&c.mesh, 0, &c.appearance))
+    if (psplat_appearance_build(&c.mesh, 0, 0, &c.appearance))
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while cutting a mask");
     for (int pass = 0, done = 0; !result && !done && pass < MAX_PASSES; ++pass)
         result = refine(&c, &done, error);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * appearance.c - baking of textures, vertex colours and normal maps at points of a mesh.
+ * appearance.c - what splats keep of textures, and the baking of the others, of vertex colours and
+ * of normal maps at points of a mesh.
  *
  * The disc around a point becomes an ellipse in each image, over which the texture is averaged.
  */
@@ -9,6 +10,7 @@
 #include "base/vector.h"
 #include "material/mipmap.h"
 #include "material/source_materials.h"
+#include "material/texture_repeats.h"
 #include "material/texture_sampling.h"
 #include "mesh/mesh.h"
 
@@ -16,19 +18,109 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- building ------------------------------------------------------------------------------- */
-
 static int is_readable(const psplat_mesh *mesh, const psplat_texture_info *texture) {
     return texture->image && texture->image->pixels && texture->texcoord < PSPLAT_TEXCOORDS &&
            mesh->corner_uvs[texture->texcoord];
 }
 
-/* Finds the mipmap of an image, and builds it unless another texture has needed it before. *found
- * is NULL if the texture cannot be read. */
-static psplat_result find_mipmap(psplat_appearance *appearance, const psplat_texture_info *texture,
-                                 int is_srgb, const psplat_mipmap **found) {
+static size_t group_of(const psplat_mesh *mesh, size_t triangle) {
+    return mesh->groups ? mesh->groups[triangle] : 0;
+}
+
+/* ---- what is kept ---------------------------------------------------------------------------- */
+
+/* Returns whether a texture in this slot of the material shows: unlit materials show their base
+ * colour alone, and nothing comes of a texture times a factor of 0. */
+static int shows(const psplat_material *m, psplat_texture_slot slot) {
+    if (slot == PSPLAT_TEXTURE_BASE_COLOR) return 1;
+    if (slot == PSPLAT_TEXTURE_EMISSIVE)
+        return !m->unlit && (m->emissive[0] > 0 || m->emissive[1] > 0 || m->emissive[2] > 0);
+    return !m->unlit;
+}
+
+static int may_be_kept(const psplat_mesh *mesh, const psplat_source_material *material,
+                       psplat_texture_slot slot) {
+    return material->material.textures[slot].image != 0 && shows(&material->material, slot) &&
+           is_readable(mesh, psplat_source_texture(material, slot));
+}
+
+uint32_t psplat_appearance_set_to_keep(const psplat_mesh *mesh) {
+    size_t uses[2][PSPLAT_TEXCOORDS] = {{0}}; /* of base colours, and of other textures */
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        if (group_of(mesh, t) >= mesh->source_material_count) continue;
+        const psplat_source_material *m = &mesh->source_materials[group_of(mesh, t)];
+        for (psplat_texture_slot slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot)
+            if (may_be_kept(mesh, m, slot))
+                ++uses[slot != PSPLAT_TEXTURE_BASE_COLOR][psplat_source_texture(m, slot)->texcoord];
+    }
+    for (int others = 0; others < 2; ++others) {
+        uint32_t most = 0;
+        for (uint32_t set = 1; set < PSPLAT_TEXCOORDS; ++set)
+            if (uses[others][set] > uses[others][most]) most = set;
+        if (uses[others][most]) return most;
+    }
+    return PSPLAT_NONE;
+}
+
+/* Sums up what the textures that a material keeps have in common. */
+static void measure_kept(const psplat_source_material *material, psplat_kept_textures *kept) {
+    for (int axis = 0; axis < 2; ++axis) {
+        kept->repeats[axis] = psplat_textures_repeat(kept->textures, axis);
+        for (psplat_texture_slot slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot) {
+            double move[2];
+            if (!kept->textures[slot].image) continue;
+            const psplat_image *image = psplat_source_texture(material, slot)->image;
+            psplat_texture_move(&kept->textures[slot], axis, move);
+            kept->texels[axis] =
+                max2(kept->texels[axis], hypot(image->width * move[0], image->height * move[1]));
+        }
+    }
+}
+
+static void keep_textures(psplat_appearance *appearance, size_t group) {
+    const psplat_source_material *m = &appearance->mesh->source_materials[group];
+    psplat_kept_textures *kept = &appearance->kept[group];
+    int any = 0;
+    for (psplat_texture_slot slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot) {
+        if (!may_be_kept(appearance->mesh, m, slot) ||
+            psplat_source_texture(m, slot)->texcoord != appearance->kept_set)
+            continue;
+        kept->textures[slot] = m->material.textures[slot];
+        any = 1;
+    }
+    if (any) measure_kept(m, kept);
+}
+
+const psplat_kept_textures *psplat_appearance_kept(const psplat_appearance *appearance,
+                                                   uint32_t triangle) {
+    size_t group = group_of(appearance->mesh, triangle);
+    if (!appearance->kept || group >= appearance->mesh->source_material_count) return NULL;
+    for (psplat_texture_slot slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot)
+        if (appearance->kept[group].textures[slot].image) return &appearance->kept[group];
+    return NULL;
+}
+
+void psplat_appearance_settle_textures(const psplat_appearance *appearance, size_t group,
+                                       psplat_material *material) {
+    static const psplat_texture none[PSPLAT_TEXTURE_SLOTS];
+    int is_kept = appearance->kept && group < appearance->mesh->source_material_count;
+    memcpy(material->textures, is_kept ? appearance->kept[group].textures : none, sizeof none);
+}
+
+/* ---- building -------------------------------------------------------------------------------- */
+
+/* Finds the mipmap of a texture, and builds it unless another texture has needed it before. *found
+ * is NULL if the texture cannot be read, or is kept. */
+static psplat_result find_mipmap(psplat_appearance *appearance, size_t group,
+                                 psplat_texture_slot slot, const psplat_mipmap **found) {
+    const psplat_texture_info *texture =
+        psplat_source_texture(&appearance->mesh->source_materials[group], slot);
+    int is_srgb = slot == PSPLAT_TEXTURE_BASE_COLOR || slot == PSPLAT_TEXTURE_EMISSIVE;
     *found = NULL;
     if (!is_readable(appearance->mesh, texture)) return PSPLAT_OK;
+    if (appearance->kept && (appearance->kept[group].textures[slot].image ||
+                             !shows(&appearance->mesh->source_materials[group].material, slot)))
+        return PSPLAT_OK;
     for (size_t i = 0; i < appearance->mipmap_count; ++i)
         if (appearance->mipmaps[i].image == texture->image &&
             appearance->mipmaps[i].is_srgb == is_srgb) {
@@ -44,14 +136,18 @@ static psplat_result find_mipmap(psplat_appearance *appearance, const psplat_tex
 }
 
 /* Prepares the textures of one material. */
-static psplat_result add_textures(psplat_appearance *appearance, const psplat_source_material *a,
-                                  psplat_material_textures *textures) {
-    psplat_result result = find_mipmap(appearance, &a->base_color, 1, &textures->base_color);
-    if (!result) result = find_mipmap(appearance, &a->emissive, 1, &textures->emissive);
-    if (!result)
-        result = find_mipmap(appearance, &a->metallic_roughness, 0, &textures->metallic_roughness);
-    if (!result) result = find_mipmap(appearance, &a->occlusion, 0, &textures->occlusion);
-    if (!result) result = find_mipmap(appearance, &a->normal, 0, &textures->normal);
+static psplat_result add_textures(psplat_appearance *appearance, size_t group) {
+    psplat_material_textures *textures = &appearance->material_textures[group];
+    const psplat_mipmap **const slots[PSPLAT_TEXTURE_SLOTS] = {
+        [PSPLAT_TEXTURE_BASE_COLOR] = &textures->base_color,
+        [PSPLAT_TEXTURE_METALLIC_ROUGHNESS] = &textures->metallic_roughness,
+        [PSPLAT_TEXTURE_NORMAL] = &textures->normal,
+        [PSPLAT_TEXTURE_OCCLUSION] = &textures->occlusion,
+        [PSPLAT_TEXTURE_EMISSIVE] = &textures->emissive};
+    psplat_result result = PSPLAT_OK;
+    if (appearance->kept) keep_textures(appearance, group);
+    for (psplat_texture_slot slot = 0; !result && slot < PSPLAT_TEXTURE_SLOTS; ++slot)
+        result = find_mipmap(appearance, group, slot, slots[slot]);
     appearance->has_color |= textures->base_color != NULL;
     appearance->has_normals |= textures->normal != NULL;
     appearance->has_finish |= textures->metallic_roughness != NULL || textures->occlusion != NULL;
@@ -59,28 +155,34 @@ static psplat_result add_textures(psplat_appearance *appearance, const psplat_so
     return result;
 }
 
-static size_t group_of(const psplat_mesh *mesh, size_t triangle) {
-    return mesh->groups ? mesh->groups[triangle] : 0;
+/* Allocates what there is of each of count materials. */
+static psplat_result allocate(psplat_appearance *appearance, size_t count, uint8_t **used) {
+    *used = calloc(count, 1);
+    appearance->material_textures = calloc(count, sizeof *appearance->material_textures);
+    appearance->mipmaps = calloc(PSPLAT_TEXTURE_SLOTS * count, sizeof *appearance->mipmaps);
+    if (appearance->kept_set != PSPLAT_NONE)
+        appearance->kept = calloc(count, sizeof *appearance->kept);
+    return *used && appearance->material_textures && appearance->mipmaps &&
+                   (appearance->kept || appearance->kept_set == PSPLAT_NONE)
+               ? PSPLAT_OK
+               : PSPLAT_ERROR_MEMORY;
 }
 
-psplat_result psplat_appearance_build(const psplat_mesh *mesh, double diameter,
+psplat_result psplat_appearance_build(const psplat_mesh *mesh, double diameter, int keeps_textures,
                                       psplat_appearance *appearance) {
     size_t count = mesh->source_material_count;
+    uint8_t *used;
     *appearance = (psplat_appearance){
-        .mesh = mesh, .diameter = diameter, .has_color = mesh->corner_colors != NULL};
+        .mesh = mesh,
+        .diameter = diameter,
+        .has_color = mesh->corner_colors != NULL,
+        .kept_set = keeps_textures ? psplat_appearance_set_to_keep(mesh) : PSPLAT_NONE};
     if (!count) return PSPLAT_OK;
-    uint8_t *used = calloc(count, 1);
-    appearance->material_textures = calloc(count, sizeof *appearance->material_textures);
-    appearance->mipmaps = calloc(5 * count, sizeof *appearance->mipmaps);
-    psplat_result result = used && appearance->material_textures && appearance->mipmaps
-                               ? PSPLAT_OK
-                               : PSPLAT_ERROR_MEMORY;
+    psplat_result result = allocate(appearance, count, &used);
     for (size_t t = 0; !result && t < mesh->triangle_count; ++t)
         if (group_of(mesh, t) < count) used[group_of(mesh, t)] = 1;
     for (size_t i = 0; !result && i < count; ++i)
-        if (used[i])
-            result = add_textures(appearance, &mesh->source_materials[i],
-                                  &appearance->material_textures[i]);
+        if (used[i]) result = add_textures(appearance, i);
     free(used);
     return result;
 }
@@ -90,6 +192,7 @@ void psplat_appearance_free(psplat_appearance *appearance) {
         psplat_mipmap_free(&appearance->mipmaps[i]);
     free(appearance->mipmaps);
     free(appearance->material_textures);
+    free(appearance->kept);
     *appearance = (psplat_appearance){0};
 }
 

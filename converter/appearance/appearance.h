@@ -17,24 +17,53 @@ typedef struct psplat_material_textures {
     const psplat_mipmap *base_color, *metallic_roughness, *normal, *occlusion, *emissive;
 } psplat_material_textures;
 
+/* What a material keeps of its textures: those that use the set of coordinates that splats keep. */
+typedef struct psplat_kept_textures {
+    psplat_texture textures[PSPLAT_TEXTURE_SLOTS]; /* image 0: baked, or none */
+    double texels[2]; /* of the largest of them, per unit of s and of t, with its transform; 0 where
+                         the material keeps none, so that its triangles have no coordinates */
+    int repeats[2];   /* whole numbers by which coordinates may differ along s and t without a
+                         change: 1 where all repeat, 2 where all repeat or mirror, 0: none */
+} psplat_kept_textures;
+
 /* A mesh whose textures are ready to be sampled. */
 typedef struct psplat_appearance {
     const psplat_mesh *mesh;
-    psplat_material_textures *material_textures; /* of each material of the mesh */
+    psplat_material_textures *material_textures; /* of each material of the mesh: what is baked */
     psplat_mipmap *mipmaps;
     size_t mipmap_count;
     double diameter; /* of the disc that textures are averaged over, in units of the mesh */
-    /* Which values of psplat_baked_point vary over the mesh, since textures or corner colours say
-     * so: */
+    /* Which values of psplat_baked_point vary over the mesh, since textures that are baked or
+     * corner colours say so: */
     int has_color, has_normals, has_finish, has_emissive;
+    /* The set of texture coordinates that splats keep, or PSPLAT_NONE: all textures are baked. */
+    uint32_t kept_set;
+    psplat_kept_textures
+        *kept; /* of each material of the mesh; NULL where kept_set is PSPLAT_NONE */
 } psplat_appearance;
 
-/* Builds the mipmaps of the textures that the mesh's groups use. The mesh must live as long.
- * diameter may be changed later. Fails only with PSPLAT_ERROR_MEMORY; call psplat_appearance_free
- * also then. */
-psplat_result psplat_appearance_build(const psplat_mesh *mesh, double diameter,
+/* Returns the set of texture coordinates that splats of the mesh keep: that of the base colours of
+ * most triangles, else that of the other textures of most, else PSPLAT_NONE. Only textures that
+ * their material describes in psplat_material.textures can be kept. */
+uint32_t psplat_appearance_set_to_keep(const psplat_mesh *mesh);
+
+/* Decides which textures of the mesh's groups are kept (those of one set of coordinates; with
+ * keeps_textures 0, none), and builds the mipmaps of the rest, which is baked. The mesh must live
+ * as long. diameter may be changed later. Fails only with PSPLAT_ERROR_MEMORY; call
+ * psplat_appearance_free also then. */
+psplat_result psplat_appearance_build(const psplat_mesh *mesh, double diameter, int keeps_textures,
                                       psplat_appearance *appearance);
 void psplat_appearance_free(psplat_appearance *appearance);
+
+/* Returns the textures that a triangle's material keeps, or NULL where it keeps none, so that the
+ * triangle has no coordinates. */
+const psplat_kept_textures *psplat_appearance_kept(const psplat_appearance *appearance,
+                                                   uint32_t triangle);
+
+/* Makes the textures of a material of the mesh, the group-th or that of the whole mesh, those that
+ * it keeps. */
+void psplat_appearance_settle_textures(const psplat_appearance *appearance, size_t group,
+                                       psplat_material *material);
 
 /* The baked values at one point of a mesh. */
 typedef struct psplat_baked_point {
@@ -44,14 +73,15 @@ typedef struct psplat_baked_point {
     float emissive[3]; /* relative to the emissive factor */
 } psplat_baked_point;
 
-/* Bakes the mean appearance of the mesh over a disc of the appearance's diameter around a point of
- * a triangle, in the triangle's plane. normal is the unit normal of the surface at the point. */
+/* Bakes what of the appearance of the mesh is not kept: its mean over a disc of the appearance's
+ * diameter around a point of a triangle, in the triangle's plane. normal is the unit normal of the
+ * surface at the point. */
 void psplat_appearance_bake(const psplat_appearance *appearance, uint32_t triangle,
                             const double barycentric[3], const float normal[3],
                             psplat_baked_point *baked);
 
 /* Returns the mean alpha over the same disc, times its factor, or 1 if the material of the triangle
- * has no mask. */
+ * has no mask. A base colour texture that is kept counts as opaque. */
 double psplat_appearance_alpha(const psplat_appearance *appearance, uint32_t triangle,
                                const double barycentric[3]);
 

@@ -71,7 +71,8 @@ static psplat_result open_asset(const timing *t, size_t row, psplat_measured_ass
 /* A simplified mesh is drawn by picture views of its own, whose pictures are of no use here. */
 static psplat_result make_views(const timing *t, psplat_measured_asset *asset,
                                 psplat_error *error) {
-    const psplat_picture_views_desc desc = {t->context->host, asset->source_mesh, 16};
+    const psplat_picture_views_desc desc = {
+        .host = t->context->host, .source = asset->source_mesh, .size = 16};
     return asset->source_mesh ? psplat_picture_views_create(&desc, &asset->views, error)
                               : PSPLAT_OK;
 }

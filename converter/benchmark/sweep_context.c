@@ -14,6 +14,7 @@
 #include "import/read_mesh.h"
 #include "mesh/mesh.h"
 #include "views/gl_context.h"
+#include "views/image_loader.h"
 #include "views/picture_views.h"
 
 #include <phongsplat/phongsplat.h>
@@ -63,7 +64,8 @@ static psplat_result hash_source(psplat_sweep_context *context, psplat_error *er
 
 static psplat_result open_graphics(psplat_sweep_context *context, psplat_error *error) {
     psplat_result result = psplat_context_create(context->software, &context->host, error);
-    const psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = context->host};
+    const psplat_renderer_desc desc = {
+        .get_proc = psplat_host_get_proc, .user = context->host, .images = psplat_image_loader()};
     return result ? result : psplat_renderer_create(&desc, &context->renderer, error);
 }
 
@@ -92,6 +94,7 @@ psplat_result psplat_sweep_context_source_mesh(psplat_sweep_context *context, ps
 psplat_result psplat_sweep_context_views(psplat_sweep_context *context, psplat_error *error) {
     if (context->views) return PSPLAT_OK;
     psplat_result result = psplat_sweep_context_source_mesh(context, error);
-    const psplat_picture_views_desc desc = {context->host, context->source_mesh, context->size};
+    const psplat_picture_views_desc desc = {
+        .host = context->host, .source = context->source_mesh, .size = context->size};
     return result ? result : psplat_picture_views_create(&desc, &context->views, error);
 }

@@ -214,9 +214,8 @@ static int erosion_of(const arguments *a, const subjects *s) {
     return 2 + (int)ceil(reach * a->size / (2 * s->source->radius));
 }
 
-static psplat_result create_pictures(const arguments *a, subjects *s, psplat_error *error) {
-    psplat_result result = psplat_context_create(a->software, &s->host, error);
-    if (result) return result;
+static psplat_result create_pictures(const arguments *a, subjects *s, psplat_shading shading,
+                                     psplat_asset_pictures **pictures, psplat_error *error) {
     const psplat_asset_pictures_desc desc = {.host = s->host,
                                              .source = s->source,
                                              .asset = s->asset,
@@ -224,8 +223,27 @@ static psplat_result create_pictures(const arguments *a, subjects *s, psplat_err
                                              .mode = (psplat_mode)a->mode,
                                              .no_filter = a->no_filter,
                                              .size = a->size,
+                                             .shading = shading,
                                              .erosion = erosion_of(a, s)};
-    return psplat_asset_pictures_create(&desc, &s->pictures, error);
+    return psplat_asset_pictures_create(&desc, pictures, error);
+}
+
+/* Returns whether the base colour of the source varies by more than its materials' factors. */
+static int has_base_color(const psplat_mesh *mesh) {
+    for (size_t i = 0; i < mesh->source_material_count; ++i)
+        if (mesh->source_materials[i].base_color.image) return 1;
+    return mesh->corner_colors != NULL;
+}
+
+/* Compares pictures without light, in which only colours differ. */
+static psplat_result compare_base_color(const arguments *a, subjects *s, psplat_error *error) {
+    psplat_asset_pictures *pictures = NULL;
+    psplat_result result = create_pictures(a, s, PSPLAT_SHADING_UNLIT, &pictures, error);
+    if (!result)
+        result = psplat_asset_pictures_compare(pictures, -1, &s->comparison.base_color, error);
+    psplat_asset_pictures_destroy(pictures);
+    s->comparison.has_base_color = 1;
+    return result;
 }
 
 /* Draws and compares the pictures. The fractions of the progress line were measured on a mechanical
@@ -234,13 +252,15 @@ static psplat_result compare_pictures(const arguments *a, subjects *s, psplat_pr
                                       psplat_error *error) {
     psplat_comparison *c = &s->comparison;
     psplat_progress_show_done(progress, "drawing", 0.5);
-    psplat_result result = create_pictures(a, s, error);
+    psplat_result result = psplat_context_create(a->software, &s->host, error);
+    if (!result) result = create_pictures(a, s, PSPLAT_SHADING_LIT, &s->pictures, error);
     for (int view = 0; view < PSPLAT_PICTURE_VIEWS && !result; ++view) {
         psplat_progress_show_done(progress, "drawing", 0.6 + 0.02 * view);
         result = psplat_asset_pictures_compare(s->pictures, view, &c->views[view], error);
     }
     psplat_progress_show_done(progress, "comparing pictures", 0.85);
     if (!result) result = psplat_asset_pictures_compare(s->pictures, -1, &c->picture, error);
+    if (!result && has_base_color(&s->source_mesh)) result = compare_base_color(a, s, error);
     c->has_pictures = 1;
     c->mode = (psplat_mode)a->mode;
     c->no_filter = a->no_filter;
@@ -338,6 +358,11 @@ static void print_pictures(const psplat_comparison *c) {
            "white\n",
            PSPLAT_PICTURE_VIEWS, c->size, c->size, c->is_mesh ? "" : ", ",
            c->is_mesh ? "" : psplat_mode_names[c->mode], p->psnr, p->ssim, p->difference);
+    if (c->has_base_color)
+        printf("base colour, without light: PSNR %.2f dB, %.2f dB where both are, SSIM %.4f, mean "
+               "difference %.3g %% of white\n",
+               c->base_color.psnr, c->base_color.inside_psnr, c->base_color.ssim,
+               c->base_color.difference);
     printf("from afar, an eighth as large: mean difference %.3g %% of white\n", p->distant);
     printf("outline: %.3g %% of %zu pixels missing, %.3g %% extra; worst view %d, %.2f dB\n",
            p->missing, p->covered, p->extra, worst + 1, c->views[worst].psnr);

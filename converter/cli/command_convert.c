@@ -16,6 +16,7 @@
 #include "export/khr_gaussians.h"
 #include "export/meshopt_codec.h"
 #include "import/read_scene.h"
+#include "material/shrink_images.h"
 #include "pipeline/budget.h"
 #include "pipeline/convert_scene.h"
 #include "scene/instances.h"
@@ -48,6 +49,9 @@ typedef struct arguments {
     int no_creases;
     int constant_normals;
     int planar;
+    int textures;             /* index into texture_names */
+    double texture_tolerance; /* texels, or 0 */
+    int texture_size;         /* greatest side of an image, or 0: any */
     const char *precision;
     double position_precision; /* what it means, as in psplat_convert_desc */
     int no_compress;
@@ -89,6 +93,9 @@ static int parse_precision(arguments *a) {
 enum { FALLBACK_POINTS, FALLBACK_MESH };
 static const char *const fallback_names[] = {"points", "mesh", NULL};
 
+enum { TEXTURES_KEEP, TEXTURES_BAKE };
+static const char *const texture_names[] = {"keep", "bake", NULL};
+
 static psplat_parse refuse(const char *option, const char *cause) {
     return psplat_options_refuse("convert", option, cause);
 }
@@ -98,6 +105,10 @@ static psplat_parse check_combination(arguments *a) {
     if (a->bytes && a->gaussian) return refuse("gaussian", "not together with bytes");
     if (a->bytes && a->fallback == FALLBACK_MESH)
         return refuse("fallback mesh", "not together with bytes");
+    if (a->textures == TEXTURES_BAKE && a->texture_tolerance > 0)
+        return refuse("texture-tolerance", "not together with textures bake");
+    if (a->textures == TEXTURES_BAKE && a->texture_size)
+        return refuse("texture-size", "not together with textures bake");
     if (!parse_precision(a))
         return refuse("precision", "neither auto, float nor a number of 0.001 to 0.5");
     if (a->no_creases && a->crease_angle > 0)
@@ -124,10 +135,24 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "of sRGB's range; 100 does\nnot bound it (default 10 at a tolerance of 0.5 %, changing\n"
          "with its square root)",
          0.1, 100, NULL},
+        {0, "textures", PSPLAT_OPTION_CHOICE, &a->textures, "keep|bake",
+         "keep: splats get texture coordinates where the mesh has\n"
+         "them, and OUT.glb the images (default); bake: textures\n"
+         "become colours of splats",
+         0, 0, texture_names},
+        {0, "texture-tolerance", PSPLAT_OPTION_NUMBER, &a->texture_tolerance, "N",
+         "greatest error of texture coordinates, in texels (default:\n"
+         "a texture slides over the surface by at most the\ntolerance)",
+         0.01, 1e4, NULL},
+        {0, "texture-size", PSPLAT_OPTION_COUNT, &a->texture_size, "N",
+         "halve images with a side of more than N texels until it\n"
+         "has N at most; others are copied untouched (default: all\nare)",
+         1, 65536, NULL},
         {0, "splats", PSPLAT_OPTION_COUNT, &a->splats, "N",
          "find the smallest tolerance that takes at most N splats:\na budget", 1, 1e9, NULL},
         {0, "bytes", PSPLAT_OPTION_COUNT, &a->bytes, "N",
-         "find the smallest tolerance whose OUT.glb has at most N\nbytes: a budget", 1, 2e9, NULL},
+         "find the smallest tolerance whose OUT.glb has at most N\nbytes with its images: a budget",
+         1, 2e9, NULL},
         psplat_option_shared("effort", &a->effort),
         psplat_option_shared("crease-angle", &a->crease_angle),
         psplat_option_shared("no-creases", &a->no_creases),
@@ -262,6 +287,8 @@ static psplat_convert_desc describe(const arguments *a, psplat_progress *progres
         .progress = psplat_progress_show,
         .user = progress,
         .planar = a->planar,
+        .bake_textures = a->textures == TEXTURES_BAKE,
+        .texture_tolerance_texels = a->texture_tolerance,
     };
 }
 
@@ -296,6 +323,9 @@ static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     psplat_write_desc written = {.codec = a->no_compress ? NULL : &psplat_meshopt_codec};
     psplat_progress_show(&progress, "reading", 0);
     psplat_result result = psplat_scene_read(a->input, name, &p->scene, error);
+    if (!result && a->textures == TEXTURES_KEEP) psplat_scene_warn_of_textures(&p->scene);
+    if (!result && a->texture_size)
+        result = psplat_images_shrink(&p->scene.materials, (uint32_t)a->texture_size, error);
     if (!result) result = convert(a, &written, &progress, p, error);
     if (!result) result = add_alternatives(a, p, error);
     written.fallbacks = p->fallbacks;
@@ -337,7 +367,8 @@ static void print_summary(const arguments *a, const psplat_report *r) {
 }
 
 /* Describes the first place where a promise of the conversion is broken. */
-static void describe_broken(const psplat_place *place, const psplat_kept *kept, char text[160]) {
+static void describe_broken(const psplat_place *place, const psplat_kept *kept, int texels,
+                            char text[160]) {
     double value = place->value, limit = kept->limit;
     size_t broken = kept->broken;
     switch (place->promise) {
@@ -353,6 +384,10 @@ static void describe_broken(const psplat_place *place, const psplat_kept *kept, 
         snprintf(text, 160, "the normal errs by %.3g degrees, not %.3g (%zu samples)", value, limit,
                  broken);
         break;
+    case PSPLAT_PROMISE_TEXTURE:
+        snprintf(text, 160, "a texture slides by %.3g %s, not %.3g %s (%zu samples)", value,
+                 texels ? "texels" : "%", limit, texels ? "texels" : "%", broken);
+        break;
     default:
         snprintf(text, 160, "a splat crosses a crease by %.3g %%, not %.3g %% (%zu edges)", value,
                  limit, broken);
@@ -365,7 +400,7 @@ static void print_broken(const arguments *a, const product *p) {
     const psplat_place *place = &r->places[0];
     const double *at = place->position;
     char shown[PSPLAT_SHOWN_PATH], text[160], mesh[PSPLAT_SHOWN_PATH] = "";
-    describe_broken(place, &r->promises[place->promise], text);
+    describe_broken(place, &r->promises[place->promise], r->texture_tolerance_texels > 0, text);
     psplat_path_shorten(a->input, shown);
     if (p->scene.mesh_count > 1) psplat_scene_label(&p->scene, place->mesh, mesh);
     psplat_command_error("%s: %s%sat %.6g %.6g %.6g: %s; the output was written all the same",

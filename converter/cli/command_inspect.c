@@ -5,6 +5,7 @@
  * Splats and bytes are counted once for each primitive, however often nodes place it.
  */
 #include "base/json_writer.h"
+#include "base/path.h"
 #include "cli/command.h"
 #include "cli/options.h"
 
@@ -16,7 +17,7 @@
 #include <sys/stat.h>
 
 enum { CLASSES = PSPLAT_MAX_CLIP_LINES + 1 }; /* of splats, by their number of clip lines */
-/* There are seventeen names of attributes, each with a few types and numbers of components. */
+/* There are twenty-three names of attributes, each with a few types and numbers of components. */
 enum { MAX_ATTRIBUTES = 64 };
 
 /* Sums over all primitives of an asset. */
@@ -25,7 +26,8 @@ typedef struct summary {
     size_t splats_by_clip_lines[CLASSES];
     size_t curved_splats, bent_splats;    /* the latter in primitives with bent clip lines */
     size_t attribute_bytes, stored_bytes; /* uncompressed, and in the file */
-    size_t file_bytes;
+    size_t texcoord_bytes;                /* of all attributes of texture coordinates, stored */
+    size_t image_bytes, file_bytes;
     psplat_attribute attributes[MAX_ATTRIBUTES];
     size_t attribute_count;
     double min[3], max[3];
@@ -38,7 +40,8 @@ static psplat_parse parse(int argc, char **argv, const char **input, int *format
         .operands = "A.glb",
         .summary =
             "Shows what an asset (.glb or .gltf) holds: splats by number of clip lines, how\n"
-            "many are curved, bytes by attribute, bounds, materials.",
+            "many are curved, bytes by attribute, bytes of images, bounds, materials\n"
+            "with their textures.",
         .options = options,
         .option_count = 1,
         .slots = {input},
@@ -65,6 +68,7 @@ static const char *component_name(uint32_t type) {
 static void add_attribute(summary *s, const psplat_attribute *attribute) {
     s->attribute_bytes += attribute->bytes;
     s->stored_bytes += attribute->stored;
+    if (strstr(attribute->name, "TEXCOORD")) s->texcoord_bytes += attribute->stored;
     for (size_t i = 0; i < s->attribute_count; ++i) {
         psplat_attribute *known = &s->attributes[i];
         if (strcmp(known->name, attribute->name) != 0 ||
@@ -97,8 +101,40 @@ static int summarize(const psplat_asset *asset, summary *s) {
         for (size_t k = 0; k < batch->attribute_count; ++k) add_attribute(s, &batch->attributes[k]);
     }
     free(is_seen);
+    for (size_t i = 0; i < psplat_asset_image_count(asset); ++i)
+        s->image_bytes += psplat_asset_get_image(asset, i)->size;
     psplat_asset_bounds(asset, s->min, s->max);
     return 1;
+}
+
+/* Names the textures of a material and the image of each. */
+static void print_textures(const psplat_material *m) {
+    static const char *const names[] = {[PSPLAT_TEXTURE_BASE_COLOR] = "base colour",
+                                        [PSPLAT_TEXTURE_METALLIC_ROUGHNESS] = "metallic-roughness",
+                                        [PSPLAT_TEXTURE_NORMAL] = "normal",
+                                        [PSPLAT_TEXTURE_OCCLUSION] = "occlusion",
+                                        [PSPLAT_TEXTURE_EMISSIVE] = "emissive"};
+    const char *between = "  textures: ";
+    for (int slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot) {
+        if (!m->textures[slot].image) continue;
+        printf("%s%s of image %u", between, names[slot], (unsigned)m->textures[slot].image - 1);
+        between = ", ";
+    }
+    if (*between == ',') printf("\n");
+}
+
+/* Lists the images, whose names are those of the file. */
+static void print_images(const psplat_asset *asset, const summary *s) {
+    if (!psplat_asset_image_count(asset)) return;
+    printf("\n%-36s %-16s %10s %10s\n", "image", "type", "", "in the file");
+    for (size_t i = 0; i < psplat_asset_image_count(asset); ++i) {
+        const psplat_asset_image *image = psplat_asset_get_image(asset, i);
+        char name[PSPLAT_SHOWN_PATH], label[PSPLAT_SHOWN_PATH + 24];
+        psplat_path_shorten(image->name, name);
+        snprintf(label, sizeof label, "%zu %s", i, name);
+        printf("%-36s %-16s %10s %11zu\n", label, image->mime_type, "", image->size);
+    }
+    printf("%-36s %-16s %10s %11zu\n", "together", "", "", s->image_bytes);
 }
 
 /* Returns what surface a batch's splats have, followed by a space; nothing for planes. */
@@ -118,6 +154,7 @@ static void print_batch(const psplat_batch *b, size_t index) {
         (double)m->base_color[1], (double)m->base_color[2], (double)m->base_color[3],
         b->has_color ? " times colours" : "", (double)m->metallic, (double)m->roughness,
         m->double_sided ? ", double-sided" : "", m->unlit ? ", unlit" : "");
+    print_textures(m);
 }
 
 static void print_pretty(const char *path, const psplat_asset *asset, const summary *s) {
@@ -138,8 +175,12 @@ static void print_pretty(const char *path, const psplat_asset *asset, const summ
     }
     printf("%-36s %-16s %10zu %10zu %10.2f\n", "together", "", s->attribute_bytes, s->stored_bytes,
            (double)s->stored_bytes / (double)s->splats);
+    if (s->texcoord_bytes)
+        printf("%-36s %-16s %10s %10zu %10.2f\n", "texture coordinates", "", "", s->texcoord_bytes,
+               (double)s->texcoord_bytes / (double)s->splats);
     printf("%-36s %-16s %10s %10zu %10.2f\n", "file", "", "", s->file_bytes,
            (double)s->file_bytes / (double)s->splats);
+    print_images(asset, s);
     printf("\nbounds  %.6g %.6g %.6g  to  %.6g %.6g %.6g\n\n", s->min[0], s->min[1], s->min[2],
            s->max[0], s->max[1], s->max[2]);
     for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
@@ -168,6 +209,33 @@ static void write_floats(psplat_writer *json, const char *key, const float *valu
     psplat_writer_numbers(json, key, numbers, count);
 }
 
+/* Writes the textures of a material by their names in glTF: the image of each. */
+static void write_textures(psplat_writer *json, const psplat_material *material) {
+    static const char *const names[] = {[PSPLAT_TEXTURE_BASE_COLOR] = "base_color",
+                                        [PSPLAT_TEXTURE_METALLIC_ROUGHNESS] = "metallic_roughness",
+                                        [PSPLAT_TEXTURE_NORMAL] = "normal",
+                                        [PSPLAT_TEXTURE_OCCLUSION] = "occlusion",
+                                        [PSPLAT_TEXTURE_EMISSIVE] = "emissive"};
+    psplat_writer_open(json, "textures", '{');
+    for (int slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot)
+        if (material->textures[slot].image)
+            psplat_writer_count(json, names[slot], material->textures[slot].image - 1);
+    psplat_writer_close(json, '}');
+}
+
+static void write_images(psplat_writer *json, const psplat_asset *asset) {
+    psplat_writer_open(json, "images", '[');
+    for (size_t i = 0; i < psplat_asset_image_count(asset); ++i) {
+        const psplat_asset_image *image = psplat_asset_get_image(asset, i);
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_string(json, "name", image->name);
+        psplat_writer_string(json, "mime_type", image->mime_type);
+        psplat_writer_count(json, "bytes", image->size);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
 static void write_material(psplat_writer *json, const psplat_material *material) {
     psplat_writer_open(json, "material", '{');
     write_floats(json, "base_color", material->base_color, 4);
@@ -176,6 +244,7 @@ static void write_material(psplat_writer *json, const psplat_material *material)
     psplat_writer_number(json, "roughness", (double)material->roughness);
     psplat_writer_boolean(json, "double_sided", material->double_sided);
     psplat_writer_boolean(json, "unlit", material->unlit);
+    write_textures(json, material);
     psplat_writer_close(json, '}');
 }
 
@@ -194,6 +263,8 @@ static void write_batches(psplat_writer *json, const psplat_asset *asset) {
         psplat_writer_number(json, "kernel_sharpness", (double)batch->kernel.sharpness);
         psplat_writer_number(json, "kernel_exponent", (double)batch->kernel.exponent);
         psplat_writer_boolean(json, "has_color", batch->has_color);
+        psplat_writer_boolean(json, "has_texcoord", batch->has_texcoord);
+        psplat_writer_boolean(json, "has_texcoord_bend", batch->has_texcoord_bend);
         psplat_writer_numbers(json, "model", batch->model, 16);
         write_material(json, &batch->material);
         psplat_writer_close(json, '}');
@@ -214,8 +285,11 @@ static int print_json(const char *path, const psplat_asset *asset, const summary
     psplat_writer_count(&json, "bent_splats", s->bent_splats);
     psplat_writer_count(&json, "attribute_bytes", s->attribute_bytes);
     psplat_writer_count(&json, "stored_bytes", s->stored_bytes);
+    psplat_writer_count(&json, "texcoord_bytes", s->texcoord_bytes);
+    psplat_writer_count(&json, "image_bytes", s->image_bytes);
     psplat_writer_count(&json, "file_bytes", s->file_bytes);
     write_attributes(&json, s);
+    write_images(&json, asset);
     psplat_writer_numbers(&json, "bounds_min", s->min, 3);
     psplat_writer_numbers(&json, "bounds_max", s->max, 3);
     write_batches(&json, asset);

@@ -20,6 +20,7 @@
 #include "picture/viewpoint.h"
 #include "mesh/mesh.h"
 #include "views/gl_context.h"
+#include "views/image_loader.h"
 #include "views/mesh_renderer.h"
 
 #include <phongsplat/phongsplat.h>
@@ -101,7 +102,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
             "camera. The scene's y axis points up. Instead of an asset, A.glb may be a mesh.",
         .notes =
             "A mesh is drawn as triangles under the same light, so that both can be seen side by\n"
-            "side; it takes no --shading but lit, and no --mode, --shadows or --no-filter.\n\n"
+            "side; it takes no --shading but lit and unlit, and no --mode, --shadows or "
+            "--no-filter.\n\n"
             "OUT.png is written whole or not at all; - is standard output.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
@@ -120,7 +122,8 @@ static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) 
     psplat_result result = psplat_context_create(a->software, &s->host, error);
     if (result) return result;
     if (!s->asset) return prepare_mesh(s, error);
-    psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = s->host};
+    psplat_renderer_desc desc = {
+        .get_proc = psplat_host_get_proc, .user = s->host, .images = psplat_image_loader()};
     result = psplat_renderer_create(&desc, &s->renderer, error);
     if (result) return result;
     return psplat_model_create(s->renderer, s->asset, &s->model, error);
@@ -269,7 +272,7 @@ static psplat_result read_input(const arguments *a, scene *s, psplat_error *erro
 
 /* Returns the option that does not go with a mesh, or NULL. */
 static const char *option_of_splats(const arguments *a) {
-    if (a->shading != PSPLAT_SHADING_LIT) return "shading";
+    if (a->shading != PSPLAT_SHADING_LIT && a->shading != PSPLAT_SHADING_UNLIT) return "shading";
     if (a->mode != PSPLAT_MODE_PHONG) return "mode";
     if (a->shadows) return "shadows";
     return a->no_filter ? "no-filter" : NULL;

@@ -61,7 +61,7 @@ psplat_result psplat_scene_gaussians(const psplat_scene *scene, const psplat_spl
     psplat_result result =
         made ? PSPLAT_OK : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for Gaussians");
     for (size_t i = 0; i < scene->mesh_count && !result; ++i)
-        result = psplat_gaussians_make(&splats[i], &made[i], error);
+        result = psplat_gaussians_make(&splats[i], &scene->materials, &made[i], error);
     *gaussians = result ? NULL : made;
     if (result) psplat_scene_gaussians_free(scene, made);
     return result;

@@ -31,12 +31,13 @@ enum { CLASSES = PSPLAT_LINE_CLASSES, PARTS = PSPLAT_PARTS }; /* of splats, by t
 /* ---- primitives ----------------------------------------------------------------------------- */
 
 /* The runs of splats that may share a primitive: equal material, depth tolerance and kind of
- * surface, and at most one run of each number of clip lines. Flat runs that joined a curved family
- * are parts of their own. */
+ * surface, all or none with texture coordinates, and at most one run of each number of clip lines.
+ * Flat runs that joined a curved family are parts of their own. */
 typedef struct family {
     uint32_t material;
     float depth_tolerance;
-    int is_curved, has_shape;
+    int is_curved, has_shape, has_texcoord;
+    int has_texcoord_bend; /* of some of them; that of the others is 0 */
     size_t first[PARTS], count[PARTS];
 } family;
 
@@ -45,17 +46,20 @@ static size_t find_families(const psplat_splats *splats, family *families) {
     for (size_t i = 0; i < splats->run_count; ++i) {
         const psplat_run *run = &splats->runs[i];
         size_t f = 0;
-        while (f < count &&
-               (families[f].material != run->material ||
-                families[f].depth_tolerance != run->depth_tolerance ||
-                families[f].is_curved != run->is_curved ||
-                families[f].has_shape != run->has_shape || families[f].count[run->clip_lines]))
+        while (f < count && (families[f].material != run->material ||
+                             families[f].depth_tolerance != run->depth_tolerance ||
+                             families[f].is_curved != run->is_curved ||
+                             families[f].has_shape != run->has_shape ||
+                             families[f].has_texcoord != run->has_texcoord ||
+                             families[f].count[run->clip_lines]))
             ++f;
         if (f == count)
             families[count++] = (family){.material = run->material,
                                          .depth_tolerance = run->depth_tolerance,
                                          .is_curved = run->is_curved,
-                                         .has_shape = run->has_shape};
+                                         .has_shape = run->has_shape,
+                                         .has_texcoord = run->has_texcoord};
+        families[f].has_texcoord_bend |= run->has_texcoord_bend;
         families[f].first[run->clip_lines] = first;
         families[f].count[run->clip_lines] = run->count;
         first += run->count;
@@ -100,6 +104,7 @@ static size_t join_families(const psplat_attribute_table *table, family *familie
         for (; to < count; ++to) {
             const family *f = &families[to];
             if (f->is_curved && f->material == flat.material &&
+                f->has_texcoord == flat.has_texcoord &&
                 f->depth_tolerance == flat.depth_tolerance && !count_of(f, 0, CLASSES - 1, 1) &&
                 are_few(count_of(&flat, 0, CLASSES - 1, 0), count_of(f, 0, CLASSES - 1, 0)) &&
                 fits_curved(table, &flat, f))
@@ -109,6 +114,7 @@ static size_t join_families(const psplat_attribute_table *table, family *familie
             families[to].first[CLASSES + k] = flat.first[k];
             families[to].count[CLASSES + k] = flat.count[k];
         }
+        if (to < count) families[to].has_texcoord_bend |= flat.has_texcoord_bend;
         if (to == count) families[kept++] = flat;
     }
     return kept;
@@ -149,7 +155,9 @@ static unsigned cheapest_cut(const family *f, size_t line_bytes, double padding)
 static void set_formats(const psplat_attribute_table *table, psplat_primitive_layout *primitive) {
     const psplat_run like = {.clip_lines = (uint32_t)primitive->clip_lines,
                              .is_curved = primitive->is_curved,
-                             .has_shape = primitive->has_shape};
+                             .has_shape = primitive->has_shape,
+                             .has_texcoord = primitive->has_texcoord,
+                             .has_texcoord_bend = primitive->has_texcoord_bend};
     for (size_t part = 0; part < PARTS; ++part) {
         psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS];
         psplat_attribute_table_formats(table, primitive->first[part], primitive->counts[part],
@@ -168,7 +176,9 @@ static void add_primitives(psplat_buffer_layout *layout, size_t mesh, const fami
                                            .material = f->material,
                                            .depth_tolerance = f->depth_tolerance,
                                            .is_curved = f->is_curved,
-                                           .has_shape = f->has_shape};
+                                           .has_shape = f->has_shape,
+                                           .has_texcoord = f->has_texcoord,
+                                           .has_texcoord_bend = f->has_texcoord_bend};
     psplat_primitive_layout primitive = empty;
     for (size_t class = 0; class < CLASSES; ++class) {
         for (size_t part = class; part < PARTS; part += CLASSES) {
@@ -215,15 +225,15 @@ static int make_primitives(const psplat_buffer_layout_plan *plan, psplat_buffer_
 
 /* Appends zeroed rows to the view for this stride and filter, which is made where there is none.
  * Returns the first row, or NULL where memory ran out. */
-static uint8_t *add_rows(psplat_buffer_layout *layout, size_t stride, int is_octahedral,
+static uint8_t *add_rows(psplat_buffer_layout *layout, size_t stride, psplat_view_filter filter,
                          size_t rows, psplat_attribute_place *place) {
     size_t i = 0;
     while (i < layout->view_count &&
-           (layout->views[i].stride != stride || layout->views[i].is_octahedral != is_octahedral))
+           (layout->views[i].stride != stride || layout->views[i].filter != filter))
         ++i;
     psplat_buffer_view *view = &layout->views[i];
     if (i == layout->view_count) {
-        *view = (psplat_buffer_view){.stride = stride, .is_octahedral = is_octahedral};
+        *view = (psplat_buffer_view){.stride = stride, .filter = filter};
         layout->view_count++;
     }
     if (view->rows + rows > view->capacity) {
@@ -242,13 +252,15 @@ static uint8_t *add_rows(psplat_buffer_layout *layout, size_t stride, int is_oct
 
 /* Writes an attribute of a primitive's splats, stride bytes apart. */
 static void put_attribute(const psplat_buffer_layout *layout,
-                          const psplat_primitive_layout *primitive, size_t kind, int is_octahedral,
-                          uint8_t *out, size_t stride) {
+                          const psplat_primitive_layout *primitive, size_t kind,
+                          psplat_view_filter filter, uint8_t *out, size_t stride) {
     const psplat_attribute_table *table = &layout->tables[primitive->mesh];
     for (size_t part = 0; part < PARTS; ++part)
         for (size_t i = 0; i < primitive->counts[part]; ++i, out += stride)
-            if (is_octahedral)
+            if (filter == PSPLAT_FILTER_OCTAHEDRAL)
                 psplat_attribute_table_put_octahedral(table, primitive->first[part] + i, out);
+            else if (filter == PSPLAT_FILTER_EXPONENTIAL)
+                psplat_attribute_table_put_exponential(table, primitive->first[part] + i, out);
             else
                 psplat_attribute_table_put(table, kind, &primitive->formats[kind],
                                            primitive->first[part] + i, out);
@@ -257,17 +269,20 @@ static void put_attribute(const psplat_buffer_layout *layout,
 static int is_apart(const psplat_buffer_layout_plan *plan, const psplat_attribute_table *table,
                     size_t kind) {
     return (plan->lines_apart && psplat_attribute_is_clip_line(kind)) ||
-           (plan->normals_apart && table->codes && kind == PSPLAT_ATTRIBUTE_NORMAL);
+           (plan->normals_apart && table->codes && kind == PSPLAT_ATTRIBUTE_NORMAL) ||
+           (plan->codec && kind == PSPLAT_ATTRIBUTE_TEXCOORD &&
+            psplat_attribute_table_has_texcoord_grid(table));
 }
 
 /* Writes an attribute of a primitive into a view of its own. */
 static int add_separate_attribute(psplat_buffer_layout *layout, psplat_primitive_layout *primitive,
                                   size_t kind) {
-    int is_octahedral = !psplat_attribute_is_clip_line(kind);
+    psplat_view_filter filter = kind == PSPLAT_ATTRIBUTE_NORMAL     ? PSPLAT_FILTER_OCTAHEDRAL
+                                : kind == PSPLAT_ATTRIBUTE_TEXCOORD ? PSPLAT_FILTER_EXPONENTIAL
+                                                                    : PSPLAT_FILTER_NONE;
     size_t stride = psplat_attribute_bytes(&primitive->formats[kind]);
-    uint8_t *out =
-        add_rows(layout, stride, is_octahedral, primitive->count, &primitive->places[kind]);
-    if (out) put_attribute(layout, primitive, kind, is_octahedral, out, stride);
+    uint8_t *out = add_rows(layout, stride, filter, primitive->count, &primitive->places[kind]);
+    if (out) put_attribute(layout, primitive, kind, filter, out, stride);
     return out != NULL;
 }
 
@@ -302,12 +317,12 @@ static int add_rows_of(const psplat_buffer_layout_plan *plan, psplat_buffer_layo
                        const size_t offsets[PSPLAT_ATTRIBUTE_KINDS]) {
     psplat_attribute_place place;
     const psplat_attribute_table *table = &layout->tables[primitive->mesh];
-    uint8_t *rows = add_rows(layout, stride, 0, primitive->count, &place);
+    uint8_t *rows = add_rows(layout, stride, PSPLAT_FILTER_NONE, primitive->count, &place);
     for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS && rows; ++kind) {
         if (!primitive->formats[kind].components || is_apart(plan, table, kind)) continue;
         primitive->places[kind] =
             (psplat_attribute_place){place.view, place.offset + offsets[kind]};
-        put_attribute(layout, primitive, kind, 0, rows + offsets[kind], stride);
+        put_attribute(layout, primitive, kind, PSPLAT_FILTER_NONE, rows + offsets[kind], stride);
     }
     return rows != NULL;
 }
@@ -341,12 +356,12 @@ static int compress(const psplat_codec *codec, psplat_buffer_view *view) {
 }
 
 /* Allocates the most primitives and views that there can be: each run may need one for its rows,
- * one for its normals and two for its lines, straight and bent. */
+ * one for its normals, one for its texture coordinates and two for its lines, straight and bent. */
 static int reserve(psplat_buffer_layout *layout) {
     size_t runs = 1;
     for (size_t i = 0; i < layout->mesh_count; ++i) runs += layout->tables[i].splats->run_count;
     layout->primitives = calloc(runs, sizeof *layout->primitives);
-    layout->views = calloc(4 * runs, sizeof *layout->views);
+    layout->views = calloc(5 * runs, sizeof *layout->views);
     return layout->primitives && layout->views;
 }
 

@@ -31,14 +31,22 @@ typedef struct psplat_primitive_layout {
     size_t material;
     float depth_tolerance;
     int is_curved, has_shape; /* as in psplat_run */
+    int has_texcoord, has_texcoord_bend;
     psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS];
     psplat_attribute_place places[PSPLAT_ATTRIBUTE_KINDS];
 } psplat_primitive_layout;
 
+/* The filters of EXT_meshopt_compression that are used. */
+typedef enum psplat_view_filter {
+    PSPLAT_FILTER_NONE = 0,
+    PSPLAT_FILTER_OCTAHEDRAL, /* of normals */
+    PSPLAT_FILTER_EXPONENTIAL /* of floats: texture coordinates */
+} psplat_view_filter;
+
 /* One buffer view: rows of equal size. */
 typedef struct psplat_buffer_view {
     size_t stride, rows, capacity; /* bytes of a row; rows stored; rows that fit into bytes */
-    int is_octahedral;             /* input of the octahedral filter of EXT_meshopt_compression */
+    psplat_view_filter filter;     /* whose input the bytes are */
     int is_index;                  /* indices of triangles instead of attributes */
     uint8_t *bytes;
     uint8_t *packed; /* compressed bytes, or NULL */
@@ -60,7 +68,8 @@ typedef struct psplat_buffer_layout {
 typedef struct psplat_buffer_layout_plan {
     int rows_alike;            /* all primitives of a mesh have rows of the same attributes */
     int lines_apart;           /* clip lines have a view of their own, one line in a row */
-    int normals_apart;         /* normals have a view of their own, for the octahedral filter */
+    int normals_apart;         /* normals have a view of their own, for the octahedral filter; so
+                                  have texture coordinates on a grid wherever there is a codec */
     int flat_joins;            /* few flat splats may share a primitive with curved ones */
     double padding;            /* expected bytes in the file for one byte of padding */
     const psplat_codec *codec; /* NULL leaves the views uncompressed */

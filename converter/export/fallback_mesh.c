@@ -2,9 +2,9 @@
  *
  * fallback_mesh.c - the fallback mesh of a conversion, simplified by libmeshoptimizer.
  *
- * Corners that differ in normal, colour or group become separate vertices. The simplifier collapses
- * edges only where all vertices at one position go the same way, so creases and the borders of
- * materials stay where they are.
+ * Corners that differ in normal, colour, texture coordinates or group become separate vertices. The
+ * simplifier collapses edges only where all vertices at one position go the same way, so creases
+ * and the borders of materials stay where they are.
  */
 #include "export/fallback_mesh.h"
 
@@ -47,6 +47,9 @@ static void fill_corner(const work *w, size_t triangle, size_t corner,
     for (size_t k = 0; k < 3; ++k) vertex->position[k] = (float)position[k];
     memcpy(vertex->normal, w->conversion.surface.corner_normals + 3 * index, sizeof vertex->normal);
     if (w->mesh->source_materials && w->mesh->groups) vertex->group = w->mesh->groups[triangle];
+    if (psplat_appearance_kept(&w->conversion.appearance, (uint32_t)triangle))
+        memcpy(vertex->texcoord, w->mesh->corner_uvs[w->conversion.appearance.kept_set] + 2 * index,
+               sizeof vertex->texcoord);
     if (w->conversion.appearance.has_color)
         fill_color(w, triangle, corner, vertex->normal, vertex->color);
 }
@@ -79,7 +82,8 @@ static psplat_result join_colors(work *w, psplat_error *error) {
     size_t count = w->vertex_count;
     const struct meshopt_Stream streams[] = {
         {w->vertices[0].position, offsetof(psplat_fallback_vertex, color), sizeof *w->vertices},
-        {&w->vertices[0].group, sizeof w->vertices[0].group, sizeof *w->vertices}};
+        {&w->vertices[0].group, sizeof w->vertices[0].group + sizeof w->vertices[0].texcoord,
+         sizeof *w->vertices}};
     mean *means = calloc(count + 1, sizeof *means);
     if (!means) return fail_memory(w->mesh, error);
     meshopt_generateVertexRemapMulti(w->spare, NULL, count, count, streams, 2);
@@ -168,12 +172,13 @@ static double add_material_sample(const work *w, uint32_t triangle, double finis
     return area;
 }
 
-/* Returns the material of a group. The fallback mesh has no textures, so roughness, metalness and
- * emission are multiplied by their area-weighted means over the source. */
+/* Returns the material of a group, with the textures that it keeps. Roughness, metalness and
+ * emission are multiplied by the area-weighted means over the source of those that are baked. */
 static psplat_material material_of(const work *w, uint32_t group) {
     const psplat_mesh *mesh = w->mesh;
     psplat_material m =
         mesh->source_materials ? mesh->source_materials[group].material : mesh->material;
+    psplat_appearance_settle_textures(&w->conversion.appearance, group, &m);
     double finish[2] = {0, 0}, emissive[3] = {0, 0, 0}, area = 0;
     if (!w->conversion.appearance.has_finish && !w->conversion.appearance.has_emissive) return m;
     for (uint32_t t = 0; t < mesh->triangle_count; ++t)
@@ -189,8 +194,12 @@ static psplat_material material_of(const work *w, uint32_t group) {
 static void add_primitive(work *w, psplat_fallback_mesh *fallback, uint32_t group, size_t first,
                           size_t end) {
     if (end == first) return;
-    fallback->primitives[fallback->primitive_count++] = (psplat_fallback_primitive){
+    psplat_fallback_primitive *primitive = &fallback->primitives[fallback->primitive_count++];
+    *primitive = (psplat_fallback_primitive){
         .group = group, .first = first, .count = end - first, .material = material_of(w, group)};
+    for (int slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot)
+        primitive->has_texcoord |= primitive->material.textures[slot].image != 0;
+    fallback->has_texcoord |= primitive->has_texcoord;
     meshopt_optimizeVertexCache(w->indices + first, w->spare + first, end - first, w->vertex_count);
 }
 
@@ -226,6 +235,7 @@ static void hand_over(work *w, psplat_fallback_mesh *fallback) {
 
 static psplat_result make(work *w, psplat_fallback_mesh *fallback, psplat_error *error) {
     psplat_result result = psplat_conversion_begin(&w->conversion, w->mesh, error);
+    w->mesh = w->conversion.surface.mesh; /* without what masks hide */
     if (!result) result = fill_corners(w, error);
     if (!result && w->conversion.appearance.has_color) result = join_colors(w, error);
     if (result) return result;

@@ -3,7 +3,8 @@
  * fallback_mesh_file.c - fallback meshes in a glTF file: buffer views, accessors, meshes.
  *
  * If the splats are quantized, positions are integers in the same units and normals are bytes.
- * Colours are always bytes: a fallback mesh need not be exact.
+ * Colours are always bytes: a fallback mesh need not be exact. Texture coordinates of 0 ... 1 are
+ * shorts then, others floats.
  */
 #include "export/fallback_mesh_file.h"
 
@@ -20,8 +21,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { POSITIONS = 0, NORMALS, COLORS };       /* the order of a mesh's views */
-enum { NORMAL_BITS = 8, UNSIGNED_INT = 5125 }; /* the latter is a glTF component type */
+enum { POSITIONS = 0, NORMALS, COLORS, TEXCOORDS, VIEWS }; /* the order of a mesh's views */
+enum { NORMAL_BITS = 8, UNSIGNED_INT = 5125 };             /* the latter is a glTF component type */
 
 /* ---- numbers --------------------------------------------------------------------------------- */
 
@@ -47,7 +48,7 @@ static void place(const psplat_attribute_table *table, const psplat_fallback_mes
  * reaches a little beyond the centres of its splats. */
 static void choose_types(const psplat_attribute_table *table, psplat_fallback_table *stored) {
     const psplat_fallback_mesh *s = stored->fallback;
-    int is_short = table->codes != NULL;
+    int is_short = table->codes != NULL, is_unit = is_short;
     for (size_t i = 0; i < s->vertex_count; ++i) {
         float position[3];
         place(table, s, i, position);
@@ -56,11 +57,15 @@ static void choose_types(const psplat_attribute_table *table, psplat_fallback_ta
             stored->high[k] = i ? fmaxf(stored->high[k], position[k]) : position[k];
             is_short &= position[k] >= -32768 && position[k] <= 32767;
         }
+        for (int k = 0; k < 2; ++k)
+            is_unit &= s->vertices[i].texcoord[k] >= 0 && s->vertices[i].texcoord[k] <= 1;
     }
     stored->position = (psplat_attribute_format){
         .type = is_short ? PSPLAT_TYPE_SHORT : PSPLAT_TYPE_FLOAT, .components = 3};
     stored->normal = (psplat_attribute_format){
         .type = table->codes ? PSPLAT_TYPE_BYTE : PSPLAT_TYPE_FLOAT, .components = 3};
+    stored->texcoord = (psplat_attribute_format){
+        .type = is_unit ? PSPLAT_TYPE_UNSIGNED_SHORT : PSPLAT_TYPE_FLOAT, .components = 2};
 }
 
 static void put_position(const psplat_attribute_table *table, const psplat_fallback_table *stored,
@@ -96,6 +101,14 @@ static void put_color(const psplat_fallback_mesh *s, size_t i, uint8_t *out) {
         out = psplat_put_integer(out, (uint32_t)lrintf(255 * fminf(fmaxf(color[k], 0), 1)), 1);
 }
 
+static void put_texcoord(const psplat_fallback_table *stored, size_t i, uint8_t *out) {
+    const float *texcoord = stored->fallback->vertices[i].texcoord;
+    for (int k = 0; k < 2; ++k)
+        out = stored->texcoord.type == PSPLAT_TYPE_FLOAT
+                  ? put_float(out, texcoord[k])
+                  : psplat_put_integer(out, (uint32_t)lrintf(65535 * texcoord[k]), 2);
+}
+
 /* ---- views ----------------------------------------------------------------------------------- */
 
 static psplat_buffer_view *add_view(psplat_fallback_file *file, size_t rows, size_t stride) {
@@ -108,21 +121,32 @@ static psplat_buffer_view *add_view(psplat_fallback_file *file, size_t rows, siz
 static int add_vertices(psplat_fallback_file *file, const psplat_attribute_table *table,
                         const psplat_fallback_table *s, const psplat_codec *codec) {
     size_t count = s->fallback->vertex_count;
-    psplat_buffer_view *views[3] = {
-        add_view(file, count, psplat_attribute_bytes(&s->position)),
-        add_view(file, count, psplat_attribute_bytes(&s->normal)),
-        s->fallback->has_color ? add_view(file, count, 4) : NULL,
-    };
-    if (!views[POSITIONS] || !views[NORMALS] || (s->fallback->has_color && !views[COLORS]))
-        return 0;
-    views[NORMALS]->is_octahedral = codec && s->normal.type != PSPLAT_TYPE_FLOAT;
+    const size_t strides[VIEWS] = {
+        [POSITIONS] = psplat_attribute_bytes(&s->position),
+        [NORMALS] = psplat_attribute_bytes(&s->normal),
+        [COLORS] = s->fallback->has_color ? 4 : 0,
+        [TEXCOORDS] = s->fallback->has_texcoord ? psplat_attribute_bytes(&s->texcoord) : 0};
+    uint8_t *rows[VIEWS] = {NULL};
+    int is_octahedral = codec && s->normal.type != PSPLAT_TYPE_FLOAT;
+    for (int i = 0; i < VIEWS; ++i) {
+        psplat_buffer_view *view = strides[i] ? add_view(file, count, strides[i]) : NULL;
+        if (strides[i] && !view) return 0;
+        if (!view) continue;
+        if (i == NORMALS && is_octahedral) view->filter = PSPLAT_FILTER_OCTAHEDRAL;
+        rows[i] = view->bytes;
+    }
     for (size_t i = 0; i < count; ++i) {
-        put_position(table, s, i, views[POSITIONS]->bytes + i * views[POSITIONS]->stride);
-        put_normal(s, i, views[NORMALS]->is_octahedral,
-                   views[NORMALS]->bytes + i * views[NORMALS]->stride);
-        if (views[COLORS]) put_color(s->fallback, i, views[COLORS]->bytes + 4 * i);
+        put_position(table, s, i, rows[POSITIONS] + i * strides[POSITIONS]);
+        put_normal(s, i, is_octahedral, rows[NORMALS] + i * strides[NORMALS]);
+        if (rows[COLORS]) put_color(s->fallback, i, rows[COLORS] + i * strides[COLORS]);
+        if (rows[TEXCOORDS]) put_texcoord(s, i, rows[TEXCOORDS] + i * strides[TEXCOORDS]);
     }
     return 1;
+}
+
+/* Returns the number of attributes of a mesh's vertices. */
+static size_t attribute_count(const psplat_fallback_mesh *s) {
+    return 2 + (size_t)(s->has_color != 0) + (size_t)(s->has_texcoord != 0);
 }
 
 static size_t index_bytes(const psplat_fallback_mesh *s) {
@@ -157,7 +181,7 @@ static int add_mesh(psplat_fallback_file *file, const psplat_attribute_table *ta
     stored->first_accessor = file->accessor_count;
     choose_types(table, stored);
     if (!add_vertices(file, table, stored, codec) || !add_indices(file, s)) return 0;
-    file->accessor_count += 2 + (size_t)(s->has_color != 0) + s->primitive_count;
+    file->accessor_count += attribute_count(s) + s->primitive_count;
     for (size_t i = stored->first_view; i < file->view_count && codec; ++i)
         if (!compress(codec, s, &file->views[i])) return 0;
     return 1;
@@ -167,7 +191,7 @@ psplat_result psplat_fallback_file_make(const psplat_fallback_mesh *fallbacks,
                                         const psplat_attribute_table *tables, size_t mesh_count,
                                         const psplat_codec *codec, psplat_fallback_file *file,
                                         psplat_error *error) {
-    enum { MAX_VIEWS = 4 };
+    enum { MAX_VIEWS = VIEWS + 1 };
     *file = (psplat_fallback_file){.mesh_count = mesh_count};
     file->tables = calloc(mesh_count + 1, sizeof *file->tables);
     file->views = calloc(MAX_VIEWS * mesh_count + 1, sizeof *file->views);
@@ -207,17 +231,19 @@ psplat_result psplat_fallback_file_collect(const psplat_fallback_file *file,
 
 /* Returns the accessor of a primitive's indices, among those of all fallback meshes. */
 static size_t index_accessor(const psplat_fallback_table *table, size_t primitive) {
-    return table->first_accessor + 2 + (size_t)(table->fallback->has_color != 0) + primitive;
+    return table->first_accessor + attribute_count(table->fallback) + primitive;
 }
 
 static void write_primitive(psplat_writer *json, const psplat_fallback_table *table,
                             size_t primitive, size_t first_accessor, uint32_t material) {
-    static const char *const names[] = {"POSITION", "NORMAL", "COLOR_0"};
-    size_t count = table->fallback->has_color ? 3 : 2;
+    const psplat_fallback_mesh *s = table->fallback;
+    size_t accessor = first_accessor + table->first_accessor;
     psplat_writer_open(json, NULL, '{');
     psplat_writer_open(json, "attributes", '{');
-    for (size_t i = 0; i < count; ++i)
-        psplat_writer_count(json, names[i], first_accessor + table->first_accessor + i);
+    psplat_writer_count(json, "POSITION", accessor++);
+    psplat_writer_count(json, "NORMAL", accessor++);
+    if (s->has_color) psplat_writer_count(json, "COLOR_0", accessor++);
+    if (s->primitives[primitive].has_texcoord) psplat_writer_count(json, "TEXCOORD_0", accessor);
     psplat_writer_close(json, '}');
     psplat_writer_count(json, "indices", first_accessor + index_accessor(table, primitive));
     if (material != PSPLAT_NO_INDEX) psplat_writer_count(json, "material", material);
@@ -262,10 +288,17 @@ static void write_vertices(psplat_writer *json, const psplat_fallback_table *tab
     write_accessor(json, view + NORMALS, 0, table->normal.type, count, "VEC3");
     if (table->normal.type != PSPLAT_TYPE_FLOAT) psplat_writer_boolean(json, "normalized", 1);
     psplat_writer_close(json, '}');
-    if (!table->fallback->has_color) return;
+    view += COLORS;
+    if (table->fallback->has_color) {
+        psplat_writer_open(json, NULL, '{');
+        write_accessor(json, view++, 0, PSPLAT_TYPE_UNSIGNED_BYTE, count, "VEC4");
+        psplat_writer_boolean(json, "normalized", 1);
+        psplat_writer_close(json, '}');
+    }
+    if (!table->fallback->has_texcoord) return;
     psplat_writer_open(json, NULL, '{');
-    write_accessor(json, view + COLORS, 0, PSPLAT_TYPE_UNSIGNED_BYTE, count, "VEC4");
-    psplat_writer_boolean(json, "normalized", 1);
+    write_accessor(json, view, 0, table->texcoord.type, count, "VEC2");
+    if (table->texcoord.type != PSPLAT_TYPE_FLOAT) psplat_writer_boolean(json, "normalized", 1);
     psplat_writer_close(json, '}');
 }
 
@@ -279,7 +312,7 @@ void psplat_fallback_file_write_accessors(psplat_writer *json, const psplat_fall
         write_vertices(json, table, view);
         for (size_t k = 0; k < s->primitive_count; ++k) {
             psplat_writer_open(json, NULL, '{');
-            write_accessor(json, view + (s->has_color ? 3 : 2), s->primitives[k].first * bytes,
+            write_accessor(json, view + attribute_count(s), s->primitives[k].first * bytes,
                            bytes == 2 ? PSPLAT_TYPE_UNSIGNED_SHORT : UNSIGNED_INT,
                            s->primitives[k].count, "SCALAR");
             psplat_writer_close(json, '}');

@@ -19,12 +19,12 @@
 
 #include <phongsplat/splat.h>
 
-/* One fallback mesh as stored. Its views follow one another: positions, normals, colours if it has
- * any, indices. Its accessors follow one another in the same order, with one accessor for the
- * indices of each primitive. */
+/* One fallback mesh as stored. Its views follow one another: positions, normals, colours and
+ * texture coordinates if it has any, indices. Its accessors follow one another in the same order,
+ * with one accessor for the indices of each primitive. */
 typedef struct psplat_fallback_table {
     const psplat_fallback_mesh *fallback; /* NULL if the mesh has no fallback mesh */
-    psplat_attribute_format position, normal;
+    psplat_attribute_format position, normal, texcoord;
     float low[3], high[3];             /* bounds of the positions as written */
     size_t first_view, first_accessor; /* among those of all fallback meshes */
 } psplat_fallback_table;

@@ -12,6 +12,7 @@
 #include "export/buffer_layout.h"
 #include "export/fallback_mesh_file.h"
 #include "export/gltf_document.h"
+#include "export/material_json.h"
 #include "export/meshopt_codec.h"
 #include "export/splat_attributes.h"
 #include "scene/scene.h"
@@ -32,6 +33,16 @@ static int all_finite(const float *values, size_t count) {
     for (size_t i = 0; i < count; ++i)
         if (!isfinite(values[i])) return 0;
     return 1;
+}
+
+/* Returns the name of an attribute that is not finite, or NULL if all are. */
+static const char *infinite_texcoord(const psplat_texcoord *t) {
+    if (!all_finite(t->at, 2)) return "TEXCOORD_0";
+    if (!all_finite(t->along_u, 2)) return "TEXCOORD_U";
+    if (!all_finite(t->along_v, 2)) return "TEXCOORD_V";
+    if (!all_finite(t->along_uu, 2)) return "TEXCOORD_UU";
+    if (!all_finite(t->along_uv, 2)) return "TEXCOORD_UV";
+    return all_finite(t->along_vv, 2) ? NULL : "TEXCOORD_VV";
 }
 
 /* Returns the name of an attribute of a splat that is not finite, or NULL if all are. finish may be
@@ -59,6 +70,8 @@ static const char *infinite_part(const psplat_splat *s, const psplat_finish *fin
 static int has_steps(const psplat_precision *precision, const psplat_run *run) {
     if (!(precision->unit > 0)) return 1;
     return (!run->is_curved || precision->shape_step > 0) &&
+           (!run->has_texcoord || precision->texcoord_slope_step > 0) &&
+           (!run->has_texcoord_bend || precision->texcoord_bend_step > 0) &&
            (!run->has_bends || precision->bend_step > 0);
 }
 
@@ -91,6 +104,10 @@ static psplat_result check_runs(const psplat_splats *splats, psplat_error *error
             run->clip_lines > PSPLAT_MAX_CLIP_LINES)
             return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                                "run %zu is empty or has a material or lines that there are not", r);
+        if ((run->has_texcoord && !splats->texcoords) ||
+            (run->has_texcoord_bend && !run->has_texcoord))
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "run %zu has texture coordinates that there are not", r);
         if ((run->has_shape && !run->is_curved) || !has_steps(&splats->precision, run))
             return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                                "run %zu has shapes without being curved, or something without a "
@@ -113,6 +130,7 @@ static psplat_result check_splats(const psplat_splats *splats, psplat_error *err
     for (size_t i = 0; i < splats->count; ++i) {
         const psplat_finish *finish = splats->finishes ? &splats->finishes[i] : NULL;
         const char *what = infinite_part(&splats->splats[i], finish);
+        if (!what && splats->texcoords) what = infinite_texcoord(&splats->texcoords[i]);
         if (what)
             return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "splat %zu: %s is not finite", i,
                                what);
@@ -141,12 +159,15 @@ static uint8_t *put_u32(uint8_t *out, uint32_t value) {
 
 /* Puts the file together as glTF 2.0 section 4.4 defines it: header, JSON chunk padded with spaces,
  * BIN chunk. */
-static psplat_result pack(const psplat_writer *json, const psplat_buffer_layout *layout,
+static psplat_result pack(const psplat_writer *json, const psplat_scene *scene,
+                          const psplat_buffer_layout *layout, const psplat_materials *materials,
                           uint8_t **data, size_t *size, psplat_error *error) {
     enum { HEADERS = 12 + 8 + 8, MAGIC = 0x46546c67, JSON = 0x4e4f534a, BIN = 0x004e4942 };
     size_t bytes = 0, json_size = (json->size + 3) / 4 * 4;
     for (size_t i = 0; i < psplat_document_view_count(layout); ++i)
         bytes += psplat_buffer_view_bytes(psplat_document_view(layout, i));
+    for (size_t i = 0; i < materials->image_count; ++i)
+        bytes += psplat_image_view_bytes(&scene->materials.images[materials->images[i]]);
     size_t total = HEADERS + json_size + bytes;
     if (total > UINT32_MAX)
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
@@ -166,20 +187,25 @@ static psplat_result pack(const psplat_writer *json, const psplat_buffer_layout 
                view->packed ? view->packed_size : view->rows * view->stride);
         out += psplat_buffer_view_bytes(view);
     }
+    for (size_t i = 0; i < materials->image_count; ++i) {
+        const psplat_image *image = &scene->materials.images[materials->images[i]];
+        memcpy(out, image->bytes, image->size);
+        out += psplat_image_view_bytes(image);
+    }
     return PSPLAT_OK;
 }
 
 /* Makes the file of another plan, which replaces *data if it is smaller. */
 static psplat_result try_plan(const psplat_scene *scene, const psplat_buffer_layout_plan *plan,
-                              psplat_buffer_layout *layout, uint8_t **data, size_t *size,
-                              psplat_error *error) {
+                              const psplat_materials *materials, psplat_buffer_layout *layout,
+                              uint8_t **data, size_t *size, psplat_error *error) {
     psplat_writer json = {.compact = 1};
     uint8_t *tried = NULL;
     size_t tried_size = 0;
     psplat_result result = psplat_buffer_layout_make(plan, layout, error);
-    if (!result && !psplat_document_write(&json, scene, layout))
+    if (!result && !psplat_document_write(&json, scene, layout, materials))
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the JSON");
-    if (!result) result = pack(&json, layout, &tried, &tried_size, error);
+    if (!result) result = pack(&json, scene, layout, materials, &tried, &tried_size, error);
     free(json.text);
     psplat_buffer_layout_clear(layout);
     if (result) return result;
@@ -200,8 +226,8 @@ static int has_curved_runs(const psplat_splats *splats) {
 }
 
 static psplat_result try_plans(const psplat_scene *scene, const psplat_write_desc *desc,
-                               psplat_buffer_layout *layout, uint8_t **data, size_t *size,
-                               psplat_error *error) {
+                               const psplat_materials *materials, psplat_buffer_layout *layout,
+                               uint8_t **data, size_t *size, psplat_error *error) {
     enum { APART = 1, NORMALS = 2, ALIKE = 4, JOINED = 8, PADDED = 16, PLANS = 32 };
     const psplat_codec *codec = desc->codec;
     const unsigned large = codec ? APART | NORMALS | ALIKE : APART;
@@ -224,7 +250,7 @@ static psplat_result try_plans(const psplat_scene *scene, const psplat_write_des
         /* Normals apart need the filter of a codec, and without one padding costs what it costs. */
         if ((tried.normals_apart || plan & PADDED) && !codec) continue;
         if (splats > MOST_SPLATS_TO_TRY && plan != large) continue;
-        result = try_plan(scene, &tried, layout, data, size, error);
+        result = try_plan(scene, &tried, materials, layout, data, size, error);
     }
     return result;
 }
@@ -260,11 +286,14 @@ psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats 
     psplat_buffer_layout layout = {.tables = calloc(scene->mesh_count + 1, sizeof *layout.tables),
                                    .mesh_count = scene->mesh_count};
     psplat_fallback_file fallbacks = {0};
+    psplat_materials materials = {0};
     if (!layout.tables)
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the file");
     if (!result) result = fill(splats, desc, &layout, &fallbacks, error);
-    if (!result) result = try_plans(scene, desc, &layout, data, size, error);
+    if (!result) result = psplat_document_materials(scene, &layout, &materials, error);
+    if (!result) result = try_plans(scene, desc, &materials, &layout, data, size, error);
     psplat_fallback_file_free(&fallbacks);
+    psplat_materials_free(&materials);
     for (size_t i = 0; i < scene->mesh_count && layout.tables; ++i)
         psplat_attribute_table_free(&layout.tables[i]);
     free(layout.tables);

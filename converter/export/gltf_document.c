@@ -11,6 +11,7 @@
 #include "export/graph_json.h"
 #include "export/material_json.h"
 #include "export/splat_attributes.h"
+#include "material/image.h"
 #include "scene/scene.h"
 #include "splats/splats.h"
 
@@ -30,6 +31,10 @@ size_t psplat_document_view_count(const psplat_buffer_layout *layout) {
 const psplat_buffer_view *psplat_document_view(const psplat_buffer_layout *layout, size_t index) {
     return index < layout->view_count ? &layout->views[index]
                                       : &layout->fallbacks->views[index - layout->view_count];
+}
+
+size_t psplat_image_view_bytes(const psplat_image *image) {
+    return (image->size + 3) / 4 * 4;
 }
 
 static int is_packed(const psplat_buffer_layout *layout) {
@@ -107,6 +112,10 @@ static void add_ranges(psplat_writer *json, const psplat_attribute_table *table,
         psplat_writer_float(json, "bendRange", ranges.bend);
     if (has_integers(primitive, PSPLAT_ATTRIBUTE_COLOR_U))
         psplat_writer_float(json, "colorRange", ranges.color);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_TEXCOORD_U))
+        psplat_writer_float(json, "texcoordRange", ranges.texcoord);
+    if (has_integers(primitive, PSPLAT_ATTRIBUTE_TEXCOORD_UU))
+        psplat_writer_float(json, "texcoordBendRange", ranges.texcoord_bend);
 }
 
 static const psplat_fallback_table *fallback_of(const psplat_buffer_layout *layout, size_t mesh) {
@@ -122,7 +131,9 @@ static size_t version_of(const psplat_buffer_layout *layout,
     int more = layout->tables[primitive->mesh].codes || fallback_of(layout, primitive->mesh);
     for (size_t i = PSPLAT_ATTRIBUTE_COLOR_U; i < PSPLAT_ATTRIBUTE_GAUSSIAN_ROTATION; ++i)
         more |= primitive->formats[i].components > 0;
-    return primitive->is_curved || has_bends(primitive) ? 3 : more ? 2 : 1;
+    return primitive->is_curved || has_bends(primitive) || primitive->has_texcoord ? 3
+           : more                                                                  ? 2
+                                                                                   : 1;
 }
 
 /* Finds the least and the greatest POSITION of all splats of a primitive. */
@@ -172,8 +183,9 @@ static void add_primitive(psplat_writer *json, const psplat_buffer_layout *layou
                           const psplat_scene *scene, const psplat_materials *materials,
                           size_t *accessor) {
     const psplat_primitive_layout *primitive = &layout->primitives[index];
-    uint32_t material = psplat_materials_index(
-        materials, scene, layout->tables[primitive->mesh].splats, primitive->material);
+    uint32_t material =
+        psplat_materials_index(materials, scene, layout->tables[primitive->mesh].splats,
+                               primitive->material, primitive->has_texcoord);
     psplat_writer_open(json, NULL, '{');
     psplat_writer_count(json, "mode", 0);
     add_attributes(json, primitive, accessor);
@@ -282,6 +294,8 @@ static void add_place(psplat_writer *json, size_t buffer, size_t offset, size_t 
 static void add_view(psplat_writer *json, const psplat_buffer_view *view, size_t offset,
                      size_t unpacked_offset) {
     enum { ARRAY_BUFFER = 34962, ELEMENT_ARRAY_BUFFER };
+    static const char *const filters[] = {
+        [PSPLAT_FILTER_OCTAHEDRAL] = "OCTAHEDRAL", [PSPLAT_FILTER_EXPONENTIAL] = "EXPONENTIAL"};
     size_t bytes = view->rows * view->stride, stride = view->is_index ? 0 : view->stride;
     psplat_writer_open(json, NULL, '{');
     if (view->packed)
@@ -295,14 +309,22 @@ static void add_view(psplat_writer *json, const psplat_buffer_view *view, size_t
         add_place(json, 0, offset, view->packed_size, view->stride);
         psplat_writer_string(json, "mode", view->is_index ? "TRIANGLES" : "ATTRIBUTES");
         psplat_writer_count(json, "count", view->rows);
-        if (view->is_octahedral) psplat_writer_string(json, "filter", "OCTAHEDRAL");
+        if (view->filter) psplat_writer_string(json, "filter", filters[view->filter]);
         psplat_writer_close(json, '}');
         psplat_writer_close(json, '}');
     }
     psplat_writer_close(json, '}');
 }
 
-static void add_views(psplat_writer *json, const psplat_buffer_layout *layout) {
+/* Writes a buffer view of an image, which nothing compresses. */
+static void add_image_view(psplat_writer *json, const psplat_image *image, size_t offset) {
+    psplat_writer_open(json, NULL, '{');
+    add_place(json, 0, offset, image->size, 0);
+    psplat_writer_close(json, '}');
+}
+
+static void add_views(psplat_writer *json, const psplat_scene *scene,
+                      const psplat_buffer_layout *layout, const psplat_materials *materials) {
     size_t offset = 0, unpacked = 0;
     psplat_writer_open(json, "bufferViews", '[');
     for (size_t i = 0; i < psplat_document_view_count(layout); ++i) {
@@ -310,6 +332,11 @@ static void add_views(psplat_writer *json, const psplat_buffer_layout *layout) {
         add_view(json, view, offset, unpacked);
         offset += psplat_buffer_view_bytes(view);
         unpacked += (view->rows * view->stride + 3) / 4 * 4;
+    }
+    for (size_t i = 0; i < materials->image_count; ++i) {
+        const psplat_image *image = &scene->materials.images[materials->images[i]];
+        add_image_view(json, image, offset);
+        offset += psplat_image_view_bytes(image);
     }
     psplat_writer_close(json, ']');
     psplat_writer_open(json, "buffers", '[');
@@ -387,28 +414,44 @@ static void add_asset(psplat_writer *json, const psplat_scene *scene) {
     psplat_writer_close(json, '}');
 }
 
+/* Fails where the file of an image that materials use is not known. */
+static psplat_result check_images(const psplat_scene *scene, const psplat_materials *materials,
+                                  psplat_error *error) {
+    for (size_t i = 0; i < materials->image_count; ++i) {
+        uint32_t image = materials->images[i];
+        if (image >= scene->materials.image_count || !scene->materials.images[image].bytes)
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "a material has a texture of image %u, which the scene has not",
+                               (unsigned)image);
+    }
+    return PSPLAT_OK;
+}
+
+psplat_result psplat_document_materials(const psplat_scene *scene,
+                                        const psplat_buffer_layout *layout,
+                                        psplat_materials *materials, psplat_error *error) {
+    psplat_result result = psplat_materials_collect(scene, layout->tables[0].splats, materials);
+    if (!result && layout->fallbacks)
+        result = psplat_fallback_file_collect(layout->fallbacks, scene, materials);
+    if (result) return psplat_fail(error, result, 0, "no memory for the materials");
+    return check_images(scene, materials, error);
+}
+
 int psplat_document_write(psplat_writer *json, const psplat_scene *scene,
-                          const psplat_buffer_layout *layout) {
-    psplat_materials materials;
-    int is_written = !psplat_materials_collect(scene, layout->tables[0].splats, &materials);
-    if (is_written && layout->fallbacks)
-        is_written = !psplat_fallback_file_collect(layout->fallbacks, scene, &materials);
-    if (is_written) {
-        psplat_writer_open(json, NULL, '{');
-        add_asset(json, scene);
-        add_extensions(json, scene, layout, &materials);
-        is_written = add_graph(json, scene, layout);
-        if (scene->light_count) {
-            psplat_writer_open(json, "extensions", '{');
-            psplat_graph_write_lights(json, scene);
-            psplat_writer_close(json, '}');
-        }
-        add_meshes(json, scene, layout, &materials);
-        psplat_materials_write(json, &materials);
-        add_accessors(json, layout);
-        add_views(json, layout);
+                          const psplat_buffer_layout *layout, const psplat_materials *materials) {
+    psplat_writer_open(json, NULL, '{');
+    add_asset(json, scene);
+    add_extensions(json, scene, layout, materials);
+    int is_written = add_graph(json, scene, layout);
+    if (scene->light_count) {
+        psplat_writer_open(json, "extensions", '{');
+        psplat_graph_write_lights(json, scene);
         psplat_writer_close(json, '}');
     }
-    psplat_materials_free(&materials);
+    add_meshes(json, scene, layout, materials);
+    psplat_materials_write(json, materials, scene, psplat_document_view_count(layout));
+    add_accessors(json, layout);
+    add_views(json, scene, layout, materials);
+    psplat_writer_close(json, '}');
     return psplat_writer_finish(json) && is_written;
 }

@@ -7,16 +7,27 @@
 
 #include "base/json_writer.h"
 #include "export/buffer_layout.h"
+#include "export/material_json.h"
+#include "material/image.h"
 #include "scene/scene.h"
 
-/* The buffer views of a file are those of the splats, then those of the fallback meshes. */
+/* The buffer views of a file are those of the splats, those of the fallback meshes, which these
+ * functions count and return, and then one for each image. */
 size_t psplat_document_view_count(const psplat_buffer_layout *layout);
 const psplat_buffer_view *psplat_document_view(const psplat_buffer_layout *layout, size_t index);
 /* Returns the bytes of the binary chunk that a view takes, with its padding. */
 size_t psplat_buffer_view_bytes(const psplat_buffer_view *view);
-/* Writes the whole document and finishes it. The splats of layout's attribute tables must lie one
- * after another in one array. Returns 0 where memory ran out. */
+size_t psplat_image_view_bytes(const psplat_image *image);
+
+/* Collects the materials of the splats of layout's attribute tables, which must lie one after
+ * another in one array, and of its fallback meshes. The caller frees *materials with
+ * psplat_materials_free, also after an error. Errors: MEMORY, ARGUMENT (a texture whose image the
+ * scene has not). */
+psplat_result psplat_document_materials(const psplat_scene *scene,
+                                        const psplat_buffer_layout *layout,
+                                        psplat_materials *materials, psplat_error *error);
+/* Writes the whole document and finishes it. Returns 0 where memory ran out. */
 int psplat_document_write(psplat_writer *json, const psplat_scene *scene,
-                          const psplat_buffer_layout *layout);
+                          const psplat_buffer_layout *layout, const psplat_materials *materials);
 
 #endif

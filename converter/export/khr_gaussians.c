@@ -12,6 +12,8 @@
 #include "base/region.h"
 #include "base/vector.h"
 #include "material/mipmap.h"
+#include "material/source_materials.h"
+#include "material/texture_sampling.h"
 #include "splats/splat_frame.h"
 #include "splats/splats.h"
 
@@ -139,6 +141,89 @@ static void set_shape(const psplat_splat *splat, psplat_gaussian *g) {
     g->scale[2] = (float)least_thickness * g->scale[1];
 }
 
+/* ---- textures -------------------------------------------------------------------------------- */
+
+/* The means of a material's textures over a splat, in linear light. */
+typedef struct texture_means {
+    float base_color[4], emissive[4];
+    double occlusion;
+} texture_means;
+
+static const texture_means white = {{1, 1, 1, 1}, {1, 1, 1, 1}, 1};
+
+/* The mipmaps of the images, those of colours and those of numbers; each has no levels until a
+ * material needs it. */
+typedef struct mipmaps {
+    psplat_mipmap *of[2];
+    size_t count;
+} mipmaps;
+
+static int is_color_slot(int slot) {
+    return slot == PSPLAT_TEXTURE_BASE_COLOR || slot == PSPLAT_TEXTURE_EMISSIVE;
+}
+
+/* Builds what the textures need that colours are made of. Returns 0 where memory ran out. */
+static int build_mipmaps(const psplat_splats *splats, const psplat_source_materials *sources,
+                         mipmaps *m) {
+    static const int slots[] = {PSPLAT_TEXTURE_BASE_COLOR, PSPLAT_TEXTURE_OCCLUSION,
+                                PSPLAT_TEXTURE_EMISSIVE};
+    if (!splats->texcoords || !sources) return 1;
+    m->count = sources->image_count;
+    for (int k = 0; k < 2; ++k) {
+        m->of[k] = calloc(m->count + 1, sizeof *m->of[k]);
+        if (!m->of[k]) return 0;
+    }
+    for (size_t i = 0; i < 3 * splats->material_count; ++i) {
+        int slot = slots[i % 3], is_color = is_color_slot(slot);
+        uint32_t image = splats->materials[i / 3].textures[slot].image;
+        if (!image || image > m->count || m->of[is_color][image - 1].level_count) continue;
+        if (psplat_mipmap_build(&sources->images[image - 1], is_color, &m->of[is_color][image - 1]))
+            return 0;
+    }
+    return 1;
+}
+
+static void free_mipmaps(mipmaps *m) {
+    for (int k = 0; k < 2; ++k) {
+        for (size_t i = 0; i < m->count && m->of[k]; ++i) psplat_mipmap_free(&m->of[k][i]);
+        free(m->of[k]);
+    }
+}
+
+/* Stores the mean of a texture over a splat, where the material has one that can be read. */
+static int average(const mipmaps *m, const psplat_material *material, int slot,
+                   const psplat_texcoord *t, float rgba[4]) {
+    const psplat_texture *texture = &material->textures[slot];
+    const float *from[3] = {t->at, t->along_u, t->along_v};
+    psplat_texture_info info = {.wrap = {texture->wrap[0], texture->wrap[1]},
+                                .nearest = texture->nearest};
+    double st[3][2], zero[2] = {0, 0}, origin[2];
+    if (!texture->image || texture->image > m->count) return 0;
+    const psplat_mipmap *mipmap = &m->of[is_color_slot(slot)][texture->image - 1];
+    if (!mipmap->level_count) return 0;
+    for (int k = 0; k < 6; ++k) info.transform[k] = (double)texture->transform[k];
+    psplat_texture_transform(&info, zero, origin);
+    for (int i = 0; i < 3; ++i) {
+        const double uv[2] = {(double)from[i][0], (double)from[i][1]};
+        psplat_texture_transform(&info, uv, st[i]);
+        for (int k = 0; k < 2 && i; ++k) st[i][k] -= origin[k]; /* an axis, not a point */
+    }
+    psplat_texture_average(&info, mipmap, st[0], (const double(*)[2])st + 1, rgba);
+    return 1;
+}
+
+static texture_means means_of(const mipmaps *m, const psplat_material *material,
+                              const psplat_texcoord *t) {
+    texture_means means = white;
+    float rgba[4];
+    average(m, material, PSPLAT_TEXTURE_BASE_COLOR, t, means.base_color);
+    average(m, material, PSPLAT_TEXTURE_EMISSIVE, t, means.emissive);
+    if (average(m, material, PSPLAT_TEXTURE_OCCLUSION, t, rgba))
+        means.occlusion = 1 + (double)material->textures[PSPLAT_TEXTURE_OCCLUSION].strength *
+                                  ((double)rgba[0] - 1);
+    return means;
+}
+
 /* ---- colour ---------------------------------------------------------------------------------- */
 
 /* Returns the light that reaches a splat: Lambert's law for a directional light, and ambient light,
@@ -151,31 +236,47 @@ static double light(const psplat_splat *splat) {
 }
 
 static void set_color(const psplat_splat *splat, const psplat_finish *finish,
-                      const psplat_material *material, psplat_gaussian *g) {
+                      const psplat_material *material, const texture_means *means,
+                      psplat_gaussian *g) {
     static const double degree_0 = 0.28209479177387814; /* 1 / (2 sqrt(pi)) */
-    double lit = material->unlit ? 1 : light(splat) * (finish ? (double)finish->occlusion : 1);
+    double occlusion = (finish ? (double)finish->occlusion : 1) * means->occlusion;
+    double lit = material->unlit ? 1 : light(splat) * occlusion;
     for (int k = 0; k < 3; ++k) {
-        double emissive = finish ? (double)finish->emissive[k] : 1;
-        double linear = lit * (double)material->base_color[k] * (double)splat->color[k];
+        double emissive = (finish ? (double)finish->emissive[k] : 1) * (double)means->emissive[k];
+        double linear = lit * (double)material->base_color[k] * (double)splat->color[k] *
+                        (double)means->base_color[k];
         if (!material->unlit) linear += emissive * (double)material->emissive[k];
         double shown = (double)psplat_srgb_of_linear((float)fmin(linear, 1));
         g->harmonic[k] = (float)((shown - 0.5) / degree_0);
     }
 }
 
-psplat_result psplat_gaussians_make(const psplat_splats *splats, psplat_gaussian **gaussians,
-                                    psplat_error *error) {
-    psplat_gaussian *made = malloc((splats->count + 1) * sizeof *made);
-    *gaussians = made;
-    if (!made)
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu Gaussians",
-                           splats->count);
+/* ---- all splats ------------------------------------------------------------------------------ */
+
+static void make_all(const psplat_splats *splats, const mipmaps *m, psplat_gaussian *made) {
     size_t i = 0;
     for (size_t r = 0; r < splats->run_count; ++r)
         for (size_t end = i + splats->runs[r].count; i < end; ++i) {
+            const psplat_run *run = &splats->runs[r];
+            const psplat_material *material = &splats->materials[run->material];
+            texture_means means = white;
+            if (run->has_texcoord) means = means_of(m, material, &splats->texcoords[i]);
             set_shape(&splats->splats[i], &made[i]);
-            set_color(&splats->splats[i], splats->finishes ? &splats->finishes[i] : NULL,
-                      &splats->materials[splats->runs[r].material], &made[i]);
+            set_color(&splats->splats[i], splats->finishes ? &splats->finishes[i] : NULL, material,
+                      &means, &made[i]);
         }
-    return PSPLAT_OK;
+}
+
+psplat_result psplat_gaussians_make(const psplat_splats *splats,
+                                    const psplat_source_materials *sources,
+                                    psplat_gaussian **gaussians, psplat_error *error) {
+    psplat_gaussian *made = malloc((splats->count + 1) * sizeof *made);
+    mipmaps m = {0};
+    int is_made = made && build_mipmaps(splats, sources, &m);
+    if (is_made) make_all(splats, &m, made);
+    free_mipmaps(&m);
+    *gaussians = is_made ? made : NULL;
+    if (is_made) return PSPLAT_OK;
+    free(made);
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu Gaussians", splats->count);
 }

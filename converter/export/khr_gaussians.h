@@ -6,6 +6,7 @@
 #ifndef PHONGSPLAT_EXPORT_KHR_GAUSSIANS_H
 #define PHONGSPLAT_EXPORT_KHR_GAUSSIANS_H
 
+#include "material/source_materials.h"
 #include "splats/splats.h"
 
 #include <phongsplat/splat.h>
@@ -26,8 +27,12 @@ typedef struct psplat_gaussian {
 
 /* Makes a Gaussian of every splat; *gaussians is from malloc and owned by the caller. Viewers do
  * not light Gaussians, so their colours are those of the splats under a fixed light from above
- * (+y), front and right; colours of unlit materials stay as they are. Errors: MEMORY. */
-psplat_result psplat_gaussians_make(const psplat_splats *splats, psplat_gaussian **gaussians,
-                                    psplat_error *error);
+ * (+y), front and right; colours of unlit materials stay as they are. Where splats have texture
+ * coordinates, the base colour, the occlusion and the emission of a Gaussian are the means of the
+ * textures over its splat; sources holds their images, of which those without pixels count as
+ * white, and may be NULL. Errors: MEMORY. */
+psplat_result psplat_gaussians_make(const psplat_splats *splats,
+                                    const psplat_source_materials *sources,
+                                    psplat_gaussian **gaussians, psplat_error *error);
 
 #endif

@@ -42,6 +42,12 @@ const char *const psplat_attribute_names[PSPLAT_ATTRIBUTE_KINDS] = {"POSITION",
                                                                     OURS
                                                                     "OCCLUSION_ROUGHNESS_METALLIC",
                                                                     OURS "EMISSIVE",
+                                                                    "TEXCOORD_0",
+                                                                    OURS "TEXCOORD_U",
+                                                                    OURS "TEXCOORD_V",
+                                                                    OURS "TEXCOORD_UU",
+                                                                    OURS "TEXCOORD_UV",
+                                                                    OURS "TEXCOORD_VV",
                                                                     GAUSSIAN "ROTATION",
                                                                     GAUSSIAN "SCALE",
                                                                     GAUSSIAN "OPACITY",
@@ -80,6 +86,22 @@ static const float *gaussian_values(const psplat_gaussian *gaussian, size_t kind
                                                       : gaussian->harmonic;
 }
 
+static int is_texcoord(size_t kind) {
+    return kind >= PSPLAT_ATTRIBUTE_TEXCOORD && kind <= PSPLAT_ATTRIBUTE_TEXCOORD_VV;
+}
+
+static const float *texcoord_values(const psplat_texcoord *t, size_t kind) {
+    const float *const values[] = {t->at,       t->along_u,  t->along_v,
+                                   t->along_uu, t->along_uv, t->along_vv};
+    return values[kind - PSPLAT_ATTRIBUTE_TEXCOORD];
+}
+
+static const int32_t *texcoord_codes(const psplat_quantized_texcoord *t, size_t kind) {
+    const int32_t *const codes[] = {t->at,       t->along[0], t->along[1],
+                                    t->bends[0], t->bends[1], t->bends[2]};
+    return codes[kind - PSPLAT_ATTRIBUTE_TEXCOORD];
+}
+
 /* Stores a clip line of a splat and its bend, where the splat has that line; else one that cuts
  * nothing off (spec 3.6). */
 static void line_values(const psplat_splat *splat, size_t line, float values[4]) {
@@ -101,6 +123,8 @@ static void values_of(const psplat_attribute_table *table, size_t kind, size_t i
     const float orm[3] = {f->occlusion, f->roughness, f->metallic};
     float sign = table->codes && table->codes[index].flipped ? -1.0f : 1.0f;
     const float *from = is_gaussian(kind) ? gaussian_values(&table->gaussians[index], kind)
+                        : is_texcoord(kind)
+                            ? texcoord_values(&table->splats->texcoords[index], kind)
                         : kind == PSPLAT_ATTRIBUTE_POSITION      ? s->center
                         : kind == PSPLAT_ATTRIBUTE_NORMAL        ? s->normal
                         : kind == PSPLAT_ATTRIBUTE_COLOR         ? s->color
@@ -118,6 +142,10 @@ static void values_of(const psplat_attribute_table *table, size_t kind, size_t i
         return;
     }
     memcpy(values, from, table->formats[kind].components * sizeof *values);
+    if (kind == PSPLAT_ATTRIBUTE_TEXCOORD && psplat_attribute_table_has_texcoord_grid(table))
+        for (size_t k = 0; k < 2; ++k)
+            values[k] = (float)(table->codes[index].texcoord.at[k] *
+                                table->splats->precision.texcoord_step);
     if (kind == PSPLAT_ATTRIBUTE_GAUSSIAN_SCALE && table->codes)
         for (size_t k = 0; k < 3; ++k)
             values[k] = (float)((double)values[k] / table->splats->precision.unit);
@@ -154,6 +182,8 @@ static int codes_of(const psplat_attribute_table *table, size_t kind, size_t ind
         memcpy(values, c->field, sizeof c->field);
     else if (kind == PSPLAT_ATTRIBUTE_SURFACE_FIELD || kind == PSPLAT_ATTRIBUTE_SHAPE)
         memcpy(values, c->shape, sizeof c->shape);
+    else if (is_texcoord(kind) && kind != PSPLAT_ATTRIBUTE_TEXCOORD)
+        memcpy(values, texcoord_codes(&c->texcoord, kind), 2 * sizeof *values);
     else if (psplat_attribute_is_clip_line(kind) &&
              kind - PSPLAT_ATTRIBUTE_LINE >= table->splats->splats[index].clip_count)
         values[0] = values[2] = 0, values[1] = (int32_t)lrint(1 / p->line_step);
@@ -196,6 +226,15 @@ void psplat_attribute_table_put_octahedral(const psplat_attribute_table *table, 
     out = psplat_put_integer(out, (uint32_t)code[0], bytes);
     out = psplat_put_integer(out, (uint32_t)code[1], bytes);
     psplat_put_integer(psplat_put_integer(out, (1u << (bits - 1)) - 1, bytes), 0, bytes);
+}
+
+void psplat_attribute_table_put_exponential(const psplat_attribute_table *table, size_t index,
+                                            uint8_t *out) {
+    int exponent = (int)lrint(log2(table->splats->precision.texcoord_step));
+    for (int k = 0; k < 2; ++k) {
+        out = psplat_put_integer(out, (uint32_t)table->codes[index].texcoord.at[k], 3);
+        *out++ = (uint8_t)exponent;
+    }
 }
 
 /* ---- formats that splats need --------------------------------------------------------------- */
@@ -243,6 +282,8 @@ static size_t line_components(const psplat_attribute_table *table, size_t kind, 
 static int belongs_to(const psplat_run *like, size_t kind) {
     int is_surface = like->is_curved && !like->has_shape;
     if (kind == PSPLAT_ATTRIBUTE_SHAPE) return like->has_shape;
+    if (is_texcoord(kind))
+        return kind < PSPLAT_ATTRIBUTE_TEXCOORD_UU ? like->has_texcoord : like->has_texcoord_bend;
     if (kind == PSPLAT_ATTRIBUTE_TILT || kind == PSPLAT_ATTRIBUTE_FIELD) return !is_surface;
     if (kind == PSPLAT_ATTRIBUTE_SURFACE_TILT || kind == PSPLAT_ATTRIBUTE_SURFACE_FIELD)
         return is_surface;
@@ -253,7 +294,7 @@ static int belongs_to(const psplat_run *like, size_t kind) {
 static int is_optional(size_t kind) {
     return kind == PSPLAT_ATTRIBUTE_TILT || kind == PSPLAT_ATTRIBUTE_SURFACE_TILT ||
            kind == PSPLAT_ATTRIBUTE_FIELD ||
-           (kind >= PSPLAT_ATTRIBUTE_COLOR_U && !is_gaussian(kind));
+           (kind >= PSPLAT_ATTRIBUTE_COLOR_U && !is_gaussian(kind) && !is_texcoord(kind));
 }
 
 void psplat_attribute_table_formats(const psplat_attribute_table *table, size_t first, size_t count,
@@ -292,8 +333,8 @@ void psplat_attribute_table_extent(const psplat_attribute_table *table, size_t f
 static int32_t greatest(const psplat_attribute_table *table, size_t kind) {
     int32_t most = 0;
     for (size_t i = 0; i < table->splats->count; ++i) {
-        int32_t values[4];
-        codes_of(table, kind, i, values);
+        int32_t values[4] = {0};
+        if (!codes_of(table, kind, i, values)) continue; /* a float */
         for (size_t k = 0; k < table->formats[kind].components; ++k)
             if (abs(values[k]) > most) most = abs(values[k]);
     }
@@ -364,6 +405,23 @@ static void set_material_formats(psplat_attribute_table *table) {
                 : PSPLAT_TYPE_UNSIGNED_SHORT,
             table->codes && is_opaque(splats) ? 3 : 4};
     if (splats->finishes) set_finishes(table);
+}
+
+/* Sets the formats of texture coordinates. Those at centres are floats; the others of one order
+ * have one type and one range. */
+static void set_texcoords(psplat_attribute_table *table) {
+    enum { FIRST = PSPLAT_ATTRIBUTE_TEXCOORD_U, SECOND = PSPLAT_ATTRIBUTE_TEXCOORD_UU };
+    psplat_attribute_format *formats = table->formats;
+    int32_t slope = 0, bend = 0;
+    for (size_t kind = PSPLAT_ATTRIBUTE_TEXCOORD; kind <= PSPLAT_ATTRIBUTE_TEXCOORD_VV; ++kind)
+        formats[kind] = (psplat_attribute_format){PSPLAT_TYPE_FLOAT, 2};
+    for (size_t kind = FIRST; kind <= PSPLAT_ATTRIBUTE_TEXCOORD_VV && table->codes; ++kind) {
+        formats[kind].type = PSPLAT_TYPE_SHORT;
+        int32_t *most = kind < SECOND ? &slope : &bend, found = greatest(table, kind);
+        if (found > *most) *most = found;
+    }
+    for (size_t kind = FIRST; kind <= PSPLAT_ATTRIBUTE_TEXCOORD_VV && table->codes; ++kind)
+        formats[kind].type = type_for(kind < SECOND ? slope : bend, 1);
 }
 
 static int has_bends(const psplat_splats *splats) {
@@ -459,8 +517,11 @@ static void quantize(psplat_attribute_table *table) {
     const psplat_splats *splats = table->splats;
     for (size_t run = 0, i = 0; run < splats->run_count; ++run)
         for (size_t end = i + splats->runs[run].count; i < end; ++i) {
-            psplat_quantize_splat(&splats->precision, &splats->runs[run], &splats->splats[i],
-                                  &table->codes[i]);
+            psplat_quantized_splat *code = &table->codes[i];
+            psplat_quantize_splat(&splats->precision, &splats->runs[run], &splats->splats[i], code);
+            if (splats->runs[run].has_texcoord)
+                psplat_quantize_texcoord(&splats->precision, &splats->texcoords[i], code->flipped,
+                                         &code->texcoord);
             for (int k = 0; k < 3; ++k)
                 if (!i || table->codes[i].position[k] < table->low[k])
                     table->low[k] = table->codes[i].position[k];
@@ -497,6 +558,7 @@ psplat_result psplat_attribute_table_fill(const psplat_splats *splats,
         result = set_integers(table, error);
     else
         set_floats(table);
+    if (splats->texcoords && !result) set_texcoords(table);
     set_material_formats(table);
     return result;
 }
@@ -537,5 +599,9 @@ void psplat_attribute_table_ranges(const psplat_attribute_table *table,
         .scale = {(float)exp(least), (float)exp(least + steps * p->scale_step)},
         .clip = {(float)(line * p->line_turn_step), (float)(line * p->line_step)},
         .bend = (float)(line * p->bend_step),
-        .color = table->color_range};
+        .color = table->color_range,
+        .texcoord =
+            (float)(most_of(formats[PSPLAT_ATTRIBUTE_TEXCOORD_U].type) * p->texcoord_slope_step),
+        .texcoord_bend =
+            (float)(most_of(formats[PSPLAT_ATTRIBUTE_TEXCOORD_UU].type) * p->texcoord_bend_step)};
 }

@@ -42,6 +42,12 @@ typedef enum psplat_attribute_kind {
     PSPLAT_ATTRIBUTE_COLOR_V,
     PSPLAT_ATTRIBUTE_ORM,
     PSPLAT_ATTRIBUTE_EMISSIVE,
+    PSPLAT_ATTRIBUTE_TEXCOORD,
+    PSPLAT_ATTRIBUTE_TEXCOORD_U,
+    PSPLAT_ATTRIBUTE_TEXCOORD_V,
+    PSPLAT_ATTRIBUTE_TEXCOORD_UU,
+    PSPLAT_ATTRIBUTE_TEXCOORD_UV,
+    PSPLAT_ATTRIBUTE_TEXCOORD_VV,
     PSPLAT_ATTRIBUTE_GAUSSIAN_ROTATION, /* this and the next belong to KHR_gaussian_splatting */
     PSPLAT_ATTRIBUTE_GAUSSIAN_SCALE,
     PSPLAT_ATTRIBUTE_OPACITY,
@@ -99,8 +105,9 @@ void psplat_attribute_table_add_gaussians(psplat_attribute_table *table,
 void psplat_attribute_table_free(psplat_attribute_table *table);
 
 /* Finds the formats that the splats first to first + count - 1 need in a primitive with the clip
- * lines and the kind of surface of a run: attributes that have their default value in all of them
- * get no components, and lines that are all straight none for their bend. */
+ * lines, the kind of surface and the texture coordinates of a run: attributes that have their
+ * default value in all of them get no components, and lines that are all straight none for their
+ * bend. */
 void psplat_attribute_table_formats(const psplat_attribute_table *table, size_t first, size_t count,
                                     const psplat_run *like,
                                     psplat_attribute_format formats[PSPLAT_ATTRIBUTE_KINDS]);
@@ -114,10 +121,20 @@ void psplat_attribute_table_put(const psplat_attribute_table *table, size_t kind
 void psplat_attribute_table_put_octahedral(const psplat_attribute_table *table, size_t index,
                                            uint8_t *out);
 
+/* Returns whether the TEXCOORD_0 of the splats is on a grid, as that filter wants it. */
+static inline int psplat_attribute_table_has_texcoord_grid(const psplat_attribute_table *table) {
+    return table->codes && table->splats->texcoords && table->splats->precision.texcoord_step > 0;
+}
+/* Writes the TEXCOORD_0 of one splat as input of the exponential filter of EXT_meshopt_compression.
+ */
+void psplat_attribute_table_put_exponential(const psplat_attribute_table *table, size_t index,
+                                            uint8_t *out);
+
 /* The ranges that the integers of attributes stand for, as the extension object has them (spec
  * 3.9). */
 typedef struct psplat_quantization_ranges {
     float turn, tilt, surface_tilt, field, shape, scale[2], clip[2], bend, color;
+    float texcoord, texcoord_bend;
 } psplat_quantization_ranges;
 void psplat_attribute_table_ranges(const psplat_attribute_table *table,
                                    psplat_quantization_ranges *ranges);

@@ -7,12 +7,14 @@
  * and connected creases that are too short become smooth again (drop_short_chains). From the
  * creases that are left, crease_follow.c continues along weaker edges, since creases fade out.
  * Edges between groups of the file, and edges that its normals make hard (authored_normals.c), are
- * creases at any angle and length. With PSPLAT_NO_CREASES only borders are creases.
+ * creases at any angle and length. With PSPLAT_NO_CREASES only borders are creases. Last come the
+ * borders of charts (chart_borders.c), which bound patches and are no creases.
  */
 #include "features/crease.h"
 
 #include "base/vector.h"
 #include "features/authored_normals.h"
+#include "features/chart_borders.h"
 #include "features/crease_classify.h"
 #include "features/crease_follow.h"
 #include "features/curvature.h"
@@ -118,10 +120,10 @@ static void classify_edges(const psplat_surface *surface, const psplat_curvature
 static void mark_creases(psplat_surface *surface, const uint8_t *kinds) {
     for (uint32_t e = 0; e < 3 * surface->mesh->triangle_count; ++e)
         if (kinds[e] >= PSPLAT_EDGE_PROBABLE || surface->neighbors[e] == PSPLAT_NONE)
-            psplat_crease_set(surface, e, 1);
+            psplat_crease_set(surface, e, PSPLAT_BOUND_CREASE);
 }
 
-/* Numbers the patches by flooding over edges that are not creases. */
+/* Numbers the patches by flooding over edges that bound none. */
 static void number_patches(psplat_surface *surface, uint32_t *stack) {
     size_t count = surface->mesh->triangle_count;
     memset(surface->patches, 0xff, count * sizeof(uint32_t));
@@ -148,7 +150,7 @@ static void measure_edges(psplat_surface *surface) {
     size_t halves = 0, smooth = 0;
     double squares = 0;
     for (uint32_t e = 0; e < 3 * surface->mesh->triangle_count; ++e) {
-        if (surface->creases[e]) {
+        if (surface->creases[e] == PSPLAT_BOUND_CREASE) {
             halves += surface->neighbors[e] != PSPLAT_NONE;
         } else if (e / 3 < surface->neighbors[e]) {
             const double *n = surface->face_normals;
@@ -202,6 +204,7 @@ psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle,
         .authored = authored};
     if (!result && isinf(crease_angle)) mark_borders(surface);
     if (!result && !isinf(crease_angle)) result = find_creases(surface, &rule);
+    if (!result) result = psplat_chart_borders_mark(surface);
     if (!result) {
         number_patches(surface, stack);
         measure_edges(surface);

@@ -84,7 +84,7 @@ static void continue_at(follower *f, uint32_t edge, int end) {
         int is_collinear = -dot3(away, onward) >= collinear_cosine;
         if (kind == PSPLAT_EDGE_SMOOTH || (kind == PSPLAT_EDGE_COLLINEAR && !is_collinear))
             continue;
-        psplat_crease_set(f->surface, weak, 1);
+        psplat_crease_set(f->surface, weak, PSPLAT_BOUND_CREASE);
         f->queue[f->queue_count++] = weak;
     }
 }

@@ -12,7 +12,7 @@
 
 #include <stdint.h>
 
-/* Sets or clears the crease flag of an edge, on both of its triangles. */
+/* Sets what an edge bounds (PSPLAT_BOUND_..., or 0), on both of its triangles. */
 void psplat_crease_set(psplat_surface *surface, uint32_t edge, uint8_t value);
 
 /* Marks weak edges that touch creases, and collinear edges that continue them, as creases. kinds

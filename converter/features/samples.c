@@ -53,6 +53,7 @@ static int buffer_reserve(sample_buffer *buffer, size_t count,
     if (ok && appearance && appearance->has_normals) ok = grow(&s->turned, capacity, 3);
     if (ok && appearance && appearance->has_finish) ok = grow(&s->finishes, capacity, 3);
     if (ok && appearance && appearance->has_emissive) ok = grow(&s->emissive, capacity, 3);
+    if (ok && appearance && appearance->kept) ok = grow(&s->texcoords, capacity, 2);
     if (ok) buffer->capacity = capacity;
     return ok;
 }
@@ -77,6 +78,7 @@ static int buffer_push(sample_buffer *buffer, const psplat_surface *surface, uin
     memcpy(s->positions + 3 * index, p, 3 * sizeof(double));
     psplat_surface_normal(surface, triangle, weights, s->normals + 3 * index);
     s->triangles[index] = triangle;
+    if (s->texcoords) psplat_surface_texcoord(surface, triangle, weights, s->texcoords + 2 * index);
     if (!s->colors && !s->turned && !s->finishes && !s->emissive) return 1;
     psplat_baked_point shade;
     psplat_appearance_bake(surface->appearance, triangle, weights, s->normals + 3 * index, &shade);
@@ -396,6 +398,7 @@ void psplat_samples_free(psplat_samples *samples) {
     free(samples->turned);
     free(samples->finishes);
     free(samples->emissive);
+    free(samples->texcoords);
     free(samples->triangles);
     free(samples->first);
     free(samples->order);

@@ -21,6 +21,7 @@ typedef struct psplat_samples {
     float *turned;       /* count x 3, unit: normals turned by normal maps */
     float *finishes;     /* count x 3 */
     float *emissive;     /* count x 3 */
+    float *texcoords;    /* count x 2: in the set that is kept (appearance.h); NULL: none is */
     uint32_t *triangles; /* count */
     uint32_t *first;     /* triangle_count + 1 */
     uint32_t *order;     /* count */

@@ -4,6 +4,7 @@
  */
 #include "features/surface.h"
 
+#include "appearance/appearance.h"
 #include "base/vector.h"
 #include "mesh/mesh.h"
 
@@ -16,6 +17,7 @@ void psplat_surface_free(psplat_surface *surface) {
     free(surface->creases);
     free(surface->patches);
     free(surface->corner_normals);
+    free(surface->texcoord_slopes);
     *surface = (psplat_surface){0};
 }
 
@@ -50,4 +52,26 @@ void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,
     interpolate(surface->corner_normals + 9 * (size_t)triangle, 3, barycentric, sum);
     const double *n = normalize3(sum) > 1e-9 ? sum : surface->face_normals + 3 * (size_t)triangle;
     for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
+}
+
+int psplat_surface_has_texcoords(const psplat_surface *surface) {
+    return surface->appearance && surface->appearance->kept;
+}
+
+const psplat_kept_textures *psplat_surface_kept_textures(const psplat_surface *surface,
+                                                         uint32_t triangle) {
+    return surface->appearance ? psplat_appearance_kept(surface->appearance, triangle) : NULL;
+}
+
+int psplat_surface_keeps_textures(const psplat_surface *surface, uint32_t triangle) {
+    return psplat_surface_kept_textures(surface, triangle) != NULL;
+}
+
+void psplat_surface_texcoord(const psplat_surface *surface, uint32_t triangle,
+                             const double barycentric[3], float texcoord[2]) {
+    double at[2] = {0, 0};
+    if (psplat_surface_keeps_textures(surface, triangle))
+        interpolate(surface->mesh->corner_uvs[surface->appearance->kept_set] + 6 * (size_t)triangle,
+                    2, barycentric, at);
+    for (int k = 0; k < 2; ++k) texcoord[k] = (float)at[k];
 }

@@ -16,27 +16,52 @@
  * take less time than waiting for the threads. Chosen by hand. */
 enum { PSPLAT_MIN_PARALLEL_COUNT = 50000 };
 
+/* What an edge bounds. Splats end at both kinds; normals are averaged across the second one. */
+enum {
+    PSPLAT_BOUND_CREASE = 1, /* sharp, a border, non-manifold, inconsistently oriented, or between
+                                two groups */
+    PSPLAT_BOUND_CHART = 2   /* smooth, but texture coordinates jump or mirror (chart_borders.h) */
+};
+
 /* A mesh with what is known about its surface. Edge 3 t + k of triangle t runs from its corner k to
- * its corner (k + 1) % 3. Crease edges bound the smooth patches: an edge is a crease if it is
- * sharp, a border, non-manifold, inconsistently oriented, or between two groups. */
+ * its corner (k + 1) % 3. Creases and borders of charts bound the patches. */
 typedef struct psplat_surface {
     const psplat_mesh *mesh;
     const psplat_appearance *appearance; /* set by the caller so that samples are baked; or NULL */
     double *face_normals;                /* triangle_count x 3, unit */
     double *face_areas;                  /* triangle_count */
     uint32_t *neighbors;   /* triangle_count x 3: triangle across the edge, or PSPLAT_NONE */
-    uint8_t *creases;      /* triangle_count x 3 flags */
+    uint8_t *creases;      /* triangle_count x 3: PSPLAT_BOUND_..., or 0 inside patches */
     uint32_t *patches;     /* triangle_count ids 0 ... patch_count - 1 */
     float *corner_normals; /* triangle_count x 9: the file's, or averaged within patches */
+    /* triangle_count x 6: the changes of the kept texture coordinates s and t with the position, on
+     * the triangle's plane, one over a length; NULL where no textures are kept */
+    float *texcoord_slopes;
     size_t patch_count;
     size_t crease_edges; /* without borders */
     size_t border_edges;
-    double roughness; /* root mean square of the dihedral angles inside patches, radians */
+    size_t chart_border_edges; /* that are no creases */
+    double roughness;          /* root mean square of the dihedral angles inside patches, radians */
     double area;
     double diagonal; /* of the bounding box of used vertices */
 } psplat_surface;
 
 void psplat_surface_free(psplat_surface *surface);
+
+/* Returns whether any triangle keeps textures, so that texture coordinates are fitted. */
+int psplat_surface_has_texcoords(const psplat_surface *surface);
+
+/* Returns whether the material of a triangle keeps textures (appearance.h). */
+int psplat_surface_keeps_textures(const psplat_surface *surface, uint32_t triangle);
+
+/* Returns what a material keeps whose group a triangle has; NULL where it keeps no textures. */
+const psplat_kept_textures *psplat_surface_kept_textures(const psplat_surface *surface,
+                                                         uint32_t triangle);
+
+/* Stores the kept texture coordinates that are interpolated at barycentric coordinates of a
+ * triangle; 0 where it keeps no textures. */
+void psplat_surface_texcoord(const psplat_surface *surface, uint32_t triangle,
+                             const double barycentric[3], float texcoord[2]);
 
 /* Stores the barycentric coordinates of a point of a triangle, clamped to the triangle. */
 void psplat_surface_barycentric(const psplat_surface *surface, uint32_t triangle,

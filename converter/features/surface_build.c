@@ -73,7 +73,7 @@ static double corner_angle(const psplat_mesh *mesh, uint32_t corner) {
 /* Returns the corner at the same vertex in the triangle across an edge of the corner's triangle, or
  * PSPLAT_NONE if the edge is a crease. */
 static uint32_t corner_across(const psplat_surface *surface, uint32_t corner, uint32_t edge) {
-    if (surface->creases[edge]) return PSPLAT_NONE;
+    if (surface->creases[edge] == PSPLAT_BOUND_CREASE) return PSPLAT_NONE;
     uint32_t other = surface->neighbors[edge], vertex = surface->mesh->triangles[corner];
     for (uint32_t k = 0; k < 3; ++k)
         if (surface->mesh->triangles[3 * other + k] == vertex) return 3 * other + k;
@@ -140,8 +140,15 @@ static psplat_result build(psplat_surface *surface, double crease_angle) {
 
 psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
                                    psplat_surface *surface, psplat_error *error) {
+    return psplat_surface_build_with_charts(mesh, NULL, crease_angle, surface, error);
+}
+
+psplat_result psplat_surface_build_with_charts(const psplat_mesh *mesh,
+                                               const psplat_appearance *appearance,
+                                               double crease_angle, psplat_surface *surface,
+                                               psplat_error *error) {
     size_t count = mesh->triangle_count;
-    *surface = (psplat_surface){.mesh = mesh};
+    *surface = (psplat_surface){.mesh = mesh, .appearance = appearance};
     if (!count) return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "the mesh has no triangles");
     if (count > (PSPLAT_NONE - 1) / 3) /* edges are 3 times the triangle, plus 0, 1 or 2 */
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "%zu triangles are too many", count);

@@ -7,6 +7,7 @@
 
 #include <phongsplat/splat.h>
 
+#include "appearance/appearance.h"
 #include "features/surface.h"
 #include "mesh/mesh.h"
 
@@ -21,5 +22,12 @@
  * PSPLAT_ERROR_RANGE (too many), PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
                                    psplat_surface *surface, psplat_error *error);
+
+/* The same for a mesh of this appearance, which must live as long and may be NULL. Where it keeps
+ * textures, the borders of their charts bound patches too, whatever the crease angle is. */
+psplat_result psplat_surface_build_with_charts(const psplat_mesh *mesh,
+                                               const psplat_appearance *appearance,
+                                               double crease_angle, psplat_surface *surface,
+                                               psplat_error *error);
 
 #endif

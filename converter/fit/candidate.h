@@ -18,8 +18,9 @@ typedef struct psplat_candidate {
     double deviation; /* greatest distance from the plane to a covered sample, a length */
     float color[4];   /* set by psplat_fit_colors, as is the finish */
     psplat_finish finish;
-    uint32_t triangle; /* the triangle from which the candidate grew */
-    uint32_t *covered; /* sample indices, covered_count; the seed among them; owned */
+    psplat_texcoord texcoord; /* set by psplat_fit_texcoords; 0 where no texture is kept */
+    uint32_t triangle;        /* the triangle from which the candidate grew */
+    uint32_t *covered;        /* sample indices, covered_count; the seed among them; owned */
     size_t covered_count;
     uint32_t needed;   /* 1 + the sample that it grew for when splats lay on the grid already, and
                         * that it must cover on the grid too; 0: none */

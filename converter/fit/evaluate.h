@@ -5,7 +5,8 @@
  *
  * All code that makes candidates uses it. psplat_evaluate always takes the same steps in the same
  * order: it chooses the clip lines that keep the region on its side of the creases, finds the
- * samples that it covers, checks whether one colour suits them, checks whether all of the region is
+ * samples that it covers, checks whether one colour and one field of texture coordinates suit them,
+ * checks whether all of the region is
  * near the surface, and fits the normal field. It changes only the scratch and the reach that the
  * site records.
  */
@@ -65,6 +66,7 @@ typedef enum psplat_fit_status {
     PSPLAT_FIT_TOO_MANY_LINES,
     PSPLAT_FIT_SAMPLES_LOST, /* It misses the seed, or a sample that it had to hold. */
     PSPLAT_FIT_COLORS_DIFFER,
+    PSPLAT_FIT_TEXTURE_SLIDES,
     PSPLAT_FIT_LEAVES_SURFACE,
     PSPLAT_FIT_NORMALS_DIFFER,
     PSPLAT_FIT_MEMORY
@@ -72,8 +74,8 @@ typedef enum psplat_fit_status {
 
 /* What a caller may leave out of an evaluation. */
 enum {
-    PSPLAT_SKIP_LINES = 1, /* The region keeps the lines that it has. */
-    PSPLAT_SKIP_COLORS = 2,
+    PSPLAT_SKIP_LINES = 1,  /* The region keeps the lines that it has. */
+    PSPLAT_SKIP_COLORS = 2, /* and texture coordinates */
     PSPLAT_SKIP_NEARNESS = 4,
     PSPLAT_SKIP_NORMALS = 8,
     /* The region is a draft: its outline must be near samples instead of the mesh, and its lines
@@ -146,6 +148,16 @@ void psplat_candidate_put_nearest_first(const psplat_samples *samples, const dou
 /* evaluate_color.c: returns KEPT where the colours of the covered samples (count) are within the
  * tolerance of one colour that may change linearly, else COLORS_DIFFER. */
 psplat_fit_status psplat_evaluate_colors(const psplat_fit_context *context, size_t count);
+/* evaluate_texcoord.c: fits texture coordinates of a region to the samples in it, at least one, and
+ * to those of its chart that lie a little beyond its rim. The samples in it are those of the last
+ * evaluation, which must have been one of this region, or those that a candidate is recorded to
+ * cover (recorded; or NULL). */
+void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const psplat_region *region,
+                                   const psplat_candidate *recorded, psplat_texcoord *fitted);
+/* The same, and returns KEPT where the texture slides nowhere there beyond its tolerance, else
+ * TEXTURE_SLIDES. */
+psplat_fit_status psplat_evaluate_texcoords(const psplat_fit_context *context,
+                                            const psplat_region *region);
 /* evaluate_near.c: returns KEPT where the region is within the tolerance of the surface that is
  * connected with the site, else LEAVES_SURFACE or MEMORY. With exact, points all over the region
  * are measured against the mesh; else points of its outline are measured against samples. */

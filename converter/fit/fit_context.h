@@ -28,6 +28,11 @@ typedef struct psplat_limits {
     double color_tolerance;  /* greatest root mean square of a splat's colour error, parts of sRGB's
                                 range; 0: unbounded */
     int constant_colors;     /* 1: colours have no gradients */
+    double texture_tolerance; /* greatest error of texture coordinates, a length: how far a texture
+                                 may slide over the surface; 0: unbounded, or no texture is kept */
+    double texture_tolerance_texels; /* the same in texels of the material's largest texture; 0: it
+                                        is not bounded so */
+    int linear_texcoords;            /* 1: texture coordinates have no second order */
     const psplat_precision *precision; /* that lines and fields are rounded to; NULL: none are */
     int proven; /* 1: an exact check of the distance bound takes all points of a region, not some */
     const psplat_distance *distance; /* to the mesh; NULL: only triangles of samples are measured */

@@ -152,6 +152,7 @@ struct Soup {
     std::vector<float> normals, colors, tangents; /* 3, 4 and 4 for a corner */
     std::vector<float> uvs[PSPLAT_TEXCOORDS];     /* 2 for a corner */
     std::vector<int> materials;                   /* of each triangle, -1: the default material */
+    size_t infinite_uvs = 0;                      /* corners whose coordinates were no numbers */
 };
 
 bool is_drawn_as_triangles(const tinygltf::Primitive &primitive);

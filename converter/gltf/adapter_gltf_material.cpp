@@ -37,7 +37,8 @@ void read_pair(const tinygltf::Value &object, const char *name, double pair[2]) 
 }
 
 psplat_material factors_of(const tinygltf::Material &in) {
-    psplat_material out = {{1, 1, 1, 1}, {0, 0, 0}, 1, 1, 0, 0};
+    psplat_material out = {};
+    std::fill_n(out.base_color, 4, 1.0f);
     const tinygltf::PbrMetallicRoughness &pbr = in.pbrMetallicRoughness;
     for (size_t k = 0; k < 4 && pbr.baseColorFactor.size() == 4; ++k)
         out.base_color[k] = factor(pbr.baseColorFactor[k], 0, 1);
@@ -78,18 +79,25 @@ Bytes bytes_of(const tinygltf::Model &model, const tinygltf::Image &image, std::
     return {buffer.data.data() + view.byteOffset, view.byteLength};
 }
 
-/* Decodes an image once; what goes wrong becomes its problem, which is a warning later. */
+/* Returns the name of an image or else its path; data: URIs name nothing. */
+std::string name_of(const tinygltf::Image &image) {
+    if (!image.name.empty() || image.uri.compare(0, 5, "data:") == 0) return image.name;
+    return image.uri;
+}
+
+/* Reads an image once; what goes wrong becomes its problem, which is a warning later. */
 void decode(const tinygltf::Model &model, size_t index, psplat_image &out) {
     if (out.pixels || out.problem) return;
     std::string problem;
     Bytes bytes = bytes_of(model, model.images[index], problem);
     psplat_error error;
     if (problem.empty()) {
-        psplat_result result = psplat_image_decode(bytes.data, bytes.size, &out, &error);
+        psplat_result result = psplat_image_read(bytes.data, bytes.size, &out, &error);
         if (result == PSPLAT_ERROR_MEMORY) throw std::bad_alloc();
         if (result) problem = one_line(error.text);
     }
     if (!problem.empty()) out.problem = text_of(named("image", index) + ": " + problem);
+    if (out.pixels) out.name = text_of(name_of(model.images[index]));
 }
 
 /* ---- textures ------------------------------------------------------------------------------- */
@@ -172,6 +180,7 @@ void read_materials(const tinygltf::Model &model, psplat_source_materials &mater
         describe(model.materials[i], materials.source_materials[i]);
     }
     materials.source_materials[model.materials.size()].material = material_of(model, -1);
+    psplat_source_materials_describe_textures(&materials);
 }
 
 } // namespace psplat_gltf

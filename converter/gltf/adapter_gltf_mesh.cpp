@@ -125,12 +125,18 @@ void add_colors(Soup &soup, const View &view, const std::vector<uint32_t> &list)
         }
 }
 
-void add_uvs(std::vector<float> &uvs, const View &view, const std::vector<uint32_t> &list) {
-    for (uint32_t vertex : list)
-        for (size_t k = 0; k < 2; ++k) {
-            float value = static_cast<float>(component(view, vertex, k));
-            uvs.push_back(std::isfinite(value) ? value : 0.0f);
-        }
+/* Adds texture coordinates, 0 0 where one of both is not a finite number. Returns how many corners
+ * have such. */
+size_t add_uvs(std::vector<float> &uvs, const View &view, const std::vector<uint32_t> &list) {
+    size_t infinite = 0;
+    for (uint32_t vertex : list) {
+        float uv[2];
+        for (size_t k = 0; k < 2; ++k) uv[k] = static_cast<float>(component(view, vertex, k));
+        bool finite = std::isfinite(uv[0]) && std::isfinite(uv[1]);
+        for (float value : uv) uvs.push_back(finite ? value : 0.0f);
+        infinite += !finite;
+    }
+    return infinite;
 }
 
 /* Adds the corner attributes of a primitive; the corners before it get neutral values if they have
@@ -156,7 +162,8 @@ void add_corners(Soup &soup, const tinygltf::Model &model, const tinygltf::Primi
         std::string name = "TEXCOORD_" + std::to_string(set);
         if (!primitive.attributes.count(name)) continue;
         pad(soup.uvs[set], first, {0, 0});
-        add_uvs(soup.uvs[set], attribute(model, primitive, name.c_str(), vertices, 2, 2), list);
+        soup.infinite_uvs +=
+            add_uvs(soup.uvs[set], attribute(model, primitive, name.c_str(), vertices, 2, 2), list);
     }
 }
 

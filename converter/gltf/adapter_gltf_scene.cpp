@@ -284,6 +284,7 @@ void read_graph(const tinygltf::Model &model, psplat_scene &scene) {
 }
 
 void read_meshes(const tinygltf::Model &model, psplat_scene &scene) {
+    size_t infinite = 0;
     allocate(scene.meshes, scene.mesh_count, model.meshes.size());
     for (size_t i = 0; i < model.meshes.size(); ++i) {
         Soup soup;
@@ -292,12 +293,16 @@ void read_meshes(const tinygltf::Model &model, psplat_scene &scene) {
         if (soup.triangles.empty()) continue;
         psplat_mesh &mesh = scene.meshes[i].mesh;
         store(soup, true, mesh);
+        infinite += soup.infinite_uvs;
         for (size_t t = 0; t < mesh.triangle_count; ++t) {
             if (soup.materials[t] != -1) element(model.materials, soup.materials[t], "material");
             mesh.groups[t] = group_of(model, soup.materials[t]);
         }
         mesh.material = material_of(model, -1); /* replaced by the triangles' materials */
     }
+    if (infinite)
+        psplat_scene_warn(&scene, "%zu texture coordinates are no numbers: they count as 0",
+                          infinite);
 }
 
 } // namespace psplat_gltf

@@ -160,8 +160,9 @@ static void load_image(library *l, const char *name, psplat_image *image) {
         return;
     }
     psplat_result result = psplat_file_read(path, &data, &size, &error);
-    if (!result) result = psplat_image_decode(data, size, image, &error);
+    if (!result) result = psplat_image_read(data, size, image, &error);
     free(data);
+    if (!result) image->name = copy_text(name);
     if (result == PSPLAT_ERROR_MEMORY) l->result = result;
     if (result) set_problem(&image->problem, name, error.text);
 }
@@ -329,6 +330,7 @@ psplat_result psplat_mtl_read(const psplat_source *source, const psplat_material
             if (i < count) materials->source_materials[i].name = copy_text(source->obj.names[i]);
         }
         read_library(&l);
+        psplat_source_materials_describe_textures(materials);
     } else {
         l.result = PSPLAT_ERROR_MEMORY;
     }

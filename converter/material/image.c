@@ -26,5 +26,7 @@ void psplat_image_free(psplat_image *image) {
     if (!image) return;
     free(image->pixels);
     free(image->problem);
+    free(image->bytes);
+    free(image->name);
     *image = (psplat_image){0};
 }

@@ -20,6 +20,10 @@ typedef struct psplat_image {
     uint8_t *pixels; /* height x width x 4, malloc'ed; or NULL */
     char *problem;   /* why the image could not be read, malloc'ed; or NULL */
     uint32_t width, height;
+    uint8_t *bytes; /* the encoded image, size bytes, malloc'ed; NULL where only pixels are known */
+    size_t size;
+    const char *mime_type; /* of bytes, as its first bytes tell: static, or NULL without bytes */
+    char *name;            /* what the file calls it, or its path; malloc'ed, or NULL */
 } psplat_image;
 
 /* The most pixels of an image: they take 256 MiB. Larger images are refused. */
@@ -32,6 +36,13 @@ typedef struct psplat_image {
  * PSPLAT_ERROR_RANGE (too large), PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_image_decode(const void *data, size_t size, psplat_image *image,
                                   psplat_error *error);
+
+/* Decodes an image as psplat_image_decode does and keeps a copy of its bytes beside the pixels, so
+ * that it can be written as it was. A PNG's chunks for colour space and shape of pixels are left out:
+ * glTF ignores them, and the Khronos validator warns of them. Errors are those of
+ * psplat_image_decode. */
+psplat_result psplat_image_read(const void *data, size_t size, psplat_image *image,
+                                psplat_error *error);
 
 /* Decodes a PNG (libpng). *image must be zero. Errors as above. */
 psplat_result psplat_image_decode_png(const void *data, size_t size, psplat_image *image,

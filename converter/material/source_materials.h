@@ -15,12 +15,6 @@
 extern "C" {
 #endif
 
-typedef enum psplat_wrap {
-    PSPLAT_WRAP_REPEAT = 0,
-    PSPLAT_WRAP_CLAMP,
-    PSPLAT_WRAP_MIRROR
-} psplat_wrap;
-
 /* The sets of texture coordinates that are read (TEXCOORD_0, TEXCOORD_1). */
 #define PSPLAT_TEXCOORDS 2
 
@@ -36,7 +30,7 @@ typedef struct psplat_texture_info {
 
 /* A material of the source file. Textures are baked relative to the factors, which stay factors. */
 typedef struct psplat_source_material {
-    psplat_material material; /* factors */
+    psplat_material material; /* factors, and what its textures are once they are kept */
     psplat_texture_info base_color, metallic_roughness, normal, occlusion, emissive;
     int is_masked; /* alphaMode MASK */
     float alpha_cutoff;
@@ -53,6 +47,15 @@ typedef struct psplat_source_materials {
     size_t image_count;
     char *problem; /* why a material library (.mtl) could not be read, malloc'ed; or NULL */
 } psplat_source_materials;
+
+/* Returns the texture of a slot; its image is NULL where the material has none there. */
+const psplat_texture_info *psplat_source_texture(const psplat_source_material *material,
+                                                 psplat_texture_slot slot);
+
+/* Fills the textures of every psplat_source_material.material from the uses of images that baking
+ * reads: those whose image has pixels. Its texture coordinates are those of psplat_texture_info,
+ * which psplat_texture does not name. */
+void psplat_source_materials_describe_textures(psplat_source_materials *materials);
 
 /* Frees what materials holds and makes it zero. */
 void psplat_source_materials_free(psplat_source_materials *materials);

@@ -316,7 +316,7 @@ static double probe_all(const psplat_surface *surface, const psplat_measured_spl
 #pragma omp parallel for schedule(dynamic, 4096) reduction(max : greatest)
 #endif
     for (long e = 0; e < edges; ++e)
-        if (surface->creases[e])
+        if (surface->creases[e] & PSPLAT_BOUND_CREASE)
             greatest = probe_edge(surface, measured, (uint32_t)e, limit, greatest, list);
     if (list->count) qsort(list->items, list->count, sizeof *list->items, compare_crossings);
     return greatest;

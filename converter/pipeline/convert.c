@@ -9,6 +9,7 @@
 #include "fit/candidate.h"
 #include "fit/color_fit.h"
 #include "fit/fit_context.h"
+#include "fit/texture_candidates.h"
 #include "mesh/mesh.h"
 #include "select/close_rays.h"
 #include "select/close_seams.h"
@@ -74,6 +75,7 @@ static psplat_result store_splats(psplat_conversion *c, psplat_error *error) {
         .depth_tolerance = depth_tolerance(c),
         .flat_depth_tolerance = (float)(2 * flat_deviation_tolerances * c->tolerance),
         .groups = mesh->source_materials ? mesh->groups : NULL,
+        .kept = c->appearance.kept,
         .has_color = c->samples.colors != NULL,
         .has_finish = c->samples.colors || c->samples.finishes || c->samples.emissive};
     size_t materials = mesh->source_materials ? mesh->source_material_count : 1;
@@ -85,9 +87,11 @@ static psplat_result store_splats(psplat_conversion *c, psplat_error *error) {
         c->splats->materials[i] =
             mesh->source_materials ? mesh->source_materials[i].material : mesh->material;
         c->splats->materials[i].double_sided |= mesh->both_sides;
+        psplat_appearance_settle_textures(&c->appearance, i, &c->splats->materials[i]);
     }
     if (psplat_hoist_constants(c->splats))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
+    psplat_precision_settle_texcoords(c);
     psplat_round_to_precision(c->splats);
     return PSPLAT_OK;
 }
@@ -184,6 +188,8 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     if (psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,
                           c->selection.count))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while colouring splats");
+    if (psplat_fit_texcoords(&context, c->selection.candidates, c->selection.count))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while texturing splats");
     return store_splats(c, error);
 }
 
@@ -201,6 +207,7 @@ static void count_for_report(const psplat_conversion *c, psplat_report *report) 
     report->patches = c->surface.patch_count;
     report->crease_edges = c->surface.crease_edges;
     report->border_edges = c->surface.border_edges;
+    report->chart_border_edges = c->surface.chart_border_edges;
     report->samples = c->samples.count;
     report->diagonal = c->diagonal;
     report->tolerance_percent = c->percent;
@@ -217,6 +224,7 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
         .tolerance_percent = c->percent,
         .diagonal = c->diagonal,
         .normal_tolerance_degrees = c->desc->normal_tolerance_degrees,
+        .texture_tolerance_texels = c->desc->texture_tolerance_texels,
         .seed = c->desc->seed + verify_seed,
     };
     return psplat_verify(&verification, report, error);
@@ -251,10 +259,12 @@ static psplat_result convert_once(const psplat_mesh *mesh, const psplat_convert_
     return result;
 }
 
-/* Returns the number of samples, splats and crease edges at which promises are broken. */
+/* Returns the number of samples, splats and crease edges at which promises are broken that a finer
+ * grid may keep. It hardly moves textures, which are fitted on the grid. */
 static size_t broken_count(const psplat_report *report) {
     size_t count = 0;
-    for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k) count += report->promises[k].broken;
+    for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k)
+        if (k != PSPLAT_PROMISE_TEXTURE) count += report->promises[k].broken;
     return count;
 }
 

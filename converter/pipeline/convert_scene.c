@@ -8,7 +8,9 @@
  */
 #include "pipeline/convert_scene.h"
 
+#include "appearance/appearance.h"
 #include "base/path.h"
+#include "material/source_materials.h"
 #include "mesh/mesh.h"
 #include "pipeline/convert.h"
 #include "pipeline/schedule.h"
@@ -32,6 +34,7 @@ static void add_counts(psplat_report *total, const psplat_report *part) {
     total->patches += part->patches;
     total->crease_edges += part->crease_edges;
     total->border_edges += part->border_edges;
+    total->chart_border_edges += part->chart_border_edges;
     total->samples += part->samples;
     total->uncovered_samples += part->uncovered_samples;
 }
@@ -66,6 +69,13 @@ static void add_errors(psplat_report *total, const psplat_report *part) {
         join_rms(total->rms_normal_degrees, before, part->rms_normal_degrees, more);
     total->rms_normal_constant_degrees = join_rms(total->rms_normal_constant_degrees, before,
                                                   part->rms_normal_constant_degrees, more);
+    raise_to(&total->max_texture_slide_percent, part->max_texture_slide_percent);
+    raise_to(&total->p95_texture_slide_percent, part->p95_texture_slide_percent);
+    raise_to(&total->max_texture_slide_texels, part->max_texture_slide_texels);
+    raise_to(&total->p95_texture_slide_texels, part->p95_texture_slide_texels);
+    raise_to(&total->mirrored_texture_percent, part->mirrored_texture_percent);
+    raise_to(&total->foreign_texture_percent, part->foreign_texture_percent);
+    raise_to(&total->texture_tolerance_texels, part->texture_tolerance_texels);
     raise_to(&total->p95_color_percent, part->p95_color_percent);
     raise_to(&total->p95_color_constant_percent, part->p95_color_constant_percent);
     total->rms_color_percent =
@@ -202,6 +212,35 @@ static psplat_result name_mesh(const scene_work *w, size_t mesh, psplat_error *e
     psplat_error cause = *error;
     psplat_scene_label(w->scene, mesh, label);
     return psplat_fail(error, cause.code, cause.offset, "%s: %s", label, cause.text);
+}
+
+/* Returns how many textures of the materials of a mesh use another set of coordinates than the one
+ * that it keeps. */
+static size_t count_other_sets(const psplat_mesh *mesh) {
+    uint32_t kept = psplat_appearance_set_to_keep(mesh);
+    size_t count = 0, materials = mesh->source_material_count;
+    uint8_t *used = kept == PSPLAT_NONE ? NULL : calloc(materials + 1, 1);
+    for (size_t t = 0; used && t < mesh->triangle_count; ++t)
+        if (!mesh->groups || mesh->groups[t] < materials)
+            used[mesh->groups ? mesh->groups[t] : 0] = 1;
+    for (size_t i = 0; used && i < materials; ++i)
+        for (psplat_texture_slot slot = 0; used[i] && slot < PSPLAT_TEXTURE_SLOTS; ++slot) {
+            const psplat_source_material *m = &mesh->source_materials[i];
+            const psplat_texture_info *texture = psplat_source_texture(m, slot);
+            count += m->material.textures[slot].image && texture->texcoord != kept &&
+                     texture->texcoord < PSPLAT_TEXCOORDS && mesh->corner_uvs[texture->texcoord];
+        }
+    free(used);
+    return count;
+}
+
+void psplat_scene_warn_of_textures(psplat_scene *scene) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->mesh_count; ++i)
+        count += count_other_sets(&scene->meshes[i].mesh);
+    if (count)
+        psplat_scene_warn(
+            scene, "%zu textures use a second set of texture coordinates: they are baked", count);
 }
 
 void psplat_scene_splats_free(const psplat_scene *scene, psplat_splats *splats) {

@@ -27,6 +27,10 @@ psplat_result psplat_scene_verify(const psplat_scene *scene, const psplat_conver
                                   const psplat_splats *splats, psplat_scene_report *report,
                                   psplat_error *error);
 
+/* Warns of textures that are baked although textures are kept, since they use other coordinates of
+ * their mesh than those that are. */
+void psplat_scene_warn_of_textures(psplat_scene *scene);
+
 /* Frees the splats of all meshes, but not the array. */
 void psplat_scene_splats_free(const psplat_scene *scene, psplat_splats *splats);
 

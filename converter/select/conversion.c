@@ -8,6 +8,7 @@
 #include "appearance/alpha_mask.h"
 #include "appearance/appearance.h"
 #include "base/angle.h"
+#include "base/vector.h"
 #include "features/samples.h"
 #include "features/surface.h"
 #include "features/surface_build.h"
@@ -32,13 +33,16 @@ static const double default_color_tolerance_percent = 10;
  * pictures and on smooth colours. */
 static const double linear_color_tolerance = 0.06;
 
-/* The next five were chosen by hand. */
+/* The next seven were chosen by hand. */
 /* The part of the tolerance that proven fits may use; the rest is for rounding to single precision.
  */
 static const double fitted_part = 0.99;
 /* The part that fits may use which are measured at points only. Between these points they may leave
  * the surface a little more, and one that does has to shrink until its proof holds. */
 static const double measured_part = 0.95;
+/* The part of the tolerance of texture coordinates that fits may use; the rest is for points
+ * between samples and for rounding. */
+static const double texture_part = 0.8;
 /* The part of a tolerance of normals that fits of curved splats may use. */
 static const double curved_normal_part = 0.95;
 /* How far creases may leave the plane of a splat, and how far a splat may reach over them, in parts
@@ -108,10 +112,40 @@ static double normal_part(const psplat_convert_desc *desc) {
     return desc->planar ? 1 : curved_normal_part;
 }
 
+/* Bounds texture coordinates where textures are kept: by a length, or by texels. */
+static void set_texture_limits(psplat_conversion *c) {
+    double texels = c->desc->texture_tolerance_texels;
+    if (!psplat_surface_has_texcoords(&c->surface)) return;
+    c->limits.texture_tolerance = texels > 0 ? 0 : texture_part * c->tolerance;
+    c->limits.texture_tolerance_texels = texels > 0 ? texture_part * texels : 0;
+}
+
+/* Returns the mean length of a texel on the surface: the root of the area over that in texels;
+ * HUGE_VAL where no textures are kept. */
+static double texel_length(const psplat_surface *surface) {
+    double area = 0, texels = 0;
+    for (uint32_t t = 0; t < surface->mesh->triangle_count; ++t) {
+        const psplat_kept_textures *kept = psplat_surface_kept_textures(surface, t);
+        const float *slopes = surface->texcoord_slopes + 6 * (size_t)t;
+        double changes[2][3], cross[3];
+        if (!kept) continue;
+        for (int k = 0; k < 2; ++k)
+            for (int c = 0; c < 3; ++c) changes[k][c] = kept->texels[k] * (double)slopes[3 * k + c];
+        cross3(cross, changes[0], changes[1]);
+        area += surface->face_areas[t];
+        texels += surface->face_areas[t] * length3(cross);
+    }
+    return texels > 0 ? sqrt(area / texels) : HUGE_VAL;
+}
+
 static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     double degrees = c->desc->normal_tolerance_degrees, effective_percent = set_tolerance(c);
     double color_limit = color_tolerance(c->desc, c->percent);
     if (degrees > 0) effective_percent = fmin(effective_percent, normal_tolerance_percent(degrees));
+    if (c->desc->texture_tolerance_texels > 0) /* It makes splats as small as a distance does. */
+        effective_percent =
+            fmin(effective_percent, 100 * c->desc->texture_tolerance_texels *
+                                        texel_length(&c->surface) / c->surface.diagonal);
     double spacing = spacing_percent / 100 * c->surface.diagonal * sqrt(effective_percent);
     c->finest = spacing;
     c->limits =
@@ -124,6 +158,7 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
                         .color_tolerance = color_limit,
                         .constant_colors = has_constant_colors(c->desc, color_limit)};
     psplat_conversion_set_proven(c, 0);
+    set_texture_limits(c);
     double expected = c->surface.area / (spacing * spacing);
     if (!(expected <= most_samples))
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
@@ -146,6 +181,15 @@ static psplat_result apply_alpha_mask(psplat_conversion *c, const psplat_mesh **
     return result;
 }
 
+/* Builds the appearance before the surface, which ends splats where kept textures have borders. */
+static psplat_result build_appearance(psplat_conversion *c, const psplat_mesh *mesh,
+                                      psplat_error *error) {
+    psplat_result result =
+        psplat_appearance_build(mesh, 0, !c->desc->bake_textures, &c->appearance);
+    if (!result) return PSPLAT_OK;
+    return psplat_fail(error, result, 0, "the textures do not fit into memory");
+}
+
 psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
                                       psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
@@ -158,12 +202,13 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     double crease_angle = desc->no_creases ? PSPLAT_NO_CREASES : degrees * PSPLAT_DEGREE;
     psplat_result result = apply_alpha_mask(c, &mesh, error);
-    if (!result) result = psplat_surface_build(mesh, crease_angle, &c->surface, error);
+    if (!result) result = build_appearance(c, mesh, error);
+    if (!result)
+        result = psplat_surface_build_with_charts(mesh, &c->appearance, crease_angle, &c->surface,
+                                                  error);
     if (!result) result = set_limits(c, error);
-    if (result) return result;
-    c->surface.appearance = &c->appearance;
-    if (!psplat_appearance_build(mesh, c->finest, &c->appearance)) return PSPLAT_OK;
-    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the textures do not fit into memory");
+    c->appearance.diameter = c->finest;
+    return result;
 }
 
 void psplat_conversion_free(psplat_conversion *c) {

@@ -65,6 +65,11 @@ typedef struct psplat_convert_desc {
      * return other than 0 stops the conversion with PSPLAT_ERROR_INTERRUPTED. May be NULL. */
     int (*progress)(void *user, const char *stage, double fraction);
     void *user;
+    int bake_textures; /* 1: textures become colours and finishes of splats; 0: splats get texture
+                          coordinates where the mesh has them, and materials keep their textures */
+    double texture_tolerance_texels; /* greatest error of texture coordinates, in texels of the
+                                        largest texture of the material; 0: as far as the texture
+                                        slides by epsilon over the surface */
     int planar; /* 1: flat splats alone, as in the paper of 2004; 0: curved where that needs fewer
                  */
 } psplat_convert_desc;

@@ -13,7 +13,9 @@
 #include "fit/candidate.h"
 #include "select/conversion.h"
 #include "splats/octahedron.h"
+#include "splats/splat_texcoord.h"
 #include "splats/splats.h"
+#include "splats/texcoord_steps.h"
 
 #include <math.h>
 
@@ -143,4 +145,14 @@ psplat_precision psplat_precision_choose(const psplat_conversion *c) {
     choose_lines(c, &p);
     if (!c->limits.planar) p.shape_step = shape_step(c);
     return p;
+}
+
+void psplat_precision_settle_texcoords(psplat_conversion *c) {
+    double length = c->limits.texture_tolerance, texels = 0;
+    double free_texels =
+        length > 0 ? PSPLAT_LEAST_SLIDE_TEXELS : c->limits.texture_tolerance_texels;
+    const psplat_kept_textures *kept = c->appearance.kept;
+    for (size_t i = 0; kept && i < c->surface.mesh->source_material_count; ++i)
+        for (int k = 0; k < 2; ++k) texels = fmax(texels, kept[i].texels[k]);
+    psplat_texcoord_settle(c->splats, length, texels > 0 ? free_texels / texels : 0);
 }

@@ -120,17 +120,28 @@ static void sort_entries(const psplat_splat *splats, order_entry *entries, size_
     qsort(entries, count, sizeof *entries, compare_entries);
 }
 
-/* Converts the taken candidates, in the order of the selection. finishes may be NULL. */
+/* The memory of one conversion, before and after sorting. */
+typedef struct storage {
+    psplat_splat *unsorted, *sorted;
+    psplat_finish *unsorted_finishes, *sorted_finishes;     /* NULL: not wanted */
+    psplat_texcoord *unsorted_texcoords, *sorted_texcoords; /* NULL: no textures are kept */
+    order_entry *entries;
+    psplat_run *runs;
+} storage;
+
+/* Converts the taken candidates, in the order of the selection. */
 static void take_candidates(const psplat_selection *selection, const psplat_sort_desc *storing,
-                            psplat_splat *splats, psplat_finish *finishes, order_entry *entries) {
+                            storage *s) {
+    order_entry *entries = s->entries;
     for (size_t i = 0, count = 0; i < selection->count; ++i) {
         const psplat_candidate *candidate = &selection->candidates[i];
         if (!candidate->taken) continue;
         int flat = 2 * candidate->deviation < (double)storing->flat_depth_tolerance;
         int curved = psplat_region_is_curved(&candidate->region);
         uint32_t surface = curved ? CURVED : flat ? FLAT : PLANE;
-        candidate_to_splat(candidate, &splats[count]);
-        if (finishes) finishes[count] = candidate->finish;
+        candidate_to_splat(candidate, &s->unsorted[count]);
+        if (s->unsorted_finishes) s->unsorted_finishes[count] = candidate->finish;
+        if (s->unsorted_texcoords) s->unsorted_texcoords[count] = candidate->texcoord;
         entries[count].class = SURFACES * candidate->region.line_count + surface;
         entries[count].has_shape = curved && has_own_shape(candidate);
         entries[count++].material = storing->groups ? storing->groups[candidate->triangle] : 0;
@@ -177,15 +188,23 @@ static void settle_runs(psplat_run *runs, size_t run_count, psplat_splat *splats
     }
 }
 
-/* The memory of one conversion, before and after sorting. */
-typedef struct storage {
-    psplat_splat *unsorted, *sorted;
-    psplat_finish *unsorted_finishes, *sorted_finishes; /* NULL: not wanted */
-    order_entry *entries;
-    psplat_run *runs;
-} storage;
+static int is_bent(const psplat_texcoord *t) {
+    for (int k = 0; k < 2; ++k)
+        if (t->along_uu[k] != 0 || t->along_uv[k] != 0 || t->along_vv[k] != 0) return 1;
+    return 0;
+}
 
-static int allocate(storage *s, size_t count, int finishes) {
+/* Sets what runs hold of texture coordinates, which are sorted. */
+static void settle_texcoords(psplat_run *runs, size_t run_count, const psplat_kept_textures *kept,
+                             const psplat_texcoord *texcoords) {
+    for (size_t r = 0; kept && r < run_count; texcoords += runs[r++].count) {
+        runs[r].has_texcoord = kept[runs[r].material].texels[0] > 0;
+        for (size_t i = 0; i < runs[r].count && runs[r].has_texcoord; ++i)
+            runs[r].has_texcoord_bend |= is_bent(&texcoords[i]);
+    }
+}
+
+static int allocate(storage *s, size_t count, int finishes, int texcoords) {
     *s = (storage){.unsorted = malloc((count + 1) * sizeof *s->unsorted),
                    .sorted = malloc((count + 1) * sizeof *s->sorted),
                    .entries = malloc((count + 1) * sizeof *s->entries),
@@ -194,8 +213,13 @@ static int allocate(storage *s, size_t count, int finishes) {
         s->unsorted_finishes = malloc((count + 1) * sizeof *s->unsorted_finishes);
         s->sorted_finishes = malloc((count + 1) * sizeof *s->sorted_finishes);
     }
+    if (texcoords) {
+        s->unsorted_texcoords = malloc((count + 1) * sizeof *s->unsorted_texcoords);
+        s->sorted_texcoords = malloc((count + 1) * sizeof *s->sorted_texcoords);
+    }
     return s->unsorted && s->sorted && s->entries && s->runs &&
-           (!finishes || (s->unsorted_finishes && s->sorted_finishes));
+           (!finishes || (s->unsorted_finishes && s->sorted_finishes)) &&
+           (!texcoords || (s->unsorted_texcoords && s->sorted_texcoords));
 }
 
 static void sort_splats(storage *s, size_t count) {
@@ -203,18 +227,23 @@ static void sort_splats(storage *s, size_t count) {
     for (size_t i = 0; i < count; ++i) s->sorted[i] = s->unsorted[s->entries[i].index];
     for (size_t i = 0; i < count && s->sorted_finishes; ++i)
         s->sorted_finishes[i] = s->unsorted_finishes[s->entries[i].index];
+    for (size_t i = 0; i < count && s->sorted_texcoords; ++i)
+        s->sorted_texcoords[i] = s->unsorted_texcoords[s->entries[i].index];
 }
 
 /* Exchanges what splats holds with the sorted splats. */
 static void hand_over(storage *s, psplat_splats *splats) {
     psplat_splat *sorted = s->sorted;
     psplat_finish *finishes = s->sorted_finishes;
+    psplat_texcoord *texcoords = s->sorted_texcoords;
     psplat_run *runs = s->runs;
     s->sorted = splats->splats;
     s->sorted_finishes = splats->finishes;
+    s->sorted_texcoords = splats->texcoords;
     s->runs = splats->runs;
     splats->splats = sorted;
     splats->finishes = finishes;
+    splats->texcoords = texcoords;
     splats->runs = runs;
 }
 
@@ -223,13 +252,14 @@ psplat_result psplat_sort_splats(const psplat_selection *selection, const psplat
     storage s;
     size_t count = 0;
     for (size_t i = 0; i < selection->count; ++i) count += selection->candidates[i].taken != 0;
-    int ok = allocate(&s, count, storing->has_finish);
+    int ok = allocate(&s, count, storing->has_finish, storing->kept != NULL);
     if (ok) {
-        take_candidates(selection, storing, s.unsorted, s.unsorted_finishes, s.entries);
+        take_candidates(selection, storing, &s);
         sort_splats(&s, count);
         splats->count = count;
         splats->run_count = find_runs(s.entries, count, storing, s.runs);
         settle_runs(s.runs, splats->run_count, s.sorted);
+        settle_texcoords(s.runs, splats->run_count, storing->kept, s.sorted_texcoords);
         splats->has_color = storing->has_color;
         hand_over(&s, splats);
     }
@@ -237,6 +267,8 @@ psplat_result psplat_sort_splats(const psplat_selection *selection, const psplat
     free(s.sorted);
     free(s.unsorted_finishes);
     free(s.sorted_finishes);
+    free(s.unsorted_texcoords);
+    free(s.sorted_texcoords);
     free(s.entries);
     free(s.runs);
     return ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;

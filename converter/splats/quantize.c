@@ -323,10 +323,46 @@ void psplat_dequantize_splat(const psplat_precision *p, const psplat_run *run,
     }
 }
 
+/* ---- texture coordinates --------------------------------------------------------------------- */
+
+static void round_pair(const float pair[2], double step, int32_t code[2]) {
+    for (int k = 0; k < 2; ++k) code[k] = step > 0 ? round_to((double)pair[k], step) : 0;
+}
+
+static void unround_pair(const int32_t code[2], double step, float pair[2]) {
+    for (int k = 0; k < 2; ++k) pair[k] = (float)(code[k] * step);
+}
+
+void psplat_quantize_texcoord(const psplat_precision *p, const psplat_texcoord *texcoord,
+                              int flipped, psplat_quantized_texcoord *code) {
+    round_pair(texcoord->at, p->texcoord_step, code->at);
+    round_pair(texcoord->along_u, p->texcoord_slope_step, code->along[0]);
+    round_pair(texcoord->along_v, p->texcoord_slope_step, code->along[1]);
+    for (int k = 0; k < 4; ++k) code->along[k / 2][k % 2] *= flipped ? -1 : 1;
+    round_pair(texcoord->along_uu, p->texcoord_bend_step, code->bends[0]);
+    round_pair(texcoord->along_uv, p->texcoord_bend_step, code->bends[1]);
+    round_pair(texcoord->along_vv, p->texcoord_bend_step, code->bends[2]);
+}
+
+void psplat_dequantize_texcoord(const psplat_precision *p, const psplat_quantized_texcoord *code,
+                                psplat_texcoord *texcoord) {
+    if (p->texcoord_step > 0) unround_pair(code->at, p->texcoord_step, texcoord->at);
+    unround_pair(code->along[0], p->texcoord_slope_step, texcoord->along_u);
+    unround_pair(code->along[1], p->texcoord_slope_step, texcoord->along_v);
+    unround_pair(code->bends[0], p->texcoord_bend_step, texcoord->along_uu);
+    unround_pair(code->bends[1], p->texcoord_bend_step, texcoord->along_uv);
+    unround_pair(code->bends[2], p->texcoord_bend_step, texcoord->along_vv);
+}
+
 static void round_splat(psplat_splats *splats, const psplat_run *run, size_t i) {
     psplat_quantized_splat code;
     psplat_quantize_splat(&splats->precision, run, &splats->splats[i], &code);
     psplat_dequantize_splat(&splats->precision, run, &code, &splats->splats[i]);
+    if (run->has_texcoord) {
+        psplat_quantize_texcoord(&splats->precision, &splats->texcoords[i], code.flipped,
+                                 &code.texcoord);
+        psplat_dequantize_texcoord(&splats->precision, &code.texcoord, &splats->texcoords[i]);
+    }
     if (!splats->finishes || !code.flipped) return;
     for (int k = 0; k < 3; ++k) {
         splats->finishes[i].color_u[k] *= -1;

@@ -11,7 +11,8 @@
 
 #include <stdint.h>
 
-/* Rounds all splats to splats->precision, to what a reader of the file gets. Does nothing where the
+/* Rounds all splats with their texture coordinates to splats->precision, to what a reader of the
+ * file gets. Does nothing where the
  * precision is that of floats. */
 void psplat_round_to_precision(psplat_splats *splats);
 
@@ -38,6 +39,23 @@ void psplat_quantize_field(const psplat_precision *precision, double field[5]);
 void psplat_quantize_shape(const psplat_precision *precision, const double radius[2],
                            double hessian[3]);
 
+/* Texture coordinates as integers, each a multiple of a step of psplat_precision. */
+typedef struct psplat_quantized_texcoord {
+    int32_t at[2]; /* 0 where the step of texture coordinates is 0: they stay floats */
+    int32_t along[2][2];
+    int32_t bends[3][2]; /* along uu, uv and vv */
+} psplat_quantized_texcoord;
+
+/* Rounds the texture coordinates of a splat to the nearest integers. flipped is that of the splat's
+ * own integers: what is linear in u and v changes its sign with these axes. */
+void psplat_quantize_texcoord(const psplat_precision *precision, const psplat_texcoord *texcoord,
+                              int flipped, psplat_quantized_texcoord *code);
+
+/* Makes of the integers what a reader does, up to its own rounding. Coordinates that stay floats
+ * are left as they are. */
+void psplat_dequantize_texcoord(const psplat_precision *precision,
+                                const psplat_quantized_texcoord *code, psplat_texcoord *texcoord);
+
 /* A splat as integers, each a multiple of a step of psplat_precision. */
 typedef struct psplat_quantized_splat {
     int32_t position[3];
@@ -49,6 +67,7 @@ typedef struct psplat_quantized_splat {
     int32_t shape_tilt[2]; /* the tilt of such a field */
     int32_t shape[3];      /* of curved surfaces */
     int32_t lines[PSPLAT_MAX_CLIP_LINES][3]; /* turn, distance and bend */
+    psplat_quantized_texcoord texcoord;      /* set by psplat_quantize_texcoord, else 0 */
     int flipped;                             /* 1: U and V point against those of the splat */
 } psplat_quantized_splat;
 

@@ -19,6 +19,7 @@ psplat_region *psplat_splat_regions(const psplat_splats *splats) {
 void psplat_splats_free(psplat_splats *splats) {
     free(splats->splats);
     free(splats->finishes);
+    free(splats->texcoords);
     free(splats->runs);
     free(splats->materials);
     *splats = (psplat_splats){0};

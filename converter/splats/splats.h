@@ -21,6 +21,8 @@ typedef struct psplat_run {
     int has_shape;         /* 1: the splats are curved, and their fields are not those of their
                               shapes, of which x and y are 0 (spec 3.4) */
     int has_bends;         /* 0: every clip line is straight */
+    int has_texcoord; /* 1: the splats have texture coordinates, and the material its textures */
+    int has_texcoord_bend; /* 1: of the second order */
 } psplat_run;
 
 /* The steps of the grid on which a file holds splats: each value is an integer times a step. All
@@ -34,6 +36,10 @@ typedef struct psplat_precision {
                                          where no run is curved */
     double line_step;                 /* parts of the ellipse: one over a whole number */
     double bend_step;                 /* of the bends of lines; 0 where all are straight */
+    double texcoord_step;             /* of texture coordinates: a power of two; 0 where no run has
+                                         them, or they are floats of no grid */
+    double texcoord_slope_step;       /* of their change over a radius */
+    double texcoord_bend_step;        /* of its second order; 0 where none is written */
     int normal_bits;                  /* of each of the two octahedral coordinates of N, 4 ... 14 */
 } psplat_precision;
 
@@ -44,6 +50,8 @@ typedef struct psplat_precision {
 typedef struct psplat_splats {
     psplat_splat *splats;
     psplat_finish *finishes; /* count (spec 3.10); NULL where all are neutral */
+    psplat_texcoord
+        *texcoords; /* count (spec 3.11), 0 in runs without; NULL where no run has them */
     size_t count;
     psplat_run *runs; /* their counts add up to count */
     size_t run_count;

@@ -29,6 +29,7 @@ static void add_surface(psplat_writer *json, const psplat_report *report) {
     psplat_writer_count(json, "patches", report->patches);
     psplat_writer_count(json, "crease_edges", report->crease_edges);
     psplat_writer_count(json, "border_edges", report->border_edges);
+    psplat_writer_count(json, "chart_border_edges", report->chart_border_edges);
     psplat_writer_count(json, "samples", report->samples);
     psplat_writer_count(json, "verification_samples", report->verification_samples);
     psplat_writer_number(json, "diagonal", report->diagonal);
@@ -57,11 +58,20 @@ static void add_errors(psplat_writer *json, const psplat_report *report) {
     psplat_writer_count(json, "uncovered_samples", report->uncovered_samples);
 }
 
+static void add_textures(psplat_writer *json, const psplat_report *report) {
+    psplat_writer_number(json, "max_texture_slide_percent", report->max_texture_slide_percent);
+    psplat_writer_number(json, "p95_texture_slide_percent", report->p95_texture_slide_percent);
+    psplat_writer_number(json, "max_texture_slide_texels", report->max_texture_slide_texels);
+    psplat_writer_number(json, "p95_texture_slide_texels", report->p95_texture_slide_texels);
+    psplat_writer_number(json, "mirrored_texture_percent", report->mirrored_texture_percent);
+    psplat_writer_number(json, "foreign_texture_percent", report->foreign_texture_percent);
+    psplat_writer_number(json, "texture_tolerance_texels", report->texture_tolerance_texels);
+}
+
 static const char *const promise_names[PSPLAT_PROMISE_COUNT] = {
-    [PSPLAT_PROMISE_COVERAGE] = "coverage",
-    [PSPLAT_PROMISE_DISTANCE] = "distance",
-    [PSPLAT_PROMISE_NORMAL] = "normal",
-    [PSPLAT_PROMISE_CREASE] = "crease",
+    [PSPLAT_PROMISE_COVERAGE] = "coverage", [PSPLAT_PROMISE_DISTANCE] = "distance",
+    [PSPLAT_PROMISE_NORMAL] = "normal",     [PSPLAT_PROMISE_CREASE] = "crease",
+    [PSPLAT_PROMISE_TEXTURE] = "texture",
 };
 
 /* Adds how each promise was kept. One that was not given has no limit and cannot be broken. */
@@ -100,6 +110,7 @@ static void add_places(psplat_writer *json, const psplat_report *report, int sev
 static void add_report(psplat_writer *json, const psplat_report *report, int several) {
     add_surface(json, report);
     add_errors(json, report);
+    add_textures(json, report);
     add_promises(json, report);
     add_places(json, report, several);
 }

@@ -30,15 +30,22 @@ typedef enum psplat_promise {
                                 it is seen to be wrong (measure/crease_spill.h; splats of
                                 neighbouring patches meet a little beyond their crease, or cracks
                                 would show) */
+    PSPLAT_PROMISE_TEXTURE,  /* at 995 of 1000 surface points, the textures of the splat that weighs
+                                most there, of those of its chart that cover it, slide over the
+                                surface by no more than the tolerance, or than a number of texels;
+                                of an error in texels a quarter does not count as sliding
+                                (measure/texture_slides.h) */
     PSPLAT_PROMISE_COUNT
 } psplat_promise;
 
 /* How one promise was kept. */
 typedef struct psplat_kept {
-    double limit; /* degrees for normals, else % of the diagonal; 0: the promise was not given, as
-                     for normals without a tolerance */
+    double limit; /* degrees for normals, texels for textures whose tolerance is in texels, else %
+                     of the diagonal; 0: the promise was not given, as for normals without a
+                     tolerance and for textures where none is kept */
     double worst; /* the greatest value found, in the same unit; for coverage, the greatest distance
-                     of an uncovered point from the nearest splat, which may lie beside the point */
+                     of an uncovered point from the nearest splat, which may lie beside the point;
+                     for textures, the value that one of 1000 samples exceeds */
     size_t broken; /* the number of samples, holes, splats or crease edges beyond the limit */
 } psplat_kept;
 
@@ -59,6 +66,7 @@ typedef struct psplat_report {
     size_t splats;
     size_t splats_by_clip_lines[PSPLAT_MAX_CLIP_LINES + 1];
     size_t triangles, patches, crease_edges, border_edges;
+    size_t chart_border_edges;   /* smooth edges at which kept texture coordinates jump or mirror */
     size_t samples;              /* fitted */
     size_t verification_samples; /* measured */
     size_t bytes;                /* of the file written */
@@ -85,6 +93,17 @@ typedef struct psplat_report {
     double p95_color_percent;
     double rms_color_constant_percent; /* the same with gradients set to 0 */
     double p95_color_constant_percent;
+    /* How far kept textures slide over the surface, in % of the diagonal and in texels, as for
+     * PSPLAT_PROMISE_TEXTURE; 0 where none is kept. */
+    double max_texture_slide_percent;
+    double p95_texture_slide_percent;
+    double max_texture_slide_texels;
+    double p95_texture_slide_texels;
+    double mirrored_texture_percent; /* of the textured area: the splat that weighs most there shows
+                                        the image the other way round */
+    double foreign_texture_percent;  /* the same, where that splat is of another chart */
+    double texture_tolerance_texels; /* the limit of PSPLAT_PROMISE_TEXTURE is in texels; 0: it is
+                                        in % of the diagonal */
     double max_normal_degrees; /* as for PSPLAT_PROMISE_NORMAL, whether that was given or not */
     size_t uncovered_samples;  /* among verification_samples */
     psplat_kept promises[PSPLAT_PROMISE_COUNT];

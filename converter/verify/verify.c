@@ -6,7 +6,8 @@
  * normals and colours there. Holes between them are searched for without samples, down to a small
  * part of the tolerance. The distance is two-sided (Hausdorff distance): from samples and holes to
  * splats, and from each splat, bounded over all of it, to the mesh. Creases inside splats are found
- * without samples. For each broken promise it reports the worst places.
+ * without samples. Texture coordinates are compared with those of the samples. For each broken
+ * promise it reports the worst places.
  */
 #include "verify/verify.h"
 
@@ -23,6 +24,7 @@
 #include "measure/measured_splats.h"
 #include "measure/point_blend.h"
 #include "measure/splat_distance.h"
+#include "measure/texture_slides.h"
 #include "mesh/distance.h"
 #include "mesh/mesh.h"
 #include "verify/report.h"
@@ -37,6 +39,11 @@ enum { SAMPLES_PER_SPLAT = 100, LEAST_SAMPLES = 50000, MOST_SAMPLES = 1000000 };
 /* The side of the cubes in each of which one hole is found, and the width below which parts of the
  * surface are not divided, in tolerances. Chosen by hand. */
 static const double hole_side_tolerances = 1, least_hole_tolerances = 1.0 / 16;
+
+/* The share of the textured samples at which textures may slide farther than promised: small splats
+ * at poles of the coordinates, of which no polynomial of the second order is near. Chosen by hand.
+ */
+static const double spared_share = 0.005;
 
 /* The part of a limit by which rounding may make measured angles exceed it. */
 static const double rounding_slack = 1e-6;
@@ -422,6 +429,78 @@ static psplat_result measure_creases(verifier *r) {
     return PSPLAT_OK;
 }
 
+/* ---- textures -------------------------------------------------------------------------------- */
+
+/* Sums up the greatest and the 95 % slide, of lengths and of texels. Reorders both. */
+static void sum_up_slides(verifier *r, psplat_texture_slides *slides) {
+    psplat_report *report = r->report;
+    size_t count = r->samples.count;
+    double rms, length = 0, texels = 0;
+    for (size_t i = 0; i < count; ++i) {
+        length = max2(length, slides->lengths[i]);
+        texels = max2(texels, slides->texels[i]);
+    }
+    report->max_texture_slide_percent = percent(r, length);
+    report->max_texture_slide_texels = texels;
+    statistics(slides->lengths, count, &rms, &length);
+    report->p95_texture_slide_percent = percent(r, length);
+    statistics(slides->texels, count, &rms, &report->p95_texture_slide_texels);
+    report->mirrored_texture_percent = 100 * slides->mirrored;
+    report->foreign_texture_percent = 100 * slides->foreign;
+}
+
+/* Returns the number of samples beyond a limit of values, unless it is but a small share of those
+ * that are not negative, and what that share exceeds. */
+static size_t count_far(const double *values, size_t count, double limit, double *exceeded) {
+    double *given = malloc((count + 1) * sizeof *given);
+    size_t measured = 0, far = 0;
+    *exceeded = 0;
+    if (!given) return SIZE_MAX;
+    for (size_t i = 0; i < count; ++i)
+        if (values[i] >= 0) given[measured++] = values[i], far += values[i] > limit;
+    size_t spared = (size_t)(spared_share * (double)measured);
+    if (measured) *exceeded = select_value(given, measured, measured - 1 - spared);
+    free(given);
+    return far > spared ? far : 0;
+}
+
+/* Reports the samples at which a texture slides too far, and how far it does. */
+static psplat_result report_slides(verifier *r, psplat_texture_slides *slides) {
+    double limit = r->v->texture_tolerance_texels, unit = 1, worst;
+    const double *values = slides->texels;
+    if (!(limit > 0)) {
+        limit = r->v->tolerance_percent, unit = 100 / r->v->diagonal;
+        values = slides->lengths;
+    }
+    double most = limit * (1 + rounding_slack);
+    size_t broken = count_far(values, r->samples.count, most / unit, &worst);
+    if (broken == SIZE_MAX) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; broken && i < r->samples.count; ++i)
+        if (values[i] * unit > most)
+            add_place(&r->places, PSPLAT_PROMISE_TEXTURE, r->samples.positions + 3 * i,
+                      values[i] * unit);
+    set_promise(r->report, PSPLAT_PROMISE_TEXTURE, limit, worst * unit, broken);
+    sum_up_slides(r, slides);
+    return PSPLAT_OK;
+}
+
+static psplat_result measure_textures(verifier *r) {
+    psplat_report *report = r->report;
+    report->max_texture_slide_percent = report->p95_texture_slide_percent = 0;
+    report->max_texture_slide_texels = report->p95_texture_slide_texels = 0;
+    report->mirrored_texture_percent = report->foreign_texture_percent = 0;
+    report->texture_tolerance_texels = 0;
+    set_promise(report, PSPLAT_PROMISE_TEXTURE, 0, 0, 0);
+    if (!r->samples.texcoords || !r->v->splats->texcoords) return PSPLAT_OK;
+    psplat_texture_slides slides;
+    psplat_result result =
+        psplat_texture_slides_find(r->v->surface, &r->samples, r->v->splats, &r->measured, &slides);
+    report->texture_tolerance_texels = r->v->texture_tolerance_texels;
+    if (!result) result = report_slides(r, &slides);
+    psplat_texture_slides_free(&slides);
+    return result;
+}
+
 /* Returns how many samples are drawn: one for each square of the tolerance, within bounds. */
 static size_t sample_count(const psplat_verification *v, double tolerance) {
     double wanted = max2((double)v->splats->count * SAMPLES_PER_SPLAT, LEAST_SAMPLES);
@@ -443,6 +522,7 @@ psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,
     if (!result) result = measure_surface(&r);
     if (!result) result = measure_splats(&r);
     if (!result) result = measure_creases(&r);
+    if (!result) result = measure_textures(&r);
     if (!result) report_places(&r.places, report);
     psplat_measured_splats_free(&r.measured);
     psplat_samples_free(&r.samples);

@@ -22,6 +22,7 @@ typedef struct psplat_verification {
     double tolerance_percent;
     double diagonal;                 /* the length that percentages are of */
     double normal_tolerance_degrees; /* 0: none was promised */
+    double texture_tolerance_texels; /* 0: textures may slide by the tolerance of distances */
     uint64_t seed;                   /* of the samples; not that of the fitted ones */
 } psplat_verification;
 

@@ -8,6 +8,7 @@
 #include "compare/shape_errors.h"
 #include "picture/png_writer.h"
 #include "views/heatmap.h"
+#include "views/image_loader.h"
 #include "views/image_metrics.h"
 #include "views/picture_views.h"
 #include "views/picture_views_parts.h"
@@ -25,8 +26,9 @@ struct psplat_asset_pictures {
 
 static psplat_result create(const psplat_asset_pictures_desc *desc, psplat_asset_pictures *e,
                             psplat_error *error) {
-    const psplat_picture_views_desc views = {desc->host, desc->source, desc->size};
-    const psplat_renderer_desc renderer = {.get_proc = psplat_host_get_proc, .user = desc->host};
+    const psplat_picture_views_desc views = {desc->host, desc->source, desc->size, desc->shading};
+    const psplat_renderer_desc renderer = {
+        .get_proc = psplat_host_get_proc, .user = desc->host, .images = psplat_image_loader()};
     psplat_result result = psplat_picture_views_create(&views, &e->views, error);
     e->pictured = (psplat_pictured){.mode = desc->mode,
                                     .no_filter = desc->no_filter,

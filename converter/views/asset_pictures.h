@@ -24,8 +24,9 @@ typedef struct psplat_asset_pictures_desc {
     const psplat_source_mesh *mesh; /* or, if not NULL, this mesh; must outlive the pictures */
     psplat_mode mode;
     int no_filter;
-    int size;    /* as in psplat_picture_views_desc */
-    int erosion; /* as in psplat_pictured */
+    int size;               /* as in psplat_picture_views_desc, */
+    psplat_shading shading; /* as is this */
+    int erosion;            /* as in psplat_pictured */
 } psplat_asset_pictures_desc;
 
 /* Draws the pictures of the source. The caller frees *pictures with psplat_asset_pictures_destroy.

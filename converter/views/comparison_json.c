@@ -90,6 +90,7 @@ static void add_picture(psplat_writer *json, const char *prefix, const psplat_pi
         double value;
     } fields[] = {
         {"psnr_db", p->psnr},
+        {"inside_psnr_db", p->inside_psnr},
         {"ssim", p->ssim},
         {"difference_percent", p->difference},
         {"inside_percent", p->inside},
@@ -122,6 +123,7 @@ static void add_pictures(psplat_writer *json, const psplat_comparison *c) {
         psplat_writer_close(json, '}');
     }
     psplat_writer_close(json, ']');
+    if (c->has_base_color) add_picture(json, "base_color_", &c->base_color);
 }
 
 psplat_result psplat_comparison_json(const psplat_comparison *c, char **text, size_t *size,

@@ -40,6 +40,7 @@ static void add_pixel(psplat_image_metrics *sums, const uint8_t *a, const uint8_
     sums->extra += !a[3];
     if (!a[3] || !b[3]) return;
     sums->inside += difference;
+    sums->inside_squares += square;
     ++sums->both;
 }
 
@@ -161,10 +162,14 @@ static double percent(uint64_t part, uint64_t whole) {
     return 100 * (double)part / (double)whole;
 }
 
+static double psnr_of(uint64_t squares, uint64_t pixels) {
+    if (!squares) return (double)INFINITY;
+    return 10 * log10(255.0 * 255 * 3 * (double)pixels / (double)squares);
+}
+
 void psplat_image_metrics_report(const psplat_image_metrics *sums, psplat_picture_errors *errors) {
-    double channels = 3 * (double)sums->either;
-    errors->psnr = sums->squares ? 10 * log10(255.0 * 255 * channels / (double)sums->squares)
-                                 : (double)INFINITY;
+    errors->psnr = psnr_of(sums->squares, sums->either);
+    errors->inside_psnr = psnr_of(sums->inside_squares, sums->both);
     errors->ssim = sums->either ? sums->ssim / (double)sums->either : 1;
     errors->difference = percent(sums->differences, 3 * 255 * sums->either);
     errors->inside = percent(sums->inside, 3 * 255 * sums->both);

@@ -11,14 +11,15 @@
 /* The differences between pictures as they are shown: sRGB-encoded with 8 bits for a channel, and
  * black where nothing is. A pixel is covered where something is drawn. */
 typedef struct psplat_picture_errors {
-    double psnr;       /* dB, over pixels that either picture covers; INFINITY if they are equal */
-    double ssim;       /* Wang et al. 2004: mean over the 11 x 11 Gaussian windows of luma whose
-                          centre either picture covers; 1 if they are equal */
-    double difference; /* mean absolute difference, % of white, over pixels that either covers */
-    double inside;     /* mean absolute difference, % of white, over pixels that both cover */
-    double missing;    /* pixels that only the source covers, % of those that it covers */
-    double extra;      /* pixels that the source does not cover but the other picture does, % of
-                          those that it covers; 100 where it covers none */
+    double psnr;        /* dB, over pixels that either picture covers; INFINITY if they are equal */
+    double inside_psnr; /* the same over pixels that both cover, so without the outline */
+    double ssim;        /* Wang et al. 2004: mean over the 11 x 11 Gaussian windows of luma whose
+                           centre either picture covers; 1 if they are equal */
+    double difference;  /* mean absolute difference, % of white, over pixels that either covers */
+    double inside;      /* mean absolute difference, % of white, over pixels that both cover */
+    double missing;     /* pixels that only the source covers, % of those that it covers */
+    double extra;       /* pixels that the source does not cover but the other picture does, % of
+                           those that it covers; 100 where it covers none */
     double distant; /* mean absolute difference, % of white, at an eighth of the size, over pixels
                        that the source covers whole and the other picture covers; the reference is
                        the source at full size, averaged in linear light */
@@ -32,7 +33,8 @@ typedef struct psplat_picture_errors {
 typedef struct psplat_image_metrics {
     uint64_t squares;     /* squared differences of 8-bit channels, where either covers a pixel */
     uint64_t differences; /* absolute differences of the same channels */
-    uint64_t inside;      /* absolute differences where both cover a pixel */
+    uint64_t inside;      /* absolute differences where both cover a pixel, */
+    uint64_t inside_squares;                              /* and squared ones */
     uint64_t either, both, source, missing, extra, holes; /* numbers of pixels */
     int erosion; /* set by the caller: pixels within which an outline of the source is near, by the
                     greater of both coordinates; 0 means 2 */

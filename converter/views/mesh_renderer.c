@@ -165,6 +165,8 @@ static void set_lights(const psplat_mesh_renderer *r, GLuint program, const pspl
     set_vectors(r, program, "u_ambient", 1, view->ambient);
     r->gl.Uniform1i(r->gl.GetUniformLocation(program, "u_light_count"), view->light_count);
     r->gl.Uniform1i(r->gl.GetUniformLocation(program, "u_linear_output"), view->linear_output);
+    r->gl.Uniform1i(r->gl.GetUniformLocation(program, "u_unlit"),
+                    view->shading == PSPLAT_SHADING_UNLIT);
 }
 
 static psplat_result check(const psplat_view *view, psplat_error *error) {
@@ -172,6 +174,8 @@ static psplat_result check(const psplat_view *view, psplat_error *error) {
         view->light_count >= 0 && view->light_count <= PSPLAT_MAX_LIGHTS && !view->environment;
     for (int i = 0; known && i < view->light_count; ++i)
         known = view->lights[i].type == PSPLAT_LIGHT_DIRECTIONAL && !view->lights[i].casts_shadow;
+    if (view->shading != PSPLAT_SHADING_LIT && view->shading != PSPLAT_SHADING_UNLIT)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "meshes are drawn lit or unlit");
     if (known) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                        "meshes are drawn under directional lights without shadows alone");

@@ -28,15 +28,16 @@ psplat_result psplat_mesh_renderer_create(const psplat_mesh_renderer_desc *desc,
 void psplat_mesh_renderer_destroy(psplat_mesh_renderer *renderer);
 
 typedef enum psplat_mesh_renderer_output {
-    PSPLAT_MESH_RENDERER_LIGHT = 0, /* the colours of psplat_draw in lit shading */
+    PSPLAT_MESH_RENDERER_LIGHT = 0, /* the colours of psplat_draw in the view's shading */
     PSPLAT_MESH_RENDERER_NORMALS    /* the interpolated normal, eye space, of any length; alpha 1 */
 } psplat_mesh_renderer_output;
 
 /* Draws into the bound framebuffer: colour with alpha 1, and depth, where the depth test (GL_LESS)
- * passes. The view and the material decide which sides are drawn; the view's mode and filter have
- * no effect. GL's state must be at its defaults except for viewport, program and vertex array; it
- * is left at its defaults, without program and vertex array, but with the viewport of the view.
- * Errors: ARGUMENT (the view has other lights), MEMORY, GRAPHICS. */
+ * passes. The view's shading is lit or unlit. The view and the material decide which sides are
+ * drawn; the view's mode and filter have no effect. GL's state must be at its defaults except for
+ * viewport, program and vertex array; it is left at its defaults, without program and vertex array,
+ * but with the viewport of the view. Errors: ARGUMENT (the view has other lights or another
+ * shading), MEMORY, GRAPHICS. */
 psplat_result psplat_mesh_renderer_draw(psplat_mesh_renderer *renderer, const psplat_view *view,
                                         psplat_mesh_renderer_output output, psplat_error *error);
 

@@ -40,7 +40,9 @@ psplat_result psplat_picture_views_begin(psplat_picture_views *views, int size, 
 
 static psplat_view view_of(const psplat_picture_views *views, int view, int size) {
     const psplat_source_mesh *source = views->source;
-    return psplat_view_directions_at(view, source->center, source->radius, size);
+    psplat_view at = psplat_view_directions_at(view, source->center, source->radius, size);
+    at.shading = views->shading;
+    return at;
 }
 
 psplat_view psplat_picture_views_at(const psplat_picture_views *views, int view) {
@@ -104,6 +106,7 @@ psplat_result psplat_picture_views_create(const psplat_picture_views_desc *desc,
     g->host = desc->host;
     g->source = desc->source;
     g->size = desc->size ? desc->size : DEFAULT_SIZE;
+    g->shading = desc->shading;
     psplat_result result = draw_all_views(g, error);
     if (result)
         psplat_picture_views_destroy(g);

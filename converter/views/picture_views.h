@@ -23,10 +23,11 @@ typedef struct psplat_picture_views psplat_picture_views;
 typedef struct psplat_picture_views_desc {
     psplat_host *host; /* its context is current in every call; GL or GLES */
     const psplat_source_mesh *source;
-    int size; /* width and height of pictures, pixels, at most 8192; 0 means 512 */
+    int size;               /* width and height of pictures, pixels, at most 8192; 0 means 512 */
+    psplat_shading shading; /* of the source and of what is compared: lit or unlit */
 } psplat_picture_views_desc;
 
-/* Draws the source from all views, lit per pixel with the lights and the material that splats get.
+/* Draws the source from all views, per pixel with the lights and the material that splats get.
  * host and source must outlive *views, which the caller frees with psplat_picture_views_destroy.
  * The host's framebuffer is used here and below, and GL's state must be at its defaults. Errors:
  * ARGUMENT, MEMORY, GRAPHICS. */

@@ -17,6 +17,7 @@ struct psplat_picture_views {
     psplat_host *host;                /* owned by the caller */
     const psplat_source_mesh *source; /* owned by the caller */
     int size;
+    psplat_shading shading;
     psplat_mesh_renderer *source_renderer;
     uint8_t *pictures; /* of the source: RGBA, size x size from each view, row 0 at the bottom */
     int distant_size;

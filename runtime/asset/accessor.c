@@ -101,17 +101,23 @@ static int is_compressed(const psplat_view_range *view) {
     return view->compression && PSPLAT_MESHOPT_IS_BUILT;
 }
 
+static psplat_result check_view(const psplat_gltf *gltf, const psplat_view_range *view,
+                                const char *what) {
+    size_t buffer_length = gltf->buffers[view->buffer].length;
+    if (view->offset <= buffer_length && view->length <= buffer_length - view->offset)
+        return PSPLAT_OK;
+    return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, view->json),
+                       "%s: the bufferView leaves its buffer of %zu bytes", what, buffer_length);
+}
+
 /* Checks alignment and range. The sums cannot overflow once the view lies within its buffer. */
 static psplat_result check_range(const psplat_gltf *gltf, const psplat_accessor *accessor,
                                  const psplat_view_range *view, size_t element, size_t stride,
                                  const char *name) {
     size_t at = psplat_gltf_offset(gltf, accessor->json);
     size_t component = component_size(accessor->component_type);
-    size_t buffer_length = gltf->buffers[view->buffer].length;
-    if (view->offset > buffer_length || view->length > buffer_length - view->offset)
-        return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, view->json),
-                           "%s: the bufferView leaves its buffer of %zu bytes", name,
-                           buffer_length);
+    psplat_result result = check_view(gltf, view, name);
+    if (result) return result;
     if (stride < element)
         return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, view->json),
                            "%s: byteStride %zu is less than an element's %zu bytes", name, stride,
@@ -126,12 +132,12 @@ static psplat_result check_range(const psplat_gltf *gltf, const psplat_accessor 
     return PSPLAT_OK;
 }
 
-/* Loads the buffer that holds a view's bytes and stores where in it they begin in *start. */
-static psplat_result load_view(psplat_gltf *gltf, psplat_view_range *view,
+psplat_result psplat_view_load(psplat_gltf *gltf, psplat_view_range *view, const char *what,
                                const psplat_buffer **buffer, size_t *start) {
-    psplat_result result = is_compressed(view)
-                               ? psplat_meshopt_load(gltf, view)
-                               : psplat_buffer_load(gltf, &gltf->buffers[view->buffer]);
+    psplat_result result = check_view(gltf, view, what);
+    if (!result)
+        result = is_compressed(view) ? psplat_meshopt_load(gltf, view)
+                                     : psplat_buffer_load(gltf, &gltf->buffers[view->buffer]);
     *buffer = is_compressed(view) ? view->decoded : &gltf->buffers[view->buffer];
     *start = is_compressed(view) ? 0 : view->offset;
     return result;
@@ -152,7 +158,7 @@ psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value value,
     size_t element = accessor->components * component_size(accessor->component_type);
     size_t stride = view->stride ? view->stride : element;
     result = check_range(gltf, accessor, view, element, stride, type->name);
-    if (!result) result = load_view(gltf, view, &buffer, &start);
+    if (!result) result = psplat_view_load(gltf, view, type->name, &buffer, &start);
     if (result) return result;
     *reader = (psplat_reader){.buffer = buffer,
                               .view = view,

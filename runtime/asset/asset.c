@@ -17,6 +17,8 @@ struct psplat_asset {
     psplat_batch *batches;
     const psplat_packed **packed; /* one for each batch */
     size_t batch_count;
+    const psplat_asset_image *images;
+    size_t image_count;
 };
 
 /* ---- batches ------------------------------------------------------------------------------ */
@@ -44,12 +46,13 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, siz
     psplat_batch *batch = &asset->batches[asset->batch_count++];
     *batch = (psplat_batch){.splats = set->splats,
                             .finishes = set->finishes,
+                            .texcoords = set->texcoords,
                             .splat_count = set->count,
                             .clip_count = set->clip_count,
                             .primitive = (uint32_t)set_index,
                             .kernel = set->kernel,
                             .depth_tolerance = set->depth_tolerance,
-                            .material = set->material,
+                            .material = *set->material,
                             .has_color = set->has_color,
                             .has_gamma = set->has_gamma,
                             .is_curved = set->is_curved,
@@ -58,6 +61,8 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, siz
                             .has_color_gradient = set->has_color_gradient,
                             .has_surface = set->has_surface,
                             .has_emissive = set->has_emissive,
+                            .has_texcoord = set->has_texcoord,
+                            .has_texcoord_bend = set->has_texcoord_bend,
                             .attributes = set->attributes,
                             .attribute_count = set->attribute_count};
     memcpy(batch->model, node->world, sizeof batch->model);
@@ -134,6 +139,8 @@ static psplat_result parse(psplat_asset *asset, psplat_gltf *gltf) {
     if (!result) result = psplat_materials_parse(gltf);
     if (!result) result = psplat_meshes_parse(gltf);
     if (!result) result = psplat_nodes_parse(gltf);
+    asset->images = gltf->kept_images;
+    asset->image_count = gltf->kept_image_count;
     return result ? result : make_batches(asset, gltf);
 }
 
@@ -242,6 +249,14 @@ size_t psplat_asset_batch_count(const psplat_asset *asset) {
 
 const psplat_batch *psplat_asset_batch(const psplat_asset *asset, size_t index) {
     return asset && index < asset->batch_count ? &asset->batches[index] : NULL;
+}
+
+size_t psplat_asset_image_count(const psplat_asset *asset) {
+    return asset ? asset->image_count : 0;
+}
+
+const psplat_asset_image *psplat_asset_get_image(const psplat_asset *asset, size_t index) {
+    return asset && index < asset->image_count ? &asset->images[index] : NULL;
 }
 
 const psplat_packed *psplat_asset_packed(const psplat_asset *asset, size_t batch) {

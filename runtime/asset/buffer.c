@@ -1,17 +1,27 @@
 /* SPDX-License-Identifier: MIT
  *
- * buffer.c - a buffer's bytes, loaded when first used (glTF 2.0 section 3.6.1).
+ * buffer.c - a buffer's bytes, loaded when first used (glTF 2.0 section 3.6.1), and those of an
+ * image that has a uri of its own.
  */
 #include "asset/gltf.h"
 #include "core/uri.h"
 
 #include <string.h>
 
+static const char *name_of(const psplat_buffer *buffer) {
+    return buffer->is_image ? "an image" : "a buffer";
+}
+
+/* What a buffer holds is copied while the asset is opened; an image is kept as it is. */
+static psplat_arena *arena_of(const psplat_gltf *gltf, const psplat_buffer *buffer) {
+    return buffer->is_image ? gltf->kept : gltf->scratch;
+}
+
 static psplat_result fail_buffer(const psplat_gltf *gltf, const psplat_buffer *buffer,
                                  psplat_result code, const char *reason) {
     psplat_json_value at = buffer->uri ? buffer->uri : buffer->json;
-    return psplat_fail(gltf->error, code, psplat_gltf_offset(gltf, at),
-                       "a buffer cannot be loaded: %s", reason);
+    return psplat_fail(gltf->error, code, psplat_gltf_offset(gltf, at), "%s cannot be loaded: %s",
+                       name_of(buffer), reason);
 }
 
 static psplat_result load_bin(psplat_gltf *gltf, psplat_buffer *buffer, size_t *size) {
@@ -33,7 +43,7 @@ static psplat_result load_base64(psplat_gltf *gltf, psplat_buffer *buffer, const
     if (start == SIZE_MAX)
         return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED,
                            "its data URI is not encoded as base64");
-    uint8_t *data = psplat_arena_take(gltf->scratch, (uri_size - start) / 4 * 3 + 2, 1);
+    uint8_t *data = psplat_arena_reserve(arena_of(gltf, buffer), (uri_size - start) / 4 * 3 + 2, 1);
     if (!data) return fail_buffer(gltf, buffer, PSPLAT_ERROR_MEMORY, "out of memory");
     /* The data begin after the opening quotation mark. The offset is exact unless the URI holds
      * JSON escapes, of which some tools write \/. */
@@ -52,15 +62,16 @@ static psplat_result load_file(psplat_gltf *gltf, psplat_buffer *buffer, const c
     if (!gltf->base_path)
         return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED,
                            "no directory was given to look for files in");
-    const char *path = psplat_uri_path(gltf->base_path, uri, uri_size, gltf->scratch, &reason);
+    psplat_arena *arena = arena_of(gltf, buffer);
+    const char *path = psplat_uri_path(gltf->base_path, uri, uri_size, arena, &reason);
     if (!path) return fail_buffer(gltf, buffer, PSPLAT_ERROR_UNSUPPORTED, reason);
     void *data = NULL;
-    psplat_result result = gltf->files.read(gltf->files.user, &gltf->scratch->allocator, path,
-                                            gltf->file_budget, &data, size);
-    if (!result) result = psplat_arena_adopt(gltf->scratch, data, *size);
+    psplat_result result =
+        gltf->files.read(gltf->files.user, &arena->allocator, path, gltf->file_budget, &data, size);
+    if (!result) result = psplat_arena_adopt(arena, data, *size);
     if (result)
         return psplat_fail(gltf->error, result, psplat_gltf_offset(gltf, buffer->uri),
-                           "a buffer cannot be loaded from %.150s: %s", path,
+                           "%s cannot be loaded from %.150s: %s", name_of(buffer), path,
                            result == PSPLAT_ERROR_RANGE ? "it is larger than allowed"
                                                         : psplat_result_text(result));
     gltf->file_budget -= *size < gltf->file_budget ? *size : gltf->file_budget;
@@ -69,7 +80,7 @@ static psplat_result load_file(psplat_gltf *gltf, psplat_buffer *buffer, const c
     return PSPLAT_OK;
 }
 
-static psplat_result load_uri(psplat_gltf *gltf, psplat_buffer *buffer, size_t *size) {
+psplat_result psplat_buffer_load_uri(psplat_gltf *gltf, psplat_buffer *buffer, size_t *size) {
     char *uri = NULL;
     size_t uri_size = 0;
     psplat_result result =
@@ -83,7 +94,7 @@ psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer) {
     if (buffer->data) return PSPLAT_OK;
     size_t size = 0;
     psplat_result result =
-        buffer->uri ? load_uri(gltf, buffer, &size) : load_bin(gltf, buffer, &size);
+        buffer->uri ? psplat_buffer_load_uri(gltf, buffer, &size) : load_bin(gltf, buffer, &size);
     if (result) return result;
     if (size < buffer->length)
         return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, buffer->json),

@@ -73,10 +73,11 @@ static psplat_result parse_clip_range(const psplat_gltf *gltf, psplat_json_value
     return PSPLAT_OK;
 }
 
-/* Reads what version 3 added; members are curved, shapeRange and bendRange. Older primitives must
- * not be curved, because a reader of their version would show them flat. */
-static psplat_result parse_curved(const psplat_gltf *gltf, const psplat_json_value members[3],
-                                  psplat_set *set) {
+/* Reads what version 3 added; members are curved, shapeRange, bendRange, texcoordRange and
+ * texcoordBendRange. Older primitives must not be curved, because a reader of their version would
+ * show them flat. */
+static psplat_result parse_version_3(const psplat_gltf *gltf, const psplat_json_value members[5],
+                                     psplat_set *set) {
     psplat_result result = PSPLAT_OK;
     if (members[0])
         result = psplat_json_boolean(&gltf->json, members[0], "curved", &set->is_curved);
@@ -89,6 +90,11 @@ static psplat_result parse_curved(const psplat_gltf *gltf, const psplat_json_val
     }
     if (!result) result = parse_positive(gltf, members[1], "shapeRange", 0, &set->shape_range);
     if (!result) result = parse_positive(gltf, members[2], "bendRange", 0, &set->bend_range);
+    if (!result)
+        result = parse_positive(gltf, members[3], "texcoordRange", 0, &set->texcoord_range);
+    if (!result)
+        result =
+            parse_positive(gltf, members[4], "texcoordBendRange", 0, &set->texcoord_bend_range);
     return result;
 }
 
@@ -107,9 +113,9 @@ static psplat_result parse_ranges(const psplat_gltf *gltf, const psplat_json_val
 psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value object,
                                      psplat_set *set, psplat_json_value *extent) {
     static const char *const names[] = {
-        "version",    "clipLines", "depthTolerance", "positionExtent", "kernel",
-        "scaleRange", "tiltRange", "fieldRange",     "colorRange",     "turnRange",
-        "clipRange",  "curved",    "shapeRange",     "bendRange"};
+        "version",    "clipLines",  "depthTolerance", "positionExtent",   "kernel",    "scaleRange",
+        "tiltRange",  "fieldRange", "colorRange",     "turnRange",        "clipRange", "curved",
+        "shapeRange", "bendRange",  "texcoordRange",  "texcoordBendRange"};
     enum { MEMBERS = sizeof names / sizeof *names };
     psplat_json_value members[MEMBERS];
     size_t clip_lines = 0;
@@ -123,7 +129,7 @@ psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value 
     if (!result) result = parse_positive(gltf, members[2], names[2], 1, &set->depth_tolerance);
     if (!result) result = parse_kernel(gltf, members[4], &set->kernel);
     if (!result && set->version >= 2) result = parse_ranges(gltf, members + 5, set);
-    if (!result) result = parse_curved(gltf, members + 11, set);
+    if (!result) result = parse_version_3(gltf, members + 11, set);
     set->clip_count = (uint32_t)clip_lines;
     *extent = members[3];
     return result;

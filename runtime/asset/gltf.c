@@ -7,11 +7,12 @@
 #define PSPLAT_MESHOPT "EXT_meshopt_compression"
 
 /* The extensions that a file may require. Component types of splats are checked one by one; the
- * other things that KHR_mesh_quantization and KHR_texture_transform allow do not matter to
- * splats. */
+ * other things that KHR_mesh_quantization allows do not matter to splats. What extensions of
+ * textures point to is for the host to decode. */
 static const char *const known_extensions[] = {
     PSPLAT_EXTENSION,      "KHR_materials_unlit",   "KHR_materials_emissive_strength",
     "KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform",
+    "EXT_texture_webp",    "KHR_texture_basisu",    "MSFT_texture_dds",
 };
 
 size_t psplat_gltf_offset(const psplat_gltf *gltf, psplat_json_value value) {
@@ -237,15 +238,16 @@ static psplat_result parse_tables(psplat_gltf *gltf, const psplat_json_value arr
 }
 
 psplat_result psplat_gltf_parse(psplat_gltf *gltf) {
-    static const char *const names[] = {"asset",         "extensionsRequired",
-                                        "buffers",       "bufferViews",
-                                        "accessors",     "materials",
-                                        "meshes",        "nodes",
-                                        "scenes",        "scene",
-                                        "extensionsUsed"};
-    psplat_json_value members[11];
+    static const char *const names[] = {"asset",          "extensionsRequired",
+                                        "buffers",        "bufferViews",
+                                        "accessors",      "materials",
+                                        "meshes",         "nodes",
+                                        "scenes",         "scene",
+                                        "extensionsUsed", "textures",
+                                        "samplers",       "images"};
+    psplat_json_value members[14];
     psplat_result result = psplat_json_parse(&gltf->json, gltf->scratch);
-    if (!result) result = psplat_json_members(&gltf->json, 0, names, 11, members);
+    if (!result) result = psplat_json_members(&gltf->json, 0, names, 14, members);
     if (!result) result = check_version(gltf, members[0]);
     if (!result) result = check_required(gltf, members[1]);
     if (!result) result = check_used(gltf, members[10]);
@@ -256,5 +258,8 @@ psplat_result psplat_gltf_parse(psplat_gltf *gltf) {
     gltf->json_nodes = members[7];
     gltf->json_scenes = members[8];
     gltf->json_scene = members[9];
+    gltf->json_textures = members[11];
+    gltf->json_samplers = members[12];
+    gltf->json_images = members[13];
     return PSPLAT_OK;
 }

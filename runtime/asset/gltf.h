@@ -7,6 +7,8 @@
  *     meshopt.c          a view's bytes where they are compressed
  *     accessor.c         checked access to an accessor's elements as floats
  *     material.c         materials
+ *     texture.c          textures of materials, and their samplers
+ *     image.c            the bytes of images, which the asset keeps as they are
  *     primitive.c        meshes: which of their primitives are splats
  *     fallback_link.c    fallback meshes for readers that know no splats
  *     extension.c        the extension object of a primitive of splats
@@ -39,6 +41,7 @@ typedef struct psplat_buffer {
     int is_base64;
     int is_decoded;   /* all of data was decompressed from bytes at origin */
     int is_fallback;  /* marked so by EXT_meshopt_compression: without a uri it has no bytes */
+    int is_image;     /* an image beside the buffers: its bytes and path are kept with the asset */
     const char *path; /* path of an external file, whose offsets begin at its start; else NULL */
 } psplat_buffer;
 
@@ -58,21 +61,23 @@ typedef struct psplat_accessor {
 
 /* The splats of one primitive. */
 typedef struct psplat_set {
-    psplat_splat *splats;    /* NULL where only packed is kept, */
-    psplat_finish *finishes; /* and where nothing varies over a splat */
-    psplat_packed *packed;   /* what the GPU takes, in assets that only draw; else NULL */
-    psplat_packing packing;  /* the layout of packed */
+    psplat_splat *splats;       /* NULL where only packed is kept, */
+    psplat_finish *finishes;    /* and where nothing varies over a splat */
+    psplat_texcoord *texcoords; /* NULL as splats are, and where there are no coordinates */
+    psplat_packed *packed;      /* what the GPU takes, in assets that only draw; else NULL */
+    psplat_packing packing;     /* the layout of packed */
     size_t count;
     uint32_t clip_count;
     psplat_kernel kernel;
     float depth_tolerance;
-    psplat_material material;
+    const psplat_material *material; /* see psplat_material_get */
     float bounds_min[3], bounds_max[3];
     int has_color, has_gamma, has_color_gradient, has_surface, has_emissive;
-    int is_curved, has_shape, has_bends;
+    int is_curved, has_shape, has_bends, has_texcoord, has_texcoord_bend;
     size_t version;
     double scale_range[2]; /* first and last radius; zeros where not stated (spec 3.9) */
-    float tilt_range, field_range, color_range, shape_range, bend_range;
+    float tilt_range, field_range, color_range, shape_range, bend_range, texcoord_range,
+        texcoord_bend_range;
     float turn_range, clip_range[2]; /* 1 where not stated */
     psplat_attribute *attributes;    /* attribute_count of them, in the asset's arena */
     size_t attribute_count;
@@ -92,6 +97,30 @@ typedef struct psplat_node {
     int in_scene;
 } psplat_node;
 
+/* A material. Few of a file's are those of splats, so that each is made when it is first used. */
+typedef struct psplat_material_entry {
+    psplat_json_value json;
+    const psplat_material *made[2]; /* without and with its textures; NULL until it is used */
+} psplat_material_entry;
+
+/* A glTF sampler, as far as splats follow it. */
+typedef struct psplat_sampler {
+    psplat_json_value json;
+    psplat_wrap wrap[2];
+    int nearest;
+} psplat_sampler;
+
+/* A glTF texture. */
+typedef struct psplat_texture_entry {
+    psplat_json_value json;
+    size_t image, sampler; /* indices, or PSPLAT_NONE */
+} psplat_texture_entry;
+
+typedef struct psplat_image_entry {
+    psplat_json_value json;
+    uint32_t kept; /* 1 + the index in gltf->kept_images; 0 until a material uses the image */
+} psplat_image_entry;
+
 typedef struct psplat_gltf {
     psplat_error *error;
     psplat_arena *scratch; /* lives until the asset is open */
@@ -108,23 +137,30 @@ typedef struct psplat_gltf {
     size_t splat_total;   /* splats of all sets decoded so far */
 
     /* Members of the document; 0 where it has none of that name. */
-    psplat_json_value json_materials, json_meshes, json_nodes, json_scenes, json_scene;
+    psplat_json_value json_materials, json_meshes, json_nodes, json_scenes, json_scene,
+        json_textures, json_samplers, json_images;
     /* The first attribute of the extension outside a primitive of splats, or 0. */
     psplat_json_value json_stripped;
     int is_listed;              /* whether extensionsUsed names the extension */
     int measures, only_draws;   /* as in psplat_asset_desc */
     psplat_splat *chunk_splats; /* of the chunk being decoded, where only_draws; else NULL */
     psplat_finish *chunk_finishes;
+    psplat_texcoord *chunk_texcoords;
 
     psplat_buffer *buffers;
     psplat_view_range *views;
     psplat_accessor *accessors;
-    psplat_material *materials;
+    psplat_material_entry *materials;
+    psplat_texture_entry *textures; /* NULL, as are samplers and images, until splats have */
+    psplat_sampler *samplers;       /* texture coordinates */
+    psplat_image_entry *images;
+    psplat_asset_image *kept_images; /* kept_image_count of them, in the asset's arena */
     psplat_mesh_sets *meshes;
     psplat_set *sets;
     psplat_node *nodes;
     size_t buffer_count, view_count, accessor_count, material_count, mesh_count, set_count,
-        node_count;
+        node_count, texture_count, sampler_count, image_count, kept_image_count;
+    size_t image_bytes; /* of all kept images that lie in buffers */
 } psplat_gltf;
 
 /* Returns the offset of a value in the file, for psplat_fail. */
@@ -149,6 +185,9 @@ psplat_result psplat_gltf_index(const psplat_gltf *gltf, psplat_json_value value
 
 /* Makes buffer->data hold at least buffer->length bytes. */
 psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer);
+
+/* Loads what the uri of a buffer or image names and stores its number of bytes in *size. */
+psplat_result psplat_buffer_load_uri(psplat_gltf *gltf, psplat_buffer *buffer, size_t *size);
 
 /* Returns the offset, in the file or in the external one, of a byte position of a loaded buffer. */
 size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position);
@@ -205,6 +244,11 @@ psplat_result psplat_reader_open(psplat_gltf *gltf, psplat_json_value accessor,
 size_t psplat_reader_bytes(const psplat_reader *reader);
 size_t psplat_reader_stored(const psplat_reader *reader);
 
+/* Checks that a view lies in its buffer and loads the buffer that holds its bytes, of which the
+ * first is at *start. What names whom the view is for, in errors. */
+psplat_result psplat_view_load(psplat_gltf *gltf, psplat_view_range *view, const char *what,
+                               const psplat_buffer **buffer, size_t *start);
+
 /* Reads elements first to first + count - 1 as floats, one after another. Signed normalized
  * integers become max(c / 127, -1) and so on (glTF 2.0 section 3.6.2.2), other integers stay as
  * they are. */
@@ -223,10 +267,17 @@ enum {
     PSPLAT_SHAPE,
     PSPLAT_FIRST_CLIP,
     PSPLAT_COLOR_U = PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES,
-    PSPLAT_FIRST_FINISH = PSPLAT_COLOR_U, /* this and all below fill a psplat_finish */
+    PSPLAT_FIRST_FINISH = PSPLAT_COLOR_U, /* this and what follows fill a psplat_finish */
     PSPLAT_COLOR_V,
     PSPLAT_ORM, /* occlusion, roughness, metallic */
     PSPLAT_EMISSIVE,
+    PSPLAT_TEXCOORD,
+    PSPLAT_FIRST_TEXCOORD = PSPLAT_TEXCOORD, /* this and all below fill a psplat_texcoord */
+    PSPLAT_TEXCOORD_U,
+    PSPLAT_TEXCOORD_V,
+    PSPLAT_TEXCOORD_UU,
+    PSPLAT_TEXCOORD_UV,
+    PSPLAT_TEXCOORD_VV,
     PSPLAT_ATTRIBUTES
 };
 
@@ -258,16 +309,31 @@ void psplat_unpack_scaled(float *values, size_t value_count, float range);
 void psplat_unpack_turns(const float *normals, const float *turns, size_t count,
                          float *quaternions);
 
-/* Decodes set->count splats into set->splats and set->finishes and checks every value (spec 3.3 to
- * 3.8). Finds the set's bounds and stores the size of the box around the centres in extent. */
+/* Decodes set->count splats into set->splats, finishes and texcoords and checks every value
+ * (spec 3.3 to 3.8). Finds the set's bounds and stores the size of the box around the centres in
+ * extent. */
 psplat_result psplat_values_decode(const psplat_gltf *gltf, const psplat_readers *readers,
                                    psplat_set *set, double extent[3]);
 
 psplat_result psplat_materials_parse(psplat_gltf *gltf);
 
-/* Fills the material of an index, or glTF's default material where value is absent. */
-psplat_result psplat_material_get(const psplat_gltf *gltf, psplat_json_value value,
+/* Finds the material of an index, or glTF's default material where value is absent. It has textures
+ * only where is_textured; then their images are kept. It lives until the asset is open. */
+psplat_result psplat_material_get(psplat_gltf *gltf, psplat_json_value value, int is_textured,
+                                  const psplat_material **material);
+
+/* The textureInfo objects of a material, by slot; 0 where it has none. */
+typedef struct psplat_texture_infos {
+    psplat_json_value of[PSPLAT_TEXTURE_SLOTS];
+} psplat_texture_infos;
+
+/* Fills a material's textures and keeps their images. Textures of another set of coordinates than
+ * TEXCOORD_0 are left out. */
+psplat_result psplat_textures_get(psplat_gltf *gltf, const psplat_texture_infos *infos,
                                   psplat_material *material);
+
+/* Keeps the bytes of an image, if they are not kept yet. */
+psplat_result psplat_image_keep(psplat_gltf *gltf, psplat_image_entry *image);
 
 /* Decodes every primitive of splats into gltf->sets. Fails with NO_SPLATS where there is none. */
 psplat_result psplat_meshes_parse(psplat_gltf *gltf);
@@ -283,10 +349,11 @@ psplat_result psplat_fallback_meshes_resolve(psplat_gltf *gltf);
 psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value object,
                                      psplat_set *set, psplat_json_value *extent);
 
-/* Decodes the splats of one primitive, of which attributes and extension are members and whose
- * material is already set. */
+/* Decodes the splats of one primitive, of which attributes, extension and material are members; the
+ * last may be 0. */
 psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
-                               psplat_json_value extension, psplat_set *set);
+                               psplat_json_value extension, psplat_json_value material,
+                               psplat_set *set);
 
 /* Fills the nodes and their world transforms and marks those that the default scene shows. */
 psplat_result psplat_nodes_parse(psplat_gltf *gltf);

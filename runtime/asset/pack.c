@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * pack.c - packs splats for the GPU: 48 bytes a splat, 16 more where it has a colour or a gamma and
- * where it has a shape of its own, 12 for each clip line (16 for bent ones) and 12 for each further
- * value that varies over the splat.
+ * where it has a shape of its own, 12 for each clip line (16 for bent ones), 12 for each further
+ * value that varies over the splat, and 24 for texture coordinates (48 with their second order; a
+ * third more beside colours).
  */
 #include "asset/pack.h"
 #include "layout.h"
@@ -17,11 +18,14 @@ psplat_packing psplat_packing_of(const psplat_batch *batch) {
     unsigned gradient = batch->has_color_gradient ? PSPLAT_FINISH_GRADIENT : 0u;
     int is_wide = batch->has_color || batch->has_gamma;
     int has_shape = batch->is_curved && batch->has_shape;
-    int line_floats = batch->has_bends ? 4 : 3;
+    int line_floats = batch->has_bends ? 4 : 3, channels = batch->has_color ? 4 : 3;
+    int texcoord_texels = !batch->has_texcoord ? 0 : batch->has_texcoord_bend ? 4 : 2;
     return (psplat_packing){.splat_floats = NARROW + 4 * (is_wide + has_shape),
                             .clip_floats = line_floats * (int)batch->clip_count,
                             .finish_floats = 3 * (!!surface + !!emissive + (gradient ? 2 : 0)),
+                            .texcoord_floats = channels * texcoord_texels,
                             .line_floats = line_floats,
+                            .texcoord_channels = channels,
                             .is_curved = !!batch->is_curved,
                             .wide_at = is_wide ? NARROW : 0,
                             .shape_at = has_shape ? NARROW + 4 * is_wide : 0,
@@ -31,11 +35,12 @@ psplat_packing psplat_packing_of(const psplat_batch *batch) {
 
 psplat_packed *psplat_packed_reserve(psplat_arena *arena, const psplat_packing *packing,
                                      size_t splat_count) {
-    const int floats[] = {packing->splat_floats, packing->clip_floats, packing->finish_floats};
+    const int floats[] = {packing->splat_floats, packing->clip_floats, packing->finish_floats,
+                          packing->texcoord_floats};
     psplat_packed *packed = psplat_arena_take(arena, 1, sizeof *packed);
     if (!packed) return NULL;
-    float **arrays[] = {&packed->splats, &packed->clips, &packed->finishes};
-    for (size_t i = 0; i < 3; ++i) {
+    float **arrays[] = {&packed->splats, &packed->clips, &packed->finishes, &packed->texcoords};
+    for (size_t i = 0; i < sizeof floats / sizeof *floats; ++i) {
         if (!floats[i]) continue;
         *arrays[i] = psplat_arena_reserve(arena, splat_count, (size_t)floats[i] * sizeof(float));
         if (!*arrays[i]) return NULL;
@@ -129,5 +134,20 @@ void psplat_pack_finishes(const psplat_packing *packing, const psplat_finish *fi
         if (!(packing->finish & PSPLAT_FINISH_GRADIENT)) continue;
         out = put_texel(out, finish->color_u);
         out = put_texel(out, finish->color_v);
+    }
+}
+
+void psplat_pack_texcoords(const psplat_packing *packing, const psplat_splat *splats,
+                           const psplat_texcoord *texcoords, size_t count, float *out) {
+    int channels = packing->texcoord_channels, numbers = packing->texcoord_floats / channels * 3;
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_texcoord *t = &texcoords[i];
+        const float values[] = {t->at[0],       t->at[1],       t->along_u[0],  t->along_u[1],
+                                t->along_v[0],  t->along_v[1],  t->along_uu[0], t->along_uu[1],
+                                t->along_uv[0], t->along_uv[1], t->along_vv[0], t->along_vv[1]};
+        for (int k = 0; k < numbers; k += 3) {
+            out = put_texel(out, values + k);
+            if (channels == 4) *out++ = splats[i].color[3];
+        }
     }
 }

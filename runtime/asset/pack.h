@@ -11,8 +11,10 @@
 /* Says what is stored of each splat: how many floats it takes in each texture, 0 where there is no
  * such texture. */
 typedef struct psplat_packing {
-    int splat_floats, clip_floats, finish_floats;
-    int line_floats; /* of one clip line: 3, or 4 where lines are bent */
+    int splat_floats, clip_floats, finish_floats, texcoord_floats;
+    int line_floats;       /* of one clip line: 3, or 4 where lines are bent */
+    int texcoord_channels; /* of each texel of texture coordinates: 3, or 4 where COLOR_0 has an
+                              alpha beside them */
     int is_curved;
     int wide_at, shape_at; /* where a splat's texels of colour and gamma and of its shape begin, in
                               floats; 0: there is none */
@@ -25,7 +27,7 @@ psplat_packing psplat_packing_of(const psplat_batch *batch);
 
 /* The splats of one primitive. An array is NULL where a splat has no floats in it. */
 typedef struct psplat_packed {
-    float *splats, *clips, *finishes;
+    float *splats, *clips, *finishes, *texcoords;
     psplat_chunk *chunks; /* psplat_chunk_count entries */
 } psplat_packed;
 
@@ -33,13 +35,16 @@ typedef struct psplat_packed {
 psplat_packed *psplat_packed_reserve(psplat_arena *arena, const psplat_packing *packing,
                                      size_t splat_count);
 
-/* Writes count splats, or finishes, one after another. */
+/* Writes count splats, or finishes, or texture coordinates, one after another. Where colours are
+ * stored, the alpha of each splat's colour lies beside its texture coordinates. */
 void psplat_pack_splats(const psplat_packing *packing, const psplat_splat *splats, size_t count,
                         float *out);
 void psplat_pack_clips(const psplat_packing *packing, const psplat_splat *splats, size_t count,
                        float *out);
 void psplat_pack_finishes(const psplat_packing *packing, const psplat_finish *finishes,
                           size_t count, float *out);
+void psplat_pack_texcoords(const psplat_packing *packing, const psplat_splat *splats,
+                           const psplat_texcoord *texcoords, size_t count, float *out);
 
 /* Returns how far the surface of a splat leaves its tangent plane at the centre, at most and along
  * N, over count packed splats; 0 where they are flat. In the units of the centres. */

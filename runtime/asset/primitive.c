@@ -67,8 +67,8 @@ static psplat_result parse_primitive(psplat_gltf *gltf, psplat_json_value primit
                            MAX_SETS);
     psplat_set *set = &gltf->sets[gltf->set_count];
     result = check_members(gltf, primitive, members);
-    if (!result) result = psplat_material_get(gltf, members[MATERIAL], &set->material);
-    if (!result) result = psplat_set_parse(gltf, members[ATTRIBUTES], extension, set);
+    if (!result)
+        result = psplat_set_parse(gltf, members[ATTRIBUTES], extension, members[MATERIAL], set);
     if (!result) ++gltf->set_count;
     return result;
 }

@@ -10,42 +10,61 @@
 /* The extension's names are accepted with and without their underscore, but not both at once. */
 static psplat_result find_attributes(const psplat_gltf *gltf, psplat_json_value object,
                                      psplat_json_value found[PSPLAT_ATTRIBUTES]) {
-    enum { OURS = PSPLAT_ATTRIBUTES - PSPLAT_ROTATION };
-    static const char *const underscored[OURS] = {"_" PSPLAT_EXTENSION ":ROTATION",
-                                                  "_" PSPLAT_EXTENSION ":TURN",
-                                                  "_" PSPLAT_EXTENSION ":TILT",
-                                                  "_" PSPLAT_EXTENSION ":SCALE",
-                                                  "_" PSPLAT_EXTENSION ":NORMAL_FIELD",
-                                                  "_" PSPLAT_EXTENSION ":SHAPE",
-                                                  "_" PSPLAT_EXTENSION ":CLIP_0",
-                                                  "_" PSPLAT_EXTENSION ":CLIP_1",
-                                                  "_" PSPLAT_EXTENSION ":CLIP_2",
-                                                  "_" PSPLAT_EXTENSION ":CLIP_3",
-                                                  "_" PSPLAT_EXTENSION ":COLOR_U",
-                                                  "_" PSPLAT_EXTENSION ":COLOR_V",
-                                                  "_" PSPLAT_EXTENSION
-                                                  ":OCCLUSION_ROUGHNESS_METALLIC",
-                                                  "_" PSPLAT_EXTENSION ":EMISSIVE"};
-    const char *names[PSPLAT_ATTRIBUTES + OURS];
-    psplat_json_value members[PSPLAT_ATTRIBUTES + OURS];
-    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) names[i] = psplat_attribute_types[i].name;
-    for (size_t i = 0; i < OURS; ++i) names[PSPLAT_ATTRIBUTES + i] = underscored[i];
+    static const char *const underscored[PSPLAT_ATTRIBUTES] = {
+        [PSPLAT_ROTATION] = "_" PSPLAT_EXTENSION ":ROTATION",
+        [PSPLAT_TURN] = "_" PSPLAT_EXTENSION ":TURN",
+        [PSPLAT_TILT] = "_" PSPLAT_EXTENSION ":TILT",
+        [PSPLAT_SCALE] = "_" PSPLAT_EXTENSION ":SCALE",
+        [PSPLAT_NORMAL_FIELD] = "_" PSPLAT_EXTENSION ":NORMAL_FIELD",
+        [PSPLAT_SHAPE] = "_" PSPLAT_EXTENSION ":SHAPE",
+        [PSPLAT_FIRST_CLIP] = "_" PSPLAT_EXTENSION ":CLIP_0",
+        [PSPLAT_FIRST_CLIP + 1] = "_" PSPLAT_EXTENSION ":CLIP_1",
+        [PSPLAT_FIRST_CLIP + 2] = "_" PSPLAT_EXTENSION ":CLIP_2",
+        [PSPLAT_FIRST_CLIP + 3] = "_" PSPLAT_EXTENSION ":CLIP_3",
+        [PSPLAT_COLOR_U] = "_" PSPLAT_EXTENSION ":COLOR_U",
+        [PSPLAT_COLOR_V] = "_" PSPLAT_EXTENSION ":COLOR_V",
+        [PSPLAT_ORM] = "_" PSPLAT_EXTENSION ":OCCLUSION_ROUGHNESS_METALLIC",
+        [PSPLAT_EMISSIVE] = "_" PSPLAT_EXTENSION ":EMISSIVE",
+        [PSPLAT_TEXCOORD_U] = "_" PSPLAT_EXTENSION ":TEXCOORD_U",
+        [PSPLAT_TEXCOORD_V] = "_" PSPLAT_EXTENSION ":TEXCOORD_V",
+        [PSPLAT_TEXCOORD_UU] = "_" PSPLAT_EXTENSION ":TEXCOORD_UU",
+        [PSPLAT_TEXCOORD_UV] = "_" PSPLAT_EXTENSION ":TEXCOORD_UV",
+        [PSPLAT_TEXCOORD_VV] = "_" PSPLAT_EXTENSION ":TEXCOORD_VV"};
+    const char *names[2 * PSPLAT_ATTRIBUTES];
+    psplat_json_value members[2 * PSPLAT_ATTRIBUTES];
+    /* glTF's own names have one form, which is looked up twice. */
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
+        names[2 * i] = psplat_attribute_types[i].name;
+        names[2 * i + 1] = underscored[i] ? underscored[i] : names[2 * i];
+    }
     psplat_result result =
-        psplat_json_members(&gltf->json, object, names, PSPLAT_ATTRIBUTES + OURS, members);
+        psplat_json_members(&gltf->json, object, names, 2 * PSPLAT_ATTRIBUTES, members);
     if (result) return result;
     for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
-        psplat_json_value other = i >= PSPLAT_ROTATION ? members[i + OURS] : 0;
-        if (members[i] && other)
+        psplat_json_value one = members[2 * i], other = underscored[i] ? members[2 * i + 1] : 0;
+        if (one && other)
             return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, other),
                                "%s occurs with and without an underscore",
                                psplat_attribute_types[i].name);
-        found[i] = members[i] ? members[i] : other;
+        found[i] = one ? one : other;
     }
     return PSPLAT_OK;
 }
 
 static int is_clip_line(size_t attribute) {
     return attribute >= PSPLAT_FIRST_CLIP && attribute < PSPLAT_FIRST_CLIP + PSPLAT_MAX_CLIP_LINES;
+}
+
+/* The first order of texture coordinates needs those at the centre, the second needs the first, and
+ * an order is complete. */
+static void require_texcoords(const psplat_json_value found[PSPLAT_ATTRIBUTES],
+                              int is_required[PSPLAT_ATTRIBUTES]) {
+    int second =
+        found[PSPLAT_TEXCOORD_UU] || found[PSPLAT_TEXCOORD_UV] || found[PSPLAT_TEXCOORD_VV];
+    int first = second || found[PSPLAT_TEXCOORD_U] || found[PSPLAT_TEXCOORD_V];
+    is_required[PSPLAT_TEXCOORD] = first;
+    is_required[PSPLAT_TEXCOORD_U] = is_required[PSPLAT_TEXCOORD_V] = first;
+    for (size_t i = PSPLAT_TEXCOORD_UU; i <= PSPLAT_TEXCOORD_VV; ++i) is_required[i] = second;
 }
 
 /* Checks which attributes are required, allowed and forbidden. */
@@ -59,6 +78,7 @@ static psplat_result check_presence(const psplat_gltf *gltf, psplat_json_value o
                                           [PSPLAT_SCALE] = 1,
                                           [PSPLAT_COLOR_U] = found[PSPLAT_COLOR_V] != 0,
                                           [PSPLAT_COLOR_V] = found[PSPLAT_COLOR_U] != 0};
+    require_texcoords(found, is_required);
     for (size_t i = 0; i < clip_count; ++i) is_required[PSPLAT_FIRST_CLIP + i] = 1;
     if (found[PSPLAT_ROTATION] && found[PSPLAT_TURN])
         return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT,
@@ -93,6 +113,8 @@ static psplat_result open_readers(psplat_gltf *gltf, psplat_json_value object,
     psplat_json_value found[PSPLAT_ATTRIBUTES];
     psplat_result result = find_attributes(gltf, object, found);
     if (!result) result = check_presence(gltf, object, found, set->clip_count);
+    /* To the versions before 3, it is an attribute like any that they do not know. */
+    if (set->version < 3) found[PSPLAT_TEXCOORD] = 0;
     for (size_t i = 0; i < PSPLAT_ATTRIBUTES && !result; ++i) {
         size_t count = i == PSPLAT_POSITION ? PSPLAT_NONE : r->of[PSPLAT_POSITION].count;
         r->is_present[i] = found[i] != 0;
@@ -122,7 +144,17 @@ static psplat_result check_ranges(const psplat_gltf *gltf, psplat_json_value ext
          set->field_range > 0},
         {PSPLAT_SHAPE, "shapeRange, which the integers of SHAPE need,", set->shape_range > 0},
         {PSPLAT_COLOR_U, "colorRange, which the integers of COLOR_U need,", set->color_range > 0},
-        {PSPLAT_COLOR_V, "colorRange, which the integers of COLOR_V need,", set->color_range > 0}};
+        {PSPLAT_COLOR_V, "colorRange, which the integers of COLOR_V need,", set->color_range > 0},
+        {PSPLAT_TEXCOORD_U, "texcoordRange, which the integers of TEXCOORD_U need,",
+         set->texcoord_range > 0},
+        {PSPLAT_TEXCOORD_V, "texcoordRange, which the integers of TEXCOORD_V need,",
+         set->texcoord_range > 0},
+        {PSPLAT_TEXCOORD_UU, "texcoordBendRange, which the integers of TEXCOORD_UU need,",
+         set->texcoord_bend_range > 0},
+        {PSPLAT_TEXCOORD_UV, "texcoordBendRange, which the integers of TEXCOORD_UV need,",
+         set->texcoord_bend_range > 0},
+        {PSPLAT_TEXCOORD_VV, "texcoordBendRange, which the integers of TEXCOORD_VV need,",
+         set->texcoord_bend_range > 0}};
     for (size_t i = 0; i < sizeof ranges / sizeof *ranges; ++i) {
         const psplat_reader *reader = &r->of[ranges[i].attribute];
         int needs = r->is_present[ranges[i].attribute] && reader->component_type != PSPLAT_FLOAT;
@@ -158,8 +190,9 @@ static psplat_result check_extent(const psplat_gltf *gltf, psplat_json_value val
                        found[0], found[1], found[2], stated[0], stated[1], stated[2]);
 }
 
-/* A splat takes 164 bytes in memory, 212 with a finish, and at least 11 in a file. A file may use
- * its bytes for several primitives, but a small file must not fill the memory that way. */
+/* A splat takes 164 bytes in memory, 48 more with a finish, 56 more with texture coordinates, and
+ * at least 11 in a file. A file may use its bytes for several primitives, but a small file must not
+ * fill the memory that way. */
 static psplat_result check_total(psplat_gltf *gltf, psplat_json_value attributes, size_t count) {
     if (count <= gltf->loaded_bytes / 8 && gltf->splat_total <= gltf->loaded_bytes / 8 - count) {
         gltf->splat_total += count;
@@ -198,7 +231,10 @@ static int reserve_packed(psplat_gltf *gltf, psplat_set *set) {
                                .has_bends = set->has_bends,
                                .has_color_gradient = set->has_color_gradient,
                                .has_surface = set->has_surface,
-                               .has_emissive = set->has_emissive};
+                               .has_emissive = set->has_emissive,
+                               .has_texcoord = set->has_texcoord,
+                               .has_texcoord_bend = set->has_texcoord_bend,
+                               .material = *set->material};
     set->packing = psplat_packing_of(&like);
     set->packed = psplat_packed_reserve(gltf->kept, &set->packing, set->count);
     if (!gltf->chunk_splats)
@@ -207,14 +243,19 @@ static int reserve_packed(psplat_gltf *gltf, psplat_set *set) {
     if (!gltf->chunk_finishes)
         gltf->chunk_finishes =
             psplat_arena_reserve(gltf->scratch, PSPLAT_CHUNK_SPLATS, sizeof *gltf->chunk_finishes);
-    return set->packed && gltf->chunk_splats && gltf->chunk_finishes;
+    if (!gltf->chunk_texcoords)
+        gltf->chunk_texcoords =
+            psplat_arena_reserve(gltf->scratch, PSPLAT_CHUNK_SPLATS, sizeof *gltf->chunk_texcoords);
+    return set->packed && gltf->chunk_splats && gltf->chunk_finishes && gltf->chunk_texcoords;
 }
 
 static int reserve_splats(psplat_gltf *gltf, psplat_set *set) {
     int varies = set->has_surface || set->has_emissive || set->has_color_gradient;
     set->splats = psplat_arena_reserve(gltf->kept, set->count, sizeof *set->splats);
     if (varies) set->finishes = psplat_arena_reserve(gltf->kept, set->count, sizeof *set->finishes);
-    return set->splats && (set->finishes || !varies);
+    if (set->has_texcoord)
+        set->texcoords = psplat_arena_reserve(gltf->kept, set->count, sizeof *set->texcoords);
+    return set->splats && (set->finishes || !varies) && (set->texcoords || !set->has_texcoord);
 }
 
 static psplat_result reserve(psplat_gltf *gltf, psplat_json_value attributes, psplat_set *set) {
@@ -234,10 +275,13 @@ static void set_flags(const psplat_readers *r, psplat_set *set) {
     set->has_color_gradient = r->is_present[PSPLAT_COLOR_U];
     set->has_surface = r->is_present[PSPLAT_ORM];
     set->has_emissive = r->is_present[PSPLAT_EMISSIVE];
+    set->has_texcoord = r->is_present[PSPLAT_TEXCOORD];
+    set->has_texcoord_bend = r->is_present[PSPLAT_TEXCOORD_UU];
 }
 
 psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
-                               psplat_json_value extension, psplat_set *set) {
+                               psplat_json_value extension, psplat_json_value material,
+                               psplat_set *set) {
     psplat_json_value stated = 0;
     psplat_readers readers = {0};
     double extent[3];
@@ -246,7 +290,8 @@ psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
     if (!result) result = check_ranges(gltf, extension, &readers, set);
     if (result) return result;
     set_flags(&readers, set);
-    result = check_total(gltf, attributes, set->count);
+    result = psplat_material_get(gltf, material, set->has_texcoord, &set->material);
+    if (!result) result = check_total(gltf, attributes, set->count);
     if (!result) result = reserve(gltf, attributes, set);
     if (!result) result = describe(gltf, &readers, set);
     if (!result) result = psplat_values_decode(gltf, &readers, set, extent);

@@ -78,6 +78,10 @@ static void unpack(decoder *d, size_t attribute) {
         psplat_unpack_scaled(values, d->count * reader->components, set->field_range);
     if (attribute == PSPLAT_COLOR_U || attribute == PSPLAT_COLOR_V)
         psplat_unpack_scaled(values, d->count * reader->components, set->color_range);
+    if (attribute == PSPLAT_TEXCOORD_U || attribute == PSPLAT_TEXCOORD_V)
+        psplat_unpack_scaled(values, d->count * 2, set->texcoord_range);
+    if (attribute >= PSPLAT_TEXCOORD_UU)
+        psplat_unpack_scaled(values, d->count * 2, set->texcoord_bend_range);
 }
 
 /* Returns the number of components of an attribute once it is unpacked. */
@@ -275,6 +279,16 @@ static psplat_result decode_finish(const decoder *d, psplat_finish *finish) {
     return fail_value(d, PSPLAT_EMISSIVE, "is not from 0 to 1");
 }
 
+static void decode_texcoord(const decoder *d, psplat_texcoord *texcoord) {
+    const int *is_present = d->readers->is_present;
+    float *const terms[] = {texcoord->at,       texcoord->along_u,  texcoord->along_v,
+                            texcoord->along_uu, texcoord->along_uv, texcoord->along_vv};
+    *texcoord = (psplat_texcoord){{0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}, {0, 0}};
+    for (size_t i = PSPLAT_FIRST_TEXCOORD; i < PSPLAT_ATTRIBUTES; ++i)
+        if (is_present[i])
+            memcpy(terms[i - PSPLAT_FIRST_TEXCOORD], values_of(d, i), sizeof texcoord->at);
+}
+
 static psplat_result decode_clip_lines(const decoder *d, psplat_splat *splat) {
     for (uint32_t i = 0; i < splat->clip_count; ++i) {
         float *line = splat->clip[i];
@@ -364,47 +378,60 @@ static void store_bounds(const decoder *d, psplat_set *set, double extent[3]) {
     }
 }
 
-static psplat_result decode_block(decoder *d, psplat_splat *splats, psplat_finish *finishes) {
-    int varies = 0;
-    for (size_t i = PSPLAT_FIRST_FINISH; i < PSPLAT_ATTRIBUTES; ++i)
-        varies |= d->readers->is_present[i];
+/* What decoded splats become. */
+typedef struct decoded {
+    psplat_splat *splats;
+    psplat_finish *finishes;    /* NULL where nothing varies over a splat */
+    psplat_texcoord *texcoords; /* NULL where there are no texture coordinates */
+} decoded;
+
+/* Decodes a block to where its first splat is to be. */
+static psplat_result decode_block(decoder *d, const decoded *out, size_t at) {
     psplat_result result = read_block(d);
     if (!result) result = make_frames(d);
     for (size_t i = 0; i < d->count && !result; ++i) {
         d->index = d->first + i;
-        result = decode_splat(d, &splats[i]);
-        if (!result && varies) result = decode_finish(d, &finishes[i]);
+        result = decode_splat(d, &out->splats[at + i]);
+        if (!result && out->finishes) result = decode_finish(d, &out->finishes[at + i]);
+        if (!result && out->texcoords) decode_texcoord(d, &out->texcoords[at + i]);
     }
     return result;
 }
 
-static void pack(const psplat_set *set, const psplat_splat *splats, const psplat_finish *finishes,
-                 size_t first, size_t count) {
+static void pack(const psplat_set *set, const decoded *from, size_t first, size_t count) {
     const psplat_packing *p = &set->packing;
     const psplat_packed *packed = set->packed;
-    psplat_pack_splats(p, splats, count, packed->splats + first * (size_t)p->splat_floats);
+    psplat_pack_splats(p, from->splats, count, packed->splats + first * (size_t)p->splat_floats);
     if (packed->clips)
-        psplat_pack_clips(p, splats, count, packed->clips + first * (size_t)p->clip_floats);
+        psplat_pack_clips(p, from->splats, count, packed->clips + first * (size_t)p->clip_floats);
     if (packed->finishes)
-        psplat_pack_finishes(p, finishes, count,
+        psplat_pack_finishes(p, from->finishes, count,
                              packed->finishes + first * (size_t)p->finish_floats);
-    psplat_chunks_find(splats, count, packed->chunks + first / PSPLAT_CHUNK_SPLATS);
+    if (packed->texcoords)
+        psplat_pack_texcoords(p, from->splats, from->texcoords, count,
+                              packed->texcoords + first * (size_t)p->texcoord_floats);
+    psplat_chunks_find(from->splats, count, packed->chunks + first / PSPLAT_CHUNK_SPLATS);
 }
 
 /* Where splats are packed, they are decoded to a place that stays in the cache. */
+static decoded place_of(const psplat_gltf *gltf, const psplat_set *set, size_t first) {
+    int varies = set->has_color_gradient || set->has_surface || set->has_emissive;
+    if (set->packed)
+        return (decoded){gltf->chunk_splats, varies ? gltf->chunk_finishes : NULL,
+                         set->has_texcoord ? gltf->chunk_texcoords : NULL};
+    return (decoded){set->splats + first, set->finishes ? set->finishes + first : NULL,
+                     set->texcoords ? set->texcoords + first : NULL};
+}
+
 static psplat_result decode_chunk(decoder *d, psplat_set *set, size_t first, size_t count) {
-    const psplat_gltf *gltf = d->gltf;
-    psplat_splat *splats = set->packed ? gltf->chunk_splats : set->splats + first;
-    psplat_finish *finishes = set->packed     ? gltf->chunk_finishes
-                              : set->finishes ? set->finishes + first
-                                              : NULL;
+    const decoded out = place_of(d->gltf, set, first);
     for (size_t at = 0; at < count; at += d->count) {
         d->first = first + at;
         d->count = count - at < BLOCK ? count - at : BLOCK;
-        psplat_result result = decode_block(d, splats + at, finishes ? finishes + at : NULL);
+        psplat_result result = decode_block(d, &out, at);
         if (result) return result;
     }
-    if (set->packed) pack(set, splats, finishes, first, count);
+    if (set->packed) pack(set, &out, first, count);
     return PSPLAT_OK;
 }
 

@@ -77,6 +77,26 @@ static const char *reset_status_name(const psplat_gl *gl) {
     return NULL;
 }
 
+/* Returns whether a context is that of Mesa's software rasteriser. */
+static int is_software(const psplat_gl *gl) {
+    const char *renderer = (const char *)gl->GetString(GL_RENDERER);
+    return renderer && (!strncmp(renderer, "llvmpipe", 8) || !strncmp(renderer, "softpipe", 8));
+}
+
+/* Returns by how much longer than wide the part of an image may be that a sampler averages. WebGL
+ * and GLES have an extension for that, GL too before 4.6. Mesa's software rasteriser (22.3) has it
+ * too, but visits all texels of a long ellipse one by one, takes seconds for a frame, and with
+ * gradients blurs magnified images and crashes on images of one texel. */
+static GLint find_anisotropy(const psplat_gl *gl) {
+    GLfloat most = 1.0f;
+    if (is_software(gl)) return 1;
+    if ((!gl->is_es && gl->major * 10 + gl->minor >= 46) ||
+        psplat_gl_has_extension(gl, "GL_EXT_texture_filter_anisotropic") ||
+        psplat_gl_has_extension(gl, "GL_ARB_texture_filter_anisotropic"))
+        gl->GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &most);
+    return most >= 1.0f ? (GLint)most : 1;
+}
+
 psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const char *name),
                              void *user, psplat_error *error) {
     memset(gl, 0, sizeof *gl);
@@ -94,6 +114,7 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);
     if (gl->max_texture_size < 1)
         return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is lost");
+    gl->max_anisotropy = find_anisotropy(gl);
     return PSPLAT_OK;
 }
 
@@ -112,6 +133,7 @@ static void lose(psplat_gl *gl) {
     gl->DeleteProgram = keep_object;
     gl->DeleteShader = keep_object;
     gl->DeleteFramebuffers = keep_objects;
+    gl->DeleteSamplers = keep_objects;
     gl->DeleteTextures = keep_objects;
     gl->DeleteVertexArrays = keep_objects;
 }

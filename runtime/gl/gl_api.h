@@ -83,6 +83,7 @@ enum {
     GL_TEXTURE_MIN_FILTER = 0x2801,
     GL_TEXTURE_WRAP_S = 0x2802,
     GL_TEXTURE_WRAP_T = 0x2803,
+    GL_REPEAT = 0x2901,
     GL_CLIP_DISTANCE0 = 0x3000,
     GL_FUNC_ADD = 0x8006,
     GL_BLEND_EQUATION_RGB = 0x8009,
@@ -100,8 +101,11 @@ enum {
     GL_MAJOR_VERSION = 0x821B,
     GL_MINOR_VERSION = 0x821C,
     GL_NUM_EXTENSIONS = 0x821D,
+    GL_MIRRORED_REPEAT = 0x8370,
     GL_TEXTURE0 = 0x84C0,
     GL_ACTIVE_TEXTURE = 0x84E0,
+    GL_TEXTURE_MAX_ANISOTROPY = 0x84FE,
+    GL_MAX_TEXTURE_MAX_ANISOTROPY = 0x84FF,
     GL_TEXTURE_CUBE_MAP = 0x8513,
     GL_TEXTURE_BINDING_CUBE_MAP = 0x8514,
     GL_TEXTURE_CUBE_MAP_POSITIVE_X = 0x8515,
@@ -129,6 +133,7 @@ enum {
     GL_COMPILE_STATUS = 0x8B81,
     GL_LINK_STATUS = 0x8B82,
     GL_CURRENT_PROGRAM = 0x8B8D,
+    GL_SRGB8_ALPHA8 = 0x8C43,
     GL_RASTERIZER_DISCARD = 0x8C89,
     GL_DRAW_FRAMEBUFFER_BINDING = 0x8CA6,
     GL_READ_FRAMEBUFFER = 0x8CA8,
@@ -162,6 +167,7 @@ enum {
     X(void, CullFace, (GLenum mode))                                                               \
     X(void, DeleteFramebuffers, (GLsizei count, const GLuint *framebuffers))                       \
     X(void, DeleteProgram, (GLuint program))                                                       \
+    X(void, DeleteSamplers, (GLsizei count, const GLuint *samplers))                               \
     X(void, DeleteShader, (GLuint shader))                                                         \
     X(void, DeleteTextures, (GLsizei count, const GLuint *textures))                               \
     X(void, DeleteVertexArrays, (GLsizei count, const GLuint *arrays))                             \
@@ -175,8 +181,10 @@ enum {
       (GLenum target, GLenum attachment, GLenum texture_target, GLuint texture, GLint level))      \
     X(void, FrontFace, (GLenum mode))                                                              \
     X(void, GenFramebuffers, (GLsizei count, GLuint * framebuffers))                               \
+    X(void, GenSamplers, (GLsizei count, GLuint * samplers))                                       \
     X(void, GenTextures, (GLsizei count, GLuint * textures))                                       \
     X(void, GenVertexArrays, (GLsizei count, GLuint * arrays))                                     \
+    X(void, GenerateMipmap, (GLenum target))                                                       \
     X(void, GetBooleanv, (GLenum name, GLboolean * values))                                        \
     X(void, GetFloatv, (GLenum name, GLfloat * values))                                            \
     X(GLenum, GetError, (void))                                                                    \
@@ -192,6 +200,7 @@ enum {
     X(void, LinkProgram, (GLuint program))                                                         \
     X(void, PixelStorei, (GLenum name, GLint value))                                               \
     X(void, ReadBuffer, (GLenum source))                                                           \
+    X(void, SamplerParameteri, (GLuint sampler, GLenum name, GLint value))                         \
     X(void, ShaderSource,                                                                          \
       (GLuint shader, GLsizei count, const GLchar *const *strings, const GLint *lengths))          \
     X(void, TexImage2D,                                                                            \
@@ -225,6 +234,7 @@ typedef struct psplat_gl {
     int major, minor;       /* version of the context */
     int half_targets;       /* 1: RGBA32F cannot be drawn to and blended, so that RGBA16F is used */
     GLint max_texture_size; /* texels */
+    GLint max_anisotropy;   /* of samplers; 1: there is none */
 } psplat_gl;
 
 /* Loads every function, then checks version and extensions of the current context. Fails only with

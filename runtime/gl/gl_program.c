@@ -49,10 +49,32 @@ int psplat_shading_reads_light(int shading) {
 
 /* ---- keys -------------------------------------------------------------------------------- */
 
+/* Returns the options of textures that a splat pass uses: of those of the material the ones whose
+ * targets are there, and where splats may be masked the texture with their alphas. A shading that
+ * shows neither light nor normals does without those of normals, and so do modes that light splats
+ * with the normal of their centre (spec 5.7). */
+static unsigned used_textures(const psplat_program_key *key) {
+    unsigned given = key->options, used = 0;
+    if (given & PSPLAT_OPTION_MASK) used |= PSPLAT_OPTION_MASK | PSPLAT_OPTION_BASE_MAP;
+    if (key->pass == PSPLAT_PASS_RADIANCE)
+        used |= PSPLAT_OPTIONS_MAPS & ~(unsigned)PSPLAT_OPTION_NORMAL_MAP;
+    if (key->pass == PSPLAT_PASS_NORMALS) {
+        if (given & PSPLAT_OPTIONS_TARGETS) used |= PSPLAT_OPTION_BASE_MAP;
+        if (given & (PSPLAT_OPTION_MATERIALS | PSPLAT_OPTION_OCCLUSION))
+            used |= PSPLAT_OPTION_SURFACE_MAP | PSPLAT_OPTION_EMISSIVE_MAP;
+        if (given & PSPLAT_OPTION_OCCLUSION) used |= PSPLAT_OPTION_OCCLUSION_MAP;
+        int shows_normals =
+            psplat_shading_reads_light(key->shading) || key->shading == PSPLAT_SHADING_NORMAL;
+        if (shows_normals && given & PSPLAT_OPTION_FIELD) used |= PSPLAT_OPTION_NORMAL_MAP;
+    }
+    if (given & used & PSPLAT_OPTIONS_MAPS) used |= PSPLAT_OPTION_MAP_TRANSFORM;
+    return given & used ? used | PSPLAT_OPTION_TEXCOORD_BEND : 0;
+}
+
 /* Returns the options that a splat pass uses. Curved splats are cut and turned fragment by
  * fragment in every pass, and not filtered (spec 5.8). */
 static unsigned used_by_splats(const psplat_program_key *key) {
-    unsigned used = PSPLAT_OPTION_WIDE | PSPLAT_OPTION_SHAPE;
+    unsigned used = PSPLAT_OPTION_WIDE | PSPLAT_OPTION_SHAPE | used_textures(key);
     if (key->clip_count > 0) used |= PSPLAT_OPTION_BENDS;
     if (key->options & PSPLAT_OPTION_CURVED)
         used |= PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_GAMMA;
@@ -93,6 +115,7 @@ static unsigned normalise_options(unsigned options) {
     if (options & PSPLAT_OPTION_OCCLUSION) options |= PSPLAT_OPTION_MATERIALS;
     if (options & PSPLAT_OPTION_MATERIALS) options |= PSPLAT_OPTION_COLORS;
     if (options & (PSPLAT_OPTION_COLOR | PSPLAT_OPTION_GAMMA)) options |= PSPLAT_OPTION_WIDE;
+    if (options & (PSPLAT_OPTION_MASK | PSPLAT_OPTIONS_MAPS)) options |= PSPLAT_OPTION_TEXTURED;
     return options;
 }
 
@@ -178,6 +201,12 @@ static void find_uniforms(const psplat_gl *gl, psplat_program *program) {
     } samplers[] = {{"u_splats", PSPLAT_UNIT_SPLATS},
                     {"u_clips", PSPLAT_UNIT_CLIPS},
                     {"u_finishes", PSPLAT_UNIT_FINISHES},
+                    {"u_texcoords", PSPLAT_UNIT_TEXCOORDS},
+                    {"u_base_map", PSPLAT_UNIT_MAPS},
+                    {"u_surface_map", PSPLAT_UNIT_MAPS + 1},
+                    {"u_normal_map", PSPLAT_UNIT_MAPS + 2},
+                    {"u_occlusion_map", PSPLAT_UNIT_MAPS + 3},
+                    {"u_emissive_map", PSPLAT_UNIT_MAPS + 4},
                     {"u_target0", 0},
                     {"u_target1", 1},
                     {"u_target2", 2},
@@ -229,6 +258,7 @@ static psplat_program_source splat_source(const psplat_program_key *key, const c
     *vertex++ = psplat_shader_shift_glsl;
     *vertex = is_curved ? psplat_shader_curved_vert : psplat_shader_splat_vert;
     if (key->pass == PSPLAT_PASS_RADIANCE) *fragment++ = psplat_shader_shading_glsl;
+    if (key->options & PSPLAT_OPTION_TEXTURED) *fragment++ = psplat_shader_maps_glsl;
     *fragment++ = psplat_shader_sums_glsl;
     *fragment = is_curved ? psplat_shader_curved_frag : psplat_shader_splat_frag;
     return source;
@@ -245,7 +275,7 @@ static psplat_program_source resolve_source(const psplat_program_key *key, const
 
 static int build(const psplat_gl *gl, psplat_program *program, psplat_error *error) {
     const psplat_program_key *key = &program->key;
-    char defines[1000];
+    char defines[1500];
     write_defines(gl, key, defines, sizeof defines);
     psplat_program_source source =
         key->is_resolve ? resolve_source(key, defines) : splat_source(key, defines);

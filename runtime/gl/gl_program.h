@@ -41,7 +41,17 @@
     X(CURVED, 262144)  /* the view ray is cut with the quadric */                                  \
     X(TANGENT, 524288) /* ellipses lie in the tangent plane at the centre; never with CURVED */    \
     X(SHAPE, 1048576)  /* splats have a shape of their own (layout.h) */                           \
-    X(BENDS, 2097152)  /* clip lines are bent */
+    X(BENDS, 2097152)  /* clip lines are bent */                                                   \
+    /* for the splat passes, of batches with texture coordinates (spec 3.11): */                   \
+    X(TEXTURED, 4194304)         /* fragments have coordinates; implied by the next six */         \
+    X(MASK, 8388608)             /* fragments that are not opaque enough are dropped */            \
+    X(BASE_MAP, 16777216)        /* the material has a texture of base colours, */                 \
+    X(SURFACE_MAP, 33554432)     /* of metallic and roughness, */                                  \
+    X(NORMAL_MAP, 67108864)      /* of normals, */                                                 \
+    X(OCCLUSION_MAP, 134217728)  /* of occlusion, */                                               \
+    X(EMISSIVE_MAP, 268435456)   /* of emission */                                                 \
+    X(TEXCOORD_BEND, 536870912)  /* coordinates have a second order */                             \
+    X(MAP_TRANSFORM, 1073741824) /* some texture has a transform of its own */
 
 enum {
 #define PSPLAT_OPTION_ENUM(name, value) PSPLAT_OPTION_##name = value,
@@ -50,7 +60,10 @@ enum {
         PSPLAT_OPTIONS_TARGETS =
             PSPLAT_OPTION_COLORS | PSPLAT_OPTION_MATERIALS | PSPLAT_OPTION_OCCLUSION,
     PSPLAT_OPTIONS_LIGHT =
-        PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_ENVIRONMENT | PSPLAT_OPTION_SHADOWS
+        PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_ENVIRONMENT | PSPLAT_OPTION_SHADOWS,
+    PSPLAT_OPTIONS_MAPS = PSPLAT_OPTION_BASE_MAP | PSPLAT_OPTION_SURFACE_MAP |
+                          PSPLAT_OPTION_NORMAL_MAP | PSPLAT_OPTION_OCCLUSION_MAP |
+                          PSPLAT_OPTION_EMISSIVE_MAP
 };
 
 /* Identifies a variant. */
@@ -81,6 +94,9 @@ typedef struct psplat_program_key {
     X(base_color)                                                                                  \
     X(emissive)                                                                                    \
     X(surface)                                                                                     \
+    X(map_transform)                                                                               \
+    X(map_strength)                                                                                \
+    X(mask)                                                                                        \
     X(ray)                                                                                         \
     X(unproject)                                                                                   \
     X(ambient)                                                                                     \

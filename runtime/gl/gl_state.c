@@ -87,7 +87,7 @@ static void set(const psplat_gl *gl, GLenum capability, GLboolean enabled) {
 }
 
 static void read_units(psplat_gl_state *state, const psplat_gl *gl) {
-    for (GLenum unit = 0; unit < PSPLAT_UNIT_COUNT; ++unit) {
+    for (GLenum unit = 0; unit < state->unit_count; ++unit) {
         gl->ActiveTexture(GL_TEXTURE0 + unit);
         gl->GetIntegerv(GL_TEXTURE_BINDING_2D, &state->textures[unit]);
         gl->GetIntegerv(GL_TEXTURE_BINDING_CUBE_MAP, &state->cubes[unit]);
@@ -119,16 +119,17 @@ static psplat_result check_answers(const psplat_gl *gl, psplat_error *error) {
                        gl->is_lost ? "lost" : "lost or not current");
 }
 
-psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl,
+psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl, GLuint unit_count,
                                    psplat_error *error) {
     psplat_result result = check_answers(gl, error);
     if (result != PSPLAT_OK) return result;
     memset(state, 0, sizeof *state);
+    state->unit_count = unit_count;
     read_state(state, gl);
     for (int i = 0; i < PSPLAT_GL_CAPABILITY_COUNT; ++i)
         if (has_capability(gl, i)) set(gl, capabilities[i].name, capabilities[i].starting);
     if (gl->PolygonMode) gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    for (GLuint unit = 0; unit < PSPLAT_UNIT_COUNT; ++unit) gl->BindSampler(unit, 0);
+    for (GLuint unit = 0; unit < unit_count; ++unit) gl->BindSampler(unit, 0);
     gl->ActiveTexture(GL_TEXTURE0);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     for (int i = 0; i < unpack_count(gl); ++i) gl->PixelStorei(unpack[i].name, unpack[i].starting);
@@ -143,7 +144,7 @@ void psplat_gl_state_bind_host(const psplat_gl_state *state, const psplat_gl *gl
 }
 
 static void restore_units(const psplat_gl_state *state, const psplat_gl *gl) {
-    for (GLuint unit = 0; unit < PSPLAT_UNIT_COUNT; ++unit) {
+    for (GLuint unit = 0; unit < state->unit_count; ++unit) {
         gl->ActiveTexture(GL_TEXTURE0 + unit);
         gl->BindTexture(GL_TEXTURE_2D, (GLuint)state->textures[unit]);
         gl->BindTexture(GL_TEXTURE_CUBE_MAP, (GLuint)state->cubes[unit]);

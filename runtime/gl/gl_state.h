@@ -23,15 +23,19 @@ typedef struct psplat_gl_state {
     GLint blend_func[4], blend_equation[2];
     GLint depth_func, cull_face, front_face, polygon_mode[2];
     GLint active_texture;
-    GLint textures[PSPLAT_UNIT_COUNT], cubes[PSPLAT_UNIT_COUNT], samplers[PSPLAT_UNIT_COUNT];
+    GLuint unit_count; /* texture units that are kept */
+    GLint textures[PSPLAT_UNIT_COUNT_MAPS], cubes[PSPLAT_UNIT_COUNT_MAPS];
+    GLint samplers[PSPLAT_UNIT_COUNT_MAPS];
     GLint unpack_buffer, unpack[5]; /* pixel unpacking, in the order of gl_state.c */
 } psplat_gl_state;
 
 /* Reads the state, then sets the state that every pass and upload starts from: all capabilities off
- * except seamless cube maps, filled polygons, no samplers, tight unpacking from client memory.
- * Fails only with PSPLAT_ERROR_GRAPHICS where GL does not answer, because no context is current or
- * it is lost; then nothing has changed and nothing is to be restored. */
-psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl,
+ * except seamless cube maps, filled polygons, no samplers, tight unpacking from client memory. Of
+ * the texture units the first unit_count are kept: PSPLAT_UNIT_COUNT, or PSPLAT_UNIT_COUNT_MAPS
+ * where textures of materials are drawn. Fails only with PSPLAT_ERROR_GRAPHICS where GL does not
+ * answer, because no context is current or it is lost; then nothing has changed and nothing is to
+ * be restored. */
+psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl, GLuint unit_count,
                                    psplat_error *error);
 
 /* Binds the host's framebuffer and restores its scissor test, for the resolve pass. The viewport

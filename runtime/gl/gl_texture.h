@@ -19,6 +19,8 @@ typedef enum psplat_texel {
     PSPLAT_TEXEL_RG16F,
     PSPLAT_TEXEL_R16F,
     PSPLAT_TEXEL_DEPTH32F,
+    PSPLAT_TEXEL_RGBA8,
+    PSPLAT_TEXEL_SRGB8_ALPHA8, /* colours are decoded to linear light where they are sampled */
     PSPLAT_TEXEL_COUNT
 } psplat_texel;
 

@@ -50,7 +50,7 @@ psplat_result psplat_host_framebuffer_resize(psplat_host_framebuffer *framebuffe
     framebuffer->height = height;
     framebuffer->is_float = is_float;
     psplat_gl_state state;
-    psplat_result result = psplat_gl_state_take(&state, gl, error);
+    psplat_result result = psplat_gl_state_take(&state, gl, PSPLAT_UNIT_COUNT, error);
     if (result != PSPLAT_OK) return result;
     make_framebuffer(framebuffer, gl, has_depth);
     GLenum status = gl->CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER);
@@ -155,7 +155,7 @@ psplat_result psplat_host_read_depth(psplat_host *host, float *depth, psplat_err
     psplat_result result = check_read(host, depth, error);
     if (result != PSPLAT_OK) return result;
     psplat_gl_state state;
-    result = psplat_gl_state_take(&state, &host->gl, error);
+    result = psplat_gl_state_take(&state, &host->gl, PSPLAT_UNIT_COUNT, error);
     if (result != PSPLAT_OK) return result;
     result = draw_depth(host, error);
     psplat_gl_state_restore(&state, &host->gl);

@@ -6,6 +6,7 @@
 #include "reference/oracle.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Returns the kernel of eq. (4) times the filter's factor. It is always above 0, so that a covered
  * pixel stays covered where a sharp kernel underflows or a splat is seen along its plane. */
@@ -55,6 +56,21 @@ static int is_lit_alone(const psplat_view *view) {
     return view->mode != PSPLAT_MODE_PHONG && view->shading == PSPLAT_SHADING_LIT;
 }
 
+/* Applies the material's textures at (u, v). Where splats do not vary, they are those of the whole
+ * splat: its radii take the place of the pixel, and its normal stays as it is (5.7). */
+static void apply_textures(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
+                           const psplat_oracle_share *share, int bends,
+                           psplat_oracle_surface *surface, double normal[3]) {
+    double u = bends ? share->u : 0, v = bends ? share->v : 0, steps[2][2] = {{1, 0}, {0, 1}};
+    psplat_oracle_coordinates c;
+    if (!at->batch->texcoords) return;
+    if (bends) memcpy(steps, share->steps, sizeof steps);
+    psplat_oracle_coordinates_set(&c, &at->batch->texcoords[at->splat - at->batch->splats], u, v,
+                                  steps);
+    psplat_oracle_texture_surface(d, &at->batch->material, &c, surface);
+    if (bends) psplat_oracle_texture_normal(d, &at->batch->material, &at->placed, &c, u, v, normal);
+}
+
 /* Adds the splat's terms to the sums of eq. (6). Only in Phong mode do its normal and its colour
  * vary over the splat. */
 static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
@@ -68,9 +84,12 @@ static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit
     p->weight += weight;
     p->depth += weight * share->depth;
     ++p->count;
+    for (int i = 0; i < 3; ++i)
+        normal[i] =
+            at->placed.normal[0][i] + u * at->placed.normal[1][i] + v * at->placed.normal[2][i];
+    apply_textures(d, at, share, bends, &surface, normal);
     for (int i = 0; i < 3; ++i) {
-        normal[i] = sign * (at->placed.normal[0][i] + u * at->placed.normal[1][i] +
-                            v * at->placed.normal[2][i]);
+        normal[i] *= sign;
         p->normal[i] += weight * normal[i];
     }
     add_surface(&p->surface, weight, &surface);
@@ -91,6 +110,24 @@ static void note_margins(const psplat_oracle_margins *margins, psplat_oracle_pix
     if (margins->edge > -clear_failure) p->depth_tie = fmin(p->depth_tie, fabs(margins->depth));
 }
 
+/* How much more transparent than the cutoff a fragment is that no renderer takes for opaque; in
+ * parts of alpha, and chosen by hand. */
+static const double clear_transparency = 0.1;
+
+/* Notes how near a point that is not clearly beyond an edge is to being masked. */
+static void note_opacity(const psplat_oracle_margins *margins, double opacity,
+                         psplat_oracle_pixel *p) {
+    if (margins->edge > -clear_failure && margins->depth > -clear_failure)
+        p->alpha_tie = fmin(p->alpha_tie, fabs(opacity));
+}
+
+static double opacity_of(const psplat_oracle_sight *sight, const psplat_oracle_fragment *f) {
+    double steps[2][2];
+    if (!(sight->splat->mask.cutoff > 0) || f->is_missed) return 1;
+    psplat_oracle_find_steps(sight->camera, sight->splat, sight->ray, f, steps);
+    return psplat_oracle_mask_margin(&sight->splat->mask, f->u, f->v, steps);
+}
+
 /* Notes the margins of points that set the visibility limit, or would set it if edges were
  * elsewhere, and of what is not hidden beyond it. */
 static void note_points(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
@@ -101,9 +138,12 @@ static void note_points(const psplat_oracle_drawing *d, const psplat_oracle_visi
         double limit = d->blends ? psplat_oracle_fragment_limit(&at->placed, sight->ray, f) : f->t;
         int is_shown = !at->filter.is_on && f->t <= p->limit; /* hidden edges do not show */
         if (!is_shown && limit > p->limit + rounding * fabs(p->limit)) continue;
+        double opacity = opacity_of(sight, f);
+        if (opacity < -clear_transparency) continue;
         psplat_oracle_margins margins =
             psplat_oracle_fragment_margins(&d->camera, &at->placed, sight->ray, f, at->cull);
         note_margins(&margins, p);
+        note_opacity(&margins, opacity, p);
     }
 }
 
@@ -138,15 +178,18 @@ void psplat_oracle_blend(const psplat_oracle_drawing *d, const psplat_oracle_vis
     psplat_oracle_share share;
     psplat_oracle_margins margins;
     int exists = psplat_oracle_filter_share(sight, &share, d->ties ? &margins : NULL);
+    double opacity =
+        exists ? psplat_oracle_mask_margin(&at->placed.mask, share.u, share.v, share.steps) : 1;
     if (d->ties) {
         note_points(d, at, sight, p);
         note_far_limit(d, at, sight->ray, p);
         note_margins(&at->filter.margins, p);
-        if (exists) note_limit(d, at, sight->ray, &share, p);
+        if (exists && opacity >= -clear_transparency) note_limit(d, at, sight->ray, &share, p);
         if (share.tested <= p->limit) note_margins(&margins, p);
+        if (exists && share.tested <= p->limit) p->alpha_tie = fmin(p->alpha_tie, fabs(opacity));
     }
     /* Where the ray meets no splat, what the filter adds beside splats does not count (5.8). */
     int chosen =
         d->blends ? isfinite(p->limit) && share.tested <= p->limit : at->index == p->nearest_splat;
-    if (exists && chosen) contribute(d, at, sight->ray, &share, p);
+    if (exists && chosen && opacity >= 0) contribute(d, at, sight->ray, &share, p);
 }

@@ -6,6 +6,7 @@
 #include "reference/oracle.h"
 
 #include <math.h>
+#include <string.h>
 
 /* ---- a splat's filter ------------------------------------------------------------------------ */
 
@@ -181,7 +182,9 @@ static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share 
                                    f->v,
                                    f->r,
                                    factor * sight->filter->ratio,
-                                   psplat_oracle_is_reversed(sight->splat, f)};
+                                   psplat_oracle_is_reversed(sight->splat, f),
+                                   {{0}}};
+    memcpy(share->steps, at.steps, sizeof share->steps);
     double tested = f->depth - sight->filter->nearer;
     share->tested = psplat_oracle_camera_reach(sight->camera, sight->ray, tested);
     double inverse = f->r > 0 ? 1 / f->r : 0;
@@ -200,7 +203,9 @@ int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_s
     if (margins) *margins = (psplat_oracle_margins){-1, -1};
     if (sight->filter->is_on) return share_filtered(sight, share, margins);
     if (!f) return 0;
-    *share = (psplat_oracle_share){
-        f->t, f->t, f->depth, f->u, f->v, f->r, 1, psplat_oracle_is_reversed(sight->splat, f)};
+    *share = (psplat_oracle_share){f->t, f->t, f->depth, f->u,
+                                   f->v, f->r, 1,        psplat_oracle_is_reversed(sight->splat, f),
+                                   {{0}}};
+    psplat_oracle_find_steps(sight->camera, sight->splat, sight->ray, f, share->steps);
     return 1;
 }

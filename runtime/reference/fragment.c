@@ -110,12 +110,11 @@ double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2
     return value / fmax(1, sqrt(x * x + y * y));
 }
 
-/* Finds the derivatives of (u, v) by the pixel's x (steps[0]) and y (steps[1]). The ray's point at
- * s moves with the ray and along it, so that it stays on the surface, whose normal is n: s moves by
- * -n.moved / n.d. Along a contour the steps are infinite. */
-static void find_steps(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
-                       const psplat_oracle_ray *ray, const psplat_oracle_fragment *fragment,
-                       double steps[2][2]) {
+/* The ray's point at s moves with the ray and along it, so that it stays on the surface, whose
+ * normal is n: s moves by -n.moved / n.d. */
+void psplat_oracle_find_steps(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                              const psplat_oracle_ray *ray, const psplat_oracle_fragment *fragment,
+                              double steps[2][2]) {
     psplat_oracle_ray_steps by;
     double normal[3];
     psplat_oracle_camera_ray_steps(camera, ray, &by);
@@ -170,7 +169,7 @@ psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera 
                                                      const psplat_oracle_fragment *fragment,
                                                      int cull) {
     double steps[2][2] = {{0}};
-    if (!fragment->is_missed) find_steps(camera, splat, ray, fragment, steps);
+    if (!fragment->is_missed) psplat_oracle_find_steps(camera, splat, ray, fragment, steps);
     double least = edge_margin(splat, fragment, steps);
     if (splat->is_curved) least = fmin(least, contour_margin(camera, splat, ray, fragment));
     if (!fragment->is_missed) least = fmin(least, cull ? fragment->cosine : fabs(fragment->cosine));

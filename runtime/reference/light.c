@@ -56,11 +56,13 @@ int psplat_oracle_lighting_has_shadows(const psplat_oracle_lighting *lighting) {
 
 /* Returns the distance from a point towards the light at which the light's ray meets the splat; of
  * two points of a curved one the one nearer to the light. What lies beyond the light or is no part
- * of the splat is not met: then it returns 0. */
+ * of the splat is not met: then it returns 0. Masks are those of the finest texels, since light has
+ * no pixels. */
 static double distance_to(const psplat_oracle_splat *splat, const double point[3],
                           const double to_light[3], double distance, double normal[3]) {
     psplat_oracle_crossing crossing;
-    double offset[3], met[3], s[2] = {-1, -1}, farthest = 0;
+    double offset[3], met[3], s[2] = {-1, -1}, farthest = 0, at[2] = {0, 0};
+    double steps[2][2] = {{0, 0}, {0, 0}};
     psplat_oracle_along(splat->center, -1, point, offset);
     s[0] = psplat_oracle_dot(splat->plane, offset) / psplat_oracle_dot(splat->plane, to_light);
     if (splat->is_curved) {
@@ -75,7 +77,10 @@ static double distance_to(const psplat_oracle_splat *splat, const double point[3
         if (!psplat_oracle_is_inside(splat, u, v)) continue;
         psplat_oracle_surface_normal(splat, u, v, normal);
         farthest = s[k];
+        at[0] = u;
+        at[1] = v;
     }
+    if (farthest > 0 && psplat_oracle_mask_margin(&splat->mask, at[0], at[1], steps) < 0) return 0;
     return farthest;
 }
 

@@ -7,7 +7,6 @@
 #include "reference/oracle.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- splats and pixels ----------------------------------------------------------------------- */
@@ -33,6 +32,7 @@ static void visit_splats(psplat_oracle_drawing *d, splat_visitor call) {
             at.index = first + (int32_t)i;
             psplat_oracle_place_splat(at.splat, batch->clip_count, &space, &at.placed);
             psplat_oracle_camera_face(&d->camera, &at.placed);
+            psplat_oracle_mask_set(&at.placed.mask, d, batch, i);
             psplat_oracle_filter_set(&at.filter, &d->camera, &at.placed,
                                      d->blends && !d->view->no_filter);
             call(d, &at);
@@ -78,11 +78,19 @@ static void visit_pixels(psplat_oracle_drawing *d, const psplat_oracle_visit *at
 
 /* ---- passes ---------------------------------------------------------------------------------- */
 
+static int is_masked(const psplat_oracle_sight *sight, const psplat_oracle_fragment *f) {
+    double steps[2][2];
+    const psplat_oracle_mask *mask = &sight->splat->mask;
+    if (!(mask->cutoff > 0)) return 0;
+    psplat_oracle_find_steps(sight->camera, sight->splat, sight->ray, f, steps);
+    return psplat_oracle_mask_margin(mask, f->u, f->v, steps) < 0;
+}
+
 /* First pass: lowers the pixel's visibility limit, and keeps the nearest fragment. */
 static void see(psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                 const psplat_oracle_sight *sight, psplat_oracle_pixel *p) {
     const psplat_oracle_fragment *f = psplat_oracle_met(sight->meeting);
-    if (!f) return;
+    if (!f || is_masked(sight, f)) return;
     double limit = d->blends ? psplat_oracle_fragment_limit(&at->placed, sight->ray, f) : f->t;
     p->limit = fmin(p->limit, limit);
     if (!(f->t < p->nearest)) return;
@@ -148,13 +156,8 @@ static void clear(psplat_oracle_drawing *d) {
         psplat_oracle_pixel *p = &d->pixels[i];
         p->limit = p->nearest = HUGE_VAL;
         p->nearest_splat = -1;
-        p->edge_tie = p->depth_tie = p->epsilon_tie = 1;
+        p->edge_tie = p->depth_tie = p->epsilon_tie = p->alpha_tie = 1;
     }
-}
-
-/* Allocates at least one element, so that NULL always means that memory ran out. */
-static void *block_of(size_t count, size_t size) {
-    return calloc(count ? count : 1, size);
 }
 
 static psplat_result prepare(psplat_oracle_drawing *d, psplat_error *error) {
@@ -168,20 +171,21 @@ static psplat_result prepare(psplat_oracle_drawing *d, psplat_error *error) {
     for (int i = 0; i < 16; ++i) is_identity &= d->scene->transform[i] == 0;
     for (int i = 0; i < 16; ++i)
         d->transform[i] = is_identity ? i % 5 == 0 : d->scene->transform[i];
-    d->pixels = block_of((size_t)view->width * (size_t)view->height, sizeof *d->pixels);
+    d->pixels =
+        psplat_oracle_allocate((size_t)view->width * (size_t)view->height, sizeof *d->pixels);
     size_t casters = 0, batches = psplat_asset_batch_count(d->scene->asset);
     for (size_t b = 0; psplat_oracle_lighting_has_shadows(&d->lighting) && b < batches; ++b)
         casters += psplat_asset_batch(d->scene->asset, b)->splat_count;
-    d->lighting.casters = block_of(casters, sizeof *d->lighting.casters);
+    d->lighting.casters = psplat_oracle_allocate(casters, sizeof *d->lighting.casters);
     if (!d->pixels || !d->lighting.casters)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %d x %d pixels",
                            view->width, view->height);
     clear(d);
-    return PSPLAT_OK;
+    return psplat_oracle_images_make(d, error);
 }
 
 static void draw(psplat_oracle_drawing *d, psplat_reference_image *image) {
-    d->ties = image->tie || image->depth_tie || image->epsilon_tie;
+    d->ties = image->tie || image->depth_tie || image->epsilon_tie || image->alpha_tie;
     if (psplat_oracle_lighting_has_shadows(&d->lighting)) visit_splats(d, collect_caster);
     visit_splats(d, find_visible);
     visit_splats(d, blend_visible);
@@ -200,7 +204,8 @@ psplat_result psplat_reference_draw(const psplat_reference_scene *scene, const p
     psplat_result result = check(view, scene->environment, error);
     if (!result) result = prepare(&d, error);
     if (!result) draw(&d, image);
-    free(d.pixels);
-    free(d.lighting.casters);
+    psplat_oracle_images_free(&d);
+    psplat_oracle_release(d.pixels);
+    psplat_oracle_release(d.lighting.casters);
     return result;
 }

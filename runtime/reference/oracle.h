@@ -11,6 +11,12 @@
 
 #include <phongsplat/reference.h>
 
+/* ---- memory.c ------------------------------------------------------------------------------- */
+
+/* Allocates zeroed elements, and at least one, so that NULL always means that memory ran out. */
+void *psplat_oracle_allocate(size_t count, size_t size);
+void psplat_oracle_release(void *memory); /* which may be NULL */
+
 /* ---- algebra.c ----------------------------------------------------------------------------- */
 
 #define PSPLAT_ORACLE_PI 3.14159265358979323846
@@ -29,6 +35,57 @@ void psplat_oracle_multiply(const double a[16], const double b[16], double out[1
 void psplat_oracle_transform(const double m[16], const double v[3], double w, double out[4]);
 /* Inverts a 4 x 4 matrix. Returns 0 where m has no finite inverse. */
 int psplat_oracle_invert(const double m[16], double out[16]);
+
+/* ---- texture.c: images of section 3.11 ------------------------------------------------------ */
+
+#define PSPLAT_ORACLE_LEVELS 17 /* of images of up to 65536 texels a side */
+
+typedef struct psplat_oracle_level {
+    int width, height;
+    float *rgba; /* height x width x 4, linear light where they are colours, the first row at the
+                    top */
+} psplat_oracle_level;
+
+typedef struct psplat_oracle_image {
+    psplat_oracle_level levels[PSPLAT_ORACLE_LEVELS]; /* level_count of them, the finest first */
+    int level_count;
+} psplat_oracle_image;
+
+/* Makes an image and its mipmaps, of which each halves the sides and rounds down, by means of
+ * texels. Returns 0 where memory runs out. The caller frees the image in either case. */
+int psplat_oracle_image_set(psplat_oracle_image *image, const psplat_pixels *pixels, int is_srgb);
+void psplat_oracle_image_free(psplat_oracle_image *image);
+
+/* Samples an image at its coordinates st, of which by[0] and by[1] are the derivatives by the
+ * pixel's x and y: between four texels of the finest level where a pixel spans at most one texel,
+ * else between these of two levels. */
+void psplat_oracle_sample(const psplat_oracle_image *image, const psplat_texture *texture,
+                          const double st[2], double by[2][2], double rgba[4]);
+
+/* The texture coordinates at a point (u, v) of a splat: eq. (4c). */
+typedef struct psplat_oracle_coordinates {
+    double at[2];
+    double by[2][2];    /* their derivatives by u (row 0) and by v (row 1) */
+    double steps[2][2]; /* of (u, v) by the pixel's x (row 0) and y (row 1) */
+} psplat_oracle_coordinates;
+
+void psplat_oracle_coordinates_set(psplat_oracle_coordinates *coordinates,
+                                   const psplat_texcoord *texcoord, double u, double v,
+                                   double steps[2][2]);
+
+/* What decides whether a fragment of a splat is masked away (section 3.11). */
+typedef struct psplat_oracle_mask {
+    double cutoff; /* 0: there is no mask */
+    double alpha;  /* of the material's factor times that of the splat's colour */
+    const psplat_texcoord *texcoord;
+    const psplat_texture *texture; /* of base colours, with its image; the image may be NULL */
+    const psplat_oracle_image *image;
+} psplat_oracle_mask;
+
+/* Returns how much more opaque a splat is at (u, v) than its material's cutoff; below 0, it is not
+ * there. Returns 1 where there is no mask. */
+double psplat_oracle_mask_margin(const psplat_oracle_mask *mask, double u, double v,
+                                 double steps[2][2]);
 
 /* ---- place.c: sections 3 and 4 ------------------------------------------------------------ */
 
@@ -69,9 +126,10 @@ typedef struct psplat_oracle_splat {
     int is_behind;  /* 1: a flat splat is seen from behind; set by psplat_oracle_camera_face */
     double epsilon; /* that of the batch: eq. (5) before it is divided by a cosine */
     double cosine;  /* of the angle in eq. (5) at the centre; set by psplat_oracle_camera_face */
+    psplat_oracle_mask mask; /* set by psplat_oracle_mask_set */
 } psplat_oracle_splat;
 
-/* Moves a stored splat into eye space; cosine is left alone. */
+/* Moves a stored splat into eye space; cosine and mask are left alone. */
 void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
                                const psplat_oracle_space *space, psplat_oracle_splat *placed);
 
@@ -214,6 +272,12 @@ void psplat_oracle_meet(const psplat_oracle_camera *camera, const psplat_oracle_
 /* Returns the fragment, or NULL where there is none. */
 const psplat_oracle_fragment *psplat_oracle_met(const psplat_oracle_meeting *meeting);
 
+/* Finds the derivatives of (u, v) by the pixel's x (steps[0]) and y (steps[1]), along the plane
+ * that touches the surface at the fragment. Along a contour they are infinite. */
+void psplat_oracle_find_steps(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                              const psplat_oracle_ray *ray, const psplat_oracle_fragment *fragment,
+                              double steps[2][2]);
+
 /* Returns the distance t up to which other fragments of the pixel contribute if this fragment
  * exists: one term of the minimum in eq. (5a). */
 double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
@@ -276,8 +340,9 @@ typedef struct psplat_oracle_share {
     double tested;   /* the distance along the ray that is compared with the visibility limit */
     double t, depth; /* its distance along the ray and its window depth */
     double u, v, r;
-    double factor;   /* by which the filter multiplies its weight, 0 ... 1 */
-    int is_reversed; /* 1: its normal is negated */
+    double factor;      /* by which the filter multiplies its weight, 0 ... 1 */
+    int is_reversed;    /* 1: its normal is negated */
+    double steps[2][2]; /* of (u, v) by the pixel's x (row 0) and y (row 1) */
 } psplat_oracle_share;
 
 /* Finds what the splat adds. Returns 0 where it adds nothing; tested is HUGE_VAL where the ray does
@@ -368,7 +433,7 @@ typedef struct psplat_oracle_pixel {
     int32_t nearest_splat; /* the index of its splat, or -1 */
     double u, v;           /* parameters of the nearest fragment */
     uint32_t count;        /* splats that contribute */
-    double edge_tie, depth_tie, epsilon_tie; /* as in psplat_reference_image */
+    double edge_tie, depth_tie, epsilon_tie, alpha_tie; /* as in psplat_reference_image */
     /* The sums of eq. (6); radiance is that of the comparison modes (5.7). */
     double weight, depth, normal[3], radiance[3];
     psplat_oracle_surface surface;
@@ -384,7 +449,30 @@ typedef struct psplat_oracle_drawing {
     int blends;                  /* 0 in the modes that show the nearest splat alone */
     int ties;                    /* 1 where the image has an array for ties */
     psplat_oracle_pixel *pixels; /* width * height, row 0 at the bottom */
+    psplat_oracle_image *images; /* two for each image of the scene: as numbers, as colours */
 } psplat_oracle_drawing;
+
+/* ---- textured.c: section 3.11 --------------------------------------------------------------- */
+
+/* Makes the images that the scene's materials use. Fails with ARGUMENT or MEMORY; the caller frees
+ * them in any case. */
+psplat_result psplat_oracle_images_make(psplat_oracle_drawing *drawing, psplat_error *error);
+void psplat_oracle_images_free(psplat_oracle_drawing *drawing);
+
+void psplat_oracle_mask_set(psplat_oracle_mask *mask, const psplat_oracle_drawing *drawing,
+                            const psplat_batch *batch, size_t index);
+
+/* Multiplies a surface by the textures of its material (eq. (4d)). */
+void psplat_oracle_texture_surface(const psplat_oracle_drawing *drawing,
+                                   const psplat_material *material,
+                                   const psplat_oracle_coordinates *coordinates,
+                                   psplat_oracle_surface *surface);
+
+/* Turns the normal of a splat's front at (u, v) by the material's normal texture (eq. (4e)). */
+void psplat_oracle_texture_normal(const psplat_oracle_drawing *drawing,
+                                  const psplat_material *material, const psplat_oracle_splat *splat,
+                                  const psplat_oracle_coordinates *coordinates, double u, double v,
+                                  double normal[3]);
 
 /* A splat as a pass over all splats visits it. */
 typedef struct psplat_oracle_visit {

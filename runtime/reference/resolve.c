@@ -97,4 +97,5 @@ void psplat_oracle_resolve(const psplat_oracle_drawing *d, int x, int y,
     if (image->tie) image->tie[at] = p->edge_tie;
     if (image->depth_tie) image->depth_tie[at] = p->depth_tie;
     if (image->epsilon_tie) image->epsilon_tie[at] = p->epsilon_tie;
+    if (image->alpha_tie) image->alpha_tie[at] = p->alpha_tie;
 }

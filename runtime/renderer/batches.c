@@ -8,6 +8,8 @@
 #include "renderer/frame.h"
 #include "core/matrix.h"
 
+#include <string.h>
+
 /* By how much of the depth range, in normalised device coordinates, the shading `splats` moves
  * splats apart: some hundred times the rounding of depths, and some thousandths of a percent of the
  * model where the planes lie close around it. */
@@ -21,6 +23,27 @@ void psplat_frame_use_material(const psplat_gl *gl, const psplat_program *progra
     gl->Uniform3fv(program->base_color, 1, material->base_color);
     gl->Uniform3fv(program->emissive, 1, material->emissive);
     gl->Uniform3fv(program->surface, 1, surface);
+}
+
+/* Sets the current program's uniforms of textures and binds those that it reads. */
+static void use_maps(const psplat_gl *gl, const psplat_program *program,
+                     const psplat_model_batch *batch) {
+    const psplat_material *material = &batch->material;
+    float rows[PSPLAT_MAP_COUNT][6];
+    if (!(program->key.options & PSPLAT_OPTION_TEXTURED)) return;
+    gl->Uniform2f(program->map_strength, material->textures[PSPLAT_TEXTURE_NORMAL].strength,
+                  material->textures[PSPLAT_TEXTURE_OCCLUSION].strength);
+    gl->Uniform2f(program->mask, material->base_color[3], material->alpha_cutoff);
+    psplat_gl_texture_bind(gl, PSPLAT_UNIT_TEXCOORDS, &batch->texcoords, GL_TEXTURE_2D);
+    for (GLuint slot = 0; slot < PSPLAT_MAP_COUNT; ++slot) {
+        memcpy(rows[slot], material->textures[slot].transform, sizeof rows[slot]);
+        if (!(program->key.options & (unsigned)PSPLAT_OPTION_BASE_MAP << slot)) continue;
+        gl->ActiveTexture(GL_TEXTURE0 + PSPLAT_UNIT_MAPS + slot);
+        gl->BindTexture(GL_TEXTURE_2D, batch->maps[slot]);
+        gl->BindSampler(PSPLAT_UNIT_MAPS + slot, batch->samplers[slot]);
+    }
+    if (program->key.options & PSPLAT_OPTION_MAP_TRANSFORM)
+        gl->Uniform3fv(program->map_transform, 2 * PSPLAT_MAP_COUNT, rows[0]);
 }
 
 static void use_environment(const psplat_frame *f, const psplat_program *program) {
@@ -85,7 +108,7 @@ static int shows_curvature(const psplat_model_batch *batch, const psplat_camera 
 /* Returns the PSPLAT_OPTION_ bits that the batch asks for. */
 static unsigned options_of(const psplat_model_batch *batch, const psplat_placement *placement,
                            int is_culled, int is_curved) {
-    unsigned options = 0;
+    unsigned options = batch->textures;
     if (batch->is_curved) options |= is_curved ? PSPLAT_OPTION_CURVED : PSPLAT_OPTION_TANGENT;
     if (batch->has_shape) options |= PSPLAT_OPTION_SHAPE;
     if (batch->has_bends) options |= PSPLAT_OPTION_BENDS;
@@ -163,6 +186,7 @@ static psplat_result draw_batch(psplat_frame *f, const psplat_model_batch *batch
     psplat_gl_texture_bind(gl, PSPLAT_UNIT_CLIPS, &batch->clips, GL_TEXTURE_2D);
     if (batch->finish)
         psplat_gl_texture_bind(gl, PSPLAT_UNIT_FINISHES, &batch->finishes, GL_TEXTURE_2D);
+    use_maps(gl, program, batch);
     draw_chunks(f, batch, placement, is_curved ? 6 : 3);
     return PSPLAT_OK;
 }

@@ -47,16 +47,31 @@ static unsigned differences(const psplat_frame *f) {
         const psplat_model *model = f->items[i].model;
         for (size_t k = 0; k < model->batch_count; ++k) {
             const psplat_model_batch *batch = &model->batches[k];
+            const unsigned surface_maps = PSPLAT_OPTION_SURFACE_MAP | PSPLAT_OPTION_OCCLUSION_MAP |
+                                          PSPLAT_OPTION_EMISSIVE_MAP;
             const unsigned rest = PSPLAT_FINISH_SURFACE | PSPLAT_FINISH_EMISSIVE;
             if (batch->has_color || batch->finish & PSPLAT_FINISH_GRADIENT ||
-                !same_color(first, &batch->material))
+                batch->textures & PSPLAT_OPTION_BASE_MAP || !same_color(first, &batch->material))
                 options |= PSPLAT_OPTION_COLORS;
-            if (batch->finish & rest || !same_surface(first, &batch->material))
+            if (batch->finish & rest || batch->textures & surface_maps ||
+                !same_surface(first, &batch->material))
                 options |= PSPLAT_OPTION_MATERIALS;
-            if (batch->finish & PSPLAT_FINISH_SURFACE) options |= PSPLAT_OPTION_OCCLUSION;
+            if (batch->finish & PSPLAT_FINISH_SURFACE ||
+                batch->textures & PSPLAT_OPTION_OCCLUSION_MAP)
+                options |= PSPLAT_OPTION_OCCLUSION;
         }
     }
     return options;
+}
+
+/* Returns the number of texture units that the frame changes: textures of materials have units of
+ * their own. */
+static GLuint unit_count(const psplat_frame *f) {
+    for (size_t i = 0; i < f->item_count; ++i)
+        for (size_t k = 0; k < f->items[i].model->batch_count; ++k)
+            if (f->items[i].model->batches[k].textures & PSPLAT_OPTIONS_MAPS)
+                return PSPLAT_UNIT_COUNT_MAPS;
+    return PSPLAT_UNIT_COUNT;
 }
 
 /* ---- choice of passes and shader variants -------------------------------------------------- */
@@ -282,7 +297,7 @@ static psplat_result check(const psplat_renderer *renderer, const psplat_view *v
 static psplat_result draw_frame(psplat_frame *f) {
     const psplat_gl *gl = &f->renderer->gl;
     psplat_gl_state state;
-    psplat_result result = psplat_gl_state_take(&state, gl, f->error);
+    psplat_result result = psplat_gl_state_take(&state, gl, unit_count(f), f->error);
     if (result != PSPLAT_OK) return result;
     gl->BindVertexArray(f->renderer->vertex_array);
     gl->CullFace(GL_BACK);

@@ -106,7 +106,7 @@ static psplat_result make_textures(psplat_renderer *renderer, const psplat_cube 
                                    float *staging, psplat_environment *environment,
                                    psplat_error *error) {
     psplat_gl_state state;
-    psplat_result result = psplat_gl_state_take(&state, &renderer->gl, error);
+    psplat_result result = psplat_gl_state_take(&state, &renderer->gl, PSPLAT_UNIT_COUNT, error);
     if (result != PSPLAT_OK) return result;
     psplat_gl_errors(&renderer->gl, NULL);
     result = make_diffuse(renderer, cube, staging, &environment->diffuse, error);

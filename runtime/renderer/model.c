@@ -2,13 +2,13 @@
  *
  * model.c - uploads an asset: its splats are packed into float textures (layout.h), from which the
  * vertex shader pulls them. A splat takes 48 bytes, 16 more where it has a colour or a gamma and
- * where it has a shape of its own, 12 for each clip line (16 for bent ones) and 12 for each texel
- * of its finish.
+ * where it has a shape of its own, 12 for each clip line (16 for bent ones), 12 for each texel
+ * of its finish and 24 or more for texture coordinates. The images of materials come first.
  */
 #include "gl/gl_state.h"
 #include "core/memory.h"
 #include "asset/pack.h"
-#include "renderer/renderer.h"
+#include "renderer/images.h"
 
 #include <math.h>
 #include <string.h>
@@ -46,6 +46,11 @@ static void pack_clips(const source *s, size_t first, size_t count, float *out) 
 
 static void pack_finishes(const source *s, size_t first, size_t count, float *out) {
     psplat_pack_finishes(&s->packing, s->batch->finishes + first, count, out);
+}
+
+static void pack_texcoords(const source *s, size_t first, size_t count, float *out) {
+    psplat_pack_texcoords(&s->packing, s->batch->splats + first, s->batch->texcoords + first, count,
+                          out);
 }
 
 /* Uploads rows of width texels to the bound texture, from the given row on. */
@@ -131,14 +136,18 @@ static psplat_result upload_textures(psplat_renderer *renderer, const psplat_bat
     psplat_packing p = psplat_packing_of(batch);
     const psplat_packed none = {0}, *from = packed ? packed : &none;
     float *sagitta = &out->sagitta;
+    int texcoord_floats = out->textures ? p.texcoord_floats : 0;
     const source sources[] = {
         {p, batch, p.splat_floats, 4, from->splats, out->chunks, sagitta, pack_splats},
         {p, batch, p.clip_floats, p.line_floats, from->clips, NULL, NULL, pack_clips},
-        {p, batch, p.finish_floats, 3, from->finishes, NULL, NULL, pack_finishes}};
-    psplat_gl_texture *const textures[] = {&out->splats, &out->clips, &out->finishes};
+        {p, batch, p.finish_floats, 3, from->finishes, NULL, NULL, pack_finishes},
+        {p, batch, texcoord_floats, p.texcoord_channels, from->texcoords, NULL, NULL,
+         pack_texcoords}};
+    psplat_gl_texture *const textures[] = {&out->splats, &out->clips, &out->finishes,
+                                           &out->texcoords};
     psplat_result result = PSPLAT_OK;
     if (packed) *sagitta = psplat_packed_sagitta(&p, packed->splats, batch->splat_count);
-    for (size_t i = 0; i < 3 && result == PSPLAT_OK; ++i)
+    for (size_t i = 0; i < sizeof sources / sizeof *sources && result == PSPLAT_OK; ++i)
         result = upload(renderer, &sources[i], staging, textures[i], error);
     return result;
 }
@@ -159,10 +168,12 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
     const psplat_model_batch *twin = find_primitive(model, index, batch->primitive);
     psplat_model_batch *out = &model->batches[index];
     describe_batch(batch, out);
+    psplat_model_use_images(renderer, model, batch, out);
     if (twin) {
         out->splats = twin->splats;
         out->clips = twin->clips;
         out->finishes = twin->finishes;
+        out->texcoords = twin->texcoords;
         out->chunks = twin->chunks;
         out->sagitta = twin->sagitta;
         enlarge_bounds(out);
@@ -196,7 +207,7 @@ static psplat_result upload_batches(psplat_renderer *renderer, const psplat_asse
                                     psplat_model *model, float *staging, psplat_error *error) {
     psplat_gl *gl = &renderer->gl;
     psplat_gl_state state;
-    psplat_result result = psplat_gl_state_take(&state, gl, error);
+    psplat_result result = psplat_gl_state_take(&state, gl, PSPLAT_UNIT_COUNT, error);
     if (result != PSPLAT_OK) return result;
     psplat_gl_errors(gl, NULL);
     for (size_t i = 0; i < model->batch_count && result == PSPLAT_OK; ++i)
@@ -209,9 +220,11 @@ static psplat_result upload_batches(psplat_renderer *renderer, const psplat_asse
 static psplat_result upload_all(psplat_renderer *renderer, const psplat_asset *asset,
                                 psplat_model *model, psplat_error *error) {
     size_t size = sizeof(float) * MAX_ROW_FLOATS * ROWS_PER_UPLOAD;
+    psplat_result result = psplat_model_load_images(renderer, asset, model, error);
+    if (result != PSPLAT_OK) return psplat_gl_finish(&renderer->gl, result, error);
     float *staging = psplat_allocate(&renderer->allocator, 1, size);
     if (!staging) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory to pack splats");
-    psplat_result result = upload_batches(renderer, asset, model, staging, error);
+    result = upload_batches(renderer, asset, model, staging, error);
     psplat_resize(&renderer->allocator, staging, size, 0);
     return psplat_gl_finish(&renderer->gl, result, error);
 }
@@ -252,11 +265,13 @@ void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model) {
         psplat_gl_texture_delete(&renderer->gl, &batch->splats);
         psplat_gl_texture_delete(&renderer->gl, &batch->clips);
         psplat_gl_texture_delete(&renderer->gl, &batch->finishes);
+        psplat_gl_texture_delete(&renderer->gl, &batch->texcoords);
         size_t chunk_count = psplat_chunk_count((size_t)batch->splat_count);
         if (batch->chunks)
             psplat_resize(&renderer->allocator, batch->chunks, chunk_count * sizeof(psplat_chunk),
                           0);
     }
+    psplat_model_drop_images(renderer, model);
     size_t size = model->batch_count * sizeof *model->batches;
     psplat_resize(&renderer->allocator, model->batches, size ? size : 1, 0);
     psplat_resize(&renderer->allocator, model, sizeof *model, 0);
@@ -269,7 +284,10 @@ psplat_model_info psplat_model_describe(const psplat_model *model) {
         info.splat_count += (size_t)batch->splat_count;
         info.batch_count += 1;
         if (batch->is_owner)
-            info.bytes += batch->splats.bytes + batch->clips.bytes + batch->finishes.bytes;
+            info.bytes += batch->splats.bytes + batch->clips.bytes + batch->finishes.bytes +
+                          batch->texcoords.bytes;
     }
+    for (size_t i = 0; model && i < model->image_count; ++i)
+        info.bytes += model->images[i].texture.bytes;
     return info;
 }

@@ -14,6 +14,7 @@ psplat_result psplat_renderer_create(const psplat_renderer_desc *desc, psplat_re
     psplat_renderer *made = psplat_allocate(&desc->allocator, 1, sizeof *made);
     if (!made) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a renderer");
     made->allocator = desc->allocator;
+    made->images = desc->images;
     psplat_result result = psplat_gl_load(&made->gl, desc->get_proc, desc->user, error);
     if (result != PSPLAT_OK) {
         psplat_resize(&desc->allocator, made, sizeof *made, 0);
@@ -34,6 +35,7 @@ void psplat_renderer_destroy(psplat_renderer *renderer) {
     psplat_programs_destroy(&renderer->programs, &renderer->gl, &allocator);
     psplat_render_targets_destroy(&renderer->targets, &renderer->gl);
     psplat_shadows_destroy(&renderer->shadows, &renderer->gl);
+    psplat_gl_samplers_delete(&renderer->samplers, &renderer->gl);
     renderer->gl.DeleteVertexArrays(1, &renderer->vertex_array);
     psplat_resize(&allocator, renderer, sizeof *renderer, 0);
 }

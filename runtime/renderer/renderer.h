@@ -9,6 +9,7 @@
 #include "core/chunk.h"
 #include "gl/gl_api.h"
 #include "gl/gl_program.h"
+#include "gl/gl_sampler.h"
 #include "renderer/shadow.h"
 #include "renderer/render_target.h"
 #include "gl/gl_texture.h"
@@ -18,29 +19,35 @@
 struct psplat_renderer {
     psplat_gl gl;
     psplat_allocator allocator;
+    psplat_images images;
     psplat_programs programs;
     psplat_render_targets targets;
     psplat_shadows shadows;
-    psplat_memory memory; /* the ledgers of gl_texture.h */
-    GLuint vertex_array;  /* has no attributes; GL core draws nothing unless one is bound */
+    psplat_memory memory;        /* the ledgers of gl_texture.h */
+    psplat_gl_samplers samplers; /* of textures of materials */
+    GLuint vertex_array;         /* has no attributes; GL core draws nothing unless one is bound */
 };
 
 /* An uploaded psplat_batch. */
 typedef struct psplat_model_batch {
-    psplat_gl_texture splats;   /* packed as layout.h says */
-    psplat_gl_texture clips;    /* zero where clip_count is 0 */
-    psplat_gl_texture finishes; /* zero where finish is 0 */
-    psplat_chunk *chunks;       /* psplat_chunk_count(splat_count) of them */
+    psplat_gl_texture splats;    /* packed as layout.h says */
+    psplat_gl_texture clips;     /* zero where clip_count is 0 */
+    psplat_gl_texture finishes;  /* zero where finish is 0 */
+    psplat_gl_texture texcoords; /* zero where textures is 0 */
+    psplat_chunk *chunks;        /* psplat_chunk_count(splat_count) of them */
     int is_owner; /* 0: an earlier batch of the same primitive owns the textures and chunks */
     uint32_t primitive;
     GLsizei splat_count;
     uint32_t clip_count;
     int has_color, has_gamma, is_curved, has_shape, has_bends;
-    unsigned finish; /* PSPLAT_FINISH_ bits */
+    unsigned finish;   /* PSPLAT_FINISH_ bits */
+    unsigned textures; /* PSPLAT_OPTION_ bits of what spec 3.11 asks of fragments; 0: nothing */
+    GLuint maps[PSPLAT_MAP_COUNT]; /* by psplat_texture_slot: names of textures, 0 where unused */
+    GLuint samplers[PSPLAT_MAP_COUNT];
     double model[16];
     psplat_kernel kernel;
     float depth_tolerance;
-    psplat_material material;
+    psplat_material material;           /* no transform of a texture is all zeros */
     float sagitta;                      /* psplat_packed_sagitta of all splats, object space */
     float bounds_min[3], bounds_max[3]; /* of the patches and of the tangent ellipses at their
                                            centres */
@@ -54,9 +61,18 @@ struct psplat_environment {
     float glossy_levels;         /* the level of glossy is roughness times this */
 };
 
+/* An image of a model: a texture of our own or one of the host's. Both are 0 where no batch uses
+ * the image. */
+typedef struct psplat_model_image {
+    psplat_gl_texture texture;
+    psplat_pixels host;
+} psplat_model_image;
+
 struct psplat_model {
     psplat_model_batch *batches;
     size_t batch_count;
+    psplat_model_image *images; /* image_count: each of the asset's as other numbers, as colours */
+    size_t image_count;
 };
 
 #endif

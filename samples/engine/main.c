@@ -6,6 +6,7 @@
  *     engine A.glb B.glb OUT.ppm
  */
 #include "background_loader.h"
+#include "decode_image.h"
 #include "engine_matrix.h"
 #include "engine_mesh.h"
 #include "screen.h"
@@ -62,7 +63,8 @@ static void make_meshes(engine *e) {
 static int start(engine *e) {
     psplat_error error = {0};
     if (psplat_host_create(PSPLAT_API_GL, 0, &e->host, &error)) return fail(error.text);
-    psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = e->host};
+    psplat_renderer_desc desc = {
+        .get_proc = psplat_host_get_proc, .user = e->host, .images = decode_images()};
     if (psplat_renderer_create(&desc, &e->renderer, &error)) return fail(error.text);
     const psplat_environment_desc sky = {.radiance = sky_radiance, .size = 1};
     if (psplat_environment_create(e->renderer, &sky, &e->sky, &error)) return fail(error.text);

@@ -40,9 +40,9 @@ static void write_painted(const char *directory, const char *name) {
     solid_free(&ribbon);
 }
 
-static void write_scene(const char *directory, const char *name) {
+static void write_file_by(const char *directory, const char *name, int (*write)(const char *path)) {
     const char *path = path_in(directory, name);
-    if (!write_still_life(path)) return;
+    if (!write(path)) return;
     fprintf(stderr, "generate_models: cannot write %s\n", path);
     ++failures;
 }
@@ -62,6 +62,7 @@ int main(int argc, char **argv) {
     write_model(argv[1], "bracket.gltf", make_bracket(), write_gltf);
     write_model(argv[1], "scan.xyz", make_scan(1.2, 1, 0.8, 1200), write_xyz);
     write_painted(argv[1], "painted.glb");
-    write_scene(argv[1], "still-life.glb");
+    write_file_by(argv[1], "tiled.glb", write_tiled_glb);
+    write_file_by(argv[1], "still-life.glb", write_still_life);
     return failures ? 1 : 0;
 }

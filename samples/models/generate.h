@@ -90,6 +90,10 @@ int write_gltf(const char *path, const solid *s);
 /* Writes the painted piece: a textured vase and two coloured rings under a tree of nodes. */
 int write_painted_glb(const char *path, const solid *vase, const solid *ribbon);
 
+/* ---- tiled.c: a barrel with every texture of a material -------------------------------------- */
+
+int write_tiled_glb(const char *path);
+
 /* ---- still_life.c: a scene ------------------------------------------------------------------ */
 
 int write_still_life(const char *path);

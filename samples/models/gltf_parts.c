@@ -80,6 +80,13 @@ int add_positions(scene *g, const solid *s) {
     return add_accessor(g, begin, VERTICES, FLOAT, "VEC3", s->vertex_count, more);
 }
 
+int add_normals(scene *g, const solid *s) {
+    size_t begin = g->buffer.size;
+    for (size_t i = 0; i < s->vertex_count * 3; ++i)
+        put_float(&g->buffer, s->normals[i / 3][i % 3]);
+    return add_accessor(g, begin, VERTICES, FLOAT, "VEC3", s->vertex_count, "");
+}
+
 int add_texcoords(scene *g, const solid *s) {
     size_t begin = g->buffer.size;
     for (size_t i = 0; i < s->vertex_count * 2; ++i)

@@ -28,6 +28,7 @@ typedef struct scene {
 int add_view(scene *g, size_t begin, int target);
 /* Each of these adds an accessor with a view of its own and returns the accessor's index. */
 int add_positions(scene *g, const solid *s);
+int add_normals(scene *g, const solid *s);
 int add_texcoords(scene *g, const solid *s);
 int add_colors(scene *g, const solid *s);
 int add_indices(scene *g, const solid *s);

@@ -101,6 +101,12 @@ static int open_file(const char *path, loaded_file *file) {
     if (!file->path) return 0;
     if (loader_check(path, &file->error)) return 1;
     if (psplat_asset_open(path, NULL, &file->asset, &file->error)) return 1;
+    if (decoded_images_make(file)) {
+        decoded_images_free(file);
+        psplat_asset_destroy(file->asset);
+        file->asset = NULL;
+        return 1;
+    }
     file->bounds = bounds_of(file->asset);
     for (size_t i = 0; i < psplat_asset_batch_count(file->asset); ++i)
         file->splat_count += psplat_asset_batch(file->asset, i)->splat_count;
@@ -125,6 +131,7 @@ static load *open_files(const path_list *list, int is_reload) {
 void load_destroy(load *l) {
     if (!l) return;
     for (size_t i = 0; i < l->count; ++i) {
+        decoded_images_free(&l->files[i]);
         psplat_asset_destroy(l->files[i].asset);
         free(l->files[i].path);
     }

@@ -140,7 +140,7 @@ static psplat_result begin(viewer *v, psplat_error *error) {
     if (!v->window) return error->code;
     v->canvas = canvas_create(window_get_proc, NULL, error);
     if (!v->canvas) return error->code;
-    psplat_renderer_desc desc = {.get_proc = window_get_proc};
+    psplat_renderer_desc desc = {.get_proc = window_get_proc, .images = decoded_images(&v->shown)};
     psplat_result result = psplat_renderer_create(&desc, &v->renderer, error);
     if (result) return result;
     v->shown.renderer = v->renderer;

@@ -81,8 +81,11 @@ static void free_entries(shown_assets *s, shown_asset *entries, size_t count) {
 static void update_entry(shown_assets *s, shown_asset *entry, const loaded_file *file) {
     psplat_model *model = NULL;
     entry->error = file->error;
-    if (!file->asset || psplat_model_create(s->renderer, file->asset, &model, &entry->error))
-        return;
+    if (!file->asset) return;
+    s->uploading = file;
+    psplat_result result = psplat_model_create(s->renderer, file->asset, &model, &entry->error);
+    s->uploading = NULL;
+    if (result) return;
     psplat_model_destroy(s->renderer, entry->model);
     entry->model = model;
     entry->bounds = file->bounds;

@@ -83,7 +83,8 @@ typedef struct loader loader;
 
 typedef struct loaded_file {
     char *path;
-    psplat_asset *asset; /* NULL: error says why */
+    psplat_asset *asset;   /* NULL: error says why */
+    psplat_pixels *images; /* those of asset, decoded */
     psplat_error error;
     sphere bounds; /* around the splats of asset */
     size_t splat_count;
@@ -91,6 +92,13 @@ typedef struct loaded_file {
 
 /* Checks that path names a file that can be read. */
 psplat_result loader_check(const char *path, psplat_error *error);
+
+/* ---- decoded_images.c: images of files, decoded by the worker ------------------------------- */
+
+/* Decodes the images of file->asset into file->images, or fills file->error. */
+psplat_result decoded_images_make(loaded_file *file);
+/* Frees what was made, before the asset is destroyed. */
+void decoded_images_free(loaded_file *file);
 
 /* Files that were opened together. */
 typedef struct load {
@@ -129,6 +137,7 @@ typedef struct shown_asset {
 
 typedef struct shown_assets {
     psplat_renderer *renderer;
+    const loaded_file *uploading; /* whose model is being made, or NULL */
     shown_asset *entries;
     psplat_item *items; /* one per entry with a model */
     size_t entry_count, item_count;
@@ -150,6 +159,8 @@ void shown_assets_clear(shown_assets *s);
 /* Returns the first error to report and the file it concerns, or NULL where there is no error. */
 const psplat_error *shown_assets_error(const shown_assets *s, const char **path);
 const char *shown_asset_name(const char *path); /* the path's last part */
+/* Returns what hands the images of shown->uploading to the renderer. */
+psplat_images decoded_images(shown_assets *shown);
 
 /* ---- orbit.c: the camera -------------------------------------------------------------------- */
 

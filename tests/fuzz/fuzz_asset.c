@@ -2,9 +2,9 @@
  *
  * fuzz_asset.c - reads any bytes as an asset. Besides what the sanitizers check, it demands what
  * phongsplat.h promises of every asset that opens, and the bounds on memory and time for every
- * input. External buffers are the input itself: each uri names it whose first letter does not stand
- * for a failure. A hash of the bytes chooses which inputs are opened by name, have no directory, or
- * run out of memory.
+ * input. External buffers and images are the input itself: each uri names it whose first letter
+ * does not stand for a failure. A hash of the bytes chooses which inputs are opened by name, have
+ * no directory, or run out of memory.
  */
 #include "fuzz.h"
 
@@ -14,7 +14,7 @@
 typedef struct input {
     const uint8_t *data;
     size_t size;
-    size_t served; /* bytes handed out as external buffers */
+    size_t served; /* bytes handed out as external buffers and images */
 } input;
 
 /* ---- files -------------------------------------------------------------------------------- */
@@ -46,6 +46,13 @@ static psplat_result read_input(void *user, const psplat_allocator *allocator, c
 }
 
 /* ---- promises ----------------------------------------------------------------------------- */
+
+/* Computes FNV-1a, by Fowler, Noll and Vo. */
+static uint32_t hash_of(const uint8_t *data, size_t size) {
+    uint32_t hash = 2166136261u;
+    for (size_t i = 0; i < size; ++i) hash = (hash ^ data[i]) * 16777619u;
+    return hash ^ hash >> 16;
+}
 
 /* Checks spec 3.4: a plane where nothing says otherwise, else a surface that is not too steep,
  * which is that of the field or has no slope at its centre. */
@@ -104,6 +111,42 @@ static void check_finish(const psplat_finish *finish, const psplat_batch *batch)
     }
 }
 
+static void check_texcoord(const psplat_texcoord *t, const psplat_batch *batch) {
+    const float *const terms[] = {t->at,       t->along_u,  t->along_v,
+                                  t->along_uu, t->along_uv, t->along_vv};
+    for (int i = 0; i < 6; ++i)
+        for (int k = 0; k < 2; ++k) {
+            FUZZ_DEMAND(isfinite(terms[i][k]));
+            FUZZ_DEMAND(i < 3 || batch->has_texcoord_bend || terms[i][k] == 0);
+        }
+}
+
+static void check_textures(const psplat_batch *batch, const psplat_asset *asset) {
+    const psplat_material *material = &batch->material;
+    FUZZ_DEMAND(material->alpha_cutoff >= 0 && isfinite(material->alpha_cutoff));
+    FUZZ_DEMAND(batch->has_texcoord || material->alpha_cutoff == 0);
+    for (int i = 0; i < PSPLAT_TEXTURE_SLOTS; ++i) {
+        const psplat_texture *texture = &material->textures[i];
+        FUZZ_DEMAND(texture->image <= psplat_asset_image_count(asset));
+        FUZZ_DEMAND(!texture->image || batch->has_texcoord);
+        FUZZ_DEMAND(isfinite(texture->strength));
+        for (int k = 0; k < 6; ++k) FUZZ_DEMAND(isfinite(texture->transform[k]));
+        for (int k = 0; k < 2; ++k) FUZZ_DEMAND((unsigned)texture->wrap[k] <= PSPLAT_WRAP_MIRROR);
+    }
+}
+
+/* Reads all bytes and texts of the images, so that the sanitizers see where they end. */
+static void check_images(const psplat_asset *asset) {
+    size_t count = psplat_asset_image_count(asset);
+    FUZZ_DEMAND(!psplat_asset_get_image(asset, count));
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_asset_image *image = psplat_asset_get_image(asset, i);
+        FUZZ_DEMAND(image->data && image->size);
+        FUZZ_DEMAND(hash_of(image->data, image->size) || strlen(image->name) < SIZE_MAX);
+        FUZZ_DEMAND(strlen(image->mime_type) < SIZE_MAX);
+    }
+}
+
 static void check_material(const psplat_material *material) {
     for (int i = 0; i < 4; ++i)
         FUZZ_DEMAND(material->base_color[i] >= 0 && material->base_color[i] <= 1);
@@ -113,13 +156,15 @@ static void check_material(const psplat_material *material) {
     FUZZ_DEMAND(material->roughness >= 0 && material->roughness <= 1);
 }
 
-static void check_batch(const psplat_batch *batch) {
+static void check_batch(const psplat_batch *batch, const psplat_asset *asset) {
     FUZZ_DEMAND(batch->splat_count > 0 && batch->clip_count <= PSPLAT_MAX_CLIP_LINES);
     FUZZ_DEMAND(batch->depth_tolerance >= 0 && isfinite(batch->depth_tolerance));
     FUZZ_DEMAND(batch->kernel.sharpness > 0 && isfinite(batch->kernel.sharpness));
     FUZZ_DEMAND(batch->kernel.exponent > 0 && isfinite(batch->kernel.exponent));
     FUZZ_DEMAND(batch->attribute_count >= 4 + batch->clip_count);
     check_material(&batch->material);
+    check_textures(batch, asset);
+    FUZZ_DEMAND((batch->has_texcoord && batch->splats) == (batch->texcoords != NULL));
     for (int i = 0; i < 16; ++i) FUZZ_DEMAND(isfinite(batch->model[i]));
     for (int i = 0; i < 3; ++i)
         FUZZ_DEMAND(isfinite(batch->bounds_min[i]) && isfinite(batch->bounds_max[i]));
@@ -128,6 +173,7 @@ static void check_batch(const psplat_batch *batch) {
     for (size_t i = 0; batch->splats && i < batch->splat_count; ++i) {
         check_splat(&batch->splats[i], batch);
         if (batch->finishes) check_finish(&batch->finishes[i], batch);
+        if (batch->texcoords) check_texcoord(&batch->texcoords[i], batch);
     }
 }
 
@@ -137,8 +183,9 @@ static void check_asset(const psplat_asset *asset) {
     for (size_t i = 0; i < count; ++i) {
         const psplat_batch *batch = psplat_asset_batch(asset, i);
         FUZZ_DEMAND(!i || psplat_asset_batch(asset, i - 1)->clip_count <= batch->clip_count);
-        if (i < 16) check_batch(batch); /* further instances share their splats */
+        if (i < 16) check_batch(batch, asset); /* further instances share their splats */
     }
+    check_images(asset);
     double min[3], max[3];
     psplat_asset_bounds(asset, min, max);
     for (int i = 0; i < 3; ++i)
@@ -161,16 +208,10 @@ static int is_compressed(const input *in) {
  * of each makes the most batches. */
 static size_t memory_promised(const input *in) {
     size_t most = (in->size / 22) * (in->size / 400), limit = (size_t)1 << 18;
-    size_t decoded = MOST_BYTES + MOST_BYTES / 8 * (sizeof(psplat_splat) + sizeof(psplat_finish));
+    size_t splat = sizeof(psplat_splat) + sizeof(psplat_finish) + sizeof(psplat_texcoord);
+    size_t decoded = MOST_BYTES + MOST_BYTES / 8 * splat;
     return 4096 + 128 * (in->size + in->served) + (is_compressed(in) ? decoded : 0) +
            (most < limit ? most : limit) * sizeof(psplat_batch);
-}
-
-/* Computes FNV-1a, by Fowler, Noll and Vo. */
-static uint32_t hash_of(const uint8_t *data, size_t size) {
-    uint32_t hash = 2166136261u;
-    for (size_t i = 0; i < size; ++i) hash = (hash ^ data[i]) * 16777619u;
-    return hash ^ hash >> 16;
 }
 
 enum { BY_NAME, NO_DIRECTORY, NO_MEMORY, WAYS = 16, MOST_ALLOCATIONS = 32 };
@@ -197,7 +238,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     psplat_result result = open_one(&in, &desc, way, &asset, &error);
     fuzz_meter_stop(&meter, 1.0);
     FUZZ_DEMAND((result == PSPLAT_OK) == (asset != NULL));
-    size_t chunk = CHUNK * (sizeof(psplat_splat) + sizeof(psplat_finish) + 64);
+    size_t chunk =
+        CHUNK * (sizeof(psplat_splat) + sizeof(psplat_finish) + sizeof(psplat_texcoord) + 64);
     FUZZ_DEMAND(meter.peak <= memory_promised(&in) + (desc.only_draws ? chunk : 0));
     if (asset)
         check_asset(asset);

@@ -12,6 +12,7 @@ const load = (name) => JSON.parse(readFileSync(join(schemaDirectory, name), 'utf
 const ajv = new Ajv2020({ allErrors: true, strictTypes: false });
 ajv.addSchema(load(`mesh.primitive.${extensionName}.schema.json`));
 ajv.addSchema(load(`mesh.${extensionName}.schema.json`));
+ajv.addSchema(load(`material.${extensionName}.schema.json`));
 const validate = ajv.compile(load(`glTF.${extensionName}.schema.json`));
 
 for (const path of assetPaths()) {
@@ -32,6 +33,12 @@ function change(json, attributes, version = 2) {
   Object.assign(json, JSON.parse(JSON.stringify(json)));
 }
 
+// Does the same beside texture coordinates.
+function texture(json, attributes, version = 3) {
+  splatPrimitives(json)[0].attributes.TEXCOORD_0 = 0;
+  change(json, attributes, version);
+}
+
 const faults = {
   'version is missing': (json) => delete extension(json, 0).version,
   'version is of the future': (json) => (extension(json, 0).version = 4),
@@ -44,6 +51,18 @@ const faults = {
     change(json, { NORMAL_FIELD: undefined }, 3);
     extension(json, 0).curved = true;
   },
+  'texture coordinates of nothing': (json) => (extension(json, 0).texcoordRange = 0),
+  'bent texture coordinates of nothing': (json) => (extension(json, 0).texcoordBendRange = -1),
+  'texture coordinates without a centre': (json) => change(json, { TEXCOORD_U: 0, TEXCOORD_V: 0 }, 3),
+  'half a change of texture coordinates': (json) => texture(json, { TEXCOORD_U: 0 }),
+  'the other half': (json) => texture(json, { TEXCOORD_V: 0 }),
+  'a second order without the first': (json) => texture(json, { TEXCOORD_UU: 0, TEXCOORD_UV: 0, TEXCOORD_VV: 0 }),
+  'a third of the second order': (json) => texture(json, { TEXCOORD_U: 0, TEXCOORD_V: 0, TEXCOORD_UU: 0 }),
+  'two thirds of it': (json) => texture(json, { TEXCOORD_U: 0, TEXCOORD_V: 0, TEXCOORD_UU: 0, TEXCOORD_VV: 0 }),
+  'texture coordinates in version 2': (json) => texture(json, { TEXCOORD_U: 0, TEXCOORD_V: 0 }, 2),
+  'a material without its normal texture': (json) => (json.materials[0].extensions = { [extensionName]: {} }),
+  'a normal texture of nothing': (json) =>
+    (json.materials[0].extensions = { [extensionName]: { normalTexture: { scale: 1 } } }),
   'a radius of nothing': (json) => (extension(json, 0).scaleRange = [0, 1]),
   'one radius': (json) => (extension(json, 0).scaleRange = [1]),
   'a field of nothing': (json) => (extension(json, 0).fieldRange = 0),
@@ -84,6 +103,14 @@ test('schema takes: a shape beside a field', () => {
   const { json } = readAsset(join(schemaDirectory, 'minimal.gltf'));
   change(json, { SHAPE: 0 }, 3);
   Object.assign(extension(json, 0), { curved: true, shapeRange: 0.5, bendRange: 4 });
+  assert.ok(validate(json), ajv.errorsText(validate.errors));
+});
+
+test('schema takes: texture coordinates and a normal texture', () => {
+  const { json } = readAsset(join(schemaDirectory, 'minimal.gltf'));
+  texture(json, { TEXCOORD_U: 0, TEXCOORD_V: 0, TEXCOORD_UU: 0, TEXCOORD_UV: 0, TEXCOORD_VV: 0 });
+  Object.assign(extension(json, 0), { texcoordRange: 0.5, texcoordBendRange: 0.1 });
+  json.materials[0].extensions = { [extensionName]: { normalTexture: { index: 0, scale: -1 } } };
   assert.ok(validate(json), ajv.errorsText(validate.errors));
 });
 

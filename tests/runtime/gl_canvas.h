@@ -7,6 +7,8 @@
 #ifndef PHONGSPLAT_TEST_GL_CANVAS_H
 #define PHONGSPLAT_TEST_GL_CANVAS_H
 
+#include "scene_asset.h"
+
 #include <phongsplat/host.h>
 #include <phongsplat/phongsplat.h>
 
@@ -33,7 +35,8 @@ static inline canvas *canvas_create(psplat_api api) {
     canvas *c = calloc(1, sizeof *c);
     assert_non_null(c);
     canvas_check(psplat_host_create(api, 1, &c->host, &error), &error);
-    psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = c->host};
+    psplat_renderer_desc desc = {
+        .get_proc = psplat_host_get_proc, .user = c->host, .images = scene_images()};
     canvas_check(psplat_renderer_create(&desc, &c->renderer, &error), &error);
     return c;
 }

@@ -20,7 +20,8 @@ gpu gpu_open(psplat_api api) {
     gpu g;
     psplat_error error;
     check(psplat_host_create(api, 0, &g.host, &error), &error);
-    psplat_renderer_desc desc = {.get_proc = psplat_host_get_proc, .user = g.host};
+    psplat_renderer_desc desc = {
+        .get_proc = psplat_host_get_proc, .user = g.host, .images = scene_images()};
     check(psplat_renderer_create(&desc, &g.renderer, &error), &error);
     return g;
 }

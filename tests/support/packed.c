@@ -64,7 +64,8 @@ static void put_base64(const uint8_t *bytes, size_t size, char *out) {
 }
 
 static int is_standard(const char *name) {
-    return !strcmp(name, "POSITION") || !strcmp(name, "NORMAL") || !strcmp(name, "COLOR_0");
+    return !strcmp(name, "POSITION") || !strcmp(name, "NORMAL") || !strcmp(name, "COLOR_0") ||
+           !strcmp(name, "TEXCOORD_0");
 }
 
 static char *put_accessors(const packed *p, char *out, char *end) {
@@ -223,7 +224,8 @@ char *packed_text(const packed *p) {
         out = put_view(p, i, &l, out, end);
     }
     out = put_buffers(p, &l, out, end);
-    strcpy(out, "]}");
+    snprintf(out, (size_t)(end - out), "]%s%s}", p->members ? "," : "",
+             p->members ? p->members : "");
     free(l.bytes);
     return text;
 }

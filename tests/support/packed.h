@@ -17,7 +17,7 @@ enum {
     PACKED_FLOAT = 5126
 };
 
-enum { PACKED_MAX_ATTRIBUTES = 14 };
+enum { PACKED_MAX_ATTRIBUTES = 16 };
 
 /* Filters of EXT_meshopt_compression. */
 typedef enum packed_filter {
@@ -28,7 +28,8 @@ typedef enum packed_filter {
 } packed_filter;
 
 typedef struct packed_attribute {
-    /* Without "_PSPLAT_surface_splats:", which is added to all but three; NULL ends the list. */
+    /* Without "_PSPLAT_surface_splats:", which is added to all that are not of glTF itself; NULL
+     * ends the list. */
     const char *name;
     int component_type, components, is_plain; /* is_plain: integers are not normalized */
     /* Holds packed.count times components values as they are stored; where filtered, the values to
@@ -42,6 +43,7 @@ typedef struct packed {
     packed_attribute attributes[PACKED_MAX_ATTRIBUTES];
     const char *extension; /* members of the extension object; "version" is the first */
     const char *material;  /* an object, or NULL */
+    const char *members;   /* further members of the document, or NULL */
     int is_compressed;     /* each view is compressed with EXT_meshopt_compression */
     packed_filter filters[PACKED_MAX_ATTRIBUTES]; /* one for each attribute, where compressed */
     size_t repeat; /* how often elements are stored, so that views become long; 0: once */

@@ -82,15 +82,24 @@ picture picture_draw(const psplat_asset *asset, const double transform[16],
     return picture_of_scene(&scene, view);
 }
 
-picture picture_of_scene(const psplat_reference_scene *scene, const psplat_view *view) {
+picture picture_of_scene(const psplat_reference_scene *from, const psplat_view *view) {
+    psplat_reference_scene with_images = *from, *scene = &with_images;
+    psplat_pixels images[8];
+    size_t image_count = psplat_asset_image_count(from->asset);
+    if (!from->images && image_count > 0 && image_count <= sizeof images / sizeof *images) {
+        for (size_t i = 0; i < image_count; ++i) images[i] = scene_pixels(from->asset, i);
+        with_images.images = images;
+        with_images.image_count = image_count;
+    }
     size_t count = (size_t)view->width * (size_t)view->height;
     picture p = {.width = view->width, .height = view->height};
     p.image.color = allocate(count, 4 * sizeof(float));
     p.image.uv = allocate(count, 2 * sizeof(double));
     p.image.splat = allocate(count, sizeof(int32_t));
     p.image.count = allocate(count, sizeof(uint32_t));
-    double **arrays[] = {&p.image.depth, &p.image.tie, &p.image.depth_tie, &p.image.epsilon_tie};
-    for (int i = 0; i < 4; ++i) *arrays[i] = allocate(count, sizeof(double));
+    double **arrays[] = {&p.image.depth, &p.image.tie, &p.image.depth_tie, &p.image.epsilon_tie,
+                         &p.image.alpha_tie};
+    for (int i = 0; i < 5; ++i) *arrays[i] = allocate(count, sizeof(double));
     psplat_error error;
     if (psplat_reference_draw(scene, view, &p.image, &error)) {
         fprintf(stderr, "camera: %s\n", error.text);
@@ -121,5 +130,6 @@ void picture_free(picture *p) {
     free(p->image.tie);
     free(p->image.depth_tie);
     free(p->image.epsilon_tie);
+    free(p->image.alpha_tie);
     *p = (picture){0};
 }

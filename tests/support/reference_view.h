@@ -30,8 +30,9 @@ typedef struct picture {
     psplat_reference_image image;
 } picture;
 
-/* Ends the program with a message where drawing fails, because a test could not go on. */
-picture picture_of_scene(const psplat_reference_scene *scene, const psplat_view *view);
+/* Ends the program with a message where drawing fails, because a test could not go on. Images of
+ * assets of scene_asset.h are decoded where the scene has none. */
+picture picture_of_scene(const psplat_reference_scene *from, const psplat_view *view);
 picture picture_draw(const psplat_asset *asset, const double transform[16],
                      const psplat_view *view);
 picture picture_of(const scene *s, const double transform[16], const psplat_view *view);

@@ -193,7 +193,7 @@ scene scene_ellipses(size_t count, uint32_t max_clip_lines, uint32_t seed) {
 }
 
 uint8_t *scene_glb(const scene *s, size_t *size) {
-    if (scene_is_curved(s)) return scene_curved_glb(s, size);
+    if (scene_is_curved(s) || s->texcoords) return scene_curved_glb(s, size);
     psplat_splats splats = {.kernel = s->kernel,
                             .has_color = s->has_color,
                             .materials = (psplat_material[]){s->material},
@@ -234,7 +234,48 @@ psplat_asset *scene_open(const scene *s) {
     return asset;
 }
 
+void scene_add_textures(scene *s) {
+    static const uint8_t rgba[16] = {255, 128, 0,  255, 100, 150, 200, 255,
+                                     20,  200, 90, 255, 128, 128, 255, 255};
+    static const psplat_pixels image = {.rgba = rgba, .width = 2, .height = 2};
+    s->texcoords = allocate(s->count, sizeof *s->texcoords);
+    for (size_t i = 0; i < s->count; ++i)
+        s->texcoords[i] =
+            (psplat_texcoord){.at = {0.1f * (float)i, 0.5f}, .along_u = {1, 0}, .along_v = {0, 1}};
+    s->images = &image;
+    s->image_count = 1;
+    for (int slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot)
+        s->material.textures[slot] = (psplat_texture){.image = 1, .strength = 1};
+}
+
+/* An image in a file of scene_curved.h: width and height of four bytes each, and the pixels. */
+static psplat_pixels decode_image(const psplat_asset_image *image) {
+    const uint8_t *bytes = image->data;
+    psplat_pixels pixels = {.rgba = bytes + 8};
+    for (int i = 3; i >= 0; --i) {
+        pixels.width = pixels.width << 8 | bytes[i];
+        pixels.height = pixels.height << 8 | bytes[4 + i];
+    }
+    return pixels;
+}
+
+static psplat_result load_image(void *user, const psplat_asset_image *image, int is_srgb,
+                                psplat_pixels *pixels, psplat_error *error) {
+    (void)user, (void)is_srgb, (void)error;
+    *pixels = decode_image(image);
+    return PSPLAT_OK;
+}
+
+psplat_images scene_images(void) {
+    return (psplat_images){.load = load_image};
+}
+
+psplat_pixels scene_pixels(const psplat_asset *asset, size_t image) {
+    return decode_image(psplat_asset_get_image(asset, image));
+}
+
 void scene_free(scene *s) {
     free(s->splats);
+    free(s->texcoords);
     *s = (scene){0};
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * scene_asset.h - small assets for tests, made in memory through psplat_glb_write, or by
- * scene_curved.h where splats are curved or have bent clip lines, and read back through
+ * scene_curved.h where splats are curved or textured or have bent clip lines, and read back through
  * psplat_asset_open_memory. A scene is plain data: take a ready-made one, change what the
  * test is about, open it, free it.
  *
@@ -18,12 +18,16 @@
 typedef struct scene {
     psplat_splat *splats; /* allocated with malloc; in any order of clip_count */
     size_t count;
-    psplat_material material; /* default: white, metallic 0, roughness 0.5, single-sided */
-    psplat_kernel kernel;     /* default: psplat's default kernel */
-    float depth_tolerance;    /* default: 1 % of the size */
-    int has_color;            /* default: 0, and color 1 1 1 1 */
-    double origin[3];         /* translation of the node */
-    int flat_is_curved;       /* default: 0; 1: flat splats lie in curved primitives */
+    psplat_material material;    /* default: white, metallic 0, roughness 0.5, single-sided */
+    psplat_kernel kernel;        /* default: psplat's default kernel */
+    float depth_tolerance;       /* default: 1 % of the size */
+    int has_color;               /* default: 0, and color 1 1 1 1 */
+    double origin[3];            /* translation of the node */
+    psplat_texcoord *texcoords;  /* count, allocated with malloc; NULL: the splats have none */
+    const psplat_pixels *images; /* image_count, with their rgba; material.textures refers to them,
+                                    with transforms of translation, rotation and scale */
+    size_t image_count;
+    int flat_is_curved; /* default: 0; 1: flat splats lie in curved primitives */
 } scene;
 
 /* Returns count splats at the origin with unit axes along x, y, z and radius 1, white. */
@@ -48,6 +52,15 @@ scene scene_ellipses(size_t count, uint32_t max_clip_lines, uint32_t seed);
  * on. */
 uint8_t *scene_glb(const scene *s, size_t *size);
 psplat_asset *scene_open(const scene *s);
+
+/* Gives a scene without textures coordinates of about an image a splat, and all textures with one
+ * image of 2 x 2 pixels. */
+void scene_add_textures(scene *s);
+
+/* Decodes the images of such assets: psplat_images for renderers, and the pixels of one image,
+ * which belong to the asset. */
+psplat_images scene_images(void);
+psplat_pixels scene_pixels(const psplat_asset *asset, size_t image);
 
 void scene_free(scene *s);
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * scene_curved.c - files of curved splats; see scene_curved.h.
+ * scene_curved.c - files of curved splats and of textured ones; see scene_curved.h.
  *
  * Splats of one number of clip lines and one kind are a primitive. Its rows are a buffer view of
- * their own, in which the attributes lie one after another.
+ * their own, in which the attributes lie one after another. Images follow, one in each view.
  */
 #include "scene_curved.h"
 
@@ -17,7 +17,7 @@
 /* Where a splat has its surface from: it has none, its normal field, or SHAPE. */
 enum { FLAT, FIELD, SHAPE, KINDS };
 
-enum { PRIMITIVES = KINDS * (PSPLAT_MAX_CLIP_LINES + 1), MAX_ROW = 40 };
+enum { PRIMITIVES = KINDS * (PSPLAT_MAX_CLIP_LINES + 1), MAX_ROW = 52, MAX_ATTRIBUTES = 18 };
 
 typedef struct primitive {
     int kind;
@@ -63,9 +63,18 @@ static int kind_of(const scene *s, const psplat_splat *splat) {
     return SHAPE;
 }
 
+static int has_texcoord_bend(const scene *s) {
+    int has = 0;
+    for (size_t i = 0; s->texcoords && i < s->count; ++i)
+        for (int k = 0; k < 2; ++k)
+            has |= s->texcoords[i].along_uu[k] != 0 || s->texcoords[i].along_uv[k] != 0 ||
+                   s->texcoords[i].along_vv[k] != 0;
+    return has;
+}
+
 /* Lists the attributes of a primitive in the order in which put_row stores them. Returns their
  * number. */
-static size_t attributes_of(const scene *s, const primitive *p, attribute list[12]) {
+static size_t attributes_of(const scene *s, const primitive *p, attribute list[MAX_ATTRIBUTES]) {
     static const char *const clips[PSPLAT_MAX_CLIP_LINES] = {
         "_PSPLAT_surface_splats:CLIP_0", "_PSPLAT_surface_splats:CLIP_1",
         "_PSPLAT_surface_splats:CLIP_2", "_PSPLAT_surface_splats:CLIP_3"};
@@ -78,11 +87,21 @@ static size_t attributes_of(const scene *s, const primitive *p, attribute list[1
     if (p->kind == SHAPE) list[n++] = (attribute){"_PSPLAT_surface_splats:SHAPE", 3};
     if (s->has_color) list[n++] = (attribute){"COLOR_0", 4};
     for (uint32_t k = 0; k < p->lines; ++k) list[n++] = (attribute){clips[k], 4};
+    static const char *const texcoords[] = {
+        "TEXCOORD_0",
+        "_PSPLAT_surface_splats:TEXCOORD_U",
+        "_PSPLAT_surface_splats:TEXCOORD_V",
+        "_PSPLAT_surface_splats:TEXCOORD_UU",
+        "_PSPLAT_surface_splats:TEXCOORD_UV",
+        "_PSPLAT_surface_splats:TEXCOORD_VV",
+    };
+    size_t orders = !s->texcoords ? 0 : has_texcoord_bend(s) ? 6 : 3;
+    for (size_t k = 0; k < orders; ++k) list[n++] = (attribute){texcoords[k], 2};
     return n;
 }
 
 static size_t row_of(const scene *s, const primitive *p) {
-    attribute list[12];
+    attribute list[MAX_ATTRIBUTES];
     size_t n = attributes_of(s, p, list), floats = 0;
     for (size_t i = 0; i < n; ++i) floats += list[i].components;
     return floats;
@@ -93,7 +112,8 @@ static float *put(float *row, const float *values, size_t count) {
     return row + count;
 }
 
-static void put_row(const scene *s, const primitive *p, const psplat_splat *splat, float *row) {
+static void put_row(const scene *s, const primitive *p, size_t index, float *row) {
+    const psplat_splat *splat = &s->splats[index];
     row = put(row, splat->center, 3);
     row = put(row, splat->normal, 3);
     row = put(row, splat->rotation, 4);
@@ -103,6 +123,15 @@ static void put_row(const scene *s, const primitive *p, const psplat_splat *spla
     if (s->has_color) row = put(row, splat->color, 4);
     for (uint32_t k = 0; k < p->lines; ++k)
         row = put(put(row, splat->clip[k], 3), &splat->bend[k], 1);
+    if (!s->texcoords) return;
+    const psplat_texcoord *t = &s->texcoords[index];
+    row = put(put(put(row, t->at, 2), t->along_u, 2), t->along_v, 2);
+    if (has_texcoord_bend(s)) put(put(put(row, t->along_uu, 2), t->along_uv, 2), t->along_vv, 2);
+}
+
+static uint8_t *put_u32(uint8_t *out, size_t value) {
+    for (int i = 0; i < 4; ++i) *out++ = (uint8_t)(value >> (8 * i));
+    return out;
 }
 
 /* Stores floats as glTF does, the least byte first. */
@@ -128,11 +157,28 @@ static void fill(const scene *s, primitive *p, uint8_t *bytes) {
         const psplat_splat *splat = &s->splats[i];
         float row[MAX_ROW];
         if (splat->clip_count != p->lines || kind_of(s, splat) != p->kind) continue;
-        put_row(s, p, splat, row);
+        put_row(s, p, i, row);
         put_floats(bytes + p->count * floats * 4, row, floats);
         note_center(p, splat->center);
         ++p->count;
     }
+}
+
+static size_t image_bytes(const psplat_pixels *image) {
+    return 8 + 4 * (size_t)image->width * image->height;
+}
+
+/* Stores the images after size bytes of rows. */
+static uint8_t *add_images(const scene *s, uint8_t *bytes, size_t *size) {
+    for (size_t i = 0; i < s->image_count; ++i) {
+        const psplat_pixels *image = &s->images[i];
+        bytes = realloc(bytes, *size + image_bytes(image));
+        if (!bytes) give_up("out of memory");
+        uint8_t *out = put_u32(put_u32(bytes + *size, image->width), image->height);
+        memcpy(out, image->rgba, image_bytes(image) - 8);
+        *size += image_bytes(image);
+    }
+    return bytes;
 }
 
 /* Returns the bytes of all rows. Primitives are in ascending order of their clip lines. */
@@ -148,7 +194,7 @@ static uint8_t *fill_all(const scene *s, primitive list[PRIMITIVES], size_t *cou
             *size += p.count * row_of(s, &p) * 4;
             list[(*count)++] = p;
         }
-    return bytes;
+    return add_images(s, bytes, size);
 }
 
 /* ---- the document --------------------------------------------------------------------------- */
@@ -171,7 +217,7 @@ static void add_extension(psplat_writer *json, const scene *s, const primitive *
 
 static void add_primitive(psplat_writer *json, const scene *s, const primitive *p,
                           size_t *accessor) {
-    attribute list[12];
+    attribute list[MAX_ATTRIBUTES];
     size_t n = attributes_of(s, p, list);
     psplat_writer_open(json, NULL, '{');
     psplat_writer_count(json, "mode", 0);
@@ -187,7 +233,7 @@ static void add_primitive(psplat_writer *json, const scene *s, const primitive *
 
 static void add_accessors(psplat_writer *json, const scene *s, const primitive *p, size_t view) {
     static const char *const types[] = {NULL, "SCALAR", "VEC2", "VEC3", "VEC4"};
-    attribute list[12];
+    attribute list[MAX_ATTRIBUTES];
     size_t n = attributes_of(s, p, list), offset = 0;
     for (size_t i = 0; i < n; ++i) {
         psplat_writer_open(json, NULL, '{');
@@ -212,6 +258,73 @@ static void add_view(psplat_writer *json, const scene *s, const primitive *p) {
     psplat_writer_close(json, '}');
 }
 
+/* Adds the use of an image; textures and their samplers have the numbers of their slots. */
+static void add_texture(psplat_writer *json, const char *name, const psplat_material *m, int slot) {
+    const psplat_texture *use = &m->textures[slot];
+    const float *t = use->transform;
+    if (!use->image) return;
+    psplat_writer_open(json, name, '{');
+    psplat_writer_count(json, "index", (size_t)slot);
+    if (slot == PSPLAT_TEXTURE_NORMAL) psplat_writer_float(json, "scale", use->strength);
+    if (slot == PSPLAT_TEXTURE_OCCLUSION) psplat_writer_float(json, "strength", use->strength);
+    if (t[0] != 0 || t[1] != 0) {
+        float size[2] = {hypotf(t[0], t[3]), hypotf(t[1], t[4])}, offset[2] = {t[2], t[5]};
+        if (t[0] * t[4] < t[1] * t[3]) size[1] = -size[1];
+        psplat_writer_open(json, "extensions", '{');
+        psplat_writer_open(json, "KHR_texture_transform", '{');
+        psplat_writer_floats(json, "offset", offset, 2);
+        psplat_writer_float(json, "rotation", atan2f(-t[3], t[0]));
+        psplat_writer_floats(json, "scale", size, 2);
+        psplat_writer_close(json, '}');
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, '}');
+}
+
+/* Images are the last of so many bytes. */
+static void add_image_views(psplat_writer *json, const scene *s, size_t bytes) {
+    for (size_t i = 0; i < s->image_count; ++i) bytes -= image_bytes(&s->images[i]);
+    for (size_t i = 0; i < s->image_count; ++i) {
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_count(json, "buffer", 0);
+        psplat_writer_count(json, "byteOffset", bytes);
+        psplat_writer_count(json, "byteLength", image_bytes(&s->images[i]));
+        psplat_writer_close(json, '}');
+        bytes += image_bytes(&s->images[i]);
+    }
+}
+
+static void add_images_of(psplat_writer *json, const scene *s, size_t first_view) {
+    static const size_t wraps[] = {10497, 33071, 33648};
+    psplat_writer_open(json, "textures", '[');
+    for (size_t i = 0; i < PSPLAT_TEXTURE_SLOTS; ++i) {
+        uint32_t image = s->material.textures[i].image;
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_count(json, "source", image ? image - 1 : 0);
+        psplat_writer_count(json, "sampler", i);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+    psplat_writer_open(json, "samplers", '[');
+    for (size_t i = 0; i < PSPLAT_TEXTURE_SLOTS; ++i) {
+        const psplat_texture *use = &s->material.textures[i];
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_count(json, "wrapS", wraps[use->wrap[0]]);
+        psplat_writer_count(json, "wrapT", wraps[use->wrap[1]]);
+        psplat_writer_count(json, "magFilter", use->nearest ? 9728 : 9729);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+    psplat_writer_open(json, "images", '[');
+    for (size_t i = 0; i < s->image_count; ++i) {
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_count(json, "bufferView", first_view + i);
+        psplat_writer_string(json, "mimeType", "image/x-raw");
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
 static void add_material(psplat_writer *json, const psplat_material *m) {
     psplat_writer_open(json, "materials", '[');
     psplat_writer_open(json, NULL, '{');
@@ -219,10 +332,25 @@ static void add_material(psplat_writer *json, const psplat_material *m) {
     psplat_writer_floats(json, "baseColorFactor", m->base_color, 4);
     psplat_writer_float(json, "metallicFactor", m->metallic);
     psplat_writer_float(json, "roughnessFactor", m->roughness);
+    add_texture(json, "baseColorTexture", m, PSPLAT_TEXTURE_BASE_COLOR);
+    add_texture(json, "metallicRoughnessTexture", m, PSPLAT_TEXTURE_METALLIC_ROUGHNESS);
     psplat_writer_close(json, '}');
     psplat_writer_floats(json, "emissiveFactor", m->emissive, 3);
     psplat_writer_boolean(json, "doubleSided", m->double_sided);
-    if (m->unlit) psplat_writer_raw(json, "extensions", "{\"KHR_materials_unlit\":{}}");
+    add_texture(json, "occlusionTexture", m, PSPLAT_TEXTURE_OCCLUSION);
+    add_texture(json, "emissiveTexture", m, PSPLAT_TEXTURE_EMISSIVE);
+    if (m->alpha_cutoff > 0) {
+        psplat_writer_string(json, "alphaMode", "MASK");
+        psplat_writer_float(json, "alphaCutoff", m->alpha_cutoff);
+    }
+    psplat_writer_open(json, "extensions", '{');
+    if (m->unlit) psplat_writer_raw(json, "KHR_materials_unlit", "{}");
+    if (m->textures[PSPLAT_TEXTURE_NORMAL].image) {
+        psplat_writer_open(json, "PSPLAT_surface_splats", '{');
+        add_texture(json, "normalTexture", m, PSPLAT_TEXTURE_NORMAL);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, '}');
     psplat_writer_close(json, '}');
     psplat_writer_close(json, ']');
 }
@@ -255,11 +383,13 @@ static void write_document(psplat_writer *json, const scene *s, const primitive 
     psplat_writer_close(json, '}');
     psplat_writer_close(json, ']');
     add_material(json, &s->material);
+    if (s->image_count) add_images_of(json, s, count);
     psplat_writer_open(json, "accessors", '[');
     for (size_t i = 0; i < count; ++i) add_accessors(json, s, &list[i], i);
     psplat_writer_close(json, ']');
     psplat_writer_open(json, "bufferViews", '[');
     for (size_t i = 0; i < count; ++i) add_view(json, s, &list[i]);
+    add_image_views(json, s, bytes);
     psplat_writer_close(json, ']');
     psplat_writer_open(json, "buffers", '[');
     psplat_writer_open(json, NULL, '{');
@@ -268,11 +398,6 @@ static void write_document(psplat_writer *json, const scene *s, const primitive 
     psplat_writer_close(json, ']');
     psplat_writer_close(json, '}');
     if (!psplat_writer_finish(json)) give_up("out of memory");
-}
-
-static uint8_t *put_u32(uint8_t *out, size_t value) {
-    for (int i = 0; i < 4; ++i) *out++ = (uint8_t)(value >> (8 * i));
-    return out;
 }
 
 /* The container is that of glTF 2.0 section 4.4. */

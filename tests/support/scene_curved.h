@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * scene_curved.h - scenes with curved splats or bent clip lines as files of version 3, all of
- * floats. It shares no code with the converter's writer of such files.
+ * scene_curved.h - scenes with curved splats, bent clip lines or textures as files of version 3,
+ * all of floats. It shares no code with the converter's writer of such files.
  */
 #ifndef PHONGSPLAT_TEST_SCENE_CURVED_H
 #define PHONGSPLAT_TEST_SCENE_CURVED_H

@@ -20,6 +20,7 @@
 typedef enum spy_object {
     SPY_TEXTURE = 0,
     SPY_FRAMEBUFFER,
+    SPY_SAMPLER,
     SPY_VERTEX_ARRAY,
     SPY_PROGRAM,
     SPY_SHADER,

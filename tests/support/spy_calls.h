@@ -54,6 +54,7 @@ SPY_VOID(FrontFace, (GLenum mode), (mode), INTEGER(GL_FRONT_FACE))
 SPY_VOID(GetBooleanv, (GLenum name, GLboolean *values), (name, values), NOTHING)
 SPY_VOID(GetFloatv, (GLenum name, GLfloat *values), (name, values), NOTHING)
 SPY_VOID(GetIntegerv, (GLenum name, GLint *values), (name, values), NOTHING)
+SPY_VOID(GenerateMipmap, (GLenum target), (target), BOUND(TEXTURE, texture_binding(target)))
 SPY_VOID(GetProgramInfoLog, (GLuint program, GLsizei size, GLsizei *length, GLchar *log),
          (program, size, length, log), NOTHING)
 SPY_VOID(GetShaderInfoLog, (GLuint shader, GLsizei size, GLsizei *length, GLchar *log),
@@ -62,6 +63,8 @@ SPY_VOID(LinkProgram, (GLuint program), (program), OWN(PROGRAM, program))
 SPY_VOID(PixelStorei, (GLenum name, GLint value), (name, value), INTEGER(name))
 SPY_VOID(PolygonMode, (GLenum face, GLenum mode), (face, mode), INTEGER(SPY_GL_POLYGON_MODE))
 SPY_VOID(ReadBuffer, (GLenum source), (source), BOUND(FRAMEBUFFER, GL_READ_FRAMEBUFFER_BINDING))
+SPY_VOID(SamplerParameteri, (GLuint sampler, GLenum name, GLint value), (sampler, name, value),
+         OWN(SAMPLER, sampler))
 SPY_VOID(ShaderSource,
          (GLuint shader, GLsizei count, const GLchar *const *strings, const GLint *lengths),
          (shader, count, strings, lengths), OWN(SHADER, shader))
@@ -95,9 +98,11 @@ SPY_VALUE(GLboolean, GL_FALSE, IsEnabled, (GLenum capability), (capability))
 
 /* Arrays of names: SPY_GEN(kind, name, parameters), SPY_DELETE(kind, name, parameters) */
 SPY_GEN(FRAMEBUFFER, GenFramebuffers)
+SPY_GEN(SAMPLER, GenSamplers)
 SPY_GEN(TEXTURE, GenTextures)
 SPY_GEN(VERTEX_ARRAY, GenVertexArrays)
 SPY_DELETE(FRAMEBUFFER, DeleteFramebuffers)
+SPY_DELETE(SAMPLER, DeleteSamplers)
 SPY_DELETE(TEXTURE, DeleteTextures)
 SPY_DELETE(VERTEX_ARRAY, DeleteVertexArrays)
 

@@ -157,6 +157,26 @@ static void test_a_useless_set_changes_no_watch(void **state) {
     load_destroy(l);
 }
 
+/* Images are decoded on the worker; a file with one that cannot be is not opened. */
+static void test_images_are_decoded(void **state) {
+    const fixture *f = *state;
+    scene s = scene_disc(1);
+    scene_add_textures(&s); /* with an image of no format */
+    write_scene(f->missing, s);
+    const char *paths[] = {PSPLAT_SOURCE_DIR "/schema/textured.gltf", f->missing};
+    assert_int_equal(loader_open(f->loader, paths, 2), 1);
+    load *l = next_load(f);
+    const loaded_file *good = &l->files[0], *bad = &l->files[1];
+    assert_int_equal(good->error.code, PSPLAT_OK);
+    assert_true(psplat_asset_image_count(good->asset) > 0);
+    for (size_t i = 0; i < psplat_asset_image_count(good->asset); ++i)
+        assert_true(good->images[i].width > 0 && good->images[i].rgba);
+    assert_int_equal(bad->error.code, PSPLAT_ERROR_FORMAT);
+    assert_non_null(strstr(bad->error.text, "image/x-raw"));
+    assert_null(bad->asset);
+    load_destroy(l);
+}
+
 /* A pipe without a writer would block the worker for ever. */
 static void test_a_pipe_is_refused(void **state) {
     const fixture *f = *state;
@@ -190,6 +210,7 @@ int test_loader_main(void) {
         LOADER_TEST(test_reload_opens_all),
         LOADER_TEST(test_a_useless_set_changes_no_watch),
         LOADER_TEST(test_a_pipe_is_refused),
+        LOADER_TEST(test_images_are_decoded),
         LOADER_TEST(test_ending_early_frees_everything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -62,6 +62,22 @@ static void test_screenshots_are_numbered(void **state) {
     quit(f);
 }
 
+/* The example of the specification has red, green and blue squares in its image. */
+static void test_textures_are_shown(void **state) {
+    fixture *f = *state;
+    start(f, "--shading=unlit", PSPLAT_SOURCE_DIR "/schema/textured.gltf", NULL);
+    picture p = await_covered(f, "textured splats are drawn", ALL / 50, ALL);
+    int strong[3] = {0, 0, 0};
+    for (int i = 0; i < p.width * 200; ++i)
+        for (int k = 0; k < 3; ++k) {
+            const uint8_t *rgb = p.rgb + 3 * i;
+            strong[k] += rgb[k] > 3 * rgb[(k + 1) % 3] / 2 && rgb[k] > 3 * rgb[(k + 2) % 3] / 2;
+        }
+    for (int k = 0; k < 3; ++k) assert_true(strong[k] > 50);
+    free(p.rgb);
+    quit(f);
+}
+
 static void test_changed_file_is_loaded_again(void **state) {
     fixture *f = *state;
     picture cube = start_cube(f);
@@ -145,6 +161,7 @@ static void test_closing_the_window_ends_the_program(void **state) {
 
 int test_window_files_main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_textures_are_shown),
         cmocka_unit_test(test_screenshots_are_numbered),
         cmocka_unit_test(test_changed_file_is_loaded_again),
         cmocka_unit_test(test_broken_file_changes_nothing),

@@ -12,6 +12,7 @@ uniform vec3 u_ambient;
 uniform vec3 u_emissive;
 uniform vec3 u_surface; /* metallic, roughness, unlit */
 uniform int u_linear_output;
+uniform int u_unlit; /* 1: the base colour alone, whatever the material is */
 
 const float PI = 3.14159265358979;
 
@@ -55,7 +56,7 @@ vec3 light_finished(vec3 normal, vec3 view, surface s) {
             (1.0 - fresnel) * diffuse / PI + fresnel * specular_lobe(n, h, nl, nv, alpha);
         result += u_light_colors[i] * nl * lobes;
     }
-    return mix(result, s.color, u_surface.z);
+    return u_unlit != 0 ? s.color : mix(result, s.color, u_surface.z);
 }
 
 vec3 light_surface(vec3 normal, vec3 view, vec3 color) {

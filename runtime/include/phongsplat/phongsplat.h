@@ -68,13 +68,13 @@ typedef struct psplat_asset psplat_asset;
 typedef struct psplat_asset_desc {
     psplat_allocator allocator;
     psplat_files files;
-    const char *base_path; /* directory of external buffers, for psplat_asset_open_memory alone;
-                              NULL: external buffers are refused */
+    const char *base_path; /* directory of external buffers and images, for
+                              psplat_asset_open_memory alone; NULL: those are refused */
     size_t max_file_size;  /* bytes that all files together and their decompressed data may have;
                               0 means 2 GiB */
     int measures;          /* 1: psplat_attribute.stored is computed for compressed data too */
     int only_draws;        /* 1: the asset is for psplat_model_create alone, takes less memory and
-                              opens faster; psplat_batch.splats and finishes are NULL */
+                              opens faster; psplat_batch.splats, finishes and texcoords are NULL */
 } psplat_asset_desc;
 
 /* The storage of one attribute of a batch in its file (spec 3.2), for tools that show it. */
@@ -96,9 +96,11 @@ typedef struct psplat_batch {
                                       where psplat_asset_desc.only_draws was 1 */
     const psplat_finish *finishes; /* splat_count of them; NULL where the file stores none or
                                       psplat_asset_desc.only_draws was 1 */
-    size_t splat_count;            /* >= 1 */
-    uint32_t clip_count;           /* clip lines of every splat in this batch, 0 ... 4 */
-    uint32_t primitive;            /* batches with the same number share their splats */
+    const psplat_texcoord *texcoords; /* splat_count of them; NULL where the file stores none or
+                                         psplat_asset_desc.only_draws was 1 */
+    size_t splat_count;               /* >= 1 */
+    uint32_t clip_count;              /* clip lines of every splat in this batch, 0 ... 4 */
+    uint32_t primitive;               /* batches with the same number share their splats */
     double model[16]; /* affine transform from object space to the scene, composed in double */
     psplat_kernel kernel;
     float depth_tolerance; /* depthTolerance of spec 5.3, in the units of psplat_splat.center */
@@ -113,16 +115,19 @@ typedef struct psplat_batch {
     int has_color_gradient; /* 0: color_u and color_v are 0 in every finish */
     int has_surface;        /* 0: occlusion, roughness and metallic are 1 in every finish */
     int has_emissive;       /* 0: emissive is 1 in every finish */
+    int has_texcoord;      /* 0: the splats have no texture coordinates, the material no textures */
+    int has_texcoord_bend; /* 0: texture coordinates are linear over every splat */
     const psplat_attribute *attributes; /* attribute_count of them, in the order of spec 3.2 */
     size_t attribute_count;
 } psplat_batch;
 
 /* Opens a .glb file, or a .gltf file with .bin files beside it or with data URIs; open_memory opens
- * the bytes of such a file, which are not needed after it returns. desc may be NULL. Every count,
- * offset, stride, type and range of what is used is checked. On success *asset belongs to the
- * caller, who destroys it. On failure *asset is NULL, and error (which may be NULL) says what is
- * wrong and where. Errors: ARGUMENT, MEMORY, READ, FORMAT, RANGE, UNSUPPORTED, NO_SPLATS,
- * RESCALED. */
+ * the bytes of such a file, which are not needed after it returns. Images are taken from the file,
+ * from data URIs or from files beside it, where textures of splats need them, and are not decoded.
+ * desc may be NULL. Every count, offset, stride, type and range of what is used is checked. On
+ * success *asset belongs to the caller, who destroys it. On failure *asset is NULL, and error
+ * (which may be NULL) says what is wrong and where. Errors: ARGUMENT, MEMORY, READ, FORMAT, RANGE,
+ * UNSUPPORTED, NO_SPLATS, RESCALED. */
 PSPLAT_EXPORT psplat_result psplat_asset_open(const char *path, const psplat_asset_desc *desc,
                                               psplat_asset **asset, psplat_error *error);
 PSPLAT_EXPORT psplat_result psplat_asset_open_memory(const void *data, size_t size,
@@ -138,6 +143,25 @@ PSPLAT_EXPORT void psplat_asset_destroy(psplat_asset *asset);
 PSPLAT_EXPORT size_t psplat_asset_batch_count(const psplat_asset *asset);
 PSPLAT_EXPORT const psplat_batch *psplat_asset_batch(const psplat_asset *asset, size_t index);
 
+/* An image that materials of splats with texture coordinates use, still encoded as PNG, JPEG or
+ * whatever else the file holds (WebP, KTX 2 and DDS where EXT_texture_webp, KHR_texture_basisu or
+ * MSFT_texture_dds name them and a texture has no other source). It is valid until the asset is
+ * destroyed. */
+typedef struct psplat_asset_image {
+    const void *data; /* size bytes */
+    size_t size;
+    const char *mime_type; /* "image/png", "image/jpeg", ... as the file states it or its first
+                              bytes show it; "" where neither does */
+    const char *name;      /* the file's name for it or its path, for messages; "" without one */
+} psplat_asset_image;
+
+/* Return the number of images and one of them. psplat_texture.image is 1 + such an index. Images of
+ * the file that no splat shows are not among them. An asset that is NULL has no images, and
+ * psplat_asset_get_image returns NULL where index is not below the number. */
+PSPLAT_EXPORT size_t psplat_asset_image_count(const psplat_asset *asset);
+PSPLAT_EXPORT const psplat_asset_image *psplat_asset_get_image(const psplat_asset *asset,
+                                                               size_t index);
+
 /* Computes an axis-aligned box around all batches in scene space. */
 PSPLAT_EXPORT void psplat_asset_bounds(const psplat_asset *asset, double min[3], double max[3]);
 
@@ -148,6 +172,29 @@ typedef struct psplat_renderer psplat_renderer;
 
 /* An asset uploaded to the GPU. It belongs to the renderer that it was created with. */
 typedef struct psplat_model psplat_model;
+
+/* The pixels of a decoded image, or a texture of the host's that holds them. */
+typedef struct psplat_pixels {
+    const uint8_t *rgba; /* height x width x 4 as the image stores them, the first row at the top;
+                            NULL where texture is not 0 */
+    uint32_t width, height; /* 1 ... GL_MAX_TEXTURE_SIZE */
+    unsigned texture; /* the name of a 2D texture, complete with its mipmaps, whose first row is
+                         the top of the image; 0: rgba is uploaded */
+    void *user;       /* for release */
+} psplat_pixels;
+
+/* Decoding of images, which the host provides: the runtime has no decoder. load() is called once
+ * for each image and each of its uses as colours (is_srgb 1: a host's texture has to return linear
+ * light) and as other numbers (is_srgb 0); it fills *pixels and returns PSPLAT_OK, or fills error
+ * and returns the result with which the model's creation is to fail. release() is called once for
+ * each load() that succeeded: right after the upload, or for a texture when the model is destroyed.
+ * It may be NULL. Where load is NULL, splats are drawn without textures. */
+typedef struct psplat_images {
+    psplat_result (*load)(void *user, const psplat_asset_image *image, int is_srgb,
+                          psplat_pixels *pixels, psplat_error *error);
+    void (*release)(void *user, psplat_pixels *pixels);
+    void *user;
+} psplat_images;
 
 /* The parameters of psplat_renderer_create. get_proc is required and returns the address of a GL
  * function, or NULL where there is none: eglGetProcAddress, glfwGetProcAddress or the engine's
@@ -166,6 +213,7 @@ typedef struct psplat_renderer_desc {
     void *(*get_proc)(void *user, const char *name);
     void *user; /* passed to get_proc */
     psplat_allocator allocator;
+    psplat_images images;
 } psplat_renderer_desc;
 
 /* Creates a renderer in the current context. On success *renderer belongs to the caller, who
@@ -193,7 +241,8 @@ PSPLAT_EXPORT psplat_memory psplat_renderer_memory(const psplat_renderer *render
 
 /* Uploads an asset, which is not needed after the call. On success *model belongs to the caller,
  * who destroys it; on failure it is NULL. Errors: ARGUMENT, MEMORY (of the allocator or of GL),
- * RANGE (a primitive has more splats than GL's largest texture holds), GRAPHICS. */
+ * RANGE (a primitive has more splats, or an image more pixels, than GL's largest texture holds),
+ * GRAPHICS, and those of psplat_images.load. */
 PSPLAT_EXPORT psplat_result psplat_model_create(psplat_renderer *renderer,
                                                 const psplat_asset *asset, psplat_model **model,
                                                 psplat_error *error);

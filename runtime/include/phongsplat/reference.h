@@ -20,12 +20,16 @@ typedef struct psplat_reference_scene {
                                   identity */
     const psplat_environment_desc *environment; /* takes the place of psplat_view.environment, which
                                                    is ignored; NULL: there is none */
+    const psplat_pixels *images; /* image_count decoded images, by psplat_texture.image - 1; a
+                                    texture whose image is beyond them, or has no rgba, is left out.
+                                    Each is at most 65536 texels wide and high */
+    size_t image_count;
 } psplat_reference_scene;
 
 /* Per-pixel results. Each array holds width * height entries, row 0 at the bottom as in GL. The
  * caller provides the arrays; what belongs in an array that is NULL is not computed.
  *
- * The three ties say how near a pixel is to the opposite of a decision, so that tests can skip
+ * The four ties say how near a pixel is to the opposite of a decision, so that tests can skip
  * pixels that single precision cannot decide. They are 1 where no decision is near. They consider
  * only splats that could contribute, which are those not hidden behind the pixel's visibility limit
  * min(t + epsilon) of spec 5.3. In flat and parameters mode the limit is the nearest splat; in the
@@ -52,16 +56,18 @@ typedef struct psplat_reference_image {
                             the visibility limit */
     double *epsilon_tie; /* least |t - limit| over the greatest epsilon of eq. (5); always 1 in flat
                             and parameters mode */
+    double *alpha_tie;   /* least |alpha - alphaCutoff| of a fragment with an alpha mask */
 } psplat_reference_image;
 
 /* Draws a scene with the given view, of which x, y and environment are ignored; the projection may
  * be any invertible matrix. The arrays of image have view.width x view.height pixels. While it runs
- * it takes some 300 bytes a pixel from the C library, and 500 bytes a splat where a light casts
- * shadows. Where the materials of several batches meet in a pixel, their factors are blended as
- * COLOR_0 is (spec 5.4). Images should be small, because shadows are found by rays and environments
- * are integrated pixel by pixel. Values of the shadings NORMAL, DEPTH and OVERDRAW are never
- * sRGB-encoded.
- * Errors: ARGUMENT, MEMORY, UNSUPPORTED (TOON, SPLATS, and OVERDRAW without linear_output). */
+ * it takes some 300 bytes a pixel from the C library, 43 bytes a texel of each image that is used,
+ * and 500 bytes a splat where a light casts shadows. Where the materials of several batches meet in
+ * a pixel, their factors are blended as COLOR_0 is (spec 5.4). Images should be small, because
+ * shadows are found by rays and environments are integrated pixel by pixel. Values of the shadings
+ * NORMAL, DEPTH and OVERDRAW are never sRGB-encoded. Textures are sampled without anisotropy, from
+ * mipmaps that are exact means. Errors: ARGUMENT, MEMORY, UNSUPPORTED (TOON, SPLATS, and OVERDRAW
+ * without linear_output). */
 PSPLAT_EXPORT psplat_result psplat_reference_draw(const psplat_reference_scene *scene,
                                                   const psplat_view *view,
                                                   psplat_reference_image *image,

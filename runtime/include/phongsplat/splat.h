@@ -73,6 +73,18 @@ typedef struct psplat_finish {
     float emissive[3];            /* 0 ... 1: multiplies the material's; 1 where unstored */
 } psplat_finish;
 
+/* The texture coordinates of one splat, a polynomial of its parameters (spec 3.11):
+ *
+ *     T(u, v) = at + u along_u + v along_v + u^2 along_uu + u v along_uv + v^2 along_vv
+ *
+ * in the space of glTF's TEXCOORD_0, (0, 0) at the upper left corner of an image, before a
+ * texture's own transform. */
+typedef struct psplat_texcoord {
+    float at[2];
+    float along_u[2], along_v[2];
+    float along_uu[2], along_uv[2], along_vv[2]; /* 0 where unstored: the coordinates are linear */
+} psplat_texcoord;
+
 /* Blending kernel psi(r) = exp(-sharpness * r^exponent) for r = sqrt(u*u + v*v) in 0 ... 1, and 0
  * beyond (Pajarola, Sainz, Guidotti 2003, section 4.2, with the support radius b at 1). */
 typedef struct psplat_kernel {
@@ -85,6 +97,33 @@ typedef struct psplat_kernel {
 #define PSPLAT_DEFAULT_KERNEL_SHARPNESS 2.0f
 #define PSPLAT_DEFAULT_KERNEL_EXPONENT 2.0f
 
+/* How a texture goes on beyond its image. */
+typedef enum psplat_wrap {
+    PSPLAT_WRAP_REPEAT = 0,
+    PSPLAT_WRAP_CLAMP,
+    PSPLAT_WRAP_MIRROR
+} psplat_wrap;
+
+/* The use of an image by a material. All zeros mean no texture. */
+typedef struct psplat_texture {
+    uint32_t image;      /* 1 + the index of the image; 0: no texture */
+    psplat_wrap wrap[2]; /* of s and t */
+    int nearest;         /* 1: magnified without interpolation */
+    float transform[6];  /* KHR_texture_transform: rows of a 2 x 3 matrix of (s, t, 1), which turns
+                            T into the image's coordinates; all zeros mean the identity */
+    float strength;      /* normal scale or occlusion strength; unused in the other slots */
+} psplat_texture;
+
+/* The textures of a material. */
+typedef enum psplat_texture_slot {
+    PSPLAT_TEXTURE_BASE_COLOR = 0,
+    PSPLAT_TEXTURE_METALLIC_ROUGHNESS,
+    PSPLAT_TEXTURE_NORMAL,
+    PSPLAT_TEXTURE_OCCLUSION,
+    PSPLAT_TEXTURE_EMISSIVE,
+    PSPLAT_TEXTURE_SLOTS
+} psplat_texture_slot;
+
 /* The part of a glTF material that splats use. All factors are linear and as in glTF 2.0. */
 typedef struct psplat_material {
     float base_color[4]; /* 0 ... 1; glTF default 1 1 1 1 */
@@ -93,6 +132,9 @@ typedef struct psplat_material {
     float roughness;     /* 0 ... 1 */
     int double_sided;    /* 0: splats seen from behind are culled */
     int unlit;           /* 1: KHR_materials_unlit, the base colour is shown without light */
+    float alpha_cutoff;  /* alphaMode MASK: what is less opaque is not there; 0: all is opaque */
+    psplat_texture textures[PSPLAT_TEXTURE_SLOTS]; /* by slot; splats without texture coordinates
+                                                      have none (spec 3.11) */
 } psplat_material;
 
 /* The result of every function that can fail. 0 is success. Comments of functions list the errors

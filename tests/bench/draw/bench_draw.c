@@ -5,6 +5,7 @@
  *
  *     lower bound  its primitives drawn twice with a constant shader, without blending, float
  *                  targets and resolve pass: what is left is the cost of rasterising (probe.h)
+ *     no textures  the same splats, where the file has images
  *     sprites      the papers' own method; in phong mode (sprites.c)
  *     mesh         the mesh that the model was made from, with --mesh; in phong mode
  *                  (source_drawing.c)
@@ -37,6 +38,8 @@ static method_set method_set_make(psplat_host *host, const subject *s, const opt
     m.counted[m.count] = draw_method_splats(host, s, counting_options);
     m.timed[m.count++] = draw_method_splats(host, s, 0);
     m.timed[m.count++] = draw_method_splats(host, s, PROBE_BOUND);
+    if (psplat_asset_image_count(s->asset) > 0)
+        m.timed[m.count++] = draw_method_untextured(host, s);
     m.phong_first = m.count;
     m.counted[m.count] = draw_method_sprites(host, s, counting_options);
     m.timed[m.count++] = draw_method_sprites(host, s, 0);

@@ -4,6 +4,8 @@
  * primitives (probe.h).
  */
 #include "draw_method.h"
+
+#include "decode_image.h"
 #include "probe.h"
 
 #include <stdio.h>
@@ -34,15 +36,24 @@ static void destroy(void *self) {
     free(s);
 }
 
-draw_method draw_method_splats(psplat_host *host, const subject *subject, unsigned options) {
+static splats *make(psplat_host *host, const subject *subject, psplat_images images) {
     splats *s = calloc(1, sizeof *s);
     if (!s) abort();
     psplat_error error;
-    psplat_renderer_desc desc = {.get_proc = probe_get_proc, .user = host};
+    psplat_renderer_desc desc = {.get_proc = probe_get_proc, .user = host, .images = images};
     check(psplat_renderer_create(&desc, &s->renderer, &error), &error);
     check(psplat_model_create(s->renderer, subject->asset, &s->model, &error), &error);
+    return s;
+}
+
+draw_method draw_method_splats(psplat_host *host, const subject *subject, unsigned options) {
     const char *name = options & PROBE_BOUND ? "lower bound" : "ours";
-    return (draw_method){name, draw, destroy, s, options};
+    return (draw_method){name, draw, destroy, make(host, subject, decode_images()), options};
+}
+
+draw_method draw_method_untextured(psplat_host *host, const subject *subject) {
+    psplat_images none = {.load = NULL};
+    return (draw_method){"no textures", draw, destroy, make(host, subject, none), 0};
 }
 
 void draw_method_destroy(draw_method *method) {

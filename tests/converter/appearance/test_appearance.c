@@ -41,7 +41,7 @@ static psplat_baked_point shade_at(const painted *p, double x, double y) {
     psplat_baked_point shade;
     double barycentric[3];
     at(x, y, barycentric);
-    assert_int_equal(psplat_appearance_build(&p->mesh, 1e-6, &appearance), PSPLAT_OK);
+    assert_int_equal(psplat_appearance_build(&p->mesh, 1e-6, 0, &appearance), PSPLAT_OK);
     psplat_appearance_bake(&appearance, 0, barycentric, up, &shade);
     psplat_appearance_free(&appearance);
     return shade;
@@ -85,7 +85,8 @@ static void test_diameter(void **state) {
     for (int wide = 0; wide < 2; ++wide) {
         psplat_appearance appearance;
         psplat_baked_point shade;
-        assert_int_equal(psplat_appearance_build(&p.mesh, wide ? 1 : 0.5, &appearance), PSPLAT_OK);
+        assert_int_equal(psplat_appearance_build(&p.mesh, wide ? 1 : 0.5, 0, &appearance),
+                         PSPLAT_OK);
         psplat_appearance_bake(&appearance, 0, barycentric, up, &shade);
         assert_near(shade.finish[1], wide ? 0.25 : 0, 1e-5); /* levels of 16 bits */
         psplat_appearance_free(&appearance);
@@ -206,7 +207,7 @@ static void test_what_varies(void **state) {
     painted_make(&p, 1, 4, ramps);
     p.source_material.base_color = (psplat_texture_info){.image = &unreadable};
     p.source_material.emissive = (psplat_texture_info){.image = &p.image};
-    assert_int_equal(psplat_appearance_build(&p.mesh, 1e-6, &appearance), PSPLAT_OK);
+    assert_int_equal(psplat_appearance_build(&p.mesh, 1e-6, 0, &appearance), PSPLAT_OK);
     assert_false(appearance.has_color || appearance.has_normals || appearance.has_finish);
     assert_true(appearance.has_emissive);
     psplat_appearance_free(&appearance);
@@ -214,12 +215,12 @@ static void test_what_varies(void **state) {
      * another. */
     p.source_material.base_color.image = &p.image;
     p.source_material.metallic_roughness.image = &p.image;
-    assert_int_equal(psplat_appearance_build(&p.mesh, 1e-6, &appearance), PSPLAT_OK);
+    assert_int_equal(psplat_appearance_build(&p.mesh, 1e-6, 0, &appearance), PSPLAT_OK);
     assert_int_equal(appearance.mipmap_count, 2);
     psplat_appearance_free(&appearance);
     p.mesh.source_materials = NULL;
     p.mesh.source_material_count = 0;
-    assert_int_equal(psplat_appearance_build(&p.mesh, 1e-6, &appearance), PSPLAT_OK);
+    assert_int_equal(psplat_appearance_build(&p.mesh, 1e-6, 0, &appearance), PSPLAT_OK);
     assert_false(appearance.has_color || appearance.has_emissive);
     psplat_appearance_free(&appearance);
     painted_free(&p);
@@ -234,7 +235,7 @@ static void test_alpha(void **state) {
     p.source_material.base_color = (psplat_texture_info){.image = &p.image};
     p.source_material.material.base_color[3] = 0.5f;
     at(0.5, -0.5, barycentric);
-    assert_int_equal(psplat_appearance_build(&p.mesh, 1e-6, &appearance), PSPLAT_OK);
+    assert_int_equal(psplat_appearance_build(&p.mesh, 1e-6, 0, &appearance), PSPLAT_OK);
     assert_near(psplat_appearance_alpha(&appearance, 0, barycentric), 1, 0);
     p.source_material.is_masked = 1;
     assert_near(psplat_appearance_alpha(&appearance, 0, barycentric), (1 - 16 * 11.5 / 255) / 2,

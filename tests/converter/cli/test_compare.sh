@@ -22,7 +22,7 @@ case_report() {
 const r = JSON.parse(require('fs').readFileSync(process.argv[2], 'utf8'));
 const keys = ['source', 'target', 'kind', 'source_triangles', 'elements', 'source_samples', 'target_samples', 'diagonal',
               'reach_percent', 'crease_width_percent', 'uncovered_area_percent', 'overhang_area_percent', 'crease_area_percent', 'seconds', 'rays', 'image_size', 'image_erosion', 'mode', 'filter', 'views'];
-const picture = ['psnr_db', 'ssim', 'difference_percent', 'inside_percent', 'distant_percent', 'missing_percent', 'extra_percent', 'covered', 'interior_holes'];
+const picture = ['psnr_db', 'inside_psnr_db', 'ssim', 'difference_percent', 'inside_percent', 'distant_percent', 'missing_percent', 'extra_percent', 'covered', 'interior_holes'];
 for (const name of picture) keys.push('image_' + name);
 for (const [unit, names] of [['percent', ['outward', 'inward', 'distance']], ['degrees', ['normal', 'face_normal', 'crease_normal']]])
     for (const name of names) for (const kind of ['max', 'rms', 'p95']) keys.push(`${name}_${kind}_${unit}`);
@@ -42,6 +42,19 @@ if (r.views.length !== 12 || r.views.some((v) => Object.keys(v).join() !== pictu
 if (r.views.reduce((sum, v) => sum + v.covered, 0) !== r.image_covered || !(r.image_covered > 12 * 500)) throw Error('covered');
 if (!(r.image_ssim > 0.9 && r.image_ssim <= 1)) throw Error('a cube looks like its splats');
 if (!(r.face_normal_rms_degrees < 0.01 && r.source_samples >= 20000)) throw Error('faces');
+JS
+}
+
+# Where the source has textures, pictures without light are compared as well; a texture that is baked into colours differs.
+case_base_color() {
+    "$PHONGSPLAT" convert -q "$SOURCE_DIR/samples/models/painted.glb" painted.glb -t 2 </dev/null || fail "convert"
+    run "$PHONGSPLAT" compare "$SOURCE_DIR/samples/models/painted.glb" painted.glb --samples 1000 --size 64 --software --report out/r.json
+    expect_success
+    expect_output '^base colour, without light: PSNR [0-9.]+ dB, [0-9.]+ dB where both are, SSIM [01][.][0-9]+, mean difference [0-9.e-]+ % of white$'
+    node - out/r.json <<'JS' || fail "report"
+const r = JSON.parse(require('fs').readFileSync(process.argv[2], 'utf8'));
+if (!(r.base_color_psnr_db > 5 && r.base_color_psnr_db !== r.image_psnr_db && r.base_color_ssim < 1)) throw Error('base colour');
+if (r.base_color_covered !== r.image_covered) throw Error('covered');
 JS
 }
 

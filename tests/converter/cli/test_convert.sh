@@ -53,10 +53,10 @@ rm out/third.glb
 "$PHONGSPLAT" convert cube.obj - -t 2 --normal-tolerance 5 --report out/promise.json >/dev/null </dev/null || fail "normals of a cube"
 node - out/cube.json out/promise.json <<'JS' || fail "promises"
 const [r, n] = process.argv.slice(2).map((path) => JSON.parse(require('fs').readFileSync(path, 'utf8')));
-if (!r.kept || r.places.length || Object.keys(r.promises).join() !== 'coverage,distance,normal,crease') throw Error('kept');
+if (!r.kept || r.places.length || Object.keys(r.promises).join() !== 'coverage,distance,normal,crease,texture') throw Error('kept');
 for (const [name, p] of Object.entries(r.promises)) {
-    if (!p.kept || p.broken || p.given !== (name !== 'normal') || p.limit !== (p.given ? 2 : 0)) throw Error(name);
-    if (name !== 'normal' && !(p.worst <= p.limit * 1.000001)) throw Error(name + ' worst');
+    if (!p.kept || p.broken || p.given !== (name !== 'normal' && name !== 'texture') || p.limit !== (p.given ? 2 : 0)) throw Error(name);
+    if (p.given && !(p.worst <= p.limit * 1.000001)) throw Error(name + ' worst');
 }
 if (!n.promises.normal.given || n.promises.normal.limit !== 5 || !(n.promises.normal.worst <= 5)) throw Error('normal');
 JS
@@ -92,3 +92,46 @@ expect_output '^out/scan.glb: [0-9]+ splats, .* 0 of [0-9]+ samples uncovered'
 cut -d' ' -f1-3 "$scan" >bare.xyz
 run "$PHONGSPLAT" convert bare.xyz out/bare.glb -t 2 -q
 expect_success
+
+# Textures stay textures, unless they are to be baked; images are copied byte by byte, or halved.
+painted=$SOURCE_DIR/samples/models/painted.glb
+texture_options='-t 10 --effort 0 --texture-tolerance 10000'
+run "$PHONGSPLAT" convert "$painted" out/kept.glb $texture_options
+expect_success
+run "$PHONGSPLAT" convert "$painted" out/small.glb $texture_options --texture-size 16
+expect_success
+run "$PHONGSPLAT" convert "$painted" out/baked.glb -t 10 --effort 0 --textures bake
+expect_success
+run "$PHONGSPLAT" convert "$painted" out/mesh.glb $texture_options --fallback mesh --gaussian
+expect_success
+node - "$painted" out/kept.glb out/small.glb out/baked.glb out/mesh.glb <<'JS' || fail "textures"
+const fs = require('fs');
+const [source, kept, small, baked, mesh] = process.argv.slice(2).map((path) => {
+    const bytes = fs.readFileSync(path), size = bytes.readUInt32LE(12);
+    const json = JSON.parse(bytes.toString('utf8', 20, 20 + size));
+    const images = (json.images || []).map((image) => {
+        const view = json.bufferViews[image.bufferView], start = 28 + size + (view.byteOffset || 0);
+        return bytes.subarray(start, start + view.byteLength);
+    });
+    return {json, images, primitives: json.meshes.flatMap((m) => m.primitives)};
+});
+if (!kept.images.length) throw Error('no image');
+for (const image of kept.images) if (!source.images.some((other) => other.equals(image))) throw Error('an image is not copied');
+for (const p of kept.primitives) {
+    const textured = !!kept.json.materials[p.material]?.pbrMetallicRoughness.baseColorTexture;
+    if (textured !== 'TEXCOORD_0' in p.attributes) throw Error('coordinates without a texture, or the other way round');
+}
+if (!kept.primitives.some((p) => 'TEXCOORD_0' in p.attributes)) throw Error('no coordinates');
+if (!small.images.every((image) => image.readUInt32BE(16) <= 16 && image.readUInt32BE(20) <= 16)) throw Error('an image is large');
+if (baked.images.length || baked.json.textures || baked.primitives.some((p) => 'TEXCOORD_0' in p.attributes)) throw Error('baked');
+const triangles = mesh.primitives.filter((p) => p.mode !== 0);
+if (!triangles.length || !triangles.some((p) => 'TEXCOORD_0' in p.attributes)) throw Error('the mesh has no coordinates');
+if (mesh.images.length !== kept.images.length) throw Error('an image is there twice');
+JS
+rm out/kept.glb out/small.glb out/baked.glb out/mesh.glb
+run "$PHONGSPLAT" convert "$painted" out/kept.glb --textures bake --texture-tolerance 1
+expect_error 1 "texture-tolerance: not together with textures bake"
+run "$PHONGSPLAT" convert "$painted" out/kept.glb --textures bake --texture-size 64
+expect_error 1 "texture-size: not together with textures bake"
+run "$PHONGSPLAT" convert "$painted" out/kept.glb --textures shrink
+expect_error 1 "textures: "

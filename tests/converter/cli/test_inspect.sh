@@ -73,4 +73,25 @@ run "$PHONGSPLAT" inspect once.gltf
 grep -q 'curved\|bent' stdout.txt && fail "plane splats are called curved"
 run "$PHONGSPLAT" validate "$SOURCE_DIR/schema/curved.gltf"
 expect_success
+
+# Images, textures and the bytes of texture coordinates are listed.
+run "$PHONGSPLAT" convert "$SOURCE_DIR/samples/models/painted.glb" painted.glb -t 10 --effort 0 --texture-tolerance 10000
+expect_success
+run "$PHONGSPLAT" inspect painted.glb
+expect_success
+expect_output '^TEXCOORD_0 +2 float +[0-9]+ +[0-9]+ +[0-9.]+$'
+expect_output '^texture coordinates +[0-9]+ +[0-9.]+$'
+expect_output '^0 .*image/(png|jpeg) +[0-9]+$'
+expect_output '^  textures: base colour of image 0'
+run "$PHONGSPLAT" inspect painted.glb --format json
+expect_success
+node - stdout.txt <<'JS' || fail "images"
+const shown = JSON.parse(require('fs').readFileSync(process.argv[2], 'utf8'));
+const sum = (list) => list.reduce((a, b) => a + b, 0);
+if (!(shown.image_bytes > 0) || shown.image_bytes !== sum(shown.images.map((i) => i.bytes))) throw Error('bytes of images');
+if (shown.texcoord_bytes !== sum(shown.attributes.filter((a) => /TEXCOORD/.test(a.name)).map((a) => a.stored))) throw Error('coordinates');
+if (!shown.batches.some((b) => b.has_texcoord && b.material.textures.base_color === 0)) throw Error('textures');
+JS
+run "$PHONGSPLAT" inspect cube.glb
+grep -q 'image\|texture' stdout.txt && fail "a cube has textures"
 echo "$checks checks passed"

@@ -166,7 +166,7 @@ static void check_attribute(const laid *l, const psplat_buffer_layout *layout,
             uint8_t expected[16] = {0};
             const psplat_attribute_table *table = &l->tables[primitive->mesh];
             assert_true(at + bytes <= view->rows * view->stride);
-            if (view->is_octahedral)
+            if (view->filter == PSPLAT_FILTER_OCTAHEDRAL)
                 psplat_attribute_table_put_octahedral(table, primitive->first[class] + i, expected);
             else
                 psplat_attribute_table_put(table, kind, format, primitive->first[class] + i,
@@ -273,7 +273,10 @@ static void test_flat_joins(void **state) {
 static size_t size_of(laid *l, const psplat_buffer_layout_plan *plan) {
     psplat_buffer_layout layout = make(l, plan);
     psplat_writer json = {.compact = 1};
-    assert_true(psplat_document_write(&json, &l->scene, &layout));
+    psplat_materials materials;
+    assert_int_equal(psplat_document_materials(&l->scene, &layout, &materials, NULL), PSPLAT_OK);
+    assert_true(psplat_document_write(&json, &l->scene, &layout, &materials));
+    psplat_materials_free(&materials);
     size_t size = 28 + (json.size + 3) / 4 * 4;
     for (size_t v = 0; v < layout.view_count; ++v)
         size += psplat_buffer_view_bytes(&layout.views[v]);

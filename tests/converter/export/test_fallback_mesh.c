@@ -211,11 +211,38 @@ static void test_groups_alone(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* Textures that are kept stay textures: vertices have their coordinates, and no colour is baked. */
+static void test_texture_coordinates(void **state) {
+    (void)state;
+    painted p;
+    painted_make(&p, 4, 4, stripes);
+    psplat_source_materials materials = {&p.source_material, 1, &p.image, 1, NULL};
+    p.source_material.base_color = (psplat_texture_info){.image = &p.image, .nearest = 1};
+    psplat_source_materials_describe_textures(&materials);
+    psplat_fallback_mesh s = make(&p.mesh, 0.5);
+    assert_true(s.has_texcoord && !s.has_color);
+    assert_int_equal(s.primitive_count, 1);
+    assert_true(s.primitives[0].has_texcoord);
+    assert_int_equal(s.primitives[0].material.textures[PSPLAT_TEXTURE_BASE_COLOR].image, 1);
+    assert_true(s.index_count >= 6 && s.vertex_count >= 4);
+    for (size_t i = 0; i < s.vertex_count; ++i) {
+        const psplat_fallback_vertex *v = &s.vertices[i];
+        assert_true(v->texcoord[0] == (v->position[0] + 1) / 2);
+        assert_true(v->texcoord[1] == 1 - (v->position[1] + 1) / 2);
+    }
+    psplat_fallback_mesh_free(&s);
+    painted_free(&p);
+}
+
 int test_fallback_mesh_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cube),         cmocka_unit_test(test_torus),
-        cmocka_unit_test(test_order),        cmocka_unit_test(test_materials),
-        cmocka_unit_test(test_groups_alone), cmocka_unit_test(test_finish),
+        cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_torus),
+        cmocka_unit_test(test_order),
+        cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_groups_alone),
+        cmocka_unit_test(test_finish),
+        cmocka_unit_test(test_texture_coordinates),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

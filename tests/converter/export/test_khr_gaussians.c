@@ -16,6 +16,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Returns a splat of radii 2 and 1 in the plane z = 0, white and not metallic. */
 static psplat_splat plain(void) {
@@ -36,7 +37,7 @@ static psplat_gaussian make(psplat_splat *splat, psplat_finish *finish,
                             .materials = &used,
                             .material_count = 1};
     psplat_gaussian *gaussians = NULL, found;
-    assert_int_equal(psplat_gaussians_make(&splats, &gaussians, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_gaussians_make(&splats, NULL, &gaussians, NULL), PSPLAT_OK);
     found = gaussians[0];
     free(gaussians);
     return found;
@@ -199,12 +200,59 @@ static void test_tilted(void **state) {
     }
 }
 
+/* Where a splat has texture coordinates, its colour is the mean of the texture over it: black to
+ * the left, white to the right, and emission and occlusion alike. */
+static void test_textures(void **state) {
+    (void)state;
+    uint8_t pixels[64 * 64 * 4];
+    for (size_t i = 0; i < 64 * 64; ++i)
+        memset(pixels + 4 * i, i % 64 < 32 ? 0 : 255, 3), pixels[4 * i + 3] = 255;
+    psplat_image image = {.pixels = pixels, .width = 64, .height = 64};
+    const psplat_source_materials sources = {.images = &image, .image_count = 1};
+    static const struct {
+        psplat_texture_slot slot;
+        float at;
+        double expected; /* linear, of light 1 */
+    } cases[] = {{PSPLAT_TEXTURE_BASE_COLOR, 0.5f, 0.5}, {PSPLAT_TEXTURE_BASE_COLOR, 0.75f, 1},
+                 {PSPLAT_TEXTURE_BASE_COLOR, 0.25f, 0},  {PSPLAT_TEXTURE_EMISSIVE, 0.5f, 0.5},
+                 {PSPLAT_TEXTURE_OCCLUSION, 0.75f, 1},   {PSPLAT_TEXTURE_OCCLUSION, 0.25f, 0.2}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
+        psplat_splat splat = plain();
+        psplat_texcoord texcoord = {
+            .at = {cases[c].at, 0.5f}, .along_u = {0.1f, 0}, .along_v = {0, 0.1f}};
+        psplat_material material = {.base_color = {1, 1, 1, 1}, .roughness = 1};
+        psplat_run run = {.count = 1, .has_texcoord = 1};
+        psplat_splats splats = {.splats = &splat,
+                                .texcoords = &texcoord,
+                                .count = 1,
+                                .runs = &run,
+                                .run_count = 1,
+                                .materials = &material,
+                                .material_count = 1};
+        psplat_gaussian *g = NULL;
+        psplat_gaussian bare = make(&splat, NULL, &material);
+        double full = (double)psplat_linear_of_srgb(0.28209479f * bare.harmonic[0] + 0.5f);
+        /* A transform by a whole tile changes nothing. */
+        material.textures[cases[c].slot] =
+            (psplat_texture){.image = 1, .strength = 0.8f, .transform = {1, 0, 1, 0, 1, -3}};
+        if (cases[c].slot == PSPLAT_TEXTURE_EMISSIVE) {
+            material.base_color[0] = 0, material.emissive[0] = 1, full = 1;
+        }
+        assert_int_equal(psplat_gaussians_make(&splats, &sources, &g, NULL), PSPLAT_OK);
+        /* The filter reads a mipmap whose texels are as wide as the splat, blurred by half. */
+        assert_near((double)psplat_linear_of_srgb(0.28209479f * g->harmonic[0] + 0.5f),
+                    full * cases[c].expected, 0.06);
+        free(g);
+    }
+}
+
 int test_khr_gaussians_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_whole_ellipse), cmocka_unit_test(test_square),
         cmocka_unit_test(test_turned),        cmocka_unit_test(test_nothing_left),
         cmocka_unit_test(test_colours),       cmocka_unit_test(test_finish),
         cmocka_unit_test(test_dome),          cmocka_unit_test(test_tilted),
+        cmocka_unit_test(test_textures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

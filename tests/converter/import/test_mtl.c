@@ -113,7 +113,6 @@ static void test_texture(void **state) {
     size_t size;
     uint8_t *png = png_of(pixels, 1, 2, PNG_FORMAT_RGB, NULL, &size);
     put("a b.png", png, size);
-    free(png);
     psplat_mesh mesh =
         read_with("newmtl one\nKd 1 1 1\nmap_Kd -clamp on -s 2 3 -o 0.5 .\\a b.png \n"
                   "newmtl two words\nmap_Kd -s 2 -bm 1 a b.png\n"
@@ -136,11 +135,24 @@ static void test_texture(void **state) {
     assert_near(rows[4], 3, 0);
     assert_near(rows[5], -2, 0);
     assert_near(two->base_color.transform[4], 1, 0);
+    /* The same as textures that splats may keep; the image is that of the file, byte by byte. */
+    const psplat_texture *kept = one->material.textures;
+    assert_int_equal(kept[PSPLAT_TEXTURE_BASE_COLOR].image, 1);
+    assert_int_equal(kept[PSPLAT_TEXTURE_BASE_COLOR].wrap[1], PSPLAT_WRAP_CLAMP);
+    assert_near(kept[PSPLAT_TEXTURE_BASE_COLOR].transform[5], -2, 0);
+    assert_int_equal(kept[PSPLAT_TEXTURE_EMISSIVE].image, 0);
+    assert_int_equal(two->material.textures[PSPLAT_TEXTURE_NORMAL].image, 1);
+    assert_near(two->material.textures[PSPLAT_TEXTURE_NORMAL].transform[0], 0, 0); /* identity */
+    assert_int_equal(one->base_color.image->size, size);
+    assert_memory_equal(one->base_color.image->bytes, png, size);
+    assert_string_equal(one->base_color.image->mime_type, "image/png");
+    assert_string_equal(one->base_color.image->name, "a b.png");
     const float *uv = mesh.corner_uvs[0];
     assert_near(uv[0] + uv[2] + uv[4], 2, 0);
     assert_near(uv[1] + uv[3] + uv[5], 2, 0);
     assert_near(uv[7] + uv[9] + uv[11], 1 + 0 + 0.75, 0);
     psplat_mesh_free(&mesh);
+    free(png);
     drop("a b.png");
 }
 

@@ -330,13 +330,36 @@ static void test_dropped(void **state) {
                  PSPLAT_ERROR_NO_SPLATS, "no triangle has an area");
 }
 
+/* Texture coordinates that are no numbers become 0, with a warning. */
+static void test_texcoords_that_are_no_numbers(void **state) {
+    (void)state;
+    static const float uvs[4][2] = {{0, 0}, {NAN, 0.5f}, {0.5f, INFINITY}, {1, 1}};
+    gltf g = tetrahedron();
+    add(&g, uvs, sizeof uvs, FLOAT, "VEC2", 4, "");
+    psplat_scene scene =
+        scene_of(finish(&g, "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,"
+                            "\"TEXCOORD_0\":2},\"indices\":1}]}]"));
+    const psplat_mesh *mesh = &scene.meshes[0].mesh;
+    assert_int_equal(scene.warning_count, 1);
+    assert_string_equal(scene.warnings[0], "6 texture coordinates are no numbers: they count as 0");
+    for (size_t i = 0; i < 6 * mesh->triangle_count; ++i)
+        assert_true(mesh->corner_uvs[0][i] == 0 || mesh->corner_uvs[0][i] == 1);
+    psplat_scene_free(&scene);
+}
+
 int test_read_scene_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_warnings),          cmocka_unit_test(test_meshes),
-        cmocka_unit_test(test_instances),         cmocka_unit_test(test_transform),
-        cmocka_unit_test(test_flattened),         cmocka_unit_test(test_depth),
-        cmocka_unit_test(test_refused),           cmocka_unit_test(test_dropped),
-        cmocka_unit_test(test_roots_below_roots), cmocka_unit_test(test_roots_of_hidden_parents),
+        cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_meshes),
+        cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_transform),
+        cmocka_unit_test(test_flattened),
+        cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_dropped),
+        cmocka_unit_test(test_roots_below_roots),
+        cmocka_unit_test(test_roots_of_hidden_parents),
+        cmocka_unit_test(test_texcoords_that_are_no_numbers),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

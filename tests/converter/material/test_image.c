@@ -259,8 +259,53 @@ static void test_unknown(void **state) {
     assert_int_equal(psplat_image_decode("", 0, &image, &error), PSPLAT_ERROR_UNSUPPORTED);
 }
 
+/* An image that is read keeps its bytes beside the pixels; one that cannot be keeps nothing. */
+static void test_bytes_are_kept(void **state) {
+    (void)state;
+    static const uint8_t pixels[2][2][3] = {{{1, 2, 3}, {4, 5, 6}}, {{7, 8, 9}, {10, 11, 12}}};
+    psplat_image image;
+    size_t size;
+    uint8_t *data = png_of(pixels, 2, 2, PNG_FORMAT_RGB, NULL, &size);
+    assert_int_equal(psplat_image_read(data, size, &image, NULL), PSPLAT_OK);
+    assert_int_equal(image.size, size);
+    assert_memory_equal(image.bytes, data, size);
+    assert_string_equal(image.mime_type, "image/png");
+    assert_int_equal(image.pixels[12], 10);
+    psplat_image_free(&image);
+    assert_int_equal(psplat_image_read(data, size / 2, &image, NULL), PSPLAT_ERROR_FORMAT);
+    assert_null(image.bytes);
+    free(data);
+    data = jpeg_of(&pixels[0][0][0], 2, 2, 3, 0, &size);
+    assert_int_equal(psplat_image_read(data, size, &image, NULL), PSPLAT_OK);
+    assert_string_equal(image.mime_type, "image/jpeg");
+    psplat_image_free(&image);
+    free(data);
+}
+
+/* Chunks that glTF ignores are left out of the bytes that are kept; all others stay. */
+static void test_colour_chunks_are_dropped(void **state) {
+    (void)state;
+    static const uint8_t gamma_1[] = "\0\0\0\4gAMA\0\1\x86\xa0\x31\xe8\x96\x5f";
+    static const uint8_t pixel[4] = {10, 90, 200, 128};
+    enum { BEFORE = 8 + 25, GAMMA = 16 };
+    psplat_image image;
+    size_t size;
+    uint8_t *data = png_of(pixel, 1, 1, PNG_FORMAT_RGBA, NULL, &size);
+    data = with_chunk(data, &size, gamma_1, GAMMA);
+    assert_int_equal(psplat_image_read(data, size, &image, NULL), PSPLAT_OK);
+    assert_int_equal(image.size, size - GAMMA);
+    assert_memory_equal(image.bytes, data, BEFORE);
+    assert_memory_equal(image.bytes + BEFORE, data + BEFORE + GAMMA, size - BEFORE - GAMMA);
+    psplat_image again = decode(data, size);
+    assert_memory_equal(image.pixels, again.pixels, 4);
+    psplat_image_free(&again);
+    psplat_image_free(&image);
+}
+
 int test_image_main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bytes_are_kept),
+        cmocka_unit_test(test_colour_chunks_are_dropped),
         cmocka_unit_test(test_png_rgba),
         cmocka_unit_test(test_png_other_channels),
         cmocka_unit_test(test_png_palette),

@@ -80,7 +80,8 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
                   "(thin %.1e) color %.1e\n",
                   a.covered, a.skipped, a.mismatches, a.other, a.uv, a.thin_uv, a.depth,
                   a.thin_depth, a.color);
-    assert_true(a.covered > 2 * 1500);
+    /* The view fits the bounds of unclipped splats, which at this tolerance are much larger. */
+    assert_true(a.covered > 2 * 1000);
     assert_int_equal(a.mismatches, 0);
     assert_int_equal(a.other, 0);
     assert_true(a.uv <= 5e-5 && a.thin_uv <= 5e-4);
@@ -110,7 +111,7 @@ static void check_filter(gpu *g, const psplat_asset *asset, const double from[3]
         print_message("filtered, %g px: covered %zu skipped %zu mismatches %zu depth %.1e "
                       "(thin %.1e) color %.1e\n",
                       pixels, a.covered, a.skipped, a.mismatches, a.depth, a.thin_depth, a.color);
-        assert_true((double)a.covered > 0.07 * pixels * pixels && a.skipped * 3 < a.covered);
+        assert_true((double)a.covered > 0.04 * pixels * pixels && a.skipped * 3 < a.covered);
         assert_int_equal(a.mismatches, 0);
         /* Where a splat covers single pixels, its position error is multiplied by the depth per
          * pixel. */

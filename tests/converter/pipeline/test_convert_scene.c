@@ -173,8 +173,37 @@ static void test_arguments(void **state) {
     psplat_scene_report_free(&report);
 }
 
+/* Only textures of another set than the one that is kept are baked, and warned of. */
+static void test_warns_of_baked_textures(void **state) {
+    (void)state;
+    float uvs[2][6] = {{0, 0, 1, 0, 0, 1}, {0, 0, 1, 0, 0, 1}};
+    uint32_t triangle[3] = {0, 1, 2};
+    uint8_t pixel[4] = {0};
+    psplat_image image = {.pixels = pixel, .width = 1, .height = 1};
+    psplat_source_material material = {.base_color = {.image = &image},
+                                       .normal = {.image = &image, .texcoord = 1}};
+    psplat_source_materials materials = {&material, 1, &image, 1, NULL};
+    psplat_scene_mesh mesh = {.mesh = {.triangles = triangle,
+                                       .triangle_count = 1,
+                                       .corner_uvs = {uvs[0], uvs[1]},
+                                       .source_materials = &material,
+                                       .source_material_count = 1}};
+    psplat_scene scene = {.meshes = &mesh, .mesh_count = 1};
+    psplat_source_materials_describe_textures(&materials);
+    psplat_scene_warn_of_textures(&scene);
+    assert_int_equal(scene.warning_count, 1);
+    assert_non_null(strstr(scene.warnings[0], "1 textures use a second set"));
+    material.normal.texcoord = 0;
+    psplat_scene_warn_of_textures(&scene);
+    assert_int_equal(scene.warning_count, 1);
+    scene.meshes = NULL;
+    scene.mesh_count = 0;
+    psplat_scene_free(&scene);
+}
+
 int test_convert_scene_main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_warns_of_baked_textures),
         cmocka_unit_test(test_tolerances),
         cmocka_unit_test(test_opened),
         cmocka_unit_test(test_progress),

@@ -273,7 +273,7 @@ static void test_scales(void **state) {
             check_scaled(cases[c].name, &e, &first, cases[c].scale, cases[c].offset);
         else
             extreme_at_most(cases[c].name, fabs((double)e.splats.count / first_count - 1),
-                            "of the splats more or fewer, or one", max2(0.1, 1 / first_count));
+                            "of the splats more or fewer, or two", max2(0.1, 2 / first_count));
         extreme_free(&e);
     }
     extreme_free(&first);

@@ -230,7 +230,8 @@ static void test_runs(void **state) {
     }
     psplat_splats splats = {0};
     psplat_selection selection = {candidates, COUNT, COUNT};
-    const psplat_sort_desc storing = {1, 0.1f, groups, 0, 0};
+    const psplat_sort_desc storing = {
+        .depth_tolerance = 1, .flat_depth_tolerance = 0.1f, .groups = groups};
     assert_int_equal(psplat_sort_splats(&selection, &storing, &splats), PSPLAT_OK);
     assert_int_equal(splats.run_count, COUNT);
     for (uint32_t i = 0; i < COUNT; ++i) {
@@ -240,6 +241,40 @@ static void test_runs(void **state) {
         assert_int_equal(run->material, i % 3);
         assert_true(run->depth_tolerance == (i / 3 % 2 ? 1 : 0.1f));
     }
+    psplat_splats_free(&splats);
+}
+
+/* Texture coordinates stay with their splats. Runs tell whether their material keeps textures, and
+ * whether any of their splats has the second order. */
+static void test_texcoords(void **state) {
+    (void)state;
+    enum { COUNT = 6 };
+    static const uint32_t groups[] = {2, 1, 0};
+    const psplat_kept_textures kept[3] = {{.texels = {8, 8}}, {.texels = {0}}, {.texels = {8, 8}}};
+    psplat_candidate candidates[COUNT];
+    for (uint32_t i = 0; i < COUNT; ++i)
+        candidates[i] = (psplat_candidate){
+            .region =
+                {.center = {i}, .u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}},
+            .texcoord = {.at = {(float)i, 1}, .along_vv = {0, i == 3 ? 1.0f : 0}},
+            .triangle = i % 3,
+            .taken = 1};
+    psplat_splats splats = {0};
+    psplat_selection selection = {candidates, COUNT, COUNT};
+    const psplat_sort_desc storing = {.groups = groups, .kept = kept};
+    assert_int_equal(psplat_sort_splats(&selection, &storing, &splats), PSPLAT_OK);
+    assert_int_equal(splats.run_count, 3);
+    for (uint32_t r = 0; r < 3; ++r) {
+        assert_int_equal(splats.runs[r].material, r);
+        assert_int_equal(splats.runs[r].has_texcoord, r != 1);
+        assert_int_equal(splats.runs[r].has_texcoord_bend, r == 2); /* that of candidate 3 */
+    }
+    for (uint32_t i = 0; i < COUNT; ++i)
+        assert_true(splats.texcoords[i].at[0] == splats.splats[i].center[0]);
+    const psplat_sort_desc none = {.groups = groups};
+    assert_int_equal(psplat_sort_splats(&selection, &none, &splats), PSPLAT_OK);
+    assert_null(splats.texcoords);
+    assert_int_equal(splats.runs[0].has_texcoord, 0);
     psplat_splats_free(&splats);
 }
 
@@ -272,7 +307,7 @@ static void test_curved_runs(void **state) {
     candidates[2].field[2] *= 1 + 1e-7; /* rounded to float */
     psplat_splats splats = {0};
     psplat_selection selection = {candidates, 4, 4};
-    const psplat_sort_desc storing = {1, 0.1f, NULL, 0, 0};
+    const psplat_sort_desc storing = {.depth_tolerance = 1, .flat_depth_tolerance = 0.1f};
     assert_int_equal(psplat_sort_splats(&selection, &storing, &splats), PSPLAT_OK);
     assert_int_equal(splats.run_count, 3);
     const psplat_run *flat = splats.runs, *plain_lines = flat + 1, *bent = flat + 2;
@@ -332,10 +367,11 @@ static void test_degenerate(void **state) {
 
 int test_sort_splats_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rotations),   cmocka_unit_test(test_cube_rotations),
-        cmocka_unit_test(test_round_trip),  cmocka_unit_test(test_morton),
-        cmocka_unit_test(test_runs),        cmocka_unit_test(test_degenerate),
-        cmocka_unit_test(test_curved_runs), cmocka_unit_test(test_own_shapes),
+        cmocka_unit_test(test_rotations),  cmocka_unit_test(test_cube_rotations),
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_morton),
+        cmocka_unit_test(test_runs),       cmocka_unit_test(test_texcoords),
+        cmocka_unit_test(test_degenerate), cmocka_unit_test(test_curved_runs),
+        cmocka_unit_test(test_own_shapes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

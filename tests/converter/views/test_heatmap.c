@@ -88,7 +88,8 @@ static void count(drawn *d) {
 
 static drawn draw(gpu *g, const plate *source, const plate *target, int view,
                   const psplat_heatmap_limits *limits) {
-    const psplat_picture_views_desc desc = {g->host, source->original, SIZE};
+    const psplat_picture_views_desc desc = {
+        .host = g->host, .source = source->original, .size = SIZE};
     const psplat_pictured pictured = {.mesh = target->original};
     const psplat_shape_desc reach = {.reach = 100};
     psplat_shape_probe *probe;

@@ -51,6 +51,7 @@ static void test_offset(void **state) {
     /* Every channel's MSE is 7^2, and SSIM is eq. 6 of Wang et al. with variances 0; only rounding
      * differs. */
     assert_near(e.psnr, 20 * log10(255.0 / 7), 1e-12);
+    assert_near(e.inside_psnr, e.psnr, 0);
     assert_near(e.difference, 100 * 7.0 / 255, 1e-12);
     assert_near(e.inside, e.difference, 0);
     assert_int_equal(e.covered, SIZE * SIZE);
@@ -108,6 +109,7 @@ static void test_outlines(void **state) {
     assert_near(e.missing, 100.0 * only / covered, 1e-12);
     assert_near(e.extra, e.missing, 0);
     assert_near(e.inside, 0, 0);
+    assert_true(isinf(e.inside_psnr) && isfinite(e.psnr));
     assert_near(e.difference, 100.0 * 2 * only * 200 / 255 / (covered + only), 1e-12);
     assert_int_equal(e.covered, covered);
 }

@@ -43,10 +43,11 @@ static psplat_view view_of(void) {
     return view;
 }
 
-static void draw(gpu *g, const psplat_mesh *mesh, psplat_mesh_renderer_output output,
-                 float *pixels) {
+static void draw_shaded(gpu *g, const psplat_mesh *mesh, psplat_mesh_renderer_output output,
+                        psplat_shading shading, float *pixels) {
     static const float nothing[4] = {0};
     psplat_view view = view_of();
+    view.shading = shading;
     psplat_source_mesh *original;
     psplat_mesh_renderer *renderer = NULL;
     psplat_error error = {0};
@@ -62,6 +63,11 @@ static void draw(gpu *g, const psplat_mesh *mesh, psplat_mesh_renderer_output ou
     psplat_source_mesh_destroy(original);
 }
 
+static void draw(gpu *g, const psplat_mesh *mesh, psplat_mesh_renderer_output output,
+                 float *pixels) {
+    draw_shaded(g, mesh, output, PSPLAT_SHADING_LIT, pixels);
+}
+
 /* Returns the appearance by appearance.c at the point that a pixel shows; rows begin at the bottom.
  */
 static psplat_baked_point shade_of(const painted *p, int pixel) {
@@ -72,7 +78,7 @@ static psplat_baked_point shade_of(const painted *p, int pixel) {
     y /= SIZE;
     /* Triangle 0 is the half below the diagonal, and triangle 1 the other half. */
     const double lower[3] = {1 - x, x - y, y}, upper[3] = {1 - y, x, y - x};
-    assert_int_equal(psplat_appearance_build(&p->mesh, 2.0 / SIZE, &appearance), PSPLAT_OK);
+    assert_int_equal(psplat_appearance_build(&p->mesh, 2.0 / SIZE, 0, &appearance), PSPLAT_OK);
     psplat_appearance_bake(&appearance, x < y, x < y ? upper : lower, up, &shade);
     psplat_appearance_free(&appearance);
     return shade;
@@ -137,6 +143,20 @@ static void test_normal_map(void **state) {
     painted_free(&p);
 }
 
+/* A lit material without light shows what an unlit one does under any. */
+static void test_unlit(void **state) {
+    static float without_light[BYTES], unlit[BYTES];
+    painted p;
+    painted_make(&p, 1, TEXELS, ramps);
+    p.source_material.base_color.image = &p.image;
+    p.source_material.material.emissive[0] = 0.25f;
+    draw_shaded(*state, &p.mesh, PSPLAT_MESH_RENDERER_LIGHT, PSPLAT_SHADING_UNLIT, without_light);
+    p.source_material.material.unlit = 1;
+    draw(*state, &p.mesh, PSPLAT_MESH_RENDERER_LIGHT, unlit);
+    for (int i = 0; i < BYTES; ++i) assert_near(without_light[i], unlit[i], 1e-6);
+    painted_free(&p);
+}
+
 /* Textures of one value give the same picture as factors of that value. */
 static void test_factors(void **state) {
     static float textured[BYTES], plain[BYTES];
@@ -181,9 +201,8 @@ static void test_groups(void **state) {
 
 int test_mesh_textures_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_base_color),
-        cmocka_unit_test(test_normal_map),
-        cmocka_unit_test(test_factors),
+        cmocka_unit_test(test_base_color), cmocka_unit_test(test_normal_map),
+        cmocka_unit_test(test_unlit),      cmocka_unit_test(test_factors),
         cmocka_unit_test(test_groups),
     };
     int failed = cmocka_run_group_tests_name("GL", tests, gpu_setup_gl, gpu_teardown);

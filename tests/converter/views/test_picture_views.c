@@ -55,7 +55,7 @@ static void open_source(pictured_source *r, const char *model) {
 }
 
 static void open_views(gpu *g, pictured_source *r, int size) {
-    const psplat_picture_views_desc desc = {g->host, r->source, size};
+    const psplat_picture_views_desc desc = {.host = g->host, .source = r->source, .size = size};
     psplat_error error;
     check(psplat_picture_views_create(&desc, &r->views, &error), &error);
 }
@@ -298,10 +298,10 @@ static void test_arguments(void **state) {
                      PSPLAT_ERROR_ARGUMENT);
     assert_int_equal(psplat_picture_views_compare(r.views, &cube, 0, &errors, &error), PSPLAT_OK);
     psplat_picture_views *none = r.views;
-    const psplat_picture_views_desc descs[] = {{NULL, r.source, 16},
-                                               {g->host, NULL, 16},
-                                               {g->host, r.source, -1},
-                                               {g->host, r.source, 8193}};
+    const psplat_picture_views_desc descs[] = {{.source = r.source, .size = 16},
+                                               {.host = g->host, .size = 16},
+                                               {.host = g->host, .source = r.source, .size = -1},
+                                               {.host = g->host, .source = r.source, .size = 8193}};
     for (size_t i = 0; i < sizeof descs / sizeof *descs; ++i) {
         assert_int_equal(psplat_picture_views_create(&descs[i], &none, &error),
                          PSPLAT_ERROR_ARGUMENT);

@@ -19,11 +19,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { CENTER, ROTATION, RADIUS, NORMAL, GRADIENT, COLOR_AND_CLIP, SHAPE_AND_BEND, SUMS };
+enum { CENTER, ROTATION, RADIUS, NORMAL, GRADIENT, COLOR_AND_CLIP, SHAPE_AND_BEND, TEXCOORD, SUMS };
 
 /* What a file holds, as sums over splats i = 1 ... of i times the sum over values k = 1 ... of k
- * times the value. One sum takes the colour's four values and the clip lines' a, b, c, and the last
- * the shape's five and the lines' bends. */
+ * times the value. One sum takes the colour's four values and the clip lines' a, b, c, one the
+ * shape's five and the lines' bends, and the last the texture coordinates' twelve. */
 typedef struct old_file {
     const char *name;
     size_t batches;
@@ -106,6 +106,11 @@ static const old_file files[] = {
      {0, 0, 0, 0, 100},
      0,
      {2891989, 7074.32587, 175033.048, -1065.79933, 1614.98438, 282320.122, 900.101562}},
+    {"9-textured.glb",
+     1,
+     {0, 60, 0, 0, 0},
+     0,
+     {-3572028, 136.760401, 1114084.12, -351.139509, 794.202756, 25576.6229, 0, 2481.9852}},
 };
 
 static psplat_asset *open_old(const char *name) {
@@ -147,6 +152,12 @@ static void add_splat(sum sums[SUMS], size_t index, const psplat_splat *splat) {
     add(&sums[SHAPE_AND_BEND], i, splat->bend, 5, splat->clip_count);
 }
 
+static void add_texcoord(sum sums[SUMS], size_t index, const psplat_texcoord *t) {
+    const float *const terms[] = {t->at,       t->along_u,  t->along_v,
+                                  t->along_uu, t->along_uv, t->along_vv};
+    for (size_t k = 0; k < 6; ++k) add(&sums[TEXCOORD], (double)index, terms[k], 2 * k, 2);
+}
+
 static void check_file(const old_file *file) {
     psplat_asset *asset = open_old(file->name);
     size_t classes[PSPLAT_MAX_CLIP_LINES + 1] = {0}, index = 0;
@@ -162,8 +173,14 @@ static void check_file(const old_file *file) {
         assert_int_equal(batch->is_curved, strstr(file->name, "8-") != NULL);
         assert_int_equal(batch->has_shape, !strcmp(file->name, "compressed/8-shapes.glb"));
         assert_int_equal(batch->has_bends, !strcmp(file->name, "8-curved.glb"));
+        /* So did texture coordinates. */
+        assert_int_equal(batch->has_texcoord, strstr(file->name, "9-") != NULL);
+        assert_int_equal(batch->has_texcoord_bend, batch->has_texcoord);
         classes[batch->clip_count] += batch->splat_count;
-        for (size_t i = 0; i < batch->splat_count; ++i) add_splat(sums, ++index, &batch->splats[i]);
+        for (size_t i = 0; i < batch->splat_count; ++i) {
+            add_splat(sums, ++index, &batch->splats[i]);
+            if (batch->texcoords) add_texcoord(sums, index, &batch->texcoords[i]);
+        }
     }
     assert_memory_equal(classes, file->splats_by_clip_lines, sizeof classes);
     /* Nine digits are listed above, and values are rounded to float. */
@@ -199,6 +216,26 @@ static void test_materials(void **state) {
     assert_false(batch->material.unlit);
     psplat_asset_destroy(unlit);
     psplat_asset_destroy(glowing);
+}
+
+static void test_textures(void **state) {
+    (void)state;
+    static const float transform[6] = {2, 0, 0.5f, 0, 2, 0.25f};
+    psplat_asset *asset = open_old("9-textured.glb");
+    const psplat_material *material = &psplat_asset_batch(asset, 0)->material;
+    const psplat_texture *color = &material->textures[PSPLAT_TEXTURE_BASE_COLOR];
+    const psplat_texture *normal = &material->textures[PSPLAT_TEXTURE_NORMAL];
+    for (size_t i = 0; i < 6; ++i) assert_true(color->transform[i] == transform[i]);
+    assert_true(color->wrap[0] == PSPLAT_WRAP_CLAMP && color->wrap[1] == PSPLAT_WRAP_MIRROR);
+    assert_true(normal->wrap[0] == PSPLAT_WRAP_REPEAT && normal->strength == 0.5f);
+    assert_true(material->alpha_cutoff == 0.25f);
+    assert_int_equal(psplat_asset_image_count(asset), 2);
+    for (size_t i = 0; i < 2; ++i) {
+        const psplat_asset_image *image = psplat_asset_get_image(asset, i);
+        assert_string_equal(image->mime_type, "image/png");
+        assert_memory_equal((const char *)image->data + image->size - 8, "IEND", 4);
+    }
+    psplat_asset_destroy(asset);
 }
 
 /* In later files flat splats have a primitive, and with it a depth tolerance, of their own. */
@@ -266,7 +303,7 @@ int test_old_files_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_splats),      cmocka_unit_test(test_materials),
         cmocka_unit_test(test_flat_splats), cmocka_unit_test(test_fields_of_old),
-        cmocka_unit_test(test_future),
+        cmocka_unit_test(test_textures),    cmocka_unit_test(test_future),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,7 +16,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALL_OPTIONS = (1 << 22) - 1, MAX_KEYS = 40000 };
+/* All options but those of textures, which have tests of their own. */
+enum { ALL_OPTIONS = PSPLAT_OPTION_TEXTURED - 1, MAX_KEYS = 40000 };
 
 typedef struct key_list {
     psplat_program_key *keys;
@@ -144,7 +145,10 @@ static void test_no_use(void **state) {
     psplat_program_key visible = {.pass = PSPLAT_PASS_VISIBILITY, .options = ~0u, .light_count = 3};
     visible = psplat_program_key_reduce(visible);
     assert_int_equal(visible.options, PSPLAT_OPTION_WIDE | PSPLAT_OPTION_SHAPE |
-                                          PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TWO_SIDED);
+                                          PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TWO_SIDED |
+                                          PSPLAT_OPTION_TEXTURED | PSPLAT_OPTION_MASK |
+                                          PSPLAT_OPTION_BASE_MAP | PSPLAT_OPTION_TEXCOORD_BEND |
+                                          PSPLAT_OPTION_MAP_TRANSFORM);
     assert_int_equal(visible.light_count, 0);
     psplat_program_key depth = {.is_resolve = 1, .shading = PSPLAT_SHADING_DEPTH, .light_count = 3};
     depth.options = PSPLAT_OPTIONS_TARGETS | PSPLAT_OPTIONS_LIGHT;
@@ -185,6 +189,73 @@ static void compile_all(psplat_api api, int clip_step) {
     psplat_host_destroy(host);
 }
 
+/* What a program does without: textures whose targets are not there, those of normals where nothing
+ * shows a normal or splats have one each, and coordinates where there is no texture. */
+static void test_no_textures(void **state) {
+    (void)state;
+    const unsigned all = PSPLAT_OPTIONS_MAPS | PSPLAT_OPTION_TEXCOORD_BEND;
+    psplat_program_key key = {.pass = PSPLAT_PASS_NORMALS, .options = all | PSPLAT_OPTION_FIELD};
+    const unsigned normals = PSPLAT_OPTION_FIELD | PSPLAT_OPTION_NORMAL_MAP |
+                             PSPLAT_OPTION_TEXCOORD_BEND | PSPLAT_OPTION_TEXTURED;
+    assert_int_equal(psplat_program_key_reduce(key).options, normals);
+    key.shading = PSPLAT_SHADING_DEPTH;
+    assert_int_equal(psplat_program_key_reduce(key).options, PSPLAT_OPTION_FIELD);
+    key.shading = PSPLAT_SHADING_UNLIT;
+    key.options |= PSPLAT_OPTION_COLORS;
+    const unsigned colors = PSPLAT_OPTION_FIELD | PSPLAT_OPTION_COLORS | PSPLAT_OPTION_BASE_MAP |
+                            PSPLAT_OPTION_TEXCOORD_BEND | PSPLAT_OPTION_TEXTURED;
+    assert_int_equal(psplat_program_key_reduce(key).options, colors);
+    key = (psplat_program_key){.pass = PSPLAT_PASS_RADIANCE, .options = all};
+    assert_int_equal(psplat_program_key_reduce(key).options,
+                     (all & ~(unsigned)PSPLAT_OPTION_NORMAL_MAP) | PSPLAT_OPTION_TEXTURED);
+    key = (psplat_program_key){.pass = PSPLAT_PASS_VISIBILITY, .options = all};
+    assert_int_equal(psplat_program_key_reduce(key).options, 0);
+}
+
+/* Compiles programs with each set of textures that differs in code, for all kinds of splats with
+ * what takes most varyings, and with as little as there may be. */
+static void compile_textured(psplat_api api) {
+    static const unsigned kinds[] = {0, PSPLAT_OPTION_TANGENT, PSPLAT_OPTION_CURVED,
+                                     PSPLAT_OPTION_CURVED | PSPLAT_OPTION_SHAPE};
+    const unsigned most = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_GAMMA | PSPLAT_OPTION_BENDS |
+                          PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_FILTER | PSPLAT_OPTION_WIDE;
+    psplat_host *host = NULL;
+    psplat_error error = {0};
+    psplat_gl gl;
+    assert_int_equal(psplat_host_create(api, 1, &host, &error), PSPLAT_OK);
+    assert_int_equal(psplat_gl_load(&gl, psplat_host_get_proc, host, &error), PSPLAT_OK);
+    psplat_allocator allocator = {0};
+    psplat_programs programs = {0};
+    for (unsigned set = 0; set < 4 * 4 * 16; ++set) {
+        unsigned maps = PSPLAT_OPTIONS_MAPS;
+        if (!(set & 1)) maps = (unsigned)PSPLAT_OPTION_BASE_MAP << (set % 5);
+        psplat_program_key key = {.pass = (int)(set / 64), .options = kinds[set / 16 % 4] | maps};
+        key.options |= PSPLAT_OPTION_FIELD | PSPLAT_OPTIONS_TARGETS;
+        if (set & 2) key.options |= PSPLAT_OPTION_MASK;
+        if (set & 4) key.options |= PSPLAT_OPTION_TEXCOORD_BEND | PSPLAT_OPTION_MAP_TRANSFORM;
+        if (set & 8) key.options |= most;
+        if (set & 8) key.clip_count = PSPLAT_MAX_CLIP_LINES;
+        const psplat_program *program = NULL;
+        psplat_result result =
+            psplat_programs_find(&programs, &gl, &allocator, key, &program, &error);
+        if (result) fail_msg("options 0x%x of pass %d: %s", key.options, key.pass, error.text);
+    }
+    print_message("%zu programs\n", programs.count);
+    assert_true(programs.count > 100);
+    psplat_programs_destroy(&programs, &gl, &allocator);
+    psplat_host_destroy(host);
+}
+
+static void test_textured_gl(void **state) {
+    (void)state;
+    compile_textured(PSPLAT_API_GL);
+}
+
+static void test_textured_gles(void **state) {
+    (void)state;
+    compile_textured(PSPLAT_API_GLES);
+}
+
 static void test_gl(void **state) {
     (void)state;
     compile_all(PSPLAT_API_GL, 1);
@@ -197,9 +268,9 @@ static void test_gles(void **state) {
 
 int test_gl_program_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bounded),
-        cmocka_unit_test(test_no_use),
-        cmocka_unit_test(test_gl),
+        cmocka_unit_test(test_bounded),       cmocka_unit_test(test_no_use),
+        cmocka_unit_test(test_no_textures),   cmocka_unit_test(test_textured_gl),
+        cmocka_unit_test(test_textured_gles), cmocka_unit_test(test_gl),
         cmocka_unit_test(test_gles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -286,6 +286,30 @@ static void test_drawing(void **state) {
     psplat_model_destroy(f->calm->renderer, calm.model);
 }
 
+/* Textures of materials have units and samplers of their own. */
+static void test_textures(void **state) {
+    fixture *f = *state;
+    psplat_error error = {0};
+    psplat_item item = {.model = NULL};
+    scene_add_textures(&f->scene);
+    psplat_asset *asset = scene_open(&f->scene);
+    begin(f);
+    canvas_check(psplat_model_create(f->canvas->renderer, asset, &item.model, &error), &error);
+    expect_unchanged(f);
+    canvas_begin(f->calm);
+    psplat_item calm = {.model = canvas_model(f->calm, asset)};
+    for (int mode = 0; mode < PSPLAT_MODE_COUNT; ++mode) {
+        f->view.mode = (psplat_mode)mode;
+        draw(f, &item, &calm);
+    }
+    begin(f);
+    psplat_model_destroy(f->canvas->renderer, item.model);
+    expect_unchanged(f);
+    canvas_begin(f->calm);
+    psplat_model_destroy(f->calm->renderer, calm.model);
+    psplat_asset_destroy(asset);
+}
+
 static psplat_environment *make_environment(psplat_renderer *renderer) {
     static const float radiance[6 * 3] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 0, 1};
     const psplat_environment_desc desc = {radiance, 1};
@@ -434,7 +458,8 @@ static int setup(void **state, psplat_api api) {
     f->canvas = canvas_create(api);
     psplat_renderer_destroy(f->canvas->renderer);
     f->spy = (spy){.get_proc = psplat_host_get_proc, .user = f->canvas->host};
-    psplat_renderer_desc desc = {.get_proc = spy_get_proc, .user = &f->spy};
+    psplat_renderer_desc desc = {
+        .get_proc = spy_get_proc, .user = &f->spy, .images = scene_images()};
     canvas_check(psplat_renderer_create(&desc, &f->canvas->renderer, &error), &error);
     f->gl = host_gl_of(f->canvas->host);
     int is_gl = api == PSPLAT_API_GL;
@@ -477,8 +502,8 @@ static int teardown(void **state) {
 
 int test_gl_state_main(void) {
     const struct CMUnitTest tests[] = {
-        BOTH(test_drawing), BOTH(test_lights),   BOTH(test_sizes),
-        BOTH(test_lives),   BOTH(test_failures), BOTH(test_spy),
+        BOTH(test_drawing),  BOTH(test_lights), BOTH(test_sizes),    BOTH(test_lives),
+        BOTH(test_failures), BOTH(test_spy),    BOTH(test_textures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

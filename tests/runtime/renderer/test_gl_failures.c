@@ -50,6 +50,7 @@ static spied_renderer spied_renderer_open(psplat_api api) {
     canvas_check(psplat_host_create(api, 1, &s.host, &error), &error);
     s.spy = (spy){.get_proc = psplat_host_get_proc, .user = s.host};
     s.scene = scene_ellipses(30, 2, 9);
+    scene_add_textures(&s.scene);
     s.asset = scene_open(&s.scene);
     s.view = make_view();
     return s;
@@ -62,8 +63,10 @@ static void spied_renderer_close(spied_renderer *s) {
 }
 
 static psplat_result make(spied_renderer *s, psplat_error *error) {
-    psplat_renderer_desc desc = {
-        .get_proc = spy_get_proc, .user = &s->spy, .allocator = ledger_allocator(&s->ledger)};
+    psplat_renderer_desc desc = {.get_proc = spy_get_proc,
+                                 .user = &s->spy,
+                                 .allocator = ledger_allocator(&s->ledger),
+                                 .images = scene_images()};
     psplat_result result = psplat_renderer_create(&desc, &s->renderer, error);
     if (result == PSPLAT_OK)
         result = psplat_model_create(s->renderer, s->asset, &s->item.model, error);
@@ -188,9 +191,9 @@ static void test_faults(void **state) {
         const char *word;
         int least;
     } cases[] = {
-        /* Splats, clip lines, targets. */
-        {SPY_FAULT_TEXTURE_MEMORY, PSPLAT_ERROR_MEMORY, "memory", 5},
-        {SPY_FAULT_UPLOAD_MEMORY, PSPLAT_ERROR_MEMORY, "memory", 2},
+        /* Two levels of two images, splats, clip lines, texture coordinates, targets. */
+        {SPY_FAULT_TEXTURE_MEMORY, PSPLAT_ERROR_MEMORY, "memory", 10},
+        {SPY_FAULT_UPLOAD_MEMORY, PSPLAT_ERROR_MEMORY, "memory", 5},
         {SPY_FAULT_FRAMEBUFFER, PSPLAT_ERROR_GRAPHICS, "refused", 2},    /* targets, shadow maps */
         {SPY_FAULT_COMPILE, PSPLAT_ERROR_GRAPHICS, "shader refused", 6}, /* three programs */
         {SPY_FAULT_LINK, PSPLAT_ERROR_GRAPHICS, "program refused", 3},

@@ -1,0 +1,341 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * texture_slides.c - how far textures slide over a surface where splats show them.
+ *
+ * Each sample meets the splats that cover it. These meetings are then looked at splat by splat: the
+ * triangles of a splat's samples are flooded up to creases and borders of charts, and the flood
+ * that takes most of them is the splat's own chart. So neither a chart beyond a border nor another
+ * layer of the surface, closer than the tolerance, counts as what the splat ought to show.
+ */
+#include "measure/texture_slides.h"
+
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+#include "features/chart_borders.h"
+#include "features/neighborhood.h"
+#include "features/samples.h"
+#include "features/surface.h"
+#include "measure/measured_splats.h"
+#include "mesh/mesh.h"
+#include "splats/splat_texcoord.h"
+#include "splats/splats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The least aspect ratio of what a triangle shows of the image, in texels on the triangle's plane,
+ * with which it shows that in some sense. Chosen by hand. */
+static const double least_aspect = 0.02;
+
+/* The least cosine between the normals of a sample and of a splat's surface with which the splat
+ * shows the sample's place: around a sharp rim, the splats of one side lie within the tolerance of
+ * the other side too. Chosen by hand. */
+static const double least_shown_cosine = 0.5;
+
+/* A sample that a splat covers. */
+typedef struct meeting {
+    uint32_t splat, sample;
+    float weight;         /* of the splat there, as a part of the kernel's greatest */
+    float length, texels; /* of the slide; negative where the splat is of another chart */
+    int mirrored;
+} meeting;
+
+typedef struct meeting_list {
+    meeting *items;
+    size_t count, capacity;
+    int failed;
+} meeting_list;
+
+/* What all measurements share. */
+typedef struct slides_context {
+    const psplat_surface *surface;
+    const psplat_samples *samples;
+    const psplat_splats *splats;
+    const psplat_measured_splats *measured;
+    uint8_t *textured; /* of each splat: 1 where it has texture coordinates */
+} slides_context;
+
+/* ---- meetings -------------------------------------------------------------------------------- */
+
+/* A sample that looks for the splats that cover it. */
+typedef struct probe {
+    const slides_context *context;
+    meeting_list *list; /* of this thread */
+    size_t sample;
+    double normal[3];
+} probe;
+
+static void push_meeting(meeting_list *list, const meeting *item) {
+    if (list->count == list->capacity) {
+        size_t capacity = 2 * list->capacity + 256;
+        meeting *items = realloc(list->items, capacity * sizeof *items);
+        if (!items) {
+            list->failed = 1;
+            return;
+        }
+        list->items = items;
+        list->capacity = capacity;
+    }
+    list->items[list->count++] = *item;
+}
+
+/* Returns whether a splat faces about the way of a sample's normal. */
+static int faces(const psplat_region *region, const double normal[3], const double uvh[3]) {
+    double own[3];
+    if (!psplat_region_is_curved(region)) return dot3(normal, region->n) >= least_shown_cosine;
+    psplat_region_normal(region, uvh, own);
+    return dot3(normal, own) >= least_shown_cosine * length3(own);
+}
+
+static int visit_splat(void *user, uint32_t index) {
+    const probe *p = user;
+    const slides_context *c = p->context;
+    const psplat_kernel *kernel = &c->splats->kernel;
+    double uvh[3];
+    if (!c->textured[index]) return 0;
+    psplat_region_local(&c->measured->regions[index], c->samples->positions + 3 * p->sample, uvh);
+    if (!psplat_measured_splats_cover(c->measured, index, p->normal, uvh)) return 0;
+    if (!faces(&c->measured->regions[index], p->normal, uvh)) return 0;
+    double falloff = pow(hypot(uvh[0], uvh[1]), (double)kernel->exponent);
+    const meeting item = {.splat = index,
+                          .sample = (uint32_t)p->sample,
+                          .weight = (float)exp(-(double)kernel->sharpness * falloff)};
+    push_meeting(p->list, &item);
+    return 0;
+}
+
+static int compare_meetings(const void *left, const void *right) {
+    const meeting *a = left, *b = right;
+    if (a->splat != b->splat) return a->splat < b->splat ? -1 : 1;
+    return a->sample < b->sample ? -1 : a->sample > b->sample;
+}
+
+/* Appends a list to another one, and frees it. */
+static void join(meeting_list *all, meeting_list *part) {
+    meeting *items =
+        part->count ? realloc(all->items, (all->count + part->count) * sizeof *items) : all->items;
+    all->failed |= part->failed || (part->count && !items);
+    if (part->count && items) {
+        memcpy(items + all->count, part->items, part->count * sizeof *items);
+        all->items = items;
+        all->count += part->count;
+    }
+    free(part->items);
+}
+
+/* Finds all meetings, by splat and then by sample. */
+static void find_meetings(const slides_context *c, meeting_list *all) {
+    long end = (long)c->samples->count;
+#if defined(_OPENMP)
+#pragma omp parallel
+#endif
+    {
+        meeting_list own = {.items = NULL};
+#if defined(_OPENMP)
+#pragma omp for schedule(dynamic, 1024)
+#endif
+        for (long i = 0; i < end; ++i) {
+            probe p = {.context = c, .list = &own, .sample = (size_t)i};
+            if (!psplat_surface_keeps_textures(c->surface, c->samples->triangles[i])) continue;
+            for (int k = 0; k < 3; ++k) p.normal[k] = (double)c->samples->normals[3 * i + k];
+            psplat_region_tree_visit(c->measured->region_tree, c->samples->positions + 3 * i,
+                                     visit_splat, &p);
+        }
+#if defined(_OPENMP)
+#pragma omp critical(psplat_join_meetings)
+#endif
+        join(all, &own);
+    }
+    if (all->count) qsort(all->items, all->count, sizeof *all->items, compare_meetings);
+}
+
+/* ---- one splat ------------------------------------------------------------------------------- */
+
+/* Returns the sense in which a triangle shows the image: 1, -1 or, where it is next to a line
+ * there, 0. */
+static int sense_of_triangle(const psplat_surface *surface, const psplat_kept_textures *kept,
+                             uint32_t triangle) {
+    const float *slopes = surface->texcoord_slopes + 6 * (size_t)triangle;
+    double changes[2][3], c[3];
+    for (int k = 0; k < 2; ++k)
+        for (int i = 0; i < 3; ++i) changes[k][i] = (double)slopes[3 * k + i] * kept->texels[k];
+    cross3(c, changes[0], changes[1]);
+    double area = dot3(c, surface->face_normals + 3 * (size_t)triangle);
+    double least = least_aspect * (dot3(changes[0], changes[0]) + dot3(changes[1], changes[1]));
+    least = max2(least, PSPLAT_LEAST_CHART_TEXELS / surface->face_areas[triangle]);
+    return (area > least) - (area < -least);
+}
+
+/* Measures what a splat shows at a sample of its own chart. */
+static void measure(const slides_context *c, meeting *m) {
+    const psplat_texcoord *texcoord = &c->splats->texcoords[m->splat];
+    const psplat_region *region = &c->measured->regions[m->splat];
+    uint32_t triangle = c->samples->triangles[m->sample];
+    const psplat_kept_textures *kept = psplat_surface_kept_textures(c->surface, triangle);
+    double uvh[3], error[2];
+    psplat_region_local(region, c->samples->positions + 3 * (size_t)m->sample, uvh);
+    psplat_texcoord_at(texcoord, uvh, error);
+    for (int k = 0; k < 2; ++k) {
+        error[k] -= (double)c->samples->texcoords[2 * (size_t)m->sample + (size_t)k];
+        if (kept->repeats[k]) error[k] -= kept->repeats[k] * rint(error[k] / kept->repeats[k]);
+    }
+    psplat_slide slide = psplat_texcoord_slide(texcoord, region, uvh, kept->texels, error);
+    m->length = (float)slide.length, m->texels = (float)slide.texels;
+    m->mirrored =
+        psplat_texcoord_sense(texcoord, uvh) * sense_of_triangle(c->surface, kept, triangle) < 0;
+}
+
+static int is_flooded(const psplat_neighborhood *near, uint32_t triangle) {
+    return near->stamps[triangle] == near->stamp;
+}
+
+/* Floods the chart around a splat from a triangle. Returns 0 when out of memory. */
+static int flood(const slides_context *c, uint32_t splat, uint32_t triangle,
+                 psplat_neighborhood *near) {
+    const psplat_region *region = &c->measured->regions[splat];
+    psplat_metric metric;
+    memcpy(metric.center, region->center, sizeof metric.center);
+    memcpy(metric.rows[0], region->u, sizeof metric.rows[0]);
+    memcpy(metric.rows[1], region->v, sizeof metric.rows[1]);
+    memcpy(metric.rows[2], region->n, sizeof metric.rows[2]);
+    return psplat_neighborhood_gather(near, c->surface, NULL, &metric, triangle,
+                                      psplat_region_reach(region) + c->measured->tolerance);
+}
+
+/* Finds the chart to which most meetings of a splat belong, and measures these. The others become
+ * negative. Returns 0 when out of memory. */
+static int measure_splat(const slides_context *c, meeting *meetings, size_t count,
+                         psplat_neighborhood *near) {
+    const uint32_t *triangles = c->samples->triangles;
+    size_t most = 0, left = count;
+    uint32_t own = PSPLAT_NONE;
+    for (size_t i = 0; i < count; ++i) meetings[i].length = 0;
+    for (size_t i = 0; i < count && left > most; ++i) {
+        size_t flooded = 0;
+        if (meetings[i].length < 0) continue; /* An earlier flood has taken it. */
+        if (!flood(c, meetings[i].splat, triangles[meetings[i].sample], near)) return 0;
+        for (size_t k = i; k < count; ++k) {
+            if (meetings[k].length < 0 || !is_flooded(near, triangles[meetings[k].sample]))
+                continue;
+            meetings[k].length = -1;
+            ++flooded;
+        }
+        left -= flooded;
+        if (flooded > most) most = flooded, own = triangles[meetings[i].sample];
+    }
+    if (own == PSPLAT_NONE) return 1;
+    if (!flood(c, meetings[0].splat, own, near)) return 0;
+    for (size_t i = 0; i < count; ++i) {
+        meetings[i].length = meetings[i].texels = -1;
+        if (is_flooded(near, triangles[meetings[i].sample])) measure(c, &meetings[i]);
+    }
+    return 1;
+}
+
+/* Measures all splats. first has the index of the first meeting of each of count splats, and that
+ * behind the last. Returns 0 when out of memory. */
+static int measure_splats(const slides_context *c, meeting *meetings, const size_t *first,
+                          long count) {
+    int failed = 0;
+#if defined(_OPENMP)
+#pragma omp parallel reduction(| : failed)
+#endif
+    {
+        psplat_neighborhood near = {0};
+#if defined(_OPENMP)
+#pragma omp for schedule(dynamic, 16)
+#endif
+        for (long i = 0; i < count; ++i)
+            if (first[i + 1] > first[i])
+                failed |= !measure_splat(c, meetings + first[i], first[i + 1] - first[i], &near);
+        psplat_neighborhood_free(&near);
+    }
+    return !failed;
+}
+
+/* ---- all samples ----------------------------------------------------------------------------- */
+
+/* Returns whether meeting i weighs more than another one; `other` is SIZE_MAX where there is none.
+ */
+static int weighs_more(const meeting_list *list, size_t i, size_t other) {
+    return other == SIZE_MAX || list->items[i].weight > list->items[other].weight;
+}
+
+/* Finds the heaviest meeting of each sample, of all (0) and of those with splats of its chart (1).
+ */
+static void find_heaviest(const meeting_list *list, size_t samples, size_t *heaviest[2]) {
+    for (size_t i = 0; i < samples; ++i) heaviest[0][i] = heaviest[1][i] = SIZE_MAX;
+    for (size_t i = 0; i < list->count; ++i) {
+        const meeting *m = &list->items[i];
+        for (int own = 0; own <= (m->length >= 0); ++own)
+            if (weighs_more(list, i, heaviest[own][m->sample])) heaviest[own][m->sample] = i;
+    }
+}
+
+/* Sums the meetings up by sample. heaviest has room for two indices for each sample. */
+static void sum_up(const slides_context *c, const meeting_list *list, size_t *heaviest,
+                   psplat_texture_slides *slides) {
+    size_t samples = c->samples->count, *of[2] = {heaviest, heaviest + samples};
+    double covered = 0, mirrored = 0, foreign = 0;
+    find_heaviest(list, samples, of);
+    for (size_t i = 0; i < samples; ++i) {
+        slides->lengths[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].length;
+        slides->texels[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].texels;
+        if (of[0][i] == SIZE_MAX) continue;
+        const meeting *m = &list->items[of[0][i]];
+        ++covered;
+        mirrored += m->mirrored;
+        foreign += m->length < 0;
+    }
+    slides->mirrored = covered > 0 ? mirrored / covered : 0;
+    slides->foreign = covered > 0 ? foreign / covered : 0;
+}
+
+/* Marks the splats that have texture coordinates. */
+static void mark_textured(const psplat_splats *splats, uint8_t *textured) {
+    for (size_t run = 0, i = 0; run < splats->run_count; ++run)
+        for (size_t end = i + splats->runs[run].count; i < end; ++i)
+            textured[i] = splats->texcoords && splats->runs[run].has_texcoord;
+}
+
+/* Finds where the meetings of each splat begin. */
+static void find_first(const meeting_list *list, size_t splats, size_t *first) {
+    for (size_t splat = 0, i = 0; splat <= splats; ++splat) {
+        while (i < list->count && list->items[i].splat < splat) ++i;
+        first[splat] = i;
+    }
+}
+
+psplat_result psplat_texture_slides_find(const psplat_surface *surface,
+                                         const psplat_samples *samples, const psplat_splats *splats,
+                                         const psplat_measured_splats *measured,
+                                         psplat_texture_slides *slides) {
+    slides_context c = {surface, samples, splats, measured, calloc(splats->count + 1, 1)};
+    meeting_list list = {.items = NULL};
+    size_t *first = malloc((splats->count + 1) * sizeof *first);
+    size_t *heaviest = malloc((2 * samples->count + 1) * sizeof *heaviest);
+    *slides =
+        (psplat_texture_slides){.lengths = malloc((samples->count + 1) * sizeof *slides->lengths),
+                                .texels = malloc((samples->count + 1) * sizeof *slides->texels)};
+    int ok = c.textured && first && heaviest && slides->lengths && slides->texels;
+    if (ok) {
+        mark_textured(splats, c.textured);
+        find_meetings(&c, &list);
+        find_first(&list, splats->count, first);
+        ok = !list.failed && measure_splats(&c, list.items, first, (long)splats->count);
+    }
+    if (ok) sum_up(&c, &list, heaviest, slides);
+    free(c.textured);
+    free(first);
+    free(heaviest);
+    free(list.items);
+    return ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+}
+
+void psplat_texture_slides_free(psplat_texture_slides *slides) {
+    free(slides->lengths);
+    free(slides->texels);
+    *slides = (psplat_texture_slides){0};
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * texture_slides.h - how far textures slide over a surface where splats show them.
+ */
+#ifndef PHONGSPLAT_MEASURE_TEXTURE_SLIDES_H
+#define PHONGSPLAT_MEASURE_TEXTURE_SLIDES_H
+
+#include <phongsplat/splat.h>
+
+#include "features/samples.h"
+#include "features/surface.h"
+#include "measure/measured_splats.h"
+#include "splats/splats.h"
+
+#include <stdint.h>
+
+/* What splats show of kept textures at samples of a surface. Splats do not store their chart, so
+ * the samples that a splat covers vote: the part of the surface around the splat, bounded by
+ * creases and borders of charts, to which most of them belong is its own. */
+typedef struct psplat_texture_slides {
+    /* By sample, the slide of the splat that weighs most there, of those of its own chart that
+     * cover it; negative where there is none, or no texture is kept there: */
+    double *lengths; /* over the surface */
+    double *texels;
+    /* Parts of the samples that keep textures and are covered, by the splat that covers a sample
+     * with the greatest weight: */
+    double mirrored; /* it shows the image the other way round than the surface does */
+    double foreign;  /* its own chart is not that of the sample */
+} psplat_texture_slides;
+
+/* Measures the slides at samples that have texture coordinates. psplat_texture_slides_free frees
+ * *slides, also on failure. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_texture_slides_find(const psplat_surface *surface,
+                                         const psplat_samples *samples, const psplat_splats *splats,
+                                         const psplat_measured_splats *measured,
+                                         psplat_texture_slides *slides);
+
+/* Frees what slides owns, and zeroes it. */
+void psplat_texture_slides_free(psplat_texture_slides *slides);
+
+#endif

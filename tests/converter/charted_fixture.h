@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * charted_fixture.h - bent grids with texture coordinates, for tests of textures that splats keep.
+ * Include it after stage_fixture.h.
+ */
+#ifndef PHONGSPLAT_TESTS_CHARTED_FIXTURE_H
+#define PHONGSPLAT_TESTS_CHARTED_FIXTURE_H
+
+#include "appearance/appearance.h"
+#include "features/surface_build.h"
+#include "material/source_materials.h"
+#include "stage_fixture.h"
+
+/* The image of a charted grid is this many texels wide and high. */
+#define CHARTED_TEXELS 100.0
+
+typedef struct charted {
+    fixture f; /* Its surface has the appearance, which keeps one texture of each material. */
+    psplat_appearance appearance;
+    psplat_kept_textures kept[2];
+    psplat_source_material materials[2];
+} charted;
+
+/* Makes a grid (fixture_grid); chart gives the coordinates of a corner of a triangle at a position.
+ * Its surface is not built yet. */
+static inline void charted_make(charted *c, uint32_t cells,
+                                void (*place)(double s, double t, double p[3]),
+                                void (*chart)(uint32_t triangle, const double p[3], float uv[2])) {
+    *c = (charted){.appearance = {.kept_set = 0}};
+    fixture_grid(&c->f, cells, cells, place);
+    psplat_mesh *mesh = &c->f.mesh;
+    mesh->corner_uvs[0] = malloc(6 * mesh->triangle_count * sizeof(float));
+    assert_non_null(mesh->corner_uvs[0]);
+    for (size_t i = 0; i < 3 * mesh->triangle_count; ++i)
+        chart((uint32_t)(i / 3), mesh->positions + 3 * (size_t)mesh->triangles[i],
+              mesh->corner_uvs[0] + 2 * i);
+    for (int k = 0; k < 2; ++k)
+        c->kept[k] = (psplat_kept_textures){.textures = {{.image = 1}},
+                                            .texels = {CHARTED_TEXELS, CHARTED_TEXELS}};
+    mesh->source_materials = c->materials;
+    mesh->source_material_count = 2;
+    c->appearance.mesh = mesh;
+    c->appearance.kept = c->kept;
+}
+
+static inline void charted_build(charted *c, double crease_angle) {
+    assert_int_equal(psplat_surface_build_with_charts(&c->f.mesh, &c->appearance, crease_angle,
+                                                      &c->f.surface, NULL),
+                     PSPLAT_OK);
+}
+
+static inline void charted_free(charted *c) {
+    fixture_free(&c->f);
+}
+
+/* Makes the surface the square from -1 to 1, in the plane z = 0. */
+static inline void place_square(double s, double t, double p[3]) {
+    p[0] = 2 * s - 1, p[1] = 2 * t - 1, p[2] = 0;
+}
+
+#endif

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_texture_slides.c - tests of measuring how far textures slide: coordinates that are off by a
+ * known amount, mirrored ones, and splats that reach over the border of a chart. The shape is a
+ * square with one flat splat, or one for each half.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <cmocka.h>
+
+#include "charted_fixture.h"
+#include "measure/measured_splats.h"
+#include "measure/texture_slides.h"
+#include "splats/splats.h"
+
+enum { CELLS = 8 };
+static const double tolerance = 0.01;
+
+/* By how much the right half's coordinates differ from x / 4 and y / 4. */
+static double jump;
+
+static void chart(uint32_t triangle, const double p[3], float uv[2]) {
+    uv[0] = (float)(p[0] / 4 + (triangle / 2 % CELLS >= CELLS / 2 ? jump : 0));
+    uv[1] = (float)(p[1] / 4);
+}
+
+typedef struct stage {
+    charted c;
+    psplat_splat splats[2];
+    psplat_texcoord texcoords[2];
+    psplat_run run;
+    psplat_splats all;
+    psplat_texture_slides slides;
+} stage;
+
+/* One disc over the square of radius 1, less its corners. */
+static void stage_begin(stage *s, double by) {
+    *s = (stage){.run = {.count = 1, .has_texcoord = 1}};
+    jump = by;
+    charted_make(&s->c, CELLS, place_square, chart);
+    charted_build(&s->c, fixture_crease_angle);
+    fixture_sample(&s->c.f, 0.02);
+    for (int i = 0; i < 2; ++i) {
+        s->splats[i] =
+            (psplat_splat){.normal = {0, 0, 1}, .rotation = {0, 0, 0, 1}, .radius = {1, 1}};
+        s->texcoords[i] = (psplat_texcoord){.along_u = {0.25f, 0}, .along_v = {0, 0.25f}};
+    }
+    s->all = (psplat_splats){.splats = s->splats,
+                             .texcoords = s->texcoords,
+                             .count = 1,
+                             .runs = &s->run,
+                             .run_count = 1,
+                             .kernel = {2, 2}};
+}
+
+static void measure(stage *s) {
+    psplat_measured_splats measured;
+    s->all.count = s->run.count;
+    assert_int_equal(psplat_measured_splats_create(&s->all, tolerance, tolerance, &measured),
+                     PSPLAT_OK);
+    assert_int_equal(psplat_texture_slides_find(&s->c.f.surface, &s->c.f.samples, &s->all,
+                                                &measured, &s->slides),
+                     PSPLAT_OK);
+    psplat_measured_splats_free(&measured);
+}
+
+static void stage_end(stage *s) {
+    psplat_texture_slides_free(&s->slides);
+    charted_free(&s->c);
+}
+
+/* Asserts that all samples that the disc covers slide by this many texels, 25 of which are a unit
+ * of length. */
+static void assert_slides(const stage *s, double texels) {
+    size_t covered = 0;
+    for (size_t i = 0; i < s->c.f.samples.count; ++i) {
+        const double *p = s->c.f.samples.positions + 3 * i;
+        double r = hypot(p[0], p[1]);
+        if (fabs(r - 1) < 1e-5) continue;
+        if (r > 1) assert_true(s->slides.texels[i] < 0 && s->slides.lengths[i] < 0);
+        if (r > 1) continue;
+        ++covered;
+        assert_near(s->slides.texels[i], texels, 1e-3);
+        assert_near(s->slides.lengths[i], max2(texels - 0.25, 0) / 25, 1e-3);
+    }
+    assert_true(covered > 100);
+}
+
+static void test_errors(void **state) {
+    (void)state;
+    stage s;
+    stage_begin(&s, 0);
+    measure(&s);
+    assert_slides(&s, 0);
+    assert_true(s.slides.mirrored == 0 && s.slides.foreign == 0);
+    psplat_texture_slides_free(&s.slides);
+    s.texcoords[0].at[0] = 0.03f, s.texcoords[0].at[1] = -0.04f;
+    measure(&s);
+    assert_slides(&s, 5);
+    psplat_texture_slides_free(&s.slides);
+    s.texcoords[0].at[1] += 2; /* as many tiles, which do not repeat here */
+    measure(&s);
+    assert_slides(&s, hypot(3, 196));
+    psplat_texture_slides_free(&s.slides);
+    for (int k = 0; k < 2; ++k) s.c.kept[k].repeats[1] = 2;
+    measure(&s);
+    assert_slides(&s, 5);
+    stage_end(&s);
+}
+
+static void test_mirrored(void **state) {
+    (void)state;
+    stage s;
+    stage_begin(&s, 0);
+    s.texcoords[0].along_u[0] *= -1;
+    measure(&s);
+    assert_near(s.slides.mirrored, 1, 0);
+    psplat_texture_slides_free(&s.slides);
+    s.run.has_texcoord = 0; /* It shows no texture at all. */
+    measure(&s);
+    assert_true(s.slides.mirrored == 0);
+    for (size_t i = 0; i < s.c.f.samples.count; ++i) assert_true(s.slides.texels[i] < 0);
+    stage_end(&s);
+}
+
+/* A disc that covers more of the left chart is of that one: the right part is foreign, and slides
+ * by nothing. Where a lighter splat of the right chart covers the same, that one is measured. */
+static void test_foreign(void **state) {
+    (void)state;
+    stage s;
+    stage_begin(&s, 0.5);
+    s.splats[0].center[0] = -0.25f;
+    s.texcoords[0].at[0] = -0.0625f;
+    measure(&s);
+    size_t right = 0, covered = 0;
+    for (size_t i = 0; i < s.c.f.samples.count; ++i) {
+        const double *p = s.c.f.samples.positions + 3 * i;
+        int is_right = s.c.f.samples.triangles[i] / 2 % CELLS >= CELLS / 2;
+        if (hypot(p[0] + 0.25, p[1]) > 1 - 1e-5) continue;
+        ++covered;
+        right += (size_t)is_right;
+        if (is_right) assert_true(s.slides.texels[i] < 0);
+        if (!is_right) assert_near(s.slides.texels[i], 0, 1e-3);
+    }
+    assert_near(s.slides.foreign, (double)right / (double)covered, 0.01); /* samples on the rim */
+    psplat_texture_slides_free(&s.slides);
+    s.run.count = 2;
+    s.splats[1].center[0] = 0.75f; /* at 0 it weighs less than the other */
+    s.texcoords[1].at[0] = 0.6875f + 0.01f;
+    measure(&s);
+    for (size_t i = 0; i < s.c.f.samples.count; ++i) {
+        const double *p = s.c.f.samples.positions + 3 * i;
+        if (s.c.f.samples.triangles[i] / 2 % CELLS >= CELLS / 2 &&
+            hypot(p[0] - 0.75, p[1]) < 1 - 1e-5)
+            assert_near(s.slides.texels[i], 1, 1e-3);
+    }
+    stage_end(&s);
+}
+
+/* Of two splats of a chart the one that weighs more at a sample counts. */
+static void test_heaviest(void **state) {
+    (void)state;
+    stage s;
+    stage_begin(&s, 0);
+    s.run.count = 2;
+    s.splats[1].center[0] = 0.5f;
+    s.texcoords[1].at[0] = 0.125f + 0.02f;
+    measure(&s);
+    for (size_t i = 0; i < s.c.f.samples.count; ++i) {
+        const double *p = s.c.f.samples.positions + 3 * i;
+        if (hypot(p[0], p[1]) > 0.99 || hypot(p[0] - 0.5, p[1]) > 0.99) continue;
+        if (fabs(p[0] - 0.25) < 1e-3) continue; /* Both weigh the same. */
+        assert_near(s.slides.texels[i], p[0] > 0.25 ? 2 : 0, 1e-3);
+    }
+    stage_end(&s);
+}
+
+int test_texture_slides_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_foreign),
+        cmocka_unit_test(test_heaviest),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
