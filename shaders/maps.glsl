@@ -115,7 +115,9 @@ vec3 turn_normal(Place place, vec3 normal, vec3 along_u, vec3 along_v) {
     if (dot(bitangent, along_t) > 0.0) bitangent = -bitangent;
     vec3 turn = 2.0 * sample_map(u_normal_map, 2, place).rgb - 1.0;
     turn.xy *= u_map_strength.x;
-    turn *= size * inversesqrt(max(dot(turn, turn), 1e-12));
+    float turn2 = dot(turn, turn);
+    if (!(turn2 > 0.0)) return normal;
+    turn *= size * inversesqrt(turn2);
     return turn.x * tangent + turn.y * bitangent + turn.z * n;
 }
 #endif

@@ -30,7 +30,7 @@ static size_t group_of(const psplat_mesh *mesh, size_t triangle) {
 /* ---- what is kept ---------------------------------------------------------------------------- */
 
 /* Returns whether a texture in this slot of the material shows: unlit materials show their base
- * colour alone, and nothing comes of a texture times a factor of 0. */
+ * colour alone, and nothing comes of an emissive texture times a factor of 0. */
 static int shows(const psplat_material *m, psplat_texture_slot slot) {
     if (slot == PSPLAT_TEXTURE_BASE_COLOR) return 1;
     if (slot == PSPLAT_TEXTURE_EMISSIVE)
@@ -38,8 +38,8 @@ static int shows(const psplat_material *m, psplat_texture_slot slot) {
     return !m->unlit;
 }
 
-static int may_be_kept(const psplat_mesh *mesh, const psplat_source_material *material,
-                       psplat_texture_slot slot) {
+int psplat_appearance_may_keep(const psplat_mesh *mesh, const psplat_source_material *material,
+                               psplat_texture_slot slot) {
     return material->material.textures[slot].image != 0 && shows(&material->material, slot) &&
            is_readable(mesh, psplat_source_texture(material, slot));
 }
@@ -50,7 +50,7 @@ uint32_t psplat_appearance_set_to_keep(const psplat_mesh *mesh) {
         if (group_of(mesh, t) >= mesh->source_material_count) continue;
         const psplat_source_material *m = &mesh->source_materials[group_of(mesh, t)];
         for (psplat_texture_slot slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot)
-            if (may_be_kept(mesh, m, slot))
+            if (psplat_appearance_may_keep(mesh, m, slot))
                 ++uses[slot != PSPLAT_TEXTURE_BASE_COLOR][psplat_source_texture(m, slot)->texcoord];
     }
     for (int others = 0; others < 2; ++others) {
@@ -82,7 +82,7 @@ static void keep_textures(psplat_appearance *appearance, size_t group) {
     psplat_kept_textures *kept = &appearance->kept[group];
     int any = 0;
     for (psplat_texture_slot slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot) {
-        if (!may_be_kept(appearance->mesh, m, slot) ||
+        if (!psplat_appearance_may_keep(appearance->mesh, m, slot) ||
             psplat_source_texture(m, slot)->texcoord != appearance->kept_set)
             continue;
         kept->textures[slot] = m->material.textures[slot];

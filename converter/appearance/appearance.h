@@ -42,6 +42,10 @@ typedef struct psplat_appearance {
         *kept; /* of each material of the mesh; NULL where kept_set is PSPLAT_NONE */
 } psplat_appearance;
 
+/* Returns whether a texture of a material shows and can be read, so that splats may keep it. */
+int psplat_appearance_may_keep(const psplat_mesh *mesh, const psplat_source_material *material,
+                               psplat_texture_slot slot);
+
 /* Returns the set of texture coordinates that splats of the mesh keep: that of the base colours of
  * most triangles, else that of the other textures of most, else PSPLAT_NONE. Only textures that
  * their material describes in psplat_material.textures can be kept. */

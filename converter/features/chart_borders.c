@@ -14,12 +14,14 @@
 #include "features/surface.h"
 #include "mesh/mesh.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
 /* How far, in texels, coordinates may differ across an edge inside a chart: what rounding in a file
  * does to them, and no more than filtering hides. Chosen by hand. */
 static const double greatest_jump_texels = 0.5;
+
 static uint32_t group_of(const psplat_surface *surface, uint32_t triangle) {
     return surface->mesh->groups ? surface->mesh->groups[triangle] : 0;
 }
@@ -89,7 +91,8 @@ static void find_slopes(const psplat_surface *surface, uint32_t triangle, float 
         double slope[3] = {0, 0, 0};
         for (size_t i = 0; i < 2 && twice_area > 0; ++i)
             mad3(slope, ((double)uvs[2 * (i + 1) + k] - (double)uvs[k]) / twice_area, across[i]);
-        for (size_t c = 0; c < 3; ++c) slopes[3 * k + c] = (float)slope[c];
+        for (size_t c = 0; c < 3; ++c) /* Those of slivers may not fit into a float. */
+            slopes[3 * k + c] = fabs(slope[c]) < (double)FLT_MAX ? (float)slope[c] : 0;
     }
 }
 

@@ -28,7 +28,7 @@ static void take_triangle(const psplat_surface *surface, uint32_t triangle, cons
     psplat_texcoord_sums_fit(&sums, &c->region, 0, &c->texcoord);
 }
 
-/* Moves coordinates by whole tiles, where that changes nothing, to those nearest to 0. */
+/* Moves coordinates by whole tiles, where that changes nothing, to the first tile. */
 static void move_tiles(const psplat_kept_textures *kept, psplat_texcoord *texcoord) {
     for (int k = 0; k < 2; ++k) {
         float tile = (float)kept->repeats[k];

@@ -226,9 +226,8 @@ static size_t count_other_sets(const psplat_mesh *mesh) {
     for (size_t i = 0; used && i < materials; ++i)
         for (psplat_texture_slot slot = 0; used[i] && slot < PSPLAT_TEXTURE_SLOTS; ++slot) {
             const psplat_source_material *m = &mesh->source_materials[i];
-            const psplat_texture_info *texture = psplat_source_texture(m, slot);
-            count += m->material.textures[slot].image && texture->texcoord != kept &&
-                     texture->texcoord < PSPLAT_TEXCOORDS && mesh->corner_uvs[texture->texcoord];
+            count += psplat_appearance_may_keep(mesh, m, slot) &&
+                     psplat_source_texture(m, slot)->texcoord != kept;
         }
     free(used);
     return count;

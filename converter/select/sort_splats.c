@@ -195,10 +195,16 @@ static int is_bent(const psplat_texcoord *t) {
 }
 
 /* Sets what runs hold of texture coordinates, which are sorted. */
+static int keeps_textures(const psplat_kept_textures *kept) {
+    for (psplat_texture_slot slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot)
+        if (kept->textures[slot].image) return 1;
+    return 0;
+}
+
 static void settle_texcoords(psplat_run *runs, size_t run_count, const psplat_kept_textures *kept,
                              const psplat_texcoord *texcoords) {
     for (size_t r = 0; kept && r < run_count; texcoords += runs[r++].count) {
-        runs[r].has_texcoord = kept[runs[r].material].texels[0] > 0;
+        runs[r].has_texcoord = keeps_textures(&kept[runs[r].material]);
         for (size_t i = 0; i < runs[r].count && runs[r].has_texcoord; ++i)
             runs[r].has_texcoord_bend |= is_bent(&texcoords[i]);
     }

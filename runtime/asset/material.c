@@ -154,8 +154,9 @@ psplat_result psplat_material_get(psplat_gltf *gltf, psplat_json_value value, in
             return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY,
                                psplat_gltf_offset(gltf, entry->json), "no memory for a material");
         result = make_material(gltf, entry->json, is_textured, made);
+        if (result) return result;
         entry->made[is_textured] = made;
     }
     *material = entry->made[is_textured];
-    return result;
+    return PSPLAT_OK;
 }

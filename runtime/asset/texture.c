@@ -5,6 +5,7 @@
  */
 #include "asset/gltf.h"
 
+#include <float.h>
 #include <math.h>
 
 /* ---- samplers ----------------------------------------------------------------------------- */
@@ -136,6 +137,7 @@ static psplat_result parse_transform(const psplat_gltf *gltf, psplat_json_value 
         result = psplat_json_integer(&gltf->json, members[3], names[3], UINT32_MAX, texcoord);
     if (result) return result;
     double c = cos(rotation), s = sin(rotation);
+    int is_zero = 1;
     const double exact[6] = {c * scale[0],  s * scale[1], offset[0],
                              -s * scale[0], c * scale[1], offset[1]};
     for (size_t i = 0; i < 6; ++i) {
@@ -144,7 +146,10 @@ static psplat_result parse_transform(const psplat_gltf *gltf, psplat_json_value 
             return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, object),
                                "KHR_texture_transform moves a texture beyond what a float can "
                                "hold");
+        is_zero &= rows[i] == 0.0f;
     }
+    /* All zeros mean the identity (psplat_texture); the least scale shows the same one point. */
+    if (is_zero) rows[0] = FLT_MIN;
     return PSPLAT_OK;
 }
 

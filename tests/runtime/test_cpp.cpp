@@ -22,6 +22,8 @@
     X(psplat_asset_batch_count)                                                                    \
     X(psplat_asset_bounds)                                                                         \
     X(psplat_asset_destroy)                                                                        \
+    X(psplat_asset_get_image)                                                                      \
+    X(psplat_asset_image_count)                                                                    \
     X(psplat_asset_open)                                                                           \
     X(psplat_asset_open_memory)                                                                    \
     X(psplat_draw)                                                                                 \

@@ -250,7 +250,10 @@ static void test_texcoords(void **state) {
     (void)state;
     enum { COUNT = 6 };
     static const uint32_t groups[] = {2, 1, 0};
-    const psplat_kept_textures kept[3] = {{.texels = {8, 8}}, {.texels = {0}}, {.texels = {8, 8}}};
+    /* The third is a ramp of colours along t: its coordinates count, though s shows no texels. */
+    const psplat_kept_textures kept[3] = {{.textures = {{.image = 1}}, .texels = {8, 8}},
+                                          {.texels = {0}},
+                                          {.textures = {{.image = 2}}, .texels = {0, 8}}};
     psplat_candidate candidates[COUNT];
     for (uint32_t i = 0; i < COUNT; ++i)
         candidates[i] = (psplat_candidate){
