@@ -71,9 +71,8 @@ psplat_slide psplat_texcoord_slide(const psplat_texcoord *t, const psplat_region
     double c = m[1][1] + missing * y * y, determinant = a * c - b * b;
     double squared = (c * e[0] * e[0] - 2 * b * e[0] * e[1] + a * e[1] * e[1]) / determinant;
     double seen = 1 - PSPLAT_LEAST_SLIDE_TEXELS / slide.texels;
-    /* Coordinates that do not change anywhere are as wrong as the splat is large, at most. */
-    double most = 2 * region->radius[0];
-    slide.length = determinant > 0 ? fmin(seen * sqrt(fmax(squared, 0)), most) : most;
+    /* Coordinates that change nowhere are as wrong as the splat is large. */
+    slide.length = determinant > 0 ? seen * sqrt(fmax(squared, 0)) : 2 * region->radius[0];
     return slide;
 }
 

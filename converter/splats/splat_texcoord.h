@@ -35,8 +35,7 @@ int psplat_texcoord_sense(const psplat_texcoord *texcoord, const double uv[2]);
  * are those of the image for each unit of s and t. The length is that of the way over the surface
  * along which the coordinates change by the error. Where they change with the position in one
  * direction less than a tenth as much as in the other, they count as if they changed by a tenth.
- * Where they do not change at all, the length is the greater diameter of the region, which it never
- * exceeds. */
+ * Where they do not change at all, the length is the greater diameter of the region. */
 psplat_slide psplat_texcoord_slide(const psplat_texcoord *texcoord, const psplat_region *region,
                                    const double uv[2], const double texels[2],
                                    const double error[2]);
