@@ -32,7 +32,6 @@ typedef struct psplat_limits {
                                  may slide over the surface; 0: unbounded, or no texture is kept */
     double texture_tolerance_texels; /* the same in texels of the material's largest texture; 0: it
                                         is not bounded so */
-    int linear_texcoords;            /* 1: texture coordinates have no second order */
     const psplat_precision *precision; /* that lines and fields are rounded to; NULL: none are */
     int proven; /* 1: an exact check of the distance bound takes all points of a region, not some */
     const psplat_distance *distance; /* to the mesh; NULL: only triangles of samples are measured */

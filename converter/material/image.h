@@ -38,8 +38,8 @@ psplat_result psplat_image_decode(const void *data, size_t size, psplat_image *i
                                   psplat_error *error);
 
 /* Decodes an image as psplat_image_decode does and keeps a copy of its bytes beside the pixels, so
- * that it can be written as it was. A PNG's chunks for colour space and shape of pixels are left out:
- * glTF ignores them, and the Khronos validator warns of them. Errors are those of
+ * that it can be written as it was. A PNG's chunks for colour space and shape of pixels are left
+ * out: glTF ignores them, and the Khronos validator warns of them. Errors are those of
  * psplat_image_decode. */
 psplat_result psplat_image_read(const void *data, size_t size, psplat_image *image,
                                 psplat_error *error);

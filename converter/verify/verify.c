@@ -40,9 +40,10 @@ enum { SAMPLES_PER_SPLAT = 100, LEAST_SAMPLES = 50000, MOST_SAMPLES = 1000000 };
  * surface are not divided, in tolerances. Chosen by hand. */
 static const double hole_side_tolerances = 1, least_hole_tolerances = 1.0 / 16;
 
-/* The share of the textured samples at which textures may slide farther than promised: small splats
- * at poles of the coordinates, of which no polynomial of the second order is near. Chosen by hand.
- */
+/* The share of the textured samples at which textures may slide farther than promised: points of
+ * small splats at poles of the coordinates, of which no polynomial of the second order is near, and
+ * points between the samples that a fit has seen. The greatest share measured was 0.16 %, of a
+ * conversion without local search. Chosen by hand. */
 static const double spared_share = 0.005;
 
 /* The part of a limit by which rounding may make measured angles exceed it. */

@@ -37,12 +37,13 @@ typedef struct psplat_comparison {
  * uncovered_area_percent, overhang_area_percent, crease_area_percent; rays, an object with count,
  * missed, missed_percent, open, hidden, outline, reach_percent, ranges (an array, by cosine, of
  * least_cosine, count and missed) and places (of missed rays: point, direction and cosine); with
- * pictures image_size, image_erosion, and of splats mode and filter; image_psnr_db, image_inside_psnr_db, image_ssim,
- * image_difference_percent, image_inside_percent, image_missing_percent, image_extra_percent,
- * image_covered, image_interior_holes of all views, and views, an array with the same of each
- * without image_; where the source has textures or colours base_color_psnr_db, base_color_ssim and
- * so on, of pictures without light; seconds. Values that are not finite (the distance to nothing,
- * the PSNR of equal pictures) or not known are null. Errors: MEMORY. */
+ * pictures image_size, image_erosion, and of splats mode and filter; image_psnr_db,
+ * image_inside_psnr_db, image_ssim, image_difference_percent, image_inside_percent,
+ * image_missing_percent, image_extra_percent, image_covered, image_interior_holes of all views, and
+ * views, an array with the same of each without image_; where the source has textures or colours
+ * base_color_psnr_db, base_color_ssim and so on, of pictures without light; seconds. Values that
+ * are not finite (the distance to nothing, the PSNR of equal pictures) or not known are null.
+ * Errors: MEMORY. */
 psplat_result psplat_comparison_json(const psplat_comparison *comparison, char **text, size_t *size,
                                      psplat_error *error);
 
