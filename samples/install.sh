@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: MIT
 # Installs what building and testing phongsplat needs from Debian's packages (Debian 12). Needs root
 # or sudo. Where all packages are installed already it needs neither and uses no network.
+#
+# usage: install.sh [--browser]
+#   --browser   Chromium too, for the tests of runtime/web: 122 MB to fetch, 414 MB on disk
 set -eu
 
 # compilers and build
@@ -16,6 +19,15 @@ packages="$packages libglfw3-dev libgl1 libglx-mesa0"
 packages="$packages gnuplot-nox"
 # tests; xvfb and XTest drive the viewer
 packages="$packages libcmocka-dev xvfb libx11-dev libxtst-dev"
+
+case "${1:-}" in
+"") ;;
+--browser) packages="$packages chromium" ;;
+*)
+    echo "usage: install.sh [--browser]" >&2
+    exit 2
+    ;;
+esac
 
 missing=""
 for package in $packages; do

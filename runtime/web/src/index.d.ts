@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+import type { Box3, BufferGeometry, DataTexture, Group, Intersection, Material, Mesh, Object3D, RawShaderMaterial, Raycaster, WebGLRenderer } from 'three';
+
+/** A primitive of splats, decoded. Clones of an object share it. */
+export interface SplatBatch {
+    /** Number of splats. */
+    readonly count: number;
+    /** Clip lines of each splat, 0 to 4. */
+    readonly clipLines: number;
+    readonly isCurved: boolean;
+    /** How far splats of one surface may lie apart, in the units of the positions. */
+    readonly depthTolerance: number;
+    /** Box of what clip lines leave of the splats. */
+    readonly box: Box3;
+    readonly splats: DataTexture;
+}
+
+/** What a ray hits: three's intersection, and which splat at which parameters (`uv`). */
+export interface SplatIntersection extends Intersection {
+    /** Index of the batch in `object.batches`. */
+    batchIndex: number;
+    /** Index of the splat in its batch. */
+    splatIndex: number;
+}
+
+/**
+ * Splats as an object of the scene. Transforms, `castShadow`, `receiveShadow`, `visible`, `layers`, `clone()` and
+ * `raycast()` are those of a mesh. `material` may be changed or replaced by another of three's lit materials, which no
+ * ordinary mesh may have too; `material.side` says whether backs are seen.
+ */
+export class PhongSplats extends Mesh<BufferGeometry, Material> {
+    constructor(batches?: SplatBatch[], material?: Material, materials?: Material[] | null);
+    readonly isPhongSplats: true;
+    readonly batches: SplatBatch[];
+    /** Where batches have several materials: that of each batch; `material` then only draws the result. */
+    readonly materials: Material[] | null;
+    readonly splatCount: number;
+    raycast(raycaster: Raycaster, intersects: Intersection<Object3D>[]): void;
+    /** Frees textures and programs, also those of clones, which share them. Materials and their textures are the caller's. */
+    dispose(): void;
+    /** Frees the render targets that all splats share with a renderer. */
+    static disposeTargets(renderer: WebGLRenderer): void;
+}
+
+export type SplatShading = 'lit' | 'unlit' | 'toon' | 'normal' | 'depth' | 'overdraw' | 'splats';
+
+/** A shading of the C runtime, to be an object's `material`: to see normals or splats. */
+export class SplatShadingMaterial extends RawShaderMaterial {
+    constructor(shading?: SplatShading);
+    readonly shading: SplatShading;
+    readonly isSplatShading: true;
+}
+
+/** The plugin for GLTFLoader: `loader.register((parser) => new GLTFPhongSplats(parser))`. */
+export class GLTFPhongSplats {
+    constructor(parser: unknown);
+    readonly name: 'PSPLAT_surface_splats';
+    beforeRoot(): null;
+    loadMesh(index: number): Promise<Group | Mesh> | null;
+    createNodeMesh(index: number): Promise<Group> | null;
+}

@@ -1,0 +1,4 @@
+// SPDX-License-Identifier: MIT
+export { GLTFPhongSplats } from './loader.js';
+export { PhongSplats } from './splats.js';
+export { SplatShadingMaterial } from './shading.js';

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT
+//
+// viewer.js - shows splats, the mesh they come from, or both with a slider between them. The page's
+// address may hold ?load=URL and a second one, &load=URL or &source=URL, &mode=MODE, and
+// &three=DIRECTORY for a three.js of one's own. Which side a file is on follows from what it holds.
+import * as THREE from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
+import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { MTLLoader } from 'three/addons/loaders/MTLLoader.js';
+import { OBJLoader } from 'three/addons/loaders/OBJLoader.js';
+import { GLTFPhongSplats, PhongSplats, SplatShadingMaterial } from 'three-phong-splats';
+
+const element = (id) => document.getElementById(id);
+const view = element('view'), slider = element('slider'), query = new URLSearchParams(location.search);
+
+// ---- the scene -------------------------------------------------------------------------------
+
+const renderer = new THREE.WebGLRenderer({ antialias: true });
+renderer.toneMapping = THREE.NeutralToneMapping;
+renderer.setScissorTest(true);
+view.prepend(renderer.domElement);
+const scene = new THREE.Scene();
+scene.background = new THREE.Color(0x30363f);
+const pmrem = new THREE.PMREMGenerator(renderer);
+scene.environment = pmrem.fromScene(new RoomEnvironment(), 0.04).texture;
+scene.environmentIntensity = 0.45;
+const camera = new THREE.PerspectiveCamera(35), sun = new THREE.DirectionalLight(0xffffff, 1.6);
+scene.add(camera, sun, sun.target);
+const controls = new OrbitControls(camera, renderer.domElement);
+controls.addEventListener('change', requestFrame);
+controls.addEventListener('change', () => { element('hover').textContent = ''; });
+
+/** The two sides: what each shows, or null. */
+const sides = { source: null, splats: null };
+
+let isWaiting = false;
+function requestFrame() {
+    if (isWaiting) return;
+    isWaiting = true;
+    requestAnimationFrame(() => {
+        isWaiting = false;
+        draw();
+    });
+}
+
+/** Draws one side into columns x to x + width of the canvas. */
+function drawSide(side, x, width) {
+    if (width <= 0) return;
+    for (const other of Object.values(sides)) if (other) other.root.visible = other === side;
+    const { clientWidth, clientHeight } = renderer.domElement;
+    renderer.setViewport(0, 0, clientWidth, clientHeight);
+    renderer.setScissor(x, 0, width, clientHeight);
+    renderer.render(scene, camera);
+}
+
+function draw() {
+    const width = view.clientWidth, height = view.clientHeight;
+    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    renderer.setSize(width, height, false);
+    camera.aspect = width / height;
+    camera.updateProjectionMatrix();
+    sun.position.set(-0.5, 1.2, 0.6).applyQuaternion(camera.quaternion).multiplyScalar(controls.maxDistance || 1).add(sun.target.position);
+    const hasBoth = !!(sides.source && sides.splats), border = hasBoth ? Math.round(width * slider.value) : sides.source ? width : 0;
+    drawSide(sides.source, 0, border);
+    drawSide(sides.splats, border, width - border);
+    element('divider').style.left = `${border}px`;
+}
+
+/** Moves the camera so that all is seen, and puts its planes around it. */
+function fit() {
+    const box = new THREE.Box3();
+    for (const side of Object.values(sides)) if (side) box.union(new THREE.Box3().setFromObject(side.root));
+    if (box.isEmpty()) return;
+    const sphere = box.getBoundingSphere(new THREE.Sphere()), half = THREE.MathUtils.degToRad(0.5 * camera.fov);
+    const distance = sphere.radius / Math.sin(Math.atan(Math.tan(half) * Math.min(1, view.clientWidth / view.clientHeight)));
+    camera.position.set(0.45, 0.34, 0.82).normalize().multiplyScalar(distance).add(sphere.center);
+    camera.near = distance / 1000;
+    camera.far = distance * 20;
+    controls.target.copy(sphere.center);
+    controls.maxDistance = 10 * distance;
+    sun.target.position.copy(sphere.center);
+    controls.update();
+    requestFrame();
+}
+
+// ---- modes -----------------------------------------------------------------------------------
+
+function setMode() {
+    const mode = element('mode').value;
+    sides.splats?.root.traverse((object) => {
+        if (!object.isPhongSplats) return;
+        object.userData.material ??= object.material;
+        if (object.material.isSplatShading) object.material.dispose();
+        object.material = mode === 'three' ? object.userData.material : new SplatShadingMaterial(mode);
+    });
+    scene.overrideMaterial = null;
+    sides.source?.root.traverse((object) => {
+        if (!object.isMesh) return;
+        object.userData.material ??= object.material;
+        object.material = mode === 'normal' ? new THREE.MeshNormalMaterial({ side: THREE.DoubleSide }) : object.userData.material;
+    });
+    requestFrame();
+}
+
+// ---- files -----------------------------------------------------------------------------------
+
+function fail(text) {
+    element('error').textContent = text;
+    element('error').hidden = !text;
+}
+
+/** @returns loaders; files: what was dropped by name, for glTF that refers to other files. */
+function loadersFor(files) {
+    const manager = new THREE.LoadingManager(), urls = [];
+    manager.setURLModifier((url) => {
+        const file = files.get(decodeURIComponent(url.split('/').pop()));
+        if (!file || /^(data|blob):/.test(url)) return url;
+        urls.push(URL.createObjectURL(file));
+        return urls.at(-1);
+    });
+    const gltf = new GLTFLoader(manager).setMeshoptDecoder(MeshoptDecoder).register((parser) => new GLTFPhongSplats(parser));
+    manager.onLoad = () => {
+        urls.splice(0).forEach((url) => URL.revokeObjectURL(url));
+        requestFrame(); // textures of OBJ files come late
+    };
+    return { gltf, obj: new OBJLoader(manager), mtl: new MTLLoader(manager) };
+}
+
+/** Reads an OBJ file, with its materials where they are at hand: among the files or at the address. */
+async function parseObj(text, path, files, loaders) {
+    const library = /^mtllib\s+(.+?)\s*$/m.exec(text)?.[1];
+    if (!library || !(path || files.has(library))) return withStandardMaterial(loaders.obj.parse(text));
+    try {
+        const materials = await loaders.mtl.setPath(path).loadAsync(library);
+        materials.preload();
+        loaders.obj.setMaterials(materials);
+    } catch (error) {
+        fail(`${library}: ${error.message}`);
+        return withStandardMaterial(loaders.obj.parse(text));
+    }
+    return loaders.obj.parse(text);
+}
+
+/** OBJ files without materials get the one of splats without. */
+function withStandardMaterial(root) {
+    const plain = new THREE.MeshStandardMaterial({ color: 0xffffff, metalness: 0, roughness: 1, side: THREE.DoubleSide });
+    root.traverse((object) => { if (object.isMesh) object.material = plain; });
+    return root;
+}
+
+async function parse(name, buffer, path, files) {
+    const loaders = loadersFor(files);
+    if (/\.obj$/i.test(name)) return parseObj(new TextDecoder().decode(buffer), path, files, loaders);
+    return (await loaders.gltf.parseAsync(buffer, path)).scene;
+}
+
+function count(root) {
+    let splats = 0, triangles = 0;
+    root.traverse((object) => {
+        if (object.isPhongSplats) splats += object.splatCount;
+        else if (object.isMesh) triangles += (object.geometry.index ?? object.geometry.attributes.position).count / 3;
+    });
+    return { splats, triangles: Math.round(triangles) };
+}
+
+function free(side) {
+    side.root.removeFromParent();
+    side.root.traverse((object) => {
+        if (object.isPhongSplats) object.dispose();
+        else object.geometry?.dispose();
+    });
+}
+
+/** Shows a file on the side that it belongs to. */
+async function show(name, buffer, path, files) {
+    const root = await parse(name, buffer, path, files), { splats, triangles } = count(root), which = splats ? 'splats' : 'source';
+    if (!splats && !triangles) throw new Error('it holds neither splats nor triangles');
+    const lights = [];
+    root.traverse((object) => object.isLight && lights.push(object));
+    for (const light of lights) light.removeFromParent();
+    if (sides[which]) free(sides[which]);
+    sides[which] = { root, name };
+    scene.add(root);
+    const things = splats ? `${splats.toLocaleString('en')} splats` : `${triangles.toLocaleString('en')} triangles`;
+    element(which).textContent = `${name}\n${buffer.byteLength.toLocaleString('en')} bytes\n${things}`;
+    slider.hidden = element('divider').hidden = !(sides.source && sides.splats);
+    element('hint').hidden = true;
+}
+
+async function showAll(entries, files) {
+    fail('');
+    for (const { name, load, path } of entries) {
+        try {
+            await show(name, await load(), path, files);
+        } catch (error) {
+            console.info(error);
+            fail(`${name}: ${error.message}`);
+        }
+    }
+    setMode();
+    fit();
+}
+
+function openFiles(list) {
+    const files = new Map([...list].map((file) => [file.name, file])), models = [...files.values()].filter((file) => /\.(glb|gltf|obj)$/i.test(file.name));
+    if (!models.length) return fail(`${[...files.keys()].join(', ')}: not one of .glb, .gltf and .obj`);
+    return showAll(models.map((file) => ({ name: file.name, load: () => file.arrayBuffer(), path: '' })), files);
+}
+
+async function fetchBytes(url) {
+    const response = await fetch(url);
+    if (!response.ok) throw new Error(`the server answers ${response.status} ${response.statusText}`);
+    return response.arrayBuffer();
+}
+
+function openAddresses(addresses) {
+    return showAll(addresses.map((address) => {
+        const url = new URL(address, location.href);
+        return { name: decodeURIComponent(url.pathname.split('/').pop()), load: () => fetchBytes(url), path: new URL('.', url).href };
+    }), new Map());
+}
+
+// ---- the distance under the pointer ----------------------------------------------------------
+
+const ray = new THREE.Raycaster();
+function hover(event) {
+    if (!sides.source || !sides.splats || event.buttons) return;
+    const bounds = renderer.domElement.getBoundingClientRect();
+    ray.setFromCamera(new THREE.Vector2((event.clientX - bounds.left) / bounds.width * 2 - 1, 1 - (event.clientY - bounds.top) / bounds.height * 2), camera);
+    const hits = Object.values(sides).map(({ root }) => {
+        root.visible = true;
+        return ray.intersectObject(root, true)[0];
+    });
+    const size = new THREE.Box3().setFromObject(sides.source.root).getSize(new THREE.Vector3()).length();
+    element('hover').textContent = hits[0] && hits[1] ? `${(100 * hits[0].point.distanceTo(hits[1].point) / size).toPrecision(2)} % of the diagonal apart along the ray` : '';
+}
+
+// ---- controls --------------------------------------------------------------------------------
+
+element('open').addEventListener('click', () => element('file').click());
+element('file').addEventListener('change', (event) => openFiles(event.target.files));
+element('fit').addEventListener('click', fit);
+element('mode').addEventListener('change', setMode);
+slider.addEventListener('input', requestFrame);
+renderer.domElement.addEventListener('pointermove', hover);
+renderer.domElement.addEventListener('webglcontextrestored', () => {
+    scene.environment = pmrem.fromScene(new RoomEnvironment(), 0.04).texture;
+    requestFrame();
+});
+view.addEventListener('dragover', (event) => {
+    event.preventDefault();
+    view.classList.add('over');
+});
+view.addEventListener('dragleave', () => view.classList.remove('over'));
+view.addEventListener('drop', (event) => {
+    event.preventDefault();
+    view.classList.remove('over');
+    openFiles(event.dataTransfer.files);
+});
+new ResizeObserver(requestFrame).observe(view);
+addEventListener('pagehide', () => PhongSplats.disposeTargets(renderer));
+
+if (query.has('mode')) element('mode').value = query.get('mode');
+/** @returns the files that page.mjs has put into the page. */
+function filesInPage() {
+    return [...document.querySelectorAll('script[type="model"]')].map((script) => {
+        const bytes = Uint8Array.from(atob(script.textContent.trim()), (c) => c.charCodeAt(0));
+        return new File([bytes], script.dataset.name);
+    });
+}
+
+const addresses = [...query.getAll('load'), ...query.getAll('source')];
+const inPage = filesInPage();
+await (inPage.length ? openFiles(inPage) : addresses.length ? openAddresses(addresses) : draw());
+document.documentElement.dataset.ready = 'true';

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+//
+// test_viewer.mjs - tests the page runtime/web/viewer in a headless Chromium: files from addresses
+// and files that are dropped, the slider, modes, what is said of a broken file.
+import assert from 'node:assert/strict';
+import { copyFileSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import test, { after, before } from 'node:test';
+import { makePage } from '../../runtime/web/page.mjs';
+import { here, launch, open, serve } from './browser.mjs';
+
+const converted = process.env.PHONGSPLAT_CONVERTED, root = join(here, '../..'), state = {}, scratch = mkdtempSync(join(tmpdir(), 'phongsplat-web-'));
+
+before(async () => {
+    state.server = await serve({ modules: join(here, 'node_modules'), package: join(root, 'runtime/web'), files: converted, models: join(root, 'samples/models'), scratch });
+    state.browser = await launch();
+});
+
+after(async () => {
+    await state.browser?.close();
+    state.server?.close();
+    rmSync(scratch, { recursive: true });
+});
+
+async function openViewer(query) {
+    const page = await open(state.browser, `${state.server.address}/package/viewer/index.html?three=/modules/three${query}`);
+    await page.setViewport({ width: 900, height: 600 });
+    await page.waitForFunction('document.documentElement.dataset.ready');
+    return page;
+}
+
+const text = (page, id) => page.$eval(`#${id}`, (e) => (e.hidden ? '' : e.textContent));
+
+/** Returns how many pixels of the left and the right half differ from the background, from a picture
+ *  of the canvas. */
+async function covered(page) {
+    await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+    const png = await page.screenshot({ encoding: 'base64', clip: { x: 0, y: 150, width: 900, height: 360 } });
+    return page.evaluate(async (data) => {
+        const image = new Image();
+        image.src = `data:image/png;base64,${data}`;
+        await image.decode();
+        const context = Object.assign(document.createElement('canvas'), { width: 900, height: 360 }).getContext('2d');
+        context.drawImage(image, 0, 0);
+        const { data: rgba } = context.getImageData(0, 0, 900, 360), counts = [0, 0], sums = [0, 0];
+        for (let i = 0; i < 900 * 360; ++i) {
+            const [r, g, b] = rgba.subarray(4 * i, 4 * i + 3), half = i % 900 < 450 ? 0 : 1;
+            if (Math.abs(r - rgba[0]) + Math.abs(g - rgba[1]) + Math.abs(b - rgba[2]) > 24) ++counts[half];
+            sums[half] += r;
+        }
+        return { counts, sums };
+    }, png);
+}
+
+/** Drops files on the page as a browser does. files: [name, base64]. */
+function drop(page, files) {
+    return page.evaluate((list) => {
+        const transfer = new DataTransfer();
+        for (const [name, data] of list) transfer.items.add(new File([Uint8Array.from(atob(data), (c) => c.charCodeAt(0))], name));
+        document.getElementById('view').dispatchEvent(new DragEvent('drop', { dataTransfer: transfer, bubbles: true, cancelable: true }));
+    }, files);
+}
+
+const base64 = (path) => readFileSync(path).toString('base64');
+
+test('a source and its splats from addresses: bytes, counts, and a slider between them', async () => {
+    const page = await openViewer('&load=/files/part.glb&source=/models/part.obj'), bytes = statSync(join(converted, 'part.glb')).size;
+    assert.match(await text(page, 'splats'), new RegExp(`part.glb\\n${bytes.toLocaleString('en')} bytes\\n\\d+ splats`));
+    assert.match(await text(page, 'source'), /part.obj\n[\d,]+ bytes\n[\d,]+ triangles/);
+    const middle = await covered(page);
+    assert.ok(middle.counts[0] > 3000 && middle.counts[1] > 3000, JSON.stringify(middle));
+    // Modes differ on the side of the splats alone while the source has no such mode.
+    await page.select('#mode', 'splats');
+    const colored = await covered(page);
+    assert.ok(Math.abs(colored.sums[0] - middle.sums[0]) < 0.002 * middle.sums[0], JSON.stringify([middle, colored]));
+    assert.ok(Math.abs(colored.sums[1] - middle.sums[1]) > 0.005 * middle.sums[1], JSON.stringify([middle, colored]));
+    // With the slider at the right end all is source.
+    await page.$eval('#slider', (e) => { e.value = 1; e.dispatchEvent(new Event('input')); });
+    const source = await covered(page);
+    assert.ok(Math.abs(source.sums[1] - colored.sums[1]) > 0.005 * colored.sums[1]);
+    await page.mouse.move(430, 330);
+    assert.match(await text(page, 'hover'), /% of the diagonal/);
+    assert.deepEqual(page.errors, []);
+    await page.close();
+});
+
+test('files are dropped, and dragging turns the model', async () => {
+    const page = await openViewer('');
+    assert.match(await text(page, 'hint'), /Drop a file/);
+    await drop(page, [['bracket.gltf', base64(join(root, 'samples/models/bracket.gltf'))], ['bracket.glb', base64(join(converted, 'bracket.glb'))]]);
+    await page.waitForFunction('document.getElementById("splats").textContent && document.getElementById("source").textContent');
+    assert.match(await text(page, 'splats'), /splats/);
+    assert.match(await text(page, 'source'), /triangles/);
+    const before = await covered(page);
+    await page.mouse.move(450, 330);
+    await page.mouse.down();
+    await page.mouse.move(560, 360, { steps: 4 });
+    await page.mouse.up();
+    const turned = await covered(page);
+    assert.notDeepEqual(before.sums, turned.sums);
+    const touch = await page.createCDPSession();
+    await touch.send('Input.dispatchTouchEvent', { type: 'touchStart', touchPoints: [{ x: 450, y: 330 }] });
+    await touch.send('Input.dispatchTouchEvent', { type: 'touchMove', touchPoints: [{ x: 350, y: 300 }] });
+    await touch.send('Input.dispatchTouchEvent', { type: 'touchEnd', touchPoints: [] });
+    assert.notDeepEqual((await covered(page)).sums, turned.sums);
+    assert.deepEqual(page.errors, []);
+    await page.close();
+});
+
+test('what is wrong with a file is said, and the page goes on', async () => {
+    const page = await openViewer('');
+    const glb = readFileSync(join(converted, 'bracket.glb')), changed = Buffer.from(glb.toString('latin1').replace('"version":3', '"version":7').replace('"version":2', '"version":7'), 'latin1');
+    for (const [name, data, message] of [
+        ['future.glb', changed.toString('base64'), /future.glb: mesh 0, primitive 0: PSPLAT_surface_splats: version 7 is not one of 1 to 3/],
+        ['cut.glb', glb.subarray(0, 200).toString('base64'), /cut.glb: ./],
+        ['empty.obj', Buffer.from('v 0 0 0\n').toString('base64'), /empty.obj: it holds neither splats nor triangles/],
+        ['notes.txt', 'aGVsbG8=', /notes.txt: not one of .glb, .gltf and .obj/],
+    ]) {
+        await drop(page, [[name, data]]);
+        await page.waitForFunction((start) => !document.getElementById('error').hidden && document.getElementById('error').textContent.startsWith(start), {}, name);
+        assert.match(await text(page, 'error'), message);
+    }
+    await drop(page, [['bracket.glb', glb.toString('base64')]]);
+    await page.waitForFunction('document.getElementById("splats").textContent');
+    assert.equal(await text(page, 'error'), '');
+    await page.close();
+    const missing = await openViewer('&load=/files/none.glb');
+    assert.match(await text(missing, 'error'), /none.glb: the server answers 404/);
+    await missing.close();
+});
+
+test('the page in the README works as it stands', async () => {
+    const example = /```html\n([^]*?)```/.exec(readFileSync(join(root, 'runtime/web/README.md'), 'utf8'))[1];
+    const local = example.replaceAll(/https:\/\/cdn[^"]*three@[\d.]+\//g, '/modules/three/').replace('./node_modules/three-phong-splats/', '/package/');
+    assert.notEqual(local, example);
+    writeFileSync(join(scratch, 'index.html'), local.replace('<meta', '<link rel="icon" href="data:,"><meta'));
+    copyFileSync(join(converted, 'part.glb'), join(scratch, 'model.glb'));
+    const page = await open(state.browser, `${state.server.address}/scratch/index.html`);
+    await page.setViewport({ width: 900, height: 600 });
+    await page.waitForSelector('canvas');
+    await page.reload();
+    await page.waitForSelector('canvas');
+    await new Promise((resolve) => setTimeout(resolve, 2000));
+    const seen = await covered(page);
+    assert.ok(seen.counts[0] > 10000 && seen.counts[1] > 10000, JSON.stringify(seen));
+    assert.deepEqual(page.errors, []);
+    await page.close();
+});
+
+test('viewer and models in one page, opened from disk', async () => {
+    const path = join(scratch, 'one.html'), models = [join(converted, 'bracket.glb'), join(root, 'samples/models/bracket.gltf')];
+    writeFileSync(path, makePage(models.map((model) => [model.split('/').pop(), readFileSync(model)])));
+    const page = await open(state.browser, `file://${path}`);
+    await page.setViewport({ width: 900, height: 600 });
+    await page.waitForFunction('document.documentElement.dataset.ready');
+    assert.match(await text(page, 'splats'), /bracket.glb\n[\d,]+ bytes\n\d+ splats/);
+    assert.match(await text(page, 'source'), /bracket.gltf\n[\d,]+ bytes\n\d+ triangles/);
+    const seen = await covered(page);
+    assert.ok(seen.counts[0] > 3000 && seen.counts[1] > 3000, JSON.stringify(seen));
+    assert.deepEqual(page.errors, []);
+    await page.close();
+});
