@@ -81,7 +81,7 @@ void psplat_covariance_fit(const psplat_covariance *c, psplat_plane *plane) {
     cross3(b, plane->n, a);
     double aa = bilinear_form(central, a, a), ab = bilinear_form(central, a, b),
            bb = bilinear_form(central, b, b);
-    double middle = (aa + bb) / 2, spread = hypot((aa - bb) / 2, ab);
+    double middle = (aa + bb) / 2, spread = norm2((aa - bb) / 2, ab);
     double angle = 0.5 * atan2(2 * ab, aa - bb), x = cos(angle), y = sin(angle);
     for (int k = 0; k < 3; ++k) plane->u[k] = x * a[k] + y * b[k];
     cross3(plane->v, plane->n, plane->u);
@@ -107,7 +107,7 @@ int psplat_covariance_curvature(const psplat_covariance *c, const psplat_plane *
         }
     /* Its symmetric part is the curvature tensor. */
     double off_diagonal = (rows[0][1] + rows[1][0]) / 2, difference = (rows[0][0] - rows[1][1]) / 2;
-    double middle = (rows[0][0] + rows[1][1]) / 2, spread = hypot(difference, off_diagonal);
+    double middle = (rows[0][0] + rows[1][1]) / 2, spread = norm2(difference, off_diagonal);
     double angle = 0.5 * atan2(off_diagonal, difference);
     int first = middle >= 0; /* the eigenvalue of greater magnitude is middle +- spread */
     direction[0] = first ? cos(angle) : -sin(angle);

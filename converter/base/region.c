@@ -36,92 +36,31 @@ enum {
 
 /* ---- the surface --------------------------------------------------------------------------- */
 
-int psplat_region_is_curved(const psplat_region *r) {
-    return r->slope[0] != 0 || r->slope[1] != 0 || r->hessian[0] != 0 || r->hessian[1] != 0 ||
-           r->hessian[2] != 0;
-}
-
-void psplat_region_slope(const psplat_region *r, const double uv[2], double slope[2]) {
-    double s = uv[0] * r->radius[0], t = uv[1] * r->radius[1];
-    slope[0] = r->slope[0] + r->hessian[0] * s + r->hessian[1] * t;
-    slope[1] = r->slope[1] + r->hessian[1] * s + r->hessian[2] * t;
-}
-
-double psplat_region_height(const psplat_region *r, const double uv[2]) {
-    double slope[2];
-    psplat_region_slope(r, uv, slope);
-    return ((r->slope[0] + slope[0]) * uv[0] * r->radius[0] +
-            (r->slope[1] + slope[1]) * uv[1] * r->radius[1]) /
-           2;
-}
-
-void psplat_region_point(const psplat_region *r, const double uv[2], double point[3]) {
-    memcpy(point, r->center, 3 * sizeof *point);
-    mad3(point, uv[0] * r->radius[0], r->u);
-    mad3(point, uv[1] * r->radius[1], r->v);
-    mad3(point, psplat_region_height(r, uv), r->n);
-}
-
-void psplat_region_normal(const psplat_region *r, const double uv[2], double normal[3]) {
-    double slope[2];
-    psplat_region_slope(r, uv, slope);
-    memcpy(normal, r->n, 3 * sizeof *normal);
-    mad3(normal, -slope[0], r->u);
-    mad3(normal, -slope[1], r->v);
-    normalize3(normal);
-}
-
 double psplat_region_bend(const psplat_region *r) {
     const double *h = r->hessian;
-    return fabs(h[0] + h[2]) / 2 + hypot((h[0] - h[2]) / 2, h[1]);
+    return fabs(h[0] + h[2]) / 2 + norm2((h[0] - h[2]) / 2, h[1]);
 }
 
 double psplat_region_reach(const psplat_region *r) {
     double most = max2(r->radius[0], r->radius[1]);
     if (!psplat_region_is_curved(r)) return most;
     /* Heights on the rim are those of the slopes, and half of the second derivative along it. */
-    double height = hypot(r->slope[0] * r->radius[0], r->slope[1] * r->radius[1]);
+    double height = norm2(r->slope[0] * r->radius[0], r->slope[1] * r->radius[1]);
     const double form[3] = {r->hessian[0] * r->radius[0] * r->radius[0],
                             r->hessian[1] * r->radius[0] * r->radius[1],
                             r->hessian[2] * r->radius[1] * r->radius[1]};
-    height += (fabs(form[0] + form[2]) / 2 + hypot((form[0] - form[2]) / 2, form[1])) / 2;
-    return hypot(most, height);
-}
-
-void psplat_region_local(const psplat_region *region, const double point[3], double uvh[3]) {
-    double d[3], slope[2];
-    sub3(d, point, region->center);
-    uvh[0] = dot3(d, region->u) / region->radius[0];
-    uvh[1] = dot3(d, region->v) / region->radius[1];
-    uvh[2] = dot3(d, region->n);
-    if (!psplat_region_is_curved(region)) return;
-    psplat_region_slope(region, uvh, slope);
-    uvh[2] = (uvh[2] - psplat_region_height(region, uvh)) /
-             sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+    height += (fabs(form[0] + form[2]) / 2 + norm2((form[0] - form[2]) / 2, form[1])) / 2;
+    return norm2(most, height);
 }
 
 /* ---- clip lines ---------------------------------------------------------------------------- */
 
-double psplat_region_line_value(const psplat_region *region, uint32_t i, const double uv[2]) {
-    const double *line = region->lines[i];
-    double along = line[0] * uv[1] - line[1] * uv[0];
-    return line[0] * uv[0] + line[1] * uv[1] + line[2] + region->bends[i] * along * along / 2;
-}
-
 void psplat_region_line_point(const psplat_region *region, uint32_t i, double m, double uv[2]) {
     const double *line = region->lines[i];
-    double length = hypot(line[0], line[1]), x = line[0] / length, y = line[1] / length;
+    double length = norm2(line[0], line[1]), x = line[0] / length, y = line[1] / length;
     double away = -line[2] / length - region->bends[i] * length * m * m / 2;
     uv[0] = away * x - m * y;
     uv[1] = away * y + m * x;
-}
-
-int psplat_region_contains(const psplat_region *region, const double uv[2], double scale,
-                           double slack) {
-    if (uv[0] * uv[0] + uv[1] * uv[1] > scale * scale) return 0;
-    for (uint32_t i = 0; i < region->line_count; ++i)
-        if (psplat_region_line_value(region, i, uv) < -slack) return 0;
-    return 1;
 }
 
 /* ---- polygons ------------------------------------------------------------------------------ */
@@ -150,7 +89,7 @@ static size_t clip_polygon(const double line[3], corner *in, size_t count, corne
 }
 
 static double arc_place(const double line[3], const double p[2]) {
-    return (line[0] * p[1] - line[1] * p[0]) / hypot(line[0], line[1]);
+    return (line[0] * p[1] - line[1] * p[0]) / norm2(line[0], line[1]);
 }
 
 /* Stores the corners of bent line i strictly between two of its points. Returns their number. */
@@ -206,7 +145,7 @@ static size_t clip_by_tangents(const psplat_region *region, uint32_t i, corner *
                                corner *out) {
     const double *line = region->lines[i];
     for (int k = 0; k < ARC_TANGENTS && count; ++k) {
-        double m = 2.0 * (k + 0.5) / ARC_TANGENTS - 1, length = hypot(line[0], line[1]), p[2];
+        double m = 2.0 * (k + 0.5) / ARC_TANGENTS - 1, length = norm2(line[0], line[1]), p[2];
         double bend = region->bends[i] * length * length * m; /* the slope along the line, by m */
         psplat_region_line_point(region, i, m, p);
         double tangent[3] = {line[0] - bend * line[1] / length, line[1] + bend * line[0] / length};
@@ -364,7 +303,7 @@ double psplat_region_area(const psplat_region *region) {
 
 /* Moves a point of a side out to the rim of the ellipse, unless that side is a line's. */
 static void move_to_rim(const psplat_region *region, corner at) {
-    double length = hypot(at[0], at[1]);
+    double length = norm2(at[0], at[1]);
     const corner out = {at[0] / length, at[1] / length};
     if (psplat_region_contains(region, out, 1 + 2 * corner_slack, 2 * corner_slack))
         memcpy(at, out, sizeof out);
@@ -379,13 +318,13 @@ static size_t split_sides(const psplat_region *region, corner *in, size_t count,
     size_t result = 0;
     for (size_t i = 0; i < count; ++i) {
         const double *a = in[i], *b = in[i + 1 < count ? i + 1 : 0];
-        around += hypot(b[0] - a[0], b[1] - a[1]);
+        around += norm2(b[0] - a[0], b[1] - a[1]);
     }
     for (size_t i = 0; i < count; ++i) {
         const double *a = in[i], *b = in[i + 1 < count ? i + 1 : 0];
-        double share = hypot(b[0] - a[0], b[1] - a[1]) / around * (double)(most - count);
+        double share = norm2(b[0] - a[0], b[1] - a[1]) / around * (double)(most - count);
         size_t parts = share > 1 ? (size_t)ceil(share) : 1;
-        int rim = hypot(a[0], a[1]) > 1 - corner_slack && hypot(b[0], b[1]) > 1 - corner_slack;
+        int rim = norm2(a[0], a[1]) > 1 - corner_slack && norm2(b[0], b[1]) > 1 - corner_slack;
         for (size_t part = 0; part < parts && result < most; ++part, ++result) {
             for (int k = 0; k < 2; ++k)
                 out[result][k] = a[k] + (b[k] - a[k]) * (double)part / (double)parts;
@@ -414,13 +353,22 @@ static size_t ring_points(const psplat_region *region, corner *polygon, size_t c
     return stored;
 }
 
-size_t psplat_region_points(const psplat_region *region, double (*points)[3]) {
+/* Stores the points over so many rings, of which a flat region has two at most. */
+static size_t points_of_rings(const psplat_region *region, int rings, double (*points)[3]) {
     corner polygon[OUTLINE_CORNERS], sides[CURVED_POINTS];
     int is_curved = psplat_region_is_curved(region);
     size_t capacity = is_curved ? CURVED_SIDES + PSPLAT_MAX_CLIP_LINES : OUTLINE_CORNERS;
     size_t count = psplat_region_polygon(region, 1, polygon, capacity);
     if (!count) return 0;
-    if (!is_curved) return ring_points(region, polygon, count, 2, points);
+    if (!is_curved) return ring_points(region, polygon, count, rings < 2 ? rings : 2, points);
     count = split_sides(region, polygon, count, CURVED_POINTS, sides);
-    return ring_points(region, sides, count, CURVED_RINGS, points);
+    return ring_points(region, sides, count, rings, points);
+}
+
+size_t psplat_region_points(const psplat_region *region, double (*points)[3]) {
+    return points_of_rings(region, CURVED_RINGS, points);
+}
+
+size_t psplat_region_rim_points(const psplat_region *region, double (*points)[3]) {
+    return points_of_rings(region, 1, points);
 }

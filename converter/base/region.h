@@ -7,8 +7,12 @@
 
 #include <phongsplat/splat.h>
 
+#include "base/vector.h"
+
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 /* An ellipse cut by clip lines, and the surface over it. Parameters (u, v) are coordinates along
  * the axes in units of the radii, so that the ellipse is the unit disc. A line (a, b, c) of bend k
@@ -27,19 +31,47 @@ typedef struct psplat_region {
 } psplat_region;
 
 /* Returns whether the surface differs from the plane. */
-int psplat_region_is_curved(const psplat_region *region);
+static inline int psplat_region_is_curved(const psplat_region *r) {
+    return r->slope[0] != 0 || r->slope[1] != 0 || r->hessian[0] != 0 || r->hessian[1] != 0 ||
+           r->hessian[2] != 0;
+}
 
 /* Stores the slopes of the surface along u and v at (u, v): lengths over lengths. */
-void psplat_region_slope(const psplat_region *region, const double uv[2], double slope[2]);
+static inline void psplat_region_slope(const psplat_region *r, const double uv[2],
+                                       double slope[2]) {
+    double s = uv[0] * r->radius[0], t = uv[1] * r->radius[1];
+    slope[0] = r->slope[0] + r->hessian[0] * s + r->hessian[1] * t;
+    slope[1] = r->slope[1] + r->hessian[1] * s + r->hessian[2] * t;
+}
 
 /* Returns the height of the surface over the plane at (u, v), a length. */
-double psplat_region_height(const psplat_region *region, const double uv[2]);
+static inline double psplat_region_height(const psplat_region *r, const double uv[2]) {
+    double slope[2];
+    psplat_region_slope(r, uv, slope);
+    return ((r->slope[0] + slope[0]) * uv[0] * r->radius[0] +
+            (r->slope[1] + slope[1]) * uv[1] * r->radius[1]) /
+           2;
+}
 
 /* Stores the point of the surface at (u, v). */
-void psplat_region_point(const psplat_region *region, const double uv[2], double point[3]);
+static inline void psplat_region_point(const psplat_region *r, const double uv[2],
+                                       double point[3]) {
+    memcpy(point, r->center, 3 * sizeof *point);
+    mad3(point, uv[0] * r->radius[0], r->u);
+    mad3(point, uv[1] * r->radius[1], r->v);
+    mad3(point, psplat_region_height(r, uv), r->n);
+}
 
 /* Stores the unit normal of the surface at (u, v). */
-void psplat_region_normal(const psplat_region *region, const double uv[2], double normal[3]);
+static inline void psplat_region_normal(const psplat_region *r, const double uv[2],
+                                        double normal[3]) {
+    double slope[2];
+    psplat_region_slope(r, uv, slope);
+    memcpy(normal, r->n, 3 * sizeof *normal);
+    mad3(normal, -slope[0], r->u);
+    mad3(normal, -slope[1], r->v);
+    normalize3(normal);
+}
 
 /* Returns the radius of a sphere around the centre that holds the surface over all of the ellipse.
  */
@@ -52,11 +84,27 @@ double psplat_region_bend(const psplat_region *region);
 /* Stores the parameters (u, v) of a point and how far it lies above the surface, in units of
  * length: for a plane its height, else the height times the cosine of the surface's slope, which
  * is the distance up to the third order. */
-void psplat_region_local(const psplat_region *region, const double point[3], double uvh[3]);
+static inline void psplat_region_local(const psplat_region *region, const double point[3],
+                                       double uvh[3]) {
+    double d[3], slope[2];
+    sub3(d, point, region->center);
+    uvh[0] = dot3(d, region->u) / region->radius[0];
+    uvh[1] = dot3(d, region->v) / region->radius[1];
+    uvh[2] = dot3(d, region->n);
+    if (!psplat_region_is_curved(region)) return;
+    psplat_region_slope(region, uvh, slope);
+    uvh[2] = (uvh[2] - psplat_region_height(region, uvh)) /
+             sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+}
 
 /* Returns the value of clip line i at (u, v), which is at least 0 where the line keeps the point.
  */
-double psplat_region_line_value(const psplat_region *region, uint32_t i, const double uv[2]);
+static inline double psplat_region_line_value(const psplat_region *region, uint32_t i,
+                                              const double uv[2]) {
+    const double *line = region->lines[i];
+    double along = line[0] * uv[1] - line[1] * uv[0];
+    return line[0] * uv[0] + line[1] * uv[1] + line[2] + region->bends[i] * along * along / 2;
+}
 
 /* Stores the point (u, v) of clip line i, straight or bent, that is m along it: m is measured in
  * units of the radii from the line's point that is nearest to u = v = 0, along the straight line.
@@ -65,8 +113,13 @@ void psplat_region_line_point(const psplat_region *region, uint32_t i, double m,
 
 /* Whether (u, v) lies in the region, with its ellipse scaled by scale and its lines moved outwards
  * by slack, in units of their values. */
-int psplat_region_contains(const psplat_region *region, const double uv[2], double scale,
-                           double slack);
+static inline int psplat_region_contains(const psplat_region *region, const double uv[2],
+                                         double scale, double slack) {
+    if (uv[0] * uv[0] + uv[1] * uv[1] > scale * scale) return 0;
+    for (uint32_t i = 0; i < region->line_count; ++i)
+        if (psplat_region_line_value(region, i, uv) < -slack) return 0;
+    return 1;
+}
 
 /* Stores the region as a polygon in (u, v) with at most capacity corners, counter-clockwise: a
  * regular polygon that is inscribed in the unit circle or else circumscribed, cut by the lines.
@@ -94,5 +147,9 @@ double psplat_region_area(const psplat_region *region);
  * points along the sides, and more between. points has room for PSPLAT_REGION_POINTS. Returns the
  * count stored. */
 size_t psplat_region_points(const psplat_region *region, double (*points)[3]);
+
+/* Stores those of these points that lie on the outline, and the middle. Returns the count stored.
+ */
+size_t psplat_region_rim_points(const psplat_region *region, double (*points)[3]);
 
 #endif

@@ -27,7 +27,7 @@ static void project_on_ellipse(const double radius[2], const double p[2], double
     double product[2] = {radius[0] * fabs(p[0]), radius[1] * fabs(p[1])};
     /* One term of F alone, or both over the greater of their denominators, are less than F. The
      * roots of these are therefore below that of F. */
-    double t = hypot(product[0], product[1]) - max2(square[0], square[1]);
+    double t = norm2(product[0], product[1]) - max2(square[0], square[1]);
     for (int i = 0; i < 2; ++i) t = max2(t, product[i] - square[i]);
     t = max2(t, 0);
     for (int step = 0; step < MAX_NEWTON_STEPS; ++step) {
@@ -48,7 +48,7 @@ static void project_on_ellipse(const double radius[2], const double p[2], double
  * if no part does. */
 static int clip_chord(const psplat_region *region, uint32_t index, double a[2], double b[2]) {
     const double *line = region->lines[index];
-    double length = hypot(line[0], line[1]), away = -line[2] / length;
+    double length = norm2(line[0], line[1]), away = -line[2] / length;
     double n[2] = {line[0] / length, line[1] / length}, low, high;
     if (!(fabs(away) <= 1)) return 0;
     high = sqrt(1 - away * away), low = -high;
@@ -79,7 +79,7 @@ static double in_plane_distance(const psplat_region *region, const double uv[2])
         double q[2];
         project_on_ellipse(radius, p, q);
         const double at[2] = {q[0] / radius[0], q[1] / radius[1]};
-        if (psplat_region_contains(region, at, HUGE_VAL, 0)) return hypot(p[0] - q[0], p[1] - q[1]);
+        if (psplat_region_contains(region, at, HUGE_VAL, 0)) return norm2(p[0] - q[0], p[1] - q[1]);
     }
     for (uint32_t i = 0; i < region->line_count; ++i) {
         double a[3] = {0}, b[3] = {0};
@@ -98,7 +98,7 @@ static double distance_below(const psplat_region *region, const double point[3],
     if (!plain) return psplat_curved_distance(region, point, limit);
     psplat_region_local(region, point, uvh);
     if (psplat_region_contains(region, uvh, 1, 0)) return fabs(uvh[2]);
-    return hypot(uvh[2], in_plane_distance(region, uvh));
+    return norm2(uvh[2], in_plane_distance(region, uvh));
 }
 
 double psplat_region_distance(const psplat_region *region, const double point[3]) {

@@ -39,6 +39,12 @@ static inline void cross3(double r[3], const double a[3], const double b[3]) {
     r[0] = x, r[1] = y, r[2] = z;
 }
 
+/* Returns the length of (x, y). Unlike hypot, which is ten times slower, it overflows beyond 1e154,
+ * where no length of a mesh is. */
+static inline double norm2(double x, double y) {
+    return sqrt(x * x + y * y);
+}
+
 static inline double length3(const double a[3]) {
     return sqrt(dot3(a, a));
 }

@@ -50,7 +50,7 @@ psplat_result psplat_source_mesh_create(const psplat_mesh *mesh, double crease_a
     psplat_result result = psplat_surface_build(mesh, angle * PSPLAT_DEGREE, &o->surface, error);
     if (!result) {
         bound(o);
-        o->distance = psplat_distance_create(mesh);
+        o->distance = psplat_distance_create_cgal(mesh);
         if (!o->distance)
             result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu triangles",
                                  mesh->triangle_count);

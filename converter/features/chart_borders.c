@@ -51,7 +51,7 @@ static int jumps(const psplat_mesh *mesh, uint32_t triangle, const double here[3
     uint32_t vertex = mesh->triangles[3 * (size_t)triangle + corner];
     for (size_t k = 0; k < 3; ++k)
         if (mesh->triangles[3 * (size_t)other + k] == vertex)
-            return !(hypot(here[corner][0] - there[k][0], here[corner][1] - there[k][1]) <=
+            return !(norm2(here[corner][0] - there[k][0], here[corner][1] - there[k][1]) <=
                      greatest_jump_texels);
     return 1;
 }

@@ -124,8 +124,10 @@ static void mark_creases(psplat_surface *surface, const uint8_t *kinds) {
 }
 
 /* Numbers the patches by flooding over edges that bound none. */
-static void number_patches(psplat_surface *surface, uint32_t *stack) {
+static psplat_result number_patches(psplat_surface *surface) {
     size_t count = surface->mesh->triangle_count;
+    uint32_t *stack = malloc(count * sizeof *stack);
+    if (!stack) return PSPLAT_ERROR_MEMORY;
     memset(surface->patches, 0xff, count * sizeof(uint32_t));
     for (uint32_t seed = 0; seed < count; ++seed) {
         if (surface->patches[seed] != PSPLAT_NONE) continue;
@@ -143,6 +145,8 @@ static void number_patches(psplat_surface *surface, uint32_t *stack) {
             }
         }
     }
+    free(stack);
+    return PSPLAT_OK;
 }
 
 /* Counts creases and measures the roughness between them. */
@@ -196,19 +200,17 @@ static void mark_borders(psplat_surface *surface) {
 
 psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle,
                                  const uint8_t *authored) {
-    uint32_t *stack = malloc(surface->mesh->triangle_count * sizeof *stack);
-    psplat_result result = stack ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    psplat_result result = PSPLAT_OK;
     crease_rule rule = {
         .crease_angle = crease_angle,
         .weak_angle = max2(weak_angle_fraction * crease_angle, crease_angle - max_angle_reduction),
         .authored = authored};
-    if (!result && isinf(crease_angle)) mark_borders(surface);
-    if (!result && !isinf(crease_angle)) result = find_creases(surface, &rule);
+    if (isinf(crease_angle))
+        mark_borders(surface);
+    else
+        result = find_creases(surface, &rule);
     if (!result) result = psplat_chart_borders_mark(surface);
-    if (!result) {
-        number_patches(surface, stack);
-        measure_edges(surface);
-    }
-    free(stack);
+    if (!result) result = number_patches(surface);
+    if (!result) measure_edges(surface);
     return result;
 }

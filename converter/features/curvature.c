@@ -125,6 +125,7 @@ static double untruncated_deviation(double deviation, double limit) {
 static void diffuse_normal(const psplat_surface *surface, const double *from, const float *scale,
                            uint32_t triangle, double normal[3]) {
     const double *own = from + 3 * (size_t)triangle;
+    int flows = 0;
     for (int k = 0; k < 3; ++k) normal[k] = surface->face_areas[triangle] * own[k];
     for (uint32_t e = 3 * triangle; e < 3 * triangle + 3; ++e) {
         uint32_t next = surface->neighbors[e];
@@ -135,19 +136,27 @@ static void diffuse_normal(const psplat_surface *surface, const double *from, co
         sub3(step, from + 3 * (size_t)next, own);
         double flow = exp(-dot3(step, step) / (2 * s * s));
         mad3(normal, flow * surface->face_areas[next], from + 3 * (size_t)next);
+        flows = 1;
     }
-    normalize3(normal);
+    if (flows)
+        normalize3(normal);
+    else
+        memcpy(normal, own, 3 * sizeof *normal);
 }
 
+/* Fills in smooth_normals; spare has room for as many. */
 static void diffuse(const psplat_surface *surface, psplat_curvature *curvature, const float *scale,
                     double *spare) {
     uint32_t count = (uint32_t)surface->mesh->triangle_count;
-    memcpy(curvature->smooth_normals, surface->face_normals, 3 * (size_t)count * sizeof *spare);
+    const double *from = surface->face_normals;
+    double *to = curvature->smooth_normals, *other = spare;
+    _Static_assert(DIFFUSION_ROUNDS % 2 == 1, "the last round writes smooth_normals");
     for (int round = 0; round < DIFFUSION_ROUNDS; ++round) {
 #pragma omp parallel for schedule(static) if (count >= PSPLAT_MIN_PARALLEL_COUNT)
         for (uint32_t t = 0; t < count; ++t)
-            diffuse_normal(surface, curvature->smooth_normals, scale, t, spare + 3 * (size_t)t);
-        memcpy(curvature->smooth_normals, spare, 3 * (size_t)count * sizeof *spare);
+            diffuse_normal(surface, from, scale, t, to + 3 * (size_t)t);
+        double *written = to;
+        to = other, other = written, from = written;
     }
 }
 
@@ -158,9 +167,17 @@ static double noise_of(const energy *e) {
                      (double)e->count);
 }
 
+/* The memory of energies, which nothing needs while normals are diffused. */
+typedef union scratch {
+    energy *energies; /* triangle_count x 2 */
+    double *normals;  /* triangle_count x 3 */
+    void *memory;
+} scratch;
+
 static void measure(const psplat_surface *surface, double limit, psplat_curvature *curvature,
-                    energy *energies, energy *spare, double *spare_normals) {
+                    scratch memory) {
     size_t count = surface->mesh->triangle_count;
+    energy *energies = memory.energies, *spare = memory.energies + count;
     float *scale = curvature->roughness; /* this array is free until roughness is measured */
     measure_angles(surface, surface->face_normals, curvature->angles);
     measure_energies(surface, curvature->angles, max_noisy_angle, &energies, &spare);
@@ -170,7 +187,7 @@ static void measure(const psplat_surface *surface, double limit, psplat_curvatur
     }
     measure_energies(surface, curvature->angles, limit, &energies, &spare);
     for (size_t t = 0; t < count; ++t) curvature->noise[t] = (float)noise_of(energies + t);
-    diffuse(surface, curvature, scale, spare_normals);
+    diffuse(surface, curvature, scale, memory.normals);
     measure_angles(surface, curvature->smooth_normals, curvature->smooth_angles);
     measure_energies(surface, curvature->smooth_angles, limit, &energies, &spare);
     for (size_t t = 0; t < count; ++t)
@@ -181,19 +198,18 @@ static void measure(const psplat_surface *surface, double limit, psplat_curvatur
 psplat_result psplat_curvature_measure(const psplat_surface *surface, double crease_angle,
                                        psplat_curvature *curvature) {
     size_t count = surface->mesh->triangle_count;
-    energy *energies = malloc(2 * count * sizeof *energies);
-    double *spare = malloc(3 * count * sizeof *spare);
+    const size_t sizes[2] = {2 * sizeof(energy), 3 * sizeof(double)};
+    scratch memory = {.memory = malloc(count * (sizes[0] > sizes[1] ? sizes[0] : sizes[1]))};
     *curvature =
         (psplat_curvature){.angles = malloc(3 * count * sizeof *curvature->angles),
                            .noise = malloc(count * sizeof *curvature->noise),
                            .smooth_normals = malloc(3 * count * sizeof *curvature->smooth_normals),
                            .smooth_angles = malloc(3 * count * sizeof *curvature->smooth_angles),
                            .roughness = malloc(count * sizeof *curvature->roughness)};
-    int allocated = energies && spare && curvature->angles && curvature->noise &&
+    int allocated = memory.memory && curvature->angles && curvature->noise &&
                     curvature->smooth_normals && curvature->smooth_angles && curvature->roughness;
-    if (allocated) measure(surface, crease_angle, curvature, energies, energies + count, spare);
-    free(energies);
-    free(spare);
+    if (allocated) measure(surface, crease_angle, curvature, memory);
+    free(memory.memory);
     return allocated ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
 }
 

@@ -2,10 +2,10 @@
  *
  * neighborhood.c - the samples connected with a seed on the surface, nearest first.
  *
- * A flood fill over the triangles within reach of the seed, which crosses no crease, collects their
- * samples and the creases that stop it. The sums over the nearest samples are kept at every BLOCK
- * of them, so that the covariance of any number of nearest samples takes fewer than BLOCK
- * additions.
+ * A flood fill over the clusters of triangles within reach of the seed, which crosses no crease,
+ * collects their samples and the creases that stop it. The sums over the nearest samples are kept
+ * at every BLOCK of them, so that the covariance of any number of nearest samples takes fewer than
+ * BLOCK additions.
  */
 #include "features/neighborhood.h"
 
@@ -13,6 +13,7 @@
 #include "base/vector.h"
 #include "features/samples.h"
 #include "features/surface.h"
+#include "features/triangle_flood.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +26,7 @@ enum { DIGITS = 4, DIGIT_BITS = 8 };
 
 void psplat_neighborhood_free(psplat_neighborhood *n) {
     free(n->stamps);
-    free(n->triangles);
+    free(n->clusters);
     free(n->samples);
     free(n->order);
     free(n->sorted);
@@ -45,44 +46,33 @@ static int reserve(void **things, size_t *capacity, size_t count, size_t size) {
     return 1;
 }
 
-static void to_metric(const psplat_metric *m, const double p[3], double w[3]) {
-    double d[3];
-    sub3(d, p, m->center);
-    for (int k = 0; k < 3; ++k) w[k] = dot3(m->rows[k], d);
+/* Returns whether a sphere comes within reach of the metric's centre; 2 where all of it does. */
+static int sphere_near(const psplat_metric *metric, const psplat_sphere *sphere, double reach) {
+    double w[3], far = reach + sphere->radius, inner = reach - sphere->radius;
+    psplat_metric_coordinates(metric, sphere->center, w);
+    double distance2 = dot3(w, w);
+    if (distance2 > far * far) return 0;
+    return inner > 0 && distance2 <= inner * inner ? 2 : 1;
 }
 
-/* Returns whether a triangle comes within reach of the metric's centre. Mostly its first corner
- * does. */
-static int triangle_near(const psplat_surface *surface, const psplat_metric *metric,
-                         uint32_t triangle, double reach) {
-    double corners[3][3];
-    const double origin[3] = {0, 0, 0};
-    for (size_t k = 0; k < 3; ++k) {
-        uint32_t v = surface->mesh->triangles[3 * (size_t)triangle + k];
-        to_metric(metric, surface->mesh->positions + 3 * (size_t)v, corners[k]);
-        if (dot3(corners[k], corners[k]) <= reach * reach) return 1;
-    }
-    for (int k = 0; k < 3; ++k) {
-        double low = min2(corners[0][k], min2(corners[1][k], corners[2][k]));
-        double high = max2(corners[0][k], max2(corners[1][k], corners[2][k]));
-        if (low > reach || high < -reach) return 0;
-    }
-    return point_triangle_distance2(origin, corners[0], corners[1], corners[2]) <= reach * reach;
-}
-
-static int push_crease(psplat_neighborhood *n, uint32_t edge) {
-    if (!reserve((void **)&n->creases, &n->crease_capacity, n->crease_count, sizeof *n->creases))
+static int push_creases(psplat_neighborhood *n, const psplat_clusters *clusters, uint32_t cluster) {
+    uint32_t begin = clusters->first_crease[cluster], end = clusters->first_crease[cluster + 1];
+    if (begin == end) return 1;
+    if (!reserve((void **)&n->creases, &n->crease_capacity, n->crease_count + (end - begin),
+                 sizeof *n->creases))
         return 0;
-    n->creases[n->crease_count++] = edge;
+    memcpy(n->creases + n->crease_count, clusters->creases + begin,
+           (end - begin) * sizeof *n->creases);
+    n->crease_count += end - begin;
     return 1;
 }
 
-static int push_triangle(psplat_neighborhood *n, uint32_t triangle) {
-    n->stamps[triangle] = n->stamp;
-    if (!reserve((void **)&n->triangles, &n->triangle_capacity, n->triangle_count,
-                 sizeof *n->triangles))
+static int push_cluster(psplat_neighborhood *n, uint32_t cluster) {
+    n->stamps[cluster] = n->stamp;
+    if (!reserve((void **)&n->clusters, &n->cluster_capacity, n->cluster_count,
+                 sizeof *n->clusters))
         return 0;
-    n->triangles[n->triangle_count++] = triangle;
+    n->clusters[n->cluster_count++] = cluster;
     return 1;
 }
 
@@ -94,54 +84,92 @@ static uint32_t rank(double distance2) {
     return key;
 }
 
-/* Takes the samples of a triangle that lie within reach. */
-static int push_samples(psplat_neighborhood *n, const psplat_samples *samples,
-                        const psplat_metric *metric, uint32_t triangle, double reach) {
-    for (uint32_t at = samples->first[triangle]; at < samples->first[triangle + 1]; ++at) {
-        uint32_t i = samples->order[at];
-        double w[3];
-        to_metric(metric, samples->positions + 3 * (size_t)i, w);
-        double distance2 = dot3(w, w);
-        if (distance2 > reach * reach) { /* The triangle is partly outside the reach. */
-            n->whole = 0;
-            continue;
-        }
-        if (!reserve((void **)&n->order, &n->order_capacity, n->count, sizeof *n->order)) return 0;
+/* Takes a sample where it lies within reach. There is room for it. */
+static void push_sample(psplat_neighborhood *n, const psplat_samples *samples,
+                        const psplat_metric *metric, uint32_t i, double reach) {
+    double w[3];
+    psplat_metric_coordinates(metric, samples->positions + 3 * (size_t)i, w);
+    double distance2 = dot3(w, w);
+    if (distance2 <= reach * reach)
         n->order[n->count++] = (psplat_ranked){rank(distance2), i};
+    else
+        n->whole = 0;
+}
+
+/* Takes the samples of a cluster that lie within reach. */
+static int push_samples(psplat_neighborhood *n, const psplat_samples *samples,
+                        const psplat_metric *metric, uint32_t cluster, double reach) {
+    uint32_t first = samples->first[cluster], end = samples->first[cluster + 1];
+    if (!reserve((void **)&n->order, &n->order_capacity, n->count + (end - first),
+                 sizeof *n->order))
+        return 0;
+    for (uint32_t b = samples->first_block[cluster]; first < end; ++b) {
+        uint32_t stop = end - first > PSPLAT_BLOCK_SAMPLES ? first + PSPLAT_BLOCK_SAMPLES : end;
+        if (sphere_near(metric, &samples->blocks[b], reach))
+            for (uint32_t i = first; i < stop; ++i) push_sample(n, samples, metric, i, reach);
+        else
+            n->whole = 0;
+        first = stop;
+    }
+    for (uint32_t i = samples->last_appended[cluster]; i != PSPLAT_NONE;
+         i = samples->next_appended[i - samples->drawn]) {
+        if (!reserve((void **)&n->order, &n->order_capacity, n->count, sizeof *n->order)) return 0;
+        push_sample(n, samples, metric, i, reach);
     }
     return 1;
 }
 
-/* Takes the samples of a triangle and queues its neighbours, where it is within reach. */
-static int visit(psplat_neighborhood *n, const psplat_surface *surface,
-                 const psplat_samples *samples, const psplat_metric *metric, uint32_t triangle,
-                 double reach) {
-    if (!triangle_near(surface, metric, triangle, reach)) {
+/* What a flood is about. */
+typedef struct flood {
+    const psplat_surface *surface;
+    const psplat_samples *samples;
+    const psplat_metric *metric;
+    double reach;
+    int creases_only;
+} flood;
+
+/* Returns whether a cluster comes within reach: of a single triangle exactly, since it may be
+ * large. */
+static int cluster_near(const flood *f, uint32_t cluster) {
+    const psplat_clusters *clusters = &f->samples->clusters;
+    int near = sphere_near(f->metric, &clusters->spheres[cluster], f->reach);
+    uint32_t triangle = clusters->triangles[cluster];
+    if (near != 1 || triangle == PSPLAT_NONE) return near;
+    return psplat_triangle_within(f->surface, f->metric, triangle, f->reach);
+}
+
+/* Takes the samples of a cluster and queues its neighbours, where it is within reach. */
+static int visit(psplat_neighborhood *n, const flood *f, uint32_t cluster) {
+    const psplat_clusters *clusters = &f->samples->clusters;
+    if (!cluster_near(f, cluster)) {
         n->whole = 0;
         return 1;
     }
-    if (samples && !push_samples(n, samples, metric, triangle, reach)) return 0;
-    for (uint32_t k = 0; k < 3; ++k) {
-        uint32_t edge = 3 * triangle + k, next = surface->neighbors[edge];
-        if (surface->creases[edge]) {
-            if (!push_crease(n, edge)) return 0;
-        } else if (n->stamps[next] != n->stamp) {
-            if (!push_triangle(n, next)) return 0;
-        }
+    if (!f->creases_only && !push_samples(n, f->samples, f->metric, cluster, f->reach)) return 0;
+    if (!push_creases(n, clusters, cluster)) return 0;
+    for (uint32_t at = clusters->first_neighbor[cluster];
+         at < clusters->first_neighbor[cluster + 1]; ++at) {
+        uint32_t next = clusters->neighbors[at];
+        if (n->stamps[next] != n->stamp && !push_cluster(n, next)) return 0;
     }
     return 1;
 }
 
-static int begin(psplat_neighborhood *n, const psplat_surface *surface, uint32_t triangle) {
-    if (!n->stamps) n->stamps = calloc(surface->mesh->triangle_count, sizeof *n->stamps);
+static int begin(psplat_neighborhood *n, const psplat_clusters *clusters, uint32_t triangle) {
+    if (n->stamp_count != clusters->count) {
+        free(n->stamps);
+        n->stamps = calloc(clusters->count + 1, sizeof *n->stamps);
+        n->stamp_count = n->stamps ? clusters->count : 0;
+        n->stamp = 0;
+    }
     if (!n->stamps) return 0;
     if (++n->stamp == 0) { /* The stamp wrapped around: all old ones are cleared. */
-        memset(n->stamps, 0, surface->mesh->triangle_count * sizeof *n->stamps);
+        memset(n->stamps, 0, n->stamp_count * sizeof *n->stamps);
         n->stamp = 1;
     }
-    n->triangle_count = n->count = n->crease_count = 0;
+    n->cluster_count = n->count = n->crease_count = 0;
     n->whole = 1;
-    return push_triangle(n, triangle);
+    return push_cluster(n, clusters->of_triangles[triangle]);
 }
 
 /* Sorts samples by distance: a radix sort from the least significant digit, so that samples at
@@ -192,13 +220,13 @@ static int sum_up(psplat_neighborhood *n, const psplat_samples *samples, const d
 
 int psplat_neighborhood_gather(psplat_neighborhood *n, const psplat_surface *surface,
                                const psplat_samples *samples, const psplat_metric *metric,
-                               uint32_t triangle, double reach) {
-    int ok = begin(n, surface, triangle);
-    for (size_t i = 0; ok && i < n->triangle_count; ++i)
-        ok = visit(n, surface, samples, metric, n->triangles[i], reach);
+                               uint32_t triangle, double reach, int creases_only) {
+    const flood f = {surface, samples, metric, reach, creases_only};
+    int ok = begin(n, &samples->clusters, triangle);
+    for (size_t i = 0; ok && i < n->cluster_count; ++i) ok = visit(n, &f, n->clusters[i]);
     if (!ok) return 0;
     memcpy(n->origin, metric->center, sizeof n->origin);
-    return !samples || (sort_ranked(n) && sum_up(n, samples, metric->center));
+    return creases_only || (sort_ranked(n) && sum_up(n, samples, metric->center));
 }
 
 size_t psplat_neighborhood_within(const psplat_neighborhood *n, double reach) {

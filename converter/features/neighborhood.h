@@ -6,16 +6,11 @@
 #define PHONGSPLAT_FEATURES_NEIGHBORHOOD_H
 
 #include "base/covariance.h"
+#include "features/metric.h"
 #include "features/samples.h"
 #include "features/surface.h"
 
 #include <stdint.h>
-
-/* A metric in which the distance of a point p from the centre is |rows (p - center)|. */
-typedef struct psplat_metric {
-    double center[3];
-    double rows[3][3];
-} psplat_metric;
 
 /* A sample and a key that sorts as its squared distance does. */
 typedef struct psplat_ranked {
@@ -33,25 +28,27 @@ typedef struct psplat_near_sample {
 typedef struct psplat_neighborhood {
     psplat_near_sample *samples; /* nearest first */
     size_t count;
-    uint32_t *creases; /* edges (3 x triangle + side) that stopped the flood */
+    uint32_t *creases; /* edges (3 x triangle + side) that stopped the flood, and others near it */
     size_t crease_count;
     int whole;        /* 1: the samples are all of the patch that is connected with the seed */
     double origin[3]; /* the metric's centre */
     psplat_ranked *order, *sorted; /* count; sorted is scratch memory */
     psplat_covariance *blocks;     /* sums over the nearest 0, 16, 32 ... samples */
-    uint32_t *stamps;              /* per triangle: the flood that met it last */
+    uint32_t *stamps;              /* per cluster: the flood that met it last */
+    size_t stamp_count;            /* clusters */
     uint32_t stamp;
-    uint32_t *triangles; /* those that the flood has met */
-    size_t triangle_count, triangle_capacity, order_capacity, sorted_capacity, sample_capacity,
+    uint32_t *clusters; /* those that the flood has met */
+    size_t cluster_count, cluster_capacity, order_capacity, sorted_capacity, sample_capacity,
         crease_capacity;
 } psplat_neighborhood;
 
-/* Gathers the samples within reach of the metric's centre. A flood finds them from a triangle that
- * is within reach, over edges that are no creases. Without samples (NULL) it gathers only the
- * creases. Returns 0 when out of memory. */
+/* Gathers the samples (blue noise) within reach of the metric's centre, which the metric does not
+ * make larger than they are. A flood over the samples' clusters finds them from the cluster of a
+ * triangle that is within reach. With creases_only it gathers only the creases. Returns 0 when out
+ * of memory. */
 int psplat_neighborhood_gather(psplat_neighborhood *neighborhood, const psplat_surface *surface,
                                const psplat_samples *samples, const psplat_metric *metric,
-                               uint32_t triangle, double reach);
+                               uint32_t triangle, double reach, int creases_only);
 
 /* Returns the number of samples within reach, which is at most the reach of the last gathering. */
 size_t psplat_neighborhood_within(const psplat_neighborhood *neighborhood, double reach);

@@ -10,6 +10,7 @@
 #include "features/samples.h"
 
 #include "appearance/appearance.h"
+#include "base/morton.h"
 #include "base/random.h"
 #include "base/vector.h"
 #include "features/surface.h"
@@ -316,23 +317,124 @@ static int take_all(void *user, uint32_t triangle, const double *points, size_t 
 
 /* ---- grouping ----------------------------------------------------------------------------- */
 
-/* Lists the samples of each triangle in the order of their indices. */
-static int group_by_triangle(psplat_samples *s, size_t triangle_count) {
-    free(s->first);
-    free(s->order);
-    s->first = calloc(triangle_count + 2, sizeof *s->first);
-    s->order = malloc((s->count + 1) * sizeof *s->order);
-    if (!s->first || !s->order) return 0;
-    uint32_t *starts = s->first + 1; /* shifted by one, so that filling makes first the starts */
-    for (size_t i = 0; i < s->count; ++i) starts[s->triangles[i] + 1]++;
-    for (size_t t = 0; t < triangle_count; ++t) starts[t + 1] += starts[t];
-    for (uint32_t i = 0; i < s->count; ++i) s->order[starts[s->triangles[i]]++] = i;
+/* The size of clusters in spacings: a cluster then has about ten samples, and several
+ * triangles of any scan. Floods took least time from 3 to 6. */
+static const double cluster_size_spacings = 4;
+
+/* A sample and where it goes: by its cluster, and within that along a Morton curve. */
+typedef struct placed_sample {
+    uint32_t cluster, code, index;
+} placed_sample;
+
+static int compare_places(const void *left, const void *right) {
+    const placed_sample *a = left, *b = right;
+    if (a->cluster != b->cluster) return a->cluster < b->cluster ? -1 : 1;
+    if (a->code != b->code) return a->code < b->code ? -1 : 1;
+    return a->index < b->index ? -1 : a->index > b->index;
+}
+
+/* Sorts values of so many bytes each by the places. moved has room for all. */
+static void permute(void *values, size_t size, const placed_sample *places, size_t count,
+                    char *moved) {
+    if (!values) return;
+    for (size_t i = 0; i < count; ++i)
+        memcpy(moved + i * size, (const char *)values + places[i].index * size, size);
+    memcpy(values, moved, count * size);
+}
+
+static void permute_all(psplat_samples *s, const placed_sample *places, char *moved) {
+    permute(s->positions, 3 * sizeof *s->positions, places, s->count, moved);
+    permute(s->normals, 3 * sizeof *s->normals, places, s->count, moved);
+    permute(s->colors, 4 * sizeof *s->colors, places, s->count, moved);
+    permute(s->turned, 3 * sizeof *s->turned, places, s->count, moved);
+    permute(s->finishes, 3 * sizeof *s->finishes, places, s->count, moved);
+    permute(s->emissive, 3 * sizeof *s->emissive, places, s->count, moved);
+    permute(s->texcoords, 2 * sizeof *s->texcoords, places, s->count, moved);
+    permute(s->triangles, sizeof *s->triangles, places, s->count, moved);
+}
+
+static int sort_by_cluster(psplat_samples *s) {
+    placed_sample *places = malloc((s->count + 1) * sizeof *places);
+    char *moved = malloc((s->count + 1) * 3 * sizeof *s->positions);
+    int ok = places && moved;
+    for (uint32_t i = 0; ok && i < s->count; ++i) {
+        uint32_t cluster = s->clusters.of_triangles[s->triangles[i]];
+        const psplat_sphere *sphere = &s->clusters.spheres[cluster];
+        const double *p = s->positions + 3 * (size_t)i;
+        places[i] =
+            (placed_sample){cluster, psplat_morton_code(p, sphere->center, sphere->radius), i};
+    }
+    if (ok) {
+        qsort(places, s->count, sizeof *places, compare_places);
+        permute_all(s, places, moved);
+    }
+    free(places);
+    free(moved);
+    return ok;
+}
+
+/* Finds the sphere around the samples begin ... end - 1. */
+static psplat_sphere sphere_around(const psplat_samples *s, size_t begin, size_t end) {
+    psplat_sphere sphere = {.radius = 0};
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (size_t i = begin; i < end; ++i)
+        for (size_t k = 0; k < 3; ++k) {
+            low[k] = min2(low[k], s->positions[3 * i + k]);
+            high[k] = max2(high[k], s->positions[3 * i + k]);
+        }
+    for (int k = 0; k < 3; ++k) sphere.center[k] = (low[k] + high[k]) / 2;
+    for (size_t i = begin; i < end; ++i)
+        sphere.radius = max2(sphere.radius, distance2_3(s->positions + 3 * i, sphere.center));
+    sphere.radius = sqrt(sphere.radius);
+    return sphere;
+}
+
+/* Finds the samples of each cluster, which are sorted by these, and their blocks. */
+static int find_blocks(psplat_samples *s) {
+    size_t clusters = s->clusters.count;
+    s->first = calloc(clusters + 1, sizeof *s->first);
+    s->first_block = calloc(clusters + 1, sizeof *s->first_block);
+    s->last_appended = malloc((clusters + 1) * sizeof *s->last_appended);
+    if (!s->first || !s->first_block || !s->last_appended) return 0;
+    memset(s->last_appended, 0xff, (clusters + 1) * sizeof *s->last_appended);
+    for (size_t i = 0; i < s->count; ++i) ++s->first[s->clusters.of_triangles[s->triangles[i]] + 1];
+    for (size_t c = 0; c < clusters; ++c) {
+        s->first_block[c + 1] =
+            s->first_block[c] + (s->first[c + 1] + PSPLAT_BLOCK_SAMPLES - 1) / PSPLAT_BLOCK_SAMPLES;
+        s->first[c + 1] += s->first[c];
+    }
+    s->blocks = malloc((s->first_block[clusters] + 1) * sizeof *s->blocks);
+    for (size_t c = 0; s->blocks && c < clusters; ++c)
+        for (uint32_t b = s->first_block[c]; b < s->first_block[c + 1]; ++b) {
+            size_t begin = s->first[c] + (b - s->first_block[c]) * PSPLAT_BLOCK_SAMPLES;
+            size_t end = begin + PSPLAT_BLOCK_SAMPLES;
+            s->blocks[b] = sphere_around(s, begin, end < s->first[c + 1] ? end : s->first[c + 1]);
+        }
+    return s->blocks != NULL;
+}
+
+/* Gives the samples that were drawn their clusters. */
+static int group(psplat_samples *s, const psplat_surface *surface) {
+    s->drawn = s->count;
+    return psplat_clusters_build(surface, cluster_size_spacings * s->spacing, &s->clusters) &&
+           sort_by_cluster(s) && find_blocks(s);
+}
+
+/* Lists the samples from index first on, which were appended, with their clusters. */
+static int list_appended(psplat_samples *s, size_t first) {
+    uint32_t *next = realloc(s->next_appended, (s->count - s->drawn + 1) * sizeof *next);
+    if (!next) return 0;
+    s->next_appended = next;
+    for (size_t i = first; i < s->count; ++i) {
+        uint32_t *last = &s->last_appended[s->clusters.of_triangles[s->triangles[i]]];
+        next[i - s->drawn] = *last;
+        *last = (uint32_t)i;
+    }
     return 1;
 }
 
-static psplat_result finish(sample_buffer *buffer, int ok, const psplat_surface *surface,
-                            psplat_samples *samples, psplat_error *error) {
-    if (ok) ok = group_by_triangle(&buffer->samples, surface->mesh->triangle_count);
+static psplat_result finish(sample_buffer *buffer, int ok, psplat_samples *samples,
+                            psplat_error *error) {
     *samples = buffer->samples;
     if (ok) return PSPLAT_OK;
     psplat_samples_free(samples);
@@ -357,7 +459,8 @@ psplat_result psplat_samples_draw(const psplat_surface *surface, double spacing,
              throw_points(surface, darts_per_sample * expected, seed, take_thinned, &thin) &&
              sample_empty_patches(&buffer, surface);
     grid_free(&thin.grid);
-    return finish(&buffer, ok, surface, samples, error);
+    if (ok) ok = group(&buffer.samples, surface);
+    return finish(&buffer, ok, samples, error);
 }
 
 psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t count,
@@ -367,7 +470,7 @@ psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t 
     thinning all = {.buffer = &buffer, .surface = surface};
     int ok = push_point_subset(&buffer, surface, count, seed) &&
              throw_points(surface, (double)count, seed, take_all, &all);
-    return finish(&buffer, ok, surface, samples, error);
+    return finish(&buffer, ok, samples, error);
 }
 
 psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surface *surface,
@@ -378,17 +481,24 @@ psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surfac
              buffer_reserve(&buffer, samples->count + count, surface->appearance);
     for (size_t i = 0; ok && i < count; ++i)
         ok = buffer_push(&buffer, surface, triangles[i], points + 3 * i);
-    if (ok) ok = group_by_triangle(&buffer.samples, surface->mesh->triangle_count);
+    if (ok) ok = list_appended(&buffer.samples, samples->count);
     *samples = buffer.samples;
     if (ok) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the samples do not fit into memory");
 }
 
-psplat_result psplat_samples_truncate(psplat_samples *samples, const psplat_surface *surface,
-                                      size_t count) {
-    if (count < samples->count) samples->count = count;
-    return group_by_triangle(samples, surface->mesh->triangle_count) ? PSPLAT_OK
-                                                                     : PSPLAT_ERROR_MEMORY;
+void psplat_samples_truncate(psplat_samples *samples, size_t count) {
+    while (samples->count > count) {
+        size_t last = --samples->count;
+        samples->last_appended[samples->clusters.of_triangles[samples->triangles[last]]] =
+            samples->next_appended[last - samples->drawn];
+    }
+}
+
+uint32_t psplat_samples_near_triangle(const psplat_samples *samples, uint32_t triangle) {
+    uint32_t cluster = samples->clusters.of_triangles[triangle];
+    uint32_t first = samples->first[cluster];
+    return first < samples->first[cluster + 1] ? first : samples->last_appended[cluster];
 }
 
 void psplat_samples_free(psplat_samples *samples) {
@@ -400,7 +510,11 @@ void psplat_samples_free(psplat_samples *samples) {
     free(samples->emissive);
     free(samples->texcoords);
     free(samples->triangles);
+    psplat_clusters_free(&samples->clusters);
     free(samples->first);
-    free(samples->order);
+    free(samples->first_block);
+    free(samples->blocks);
+    free(samples->last_appended);
+    free(samples->next_appended);
     *samples = (psplat_samples){0};
 }

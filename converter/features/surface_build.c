@@ -116,7 +116,12 @@ static void average_fan(psplat_surface *surface, uint8_t *done, uint32_t corner)
 static psplat_result set_normals(psplat_surface *surface, const uint8_t *authored) {
     uint32_t corners = (uint32_t)(3 * surface->mesh->triangle_count);
     uint8_t *done = calloc(corners, 1);
-    if (!done) return PSPLAT_ERROR_MEMORY;
+    /* They are large, and not needed before, when creases need memory. */
+    surface->corner_normals = malloc((size_t)corners * 3 * sizeof(float));
+    if (!done || !surface->corner_normals) {
+        free(done);
+        return PSPLAT_ERROR_MEMORY;
+    }
     for (uint32_t corner = 0; corner < corners; ++corner)
         if (!done[corner]) average_fan(surface, done, corner);
     free(done);
@@ -157,9 +162,8 @@ psplat_result psplat_surface_build_with_charts(const psplat_mesh *mesh,
     surface->neighbors = malloc(count * 3 * sizeof(uint32_t));
     surface->creases = calloc(count, 3);
     surface->patches = malloc(count * sizeof(uint32_t));
-    surface->corner_normals = malloc(count * 9 * sizeof(float));
     int allocated = surface->face_normals && surface->face_areas && surface->neighbors &&
-                    surface->creases && surface->patches && surface->corner_normals;
+                    surface->creases && surface->patches;
     psplat_result result = allocated ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     if (!result) {
         measure_faces(surface);

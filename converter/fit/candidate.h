@@ -27,7 +27,6 @@ typedef struct psplat_candidate {
     int taken;         /* 1: belongs to the selection; 0: is only in the pool */
     int ellipse_grown; /* 1 after psplat_grow_ellipse */
     int quantized;     /* 1 after psplat_quantize_candidate */
-    int proven;        /* 1: all of the region is proven to be near the surface */
 } psplat_candidate;
 
 /* Frees what the candidate owns, and zeroes it. */

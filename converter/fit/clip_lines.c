@@ -9,6 +9,7 @@
  * fits more of the chain than a straight one, it is taken instead: a parabola needs about half as
  * many pieces. A line touches the chain from outside, so that a convex chain loses no surface.
  */
+#include "base/vector.h"
 #include "fit/clip_lines.h"
 
 #include "base/region.h"
@@ -60,8 +61,8 @@ static double line_value(const clip_line *line, const double uv[2]) {
 static double rate_at(const clipper *c, const clip_line *line, const double uv[2]) {
     double turn = line->bend * place_along(line, uv);
     double a = line->a - turn * line->b, b = line->b + turn * line->a;
-    return fmin(hypot(line->a / c->radius[0], line->b / c->radius[1]),
-                hypot(a / c->radius[0], b / c->radius[1]));
+    return fmin(norm2(line->a / c->radius[0], line->b / c->radius[1]),
+                norm2(a / c->radius[0], b / c->radius[1]));
 }
 
 /* Returns about how far, in lengths, a line keeps a point. */
@@ -75,12 +76,12 @@ static double seed_distance(const clipper *c, const piece *p) {
     double length = d[0] * d[0] + d[1] * d[1];
     double t = length > 0 ? (s[0] * d[0] + s[1] * d[1]) / length : 0;
     t = t < 0 ? 0 : t > 1 ? 1 : t;
-    return hypot(s[0] - t * d[0], s[1] - t * d[1]);
+    return norm2(s[0] - t * d[0], s[1] - t * d[1]);
 }
 
 /* Gives a straight line the direction (a, b), of any length, through a point. */
 static void set_direction(double a, double b, const double at[2], clip_line *line) {
-    double length = hypot(a, b);
+    double length = norm2(a, b);
     line->a = a / length, line->b = b / length;
     line->c = -(line->a * at[0] + line->b * at[1]);
     line->bend = 0;
@@ -89,7 +90,7 @@ static void set_direction(double a, double b, const double at[2], clip_line *lin
 /* Finds the line from a to b that keeps its left side. Returns 0 for coincident points. */
 static int line_through(const clipper *c, const double a[2], const double b[2], clip_line *line) {
     double d[2] = {b[0] - a[0], b[1] - a[1]};
-    double length = hypot(d[0] * c->radius[0], d[1] * c->radius[1]);
+    double length = norm2(d[0] * c->radius[0], d[1] * c->radius[1]);
     if (!(length > 1e-9 * c->radius[0])) return 0;
     set_direction(-d[1], d[0], a, line);
     return 1;
@@ -219,19 +220,38 @@ static run longer_run(const clipper *c, run r, int end) {
     return r;
 }
 
-/* Extends a run at both ends while one line still fits it, and stores that line. Returns how many
- * pieces it became longer by. */
+/* Returns a run longer by so many pieces at one end; its first is SIZE_MAX where there are fewer.
+ */
+static run run_longer_by(const clipper *c, run r, int end, size_t pieces) {
+    for (size_t i = 0; i < pieces && r.first != SIZE_MAX; ++i) r = longer_run(c, r, end);
+    return r;
+}
+
+/* Extends a run at one end by at most so many pieces, or half of that, a quarter and so on, and
+ * stores its line. Returns how many they are; 0 where not even one fits. */
+static size_t extend_end(const clipper *c, int bent, int end, size_t most, run *r,
+                         clip_line *line) {
+    for (size_t pieces = most; pieces; pieces /= 2) {
+        run longer = run_longer_by(c, *r, end, pieces);
+        clip_line candidate;
+        if (longer.first == SIZE_MAX || !fit_run(c, longer, bent, &candidate)) continue;
+        *r = longer, *line = candidate;
+        return pieces;
+    }
+    return 0;
+}
+
+/* Extends a run at both ends in turn while one line still fits it, and stores that line. Returns
+ * how many pieces it became longer by. Long runs grow by half of themselves at once, since each
+ * line takes time in proportion to its run: a border may have thousands of pieces. */
 static size_t extend_run(const clipper *c, int bent, run *r, clip_line *line) {
+    enum { LONG_RUN = 16 };
     size_t total = 0;
-    for (int grown = 1; grown;) {
+    for (size_t grown = 1; grown;) {
         grown = 0;
-        for (int end = 0; end < 2; ++end) {
-            run longer = longer_run(c, *r, end);
-            clip_line candidate;
-            if (longer.first == SIZE_MAX || !fit_run(c, longer, bent, &candidate)) continue;
-            *r = longer, *line = candidate, grown = 1;
-            ++total;
-        }
+        for (int end = 0; end < 2; ++end)
+            grown += extend_end(c, bent, end, total < LONG_RUN ? 1 : total / 2, r, line);
+        total += grown;
     }
     return total;
 }

@@ -136,13 +136,13 @@ static float mean_of(const psplat_candidate *c, const float *values) {
 static const psplat_finish neutral_finish = {
     .occlusion = 1, .roughness = 1, .metallic = 1, .emissive = {1, 1, 1}};
 
-/* Copies the colour of a sample of its triangle to a candidate that covers no sample: a disc of the
- * last resort. */
+/* Copies the colour of a sample next to its triangle to a candidate that covers no sample: a disc
+ * of the last resort. */
 static void copy_triangle_color(const psplat_samples *samples, psplat_candidate *c) {
     if (!samples->colors || !samples->first) return;
-    uint32_t at = samples->first[c->triangle];
-    if (at == samples->first[c->triangle + 1]) return;
-    const float *color = samples->colors + 4 * (size_t)samples->order[at];
+    uint32_t sample = psplat_samples_near_triangle(samples, c->triangle);
+    if (sample == PSPLAT_NONE) return;
+    const float *color = samples->colors + 4 * (size_t)sample;
     for (int k = 0; k < 4; ++k) c->color[k] = clamp_to_unit((double)color[k]);
 }
 

@@ -67,7 +67,7 @@ static int least_ellipse(const double (*points)[2], size_t count, double *weight
  * radii grow by the margin. The new centre is on the region's surface. */
 static void set_ellipse(const ellipse *e, double margin, psplat_region *region) {
     double middle = (e->shape[0] + e->shape[2]) / 2;
-    double spread = hypot((e->shape[0] - e->shape[2]) / 2, e->shape[1]);
+    double spread = norm2((e->shape[0] - e->shape[2]) / 2, e->shape[1]);
     double angle = 0.5 * atan2(2 * e->shape[1], e->shape[0] - e->shape[2]), u[3];
     const double uv[2] = {e->center[0] / region->radius[0], e->center[1] / region->radius[1]};
     psplat_region_point(region, uv, region->center);

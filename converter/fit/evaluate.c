@@ -29,6 +29,10 @@ static const double least_gathering_growth = 1.6;
  */
 static const double line_slack = 1e-7;
 
+/* The most steps of the grid by which a rounded line is moved out to keep a point. A step is a
+ * twentieth of the tolerance at most, and the slack of creases has room for some. */
+enum { MOST_RAISING_STEPS = 3 };
+
 /* ---- sites --------------------------------------------------------------------------------- */
 
 psplat_result psplat_site_gather(const psplat_fit_context *context, psplat_site *site,
@@ -39,7 +43,7 @@ psplat_result psplat_site_gather(const psplat_fit_context *context, psplat_site 
     if (site->gathered > 0) reach = max2(reach, least_gathering_growth * site->gathered);
     site->gathered = 0;
     if (!psplat_neighborhood_gather(&scratch->near, context->surface, context->samples,
-                                    &site->metric, site->triangle, reach) ||
+                                    &site->metric, site->triangle, reach, 0) ||
         psplat_scratch_reserve(scratch))
         return PSPLAT_ERROR_MEMORY;
     scratch->site = site;
@@ -64,16 +68,14 @@ psplat_site psplat_site_of(const psplat_region *region, uint32_t triangle) {
     return site;
 }
 
-/* Returns how far a region reaches from the metric's centre, in the metric. */
+/* Returns how far a region's surface reaches from the metric's centre, in the metric. */
 static double region_reach(const psplat_metric *metric, const psplat_region *region) {
     double corners[PSPLAT_OUTLINE][2], farthest = 0;
     size_t count = psplat_region_polygon(region, 0, corners, PSPLAT_OUTLINE);
     for (size_t i = 0; i < count; ++i) {
-        double d[3], w[3];
-        sub3(d, region->center, metric->center);
-        mad3(d, corners[i][0] * region->radius[0], region->u);
-        mad3(d, corners[i][1] * region->radius[1], region->v);
-        for (int k = 0; k < 3; ++k) w[k] = dot3(metric->rows[k], d);
+        double p[3], w[3];
+        psplat_region_point(region, corners[i], p);
+        psplat_metric_coordinates(metric, p, w);
         farthest = max2(farthest, length3(w));
     }
     return farthest;
@@ -100,20 +102,42 @@ static psplat_result gather_surroundings(const psplat_fit_context *context, pspl
 
 /* ---- lines --------------------------------------------------------------------------------- */
 
+static double segment_height(const psplat_segment *segment) {
+    return max2(fabs(segment->a[2]), fabs(segment->b[2]));
+}
+
 /* Finds the creases inside the ellipse, on the side of the surface that the splat lies on, into
- * scratch->segments, and how far they leave the plane. Returns their number. */
+ * scratch->segments, and how far they leave the plane. Returns their number. In a region no larger
+ * than the tolerance no crease lies deep. There, those that leave the plane are left out: they
+ * belong to the other edge of a low step, say. */
 static size_t find_segments(const psplat_fit_context *context, const psplat_region *region,
                             double *height) {
     psplat_scratch *scratch = context->scratch;
     const psplat_neighborhood *near = &scratch->near;
+    const psplat_limits *limits = context->limits;
+    int is_small = max2(region->radius[0], region->radius[1]) <= limits->tolerance;
     /* Creases that are farther from the plane belong to another part of a bent surface. */
     size_t count = psplat_segments_find(context->surface, near->creases, near->crease_count, region,
-                                        2 * context->limits->tolerance, scratch->segments);
+                                        2 * limits->tolerance, scratch->segments);
+    size_t kept = 0;
     *height = 0;
-    for (size_t i = 0; i < count; ++i)
-        *height =
-            max2(*height, max2(fabs(scratch->segments[i].a[2]), fabs(scratch->segments[i].b[2])));
-    return count;
+    for (size_t i = 0; i < count; ++i) {
+        double leaves = segment_height(&scratch->segments[i]);
+        if (is_small && leaves > limits->crease_tolerance) continue;
+        scratch->segments[kept++] = scratch->segments[i];
+        *height = max2(*height, leaves);
+    }
+    return kept;
+}
+
+/* Rounds line i of a region, so that it still keeps its point inside (u, v): rounding its direction
+ * may have cut that off. */
+static void round_line(const psplat_precision *precision, const double inside[2], uint32_t i,
+                       psplat_region *region) {
+    psplat_quantize_line(precision, region->lines[i], &region->bends[i]);
+    double lack = -psplat_region_line_value(region, i, inside) / precision->line_step;
+    if (lack > 0 && lack <= MOST_RAISING_STEPS)
+        region->lines[i][2] += ceil(lack) * precision->line_step;
 }
 
 /* Gives a region clip lines that cut the segments found away and keep its point inside (u, v).
@@ -124,7 +148,7 @@ static int choose_lines(const psplat_fit_context *context, size_t segments, cons
     int chosen = psplat_clip_choose(region, context->scratch->segments, segments, inside,
                                     limits->crease_slack, !limits->planar);
     for (uint32_t i = 0; exact && limits->precision && i < region->line_count; ++i)
-        psplat_quantize_line(limits->precision, region->lines[i], &region->bends[i]);
+        round_line(limits->precision, inside, i, region);
     return chosen;
 }
 
@@ -310,7 +334,6 @@ psplat_result psplat_candidate_set(const psplat_fit_context *context, const pspl
     candidate->region = evaluation->region;
     candidate->deviation = evaluation->deviation;
     candidate->triangle = site->triangle;
-    candidate->proven = context->limits->proven;
     memcpy(candidate->field, evaluation->field, sizeof candidate->field);
     return PSPLAT_OK;
 }

@@ -12,7 +12,7 @@
 #include "base/vector.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
-#include "fit/region_near.h"
+#include "fit/nearness.h"
 #include "mesh/distance.h"
 #include "mesh/mesh.h"
 
@@ -168,23 +168,23 @@ static psplat_fit_status point_nearness(const psplat_fit_context *context, const
         is_near_triangles(context, context->scratch->near.samples[nearest].index, point))
         return PSPLAT_FIT_KEPT;
     if (!limits->distance || !is_near_sample(context, point)) return PSPLAT_FIT_LEAVES_SURFACE;
-    if (psplat_distance_within(limits->distance, point, 1, limits->tolerance, &near))
-        return PSPLAT_FIT_MEMORY;
+    if (psplat_limits_point_near(limits, point, &near)) return PSPLAT_FIT_MEMORY;
     return near ? PSPLAT_FIT_KEPT : PSPLAT_FIT_LEAVES_SURFACE;
 }
 
 /* Bounds the distance from all points of a region, which the points measured leave open. */
 static psplat_fit_status proven_nearness(const psplat_limits *limits, const psplat_region *region) {
     int near;
-    if (psplat_region_near(region, limits->distance, limits->tolerance, &near))
-        return PSPLAT_FIT_MEMORY;
+    if (psplat_limits_region_near(limits, region, &near)) return PSPLAT_FIT_MEMORY;
     return near ? PSPLAT_FIT_KEPT : PSPLAT_FIT_LEAVES_SURFACE;
 }
 
 static psplat_fit_status mesh_nearness(const psplat_fit_context *context,
                                        const psplat_region *region) {
     double points[PSPLAT_REGION_POINTS][3];
-    size_t count = psplat_region_points(region, points);
+    /* Before a proof only the rim is measured, which refuses most regions that are too large. */
+    size_t count = context->limits->proven ? psplat_region_rim_points(region, points)
+                                           : psplat_region_points(region, points);
     psplat_fit_status status = PSPLAT_FIT_KEPT;
     cells c;
     fill_cells(context->scratch, region, &c);

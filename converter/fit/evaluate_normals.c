@@ -55,12 +55,12 @@ static double greatest_error(const psplat_scratch *s, const psplat_evaluation *e
 static int is_bounded(const psplat_scratch *s, const psplat_evaluation *e, const double mean[2]) {
     double spread = 0, outline[PSPLAT_OUTLINE][2];
     for (size_t i = 0; i < e->count; ++i)
-        spread = max2(spread, hypot(s->slopes[i][0] - mean[0], s->slopes[i][1] - mean[1]));
+        spread = max2(spread, norm2(s->slopes[i][0] - mean[0], s->slopes[i][1] - mean[1]));
     size_t corners = psplat_region_polygon(&e->region, 1, outline, PSPLAT_OUTLINE);
     for (size_t i = 0; i < corners; ++i) {
         double xy[2];
         psplat_normal_field_at(e->field, e->region.radius, outline[i], xy);
-        if (hypot(xy[0] - mean[0], xy[1] - mean[1]) >
+        if (norm2(xy[0] - mean[0], xy[1] - mean[1]) >
             greatest_spread_factor * spread + harmless_change)
             return 0;
     }
@@ -98,7 +98,7 @@ psplat_fit_status psplat_evaluate_normals(const psplat_fit_context *context, psp
         set_field_of_surface(e);
     else
         fit_field(context, e);
-    if (hypot(e->field[0], e->field[1]) > greatest_center_slope) return PSPLAT_FIT_NORMALS_DIFFER;
+    if (norm2(e->field[0], e->field[1]) > greatest_center_slope) return PSPLAT_FIT_NORMALS_DIFFER;
     if (!(tolerance > 0)) return PSPLAT_FIT_KEPT;
     e->normal_error = greatest_error(context->scratch, e);
     return e->normal_error <= tolerance ? PSPLAT_FIT_KEPT : PSPLAT_FIT_NORMALS_DIFFER;

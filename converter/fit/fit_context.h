@@ -34,7 +34,10 @@ typedef struct psplat_limits {
                                         is not bounded so */
     const psplat_precision *precision; /* that lines and fields are rounded to; NULL: none are */
     int proven; /* 1: an exact check of the distance bound takes all points of a region, not some */
+    double measured_tolerance; /* of drafts, which are measured at some points only; 0: the same */
     const psplat_distance *distance; /* to the mesh; NULL: only triangles of samples are measured */
+    const psplat_distance *proxy;    /* to its proxy (mesh/proxy.h); NULL: it has none */
+    double proxy_deviation;          /* of the proxy, a length */
 } psplat_limits;
 
 /* The memory of one thread that evaluates regions. Zero-initialise it. */
@@ -62,6 +65,10 @@ typedef struct psplat_fit_context {
     const psplat_limits *limits;
     psplat_scratch *scratch; /* of this thread; NULL in functions that use all cores */
 } psplat_fit_context;
+
+/* Returns a context for searches that prove only what they find: with the limits (kept in draft) of
+ * regions that are measured at some points only. */
+psplat_fit_context psplat_fit_draft(const psplat_fit_context *context, psplat_limits *draft);
 
 /* Calls visit with each index below count, on all cores. The context that visit gets has a scratch
  * of its thread. Fails with PSPLAT_ERROR_MEMORY where any visit fails. */

@@ -20,6 +20,7 @@
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
 #include "fit/grow_ellipse.h"
+#include "fit/prove_candidate.h"
 #include "fit/surface_fit.h"
 
 #include <math.h>
@@ -39,11 +40,15 @@ static const double first_reach_spacings = 5;
 static const double reach_growth = 1.35;
 /* The factor by which a candidate's radii shrink where its outline turns out to leave the mesh. */
 static const double shrink_factor = 0.92;
-/* The radius of the disc that covers its seed alone, in spacings. */
-static const double disc_radius_spacings = 1.0 / 16;
+/* The radii of discs that are tried where no fit is near enough, in spacings: that of the first,
+ * and the factor of the next ones. */
+static const double first_disc_spacings = 2, disc_shrink_factor = 0.7;
+/* The radius of the disc of the last resort, in tolerances: small enough to be near the surface and
+ * to leave no crease inside by a tolerance, whatever the surface does there. */
+static const double disc_radius_tolerances = 0.4;
 
 enum { BINS = 32 }; /* of heights */
-enum { BISECTIONS = 4, HALVINGS = 8, SHRINKINGS = 12 };
+enum { BISECTIONS = 4, HALVINGS = 8, RETREATS = 4, SHRINKINGS = 12, DISCS = 9 };
 /* A plane needs three samples; a curvature needs more. */
 enum { LEAST_SAMPLES = 3, LEAST_CURVED = 6 };
 
@@ -306,21 +311,59 @@ static int shrink_to_mesh(search *s) {
     return 0;
 }
 
-/* As the last resort, makes the candidate a small disc in the plane of the seed's own triangle that
- * covers the seed alone. Its deviation is set to its radius, since none was measured. */
+/* Stores a disc around the seed, in the plane of its triangle. */
+static void disc_around_seed(const search *s, double radius, psplat_region *disc) {
+    *disc = (psplat_region){.radius = {radius, radius}};
+    memcpy(disc->center, s->site.metric.center, sizeof disc->center);
+    memcpy(disc->n, s->context->surface->face_normals + 3 * (size_t)s->site.triangle,
+           sizeof disc->n);
+    perpendicular3(disc->u, disc->n);
+    cross3(disc->v, disc->n, disc->u);
+}
+
+/* Makes the candidate the largest disc in the plane of the seed's own triangle, of those tried,
+ * that keeps the limits. Where the surface bends much between samples, these cannot tell how. */
+static int fit_disc(search *s) {
+    const psplat_demands demands = {.inside = s->site.metric.center};
+    double radius = first_disc_spacings * s->context->samples->spacing;
+    for (int step = 0; step < DISCS && !s->failed; ++step, radius *= disc_shrink_factor) {
+        psplat_region disc;
+        disc_around_seed(s, radius, &disc);
+        psplat_evaluation e = psplat_evaluate(s->context, &s->site, &disc, &demands);
+        if (!e.status && psplat_candidate_set(s->context, &s->site, &e, 0, s->candidate))
+            e.status = PSPLAT_FIT_MEMORY;
+        s->failed |= e.status == PSPLAT_FIT_MEMORY;
+        if (!e.status) return 1;
+    }
+    return 0;
+}
+
+/* As the last resort, makes the candidate a small disc that covers the seed alone. Its deviation is
+ * set to its radius, since none was measured. */
 static void make_disc(search *s) {
-    const psplat_fit_context *context = s->context;
     const double *center = s->site.metric.center;
-    double radius = disc_radius_spacings * context->samples->spacing;
-    psplat_region disc = {.radius = {radius, radius}};
-    memcpy(disc.center, center, sizeof disc.center);
-    memcpy(disc.n, context->surface->face_normals + 3 * (size_t)s->site.triangle, sizeof disc.n);
-    perpendicular3(disc.u, disc.n);
-    cross3(disc.v, disc.n, disc.u);
-    psplat_evaluation one = psplat_evaluate_single_sample(context, &s->site, &disc, center,
+    double radius = disc_radius_tolerances * s->context->limits->tolerance;
+    psplat_region disc;
+    disc_around_seed(s, radius, &disc);
+    psplat_evaluation one = psplat_evaluate_single_sample(s->context, &s->site, &disc, center,
                                                           s->site.seed, PSPLAT_SKIP_EXACTNESS);
     one.deviation = radius;
-    s->failed = one.status || psplat_candidate_set(context, &s->site, &one, 0, s->candidate);
+    s->failed = one.status || psplat_candidate_set(s->context, &s->site, &one, 0, s->candidate);
+}
+
+/* Makes the candidate one that is near the mesh. One that has to shrink far loses its seed or fits
+ * no better; then what half of its reach gives is tried. Returns 0 where nothing is near enough. */
+static int settle_on_mesh(search *s, double reach) {
+    size_t count;
+    for (int step = 0; step <= RETREATS && !s->failed; ++step, reach /= 2) {
+        if (step) {
+            s->candidate->covered_count = 0;
+            try_reach(s, reach, &count);
+            if (count <= LEAST_SAMPLES) break;
+        }
+        if (s->candidate->covered_count && shrink_to_mesh(s)) return 1;
+    }
+    return 0;
 }
 
 /* Grows the candidate in a round metric, and then in that of its curvature. */
@@ -329,21 +372,35 @@ static void grow(search *s) {
                                           .steps = PSPLAT_NEW_GROWTH_STEPS};
     double reach =
         bisect_reach(s, raise_reach(s, first_reach_spacings * s->context->samples->spacing));
-    if (s->candidate->covered_count && !s->failed && adapt_metric(s))
-        bisect_reach(s, raise_reach(s, reach));
-    if (s->candidate->covered_count && !s->failed && !shrink_to_mesh(s))
-        s->candidate->covered_count = 0;
+    if (s->candidate->covered_count && !s->failed && adapt_metric(s)) {
+        double adapted = bisect_reach(s, raise_reach(s, reach));
+        if (adapted > 0) reach = adapted;
+    }
+    int settled = (reach > 0 && settle_on_mesh(s, reach)) || (!s->failed && fit_disc(s));
     if (s->failed) return;
-    if (s->candidate->covered_count)
+    if (settled)
         s->failed = psplat_grow_ellipse_at(s->context, &s->site, &growth, s->candidate) != 0;
     else
         make_disc(s);
 }
 
+/* Proves what has grown as a draft. Where it leaves the surface and does not shrink enough, a disc
+ * takes its place, which is proven too. */
+static void prove(search *s, const psplat_fit_context *context) {
+    int proven = 1;
+    if (s->failed || !context->limits->proven) return;
+    s->failed = psplat_prove_candidate(context, s->site.seed, s->candidate, &proven) != 0;
+    if (proven || s->failed) return;
+    s->context = context;
+    if (!fit_disc(s) && !s->failed) make_disc(s);
+}
+
 psplat_result psplat_candidate_grow(const psplat_fit_context *context, uint32_t seed,
                                     psplat_candidate *candidate) {
     const psplat_samples *samples = context->samples;
-    search s = {.context = context,
+    psplat_limits limits;
+    const psplat_fit_context draft = psplat_fit_draft(context, &limits);
+    search s = {.context = &draft,
                 .site = {.seed = seed, .triangle = samples->triangles[seed]},
                 .candidate = candidate};
     const double *n = context->surface->face_normals + 3 * (size_t)s.site.triangle;
@@ -354,6 +411,7 @@ psplat_result psplat_candidate_grow(const psplat_fit_context *context, uint32_t 
     psplat_site_turn(&s.site, n, u, 1);
     *candidate = (psplat_candidate){0};
     grow(&s);
+    prove(&s, context);
     if (context->limits->precision) candidate->needed = seed + 1;
     if (!s.failed) return PSPLAT_OK;
     psplat_candidate_free(candidate);

@@ -8,9 +8,11 @@
 #include "fit/grow_ellipse.h"
 
 #include "base/region.h"
+#include "base/vector.h"
 #include "fit/candidate.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
+#include "fit/region_near.h"
 
 /* How the ellipse of a taken candidate grows: by at most a quarter, found to within some percent.
  * Chosen by hand. */
@@ -71,9 +73,34 @@ psplat_result psplat_grow_ellipse_at(const psplat_fit_context *context, psplat_s
     return PSPLAT_OK;
 }
 
+/* Proves the ellipse that a candidate has grown to or, where that fails, one halfway to what it was
+ * before; where that fails too, the candidate stays as it was. It covers the same samples. */
+static psplat_result settle(const psplat_fit_context *context, psplat_site *site,
+                            const psplat_candidate *before, psplat_candidate *candidate) {
+    int near = 0;
+    psplat_region middle = candidate->region;
+    if (ellipse_area(&middle) == ellipse_area(&before->region)) return PSPLAT_OK;
+    if (psplat_region_near(&middle, context->limits->distance, context->limits->tolerance, &near))
+        return PSPLAT_ERROR_MEMORY;
+    if (near) return PSPLAT_OK;
+    *candidate = *before;
+    if (dot3(middle.u, before->region.u) < 0.5) return PSPLAT_OK; /* The axes changed places. */
+    for (int k = 0; k < 2; ++k)
+        middle.radius[k] = (middle.radius[k] + before->region.radius[k]) / 2;
+    return psplat_candidate_replace(context, site, &middle, 0, 1, candidate) == PSPLAT_FIT_MEMORY
+               ? PSPLAT_ERROR_MEMORY
+               : PSPLAT_OK;
+}
+
 psplat_result psplat_grow_ellipse(const psplat_fit_context *context, psplat_candidate *candidate) {
     if (!candidate->covered_count) return PSPLAT_OK;
     psplat_site site = psplat_site_of(&candidate->region, candidate->triangle);
     candidate->ellipse_grown = 1;
-    return psplat_grow_ellipse_at(context, &site, &growth_of_taken, candidate);
+    if (!context->limits->proven)
+        return psplat_grow_ellipse_at(context, &site, &growth_of_taken, candidate);
+    psplat_limits limits;
+    const psplat_fit_context draft = psplat_fit_draft(context, &limits);
+    const psplat_candidate before = *candidate;
+    psplat_result result = psplat_grow_ellipse_at(&draft, &site, &growth_of_taken, candidate);
+    return result ? result : settle(context, &site, &before, candidate);
 }

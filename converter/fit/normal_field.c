@@ -5,6 +5,7 @@
  * The five unknowns are the slopes at the centre and a symmetric gradient. The normal equations are
  * solved by iterated Tikhonov regularisation, since few samples may not determine all of them.
  */
+#include "base/vector.h"
 #include "fit/normal_field.h"
 
 #include <math.h>
@@ -97,7 +98,7 @@ void psplat_fit_normal_field(const double (*uv)[2], const double (*xy)[2], size_
     solve_least_norm(m, right, field);
     double gradient =
         field[2] * field[2] + field[3] * field[3] + field[4] * field[4] * (1 + ratio * ratio);
-    if (hypot(field[0], field[1]) + sqrt(gradient) <= greatest_field_slope) return;
+    if (norm2(field[0], field[1]) + sqrt(gradient) <= greatest_field_slope) return;
     for (int k = 0; k < 2; ++k) field[k] = right[k] / (double)count;
     field[2] = field[3] = field[4] = 0;
 }

@@ -10,11 +10,14 @@
 #include "fit/candidate.h"
 #include "fit/fit_context.h"
 
+#include <stdint.h>
+
 /* Proves that all points of a candidate's region are within the tolerance of the mesh. Where that
- * fails, the candidate shrinks until it is proven; then it covers fewer samples, in the end one
- * alone. It must not lie on the grid yet. The context's limits are `proven`. Fails only with
+ * fails, the candidate shrinks until it is proven, while it covers a sample that it covers now.
+ * *proven becomes 0 where that fails too; then only that sample is meaningful in the candidate. The
+ * candidate must not lie on the grid yet. The context's limits are `proven`. Fails only with
  * PSPLAT_ERROR_MEMORY. */
-psplat_result psplat_prove_candidate(const psplat_fit_context *context,
-                                     psplat_candidate *candidate);
+psplat_result psplat_prove_candidate(const psplat_fit_context *context, uint32_t sample,
+                                     psplat_candidate *candidate, int *proven);
 
 #endif

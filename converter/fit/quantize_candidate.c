@@ -95,7 +95,7 @@ static void find_centers(quantizer *q, double axes[3][3]) {
                 for (int c = 0; c < 3; ++c)
                     o.center[c] = unit * (rint(q->old.center[c] / unit) + steps[c]);
                 sub3(d, o.center, q->old.center);
-                o.cost = hypot(dot3(d, axes[0]) / q->old.radius[0],
+                o.cost = norm2(dot3(d, axes[0]) / q->old.radius[0],
                                dot3(d, axes[1]) / q->old.radius[1]) +
                          plane_cost * (fabs(dot3(d, axes[2]) - offset) + spread) / tolerance;
                 keep_cheapest(q->options, OPTIONS, &o);
@@ -117,7 +117,7 @@ static void find_places(const quantizer *q, option places[PLACES]) {
                 for (int c = 0; c < 3; ++c)
                     o.center[c] = unit * (rint(q->old.center[c] / unit) + steps[c]);
                 psplat_region_local(&q->old, o.center, uvh);
-                o.cost = hypot(uvh[0], uvh[1]) + plane_cost * fabs(uvh[2]) / tolerance;
+                o.cost = norm2(uvh[0], uvh[1]) + plane_cost * fabs(uvh[2]) / tolerance;
                 keep_cheapest(places, PLACES, &o);
             }
 }
@@ -178,7 +178,7 @@ static void find_options_on_surface(quantizer *q) {
             option o = places[i];
             if (!psplat_octahedron_is_code(code, q->precision->normal_bits)) continue;
             psplat_quantized_axes(q->precision, code, q->old.u, o.axes);
-            o.cost = hypot(uvh[0], uvh[1]);
+            o.cost = norm2(uvh[0], uvh[1]);
             fit_option(q, &o);
             keep_cheapest(q->options, OPTIONS, &o);
         }
@@ -313,6 +313,11 @@ static int put_needed_first(psplat_candidate *candidate) {
 
 /* ---- the last resort ------------------------------------------------------------------------ */
 
+/* The greatest radius of the disc of the last resort, in tolerances, unless its centre is off by
+ * more than half of that. With the centre off by a part of the tolerance, too, it is near the
+ * surface. */
+static const double disc_radius_tolerances = 0.4;
+
 /* Returns a small disc on the grid that covers a point, with its centre as near to that as the grid
  * allows. Its radius is at least twice the centre's distance from the point within the plane, so
  * that the farthest point of the disc is three times as far, plus the height of the centre. */
@@ -328,8 +333,9 @@ static psplat_region disc_at(quantizer *q, const double point[3], uint32_t trian
     find_options(q);
     const option *o = &q->options[0];
     sub3(d, o->center, point);
-    double within = hypot(dot3(d, o->axes[0]), dot3(d, o->axes[1]));
-    for (int k = 0; k < 2; ++k) q->old.radius[k] = max2(2 * within, min2(least, tolerance / 16));
+    double within = norm2(dot3(d, o->axes[0]), dot3(d, o->axes[1]));
+    for (int k = 0; k < 2; ++k)
+        q->old.radius[k] = max2(2 * within, min2(least, disc_radius_tolerances * tolerance));
     return region_of(q, o, 1, radius_steps[0]);
 }
 

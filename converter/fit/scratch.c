@@ -53,6 +53,16 @@ psplat_result psplat_scratch_reserve(psplat_scratch *scratch) {
     return reserve_samples(scratch) && reserve_segments(scratch) ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
 }
 
+psplat_fit_context psplat_fit_draft(const psplat_fit_context *context, psplat_limits *draft) {
+    psplat_fit_context result = *context;
+    *draft = *context->limits;
+    if (draft->proven && draft->measured_tolerance > 0)
+        draft->tolerance = draft->measured_tolerance;
+    draft->proven = 0;
+    result.limits = draft;
+    return result;
+}
+
 psplat_result psplat_fit_each(const psplat_fit_context *context, size_t count,
                               psplat_result (*visit)(const psplat_fit_context *context,
                                                      size_t index, void *user),

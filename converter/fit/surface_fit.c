@@ -42,7 +42,7 @@ double psplat_surface_slope_bound(const psplat_region *r) {
     const double *h = r->hessian;
     double a = h[0] * r->radius[0], b = h[1] * r->radius[0], c = h[2] * r->radius[1];
     double ratio = r->radius[1] / r->radius[0];
-    return hypot(r->slope[0], r->slope[1]) + sqrt(a * a + c * c + b * b * (1 + ratio * ratio));
+    return norm2(r->slope[0], r->slope[1]) + sqrt(a * a + c * c + b * b * (1 + ratio * ratio));
 }
 
 static void add_powers(sums *m, double s, double t) {
@@ -142,7 +142,7 @@ int psplat_fit_surface(const psplat_near_sample *samples, const uint32_t *some, 
         solve(&m, level, x);
         mad3(r->center, x[0] * scale, r->n);
         if (level) break;
-        double turn = hypot(x[1], x[2]);
+        double turn = norm2(x[1], x[2]);
         if (!(turn <= greatest_turn)) return 0;
         turn_frame(r, x + 1);
         level = step == 1 || turn <= small_turn;

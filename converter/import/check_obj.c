@@ -62,13 +62,13 @@ static psplat_result check_vertex(psplat_source *source, obj_state *state, pspla
     return PSPLAT_OK;
 }
 
-static psplat_result check_values(obj_state *state, const char *what, int count,
-                                  psplat_error *error) {
-    double value;
+static psplat_result check_normal(psplat_source *source, obj_state *state, psplat_error *error) {
+    double normal[3];
     psplat_result result = PSPLAT_OK;
-    for (int i = 0; i < count && !result; ++i)
-        result = psplat_lines_number(&state->lines, what, &value, error);
-    return result;
+    for (int k = 0; k < 3 && !result; ++k)
+        result = psplat_lines_number(&state->lines, "a component of the normal", &normal[k], error);
+    ++state->normals;
+    return result ? result : psplat_obj_normal(&source->obj, normal, error);
 }
 
 /* Reads one index: positive numbers count from the first element, negative ones back from the
@@ -86,47 +86,55 @@ static psplat_result check_index(const obj_state *state, const char *what, const
 
 /* Reads a corner: v, v/t, v//n or v/t/n. */
 static psplat_result check_corner(const psplat_source *source, const obj_state *state, char *token,
-                                  size_t length, size_t *vertex, uint32_t *texcoord,
-                                  psplat_error *error) {
+                                  size_t length, psplat_obj_corner *corner, psplat_error *error) {
     if (strspn(token, "0123456789-/") < length || token[0] == '/')
         return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_FORMAT,
                                  "'%.*s' is not a corner of a face",
                                  (int)(length < 40 ? length : 40), token);
-    size_t index;
+    size_t index = 0;
     char *end = token + length;
     char *slash = memchr(token, '/', length);
     char *second = slash ? memchr(slash + 1, '/', (size_t)(end - slash - 1)) : NULL;
     psplat_result result =
-        check_index(state, "vertex", token, source->vertices, state->all_vertices, vertex, error);
+        check_index(state, "vertex", token, source->vertices, state->all_vertices, &index, error);
+    if (!result) corner->vertex = (uint32_t)index;
     if (!result && slash && slash + 1 < end && slash[1] != '/') {
         result = check_index(state, "texture coordinate", slash + 1, state->texcoords,
                              state->all_texcoords, &index, error);
-        *texcoord = (uint32_t)index;
+        corner->texcoord = (uint32_t)index;
     }
-    if (!result && second && second + 1 < end)
+    if (!result && second && second + 1 < end) {
         result = check_index(state, "normal", second + 1, state->normals, state->all_normals,
                              &index, error);
+        corner->normal = (uint32_t)index;
+    }
     return result;
 }
 
 /* One face: its distinct vertices, and the number of its corners with repeated ones. */
 typedef struct obj_face {
-    size_t vertices[PSPLAT_MAX_CORNERS], distinct, corners;
+    uint32_t vertices[PSPLAT_MAX_CORNERS];
+    size_t distinct, corners;
 } obj_face;
 
 static psplat_result add_corner(psplat_source *source, obj_state *state, char *token, size_t length,
                                 obj_face *face, psplat_error *error) {
-    size_t vertex = 0;
-    uint32_t texcoord = UINT32_MAX;
-    psplat_result result = check_corner(source, state, token, length, &vertex, &texcoord, error);
+    psplat_obj_faces *obj = &source->obj;
+    psplat_obj_corner corner = {0, UINT32_MAX, UINT32_MAX};
+    psplat_result result = check_corner(source, state, token, length, &corner, error);
     if (result) return result;
     if (++face->corners > PSPLAT_MAX_CORNERS)
         return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_RANGE,
                                  "the face has more than %u corners", PSPLAT_MAX_CORNERS);
-    for (size_t i = 0; i < face->distinct; ++i)
-        if (face->vertices[i] == vertex) return PSPLAT_OK;
-    face->vertices[face->distinct++] = vertex;
-    return psplat_obj_corner(&source->obj, texcoord, error);
+    obj->names_normals |= corner.normal != UINT32_MAX;
+    for (size_t i = 0; i < face->distinct; ++i) {
+        if (face->vertices[i] != corner.vertex) continue;
+        /* OpenMesh gives the normal of a repeated corner to the one before it. */
+        if (corner.normal != UINT32_MAX) obj->corner_normals[obj->corner_count - 1] = corner.normal;
+        return PSPLAT_OK;
+    }
+    face->vertices[face->distinct++] = corner.vertex;
+    return psplat_obj_add_corner(obj, &corner, error);
 }
 
 static psplat_result check_face(psplat_source *source, obj_state *state, psplat_error *error) {
@@ -187,10 +195,7 @@ static psplat_result check_line(psplat_source *source, obj_state *state, psplat_
     size_t length;
     char *word = psplat_lines_token(&state->lines, &length);
     if (is_word(word, length, "v")) return check_vertex(source, state, error);
-    if (is_word(word, length, "vn")) {
-        ++state->normals;
-        return check_values(state, "a component of the normal", 3, error);
-    }
+    if (is_word(word, length, "vn")) return check_normal(source, state, error);
     if (is_word(word, length, "vt")) return check_texcoord(source, state, error);
     if (is_word(word, length, "f")) {
         state->lines.line = word;
@@ -210,6 +215,8 @@ psplat_result psplat_check_obj(psplat_source *source, psplat_error *error) {
     join_continued_lines(source);
     obj_state state = {0};
     count_elements(source, &state);
+    source->obj.has_texcoords = state.all_texcoords > 0;
+    source->obj.has_normals = state.all_normals > 0;
     source->positions = malloc((state.all_vertices + 1) * 3 * sizeof(double));
     if (!source->positions)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "%s: out of memory", source->path);

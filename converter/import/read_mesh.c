@@ -9,6 +9,7 @@
 #include "gltf/read_gltf.h"
 #include "import/check.h"
 #include "import/mtl.h"
+#include "import/obj_mesh.h"
 #include "import/obj_points.h"
 #include "import/openmesh.h"
 #include "import/xyz.h"
@@ -104,15 +105,22 @@ static psplat_result read_points(psplat_source *source, psplat_mesh *mesh, pspla
     return PSPLAT_OK;
 }
 
+static psplat_result read_triangles(psplat_source *source, psplat_mesh *mesh, psplat_error *error) {
+    if (psplat_source_is_gltf(source)) return psplat_mesh_read_gltf(source, mesh, error);
+    int is_plain_obj = source->format == PSPLAT_SOURCE_OBJ && !source->has_colors;
+    psplat_result result = is_plain_obj ? psplat_mesh_read_obj(source, mesh, error)
+                                        : psplat_mesh_read_openmesh(source, mesh, error);
+    if (!result) result = read_library(source, mesh, error);
+    psplat_source_free(source); /* its memory is needed for cleaning */
+    return result;
+}
+
 psplat_result psplat_mesh_from_source(psplat_source *source, psplat_mesh *mesh,
                                       psplat_error *error) {
     psplat_result result = check(source, error);
     if (!result && source->is_point_set) return read_points(source, mesh, error);
     int gltf = psplat_source_is_gltf(source);
-    if (!result)
-        result = gltf ? psplat_mesh_read_gltf(source, mesh, error)
-                      : psplat_mesh_read_openmesh(source, mesh, error);
-    if (!result && !gltf) result = read_library(source, mesh, error);
+    if (!result) result = read_triangles(source, mesh, error);
     return result ? result : psplat_mesh_clean(mesh, source->path, gltf, error);
 }
 

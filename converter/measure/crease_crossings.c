@@ -18,9 +18,9 @@
 #include "base/region.h"
 #include "base/region_tree.h"
 #include "base/vector.h"
-#include "features/neighborhood.h"
 #include "features/samples.h"
 #include "features/surface.h"
+#include "features/triangle_flood.h"
 #include "measure/crease_spill.h"
 #include "measure/measured_splats.h"
 
@@ -403,43 +403,30 @@ static psplat_result find_votes(const psplat_samples *samples,
     return votes->failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }
 
-static int is_flooded(const psplat_neighborhood *near, uint32_t triangle) {
-    return near->stamps[triangle] == near->stamp;
-}
-
-/* Floods the sheet around a splat from a triangle: what is connected with it over edges that are no
- * creases, no farther from the splat's centre than the splat reaches. */
-static int flood(const psplat_surface *surface, const psplat_region *region, double tolerance,
-                 uint32_t triangle, psplat_neighborhood *near) {
-    psplat_metric metric;
-    memcpy(metric.center, region->center, sizeof metric.center);
-    memcpy(metric.rows[0], region->u, sizeof metric.rows[0]);
-    memcpy(metric.rows[1], region->v, sizeof metric.rows[1]);
-    memcpy(metric.rows[2], region->n, sizeof metric.rows[2]);
-    return psplat_neighborhood_gather(near, surface, NULL, &metric, triangle,
-                                      psplat_region_reach(region) + tolerance);
-}
-
-/* Leaves the sheet flooded that has most of the votes on a splat, the first of them where several
- * have as many. Votes of one sheet become PSPLAT_NONE when it was counted. Returns 0 when out of
- * memory. */
+/* The sheet of a splat is what is connected with a triangle over edges that are no creases, no
+ * farther from the splat's centre than the splat reaches. Leaves the sheet flooded that has most of
+ * the votes on a splat, the first of them where several have as many. Votes of one sheet become
+ * PSPLAT_NONE when it was counted. Returns 0 when out of memory. */
 static int flood_own_sheet(const psplat_surface *surface, const psplat_region *region,
-                           double tolerance, vote *votes, size_t count, psplat_neighborhood *near) {
+                           double tolerance, vote *votes, size_t count,
+                           psplat_triangle_flood *near) {
     size_t most = 0;
     uint32_t best = votes[0].triangle;
     for (size_t i = 0; i < count; ++i) {
         uint32_t start = votes[i].triangle;
         size_t members = 0;
         if (start == PSPLAT_NONE) continue;
-        if (!flood(surface, region, tolerance, start, near)) return 0;
+        if (!psplat_triangle_flood_around(near, surface, region, tolerance, start)) return 0;
         for (size_t k = i; k < count; ++k) {
-            if (votes[k].triangle == PSPLAT_NONE || !is_flooded(near, votes[k].triangle)) continue;
+            if (votes[k].triangle == PSPLAT_NONE ||
+                !psplat_triangle_flood_met(near, votes[k].triangle))
+                continue;
             votes[k].triangle = PSPLAT_NONE;
             ++members;
         }
         if (members > most) most = members, best = start;
     }
-    return flood(surface, region, tolerance, best, near);
+    return psplat_triangle_flood_around(near, surface, region, tolerance, best);
 }
 
 /* Drops the crossings of sheets other than that which most samples of the splat belong to. Of a
@@ -449,7 +436,7 @@ static psplat_result drop_foreign_crossings(const psplat_surface *surface,
                                             const psplat_measured_splats *measured,
                                             crossing_list *list) {
     vote_list votes = {0};
-    psplat_neighborhood near = {0};
+    psplat_triangle_flood near = {0};
     psplat_result result = find_votes(samples, measured, list, &votes);
     size_t kept = 0, vote = 0;
     for (size_t i = 0, end; i < list->count && !result; i = end) {
@@ -463,11 +450,11 @@ static psplat_result drop_foreign_crossings(const psplat_surface *surface,
                              votes.items + first, vote - first, &near))
             result = PSPLAT_ERROR_MEMORY;
         for (size_t k = i; k < end && !result; ++k)
-            if (vote == first || is_flooded(&near, list->items[k].edge / 3))
+            if (vote == first || psplat_triangle_flood_met(&near, list->items[k].edge / 3))
                 list->items[kept++] = list->items[k];
     }
     list->count = kept;
-    psplat_neighborhood_free(&near);
+    psplat_triangle_flood_free(&near);
     free(votes.items);
     return result;
 }

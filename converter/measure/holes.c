@@ -12,6 +12,7 @@
  */
 #include "measure/holes.h"
 
+#include "base/random.h"
 #include "base/region.h"
 #include "base/region_tree.h"
 #include "base/vector.h"
@@ -19,6 +20,7 @@
 #include "measure/measured_splats.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,11 +29,22 @@ typedef struct subtriangle {
     double p[3][3], n[3][3];
 } subtriangle;
 
+/* What is known of a triangle or point in place of the splat that covers it: it has no hole, or
+ * may have. */
+static const uint32_t several = 0xfffffffeu, open_part = 0xffffffffu;
+
+/* The splats that covered the last triangles, which are tried first, since triangles follow each
+ * other over the surface. */
+enum { LIKELY = 4 };
+
 /* The state of the search in one thread. */
 typedef struct searcher {
     const psplat_measured_splats *measured;
-    double coarse; /* middles are tested of parts whose longest side is at most this */
-    double fine;   /* parts whose longest side is at most this are not halved */
+    uint32_t likely[LIKELY];
+    int likely_count;
+    uint32_t cover; /* what is known of the last triangle or point */
+    double coarse;  /* middles are tested of parts whose longest side is at most this */
+    double fine;    /* parts whose longest side is at most this are not halved */
     psplat_holes *holes;
     uint32_t triangle;
     uint32_t *near; /* a stack: splats near a part follow those near the part it was halved from */
@@ -80,6 +93,11 @@ typedef struct local_part {
     double least_stretch, most_stretch; /* of lengths on the surface over those in the plane */
 } local_part;
 
+/* Returns the length of a vector in a plane. Nothing here is large enough to overflow. */
+static double length2(double x, double y) {
+    return sqrt(x * x + y * y);
+}
+
 /* The height over the surface, along the normal of the plane, at (l0, l1, l2) in barycentric
  * coordinates differs from the one interpolated by the sum of l_i l_j times half of the second
  * derivative along each side. The sum of l_i l_j is at most 1/3. Slopes are linear in between. */
@@ -97,11 +115,11 @@ static void bound_between(const psplat_region *region, local_part *part) {
         most = max2(most, fabs(second));
     }
     for (int i = 0; i < 3; ++i)
-        spread = max2(spread, hypot(part->slopes[i][0] - mean[0], part->slopes[i][1] - mean[1]));
-    double slope = hypot(mean[0], mean[1]);
+        spread = max2(spread, length2(part->slopes[i][0] - mean[0], part->slopes[i][1] - mean[1]));
+    double slope = length2(mean[0], mean[1]);
     part->bow = most / 6;
-    part->least_stretch = hypot(1, max2(slope - spread, 0));
-    part->most_stretch = hypot(1, slope + spread);
+    part->least_stretch = length2(1, max2(slope - spread, 0));
+    part->most_stretch = length2(1, slope + spread);
 }
 
 /* Returns the height of a corner along the normal of the plane. */
@@ -155,9 +173,9 @@ static int is_outside_splat(const psplat_region *region, double tolerance, const
     for (int i = 0; i < 3; ++i) {
         double height = plane_height(part, i);
         above &= height > most, below &= height < -most;
-        spread = max2(spread, hypot(part->uvh[i][0] - middle[0], part->uvh[i][1] - middle[1]));
+        spread = max2(spread, length2(part->uvh[i][0] - middle[0], part->uvh[i][1] - middle[1]));
     }
-    if (above || below || hypot(middle[0], middle[1]) > 1 + spread + 1e-5) return 1;
+    if (above || below || length2(middle[0], middle[1]) > 1 + spread + 1e-5) return 1;
     for (uint32_t i = 0; i < region->line_count; ++i) {
         double slack = region->bends[i] < 0 ? line_bow(region, i, part) + 1e-5 : 1e-5;
         int outside = 1;
@@ -168,22 +186,30 @@ static int is_outside_splat(const psplat_region *region, double tolerance, const
     return 0;
 }
 
+/* Stores a part in a splat's region. Returns whether the splat covers all of it. */
+static int covers(const searcher *s, uint32_t splat, const subtriangle *t, local_part *part) {
+    const psplat_region *region = &s->measured->regions[splat];
+    int covered = 1;
+    *part = (local_part){.least_stretch = 1, .most_stretch = 1};
+    for (int k = 0; k < 3; ++k) {
+        psplat_region_local(region, t->p[k], part->uvh[k]);
+        covered =
+            covered && psplat_measured_splats_cover(s->measured, splat, t->n[k], part->uvh[k]);
+    }
+    if (psplat_region_is_curved(region)) bound_between(region, part);
+    return covered && covers_between(s, region, t, part);
+}
+
 /* Pushes those of the splats near[begin ... end) that may cover some of the part. Returns 1 where
- * one of them covers all of it. */
+ * one of them covers all of it, which is then s->cover. */
 static int find_near(searcher *s, const subtriangle *t, size_t begin, size_t end) {
     for (size_t i = begin; i < end && !s->failed; ++i) {
         uint32_t splat = s->near[i];
-        const psplat_region *region = &s->measured->regions[splat];
-        local_part part = {.least_stretch = 1, .most_stretch = 1};
-        int covered = 1;
-        for (int k = 0; k < 3; ++k) {
-            psplat_region_local(region, t->p[k], part.uvh[k]);
-            covered =
-                covered && psplat_measured_splats_cover(s->measured, splat, t->n[k], part.uvh[k]);
-        }
-        if (psplat_region_is_curved(region)) bound_between(region, &part);
-        if (covered && covers_between(s, region, t, &part)) return 1;
-        if (!is_outside_splat(region, s->measured->tolerance, &part)) push_near(s, splat);
+        local_part part;
+        s->cover = splat;
+        if (covers(s, splat, t, &part)) return 1;
+        if (!is_outside_splat(&s->measured->regions[splat], s->measured->tolerance, &part))
+            push_near(s, splat);
     }
     return 0;
 }
@@ -227,26 +253,31 @@ static double area_of(const subtriangle *t) {
     return length3(n) / 2;
 }
 
-/* Finds the holes of a part, given that near[begin ... near_count) are the splats near the part it
- * was halved from. One hole is enough in a part no larger than coarse. Returns whether there is
+static int search_part(searcher *s, const subtriangle *t, size_t begin);
+
+/* Finds the holes of a part that no single splat covers, given that near[begin ... near_count) are
+ * the splats near it. One hole is enough in a part no larger than coarse. Returns whether there is
  * one. */
-static int search_subtriangle(searcher *s, const subtriangle *t, size_t begin) {
-    size_t end = s->near_count;
+static int search_halves(searcher *s, const subtriangle *t, size_t begin) {
     subtriangle halves[2];
-    if (find_near(s, t, begin, end)) {
-        s->near_count = end;
-        return 0;
-    }
     double side = halve(t, halves), p[3], n[3];
     for (int k = 0; k < 3; ++k) {
         p[k] = (t->p[0][k] + t->p[1][k] + t->p[2][k]) / 3;
         n[k] = (t->n[0][k] + t->n[1][k] + t->n[2][k]) / 3;
     }
-    int found = side <= s->coarse && is_open(s, p, n, end);
+    int found = side <= s->coarse && is_open(s, p, n, begin);
     if (found) push_hole(s, p);
     if (!found && !(side > s->fine)) s->holes->unproven += area_of(t);
     for (int k = 0; k < 2 && side > s->fine && !s->failed; ++k)
-        if (!found || side > s->coarse) found |= search_subtriangle(s, &halves[k], end);
+        if (!found || side > s->coarse) found |= search_part(s, &halves[k], begin);
+    return found;
+}
+
+/* Finds the holes of a part, given that near[begin ... near_count) are the splats near the part it
+ * was halved from. Returns whether there is one. */
+static int search_part(searcher *s, const subtriangle *t, size_t begin) {
+    size_t end = s->near_count;
+    int found = !find_near(s, t, begin, end) && search_halves(s, t, end);
     s->near_count = end;
     return found;
 }
@@ -257,38 +288,74 @@ static int visit_near(void *user, uint32_t splat) {
     return s->failed;
 }
 
-static void search_root(searcher *s, const subtriangle *t) {
-    double low[3], high[3];
+static void box_of(const subtriangle *t, double low[3], double high[3]) {
     for (int k = 0; k < 3; ++k) {
         low[k] = min2(t->p[0][k], min2(t->p[1][k], t->p[2][k]));
         high[k] = max2(t->p[0][k], max2(t->p[1][k], t->p[2][k]));
     }
+}
+
+/* Moves a splat to the front of the likely ones. */
+static void put_first(searcher *s, uint32_t splat) {
+    int at = 0;
+    while (at < s->likely_count && s->likely[at] != splat) ++at;
+    if (at == s->likely_count && at < LIKELY) ++s->likely_count;
+    if (at == LIKELY) --at;
+    memmove(s->likely + 1, s->likely, (size_t)at * sizeof *s->likely);
+    s->likely[0] = splat;
+}
+
+/* Returns whether one of the likely splats covers all of a part, which is then the first. */
+static int is_covered_by_likely(searcher *s, const subtriangle *t) {
+    for (int k = 0; k < s->likely_count; ++k) {
+        double uvh[3];
+        local_part part;
+        psplat_region_local(&s->measured->regions[s->likely[k]], t->p[0], uvh);
+        if (!psplat_measured_splats_cover(s->measured, s->likely[k], t->n[0], uvh) ||
+            !covers(s, s->likely[k], t, &part))
+            continue;
+        put_first(s, s->likely[k]);
+        return 1;
+    }
+    return 0;
+}
+
+static void search_root(searcher *s, const subtriangle *t) {
+    double low[3], high[3];
+    if (is_covered_by_likely(s, t)) {
+        s->cover = s->likely[0];
+        return;
+    }
+    box_of(t, low, high);
     s->near_count = 0;
     psplat_region_tree_visit_box(s->measured->region_tree, low, high, visit_near, s);
-    search_subtriangle(s, t, 0);
+    size_t end = s->near_count;
+    if (find_near(s, t, 0, end))
+        put_first(s, s->cover);
+    else
+        s->cover = search_halves(s, t, end) ? open_part : several;
 }
 
-static void search_triangle(searcher *s, const psplat_surface *surface, uint32_t triangle) {
-    subtriangle t;
-    const float *normals = surface->corner_normals + 9 * (size_t)triangle;
+/* Makes a part of a triangle, or of a point of a point set, which has no extent. Returns the
+ * triangle. */
+static uint32_t part_of(const psplat_surface *surface, size_t item, subtriangle *t) {
+    const psplat_mesh *mesh = surface->mesh;
+    if (item >= mesh->triangle_count) {
+        size_t point = item - mesh->triangle_count;
+        uint32_t triangle = mesh->point_triangles[point];
+        for (int k = 0; k < 3; ++k) {
+            memcpy(t->p[k], mesh->points + 3 * point, sizeof t->p[k]);
+            memcpy(t->n[k], surface->face_normals + 3 * (size_t)triangle, sizeof t->n[k]);
+        }
+        return triangle;
+    }
+    const float *normals = surface->corner_normals + 9 * item;
     for (uint32_t k = 0; k < 3; ++k) {
-        size_t vertex = surface->mesh->triangles[3 * (size_t)triangle + k];
-        memcpy(t.p[k], surface->mesh->positions + 3 * vertex, sizeof t.p[k]);
-        for (uint32_t i = 0; i < 3; ++i) t.n[k][i] = (double)normals[3 * k + i];
+        size_t vertex = mesh->triangles[3 * item + k];
+        memcpy(t->p[k], mesh->positions + 3 * vertex, sizeof t->p[k]);
+        for (uint32_t i = 0; i < 3; ++i) t->n[k][i] = (double)normals[3 * k + i];
     }
-    s->triangle = triangle;
-    search_root(s, &t);
-}
-
-/* Tests a point of a point set, as a part without extent. */
-static void search_point(searcher *s, const psplat_surface *surface, size_t point) {
-    subtriangle t;
-    s->triangle = surface->mesh->point_triangles[point];
-    for (int k = 0; k < 3; ++k) {
-        memcpy(t.p[k], surface->mesh->points + 3 * point, sizeof t.p[k]);
-        memcpy(t.n[k], surface->face_normals + 3 * (size_t)s->triangle, sizeof t.n[k]);
-    }
-    search_root(s, &t);
+    return (uint32_t)item;
 }
 
 void psplat_holes_free(psplat_holes *holes) {
@@ -352,46 +419,197 @@ static int keep_one_per_cube(psplat_holes *holes, double side) {
     return ok;
 }
 
+/* ---- what the last search knew --------------------------------------------------------------- */
+
+/* What a search knows of the last one. */
+typedef struct changes {
+    psplat_hole_memory *memory;  /* NULL: nothing is remembered */
+    uint32_t *now;               /* the index of each region of the last search, or open_part */
+    psplat_region_tree *changed; /* of the regions that are no longer there */
+} changes;
+
+static int is_same_region(const psplat_region *a, const psplat_region *b) {
+    return a->line_count == b->line_count &&
+           !memcmp(a, b, offsetof(psplat_region, lines)) && /* its frame and radii */
+           !memcmp(a->lines, b->lines, a->line_count * sizeof *a->lines) &&
+           !memcmp(a->bends, b->bends, a->line_count * sizeof *a->bends) &&
+           !memcmp(a->slope, b->slope, sizeof a->slope) &&
+           !memcmp(a->hessian, b->hessian, sizeof a->hessian);
+}
+
+static uint64_t place_hash(const psplat_region *region) {
+    uint64_t hash = 0, bits;
+    for (int k = 0; k < 3; ++k) {
+        memcpy(&bits, &region->center[k], sizeof bits);
+        hash ^= bits;
+        hash = psplat_random_next(&hash);
+    }
+    return hash;
+}
+
+/* Finds the regions of the last search again. Returns 0 when out of memory. */
+static int find_again(changes *c, const psplat_region *regions, size_t count) {
+    const psplat_hole_memory *memory = c->memory;
+    size_t room = 1;
+    while (room < 2 * count + 2) room *= 2;
+    uint32_t *table = malloc(room * sizeof *table);
+    if (!table) return 0;
+    memset(table, 0xff, room * sizeof *table);
+    for (uint32_t i = 0; i < count; ++i) {
+        size_t at = (size_t)place_hash(&regions[i]) & (room - 1);
+        while (table[at] != open_part) at = (at + 1) & (room - 1);
+        table[at] = i;
+    }
+    for (size_t i = 0; i < memory->region_count; ++i) {
+        size_t at = (size_t)place_hash(&memory->regions[i]) & (room - 1);
+        while (table[at] != open_part && !is_same_region(&regions[table[at]], &memory->regions[i]))
+            at = (at + 1) & (room - 1);
+        c->now[i] = table[at];
+    }
+    free(table);
+    return 1;
+}
+
+static void changes_free(changes *c) {
+    free(c->now);
+    psplat_region_tree_destroy(c->changed);
+}
+
+/* Prepares the memory of items for a search of these regions. Returns 0 when out of memory. */
+static int changes_begin(changes *c, psplat_hole_memory *memory, size_t items,
+                         const searcher *first) {
+    const psplat_measured_splats *measured = first->measured;
+    *c = (changes){.memory = memory};
+    if (!memory) return 1;
+    if (memory->cover_count != items || memory->tolerance != measured->tolerance ||
+        memory->coarse != first->coarse || memory->fine != first->fine) {
+        psplat_hole_memory_free(memory);
+        memory->covers = malloc((items + 1) * sizeof *memory->covers);
+        if (!memory->covers) return 0;
+        memset(memory->covers, 0xff, (items + 1) * sizeof *memory->covers);
+        memory->cover_count = items;
+        memory->tolerance = measured->tolerance;
+        memory->coarse = first->coarse, memory->fine = first->fine;
+    }
+    size_t count = 0;
+    c->now = malloc((memory->region_count + 1) * sizeof *c->now);
+    psplat_region *gone = malloc((memory->region_count + 1) * sizeof *gone);
+    int ok = c->now && gone && find_again(c, measured->regions, measured->count);
+    for (size_t i = 0; ok && i < memory->region_count; ++i)
+        if (c->now[i] == open_part) gone[count++] = memory->regions[i];
+    if (ok) c->changed = psplat_region_tree_create(gone, count, measured->tolerance);
+    free(gone);
+    return c->changed != NULL;
+}
+
+/* Keeps the regions of this search for the next one. Returns 0 when out of memory. */
+static int changes_end(changes *c, const psplat_measured_splats *measured) {
+    if (!c->memory) return 1;
+    size_t size = (measured->count + 1) * sizeof *measured->regions;
+    psplat_region *regions = realloc(c->memory->regions, size);
+    if (!regions) return 0;
+    c->memory->regions = regions;
+    c->memory->region_count = measured->count;
+    memcpy(regions, measured->regions, measured->count * sizeof *regions);
+    return 1;
+}
+
+void psplat_hole_memory_free(psplat_hole_memory *memory) {
+    free(memory->regions);
+    free(memory->covers);
+    *memory = (psplat_hole_memory){0};
+}
+
+static int visit_changed(void *user, uint32_t region) {
+    (void)region;
+    *(int *)user = 1;
+    return 1;
+}
+
+/* Returns whether a part surely has no hole: the splat that covers it is there as before, or all
+ * are that are near. */
+static int is_known(const changes *c, size_t item, const psplat_surface *surface) {
+    uint32_t *cover = c->memory ? &c->memory->covers[item] : NULL;
+    subtriangle t;
+    int changed = 0;
+    double low[3], high[3];
+    if (!cover || *cover == open_part) return 0;
+    if (*cover < several) {
+        if (c->now[*cover] == open_part) return 0;
+        *cover = c->now[*cover];
+        return 1;
+    }
+    part_of(surface, item, &t);
+    box_of(&t, low, high);
+    psplat_region_tree_visit_box(c->changed, low, high, visit_changed, &changed);
+    return !changed;
+}
+
+/* ---- the search ------------------------------------------------------------------------------ */
+
 /* The number of triangles or points that a thread takes at once. */
 enum { BLOCK_SIZE = 256 };
 
-psplat_result psplat_holes_find(const psplat_surface *surface,
-                                const psplat_measured_splats *measured, double coarse, double fine,
-                                psplat_holes *holes) {
-    size_t triangles = surface->mesh->triangle_count,
-           items = triangles + surface->mesh->point_count;
-    long block_count = (long)(items / BLOCK_SIZE + 1);
-    psplat_holes *blocks = calloc((size_t)block_count, sizeof *blocks);
-    int failed = !blocks;
-    *holes = (psplat_holes){0};
+static void search_item(searcher *s, const psplat_surface *surface, const changes *c, size_t item) {
+    subtriangle t;
+    if (is_known(c, item, surface)) return;
+    s->triangle = part_of(surface, item, &t);
+    search_root(s, &t);
+    if (c->memory) c->memory->covers[item] = s->cover;
+}
+
+/* Finds the holes of each block of items. Returns 0 when out of memory. */
+static int search_blocks(const psplat_surface *surface, const searcher *first, const changes *c,
+                         size_t items, psplat_holes *blocks, size_t block_count) {
+    int failed = 0;
+    long end = (long)block_count;
 #if defined(_OPENMP)
 #pragma omp parallel reduction(| : failed)
 #endif
     {
-        searcher s = {.measured = measured, .coarse = coarse, .fine = fine, .failed = !blocks};
+        searcher s = *first;
 #if defined(_OPENMP)
 #pragma omp for schedule(dynamic, 1)
 #endif
-        for (long b = 0; b < block_count; ++b) {
-            s.holes = blocks ? &blocks[b] : NULL;
-            size_t begin = (size_t)b * BLOCK_SIZE,
-                   end = begin + BLOCK_SIZE < items ? begin + BLOCK_SIZE : items;
-            for (size_t i = begin; i < end && !s.failed; ++i) {
-                if (i < triangles)
-                    search_triangle(&s, surface, (uint32_t)i);
-                else
-                    search_point(&s, surface, i - triangles);
-            }
+        for (long b = 0; b < end; ++b) {
+            s.holes = &blocks[b];
+            for (size_t i = (size_t)b * BLOCK_SIZE;
+                 i < items && i < ((size_t)b + 1) * BLOCK_SIZE && !s.failed; ++i)
+                search_item(&s, surface, c, i);
         }
         free(s.near);
         failed |= s.failed;
     }
-    for (long b = 0; b < block_count && blocks; ++b) {
-        if (!failed) failed = !append_holes(holes, &blocks[b]);
+    return !failed;
+}
+
+psplat_result psplat_holes_find_changed(const psplat_surface *surface,
+                                        const psplat_measured_splats *measured, double coarse,
+                                        double fine, psplat_hole_memory *memory,
+                                        psplat_holes *holes) {
+    size_t items = surface->mesh->triangle_count + surface->mesh->point_count,
+           block_count = items / BLOCK_SIZE + 1;
+    const searcher first = {.measured = measured, .coarse = coarse, .fine = fine};
+    changes c;
+    psplat_holes *blocks = calloc(block_count, sizeof *blocks);
+    *holes = (psplat_holes){0};
+    int ok = changes_begin(&c, memory, items, &first) && blocks &&
+             search_blocks(surface, &first, &c, items, blocks, block_count);
+    for (size_t b = 0; b < block_count && blocks; ++b) {
+        if (ok) ok = append_holes(holes, &blocks[b]);
         psplat_holes_free(&blocks[b]);
     }
     free(blocks);
-    if (!failed && holes->count) failed = !keep_one_per_cube(holes, coarse);
-    if (failed) psplat_holes_free(holes);
-    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+    if (ok) ok = changes_end(&c, measured);
+    changes_free(&c);
+    if (ok && holes->count) ok = keep_one_per_cube(holes, coarse);
+    if (!ok) psplat_holes_free(holes);
+    if (!ok && memory) psplat_hole_memory_free(memory);
+    return ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+}
+
+psplat_result psplat_holes_find(const psplat_surface *surface,
+                                const psplat_measured_splats *measured, double coarse, double fine,
+                                psplat_holes *holes) {
+    return psplat_holes_find_changed(surface, measured, coarse, fine, NULL, holes);
 }

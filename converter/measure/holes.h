@@ -31,6 +31,29 @@ psplat_result psplat_holes_find(const psplat_surface *surface,
                                 const psplat_measured_splats *measured, double coarse, double fine,
                                 psplat_holes *holes);
 
+/* What is known of the triangles from the last search, so that the next one looks only where splats
+ * have changed. Zero-initialise it. All searches with it must have the same surface; others
+ * of its members are forgotten where the tolerance or a length differs. */
+typedef struct psplat_hole_memory {
+    psplat_region *regions; /* region_count: those of the last search */
+    size_t region_count;
+    uint32_t *covers; /* for each triangle, and then each point of a point set: the region that
+                         covers it, or one of two greater numbers */
+    size_t cover_count;
+    double tolerance, coarse, fine; /* of the last search */
+} psplat_hole_memory;
+
+/* Finds the same holes, except that `unproven` counts only where it looked: not where a splat that
+ * has not changed covers a triangle, nor where there was no hole and no splat near has changed or
+ * gone. */
+psplat_result psplat_holes_find_changed(const psplat_surface *surface,
+                                        const psplat_measured_splats *measured, double coarse,
+                                        double fine, psplat_hole_memory *memory,
+                                        psplat_holes *holes);
+
+/* Frees what the memory owns, and zeroes it. */
+void psplat_hole_memory_free(psplat_hole_memory *memory);
+
 /* Frees the points and triangles, and zeroes holes. */
 void psplat_holes_free(psplat_holes *holes);
 

@@ -9,6 +9,7 @@
 
 #include "base/region.h"
 #include "base/region_tree.h"
+#include "base/vector.h"
 #include "splats/splats.h"
 
 #include <stdint.h>
@@ -48,6 +49,17 @@ void psplat_measured_splats_free(psplat_measured_splats *measured);
  * that normal at (u, v), as on the other side of a thin wall, does not cover the point. */
 int psplat_measured_splats_cover(const psplat_measured_splats *measured, uint32_t splat,
                                  const double normal[3], const double uvh[3]);
+
+/* Returns 0 only where no point of a splat's plane within its ellipse is within reach of the foot
+ * of a point: few operations tell for most splats whose boxes are near. */
+static inline int psplat_measured_splats_near(const psplat_measured_splats *measured,
+                                              uint32_t splat, const double point[3], double reach) {
+    const psplat_region *region = &measured->regions[splat];
+    double d[3], most = 1 + 1e-5 + reach / min2(region->radius[0], region->radius[1]);
+    sub3(d, point, region->center);
+    double u = dot3(d, region->u) / region->radius[0], v = dot3(d, region->v) / region->radius[1];
+    return u * u + v * v <= most * most;
+}
 
 /* Sets the normals of a field to those of a splat with this region. */
 void psplat_blend_field_of(const psplat_splat *splat, const psplat_region *region,

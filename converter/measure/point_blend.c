@@ -76,7 +76,7 @@ void psplat_point_blend_add(psplat_point_blend *blend, uint32_t splat) {
     double uvh[3], normal[3], height, cosine;
     if (!intersect(blend, splat, uvh, &height, &cosine) || height < blend->limit) return;
     const psplat_blend_field *splat_field = &blend->measured->fields[splat];
-    double r = hypot(uvh[0], uvh[1]);
+    double r = sqrt(uvh[0] * uvh[0] + uvh[1] * uvh[1]);
     double weight =
         exp(-(double)splat_field->kernel.sharpness * pow(r, (double)splat_field->kernel.exponent));
     psplat_blend_field_normal(splat_field, uvh, normal);

@@ -60,6 +60,60 @@ int psplat_sight_meets(const psplat_sight *sight, const psplat_region *region, d
            psplat_region_contains(region, uv, 1 + slack, slack);
 }
 
+/* What rounding may make of lengths and parameters, in parts of them. */
+static const double cone_slack = 1e-9;
+
+/* Returns a bound of how far along rays of a cone the front of a surface is met, or HUGE_VAL. The
+ * height of such a ray over the surface is f0 + f1 t + f2 t^2, with |f2| at most half of the bend:
+ * its first root is the nearer, the greater f1 is, which is least at the side of the cone that
+ * leans away from the surface's normal. along and across are the parts of that normal along the
+ * cone's axis and across. */
+static double cone_way(double f0, double bend, double along, double across,
+                       const psplat_sight_cone *cone) {
+    double f1 = cone->cosine * along - cone->sine * across, square = f1 * f1 - 2 * fabs(f0) * bend;
+    if (!(f1 > 0 && square > 0)) return HUGE_VAL;
+    return 2 * fabs(f0) / (f1 + sqrt(square));
+}
+
+/* Returns whether a region holds all that is no farther from a point of its plane at (u, v) than a
+ * length. A line's value changes by its slope there, and by its bend. */
+static int holds_disc(const psplat_region *region, const double uv[2], double length) {
+    double a = length / region->radius[0], b = length / region->radius[1];
+    double r = 1 - max2(a, b) - cone_slack;
+    if (!(r >= 0) || uv[0] * uv[0] + uv[1] * uv[1] > r * r) return 0;
+    for (uint32_t i = 0; i < region->line_count; ++i) {
+        const double *line = region->lines[i];
+        double turn = region->bends[i] * (line[0] * uv[1] - line[1] * uv[0]);
+        double s = a * (line[0] - turn * line[1]), t = b * (line[1] + turn * line[0]);
+        double most = fabs(a * line[1]) + fabs(b * line[0]);
+        double bent = region->bends[i] < 0 ? -region->bends[i] * most * most / 2 : 0;
+        if (psplat_region_line_value(region, i, uv) < sqrt(s * s + t * t) + bent + cone_slack)
+            return 0;
+    }
+    return 1;
+}
+
+int psplat_sight_cones_meet(const psplat_region *region, double bend, const double point[3],
+                            const double normal[3], double tolerance,
+                            const psplat_sight_cone *cones, int count) {
+    double d[3], slope[2], least = tolerance * (1 - cone_slack);
+    sub3(d, point, region->center);
+    const double uv[2] = {dot3(d, region->u) / region->radius[0],
+                          dot3(d, region->v) / region->radius[1]};
+    if (uv[0] * uv[0] + uv[1] * uv[1] > 1) return count;
+    psplat_region_slope(region, uv, slope);
+    double f0 = dot3(d, region->n) - psplat_region_height(region, uv);
+    double length2 = 1 + slope[0] * slope[0] + slope[1] * slope[1];
+    double along = dot3(normal, region->n) - slope[0] * dot3(normal, region->u) -
+                   slope[1] * dot3(normal, region->v);
+    double across = sqrt(max2(length2 - along * along, 0)) + cone_slack;
+    for (int k = 0; k < count; ++k) {
+        double way = cone_way(f0, bend, along, across, &cones[k]);
+        if (way * cones[k].cosine <= least && holds_disc(region, uv, way)) return k;
+    }
+    return count;
+}
+
 /* The part of the way to the eye that begins at the point and does not count. */
 static const double skipped_part = 1e-7;
 
@@ -88,7 +142,8 @@ psplat_result psplat_sight_is_inner(const psplat_sight *sight, const double norm
     mad3(across, -cosine, sight->direction);
     normalize3(across); /* It stays 0 where the sight is the normal, and the point is inner. */
     *is_inner = 1;
-    for (int side = -1; side <= 1 && *is_inner && !result; side += 2) {
+    /* Outwards first, where most that pass an outline miss it. */
+    for (int side = 1; side >= -1 && *is_inner && !result; side -= 2) {
         along3(moved, sight->point, side * tolerance, across);
         along3(from, moved, way, sight->direction);
         along3(to, moved, -way, sight->direction);

@@ -28,6 +28,20 @@ int psplat_sight_leaves(const psplat_sight *sight, const psplat_region *region, 
 int psplat_sight_meets(const psplat_sight *sight, const psplat_region *region, double slack,
                        double *height, double uv[2]);
 
+/* The directions whose cosine to a normal is at least this. */
+typedef struct psplat_sight_cone {
+    double cosine, sine;
+} psplat_sight_cone;
+
+/* Returns the first of some cones, the widest first, of which every ray that leaves through a point
+ * surely meets the front of a splat, as psplat_sight_meets finds it, within the tolerance over the
+ * ray's cosine of the point; else count. normal is the unit axis of the cones, and bend is
+ * psplat_region_bend of the region. The bound needs no ray: it takes the way to the surface along
+ * the flattest ray, and asks whether the region holds a disc of that radius. */
+int psplat_sight_cones_meet(const psplat_region *region, double bend, const double point[3],
+                            const double normal[3], double tolerance,
+                            const psplat_sight_cone *cones, int count);
+
 /* Stores in *is_free whether nothing of the mesh lies on the sight before its point, whichever side
  * it shows. length is that of the way to the eye; the first ten-millionth of it does not count,
  * since points are rounded. Fails only with PSPLAT_ERROR_MEMORY. */

@@ -14,18 +14,14 @@
  */
 #include "measure/splat_distance.h"
 
-#include "base/angle.h"
 #include "base/region.h"
 #include "base/vector.h"
+#include "measure/region_cell.h"
 #include "mesh/distance.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The sides of the polygon around the ellipse that is the first cell, and the most corners of a
- * cell; one with more is replaced by its box. */
-enum { FIRST_SIDES = 16, MAX_CORNERS = 32 };
 
 /* The cells after which the search gives up. Chosen by hand: most splats take less than 2000. */
 enum { DEFAULT_MOST_CELLS = 100000 };
@@ -34,23 +30,14 @@ enum { DEFAULT_MOST_CELLS = 100000 };
  * greatest distance found where that is beyond the tolerance. Chosen by hand. */
 static const double least_size_tolerances = 1.0 / 512, found_slack = 1.01;
 
-/* What lies beyond the rim by less, in units of the parameters, is not cut off. */
-static const double rim_slack = 1e-12;
-
-/* How far outside of the region, in the same units, its corners may be by the rounding of tangents
- * and chords to them. */
+/* How far outside of the region, in units of the parameters, its corners may be by the rounding of
+ * tangents and chords to them. */
 static const double tip_slack = 1e-8;
-
-/* A convex polygon in (u, v). */
-typedef struct cell {
-    double corners[MAX_CORNERS][2];
-    size_t count;
-} cell;
 
 /* A cell in space: all of the surface over it lies within `bow` of the polygon with these corners.
  */
 typedef struct patch {
-    double corners[MAX_CORNERS][3];
+    double corners[PSPLAT_CELL_CORNERS][3];
     size_t count;
     double bow;
     double middle[3];    /* the surface's point over the mean of the corners */
@@ -83,119 +70,6 @@ typedef struct searcher {
     int failed, done;
 } searcher;
 
-/* ---- cells ---------------------------------------------------------------------------------- */
-
-/* Keeps the part of a cell with line[0] u + line[1] v + line[2] >= 0. */
-static void clip(cell *c, const double line[3]) {
-    cell in = *c;
-    double before =
-        line[0] * in.corners[in.count - 1][0] + line[1] * in.corners[in.count - 1][1] + line[2];
-    const double *from = in.corners[in.count - 1];
-    c->count = 0;
-    for (size_t i = 0; i < in.count; ++i) {
-        const double *to = in.corners[i];
-        double after = line[0] * to[0] + line[1] * to[1] + line[2];
-        if ((before >= 0) != (after >= 0) && c->count < MAX_CORNERS) {
-            double t = before / (before - after);
-            for (int k = 0; k < 2; ++k) c->corners[c->count][k] = from[k] + t * (to[k] - from[k]);
-            ++c->count;
-        }
-        if (after >= 0 && c->count < MAX_CORNERS)
-            memcpy(c->corners[c->count++], to, sizeof c->corners[0]);
-        from = to, before = after;
-    }
-}
-
-static void box_of(const cell *c, double low[2], double high[2]) {
-    for (int k = 0; k < 2; ++k) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
-    for (size_t i = 0; i < c->count; ++i)
-        for (int k = 0; k < 2; ++k) {
-            low[k] = min2(low[k], c->corners[i][k]);
-            high[k] = max2(high[k], c->corners[i][k]);
-        }
-}
-
-/* Replaces a cell that has little room for more corners by the box around it. */
-static void make_room(cell *c) {
-    double low[2], high[2];
-    if (c->count + 2 + PSPLAT_MAX_CLIP_LINES < MAX_CORNERS) return;
-    box_of(c, low, high);
-    const double box[4][2] = {
-        {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}};
-    memcpy(c->corners, box, sizeof box);
-    c->count = 4;
-}
-
-static void mean_of(const cell *c, double mean[2]) {
-    mean[0] = mean[1] = 0;
-    for (size_t i = 0; i < c->count; ++i)
-        for (int k = 0; k < 2; ++k) mean[k] += c->corners[i][k] / (double)c->count;
-}
-
-/* Cuts a cell that reaches over the unit circle by the circle's tangent in its direction. */
-static void clip_by_circle(cell *c) {
-    double mean[2], farthest = 0;
-    for (size_t i = 0; i < c->count; ++i)
-        farthest = max2(farthest, hypot(c->corners[i][0], c->corners[i][1]));
-    if (farthest <= 1 + rim_slack) return;
-    mean_of(c, mean);
-    double length = hypot(mean[0], mean[1]);
-    if (!(length > 0.25)) return; /* No tangent cuts much off. */
-    clip(c, (const double[3]){-mean[0] / length, -mean[1] / length, 1});
-}
-
-/* Returns how far along clip line i a point is. */
-static double line_place(const double line[3], const double uv[2]) {
-    return (line[0] * uv[1] - line[1] * uv[0]) / hypot(line[0], line[1]);
-}
-
-/* Stores the straight line that keeps what bent line i keeps of a cell. A line that bulges out is
- * concave, and keeps less than any tangent. One that bulges in keeps less than its chord, as far as
- * that reaches along it. */
-static void straighten(const psplat_region *region, uint32_t i, const cell *c, double straight[3]) {
-    const double *line = region->lines[i];
-    double length2 = line[0] * line[0] + line[1] * line[1], bend = region->bends[i] * length2 / 2;
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    for (size_t k = 0; k < c->count; ++k) {
-        double place = line_place(line, c->corners[k]);
-        low = min2(low, place);
-        high = max2(high, place);
-    }
-    /* The line's value is its straight part and bend m^2 with m the place. m^2 is at most
-     * (low + high) m - low high between low and high, and at least 2 n m - n^2 for any n. */
-    double first = low + high, last = -low * high, length = sqrt(length2);
-    if (bend < 0) last = -0.25 * first * first;
-    straight[0] = line[0] - bend * first * line[1] / length;
-    straight[1] = line[1] + bend * first * line[0] / length;
-    straight[2] = line[2] + bend * last;
-}
-
-/* Cuts off what lies beyond the rim, as far as a few straight lines do. The cell becomes empty
- * where it lies outside. */
-static void clip_by_rim(const psplat_region *region, cell *c) {
-    make_room(c);
-    clip_by_circle(c);
-    for (uint32_t i = 0; i < region->line_count && c->count; ++i) {
-        double least = HUGE_VAL, line[3];
-        for (size_t k = 0; k < c->count; ++k)
-            least = min2(least, psplat_region_line_value(region, i, c->corners[k]));
-        if (least >= -rim_slack) continue;
-        memcpy(line, region->lines[i], sizeof line);
-        if (region->bends[i] != 0) straighten(region, i, c, line);
-        clip(c, line);
-    }
-}
-
-static cell first_cell(void) {
-    cell c = {.count = FIRST_SIDES};
-    for (size_t i = 0; i < FIRST_SIDES; ++i) {
-        double angle = 2 * PSPLAT_PI * (double)i / FIRST_SIDES;
-        double far = (1 + rim_slack) / cos(PSPLAT_PI / FIRST_SIDES);
-        c.corners[i][0] = far * cos(angle), c.corners[i][1] = far * sin(angle);
-    }
-    return c;
-}
-
 /* ---- patches -------------------------------------------------------------------------------- */
 
 /* Adds the least and the greatest value of factor s t / 2 for |s| <= a, |t| <= b; where is_square,
@@ -208,9 +82,9 @@ static void add_range(double factor, double a, double b, int is_square, double r
 
 /* Finds the polygon in space and its bow: over the cell's box the surface leaves the tangent plane
  * of the box's middle by its second derivatives alone. */
-static void lift(const psplat_region *r, const cell *c, patch *p) {
+static void lift(const psplat_region *r, const psplat_cell *c, patch *p) {
     double low[2], high[2], middle[2], slope[2], range[2] = {0, 0};
-    box_of(c, low, high);
+    psplat_cell_box(c, low, high);
     for (int k = 0; k < 2; ++k) middle[k] = (low[k] + high[k]) / 2;
     double a = (high[0] - low[0]) / 2 * r->radius[0], b = (high[1] - low[1]) / 2 * r->radius[1];
     psplat_region_slope(r, middle, slope);
@@ -222,7 +96,7 @@ static void lift(const psplat_region *r, const cell *c, patch *p) {
     p->count = c->count;
     p->size[0] = 2 * a * sqrt(1 + slope[0] * slope[0]);
     p->size[1] = 2 * b * sqrt(1 + slope[1] * slope[1]);
-    mean_of(c, p->middle_uv);
+    psplat_cell_mean(c, p->middle_uv);
     psplat_region_point(r, p->middle_uv, p->middle);
     p->radius = 0;
     for (size_t i = 0; i < c->count; ++i) {
@@ -304,10 +178,8 @@ static void take_found(searcher *s, const double point[3], double distance) {
  */
 static double find_nearest(searcher *s, const double point[3]) {
     double at[3], corners[9];
-    uint32_t index = 0;
-    s->failed |= psplat_distance_nearest(s->distance, point, at, &index) != PSPLAT_OK;
+    s->failed |= psplat_distance_nearest_corners(s->distance, point, at, corners) != PSPLAT_OK;
     if (s->failed) return 0;
-    psplat_distance_triangle(s->distance, index, corners);
     set_triangle(&s->asked, corners);
     return sqrt(distance2_3(at, point));
 }
@@ -344,7 +216,8 @@ static double push_near(searcher *s, const patch *p, size_t begin, size_t end, t
 }
 
 /* Measures the middle of a patch and finds the triangle nearest to that. Returns the bound that it
- * gives. The lists hold all triangles within the tolerance of some point; beyond that the whole
+ * gives, or that which the middle's distance gives, since distances change no more than a point
+ * moves. The lists hold all triangles within the tolerance of some point; beyond that the whole
  * mesh is asked. */
 static double refine_bound(searcher *s, const patch *p, size_t begin, size_t end,
                            triangle **nearest) {
@@ -355,12 +228,12 @@ static double refine_bound(searcher *s, const patch *p, size_t begin, size_t end
         *nearest = &s->asked;
     }
     if (psplat_region_contains(s->region, p->middle_uv, 1, 0)) take_found(s, p->middle, distance);
-    return patch_bound(p, *nearest, HUGE_VAL);
+    return min2(patch_bound(p, *nearest, HUGE_VAL), distance + p->radius);
 }
 
 /* Measures the corners of a patch that is not halved any more. At sharp corners of the region its
  * middle may be outside. */
-static void measure_tips(searcher *s, const cell *c) {
+static void measure_tips(searcher *s, const psplat_cell *c) {
     double point[3];
     for (size_t i = 0; i < c->count && !s->failed; ++i) {
         if (!psplat_region_contains(s->region, c->corners[i], 1 + tip_slack, tip_slack)) continue;
@@ -375,30 +248,30 @@ static int is_exhausted(const searcher *s, const patch *p) {
            max2(p->size[0], p->size[1]) < least_size_tolerances * s->desc->tolerance;
 }
 
-static void search(searcher *s, cell *c, size_t begin, triangle *guess);
+static void search(searcher *s, psplat_cell *c, size_t begin, triangle *guess);
 
 /* Halves a cell across its longer side, and searches both halves. */
-static void search_halves(searcher *s, const cell *c, const patch *p, size_t begin,
+static void search_halves(searcher *s, const psplat_cell *c, const patch *p, size_t begin,
                           triangle *guess) {
     double low[2], high[2], line[3] = {0, 0, 0};
     int axis = p->size[1] > p->size[0];
-    box_of(c, low, high);
+    psplat_cell_box(c, low, high);
     for (int side = -1; side < 2 && !s->done && !s->failed; side += 2) {
-        cell half = *c;
+        psplat_cell half = *c;
         line[axis] = side;
         line[2] = -side * (low[axis] + high[axis]) / 2;
-        clip(&half, line);
+        psplat_cell_clip(&half, line);
         if (half.count) search(s, &half, begin, guess);
     }
 }
 
 /* Bounds the distances of a cell, given that near[begin ... near_count) are the triangles near the
  * cell that it is a part of, and one that is likely to be near. */
-static void search(searcher *s, cell *c, size_t begin, triangle *guess) {
+static void search(searcher *s, psplat_cell *c, size_t begin, triangle *guess) {
     patch p;
     triangle *nearest;
     size_t end = s->near_count;
-    clip_by_rim(s->region, c);
+    psplat_cell_clip_by_rim(s->region, c);
     if (!c->count) return;
     ++s->result->cells;
     lift(s->region, c, &p);
@@ -459,9 +332,9 @@ static void measure_corners(searcher *s) {
 }
 
 static void search_region(searcher *s) {
-    cell c = first_cell();
+    psplat_cell c = psplat_cell_of_disc();
     patch p;
-    clip_by_rim(s->region, &c);
+    psplat_cell_clip_by_rim(s->region, &c);
     if (!c.count) return;
     lift(s->region, &c, &p);
     gather(s, &p);
@@ -472,23 +345,59 @@ static void search_region(searcher *s) {
     }
 }
 
+/* Bounds the distances of a cell alone. Most are near the triangle that is guessed, so that others
+ * are gathered only then when this one is not enough. */
+static void search_cell(searcher *s, psplat_cell *c, const double guess[9]) {
+    patch p;
+    psplat_cell_clip_by_rim(s->region, c);
+    if (!c->count) return;
+    lift(s->region, c, &p);
+    set_triangle(&s->asked, guess);
+    s->result->bound = patch_bound(&p, &s->asked, s->accepted);
+    if (s->result->bound <= s->accepted) return;
+    s->result->bound = 0;
+    gather(s, &p);
+    if (!s->failed) search(s, c, 0, &s->asked);
+}
+
+static psplat_result finish(searcher *s) {
+    psplat_splat_distance *result = s->result;
+    free(s->triangles);
+    free(s->near);
+    result->bound = max2(result->bound, result->found);
+    if (result->found > s->desc->tolerance)
+        result->nearness = PSPLAT_NEARNESS_EXCEEDS;
+    else if (result->bound <= s->desc->tolerance)
+        result->nearness = PSPLAT_NEARNESS_WITHIN;
+    return s->failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+}
+
+static searcher begin(const psplat_region *region, const psplat_distance *distance,
+                      const psplat_splat_distance_desc *desc, psplat_splat_distance *result) {
+    *result = (psplat_splat_distance){.nearness = PSPLAT_NEARNESS_UNDECIDED};
+    return (searcher){.region = region,
+                      .distance = distance,
+                      .desc = desc,
+                      .result = result,
+                      .accepted = desc->tolerance};
+}
+
 psplat_result psplat_splat_distance_find(const psplat_region *region,
                                          const psplat_distance *distance,
                                          const psplat_splat_distance_desc *desc,
                                          psplat_splat_distance *result) {
-    searcher s = {.region = region,
-                  .distance = distance,
-                  .desc = desc,
-                  .result = result,
-                  .accepted = desc->tolerance};
-    *result = (psplat_splat_distance){.nearness = PSPLAT_NEARNESS_UNDECIDED};
+    searcher s = begin(region, distance, desc, result);
     search_region(&s);
-    free(s.triangles);
-    free(s.near);
-    result->bound = max2(result->bound, result->found);
-    if (result->found > desc->tolerance)
-        result->nearness = PSPLAT_NEARNESS_EXCEEDS;
-    else if (result->bound <= desc->tolerance)
-        result->nearness = PSPLAT_NEARNESS_WITHIN;
-    return s.failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+    return finish(&s);
+}
+
+psplat_result psplat_splat_distance_find_in(const psplat_region *region,
+                                            const psplat_distance *distance,
+                                            const psplat_splat_distance_desc *desc,
+                                            const psplat_cell *cell, const double guess[9],
+                                            psplat_splat_distance *result) {
+    searcher s = begin(region, distance, desc, result);
+    psplat_cell c = *cell;
+    search_cell(&s, &c, guess);
+    return finish(&s);
 }

@@ -9,6 +9,7 @@
 #include <phongsplat/splat.h>
 
 #include "base/region.h"
+#include "measure/region_cell.h"
 #include "mesh/distance.h"
 
 #include <stddef.h>
@@ -46,5 +47,13 @@ psplat_result psplat_splat_distance_find(const psplat_region *region,
                                          const psplat_distance *distance,
                                          const psplat_splat_distance_desc *desc,
                                          psplat_splat_distance *result);
+
+/* The same for the part of a region that a convex polygon of its parameters holds. guess are the
+ * corners of a triangle of the mesh that is likely near all of it. */
+psplat_result psplat_splat_distance_find_in(const psplat_region *region,
+                                            const psplat_distance *distance,
+                                            const psplat_splat_distance_desc *desc,
+                                            const psplat_cell *cell, const double guess[9],
+                                            psplat_splat_distance *result);
 
 #endif

@@ -13,9 +13,9 @@
 #include "base/region_tree.h"
 #include "base/vector.h"
 #include "features/chart_borders.h"
-#include "features/neighborhood.h"
 #include "features/samples.h"
 #include "features/surface.h"
+#include "features/triangle_flood.h"
 #include "measure/measured_splats.h"
 #include "mesh/mesh.h"
 #include "splats/splat_texcoord.h"
@@ -93,9 +93,10 @@ static int visit_splat(void *user, uint32_t index) {
     const probe *p = user;
     const slides_context *c = p->context;
     const psplat_kernel *kernel = &c->splats->kernel;
+    const double *point = c->samples->positions + 3 * p->sample;
     double uvh[3];
-    if (!c->textured[index]) return 0;
-    psplat_region_local(&c->measured->regions[index], c->samples->positions + 3 * p->sample, uvh);
+    if (!c->textured[index] || !psplat_measured_splats_near(c->measured, index, point, 0)) return 0;
+    psplat_region_local(&c->measured->regions[index], point, uvh);
     if (!psplat_measured_splats_cover(c->measured, index, p->normal, uvh)) return 0;
     if (!faces(&c->measured->regions[index], p->normal, uvh)) return 0;
     double falloff = pow(hypot(uvh[0], uvh[1]), (double)kernel->exponent);
@@ -106,49 +107,53 @@ static int visit_splat(void *user, uint32_t index) {
     return 0;
 }
 
-static int compare_meetings(const void *left, const void *right) {
-    const meeting *a = left, *b = right;
-    if (a->splat != b->splat) return a->splat < b->splat ? -1 : 1;
-    return a->sample < b->sample ? -1 : a->sample > b->sample;
+/* The samples that a thread takes at once. */
+enum { BLOCK_SAMPLES = 4096 };
+
+static void find_block(const slides_context *c, size_t begin, size_t end, meeting_list *list) {
+    for (size_t i = begin; i < end; ++i) {
+        probe p = {.context = c, .list = list, .sample = i};
+        if (!psplat_surface_keeps_textures(c->surface, c->samples->triangles[i])) continue;
+        for (size_t k = 0; k < 3; ++k) p.normal[k] = (double)c->samples->normals[3 * i + k];
+        psplat_region_tree_visit(c->measured->region_tree, c->samples->positions + 3 * i,
+                                 visit_splat, &p);
+    }
 }
 
-/* Appends a list to another one, and frees it. */
-static void join(meeting_list *all, meeting_list *part) {
-    meeting *items =
-        part->count ? realloc(all->items, (all->count + part->count) * sizeof *items) : all->items;
-    all->failed |= part->failed || (part->count && !items);
-    if (part->count && items) {
-        memcpy(items + all->count, part->items, part->count * sizeof *items);
-        all->items = items;
-        all->count += part->count;
+/* Puts the meetings of all blocks, which are in the order of samples, in that of splats. first gets
+ * the index of the first meeting of each splat, and that behind the last. */
+static void group_by_splat(const meeting_list *blocks, size_t block_count, size_t splats,
+                           size_t *first, meeting_list *all) {
+    for (size_t b = 0; b < block_count; ++b) {
+        all->count += blocks[b].count;
+        all->failed |= blocks[b].failed;
+        for (size_t i = 0; i < blocks[b].count; ++i) ++first[blocks[b].items[i].splat + 2];
     }
-    free(part->items);
+    all->items = malloc((all->count + 1) * sizeof *all->items);
+    all->failed |= !all->items;
+    for (size_t i = 0; i < splats; ++i) first[i + 2] += first[i + 1];
+    for (size_t b = 0; b < block_count && all->items; ++b)
+        for (size_t i = 0; i < blocks[b].count; ++i)
+            all->items[first[blocks[b].items[i].splat + 1]++] = blocks[b].items[i];
 }
 
-/* Finds all meetings, by splat and then by sample. */
-static void find_meetings(const slides_context *c, meeting_list *all) {
-    long end = (long)c->samples->count;
+/* Finds all meetings, by splat and then by sample. first has room for two indices more than there
+ * are splats, which are 0. */
+static void find_meetings(const slides_context *c, size_t *first, meeting_list *all) {
+    size_t samples = c->samples->count, block_count = samples / BLOCK_SAMPLES + 1;
+    meeting_list *blocks = calloc(block_count, sizeof *blocks);
+    long end = blocks ? (long)block_count : 0;
+    all->failed = !blocks;
 #if defined(_OPENMP)
-#pragma omp parallel
+#pragma omp parallel for schedule(dynamic, 1)
 #endif
-    {
-        meeting_list own = {.items = NULL};
-#if defined(_OPENMP)
-#pragma omp for schedule(dynamic, 1024)
-#endif
-        for (long i = 0; i < end; ++i) {
-            probe p = {.context = c, .list = &own, .sample = (size_t)i};
-            if (!psplat_surface_keeps_textures(c->surface, c->samples->triangles[i])) continue;
-            for (int k = 0; k < 3; ++k) p.normal[k] = (double)c->samples->normals[3 * i + k];
-            psplat_region_tree_visit(c->measured->region_tree, c->samples->positions + 3 * i,
-                                     visit_splat, &p);
-        }
-#if defined(_OPENMP)
-#pragma omp critical(psplat_join_meetings)
-#endif
-        join(all, &own);
+    for (long b = 0; b < end; ++b) {
+        size_t begin = (size_t)b * BLOCK_SAMPLES, behind = begin + BLOCK_SAMPLES;
+        find_block(c, begin, behind < samples ? behind : samples, &blocks[b]);
     }
-    if (all->count) qsort(all->items, all->count, sizeof *all->items, compare_meetings);
+    if (blocks) group_by_splat(blocks, block_count, c->splats->count, first, all);
+    for (long b = 0; b < end; ++b) free(blocks[b].items);
+    free(blocks);
 }
 
 /* ---- one splat ------------------------------------------------------------------------------- */
@@ -187,27 +192,17 @@ static void measure(const slides_context *c, meeting *m) {
         psplat_texcoord_sense(texcoord, uvh) * sense_of_triangle(c->surface, kept, triangle) < 0;
 }
 
-static int is_flooded(const psplat_neighborhood *near, uint32_t triangle) {
-    return near->stamps[triangle] == near->stamp;
-}
-
 /* Floods the chart around a splat from a triangle. Returns 0 when out of memory. */
 static int flood(const slides_context *c, uint32_t splat, uint32_t triangle,
-                 psplat_neighborhood *near) {
-    const psplat_region *region = &c->measured->regions[splat];
-    psplat_metric metric;
-    memcpy(metric.center, region->center, sizeof metric.center);
-    memcpy(metric.rows[0], region->u, sizeof metric.rows[0]);
-    memcpy(metric.rows[1], region->v, sizeof metric.rows[1]);
-    memcpy(metric.rows[2], region->n, sizeof metric.rows[2]);
-    return psplat_neighborhood_gather(near, c->surface, NULL, &metric, triangle,
-                                      psplat_region_reach(region) + c->measured->tolerance);
+                 psplat_triangle_flood *near) {
+    return psplat_triangle_flood_around(near, c->surface, &c->measured->regions[splat],
+                                        c->measured->tolerance, triangle);
 }
 
 /* Finds the chart to which most meetings of a splat belong, and measures these. The others become
  * negative. Returns 0 when out of memory. */
 static int measure_splat(const slides_context *c, meeting *meetings, size_t count,
-                         psplat_neighborhood *near) {
+                         psplat_triangle_flood *near) {
     const uint32_t *triangles = c->samples->triangles;
     size_t most = 0, left = count;
     uint32_t own = PSPLAT_NONE;
@@ -217,7 +212,8 @@ static int measure_splat(const slides_context *c, meeting *meetings, size_t coun
         if (meetings[i].length < 0) continue; /* An earlier flood has taken it. */
         if (!flood(c, meetings[i].splat, triangles[meetings[i].sample], near)) return 0;
         for (size_t k = i; k < count; ++k) {
-            if (meetings[k].length < 0 || !is_flooded(near, triangles[meetings[k].sample]))
+            if (meetings[k].length < 0 ||
+                !psplat_triangle_flood_met(near, triangles[meetings[k].sample]))
                 continue;
             meetings[k].length = -1;
             ++flooded;
@@ -229,7 +225,8 @@ static int measure_splat(const slides_context *c, meeting *meetings, size_t coun
     if (!flood(c, meetings[0].splat, own, near)) return 0;
     for (size_t i = 0; i < count; ++i) {
         meetings[i].length = meetings[i].texels = -1;
-        if (is_flooded(near, triangles[meetings[i].sample])) measure(c, &meetings[i]);
+        if (psplat_triangle_flood_met(near, triangles[meetings[i].sample]))
+            measure(c, &meetings[i]);
     }
     return 1;
 }
@@ -243,14 +240,14 @@ static int measure_splats(const slides_context *c, meeting *meetings, const size
 #pragma omp parallel reduction(| : failed)
 #endif
     {
-        psplat_neighborhood near = {0};
+        psplat_triangle_flood near = {0};
 #if defined(_OPENMP)
 #pragma omp for schedule(dynamic, 16)
 #endif
         for (long i = 0; i < count; ++i)
             if (first[i + 1] > first[i])
                 failed |= !measure_splat(c, meetings + first[i], first[i + 1] - first[i], &near);
-        psplat_neighborhood_free(&near);
+        psplat_triangle_flood_free(&near);
     }
     return !failed;
 }
@@ -300,21 +297,13 @@ static void mark_textured(const psplat_splats *splats, uint8_t *textured) {
             textured[i] = splats->texcoords && splats->runs[run].has_texcoord;
 }
 
-/* Finds where the meetings of each splat begin. */
-static void find_first(const meeting_list *list, size_t splats, size_t *first) {
-    for (size_t splat = 0, i = 0; splat <= splats; ++splat) {
-        while (i < list->count && list->items[i].splat < splat) ++i;
-        first[splat] = i;
-    }
-}
-
 psplat_result psplat_texture_slides_find(const psplat_surface *surface,
                                          const psplat_samples *samples, const psplat_splats *splats,
                                          const psplat_measured_splats *measured,
                                          psplat_texture_slides *slides) {
     slides_context c = {surface, samples, splats, measured, calloc(splats->count + 1, 1)};
     meeting_list list = {.items = NULL};
-    size_t *first = malloc((splats->count + 1) * sizeof *first);
+    size_t *first = calloc(splats->count + 2, sizeof *first);
     size_t *heaviest = malloc((2 * samples->count + 1) * sizeof *heaviest);
     *slides =
         (psplat_texture_slides){.lengths = malloc((samples->count + 1) * sizeof *slides->lengths),
@@ -322,8 +311,7 @@ psplat_result psplat_texture_slides_find(const psplat_surface *surface,
     int ok = c.textured && first && heaviest && slides->lengths && slides->texels;
     if (ok) {
         mark_textured(splats, c.textured);
-        find_meetings(&c, &list);
-        find_first(&list, splats->count, first);
+        find_meetings(&c, first, &list);
         ok = !list.failed && measure_splats(&c, list.items, first, (long)splats->count);
     }
     if (ok) sum_up(&c, &list, heaviest, slides);

@@ -40,8 +40,8 @@ static void center(psplat_mesh *mesh) {
     for (size_t i = 0; i < mesh->triangle_count * 3; ++i)
         for (size_t axis = 0; axis < 3; ++axis) {
             double value = mesh->positions[(size_t)mesh->triangles[i] * 3 + axis];
-            low[axis] = fmin(low[axis], value);
-            high[axis] = fmax(high[axis], value);
+            if (value < low[axis]) low[axis] = value;
+            if (value > high[axis]) high[axis] = value;
         }
     if (mesh->triangle_count == 0) return;
     for (size_t axis = 0; axis < 3; ++axis) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * distance.h - point-to-mesh distances by an axis-aligned bounding box tree (CGAL AABB tree).
+ * distance.h - point-to-mesh distances, by one of two trees: that of mesh/triangle_tree.h, with
+ * which splats are fitted, or CGAL's, with which they are checked. The check shares no fault of the
+ * fit's.
  */
 #ifndef PHONGSPLAT_MESH_DISTANCE_H
 #define PHONGSPLAT_MESH_DISTANCE_H
@@ -8,19 +10,29 @@
 #include <phongsplat/splat.h>
 
 #include "mesh/mesh.h"
+#include "mesh/triangle_tree.h"
 
 #include <stdint.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-/* The triangles of a mesh in a CGAL::AABB_tree. All functions below fail only with
- * PSPLAT_ERROR_MEMORY, and may be called by several threads at once. */
+/* The triangles of a mesh in a tree. All functions below fail only with PSPLAT_ERROR_MEMORY, and
+ * may be called by several threads at once. */
 typedef struct psplat_distance psplat_distance;
 
-/* Builds the tree. The mesh is copied. Returns NULL when out of memory. */
+/* Builds a tree for fits. The mesh is copied; see mesh/triangle_tree.h for the memory. Returns NULL
+ * when out of memory. */
 psplat_distance *psplat_distance_create(const psplat_mesh *mesh);
+
+/* Builds the same of a mesh whose triangles across edges are known, as in psplat_surface
+ * (triangle_count x 3). They are copied; with them, proofs of nearness are faster. */
+psplat_distance *psplat_distance_create_connected(const psplat_mesh *mesh,
+                                                  const uint32_t *neighbors);
+
+/* Builds CGAL's tree, which takes 224 bytes a triangle and more time in every query. The mesh
+ * is copied. Returns NULL when out of memory. */
+psplat_distance *psplat_distance_create_cgal(const psplat_mesh *mesh);
+
+/* Returns the tree for fits; NULL where it is CGAL's. */
+const psplat_triangle_tree *psplat_distance_tree(const psplat_distance *distance);
 
 /* Stores the distances of count points (x 3) to the mesh in result. */
 psplat_result psplat_distance_query(const psplat_distance *distance, const double *points,
@@ -29,6 +41,11 @@ psplat_result psplat_distance_query(const psplat_distance *distance, const doubl
 /* Stores the point of the mesh that is nearest to point, and the triangle that it lies on. */
 psplat_result psplat_distance_nearest(const psplat_distance *distance, const double point[3],
                                       double nearest[3], uint32_t *triangle);
+
+/* The same, but stores the corners of that triangle. */
+psplat_result psplat_distance_nearest_corners(const psplat_distance *distance,
+                                              const double point[3], double nearest[3],
+                                              double corners[9]);
 
 /* Stores in *meets whether the segment between two points meets a triangle from its front. */
 psplat_result psplat_distance_meets(const psplat_distance *distance, const double from[3],
@@ -46,13 +63,6 @@ psplat_result psplat_distance_visit_box(const psplat_distance *distance, const d
                                         int (*visit)(void *user, const double corners[9]),
                                         void *user);
 
-/* Stores the corners of a triangle, which is one of those that psplat_distance_nearest stores. */
-void psplat_distance_triangle(const psplat_distance *distance, uint32_t triangle,
-                              double corners[9]);
-
 void psplat_distance_destroy(psplat_distance *distance);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

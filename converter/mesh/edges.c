@@ -18,16 +18,34 @@ typedef struct half_edge {
     uint32_t index; /* triangle * 3 + k */
 } half_edge;
 
+/* The most half-edges of a bucket that insertion sorts; most buckets have three. Chosen by hand. */
+enum { FEW_EDGES = 24 };
+
 static int compare_half_edges(const void *left, const void *right) {
     const half_edge *a = left, *b = right;
     if (a->other != b->other) return a->other < b->other ? -1 : 1;
     return a->index < b->index ? -1 : a->index > b->index;
 }
 
+/* Sorts half-edges by their greater vertex, those of one edge by index. */
+static void sort_bucket(half_edge *edges, size_t count) {
+    if (count > FEW_EDGES) {
+        qsort(edges, count, sizeof *edges, compare_half_edges);
+        return;
+    }
+    for (size_t i = 1; i < count; ++i) {
+        half_edge edge = edges[i];
+        size_t at = i;
+        /* Buckets are filled in the order of indices, so that equal edges stay in it. */
+        for (; at && edges[at - 1].other > edge.other; --at) edges[at] = edges[at - 1];
+        edges[at] = edge;
+    }
+}
+
 /* Pairs the half-edges of a bucket. Returns how many edges of it belong to one triangle only. */
 static size_t pair_bucket(half_edge *edges, size_t count, uint32_t *pairs) {
     size_t borders = 0;
-    qsort(edges, count, sizeof *edges, compare_half_edges);
+    sort_bucket(edges, count);
     for (size_t begin = 0, end; begin < count; begin = end) {
         for (end = begin + 1; end < count && edges[end].other == edges[begin].other;) ++end;
         borders += end - begin == 1;

@@ -89,8 +89,9 @@ static double measure_diagonal(const psplat_mesh *mesh, double low[3]) {
     memcpy(low, mesh->positions, 3 * sizeof *low);
     memcpy(high, mesh->positions, sizeof high);
     for (size_t i = 0; i < mesh->vertex_count * 3; ++i) {
-        low[i % 3] = fmin(low[i % 3], mesh->positions[i]);
-        high[i % 3] = fmax(high[i % 3], mesh->positions[i]);
+        double value = mesh->positions[i];
+        if (value < low[i % 3]) low[i % 3] = value;
+        if (value > high[i % 3]) high[i % 3] = value;
     }
     return hypot(hypot(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
 }

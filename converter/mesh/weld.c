@@ -75,6 +75,13 @@ static int has_three_vertices(const psplat_mesh *mesh, size_t triangle) {
     return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
 }
 
+/* Returns the length of a vector, also where its square leaves the range of doubles. */
+static double safe_length(const double v[3]) {
+    double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if (square > 1e-280 && square < 1e280) return sqrt(square);
+    return hypot(hypot(v[0], v[1]), v[2]);
+}
+
 static int has_area(const psplat_mesh *mesh, size_t triangle) {
     const uint32_t *t = mesh->triangles + triangle * 3;
     double e[3][3], longest = 0;
@@ -82,7 +89,8 @@ static int has_area(const psplat_mesh *mesh, size_t triangle) {
         const double *a = mesh->positions + (size_t)t[i] * 3;
         const double *b = mesh->positions + (size_t)t[(i + 1) % 3] * 3;
         for (int k = 0; k < 3; ++k) e[i][k] = b[k] - a[k];
-        longest = fmax(longest, hypot(hypot(e[i][0], e[i][1]), e[i][2]));
+        double length = safe_length(e[i]);
+        if (length > longest) longest = length;
     }
     if (!(longest > 0)) return 0;
     /* Edges are scaled by the longest, so that models of no size under- or overflow. */

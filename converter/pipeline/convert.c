@@ -10,6 +10,7 @@
 #include "fit/color_fit.h"
 #include "fit/fit_context.h"
 #include "fit/texture_candidates.h"
+#include "mesh/distance.h"
 #include "mesh/mesh.h"
 #include "select/close_rays.h"
 #include "select/close_seams.h"
@@ -18,7 +19,6 @@
 #include "select/greedy_cover.h"
 #include "select/local_search.h"
 #include "select/precision.h"
-#include "select/prove_taken.h"
 #include "select/relax.h"
 #include "select/sample_spacing.h"
 #include "select/selection.h"
@@ -40,11 +40,6 @@ static const double flat_deviation_tolerances = 0.02;
 /* The moves of the local search in a round, for each splat. More candidates to choose from gain
  * more than more moves do. Chosen by hand. */
 enum { MOVES_PER_SPLAT = 5 };
-/* How often the selection is proven and searched again, before it is proven for good. The first
- * search takes candidates that were measured at points only, and one in four leaves the surface
- * somewhere between these. Chosen by hand. */
-enum { PROVING_ROUNDS = 2 };
-
 /* The sharpness of the blending kernel (spec 3.7). At a rim weights end with e^-4 = 0.018 instead
  * of the default's 0.14, so that rims do not show; of 2, 3, 4 and 6 it gave the greatest SSIM of
  * pictures of curved splats, with normals as good. */
@@ -113,29 +108,6 @@ static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
     return result;
 }
 
-/* Proves the taken candidates, and covers what those that had to shrink leave open by others that
- * are proven as they grow. */
-static psplat_result prove(psplat_conversion *c) {
-    const psplat_fit_context context = psplat_conversion_context(c);
-    psplat_conversion_set_proven(c, 1);
-    psplat_result result = psplat_prove_taken(c);
-    if (!result) result = psplat_greedy_cover(&context, c->desc, &c->selection, NULL);
-    psplat_conversion_set_proven(c, 0);
-    return result;
-}
-
-/* Proves the selection, searching again in between. */
-static psplat_result improve_proven(psplat_conversion *c, psplat_local_search_desc *what) {
-    psplat_result result = PSPLAT_OK;
-    for (int round = 0; round < PROVING_ROUNDS && !result && what->moves; ++round) {
-        ++what->seed;
-        what->axis = round % 3;
-        result = prove(c);
-        if (!result) result = psplat_local_search(&c->selection, what);
-    }
-    return result ? result : prove(c);
-}
-
 /* Replaces the selection by a smaller one, in rounds that grow the pool and search locally. */
 static psplat_result improve(psplat_conversion *c, psplat_error *error) {
     int rounds = psplat_local_search_rounds(c->desc);
@@ -151,7 +123,6 @@ static psplat_result improve(psplat_conversion *c, psplat_error *error) {
         if (!result) result = psplat_relax(c);
         if (!result) result = psplat_local_search(&c->selection, &what);
     }
-    if (!result) result = improve_proven(c, &what);
     if (!result) return PSPLAT_OK;
     return psplat_fail(error, result, 0, "%s while improving the selection",
                        psplat_result_text(result));
@@ -174,9 +145,6 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     const psplat_fit_context context = psplat_conversion_context(c);
     psplat_result result = psplat_greedy_cover(&context, c->desc, &c->selection, error);
     if (!result) result = improve(c, error);
-    /* From here on, everything that may be taken is proven. */
-    psplat_selection_drop_unproven(&c->selection);
-    psplat_conversion_set_proven(c, 1);
     if (!result) result = psplat_fill_holes(c, error);
     if (!result) result = quantize(c, error);
     if (result) return result;
@@ -217,17 +185,23 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
                             psplat_error *error) {
     if (psplat_conversion_interrupted(c->desc, "verifying", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+    /* The fit's own tree would hide its faults. */
+    psplat_distance *distance = psplat_distance_create_cgal(c->surface.mesh);
+    if (!distance)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory to verify distances");
     const psplat_verification verification = {
         .surface = &c->surface,
         .splats = c->splats,
-        .distance = c->distance,
+        .distance = distance,
         .tolerance_percent = c->percent,
         .diagonal = c->diagonal,
         .normal_tolerance_degrees = c->desc->normal_tolerance_degrees,
         .texture_tolerance_texels = c->desc->texture_tolerance_texels,
         .seed = c->desc->seed + verify_seed,
     };
-    return psplat_verify(&verification, report, error);
+    psplat_result result = psplat_verify(&verification, report, error);
+    psplat_distance_destroy(distance);
+    return result;
 }
 
 static psplat_result convert(psplat_conversion *c, const psplat_mesh *mesh, psplat_report *report,
@@ -243,6 +217,8 @@ static psplat_result convert(psplat_conversion *c, const psplat_mesh *mesh, pspl
     fill_splats(c, mesh);
     if (!report) return PSPLAT_OK;
     count_for_report(c, report);
+    psplat_conversion_free_fit(
+        c); /* The verification has a tree of its own, as large as all that. */
     return desc->unverified ? PSPLAT_OK : verify(c, report, error);
 }
 
@@ -252,7 +228,7 @@ static psplat_result convert_once(const psplat_mesh *mesh, const psplat_convert_
                                   psplat_splats *splats, psplat_report *report,
                                   psplat_error *error) {
     *splats = (psplat_splats){0};
-    psplat_conversion c = {.desc = desc, .splats = splats};
+    psplat_conversion c = {.desc = desc, .splats = splats, .is_fitted = 1};
     psplat_result result = convert(&c, mesh, report, error);
     psplat_conversion_free(&c);
     if (result) psplat_splats_free(splats);

@@ -29,7 +29,6 @@
 #include "select/close_seams.h"
 #include "select/conversion.h"
 #include "select/fill_holes.h"
-#include "select/local_search.h"
 #include "select/selection.h"
 
 #include <math.h>
@@ -37,15 +36,9 @@
 #include <string.h>
 
 /* All of these were chosen by hand. */
-/* How often rays are cast, after how many of these rounds candidates are dropped, how many splats
- * each may have extended in turn, and the points from which rays are cast for each sample. */
-enum {
-    ROUNDS = 5,
-    DROPPING_ROUNDS = 2,
-    CHOICES = 3,
-    POINTS_PER_SAMPLE = 2,
-    SEEDS_PER_CANDIDATE = 4
-};
+/* How often rays are cast, how many splats each may have extended in turn, the points from which
+ * rays are cast for each sample, and the seeds of new candidates for each one that there may be. */
+enum { ROUNDS = 4, CHOICES = 3, POINTS_PER_SAMPLE = 3, SEEDS_PER_CANDIDATE = 5 };
 /* After how many rays that it cannot be extended to a candidate is left alone. */
 enum { FAILURES = 3 };
 /* The greatest distance of a ray from the centre of a splat that is extended to it, in units of u
@@ -59,9 +52,9 @@ static const double most_height = 3;
  * can be seen. */
 static const double color_factor = 1.5;
 /* How many candidates there may be in the end for each that there were: what gaps may cost. */
-static const double most_growth = 1.08;
+static const double most_growth = 1.1;
 /* The share of the gaps of one round from which on those of the next one end the rounds. */
-static const double stalling_share = 0.7;
+static const double stalling_share = 0.85;
 
 /* A splat that a ray would meet if it were larger. */
 typedef struct choice {
@@ -179,7 +172,8 @@ static psplat_region extended(const psplat_region *old, const double uv[2], doub
 static psplat_result fit_to_samples(const psplat_fit_context *context, psplat_site *site,
                                     psplat_region *region) {
     const psplat_neighborhood *near = &context->scratch->near;
-    psplat_result result = psplat_site_gather(context, site, psplat_region_reach(region));
+    double away = sqrt(distance2_3(region->center, site->metric.center));
+    psplat_result result = psplat_site_gather(context, site, psplat_region_reach(region) + away);
     if (result) return result;
     uint32_t *some = malloc((near->count + 1) * sizeof *some);
     size_t count = 0;
@@ -208,13 +202,33 @@ static int copy_candidate(const psplat_candidate *from, psplat_candidate *to) {
     return 1;
 }
 
+/* Stores whether some points of the rim of a region that the lines of an old one do not cut off are
+ * near the mesh: most regions that leave the surface do so there, and few points tell sooner than
+ * an evaluation. The first point is at the angle `from`, and others follow on both sides. */
+static psplat_result test_rim(const psplat_limits *limits, const psplat_region *old,
+                              const psplat_region *region, double from, int *near) {
+    enum { SIDES = 12 };
+    double points[SIDES][3];
+    size_t count = 0;
+    *near = 1;
+    if (!limits->distance) return PSPLAT_OK;
+    for (int i = 0; i < SIDES; ++i) {
+        double angle = from + 2 * PSPLAT_PI * (i % 2 ? -(i + 1) / 2 : i / 2) / SIDES, uvh[3];
+        const double uv[2] = {cos(angle), sin(angle)};
+        psplat_region_point(region, uv, points[count]);
+        psplat_region_local(old, points[count], uvh);
+        count += (size_t)psplat_region_contains(old, uvh, HUGE_VAL, 0);
+    }
+    return psplat_distance_within(limits->distance, points[0], count, limits->tolerance, near);
+}
+
 /* Replaces a candidate's region by one that a ray meets, if that keeps the limits. */
-static psplat_result try_region(const psplat_fit_context *context, const psplat_ray_hole *hole,
-                                const psplat_region *region, psplat_candidate *candidate) {
+static psplat_result try_region(const psplat_fit_context *context, psplat_site *site,
+                                const psplat_ray_hole *hole, const psplat_region *region,
+                                psplat_candidate *candidate) {
     psplat_candidate tried;
     if (!copy_candidate(candidate, &tried)) return PSPLAT_ERROR_MEMORY;
-    psplat_site site = psplat_site_of(region, candidate->triangle);
-    psplat_fit_status status = psplat_candidate_replace(context, &site, region, 0, 1, &tried);
+    psplat_fit_status status = psplat_candidate_replace(context, site, region, 0, 1, &tried);
     psplat_result result = status == PSPLAT_FIT_MEMORY ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
     if (!status && context->limits->precision) result = psplat_quantize_candidate(context, &tried);
     if (!result && !status && tried.covered_count == candidate->covered_count &&
@@ -227,25 +241,36 @@ static psplat_result try_region(const psplat_fit_context *context, const psplat_
     return result;
 }
 
-/* Extends a candidate to a ray. */
-static psplat_result extend(const psplat_fit_context *context, const psplat_ray_hole *hole,
-                            psplat_candidate *candidate) {
-    double height, uv[2], tolerance = context->limits->tolerance;
-    if (!candidate->covered_count || meets(hole, &candidate->region, tolerance)) return PSPLAT_OK;
-    if (!psplat_sight_leaves(&hole->sight, &candidate->region, &height, uv)) return PSPLAT_OK;
-    double distance = hypot(uv[0], uv[1]) * (1 + spare);
-    if (distance < 1 || distance > most_distance) return PSPLAT_OK;
+/* Makes a region that extends a candidate to (u, v) in one of the ways, and stores whether it is
+ * worth trying. */
+static psplat_result make_region(const psplat_fit_context *context, psplat_site *site,
+                                 const psplat_candidate *candidate, const double uv[2],
+                                 double distance, extension how, psplat_region *region,
+                                 int *worth) {
+    double p[3], uvh[3];
     psplat_result result = PSPLAT_OK;
-    for (int how = 0; how < EXTENSIONS && !result; ++how) {
-        psplat_region region = extended(&candidate->region, uv, distance, (extension)how);
-        if (how >= FITTED) {
-            psplat_site site = psplat_site_of(&region, candidate->triangle);
-            if (context->limits->planar) break;
-            result = fit_to_samples(context, &site, &region);
-            if (result) break;
-        }
-        result = try_region(context, hole, &region, candidate);
-        if (meets(hole, &candidate->region, tolerance)) break;
+    *worth = 0;
+    *region = extended(&candidate->region, uv, distance, how);
+    if (how >= FITTED) result = fit_to_samples(context, site, region);
+    if (result) return result;
+    psplat_region_point(&candidate->region, uv, p);
+    psplat_region_local(region, p, uvh);
+    return test_rim(context->limits, &candidate->region, region, atan2(uvh[1], uvh[0]), worth);
+}
+
+/* Extends a candidate to a ray that would meet it at (u, v), if it were larger. */
+static psplat_result extend(const psplat_fit_context *context, psplat_site *site,
+                            const psplat_ray_hole *hole, const double uv[2], double distance,
+                            psplat_candidate *candidate) {
+    psplat_result result = PSPLAT_OK;
+    int ways = context->limits->planar ? FITTED : EXTENSIONS;
+    for (int how = 0; how < ways && !result; ++how) {
+        psplat_region region;
+        int worth;
+        result =
+            make_region(context, site, candidate, uv, distance, (extension)how, &region, &worth);
+        if (!result && worth) result = try_region(context, site, hole, &region, candidate);
+        if (meets(hole, &candidate->region, context->limits->tolerance)) break;
     }
     return result;
 }
@@ -254,12 +279,19 @@ static psplat_result extend(const psplat_fit_context *context, const psplat_ray_
 static psplat_result extend_to_all(const psplat_fit_context *context, size_t index, void *user) {
     const closer *r = user;
     psplat_candidate *candidate = &r->c->selection.candidates[index];
+    psplat_site site = psplat_site_of(&candidate->region, candidate->triangle);
     psplat_result result = PSPLAT_OK;
     int failures = 0;
     for (uint32_t i = r->first[index]; i < r->first[index + 1] && !result; ++i) {
         const psplat_ray_hole *hole = &r->gaps[r->order[i]].hole;
-        result = extend(context, hole, candidate);
-        failures += !meets(hole, &candidate->region, context->limits->tolerance);
+        double height, uv[2], tolerance = context->limits->tolerance;
+        if (!candidate->covered_count || meets(hole, &candidate->region, tolerance) ||
+            !psplat_sight_leaves(&hole->sight, &candidate->region, &height, uv))
+            continue;
+        double distance = hypot(uv[0], uv[1]) * (1 + spare);
+        if (distance < 1 || distance > most_distance) continue;
+        result = extend(context, &site, hole, uv, distance, candidate);
+        failures += !meets(hole, &candidate->region, tolerance);
         if (failures == FAILURES) break;
     }
     return result;
@@ -386,9 +418,13 @@ static psplat_result finish_new(const psplat_fit_context *context, size_t index,
 /* Returns what a region gains: the cosines of the open gaps that it closes, since gaps that are
  * seen straight on show most. Marks them as closed where mark is 1. */
 static double gain_of(closer *r, const psplat_region *region, int mark) {
-    double gain = 0;
+    double gain = 0, tolerance = r->measured.tolerance;
+    double far = psplat_region_reach(region) + tolerance / PSPLAT_LEAST_SIGHT_COSINE;
     for (size_t i = 0; i < r->count; ++i) {
-        if (r->gaps[i].closed || !meets(&r->gaps[i].hole, region, r->measured.tolerance)) continue;
+        if (r->gaps[i].closed ||
+            distance2_3(r->gaps[i].hole.sight.point, region->center) > far * far ||
+            !meets(&r->gaps[i].hole, region, tolerance))
+            continue;
         r->gaps[i].closed = mark;
         gain += r->gaps[i].hole.cosine;
     }
@@ -424,7 +460,7 @@ static psplat_result take_best(closer *r, size_t from, size_t most) {
 
 /* Forgets the samples from index first on, which were seeds: other candidates do not know whether
  * they cover them. A candidate that covers nothing else is not taken. */
-static psplat_result forget_seeds(closer *r, size_t first, size_t from) {
+static void forget_seeds(closer *r, size_t first, size_t from) {
     psplat_selection *s = &r->c->selection;
     for (size_t i = from; i < s->count; ++i) {
         psplat_candidate *candidate = &s->candidates[i];
@@ -433,7 +469,7 @@ static psplat_result forget_seeds(closer *r, size_t first, size_t from) {
             if (candidate->covered[k] < first) candidate->covered[kept++] = candidate->covered[k];
         candidate->covered_count = kept;
     }
-    return psplat_samples_truncate(&r->c->samples, &r->c->surface, first);
+    psplat_samples_truncate(&r->c->samples, first);
 }
 
 static int covers_nothing(const psplat_candidate *candidate) {
@@ -453,6 +489,20 @@ static void drop_empty(psplat_selection *s, size_t from) {
     s->count = kept;
 }
 
+/* Drops the new candidates but those, a few more than may be taken, that gain most as they are. */
+static psplat_result drop_poor(closer *r, size_t from, size_t most) {
+    psplat_selection *s = &r->c->selection;
+    uint8_t *closed = malloc(r->count + 1);
+    if (!closed) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < r->count; ++i) closed[i] = (uint8_t)r->gaps[i].closed;
+    psplat_result result = take_best(r, from, most + (most + 1) / 2);
+    for (size_t i = 0; i < r->count; ++i) r->gaps[i].closed = closed[i];
+    psplat_selection_drop_untaken(s);
+    for (size_t i = from; i < s->count; ++i) s->candidates[i].taken = 0;
+    free(closed);
+    return result;
+}
+
 /* Grows candidates in the gaps that are left, and takes those that close most of them. */
 static psplat_result add_candidates(closer *r, psplat_error *error) {
     uint32_t *seeds;
@@ -464,8 +514,10 @@ static psplat_result add_candidates(closer *r, psplat_error *error) {
     const psplat_fit_context context = psplat_conversion_context(r->c);
     if (!result && count) {
         result = psplat_selection_grow(&context, seeds, count, selection);
+        forget_seeds(r, first, from);
+        drop_empty(selection, from);
+        if (!result) result = drop_poor(r, from, most);
         if (!result) result = psplat_fit_each(&context, selection->count, finish_new, selection);
-        if (!result) result = forget_seeds(r, first, from);
         drop_empty(selection, from);
         if (!result) result = take_best(r, from, most);
         psplat_selection_drop_untaken(selection);
@@ -476,11 +528,15 @@ static psplat_result add_candidates(closer *r, psplat_error *error) {
 
 /* ---- rounds ---------------------------------------------------------------------------------- */
 
-/* Stores the regions that candidates will have once their seams are closed. The candidates stay as
- * they are, since lines that have been moved would be moved again. */
+/* Stores the regions that candidates will have once their seams are closed, but for the few whose
+ * lines will stay since the surface is too far: proofs take long. The candidates stay as they are,
+ * since lines that have been moved would be moved again. */
 static psplat_result copy_closed_regions(closer *r) {
     psplat_selection closed = r->c->selection;
-    const psplat_fit_context context = psplat_conversion_context(r->c);
+    psplat_fit_context context = psplat_conversion_context(r->c);
+    psplat_limits unproven = *context.limits;
+    unproven.distance = NULL;
+    context.limits = &unproven;
     closed.candidates = malloc((closed.count + 1) * sizeof *closed.candidates);
     if (!closed.candidates) return PSPLAT_ERROR_MEMORY;
     memcpy(closed.candidates, r->c->selection.candidates, closed.count * sizeof *closed.candidates);
@@ -511,12 +567,13 @@ static psplat_result find_gaps(closer *r, uint64_t seed) {
     r->gaps = calloc(holes.count + 1, sizeof *r->gaps);
     r->order = malloc((holes.count + 1) * sizeof *r->order);
     r->first = malloc((selection->count + 2) * sizeof *r->first);
-    if (r->gaps && r->order && r->first) r->count = holes.count;
+    int ok = r->gaps && r->order && r->first;
+    if (ok) r->count = holes.count;
     for (size_t i = 0; i < r->count; ++i) {
         r->gaps[i].hole = holes.holes[i];
         choose(r, &r->gaps[i]);
     }
-    result = r->gaps && r->order && r->first ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    result = ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     psplat_ray_holes_free(&holes);
     return result;
 }
@@ -536,15 +593,11 @@ static psplat_result extend_candidates(closer *r) {
     return result;
 }
 
-/* Closes the gaps of a round. In the first rounds candidates are dropped that new ones replace,
- * which may open other gaps. */
-static psplat_result close_gaps(closer *r, int drops, psplat_error *error) {
+/* Closes the gaps of a round. */
+static psplat_result close_gaps(closer *r, psplat_error *error) {
     psplat_selection *selection = &r->c->selection;
-    const psplat_local_search_desc drop = {.samples = &r->c->samples, .focus = r->c->samples.count};
     psplat_result result = extend_candidates(r);
     if (!result) result = add_candidates(r, error);
-    if (!result && drops) result = psplat_local_search(selection, &drop);
-    psplat_selection_drop_untaken(selection);
     if (!result) result = psplat_fill_last_holes(r->c, error);
     psplat_selection_drop_untaken(selection);
     return result;
@@ -559,16 +612,17 @@ static void free_round(closer *r) {
 
 psplat_result psplat_close_rays(psplat_conversion *c, psplat_error *error) {
     psplat_result result = PSPLAT_OK;
-    size_t gaps = 1, most = (size_t)ceil(most_growth * (double)c->selection.count);
+    size_t gaps = 1, few = c->selection.count, most = (size_t)ceil(most_growth * (double)few);
     for (int round = 0; round < ROUNDS && gaps && !result; ++round) {
-        closer r = {.c = c, .most = most};
+        /* New candidates of the second round know where those of the first one have left gaps. */
+        closer r = {.c = c, .most = round ? most : few + (most - few + 1) / 2};
         if (psplat_conversion_interrupted(c->desc, "closing holes", (double)round / ROUNDS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = find_gaps(&r, c->desc->seed + (uint64_t)round);
         /* Once candidates only gain by extension, rounds that find as much again are of no use. */
-        int stalls = round > DROPPING_ROUNDS && (double)r.count > stalling_share * (double)gaps;
+        int stalls = c->selection.count >= most && (double)r.count > stalling_share * (double)gaps;
         gaps = stalls ? 0 : r.count;
-        if (!result && gaps) result = close_gaps(&r, round < DROPPING_ROUNDS, error);
+        if (!result && gaps) result = close_gaps(&r, error);
         free_round(&r);
     }
     if (result && result != PSPLAT_ERROR_INTERRUPTED)

@@ -23,7 +23,7 @@
 #include "fit/crease_segments.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
-#include "fit/region_near.h"
+#include "fit/nearness.h"
 #include "mesh/mesh.h"
 #include "select/selection.h"
 #include "splats/quantize.h"
@@ -110,28 +110,27 @@ static double line_outward(const psplat_region *region, uint32_t i, const double
     return rate * rate / normalize3(outward);
 }
 
-/* What find_moves needs for each candidate. */
+/* What the threads need for each candidate. */
 typedef struct closer {
-    const psplat_fit_context *context;
-    const psplat_selection *selection;
+    psplat_selection *selection;
     const psplat_region_tree *region_tree;
-    psplat_scratch scratch;
+    double (*moves)[PSPLAT_MAX_CLIP_LINES]; /* of the lines of each candidate */
 } closer;
 
 /* Raises the move of the line at a crease point (u, v, height in the region), in units of the
  * line's value, to that at which it meets the nearest surface across the crease there, if there is
  * a triangle across, and at a border of charts to the reach over it. Lowers the line's limit to the
  * move that reaches as far over the crease there as it may. */
-static void find_move_at_point(const closer *closer, const psplat_region *region,
-                               const double uvh[3], const psplat_segment *segment, double moves[],
-                               double limits[]) {
+static void find_move_at_point(const psplat_fit_context *context, const closer *closer,
+                               const psplat_region *region, const double uvh[3],
+                               const psplat_segment *segment, double moves[], double limits[]) {
     uint32_t across = segment->across;
-    const psplat_surface *surface = closer->context->surface;
+    const psplat_surface *surface = context->surface;
     crease_point c = {.surface = surface,
                       .candidates = closer->selection->candidates,
                       .patch = across == PSPLAT_NONE ? PSPLAT_NONE : surface->patches[across],
                       .move = HUGE_VAL,
-                      .tolerance = closer->context->limits->tolerance};
+                      .tolerance = context->limits->tolerance};
     uint32_t i = nearest_line(region, uvh);
     double rate = line_outward(region, i, uvh, c.outward), normal[3];
     /* The line may already reach beyond this point. */
@@ -152,70 +151,62 @@ static void find_move_at_point(const closer *closer, const psplat_region *region
 
 /* Finds the crease segments inside a candidate's region, and stores them in the scratch. Returns 0
  * when out of memory. */
-static int find_segments(closer *c, const psplat_candidate *candidate, size_t *count) {
-    const psplat_surface *surface = c->context->surface;
-    psplat_neighborhood *near = &c->scratch.near;
+static int find_segments(const psplat_fit_context *context, const psplat_candidate *candidate,
+                         size_t *count) {
+    const psplat_surface *surface = context->surface;
+    psplat_neighborhood *near = &context->scratch->near;
     psplat_region wider = candidate->region;
     const psplat_site site = psplat_site_of(&wider, candidate->triangle);
-    double tolerance = c->context->limits->tolerance, reach = hypot(wider.radius[0], tolerance);
-    if (!psplat_neighborhood_gather(near, surface, NULL, &site.metric, site.triangle, reach) ||
-        psplat_scratch_reserve(&c->scratch))
+    double tolerance = context->limits->tolerance, reach = hypot(wider.radius[0], tolerance);
+    if (!psplat_neighborhood_gather(near, surface, context->samples, &site.metric, site.triangle,
+                                    reach, 1) ||
+        psplat_scratch_reserve(context->scratch))
         return 0;
     for (uint32_t i = 0; i < wider.line_count; ++i) wider.lines[i][2] += line_slack;
     *count = psplat_segments_find(surface, near->creases, near->crease_count, &wider, tolerance,
-                                  c->scratch.segments);
+                                  context->scratch->segments);
     return 1;
 }
 
-/* Finds by how much the value of each line of a candidate has to rise. Returns 0 when out of
- * memory. */
-static int find_moves(closer *c, const psplat_candidate *candidate, double moves[]) {
+/* Finds by how much the value of each line of a candidate has to rise. */
+static psplat_result find_moves(const psplat_fit_context *context, size_t index, void *user) {
+    const closer *c = user;
+    const psplat_candidate *candidate = &c->selection->candidates[index];
     size_t count;
-    double limits[PSPLAT_MAX_CLIP_LINES];
+    double limits[PSPLAT_MAX_CLIP_LINES], *moves = c->moves[index];
+    if (!candidate->region.line_count) return PSPLAT_OK;
     for (int i = 0; i < PSPLAT_MAX_CLIP_LINES; ++i) limits[i] = HUGE_VAL;
-    if (!find_segments(c, candidate, &count)) return 0;
+    if (!find_segments(context, candidate, &count)) return PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; i < count; ++i) {
-        const psplat_segment *s = &c->scratch.segments[i];
+        const psplat_segment *s = &context->scratch->segments[i];
         for (int step = 0; step <= SEGMENT_STEPS; ++step) {
             double uvh[3];
             for (int k = 0; k < 3; ++k)
                 uvh[k] = s->a[k] + (s->b[k] - s->a[k]) * step / SEGMENT_STEPS;
-            find_move_at_point(c, &candidate->region, uvh, s, moves, limits);
+            find_move_at_point(context, c, &candidate->region, uvh, s, moves, limits);
         }
     }
     for (int i = 0; i < PSPLAT_MAX_CLIP_LINES; ++i) moves[i] = max2(min2(moves[i], limits[i]), 0);
-    return 1;
+    return PSPLAT_OK;
 }
 
-/* Moves a region's lines, unless the region would then leave the surface, as at acute corners. */
-static psplat_result move_lines(const psplat_limits *limits, psplat_region *region,
-                                const double moves[]) {
-    psplat_region moved = *region;
+/* Moves a candidate's lines, unless its region would then leave the surface, as at acute corners.
+ */
+static psplat_result move_lines(const psplat_fit_context *context, size_t index, void *user) {
+    const closer *c = user;
+    const psplat_limits *limits = context->limits;
+    psplat_region *region = &c->selection->candidates[index].region, moved = *region;
     double most = 0;
     int near;
     for (uint32_t i = 0; i < region->line_count; ++i) {
-        most = max2(most, moves[i]);
-        moved.lines[i][2] += moves[i];
+        most = max2(most, c->moves[index][i]);
+        moved.lines[i][2] += c->moves[index][i];
     }
     if (most == 0) return PSPLAT_OK;
     for (uint32_t i = 0; limits->precision && i < moved.line_count; ++i)
         psplat_quantize_line(limits->precision, moved.lines[i], &moved.bends[i]);
-    psplat_result result = psplat_region_near(&moved, limits->distance, limits->tolerance, &near);
+    psplat_result result = psplat_limits_region_near(limits, &moved, &near);
     if (!result && near) *region = moved;
-    return result;
-}
-
-/* Moves the lines of all candidates. All moves are found before any line moves, so that the order
- * of the candidates does not matter. */
-static psplat_result move_all_lines(closer *c, double (*moves)[PSPLAT_MAX_CLIP_LINES],
-                                    psplat_selection *selection) {
-    for (size_t i = 0; i < selection->count; ++i)
-        if (selection->candidates[i].region.line_count &&
-            !find_moves(c, &selection->candidates[i], moves[i]))
-            return PSPLAT_ERROR_MEMORY;
-    psplat_result result = PSPLAT_OK;
-    for (size_t i = 0; i < selection->count && !result; ++i)
-        result = move_lines(c->context->limits, &selection->candidates[i].region, moves[i]);
     return result;
 }
 
@@ -227,10 +218,12 @@ psplat_result psplat_close_seams(const psplat_fit_context *context, psplat_selec
     for (size_t i = 0; regions && i < count; ++i) regions[i] = selection->candidates[i].region;
     if (regions)
         region_tree = psplat_region_tree_create(regions, count, context->limits->tolerance);
-    closer c = {.context = context, .selection = selection, .region_tree = region_tree};
+    closer c = {.selection = selection, .region_tree = region_tree, .moves = moves};
     psplat_result result = PSPLAT_ERROR_MEMORY;
-    if (region_tree && moves) result = move_all_lines(&c, moves, selection);
-    psplat_scratch_free(&c.scratch);
+    /* All moves are found before any line moves, so that the order of candidates does not matter.
+     */
+    if (region_tree && moves) result = psplat_fit_each(context, count, find_moves, &c);
+    if (!result) result = psplat_fit_each(context, count, move_lines, &c);
     psplat_region_tree_destroy(region_tree);
     free(regions);
     free(moves);

@@ -12,7 +12,7 @@
 
 /* Moves the clip lines of all candidates out to where their planes meet those of the candidates
  * across the crease, so that no crack is left between them. All candidates must be taken. The
- * context's samples are not used. Fails only with PSPLAT_ERROR_MEMORY. */
+ * clusters of the context's samples tell where creases are. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_close_seams(const psplat_fit_context *context, psplat_selection *selection);
 
 #endif

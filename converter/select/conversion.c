@@ -14,7 +14,9 @@
 #include "features/surface_build.h"
 #include "fit/fit_context.h"
 #include "mesh/distance.h"
+#include "mesh/edges.h"
 #include "mesh/mesh.h"
+#include "mesh/proxy.h"
 #include "select/selection.h"
 
 #include <math.h>
@@ -37,8 +39,8 @@ static const double linear_color_tolerance = 0.06;
 /* The part of the tolerance that proven fits may use; the rest is for rounding to single precision.
  */
 static const double fitted_part = 0.99;
-/* The part that fits may use which are measured at points only. Between these points they may leave
- * the surface a little more, and one that does has to shrink until its proof holds. */
+/* The part that drafts may use, which are measured at points only. Between these points they may
+ * leave the surface a little more, and one that does has to shrink until its proof holds. */
 static const double measured_part = 0.95;
 /* The part of the tolerance of texture coordinates that fits may use; the rest is for points
  * between samples and for rounding. */
@@ -55,6 +57,13 @@ static const double crease_slack_part = 0.3;
 static const double spacing_percent = 0.5;
 /* The longest edges of triangles along the edge of an alpha mask, in tolerances. */
 static const double mask_step_tolerances = 2;
+
+/* The greatest deviation of a proxy of the mesh, in tolerances, which fits lose. */
+static const double proxy_part = 0.05;
+/* The least number of triangles of a mesh that gets a proxy, and of the mesh for each of the proxy.
+ * With four times fewer triangles the proxy takes longer than it saves. Chosen by hand. */
+enum { LEAST_PROXIED = 20000 };
+static const double least_proxy_gain = 8;
 
 /* The number of samples beyond which a tolerance is refused, before they fill the memory. */
 static const double most_samples = 16e6;
@@ -92,18 +101,13 @@ static int has_constant_colors(const psplat_convert_desc *desc, double tolerance
 }
 
 /* Sets diagonal, percent and tolerance. Returns the tolerance in % of the mesh's own diagonal. */
-static double set_tolerance(psplat_conversion *c) {
-    double own = c->surface.diagonal, whole = c->desc->diagonal;
+static double set_tolerance(psplat_conversion *c, double own) {
+    double whole = c->desc->diagonal;
     c->diagonal = whole > 0 ? whole : own;
     c->percent = tolerance_percent(c->desc);
     if (whole > 0) c->percent = fmin(c->percent, coarsest_own_percent * own / whole);
     c->tolerance = c->percent / 100 * c->diagonal;
     return c->percent * (c->diagonal / own);
-}
-
-void psplat_conversion_set_proven(psplat_conversion *c, int proven) {
-    c->limits.proven = proven;
-    c->limits.tolerance = (proven ? fitted_part : measured_part) * c->tolerance;
 }
 
 /* Returns the part of the tolerance of normals that fits may use. The normals of curved splats bend
@@ -139,7 +143,8 @@ static double texel_length(const psplat_surface *surface) {
 }
 
 static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
-    double degrees = c->desc->normal_tolerance_degrees, effective_percent = set_tolerance(c);
+    double degrees = c->desc->normal_tolerance_degrees,
+           effective_percent = set_tolerance(c, c->surface.diagonal);
     double color_limit = color_tolerance(c->desc, c->percent);
     if (degrees > 0) effective_percent = fmin(effective_percent, normal_tolerance_percent(degrees));
     if (c->desc->texture_tolerance_texels > 0) /* It makes splats as small as a distance does. */
@@ -149,7 +154,10 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
     double spacing = spacing_percent / 100 * c->surface.diagonal * sqrt(effective_percent);
     c->finest = spacing;
     c->limits =
-        (psplat_limits){.crease_tolerance = crease_tolerance_part * c->tolerance,
+        (psplat_limits){.tolerance = fitted_part * c->tolerance,
+                        .measured_tolerance = measured_part * c->tolerance,
+                        .proven = 1,
+                        .crease_tolerance = crease_tolerance_part * c->tolerance,
                         .crease_slack = crease_slack_part * c->tolerance,
                         .normal_tolerance = normal_part(c->desc) *
                                             c->desc->normal_tolerance_degrees * PSPLAT_DEGREE,
@@ -157,16 +165,50 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
                         .planar = c->desc->planar,
                         .color_tolerance = color_limit,
                         .constant_colors = has_constant_colors(c->desc, color_limit)};
-    psplat_conversion_set_proven(c, 0);
     set_texture_limits(c);
     double expected = c->surface.area / (spacing * spacing);
     if (!(expected <= most_samples))
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
                            "a tolerance of %g %% needs %.3g million samples, more than %g million",
                            c->percent, expected / 1e6, most_samples / 1e6);
-    c->limits.distance = c->distance = psplat_distance_create(c->surface.mesh);
+    c->limits.proxy = c->proxy;
+    c->limits.proxy_deviation = c->proxy_deviation;
+    c->limits.distance = c->distance =
+        psplat_distance_create_connected(c->surface.mesh, c->surface.neighbors);
     if (c->distance) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "the mesh's tree does not fit into memory");
+}
+
+/* Builds the tree of a proxy with the triangles across its edges, which proofs walk over. */
+static psplat_result build_proxy_tree(psplat_conversion *c, const psplat_mesh *proxy) {
+    size_t edges = 3 * proxy->triangle_count, borders;
+    uint32_t *across = malloc((edges + 1) * sizeof *across);
+    psplat_result result =
+        across ? psplat_edge_pairs(proxy, across, &borders) : PSPLAT_ERROR_MEMORY;
+    for (size_t e = 0; e < edges && !result; ++e)
+        if (across[e] != PSPLAT_NONE) across[e] /= 3;
+    if (!result) c->proxy = psplat_distance_create_connected(proxy, across);
+    free(across);
+    return c->proxy ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+}
+
+/* Simplifies a large mesh for the many distances that fits ask for, if that pays. This comes before
+ * the surface is built, while there is memory. */
+static psplat_result build_proxy(psplat_conversion *c, const psplat_mesh *mesh,
+                                 psplat_error *error) {
+    psplat_proxy proxy;
+    if (!c->is_fitted || mesh->triangle_count < LEAST_PROXIED) return PSPLAT_OK;
+    set_tolerance(c, psplat_mesh_diagonal(mesh));
+    if (!(c->tolerance > 0)) return PSPLAT_OK;
+    psplat_result result =
+        psplat_proxy_build(mesh, proxy_part * c->tolerance, least_proxy_gain, &proxy);
+    if (!result && proxy.mesh.triangle_count) {
+        c->proxy_deviation = proxy.deviation;
+        result = build_proxy_tree(c, &proxy.mesh);
+    }
+    psplat_proxy_free(&proxy);
+    if (!result) return PSPLAT_OK;
+    return psplat_fail(error, result, 0, "a simplified mesh does not fit into memory");
 }
 
 /* Replaces the mesh by what its alpha masks leave of it. The edge of a mask is cut in straight
@@ -203,6 +245,7 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
     double crease_angle = desc->no_creases ? PSPLAT_NO_CREASES : degrees * PSPLAT_DEGREE;
     psplat_result result = apply_alpha_mask(c, &mesh, error);
     if (!result) result = build_appearance(c, mesh, error);
+    if (!result) result = build_proxy(c, mesh, error);
     if (!result)
         result = psplat_surface_build_with_charts(mesh, &c->appearance, crease_angle, &c->surface,
                                                   error);
@@ -211,10 +254,17 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
     return result;
 }
 
-void psplat_conversion_free(psplat_conversion *c) {
+void psplat_conversion_free_fit(psplat_conversion *c) {
     psplat_selection_free(&c->selection);
     psplat_samples_free(&c->samples);
+    psplat_hole_memory_free(&c->hole_memory);
     psplat_distance_destroy(c->distance);
+    psplat_distance_destroy(c->proxy);
+    c->distance = c->proxy = NULL;
+}
+
+void psplat_conversion_free(psplat_conversion *c) {
+    psplat_conversion_free_fit(c);
     psplat_appearance_free(&c->appearance);
     psplat_surface_free(&c->surface);
     psplat_mesh_free(&c->shown);

@@ -11,6 +11,7 @@
 #include "features/samples.h"
 #include "features/surface.h"
 #include "fit/fit_context.h"
+#include "measure/holes.h"
 #include "mesh/distance.h"
 #include "mesh/mesh.h"
 #include "select/selection.h"
@@ -82,12 +83,17 @@ typedef struct psplat_conversion {
     psplat_appearance appearance;
     psplat_samples samples;
     psplat_limits limits;
-    psplat_distance *distance;
+    psplat_distance *distance; /* to the mesh */
+    psplat_distance *proxy;    /* to its proxy, which fits ask first; NULL where none pays */
+    double proxy_deviation;    /* of the proxy (mesh/proxy.h), a length */
+    int is_fitted; /* set before psplat_conversion_begin: splats will be fitted, and a large mesh
+                      gets a proxy */
     psplat_selection selection;
-    psplat_splats *splats; /* the result; not owned */
-    double tolerance;      /* in the mesh's units */
-    double finest;         /* sample spacing that is fine enough for any surface, a length */
-    double percent;        /* the tolerance in % of diagonal */
+    psplat_hole_memory hole_memory; /* of psplat_fill_holes */
+    psplat_splats *splats;          /* the result; not owned */
+    double tolerance;               /* in the mesh's units */
+    double finest;  /* sample spacing that is fine enough for any surface, a length */
+    double percent; /* the tolerance in % of diagonal */
     double diagonal;
 } psplat_conversion;
 
@@ -98,16 +104,15 @@ typedef struct psplat_conversion {
 psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
                                       psplat_error *error);
 
+/* Frees what only fits need: selection, samples and trees. */
+void psplat_conversion_free_fit(psplat_conversion *c);
+
 /* Frees all but the splats. */
 void psplat_conversion_free(psplat_conversion *c);
 
 /* Returns the context of fits to the surface and samples of a conversion, without scratch memory.
  */
 psplat_fit_context psplat_conversion_context(const psplat_conversion *c);
-
-/* Says whether fits are proven from here on (psplat_limits.proven), and sets the part of the
- * tolerance that they may use. */
-void psplat_conversion_set_proven(psplat_conversion *c, int proven);
 
 /* Reports progress to desc->progress. Returns whether the conversion is to stop. */
 int psplat_conversion_interrupted(const psplat_convert_desc *desc, const char *stage,

@@ -36,9 +36,11 @@ enum { ROUNDS = 32, IMPROVING_ROUNDS = 16 };
  * Chosen by hand. */
 enum { MOVES_PER_HOLE = 10 };
 
-/* The side of the cubes in each of which one hole is found, and the width below which holes are not
- * found, both in sample spacings. Chosen by hand. */
+/* The side of the cubes in each of which one hole is found, in sample spacings, and the width below
+ * which holes are not found, in sample spacings and in tolerances: the lesser of both, since the
+ * verification finds those of the latter. Chosen by hand. */
 static const double cube_side_spacings = 1, least_hole_spacings = 1.0 / 32;
+static const double least_hole_tolerances = 1.0 / 16;
 
 /* Grows a candidate's ellipse, and moves it to the grid where the limits have a precision. */
 static psplat_result grow_and_quantize(const psplat_fit_context *context, size_t index,
@@ -74,8 +76,10 @@ static psplat_result find_holes(psplat_conversion *c, size_t *count, psplat_erro
     if (!result) result = psplat_sort_splats(&c->selection, &storing, c->splats);
     if (!result) result = psplat_measured_splats_create(c->splats, tolerance, tolerance, &measured);
     if (!result) {
-        result = psplat_holes_find(&c->surface, &measured, cube_side_spacings * spacing,
-                                   least_hole_spacings * spacing, &holes);
+        result = psplat_holes_find_changed(
+            &c->surface, &measured, cube_side_spacings * spacing,
+            fmin(least_hole_spacings * spacing, least_hole_tolerances * tolerance), &c->hole_memory,
+            &holes);
         psplat_measured_splats_free(&measured);
     }
     *count = holes.count;

@@ -23,7 +23,7 @@
 /* The number of candidates that grow in a round: FIRST_SEEDS in the first, and then LEAST_SEEDS
  * plus SEEDS_PER_SPLAT for each splat that the uncovered samples seem to need by the mean gain of
  * the round before, at most MOST_SEEDS. Chosen by hand. */
-enum { SEEDS_PER_SPLAT = 4, LEAST_SEEDS = 8, FIRST_SEEDS = 32, MOST_SEEDS = 128 };
+enum { SEEDS_PER_SPLAT = 2, LEAST_SEEDS = 4, FIRST_SEEDS = 16, MOST_SEEDS = 1024 };
 
 /* The least gain of a candidate that is taken, as a share of the gain of the round's best. Chosen
  * by hand. */

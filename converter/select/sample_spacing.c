@@ -21,7 +21,7 @@
  * surfaces, and that where all are flat. The number of samples that splats are to cover on average.
  */
 static const double coarsest_spacing_factor = 10, planar_spacing_factor = 3;
-static const double samples_per_splat = 120;
+static const double samples_per_splat = 60;
 /* How far splats reach beyond the samples that they cover, in spacings. So only few holes are left
  * between samples, which fill_holes.c closes. */
 static const double margin_spacings = 0.2;

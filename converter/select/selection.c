@@ -47,18 +47,6 @@ void psplat_selection_drop_untaken(psplat_selection *selection) {
     selection->count = kept;
 }
 
-void psplat_selection_drop_unproven(psplat_selection *selection) {
-    size_t kept = 0;
-    for (size_t i = 0; i < selection->count; ++i) {
-        psplat_candidate candidate = selection->candidates[i];
-        if (candidate.taken || candidate.proven)
-            selection->candidates[kept++] = candidate;
-        else
-            psplat_candidate_free(&candidate);
-    }
-    selection->count = kept;
-}
-
 /* Seeds and the candidates that grow around them. */
 typedef struct grow_job {
     const uint32_t *seeds;

@@ -36,7 +36,4 @@ void psplat_selection_free(psplat_selection *selection);
 /* Returns how many candidates are taken. */
 size_t psplat_selection_taken(const psplat_selection *selection);
 
-/* Frees the candidates that are neither taken nor proven. */
-void psplat_selection_drop_unproven(psplat_selection *selection);
-
 #endif

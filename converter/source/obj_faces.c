@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * obj_faces.c - texture coordinates and materials of the faces of an OBJ file.
+ * obj_faces.c - the faces of an OBJ file, with their texture coordinates, normals and materials.
  */
 #include "source/obj_faces.h"
 
@@ -32,20 +32,52 @@ psplat_result psplat_obj_texcoord(psplat_obj_faces *faces, double u, double v,
     return PSPLAT_OK;
 }
 
-psplat_result psplat_obj_corner(psplat_obj_faces *faces, uint32_t texcoord, psplat_error *error) {
-    uint32_t *grown =
-        grow(faces->corners, faces->corner_count, &faces->corner_capacity, sizeof *grown);
+psplat_result psplat_obj_normal(psplat_obj_faces *faces, const double normal[3],
+                                psplat_error *error) {
+    float *grown =
+        grow(faces->normals, faces->normal_count, &faces->normal_capacity, 3 * sizeof *grown);
     if (!grown) return out_of_memory(error);
-    faces->corners = grown;
-    grown[faces->corner_count++] = texcoord;
+    faces->normals = grown;
+    for (int k = 0; k < 3; ++k) grown[3 * faces->normal_count + (size_t)k] = (float)normal[k];
+    ++faces->normal_count;
+    return PSPLAT_OK;
+}
+
+/* Makes one array of corners larger. Returns 0 when out of memory; the array stays as it is then.
+ */
+static int enlarge(uint32_t **array, size_t capacity) {
+    uint32_t *grown = realloc(*array, capacity * sizeof *grown);
+    if (grown) *array = grown;
+    return grown != NULL;
+}
+
+psplat_result psplat_obj_add_corner(psplat_obj_faces *faces, const psplat_obj_corner *corner,
+                                    psplat_error *error) {
+    size_t at = faces->corner_count;
+    if (at == faces->corner_capacity) {
+        size_t capacity = 2 * faces->corner_capacity + 256;
+        if (!enlarge(&faces->corner_vertices, capacity) ||
+            (faces->has_texcoords && !enlarge(&faces->corner_texcoords, capacity)) ||
+            (faces->has_normals && !enlarge(&faces->corner_normals, capacity)))
+            return out_of_memory(error);
+        faces->corner_capacity = capacity;
+    }
+    faces->corner_vertices[at] = corner->vertex;
+    if (faces->corner_texcoords) faces->corner_texcoords[at] = corner->texcoord;
+    if (faces->corner_normals) faces->corner_normals[at] = corner->normal;
+    ++faces->corner_count;
     return PSPLAT_OK;
 }
 
 psplat_result psplat_obj_face(psplat_obj_faces *faces, psplat_error *error) {
-    uint32_t *grown = grow(faces->groups, faces->face_count, &faces->face_capacity, sizeof *grown);
-    if (!grown) return out_of_memory(error);
-    faces->groups = grown;
-    grown[faces->face_count++] = faces->name_count ? faces->group : UINT32_MAX;
+    if (faces->face_count == faces->face_capacity) {
+        size_t capacity = 2 * faces->face_capacity + 256;
+        if (!enlarge(&faces->groups, capacity) || !enlarge(&faces->ends, capacity))
+            return out_of_memory(error);
+        faces->face_capacity = capacity;
+    }
+    faces->ends[faces->face_count] = (uint32_t)faces->corner_count;
+    faces->groups[faces->face_count++] = faces->name_count ? faces->group : UINT32_MAX;
     return PSPLAT_OK;
 }
 
@@ -90,7 +122,7 @@ psplat_result psplat_obj_library(psplat_obj_faces *faces, const char *name, pspl
 }
 
 void psplat_obj_uv(const psplat_obj_faces *faces, size_t corner, float uv[2]) {
-    uint32_t texcoord = faces->corners[corner];
+    uint32_t texcoord = faces->corner_texcoords ? faces->corner_texcoords[corner] : UINT32_MAX;
     uv[0] = uv[1] = 0;
     if (texcoord == UINT32_MAX) return;
     uv[0] = faces->texcoords[2 * (size_t)texcoord];
@@ -102,7 +134,11 @@ void psplat_obj_faces_free(psplat_obj_faces *faces) {
     free(faces->names);
     free(faces->library);
     free(faces->texcoords);
-    free(faces->corners);
+    free(faces->normals);
+    free(faces->corner_vertices);
+    free(faces->corner_texcoords);
+    free(faces->corner_normals);
     free(faces->groups);
+    free(faces->ends);
     *faces = (psplat_obj_faces){0};
 }

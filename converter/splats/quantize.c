@@ -60,7 +60,7 @@ static int32_t encode_turn(const double n[3], const double u[3], double step, in
  * the given line keeps. It must keep both ends of the given line's chord, and the point of the arc
  * that is farthest out where that belongs to the kept part. */
 static double conservative_distance(const double line[3], double a, double b) {
-    double length = hypot(line[0], line[1]), x = line[0] / length, y = line[1] / length;
+    double length = norm2(line[0], line[1]), x = line[0] / length, y = line[1] / length;
     double c = line[2] / length;
     if (!(fabs(c) < 1)) return c;
     double half = sqrt(1 - c * c), ends[2][2] = {{-c * x - half * y, -c * y + half * x},
@@ -131,7 +131,7 @@ static double distance_for_line(const bent_line *line, const bent_line *rounded)
  * steadily against its direction, so that the border of what the line keeps decides. */
 static double encode_bend(const psplat_precision *p, const double line[3], double bend,
                           double angle, int32_t *code) {
-    double length = hypot(line[0], line[1]);
+    double length = norm2(line[0], line[1]);
     const bent_line given = {line[0] / length, line[1] / length, line[2] / length, bend * length};
     bent_line rounded = {cos(angle), sin(angle), 0, 0};
     *code = 0;

@@ -2,6 +2,7 @@
  *
  * splat_texcoord.c - texture coordinates over a splat, and how far their errors move a texture.
  */
+#include "base/vector.h"
 #include "splats/splat_texcoord.h"
 
 #include "base/region.h"
@@ -49,7 +50,7 @@ static void inverse_metric(const psplat_region *region, const double uv[2], doub
 psplat_slide psplat_texcoord_slide(const psplat_texcoord *t, const psplat_region *region,
                                    const double uv[2], const double texels[2],
                                    const double error[2]) {
-    psplat_slide slide = {.texels = hypot(error[0] * texels[0], error[1] * texels[1])};
+    psplat_slide slide = {.texels = norm2(error[0] * texels[0], error[1] * texels[1])};
     double slopes[2][2], g[3];
     if (!(slide.texels > PSPLAT_LEAST_SLIDE_TEXELS)) return slide;
     psplat_texcoord_slopes(t, uv, slopes);
@@ -63,7 +64,7 @@ psplat_slide psplat_texcoord_slide(const psplat_texcoord *t, const psplat_region
                        (slopes[0][i] * slopes[1][k] + slopes[1][i] * slopes[0][k]) * g[1] +
                        slopes[1][i] * slopes[1][k] * g[2]);
     double mean = (m[0][0] + m[1][1]) / 2, half = (m[0][0] - m[1][1]) / 2;
-    double greatest = mean + hypot(half, m[0][1]), least = mean - hypot(half, m[0][1]);
+    double greatest = mean + norm2(half, m[0][1]), least = mean - norm2(half, m[0][1]);
     double missing = fmax(least_change * greatest - least, 0);
     /* The part that the slow direction misses is added along it. */
     double angle = atan2(2 * m[0][1], m[0][0] - m[1][1]) / 2, x = -sin(angle), y = cos(angle);

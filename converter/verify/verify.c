@@ -121,6 +121,7 @@ static int visit_splat(void *user, uint32_t index) {
     probe *p = user;
     const psplat_measured_splats *measured = p->blend.measured;
     double uvh[3], field[3];
+    if (!psplat_measured_splats_near(measured, index, p->blend.point, p->blend.reach)) return 0;
     psplat_point_blend_add(&p->blend, index);
     psplat_region_local(&measured->regions[index], p->blend.point, uvh);
     if (!psplat_measured_splats_cover(measured, index, p->blend.normal, uvh)) return 0;

@@ -254,7 +254,7 @@ static void bench(const char *path, double percent) {
     psplat_error error;
     psplat_splats splats = {0};
     const psplat_convert_desc desc = {.tolerance_percent = percent};
-    psplat_conversion c = {.desc = &desc, .splats = &splats};
+    psplat_conversion c = {.desc = &desc, .splats = &splats, .is_fitted = 1};
     if (psplat_mesh_read(path, &mesh, &error) || psplat_conversion_begin(&c, &mesh, &error) ||
         psplat_draw_samples_for_limits(&c, &error))
         fail(path, error.text);

@@ -130,7 +130,7 @@ static inline size_t fixture_open(const psplat_samples *samples, const psplat_sp
 
 /* Draws samples and builds the distance search; spacing is in diagonals of the mesh. */
 static inline void fixture_sample(fixture *f, double spacing) {
-    f->distance = psplat_distance_create(&f->mesh);
+    f->distance = psplat_distance_create_connected(&f->mesh, f->surface.neighbors);
     assert_non_null(f->distance);
     assert_int_equal(
         psplat_samples_draw(&f->surface, spacing * f->surface.diagonal, 1, &f->samples, NULL),

@@ -55,19 +55,52 @@ static void test_on_triangles(void **state) {
     (void)state;
     fixture f;
     draw(&f, MODELS "part.obj", 0.01, 1);
-    for (uint32_t t = 0; t < f.mesh.triangle_count; ++t)
-        for (uint32_t at = f.samples.first[t]; at < f.samples.first[t + 1]; ++at) {
-            uint32_t i = f.samples.order[at];
-            double d[3];
-            assert_int_equal(f.samples.triangles[i], t);
-            sub3(d, f.samples.positions + 3 * (size_t)i,
-                 f.mesh.positions + 3 * (size_t)f.mesh.triangles[3 * t]);
-            /* rounding of coordinates */
-            assert_near(dot3(d, f.surface.face_normals + 3 * (size_t)t), 0,
-                        1e-13 * f.surface.diagonal);
-        }
-    assert_int_equal(f.samples.first[f.mesh.triangle_count], f.samples.count);
+    for (size_t i = 0; i < f.samples.count; ++i) {
+        uint32_t t = f.samples.triangles[i];
+        double d[3];
+        sub3(d, f.samples.positions + 3 * i,
+             f.mesh.positions + 3 * (size_t)f.mesh.triangles[3 * (size_t)t]);
+        /* rounding of coordinates */
+        assert_near(dot3(d, f.surface.face_normals + 3 * (size_t)t), 0, 1e-13 * f.surface.diagonal);
+    }
     release(&f);
+}
+
+/* Each sample lies in the range of its triangle's cluster, and in the sphere of its block. */
+static void test_blocks(void **state) {
+    (void)state;
+    fixture f;
+    draw(&f, MODELS "part.obj", 0.01, 1);
+    const psplat_samples *s = &f.samples;
+    size_t small = 0;
+    for (uint32_t c = 0; c < s->clusters.count; ++c) {
+        uint32_t count = s->first[c + 1] - s->first[c];
+        assert_int_equal(s->first_block[c + 1] - s->first_block[c],
+                         (count + PSPLAT_BLOCK_SAMPLES - 1) / PSPLAT_BLOCK_SAMPLES);
+        for (uint32_t i = s->first[c]; i < s->first[c + 1]; ++i) {
+            const psplat_sphere *sphere =
+                &s->blocks[s->first_block[c] + (i - s->first[c]) / PSPLAT_BLOCK_SAMPLES];
+            assert_int_equal(s->clusters.of_triangles[s->triangles[i]], c);
+            assert_true(sqrt(distance2_3(s->positions + 3 * (size_t)i, sphere->center)) <=
+                        sphere->radius * (1 + 1e-12)); /* rounding of the root */
+            small += sphere->radius < 0.1 * f.surface.diagonal;
+        }
+    }
+    assert_int_equal(s->first[s->clusters.count], s->count);
+    assert_true(small > s->count / 2); /* blocks follow a curve, so that they are small */
+    release(&f);
+}
+
+/* Counts the samples that were appended to a cluster. */
+static size_t count_appended(const psplat_samples *s, uint32_t cluster) {
+    size_t count = 0;
+    for (uint32_t i = s->last_appended[cluster]; i != PSPLAT_NONE;
+         i = s->next_appended[i - s->drawn]) {
+        assert_true(i >= s->drawn && i < s->count);
+        assert_int_equal(s->clusters.of_triangles[s->triangles[i]], cluster);
+        ++count;
+    }
+    return count;
 }
 
 /* On the sphere no two samples are closer than the spacing, and no point is farther than 1.3
@@ -144,9 +177,7 @@ static void test_append(void **state) {
     psplat_samples extra;
     size_t before = f.samples.count;
     double *positions = malloc(before * 3 * sizeof(double));
-    uint8_t *listed = calloc(before + 3, 1);
     assert_non_null(positions);
-    assert_non_null(listed);
     memcpy(positions, f.samples.positions, before * 3 * sizeof(double));
     assert_int_equal(psplat_samples_draw_uniform(&f.surface, 20, 9, &extra, NULL), PSPLAT_OK);
     assert_int_equal(
@@ -161,20 +192,16 @@ static void test_append(void **state) {
                             3 * sizeof(float));
         assert_int_equal(f.samples.triangles[before + c], extra.triangles[c]);
     }
-    assert_int_equal(f.samples.first[f.mesh.triangle_count], f.samples.count);
-    for (uint32_t t = 0; t < f.mesh.triangle_count; ++t)
-        for (uint32_t at = f.samples.first[t]; at < f.samples.first[t + 1]; ++at) {
-            assert_int_equal(f.samples.triangles[f.samples.order[at]], t);
-            assert_int_equal(listed[f.samples.order[at]]++, 0);
-        }
-    /* Without those appended, all is as before. */
-    assert_int_equal(psplat_samples_truncate(&f.samples, &f.surface, before), PSPLAT_OK);
-    assert_int_equal(f.samples.count, before);
-    assert_int_equal(f.samples.first[f.mesh.triangle_count], before);
-    for (size_t at = 0; at < before; ++at) assert_true(f.samples.order[at] < before);
+    for (size_t left = 3; left <= 3; --left) { /* 3, 2, 1, 0 are left of those appended */
+        size_t listed = 0;
+        psplat_samples_truncate(&f.samples, before + left);
+        assert_int_equal(f.samples.count, before + left);
+        for (uint32_t c = 0; c < f.samples.clusters.count; ++c)
+            listed += count_appended(&f.samples, c);
+        assert_int_equal(listed, left);
+    }
     assert_memory_equal(f.samples.positions, positions, before * 3 * sizeof(double));
     free(positions);
-    free(listed);
     psplat_samples_free(&extra);
     release(&f);
 }
@@ -204,7 +231,8 @@ static void test_few(void **state) {
     fixture f;
     draw(&f, MODELS "sphere.ply", 1000, 1);
     assert_int_equal(f.samples.count, 1);
-    assert_int_equal(f.samples.first[f.mesh.triangle_count], f.samples.count);
+    assert_int_equal(f.samples.first[f.samples.clusters.count], f.samples.count);
+    assert_int_equal(psplat_samples_near_triangle(&f.samples, 7), 0);
     release(&f);
     draw(&f, MODELS "cube.off", 1000, 1);
     assert_true(f.samples.count >= 6); /* creases line each of the six faces */
@@ -213,10 +241,10 @@ static void test_few(void **state) {
 
 int test_samples_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_on_triangles),  cmocka_unit_test(test_blue_noise),
-        cmocka_unit_test(test_creases_lined), cmocka_unit_test(test_deterministic),
-        cmocka_unit_test(test_append),        cmocka_unit_test(test_too_many),
-        cmocka_unit_test(test_few),
+        cmocka_unit_test(test_on_triangles),  cmocka_unit_test(test_blocks),
+        cmocka_unit_test(test_blue_noise),    cmocka_unit_test(test_creases_lined),
+        cmocka_unit_test(test_deterministic), cmocka_unit_test(test_append),
+        cmocka_unit_test(test_too_many),      cmocka_unit_test(test_few),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

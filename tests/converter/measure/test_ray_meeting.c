@@ -15,6 +15,8 @@
 #include <cmocka.h>
 
 #include "stage_fixture.h"
+#include "base/angle.h"
+#include "base/random.h"
 #include "base/region.h"
 #include "base/vector.h"
 #include "measure/ray_meeting.h"
@@ -100,6 +102,74 @@ static void test_curved(void **state) {
     assert_near(uv[0], 0.2, rounding);
 }
 
+/* Returns a random region of radii near 1, with up to two lines, bent or not. */
+static psplat_region random_region(uint64_t *random, int curved) {
+    psplat_region r = disc(0, 0);
+    for (int k = 0; k < 2; ++k) r.radius[k] = 0.5 + psplat_random_unit(random);
+    for (int k = 0; curved && k < 3; ++k) r.hessian[k] = 0.6 * (psplat_random_unit(random) - 0.5);
+    for (int k = 0; curved && k < 2; ++k) r.slope[k] = 0.4 * (psplat_random_unit(random) - 0.5);
+    r.line_count = (uint32_t)(3 * psplat_random_unit(random));
+    for (uint32_t i = 0; i < r.line_count; ++i) {
+        double angle = 2 * PSPLAT_PI * psplat_random_unit(random);
+        r.lines[i][0] = cos(angle), r.lines[i][1] = sin(angle);
+        r.lines[i][2] = 0.2 + 0.5 * psplat_random_unit(random);
+        r.bends[i] = curved ? 2 * (psplat_random_unit(random) - 0.5) : 0;
+    }
+    return r;
+}
+
+/* Returns a sight through a point with this cosine to a normal. */
+static psplat_sight slanted(const double point[3], const double normal[3], double cosine,
+                            double angle) {
+    psplat_sight sight = {{point[0], point[1], point[2]}, {0, 0, 0}};
+    double u[3], v[3], sine = sqrt(max2(1 - cosine * cosine, 0));
+    perpendicular3(u, normal);
+    cross3(v, normal, u);
+    mad3(sight.direction, cosine, normal);
+    mad3(sight.direction, sine * cos(angle), u);
+    mad3(sight.direction, sine * sin(angle), v);
+    return sight;
+}
+
+/* Every ray of a cone that the bound accepts meets the splat, those of its side, too; and the bound
+ * accepts most cones that do. */
+static void test_cones(void **state) {
+    (void)state;
+    enum { TRIALS = 20000, AROUND = 16, RINGS = 4 };
+    static const psplat_sight_cone cones[2] = {{0.2, 0.97979589711327124}, {0.6, 0.8}};
+    const double tolerance = 0.05;
+    uint64_t random = 11;
+    int accepted[2] = {0, 0}, met[2] = {0, 0};
+    for (int trial = 0; trial < TRIALS; ++trial) {
+        psplat_region r = random_region(&random, trial % 2);
+        double uv[2], point[3], normal[3], angle = 2 * PSPLAT_PI * psplat_random_unit(&random);
+        double tilt = 0.15 * psplat_random_unit(&random), n[3];
+        for (int k = 0; k < 2; ++k) uv[k] = 2 * psplat_random_unit(&random) - 1;
+        psplat_region_point(&r, uv, point);
+        psplat_region_normal(&r, uv, n);
+        mad3(point, 2.2 * tolerance * (psplat_random_unit(&random) - 0.5), n);
+        memcpy(normal, slanted(point, n, cos(tilt), angle).direction, sizeof normal);
+        int first =
+            psplat_sight_cones_meet(&r, psplat_region_bend(&r), point, normal, tolerance, cones, 2);
+        for (int k = 0; k < 2; ++k) {
+            int all = 1;
+            for (int i = 0; i < AROUND * RINGS; ++i) {
+                double cosine = cones[k].cosine + (1 - cones[k].cosine) * (i / AROUND) / RINGS;
+                double height;
+                psplat_sight sight = slanted(point, normal, cosine, 2 * PSPLAT_PI * i / AROUND);
+                all &= psplat_sight_meets(&sight, &r, 0, &height, uv) &&
+                       fabs(height) * cosine <= tolerance;
+            }
+            accepted[k] += first <= k, met[k] += all;
+            if (first <= k) assert_true(all);
+        }
+    }
+    print_message("%d of %d and %d of %d cones accepted\n", accepted[0], met[0], accepted[1],
+                  met[1]);
+    assert_true(accepted[0] > 1000 && accepted[0] > 0.6 * met[0]);
+    assert_true(accepted[1] > 1000 && accepted[1] > 0.8 * met[1]);
+}
+
 static void place_square(double s, double t, double p[3]) {
     p[0] = s, p[1] = t, p[2] = 0;
 }
@@ -157,9 +227,9 @@ static void test_inner(void **state) {
 
 int test_ray_meeting_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_flat),   cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_curved), cmocka_unit_test(test_free_way),
-        cmocka_unit_test(test_inner),
+        cmocka_unit_test(test_flat),     cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_curved),   cmocka_unit_test(test_cones),
+        cmocka_unit_test(test_free_way), cmocka_unit_test(test_inner),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -74,6 +74,7 @@ static void closing_begin(closing *r, const char *name, double tolerance, double
 static void closing_end(closing *r) {
     psplat_splats_free(&r->splats);
     psplat_selection_free(&r->c.selection);
+    psplat_hole_memory_free(&r->c.hole_memory);
     r->f.samples = r->c.samples; /* Stages have appended samples. */
     fixture_free(&r->f);
 }

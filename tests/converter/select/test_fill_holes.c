@@ -63,6 +63,7 @@ static void repair_begin(repair *r, double tolerance, double spacing, double mar
 static void repair_end(repair *r) {
     psplat_splats_free(&r->splats);
     psplat_selection_free(&r->c.selection);
+    psplat_hole_memory_free(&r->c.hole_memory);
     r->f.samples = r->c.samples; /* fill_holes.c has appended samples. */
     fixture_free(&r->f);
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * adapter_distance.cpp - point-to-mesh distances by CGAL's AABB tree.
+ * adapter_cgal_distance.cpp - point-to-mesh distances by CGAL's AABB tree.
  *
  * No exception and no C++ type leaves this file.
  */
-#include "mesh/distance.h"
+#include "mesh/cgal_distance.h"
 
 #include "mesh/mesh.h"
 
@@ -38,13 +38,13 @@ void store_corners(const Triangle &triangle, double corners[9]) {
 
 } // namespace
 
-struct psplat_distance {
+struct psplat_cgal_distance {
     std::vector<Triangle> triangles;
     Tree tree;
 };
 
-extern "C" psplat_distance *psplat_distance_create(const psplat_mesh *mesh) try {
-    auto *distance = new psplat_distance;
+extern "C" psplat_cgal_distance *psplat_cgal_distance_create(const psplat_mesh *mesh) try {
+    auto *distance = new psplat_cgal_distance;
     try {
         distance->triangles.reserve(mesh->triangle_count);
         for (size_t t = 0; t < mesh->triangle_count; ++t) {
@@ -67,9 +67,9 @@ extern "C" psplat_distance *psplat_distance_create(const psplat_mesh *mesh) try 
     return nullptr;
 }
 
-extern "C" psplat_result psplat_distance_query(const psplat_distance *distance,
-                                               const double *points, size_t count,
-                                               double *result) try {
+extern "C" psplat_result psplat_cgal_distance_query(const psplat_cgal_distance *distance,
+                                                    const double *points, size_t count,
+                                                    double *result) try {
     /* The nearest point of one query is a good first guess for the next. */
     Point nearest;
     for (size_t i = 0; i < count; ++i) {
@@ -83,9 +83,9 @@ extern "C" psplat_result psplat_distance_query(const psplat_distance *distance,
     return PSPLAT_ERROR_MEMORY;
 }
 
-extern "C" psplat_result psplat_distance_nearest(const psplat_distance *distance,
-                                                 const double point_[3], double nearest[3],
-                                                 uint32_t *triangle) try {
+extern "C" psplat_result psplat_cgal_distance_nearest(const psplat_cgal_distance *distance,
+                                                      const double point_[3], double nearest[3],
+                                                      uint32_t *triangle) try {
     const auto found = distance->tree.closest_point_and_primitive(point(point_));
     for (int k = 0; k < 3; ++k) nearest[k] = found.first[k];
     *triangle = static_cast<uint32_t>(found.second - distance->triangles.begin());
@@ -94,9 +94,9 @@ extern "C" psplat_result psplat_distance_nearest(const psplat_distance *distance
     return PSPLAT_ERROR_MEMORY;
 }
 
-extern "C" psplat_result psplat_distance_meets(const psplat_distance *distance,
-                                               const double from[3], const double to[3],
-                                               int *meets) try {
+extern "C" psplat_result psplat_cgal_distance_meets(const psplat_cgal_distance *distance,
+                                                    const double from[3], const double to[3],
+                                                    int *meets) try {
     const Kernel::Segment_3 segment(point(from), point(to));
     const Kernel::Vector_3 way = segment.to_vector();
     std::vector<Iterator> met;
@@ -112,9 +112,9 @@ extern "C" psplat_result psplat_distance_meets(const psplat_distance *distance,
     return PSPLAT_ERROR_MEMORY;
 }
 
-extern "C" psplat_result psplat_distance_within(const psplat_distance *distance,
-                                                const double *points, size_t count,
-                                                double tolerance, int *within) try {
+extern "C" psplat_result psplat_cgal_distance_within(const psplat_cgal_distance *distance,
+                                                     const double *points, size_t count,
+                                                     double tolerance, int *within) try {
     *within = 1;
     for (size_t i = 0; i < count && *within; ++i) {
         const Point query = point(points + 3 * i);
@@ -131,9 +131,9 @@ extern "C" psplat_result psplat_distance_within(const psplat_distance *distance,
 }
 
 extern "C" psplat_result
-psplat_distance_visit_box(const psplat_distance *distance, const double low[3],
-                          const double high[3], int (*visit)(void *user, const double corners[9]),
-                          void *user) try {
+psplat_cgal_distance_visit_box(const psplat_cgal_distance *distance, const double low[3],
+                               const double high[3],
+                               int (*visit)(void *user, const double corners[9]), void *user) try {
     /* The box is widened by what rounding in CGAL's tests may cut off. */
     double from[3], to[3], slack = 0;
     for (int k = 0; k < 3; ++k)
@@ -152,11 +152,11 @@ psplat_distance_visit_box(const psplat_distance *distance, const double low[3],
     return PSPLAT_ERROR_MEMORY;
 }
 
-extern "C" void psplat_distance_triangle(const psplat_distance *distance, uint32_t triangle,
-                                         double corners[9]) {
+extern "C" void psplat_cgal_distance_triangle(const psplat_cgal_distance *distance,
+                                              uint32_t triangle, double corners[9]) {
     store_corners(distance->triangles[triangle], corners);
 }
 
-extern "C" void psplat_distance_destroy(psplat_distance *distance) {
+extern "C" void psplat_cgal_distance_destroy(psplat_cgal_distance *distance) {
     delete distance;
 }

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * nearness.c - whether points and regions are within the tolerance of the mesh, by its proxy where
+ * that decides.
+ *
+ * What is within the tolerance less the proxy's deviation of the proxy is within the tolerance of
+ * the mesh. What is a little farther from the proxy counts as farther from the mesh, which it need
+ * not be: to ask the mesh would take as long as it has triangles.
+ */
+#include "fit/nearness.h"
+
+#include "fit/region_near.h"
+#include "mesh/distance.h"
+
+static const psplat_distance *asked(const psplat_limits *limits) {
+    return limits->proxy ? limits->proxy : limits->distance;
+}
+
+static double tolerance_of_asked(const psplat_limits *limits) {
+    return limits->proxy ? limits->tolerance - limits->proxy_deviation : limits->tolerance;
+}
+
+psplat_result psplat_limits_point_near(const psplat_limits *limits, const double point[3],
+                                       int *near) {
+    return psplat_distance_within(asked(limits), point, 1, tolerance_of_asked(limits), near);
+}
+
+psplat_result psplat_limits_region_near(const psplat_limits *limits, const psplat_region *region,
+                                        int *near) {
+    return psplat_region_near(region, asked(limits), tolerance_of_asked(limits), near);
+}
