@@ -266,7 +266,7 @@ static psplat_fit_status check_limits(const psplat_fit_context *context, int ski
 
 static psplat_fit_status evaluate(const psplat_fit_context *context, psplat_site *site,
                                   const psplat_demands *demands, psplat_evaluation *e) {
-    if (psplat_surface_slope_bound(&e->region) > PSPLAT_GREATEST_SURFACE_SLOPE)
+    if (!(psplat_surface_slope_bound(&e->region) <= PSPLAT_GREATEST_SURFACE_SLOPE)) /* or NaN */
         return PSPLAT_FIT_LEAVES_SURFACE;
     psplat_fit_status status = find_lines(context, site, demands, &e->region);
     if (status) return status;
@@ -317,7 +317,7 @@ psplat_result psplat_candidate_record(const psplat_fit_context *context,
                                       const psplat_evaluation *evaluation,
                                       psplat_candidate *candidate) {
     size_t count = evaluation->count;
-    uint32_t *covered = realloc(candidate->covered, count * sizeof *covered);
+    uint32_t *covered = realloc(candidate->covered, (count + 1) * sizeof *covered);
     if (!covered) return PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; i < count; ++i)
         covered[i] = context->scratch->near.samples[evaluation->covered[i]].index;

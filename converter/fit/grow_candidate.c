@@ -421,10 +421,10 @@ psplat_result psplat_candidate_grow(const psplat_fit_context *context, uint32_t 
 psplat_result psplat_candidate_cover(const psplat_fit_context *context,
                                      psplat_candidate *candidate) {
     const psplat_region *region = &candidate->region;
-    const psplat_demands demands = {.reach =
-                                        1.01 * (region->radius[0] + context->limits->tolerance),
-                                    .skip = PSPLAT_SKIP_LINES | PSPLAT_SKIP_COLORS |
-                                            PSPLAT_SKIP_NEARNESS | PSPLAT_SKIP_NORMALS};
+    const psplat_demands demands = {
+        .reach = 1.01 * (psplat_region_reach(region) + context->limits->tolerance),
+        .skip =
+            PSPLAT_SKIP_LINES | PSPLAT_SKIP_COLORS | PSPLAT_SKIP_NEARNESS | PSPLAT_SKIP_NORMALS};
     psplat_site site = psplat_site_of(region, candidate->triangle);
     psplat_evaluation evaluation = psplat_evaluate(context, &site, region, &demands);
     if (evaluation.status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;

@@ -12,7 +12,7 @@
 #include "fit/candidate.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
-#include "fit/region_near.h"
+#include "fit/nearness.h"
 
 /* How the ellipse of a taken candidate grows: by at most a quarter, found to within some percent.
  * Chosen by hand. */
@@ -80,8 +80,7 @@ static psplat_result settle(const psplat_fit_context *context, psplat_site *site
     int near = 0;
     psplat_region middle = candidate->region;
     if (ellipse_area(&middle) == ellipse_area(&before->region)) return PSPLAT_OK;
-    if (psplat_region_near(&middle, context->limits->distance, context->limits->tolerance, &near))
-        return PSPLAT_ERROR_MEMORY;
+    if (psplat_limits_region_near(context->limits, &middle, &near)) return PSPLAT_ERROR_MEMORY;
     if (near) return PSPLAT_OK;
     *candidate = *before;
     if (dot3(middle.u, before->region.u) < 0.5) return PSPLAT_OK; /* The axes changed places. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * nearness.h - whether points and regions are within the tolerance of the mesh, by its proxy where
- * that decides.
+ * nearness.h - whether points and regions are within the tolerance of the mesh, by its proxy if it has
+ * one.
  */
 #ifndef PHONGSPLAT_FIT_NEARNESS_H
 #define PHONGSPLAT_FIT_NEARNESS_H
@@ -12,9 +12,9 @@
 #include "fit/fit_context.h"
 
 /* These store in *near whether a point, or all of a region, is within limits->tolerance of the mesh
- * (psplat_distance_within, psplat_region_near), whose tree must not be NULL. What is near is near
- * for certain; with a proxy, what is near by less than twice its deviation may count as farther.
- * They fail only with PSPLAT_ERROR_MEMORY. */
+ * (psplat_distance_within, psplat_region_near), whose tree must not be NULL for points; a region is
+ * near where there is none. What is near is near for certain; with a proxy, what is near by less
+ * than twice its deviation may count as farther. They fail only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_limits_point_near(const psplat_limits *limits, const double point[3],
                                        int *near);
 psplat_result psplat_limits_region_near(const psplat_limits *limits, const psplat_region *region,

@@ -390,7 +390,13 @@ static int are_sides_near(walk *w, const psplat_cell *cell, const wall_list *lis
         left.count = 0;
         psplat_cell_clip(&side, (const double[3]){-v * sign, u * sign,
                                                   (v * last->a[0] - u * last->a[1]) * sign});
-        if (side.count) psplat_cell_clip_by_rim(w->region, &side);
+        if (!side.count) continue;
+        if (side.count + 2 + PSPLAT_MAX_CLIP_LINES >= PSPLAT_CELL_CORNERS) {
+            /* Clipping would replace it by its box, which reaches back over walls. */
+            if (!is_cell_near(w, &side, guess)) return 0;
+            continue;
+        }
+        psplat_cell_clip_by_rim(w->region, &side);
         if (!side.count) continue;
         for (size_t i = 0; i + 1 < list->count; ++i)
             if (is_wall_in(&w->walls[list->walls[i]], &side))

@@ -35,6 +35,11 @@ typedef struct psplat_measured_splats {
     double tolerance; /* a length, a little wider than the promised one to allow for rounding */
 } psplat_measured_splats;
 
+/* How far from a splat's box a point may lie that is within a tolerance of its surface along the
+ * surface's normal, in tolerances: the height over it is that times the root of 1 + slope^2, and
+ * the slopes of what a conversion fits are at most 2.75. */
+#define PSPLAT_STEEPEST_REACH 3
+
 /* Prepares splats. The tree finds those whose box is within reach, a length, of a point. The depth
  * of all fields is infinite, so that no splat hides another. psplat_measured_splats_free frees
  * *measured. Fails only with PSPLAT_ERROR_MEMORY. */

@@ -82,7 +82,10 @@ psplat_result psplat_distance_nearest_corners(const psplat_distance *distance,
     if (!distance->cgal) {
         psplat_triangle_tree_nearest(distance->tree, point, &found);
         memcpy(nearest, found.point, sizeof found.point);
-        store_corners(distance->tree, found.place, corners);
+        if (found.place == PSPLAT_NONE) /* no triangle, or a point that is not finite */
+            for (int k = 0; k < 9; ++k) nearest[k % 3] = corners[k] = HUGE_VAL;
+        else
+            store_corners(distance->tree, found.place, corners);
         return PSPLAT_OK;
     }
     psplat_result result = psplat_cgal_distance_nearest(distance->cgal, point, nearest, &triangle);

@@ -39,7 +39,7 @@ static const double reach_deviations = 8;
 /* The most edges of borders beside one side; more are not proven. */
 enum { MAX_STRIP_EDGES = 256 };
 /* A polygon that three lines clip has at most six corners. */
-enum { MAX_CLIPPED = 6 };
+enum { MAX_CLIPPED = 12 };
 
 /* A point relative to T: its distances from the lines through the three sides, positive inside, and
  * its height. Side k runs from corner k to the next. */

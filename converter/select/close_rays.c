@@ -219,7 +219,9 @@ static psplat_result test_rim(const psplat_limits *limits, const psplat_region *
         psplat_region_local(old, points[count], uvh);
         count += (size_t)psplat_region_contains(old, uvh, HUGE_VAL, 0);
     }
-    return psplat_distance_within(limits->distance, points[0], count, limits->tolerance, near);
+    const psplat_distance *asked = limits->proxy ? limits->proxy : limits->distance;
+    double tolerance = limits->tolerance - (limits->proxy ? limits->proxy_deviation : 0);
+    return psplat_distance_within(asked, points[0], count, tolerance, near);
 }
 
 /* Replaces a candidate's region by one that a ray meets, if that keeps the limits. */
@@ -535,7 +537,7 @@ static psplat_result copy_closed_regions(closer *r) {
     psplat_selection closed = r->c->selection;
     psplat_fit_context context = psplat_conversion_context(r->c);
     psplat_limits unproven = *context.limits;
-    unproven.distance = NULL;
+    unproven.distance = unproven.proxy = NULL;
     context.limits = &unproven;
     closed.candidates = malloc((closed.count + 1) * sizeof *closed.candidates);
     if (!closed.candidates) return PSPLAT_ERROR_MEMORY;

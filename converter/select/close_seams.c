@@ -157,7 +157,7 @@ static int find_segments(const psplat_fit_context *context, const psplat_candida
     psplat_neighborhood *near = &context->scratch->near;
     psplat_region wider = candidate->region;
     const psplat_site site = psplat_site_of(&wider, candidate->triangle);
-    double tolerance = context->limits->tolerance, reach = hypot(wider.radius[0], tolerance);
+    double tolerance = context->limits->tolerance, reach = psplat_region_reach(&wider) + tolerance;
     if (!psplat_neighborhood_gather(near, surface, context->samples, &site.metric, site.triangle,
                                     reach, 1) ||
         psplat_scratch_reserve(context->scratch))

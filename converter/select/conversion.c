@@ -35,7 +35,7 @@ static const double default_color_tolerance_percent = 10;
  * pictures and on smooth colours. */
 static const double linear_color_tolerance = 0.06;
 
-/* The next seven were chosen by hand. */
+/* The next eight were chosen by hand. */
 /* The part of the tolerance that proven fits may use; the rest is for rounding to single precision.
  */
 static const double fitted_part = 0.99;
@@ -185,8 +185,14 @@ static psplat_result build_proxy_tree(psplat_conversion *c, const psplat_mesh *p
     uint32_t *across = malloc((edges + 1) * sizeof *across);
     psplat_result result =
         across ? psplat_edge_pairs(proxy, across, &borders) : PSPLAT_ERROR_MEMORY;
-    for (size_t e = 0; e < edges && !result; ++e)
-        if (across[e] != PSPLAT_NONE) across[e] /= 3;
+    for (size_t e = 0; e < edges && !result; ++e) {
+        uint32_t pair = across[e];
+        if (pair == PSPLAT_NONE || pair < e) continue;
+        /* Triangles that run their common edge the same way disagree about their front. */
+        int agree = proxy->triangles[e] != proxy->triangles[pair];
+        across[e] = agree ? pair / 3 : PSPLAT_NONE;
+        across[pair] = agree ? (uint32_t)(e / 3) : PSPLAT_NONE;
+    }
     if (!result) c->proxy = psplat_distance_create_connected(proxy, across);
     free(across);
     return c->proxy ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;

@@ -84,7 +84,7 @@ typedef struct psplat_conversion {
     psplat_samples samples;
     psplat_limits limits;
     psplat_distance *distance; /* to the mesh */
-    psplat_distance *proxy;    /* to its proxy, which fits ask first; NULL where none pays */
+    psplat_distance *proxy;    /* to its proxy, which fits ask instead; NULL where none pays */
     double proxy_deviation;    /* of the proxy (mesh/proxy.h), a length */
     int is_fitted; /* set before psplat_conversion_begin: splats will be fitted, and a large mesh
                       gets a proxy */

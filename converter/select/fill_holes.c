@@ -74,7 +74,9 @@ static psplat_result find_holes(psplat_conversion *c, size_t *count, psplat_erro
     psplat_result result =
         psplat_fit_each(&context, c->selection.count, grow_and_quantize_taken, &c->selection);
     if (!result) result = psplat_sort_splats(&c->selection, &storing, c->splats);
-    if (!result) result = psplat_measured_splats_create(c->splats, tolerance, tolerance, &measured);
+    if (!result)
+        result = psplat_measured_splats_create(c->splats, tolerance,
+                                               PSPLAT_STEEPEST_REACH * tolerance, &measured);
     if (!result) {
         result = psplat_holes_find_changed(
             &c->surface, &measured, cube_side_spacings * spacing,

@@ -520,7 +520,8 @@ psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,
     psplat_result result = psplat_samples_draw_uniform(v->surface, sample_count(v, tolerance),
                                                        v->seed, &r.samples, error);
     if (result) return result;
-    result = psplat_measured_splats_create(v->splats, tolerance, 2 * tolerance, &r.measured);
+    result = psplat_measured_splats_create(v->splats, tolerance, PSPLAT_STEEPEST_REACH * tolerance,
+                                           &r.measured);
     if (!result) result = measure_surface(&r);
     if (!result) result = measure_splats(&r);
     if (!result) result = measure_creases(&r);

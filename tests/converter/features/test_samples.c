@@ -83,7 +83,7 @@ static void test_blocks(void **state) {
             assert_int_equal(s->clusters.of_triangles[s->triangles[i]], c);
             assert_true(sqrt(distance2_3(s->positions + 3 * (size_t)i, sphere->center)) <=
                         sphere->radius * (1 + 1e-12)); /* rounding of the root */
-            small += sphere->radius < 0.1 * f.surface.diagonal;
+            small += sphere->radius < 3 * s->spacing;
         }
     }
     assert_int_equal(s->first[s->clusters.count], s->count);

@@ -65,9 +65,10 @@ static psplat_view view_of(const psplat_asset *asset, const double from[3], doub
 
 static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     /* The tolerances are those of test_agreement_curved.c, for splats as large as a fifth of their
-     * distance: (2 / 5)^2 of epsilon, and window depth as in its near views. */
+     * distance, which is six half diagonals of the bounds of unclipped splats: (2 / 5)^2 of
+     * epsilon, and window depth as in its near views. */
     const agreement_ties ties = {2e-4, 2e-6, 0.16};
-    psplat_view view = view_of(asset, from, 4);
+    psplat_view view = view_of(asset, from, 6);
     agreement a = agreement_measure(g, asset, NULL, &view, 1, &ties);
     print_message("phong alone: covered %zu skipped %zu\n", a.covered, a.skipped);
     assert_true(a.skipped * 5 < a.covered); /* Most pixels must be compared. */
@@ -101,7 +102,7 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
  * creases between soft clip lines. */
 static void check_filter(gpu *g, const psplat_asset *asset, const double from[3], double pixels) {
     const agreement_ties ties = {2e-4, 2e-6, 0.16};
-    psplat_view view = view_of(asset, from, 4);
+    psplat_view view = view_of(asset, from, 6);
     view.no_filter = 0;
     view.projection[0] *= pixels / 150; /* of 150 pixels across */
     view.projection[5] *= pixels / 150;

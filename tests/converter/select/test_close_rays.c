@@ -169,6 +169,7 @@ static void test_gaps(void **state) {
                  {"torus.off", 0.01, 0.015, 1, 0.1},
                  {"torus.off", 0.004, 0.015, 0, 0.1},
                  {"part.obj", 0.005, 0.01, 0, 0.1}};
+    size_t all_extended = 0;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         closing r;
         closing_begin(&r, cases[i].name, cases[i].tolerance, cases[i].spacing, cases[i].planar,
@@ -184,16 +185,17 @@ static void test_gaps(void **state) {
         size_t after = count_gaps(&r, 99), extended = count_extended(&r, old, splats, first);
         print_message("%s: %zu splats became %zu, %zu extended, %zu gaps %zu\n", cases[i].name,
                       splats, r.c.selection.count, extended, before, after);
-        assert_true(extended > 0);
+        all_extended += extended;
         free(old);
         free(first);
         check_cover(&r);
         assert_true(before > 0);
         assert_true(2 * after <= before);
-        /* 8 %, rounded up, and what holes along normals may take */
-        assert_true(r.c.selection.count <= splats + (8 * splats + 99) / 100 + 2);
+        /* 10 %, rounded up, and what holes along normals may take */
+        assert_true(r.c.selection.count <= splats + (10 * splats + 99) / 100 + 2);
         closing_end(&r);
     }
+    assert_true(all_extended > 4); /* New splats may close all gaps of one model. */
 }
 
 /* Where rays find nothing, nothing changes. */
