@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * nearness.c - whether points and regions are within the tolerance of the mesh, by its proxy if it has
- * one.
+ * nearness.c - whether points and regions are within the tolerance of the mesh, by its proxy if it
+ * has one.
  *
  * What is within the tolerance less the proxy's deviation of the proxy is within the tolerance of
  * the mesh. What is a little farther from the proxy counts as farther from the mesh, which it need

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * nearness.h - whether points and regions are within the tolerance of the mesh, by its proxy if it has
- * one.
+ * nearness.h - whether points and regions are within the tolerance of the mesh, by its proxy if it
+ * has one.
  */
 #ifndef PHONGSPLAT_FIT_NEARNESS_H
 #define PHONGSPLAT_FIT_NEARNESS_H
