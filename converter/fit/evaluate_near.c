@@ -5,8 +5,8 @@
  *
  * In a draft, points of the outline are measured against the samples alone, which is quick. The
  * exact check measures points all over the region against the mesh or, where the whole region is to
- * be proven, its rim before that. Most of these are quickly found to be near their nearest sample or
- * its triangle; only for the others is the tree of the mesh or of its proxy searched.
+ * be proven, its rim before that. Most of these are quickly found to be near their nearest sample
+ * or its triangle; only for the others is the tree of the mesh or of its proxy searched.
  */
 #include "base/region.h"
 #include "base/vector.h"
