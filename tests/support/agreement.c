@@ -106,18 +106,55 @@ static int shows(const picture *p, int x, int y, int32_t splat) {
            p->image.splat[y * p->width + x] == splat;
 }
 
-/* Returns whether a pixel counts for agreement.thin_uv and thin_depth. */
+/* Returns whether a pixel's nearest splat shows in none or only one direction beside the pixel. */
 static int is_thin(const picture *p, int x, int y) {
     int32_t splat = p->image.splat[y * p->width + x];
     return splat < 0 || !((shows(p, x - 1, y, splat) || shows(p, x + 1, y, splat)) &&
                           (shows(p, x, y - 1, splat) || shows(p, x, y + 1, splat)));
 }
 
-static void compare_pixel(const drawn *d, const picture *p, int x, int y, psplat_mode mode,
+/* Moves a view's picture by pixels to the right and up. */
+static psplat_view moved(const psplat_view *from, double right, double up) {
+    psplat_view view = *from;
+    for (int i = 0; i < 4; ++i) {
+        view.projection[4 * i] += 2 * right / view.width * from->projection[4 * i + 3];
+        view.projection[4 * i + 1] += 2 * up / view.height * from->projection[4 * i + 3];
+    }
+    return view;
+}
+
+/* Marks pixels which show another splat, or (u, v) that are further than a pixel's change of 1
+ * away, in a picture that is moved by step pixels. */
+static void mark_changes(const picture *p, const picture *other, double step, uint8_t *marks) {
+    for (int at = 0; at < p->width * p->height; ++at) {
+        const double *here = p->image.uv + 2 * at, *there = other->image.uv + 2 * at;
+        double change = fmax(fabs(there[0] - here[0]), fabs(there[1] - here[1]));
+        marks[at] |= p->image.splat[at] != other->image.splat[at] || !(change <= step);
+    }
+}
+
+/* Returns a mark for each pixel that counts for agreement.thin_uv and thin_depth. The caller frees
+ * them. */
+static uint8_t *thin_pixels(const picture *p, const psplat_reference_scene *scene,
+                            const psplat_view *view) {
+    const double step = 1.0 / 4096; /* as short as the distance to a contour that is no tie */
+    uint8_t *marks = malloc((size_t)p->width * (size_t)p->height);
+    for (int y = 0; y < p->height; ++y)
+        for (int x = 0; x < p->width; ++x) marks[y * p->width + x] = (uint8_t)is_thin(p, x, y);
+    for (int upwards = 0; upwards < 2; ++upwards) {
+        psplat_view from = moved(view, upwards ? 0 : step, upwards ? step : 0);
+        from.mode = PSPLAT_MODE_PARAMETERS; /* which shades nothing */
+        picture other = picture_of_scene(scene, &from);
+        mark_changes(p, &other, step, marks);
+        picture_free(&other);
+    }
+    return marks;
+}
+
+static void compare_pixel(const drawn *d, const picture *p, size_t at, int thin, psplat_mode mode,
                           agreement *result) {
-    size_t at = (size_t)y * (size_t)p->width + (size_t)x;
     const float *ours = d->color + 4 * at, *theirs = p->image.color + 4 * at;
-    int covered = p->image.count[at] > 0, thin = is_thin(p, x, y);
+    int covered = p->image.count[at] > 0;
     if ((ours[3] > 0) != covered) {
         ++result->mismatches;
         return;
@@ -147,16 +184,17 @@ agreement agreement_measure_scene(gpu *g, const psplat_reference_scene *scene,
     agreement result = {0};
     picture p = picture_of_scene(scene, view);
     drawn d = draw(g, scene, view, is_float);
-    for (int y = 0; y < p.height; ++y)
-        for (int x = 0; x < p.width; ++x) {
-            int at = y * p.width + x;
-            result.covered += p.image.count[at] > 0;
-            if (p.image.tie[at] < ties->edge || p.image.depth_tie[at] < ties->depth ||
-                p.image.epsilon_tie[at] < ties->epsilon)
-                ++result.skipped;
-            else
-                compare_pixel(&d, &p, x, y, view->mode, &result);
-        }
+    uint8_t *thin = thin_pixels(&p, scene, view);
+    size_t pixels = (size_t)p.width * (size_t)p.height;
+    for (size_t at = 0; at < pixels; ++at) {
+        result.covered += p.image.count[at] > 0;
+        if (p.image.tie[at] < ties->edge || p.image.depth_tie[at] < ties->depth ||
+            p.image.epsilon_tie[at] < ties->epsilon)
+            ++result.skipped;
+        else
+            compare_pixel(&d, &p, at, thin[at], view->mode, &result);
+    }
+    free(thin);
     picture_free(&p);
     free(d.color);
     free(d.depth);

@@ -39,8 +39,9 @@ typedef struct agreement {
     double uv;         /* parameters mode: largest difference of u or v */
     double depth;      /* largest difference of window depth */
     /* The same differences in pixels whose nearest splat shows in none or only one direction beside
-     * the pixel. There (u, v) may change by more than 1 a pixel, which magnifies the error of the
-     * pixel's position. */
+     * the pixel, or where the reference's (u, v) change by more than 1 a pixel, as they do without
+     * a bound towards a contour. That change, and the depth's, magnifies the error of a pixel's
+     * position, which is some 1e-5 pixels. */
     double thin_uv, thin_depth;
 } agreement;
 
