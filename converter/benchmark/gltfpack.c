@@ -12,6 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The arguments that are always there, and room for options. */
+enum { FIXED_ARGUMENTS = 10, ARGUMENTS = 24 };
+
 psplat_gltfpack psplat_gltfpack_find(const char *program) {
     psplat_gltfpack found = {.program = program ? program : "gltfpack"};
     const char *const arguments[] = {found.program, "-v", NULL};
@@ -34,7 +37,8 @@ static char *as_operand(const char *path) {
 }
 
 psplat_result psplat_gltfpack_run(const psplat_gltfpack *gltfpack, const char *input, double ratio,
-                                  int plain, const char *output, psplat_error *error) {
+                                  const char *const *options, const char *output,
+                                  psplat_error *error) {
     psplat_text number = {0};
     char line[160] = "", *from = as_operand(input), *to = as_operand(output);
     psplat_text_number(&number, ratio);
@@ -42,9 +46,10 @@ psplat_result psplat_gltfpack_run(const psplat_gltfpack *gltfpack, const char *i
         from && to ? psplat_text_check(&number, error)
                    : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a command line");
     if (!result) {
-        const char *const arguments[] = {
-            gltfpack->program,      "-i", from, "-o", to, "-sv", "-se", "1", "-si", number.data,
-            plain ? "-noq" : "-cc", NULL};
+        const char *arguments[ARGUMENTS] = {
+            gltfpack->program, "-i", from, "-o", to, "-sv", "-se", "1", "-si", number.data};
+        for (size_t i = 0; options[i] && FIXED_ARGUMENTS + i + 1 < ARGUMENTS; ++i)
+            arguments[FIXED_ARGUMENTS + i] = options[i];
         int code = psplat_subprocess_run(arguments, line, sizeof line);
         if (code)
             result = psplat_fail(error, PSPLAT_ERROR_READ, 0, "gltfpack -si %s: %s%.120s",

@@ -18,9 +18,10 @@ typedef struct psplat_gltfpack {
 psplat_gltfpack psplat_gltfpack_find(const char *program);
 /* Tells whether it reads the format of a file, by the name's extension. */
 int psplat_gltfpack_reads(const char *path);
-/* Writes the compressed file (-cc), for its bytes, or the plain one (-noq, since we cannot read
- * EXT_meshopt_compression) of the same triangles. output must end in .glb. Fails with READ. */
+/* Writes a file with further options, NULL at the end: "-cc" for its bytes; "-noq" for a file
+ * without extensions of the same triangles. output must end in .glb. Fails with READ. */
 psplat_result psplat_gltfpack_run(const psplat_gltfpack *gltfpack, const char *input, double ratio,
-                                  int plain, const char *output, psplat_error *error);
+                                  const char *const *options, const char *output,
+                                  psplat_error *error);
 
 #endif

@@ -141,11 +141,12 @@ static psplat_result find_input(const psplat_asset_maker *m, char **input, pspla
 
 static psplat_result simplify_to(const psplat_asset_maker *m, const char *input,
                                  const psplat_setting *setting, int plain, psplat_error *error) {
+    const char *const options[] = {plain ? "-noq" : "-cc", NULL};
     char *draft = psplat_folder_path(m->folder, draft_name);
     char *path = make_path(m->folder, plain ? plain_prefix(setting) : "", setting);
-    psplat_result result =
-        draft && path ? psplat_gltfpack_run(m->gltfpack, input, setting->ratio, plain, draft, error)
-                      : fail_memory(error);
+    psplat_result result = draft && path ? psplat_gltfpack_run(m->gltfpack, input, setting->ratio,
+                                                               options, draft, error)
+                                         : fail_memory(error);
     if (!result && rename(draft, path))
         result = psplat_fail(error, PSPLAT_ERROR_READ, 0, "gltfpack left no file");
     if (result && draft) unlink(draft);
