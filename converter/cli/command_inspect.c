@@ -137,6 +137,18 @@ static void print_images(const psplat_asset *asset, const summary *s) {
     printf("%-36s %-16s %10s %11zu\n", "together", "", "", s->image_bytes);
 }
 
+static void print_animations(const psplat_asset *asset) {
+    if (!psplat_asset_animation_count(asset)) return;
+    printf("\n%-36s %10s %10s\n", "animation", "seconds", "channels");
+    for (size_t i = 0; i < psplat_asset_animation_count(asset); ++i) {
+        const psplat_animation *animation = psplat_asset_get_animation(asset, i);
+        char name[PSPLAT_SHOWN_PATH], label[PSPLAT_SHOWN_PATH + 24];
+        psplat_path_shorten(animation->name, name);
+        snprintf(label, sizeof label, "%zu %s", i, name);
+        printf("%-36s %10.6g %10zu\n", label, animation->duration, animation->channel_count);
+    }
+}
+
 /* Returns what surface a batch's splats have, followed by a space; nothing for planes. */
 static const char *surface_name(const psplat_batch *batch) {
     return !batch->is_curved ? "" : batch->has_shape ? "curved (by SHAPE) " : "curved ";
@@ -181,6 +193,7 @@ static void print_pretty(const char *path, const psplat_asset *asset, const summ
     printf("%-36s %-16s %10s %10zu %10.2f\n", "file", "", "", s->file_bytes,
            (double)s->file_bytes / (double)s->splats);
     print_images(asset, s);
+    print_animations(asset);
     printf("\nbounds  %.6g %.6g %.6g  to  %.6g %.6g %.6g\n\n", s->min[0], s->min[1], s->min[2],
            s->max[0], s->max[1], s->max[2]);
     for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
@@ -231,6 +244,19 @@ static void write_images(psplat_writer *json, const psplat_asset *asset) {
         psplat_writer_string(json, "name", image->name);
         psplat_writer_string(json, "mime_type", image->mime_type);
         psplat_writer_count(json, "bytes", image->size);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
+static void write_animations(psplat_writer *json, const psplat_asset *asset) {
+    psplat_writer_open(json, "animations", '[');
+    for (size_t i = 0; i < psplat_asset_animation_count(asset); ++i) {
+        const psplat_animation *animation = psplat_asset_get_animation(asset, i);
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_string(json, "name", animation->name);
+        psplat_writer_number(json, "duration", animation->duration);
+        psplat_writer_count(json, "channels", animation->channel_count);
         psplat_writer_close(json, '}');
     }
     psplat_writer_close(json, ']');
@@ -290,6 +316,7 @@ static int print_json(const char *path, const psplat_asset *asset, const summary
     psplat_writer_count(&json, "file_bytes", s->file_bytes);
     write_attributes(&json, s);
     write_images(&json, asset);
+    write_animations(&json, asset);
     psplat_writer_numbers(&json, "bounds_min", s->min, 3);
     psplat_writer_numbers(&json, "bounds_max", s->max, 3);
     write_batches(&json, asset);

@@ -26,6 +26,7 @@
 #include <phongsplat/phongsplat.h>
 #include <phongsplat/host.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,6 +46,8 @@ typedef struct arguments {
     int supersample;
     int software;
     int overwrite;
+    const char *animation; /* a name or an index, or NULL */
+    double time;           /* seconds; NaN where it is not given */
 } arguments;
 
 /* What is drawn, an asset or a mesh, and what draws it; free_scene frees everything. */
@@ -55,6 +58,8 @@ typedef struct scene {
     psplat_host *host;
     psplat_renderer *renderer;
     psplat_model *model;
+    psplat_pose *pose; /* or NULL: at rest */
+    double center[3], radius;
     psplat_mesh_renderer *mesh_renderer;
 } scene;
 
@@ -89,6 +94,12 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         psplat_option_shared("no-filter", &a->no_filter),
         {0, "background", PSPLAT_OPTION_COLOR, a->background, "COLOR",
          "RRGGBB, R,G,B or transparent (default FFFFFF)", 0, 0, NULL},
+        {0, "time", PSPLAT_OPTION_NUMBER, &a->time, "S",
+         "draw the pose after S seconds of an animation (default:\nas the file's nodes stand, or 0 "
+         "with --animation)",
+         0, 1e9, NULL},
+        {0, "animation", PSPLAT_OPTION_TEXT, &a->animation, "NAME|INDEX",
+         "which animation --time is of (default: the first, 0)", 0, 0, NULL},
         {0, "supersample", PSPLAT_OPTION_COUNT, &a->supersample, "N",
          "draw N times as wide and high and average in linear\nlight (default 3)", 1, 8, NULL},
         psplat_option_shared("software", &a->software),
@@ -102,8 +113,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
             "camera. The scene's y axis points up. Instead of an asset, A.glb may be a mesh.",
         .notes =
             "A mesh is drawn as triangles under the same light, so that both can be seen side by\n"
-            "side; it takes no --shading but lit and unlit, and no --mode, --shadows or "
-            "--no-filter.\n\n"
+            "side; it takes no --shading but lit and unlit, and no --mode, --shadows, "
+            "--no-filter,\n--time or --animation.\n\n"
+            "Pictures at all times of an animation have the same camera. After its end an\n"
+            "animation shows its last pose. phongsplat inspect lists animations.\n\n"
             "OUT.png is written whole or not at all; - is standard output.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
@@ -135,19 +148,8 @@ static int shows_numbers(int shading) {
            shading != PSPLAT_SHADING_TOON;
 }
 
-/* Finds a sphere around what is drawn. */
-static void find_sphere(const scene *s, double center[3], double *radius) {
-    if (s->asset) {
-        psplat_viewpoint_sphere(s->asset, center, radius);
-        return;
-    }
-    memcpy(center, s->source->center, 3 * sizeof *center);
-    *radius = s->source->radius > 0 ? s->source->radius : 1;
-}
-
 /* Returns the view of the whole picture before averaging. */
 static psplat_view whole_view(const arguments *a, const scene *s) {
-    double center[3], radius;
     psplat_view view = {
         .width = a->size[0] * a->supersample,
         .height = a->size[1] * a->supersample,
@@ -156,14 +158,13 @@ static psplat_view whole_view(const arguments *a, const scene *s) {
         .no_filter = a->no_filter,
         .linear_output = !shows_numbers(a->shading),
     };
-    find_sphere(s, center, &radius);
-    psplat_viewpoint_fit(&a->viewpoint, center, radius, &view);
+    psplat_viewpoint_fit(&a->viewpoint, s->center, s->radius, &view);
     view.lights[0].casts_shadow = a->shadows;
     return view;
 }
 
 static psplat_result draw_scene(scene *s, const psplat_view *view, psplat_error *error) {
-    const psplat_item item = {.model = s->model};
+    const psplat_item item = {.model = s->model, .pose = s->pose};
     if (s->asset) return psplat_draw(s->renderer, view, &item, 1, error);
     return psplat_mesh_renderer_draw(s->mesh_renderer, view, PSPLAT_MESH_RENDERER_LIGHT, error);
 }
@@ -256,6 +257,7 @@ static void free_scene(scene *s) {
     psplat_mesh_renderer_destroy(s->mesh_renderer);
     if (s->renderer) psplat_model_destroy(s->renderer, s->model);
     psplat_renderer_destroy(s->renderer);
+    psplat_pose_destroy(s->pose);
     psplat_host_destroy(s->host);
     psplat_asset_destroy(s->asset);
     psplat_source_mesh_destroy(s->source);
@@ -270,11 +272,52 @@ static psplat_result read_input(const arguments *a, scene *s, psplat_error *erro
     return psplat_mesh_input_read(a->input, 0, &s->mesh, &s->source, error);
 }
 
+/* ---- the pose -------------------------------------------------------------------------------- */
+
+/* Returns the index of the animation of that name or, where none has it, of that index; the number
+ * of animations where there is no such one. */
+static size_t find_animation(const psplat_asset *asset, const char *text) {
+    size_t count = psplat_asset_animation_count(asset);
+    for (size_t i = 0; i < count; ++i)
+        if (!strcmp(psplat_asset_get_animation(asset, i)->name, text)) return i;
+    char *end;
+    unsigned long index = strtoul(text, &end, 10);
+    return strspn(text, "0123456789") && !*end && index < count ? index : count;
+}
+
+/* Poses the asset and finds a sphere around what is drawn. */
+static psplat_result take_pose(const arguments *a, scene *s, psplat_error *error) {
+    if (!s->asset) {
+        memcpy(s->center, s->source->center, sizeof s->center);
+        s->radius = s->source->radius > 0 ? s->source->radius : 1;
+        return PSPLAT_OK;
+    }
+    if (!a->animation && isnan(a->time)) {
+        psplat_viewpoint_sphere(s->asset, s->center, &s->radius);
+        return PSPLAT_OK;
+    }
+    size_t index = find_animation(s->asset, a->animation ? a->animation : "0");
+    psplat_result result =
+        psplat_viewpoint_sphere_over(s->asset, index, s->center, &s->radius, error);
+    if (!result) result = psplat_pose_create(s->asset, &s->pose, error);
+    if (!result) result = psplat_pose_set(s->pose, index, isnan(a->time) ? 0 : a->time, error);
+    return result;
+}
+
+/* Returns whether an option asks for an animation that the asset has not. */
+static int lacks_animation(const arguments *a, const psplat_asset *asset) {
+    return asset && (a->animation || !isnan(a->time)) &&
+           find_animation(asset, a->animation ? a->animation : "0") ==
+               psplat_asset_animation_count(asset);
+}
+
 /* Returns the option that does not go with a mesh, or NULL. */
 static const char *option_of_splats(const arguments *a) {
     if (a->shading != PSPLAT_SHADING_LIT && a->shading != PSPLAT_SHADING_UNLIT) return "shading";
     if (a->mode != PSPLAT_MODE_PHONG) return "mode";
     if (a->shadows) return "shadows";
+    if (!isnan(a->time)) return "time";
+    if (a->animation) return "animation";
     return a->no_filter ? "no-filter" : NULL;
 }
 
@@ -284,6 +327,7 @@ int psplat_command_render(int argc, char **argv) {
         .viewpoint = {.azimuth_degrees = 30, .elevation_degrees = 20},
         .background = {1, 1, 1, 1},
         .supersample = 3,
+        .time = NAN,
     };
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
@@ -293,8 +337,14 @@ int psplat_command_render(int argc, char **argv) {
     if (result) return psplat_command_fail(NULL, &error);
     result = read_input(&a, &s, &error);
     const char *option = result || s.asset ? NULL : option_of_splats(&a);
-    if (!result && !option) result = render(&a, &s, &error);
+    int is_lacking = !result && lacks_animation(&a, s.asset);
+    if (!result && !option && !is_lacking) result = take_pose(&a, &s, &error);
+    if (!result && !option && !is_lacking) result = render(&a, &s, &error);
     free_scene(&s);
+    if (is_lacking)
+        return (int)psplat_options_refuse("render", a.animation ? "animation" : "time",
+                                          "the file has no such animation (phongsplat inspect "
+                                          "lists them)");
     if (option)
         return (int)psplat_options_refuse("render", option, "is for splats, not for a mesh");
     return result ? psplat_command_fail(result == PSPLAT_ERROR_WRITE ? NULL : a.input, &error)

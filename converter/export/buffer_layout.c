@@ -387,6 +387,8 @@ void psplat_buffer_layout_clear(psplat_buffer_layout *layout) {
     }
     free(layout->primitives);
     free(layout->views);
-    *layout = (psplat_buffer_layout){
-        .tables = layout->tables, .mesh_count = layout->mesh_count, .fallbacks = layout->fallbacks};
+    *layout = (psplat_buffer_layout){.tables = layout->tables,
+                                     .mesh_count = layout->mesh_count,
+                                     .fallbacks = layout->fallbacks,
+                                     .animations = layout->animations};
 }

@@ -48,6 +48,7 @@ typedef struct psplat_buffer_view {
     size_t stride, rows, capacity; /* bytes of a row; rows stored; rows that fit into bytes */
     psplat_view_filter filter;     /* whose input the bytes are */
     int is_index;                  /* indices of triangles instead of attributes */
+    int is_plain;                  /* numbers of animations, which are neither */
     uint8_t *bytes;
     uint8_t *packed; /* compressed bytes, or NULL */
     size_t packed_size;
@@ -61,6 +62,7 @@ typedef struct psplat_buffer_layout {
     psplat_buffer_view *views;
     size_t view_count;
     const struct psplat_fallback_file *fallbacks; /* the caller's, or NULL (fallback_mesh_file.h) */
+    const struct psplat_animation_file *animations; /* the caller's, or NULL (animation_file.h) */
 } psplat_buffer_layout;
 
 /* The choices that a layout leaves open; glb_writer.c tries several plans and keeps the smallest

@@ -9,6 +9,7 @@
 #include "export/glb_writer.h"
 
 #include "base/json_writer.h"
+#include "export/animation_file.h"
 #include "export/buffer_layout.h"
 #include "export/fallback_mesh_file.h"
 #include "export/gltf_document.h"
@@ -286,13 +287,17 @@ psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats 
     psplat_buffer_layout layout = {.tables = calloc(scene->mesh_count + 1, sizeof *layout.tables),
                                    .mesh_count = scene->mesh_count};
     psplat_fallback_file fallbacks = {0};
+    psplat_animation_file animations = {0};
     psplat_materials materials = {0};
     if (!layout.tables)
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the file");
     if (!result) result = fill(splats, desc, &layout, &fallbacks, error);
+    if (!result) result = psplat_animation_file_make(scene, desc->codec, &animations, error);
+    if (scene->animation_count) layout.animations = &animations;
     if (!result) result = psplat_document_materials(scene, &layout, &materials, error);
     if (!result) result = try_plans(scene, desc, &materials, &layout, data, size, error);
     psplat_fallback_file_free(&fallbacks);
+    psplat_animation_file_free(&animations);
     psplat_materials_free(&materials);
     for (size_t i = 0; i < scene->mesh_count && layout.tables; ++i)
         psplat_attribute_table_free(&layout.tables[i]);

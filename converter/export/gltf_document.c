@@ -6,6 +6,7 @@
 #include "export/gltf_document.h"
 
 #include "base/json_writer.h"
+#include "export/animation_file.h"
 #include "export/buffer_layout.h"
 #include "export/fallback_mesh_file.h"
 #include "export/graph_json.h"
@@ -24,13 +25,20 @@ size_t psplat_buffer_view_bytes(const psplat_buffer_view *view) {
     return ((view->packed ? view->packed_size : view->rows * view->stride) + 3) / 4 * 4;
 }
 
-size_t psplat_document_view_count(const psplat_buffer_layout *layout) {
+/* Returns the index of the first view of animations. */
+static size_t animation_view(const psplat_buffer_layout *layout) {
     return layout->view_count + (layout->fallbacks ? layout->fallbacks->view_count : 0);
 }
 
+size_t psplat_document_view_count(const psplat_buffer_layout *layout) {
+    return animation_view(layout) + (layout->animations ? layout->animations->view_count : 0);
+}
+
 const psplat_buffer_view *psplat_document_view(const psplat_buffer_layout *layout, size_t index) {
-    return index < layout->view_count ? &layout->views[index]
-                                      : &layout->fallbacks->views[index - layout->view_count];
+    size_t animations = animation_view(layout);
+    if (index < layout->view_count) return &layout->views[index];
+    return index < animations ? &layout->fallbacks->views[index - layout->view_count]
+                              : &layout->animations->views[index - animations];
 }
 
 size_t psplat_image_view_bytes(const psplat_image *image) {
@@ -270,7 +278,8 @@ static void add_accessor(psplat_writer *json, const psplat_buffer_layout *layout
     psplat_writer_close(json, '}');
 }
 
-static void add_accessors(psplat_writer *json, const psplat_buffer_layout *layout) {
+static void add_accessors(psplat_writer *json, const psplat_scene *scene,
+                          const psplat_buffer_layout *layout) {
     psplat_writer_open(json, "accessors", '[');
     for (size_t i = 0; i < layout->primitive_count; ++i)
         for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind)
@@ -278,7 +287,19 @@ static void add_accessors(psplat_writer *json, const psplat_buffer_layout *layou
                 add_accessor(json, layout, &layout->primitives[i], kind);
     if (layout->fallbacks)
         psplat_fallback_file_write_accessors(json, layout->fallbacks, layout->view_count);
+    if (layout->animations)
+        psplat_animation_file_write_accessors(json, layout->animations, scene,
+                                              animation_view(layout));
     psplat_writer_close(json, ']');
+}
+
+/* Returns the index of the first accessor of animations. */
+static size_t animation_accessor(const psplat_buffer_layout *layout) {
+    size_t count = layout->fallbacks ? layout->fallbacks->accessor_count : 0;
+    for (size_t i = 0; i < layout->primitive_count; ++i)
+        for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind)
+            count += layout->primitives[i].formats[kind].components > 0;
+    return count;
 }
 
 static void add_place(psplat_writer *json, size_t buffer, size_t offset, size_t bytes,
@@ -296,13 +317,15 @@ static void add_view(psplat_writer *json, const psplat_buffer_view *view, size_t
     enum { ARRAY_BUFFER = 34962, ELEMENT_ARRAY_BUFFER };
     static const char *const filters[] = {
         [PSPLAT_FILTER_OCTAHEDRAL] = "OCTAHEDRAL", [PSPLAT_FILTER_EXPONENTIAL] = "EXPONENTIAL"};
-    size_t bytes = view->rows * view->stride, stride = view->is_index ? 0 : view->stride;
+    size_t bytes = view->rows * view->stride,
+           stride = view->is_index || view->is_plain ? 0 : view->stride;
     psplat_writer_open(json, NULL, '{');
     if (view->packed)
         add_place(json, 1, unpacked_offset, bytes, stride);
     else
         add_place(json, 0, offset, bytes, stride);
-    psplat_writer_count(json, "target", view->is_index ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
+    if (!view->is_plain)
+        psplat_writer_count(json, "target", view->is_index ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
     if (view->packed) {
         psplat_writer_open(json, "extensions", '{');
         psplat_writer_open(json, meshopt, '{');
@@ -449,8 +472,9 @@ int psplat_document_write(psplat_writer *json, const psplat_scene *scene,
         psplat_writer_close(json, '}');
     }
     add_meshes(json, scene, layout, materials);
+    psplat_animation_file_write(json, scene, animation_accessor(layout));
     psplat_materials_write(json, materials, scene, psplat_document_view_count(layout));
-    add_accessors(json, layout);
+    add_accessors(json, scene, layout);
     add_views(json, scene, layout, materials);
     psplat_writer_close(json, '}');
     return psplat_writer_finish(json) && is_written;

@@ -11,8 +11,8 @@
 #include "material/image.h"
 #include "scene/scene.h"
 
-/* The buffer views of a file are those of the splats, those of the fallback meshes, which these
- * functions count and return, and then one for each image. */
+/* The buffer views of a file are those of the splats, those of the fallback meshes and those of
+ * animations, which these functions count and return, and then one for each image. */
 size_t psplat_document_view_count(const psplat_buffer_layout *layout);
 const psplat_buffer_view *psplat_document_view(const psplat_buffer_layout *layout, size_t index);
 /* Returns the bytes of the binary chunk that a view takes, with its padding. */

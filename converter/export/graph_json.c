@@ -51,10 +51,12 @@ static int is_identity(const psplat_dequantize_transform *placement) {
     return placement->scale == 1 && all_are(placement->translation, 3, 0);
 }
 
-/* Returns whether nothing but the node's mesh depends on its transform. */
+/* Returns whether nothing but the node's mesh depends on its transform. Animations replace that of
+ * the nodes that they move. */
 static int takes_placement(const psplat_scene *scene, const psplat_scene_node *node) {
-    return scene->is_made || (!node->name && !node->extras && !node->child_count &&
-                              node->camera == PSPLAT_NO_INDEX && node->light == PSPLAT_NO_INDEX);
+    return scene->is_made ||
+           (!node->name && !node->extras && !node->child_count && !node->is_animated &&
+            node->camera == PSPLAT_NO_INDEX && node->light == PSPLAT_NO_INDEX);
 }
 
 /* Returns the node with the placement multiplied into its transform. The placement's scale is

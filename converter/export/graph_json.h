@@ -23,8 +23,9 @@ void psplat_graph_write_asset(psplat_writer *json, const psplat_scene *scene);
  * have one element for each mesh of the scene; meshes[i] is the index of mesh i in the file, or
  * PSPLAT_NO_INDEX if it is not written. A node whose mesh has a placement other than the identity
  * gets a child for it, which is written after all nodes of the scene. The placement is multiplied
- * into the node itself if it has no name, extras, children, camera or light, so that nothing
- * depends on its transform, and if the node was made by the reader (is_made). */
+ * into the node itself if it has no name, extras, children, camera or light and no animation moves
+ * it, so that nothing depends on its transform, and if the node was made by the reader (is_made).
+ */
 void psplat_graph_write(psplat_writer *json, const psplat_scene *scene,
                         const psplat_dequantize_transform *placements, const uint32_t *meshes);
 

@@ -92,6 +92,9 @@ void read_document(const psplat_source &source, tinygltf::Model &model);
 
 constexpr size_t glb_header_bytes = 20; /* the headers of a GLB and of its JSON chunk */
 
+constexpr const char *draco = "KHR_draco_mesh_compression";
+constexpr const char *draco_remedy = "; 'gltf-transform copy IN OUT' makes a file without it";
+
 /* Checks syntax, the members that every file needs, and the extensions that the file requires.
  * Fails with the line and column of a text, the byte of a GLB, or the name of the member. */
 void check_json(const char *text, size_t size, bool is_glb);
@@ -170,12 +173,19 @@ void store(const Soup &soup, bool groups, psplat_mesh &mesh);
 
 /* ---- adapter_gltf_scene.cpp: the whole scene ------------------------------------------------- */
 
-/* Reads nodes, cameras, lights, scenes and their names and extras, and adds warnings of what is
- * dropped. */
+/* Reads nodes, cameras, lights, scenes, animations and their names and extras, and adds warnings of
+ * what is dropped. */
 void read_graph(const tinygltf::Model &model, psplat_scene &scene);
 
 /* Reads each mesh raw, in its own coordinates; meshes without triangles stay empty. */
 void read_meshes(const tinygltf::Model &model, psplat_scene &scene);
+
+/* ---- adapter_gltf_animation.cpp: animations -------------------------------------------------- */
+
+/* Reads the animations of nodes, which must have been read. What is wrong with an animation, or
+ * does not move nodes, is dropped with a warning: what the file shows at rest is not harmed by
+ * it. */
+void read_animations(const tinygltf::Model &model, psplat_scene &scene);
 
 /* ---- adapter_gltf_material.cpp: materials and textures --------------------------------------- */
 

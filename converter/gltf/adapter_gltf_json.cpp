@@ -194,8 +194,7 @@ void check_members(const Json &json) {
 
 /* Returns what a user can do about an extension that is not read. */
 const char *remedy(const std::string &name) {
-    if (name == "KHR_draco_mesh_compression")
-        return "; 'gltf-transform copy IN OUT' makes a file without it";
+    if (name == draco) return draco_remedy;
     return "; export the model without it";
 }
 

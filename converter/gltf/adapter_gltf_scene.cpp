@@ -245,9 +245,6 @@ void warn_of_meshes(const tinygltf::Model &model, psplat_scene &scene) {
 }
 
 void warn_of_dropped(const tinygltf::Model &model, psplat_scene &scene) {
-    if (!model.animations.empty())
-        psplat_scene_warn(&scene, "%zu animations are dropped: nodes stay where they stand",
-                          model.animations.size());
     if (!model.skins.empty())
         psplat_scene_warn(&scene,
                           "%zu skins are dropped: meshes keep the shape that they were "
@@ -280,6 +277,7 @@ void read_graph(const tinygltf::Model &model, psplat_scene &scene) {
     scene.asset_extras = text_of(model.asset.extras_json_string);
     /* tinygltf stores the text null where the root has no extras. */
     if (model.extras_json_string != "null") scene.extras = text_of(model.extras_json_string);
+    read_animations(model, scene);
     warn_of_dropped(model, scene);
 }
 

@@ -214,14 +214,30 @@ static void visit_splat(const psplat_splat *s, const double m[16],
     if (o.count && rings > 1) visit_point(s, m, middle[0], middle[1], visit, user);
 }
 
-/* Calls visit with points of the surface of every splat in the scene. */
-static void visit_all(const psplat_asset *asset, void (*visit)(void *user, const double p[3]),
-                      void *user) {
+/* Calls visit with points of the surface of every splat in the scene, in a pose or at rest. */
+static void visit_all(const psplat_asset *asset, const psplat_pose *pose,
+                      void (*visit)(void *user, const double p[3]), void *user) {
     for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
         const psplat_batch *batch = psplat_asset_batch(asset, b);
+        const double *m = pose ? psplat_pose_matrix(pose, b) : batch->model;
         for (size_t i = 0; i < batch->splat_count; ++i)
-            visit_splat(&batch->splats[i], batch->model, visit, user);
+            visit_splat(&batch->splats[i], m, visit, user);
     }
+}
+
+/* Calls visit with those points at several times of an animation, to which it sets the pose. */
+static psplat_result visit_over(const psplat_asset *asset, size_t animation, psplat_pose *pose,
+                                void (*visit)(void *user, const double p[3]), void *user,
+                                psplat_error *error) {
+    enum { TIMES = 9 };
+    const psplat_animation *info = psplat_asset_get_animation(asset, animation);
+    for (int i = 0; i < TIMES; ++i) {
+        double time = info ? info->duration * i / (TIMES - 1) : 0;
+        psplat_result result = psplat_pose_set(pose, animation, time, error);
+        if (result) return result;
+        visit_all(asset, pose, visit, user);
+    }
+    return PSPLAT_OK;
 }
 
 typedef struct extent {
@@ -242,12 +258,40 @@ static void grow_sphere(void *user, const double p[3]) {
     e->radius = fmax(e->radius, sqrt(dot(d, d)));
 }
 
+/* Puts the middle of the box where it was found; bounds are those to fall back on. Clip lines may
+ * leave nothing of any splat; then the centres and radii have to do. */
+static void find_center(extent *e, const double min[3], const double max[3], double center[3]) {
+    int is_empty = !(e->min[0] <= e->max[0]);
+    for (int i = 0; i < 3; ++i) {
+        if (is_empty) e->min[i] = min[i], e->max[i] = max[i];
+        e->center[i] = center[i] = 0.5 * (e->min[i] + e->max[i]);
+    }
+}
+
+static const extent nothing = {.min = {INFINITY, INFINITY, INFINITY},
+                               .max = {-INFINITY, -INFINITY, -INFINITY}};
+
 void psplat_viewpoint_sphere(const psplat_asset *asset, double center[3], double *radius) {
-    extent e = {.min = {INFINITY, INFINITY, INFINITY}, .max = {-INFINITY, -INFINITY, -INFINITY}};
-    visit_all(asset, grow_box, &e);
-    /* Clip lines may leave nothing of any splat; then the centres and radii have to do. */
-    if (!(e.min[0] <= e.max[0])) psplat_asset_bounds(asset, e.min, e.max);
-    for (int i = 0; i < 3; ++i) e.center[i] = center[i] = 0.5 * (e.min[i] + e.max[i]);
-    visit_all(asset, grow_sphere, &e);
+    extent e = nothing;
+    double min[3], max[3];
+    visit_all(asset, NULL, grow_box, &e);
+    psplat_asset_bounds(asset, min, max);
+    find_center(&e, min, max, center);
+    visit_all(asset, NULL, grow_sphere, &e);
     *radius = e.radius > 0 ? e.radius : 1;
+}
+
+psplat_result psplat_viewpoint_sphere_over(const psplat_asset *asset, size_t animation,
+                                           double center[3], double *radius, psplat_error *error) {
+    extent e = nothing;
+    double min[3], max[3];
+    psplat_pose *pose;
+    psplat_result result = psplat_pose_create(asset, &pose, error);
+    if (!result) result = visit_over(asset, animation, pose, grow_box, &e, error);
+    psplat_asset_bounds(asset, min, max);
+    find_center(&e, min, max, center);
+    if (!result) result = visit_over(asset, animation, pose, grow_sphere, &e, error);
+    *radius = e.radius > 0 ? e.radius : 1;
+    psplat_pose_destroy(pose);
+    return result;
 }

@@ -18,6 +18,12 @@ typedef struct psplat_viewpoint {
  * out what their clip lines cut away. */
 void psplat_viewpoint_sphere(const psplat_asset *asset, double center[3], double *radius);
 
+/* Does the same over the course of an animation, so that pictures at all of its times have the same
+ * camera: the sphere is around the splats at nine times from 0 to its end. Errors: ARGUMENT, RANGE,
+ * MEMORY, as of poses. */
+psplat_result psplat_viewpoint_sphere_over(const psplat_asset *asset, size_t animation,
+                                           double center[3], double *radius, psplat_error *error);
+
 /* Sets view's matrices and light so that the sphere fills the picture, with the near and far planes
  * around the sphere. view's width and height must be set. */
 void psplat_viewpoint_fit(const psplat_viewpoint *viewpoint, const double center[3], double radius,

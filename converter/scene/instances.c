@@ -57,35 +57,69 @@ static double stretch_of(const double matrix[16], int *flat) {
     return sqrt(values[2]) * largest;
 }
 
+/* ---- animated scales ------------------------------------------------------------------------- */
+
+static void grow_scale(double scale[3], const float value[3]) {
+    for (int k = 0; k < 3; ++k) scale[k] = fmax(scale[k], fabs((double)value[k]));
+}
+
+/* Stores for each node the greatest absolute scale along each axis that it has at rest or at a key
+ * of an animation. */
+static void find_scales(const psplat_scene *scene, double (*scales)[3]) {
+    for (size_t i = 0; i < scene->node_count; ++i)
+        for (int k = 0; k < 3; ++k) scales[i][k] = fabs(scene->nodes[i].scale[k]);
+    for (size_t i = 0; i < scene->animation_count; ++i)
+        for (size_t k = 0; k < scene->animations[i].channel_count; ++k) {
+            const psplat_scene_channel *channel = &scene->animations[i].channels[k];
+            const psplat_scene_sampler *sampler = &scene->animations[i].samplers[channel->sampler];
+            const psplat_scene_track *track = &scene->tracks[sampler->values];
+            int is_spline = sampler->interpolation == PSPLAT_SCENE_CUBICSPLINE;
+            if (channel->path != PSPLAT_SCENE_SCALE) continue;
+            for (size_t at = is_spline ? 1 : 0; at < track->count; at += is_spline ? 3 : 1)
+                grow_scale(scales[channel->node], track->values + 3 * at);
+        }
+}
+
 /* ---- traversal ------------------------------------------------------------------------------ */
 
 typedef struct walk {
     const psplat_scene *scene;
     psplat_instance *instances; /* room for one of each node */
+    double (*scales)[3];        /* of each node, as find_scales stores them */
     size_t count, flat;         /* instances listed, and instances left out as flat */
     uint32_t non_finite;        /* a node whose transform is not finite, or PSPLAT_NO_INDEX */
 } walk;
 
-/* Lists the instances of a node and its children. The recursion is as deep as nodes are nested, 64
- * at most. */
-static void visit(walk *w, uint32_t index, const double parent[16]) {
+/* Computes the local transform that a node has where its animations make it largest. */
+static void grown_local(const walk *w, uint32_t index, double matrix[16]) {
+    psplat_scene_node node = w->scene->nodes[index];
+    for (int k = 0; k < 3 && node.is_animated; ++k) node.scale[k] = w->scales[index][k];
+    psplat_scene_local(&node, matrix);
+}
+
+/* Lists the instances of a node and its children, which lie in the parent's transform at rest and
+ * in the one where animations make it largest. The recursion is as deep as nodes are nested, 64 at
+ * most. */
+static void visit(walk *w, uint32_t index, const double parent[16], const double grown_parent[16]) {
     const psplat_scene_node *node = &w->scene->nodes[index];
     psplat_instance *instance = &w->instances[w->count];
-    double local[16], global[16];
+    double local[16], global[16], grown[16];
     int flat;
     psplat_scene_local(node, local);
     multiply(parent, local, global);
+    grown_local(w, index, local);
+    multiply(grown_parent, local, grown);
     for (int i = 0; i < 16; ++i)
-        if (!isfinite(global[i])) w->non_finite = index;
+        if (!isfinite(global[i]) || !isfinite(grown[i])) w->non_finite = index;
     if (node->mesh != PSPLAT_NO_INDEX && w->scene->meshes[node->mesh].mesh.triangle_count) {
         instance->mesh = node->mesh;
         instance->node = index;
-        instance->stretch = stretch_of(global, &flat);
+        instance->stretch = stretch_of(grown, &flat);
         memcpy(instance->matrix, global, sizeof global);
         w->flat += flat != 0;
         w->count += !flat;
     }
-    for (size_t i = 0; i < node->child_count; ++i) visit(w, node->children[i], global);
+    for (size_t i = 0; i < node->child_count; ++i) visit(w, node->children[i], global, grown);
 }
 
 /* Lists the instances of all trees of nodes. */
@@ -97,7 +131,7 @@ static psplat_result visit_all(walk *w) {
         for (size_t k = 0; k < scene->nodes[i].child_count; ++k)
             is_child[scene->nodes[i].children[k]] = 1;
     for (uint32_t i = 0; i < scene->node_count; ++i)
-        if (!is_child[i]) visit(w, i, identity);
+        if (!is_child[i]) visit(w, i, identity, identity);
     free(is_child);
     return PSPLAT_OK;
 }
@@ -108,13 +142,17 @@ static psplat_result walk_scene(walk *w, uint32_t index, psplat_error *error) {
     psplat_result result = PSPLAT_OK;
     w->non_finite = PSPLAT_NO_INDEX;
     w->instances = malloc((scene->node_count + 1) * sizeof *w->instances);
-    if (!w->instances)
+    w->scales = malloc((scene->node_count + 1) * sizeof *w->scales);
+    if (w->scales) find_scales(scene, w->scales);
+    if (!w->instances || !w->scales)
         result = PSPLAT_ERROR_MEMORY;
     else if (index == PSPLAT_NO_INDEX)
         result = visit_all(w);
     else
         for (size_t i = 0; i < scene->scenes[index].root_count; ++i)
-            visit(w, scene->scenes[index].roots[i], identity);
+            visit(w, scene->scenes[index].roots[i], identity, identity);
+    free(w->scales);
+    w->scales = NULL;
     if (!result) return PSPLAT_OK;
     free(w->instances);
     return psplat_fail(error, result, 0, "out of memory for %zu nodes", scene->node_count);

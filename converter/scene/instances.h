@@ -14,14 +14,16 @@
 /* One mesh that a node of a scene shows. */
 typedef struct psplat_instance {
     uint32_t mesh, node;
-    double matrix[16]; /* global, column-major */
-    double stretch;    /* greatest singular value of its upper left 3 x 3 */
+    double matrix[16]; /* global, at rest, column-major */
+    double stretch;    /* greatest singular value of its upper left 3 x 3, with the greatest scales
+                          that animations have at their keys */
 } psplat_instance;
 
 /* Lists the instances of the scene of this index in the order of a walk from its roots, or those of
  * all nodes if index is PSPLAT_NO_INDEX. Left out are meshes without triangles, and instances that
- * are flattened by their nodes, since flattened splats are not drawn (spec 4). *instances is
- * malloc'ed and belongs to the caller. Fails only with PSPLAT_ERROR_MEMORY. */
+ * are flattened by their nodes at rest and at all keys of animations, since flattened splats are
+ * not drawn (spec 4). *instances is malloc'ed and belongs to the caller. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_scene_instances(const psplat_scene *scene, uint32_t index,
                                      psplat_instance **instances, size_t *count,
                                      psplat_error *error);

@@ -36,6 +36,14 @@ static void free_graph(psplat_scene *scene) {
         free_strings(scene->scenes[i].name, scene->scenes[i].extras);
         free(scene->scenes[i].roots);
     }
+    for (size_t i = 0; i < scene->animation_count; ++i) {
+        free_strings(scene->animations[i].name, scene->animations[i].extras);
+        free(scene->animations[i].samplers);
+        free(scene->animations[i].channels);
+    }
+    for (size_t i = 0; i < scene->track_count; ++i) free(scene->tracks[i].values);
+    free(scene->animations);
+    free(scene->tracks);
     free(scene->nodes);
     free(scene->cameras);
     free(scene->lights);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * scene.h - the scene graph of a source file: meshes, materials, nodes, cameras and lights.
+ * scene.h - the scene graph of a source file: meshes, materials, nodes, cameras, lights and
+ * animations.
  *
  * Strings are malloc'ed UTF-8, or NULL if the file has none. extras are JSON text of any kind.
  */
@@ -34,6 +35,7 @@ typedef struct psplat_scene_node {
     double matrix[16];                            /* column-major */
     double translation[3], rotation[4], scale[3]; /* 0 0 0, 0 0 0 1, 1 1 1 where not in the file */
     uint32_t mesh, camera, light;                 /* or PSPLAT_NO_INDEX */
+    int is_animated;                              /* a channel moves it; then it has no matrix */
     uint32_t *children;
     size_t child_count;
 } psplat_scene_node;
@@ -69,6 +71,47 @@ typedef struct psplat_scene_view {
     size_t root_count;
 } psplat_scene_view;
 
+/* Numbers that samplers of animations read: times, or what a node's transform is at these. */
+typedef struct psplat_scene_track {
+    float *values;     /* count elements of so many components */
+    size_t count;      /* at least 1 */
+    size_t components; /* 1: times in seconds, which increase from 0 or more; 3; 4: quaternions */
+} psplat_scene_track;
+
+typedef enum psplat_scene_interpolation {
+    PSPLAT_SCENE_LINEAR = 0,
+    PSPLAT_SCENE_STEP,
+    PSPLAT_SCENE_CUBICSPLINE
+} psplat_scene_interpolation;
+
+/* Two tracks and how to interpolate between their keys (glTF 2.0 appendix C). The values are as
+ * many as the times, or three times as many where splines have tangents. */
+typedef struct psplat_scene_sampler {
+    uint32_t times, values;
+    psplat_scene_interpolation interpolation;
+} psplat_scene_sampler;
+
+typedef enum psplat_scene_path {
+    PSPLAT_SCENE_TRANSLATION = 0,
+    PSPLAT_SCENE_ROTATION,
+    PSPLAT_SCENE_SCALE
+} psplat_scene_path;
+
+/* What of which node a sampler moves. */
+typedef struct psplat_scene_channel {
+    uint32_t sampler, node;
+    psplat_scene_path path;
+} psplat_scene_channel;
+
+/* An animation (glTF 2.0 section 3.11). */
+typedef struct psplat_scene_animation {
+    char *name, *extras;
+    psplat_scene_sampler *samplers;
+    size_t sampler_count;
+    psplat_scene_channel *channels; /* no two of them move the same */
+    size_t channel_count;           /* at least 1 */
+} psplat_scene_animation;
+
 /* All that is read from a file. It is empty if zero-initialised. */
 typedef struct psplat_scene {
     psplat_scene_mesh *meshes;
@@ -82,6 +125,10 @@ typedef struct psplat_scene {
     size_t light_count;
     psplat_scene_view *scenes;
     size_t scene_count;
+    psplat_scene_animation *animations;
+    size_t animation_count;
+    psplat_scene_track *tracks; /* of all animations, which may share them */
+    size_t track_count;
     uint32_t default_scene; /* or PSPLAT_NO_INDEX */
     int is_made;            /* the file has no graph, so that one node with one mesh was made */
     char *copyright, *asset_extras, *extras;

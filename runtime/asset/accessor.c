@@ -54,8 +54,8 @@ static psplat_result check_form(const psplat_gltf *gltf, const psplat_accessor *
     const psplat_attribute_form *form = find_form(type, accessor, &low, &high);
     if (!low)
         return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
-                           "%s: component type %zu is none of those the extension allows",
-                           type->name, accessor->component_type);
+                           "%s: component type %zu is none of those that are allowed", type->name,
+                           accessor->component_type);
     if (!form)
         return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, at,
                            low == high ? "%s: must be %s" : "%s: must be %s or %s", type->name,

@@ -2,6 +2,7 @@
  *
  * asset.c - the public asset: batches made of the sets of splats that the default scene shows.
  */
+#include "asset/animation.h"
 #include "asset/container.h"
 #include "core/files.h"
 #include "asset/gltf.h"
@@ -16,6 +17,8 @@ struct psplat_asset {
     psplat_arena arena; /* also holds this struct */
     psplat_batch *batches;
     const psplat_packed **packed; /* one for each batch */
+    psplat_rig rig;
+    size_t *rig_nodes; /* of each batch, in rig; NULL without animations */
     size_t batch_count;
     const psplat_asset_image *images;
     size_t image_count;
@@ -23,9 +26,8 @@ struct psplat_asset {
 
 /* ---- batches ------------------------------------------------------------------------------ */
 
-/* Enlarges a box by a batch's box in scene space. */
-static void enlarge(const psplat_batch *batch, double min[3], double max[3]) {
-    const double *m = batch->model;
+void psplat_asset_enlarge(const psplat_batch *batch, const double m[16], double min[3],
+                          double max[3]) {
     for (int row = 0; row < 3; ++row) {
         double low = m[12 + row], high = low;
         for (int k = 0; k < 3; ++k) {
@@ -43,6 +45,8 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, siz
                                const psplat_node *node) {
     const psplat_set *set = &gltf->sets[set_index];
     asset->packed[asset->batch_count] = set->packed;
+    if (asset->rig_nodes)
+        asset->rig_nodes[asset->batch_count] = asset->rig.index_of[node - gltf->nodes];
     psplat_batch *batch = &asset->batches[asset->batch_count++];
     *batch = (psplat_batch){.splats = set->splats,
                             .finishes = set->finishes,
@@ -69,7 +73,7 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, siz
     memcpy(batch->bounds_min, set->bounds_min, sizeof batch->bounds_min);
     memcpy(batch->bounds_max, set->bounds_max, sizeof batch->bounds_max);
     double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
-    enlarge(batch, min, max);
+    psplat_asset_enlarge(batch, batch->model, min, max);
     for (int i = 0; i < 3; ++i)
         if (!isfinite(min[i]) || !isfinite(max[i]))
             return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE,
@@ -100,7 +104,9 @@ static psplat_result make_batches(psplat_asset *asset, const psplat_gltf *gltf) 
     if (result) return result;
     asset->batches = psplat_arena_take(&asset->arena, count, sizeof *asset->batches);
     asset->packed = psplat_arena_take(&asset->arena, count, sizeof *asset->packed);
-    if (!asset->batches || !asset->packed)
+    if (asset->rig.animation_count)
+        asset->rig_nodes = psplat_arena_take(&asset->arena, count, sizeof *asset->rig_nodes);
+    if (!asset->batches || !asset->packed || (asset->rig.animation_count && !asset->rig_nodes))
         return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches", count);
     for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines)
         for (size_t i = 0; i < gltf->node_count; ++i) {
@@ -139,9 +145,12 @@ static psplat_result parse(psplat_asset *asset, psplat_gltf *gltf) {
     if (!result) result = psplat_materials_parse(gltf);
     if (!result) result = psplat_meshes_parse(gltf);
     if (!result) result = psplat_nodes_parse(gltf);
+    if (!result) result = psplat_animations_parse(gltf, &asset->rig);
     asset->images = gltf->kept_images;
     asset->image_count = gltf->kept_image_count;
-    return result ? result : make_batches(asset, gltf);
+    if (!result) result = make_batches(asset, gltf);
+    asset->rig.index_of = NULL; /* it lies in the scratch arena */
+    return result;
 }
 
 static psplat_asset *create(const psplat_allocator *allocator, psplat_error *error) {
@@ -259,6 +268,26 @@ const psplat_asset_image *psplat_asset_get_image(const psplat_asset *asset, size
     return asset && index < asset->image_count ? &asset->images[index] : NULL;
 }
 
+size_t psplat_asset_animation_count(const psplat_asset *asset) {
+    return asset ? asset->rig.animation_count : 0;
+}
+
+const psplat_animation *psplat_asset_get_animation(const psplat_asset *asset, size_t index) {
+    return index < psplat_asset_animation_count(asset) ? &asset->rig.animations[index].info : NULL;
+}
+
+const psplat_rig *psplat_asset_rig(const psplat_asset *asset) {
+    return &asset->rig;
+}
+
+size_t psplat_asset_rig_node(const psplat_asset *asset, size_t batch) {
+    return asset->rig_nodes[batch];
+}
+
+psplat_allocator psplat_asset_allocator(const psplat_asset *asset) {
+    return asset->arena.allocator;
+}
+
 const psplat_packed *psplat_asset_packed(const psplat_asset *asset, size_t batch) {
     return asset->packed[batch];
 }
@@ -269,5 +298,5 @@ void psplat_asset_bounds(const psplat_asset *asset, double min[3], double max[3]
         max[i] = -INFINITY;
     }
     for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
-        enlarge(&asset->batches[i], min, max);
+        psplat_asset_enlarge(&asset->batches[i], asset->batches[i].model, min, max);
 }

@@ -244,10 +244,11 @@ psplat_result psplat_gltf_parse(psplat_gltf *gltf) {
                                         "meshes",         "nodes",
                                         "scenes",         "scene",
                                         "extensionsUsed", "textures",
-                                        "samplers",       "images"};
-    psplat_json_value members[14];
+                                        "samplers",       "images",
+                                        "animations"};
+    psplat_json_value members[15];
     psplat_result result = psplat_json_parse(&gltf->json, gltf->scratch);
-    if (!result) result = psplat_json_members(&gltf->json, 0, names, 14, members);
+    if (!result) result = psplat_json_members(&gltf->json, 0, names, 15, members);
     if (!result) result = check_version(gltf, members[0]);
     if (!result) result = check_required(gltf, members[1]);
     if (!result) result = check_used(gltf, members[10]);
@@ -261,5 +262,6 @@ psplat_result psplat_gltf_parse(psplat_gltf *gltf) {
     gltf->json_textures = members[11];
     gltf->json_samplers = members[12];
     gltf->json_images = members[13];
+    gltf->json_animations = members[14];
     return PSPLAT_OK;
 }

@@ -18,6 +18,7 @@
  *     unpack.c           turns integers among them into what they stand for
  *     surface.c          the surface of a splat: its bounds
  *     node.c             the node tree and its transforms
+ *     animation.c        animations and the nodes that they move
  *     asset.c            the public asset made of all of these
  *
  * Every table is filled once, so that the work is linear in the size of the file. Indices and
@@ -97,6 +98,11 @@ typedef struct psplat_node {
     int in_scene;
 } psplat_node;
 
+/* The parts of a node's transform, in the order of glTF's T R S. */
+typedef struct psplat_transform {
+    double translation[3], rotation[4], scale[3]; /* rotation: a quaternion x, y, z, w */
+} psplat_transform;
+
 /* A material. Few of a file's are those of splats, so that each is made when it is first used. */
 typedef struct psplat_material_entry {
     psplat_json_value json;
@@ -138,7 +144,7 @@ typedef struct psplat_gltf {
 
     /* Members of the document; 0 where it has none of that name. */
     psplat_json_value json_materials, json_meshes, json_nodes, json_scenes, json_scene,
-        json_textures, json_samplers, json_images;
+        json_textures, json_samplers, json_images, json_animations;
     /* The first attribute of the extension outside a primitive of splats, or 0. */
     psplat_json_value json_stripped;
     int is_listed;              /* whether extensionsUsed names the extension */
@@ -357,5 +363,14 @@ psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
 
 /* Fills the nodes and their world transforms and marks those that the default scene shows. */
 psplat_result psplat_nodes_parse(psplat_gltf *gltf);
+
+/* Reads the transform of a node once more, which psplat_nodes_parse has checked: its parts, or the
+ * matrix where it has one, and then *has_matrix becomes 1. */
+psplat_result psplat_node_transform(const psplat_gltf *gltf, size_t node,
+                                    psplat_transform *transform, double matrix[16],
+                                    int *has_matrix);
+
+/* Composes translation, rotation and scale as T R S (glTF 2.0 section 3.5.3). */
+void psplat_transform_compose(const psplat_transform *transform, double matrix[16]);
 
 #endif

@@ -34,8 +34,8 @@ static psplat_result normalise_rotation(const psplat_gltf *gltf, psplat_json_val
     return PSPLAT_OK;
 }
 
-/* Composes translation, rotation and scale as T R S (glTF 2.0 section 3.5.3). */
-static void compose(const double t[3], const double q[4], const double s[3], double m[16]) {
+void psplat_transform_compose(const psplat_transform *transform, double m[16]) {
+    const double *q = transform->rotation;
     double x = q[0], y = q[1], z = q[2], w = q[3];
     const double rotation[9] = {
         1 - 2 * (y * y + z * z), 2 * (x * y + z * w),     2 * (x * z - y * w),
@@ -43,15 +43,15 @@ static void compose(const double t[3], const double q[4], const double s[3], dou
         2 * (x * z + y * w),     2 * (y * z - x * w),     1 - 2 * (x * x + y * y)};
     for (int column = 0; column < 3; ++column)
         for (int row = 0; row < 3; ++row)
-            m[column * 4 + row] = rotation[column * 3 + row] * s[column];
-    for (int row = 0; row < 3; ++row) m[12 + row] = t[row];
+            m[column * 4 + row] = rotation[column * 3 + row] * transform->scale[column];
+    for (int row = 0; row < 3; ++row) m[12 + row] = transform->translation[row];
+    for (int column = 0; column < 4; ++column) m[column * 4 + 3] = column == 3;
 }
 
+/* Reads the matrix, or the transform and the matrix that it makes. */
 static psplat_result parse_transform(const psplat_gltf *gltf, const psplat_json_value *members,
-                                     double matrix[16]) {
-    double translation[3] = {0, 0, 0}, rotation[4] = {0, 0, 0, 1}, scale[3] = {1, 1, 1};
-    const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    memcpy(matrix, identity, sizeof identity);
+                                     psplat_transform *transform, double matrix[16]) {
+    *transform = (psplat_transform){{0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}};
     int has_parts = members[TRANSLATION] || members[ROTATION] || members[SCALE];
     if (members[MATRIX] && has_parts)
         return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT,
@@ -60,13 +60,25 @@ static psplat_result parse_transform(const psplat_gltf *gltf, const psplat_json_
     if (members[MATRIX]) return parse_matrix(gltf, members[MATRIX], matrix);
     const psplat_json *json = &gltf->json;
     psplat_result result =
-        psplat_json_numbers(json, members[TRANSLATION], "translation", 3, translation);
-    if (!result) result = psplat_json_numbers(json, members[ROTATION], "rotation", 4, rotation);
+        psplat_json_numbers(json, members[TRANSLATION], "translation", 3, transform->translation);
+    if (!result)
+        result = psplat_json_numbers(json, members[ROTATION], "rotation", 4, transform->rotation);
     if (!result && members[ROTATION])
-        result = normalise_rotation(gltf, members[ROTATION], rotation);
-    if (!result) result = psplat_json_numbers(json, members[SCALE], "scale", 3, scale);
-    if (!result) compose(translation, rotation, scale, matrix);
+        result = normalise_rotation(gltf, members[ROTATION], transform->rotation);
+    if (!result) result = psplat_json_numbers(json, members[SCALE], "scale", 3, transform->scale);
+    if (!result) psplat_transform_compose(transform, matrix);
     return result;
+}
+
+psplat_result psplat_node_transform(const psplat_gltf *gltf, size_t node,
+                                    psplat_transform *transform, double matrix[16],
+                                    int *has_matrix) {
+    psplat_json_value members[MEMBERS];
+    psplat_result result =
+        psplat_json_members(&gltf->json, gltf->nodes[node].json, names, MEMBERS, members);
+    if (result) return result;
+    *has_matrix = members[MATRIX] != 0;
+    return parse_transform(gltf, members, transform, matrix);
 }
 
 static psplat_result parse_children(psplat_gltf *gltf, size_t parent) {
@@ -88,12 +100,13 @@ static psplat_result parse_children(psplat_gltf *gltf, size_t parent) {
 
 static psplat_result parse_node(psplat_gltf *gltf, psplat_json_value value, psplat_node *node) {
     psplat_json_value members[MEMBERS];
+    psplat_transform transform;
     node->json = value;
     node->parent = PSPLAT_NONE;
     psplat_result result = psplat_json_members(&gltf->json, value, names, MEMBERS, members);
     if (!result)
         result = psplat_gltf_index(gltf, members[MESH], "mesh", gltf->mesh_count, &node->mesh);
-    if (!result) result = parse_transform(gltf, members, node->world);
+    if (!result) result = parse_transform(gltf, members, &transform, node->world);
     if (!result) node->children = members[CHILDREN];
     return result;
 }

@@ -206,7 +206,7 @@ psplat_result psplat_frame_draw_batches(psplat_frame *f, const psplat_camera *ca
             const psplat_model_batch *batch = &item->model->batches[k];
             const psplat_placement_desc desc = {
                 .transform = item->transform,
-                .model = batch->model,
+                .model = psplat_item_matrix(item, k),
                 .depth_tolerance = (double)batch->depth_tolerance,
                 .bounds_min = batch->bounds_min,
                 .bounds_max = batch->bounds_max,

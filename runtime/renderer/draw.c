@@ -122,7 +122,8 @@ static psplat_depth_span find_span(const psplat_frame *f) {
         for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
             const psplat_model_batch *batch = &f->items[i].model->batches[k];
             double scene[16], modelview[16];
-            psplat_camera_compose(f->items[i].transform, batch->model, scene);
+            psplat_camera_compose(f->items[i].transform, psplat_item_matrix(&f->items[i], k),
+                                  scene);
             psplat_matrix_multiply(f->view->view, scene, modelview);
             /* Epsilon of eq. (5) is at most twice the tolerance, at grazing angles. */
             double epsilon = 2.0 * (double)batch->depth_tolerance *
@@ -288,9 +289,15 @@ static psplat_result check(const psplat_renderer *renderer, const psplat_view *v
     if (!renderer || !view || (!items && item_count))
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                            "renderer, view and items must not be NULL");
-    for (size_t i = 0; i < item_count; ++i)
+    for (size_t i = 0; i < item_count; ++i) {
         if (!items[i].model)
             return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "item %zu has no model", i);
+        size_t batches = items[i].model->batch_count;
+        if (items[i].pose && (!psplat_pose_matrix(items[i].pose, batches - 1) ||
+                              psplat_pose_matrix(items[i].pose, batches)))
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "item %zu has a pose of another asset than its model", i);
+    }
     return check_view(renderer, view, error);
 }
 

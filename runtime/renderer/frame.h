@@ -25,6 +25,12 @@ typedef struct psplat_frame {
     psplat_error *error;         /* the caller's, may be NULL */
 } psplat_frame;
 
+/* Returns the matrix of a batch of an item: that of the item's pose or, without one, that at
+ * rest. */
+static inline const double *psplat_item_matrix(const psplat_item *item, size_t batch) {
+    return item->pose ? psplat_pose_matrix(item->pose, batch) : item->model->batches[batch].model;
+}
+
 /* ---- batches.c ---------------------------------------------------------------------------- */
 
 /* Draws all batches of all items with the options of key and those that each batch asks for, and

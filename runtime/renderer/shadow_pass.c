@@ -45,7 +45,8 @@ static box bounds_in(const psplat_frame *f, const double view[16]) {
         for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
             const psplat_model_batch *batch = &f->items[i].model->batches[k];
             double scene[16], m[16];
-            psplat_camera_compose(f->items[i].transform, batch->model, scene);
+            psplat_camera_compose(f->items[i].transform, psplat_item_matrix(&f->items[i], k),
+                                  scene);
             psplat_matrix_multiply(view, scene, m);
             for (int corner = 0; corner < 8; ++corner)
                 for (int row = 0; row < 3; ++row) {
@@ -157,7 +158,8 @@ static float largest_tolerance(const psplat_frame *f) {
         for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
             const psplat_model_batch *batch = &f->items[i].model->batches[k];
             double scene[16];
-            psplat_camera_compose(f->items[i].transform, batch->model, scene);
+            psplat_camera_compose(f->items[i].transform, psplat_item_matrix(&f->items[i], k),
+                                  scene);
             double scale = cbrt(fabs(psplat_matrix_determinant3(scene)));
             most = fmax(most, scale * (double)batch->depth_tolerance);
         }

@@ -64,5 +64,6 @@ int main(int argc, char **argv) {
     write_painted(argv[1], "painted.glb");
     write_file_by(argv[1], "tiled.glb", write_tiled_glb);
     write_file_by(argv[1], "still-life.glb", write_still_life);
+    write_file_by(argv[1], "clockwork.glb", write_clockwork);
     return failures ? 1 : 0;
 }

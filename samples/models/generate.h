@@ -98,6 +98,10 @@ int write_tiled_glb(const char *path);
 
 int write_still_life(const char *path);
 
+/* ---- clockwork.c: a scene that moves --------------------------------------------------------- */
+
+int write_clockwork(const char *path);
+
 /* ---- png.c: an RGB picture as PNG with stored deflate blocks; *size bytes, malloc'ed -------- */
 
 uint8_t *make_png(const uint8_t *rgb, uint32_t width, uint32_t height, size_t *size);

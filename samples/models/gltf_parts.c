@@ -111,6 +111,17 @@ int add_indices(scene *g, const solid *s) {
     return add_accessor(g, begin, INDICES, UNSIGNED_SHORT, "SCALAR", s->triangle_count * 3, "");
 }
 
+int add_numbers(scene *g, const double *values, size_t count, int components) {
+    static const char *const types[] = {"", "SCALAR", "", "VEC3", "VEC4"};
+    size_t begin = g->buffer.size, last = count * (size_t)components - 1;
+    char more[128] = "";
+    for (size_t i = 0; i <= last; ++i) put_float(&g->buffer, (float)values[i]);
+    if (components == 1)
+        snprintf(more, sizeof more, ",\"min\":[%.9g],\"max\":[%.9g]", (double)(float)values[0],
+                 (double)(float)values[last]);
+    return add_accessor(g, begin, 0, FLOAT, types[components], count, more);
+}
+
 void print_tables(bytes *json, const scene *g) {
     put(json, ",\"accessors\":[", 14);
     put(json, g->accessors.data, g->accessors.size);

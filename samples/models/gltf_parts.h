@@ -32,6 +32,9 @@ int add_normals(scene *g, const solid *s);
 int add_texcoords(scene *g, const solid *s);
 int add_colors(scene *g, const solid *s);
 int add_indices(scene *g, const solid *s);
+/* Adds count elements of 1, 3 or 4 components for an animation. Those of one component are times,
+ * in ascending order. */
+int add_numbers(scene *g, const double *values, size_t count, int components);
 /* Prints accessors, bufferViews, and buffers up to its uri or its end. */
 void print_tables(bytes *json, const scene *g);
 /* Writes a GLB file. Unlike print_tables it adds nothing to json, which must be complete. */

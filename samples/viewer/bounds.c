@@ -139,13 +139,31 @@ static void visit_splat(const psplat_splat *s, const double m[16], extent *e,
     if (outline.count && rings > 1) visit_point(s, m, middle[0], middle[1], e, visit);
 }
 
-static void visit_all(const psplat_asset *asset, extent *e,
-                      void (*visit)(extent *e, const double p[3])) {
+static void visit_pose(const psplat_asset *asset, const psplat_pose *pose, extent *e,
+                       void (*visit)(extent *e, const double p[3])) {
     for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
         const psplat_batch *batch = psplat_asset_batch(asset, b);
-        for (size_t i = 0; i < batch->splat_count; ++i)
-            visit_splat(&batch->splats[i], batch->model, e, visit);
+        const double *m = pose ? psplat_pose_matrix(pose, b) : batch->model;
+        for (size_t i = 0; i < batch->splat_count; ++i) visit_splat(&batch->splats[i], m, e, visit);
     }
+}
+
+/* Visits the splats at rest and at some times of the first animations, so that these stay in the
+ * picture. */
+static void visit_all(const psplat_asset *asset, extent *e,
+                      void (*visit)(extent *e, const double p[3])) {
+    enum { TIMES = 8, ANIMATIONS = 4 };
+    psplat_pose *pose = NULL;
+    size_t count = psplat_asset_animation_count(asset);
+    visit_pose(asset, NULL, e, visit);
+    if (!count || psplat_pose_create(asset, &pose, NULL)) return;
+    for (size_t i = 0; i < count && i < ANIMATIONS; ++i)
+        for (int k = 0; k <= TIMES; ++k) {
+            double duration = psplat_asset_get_animation(asset, i)->duration;
+            if (!psplat_pose_set(pose, i, duration * k / TIMES, NULL))
+                visit_pose(asset, pose, e, visit);
+        }
+    psplat_pose_destroy(pose);
 }
 
 sphere bounds_of(const psplat_asset *asset) {

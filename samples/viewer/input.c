@@ -59,6 +59,29 @@ static void act_turntable(viewer *v, int value) {
     v->needs_redraw = 1;
 }
 
+static void act_pause(viewer *v, int value) {
+    (void)value;
+    if (!animation_count(&v->shown)) {
+        overlay_say(v, "no animations");
+        return;
+    }
+    v->settings.is_paused = !v->settings.is_paused;
+    overlay_say(v, v->settings.is_paused ? "paused" : "playing");
+}
+
+static void act_animation(viewer *v, int value) {
+    int count = animation_count(&v->shown);
+    if (!count) {
+        overlay_say(v, "no animations");
+        return;
+    }
+    v->animation = (v->animation + value) % count;
+    v->played = 0;
+    animation_pose(&v->shown, v->animation, 0);
+    overlay_say(v, "animation %d of %d: %.200s", v->animation + 1, count,
+                animation_name(&v->shown, v->animation));
+}
+
 static void say_choice(viewer *v, const char *what, const char *name) {
     overlay_say(v, "%s: %s", what, name);
     changed(v);
@@ -191,6 +214,8 @@ const key_binding key_bindings[] = {
     {GLFW_KEY_Z, SHIFT, NULL, NULL, act_axis, 5, 0},
     {GLFW_KEY_P, 0, "P", "perspective, orthographic", act_orthographic, 0, 0},
     {GLFW_KEY_SPACE, 0, "Space", "turntable", act_turntable, 0, 0},
+    {GLFW_KEY_K, 0, "K", "animation: pause, play", act_pause, 0, 0},
+    {GLFW_KEY_N, 0, "N", "next animation", act_animation, 1, 0},
     GAP,
     {GLFW_KEY_M, 0, "M", "mode: phong, gaussian, flat", act_mode, 1, 0},
     {GLFW_KEY_1, 0, "1 2 3", "lit, unlit, toon", act_shading, PSPLAT_SHADING_LIT, 0},

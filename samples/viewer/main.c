@@ -76,6 +76,9 @@ static psplat_result take_loads(viewer *v, psplat_error *error) {
         int width, height;
         shown_change change = shown_assets_take(&v->shown, l);
         window_size(v->window, &width, &height);
+        if (change == SHOWN_OPENED) v->animation = 0;
+        if (change == SHOWN_OPENED) v->played = 0;
+        animation_pose(&v->shown, v->animation, v->played);
         if (change == SHOWN_OPENED)
             orbit_fit(&v->orbit, &v->shown.bounds, height ? (double)width / height : 1);
         v->is_cold = v->needs_redraw = 1;
@@ -112,9 +115,10 @@ static void update_title(viewer *v) {
 /* Waits until something happens or, while something is due by itself, until it is due. */
 static void wait_for_events(viewer *v) {
     int is_due = v->is_title_late || v->message_end > 0;
-    window_wait(v->window, v->needs_redraw || v->settings.is_turning ? 0
-                           : is_due                                  ? title_seconds
-                                                                     : idle_seconds);
+    int is_moving = v->settings.is_turning || animation_is_playing(v);
+    window_wait(v->window, v->needs_redraw || is_moving ? 0
+                           : is_due                     ? title_seconds
+                                                        : idle_seconds);
 }
 
 static psplat_result loop(viewer *v, psplat_error *error) {
@@ -123,6 +127,7 @@ static psplat_result loop(viewer *v, psplat_error *error) {
         wait_for_events(v);
         result = take_loads(v, error);
         if (v->settings.is_turning) turn(v);
+        animation_advance(v, window_seconds());
         update_overlay(v);
         if (!result && v->needs_redraw) result = draw(v, error);
         update_title(v);

@@ -56,7 +56,7 @@ void shown_assets_arrange(shown_assets *s) {
         if (!entry->model) continue;
         psplat_item *item = &s->items[s->item_count];
         sphere bounds = entry->bounds;
-        *item = (psplat_item){.model = entry->model};
+        *item = (psplat_item){.model = entry->model, .pose = entry->pose};
         if (s->is_side_by_side)
             place_on_row(&entry->bounds, 2.1 * (double)s->item_count, item->transform, &bounds);
         if (s->item_count++)
@@ -69,16 +69,34 @@ void shown_assets_arrange(shown_assets *s) {
 
 /* ---- loads -------------------------------------------------------------------------------- */
 
+static void free_pose(shown_asset *entry) {
+    psplat_pose_destroy(entry->pose);
+    psplat_asset_destroy(entry->asset);
+    entry->pose = NULL;
+    entry->asset = NULL;
+}
+
+/* Keeps the asset where it has animations, for its pose. */
+static void take_pose(shown_asset *entry, loaded_file *file) {
+    free_pose(entry);
+    if (!psplat_asset_animation_count(file->asset)) return;
+    if (psplat_pose_create(file->asset, &entry->pose, NULL)) return;
+    decoded_images_free(file);
+    entry->asset = file->asset;
+    file->asset = NULL;
+}
+
 static void free_entries(shown_assets *s, shown_asset *entries, size_t count) {
     for (size_t i = 0; i < count; ++i) {
         psplat_model_destroy(s->renderer, entries[i].model);
+        free_pose(&entries[i]);
         free(entries[i].path);
     }
     free(entries);
 }
 
 /* Replaces the entry's model where the file could be opened, else notes the error. */
-static void update_entry(shown_assets *s, shown_asset *entry, const loaded_file *file) {
+static void update_entry(shown_assets *s, shown_asset *entry, loaded_file *file) {
     psplat_model *model = NULL;
     entry->error = file->error;
     if (!file->asset) return;
@@ -91,9 +109,10 @@ static void update_entry(shown_assets *s, shown_asset *entry, const loaded_file 
     entry->bounds = file->bounds;
     entry->splat_count = file->splat_count;
     entry->error = (psplat_error){0};
+    take_pose(entry, file);
 }
 
-static shown_change reload(shown_assets *s, const load *l) {
+static shown_change reload(shown_assets *s, load *l) {
     for (size_t i = 0; i < l->count; ++i)
         for (size_t k = 0; k < s->entry_count; ++k)
             if (!strcmp(s->entries[k].path, l->files[i].path))
@@ -110,7 +129,7 @@ static shown_change refuse(shown_assets *s, const char *path, const psplat_error
 }
 
 /* Shows a new set of files. A set of which no file can be shown changes nothing but the error. */
-static shown_change replace(shown_assets *s, const load *l) {
+static shown_change replace(shown_assets *s, load *l) {
     shown_asset *entries = calloc(l->count, sizeof *entries);
     psplat_item *items = calloc(l->count, sizeof *items);
     size_t shown = 0;

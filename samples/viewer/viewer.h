@@ -33,6 +33,7 @@ typedef struct settings {
     int is_orthographic;
     int is_smooth;  /* four samples a pixel */
     int is_turning; /* the turntable turns */
+    int is_paused;  /* animations stand still */
 } settings;
 
 /* The names are used on the command line, in the title and in messages. Each list ends with NULL.
@@ -73,7 +74,8 @@ int report_error(const char *subject, const psplat_error *error);
 
 /* ---- bounds.c ------------------------------------------------------------------------------- */
 
-/* Returns a sphere around the visible parts of the asset's splats. Unlike psplat_asset_bounds it
+/* Returns a sphere around the visible parts of the asset's splats, at rest and at some times of its
+ * animations. Unlike psplat_asset_bounds it
  * leaves out what their clip lines cut away. */
 sphere bounds_of(const psplat_asset *asset);
 
@@ -130,6 +132,8 @@ void load_destroy(load *l); /* NULL is accepted */
 typedef struct shown_asset {
     char *path;
     psplat_model *model; /* NULL: never opened successfully */
+    psplat_asset *asset; /* of the pose, NULL without animations */
+    psplat_pose *pose;   /* NULL: at rest */
     sphere bounds;
     size_t splat_count;
     psplat_error error; /* of the latest load; code 0: none */
@@ -161,6 +165,17 @@ const psplat_error *shown_assets_error(const shown_assets *s, const char **path)
 const char *shown_asset_name(const char *path); /* the path's last part */
 /* Returns what hands the images of shown->uploading to the renderer. */
 psplat_images decoded_images(shown_assets *shown);
+
+/* ---- animation.c: what plays ---------------------------------------------------------------- */
+
+/* Returns the greatest number of animations of a file. */
+int animation_count(const shown_assets *s);
+const char *animation_name(const shown_assets *s, int index);
+int animation_is_playing(const viewer *v);
+/* Poses all files after so many seconds of their animation of this index, which repeats. */
+void animation_pose(shown_assets *s, int index, double seconds);
+/* Lets what plays go on to the time that window_seconds tells. */
+void animation_advance(viewer *v, double now);
 
 /* ---- orbit.c: the camera -------------------------------------------------------------------- */
 
@@ -336,6 +351,9 @@ struct viewer {
     double message_end;
     char title[512];
     int is_title_late;            /* set too shortly ago to be set again */
+    int animation;                /* index of what plays */
+    double played;                /* its seconds so far */
+    double play_time;             /* when it last went on */
     double title_time, turn_time; /* when the title was set and the turntable last turned */
     double pick[2];               /* where the double click was, for orbit_aim */
     int has_pick;

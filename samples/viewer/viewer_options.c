@@ -30,6 +30,7 @@ static const row table[] = {
     {"background", "NAME", NULL, backdrop_names, AT(settings.backdrop)},
     {"environment", NULL, "lit by a hazy sky, too", NULL, AT(settings.has_environment)},
     {"smooth", NULL, "smooth edges: four samples a pixel", NULL, AT(settings.is_smooth)},
+    {"paused", NULL, "animations stand still until K is pressed", NULL, AT(settings.is_paused)},
     {"screenshots", "DIR", "where screenshots go; default: beside the asset", NULL,
      AT(screenshots)},
     {"gles", NULL, "a context of GLES 3.0 instead of GL 3.3", NULL, AT(is_gles)},

@@ -177,6 +177,27 @@ static void check_batch(const psplat_batch *batch, const psplat_asset *asset) {
     }
 }
 
+/* Plays each animation: at its ends, beyond them and in between. Where a pose is refused it is at
+ * rest. */
+static void check_animations(const psplat_asset *asset) {
+    size_t count = psplat_asset_animation_count(asset);
+    psplat_pose *pose = NULL;
+    FUZZ_DEMAND(!psplat_asset_get_animation(asset, count));
+    if (psplat_pose_create(asset, &pose, NULL)) return; /* the allocator may fail */
+    for (size_t i = 0; i < count && i < 16; ++i) {
+        const psplat_animation *animation = psplat_asset_get_animation(asset, i);
+        FUZZ_DEMAND(animation->duration >= 0 && isfinite(animation->duration));
+        FUZZ_DEMAND(strlen(animation->name) < SIZE_MAX);
+        for (int part = -1; part < 10; ++part) {
+            psplat_error error = {0};
+            psplat_result result = psplat_pose_set(pose, i, animation->duration * part / 8, &error);
+            FUZZ_DEMAND(!result || (result == PSPLAT_ERROR_RANGE && error.text[0]));
+            for (int k = 0; k < 16; ++k) FUZZ_DEMAND(isfinite(psplat_pose_matrix(pose, 0)[k]));
+        }
+    }
+    psplat_pose_destroy(pose);
+}
+
 static void check_asset(const psplat_asset *asset) {
     size_t count = psplat_asset_batch_count(asset);
     FUZZ_DEMAND(count > 0 && !psplat_asset_batch(asset, count));
@@ -186,6 +207,7 @@ static void check_asset(const psplat_asset *asset) {
         if (i < 16) check_batch(batch, asset); /* further instances share their splats */
     }
     check_images(asset);
+    check_animations(asset);
     double min[3], max[3];
     psplat_asset_bounds(asset, min, max);
     for (int i = 0; i < 3; ++i)

@@ -41,6 +41,37 @@ static void check_nodes(const psplat_scene *scene) {
     check_index(scene->default_scene, scene->scene_count);
 }
 
+static void check_track(const psplat_scene_track *track) {
+    FUZZ_DEMAND(track->count && track->components != 2 && track->components <= 4);
+    for (size_t i = 0; i < track->count * track->components; ++i)
+        FUZZ_DEMAND(isfinite(track->values[i]));
+    for (size_t i = 1; i < track->count && track->components == 1; ++i)
+        FUZZ_DEMAND(track->values[i - 1] >= 0 && track->values[i] > track->values[i - 1]);
+}
+
+/* Animations refer to what there is, and to nodes without a matrix. */
+static void check_animations(const psplat_scene *scene) {
+    for (size_t i = 0; i < scene->track_count; ++i) check_track(&scene->tracks[i]);
+    for (size_t i = 0; i < scene->animation_count; ++i) {
+        const psplat_scene_animation *animation = &scene->animations[i];
+        FUZZ_DEMAND(animation->channel_count);
+        for (size_t k = 0; k < animation->sampler_count; ++k) {
+            const psplat_scene_sampler *s = &animation->samplers[k];
+            size_t each = s->interpolation == PSPLAT_SCENE_CUBICSPLINE ? 3 : 1;
+            FUZZ_DEMAND(s->times < scene->track_count && s->values < scene->track_count);
+            FUZZ_DEMAND(scene->tracks[s->times].components == 1);
+            FUZZ_DEMAND(scene->tracks[s->values].count == each * scene->tracks[s->times].count);
+        }
+        for (size_t k = 0; k < animation->channel_count; ++k) {
+            const psplat_scene_channel *channel = &animation->channels[k];
+            FUZZ_DEMAND(channel->sampler < animation->sampler_count);
+            FUZZ_DEMAND(channel->node < scene->node_count);
+            FUZZ_DEMAND(scene->nodes[channel->node].is_animated);
+            FUZZ_DEMAND(!scene->nodes[channel->node].has_matrix);
+        }
+    }
+}
+
 static void check_groups(const psplat_scene *scene) {
     for (size_t i = 0; i < scene->mesh_count; ++i) {
         const psplat_mesh *mesh = &scene->meshes[i].mesh;
@@ -103,6 +134,7 @@ static void write_and_open(const psplat_scene *scene, const psplat_splats *splat
 
 static void use_scene(const psplat_scene *scene) {
     check_nodes(scene);
+    check_animations(scene);
     check_groups(scene);
     check_instances(scene);
     size_t count = scene->mesh_count;

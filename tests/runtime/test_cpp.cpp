@@ -18,10 +18,12 @@
 #include <vector>
 
 #define FUNCTIONS(X)                                                                               \
+    X(psplat_asset_animation_count)                                                                \
     X(psplat_asset_batch)                                                                          \
     X(psplat_asset_batch_count)                                                                    \
     X(psplat_asset_bounds)                                                                         \
     X(psplat_asset_destroy)                                                                        \
+    X(psplat_asset_get_animation)                                                                  \
     X(psplat_asset_get_image)                                                                      \
     X(psplat_asset_image_count)                                                                    \
     X(psplat_asset_open)                                                                           \
@@ -43,6 +45,12 @@
     X(psplat_model_create)                                                                         \
     X(psplat_model_describe)                                                                       \
     X(psplat_model_destroy)                                                                        \
+    X(psplat_pose_bounds)                                                                          \
+    X(psplat_pose_create)                                                                          \
+    X(psplat_pose_destroy)                                                                         \
+    X(psplat_pose_matrix)                                                                          \
+    X(psplat_pose_rest)                                                                            \
+    X(psplat_pose_set)                                                                             \
     X(psplat_reference_draw)                                                                       \
     X(psplat_renderer_create)                                                                      \
     X(psplat_renderer_destroy)                                                                     \

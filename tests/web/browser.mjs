@@ -54,9 +54,10 @@ export async function open(browser, url) {
     return page;
 }
 
-/** Draws a file by the C runtime with the camera of a picture. Returns RGB, row 0 on top. */
-export function drawNative(program, path, out, picture, shading) {
-    const numbers = [...picture.view, ...picture.projection].map(String);
+/** Draws a file by the C runtime with the camera of a picture, at rest or at a time of an animation. Returns RGB, row 0
+ *  on top. */
+export function drawNative(program, path, out, picture, shading, pose = []) {
+    const numbers = [...picture.view, ...picture.projection, ...pose].map(String);
     // With sanitizers, leaks are the business of the runtime's own tests: beside a graphics driver their search may fail.
     const env = { ...process.env, ASAN_OPTIONS: 'detect_leaks=0:intercept_tls_get_addr=0' };
     execFileSync(program, [path, out, String(picture.width), String(picture.height), shading, ...numbers], { env });

@@ -4,6 +4,9 @@
  * with what a browser draws. The background is black, the light that of `phongsplat render`.
  *
  *     draw_native IN.glb OUT.ppm WIDTH HEIGHT SHADING VIEW (16 numbers) PROJECTION (16 numbers)
+ *                 [ANIMATION TIME]
+ *
+ * The last two are an index and seconds, and draw the asset in that pose.
  */
 #include "decode_image.h"
 
@@ -14,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FIXED_ARGUMENTS = 6, MAX_SIDE = 4096 };
+enum { FIXED_ARGUMENTS = 6, CAMERA_ARGUMENTS = FIXED_ARGUMENTS + 32, MAX_SIDE = 4096 };
 
 static const char *const shadings[] = {
 #define NAME(name, file, reads) #file,
@@ -70,8 +73,9 @@ static int write_ppm(const char *path, const psplat_view *view, const uint8_t *r
     return 0;
 }
 
-static int draw(const char *path, const psplat_view *view, psplat_host *host, uint8_t *rgba,
-                psplat_error *error) {
+/* pose_arguments are an animation and a time, or NULL. */
+static int draw(const char *path, char **pose_arguments, const psplat_view *view, psplat_host *host,
+                uint8_t *rgba, psplat_error *error) {
     const float black[4] = {0, 0, 0, 1};
     const psplat_asset_desc asset_desc = {.only_draws = 1};
     const psplat_renderer_desc desc = {
@@ -79,15 +83,21 @@ static int draw(const char *path, const psplat_view *view, psplat_host *host, ui
     psplat_asset *asset = NULL;
     psplat_renderer *renderer = NULL;
     psplat_model *model = NULL;
+    psplat_pose *pose = NULL;
     int result = psplat_asset_open(path, &asset_desc, &asset, error) ||
                  psplat_renderer_create(&desc, &renderer, error) ||
                  psplat_model_create(renderer, asset, &model, error) ||
                  psplat_host_begin(host, view->width, view->height, 0, black, error);
-    const psplat_item item = {.model = model};
+    if (!result && pose_arguments)
+        result =
+            psplat_pose_create(asset, &pose, error) ||
+            psplat_pose_set(pose, (size_t)atoi(pose_arguments[0]), atof(pose_arguments[1]), error);
+    const psplat_item item = {.model = model, .pose = pose};
     result = result || psplat_draw(renderer, view, &item, 1, error) ||
              psplat_host_read_rgba8(host, rgba, error);
     if (renderer) psplat_model_destroy(renderer, model);
     psplat_renderer_destroy(renderer);
+    psplat_pose_destroy(pose);
     psplat_asset_destroy(asset);
     return result;
 }
@@ -96,14 +106,15 @@ int main(int argc, char **argv) {
     psplat_error error = {0};
     psplat_view view = {0};
     psplat_host *host = NULL;
-    if (argc != FIXED_ARGUMENTS + 32 || !read_view(argv, &view))
+    if ((argc != CAMERA_ARGUMENTS && argc != CAMERA_ARGUMENTS + 2) || !read_view(argv, &view))
         return fprintf(stderr, "usage: draw_native IN.glb OUT.ppm WIDTH HEIGHT SHADING VIEW "
-                               "PROJECTION\n"),
+                               "PROJECTION [ANIMATION TIME]\n"),
                1;
     uint8_t *rgba = malloc((size_t)view.width * (size_t)view.height * 4);
     if (!rgba) return fprintf(stderr, "draw_native: no memory\n"), 1;
     int result = psplat_host_create(PSPLAT_API_GL, 1, &host, &error) ||
-                 draw(argv[1], &view, host, rgba, &error);
+                 draw(argv[1], argc > CAMERA_ARGUMENTS ? argv + CAMERA_ARGUMENTS : NULL, &view,
+                      host, rgba, &error);
     result = result ? fail(&error) : write_ppm(argv[2], &view, rgba);
     psplat_host_destroy(host);
     free(rgba);

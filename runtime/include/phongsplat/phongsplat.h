@@ -162,8 +162,58 @@ PSPLAT_EXPORT size_t psplat_asset_image_count(const psplat_asset *asset);
 PSPLAT_EXPORT const psplat_asset_image *psplat_asset_get_image(const psplat_asset *asset,
                                                                size_t index);
 
-/* Computes an axis-aligned box around all batches in scene space. */
+/* Computes an axis-aligned box around all batches in scene space, at rest. */
 PSPLAT_EXPORT void psplat_asset_bounds(const psplat_asset *asset, double min[3], double max[3]);
+
+/* ---- animations ------------------------------------------------------------------------- */
+
+/* An animation of an asset: it moves nodes of the scene, and with them the batches that they place.
+ * Splats are rigid. It is valid until the asset is destroyed. */
+typedef struct psplat_animation {
+    const char *name;     /* "" where the file gives none */
+    double duration;      /* the time of its last key, seconds; the first may be later than 0 */
+    size_t channel_count; /* that move the translation, the rotation or the scale of a node */
+} psplat_animation;
+
+/* Return the number of animations and one of them, in the order of the file. An asset that is NULL
+ * has none, and psplat_asset_get_animation returns NULL where index is not below the number. */
+PSPLAT_EXPORT size_t psplat_asset_animation_count(const psplat_asset *asset);
+PSPLAT_EXPORT const psplat_animation *psplat_asset_get_animation(const psplat_asset *asset,
+                                                                 size_t index);
+
+/* Where all batches of an asset are at one time of one of its animations. An item is drawn in its
+ * pose, so that one model may be in many poses at once. */
+typedef struct psplat_pose psplat_pose;
+
+/* Makes a pose of an asset, which must outlive it; models need not be there. It begins at rest, as
+ * the file's nodes stand: batches are where psplat_batch.model says. On success *pose belongs to
+ * the caller, who destroys it; on failure it is NULL. A pose is for one thread at a time, and poses
+ * of one asset are independent. Errors: ARGUMENT, MEMORY. */
+PSPLAT_EXPORT psplat_result psplat_pose_create(const psplat_asset *asset, psplat_pose **pose,
+                                               psplat_error *error);
+
+/* Destroys a pose. NULL is accepted. */
+PSPLAT_EXPORT void psplat_pose_destroy(psplat_pose *pose);
+
+/* Moves everything to where it is at a time of an animation, seconds (glTF 2.0 appendix C): what
+ * the animation does not move is at rest. Before its first key a channel has the value of that key,
+ * after its last key the value of that one; a host that wants a loop passes fmod(time, duration).
+ * Nothing is allocated. Errors: ARGUMENT (there is no such animation, or time is not finite), RANGE
+ * (the file's numbers are so large that something leaves what a double can hold; then the pose is
+ * at rest). */
+PSPLAT_EXPORT psplat_result psplat_pose_set(psplat_pose *pose, size_t animation, double time,
+                                            psplat_error *error);
+
+/* Moves everything back to rest. */
+PSPLAT_EXPORT void psplat_pose_rest(psplat_pose *pose);
+
+/* Returns the matrix of a batch, 16 numbers, that stands for psplat_batch.model in this pose, or
+ * NULL where there is no such batch. It is valid until the pose is destroyed, and follows it. A
+ * matrix may be singular, where a scale is 0: then the batch is not drawn. */
+PSPLAT_EXPORT const double *psplat_pose_matrix(const psplat_pose *pose, size_t batch);
+
+/* Computes an axis-aligned box around all batches in scene space, in this pose. */
+PSPLAT_EXPORT void psplat_pose_bounds(const psplat_pose *pose, double min[3], double max[3]);
 
 /* ---- renderer --------------------------------------------------------------------------- */
 
@@ -239,10 +289,10 @@ typedef struct psplat_memory {
  * NULL. */
 PSPLAT_EXPORT psplat_memory psplat_renderer_memory(const psplat_renderer *renderer);
 
-/* Uploads an asset, which is not needed after the call. On success *model belongs to the caller,
- * who destroys it; on failure it is NULL. Errors: ARGUMENT, MEMORY (of the allocator or of GL),
- * RANGE (a primitive has more splats, or an image more pixels, than GL's largest texture holds),
- * GRAPHICS, and those of psplat_images.load. */
+/* Uploads an asset, which is not needed after the call but for poses. On success *model belongs to
+ * the caller, who destroys it; on failure it is NULL. Errors: ARGUMENT, MEMORY (of the allocator or
+ * of GL), RANGE (a primitive has more splats, or an image more pixels, than GL's largest texture
+ * holds), GRAPHICS, and those of psplat_images.load. */
 PSPLAT_EXPORT psplat_result psplat_model_create(psplat_renderer *renderer,
                                                 const psplat_asset *asset, psplat_model **model,
                                                 psplat_error *error);
@@ -387,6 +437,7 @@ typedef struct psplat_view {
 typedef struct psplat_item {
     psplat_model *model;
     double transform[16];
+    const psplat_pose *pose; /* of the model's asset; NULL: at rest */
 } psplat_item;
 
 /* Draws items into the framebuffer that is bound for drawing, which may have any colour and depth

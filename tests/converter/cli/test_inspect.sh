@@ -39,6 +39,19 @@ expect_output '^PSPLAT_surface_splats:TURN +1 unsigned (byte|short) +[0-9]+ +[0-
 expect_output '^bounds '
 expect_output '^batch 0: '
 
+# Animations are listed with their names, seconds and channels.
+run "$PHONGSPLAT" convert "$SOURCE_DIR/samples/models/clockwork.glb" clockwork.glb -t 2 --effort 0 -q
+expect_success
+run "$PHONGSPLAT" inspect clockwork.glb
+expect_success
+expect_output '^animation +seconds +channels$'
+expect_output '^0 tick +2 +2$'
+expect_output '^1 bounce +1 +2$'
+expect_output '^2 turn +4 +1$'
+run "$PHONGSPLAT" inspect clockwork.glb --format json
+node -e 'const { animations } = JSON.parse(require("fs").readFileSync("stdout.txt")); require("assert").deepStrictEqual(animations, [
+    { name: "tick", duration: 2, channels: 2 }, { name: "bounce", duration: 1, channels: 2 }, { name: "turn", duration: 4, channels: 1 }])' || fail "animations"
+
 # A mesh that is placed twice is stored once.
 node - "$SOURCE_DIR/schema/minimal.gltf" <<'JS'
 const fs = require('fs'), gltf = JSON.parse(fs.readFileSync(process.argv[2], 'utf8'));

@@ -98,7 +98,7 @@ for model in still-life.glb scan.xyz; do
         for (let i = 0; i < 3072; ++i) shown += Math.max(...p.at(i % 64, i >> 6)) > 0;
         if (shown < 200) throw Error(shown + " pixels")' || fail "$model: nothing to see"
 done
-for option in '--shading normal' '--mode flat' --shadows --no-filter; do
+for option in '--shading normal' '--mode flat' --shadows --no-filter '--time 1' '--animation 0'; do
     run "$PHONGSPLAT" render cube.obj out/none.png $option --software
     expect_error 1 'is for splats, not for a mesh'
 done
@@ -107,6 +107,38 @@ run "$PHONGSPLAT" render bad.obj out/none.png --software
 expect_error 3 'bad.obj: line 1'
 mv out/splats.png out/x.png
 rm out/mesh.png
+
+# Poses of an animation, by index and by name: the ball is up after half a second of `bounce`, so that where it lay there is
+# the background, and back at the end and after it. The camera is the same at all times.
+run "$PHONGSPLAT" convert "$SOURCE_DIR/samples/models/clockwork.glb" clockwork.glb -t 2 --effort 0 --no-creases -q
+expect_success
+for pose in '--animation bounce' '--animation 1 --time 0.5' '--animation bounce --time 1' '--animation 1 --time 77' '--time 0.25' '--animation tick --time 0.25'; do
+    run "$PHONGSPLAT" render clockwork.glb out/pose.png -w --software --size 160x120 $pose
+    expect_success
+    mv out/pose.png "pose$(echo "$pose" | tr -d ' ')".png
+done
+cmp pose--animationbounce.png pose--animationbounce--time1.png || fail "a bounce does not end where it begins"
+cmp pose--animationbounce.png pose--animation1--time77.png || fail "after its end an animation does not stand still"
+cmp pose--time0.25.png pose--animationtick--time0.25.png || fail "the first animation is not the default"
+! cmp -s pose--animationbounce.png pose--animation1--time0.5.png || fail "nothing moves"
+node - <<'JS' || fail "the stand moves, or the ball does not"
+const read = name => require(process.env.SOURCE_DIR + '/tests/support/png.js')(name);
+const low = read('pose--animationbounce.png'), high = read('pose--animation1--time0.5.png');
+const red = ([r, g, b]) => r > 1.5 * b, rows = p => { let sum = 0, n = 0, left = [];
+    for (let i = 0; i < 19200; ++i) if (red(p.at(i % 160, i / 160 | 0))) i % 160 < 75 ? left.push(i) : (sum += i / 160 | 0, ++n);
+    return { middle: sum / n, left }; };
+const a = rows(low), b = rows(high);
+if (!(a.middle - b.middle > 15)) throw Error(`${a.middle} ${b.middle}`);
+if (!a.left.length || a.left.join() !== b.left.join()) throw Error('the bob has moved');
+JS
+for pose in '--animation fall' '--animation 3' '--animation -1' '--animation 1x' '--animation ='; do
+    run "$PHONGSPLAT" render clockwork.glb out/none.png --software $pose
+    expect_error 1 'animation: the file has no such animation'
+done
+run "$PHONGSPLAT" render cube.glb out/none.png --software --time 0
+expect_error 1 'time: the file has no such animation'
+run "$PHONGSPLAT" render clockwork.glb out/none.png --software --time nan
+expect_error 1 'time'
 
 # Without graphics there is one line of error, whatever the driver prints.
 for setting in __EGL_VENDOR_LIBRARY_FILENAMES LIBGL_DRIVERS_PATH; do

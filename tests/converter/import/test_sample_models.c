@@ -30,6 +30,8 @@ static const struct {
     {"painted.glb", 2160, 4224, 0, 0},     /* an open tube, two rings */
     {"scan.xyz", 1200, 2386, 1, 0},        /* a bowl */
     {"still-life.glb", 3516, 7000, 16, 1}, /* a table, three cups, two pears, two dice */
+    {"clockwork.glb", 348, 676, 10, 1},    /* three boxes, two balls */
+    {"tiled.glb", 1298, 2592, 2, 1},
 };
 
 /* An edge and its two triangles. */

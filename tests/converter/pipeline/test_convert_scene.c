@@ -9,6 +9,7 @@
 #include "import/read_scene.h"
 #include "pipeline/convert_scene.h"
 #include "pipeline/schedule.h"
+#include "scene/instances.h"
 #include "scene/scene.h"
 #include "select/conversion.h"
 #include "splats/splats.h"
@@ -41,6 +42,42 @@ static psplat_scene make_scene(void) {
     unlink(fixture_path);
     if (result) fail_msg("%s", error.text);
     return scene;
+}
+
+/* Where an animation enlarges a node, the meshes below it are converted as finely as they are then
+ * seen, also where nothing is seen of them at rest. Lengths are those of the box at rest. */
+static void test_animated_scales(void **state) {
+    (void)state;
+    static const float times[2] = {0, 1}, scales[6] = {1, 1, 1, -4, 1, 2};
+    static const float spline[18] = {99, 99, 99, 3, 3, 3, 99, 99, 99,
+                                     99, 99, 99, 1, 1, 1, 99, 99, 99};
+    psplat_scene scene;
+    psplat_error error = {0};
+    gltf g = tetrahedron();
+    add(&g, times, sizeof times, FLOAT, "SCALAR", 2, "");
+    add(&g, scales, sizeof scales, FLOAT, "VEC3", 2, "");
+    add(&g, spline, sizeof spline, FLOAT, "VEC3", 6, "");
+    const char *text = finish(
+        &g, "\"scenes\":[{\"nodes\":[0,2,3]}],\"nodes\":[{\"children\":[1],\"scale\":[2,2,2]},"
+            "{\"mesh\":0},{\"mesh\":1,\"scale\":[0,0,0]},{\"mesh\":3}]," THREE
+            ",\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"node\":1,\"path\":"
+            "\"scale\"}},{\"sampler\":1,\"target\":{\"node\":2,\"path\":\"scale\"}},"
+            "{\"sampler\":0,\"target\":{\"node\":3,\"path\":\"translation\"}}],\"samplers\":["
+            "{\"input\":2,\"output\":3},{\"input\":2,\"output\":4,\"interpolation\":"
+            "\"CUBICSPLINE\"}]}]");
+    write_bytes("s.gltf", text, strlen(text));
+    psplat_result result = psplat_scene_read(fixture_path, NULL, &scene, &error);
+    unlink(fixture_path);
+    if (result) fail_msg("%s", error.text);
+    double lengths[4], diagonal;
+    assert_int_equal(psplat_scene_lengths(&scene, lengths, &diagonal, &error), 0);
+    assert_near(diagonal, 2 * sqrt(3), 1e-6); /* the first at rest */
+    assert_near(lengths[0], diagonal / 8, 1e-6);
+    assert_near(lengths[1], diagonal / 3, 1e-6);
+    assert_near(lengths[3], diagonal, 1e-6);
+    for (size_t i = 0; i < scene.warning_count; ++i)
+        assert_null(strstr(scene.warnings[i], "flatten"));
+    psplat_scene_free(&scene);
 }
 
 static void test_tolerances(void **state) {
@@ -204,6 +241,7 @@ static void test_warns_of_baked_textures(void **state) {
 int test_convert_scene_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_warns_of_baked_textures),
+        cmocka_unit_test(test_animated_scales),
         cmocka_unit_test(test_tolerances),
         cmocka_unit_test(test_opened),
         cmocka_unit_test(test_progress),

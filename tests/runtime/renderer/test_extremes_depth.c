@@ -101,7 +101,7 @@ static void test_two_models(void **state) {
     camera_look(&e.view, (double[]){0, 0, 0}, (double[]){0, 0, -1});
     camera_perspective(&e.view, 60, 1e-3, 1e4);
     e.view.shading = PSPLAT_SHADING_UNLIT;
-    psplat_item items[2] = {{model, {0}}, {model, {0}}};
+    psplat_item items[2] = {{.model = model}, {.model = model}};
     const double at[2][4] = {{1, -0.9, 0, -3}, {300, 300, 0, -900}}; /* scale, x, y, z */
     for (int k = 0; k < 2; ++k) {
         for (int i = 0; i < 3; ++i) items[k].transform[5 * i] = at[k][0];
