@@ -13,7 +13,6 @@
  * TWO_SIDED and TEXTURED. splat_data.glsl and shift.glsl come before this file.
  */
 uniform mat3 u_ray;         /* from (pixel x, pixel y, 1) to the view ray */
-uniform float u_unstretch;  /* from lengths in eye space to lengths in object space, on average */
 
 out vec4 v_local;           /* local coordinates of the billboard's point; z of clip space */
 flat out vec4 v_eye;        /* local coordinates of the eye, in orthographic views the direction to
@@ -157,7 +156,8 @@ float safe_z(Surface surface, vec2 zw, mat3x2 local_to_zw, float w) {
 }
 
 void main() {
-    int splat = gl_VertexID / 6, vertex = gl_VertexID - 6 * splat;
+    int billboard = gl_VertexID / 6, vertex = gl_VertexID - 6 * billboard;
+    int splat = first_splat() + billboard;
     int corner = vertex < 3 ? vertex : 6 - vertex; /* 0 1 2, 3 2 1 */
     vec2 side = vec2(2 * (corner & 1) - 1, (corner & 2) - 1);
     ivec2 place = place_of(splat), texel = texel_of(place);
@@ -171,13 +171,13 @@ void main() {
     Surface surface = surface_of(field, gamma, texel, ratio);
 
     mat3 axes = axes_of(rotation);
-    vec3 eye_center = (u_modelview * vec4(center.xyz, 1.0)).xyz;
-    mat3 to_eye = mat3(u_modelview) * mat3(axes[0], ratio * axes[1], axes[2]);
+    vec3 eye_center = modelview() * vec4(center.xyz, 1.0);
+    mat3 to_eye = mat3(modelview()) * mat3(axes[0], ratio * axes[1], axes[2]);
     /* Times a unit of eye space's length this is the transpose of the inverse of to_eye, by eq.
      * (2)'s own transform (spec 4). */
-    mat3 normals = u_normal_matrix * (axes / radius);
+    mat3 normals = normal_matrix() * (axes / radius);
     normals[1] /= ratio;
-    float unit = u_unstretch / radius;
+    float unit = unstretch() / radius;
     vec3 eye = u_shift.y > 0.0 ? -unit * (eye_center * normals)
                                : -unit * (u_view_direction * normals);
 #if !TWO_SIDED
@@ -218,20 +218,20 @@ void main() {
 #endif
 #if PASS == PSPLAT_PASS_VISIBILITY
     v_distance = length(view_ray(point));
-    v_epsilon = u_shift.z;
+    v_epsilon = epsilon();
     if (u_shift.y == 0.0)
-        v_epsilon = max(u_shift.z, 9.5367431640625e-7 * length(eye_center)) * v_distance;
+        v_epsilon = max(epsilon(), 9.5367431640625e-7 * length(eye_center)) * v_distance;
     v_unit = 1.0 / unit;
 #endif
 #if PASS == PSPLAT_PASS_PARAMETERS
-    v_index = float(u_first_index + splat);
+    v_index = float(first_index() + splat);
     v_apart = apart_of(v_index);
 #else
     v_normal_x = normals[0];
     v_normal_y = normals[1];
     v_normal_z = normals[2];
 #if TWO_SIDED
-    v_peek = 2.0 * u_shift.z * unit;
+    v_peek = 2.0 * epsilon() * unit;
 #endif
 #endif
 #if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE

@@ -43,6 +43,20 @@
 #define PSPLAT_FINISH_GRADIENT 4 /* two texels */
 #define PSPLAT_FINISH_COLOR 8    /* texel 3 of the splats holds a colour */
 
+/* The vertex attributes of the splat passes. All of them are of instances: an instance is a run of
+ * consecutive splats of a batch, as an item places it (psplat_instance).
+ *
+ *     MODELVIEW  the three rows of the matrix from object to eye space
+ *     NORMAL     the three rows of the matrix for normals, the first two with a fourth number:
+ *                epsilon of eq. (5) without its cosine; what turns lengths of eye space into those
+ *                of object space, on average
+ *     FIRST      two integers: the run's first splat; the batch's first splat, counted over all
+ *                batches of all items */
+#define PSPLAT_ATTRIBUTE_MODELVIEW 0
+#define PSPLAT_ATTRIBUTE_NORMAL 3
+#define PSPLAT_ATTRIBUTE_FIRST 6
+#define PSPLAT_ATTRIBUTE_COUNT 7
+
 /* Texture units of the splat passes and of the resolve pass. The resolve pass reads the colour
  * attachments from units 0 to 3. */
 #define PSPLAT_UNIT_SPLATS 0

@@ -4,7 +4,6 @@
  * 5.3). Flat splats are shifted at their corners, curved ones at each fragment. The shading `splats`
  * shifts whole splats, too, so that those of one plane keep an order.
  */
-uniform vec3 u_shift; /* psplat_placement.shift, see shift_of() */
 uniform vec3 u_view_direction; /* of orthographic views, away from the eye; 0 0 0 in perspective */
 
 /* Returns the view ray of a point, away from the eye and of any length. */
@@ -32,12 +31,12 @@ float grazing_of(vec3 normal, vec3 ray) {
  * splat of radius R at distance D the shift has an error of up to (2 R / D)^2 of epsilon. */
 float shift_of(vec3 eye, vec2 zw, float grazing) {
     float distance = length(eye);
-    float epsilon = max(u_shift.z, 9.5367431640625e-7 * distance) * grazing;
-    float bottom = u_shift.y > 0.0 ? distance + epsilon : 1.0;
+    float shift = max(epsilon(), 9.5367431640625e-7 * distance) * grazing;
+    float bottom = u_shift.y > 0.0 ? distance + shift : 1.0;
     float room = zw.y * (1.0 - 1.1920929e-7) - zw.x;
     float least = abs(zw.y) * 9.5367431640625e-7;
     if (room > 0.0) least = min(least, room);
-    return max(u_shift.x * epsilon / bottom, least);
+    return max(u_shift.x * shift / bottom, least);
 }
 #endif
 

@@ -12,8 +12,6 @@
  */
 invariant gl_Position;
 
-uniform float u_unstretch; /* from lengths in eye space to lengths in object space, on average */
-
 #if FILTER
 out vec4 v_uv; /* u, v; ratio of areas; window depth that was subtracted (spec 5.8) */
 #else
@@ -187,7 +185,7 @@ vec3 normal_of(ivec2 texel, mat3 axes, float length2, float ratio, vec2 uv) {
     field.xy += texelFetch(u_splats, texel + ivec2(3, 0), 0).w * vec2(ratio * uv.y, uv.x);
 #endif
 #endif
-    return u_normal_matrix * (axes * vec3(field.xy, 1.0) / length2);
+    return normal_matrix() * (axes * vec3(field.xy, 1.0) / length2);
 }
 #endif
 
@@ -203,13 +201,13 @@ bool is_behind(ivec2 texel, mat3 normals, vec3 normal, float ratio, float unit, 
 #if GAMMA
     second += 2.0 * ratio * texelFetch(u_splats, texel + ivec2(3, 0), 0).w * uv.x * uv.y;
 #endif
-    return first > 0.0 && (second <= 0.0 || first * first > 4.0 * second * u_shift.z * unit);
+    return first > 0.0 && (second <= 0.0 || first * first > 4.0 * second * epsilon() * unit);
 }
 #endif
 
 void main() {
-    int splat = gl_VertexID / 3;
-    vec2 uv = corner_uv(gl_VertexID - 3 * splat);
+    int triangle = gl_VertexID / 3, splat = first_splat() + triangle;
+    vec2 uv = corner_uv(gl_VertexID - 3 * triangle);
     ivec2 place = place_of(splat), texel = texel_of(place);
     vec4 center = texelFetch(u_splats, texel, 0);
     vec4 rotation = texelFetch(u_splats, texel + ivec2(1, 0), 0);
@@ -223,16 +221,16 @@ void main() {
 
     /* The position goes through eye space, so that z and w of a point, and with them its depth,
      * come from one rounded number. */
-    vec3 eye_center = (u_modelview * vec4(center.xyz, 1.0)).xyz;
+    vec3 eye_center = modelview() * vec4(center.xyz, 1.0);
     vec3 offset = plane[0] * uv.x + plane[1] * (center.w * uv.y);
-    vec3 eye = eye_center + mat3(u_modelview) * offset;
+    vec3 eye = eye_center + mat3(modelview()) * offset;
     gl_Position = u_projection * vec4(eye, 1.0);
 
     mat2 widened = mat2(1.0);
 #if FILTER
-    vec4 clip_center = u_clip_matrix * vec4(center.xyz, 1.0);
-    vec4 along_u = u_clip_matrix * vec4(plane[0], 0.0);
-    vec4 along_v = u_clip_matrix * vec4(plane[1] * center.w, 0.0);
+    vec4 clip_center = u_projection * vec4(eye_center, 1.0);
+    vec4 along_u = u_projection * vec4(mat3(modelview()) * plane[0], 0.0);
+    vec4 along_v = u_projection * vec4(mat3(modelview()) * (plane[1] * center.w), 0.0);
     Footprint footprint = footprint_of(clip_center, along_u, along_v);
     v_uv = vec4(uv, 1.0, 0.0);
     widened *= 1e6; /* clip lines are hard, as with Footprint.lines */
@@ -256,10 +254,10 @@ void main() {
     v_splat = float(splat);
 #endif
 #if NORMAL_MAP
-    v_axis_u = mat3(u_modelview) * plane[0] * (u_unstretch / length2);
-    v_axis_v = mat3(u_modelview) * plane[1] * (u_unstretch / length2 * center.w);
+    v_axis_u = mat3(modelview()) * plane[0] * (unstretch() / length2);
+    v_axis_v = mat3(modelview()) * plane[1] * (unstretch() / length2 * center.w);
 #endif
-    vec3 normal = u_normal_matrix * (up / length2);
+    vec3 normal = normal_matrix() * (up / length2);
 #if PASS == PSPLAT_PASS_VISIBILITY
 #if NEAR
     v_near = gl_Position.z + gl_Position.w;
@@ -267,14 +265,14 @@ void main() {
     float grazing = grazing_of(normal, view_ray(eye_center));
     gl_Position.z += shift_of(eye, gl_Position.zw, grazing);
 #elif PASS == PSPLAT_PASS_PARAMETERS
-    v_index = float(u_first_index + splat);
+    v_index = float(first_index() + splat);
     float room = gl_Position.w * (1.0 - 1.1920929e-7) - gl_Position.z;
     gl_Position.z += min(gl_Position.w * apart_of(v_index), max(room, 0.0));
 #else
     v_normal = normal_of(texel, axes, length2, center.w, uv);
 #if TWO_SIDED
-    mat3 normals = u_normal_matrix * (axes / length2);
-    if (is_behind(texel, normals, normal, center.w, u_unstretch / length2, eye_center)) {
+    mat3 normals = normal_matrix() * (axes / length2);
+    if (is_behind(texel, normals, normal, center.w, unstretch() / length2, eye_center)) {
         v_normal = -v_normal;
 #if NORMAL_MAP
         v_axis_u = -v_axis_u; /* what the texture makes of the normal is negated, too */

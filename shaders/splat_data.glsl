@@ -3,7 +3,10 @@
  * splat_data.glsl - the head of both vertex shaders of splats: the textures that splats are pulled
  * from by gl_VertexID (layout.h), the matrices, and what both read in the same way.
  *
- * gl_program.c defines WIDE, SHAPE, COLOR, FINISH and FIELD.
+ * What depends on the item comes with each instance where INSTANCED is defined, so that one call
+ * draws many items, and from uniforms where it is not, as in three.js.
+ *
+ * gl_program.c defines INSTANCED, WIDE, SHAPE, COLOR, FINISH and FIELD.
  */
 uniform highp sampler2D u_splats;
 uniform highp sampler2D u_clips;
@@ -11,12 +14,73 @@ uniform highp sampler2D u_clips;
 uniform highp sampler2D u_finishes;
 uniform int u_finish; /* PSPLAT_FINISH_ bits */
 #endif
-uniform mat4 u_modelview;
 uniform mat4 u_projection;
-uniform mat4 u_clip_matrix; /* their product, used by the filter, which need not be as exact */
-uniform mat3 u_normal_matrix;
 uniform vec3 u_half_viewport; /* half the width and height in pixels, half the depth range */
-uniform int u_first_index; /* the batch's first splat, counted over all batches */
+uniform vec3 u_shift; /* psplat_camera.shift, see shift_of(); where not INSTANCED z is epsilon() */
+#ifdef INSTANCED
+layout(location = PSPLAT_ATTRIBUTE_MODELVIEW) in mat3x4 a_modelview;
+layout(location = PSPLAT_ATTRIBUTE_NORMAL) in mat3x4 a_normal;
+layout(location = PSPLAT_ATTRIBUTE_FIRST) in ivec2 a_first;
+#else
+uniform mat4 u_modelview;
+uniform mat3 u_normal_matrix;
+uniform float u_unstretch;
+uniform int u_first_index;
+#endif
+
+/* Returns the matrix from object to eye space. */
+mat4x3 modelview() {
+#ifdef INSTANCED
+    return transpose(a_modelview);
+#else
+    return mat4x3(u_modelview);
+#endif
+}
+
+/* Returns the matrix of normals from object to eye space (spec 4). */
+mat3 normal_matrix() {
+#ifdef INSTANCED
+    return transpose(mat3(a_normal));
+#else
+    return u_normal_matrix;
+#endif
+}
+
+/* Returns epsilon of eq. (5) without its cosine, in eye space. */
+float epsilon() {
+#ifdef INSTANCED
+    return a_normal[0].w;
+#else
+    return u_shift.z;
+#endif
+}
+
+/* Returns what turns lengths in eye space into those of object space, on average. */
+float unstretch() {
+#ifdef INSTANCED
+    return a_normal[1].w;
+#else
+    return u_unstretch;
+#endif
+}
+
+/* Returns the first splat that is drawn. */
+int first_splat() {
+#ifdef INSTANCED
+    return a_first.x;
+#else
+    return 0;
+#endif
+}
+
+/* Returns the batch's first splat, counted over all batches. */
+int first_index() {
+#ifdef INSTANCED
+    return a_first.y;
+#else
+    return u_first_index;
+#endif
+}
 
 /* Returns the column and the row of a splat in the textures, counted in splats. */
 ivec2 place_of(int splat) {

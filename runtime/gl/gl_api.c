@@ -132,6 +132,7 @@ static void lose(psplat_gl *gl) {
     gl->is_lost = 1;
     gl->DeleteProgram = keep_object;
     gl->DeleteShader = keep_object;
+    gl->DeleteBuffers = keep_objects;
     gl->DeleteFramebuffers = keep_objects;
     gl->DeleteSamplers = keep_objects;
     gl->DeleteTextures = keep_objects;

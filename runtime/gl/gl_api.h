@@ -9,6 +9,8 @@
 
 #include <phongsplat/splat.h>
 
+#include <stddef.h>
+
 #if defined(_WIN32)
 #define PSPLAT_GL_CALL __stdcall
 #else
@@ -20,6 +22,7 @@ typedef unsigned int GLuint;
 typedef unsigned int GLbitfield;
 typedef int GLint;
 typedef int GLsizei;
+typedef ptrdiff_t GLsizeiptr;
 typedef float GLfloat;
 typedef char GLchar;
 typedef unsigned char GLboolean;
@@ -55,6 +58,7 @@ enum {
     GL_DITHER = 0x0BD0,
     GL_BLEND = 0x0BE2,
     GL_COLOR_LOGIC_OP = 0x0BF2,
+    GL_SCISSOR_BOX = 0x0C10,
     GL_SCISSOR_TEST = 0x0C11,
     GL_COLOR_WRITEMASK = 0x0C23,
     GL_UNPACK_SWAP_BYTES = 0x0CF0,
@@ -66,6 +70,7 @@ enum {
     GL_MAX_TEXTURE_SIZE = 0x0D33,
     GL_TEXTURE_2D = 0x0DE1,
     GL_UNSIGNED_BYTE = 0x1401,
+    GL_INT = 0x1404,
     GL_FLOAT = 0x1406,
     GL_COLOR = 0x1800,
     GL_DEPTH = 0x1801,
@@ -125,6 +130,9 @@ enum {
     GL_TEXTURE_COMPARE_FUNC = 0x884D,
     GL_COMPARE_REF_TO_TEXTURE = 0x884E,
     GL_TEXTURE_CUBE_MAP_SEAMLESS = 0x884F,
+    GL_ARRAY_BUFFER = 0x8892,
+    GL_ARRAY_BUFFER_BINDING = 0x8894,
+    GL_STREAM_DRAW = 0x88E0,
     GL_PIXEL_UNPACK_BUFFER = 0x88EC,
     GL_PIXEL_UNPACK_BUFFER_BINDING = 0x88EF,
     GL_SAMPLER_BINDING = 0x8919,
@@ -158,6 +166,7 @@ enum {
     X(void, BindVertexArray, (GLuint array))                                                       \
     X(void, BlendEquationSeparate, (GLenum rgb, GLenum alpha))                                     \
     X(void, BlendFuncSeparate, (GLenum src_rgb, GLenum dst_rgb, GLenum src_a, GLenum dst_a))       \
+    X(void, BufferData, (GLenum target, GLsizeiptr size, const void *data, GLenum usage))          \
     X(GLenum, CheckFramebufferStatus, (GLenum target))                                             \
     X(void, ClearBufferfv, (GLenum buffer, GLint index, const GLfloat *value))                     \
     X(void, ColorMask, (GLboolean r, GLboolean g, GLboolean b, GLboolean a))                       \
@@ -165,6 +174,7 @@ enum {
     X(GLuint, CreateProgram, (void))                                                               \
     X(GLuint, CreateShader, (GLenum type))                                                         \
     X(void, CullFace, (GLenum mode))                                                               \
+    X(void, DeleteBuffers, (GLsizei count, const GLuint *buffers))                                 \
     X(void, DeleteFramebuffers, (GLsizei count, const GLuint *framebuffers))                       \
     X(void, DeleteProgram, (GLuint program))                                                       \
     X(void, DeleteSamplers, (GLsizei count, const GLuint *samplers))                               \
@@ -175,11 +185,14 @@ enum {
     X(void, DepthMask, (GLboolean flag))                                                           \
     X(void, Disable, (GLenum capability))                                                          \
     X(void, DrawArrays, (GLenum mode, GLint first, GLsizei count))                                 \
+    X(void, DrawArraysInstanced, (GLenum mode, GLint first, GLsizei count, GLsizei instances))     \
     X(void, DrawBuffers, (GLsizei count, const GLenum *buffers))                                   \
     X(void, Enable, (GLenum capability))                                                           \
+    X(void, EnableVertexAttribArray, (GLuint index))                                               \
     X(void, FramebufferTexture2D,                                                                  \
       (GLenum target, GLenum attachment, GLenum texture_target, GLuint texture, GLint level))      \
     X(void, FrontFace, (GLenum mode))                                                              \
+    X(void, GenBuffers, (GLsizei count, GLuint * buffers))                                         \
     X(void, GenFramebuffers, (GLsizei count, GLuint * framebuffers))                               \
     X(void, GenSamplers, (GLsizei count, GLuint * samplers))                                       \
     X(void, GenTextures, (GLsizei count, GLuint * textures))                                       \
@@ -201,6 +214,7 @@ enum {
     X(void, PixelStorei, (GLenum name, GLint value))                                               \
     X(void, ReadBuffer, (GLenum source))                                                           \
     X(void, SamplerParameteri, (GLuint sampler, GLenum name, GLint value))                         \
+    X(void, Scissor, (GLint x, GLint y, GLsizei width, GLsizei height))                            \
     X(void, ShaderSource,                                                                          \
       (GLuint shader, GLsizei count, const GLchar *const *strings, const GLint *lengths))          \
     X(void, TexImage2D,                                                                            \
@@ -221,6 +235,12 @@ enum {
     X(void, UniformMatrix4fv,                                                                      \
       (GLint location, GLsizei count, GLboolean transpose, const GLfloat *values))                 \
     X(void, UseProgram, (GLuint program))                                                          \
+    X(void, VertexAttribDivisor, (GLuint index, GLuint divisor))                                   \
+    X(void, VertexAttribIPointer,                                                                  \
+      (GLuint index, GLint size, GLenum type, GLsizei stride, const void *offset))                 \
+    X(void, VertexAttribPointer,                                                                   \
+      (GLuint index, GLint size, GLenum type, GLboolean normalized, GLsizei stride,                \
+       const void *offset))                                                                        \
     X(void, Viewport, (GLint x, GLint y, GLsizei width, GLsizei height))
 
 typedef struct psplat_gl {

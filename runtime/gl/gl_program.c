@@ -240,7 +240,7 @@ static void write_defines(const psplat_gl *gl, const psplat_program_key *key, ch
     int used = snprintf(out, size,
                         "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n"
                         "#define LINE_TYPE %s\n#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
-                        "#define HALF_TARGETS %d\n",
+                        "#define HALF_TARGETS %d\n#define INSTANCED\n",
                         key->pass, key->clip_count, clip_types[key->clip_count],
                         key->options & PSPLAT_OPTION_BENDS ? "vec4" : "vec3", key->light_count,
                         gl->half_targets ? "1e-3" : "1e-30", gl->half_targets);

@@ -78,16 +78,11 @@ typedef struct psplat_program_key {
 
 /* Lists the uniforms that are no samplers: X(name without u_). */
 #define PSPLAT_UNIFORMS(X)                                                                         \
-    X(clip_matrix)                                                                                 \
     X(projection)                                                                                  \
-    X(modelview)                                                                                   \
-    X(normal_matrix)                                                                               \
     X(shift)                                                                                       \
     X(view_direction)                                                                              \
     X(half_viewport)                                                                               \
     X(depth_range)                                                                                 \
-    X(unstretch)                                                                                   \
-    X(first_index)                                                                                 \
     X(apart)                                                                                       \
     X(finish)                                                                                      \
     X(kernel)                                                                                      \

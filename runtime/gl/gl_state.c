@@ -57,6 +57,7 @@ static const struct {
     {GL_CURRENT_PROGRAM, offsetof(psplat_gl_state, program)},
     {GL_VERTEX_ARRAY_BINDING, offsetof(psplat_gl_state, vertex_array)},
     {GL_VIEWPORT, offsetof(psplat_gl_state, viewport)},
+    {GL_SCISSOR_BOX, offsetof(psplat_gl_state, scissor_box)},
     {GL_BLEND_SRC_RGB, offsetof(psplat_gl_state, blend_func[0])},
     {GL_BLEND_DST_RGB, offsetof(psplat_gl_state, blend_func[1])},
     {GL_BLEND_SRC_ALPHA, offsetof(psplat_gl_state, blend_func[2])},
@@ -67,6 +68,7 @@ static const struct {
     {GL_CULL_FACE_MODE, offsetof(psplat_gl_state, cull_face)},
     {GL_FRONT_FACE, offsetof(psplat_gl_state, front_face)},
     {GL_ACTIVE_TEXTURE, offsetof(psplat_gl_state, active_texture)},
+    {GL_ARRAY_BUFFER_BINDING, offsetof(psplat_gl_state, array_buffer)},
     {GL_PIXEL_UNPACK_BUFFER_BINDING, offsetof(psplat_gl_state, unpack_buffer)},
 };
 
@@ -105,6 +107,7 @@ static void read_state(psplat_gl_state *state, const psplat_gl *gl) {
     gl->GetBooleanv(GL_DEPTH_WRITEMASK, &state->depth_mask);
     /* Core contexts answer with one value, older ones with two. */
     if (gl->PolygonMode) gl->GetIntegerv(GL_POLYGON_MODE, state->polygon_mode);
+    state->knows_scissor_box = 1;
     read_units(state, gl);
 }
 
@@ -136,8 +139,14 @@ psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl, 
     return PSPLAT_OK;
 }
 
+static void restore_scissor_box(const psplat_gl_state *state, const psplat_gl *gl) {
+    const GLint *box = state->scissor_box;
+    if (state->knows_scissor_box) gl->Scissor(box[0], box[1], box[2], box[3]);
+}
+
 void psplat_gl_state_bind_host(const psplat_gl_state *state, const psplat_gl *gl) {
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)state->draw_framebuffer);
+    restore_scissor_box(state, gl);
     for (int i = 0; i < PSPLAT_GL_CAPABILITY_COUNT; ++i)
         if (capabilities[i].name == GL_SCISSOR_TEST)
             set(gl, GL_SCISSOR_TEST, state->capabilities[i]);
@@ -160,6 +169,7 @@ void psplat_gl_state_restore(const psplat_gl_state *state, const psplat_gl *gl) 
     gl->UseProgram((GLuint)state->program);
     gl->BindVertexArray((GLuint)state->vertex_array);
     gl->Viewport(state->viewport[0], state->viewport[1], state->viewport[2], state->viewport[3]);
+    restore_scissor_box(state, gl);
     gl->BlendFuncSeparate((GLenum)state->blend_func[0], (GLenum)state->blend_func[1],
                           (GLenum)state->blend_func[2], (GLenum)state->blend_func[3]);
     gl->BlendEquationSeparate((GLenum)state->blend_equation[0], (GLenum)state->blend_equation[1]);
@@ -171,6 +181,7 @@ void psplat_gl_state_restore(const psplat_gl_state *state, const psplat_gl *gl) 
     gl->FrontFace((GLenum)state->front_face);
     if (gl->PolygonMode) gl->PolygonMode(GL_FRONT_AND_BACK, (GLenum)state->polygon_mode[0]);
     restore_units(state, gl);
+    gl->BindBuffer(GL_ARRAY_BUFFER, (GLuint)state->array_buffer);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)state->unpack_buffer);
     for (int i = 0; i < unpack_count(gl); ++i) gl->PixelStorei(unpack[i].name, state->unpack[i]);
 }

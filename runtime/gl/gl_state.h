@@ -18,8 +18,9 @@
 typedef struct psplat_gl_state {
     GLboolean capabilities[PSPLAT_GL_CAPABILITY_COUNT];
     GLboolean color_mask[4], depth_mask;
-    GLint draw_framebuffer, program, vertex_array;
-    GLint viewport[4];
+    GLint draw_framebuffer, program, vertex_array, array_buffer;
+    GLint viewport[4], scissor_box[4];
+    int knows_scissor_box; /* 0: scissor_box is not known, and must not be changed */
     GLint blend_func[4], blend_equation[2];
     GLint depth_func, cull_face, front_face, polygon_mode[2];
     GLint active_texture;

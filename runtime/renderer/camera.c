@@ -86,6 +86,9 @@ psplat_result psplat_camera_set(psplat_camera *camera, const psplat_camera_desc 
     find_rays(camera, inverse, desc->width, desc->height);
     for (int i = 0; i < 3; ++i)
         camera->direction[i] = camera->is_perspective ? 0.0 : inverse[8 + i];
+    camera->shift[0] = (float)(camera->is_perspective ? -p[14] : -p[10]);
+    camera->shift[1] = camera->is_perspective ? 1.0f : 0.0f;
+    camera->shift[2] = 0.0f;
     find_unproject(camera, inverse, desc);
     return PSPLAT_OK;
 }
@@ -101,16 +104,6 @@ static int crosses_near(const double clip[16], const float min[3], const float m
         if (!(clip_z + clip_w > 0.0)) return 1;
     }
     return 0;
-}
-
-/* Finds what shift_of() in shift.glsl needs: the factor of the shift in z of clip space, 1 where it
- * is divided by the distance (perspective), and epsilon of eq. (5) without its cosine. */
-static void find_shift(const psplat_camera *camera, double epsilon, float shift[3]) {
-    const double *p = camera->projection;
-    shift[0] = (float)(camera->is_perspective ? -p[14] : -p[10]);
-    shift[1] = camera->is_perspective ? 1.0f : 0.0f;
-    /* A lower bound avoids 0 / 0 where the eye is at a corner of a splat's triangle. */
-    shift[2] = fmaxf((float)epsilon, 1e-30f);
 }
 
 /* Between -1 and 1, x / w changes by at most (dx + dw) / w where x changes by dx and w by dw. */
@@ -147,11 +140,16 @@ void psplat_camera_compose(const double transform[16], const double model[16], d
         psplat_matrix_multiply(transform, model, scene);
 }
 
-int psplat_camera_place(const psplat_camera *camera, const psplat_placement_desc *desc,
+void psplat_camera_modelview(const double view[16], const double transform[16],
+                             const double model[16], double modelview[16]) {
+    double scene[16];
+    psplat_camera_compose(transform, model, scene);
+    psplat_matrix_multiply(view, scene, modelview);
+}
+
+int psplat_camera_place(const psplat_camera *camera, const double modelview[16],
                         psplat_placement *placement) {
-    double scene[16], modelview[16], normal[9], inverse[16], *clip = placement->clip;
-    psplat_camera_compose(desc->transform, desc->model, scene);
-    psplat_matrix_multiply(camera->view, scene, modelview);
+    double normal[9], inverse[16], *clip = placement->clip;
     psplat_matrix_multiply(camera->projection, modelview, clip);
     double det = psplat_matrix_determinant3(modelview);
     if (det == 0.0 || !isfinite(det) || !psplat_matrix_invert(modelview, inverse)) return 0;
@@ -159,11 +157,17 @@ int psplat_camera_place(const psplat_camera *camera, const psplat_placement_desc
     psplat_matrix_normal(modelview, det, normal);
     psplat_matrix_to_float(modelview, 16, placement->modelview);
     psplat_matrix_to_float(normal, 9, placement->normal);
-    find_shift(camera, desc->depth_tolerance * cbrt(fabs(det)), placement->shift);
-    placement->unstretch = (float)(1.0 / cbrt(fabs(det)));
+    placement->scale = cbrt(fabs(det));
+    placement->unstretch = (float)(1.0 / placement->scale);
     placement->is_mirrored = (det < 0.0) != camera->is_mirrored;
-    placement->is_near = crosses_near(clip, desc->bounds_min, desc->bounds_max);
     psplat_chunk_view_set(&placement->chunk_view, clip, inverse, camera->margin,
-                          camera->is_perspective, camera->direction, desc->is_culled);
+                          camera->is_perspective, camera->direction, 0);
     return 1;
+}
+
+void psplat_camera_place_batch(const psplat_placement_desc *desc, psplat_placement *placement) {
+    /* A lower bound avoids 0 / 0 where the eye is at a corner of a splat's triangle. */
+    placement->epsilon = fmaxf((float)(desc->depth_tolerance * placement->scale), 1e-30f);
+    placement->is_near = crosses_near(placement->clip, desc->bounds_min, desc->bounds_max);
+    placement->chunk_view.is_culled = desc->is_culled;
 }

@@ -24,8 +24,10 @@ typedef struct psplat_camera {
     float projection_float[16];
     float half_viewport[3]; /* half the width and height in pixels, half the depth range */
     float depth_range[2];   /* half and middle of the depth range */
-    int is_perspective;     /* 0: orthographic */
-    int is_mirrored;        /* 1: the projection turns counter-clockwise into clockwise */
+    float shift[3];     /* u_shift of shift.glsl: the factor of shifts in z of clip space; 1 where
+                           it is divided by the distance (perspective); 0 */
+    int is_perspective; /* 0: orthographic */
+    int is_mirrored;    /* 1: the projection turns counter-clockwise into clockwise */
 } psplat_camera;
 
 /* The parameters of psplat_camera_set. */
@@ -39,10 +41,11 @@ typedef struct psplat_camera_desc {
 /* A batch's model matrix in a camera. */
 typedef struct psplat_placement {
     double clip[16];     /* object to clip space */
+    double scale;        /* lengths in object space to lengths in eye space: |det|^(1/3) */
     float modelview[16]; /* object to eye space */
     float normal[9];     /* normals from object to eye space (spec 4) */
-    float shift[3];      /* u_shift of shift.glsl */
-    float unstretch;     /* lengths in eye space to lengths in object space: |det|^(-1/3) */
+    float epsilon;       /* of eq. (5) without its cosine, in eye space */
+    float unstretch;     /* 1 / scale */
     int is_mirrored;     /* 1: front faces are clockwise in the window */
     int is_near;         /* 1: the near plane may cut the batch's bounding box */
     psplat_chunk_view chunk_view;
@@ -52,19 +55,21 @@ typedef struct psplat_placement {
 psplat_result psplat_camera_set(psplat_camera *camera, const psplat_camera_desc *desc,
                                 psplat_error *error);
 
-/* The parameters of psplat_camera_place. */
+/* Computes what batches with the same model matrix have in common in a placement. modelview is the
+ * matrix from object to eye space. Returns 0 where it is singular, so that nothing is drawn (spec
+ * 4). */
+int psplat_camera_place(const psplat_camera *camera, const double modelview[16],
+                        psplat_placement *placement);
+
+/* What else a placement depends on. */
 typedef struct psplat_placement_desc {
-    const double *transform;              /* the item's 16 numbers; all zeros mean the identity */
-    const double *model;                  /* the batch's 16 numbers */
     double depth_tolerance;               /* object space */
     const float *bounds_min, *bounds_max; /* 3 each, object space */
     int is_culled;                        /* 1: backs are not seen */
 } psplat_placement_desc;
 
-/* Computes a placement. Returns 0 where view, transform and model are singular together, so that
- * nothing is drawn (spec 4). */
-int psplat_camera_place(const psplat_camera *camera, const psplat_placement_desc *desc,
-                        psplat_placement *placement);
+/* Computes the rest of a placement. */
+void psplat_camera_place_batch(const psplat_placement_desc *desc, psplat_placement *placement);
 
 /* Returns by how many pixels the images of points of a box move at most where the points move by a
  * length, all in the object space of a matrix to clip space. The result is infinite where the box
@@ -74,5 +79,9 @@ double psplat_camera_pixels(const psplat_camera *camera, const double clip[16], 
 
 /* Computes transform times model; all zeros of transform mean the identity. */
 void psplat_camera_compose(const double transform[16], const double model[16], double scene[16]);
+
+/* Computes view times transform times model. */
+void psplat_camera_modelview(const double view[16], const double transform[16],
+                             const double model[16], double modelview[16]);
 
 #endif

@@ -18,6 +18,9 @@
 
 #include <math.h>
 
+/* Pixels around what splats may cover that are cleared, too: shaders/README.md lets shadings look
+ * so far. */
+enum { CLEARED_AROUND = 16 };
 enum { MAX_SHADOW_SIZE = 8192 }; /* texels along an edge of a shadow map, as phongsplat.h says */
 
 /* ---- what differs between batches -------------------------------------------------------- */
@@ -115,22 +118,27 @@ static void choose_options(psplat_frame *f) {
     if (view->environment) key->options |= PSPLAT_OPTION_ENVIRONMENT;
 }
 
+/* Adds the depths at which the view shows an item. */
+static void add_depths(const psplat_view *view, const psplat_item *item, psplat_depth_span *span) {
+    double modelview[16], scale = 0.0;
+    for (size_t k = 0; k < item->model->batch_count; ++k) {
+        const psplat_model_batch *batch = &item->model->batches[k];
+        if (!psplat_item_shares_place(item, k)) {
+            psplat_camera_modelview(view->view, item->transform, psplat_item_matrix(item, k),
+                                    modelview);
+            scale = cbrt(fabs(psplat_matrix_determinant3(modelview)));
+        }
+        /* Epsilon of eq. (5) is at most twice the tolerance, at grazing angles. */
+        double epsilon = 2.0 * (double)batch->depth_tolerance * scale;
+        psplat_depth_span_add(span, modelview, view->projection, batch->bounds_min,
+                              batch->bounds_max, epsilon);
+    }
+}
+
 /* Returns the depths at which the view shows splats, or all of the view where it shows none. */
 static psplat_depth_span find_span(const psplat_frame *f) {
     psplat_depth_span span = PSPLAT_SPAN_EMPTY;
-    for (size_t i = 0; i < f->item_count; ++i)
-        for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
-            const psplat_model_batch *batch = &f->items[i].model->batches[k];
-            double scene[16], modelview[16];
-            psplat_camera_compose(f->items[i].transform, psplat_item_matrix(&f->items[i], k),
-                                  scene);
-            psplat_matrix_multiply(f->view->view, scene, modelview);
-            /* Epsilon of eq. (5) is at most twice the tolerance, at grazing angles. */
-            double epsilon = 2.0 * (double)batch->depth_tolerance *
-                             cbrt(fabs(psplat_matrix_determinant3(modelview)));
-            psplat_depth_span_add(&span, modelview, f->view->projection, batch->bounds_min,
-                                  batch->bounds_max, epsilon);
-        }
+    for (size_t i = 0; i < f->item_count; ++i) add_depths(f->view, &f->items[i], &span);
     return span.low < span.high ? span : PSPLAT_SPAN_WHOLE;
 }
 
@@ -171,10 +179,28 @@ static int depth_numbers(unsigned options) {
     return options & PSPLAT_OPTION_MATERIALS ? 2 : 1;
 }
 
-static psplat_result bind_target(const psplat_frame *f) {
+/* Clears the targets where splats may be and shadings look: alone there where that is less than
+ * half of the view. */
+static void clear_targets(const psplat_frame *f, const psplat_gl_state *state, int colors) {
+    static const float zeros[4] = {0}, one = 1.0f;
+    const psplat_gl *gl = &f->renderer->gl;
+    const psplat_screen_extent *extent = &f->extent;
+    GLsizei width = extent->x1 - extent->x0 + 2 * CLEARED_AROUND;
+    GLsizei height = extent->y1 - extent->y0 + 2 * CLEARED_AROUND;
+    double half = 0.5 * f->view->width * f->view->height;
+    int is_part = state->knows_scissor_box && (double)width * (double)height < half;
+    if (is_part) {
+        gl->Enable(GL_SCISSOR_TEST);
+        gl->Scissor(extent->x0 - CLEARED_AROUND, extent->y0 - CLEARED_AROUND, width, height);
+    }
+    for (int i = 0; i < colors; ++i) gl->ClearBufferfv(GL_COLOR, i, zeros);
+    gl->ClearBufferfv(GL_DEPTH, 0, &one);
+    if (is_part) gl->Disable(GL_SCISSOR_TEST);
+}
+
+static psplat_result bind_target(const psplat_frame *f, const psplat_gl_state *state) {
     psplat_renderer *renderer = f->renderer;
     psplat_gl *gl = &renderer->gl;
-    static const float zeros[4] = {0}, one = 1.0f;
     int colors = target_count(f->key.options), numbers = depth_numbers(f->key.options);
     psplat_result result =
         psplat_render_targets_bind(&renderer->targets, gl, &renderer->memory.targets,
@@ -182,25 +208,23 @@ static psplat_result bind_target(const psplat_frame *f) {
     if (result != PSPLAT_OK) return result;
     gl->Viewport(0, 0, f->view->width, f->view->height);
     set_writes(gl, GL_TRUE, GL_TRUE, GL_LESS);
-    for (int i = 0; i < colors; ++i) gl->ClearBufferfv(GL_COLOR, i, zeros);
-    gl->ClearBufferfv(GL_DEPTH, 0, &one);
+    clear_targets(f, state, colors);
     gl->Enable(GL_DEPTH_TEST);
     return PSPLAT_OK;
 }
 
 static psplat_result draw_splats(psplat_frame *f) {
     const psplat_gl *gl = &f->renderer->gl;
-    psplat_culling culling = f->view->culling;
-    if (!f->blends) return psplat_frame_draw_batches(f, &f->camera, f->key, culling);
+    if (!f->blends) return psplat_frame_draw_placed(f, &f->camera, f->key);
     const psplat_program_key visibility = {.pass = PSPLAT_PASS_VISIBILITY};
     set_writes(gl, GL_FALSE, GL_TRUE, GL_LESS);
-    psplat_result result = psplat_frame_draw_batches(f, &f->camera, visibility, culling);
+    psplat_result result = psplat_frame_draw_placed(f, &f->camera, visibility);
     if (result != PSPLAT_OK) return result;
     set_writes(gl, GL_TRUE, GL_FALSE, GL_LEQUAL);
     gl->Enable(GL_BLEND);
     gl->BlendFuncSeparate(GL_ONE, GL_ONE, GL_ONE, GL_ONE);
     gl->BlendEquationSeparate(GL_FUNC_ADD, GL_FUNC_ADD);
-    return psplat_frame_draw_batches(f, &f->camera, f->key, culling);
+    return psplat_frame_draw_placed(f, &f->camera, f->key);
 }
 
 static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state) {
@@ -209,7 +233,6 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     const psplat_view *view = f->view;
     const psplat_screen_extent *extent = &f->extent;
     const psplat_render_target *target = renderer->targets.current;
-    if (!(extent->x0 < extent->x1)) return PSPLAT_OK;
     psplat_program_key key = f->key;
     key.is_resolve = 1;
     const psplat_program *program = NULL;
@@ -301,6 +324,16 @@ static psplat_result check(const psplat_renderer *renderer, const psplat_view *v
     return check_view(renderer, view, error);
 }
 
+/* Draws what the view shows. Where the nearest splat wins, the first wins of those that are equally
+ * near. */
+static psplat_result draw_view(psplat_frame *f, const psplat_gl_state *state) {
+    psplat_result result = psplat_frame_place(f, &f->camera, f->view->culling, !f->blends);
+    if (result == PSPLAT_OK) result = bind_target(f, state);
+    if (result != PSPLAT_OK || !(f->extent.x0 < f->extent.x1)) return result;
+    result = draw_splats(f);
+    return result == PSPLAT_OK ? resolve(f, state) : result;
+}
+
 static psplat_result draw_frame(psplat_frame *f) {
     const psplat_gl *gl = &f->renderer->gl;
     psplat_gl_state state;
@@ -309,9 +342,7 @@ static psplat_result draw_frame(psplat_frame *f) {
     gl->BindVertexArray(f->renderer->vertex_array);
     gl->CullFace(GL_BACK);
     if (f->key.options & PSPLAT_OPTION_SHADOWS) result = psplat_frame_draw_shadows(f);
-    if (result == PSPLAT_OK) result = bind_target(f);
-    if (result == PSPLAT_OK) result = draw_splats(f);
-    if (result == PSPLAT_OK) result = resolve(f, &state);
+    if (result == PSPLAT_OK) result = draw_view(f, &state);
     psplat_gl_state_restore(&state, gl);
     return result;
 }

@@ -11,6 +11,8 @@
 #include "renderer/lights.h"
 #include "renderer/renderer.h"
 
+#include <string.h>
+
 typedef struct psplat_frame {
     psplat_renderer *renderer;
     const psplat_view *view;
@@ -31,11 +33,27 @@ static inline const double *psplat_item_matrix(const psplat_item *item, size_t b
     return item->pose ? psplat_pose_matrix(item->pose, batch) : item->model->batches[batch].model;
 }
 
+/* Returns whether a batch of an item is where the batch before it is, as those of one node are. */
+static inline int psplat_item_shares_place(const psplat_item *item, size_t batch) {
+    if (!item->pose) return item->model->batches[batch].shares_place;
+    return batch > 0 && !memcmp(psplat_pose_matrix(item->pose, batch),
+                                psplat_pose_matrix(item->pose, batch - 1), 16 * sizeof(double));
+}
+
 /* ---- batches.c ---------------------------------------------------------------------------- */
 
-/* Draws all batches of all items with the options of key and those that each batch asks for, and
- * sets frame->extent to what they may cover. Batches whose transform is singular are left out.
- * Errors: GRAPHICS, MEMORY (a shader program cannot be made). */
+/* Places all batches of all items in a camera, for psplat_frame_draw_placed, and sets frame->extent
+ * to what they may cover. Batches whose transform is singular are left out. keeps_order is as in
+ * psplat_instances_make. Errors: MEMORY, GRAPHICS. */
+psplat_result psplat_frame_place(psplat_frame *frame, const psplat_camera *camera,
+                                 psplat_culling culling, int keeps_order);
+
+/* Draws what was placed in this camera last, with the options of key and those that each batch asks
+ * for. Errors: GRAPHICS, MEMORY (a shader program cannot be made). */
+psplat_result psplat_frame_draw_placed(psplat_frame *frame, const psplat_camera *camera,
+                                       psplat_program_key key);
+
+/* Does both, in any order of items. */
 psplat_result psplat_frame_draw_batches(psplat_frame *frame, const psplat_camera *camera,
                                         psplat_program_key key, psplat_culling culling);
 

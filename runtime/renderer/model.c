@@ -168,6 +168,7 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
     const psplat_model_batch *twin = find_primitive(model, index, batch->primitive);
     psplat_model_batch *out = &model->batches[index];
     describe_batch(batch, out);
+    out->shares_place = index > 0 && !memcmp(out->model, out[-1].model, sizeof out->model);
     psplat_model_use_images(renderer, model, batch, out);
     if (twin) {
         out->splats = twin->splats;
@@ -176,10 +177,12 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
         out->texcoords = twin->texcoords;
         out->chunks = twin->chunks;
         out->sagitta = twin->sagitta;
+        out->number = twin->number;
         enlarge_bounds(out);
         return PSPLAT_OK;
     }
     out->is_owner = 1;
+    out->number = renderer->batch_count++;
     size_t chunk_count = psplat_chunk_count(batch->splat_count);
     out->chunks = psplat_allocate(&renderer->allocator, chunk_count, sizeof *out->chunks);
     if (!out->chunks)

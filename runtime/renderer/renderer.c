@@ -36,6 +36,7 @@ void psplat_renderer_destroy(psplat_renderer *renderer) {
     psplat_render_targets_destroy(&renderer->targets, &renderer->gl);
     psplat_shadows_destroy(&renderer->shadows, &renderer->gl);
     psplat_gl_samplers_delete(&renderer->samplers, &renderer->gl);
+    psplat_instances_destroy(&renderer->instances, &renderer->gl, &allocator);
     renderer->gl.DeleteVertexArrays(1, &renderer->vertex_array);
     psplat_resize(&allocator, renderer, sizeof *renderer, 0);
 }

@@ -10,6 +10,7 @@
 #include "gl/gl_api.h"
 #include "gl/gl_program.h"
 #include "gl/gl_sampler.h"
+#include "renderer/instances.h"
 #include "renderer/shadow.h"
 #include "renderer/render_target.h"
 #include "gl/gl_texture.h"
@@ -25,7 +26,9 @@ struct psplat_renderer {
     psplat_shadows shadows;
     psplat_memory memory;        /* the ledgers of gl_texture.h */
     psplat_gl_samplers samplers; /* of textures of materials */
-    GLuint vertex_array;         /* has no attributes; GL core draws nothing unless one is bound */
+    psplat_instances instances;  /* of the pass that is drawn, with memory for the next ones */
+    GLuint vertex_array;         /* of the instances */
+    uint64_t batch_count;        /* batches of all models that were ever made, for their numbers */
 };
 
 /* An uploaded psplat_batch. */
@@ -37,6 +40,7 @@ typedef struct psplat_model_batch {
     psplat_chunk *chunks;        /* psplat_chunk_count(splat_count) of them */
     int is_owner; /* 0: an earlier batch of the same primitive owns the textures and chunks */
     uint32_t primitive;
+    uint64_t number; /* of the owner; differs between all batches of a renderer that own textures */
     GLsizei splat_count;
     uint32_t clip_count;
     int has_color, has_gamma, is_curved, has_shape, has_bends;
@@ -45,6 +49,7 @@ typedef struct psplat_model_batch {
     GLuint maps[PSPLAT_MAP_COUNT]; /* by psplat_texture_slot: names of textures, 0 where unused */
     GLuint samplers[PSPLAT_MAP_COUNT];
     double model[16];
+    int shares_place; /* 1: the batch before has the same model matrix */
     psplat_kernel kernel;
     float depth_tolerance;
     psplat_material material;           /* no transform of a texture is all zeros */

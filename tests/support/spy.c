@@ -211,6 +211,15 @@ static int is_due(spy_fault fault) {
 #undef SPY_DELETE
 #undef SPY_OTHER
 
+static void spy_BufferData(GLenum target, GLsizeiptr size, const void *data, GLenum usage) {
+    if (!enter()) return;
+    must_own_bound("BufferData", SPY_BUFFER, buffer_binding(target));
+    if (is_due(SPY_FAULT_BUFFER_MEMORY))
+        active->error = GL_OUT_OF_MEMORY;
+    else
+        real_BufferData()(target, size, data, usage);
+}
+
 static GLenum spy_CheckFramebufferStatus(GLenum target) {
     if (!enter()) return 0;
     if (is_due(SPY_FAULT_FRAMEBUFFER)) return GL_FRAMEBUFFER_UNSUPPORTED;

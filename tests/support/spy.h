@@ -22,6 +22,7 @@ typedef enum spy_object {
     SPY_FRAMEBUFFER,
     SPY_SAMPLER,
     SPY_VERTEX_ARRAY,
+    SPY_BUFFER,
     SPY_PROGRAM,
     SPY_SHADER,
     SPY_OBJECT_COUNT
@@ -32,6 +33,7 @@ typedef enum spy_fault {
     SPY_FAULT_NONE = 0,
     SPY_FAULT_TEXTURE_MEMORY, /* glTexImage2D does nothing and sets GL_OUT_OF_MEMORY */
     SPY_FAULT_UPLOAD_MEMORY,  /* glTexSubImage2D does the same */
+    SPY_FAULT_BUFFER_MEMORY,  /* glBufferData does the same */
     SPY_FAULT_FRAMEBUFFER,    /* glCheckFramebufferStatus says incomplete */
     SPY_FAULT_COMPILE,        /* GL_COMPILE_STATUS is false */
     SPY_FAULT_LINK,           /* GL_LINK_STATUS is false */

@@ -43,9 +43,14 @@ SPY_VOID(DepthMask, (GLboolean flag), (flag), INTEGER(GL_DEPTH_WRITEMASK))
 SPY_VOID(Disable, (GLenum capability), (capability), CAPABILITY(capability))
 SPY_VOID(DrawArrays, (GLenum mode, GLint first, GLsizei count), (mode, first, count),
          BOUND(PROGRAM, GL_CURRENT_PROGRAM) BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING))
+SPY_VOID(DrawArraysInstanced, (GLenum mode, GLint first, GLsizei count, GLsizei instances),
+         (mode, first, count, instances),
+         BOUND(PROGRAM, GL_CURRENT_PROGRAM) BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING))
 SPY_VOID(DrawBuffers, (GLsizei count, const GLenum *buffers), (count, buffers),
          BOUND(FRAMEBUFFER, GL_DRAW_FRAMEBUFFER_BINDING))
 SPY_VOID(Enable, (GLenum capability), (capability), CAPABILITY(capability))
+SPY_VOID(EnableVertexAttribArray, (GLuint index), (index),
+         BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING))
 SPY_VOID(FramebufferTexture2D,
          (GLenum target, GLenum attachment, GLenum texture_target, GLuint texture, GLint level),
          (target, attachment, texture_target, texture, level),
@@ -65,6 +70,8 @@ SPY_VOID(PolygonMode, (GLenum face, GLenum mode), (face, mode), INTEGER(SPY_GL_P
 SPY_VOID(ReadBuffer, (GLenum source), (source), BOUND(FRAMEBUFFER, GL_READ_FRAMEBUFFER_BINDING))
 SPY_VOID(SamplerParameteri, (GLuint sampler, GLenum name, GLint value), (sampler, name, value),
          OWN(SAMPLER, sampler))
+SPY_VOID(Scissor, (GLint x, GLint y, GLsizei width, GLsizei height), (x, y, width, height),
+         INTEGER(GL_SCISSOR_BOX))
 SPY_VOID(ShaderSource,
          (GLuint shader, GLsizei count, const GLchar *const *strings, const GLint *lengths),
          (shader, count, strings, lengths), OWN(SHADER, shader))
@@ -87,6 +94,17 @@ SPY_VOID(UniformMatrix4fv,
          (GLint location, GLsizei count, GLboolean transpose, const GLfloat *values),
          (location, count, transpose, values), BOUND(PROGRAM, GL_CURRENT_PROGRAM))
 SPY_VOID(UseProgram, (GLuint program), (program), INTEGER(GL_CURRENT_PROGRAM))
+SPY_VOID(VertexAttribDivisor, (GLuint index, GLuint divisor), (index, divisor),
+         BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING))
+SPY_VOID(VertexAttribIPointer,
+         (GLuint index, GLint size, GLenum type, GLsizei stride, const void *offset),
+         (index, size, type, stride, offset),
+         BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING) BOUND(BUFFER, GL_ARRAY_BUFFER_BINDING))
+SPY_VOID(VertexAttribPointer,
+         (GLuint index, GLint size, GLenum type, GLboolean normalized, GLsizei stride,
+          const void *offset),
+         (index, size, type, normalized, stride, offset),
+         BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING) BOUND(BUFFER, GL_ARRAY_BUFFER_BINDING))
 SPY_VOID(Viewport, (GLint x, GLint y, GLsizei width, GLsizei height), (x, y, width, height),
          INTEGER(GL_VIEWPORT))
 
@@ -97,16 +115,19 @@ SPY_VALUE(GLint, -1, GetUniformLocation, (GLuint program, const GLchar *name), (
 SPY_VALUE(GLboolean, GL_FALSE, IsEnabled, (GLenum capability), (capability))
 
 /* Arrays of names: SPY_GEN(kind, name, parameters), SPY_DELETE(kind, name, parameters) */
+SPY_GEN(BUFFER, GenBuffers)
 SPY_GEN(FRAMEBUFFER, GenFramebuffers)
 SPY_GEN(SAMPLER, GenSamplers)
 SPY_GEN(TEXTURE, GenTextures)
 SPY_GEN(VERTEX_ARRAY, GenVertexArrays)
+SPY_DELETE(BUFFER, DeleteBuffers)
 SPY_DELETE(FRAMEBUFFER, DeleteFramebuffers)
 SPY_DELETE(SAMPLER, DeleteSamplers)
 SPY_DELETE(TEXTURE, DeleteTextures)
 SPY_DELETE(VERTEX_ARRAY, DeleteVertexArrays)
 
 /* Functions with a fault or a life of their own, which are written out in spy.c. */
+SPY_OTHER(void, BufferData, (GLenum target, GLsizeiptr size, const void *data, GLenum usage))
 SPY_OTHER(GLenum, CheckFramebufferStatus, (GLenum target))
 SPY_OTHER(GLuint, CreateProgram, (void))
 SPY_OTHER(GLuint, CreateShader, (GLenum type))

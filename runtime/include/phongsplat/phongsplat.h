@@ -432,7 +432,8 @@ typedef struct psplat_view {
                           has floats or encodes colours itself */
 } psplat_view;
 
-/* One model to draw. transform is applied after the asset's own node transforms and may be any
+/* One model to draw. Any number of items may have the same model: they are drawn with the same
+ * calls of GL. transform is applied after the asset's own node transforms and may be any
  * invertible affine matrix; all zeros mean the identity. */
 typedef struct psplat_item {
     psplat_model *model;
@@ -453,15 +454,16 @@ typedef struct psplat_item {
  * WebGL there must be none. After the first frame of its kind nothing is allocated, as long as
  * views have no more than two sizes.
  *
- * items has item_count entries, which may be 0. Errors: ARGUMENT (a pointer is NULL, or a value of
- * the view or of a light is out of range), MEMORY, GRAPHICS. What the framebuffer holds after an
- * error is undefined.
+ * items has item_count entries, which may be 0. One call with all items of a view is far cheaper
+ * than a call for each, which would clear and resolve render targets every time. Errors: ARGUMENT
+ * (a pointer is NULL, or a value of the view or of a light is out of range), MEMORY, GRAPHICS. What
+ * the framebuffer holds after an error is undefined.
  *
  * The GL state that is changed is restored, here and in every function above: framebuffer, program,
- * vertex array, viewport, capabilities, blending, masks, depth function, culling, polygon mode,
- * pixel unpacking, and of the texture units 0 ... 8 the 2D texture, the cube map and the sampler.
- * State of several draw buffers or viewports (glEnablei, glColorMaski, glViewportIndexed) is read
- * and restored as that of number 0. Two things are not restored:
+ * vertex array, array buffer, viewport, scissor box, capabilities, blending, masks, depth function,
+ * culling, polygon mode, pixel unpacking, and of the texture units 0 ... 8 the 2D texture, the cube
+ * map and the sampler. State of several draw buffers or viewports (glEnablei, glColorMaski,
+ * glViewportIndexed) is read and restored as that of number 0. Two things are not restored:
  *
  *     glGetError                its flags are read where something is made or fails. Flags that the
  *                               host left are dropped, and no call fails because of them

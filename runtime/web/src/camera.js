@@ -165,7 +165,6 @@ export class SplatCamera {
         const p = this.projection.elements;
         u.u_modelview.value.copy(placement.modelview);
         u.u_projection.value.copy(this.projection);
-        u.u_clip_matrix.value.copy(placement.clip);
         u.u_normal_matrix.value.copy(placement.normal);
         u.u_half_viewport.value.copy(this.halfViewport);
         u.u_shift.value.set(this.isPerspective ? -p[14] : -p[10], this.isPerspective ? 1 : 0, Math.max(tolerance * placement.scale, 1e-30));

@@ -167,7 +167,7 @@ function sourceOf(defines, isCurved) {
 function makeUniforms(batch) {
     const names = {
         u_splats: batch.splats, u_clips: batch.clips ?? batch.splats, u_finishes: batch.finishes, u_texcoords: batch.texcoords, u_finish: batch.finishUniform,
-        u_modelview: new Matrix4(), u_projection: new Matrix4(), u_clip_matrix: new Matrix4(), u_unproject: new Matrix4(),
+        u_modelview: new Matrix4(), u_projection: new Matrix4(), u_unproject: new Matrix4(),
         u_normal_matrix: new Matrix3(), u_ray: new Matrix3(), u_half_viewport: new Vector3(), u_shift: new Vector3(),
         u_view_direction: new Vector3(), u_depth_range: new Vector2(0.5, 0.5), u_unstretch: 1, u_first_index: 0, u_apart: 0,
         u_kernel: new Vector2(-batch.sharpness, 0.5 * batch.exponent), u_base_color: new Vector3(), u_emissive: new Vector3(),

@@ -9,7 +9,6 @@
 
 #include <phongsplat/host.h>
 
-typedef long BENCH_intptr;
 typedef uint64_t BENCH_uint64;
 
 enum {
@@ -17,7 +16,6 @@ enum {
     BENCH_UNSIGNED_INT = 0x1405,
     BENCH_PROGRAM_POINT_SIZE = 0x8642,
     BENCH_QUERY_RESULT = 0x8866,
-    BENCH_ARRAY_BUFFER = 0x8892,
     BENCH_ELEMENT_ARRAY_BUFFER = 0x8893,
     BENCH_STATIC_DRAW = 0x88E4,
     BENCH_TIME_ELAPSED = 0x88BF,
@@ -28,20 +26,13 @@ enum {
 /* The entries are X(return type, name without gl, parameters). */
 #define BENCH_GL_FUNCTIONS(X)                                                                      \
     X(void, BeginQuery, (GLenum target, GLuint query))                                             \
-    X(void, BufferData, (GLenum target, BENCH_intptr size, const void *data, GLenum usage))        \
-    X(void, DeleteBuffers, (GLsizei count, const GLuint *buffers))                                 \
     X(void, DeleteQueries, (GLsizei count, const GLuint *queries))                                 \
     X(void, DrawElements, (GLenum mode, GLsizei count, GLenum type, const void *indices))          \
-    X(void, EnableVertexAttribArray, (GLuint index))                                               \
     X(void, EndQuery, (GLenum target))                                                             \
     X(void, Finish, (void))                                                                        \
-    X(void, GenBuffers, (GLsizei count, GLuint * buffers))                                         \
     X(void, GenQueries, (GLsizei count, GLuint * queries))                                         \
     X(void, GetQueryObjectui64v, (GLuint query, GLenum name, BENCH_uint64 * value))                \
-    X(void, Uniform1f, (GLint location, GLfloat x))                                                \
-    X(void, VertexAttribPointer,                                                                   \
-      (GLuint index, GLint size, GLenum type, GLboolean normalized, GLsizei stride,                \
-       const void *offset))
+    X(void, Uniform1f, (GLint location, GLfloat x))
 
 typedef struct bench_gl {
     psplat_gl base;

@@ -143,6 +143,11 @@ static void PSPLAT_GL_CALL draw_arrays(GLenum mode, GLint first, GLsizei count) 
     if (before_draw()) probe.gl.base.DrawArrays(mode, first, count);
 }
 
+static void PSPLAT_GL_CALL draw_instances(GLenum mode, GLint first, GLsizei count,
+                                          GLsizei instances) {
+    if (before_draw()) probe.gl.base.DrawArraysInstanced(mode, first, count, instances);
+}
+
 /* ISO C has no cast from function to object pointers. */
 void *probe_get_proc(void *user, const char *name) {
     typedef void(PSPLAT_GL_CALL * function)(void);
@@ -154,7 +159,8 @@ void *probe_get_proc(void *user, const char *name) {
                     {"glEnable", (function)enable},
                     {"glClearBufferfv", (function)clear_buffer},
                     {"glShaderSource", (function)shader_source},
-                    {"glDrawArrays", (function)draw_arrays}};
+                    {"glDrawArrays", (function)draw_arrays},
+                    {"glDrawArraysInstanced", (function)draw_instances}};
     for (size_t i = 0; i < sizeof replaced / sizeof *replaced; ++i) {
         void *address = NULL;
         memcpy(&address, &replaced[i].address, sizeof address);

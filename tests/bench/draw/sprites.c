@@ -81,9 +81,9 @@ static void set_attributes(const bench_gl *gl, uint32_t clip_count) {
                             {3, offsetof(vertex, clip[1])}, {3, offsetof(vertex, clip[2])},
                             {3, offsetof(vertex, clip[3])}};
     for (GLuint i = 0; i < 5 + clip_count; ++i) {
-        gl->EnableVertexAttribArray(i);
-        gl->VertexAttribPointer(i, layout[i].size, GL_FLOAT, GL_FALSE, sizeof(vertex),
-                                (const void *)(uintptr_t)layout[i].offset);
+        gl->base.EnableVertexAttribArray(i);
+        gl->base.VertexAttribPointer(i, layout[i].size, GL_FLOAT, GL_FALSE, sizeof(vertex),
+                                     (const void *)(uintptr_t)layout[i].offset);
     }
 }
 
@@ -94,10 +94,10 @@ static group make_group(const bench_gl *gl, const psplat_batch *batch) {
     for (size_t i = 0; i < batch->splat_count; ++i) vertices[i] = vertex_of(&batch->splats[i]);
     gl->base.GenVertexArrays(1, &g.array);
     gl->base.BindVertexArray(g.array);
-    gl->GenBuffers(1, &g.buffer);
-    gl->base.BindBuffer(BENCH_ARRAY_BUFFER, g.buffer);
-    gl->BufferData(BENCH_ARRAY_BUFFER, (BENCH_intptr)(batch->splat_count * sizeof *vertices),
-                   vertices, BENCH_STATIC_DRAW);
+    gl->base.GenBuffers(1, &g.buffer);
+    gl->base.BindBuffer(GL_ARRAY_BUFFER, g.buffer);
+    gl->base.BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(batch->splat_count * sizeof *vertices),
+                        vertices, BENCH_STATIC_DRAW);
     set_attributes(gl, batch->clip_count);
     gl->base.BindVertexArray(0);
     free(vertices);
@@ -228,7 +228,7 @@ static void destroy(void *self) {
     gl->DeleteVertexArrays(1, &s->screen);
     for (size_t i = 0; i < s->group_count; ++i) {
         gl->DeleteVertexArrays(1, &s->groups[i].array);
-        s->gl.DeleteBuffers(1, &s->groups[i].buffer);
+        s->gl.base.DeleteBuffers(1, &s->groups[i].buffer);
     }
     gl->DeleteFramebuffers(1, &s->framebuffer);
     gl->DeleteTextures(3, s->textures);

@@ -159,6 +159,8 @@ static void disturb_unpacking(const fixture *f) {
     const host_gl *gl = &f->gl;
     GLuint name;
     gl->GenBuffers(1, &name);
+    gl->BindBuffer(GL_ARRAY_BUFFER, name);
+    gl->GenBuffers(1, &name);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, name);
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 7);

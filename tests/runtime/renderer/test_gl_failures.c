@@ -205,6 +205,24 @@ static void test_faults(void **state) {
         }
 }
 
+/* GL is asked whether it had memory for the instances where their buffer grows, as it does in the
+ * first frame. */
+static void test_instances(void **state) {
+    (void)state;
+    static float expected[SIZE * SIZE * 4];
+    spied_renderer s = spied_renderer_open(PSPLAT_API_GL);
+    psplat_error error = {0};
+    draw_expected(&s, expected);
+    s.spy.fault = SPY_FAULT_BUFFER_MEMORY;
+    s.spy.at = s.spy.happened = 0;
+    expect_failure(use_once(&s, &error), &error, PSPLAT_ERROR_MEMORY);
+    s.spy.fault = SPY_FAULT_NONE;
+    expect_recovery(&s, expected);
+    end(&s);
+    expect_nothing_left(&s);
+    spied_renderer_close(&s);
+}
+
 /* An environment has several textures, most of many levels and faces, and takes long to filter. So
  * only the first, a middle and the last opportunity fail. */
 static void test_environments(void **state) {
@@ -365,9 +383,13 @@ static void test_loss_by_errors(void **state) {
 
 int test_gl_failures_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_allocations),    cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_environments),   cmocka_unit_test(test_loss),
-        cmocka_unit_test(test_loss_by_errors), cmocka_unit_test(test_flags_of_the_host),
+        cmocka_unit_test(test_allocations),
+        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_instances),
+        cmocka_unit_test(test_environments),
+        cmocka_unit_test(test_loss),
+        cmocka_unit_test(test_loss_by_errors),
+        cmocka_unit_test(test_flags_of_the_host),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

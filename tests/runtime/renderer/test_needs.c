@@ -21,9 +21,11 @@
 /* ---- a loader that counts what is drawn ------------------------------------------------------ */
 
 typedef void (*draw_arrays)(unsigned mode, int first, int count);
+typedef void (*draw_instances)(unsigned mode, int first, int count, int instances);
 
 static struct {
     draw_arrays real;
+    draw_instances real_instances;
     psplat_host *host;
     int draws, vertices;
 } counter;
@@ -34,13 +36,24 @@ static void count_draw(unsigned mode, int first, int count) {
     counter.real(mode, first, count);
 }
 
+static void count_instances(unsigned mode, int first, int count, int instances) {
+    ++counter.draws;
+    counter.vertices += count * instances;
+    counter.real_instances(mode, first, count, instances);
+}
+
 static void *counting_get_proc(void *user, const char *name) {
     void *address = psplat_host_get_proc(counter.host, name);
     (void)user;
-    if (strcmp(name, "glDrawArrays") != 0) return address;
-    memcpy(&counter.real, &address, sizeof address);
-    draw_arrays mine = count_draw;
-    memcpy(&address, &mine, sizeof address);
+    if (strcmp(name, "glDrawArrays") == 0) {
+        draw_arrays mine = count_draw;
+        memcpy(&counter.real, &address, sizeof address);
+        memcpy(&address, &mine, sizeof address);
+    } else if (strcmp(name, "glDrawArraysInstanced") == 0) {
+        draw_instances mine = count_instances;
+        memcpy(&counter.real_instances, &address, sizeof address);
+        memcpy(&address, &mine, sizeof address);
+    }
     return address;
 }
 
