@@ -84,11 +84,15 @@
  * PSPLAT_TARGET_COUNT and the two after it are the numbers of attachments.
  *
  *     0: sum of w n, of w L or (u, v, index); sum of w
- *     1: sum of w z; of w unlit where materials differ; of w occlusion where occlusion differs
+ *     1: sum of w z; of w roughness or w unlit where materials differ; of w occlusion where
+ *        occlusion differs. Roughness is here where target 3 is not there, else unlit
  *     2: sum of w colour; sum of w metallic            where colours or materials differ
- *     3: sum of w emissive; sum of w roughness         where materials differ */
+ *     3: sum of w emissive; sum of w roughness         where emission or unlit differ
+ *
+ * A pixel takes 24 bytes with the depth buffer; 40 with colours; 44 with materials, 52 with
+ * occlusion; 60 with emission, 68 with both. */
 #define PSPLAT_TARGET_COUNT 2
 #define PSPLAT_TARGET_COUNT_COLORS 3
-#define PSPLAT_TARGET_COUNT_MATERIALS 4
+#define PSPLAT_TARGET_COUNT_EMISSIVE 4
 
 #endif

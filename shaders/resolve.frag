@@ -4,9 +4,14 @@
  * weight (spec 5.4), calls resolve() of one of the files resolve_*.glsl for a colour, and writes
  * the colour and the blended window depth (spec 5.5) to the host's framebuffer.
  *
- * gl_program.c defines AS_IS (the sum is a colour already), COLORS, MATERIALS, OCCLUSION,
- * HALF_TARGETS and ENCODE.
+ * gl_program.c defines AS_IS (the sum is a colour already), COLORS, MATERIALS, EMISSIVE, OCCLUSION,
+ * HALF_TARGETS and ENCODE; and HOST_RESOLVE where a host's function takes the place of those files
+ * and writes the outputs itself (psplat_resolve).
  */
+#ifndef EMISSIVE
+#define EMISSIVE MATERIALS
+#endif
+
 uniform highp sampler2D u_target0;
 uniform highp sampler2D u_target1;
 uniform highp sampler2D u_target2;
@@ -18,7 +23,9 @@ uniform vec3 u_base_color;
 uniform vec3 u_emissive;
 uniform vec3 u_surface; /* metallic, roughness, unlit */
 
+#ifndef HOST_RESOLVE
 layout(location = 0) out vec4 o_color;
+#endif
 
 /* The blended attributes of a pixel. */
 struct Pixel {
@@ -47,10 +54,12 @@ Pixel pixel_at(ivec2 at) {
     vec4 colors = texelFetch(u_target2, at, 0) * scale;
     pixel.color = colors.rgb;
 #endif
-#if MATERIALS
+#if EMISSIVE
     vec4 surface = texelFetch(u_target3, at, 0) * scale;
     pixel.emissive = surface.rgb;
     pixel.surface.xyz = vec3(colors.a, surface.a, depth.g * scale);
+#elif MATERIALS
+    pixel.surface.xy = vec2(colors.a, depth.g * scale);
 #endif
 #if OCCLUSION
     pixel.surface.w = depth.b * scale;
@@ -76,14 +85,20 @@ vec3 encode(vec3 linear) {
 #endif
 }
 
+#ifdef HOST_RESOLVE
+void resolve(Pixel pixel);
+#else
 /* Returns the colour of a pixel; the files resolve_*.glsl define it. */
 vec3 resolve(Pixel pixel);
+#endif
 
 void main() {
     Pixel pixel = pixel_at(ivec2(gl_FragCoord.xy) - u_origin);
     if (!(pixel.weight > 0.0)) discard;
     gl_FragDepth = pixel.window.z * u_to_host.x + u_to_host.y;
-#if AS_IS
+#ifdef HOST_RESOLVE
+    resolve(pixel);
+#elif AS_IS
     o_color = vec4(encode(pixel.normal / pixel.weight), 1.0);
 #else
     o_color = vec4(resolve(pixel), 1.0);

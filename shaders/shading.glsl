@@ -5,7 +5,7 @@
  * ambient radiance and an environment. All positions and directions are in eye space.
  *
  * gl_program.c defines LIGHT_COUNT, PUNCTUAL (some light is not directional), ENVIRONMENT and
- * SHADOWS.
+ * SHADOWS; and HOST_LIGHT where a host's resolve function filters the lights (psplat_resolve).
  */
 uniform mat3 u_ray;       /* from (pixel x, pixel y, 1) to the view ray */
 uniform mat4 u_unproject; /* from pixel x, y and window depth to eye space */
@@ -78,6 +78,11 @@ float lit_part(vec4 cone, vec3 position, vec3 normal, float distance) {
 }
 #endif
 
+#ifdef HOST_LIGHT
+/* Returns the part of a light that reaches a point, 0 ... 1; the host defines it. */
+float light_part(int light, vec3 position, vec3 normal);
+#endif
+
 #if ENVIRONMENT
 /* Returns L_env of eq. (9), from the textures of prefiltered radiance. */
 vec3 reflect_environment(vec3 n, vec3 view, vec3 diffuse, vec3 f0, float roughness) {
@@ -103,7 +108,7 @@ vec3 shade(vec3 normal, vec3 window, vec3 color, vec3 emissive, vec4 surface) {
     vec3 result = surface.w * u_ambient * (diffuse + f0) + emissive;
 #if LIGHT_COUNT > 0
     float alpha = max(surface.y * surface.y, 0.002);
-#if PUNCTUAL || SHADOWS
+#if PUNCTUAL || SHADOWS || defined(HOST_LIGHT)
     vec3 position = position_of(window);
 #endif
     for (int i = 0; i < LIGHT_COUNT; ++i) {
@@ -123,6 +128,9 @@ vec3 shade(vec3 normal, vec3 window, vec3 color, vec3 emissive, vec4 surface) {
 #endif
 #if SHADOWS
         irradiance *= lit_part(u_light_cone[i], position, n, distance);
+#endif
+#ifdef HOST_LIGHT
+        irradiance *= light_part(i, position, n);
 #endif
         result += irradiance * reflect_light(n, view, l, diffuse, f0, alpha);
     }

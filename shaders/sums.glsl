@@ -3,9 +3,14 @@
  * sums.glsl - what a fragment of a splat writes: its part of the sums of spec 5.4, which layout.h
  * lists.
  *
- * gl_program.c defines PASS, COLORS, MATERIALS, OCCLUSION, POWER, COUNT and WEIGHT_FLOOR, and for the
- * pass that shades the macros of shading.glsl, which then comes before this file.
+ * gl_program.c defines PASS, COLORS, MATERIALS, EMISSIVE (where it is not defined, it is as
+ * MATERIALS), OCCLUSION, POWER, COUNT and WEIGHT_FLOOR, and for the pass that shades the macros of
+ * shading.glsl, which then comes before this file.
  */
+#ifndef EMISSIVE
+#define EMISSIVE MATERIALS
+#endif
+
 #if PASS != PSPLAT_PASS_VISIBILITY
 layout(location = 0) out vec4 o_sum;
 #if OCCLUSION
@@ -19,7 +24,7 @@ layout(location = 1) out float o_depth;
 #if COLORS
 layout(location = 2) out vec4 o_color;
 #endif
-#if MATERIALS
+#if EMISSIVE
 layout(location = 3) out vec4 o_surface;
 #endif
 
@@ -59,14 +64,19 @@ void write_sums(float weight, float depth, vec3 normal, vec3 varied_color, vec3 
     vec3 window = vec3(gl_FragCoord.xy, depth);
     o_sum = weight * vec4(shade(normal, window, color, emissive, surface), 1.0);
 #endif
+#if EMISSIVE
+    float second = surface.z;
+#else
+    float second = surface.y;
+#endif
 #if OCCLUSION
-    o_depth = weight * vec4(depth, surface.zw, 0.0);
+    o_depth = weight * vec4(depth, second, surface.w, 0.0);
 #elif MATERIALS
-    o_depth = weight * vec2(depth, surface.z);
+    o_depth = weight * vec2(depth, second);
 #else
     o_depth = weight * depth;
 #endif
-#if MATERIALS
+#if EMISSIVE
     o_surface = weight * vec4(emissive, surface.y);
 #endif
 #if COLORS

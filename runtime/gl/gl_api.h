@@ -34,6 +34,7 @@ enum {
     GL_TRUE = 1,
     GL_NONE = 0,
     GL_NO_ERROR = 0,
+    GL_ZERO = 0,
     GL_ONE = 1,
     GL_TRIANGLES = 0x0004,
     GL_LESS = 0x0201,

@@ -60,8 +60,9 @@ static unsigned used_textures(const psplat_program_key *key) {
         used |= PSPLAT_OPTIONS_MAPS & ~(unsigned)PSPLAT_OPTION_NORMAL_MAP;
     if (key->pass == PSPLAT_PASS_NORMALS) {
         if (given & PSPLAT_OPTIONS_TARGETS) used |= PSPLAT_OPTION_BASE_MAP;
-        if (given & (PSPLAT_OPTION_MATERIALS | PSPLAT_OPTION_OCCLUSION))
-            used |= PSPLAT_OPTION_SURFACE_MAP | PSPLAT_OPTION_EMISSIVE_MAP;
+        if (given & (PSPLAT_OPTION_MATERIALS | PSPLAT_OPTION_OCCLUSION | PSPLAT_OPTION_EMISSIVE))
+            used |= PSPLAT_OPTION_SURFACE_MAP;
+        if (given & PSPLAT_OPTION_EMISSIVE) used |= PSPLAT_OPTION_EMISSIVE_MAP;
         if (given & PSPLAT_OPTION_OCCLUSION) used |= PSPLAT_OPTION_OCCLUSION_MAP;
         int shows_normals =
             psplat_shading_reads_light(key->shading) || key->shading == PSPLAT_SHADING_NORMAL;
@@ -112,10 +113,10 @@ static unsigned normalise_options(unsigned options) {
     if (options & PSPLAT_OPTION_COUNT) options &= ~(unsigned)PSPLAT_OPTION_POWER;
     if (options & PSPLAT_OPTION_FINISH && options & PSPLAT_OPTION_COLOR)
         options = (options & ~(unsigned)PSPLAT_OPTION_COLOR) | PSPLAT_OPTION_WIDE;
-    if (options & PSPLAT_OPTION_OCCLUSION) options |= PSPLAT_OPTION_MATERIALS;
+    if (options & (PSPLAT_OPTION_OCCLUSION | PSPLAT_OPTION_EMISSIVE))
+        options |= PSPLAT_OPTION_MATERIALS;
     if (options & PSPLAT_OPTION_MATERIALS) options |= PSPLAT_OPTION_COLORS;
     if (options & (PSPLAT_OPTION_COLOR | PSPLAT_OPTION_GAMMA)) options |= PSPLAT_OPTION_WIDE;
-    if (options & (PSPLAT_OPTION_MASK | PSPLAT_OPTIONS_MAPS)) options |= PSPLAT_OPTION_TEXTURED;
     return options;
 }
 
@@ -129,7 +130,7 @@ psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
         key.light_count = 0;
         key.options &= ~(unsigned)(PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_SHADOWS);
     }
-    if (!key.is_resolve || key.options & PSPLAT_OPTION_AS_IS) key.shading = 0;
+    if (!key.is_resolve || key.options & PSPLAT_OPTION_AS_IS) key.shading = 0, key.host = 0;
     if (key.is_resolve) key.pass = key.clip_count = 0;
     return key;
 }
@@ -137,7 +138,7 @@ psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
 static int is_same_key(const psplat_program_key *a, const psplat_program_key *b) {
     return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
            a->clip_count == b->clip_count && a->shading == b->shading &&
-           a->light_count == b->light_count;
+           a->light_count == b->light_count && a->host == b->host;
 }
 
 /* ---- building ---------------------------------------------------------------------------- */
@@ -240,13 +241,21 @@ static void write_defines(const psplat_gl *gl, const psplat_program_key *key, ch
     int used = snprintf(out, size,
                         "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n"
                         "#define LINE_TYPE %s\n#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
-                        "#define HALF_TARGETS %d\n#define INSTANCED\n",
+                        "#define HALF_TARGETS %d\n#define TEXTURED %d\n#define INSTANCED\n",
                         key->pass, key->clip_count, clip_types[key->clip_count],
                         key->options & PSPLAT_OPTION_BENDS ? "vec4" : "vec3", key->light_count,
-                        gl->half_targets ? "1e-3" : "1e-30", gl->half_targets);
+                        gl->half_targets ? "1e-3" : "1e-30", gl->half_targets,
+                        !!(key->options & PSPLAT_OPTIONS_TEXTURED));
     for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
         used += snprintf(out + used, size - (size_t)used, "#define %s %d\n", options[i].name,
                          !!(key->options & options[i].option));
+}
+
+/* Adds the macros of a host's resolve function. They are not defined where there is none. */
+static void add_host_defines(const psplat_host_source *host, char *defines, size_t size) {
+    size_t used = strlen(defines);
+    snprintf(defines + used, size - used, "#define HOST_RESOLVE 1\n%s",
+             host->filters_light ? "#define HOST_LIGHT 1\n" : "");
 }
 
 /* Puts the shaders of a splat pass together. */
@@ -258,7 +267,7 @@ static psplat_program_source splat_source(const psplat_program_key *key, const c
     *vertex++ = psplat_shader_shift_glsl;
     *vertex = is_curved ? psplat_shader_curved_vert : psplat_shader_splat_vert;
     if (key->pass == PSPLAT_PASS_RADIANCE) *fragment++ = psplat_shader_shading_glsl;
-    if (key->options & PSPLAT_OPTION_TEXTURED) *fragment++ = psplat_shader_maps_glsl;
+    if (key->options & PSPLAT_OPTIONS_TEXTURED) *fragment++ = psplat_shader_maps_glsl;
     *fragment++ = psplat_shader_sums_glsl;
     *fragment = is_curved ? psplat_shader_curved_frag : psplat_shader_splat_frag;
     return source;
@@ -273,12 +282,28 @@ static psplat_program_source resolve_source(const psplat_program_key *key, const
                                                 is_shaded ? shadings[key->shading].source : NULL}};
 }
 
-static int build(const psplat_gl *gl, psplat_program *program, psplat_error *error) {
+/* Lines of the host's text are counted from 1, as its compiler's messages name them. */
+static psplat_program_source host_source(const psplat_host_source *host, const char *defines) {
+    return (psplat_program_source){.defines = defines,
+                                   .vertex = {psplat_shader_resolve_vert},
+                                   .fragment = {psplat_shader_shading_glsl,
+                                                psplat_shader_resolve_frag, "#line 1\n",
+                                                host->text}};
+}
+
+static int build(const psplat_programs *programs, const psplat_gl *gl, psplat_program *program,
+                 psplat_error *error) {
     const psplat_program_key *key = &program->key;
     char defines[1500];
     write_defines(gl, key, defines, sizeof defines);
-    psplat_program_source source =
-        key->is_resolve ? resolve_source(key, defines) : splat_source(key, defines);
+    psplat_program_source source;
+    if (key->host) {
+        const psplat_host_source *host = psplat_host_sources_get(&programs->hosts, key->host);
+        add_host_defines(host, defines, sizeof defines);
+        source = host_source(host, defines);
+    } else {
+        source = key->is_resolve ? resolve_source(key, defines) : splat_source(key, defines);
+    }
     program->id = psplat_program_build(gl, &source, error);
     if (program->id) find_uniforms(gl, program);
     return program->id != 0;
@@ -304,16 +329,45 @@ psplat_result psplat_programs_find(psplat_programs *programs, const psplat_gl *g
     key = psplat_program_key_reduce(key);
     for (size_t i = 0; i < programs->count; ++i) {
         *program = &programs->list[i];
-        if (is_same_key(&programs->list[i].key, &key)) return PSPLAT_OK;
+        if (!is_same_key(&programs->list[i].key, &key)) continue;
+        programs->list[i].is_new = 0;
+        return PSPLAT_OK;
     }
     if (!reserve(programs, allocator))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for another program");
     psplat_program *made = &programs->list[programs->count];
     memset(made, 0, sizeof *made);
     made->key = key;
-    if (!build(gl, made, error)) return PSPLAT_ERROR_GRAPHICS;
+    made->is_new = 1;
+    if (!build(programs, gl, made, error)) return PSPLAT_ERROR_GRAPHICS;
     ++programs->count;
     *program = made;
+    return PSPLAT_OK;
+}
+
+/* Deletes the programs of a host's resolve function. */
+static void drop_host(psplat_programs *programs, const psplat_gl *gl, unsigned number) {
+    size_t kept = 0;
+    for (size_t i = 0; i < programs->count; ++i) {
+        if (programs->list[i].key.host == number)
+            gl->DeleteProgram(programs->list[i].id);
+        else
+            programs->list[kept++] = programs->list[i];
+    }
+    programs->count = kept;
+}
+
+psplat_result psplat_programs_find_host(psplat_programs *programs, const psplat_gl *gl,
+                                        const psplat_allocator *allocator,
+                                        const psplat_resolve *resolve, unsigned *number,
+                                        psplat_error *error) {
+    unsigned dropped = 0;
+    const psplat_host_source *host =
+        psplat_host_sources_find(&programs->hosts, allocator, resolve, &dropped);
+    if (!host)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a resolve function");
+    if (dropped) drop_host(programs, gl, dropped);
+    *number = host->number;
     return PSPLAT_OK;
 }
 
@@ -322,5 +376,6 @@ void psplat_programs_destroy(psplat_programs *programs, const psplat_gl *gl,
     for (size_t i = 0; i < programs->count; ++i) gl->DeleteProgram(programs->list[i].id);
     if (programs->list)
         psplat_resize(allocator, programs->list, programs->capacity * sizeof *programs->list, 0);
+    psplat_host_sources_free(&programs->hosts, allocator);
     memset(programs, 0, sizeof *programs);
 }

@@ -7,6 +7,7 @@
 #define PHONGSPLAT_GL_GL_PROGRAM_H
 
 #include "gl/gl_api.h"
+#include "gl/host_source.h"
 #include "layout.h"
 
 #include <phongsplat/phongsplat.h>
@@ -26,7 +27,7 @@
     X(COUNT, 256)    /* weights are 1 */                                                           \
     /* for what render targets hold: */                                                            \
     X(COLORS, 512)     /* colours differ between splats */                                         \
-    X(MATERIALS, 1024) /* materials differ; implies COLORS */                                      \
+    X(MATERIALS, 1024) /* metallic or roughness differ; implies COLORS */                          \
     /* for programs that shade: */                                                                 \
     X(PUNCTUAL, 2048)    /* some light is not directional */                                       \
     X(ENVIRONMENT, 4096) /* the view has an environment */                                         \
@@ -37,13 +38,13 @@
     /* for both kinds of pass, where materials vary over a batch (spec 3.10): */                   \
     X(FINISH, 65536)     /* splats have a finish */                                                \
     X(OCCLUSION, 131072) /* occlusion varies; implies MATERIALS */                                 \
+    X(EMISSIVE, 4194304) /* emission or unlit differ; implies MATERIALS */                         \
     /* for the splat passes, of curved splats and bent clip lines: */                              \
     X(CURVED, 262144)  /* the view ray is cut with the quadric */                                  \
     X(TANGENT, 524288) /* ellipses lie in the tangent plane at the centre; never with CURVED */    \
     X(SHAPE, 1048576)  /* splats have a shape of their own (layout.h) */                           \
     X(BENDS, 2097152)  /* clip lines are bent */                                                   \
     /* for the splat passes, of batches with texture coordinates (spec 3.11): */                   \
-    X(TEXTURED, 4194304)         /* fragments have coordinates; implied by the next six */         \
     X(MASK, 8388608)             /* fragments that are not opaque enough are dropped */            \
     X(BASE_MAP, 16777216)        /* the material has a texture of base colours, */                 \
     X(SURFACE_MAP, 33554432)     /* of metallic and roughness, */                                  \
@@ -57,13 +58,14 @@ enum {
 #define PSPLAT_OPTION_ENUM(name, value) PSPLAT_OPTION_##name = value,
     PSPLAT_OPTIONS(PSPLAT_OPTION_ENUM)
 #undef PSPLAT_OPTION_ENUM
-        PSPLAT_OPTIONS_TARGETS =
-            PSPLAT_OPTION_COLORS | PSPLAT_OPTION_MATERIALS | PSPLAT_OPTION_OCCLUSION,
+        PSPLAT_OPTIONS_TARGETS = PSPLAT_OPTION_COLORS | PSPLAT_OPTION_MATERIALS |
+                                 PSPLAT_OPTION_OCCLUSION | PSPLAT_OPTION_EMISSIVE,
     PSPLAT_OPTIONS_LIGHT =
         PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_ENVIRONMENT | PSPLAT_OPTION_SHADOWS,
     PSPLAT_OPTIONS_MAPS = PSPLAT_OPTION_BASE_MAP | PSPLAT_OPTION_SURFACE_MAP |
                           PSPLAT_OPTION_NORMAL_MAP | PSPLAT_OPTION_OCCLUSION_MAP |
-                          PSPLAT_OPTION_EMISSIVE_MAP
+                          PSPLAT_OPTION_EMISSIVE_MAP,
+    PSPLAT_OPTIONS_TEXTURED = PSPLAT_OPTION_MASK | PSPLAT_OPTIONS_MAPS /* any: macro TEXTURED */
 };
 
 /* Identifies a variant. */
@@ -74,6 +76,7 @@ typedef struct psplat_program_key {
     int clip_count;   /* 0 ... PSPLAT_MAX_CLIP_LINES */
     int shading;      /* PSPLAT_SHADING_LIT ... */
     int light_count;  /* 0 ... PSPLAT_MAX_LIGHTS */
+    unsigned host;    /* 0, or the number of the host's resolve function, in place of the shading */
 } psplat_program_key;
 
 /* Lists the uniforms that are no samplers: X(name without u_). */
@@ -112,6 +115,7 @@ typedef struct psplat_program_key {
 typedef struct psplat_program {
     psplat_program_key key;
     GLuint id;
+    int is_new; /* 1: it was made by the call that found it */
 #define PSPLAT_UNIFORM_MEMBER(name) GLint name;
     PSPLAT_UNIFORMS(PSPLAT_UNIFORM_MEMBER)
 #undef PSPLAT_UNIFORM_MEMBER
@@ -120,6 +124,7 @@ typedef struct psplat_program {
 typedef struct psplat_programs {
     psplat_program *list; /* in the order of their first use */
     size_t count, capacity;
+    psplat_host_sources hosts;
 } psplat_programs;
 
 /* Returns the key without what its program does not use, so that equal programs have equal keys. */
@@ -131,6 +136,13 @@ psplat_program_key psplat_program_key_reduce(psplat_program_key key);
 psplat_result psplat_programs_find(psplat_programs *programs, const psplat_gl *gl,
                                    const psplat_allocator *allocator, psplat_program_key key,
                                    const psplat_program **program, psplat_error *error);
+
+/* Finds the number of a host's resolve function for psplat_program_key.host. It is valid at least
+ * until the next call; a function that had to make room loses its programs. Errors: MEMORY. */
+psplat_result psplat_programs_find_host(psplat_programs *programs, const psplat_gl *gl,
+                                        const psplat_allocator *allocator,
+                                        const psplat_resolve *resolve, unsigned *number,
+                                        psplat_error *error);
 
 /* Deletes all programs and sets programs to zero. */
 void psplat_programs_destroy(psplat_programs *programs, const psplat_gl *gl,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * gl_state.c - reads, sets and restores the host's GL state, mostly by tables of names.
+ * gl_state.c - reads or assumes, sets and restores the host's GL state, mostly by tables of names.
  */
 #include "gl/gl_state.h"
 
@@ -122,13 +122,8 @@ static psplat_result check_answers(const psplat_gl *gl, psplat_error *error) {
                        gl->is_lost ? "lost" : "lost or not current");
 }
 
-psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl, GLuint unit_count,
-                                   psplat_error *error) {
-    psplat_result result = check_answers(gl, error);
-    if (result != PSPLAT_OK) return result;
-    memset(state, 0, sizeof *state);
-    state->unit_count = unit_count;
-    read_state(state, gl);
+/* Sets what every pass and upload starts from. */
+static void set_starting(const psplat_gl *gl, GLuint unit_count) {
     for (int i = 0; i < PSPLAT_GL_CAPABILITY_COUNT; ++i)
         if (has_capability(gl, i)) set(gl, capabilities[i].name, capabilities[i].starting);
     if (gl->PolygonMode) gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
@@ -136,7 +131,43 @@ psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl, 
     gl->ActiveTexture(GL_TEXTURE0);
     gl->BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     for (int i = 0; i < unpack_count(gl); ++i) gl->PixelStorei(unpack[i].name, unpack[i].starting);
+}
+
+psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl, GLuint unit_count,
+                                   psplat_error *error) {
+    psplat_result result = check_answers(gl, error);
+    if (result != PSPLAT_OK) return result;
+    memset(state, 0, sizeof *state);
+    state->unit_count = unit_count;
+    read_state(state, gl);
+    set_starting(gl, unit_count);
     return PSPLAT_OK;
+}
+
+void psplat_gl_state_assume(psplat_gl_state *state, const psplat_gl *gl, GLuint unit_count,
+                            const psplat_host_state *known, const GLint viewport[4]) {
+    *state = (psplat_gl_state){
+        .color_mask = {GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE},
+        .depth_mask = GL_TRUE,
+        .draw_framebuffer = (GLint)known->framebuffer,
+        .blend_func = {GL_ONE, GL_ZERO, GL_ONE, GL_ZERO},
+        .blend_equation = {GL_FUNC_ADD, GL_FUNC_ADD},
+        .depth_func = GL_LESS,
+        .cull_face = GL_BACK,
+        .front_face = GL_CCW,
+        .polygon_mode = {GL_FILL, GL_FILL},
+        .active_texture = GL_TEXTURE0,
+        .unit_count = unit_count,
+    };
+    memcpy(state->viewport, viewport, sizeof state->viewport);
+    memcpy(state->scissor_box, viewport, sizeof state->scissor_box);
+    state->knows_scissor_box = !known->scissor_test;
+    for (int i = 0; i < UNPACK_COUNT; ++i) state->unpack[i] = unpack[i].starting;
+    for (int i = 0; i < PSPLAT_GL_CAPABILITY_COUNT; ++i) {
+        if (capabilities[i].name == GL_DITHER) state->capabilities[i] = GL_TRUE;
+        if (capabilities[i].name == GL_SCISSOR_TEST) state->capabilities[i] = !!known->scissor_test;
+    }
+    set_starting(gl, unit_count);
 }
 
 static void restore_scissor_box(const psplat_gl_state *state, const psplat_gl *gl) {

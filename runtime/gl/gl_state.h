@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * gl_state.h - saves and restores the host's GL state that drawing and uploading change. Reading
- * and restoring together take about 2 us with Mesa, so all of it is read each frame.
+ * gl_state.h - saves and restores the host's GL state that drawing and uploading change, or leaves
+ * GL's initial values where the host resets what it needs. Reading and restoring together take
+ * about 2 us with Mesa, so all of it is read each frame; in a browser, where the GL may be another
+ * process, a read can wait for all that was drawn before.
  *
  * State per draw buffer or viewport (glEnablei, glColorMaski, glBlendFunci, glViewportIndexed) is
  * read and restored as that of number 0. The depth range is left alone, because depth is written in
@@ -12,6 +14,8 @@
 
 #include "gl/gl_api.h"
 #include "layout.h"
+
+#include <phongsplat/phongsplat.h>
 
 #define PSPLAT_GL_CAPABILITY_COUNT 23
 
@@ -39,11 +43,17 @@ typedef struct psplat_gl_state {
 psplat_result psplat_gl_state_take(psplat_gl_state *state, const psplat_gl *gl, GLuint unit_count,
                                    psplat_error *error);
 
+/* Fills the state with GL's initial values instead of reading it, except what known tells, then
+ * sets the state that passes start from, as psplat_gl_state_take does. viewport is x, y, width and
+ * height of what is left behind. psplat_gl_state_restore then leaves those values. */
+void psplat_gl_state_assume(psplat_gl_state *state, const psplat_gl *gl, GLuint unit_count,
+                            const psplat_host_state *known, const GLint viewport[4]);
+
 /* Binds the host's framebuffer and restores its scissor test, for the resolve pass. The viewport
  * stays as it is. */
 void psplat_gl_state_bind_host(const psplat_gl_state *state, const psplat_gl *gl);
 
-/* Restores all of the host's state. */
+/* Restores all of the host's state, or leaves what was assumed. */
 void psplat_gl_state_restore(const psplat_gl_state *state, const psplat_gl *gl);
 
 #endif

@@ -32,7 +32,7 @@ static void use_maps(const psplat_gl *gl, const psplat_program *program,
                      const psplat_model_batch *batch) {
     const psplat_material *material = &batch->material;
     float rows[PSPLAT_MAP_COUNT][6];
-    if (!(program->key.options & PSPLAT_OPTION_TEXTURED)) return;
+    if (!(program->key.options & PSPLAT_OPTIONS_TEXTURED)) return;
     gl->Uniform2f(program->map_strength, material->textures[PSPLAT_TEXTURE_NORMAL].strength,
                   material->textures[PSPLAT_TEXTURE_OCCLUSION].strength);
     gl->Uniform2f(program->mask, material->base_color[3], material->alpha_cutoff);

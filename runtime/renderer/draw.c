@@ -31,9 +31,12 @@ static int same_color(const psplat_material *a, const psplat_material *b) {
 }
 
 static int same_surface(const psplat_material *a, const psplat_material *b) {
+    return a->metallic == b->metallic && a->roughness == b->roughness;
+}
+
+static int same_emission(const psplat_material *a, const psplat_material *b) {
     return a->emissive[0] == b->emissive[0] && a->emissive[1] == b->emissive[1] &&
-           a->emissive[2] == b->emissive[2] && a->metallic == b->metallic &&
-           a->roughness == b->roughness && !a->unlit == !b->unlit;
+           a->emissive[2] == b->emissive[2] && !a->unlit == !b->unlit;
 }
 
 /* Returns the material of the first batch, which every model has. */
@@ -41,8 +44,8 @@ static const psplat_material *first_material(const psplat_frame *f) {
     return &f->items[0].model->batches[0].material;
 }
 
-/* Returns the options for what differs between splats or between the materials of batches: COLORS,
- * MATERIALS and OCCLUSION. */
+/* Returns the options for what differs between splats or between the materials of batches: those of
+ * PSPLAT_OPTIONS_TARGETS. */
 static unsigned differences(const psplat_frame *f) {
     const psplat_material *first = first_material(f);
     unsigned options = 0;
@@ -50,15 +53,17 @@ static unsigned differences(const psplat_frame *f) {
         const psplat_model *model = f->items[i].model;
         for (size_t k = 0; k < model->batch_count; ++k) {
             const psplat_model_batch *batch = &model->batches[k];
-            const unsigned surface_maps = PSPLAT_OPTION_SURFACE_MAP | PSPLAT_OPTION_OCCLUSION_MAP |
-                                          PSPLAT_OPTION_EMISSIVE_MAP;
-            const unsigned rest = PSPLAT_FINISH_SURFACE | PSPLAT_FINISH_EMISSIVE;
+            const unsigned surface_maps = PSPLAT_OPTION_SURFACE_MAP | PSPLAT_OPTION_OCCLUSION_MAP;
             if (batch->has_color || batch->finish & PSPLAT_FINISH_GRADIENT ||
                 batch->textures & PSPLAT_OPTION_BASE_MAP || !same_color(first, &batch->material))
                 options |= PSPLAT_OPTION_COLORS;
-            if (batch->finish & rest || batch->textures & surface_maps ||
+            if (batch->finish & PSPLAT_FINISH_SURFACE || batch->textures & surface_maps ||
                 !same_surface(first, &batch->material))
                 options |= PSPLAT_OPTION_MATERIALS;
+            if (batch->finish & PSPLAT_FINISH_EMISSIVE ||
+                batch->textures & PSPLAT_OPTION_EMISSIVE_MAP ||
+                !same_emission(first, &batch->material))
+                options |= PSPLAT_OPTION_EMISSIVE;
             if (batch->finish & PSPLAT_FINISH_SURFACE ||
                 batch->textures & PSPLAT_OPTION_OCCLUSION_MAP)
                 options |= PSPLAT_OPTION_OCCLUSION;
@@ -87,12 +92,12 @@ static void choose_pass(psplat_frame *f) {
     psplat_program_key *key = &f->key;
     int is_parameters = view->mode == PSPLAT_MODE_PARAMETERS;
     key->pass = PSPLAT_PASS_NORMALS;
-    key->shading = is_parameters ? PSPLAT_SHADING_LIT : (int)view->shading;
-    if (is_parameters || view->shading == PSPLAT_SHADING_SPLATS)
+    key->shading = psplat_frame_shading(f);
+    if (is_parameters || key->shading == PSPLAT_SHADING_SPLATS)
         key->pass = PSPLAT_PASS_PARAMETERS;
     else if (view->mode == PSPLAT_MODE_PHONG)
         key->options |= PSPLAT_OPTION_FIELD;
-    else if (view->mode == PSPLAT_MODE_GAUSSIAN && view->shading == PSPLAT_SHADING_LIT)
+    else if (view->mode == PSPLAT_MODE_GAUSSIAN && key->shading == PSPLAT_SHADING_LIT && !key->host)
         key->pass = PSPLAT_PASS_RADIANCE;
     if (is_parameters || key->pass == PSPLAT_PASS_RADIANCE) key->options |= PSPLAT_OPTION_AS_IS;
     f->blends = view->mode != PSPLAT_MODE_FLAT && key->pass != PSPLAT_PASS_PARAMETERS;
@@ -102,14 +107,14 @@ static void choose_pass(psplat_frame *f) {
 static void choose_options(psplat_frame *f) {
     const psplat_view *view = f->view;
     psplat_program_key *key = &f->key;
-    if (!f->blends || view->shading == PSPLAT_SHADING_OVERDRAW) key->options |= PSPLAT_OPTION_COUNT;
+    if (!f->blends || key->shading == PSPLAT_SHADING_OVERDRAW) key->options |= PSPLAT_OPTION_COUNT;
     if (f->blends && !view->no_filter) key->options |= PSPLAT_OPTION_FILTER;
     if (!view->linear_output && view->mode != PSPLAT_MODE_PARAMETERS)
         key->options |= PSPLAT_OPTION_ENCODE;
     if (key->pass == PSPLAT_PASS_NORMALS && psplat_shading_reads_color(key->shading)) {
         unsigned differ = differences(f);
         key->options |= differ & PSPLAT_OPTION_COLORS;
-        if (psplat_shading_reads_light(key->shading)) key->options |= differ;
+        if (psplat_frame_reads_material(f)) key->options |= differ;
     }
     if (!psplat_shading_reads_light(key->shading) || key->pass == PSPLAT_PASS_PARAMETERS) return;
     key->light_count = f->lights.count;
@@ -144,16 +149,18 @@ static psplat_depth_span find_span(const psplat_frame *f) {
 
 static psplat_result prepare(psplat_frame *f) {
     const psplat_view *view = f->view;
-    GLfloat range[2] = {0.0f, 1.0f};
-    f->renderer->gl.GetFloatv(GL_DEPTH_RANGE, range);
+    float range[2];
+    psplat_frame_find_depth_range(f, range);
     for (int i = 0; i < 2; ++i) f->depth_range[i] = (double)range[i];
-    const psplat_depth_span span = find_span(f);
+    const psplat_depth_span span = view->depth_only ? PSPLAT_SPAN_WHOLE : find_span(f);
     const psplat_camera_desc desc = {.view = view->view,
                                      .projection = view->projection,
                                      .width = view->width,
                                      .height = view->height,
                                      .depth_range = {range[0], range[1]},
                                      .span = &span};
+    psplat_result result = psplat_frame_find_resolve(f);
+    if (result != PSPLAT_OK) return result;
     psplat_lights_set(&f->lights, view);
     choose_pass(f);
     choose_options(f);
@@ -169,18 +176,19 @@ static void set_writes(const psplat_gl *gl, GLboolean color, GLboolean depth, GL
 }
 
 static int target_count(unsigned options) {
-    if (options & PSPLAT_OPTION_MATERIALS) return PSPLAT_TARGET_COUNT_MATERIALS;
-    return options & PSPLAT_OPTION_COLORS ? PSPLAT_TARGET_COUNT_COLORS : PSPLAT_TARGET_COUNT;
+    const unsigned colors = PSPLAT_OPTION_COLORS | PSPLAT_OPTION_MATERIALS;
+    if (options & PSPLAT_OPTION_EMISSIVE) return PSPLAT_TARGET_COUNT_EMISSIVE;
+    return options & colors ? PSPLAT_TARGET_COUNT_COLORS : PSPLAT_TARGET_COUNT;
 }
 
 /* Returns the numbers a pixel that the second target holds (layout.h). */
 static int depth_numbers(unsigned options) {
     if (options & PSPLAT_OPTION_OCCLUSION) return 3;
-    return options & PSPLAT_OPTION_MATERIALS ? 2 : 1;
+    return options & (PSPLAT_OPTION_MATERIALS | PSPLAT_OPTION_EMISSIVE) ? 2 : 1;
 }
 
 /* Clears the targets where splats may be and shadings look: alone there where that is less than
- * half of the view. */
+ * half of the view. A host's resolve function may look anywhere. */
 static void clear_targets(const psplat_frame *f, const psplat_gl_state *state, int colors) {
     static const float zeros[4] = {0}, one = 1.0f;
     const psplat_gl *gl = &f->renderer->gl;
@@ -188,7 +196,7 @@ static void clear_targets(const psplat_frame *f, const psplat_gl_state *state, i
     GLsizei width = extent->x1 - extent->x0 + 2 * CLEARED_AROUND;
     GLsizei height = extent->y1 - extent->y0 + 2 * CLEARED_AROUND;
     double half = 0.5 * f->view->width * f->view->height;
-    int is_part = state->knows_scissor_box && (double)width * (double)height < half;
+    int is_part = state->knows_scissor_box && !f->key.host && (double)width * (double)height < half;
     if (is_part) {
         gl->Enable(GL_SCISSOR_TEST);
         gl->Scissor(extent->x0 - CLEARED_AROUND, extent->y0 - CLEARED_AROUND, width, height);
@@ -250,6 +258,7 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     gl->UseProgram(program->id);
     if (!(key.options & PSPLAT_OPTION_AS_IS)) psplat_frame_use_light(f, program);
     psplat_frame_use_material(gl, program, first_material(f));
+    if (key.host) psplat_frame_use_resolve(f, program);
     gl->Uniform3fv(program->planes, 1, f->camera.planes);
     gl->Uniform2i(program->origin, view->x, view->y);
     gl->Uniform2f(program->to_host, f->camera.to_host[0], f->camera.to_host[1]);
@@ -304,7 +313,7 @@ static psplat_result check_view(const psplat_renderer *renderer, const psplat_vi
         psplat_result result = check_light(&view->lights[i], i, error);
         if (result != PSPLAT_OK) return result;
     }
-    return PSPLAT_OK;
+    return psplat_frame_check_host(view, error);
 }
 
 static psplat_result check(const psplat_renderer *renderer, const psplat_view *view,
@@ -334,15 +343,21 @@ static psplat_result draw_view(psplat_frame *f, const psplat_gl_state *state) {
     return result == PSPLAT_OK ? resolve(f, state) : result;
 }
 
+static psplat_result draw_passes(psplat_frame *f, const psplat_gl_state *state) {
+    if (f->view->depth_only) return psplat_frame_draw_depth(f, state);
+    psplat_result result = PSPLAT_OK;
+    if (f->key.options & PSPLAT_OPTION_SHADOWS) result = psplat_frame_draw_shadows(f);
+    return result == PSPLAT_OK ? draw_view(f, state) : result;
+}
+
 static psplat_result draw_frame(psplat_frame *f) {
     const psplat_gl *gl = &f->renderer->gl;
     psplat_gl_state state;
-    psplat_result result = psplat_gl_state_take(&state, gl, unit_count(f), f->error);
+    psplat_result result = psplat_frame_take_state(f, &state, unit_count(f));
     if (result != PSPLAT_OK) return result;
     gl->BindVertexArray(f->renderer->vertex_array);
     gl->CullFace(GL_BACK);
-    if (f->key.options & PSPLAT_OPTION_SHADOWS) result = psplat_frame_draw_shadows(f);
-    if (result == PSPLAT_OK) result = draw_view(f, &state);
+    result = draw_passes(f, &state);
     psplat_gl_state_restore(&state, gl);
     return result;
 }
@@ -351,7 +366,7 @@ psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
                           const psplat_item *items, size_t item_count, psplat_error *error) {
     psplat_result result = check(renderer, view, items, item_count, error);
     if (result != PSPLAT_OK) return result;
-    if (item_count == 0) return psplat_gl_finish(&renderer->gl, PSPLAT_OK, error);
+    if (item_count == 0) return psplat_frame_ask_for_loss(renderer, error);
     psplat_frame f = {.renderer = renderer,
                       .view = view,
                       .items = items,
@@ -359,5 +374,5 @@ psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
                       .error = error};
     result = prepare(&f);
     if (result == PSPLAT_OK) result = draw_frame(&f);
-    return psplat_gl_finish(&renderer->gl, result, error);
+    return psplat_frame_finish(&f, result);
 }

@@ -6,6 +6,7 @@
 #ifndef PHONGSPLAT_RENDERER_FRAME_H
 #define PHONGSPLAT_RENDERER_FRAME_H
 
+#include "gl/gl_state.h"
 #include "renderer/camera.h"
 #include "renderer/screen_extent.h"
 #include "renderer/lights.h"
@@ -64,6 +65,39 @@ void psplat_frame_use_material(const psplat_gl *gl, const psplat_program *progra
 /* Sets the current program's uniforms of the view's lights, environment and shadow maps, and binds
  * their textures. */
 void psplat_frame_use_light(const psplat_frame *frame, const psplat_program *program);
+
+/* ---- host_pass.c -------------------------------------------------------------------------- */
+
+/* Checks the members of a view that tell of the host: resolve, host. Errors: ARGUMENT. */
+psplat_result psplat_frame_check_host(const psplat_view *view, psplat_error *error);
+
+/* Stores the host's depth range, read from GL or told by the view. */
+void psplat_frame_find_depth_range(const psplat_frame *frame, float range[2]);
+
+/* Takes or assumes the state of GL, by the renderer's policy. Errors: GRAPHICS. */
+psplat_result psplat_frame_take_state(const psplat_frame *frame, psplat_gl_state *state,
+                                      GLuint unit_count);
+
+/* Returns what psplat_draw is to return. Where the host resets state GL is asked nothing, unless
+ * the frame failed. */
+psplat_result psplat_frame_finish(const psplat_frame *frame, psplat_result result);
+
+/* Returns GRAPHICS where GL tells that the context is lost. */
+psplat_result psplat_frame_ask_for_loss(psplat_renderer *renderer, psplat_error *error);
+
+/* Finds the host's resolve function, where the view has one that matters, and stores its number in
+ * frame->key. Errors: MEMORY. */
+psplat_result psplat_frame_find_resolve(psplat_frame *frame);
+
+/* Return the shading that stands for what the frame draws, and 1 where it reads materials. */
+int psplat_frame_shading(const psplat_frame *frame);
+int psplat_frame_reads_material(const psplat_frame *frame);
+
+/* Lets the host set the uniforms of its resolve function's program, which is current. */
+void psplat_frame_use_resolve(const psplat_frame *frame, const psplat_program *program);
+
+/* Draws the depths of a shadow map into the host's framebuffer. Errors: GRAPHICS, MEMORY. */
+psplat_result psplat_frame_draw_depth(psplat_frame *frame, const psplat_gl_state *state);
 
 /* ---- shadow_pass.c ------------------------------------------------------------------------ */
 

@@ -54,7 +54,7 @@ static psplat_result check_status(const psplat_render_target *target, const pspl
 
 static void destroy(psplat_render_target *target, const psplat_gl *gl) {
     gl->DeleteFramebuffers(1, &target->framebuffer);
-    for (int i = 0; i < PSPLAT_TARGET_COUNT_MATERIALS; ++i)
+    for (int i = 0; i < PSPLAT_TARGET_COUNT_EMISSIVE; ++i)
         psplat_gl_texture_delete(gl, &target->colors[i]);
     psplat_gl_texture_delete(gl, &target->depth);
     memset(target, 0, sizeof *target);
@@ -62,7 +62,7 @@ static void destroy(psplat_render_target *target, const psplat_gl *gl) {
 
 static psplat_result bind(psplat_render_target *target, psplat_gl *gl, size_t *ledger,
                           int color_count, psplat_error *error) {
-    static const GLenum buffers[PSPLAT_TARGET_COUNT_MATERIALS] = {
+    static const GLenum buffers[PSPLAT_TARGET_COUNT_EMISSIVE] = {
         GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT0 + 1, GL_COLOR_ATTACHMENT0 + 2,
         GL_COLOR_ATTACHMENT0 + 3};
     if (!target->framebuffer) gl->GenFramebuffers(1, &target->framebuffer);

@@ -12,7 +12,7 @@
 
 typedef struct psplat_render_target {
     GLuint framebuffer;
-    psplat_gl_texture colors[PSPLAT_TARGET_COUNT_MATERIALS]; /* layout.h says what each holds */
+    psplat_gl_texture colors[PSPLAT_TARGET_COUNT_EMISSIVE]; /* layout.h says what each holds */
     psplat_gl_texture depth;
     int width, height; /* pixels */
     int color_count;   /* colour textures that exist */

@@ -15,6 +15,7 @@ psplat_result psplat_renderer_create(const psplat_renderer_desc *desc, psplat_re
     if (!made) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a renderer");
     made->allocator = desc->allocator;
     made->images = desc->images;
+    made->state = desc->state;
     psplat_result result = psplat_gl_load(&made->gl, desc->get_proc, desc->user, error);
     if (result != PSPLAT_OK) {
         psplat_resize(&desc->allocator, made, sizeof *made, 0);

@@ -21,6 +21,7 @@ struct psplat_renderer {
     psplat_gl gl;
     psplat_allocator allocator;
     psplat_images images;
+    psplat_state_policy state;
     psplat_programs programs;
     psplat_render_targets targets;
     psplat_shadows shadows;

@@ -15,6 +15,10 @@ matrix matrix_multiply(const matrix *a, const matrix *b) {
     return product;
 }
 
+void matrix_to_float(const matrix *a, float out[16]) {
+    for (int i = 0; i < 16; ++i) out[i] = (float)a->m[i];
+}
+
 matrix matrix_scale(double x, double y, double z) {
     return (matrix){{[0] = x, [5] = y, [10] = z, [15] = 1}};
 }
@@ -45,6 +49,25 @@ matrix matrix_look(const double eye[3], const double target[3]) {
             result.m[12 + row] -= rows[row][i] * eye[i];
         }
     return result;
+}
+
+/* The inverse of a rotation is its transpose. */
+matrix matrix_unlook(const matrix *look) {
+    matrix result = {{[15] = 1}};
+    for (int row = 0; row < 3; ++row)
+        for (int i = 0; i < 3; ++i) {
+            result.m[4 * i + row] = look->m[4 * row + i];
+            result.m[12 + row] -= look->m[4 * row + i] * look->m[12 + i];
+        }
+    return result;
+}
+
+matrix matrix_parallel(double half, double near, double far) {
+    return (matrix){{[0] = 1 / half,
+                     [5] = 1 / half,
+                     [10] = 2 / (near - far),
+                     [14] = (near + far) / (near - far),
+                     [15] = 1}};
 }
 
 matrix matrix_perspective(double focal, double aspect, double near, double far) {

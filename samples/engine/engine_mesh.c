@@ -14,21 +14,12 @@ static const char vertex_source[] = "#version 330 core\n"
                                     "layout(location = 0) in vec3 position;\n"
                                     "layout(location = 1) in vec3 normal;\n"
                                     "uniform mat4 clip;\n"
-                                    "out vec3 n;\n"
+                                    "out vec3 n, at;\n"
                                     "void main() {\n"
                                     "    n = normal;\n"
+                                    "    at = position;\n"
                                     "    gl_Position = clip * vec4(position, 1.0);\n"
                                     "}\n";
-/* The framebuffer is sRGB and encodes the linear colour that is written. */
-static const char fragment_source[] =
-    "#version 330 core\n"
-    "in vec3 n;\n"
-    "uniform vec3 color, light, sun, ambient;\n"
-    "out vec4 pixel;\n"
-    "void main() {\n"
-    "    vec3 lit = sun * max(-dot(normalize(n), normalize(light)), 0.0);\n"
-    "    pixel = vec4(color * (lit / 3.14159 + ambient), 1.0);\n"
-    "}\n";
 
 static GLuint compile(const engine_gl *gl, GLenum type, const char *source) {
     GLuint shader = gl->CreateShader(type);
@@ -37,21 +28,30 @@ static GLuint compile(const engine_gl *gl, GLenum type, const char *source) {
     return shader;
 }
 
-int paint_make(paint *p, const engine_gl *gl) {
-    GLuint vertex = compile(gl, GL_VERTEX_SHADER, vertex_source);
-    GLuint fragment = compile(gl, GL_FRAGMENT_SHADER, fragment_source);
+GLuint program_make(const engine_gl *gl, const char *vertex, const char *fragment) {
+    const GLuint shaders[2] = {compile(gl, GL_VERTEX_SHADER, vertex),
+                               compile(gl, GL_FRAGMENT_SHADER, fragment)};
+    GLuint program = gl->CreateProgram();
     GLint linked = GL_FALSE;
-    p->program = gl->CreateProgram();
-    gl->AttachShader(p->program, vertex);
-    gl->AttachShader(p->program, fragment);
-    gl->LinkProgram(p->program);
-    gl->GetProgramiv(p->program, GL_LINK_STATUS, &linked);
+    for (int i = 0; i < 2; ++i) gl->AttachShader(program, shaders[i]);
+    gl->LinkProgram(program);
+    for (int i = 0; i < 2; ++i) gl->DeleteShader(shaders[i]);
+    gl->GetProgramiv(program, GL_LINK_STATUS, &linked);
+    return linked ? program : 0;
+}
+
+int paint_make(paint *p, const engine_gl *gl, const char *fragment) {
+    p->program = program_make(gl, vertex_source, fragment);
     p->clip = gl->GetUniformLocation(p->program, "clip");
     p->color = gl->GetUniformLocation(p->program, "color");
-    p->light = gl->GetUniformLocation(p->program, "light");
-    p->sun = gl->GetUniformLocation(p->program, "sun");
-    p->ambient = gl->GetUniformLocation(p->program, "ambient");
-    return linked;
+    return p->program != 0;
+}
+
+void paint_use(const paint *p, const engine_gl *gl, const matrix *clip) {
+    float values[16];
+    matrix_to_float(clip, values);
+    gl->UseProgram(p->program);
+    gl->UniformMatrix4fv(p->clip, 1, GL_FALSE, values);
 }
 
 static float *put_ring(float *out, const float a[2], const float b[2]) {
@@ -87,11 +87,7 @@ mesh mesh_lathe(const engine_gl *gl, const float (*outline)[2], int points) {
     return m;
 }
 
-void mesh_draw(const mesh *m, const engine_gl *gl, const paint *p, const matrix *clip,
-               const float color[3]) {
-    float values[16];
-    for (int i = 0; i < 16; ++i) values[i] = (float)clip->m[i];
-    gl->UniformMatrix4fv(p->clip, 1, GL_FALSE, values);
+void mesh_draw(const mesh *m, const engine_gl *gl, const paint *p, const float color[3]) {
     gl->Uniform3fv(p->color, 1, color);
     gl->BindVertexArray(m->array);
     gl->DrawArrays(GL_TRIANGLES, 0, m->vertex_count);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * engine_mesh.h - the engine's own lit triangles: surfaces of revolution about +y.
+ * engine_mesh.h - the engine's own triangles: surfaces of revolution about +y, in world space.
  */
 #ifndef ENGINE_MESH_H
 #define ENGINE_MESH_H
@@ -8,10 +8,10 @@
 #include "engine_gl.h"
 #include "engine_matrix.h"
 
-/* The shader that all meshes share. */
+/* A shader for meshes. */
 typedef struct paint {
     GLuint program;
-    GLint clip, color, light, sun, ambient;
+    GLint clip, color;
 } paint;
 
 typedef struct mesh {
@@ -19,14 +19,21 @@ typedef struct mesh {
     GLsizei vertex_count;
 } mesh;
 
-int paint_make(paint *p, const engine_gl *gl); /* returns 0 where the compiler refuses */
+/* Compiles and links; returns 0 where the compiler refuses. */
+GLuint program_make(const engine_gl *gl, const char *vertex, const char *fragment);
+
+/* Makes a paint of a fragment shader, which gets the normal `n` and the place `at` of its point in
+ * world space and the uniform `color`. Returns 0 where the compiler refuses. */
+int paint_make(paint *p, const engine_gl *gl, const char *fragment);
+
+/* Makes the paint's program current. clip leads from world to clip space. */
+void paint_use(const paint *p, const engine_gl *gl, const matrix *clip);
 
 /* Turns an outline of (radius, height) points about +y. Each piece of the outline is flat and its
  * ends are sharp edges. The outside lies to the right of the way along the outline. */
 mesh mesh_lathe(const engine_gl *gl, const float (*outline)[2], int points);
 
-/* Draws the mesh with the paint's program, which must be current. */
-void mesh_draw(const mesh *m, const engine_gl *gl, const paint *p, const matrix *clip,
-               const float color[3]);
+/* Draws the mesh with the paint, which must be in use. */
+void mesh_draw(const mesh *m, const engine_gl *gl, const paint *p, const float color[3]);
 
 #endif

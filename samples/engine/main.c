@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * engine - phongsplat in a host that has a loop, a framebuffer, shaders and meshes of its own. One
- * asset stands in a ring of triangles, instances of another are sunk into the floor around it.
+ * engine - phongsplat in a host that has a loop, framebuffers, shaders, a shadow map and meshes of
+ * its own. One asset stands in a ring of triangles, instances of another are sunk into the floor
+ * around it.
  *
- *     engine A.glb B.glb OUT.ppm
+ *     engine [--deferred] A.glb B.glb OUT.ppm
  */
 #include "background_loader.h"
 #include "decode_image.h"
-#include "engine_matrix.h"
-#include "engine_mesh.h"
-#include "screen.h"
+#include "deferred.h"
+#include "forward.h"
 
 #include <phongsplat/host.h>
 
@@ -23,23 +23,17 @@ typedef struct engine {
     psplat_host *host; /* takes the place of a window */
     engine_gl gl;
     screen screen;
-    paint paint;
+    frame frame;
+    int is_deferred;
+    forward forward; /* one of these is made */
+    deferred deferred;
     mesh floor, plinth, ring;
     psplat_renderer *renderer;
-    psplat_environment *sky;
     psplat_model *models[2];
     int model_count;
     psplat_item items[ITEMS];
     size_t item_count;
-    matrix view, projection;
 } engine;
-
-static const float sun_direction[3] = {0.9f, -1, -0.45f}, sun[3] = {2.3f, 2.3f, 2.2f},
-                   ambient[3] = {0.16f, 0.17f, 0.2f};
-/* The sky's faces +x -x +y -y +z -z: bright above, dark below. */
-static const float sky_radiance[6 * 3] = {0.18f, 0.18f, 0.20f, 0.18f, 0.18f, 0.20f,
-                                          0.40f, 0.45f, 0.55f, 0.08f, 0.08f, 0.07f,
-                                          0.18f, 0.18f, 0.20f, 0.18f, 0.18f, 0.20f};
 
 static int fail(const char *text) {
     fprintf(stderr, "engine: %s\n", text);
@@ -60,24 +54,29 @@ static void make_meshes(engine *e) {
     e->ring = mesh_lathe(&e->gl, (const float(*)[2])ring, 25);
 }
 
+/* The forward way mixes phongsplat with meshes in one pass and wants its state kept; the deferred
+ * way sets all of its state in each pass, so that phongsplat need not ask GL for it. */
 static int start(engine *e) {
     psplat_error error = {0};
     if (psplat_host_create(PSPLAT_API_GL, 0, &e->host, &error)) return fail(error.text);
     psplat_renderer_desc desc = {
         .get_proc = psplat_host_get_proc, .user = e->host, .images = decode_images()};
+    if (e->is_deferred) desc.state = PSPLAT_STATE_HOST_RESETS;
     if (psplat_renderer_create(&desc, &e->renderer, &error)) return fail(error.text);
-    const psplat_environment_desc sky = {.radiance = sky_radiance, .size = 1};
-    if (psplat_environment_create(e->renderer, &sky, &e->sky, &error)) return fail(error.text);
-    if (!engine_gl_load(&e->gl, psplat_host_get_proc, e->host) || !paint_make(&e->paint, &e->gl))
-        return fail("GL lacks a function or refuses a shader");
+    if (!engine_gl_load(&e->gl, psplat_host_get_proc, e->host)) return fail("GL lacks a function");
     e->screen = screen_make(&e->gl);
     make_meshes(e);
+    if (!shadow_map_make(&e->frame.shadows, &e->gl)) return fail("GL refuses the shadow map");
+    if (e->is_deferred && !deferred_make(&e->deferred, &e->gl, &e->frame))
+        return fail("GL refuses a shader");
+    if (!e->is_deferred && !forward_make(&e->forward, &e->gl, &e->frame, e->renderer, &error))
+        return fail(error.text);
     return 1;
 }
 
 static void stop(engine *e) {
     for (int i = 0; i < e->model_count; ++i) psplat_model_destroy(e->renderer, e->models[i]);
-    psplat_environment_destroy(e->renderer, e->sky);
+    forward_free(&e->forward, e->renderer);
     psplat_renderer_destroy(e->renderer);
     psplat_host_destroy(e->host);
 }
@@ -127,47 +126,54 @@ static int take_models(engine *e, loader *l) {
     return is_fine;
 }
 
-static void aim(engine *e, int frame) {
-    double angle = 0.5 + 0.02 * frame;
+static void aim(engine *e, int number) {
+    static const float sun_direction[3] = {0.9f, -1, -0.45f}, sun[3] = {2.3f, 2.3f, 2.2f};
+    double angle = 0.5 + 0.02 * number;
     const double eye[3] = {6.2 * sin(angle), 3.4, 6.2 * cos(angle)}, target[3] = {0, 0.55, 0};
-    e->view = matrix_look(eye, target);
-    e->projection = matrix_perspective(2.2, (double)SCREEN_WIDTH / SCREEN_HEIGHT, 1, 20);
+    e->frame.view = matrix_look(eye, target);
+    e->frame.projection = matrix_perspective(2.2, (double)SCREEN_WIDTH / SCREEN_HEIGHT, 1, 20);
+    memcpy(e->frame.sun_direction, sun_direction, sizeof sun_direction);
+    memcpy(e->frame.sun, sun, sizeof sun);
+    shadow_map_aim(&e->frame.shadows, sun_direction);
 }
 
-static int draw_splats(const engine *e) {
+static const float stone[3] = {0.42f, 0.40f, 0.37f}, slate[3] = {0.16f, 0.18f, 0.22f},
+                   brass[3] = {0.75f, 0.45f, 0.10f};
+
+static void draw_ground(const engine *e, const paint *p) {
+    mesh_draw(&e->floor, &e->gl, p, slate);
+    mesh_draw(&e->plinth, &e->gl, p, stone);
+}
+
+static psplat_result draw_shadows(const engine *e, psplat_error *error) {
+    const shadow_map *map = &e->frame.shadows;
+    shadow_map_begin(map, &e->gl);
+    draw_ground(e, &map->paint);
+    mesh_draw(&e->ring, &e->gl, &map->paint, brass);
+    return shadow_map_draw_splats(map, e->renderer, e->items, e->item_count, error);
+}
+
+/* Meshes are drawn before the splats and after them: each hides the other pixel by pixel. */
+static int draw_frame(engine *e) {
     psplat_error error = {0};
-    psplat_view view = {.width = SCREEN_WIDTH, .height = SCREEN_HEIGHT, .light_count = 1};
-    view.linear_output = 1; /* the framebuffer encodes sRGB */
-    memcpy(view.view, e->view.m, sizeof view.view);
-    memcpy(view.projection, e->projection.m, sizeof view.projection);
-    memcpy(view.lights[0].direction, sun_direction, sizeof sun_direction);
-    memcpy(view.lights[0].color, sun, sizeof sun);
-    view.lights[0].casts_shadow = 1;
-    view.shadow_size = 2048;
-    view.environment = e->sky;
-    if (psplat_draw(e->renderer, &view, e->items, e->item_count, &error)) return fail(error.text);
-    return 1;
-}
-
-/* Draws meshes before the splats and after them. psplat_draw changes no state of GL: program,
- * uniforms and everything else stay as the engine set them. */
-static int draw_frame(const engine *e) {
-    static const float stone[3] = {0.42f, 0.40f, 0.37f}, slate[3] = {0.16f, 0.18f, 0.22f},
-                       brass[3] = {0.75f, 0.45f, 0.10f};
-    const engine_gl *gl = &e->gl;
-    matrix clip = matrix_multiply(&e->projection, &e->view);
-    screen_begin(&e->screen, gl);
-    gl->Enable(GL_DEPTH_TEST);
-    gl->Enable(GL_FRAMEBUFFER_SRGB);
-    gl->UseProgram(e->paint.program);
-    gl->Uniform3fv(e->paint.light, 1, sun_direction);
-    gl->Uniform3fv(e->paint.sun, 1, sun);
-    gl->Uniform3fv(e->paint.ambient, 1, ambient);
-    mesh_draw(&e->floor, gl, &e->paint, &clip, slate);
-    mesh_draw(&e->plinth, gl, &e->paint, &clip, stone);
-    if (!draw_splats(e)) return 0;
-    mesh_draw(&e->ring, gl, &e->paint, &clip, brass);
-    return 1;
+    if (draw_shadows(e, &error)) return fail(error.text);
+    psplat_result result;
+    if (e->is_deferred) {
+        deferred *d = &e->deferred;
+        deferred_begin(d, 1);
+        draw_ground(e, &d->paint);
+        result = deferred_draw_splats(d, e->renderer, e->items, e->item_count, &error);
+        deferred_begin(d, 0);
+        mesh_draw(&e->ring, &e->gl, &d->paint, brass);
+        deferred_light(d, &e->screen);
+    } else {
+        forward *f = &e->forward;
+        forward_begin(f, &e->screen);
+        draw_ground(e, &f->paint);
+        result = forward_draw_splats(f, e->renderer, e->items, e->item_count, &error);
+        mesh_draw(&e->ring, &e->gl, &f->paint, brass);
+    }
+    return result ? fail(error.text) : 1;
 }
 
 /* Draws frames while models come in, and FRAMES more after the last one has. */
@@ -185,10 +191,13 @@ static int run(engine *e, loader *l) {
 
 int main(int argc, char **argv) {
     engine e = {0};
-    if (argc != 4) return fprintf(stderr, "usage: engine A.glb B.glb OUT.ppm\n"), 1;
-    loader *l = loader_start((const char *const *)argv + 1, 2);
+    e.is_deferred = argc == 5 && strcmp(argv[1], "--deferred") == 0;
+    if (argc != 4 && !e.is_deferred)
+        return fprintf(stderr, "usage: engine [--deferred] A.glb B.glb OUT.ppm\n"), 1;
+    const char *const *paths = (const char *const *)argv + argc - 3;
+    loader *l = loader_start(paths, 2);
     int is_fine = l ? start(&e) && run(&e, l) : fail("no thread to load on");
-    if (is_fine && !screen_save(&e.screen, &e.gl, argv[3])) is_fine = fail("cannot write OUT.ppm");
+    if (is_fine && !screen_save(&e.screen, &e.gl, paths[2])) is_fine = fail("cannot write OUT.ppm");
     stop(&e);
     loader_stop(l);
     return !is_fine;

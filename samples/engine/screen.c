@@ -17,7 +17,7 @@ static void attach(const engine_gl *gl, GLenum attachment, GLenum format, GLsize
 }
 
 screen screen_make(const engine_gl *gl) {
-    screen s;
+    screen s = {0};
     gl->GenFramebuffers(1, &s.one);
     gl->GenFramebuffers(1, &s.many);
     gl->BindFramebuffer(GL_FRAMEBUFFER, s.one);
@@ -28,11 +28,21 @@ screen screen_make(const engine_gl *gl) {
     return s;
 }
 
-void screen_begin(const screen *s, const engine_gl *gl) {
-    gl->BindFramebuffer(GL_FRAMEBUFFER, s->many);
+static void begin(const engine_gl *gl, GLuint framebuffer) {
+    gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     gl->Viewport(0, 0, SCREEN_WIDTH, SCREEN_HEIGHT);
     gl->ClearColor(0.35f, 0.42f, 0.52f, 1);
     gl->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+}
+
+void screen_begin(screen *s, const engine_gl *gl) {
+    s->is_plain = 0;
+    begin(gl, s->many);
+}
+
+void screen_begin_plain(screen *s, const engine_gl *gl) {
+    s->is_plain = 1;
+    begin(gl, s->one);
 }
 
 int screen_save(const screen *s, const engine_gl *gl, const char *path) {
@@ -42,8 +52,9 @@ int screen_save(const screen *s, const engine_gl *gl, const char *path) {
     if (!file) return free(rgba), 0;
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, s->many);
     gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, s->one);
-    gl->BlitFramebuffer(0, 0, SCREEN_WIDTH, SCREEN_HEIGHT, 0, 0, SCREEN_WIDTH, SCREEN_HEIGHT,
-                        GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    if (!s->is_plain)
+        gl->BlitFramebuffer(0, 0, SCREEN_WIDTH, SCREEN_HEIGHT, 0, 0, SCREEN_WIDTH, SCREEN_HEIGHT,
+                            GL_COLOR_BUFFER_BIT, GL_NEAREST);
     gl->BindFramebuffer(GL_READ_FRAMEBUFFER, s->one);
     gl->ReadPixels(0, 0, SCREEN_WIDTH, SCREEN_HEIGHT, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
     fprintf(file, "P6 %d %d 255\n", SCREEN_WIDTH, SCREEN_HEIGHT);

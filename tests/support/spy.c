@@ -165,6 +165,11 @@ static int enter(void) {
     return 1;
 }
 
+static void count_query(const char *call) {
+    if (!strncmp(call, "Get", 3) || !strncmp(call, "Is", 2) || !strncmp(call, "Check", 5))
+        ++active->queries;
+}
+
 static int is_due(spy_fault fault) {
     return active->fault == fault && active->happened++ == active->at;
 }
@@ -183,12 +188,13 @@ static int is_due(spy_fault fault) {
 #define SPY_VOID(name, parameters, arguments, before)                                              \
     static void APIENTRY spy_##name parameters {                                                   \
         const char *call = #name;                                                                  \
-        (void)call;                                                                                \
+        count_query(call);                                                                         \
         if (!enter()) return;                                                                      \
         before real_##name() arguments;                                                            \
     }
 #define SPY_VALUE(type, none, name, parameters, arguments)                                         \
     static type APIENTRY spy_##name parameters {                                                   \
+        count_query(#name);                                                                        \
         return enter() ? real_##name() arguments : none;                                           \
     }
 #define SPY_GEN(kind, name)                                                                        \
@@ -221,6 +227,7 @@ static void spy_BufferData(GLenum target, GLsizeiptr size, const void *data, GLe
 }
 
 static GLenum spy_CheckFramebufferStatus(GLenum target) {
+    count_query("CheckFramebufferStatus");
     if (!enter()) return 0;
     if (is_due(SPY_FAULT_FRAMEBUFFER)) return GL_FRAMEBUFFER_UNSUPPORTED;
     return real_CheckFramebufferStatus()(target);
@@ -251,6 +258,7 @@ static void spy_DeleteShader(GLuint shader) {
 }
 
 static GLenum spy_GetError(void) {
+    count_query("GetError");
     GLenum error = active->error;
     active->error = GL_NO_ERROR;
     if (error == SPY_GL_CONTEXT_LOST) active->has_told = active->tells_once;
@@ -258,17 +266,20 @@ static GLenum spy_GetError(void) {
 }
 
 static GLenum spy_GetGraphicsResetStatus(void) {
+    count_query("GetGraphicsResetStatus");
     if (!enter()) return active->no_reset_status ? GL_NO_ERROR : SPY_GL_UNKNOWN_CONTEXT_RESET;
     return real_GetGraphicsResetStatus()();
 }
 
 static void spy_GetProgramiv(GLuint program, GLenum name, GLint *value) {
+    count_query("GetProgramiv");
     if (!enter()) return;
     real_GetProgramiv()(program, name, value);
     if (name == GL_LINK_STATUS && is_due(SPY_FAULT_LINK)) *value = GL_FALSE;
 }
 
 static void spy_GetShaderiv(GLuint shader, GLenum name, GLint *value) {
+    count_query("GetShaderiv");
     if (!enter()) return;
     real_GetShaderiv()(shader, name, value);
     if (name == GL_COMPILE_STATUS && is_due(SPY_FAULT_COMPILE)) *value = GL_FALSE;

@@ -67,6 +67,7 @@ typedef struct spy {
     size_t live[SPY_OBJECT_COUNT];
     size_t made;    /* objects of all kinds that were ever made */
     size_t calls;   /* calls counted while the fault is SPY_FAULT_LOST */
+    size_t queries; /* calls of functions that ask GL: glGet..., glIsEnabled, glCheck... */
     unsigned error; /* what the next glGetError returns */
     unsigned char owned[SPY_OBJECT_COUNT][SPY_NAME_MAX];
     spy_touch touched[SPY_TOUCH_MAX];

@@ -246,6 +246,12 @@ typedef struct psplat_images {
     void *user;
 } psplat_images;
 
+/* Chooses how psplat_draw treats the GL state of the host (see there). */
+typedef enum psplat_state_policy {
+    PSPLAT_STATE_RESTORED = 0, /* what a frame changes is read before and put back after it */
+    PSPLAT_STATE_HOST_RESETS   /* a frame reads no state and leaves GL's initial values behind */
+} psplat_state_policy;
+
 /* The parameters of psplat_renderer_create. get_proc is required and returns the address of a GL
  * function, or NULL where there is none: eglGetProcAddress, glfwGetProcAddress or the engine's
  * own. The context must be GL >= 3.3 core, GLES >= 3.0 or WebGL 2, and it must be current during
@@ -258,12 +264,14 @@ typedef struct psplat_images {
  * as glGetGraphicsResetStatus or glGetError say, the call returns PSPLAT_ERROR_GRAPHICS, and so
  * does every later call with that renderer. Its destroy functions then free memory and leave GL
  * alone, so it does not matter which context is current, if any; the host creates a new renderer
- * in another context. After any other error the renderer is as usable as before. */
+ * in another context. After any other error the renderer is as usable as before. Under
+ * PSPLAT_STATE_HOST_RESETS frames do not ask whether the context is lost (see psplat_draw). */
 typedef struct psplat_renderer_desc {
     void *(*get_proc)(void *user, const char *name);
     void *user; /* passed to get_proc */
     psplat_allocator allocator;
     psplat_images images;
+    psplat_state_policy state;
 } psplat_renderer_desc;
 
 /* Creates a renderer in the current context. On success *renderer belongs to the caller, who
@@ -405,6 +413,79 @@ PSPLAT_EXPORT psplat_result psplat_environment_create(psplat_renderer *renderer,
 PSPLAT_EXPORT void psplat_environment_destroy(psplat_renderer *renderer,
                                               psplat_environment *environment);
 
+/* The greatest number of texture units that the renderer uses, 0 ... PSPLAT_HOST_UNIT - 1. The
+ * units from PSPLAT_HOST_UNIT on are the host's: no function of the renderer touches them. */
+#define PSPLAT_HOST_UNIT 14
+
+/* Chooses what of a pixel a host's resolve function reads. What it does not read is not drawn, and
+ * undefined. */
+typedef enum psplat_reads {
+    PSPLAT_READS_MATERIAL = 0, /* all of Pixel; shade() lights it with the lights of the view */
+    PSPLAT_READS_COLOR,        /* window, normal, color */
+    PSPLAT_READS_NORMAL        /* window, normal */
+} psplat_reads;
+
+/* A resolve function of the host's, in GLSL, which takes the place of a shading: it is called once
+ * for each pixel that splats cover, after blending, and writes what it likes to as many outputs as
+ * the host's framebuffer has. So a deferred engine gets splats into its G-buffer and lights them
+ * with everything else, and a forward one lights them with its own code:
+ *
+ *     layout(location = 0) out vec4 o_normal;
+ *     layout(location = 1) out vec4 o_albedo;
+ *     void resolve(Pixel pixel) {
+ *         o_normal = vec4(0.5 + 0.5 * normalize(pixel.normal), pixel.surface.y);
+ *         o_albedo = vec4(pixel.color, pixel.surface.x);
+ *     }
+ *
+ * source is valid in GLSL 3.30 and GLSL ES 3.00, has no #version, declares its outputs with
+ * locations and defines void resolve(Pixel pixel). It follows shaders/shading.glsl and
+ * shaders/resolve.frag, and may use what these define; names that begin with u_ are theirs.
+ *
+ *     struct Pixel {
+ *         vec3 window;   // pixel x and y in the view (its centres are at 1/2), window depth
+ *         vec3 normal;   // in eye space, of any length
+ *         float weight;  // sum of the weights of the pixel's splats, > 0
+ *         vec3 color;    // base colour, linear
+ *         vec3 emissive; // linear
+ *         vec4 surface;  // metallic, roughness, unlit, occlusion, 0 ... 1 each
+ *     };
+ *     Pixel pixel_at(ivec2 pixel);     // a pixel of the view, at most 16 from this one to each
+ *                                      // side; its weight is 0 where nothing is
+ *     vec3 position_of(vec3 window);   // the place of a Pixel.window in eye space
+ *     vec3 view_direction(vec2 pixel); // from there to the eye, unit length, eye space
+ *     vec3 shade(vec3 normal, vec3 window, vec3 color, vec3 emissive, vec4 surface);
+ *                                      // radiance under the view's lights (spec 5.6)
+ *     vec3 encode(vec3 linear);        // to sRGB, unless linear_output is 1
+ *
+ * Depth is written as with a shading, and where it fails the depth test so do the outputs. Window
+ * depths of a Pixel are those of the renderer's own fitted range and mean something to position_of
+ * alone. */
+typedef struct psplat_resolve {
+    const char *source; /* zero-terminated; compared by content, so it may be another copy in each
+                           frame. The programs of the 16 sources that were used last are kept */
+    psplat_reads reads;
+    int filters_light; /* 1: source also defines float light_part(int light, vec3 position, vec3
+                          normal), and shade() multiplies the light of number `light` in the view by
+                          it: a lookup in the host's shadow map, a cookie. position and normal (of
+                          unit length) are in eye space */
+    /* Called before each pass with source's program, which is current, to set uniforms and bind
+     * textures (to units from PSPLAT_HOST_UNIT on); may be NULL. It must leave the program current,
+     * and other state alone. is_new is 1 where the program was just made, so that the host looks up
+     * the locations of uniforms once: several variants of one source may exist, each a program with
+     * uniforms of its own. After that a name stands for the same program until is_new is 1 again.
+     */
+    void (*use)(void *user, unsigned program, int is_new);
+    void *user; /* passed to use */
+} psplat_resolve;
+
+/* What a frame has to know of the host's state under PSPLAT_STATE_HOST_RESETS, where it is not read
+ * from GL. */
+typedef struct psplat_host_state {
+    unsigned framebuffer; /* that is bound for drawing; 0: the default framebuffer */
+    int scissor_test;     /* 1: GL_SCISSOR_TEST is enabled for what the frame draws into it */
+    float depth_range[2]; /* of glDepthRange; 0 0 means 0 1 */
+} psplat_host_state;
+
 /* A camera and how to draw. All matrices are double: they are composed in double and only their
  * product becomes float, so that models far from the origin do not jitter. Lengths in eye space may
  * be from 1e-18 to 1e18. Surfaces that are closer to each other than 2e-6 of their distance from
@@ -430,6 +511,14 @@ typedef struct psplat_view {
                           pixel may not be drawn */
     int linear_output; /* 0: colours are sRGB-encoded; 1: they stay linear, for a framebuffer that
                           has floats or encodes colours itself */
+    const psplat_resolve *resolve; /* takes the place of shading; NULL: there is none.
+                                      PSPLAT_MODE_PARAMETERS ignores it, and PSPLAT_MODE_GAUSSIAN
+                                      blends the normals of centres with it */
+    int depth_only; /* 1: splats are drawn in one pass into the framebuffer's depth buffer alone, at
+                       the depths of a shadow map: moved away from the eye by epsilon of spec 5.3,
+                       the bias that keeps them from shading themselves. mode, shading, resolve,
+                       lights and colours do not matter; shadows want PSPLAT_CULL_NEVER */
+    psplat_host_state host; /* matters under PSPLAT_STATE_HOST_RESETS alone */
 } psplat_view;
 
 /* One model to draw. Any number of items may have the same model: they are drawn with the same
@@ -459,15 +548,49 @@ typedef struct psplat_item {
  * (a pointer is NULL, or a value of the view or of a light is out of range), MEMORY, GRAPHICS. What
  * the framebuffer holds after an error is undefined.
  *
+ * A resolve function of the host's writes to as many draw buffers as it has outputs, with what the
+ * framebuffer makes of it; the rest of the above holds for all of them.
+ *
  * The GL state that is changed is restored, here and in every function above: framebuffer, program,
  * vertex array, array buffer, viewport, scissor box, capabilities, blending, masks, depth function,
  * culling, polygon mode, pixel unpacking, and of the texture units 0 ... 8 the 2D texture, the cube
- * map and the sampler. State of several draw buffers or viewports (glEnablei, glColorMaski,
- * glViewportIndexed) is read and restored as that of number 0. Two things are not restored:
+ * map and the sampler, where materials have textures of the units 9 ... 13 too. State of several
+ * draw buffers or viewports (glEnablei, glColorMaski, glViewportIndexed) is read and restored as
+ * that of number 0. Two things are not restored:
  *
  *     glGetError                its flags are read where something is made or fails. Flags that the
  *                               host left are dropped, and no call fails because of them
  *     glGetGraphicsResetStatus  is asked once in each call, where the context has it
+ *
+ * Under PSPLAT_STATE_HOST_RESETS this function reads no state, so that nothing waits for the GPU
+ * or, in a browser, for another process. psplat_view.host tells what it has to know. In a frame
+ * that makes nothing new (programs, targets, shadow maps) it calls no glGet... and no glIsEnabled.
+ * It leaves this behind, whatever it draws and also where it fails while drawing; with no items, or
+ * where arguments are refused, it changes nothing:
+ *
+ *     glBindFramebuffer         psplat_view.host.framebuffer for drawing; that for reading is as
+ *                               before
+ *     glViewport                x, y, width, height of the view
+ *     GL_SCISSOR_TEST           psplat_view.host.scissor_test; the box is as before where that is
+ * 1, else that of the viewport glUseProgram, glBindVertexArray                               0
+ *     GL_DITHER                                                     enabled
+ *     GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_POLYGON_OFFSET_FILL,
+ *     GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_COVERAGE, in GLES 3.1 and GL
+ *     GL_SAMPLE_MASK, in GL GL_COLOR_LOGIC_OP, GL_DEPTH_CLAMP, GL_POLYGON_SMOOTH,
+ *     GL_TEXTURE_CUBE_MAP_SEAMLESS, GL_CLIP_DISTANCE0 ... 7         disabled
+ *     glBlendFunc GL_ONE GL_ZERO, glBlendEquation GL_FUNC_ADD, glColorMask and glDepthMask GL_TRUE
+ *     (all of these for every draw buffer), glDepthFunc GL_LESS, glCullFace GL_BACK, glFrontFace
+ *     GL_CCW, in GL glPolygonMode GL_FILL
+ *     glActiveTexture           GL_TEXTURE0
+ *     glBindTexture of 2D and cube maps, glBindSampler              0 on units 0 ... 8; where
+ *                               materials have textures on units 0 ... 13
+ *     GL_ARRAY_BUFFER and GL_PIXEL_UNPACK_BUFFER 0, GL_UNPACK_ALIGNMENT 4
+ *     GL_UNPACK_ROW_LENGTH, _SKIP_ROWS, _SKIP_PIXELS and in GL _SWAP_BYTES 0
+ *
+ * These are GL's initial values, but for the first three and what the host says. All other state is
+ * as before. Nothing is asked of a lost context either: a host that learns of a loss, or wants to,
+ * calls psplat_draw with no items, which asks GL and returns PSPLAT_ERROR_GRAPHICS after a loss.
+ * The functions that make and destroy things restore state under both policies.
  *
  * This state must be at its default: glClipControl, conditional rendering, transform feedback, and
  * what extensions add to rasterisation (EXT_depth_bounds_test, in GLES EXT_clip_cull_distance); in

@@ -17,7 +17,7 @@
 #include <string.h>
 
 /* All options but those of textures, which have tests of their own. */
-enum { ALL_OPTIONS = PSPLAT_OPTION_TEXTURED - 1, MAX_KEYS = 40000 };
+enum { ALL_OPTIONS = PSPLAT_OPTION_MASK - 1, MAX_KEYS = 80000 };
 
 typedef struct key_list {
     psplat_program_key *keys;
@@ -93,11 +93,11 @@ static int is_like_others(const psplat_program_key *key) {
     const unsigned second =
         PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TANGENT | PSPLAT_OPTION_SHAPE | PSPLAT_OPTION_BENDS;
     const unsigned others = PSPLAT_OPTION_POWER | PSPLAT_OPTION_COUNT | PSPLAT_OPTION_MATERIALS |
-                            PSPLAT_OPTION_OCCLUSION | PSPLAT_OPTIONS_LIGHT;
+                            PSPLAT_OPTION_OCCLUSION | PSPLAT_OPTION_EMISSIVE | PSPLAT_OPTIONS_LIGHT;
     const unsigned sides = PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TWO_SIDED;
     if (key->options & second && key->options & others) return 1;
     if (key->options & second && (key->options & sides) == PSPLAT_OPTION_TWO_SIDED) return 1;
-    const unsigned varied = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_OCCLUSION;
+    const unsigned varied = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_OCCLUSION | PSPLAT_OPTION_EMISSIVE;
     const unsigned apart = PSPLAT_OPTION_POWER | PSPLAT_OPTION_COUNT | PSPLAT_OPTION_TWO_SIDED;
     return key->options & varied && (key->clip_count > 0 || key->options & apart);
 }
@@ -134,21 +134,20 @@ static void test_bounded(void **state) {
         free(list.keys);
     }
     /* Passes of normals have 5 programs for gammas, fields and attributes that are skipped. With
-     * more targets there are three times these and 8 for colours and finishes. All of it is
+     * more targets there are five times these and 8 for colours and finishes. All of it is
      * multiplied by sides, filter and three weights, and by the kinds of surfaces: flat, tangent,
      * flat and curved with a shape of their own, curved. */
-    assert_true(most <= (5 + 3 * 13) * 2 * 2 * 3 * 5);
+    assert_true(most <= (5 + 5 * 13) * 2 * 2 * 3 * 5);
 }
 
 static void test_no_use(void **state) {
     (void)state;
     psplat_program_key visible = {.pass = PSPLAT_PASS_VISIBILITY, .options = ~0u, .light_count = 3};
     visible = psplat_program_key_reduce(visible);
-    assert_int_equal(visible.options, PSPLAT_OPTION_WIDE | PSPLAT_OPTION_SHAPE |
-                                          PSPLAT_OPTION_CURVED | PSPLAT_OPTION_TWO_SIDED |
-                                          PSPLAT_OPTION_TEXTURED | PSPLAT_OPTION_MASK |
-                                          PSPLAT_OPTION_BASE_MAP | PSPLAT_OPTION_TEXCOORD_BEND |
-                                          PSPLAT_OPTION_MAP_TRANSFORM);
+    assert_int_equal(visible.options,
+                     PSPLAT_OPTION_WIDE | PSPLAT_OPTION_SHAPE | PSPLAT_OPTION_CURVED |
+                         PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_MASK | PSPLAT_OPTION_BASE_MAP |
+                         PSPLAT_OPTION_TEXCOORD_BEND | PSPLAT_OPTION_MAP_TRANSFORM);
     assert_int_equal(visible.light_count, 0);
     psplat_program_key depth = {.is_resolve = 1, .shading = PSPLAT_SHADING_DEPTH, .light_count = 3};
     depth.options = PSPLAT_OPTIONS_TARGETS | PSPLAT_OPTIONS_LIGHT;
@@ -195,19 +194,19 @@ static void test_no_textures(void **state) {
     (void)state;
     const unsigned all = PSPLAT_OPTIONS_MAPS | PSPLAT_OPTION_TEXCOORD_BEND;
     psplat_program_key key = {.pass = PSPLAT_PASS_NORMALS, .options = all | PSPLAT_OPTION_FIELD};
-    const unsigned normals = PSPLAT_OPTION_FIELD | PSPLAT_OPTION_NORMAL_MAP |
-                             PSPLAT_OPTION_TEXCOORD_BEND | PSPLAT_OPTION_TEXTURED;
+    const unsigned normals =
+        PSPLAT_OPTION_FIELD | PSPLAT_OPTION_NORMAL_MAP | PSPLAT_OPTION_TEXCOORD_BEND;
     assert_int_equal(psplat_program_key_reduce(key).options, normals);
     key.shading = PSPLAT_SHADING_DEPTH;
     assert_int_equal(psplat_program_key_reduce(key).options, PSPLAT_OPTION_FIELD);
     key.shading = PSPLAT_SHADING_UNLIT;
     key.options |= PSPLAT_OPTION_COLORS;
     const unsigned colors = PSPLAT_OPTION_FIELD | PSPLAT_OPTION_COLORS | PSPLAT_OPTION_BASE_MAP |
-                            PSPLAT_OPTION_TEXCOORD_BEND | PSPLAT_OPTION_TEXTURED;
+                            PSPLAT_OPTION_TEXCOORD_BEND;
     assert_int_equal(psplat_program_key_reduce(key).options, colors);
     key = (psplat_program_key){.pass = PSPLAT_PASS_RADIANCE, .options = all};
     assert_int_equal(psplat_program_key_reduce(key).options,
-                     (all & ~(unsigned)PSPLAT_OPTION_NORMAL_MAP) | PSPLAT_OPTION_TEXTURED);
+                     all & ~(unsigned)PSPLAT_OPTION_NORMAL_MAP);
     key = (psplat_program_key){.pass = PSPLAT_PASS_VISIBILITY, .options = all};
     assert_int_equal(psplat_program_key_reduce(key).options, 0);
 }

@@ -3,7 +3,8 @@
  * test_gl_state.c - tests that everything the runtime does leaves the host's GL state as it found
  * it, whatever it was, and changes no object of the host. A spy (spy.h) between runtime and GL
  * keeps what each call is about to change; a snapshot of more state finds changes that calls make
- * on the side.
+ * on the side. Where the host resets state, a frame must ask GL nothing and leave what
+ * phongsplat.h says.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -27,6 +28,7 @@ enum {
     COLOR_LOGIC_OP = 0x0BF2,
     UNPACK_SWAP_BYTES = 0x0CF0,
     LINE = 0x1B01,
+    FILL = 0x1B02,
     CLIP_DISTANCE0 = 0x3000,
     MULTISAMPLE = 0x809D,
     DEPTH_CLAMP = 0x864F,
@@ -420,6 +422,195 @@ static void test_failures(void **state) {
     psplat_model_destroy(f->canvas->renderer, item.model);
 }
 
+/* ---- a host that resets state ---------------------------------------------------------------- */
+
+/* What phongsplat.h says that a frame leaves behind, of what glGetIntegerv tells. */
+static const struct {
+    GLenum name;
+    GLint value[4];
+} initial[] = {
+    {GL_CURRENT_PROGRAM, {0}},
+    {GL_VERTEX_ARRAY_BINDING, {0}},
+    {GL_BLEND_SRC_RGB, {GL_ONE}},
+    {GL_BLEND_DST_RGB, {GL_ZERO}},
+    {GL_BLEND_SRC_ALPHA, {GL_ONE}},
+    {GL_BLEND_DST_ALPHA, {GL_ZERO}},
+    {GL_BLEND_EQUATION_RGB, {GL_FUNC_ADD}},
+    {GL_BLEND_EQUATION_ALPHA, {GL_FUNC_ADD}},
+    {GL_DEPTH_FUNC, {GL_LESS}},
+    {GL_DEPTH_WRITEMASK, {GL_TRUE}},
+    {GL_COLOR_WRITEMASK, {GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE}},
+    {GL_CULL_FACE_MODE, {GL_BACK}},
+    {GL_FRONT_FACE, {GL_CCW}},
+    {GL_ACTIVE_TEXTURE, {GL_TEXTURE0}},
+    {GL_ARRAY_BUFFER_BINDING, {0}},
+    {GL_PIXEL_UNPACK_BUFFER_BINDING, {0}},
+    {GL_UNPACK_ALIGNMENT, {4}},
+    {GL_UNPACK_ROW_LENGTH, {0}},
+    {GL_UNPACK_SKIP_ROWS, {0}},
+    {GL_UNPACK_SKIP_PIXELS, {0}},
+    {POLYGON_MODE, {FILL}},
+    {UNPACK_SWAP_BYTES, {0}},
+};
+
+/* Capabilities that no frame touches. */
+static int is_kept(GLenum capability) {
+    return capability == FRAMEBUFFER_SRGB || capability == MULTISAMPLE ||
+           capability == PRIMITIVE_RESTART || capability == PROGRAM_POINT_SIZE;
+}
+
+static void expect_integer(const fixture *f, GLenum name, const GLint *now, const GLint *before) {
+    const GLint view[4] = {0, 0, f->view.width, f->view.height};
+    int is_view = name == GL_VIEWPORT || (name == GL_SCISSOR_BOX && !f->view.host.scissor_test);
+    const GLint *wanted = is_view ? view : before;
+    for (size_t k = 0; k < sizeof initial / sizeof *initial; ++k)
+        if (initial[k].name == name) wanted = initial[k].value;
+    /* Contexts tell one polygon mode or two. */
+    size_t size = (name == POLYGON_MODE ? 1 : 4) * sizeof *now;
+    if (memcmp(now, wanted, size) != 0)
+        fail_msg("state 0x%x is %d and not %d", name, now[0], wanted[0]);
+}
+
+/* Framebuffer and scissor test are as the host said, and the first `units` texture units empty. */
+static void expect_reset(const fixture *f, int units) {
+    const snapshot *before = &f->before;
+    snapshot now;
+    take(f, &now);
+    for (int i = 0; i < f->capability_count; ++i) {
+        GLenum name = capabilities[i];
+        int is_on = name == GL_DITHER || (name == GL_SCISSOR_TEST && f->view.host.scissor_test);
+        int wanted = is_kept(name) ? before->capabilities[i] : is_on;
+        if (now.capabilities[i] != wanted) fail_msg("capability 0x%x is not %d", name, wanted);
+    }
+    for (int i = 0; i < f->integer_count; ++i)
+        expect_integer(f, integers[i], now.integers[i], before->integers[i]);
+    for (int i = 0; i < UNITS; ++i) {
+        assert_int_equal(now.textures[i], i < units ? 0 : before->textures[i]);
+        assert_int_equal(now.cubes[i], i < units ? 0 : before->cubes[i]);
+        assert_int_equal(now.samplers[i], i < units ? 0 : before->samplers[i]);
+    }
+    assert_memory_equal(now.clear_color, before->clear_color, sizeof now.clear_color);
+    assert_memory_equal(now.depth_range, before->depth_range, sizeof now.depth_range);
+    assert_int_equal(f->gl.GetError(), GL_NO_ERROR);
+    if (f->spy.trouble[0]) fail_msg("%s", f->spy.trouble);
+}
+
+/* Draws a frame in disturbed state and returns how often it asks GL. */
+static size_t draw_counted(fixture *f, psplat_renderer *renderer, const psplat_item *item) {
+    psplat_error error = {0};
+    GLint framebuffer = 0;
+    begin(f);
+    f->gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+    f->view.host = (psplat_host_state){.framebuffer = (unsigned)framebuffer, .scissor_test = 1};
+    f->spy.queries = 0;
+    canvas_check(psplat_draw(renderer, &f->view, item, 1, &error), &error);
+    return f->spy.queries;
+}
+
+static void try_reset(fixture *f, const psplat_asset *asset, int units) {
+    psplat_error error = {0};
+    psplat_renderer *renderer = NULL;
+    psplat_renderer_desc desc = {.get_proc = spy_get_proc,
+                                 .user = &f->spy,
+                                 .images = scene_images(),
+                                 .state = PSPLAT_STATE_HOST_RESETS};
+    canvas_begin(f->calm);
+    psplat_item calm = {.model = canvas_model(f->calm, asset)};
+    canvas_draw(f->calm, &f->view, &calm, 1);
+    psplat_model_destroy(f->calm->renderer, calm.model);
+    canvas_check(psplat_host_make_current(f->canvas->host, &error), &error);
+    psplat_item restored = {.model = canvas_model(f->canvas, asset)}, item = {.model = NULL};
+    canvas_check(psplat_renderer_create(&desc, &renderer, &error), &error);
+    canvas_check(psplat_model_create(renderer, asset, &item.model, &error), &error);
+
+    draw_counted(f, f->canvas->renderer, &restored);
+    size_t queries = draw_counted(f, f->canvas->renderer, &restored);
+    print_message("%zu queries a frame where state is restored\n", queries);
+    assert_true(queries > 50);
+    assert_true(draw_counted(f, renderer, &item) > 0); /* it makes programs and targets */
+    expect_reset(f, units);
+    assert_int_equal(draw_counted(f, renderer, &item), 0);
+    expect_reset(f, units);
+    expect_picture(f, f->calm->color);
+    psplat_model_destroy(renderer, item.model);
+    psplat_renderer_destroy(renderer);
+    psplat_model_destroy(f->canvas->renderer, restored.model);
+}
+
+static void test_resets(void **state) {
+    fixture *f = *state;
+    try_reset(f, f->asset, 9);
+    f->view.lights[0].casts_shadow = 1;
+    f->view.shadow_size = 64;
+    try_reset(f, f->asset, 9);
+    scene_add_textures(&f->scene);
+    psplat_asset *asset = scene_open(&f->scene);
+    try_reset(f, asset, 14);
+    psplat_asset_destroy(asset);
+}
+
+/* A view outside of which nothing is drawn leaves the same behind, and so does one that fails. */
+static void test_resets_always(void **state) {
+    fixture *f = *state;
+    psplat_error error = {0};
+    psplat_renderer *renderer = NULL;
+    psplat_item item = {.model = NULL};
+    psplat_renderer_desc desc = {
+        .get_proc = spy_get_proc, .user = &f->spy, .state = PSPLAT_STATE_HOST_RESETS};
+    canvas_check(psplat_renderer_create(&desc, &renderer, &error), &error);
+    canvas_check(psplat_model_create(renderer, f->asset, &item.model, &error), &error);
+    draw_counted(f, renderer, &item);
+    f->view.view[12] += 1000;
+    assert_int_equal(draw_counted(f, renderer, &item), 0);
+    expect_reset(f, 9);
+    f->view.view[12] -= 1000;
+    for (int tests = 0; tests < 2; ++tests) {
+        GLint framebuffer = 0;
+        begin(f);
+        f->gl.GetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &framebuffer);
+        f->view.host = (psplat_host_state){(unsigned)framebuffer, tests, {0, 0}};
+        canvas_check(psplat_draw(renderer, &f->view, &item, 1, &error), &error);
+        expect_reset(f, 9);
+    }
+    f->view.shading = PSPLAT_SHADING_TOON;
+    begin(f);
+    f->spy.fault = SPY_FAULT_COMPILE;
+    f->spy.at = f->spy.happened = 0;
+    assert_int_equal(psplat_draw(renderer, &f->view, &item, 1, &error), PSPLAT_ERROR_GRAPHICS);
+    expect_reset(f, 9);
+    f->spy.fault = SPY_FAULT_NONE;
+    psplat_model_destroy(renderer, item.model);
+    psplat_renderer_destroy(renderer);
+}
+
+/* A loss is noticed by the call without items, and from then on by each. */
+static void test_resets_loss(void **state) {
+    fixture *f = *state;
+    psplat_error error = {0};
+    psplat_renderer *renderer = NULL;
+    psplat_item item = {.model = NULL};
+    psplat_renderer_desc desc = {
+        .get_proc = spy_get_proc, .user = &f->spy, .state = PSPLAT_STATE_HOST_RESETS};
+    canvas_check(psplat_renderer_create(&desc, &renderer, &error), &error);
+    canvas_check(psplat_model_create(renderer, f->asset, &item.model, &error), &error);
+    draw_counted(f, renderer, &item);
+    assert_int_equal(psplat_draw(renderer, &f->view, NULL, 0, &error), PSPLAT_OK);
+    f->spy.no_reset_status = 1; /* as WebGL has none */
+    f->spy.fault = SPY_FAULT_LOST;
+    f->spy.at = 0;
+    f->spy.calls = 0;
+    assert_int_equal(psplat_draw(renderer, &f->view, &item, 1, &error), PSPLAT_OK);
+    assert_int_equal(psplat_draw(renderer, &f->view, NULL, 0, &error), PSPLAT_ERROR_GRAPHICS);
+    assert_int_equal(psplat_draw(renderer, &f->view, &item, 1, &error), PSPLAT_ERROR_GRAPHICS);
+    assert_non_null(strstr(error.text, "lost"));
+    psplat_model_destroy(renderer, item.model);
+    psplat_renderer_destroy(renderer);
+    f->spy.fault = SPY_FAULT_NONE;
+}
+
+/* ---- the spy ----------------------------------------------------------------------------------
+ */
+
 /* The spy reports state that is left changed, changes of objects of the host, and functions without
  * a row. */
 static void test_spy(void **state) {
@@ -504,8 +695,9 @@ static int teardown(void **state) {
 
 int test_gl_state_main(void) {
     const struct CMUnitTest tests[] = {
-        BOTH(test_drawing),  BOTH(test_lights), BOTH(test_sizes),    BOTH(test_lives),
-        BOTH(test_failures), BOTH(test_spy),    BOTH(test_textures),
+        BOTH(test_drawing),       BOTH(test_lights),      BOTH(test_sizes),    BOTH(test_lives),
+        BOTH(test_failures),      BOTH(test_spy),         BOTH(test_textures), BOTH(test_resets),
+        BOTH(test_resets_always), BOTH(test_resets_loss),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -34,6 +34,14 @@ enum { SIZE = 24 };
 static const float radiance[6 * 3] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 0, 0, 1, 1, 1, 0, 1};
 static const psplat_environment_desc sky = {radiance, 1};
 
+/* A resolve function of the host's has a copy in the renderer. */
+static const psplat_resolve own = {
+    .source = "layout(location = 0) out vec4 o_color;\n"
+              "void resolve(Pixel pixel) {\n"
+              "    o_color = vec4(shade(pixel.normal, pixel.window, pixel.color,\n"
+              "                         pixel.emissive, pixel.surface), 1.0);\n"
+              "}\n"};
+
 static psplat_view make_view(void) {
     const double eye[3] = {0.3, 0.2, 2}, target[3] = {0, 0, 0};
     psplat_view view = camera_view(SIZE, SIZE);
@@ -41,6 +49,7 @@ static psplat_view make_view(void) {
     camera_parallel(&view, 1.2, 0.5, 4.0);
     view.lights[0].casts_shadow = 1;
     view.shadow_size = 16;
+    view.resolve = &own;
     return view;
 }
 

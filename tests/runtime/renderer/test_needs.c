@@ -155,8 +155,8 @@ static void test_targets(void **state) {
     scene_free(&s);
 }
 
-/* Metallic, roughness and unlit take a target of colours, a target of the rest and half of a depth
- * target, and only lighting reads them. */
+/* Metallic and roughness take a target of colours and half of a depth target; emission and unlit
+ * take a target of their own. Only lighting reads them. */
 static void test_materials(void **state) {
     (void)state;
     const size_t pixels = 64 * 64;
@@ -165,6 +165,11 @@ static void test_materials(void **state) {
     psplat_view view = view_of();
     assert_int_equal(draw_all(both, 2, &view).memory.targets, pixels * (16 + 4 + 4));
     rough.material.roughness = 1;
+    assert_int_equal(draw_all(both, 2, &view).memory.targets, pixels * (16 + 8 + 4 + 16));
+    rough.material.unlit = 1;
+    assert_int_equal(draw_all(both, 2, &view).memory.targets, pixels * (16 + 8 + 4 + 16 + 16));
+    rough.material.unlit = 0;
+    rough.material.emissive[1] = 0.5f;
     assert_int_equal(draw_all(both, 2, &view).memory.targets, pixels * (16 + 8 + 4 + 16 + 16));
     view.shading = PSPLAT_SHADING_UNLIT;
     assert_int_equal(draw_all(both, 2, &view).memory.targets, pixels * (16 + 4 + 4));
@@ -220,7 +225,7 @@ static void test_finishes(void **state) {
     assert_int_equal(glowing.models, 512 * (48 + 12));
     assert_int_equal(glowing.targets, pixels * (16 + 8 + 4 + 16 + 16));
     assert_int_equal(rough.models, 512 * (48 + 12));
-    assert_int_equal(rough.targets, pixels * (16 + 16 + 4 + 16 + 16));
+    assert_int_equal(rough.targets, pixels * (16 + 16 + 4 + 16));
     assert_int_equal(colored.models, 512 * (48 + 24));
     assert_int_equal(colored.targets, pixels * (16 + 4 + 4 + 16));
     view.shading = PSPLAT_SHADING_NORMAL;
