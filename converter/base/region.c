@@ -20,6 +20,9 @@ enum { ARC_CORNERS = 3, ARC_TANGENTS = ARC_CORNERS + 1 };
 enum { MOVES = 20, ROWS = 128 };
 static const double corner_slack = 1e-9;
 
+/* The area of the inscribed polygon of OUTLINE_SIDES sides: 32 sin(2 pi / 64). */
+static const double whole_area = 3.1365484905459393;
+
 /* The sides of the finest polygon, the most corners of a polygon that is handed out, and the room
  * while one is cut: each clip line adds one, bent ones up to two arcs, and rounding may add some.
  */
@@ -291,6 +294,7 @@ static int has_bends(const psplat_region *region) {
 }
 
 double psplat_region_area(const psplat_region *region) {
+    if (!region->line_count) return whole_area * region->radius[0] * region->radius[1];
     if (has_bends(region)) return bent_area(region) * region->radius[0] * region->radius[1];
     double polygon[OUTLINE_CORNERS][2], twice = 0;
     size_t count = psplat_region_polygon(region, 1, polygon, OUTLINE_CORNERS);

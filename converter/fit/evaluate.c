@@ -164,11 +164,13 @@ static double height_above(const psplat_region *region, const double uvh[3]) {
 
 /* Returns whether a sample's normal faces the way of the region's surface at (u, v). */
 static int faces(const psplat_region *region, int curved, const double uv[2], const double n[3]) {
-    if (dot3(n, region->n) < PSPLAT_LEAST_COVERED_COSINE) return 0;
+    double slope[2], along = dot3(n, region->n);
+    if (along < PSPLAT_LEAST_COVERED_COSINE) return 0;
     if (!curved) return 1;
-    double normal[3];
-    psplat_region_normal(region, uv, normal);
-    return dot3(n, normal) >= PSPLAT_LEAST_SURFACE_COSINE;
+    psplat_region_slope(region, uv, slope);
+    along -= slope[0] * dot3(n, region->u) + slope[1] * dot3(n, region->v);
+    return along > 0 && along * along >= PSPLAT_LEAST_SURFACE_COSINE * PSPLAT_LEAST_SURFACE_COSINE *
+                                             (1 + slope[0] * slope[0] + slope[1] * slope[1]);
 }
 
 /* Finds the samples that a region covers, into scratch->covered and scratch->uv, and the parameters

@@ -140,13 +140,14 @@ static int is_near_triangles(const psplat_fit_context *context, uint32_t sample,
     return 0;
 }
 
-/* Returns whether a sample connected with the site is as near to a point as one must be if this
- * part of the surface is within the tolerance. Other parts of the surface do not count. */
-static int is_near_sample(const psplat_fit_context *context, const double point[3]) {
+/* Returns whether a sample connected with the site is as near to a point (relative to origin) as
+ * one must be if this part of the surface is within the tolerance, given how far that one is which
+ * was found by cells. Other parts of the surface do not count. */
+static int is_near_sample(const psplat_fit_context *context, const double q[3],
+                          double nearest_distance2) {
     const psplat_scratch *s = context->scratch;
     double most = context->limits->tolerance + PSPLAT_GREATEST_GAP * context->samples->spacing;
-    double q[3];
-    sub3(q, point, s->near.origin);
+    if (nearest_distance2 <= most * most) return 1;
     for (size_t i = 0; i < s->near_count; ++i) {
         double d[3];
         sub3(d, q, s->near.samples[i].p);
@@ -167,7 +168,8 @@ static psplat_fit_status point_nearness(const psplat_fit_context *context, const
     if (nearest != PSPLAT_NONE &&
         is_near_triangles(context, context->scratch->near.samples[nearest].index, point))
         return PSPLAT_FIT_KEPT;
-    if (!limits->distance || !is_near_sample(context, point)) return PSPLAT_FIT_LEAVES_SURFACE;
+    if (!limits->distance || !is_near_sample(context, q, distance2))
+        return PSPLAT_FIT_LEAVES_SURFACE;
     if (psplat_limits_point_near(limits, point, &near)) return PSPLAT_FIT_MEMORY;
     return near ? PSPLAT_FIT_KEPT : PSPLAT_FIT_LEAVES_SURFACE;
 }
@@ -179,15 +181,29 @@ static psplat_fit_status proven_nearness(const psplat_limits *limits, const pspl
     return near ? PSPLAT_FIT_KEPT : PSPLAT_FIT_LEAVES_SURFACE;
 }
 
+/* Measures the corners of a region's outline: of most regions that leave the surface, one of these
+ * few points does. */
+static psplat_fit_status corner_nearness(const psplat_fit_context *context, const cells *c) {
+    double polygon[PSPLAT_OUTLINE][2], point[3];
+    size_t count = psplat_region_polygon(c->region, 1, polygon, PSPLAT_OUTLINE);
+    psplat_fit_status status = PSPLAT_FIT_KEPT;
+    for (size_t i = 0; i < count && !status; ++i) {
+        psplat_region_point(c->region, polygon[i], point);
+        status = point_nearness(context, c, point);
+    }
+    return status;
+}
+
 static psplat_fit_status mesh_nearness(const psplat_fit_context *context,
                                        const psplat_region *region) {
     double points[PSPLAT_REGION_POINTS][3];
+    cells c;
+    fill_cells(context->scratch, region, &c);
+    psplat_fit_status status = corner_nearness(context, &c);
+    if (status) return status;
     /* Before a proof only the rim is measured, which refuses most regions that are too large. */
     size_t count = context->limits->proven ? psplat_region_rim_points(region, points)
                                            : psplat_region_points(region, points);
-    psplat_fit_status status = PSPLAT_FIT_KEPT;
-    cells c;
-    fill_cells(context->scratch, region, &c);
     for (size_t i = 0; i < count && !status; ++i) status = point_nearness(context, &c, points[i]);
     return status || !context->limits->proven ? status : proven_nearness(context->limits, region);
 }

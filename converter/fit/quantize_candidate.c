@@ -356,12 +356,17 @@ static psplat_result make_disc(quantizer *q, psplat_candidate *candidate) {
     return psplat_candidate_set(q->context, &site, &one, 1, candidate);
 }
 
+static quantizer quantizer_of(const psplat_fit_context *context,
+                              const psplat_candidate *candidate) {
+    return (quantizer){.context = context,
+                       .precision = context->limits->precision,
+                       .site = psplat_site_of(&candidate->region, candidate->triangle),
+                       .old = candidate->region};
+}
+
 psplat_result psplat_quantize_candidate(const psplat_fit_context *context,
                                         psplat_candidate *candidate) {
-    quantizer q = {.context = context,
-                   .precision = context->limits->precision,
-                   .site = psplat_site_of(&candidate->region, candidate->triangle),
-                   .old = candidate->region};
+    quantizer q = quantizer_of(context, candidate);
     psplat_fit_status status = PSPLAT_FIT_NO_GAIN;
     candidate->quantized = 1;
     if (candidate->covered_count) {
@@ -373,4 +378,15 @@ psplat_result psplat_quantize_candidate(const psplat_fit_context *context,
     }
     if (status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
     return status ? make_disc(&q, candidate) : PSPLAT_OK;
+}
+
+psplat_result psplat_quantize_whole_candidate(const psplat_fit_context *context,
+                                              psplat_candidate *candidate, int *fits) {
+    quantizer q = quantizer_of(context, candidate);
+    put_needed_first(candidate);
+    find_options(&q);
+    psplat_fit_status status = try_radii(&q, candidate);
+    *fits = !status;
+    candidate->quantized = 1;
+    return status == PSPLAT_FIT_MEMORY ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }

@@ -16,4 +16,9 @@
 psplat_result psplat_quantize_candidate(const psplat_fit_context *context,
                                         psplat_candidate *candidate);
 
+/* Moves a candidate that covers a sample to the grid where it can go on to cover all of its
+ * samples, and stores whether it can. Else it stays where it is. */
+psplat_result psplat_quantize_whole_candidate(const psplat_fit_context *context,
+                                              psplat_candidate *candidate, int *fits);
+
 #endif

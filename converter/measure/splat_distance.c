@@ -26,6 +26,10 @@
 /* The cells after which the search gives up. Chosen by hand: most splats take less than 2000. */
 enum { DEFAULT_MOST_CELLS = 100000 };
 
+/* The most triangles that are gathered for a cell. Larger cells ask the tree for one at a time: a
+ * splat over a million triangles that are nearly flat needs few of them. Chosen by hand. */
+enum { MOST_GATHERED = 1024 };
+
 /* The size below which cells are not halved, in tolerances, and how much the bound may exceed the
  * greatest distance found where that is beyond the tolerance. Chosen by hand. */
 static const double least_size_tolerances = 1.0 / 512, found_slack = 1.01;
@@ -66,7 +70,8 @@ typedef struct searcher {
     size_t triangle_count, triangle_capacity;
     uint32_t *near;
     size_t near_count, near_capacity;
-    double accepted; /* cells with at most this bound are not halved */
+    double accepted;  /* cells with at most this bound are not halved */
+    int are_too_many; /* triangles, when they were gathered last */
     int failed, done;
 } searcher;
 
@@ -250,17 +255,23 @@ static int is_exhausted(const searcher *s, const patch *p) {
 
 static void search(searcher *s, psplat_cell *c, size_t begin, triangle *guess);
 
-/* Halves a cell across its longer side, and searches both halves. */
-static void search_halves(searcher *s, const psplat_cell *c, const patch *p, size_t begin,
-                          triangle *guess) {
+/* Returns a half of a cell, cut across its longer side. */
+static psplat_cell half_of(const psplat_cell *c, const patch *p, int side) {
     double low[2], high[2], line[3] = {0, 0, 0};
     int axis = p->size[1] > p->size[0];
+    psplat_cell half = *c;
     psplat_cell_box(c, low, high);
+    line[axis] = side;
+    line[2] = -side * (low[axis] + high[axis]) / 2;
+    psplat_cell_clip(&half, line);
+    return half;
+}
+
+/* Searches both halves of a cell. */
+static void search_halves(searcher *s, const psplat_cell *c, const patch *p, size_t begin,
+                          triangle *guess) {
     for (int side = -1; side < 2 && !s->done && !s->failed; side += 2) {
-        psplat_cell half = *c;
-        line[axis] = side;
-        line[2] = -side * (low[axis] + high[axis]) / 2;
-        psplat_cell_clip(&half, line);
+        psplat_cell half = half_of(c, p, side);
         if (half.count) search(s, &half, begin, guess);
     }
 }
@@ -295,6 +306,10 @@ static void search(searcher *s, psplat_cell *c, size_t begin, triangle *guess) {
 
 static int push_triangle(void *user, const double corners[9]) {
     searcher *s = user;
+    if (s->triangle_count == MOST_GATHERED) {
+        s->are_too_many = 1;
+        return 1;
+    }
     if (s->triangle_count == s->triangle_capacity) {
         size_t capacity = 2 * s->triangle_capacity + 64;
         triangle *grown = realloc(s->triangles, capacity * sizeof *grown);
@@ -307,8 +322,8 @@ static int push_triangle(void *user, const double corners[9]) {
     return 0;
 }
 
-/* Gathers the triangles within the tolerance of a patch. */
-static void gather(searcher *s, const patch *p) {
+/* Gathers the triangles within the tolerance of a patch. Returns 0 where they are too many. */
+static int gather(searcher *s, const patch *p) {
     double low[3], high[3], reach = p->bow + s->desc->tolerance;
     for (int k = 0; k < 3; ++k) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
     for (size_t i = 0; i < p->count; ++i)
@@ -316,9 +331,52 @@ static void gather(searcher *s, const patch *p) {
             low[k] = min2(low[k], p->corners[i][k] - reach);
             high[k] = max2(high[k], p->corners[i][k] + reach);
         }
+    s->triangle_count = s->near_count = 0;
+    s->are_too_many = 0;
     s->failed |= psplat_distance_visit_box(s->distance, low, high, push_triangle, s) != PSPLAT_OK;
-    if (s->failed || !reserve_near(s, s->triangle_count)) return;
+    if (s->failed || s->are_too_many || !reserve_near(s, s->triangle_count)) return 0;
     for (uint32_t i = 0; i < s->triangle_count; ++i) s->near[s->near_count++] = i;
+    return 1;
+}
+
+static void search_large(searcher *s, psplat_cell *c, const triangle *guess);
+
+static void halve_large(searcher *s, const psplat_cell *c, const patch *p, const triangle *guess) {
+    for (int side = -1; side < 2; side += 2) {
+        psplat_cell half = half_of(c, p, side);
+        if (half.count) search_large(s, &half, guess);
+    }
+}
+
+/* Searches a cell, given a triangle that is likely near. One that has too many triangles near it is
+ * bounded by the one nearest to its middle, or halved. */
+static void search_large(searcher *s, psplat_cell *c, const triangle *guess) {
+    patch p;
+    triangle near = *guess;
+    psplat_cell_clip_by_rim(s->region, c);
+    if (!c->count || s->failed || s->done) return;
+    lift(s->region, c, &p);
+    double bound = patch_bound(&p, &near, s->accepted);
+    if (bound > s->accepted) {
+        if (gather(s, &p)) {
+            search(s, c, 0, &near);
+            return;
+        }
+        double distance = find_nearest(s, p.middle);
+        if (psplat_region_contains(s->region, p.middle_uv, 1, 0)) take_found(s, p.middle, distance);
+        near = s->asked;
+        bound = min2(patch_bound(&p, &near, HUGE_VAL), distance + p.radius);
+    }
+    ++s->result->cells;
+    if (bound > s->accepted && !s->failed && !s->done) {
+        if (is_exhausted(s, &p)) {
+            measure_tips(s, c);
+        } else {
+            halve_large(s, c, &p, &near);
+            bound = 0; /* The halves have bounds of their own. */
+        }
+    }
+    s->result->bound = max2(s->result->bound, bound);
 }
 
 /* Measures the corners of the region, where the greatest distances are likely. */
@@ -337,27 +395,19 @@ static void search_region(searcher *s) {
     psplat_cell_clip_by_rim(s->region, &c);
     if (!c.count) return;
     lift(s->region, &c, &p);
-    gather(s, &p);
-    if (!s->failed) measure_corners(s);
-    if (!s->failed && !s->done) {
-        find_nearest(s, p.middle);
-        search(s, &c, 0, &s->asked);
-    }
+    measure_corners(s);
+    if (s->failed || s->done) return;
+    find_nearest(s, p.middle);
+    const triangle guess = s->asked;
+    if (!s->failed) search_large(s, &c, &guess);
 }
 
 /* Bounds the distances of a cell alone. Most are near the triangle that is guessed, so that others
  * are gathered only then when this one is not enough. */
 static void search_cell(searcher *s, psplat_cell *c, const double guess[9]) {
-    patch p;
-    psplat_cell_clip_by_rim(s->region, c);
-    if (!c->count) return;
-    lift(s->region, c, &p);
-    set_triangle(&s->asked, guess);
-    s->result->bound = patch_bound(&p, &s->asked, s->accepted);
-    if (s->result->bound <= s->accepted) return;
-    s->result->bound = 0;
-    gather(s, &p);
-    if (!s->failed) search(s, c, 0, &s->asked);
+    triangle near;
+    set_triangle(&near, guess);
+    search_large(s, c, &near);
 }
 
 static psplat_result finish(searcher *s) {

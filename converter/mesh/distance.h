@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * distance.h - point-to-mesh distances, by one of two trees: that of mesh/triangle_tree.h, with
- * which splats are fitted, or CGAL's, with which they are checked. The check shares no fault of the
- * fit's.
+ * distance.h - point-to-mesh distances, by one of three trees: that of mesh/triangle_tree.h, with
+ * which splats are fitted; that of mesh/morton_tree.h, with which conversions are checked; or
+ * CGAL's, by which comparisons measure. The checks share no fault of the fit's.
  */
 #ifndef PHONGSPLAT_MESH_DISTANCE_H
 #define PHONGSPLAT_MESH_DISTANCE_H
@@ -31,7 +31,11 @@ psplat_distance *psplat_distance_create_connected(const psplat_mesh *mesh,
  * is copied. Returns NULL when out of memory. */
 psplat_distance *psplat_distance_create_cgal(const psplat_mesh *mesh);
 
-/* Returns the tree for fits; NULL where it is CGAL's. */
+/* Builds a tree for checks, which takes 12 bytes a triangle. The mesh must outlive it. Returns NULL
+ * when out of memory. */
+psplat_distance *psplat_distance_create_check(const psplat_mesh *mesh);
+
+/* Returns the tree for fits; NULL where it is another one. */
 const psplat_triangle_tree *psplat_distance_tree(const psplat_distance *distance);
 
 /* Stores the distances of count points (x 3) to the mesh in result. */

@@ -186,7 +186,7 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
     if (psplat_conversion_interrupted(c->desc, "verifying", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     /* The fit's own tree would hide its faults. */
-    psplat_distance *distance = psplat_distance_create_cgal(c->surface.mesh);
+    psplat_distance *distance = psplat_distance_create_check(c->surface.mesh);
     if (!distance)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory to verify distances");
     const psplat_verification verification = {

@@ -232,9 +232,10 @@ static psplat_result try_region(const psplat_fit_context *context, psplat_site *
     if (!copy_candidate(candidate, &tried)) return PSPLAT_ERROR_MEMORY;
     psplat_fit_status status = psplat_candidate_replace(context, site, region, 0, 1, &tried);
     psplat_result result = status == PSPLAT_FIT_MEMORY ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
-    if (!status && context->limits->precision) result = psplat_quantize_candidate(context, &tried);
-    if (!result && !status && tried.covered_count == candidate->covered_count &&
-        meets(hole, &tried.region, context->limits->tolerance)) {
+    int fits = !status;
+    if (fits && context->limits->precision)
+        result = psplat_quantize_whole_candidate(context, &tried, &fits);
+    if (!result && fits && meets(hole, &tried.region, context->limits->tolerance)) {
         psplat_candidate old = *candidate;
         *candidate = tried;
         tried = old;

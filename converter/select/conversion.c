@@ -173,6 +173,7 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
                            c->percent, expected / 1e6, most_samples / 1e6);
     c->limits.proxy = c->proxy;
     c->limits.proxy_deviation = c->proxy_deviation;
+    if (!c->is_fitted) return PSPLAT_OK; /* The verification has a tree of its own. */
     c->limits.distance = c->distance =
         psplat_distance_create_connected(c->surface.mesh, c->surface.neighbors);
     if (c->distance) return PSPLAT_OK;

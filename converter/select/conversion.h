@@ -83,11 +83,11 @@ typedef struct psplat_conversion {
     psplat_appearance appearance;
     psplat_samples samples;
     psplat_limits limits;
-    psplat_distance *distance; /* to the mesh */
+    psplat_distance *distance; /* to the mesh; NULL unless is_fitted */
     psplat_distance *proxy;    /* to its proxy, which fits ask instead; NULL where none pays */
     double proxy_deviation;    /* of the proxy (mesh/proxy.h), a length */
-    int is_fitted; /* set before psplat_conversion_begin: splats will be fitted, and a large mesh
-                      gets a proxy */
+    int is_fitted; /* set before psplat_conversion_begin: splats will be fitted, for which
+                      the mesh gets a tree and, if it is large, a proxy */
     psplat_selection selection;
     psplat_hole_memory hole_memory; /* of psplat_fill_holes */
     psplat_splats *splats;          /* the result; not owned */

@@ -9,6 +9,10 @@
 #include "stage_fixture.h"
 
 #include "base/random.h"
+#include "fit/candidate.h"
+#include "fit/fit_context.h"
+#include "fit/grow_candidate.h"
+#include "fit/quantize_candidate.h"
 #include "import/read_mesh.h"
 #include "mesh/mesh.h"
 #include "pipeline/convert.h"
@@ -231,11 +235,73 @@ static void test_place(void **state) {
     for (int k = 0; k < 2; ++k) psplat_splats_free(&splats[k]);
 }
 
+/* ---- candidates that must stay whole --------------------------------------------------------- */
+
+/* Grows candidates on the torus and moves them to a grid. Returns how many fit there; these cover
+ * the samples that they did, and the others have not changed. */
+static size_t move_whole(const fixture *f, psplat_limits limits, const psplat_precision *precision,
+                         size_t count) {
+    psplat_scratch scratch = {0};
+    size_t fitting = 0;
+    for (size_t i = 0; i < count; ++i) {
+        psplat_candidate c;
+        int fits;
+        limits.precision = NULL;
+        const psplat_fit_context context = fixture_context(f, &limits, &scratch);
+        uint32_t seed = (uint32_t)(i * f->samples.count / count);
+        assert_int_equal(psplat_candidate_grow(&context, seed, &c), PSPLAT_OK);
+        const psplat_candidate before = c;
+        limits.precision = precision;
+        assert_int_equal(psplat_quantize_whole_candidate(&context, &c, &fits), PSPLAT_OK);
+        assert_int_equal(c.covered_count, before.covered_count);
+        if (!fits) assert_memory_equal(&c.region, &before.region, sizeof c.region);
+        for (int k = 0; fits && k < 3; ++k) /* in units of the grid */
+            assert_near(c.region.center[k] / precision->unit,
+                        rint(c.region.center[k] / precision->unit), 1e-6);
+        fitting += (size_t)fits;
+        psplat_candidate_free(&c);
+    }
+    psplat_scratch_free(&scratch);
+    return fitting;
+}
+
+/* Nearly all candidates fit on a fine grid, and few on one whose points are four
+ * tolerances apart.
+ */
+static void test_whole(void **state) {
+    (void)state;
+    fixture f;
+    fixture_model(&f, "torus.off");
+    fixture_sample(&f, 0.01);
+    double tolerance = 0.01 * f.surface.diagonal;
+    const psplat_limits limits = {.tolerance = tolerance,
+                                  .crease_tolerance = 0.5 * tolerance,
+                                  .crease_slack = 0.3 * tolerance,
+                                  .margin = 0.2 * f.samples.spacing,
+                                  .distance = f.distance};
+    psplat_precision precision = {.unit = 0.02 * tolerance,
+                                  .scale_step = 0.01,
+                                  .turn_step = 1.0 / 1024,
+                                  .tilt_step = 1.0 / 256,
+                                  .field_step = 1.0 / 64,
+                                  .shape_step = 1.0 / 256,
+                                  .bend_step = 1.0 / 64,
+                                  .line_step = 1.0 / 256,
+                                  .line_turn_step = 1.0 / 512,
+                                  .normal_bits = 12};
+    assert_true(move_whole(&f, limits, &precision, 30) >= 24);
+    precision.normal_bits = 4;
+    precision.unit = 4 * tolerance;
+    assert_true(move_whole(&f, limits, &precision, 30) <= 10);
+    fixture_free(&f);
+}
+
 int test_quantize_candidate_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_promises), cmocka_unit_test(test_normals),
         cmocka_unit_test(test_on_grid),  cmocka_unit_test(test_rounded_once),
         cmocka_unit_test(test_scale),    cmocka_unit_test(test_place),
+        cmocka_unit_test(test_whole),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

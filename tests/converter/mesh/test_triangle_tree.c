@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_triangle_tree.c - the tree of triangles against CGAL's and against all triangles, on seeded
- * random meshes of several kinds and at several scales.
+ * test_triangle_tree.c - the trees of triangles of fits and of checks against CGAL's and against
+ * all triangles, on seeded random meshes of several kinds and at several scales.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,13 +17,14 @@
 #include "base/vector.h"
 #include "mesh/distance.h"
 #include "mesh/mesh.h"
+#include "mesh/morton_tree.h"
 #include "mesh/triangle_tree.h"
 
 /* How far distances may differ, in parts of the coordinates' size: some roundings, and the height
  * below which a triangle counts as its edges. */
 static const double rounding = 1e-13, flat_height = 2e-8;
 
-enum { KINDS = 5, QUERIES = 150 };
+enum { KINDS = 5, QUERIES = 300 };
 
 /* A mesh with its own arrays, and how large its coordinates are. */
 typedef struct scene {
@@ -141,14 +142,14 @@ static int compare_segment(scene *s, const psplat_distance *own, const psplat_di
 
 /* The triangles that a visit met. */
 typedef struct visited {
-    const psplat_triangle_tree *tree;
+    const psplat_triangle_tree *tree; /* NULL: places are triangles */
     uint8_t *met;
     size_t count;
 } visited;
 
 static int visit(void *user, uint32_t place) {
     visited *v = user;
-    uint32_t triangle = v->tree->triangles[place];
+    uint32_t triangle = v->tree ? v->tree->triangles[place] : place;
     assert_int_equal(v->met[triangle], 0);
     v->met[triangle] = 1;
     ++v->count;
@@ -160,15 +161,26 @@ static int stop(void *user, uint32_t place) {
     return ++*(int *)user == 2;
 }
 
+/* Visits a box in the tree of fits or else in that of checks. */
+static void visit_box(const psplat_triangle_tree *tree, const psplat_morton_tree *check,
+                      const double low[3], const double high[3],
+                      int (*visitor)(void *user, uint32_t place), void *user) {
+    if (tree)
+        psplat_triangle_tree_visit_box(tree, low, high, visitor, user);
+    else
+        psplat_morton_tree_visit_box(check, low, high, visitor, user);
+}
+
 /* Asserts that a visit meets just the triangles whose boxes meet the box. */
-static void compare_box(scene *s, const psplat_triangle_tree *tree) {
+static void compare_box(scene *s, const psplat_triangle_tree *tree,
+                        const psplat_morton_tree *check) {
     double low[3], high[3];
     size_t expected = 0;
     visited v = {.tree = tree, .met = calloc(s->mesh.triangle_count, 1)};
     assert_non_null(v.met);
     random_point(s, 1, low);
     for (int k = 0; k < 3; ++k) high[k] = low[k] + s->scale * between(&s->random, 0, 0.7);
-    psplat_triangle_tree_visit_box(tree, low, high, visit, &v);
+    visit_box(tree, check, low, high, visit, &v);
     for (size_t t = 0; t < s->mesh.triangle_count; ++t) {
         int meets = 1;
         for (int k = 0; k < 3; ++k) {
@@ -181,7 +193,7 @@ static void compare_box(scene *s, const psplat_triangle_tree *tree) {
     }
     assert_int_equal(v.count, expected);
     int visits = 0;
-    psplat_triangle_tree_visit_box(tree, low, high, stop, &visits);
+    visit_box(tree, check, low, high, stop, &visits);
     assert_int_equal(visits, expected < 2 ? expected : 2);
     free(v.met);
 }
@@ -190,15 +202,21 @@ static void compare_box(scene *s, const psplat_triangle_tree *tree) {
  * distances and refuses segments. Returns how many segments met a triangle. */
 static size_t compare_all(scene *s, int has_needles) {
     psplat_distance *own = psplat_distance_create(&s->mesh);
+    psplat_distance *check = psplat_distance_create_check(&s->mesh);
+    psplat_morton_tree *check_tree = psplat_morton_tree_create(&s->mesh);
     psplat_distance *cgal = psplat_distance_create_cgal(&s->mesh);
     size_t met = 0;
-    assert_true(own && cgal && psplat_distance_tree(own) && !psplat_distance_tree(cgal));
+    assert_true(own && check && check_tree && cgal);
+    assert_true(psplat_distance_tree(own) && !psplat_distance_tree(cgal));
+    assert_null(psplat_distance_tree(check));
     for (int i = 0; i < QUERIES; ++i) {
-        compare_distance(s, own, cgal, has_needles);
-        if (!has_needles) met += (size_t)compare_segment(s, own, cgal);
-        compare_box(s, psplat_distance_tree(own));
+        compare_distance(s, i % 2 ? own : check, cgal, has_needles);
+        if (!has_needles) met += (size_t)compare_segment(s, i % 2 ? own : check, cgal);
+        compare_box(s, i % 2 ? psplat_distance_tree(own) : NULL, check_tree);
     }
     psplat_distance_destroy(own);
+    psplat_distance_destroy(check);
+    psplat_morton_tree_destroy(check_tree);
     psplat_distance_destroy(cgal);
     return met;
 }
