@@ -169,7 +169,7 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "0.001 to 0.5; other numbers follow\n(default auto: what makes small files)",
          0, 0, NULL},
         {0, "no-compress", PSPLAT_OPTION_FLAG, &a->no_compress, NULL,
-         "without EXT_meshopt_compression", 0, 0, NULL},
+         "neither a stream nor EXT_meshopt_compression", 0, 0, NULL},
         {0, "fallback", PSPLAT_OPTION_CHOICE, &a->fallback, "points|mesh",
          "what viewers that know no splats show: a coloured point\n"
          "cloud (default), or a simplified mesh, which makes OUT.glb\nlarger",

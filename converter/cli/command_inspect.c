@@ -27,7 +27,7 @@ typedef struct summary {
     size_t curved_splats, bent_splats;    /* the latter in primitives with bent clip lines */
     size_t attribute_bytes, stored_bytes; /* uncompressed, and in the file */
     size_t texcoord_bytes;                /* of all attributes of texture coordinates, stored */
-    size_t image_bytes, file_bytes;
+    size_t image_bytes, json_bytes, file_bytes;
     psplat_attribute attributes[MAX_ATTRIBUTES];
     size_t attribute_count;
     double min[3], max[3];
@@ -40,8 +40,8 @@ static psplat_parse parse(int argc, char **argv, const char **input, int *format
         .operands = "A.glb",
         .summary =
             "Shows what an asset (.glb or .gltf) holds: splats by number of clip lines, how\n"
-            "many are curved, bytes by attribute, bytes of images, bounds, materials\n"
-            "with their textures.",
+            "many are curved, bytes by attribute, of the JSON and of images, bounds,\n"
+            "materials with their textures.",
         .options = options,
         .option_count = 1,
         .slots = {input},
@@ -51,6 +51,8 @@ static psplat_parse parse(int argc, char **argv, const char **input, int *format
 
 static const char *component_name(uint32_t type) {
     switch (type) {
+    case 0:
+        return "coded";
     case 5120:
         return "byte";
     case 5121:
@@ -169,6 +171,16 @@ static void print_batch(const psplat_batch *b, size_t index) {
     print_textures(m);
 }
 
+/* Returns the bytes of a GLB's JSON, or of all of another file, which is JSON itself. */
+static size_t json_bytes_of(const char *path, size_t file_bytes) {
+    unsigned char head[20] = {0};
+    FILE *file = fopen(path, "rb");
+    size_t found = file ? fread(head, 1, sizeof head, file) : 0;
+    if (file) fclose(file);
+    if (found < sizeof head || memcmp(head, "glTF", 4) != 0) return file_bytes;
+    return head[12] | (size_t)head[13] << 8 | (size_t)head[14] << 16 | (size_t)head[15] << 24;
+}
+
 static void print_pretty(const char *path, const psplat_asset *asset, const summary *s) {
     printf("%s: %zu splats, %zu bytes of attributes\n\nclip lines      splats\n", path, s->splats,
            s->attribute_bytes);
@@ -190,6 +202,8 @@ static void print_pretty(const char *path, const psplat_asset *asset, const summ
     if (s->texcoord_bytes)
         printf("%-36s %-16s %10s %10zu %10.2f\n", "texture coordinates", "", "", s->texcoord_bytes,
                (double)s->texcoord_bytes / (double)s->splats);
+    printf("%-36s %-16s %10s %10zu %10.2f\n", "JSON", "", "", s->json_bytes,
+           (double)s->json_bytes / (double)s->splats);
     printf("%-36s %-16s %10s %10zu %10.2f\n", "file", "", "", s->file_bytes,
            (double)s->file_bytes / (double)s->splats);
     print_images(asset, s);
@@ -313,6 +327,7 @@ static int print_json(const char *path, const psplat_asset *asset, const summary
     psplat_writer_count(&json, "stored_bytes", s->stored_bytes);
     psplat_writer_count(&json, "texcoord_bytes", s->texcoord_bytes);
     psplat_writer_count(&json, "image_bytes", s->image_bytes);
+    psplat_writer_count(&json, "json_bytes", s->json_bytes);
     psplat_writer_count(&json, "file_bytes", s->file_bytes);
     write_attributes(&json, s);
     write_images(&json, asset);
@@ -340,6 +355,7 @@ int psplat_command_inspect(int argc, char **argv) {
     if (psplat_command_open(input, &desc, &asset, &error))
         return psplat_command_fail(input, &error);
     if (!stat(input, &file)) s.file_bytes = (size_t)file.st_size;
+    s.json_bytes = json_bytes_of(input, s.file_bytes);
     int is_whole = summarize(asset, &s);
     if (is_whole && format == PSPLAT_FORMAT_PRETTY) print_pretty(input, asset, &s);
     if (is_whole && format == PSPLAT_FORMAT_JSON) is_whole = print_json(input, asset, &s);

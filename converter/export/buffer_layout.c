@@ -12,6 +12,7 @@
 
 #include "export/meshopt_codec.h"
 #include "export/splat_attributes.h"
+#include "export/splat_stream.h"
 #include "splats/splats.h"
 
 #include <math.h>
@@ -204,6 +205,17 @@ static void sort_primitives(psplat_primitive_layout *primitives, size_t count) {
         }
 }
 
+/* Lists the splats of a primitive, in the order of its parts. */
+static int list_splats(psplat_primitive_layout *primitive) {
+    size_t at = 0;
+    primitive->order = malloc(primitive->count * sizeof *primitive->order);
+    if (!primitive->order) return 0;
+    for (size_t part = 0; part < PARTS; ++part)
+        for (size_t i = 0; i < primitive->counts[part]; ++i)
+            primitive->order[at++] = (uint32_t)(primitive->first[part] + i);
+    return 1;
+}
+
 static int make_primitives(const psplat_buffer_layout_plan *plan, psplat_buffer_layout *layout,
                            size_t mesh) {
     const psplat_attribute_table *table = &layout->tables[mesh];
@@ -218,7 +230,115 @@ static int make_primitives(const psplat_buffer_layout_plan *plan, psplat_buffer_
                        cheapest_cut(&families[i], line_bytes, plan->padding));
     sort_primitives(layout->primitives + first, layout->primitive_count - first);
     free(families);
+    for (size_t i = first; i < layout->primitive_count; ++i)
+        if (!list_splats(&layout->primitives[i])) return 0;
     return 1;
+}
+
+/* ---- streams -------------------------------------------------------------------------------- */
+
+static int is_in_stream(size_t kind) {
+    return kind == PSPLAT_ATTRIBUTE_NORMAL ||
+           (kind >= PSPLAT_ATTRIBUTE_ROTATION && kind < PSPLAT_ATTRIBUTE_COLOR_U);
+}
+
+/* Brings the primitives that may share a stream with the first one next to it. Returns the end of
+ * them. */
+static size_t gather(psplat_buffer_layout *layout, size_t first) {
+    psplat_primitive_layout *p = layout->primitives;
+    size_t end = first + 1;
+    for (size_t i = end; i < layout->primitive_count; ++i) {
+        const psplat_primitive_layout other = p[i];
+        if (other.material != p[first].material || other.has_texcoord != p[first].has_texcoord ||
+            end - first == PSPLAT_MOST_SECTIONS)
+            continue;
+        memmove(&p[end + 1], &p[end], (i - end) * sizeof *p);
+        p[end++] = other;
+    }
+    return end;
+}
+
+/* Adds the stream of the primitives from first to end - 1, each of which is a section. */
+static int add_stream(psplat_buffer_layout *layout, size_t first, size_t end) {
+    psplat_section sections[PSPLAT_MOST_SECTIONS];
+    psplat_primitive_layout *p = &layout->primitives[first];
+    const psplat_attribute_table *table = &layout->tables[p->mesh];
+    psplat_buffer_view view = {.stride = 1, .is_stream = 1};
+    for (size_t i = 0; i < end - first; ++i) {
+        sections[i] = (psplat_section){.order = p[i].order,
+                                       .count = p[i].count,
+                                       .clip_lines = p[i].clip_lines,
+                                       .depth_tolerance = p[i].depth_tolerance,
+                                       .is_curved = p[i].is_curved,
+                                       .has_shape = p[i].has_shape};
+        if (!psplat_stream_sort(table, &sections[i])) return 0;
+    }
+    view.bytes = psplat_stream_encode(table, sections, end - first, layout->low_bits, &view.rows);
+    if (!view.bytes) return 0;
+    p->is_streamed = 1;
+    p->stream = layout->view_count;
+    layout->views[layout->view_count++] = view;
+    return 1;
+}
+
+/* Adds the splats of a primitive, and its attributes that are not in the stream. */
+static int join_primitive(psplat_primitive_layout *primitive,
+                          const psplat_primitive_layout *other) {
+    size_t count = primitive->count + other->count;
+    uint32_t *order = realloc(primitive->order, count * sizeof *order);
+    if (!order) return 0;
+    memcpy(order + primitive->count, other->order, other->count * sizeof *order);
+    primitive->order = order;
+    primitive->count = count;
+    primitive->has_texcoord_bend |= other->has_texcoord_bend;
+    for (size_t k = 0; k < PSPLAT_ATTRIBUTE_KINDS; ++k)
+        if (other->formats[k].components > primitive->formats[k].components)
+            primitive->formats[k] = other->formats[k];
+    return 1;
+}
+
+/* Leaves the formats of what is beside a stream. */
+static void set_streamed_formats(const psplat_buffer_layout *layout,
+                                 psplat_primitive_layout *primitive) {
+    psplat_attribute_format *position = &primitive->formats[PSPLAT_ATTRIBUTE_POSITION];
+    float low[3], high[3];
+    for (size_t k = 0; k < PSPLAT_ATTRIBUTE_KINDS; ++k)
+        if (is_in_stream(k)) primitive->formats[k].components = 0;
+    psplat_buffer_layout_extent(layout, primitive, low, high);
+    if (fmaxf(fmaxf(high[0], high[1]), high[2]) <= 255) position->type = PSPLAT_TYPE_UNSIGNED_BYTE;
+}
+
+/* Puts the primitives of a mesh, which begin at `first`, into as few with streams as there may be.
+ */
+static int make_streams(psplat_buffer_layout *layout, size_t first) {
+    for (; first < layout->primitive_count; ++first) {
+        psplat_primitive_layout *p = &layout->primitives[first];
+        size_t end = gather(layout, first);
+        if (!add_stream(layout, first, end)) return 0;
+        while (end > first + 1) {
+            if (!join_primitive(p, p + 1)) return 0;
+            free(p[1].order);
+            memmove(p + 1, p + 2, (--layout->primitive_count - first - 1) * sizeof *p);
+            --end;
+        }
+        set_streamed_formats(layout, p);
+    }
+    return 1;
+}
+
+void psplat_buffer_layout_extent(const psplat_buffer_layout *layout,
+                                 const psplat_primitive_layout *primitive, float low[3],
+                                 float high[3]) {
+    const psplat_attribute_table *table = &layout->tables[primitive->mesh];
+    for (size_t i = 0; i < primitive->count; ++i)
+        for (int k = 0; k < 3; ++k) {
+            uint32_t index = primitive->order[i];
+            float x = table->codes
+                          ? (float)psplat_stream_coarse_position(table, index, k, layout->low_bits)
+                          : table->splats->splats[index].center[k];
+            if (!i || x < low[k]) low[k] = x;
+            if (!i || x > high[k]) high[k] = x;
+        }
 }
 
 /* ---- views ---------------------------------------------------------------------------------- */
@@ -229,7 +349,8 @@ static uint8_t *add_rows(psplat_buffer_layout *layout, size_t stride, psplat_vie
                          size_t rows, psplat_attribute_place *place) {
     size_t i = 0;
     while (i < layout->view_count &&
-           (layout->views[i].stride != stride || layout->views[i].filter != filter))
+           (layout->views[i].stride != stride || layout->views[i].filter != filter ||
+            layout->views[i].is_stream))
         ++i;
     psplat_buffer_view *view = &layout->views[i];
     if (i == layout->view_count) {
@@ -250,20 +371,32 @@ static uint8_t *add_rows(psplat_buffer_layout *layout, size_t stride, psplat_vie
     return start;
 }
 
+static void put_coarse_position(const psplat_attribute_table *table, size_t index,
+                                uint32_t low_bits, const psplat_attribute_format *format,
+                                uint8_t *out) {
+    size_t bytes = format->type == PSPLAT_TYPE_UNSIGNED_BYTE ? 1 : 2;
+    for (int k = 0; k < 3; ++k)
+        out = psplat_put_integer(
+            out, (uint32_t)psplat_stream_coarse_position(table, index, k, low_bits), bytes);
+}
+
 /* Writes an attribute of a primitive's splats, stride bytes apart. */
 static void put_attribute(const psplat_buffer_layout *layout,
                           const psplat_primitive_layout *primitive, size_t kind,
                           psplat_view_filter filter, uint8_t *out, size_t stride) {
     const psplat_attribute_table *table = &layout->tables[primitive->mesh];
-    for (size_t part = 0; part < PARTS; ++part)
-        for (size_t i = 0; i < primitive->counts[part]; ++i, out += stride)
-            if (filter == PSPLAT_FILTER_OCTAHEDRAL)
-                psplat_attribute_table_put_octahedral(table, primitive->first[part] + i, out);
-            else if (filter == PSPLAT_FILTER_EXPONENTIAL)
-                psplat_attribute_table_put_exponential(table, primitive->first[part] + i, out);
-            else
-                psplat_attribute_table_put(table, kind, &primitive->formats[kind],
-                                           primitive->first[part] + i, out);
+    const psplat_attribute_format *format = &primitive->formats[kind];
+    for (size_t i = 0; i < primitive->count; ++i, out += stride) {
+        uint32_t index = primitive->order[i];
+        if (filter == PSPLAT_FILTER_OCTAHEDRAL)
+            psplat_attribute_table_put_octahedral(table, index, out);
+        else if (filter == PSPLAT_FILTER_EXPONENTIAL)
+            psplat_attribute_table_put_exponential(table, index, out);
+        else if (kind == PSPLAT_ATTRIBUTE_POSITION && primitive->is_streamed)
+            put_coarse_position(table, index, layout->low_bits, format, out);
+        else
+            psplat_attribute_table_put(table, kind, format, index, out);
+    }
 }
 
 static int is_apart(const psplat_buffer_layout_plan *plan, const psplat_attribute_table *table,
@@ -299,15 +432,14 @@ static size_t row_of(const psplat_buffer_layout_plan *plan, const psplat_buffer_
     const psplat_attribute_table *table = &layout->tables[layout->primitives[first].mesh];
     size_t bytes = 0;
     for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind) {
-        psplat_attribute_format format = table->formats[kind];
-        format.components = 0;
-        for (size_t i = first; i <= last; ++i)
-            if (layout->primitives[i].formats[kind].components > format.components)
-                format.components = layout->primitives[i].formats[kind].components;
+        size_t element = 0;
+        for (size_t i = first; i <= last; ++i) {
+            size_t found = psplat_attribute_bytes(&layout->primitives[i].formats[kind]);
+            if (found > element) element = found;
+        }
         offsets[kind] = replaces_previous(kind) ? offsets[kind - 1] : bytes;
-        if (is_apart(plan, table, kind)) continue;
-        size_t end = offsets[kind] + psplat_attribute_bytes(&format);
-        if (end > bytes) bytes = end;
+        if (!is_apart(plan, table, kind) && offsets[kind] + element > bytes)
+            bytes = offsets[kind] + element;
     }
     return bytes;
 }
@@ -356,7 +488,8 @@ static int compress(const psplat_codec *codec, psplat_buffer_view *view) {
 }
 
 /* Allocates the most primitives and views that there can be: each run may need one for its rows,
- * one for its normals, one for its texture coordinates and two for its lines, straight and bent. */
+ * one for its normals, one for its texture coordinates and two for its lines, straight and bent, or
+ * one for a stream. */
 static int reserve(psplat_buffer_layout *layout) {
     size_t runs = 1;
     for (size_t i = 0; i < layout->mesh_count; ++i) runs += layout->tables[i].splats->run_count;
@@ -368,14 +501,17 @@ static int reserve(psplat_buffer_layout *layout) {
 psplat_result psplat_buffer_layout_make(const psplat_buffer_layout_plan *plan,
                                         psplat_buffer_layout *layout, psplat_error *error) {
     int is_made = reserve(layout);
+    layout->low_bits = plan->streams ? plan->low_bits : 0;
     for (size_t i = 0; i < layout->mesh_count && is_made; ++i) {
         size_t first = layout->primitive_count;
         is_made = make_primitives(plan, layout, i);
+        if (is_made && plan->streams && psplat_stream_can_hold(&layout->tables[i]))
+            is_made = make_streams(layout, first);
         if (is_made && layout->primitive_count > first)
             is_made = add_mesh(plan, layout, first, layout->primitive_count - 1);
     }
     for (size_t i = 0; i < layout->view_count && is_made && plan->codec; ++i)
-        is_made = compress(plan->codec, &layout->views[i]);
+        if (!layout->views[i].is_stream) is_made = compress(plan->codec, &layout->views[i]);
     if (is_made) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the attributes");
 }
@@ -385,6 +521,7 @@ void psplat_buffer_layout_clear(psplat_buffer_layout *layout) {
         free(layout->views[i].bytes);
         free(layout->views[i].packed);
     }
+    for (size_t i = 0; i < layout->primitive_count; ++i) free(layout->primitives[i].order);
     free(layout->primitives);
     free(layout->views);
     *layout = (psplat_buffer_layout){.tables = layout->tables,

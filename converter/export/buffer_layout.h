@@ -26,6 +26,9 @@ enum { PSPLAT_LINE_CLASSES = PSPLAT_MAX_CLIP_LINES + 1, PSPLAT_PARTS = 2 * PSPLA
  * of surface but for a few flat ones. */
 typedef struct psplat_primitive_layout {
     size_t mesh, count;
+    uint32_t *order; /* the splats' indices, count of them */
+    int is_streamed; /* a stream holds what it can (splat_stream.h) */
+    size_t stream;   /* its view */
     size_t first[PSPLAT_PARTS], counts[PSPLAT_PARTS];
     size_t clip_lines; /* the most of any splat; splats with fewer are padded (spec 3.6) */
     size_t material;
@@ -48,7 +51,8 @@ typedef struct psplat_buffer_view {
     size_t stride, rows, capacity; /* bytes of a row; rows stored; rows that fit into bytes */
     psplat_view_filter filter;     /* whose input the bytes are */
     int is_index;                  /* indices of triangles instead of attributes */
-    int is_plain;                  /* numbers of animations, which are neither */
+    int is_plain;                  /* numbers of animations */
+    int is_stream;                 /* a stream: rows of one byte, never compressed */
     uint8_t *bytes;
     uint8_t *packed; /* compressed bytes, or NULL */
     size_t packed_size;
@@ -63,6 +67,7 @@ typedef struct psplat_buffer_layout {
     size_t view_count;
     const struct psplat_fallback_file *fallbacks; /* the caller's, or NULL (fallback_mesh_file.h) */
     const struct psplat_animation_file *animations; /* the caller's, or NULL (animation_file.h) */
+    uint32_t low_bits; /* of positions, which are in streams and not in POSITION */
 } psplat_buffer_layout;
 
 /* The choices that a layout leaves open; glb_writer.c tries several plans and keeps the smallest
@@ -73,9 +78,16 @@ typedef struct psplat_buffer_layout_plan {
     int normals_apart;         /* normals have a view of their own, for the octahedral filter; so
                                   have texture coordinates on a grid wherever there is a codec */
     int flat_joins;            /* few flat splats may share a primitive with curved ones */
+    int streams;               /* splats on a grid are in streams */
+    uint32_t low_bits;         /* of positions, in streams; 0 beside what else lies at POSITION */
     double padding;            /* expected bytes in the file for one byte of padding */
     const psplat_codec *codec; /* NULL leaves the views uncompressed */
 } psplat_buffer_layout_plan;
+
+/* Stores the least and the greatest POSITION of a primitive as they are written. */
+void psplat_buffer_layout_extent(const psplat_buffer_layout *layout,
+                                 const psplat_primitive_layout *primitive, float low[3],
+                                 float high[3]);
 
 /* Divides the splats of layout's attribute tables into primitives and fills the buffer views. The
  * caller frees them with psplat_buffer_layout_clear, also after an error. Errors: MEMORY. */

@@ -16,6 +16,7 @@
 #include "export/material_json.h"
 #include "export/meshopt_codec.h"
 #include "export/splat_attributes.h"
+#include "export/splat_stream.h"
 #include "scene/scene.h"
 #include "splats/splats.h"
 
@@ -226,6 +227,44 @@ static int has_curved_runs(const psplat_splats *splats) {
     return 0;
 }
 
+/* The least steps of POSITION over the longest side of a mesh, so that viewers that know no splats
+ * show points where they are, by eye. */
+enum { LEAST_POSITION_STEPS = 64 };
+
+/* Returns the most low bits of positions that may be in streams. */
+static uint32_t most_low_bits(const psplat_write_desc *desc, const psplat_buffer_layout *layout) {
+    uint32_t most = desc->fallbacks || desc->gaussians ? 0 : PSPLAT_MOST_LOW_BITS;
+    for (size_t i = 0; i < layout->mesh_count; ++i) {
+        const psplat_attribute_table *table = &layout->tables[i];
+        float low[3], high[3], longest = 0;
+        if (!table->splats->count) continue;
+        if (!psplat_stream_can_hold(table)) return 0;
+        psplat_attribute_table_extent(table, 0, table->splats->count, low, high);
+        for (int k = 0; k < 3; ++k) longest = fmaxf(longest, high[k] - low[k]);
+        while (most && longest < LEAST_POSITION_STEPS * (float)(1u << most)) --most;
+    }
+    return most;
+}
+
+/* Tries streams with all low bits that POSITION may lack, and with and without compression of what
+ * is beside them. */
+static psplat_result try_streams(const psplat_scene *scene, const psplat_write_desc *desc,
+                                 const psplat_materials *materials, psplat_buffer_layout *layout,
+                                 uint8_t **data, size_t *size, psplat_error *error) {
+    uint32_t most = most_low_bits(desc, layout);
+    psplat_result result = PSPLAT_OK;
+    for (uint32_t low_bits = 0; low_bits <= most && !result; ++low_bits)
+        for (unsigned kind = 0; kind < 4 && !result; ++kind) {
+            const psplat_buffer_layout_plan plan = {.streams = 1,
+                                                    .low_bits = low_bits,
+                                                    .flat_joins = (kind & 1) != 0,
+                                                    .padding = 0.02,
+                                                    .codec = kind & 2 ? desc->codec : NULL};
+            result = try_plan(scene, &plan, materials, layout, data, size, error);
+        }
+    return result;
+}
+
 static psplat_result try_plans(const psplat_scene *scene, const psplat_write_desc *desc,
                                const psplat_materials *materials, psplat_buffer_layout *layout,
                                uint8_t **data, size_t *size, psplat_error *error) {
@@ -239,6 +278,8 @@ static psplat_result try_plans(const psplat_scene *scene, const psplat_write_des
         splats += layout->tables[i].splats->count;
         if (has_curved_runs(layout->tables[i].splats)) plans = PLANS;
     }
+    if (codec && splats <= MOST_SPLATS_TO_TRY)
+        result = try_streams(scene, desc, materials, layout, data, size, error);
     for (unsigned plan = 0; plan < plans && !result; ++plan) {
         const psplat_buffer_layout_plan tried = {.lines_apart = (plan & APART) != 0,
                                                  .normals_apart = (plan & NORMALS) != 0,

@@ -46,7 +46,9 @@ size_t psplat_image_view_bytes(const psplat_image *image) {
 }
 
 static int is_packed(const psplat_buffer_layout *layout) {
-    return layout->view_count && layout->views[0].packed;
+    for (size_t i = 0; i < psplat_document_view_count(layout); ++i)
+        if (psplat_document_view(layout, i)->packed) return 1;
+    return 0;
 }
 
 static int is_quantized(const psplat_buffer_layout *layout) {
@@ -139,26 +141,10 @@ static size_t version_of(const psplat_buffer_layout *layout,
     int more = layout->tables[primitive->mesh].codes || fallback_of(layout, primitive->mesh);
     for (size_t i = PSPLAT_ATTRIBUTE_COLOR_U; i < PSPLAT_ATTRIBUTE_GAUSSIAN_ROTATION; ++i)
         more |= primitive->formats[i].components > 0;
+    if (primitive->is_streamed) return 4;
     return primitive->is_curved || has_bends(primitive) || primitive->has_texcoord ? 3
            : more                                                                  ? 2
                                                                                    : 1;
-}
-
-/* Finds the least and the greatest POSITION of all splats of a primitive. */
-static void extent_of(const psplat_attribute_table *table, const psplat_primitive_layout *primitive,
-                      float low[3], float high[3]) {
-    int any = 0;
-    for (size_t part = 0; part < PSPLAT_PARTS; ++part) {
-        float from[3], to[3];
-        if (!primitive->counts[part]) continue;
-        psplat_attribute_table_extent(table, primitive->first[part], primitive->counts[part], from,
-                                      to);
-        for (int k = 0; k < 3; ++k) {
-            low[k] = any ? fminf(low[k], from[k]) : from[k];
-            high[k] = any ? fmaxf(high[k], to[k]) : to[k];
-        }
-        any = 1;
-    }
 }
 
 static void add_splat_extension(psplat_writer *json, const psplat_buffer_layout *layout,
@@ -166,10 +152,16 @@ static void add_splat_extension(psplat_writer *json, const psplat_buffer_layout 
     const psplat_attribute_table *table = &layout->tables[primitive->mesh];
     float low[3], high[3], extent[3];
     double unit = table->codes ? table->splats->precision.unit : 1;
-    extent_of(table, primitive, low, high);
+    psplat_buffer_layout_extent(layout, primitive, low, high);
     for (size_t i = 0; i < 3; ++i) extent[i] = (float)((double)high[i] - (double)low[i]);
     psplat_writer_open(json, "PSPLAT_surface_splats", '{');
     psplat_writer_count(json, "version", version_of(layout, primitive));
+    if (primitive->is_streamed) {
+        psplat_writer_count(json, "stream", primitive->stream);
+        add_ranges(json, table, primitive);
+        psplat_writer_close(json, '}');
+        return;
+    }
     psplat_writer_count(json, "clipLines", primitive->clip_lines);
     psplat_writer_float(json, "depthTolerance", (float)((double)primitive->depth_tolerance / unit));
     psplat_writer_floats(json, "positionExtent", extent, 3);
@@ -271,7 +263,7 @@ static void add_accessor(psplat_writer *json, const psplat_buffer_layout *layout
     psplat_writer_string(json, "type", types[format->components]);
     if (kind == PSPLAT_ATTRIBUTE_POSITION) {
         float low[3], high[3];
-        extent_of(&layout->tables[primitive->mesh], primitive, low, high);
+        psplat_buffer_layout_extent(layout, primitive, low, high);
         psplat_writer_floats(json, "min", low, 3);
         psplat_writer_floats(json, "max", high, 3);
     }
@@ -317,14 +309,15 @@ static void add_view(psplat_writer *json, const psplat_buffer_view *view, size_t
     enum { ARRAY_BUFFER = 34962, ELEMENT_ARRAY_BUFFER };
     static const char *const filters[] = {
         [PSPLAT_FILTER_OCTAHEDRAL] = "OCTAHEDRAL", [PSPLAT_FILTER_EXPONENTIAL] = "EXPONENTIAL"};
-    size_t bytes = view->rows * view->stride,
-           stride = view->is_index || view->is_plain ? 0 : view->stride;
+    size_t bytes = view->rows * view->stride;
+    int is_vertices = !view->is_index && !view->is_plain && !view->is_stream;
+    size_t stride = is_vertices ? view->stride : 0;
     psplat_writer_open(json, NULL, '{');
     if (view->packed)
         add_place(json, 1, unpacked_offset, bytes, stride);
     else
         add_place(json, 0, offset, bytes, stride);
-    if (!view->is_plain)
+    if (is_vertices || view->is_index)
         psplat_writer_count(json, "target", view->is_index ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
     if (view->packed) {
         psplat_writer_open(json, "extensions", '{');
@@ -354,7 +347,7 @@ static void add_views(psplat_writer *json, const psplat_scene *scene,
         const psplat_buffer_view *view = psplat_document_view(layout, i);
         add_view(json, view, offset, unpacked);
         offset += psplat_buffer_view_bytes(view);
-        unpacked += (view->rows * view->stride + 3) / 4 * 4;
+        if (view->packed) unpacked += (view->rows * view->stride + 3) / 4 * 4;
     }
     for (size_t i = 0; i < materials->image_count; ++i) {
         const psplat_image *image = &scene->materials.images[materials->images[i]];
@@ -381,13 +374,14 @@ static void add_views(psplat_writer *json, const psplat_scene *scene,
 
 /* ---- the rest -------------------------------------------------------------------------------- */
 
-static psplat_dequantize_transform placement_of(const psplat_attribute_table *table) {
+static psplat_dequantize_transform placement_of(const psplat_attribute_table *table,
+                                                uint32_t low_bits) {
     psplat_dequantize_transform placement = {{0, 0, 0}, 1};
     const psplat_splats *splats = table->splats;
-    if (table->codes) placement.scale = splats->precision.unit;
+    double unit = splats->precision.unit;
+    if (table->codes) placement.scale = unit * (double)(1u << low_bits);
     for (int k = 0; k < 3; ++k)
-        placement.translation[k] =
-            splats->origin[k] + (table->codes ? table->low[k] * placement.scale : 0);
+        placement.translation[k] = splats->origin[k] + (table->codes ? table->low[k] * unit : 0);
     return placement;
 }
 
@@ -400,7 +394,7 @@ static int add_graph(psplat_writer *json, const psplat_scene *scene,
     uint32_t *meshes = malloc((count + 1) * sizeof *meshes), written = 0;
     uint32_t fallback = (uint32_t)count_splat_meshes(layout);
     for (size_t i = 0; i < count && placements && meshes; ++i) {
-        placements[i] = placement_of(&layout->tables[i]);
+        placements[i] = placement_of(&layout->tables[i], layout->low_bits);
         meshes[i] = layout->tables[i].splats->count ? written++ : PSPLAT_NO_INDEX;
         if (fallback_of(layout, i)) meshes[i] = fallback++;
     }

@@ -134,10 +134,10 @@ static size_t find_segments(const psplat_fit_context *context, const psplat_regi
  * may have cut that off. */
 static void round_line(const psplat_precision *precision, const double inside[2], uint32_t i,
                        psplat_region *region) {
-    psplat_quantize_line(precision, region->lines[i], &region->bends[i]);
-    double lack = -psplat_region_line_value(region, i, inside) / precision->line_step;
-    if (lack > 0 && lack <= MOST_RAISING_STEPS)
-        region->lines[i][2] += ceil(lack) * precision->line_step;
+    const psplat_precision at = psplat_precision_at(precision, region->radius);
+    psplat_quantize_line(&at, region->lines[i], &region->bends[i]);
+    double lack = -psplat_region_line_value(region, i, inside) / at.line_step;
+    if (lack > 0 && lack <= MOST_RAISING_STEPS) region->lines[i][2] += ceil(lack) * at.line_step;
 }
 
 /* Gives a region clip lines that cut the segments found away and keep its point inside (u, v).

@@ -51,6 +51,7 @@ typedef struct option {
 typedef struct quantizer {
     const psplat_fit_context *context;
     const psplat_precision *precision;
+    psplat_precision at; /* the steps of the radii for which options are found */
     psplat_site site;
     psplat_region old;
     double points[PSPLAT_REGION_POINTS][3]; /* of the old region, relative to its centre */
@@ -166,18 +167,20 @@ static void fit_option(const quantizer *q, option *o) {
 static void find_options_on_surface(quantizer *q) {
     static const int32_t codes[][2] = {{0, 0}, {-1, 0}, {1, 0}, {0, -1}, {0, 1}};
     option places[PLACES];
+    int32_t unit = 1 << q->at.normal_shift;
     find_places(q, places);
     for (int i = 0; i < PLACES; ++i) {
         double uvh[3], normal[3];
         int32_t middle[2];
         psplat_region_local(&q->old, places[i].center, uvh);
         psplat_region_normal(&q->old, uvh, normal);
-        psplat_octahedron_encode(normal, q->precision->normal_bits, middle);
+        psplat_octahedron_encode_coarsely(normal, q->at.normal_bits, q->at.normal_shift, middle);
         for (size_t k = 0; k < sizeof codes / sizeof *codes; ++k) {
-            const int32_t code[2] = {middle[0] + codes[k][0], middle[1] + codes[k][1]};
+            const int32_t code[2] = {middle[0] + codes[k][0] * unit,
+                                     middle[1] + codes[k][1] * unit};
             option o = places[i];
-            if (!psplat_octahedron_is_code(code, q->precision->normal_bits)) continue;
-            psplat_quantized_axes(q->precision, code, q->old.u, o.axes);
+            if (!psplat_octahedron_is_code(code, q->at.normal_bits)) continue;
+            psplat_quantized_axes(&q->at, code, q->old.u, o.axes);
             o.cost = norm2(uvh[0], uvh[1]);
             fit_option(q, &o);
             keep_cheapest(q->options, OPTIONS, &o);
@@ -188,7 +191,7 @@ static void find_options_on_surface(quantizer *q) {
 /* Finds the cheapest pairs of a grid normal next to the old one and a grid point around the centre.
  */
 static void find_options(quantizer *q) {
-    int32_t middle[2];
+    int32_t middle[2], unit = 1 << q->at.normal_shift;
     q->point_count = psplat_region_points(&q->old, q->points);
     for (size_t i = 0; i < q->point_count; ++i) sub3(q->points[i], q->points[i], q->old.center);
     for (int i = 0; i < OPTIONS; ++i) q->options[i].cost = HUGE_VAL;
@@ -200,34 +203,54 @@ static void find_options(quantizer *q) {
         find_options_on_surface(q);
         return;
     }
-    psplat_octahedron_encode(q->old.n, q->precision->normal_bits, middle);
+    psplat_octahedron_encode_coarsely(q->old.n, q->at.normal_bits, q->at.normal_shift, middle);
     for (int32_t i = -1; i <= 1; ++i)
         for (int32_t k = -1; k <= 1; ++k) {
-            const int32_t code[2] = {middle[0] + i, middle[1] + k};
+            const int32_t code[2] = {middle[0] + i * unit, middle[1] + k * unit};
             double axes[3][3];
-            if (!psplat_octahedron_is_code(code, q->precision->normal_bits)) continue;
-            psplat_quantized_axes(q->precision, code, q->old.u, axes);
+            if (!psplat_octahedron_is_code(code, q->at.normal_bits)) continue;
+            psplat_quantized_axes(&q->at, code, q->old.u, axes);
             find_centers(q, axes);
         }
 }
 
 /* ---- regions on the grid -------------------------------------------------------------------- */
 
-/* Returns the region of an option. Its radii are the old ones times a factor, rounded down to the
- * grid, plus so many steps. */
+/* Finds radii on the grid: the old ones times a factor, rounded down, plus so many steps. */
+static void find_radii(const quantizer *q, double factor, const int steps[2], double radius[2]) {
+    double step = q->precision->scale_step, unit = q->precision->unit;
+    for (int k = 0; k < 2; ++k) {
+        double down = floor(log(q->old.radius[k] * factor / unit) / step);
+        radius[k] = unit * exp(step * (down + steps[k]));
+    }
+    if (radius[1] > radius[0]) radius[0] = radius[1];
+}
+
+/* Finds the options for radii on the grid, unless the last ones found are for such radii. */
+static void find_options_for(quantizer *q, const double radius[2]) {
+    psplat_precision at = psplat_precision_at(q->precision, radius);
+    if (at.normal_shift == q->at.normal_shift && at.turn_step == q->at.turn_step) return;
+    q->at = at;
+    find_options(q);
+}
+
+/* Finds options for the old radii. */
+static void begin_options(quantizer *q) {
+    double radius[2];
+    find_radii(q, 1, radius_steps[1], radius);
+    q->at = psplat_precision_at(q->precision, radius);
+    find_options(q);
+}
+
+/* Returns the region of an option, with such radii. */
 static psplat_region region_of(const quantizer *q, const option *o, double factor,
                                const int steps[2]) {
-    double step = q->precision->scale_step, unit = q->precision->unit;
     psplat_region r = {.line_count = 0};
     memcpy(r.center, o->center, sizeof r.center);
     memcpy(r.u, o->axes[0], sizeof r.u);
     memcpy(r.v, o->axes[1], sizeof r.v);
     memcpy(r.n, o->axes[2], sizeof r.n);
-    for (int k = 0; k < 2; ++k) {
-        double down = floor(log(q->old.radius[k] * factor / unit) / step);
-        r.radius[k] = unit * exp(step * (down + steps[k]));
-    }
-    if (r.radius[1] > r.radius[0]) r.radius[0] = r.radius[1];
+    find_radii(q, factor, steps, r.radius);
     memcpy(r.hessian, o->hessian, sizeof r.hessian);
     if (psplat_region_is_curved(&r)) psplat_quantize_shape(q->precision, r.radius, r.hessian);
     return r;
@@ -238,6 +261,9 @@ static psplat_region region_of(const quantizer *q, const option *o, double facto
 static psplat_fit_status try_options(quantizer *q, double factor, const int steps[2],
                                      int keep_record, psplat_candidate *candidate) {
     psplat_fit_status status = PSPLAT_FIT_NO_GAIN;
+    double radius[2];
+    find_radii(q, factor, steps, radius);
+    find_options_for(q, radius);
     for (int i = 0; i < OPTIONS && status && status != PSPLAT_FIT_MEMORY; ++i) {
         psplat_region tried = region_of(q, &q->options[i], factor, steps);
         status = psplat_candidate_replace(q->context, &q->site, &tried, 0, keep_record, candidate);
@@ -291,7 +317,7 @@ static psplat_fit_status shrink_about_first(quantizer *q, psplat_candidate *cand
                         uvh);
     for (int i = 0; i < SHRINKINGS && status && status != PSPLAT_FIT_MEMORY; ++i) {
         q->old = shrunk_about(&whole, uvh, factor);
-        find_options(q);
+        begin_options(q);
         candidate->covered_count = 1;
         status = try_options(q, 1, radius_steps[1], 0, candidate);
         factor *= shrink_factor;
@@ -330,7 +356,7 @@ static psplat_region disc_at(quantizer *q, const double point[3], uint32_t trian
     memcpy(q->old.n, n, sizeof q->old.n);
     perpendicular3(q->old.u, n);
     cross3(q->old.v, n, q->old.u);
-    find_options(q);
+    begin_options(q);
     const option *o = &q->options[0];
     sub3(d, o->center, point);
     double within = norm2(dot3(d, o->axes[0]), dot3(d, o->axes[1]));
@@ -371,7 +397,7 @@ psplat_result psplat_quantize_candidate(const psplat_fit_context *context,
     candidate->quantized = 1;
     if (candidate->covered_count) {
         int is_needed = put_needed_first(candidate);
-        find_options(&q);
+        begin_options(&q);
         status = try_radii(&q, candidate);
         if (status && status != PSPLAT_FIT_MEMORY)
             status = is_needed ? shrink_about_first(&q, candidate) : shrink(&q, candidate);

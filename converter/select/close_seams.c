@@ -203,8 +203,10 @@ static psplat_result move_lines(const psplat_fit_context *context, size_t index,
         moved.lines[i][2] += c->moves[index][i];
     }
     if (most == 0) return PSPLAT_OK;
-    for (uint32_t i = 0; limits->precision && i < moved.line_count; ++i)
-        psplat_quantize_line(limits->precision, moved.lines[i], &moved.bends[i]);
+    for (uint32_t i = 0; limits->precision && i < moved.line_count; ++i) {
+        const psplat_precision at = psplat_precision_at(limits->precision, moved.radius);
+        psplat_quantize_line(&at, moved.lines[i], &moved.bends[i]);
+    }
     psplat_result result = psplat_limits_region_near(limits, &moved, &near);
     if (!result && near) *region = moved;
     return result;

@@ -13,6 +13,7 @@
 #include "fit/candidate.h"
 #include "select/conversion.h"
 #include "splats/octahedron.h"
+#include "splats/quantize.h"
 #include "splats/splat_texcoord.h"
 #include "splats/splats.h"
 #include "splats/texcoord_steps.h"
@@ -26,8 +27,8 @@ static const double most_steps = 65000;
 /* How far rounding may move the rim of a splat by tilting it, in tolerances, and the share of the
  * samples whose splats it may tilt more. It is of samples, not of splats: a large splat that has to
  * shrink leaves a large hole. */
-static const double greatest_tilt_tolerances = 0.3, greatest_tilted_share = 0.02;
-static const int choices_of_bits[] = {8, 11, 14};
+static const double greatest_tilt_tolerances = 0.15, greatest_tilted_share = 0.02;
+static const int choices_of_bits[] = {8, 9, 10, 11, 12, 13, 14};
 enum { CHOICES = sizeof choices_of_bits / sizeof *choices_of_bits };
 
 /* The step of radii as a part of them, which where splats are curved saves more splats than it
@@ -38,11 +39,8 @@ enum { TURNS = 256 };
 /* How far rounding may move a line from its crease, in tolerances. */
 static const double greatest_line_move_tolerances = 0.05;
 
-/* How far rounding a second derivative may move the rim of a curved splat, in tolerances; of one of
- * the mean size, again over samples. */
-static const double greatest_bend_tolerances = 0.05;
-/* How much coarser that step may be where the slopes fit into bytes then. */
-static const double byte_coarsening = 3;
+/* How far rounding a second derivative may move the rim of a curved splat, in tolerances. */
+static const double greatest_bend_tolerances = 0.1;
 
 /* How far rounding a line's bend may move its ends, in tolerances. */
 static const double greatest_line_bend_tolerances = 0.1;
@@ -50,16 +48,24 @@ static const double greatest_line_bend_tolerances = 0.1;
 /* The step of normal fields, as a part of their mean change over a splat. */
 static const double field_step_part = 0.2;
 
-/* Returns the share of the samples whose taken candidates rounding to so many bits tilts too much.
- */
-static double tilted_share(const psplat_conversion *c, int bits) {
+/* The fewest bits of the normals of small splats, and the greatest step of the slopes of their
+ * surfaces: at the rim it turns normals by half of that, 3 degrees. */
+enum { LEAST_GRADED_BITS = 7 };
+static const double greatest_shape_step = 0.1;
+
+/* Returns the share of the samples whose taken candidates rounding to so many bits, fewer for small
+ * ones, tilts too much. */
+static double tilted_share(const psplat_conversion *c, const psplat_precision *p, int bits) {
+    psplat_precision with_bits = *p;
+    with_bits.normal_grades = bits - LEAST_GRADED_BITS;
     double count = 0, broken = 0;
     for (size_t i = 0; i < c->selection.count; ++i) {
         const psplat_candidate *candidate = &c->selection.candidates[i];
         double normal[3];
         int32_t code[2];
         if (!candidate->taken) continue;
-        psplat_octahedron_encode(candidate->region.n, bits, code);
+        int shift = psplat_precision_at(&with_bits, candidate->region.radius).normal_shift;
+        psplat_octahedron_encode_coarsely(candidate->region.n, bits, shift, code);
         psplat_octahedron_normal(code, bits, normal);
         double rim = sqrt(distance2_3(normal, candidate->region.n)) * candidate->region.radius[0];
         count += (double)candidate->covered_count;
@@ -69,9 +75,9 @@ static double tilted_share(const psplat_conversion *c, int bits) {
     return count > 0 ? broken / count : 0;
 }
 
-static int normal_bits(const psplat_conversion *c) {
+static int normal_bits(const psplat_conversion *c, const psplat_precision *p) {
     int i = 0;
-    while (i + 1 < CHOICES && tilted_share(c, choices_of_bits[i]) > greatest_tilted_share) ++i;
+    while (i + 1 < CHOICES && tilted_share(c, p, choices_of_bits[i]) > greatest_tilted_share) ++i;
     return choices_of_bits[i];
 }
 
@@ -91,21 +97,29 @@ static void mean_slopes(const psplat_conversion *c, double *change, double *tilt
     *tilt = sqrt(sums[1] / fmax(count, 1));
 }
 
-/* Returns the step of the slopes of curved surfaces; 0 where no splat is curved. A slope that is
- * off by half a step at the rim of radius r moves that by r step / 4. */
-static double shape_step(const psplat_conversion *c) {
-    double sum = 0, count = 0, greatest = 0;
-    for (size_t i = 0; i < c->selection.count; ++i) {
-        const psplat_candidate *candidate = &c->selection.candidates[i];
-        const psplat_region *region = &candidate->region;
-        if (!candidate->taken || !psplat_region_is_curved(region)) continue;
-        for (int k = 2; k < 5; ++k) greatest = fmax(greatest, fabs(candidate->field[k]));
-        sum += (double)candidate->covered_count * region->radius[0] * region->radius[0];
-        count += (double)candidate->covered_count;
-    }
-    if (!(count > 0)) return 0;
-    double step = 4 * greatest_bend_tolerances * c->tolerance / sqrt(sum / count);
-    return fmax(step, fmin(byte_coarsening * step, greatest / 127));
+/* Returns the greatest radius of taken candidates. */
+static double greatest_radius(const psplat_conversion *c) {
+    double greatest = 0;
+    for (size_t i = 0; i < c->selection.count; ++i)
+        if (c->selection.candidates[i].taken)
+            greatest = fmax(greatest, c->selection.candidates[i].region.radius[0]);
+    return greatest;
+}
+
+static int has_curved(const psplat_conversion *c) {
+    for (size_t i = 0; i < c->selection.count; ++i)
+        if (c->selection.candidates[i].taken &&
+            psplat_region_is_curved(&c->selection.candidates[i].region))
+            return 1;
+    return 0;
+}
+
+/* Sets the step of the slopes of curved surfaces, which is that of the greatest radius. A slope
+ * that is off by half a step at the rim of radius r moves that by r step / 4. */
+static void choose_shapes(const psplat_conversion *c, double radius, psplat_precision *p) {
+    if (!has_curved(c)) return;
+    p->shape_step = fmin(4 * greatest_bend_tolerances * c->tolerance / radius, greatest_shape_step);
+    p->shape_grades = (int)floor(log2(greatest_shape_step / p->shape_step));
 }
 
 /* Returns the least power of two from 4 to 2^14 that is not below a number; 2^14 where none is. */
@@ -115,19 +129,19 @@ static double power_of_two(double least) {
     return n;
 }
 
-static void choose_lines(const psplat_conversion *c, psplat_precision *p) {
-    double radius = 0, bent_radius = 0;
+/* Sets the steps of lines, which are those of the greatest radius. */
+static void choose_lines(const psplat_conversion *c, double radius, psplat_precision *p) {
+    int is_bent = 0, has_lines = 0;
     for (size_t i = 0; i < c->selection.count; ++i) {
         const psplat_region *region = &c->selection.candidates[i].region;
         if (!c->selection.candidates[i].taken) continue;
-        for (uint32_t k = 0; k < region->line_count; ++k) {
-            radius = fmax(radius, region->radius[0]);
-            if (region->bends[k] != 0) bent_radius = fmax(bent_radius, region->radius[0]);
-        }
+        has_lines |= region->line_count > 0;
+        for (uint32_t k = 0; k < region->line_count; ++k) is_bent |= region->bends[k] != 0;
     }
-    if (bent_radius > 0)
-        p->bend_step = fmin(4 * greatest_line_bend_tolerances * c->tolerance / bent_radius, 0.5);
-    double steps = power_of_two(radius / (greatest_line_move_tolerances * c->tolerance));
+    if (is_bent)
+        p->bend_step = fmin(4 * greatest_line_bend_tolerances * c->tolerance / radius, 0.5);
+    double steps =
+        power_of_two(has_lines ? radius / (greatest_line_move_tolerances * c->tolerance) : 0);
     p->line_step = 1 / steps;
     p->line_turn_step = 1 / fmin(2 * steps, 16384);
 }
@@ -136,14 +150,18 @@ psplat_precision psplat_precision_choose(const psplat_conversion *c) {
     double part = fmin(c->desc->precision, PSPLAT_GREATEST_PRECISION), change, tilt;
     psplat_precision p = {.unit = part * c->tolerance};
     if (!(part > 0) || c->surface.diagonal > most_steps * p.unit) return (psplat_precision){0};
-    p.normal_bits = normal_bits(c);
+    double radius = fmax(greatest_radius(c), p.unit);
     p.turn_step = 1.0 / TURNS;
     p.scale_step = c->limits.planar ? radius_step : curved_radius_step;
+    p.halving = (int)lrint(log(2) / p.scale_step);
+    p.reference = (int)ceil(log(radius / p.unit) / p.scale_step);
+    choose_lines(c, radius, &p);
+    if (!c->limits.planar) choose_shapes(c, radius, &p);
+    p.normal_bits = normal_bits(c, &p);
+    p.normal_grades = p.normal_bits - LEAST_GRADED_BITS;
     mean_slopes(c, &change, &tilt);
     if (c->limits.normal_tolerance > 0) change = fmin(change, c->limits.normal_tolerance);
     p.field_step = p.tilt_step = fmax(field_step_part * change, 1.0 / 1024);
-    choose_lines(c, &p);
-    if (!c->limits.planar) p.shape_step = shape_step(c);
     return p;
 }
 

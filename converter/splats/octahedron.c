@@ -65,6 +65,11 @@ int psplat_octahedron_is_code(const int32_t code[2], int bits) {
 }
 
 void psplat_octahedron_encode(const double normal[3], int bits, int32_t code[2]) {
+    psplat_octahedron_encode_coarsely(normal, bits, 0, code);
+}
+
+void psplat_octahedron_encode_coarsely(const double normal[3], int bits, int shift,
+                                       int32_t code[2]) {
     double sum = fabs(normal[0]) + fabs(normal[1]) + fabs(normal[2]), nearest = HUGE_VAL;
     double x = normal[0] / sum, y = normal[1] / sum;
     if (normal[2] < 0) {
@@ -72,11 +77,12 @@ void psplat_octahedron_encode(const double normal[3], int bits, int32_t code[2])
         y = (1 - fabs(x)) * (y >= 0 ? 1 : -1);
         x = folded;
     }
-    int32_t largest = largest_coordinate(bits),
-            middle[2] = {(int32_t)lrint(x * largest), (int32_t)lrint(y * largest)};
+    int32_t unit = 1 << shift;
+    double largest = (double)largest_coordinate(bits) / unit;
+    int32_t middle[2] = {(int32_t)lrint(x * largest), (int32_t)lrint(y * largest)};
     for (int32_t i = -1; i <= 1; ++i)
         for (int32_t k = -1; k <= 1; ++k) {
-            const int32_t tried[2] = {middle[0] + i, middle[1] + k};
+            const int32_t tried[2] = {(middle[0] + i) * unit, (middle[1] + k) * unit};
             double found[3];
             if (!psplat_octahedron_is_code(tried, bits)) continue;
             psplat_octahedron_normal(tried, bits, found);

@@ -18,6 +18,10 @@
 /* Finds the code whose decoded vector is nearest to a unit vector. */
 void psplat_octahedron_encode(const double normal[3], int bits, int32_t code[2]);
 
+/* Does the same with codes whose lowest `shift` bits are 0. */
+void psplat_octahedron_encode_coarsely(const double normal[3], int bits, int shift,
+                                       int32_t code[2]);
+
 /* Returns whether a code lies inside its range and every decoder makes the same integers of it. */
 int psplat_octahedron_is_code(const int32_t code[2], int bits);
 

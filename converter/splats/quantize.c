@@ -43,6 +43,36 @@ static int32_t round_to(double value, double step) {
     return (int32_t)lrint(fmin(fmax(value / step, -1e9), 1e9));
 }
 
+static int least_of(int a, int b) {
+    return a < b ? a : b;
+}
+
+/* Returns the bits of a turn of an ellipse whose radii are so many steps apart (spec 3.12). */
+static int turn_bits(const psplat_precision *p, int elongation) {
+    int bits = 0;
+    for (int parts = 32 * elongation / p->halving; parts; parts >>= 1) ++bits;
+    return least_of(bits + elongation / (3 * p->halving), ilogb(1 / p->turn_step));
+}
+
+psplat_precision psplat_precision_at(const psplat_precision *p, const double radius[2]) {
+    enum { MOST_GRADE = 7 };
+    psplat_precision at = *p;
+    if (!p->halving) return at;
+    int large = round_to(log(radius[0] / p->unit), p->scale_step);
+    int small = round_to(log(radius[1] / p->unit), p->scale_step);
+    int grade = large < p->reference ? (p->reference - large) / p->halving : 0;
+    grade = least_of(grade, MOST_GRADE);
+    double line = 1 << least_of(grade, ilogb(1 / p->line_turn_step) - 1);
+    at.halving = 0;
+    at.normal_shift = least_of(grade, p->normal_grades);
+    at.turn_step = 1.0 / (1 << turn_bits(p, large > small ? large - small : 0));
+    at.shape_step *= 1 << least_of(grade, p->shape_grades);
+    at.line_step *= line;
+    at.line_turn_step *= line;
+    at.bend_step *= line;
+    return at;
+}
+
 /* Returns the turn of u about n in steps, between 0 and a half turn. *flipped tells whether that
  * turn leads to -u instead of u. */
 static int32_t encode_turn(const double n[3], const double u[3], double step, int *flipped) {
@@ -186,10 +216,9 @@ void psplat_quantize_field(const psplat_precision *p, double field[5]) {
 
 void psplat_quantize_shape(const psplat_precision *p, const double radius[2], double hessian[3]) {
     const double lengths[3] = {radius[0], radius[0], radius[1]};
+    double step = psplat_precision_at(p, radius).shape_step;
     for (int k = 0; k < 3; ++k)
-        hessian[k] = p->shape_step > 0 ? round_to(hessian[k] * lengths[k], p->shape_step) *
-                                             p->shape_step / lengths[k]
-                                       : 0;
+        hessian[k] = step > 0 ? round_to(hessian[k] * lengths[k], step) * step / lengths[k] : 0;
 }
 
 /* Rounds the changes of a field's slopes over the radii, in the axes of the code. `change` holds
@@ -265,7 +294,7 @@ void psplat_quantize_splat(const psplat_precision *p, const psplat_run *run,
     double axes[3][3];
     psplat_splat_region(splat, &region);
     memset(code, 0, sizeof *code);
-    psplat_octahedron_encode(region.n, p->normal_bits, code->normal);
+    psplat_octahedron_encode_coarsely(region.n, p->normal_bits, p->normal_shift, code->normal);
     psplat_octahedron_normal(code->normal, p->normal_bits, axes[2]);
     code->turn = encode_turn(axes[2], region.u, p->turn_step, &code->flipped);
     axes_of(axes[2], code->turn * p->turn_step, axes[0], axes[1]);

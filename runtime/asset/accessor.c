@@ -267,6 +267,7 @@ size_t psplat_reader_bytes(const psplat_reader *reader) {
 /* In a compressed view, the bytes at the same place in each element are stored together. */
 size_t psplat_reader_stored(const psplat_reader *reader) {
     const psplat_view_range *view = reader->view;
+    if (reader->is_streamed) return reader->streamed;
     if (!view->decoded) return psplat_reader_bytes(reader);
     if (!view->planes) return 0;
     size_t element = reader->components * component_size(reader->component_type), sum = 0;

@@ -6,6 +6,13 @@
 
 #include <float.h>
 
+/* The members of the object. */
+static const char *const names[] = {
+    "version",    "clipLines",  "depthTolerance", "positionExtent",    "kernel",    "scaleRange",
+    "tiltRange",  "fieldRange", "colorRange",     "turnRange",         "clipRange", "curved",
+    "shapeRange", "bendRange",  "texcoordRange",  "texcoordBendRange", "stream"};
+enum { MEMBERS = sizeof names / sizeof *names };
+
 /* Reads a number that is a float above zero or, where zero_is_allowed, not below zero. */
 static psplat_result parse_positive(const psplat_gltf *gltf, psplat_json_value value,
                                     const char *what, int zero_is_allowed, float *out) {
@@ -23,13 +30,13 @@ static psplat_result parse_positive(const psplat_gltf *gltf, psplat_json_value v
 
 static psplat_result parse_kernel(const psplat_gltf *gltf, psplat_json_value object,
                                   psplat_kernel *kernel) {
-    static const char *const names[] = {"sharpness", "exponent"};
+    static const char *const kernel_names[] = {"sharpness", "exponent"};
     psplat_json_value members[2];
     *kernel = (psplat_kernel){PSPLAT_DEFAULT_KERNEL_SHARPNESS, PSPLAT_DEFAULT_KERNEL_EXPONENT};
     if (!object) return PSPLAT_OK;
-    psplat_result result = psplat_json_members(&gltf->json, object, names, 2, members);
-    if (!result) result = parse_positive(gltf, members[0], names[0], 0, &kernel->sharpness);
-    if (!result) result = parse_positive(gltf, members[1], names[1], 0, &kernel->exponent);
+    psplat_result result = psplat_json_members(&gltf->json, object, kernel_names, 2, members);
+    if (!result) result = parse_positive(gltf, members[0], kernel_names[0], 0, &kernel->sharpness);
+    if (!result) result = parse_positive(gltf, members[1], kernel_names[1], 0, &kernel->exponent);
     return result;
 }
 
@@ -110,19 +117,34 @@ static psplat_result parse_ranges(const psplat_gltf *gltf, const psplat_json_val
     return result;
 }
 
+/* Reads what is left for the object of a primitive with a stream (spec 3.12). */
+static psplat_result parse_beside_stream(const psplat_gltf *gltf, const psplat_json_value *members,
+                                         psplat_set *set) {
+    psplat_result result = parse_positive(gltf, members[8], names[8], 0, &set->color_range);
+    if (!result) result = parse_positive(gltf, members[14], names[14], 0, &set->texcoord_range);
+    if (!result)
+        result = parse_positive(gltf, members[15], names[15], 0, &set->texcoord_bend_range);
+    for (size_t i = 1; i < 14 && !result; ++i)
+        if (members[i] && i != 8)
+            result =
+                psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, members[i]),
+                            "%s is present although the primitive has a stream", names[i]);
+    return result;
+}
+
 psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value object,
-                                     psplat_set *set, psplat_json_value *extent) {
-    static const char *const names[] = {
-        "version",    "clipLines",  "depthTolerance", "positionExtent",   "kernel",    "scaleRange",
-        "tiltRange",  "fieldRange", "colorRange",     "turnRange",        "clipRange", "curved",
-        "shapeRange", "bendRange",  "texcoordRange",  "texcoordBendRange"};
-    enum { MEMBERS = sizeof names / sizeof *names };
+                                     psplat_set *set, psplat_json_value *extent,
+                                     psplat_json_value *stream) {
     psplat_json_value members[MEMBERS];
     size_t clip_lines = 0;
     psplat_result result = psplat_json_members(&gltf->json, object, names, MEMBERS, members);
-    for (size_t i = 0; i < 4 && !result; ++i)
-        result = psplat_gltf_require(gltf, object, members[i], names[i]);
+    if (!result) result = psplat_gltf_require(gltf, object, members[0], names[0]);
     if (!result) result = parse_version(gltf, members[0], &set->version);
+    if (result) return result;
+    *stream = set->version >= 4 ? members[16] : 0;
+    if (*stream) return parse_beside_stream(gltf, members, set);
+    for (size_t i = 1; i < 4 && !result; ++i)
+        result = psplat_gltf_require(gltf, object, members[i], names[i]);
     if (!result)
         result = psplat_json_integer(&gltf->json, members[1], names[1], PSPLAT_MAX_CLIP_LINES,
                                      &clip_lines);

@@ -10,6 +10,7 @@
  *     texture.c          textures of materials, and their samplers
  *     image.c            the bytes of images, which the asset keeps as they are
  *     primitive.c        meshes: which of their primitives are splats
+ *     stream.c           splats in a coded stream
  *     fallback_link.c    fallback meshes for readers that know no splats
  *     extension.c        the extension object of a primitive of splats
  *     attribute_types.c  names and forms of the attributes of splats
@@ -31,7 +32,7 @@
 #include "asset/pack.h"
 
 #define PSPLAT_EXTENSION "PSPLAT_surface_splats"
-#define PSPLAT_EXTENSION_VERSION 3 /* the newest that is read; older ones are read, too */
+#define PSPLAT_EXTENSION_VERSION 4 /* the newest that is read; older ones are read, too */
 #define PSPLAT_NONE SIZE_MAX
 
 typedef struct psplat_buffer {
@@ -165,7 +166,7 @@ typedef struct psplat_gltf {
     psplat_set *sets;
     psplat_node *nodes;
     size_t buffer_count, view_count, accessor_count, material_count, mesh_count, set_count,
-        node_count, texture_count, sampler_count, image_count, kept_image_count;
+        set_capacity, node_count, texture_count, sampler_count, image_count, kept_image_count;
     size_t image_bytes; /* of all kept images that lie in buffers */
 } psplat_gltf;
 
@@ -237,6 +238,8 @@ typedef struct psplat_reader {
     const psplat_view_range *view;
     size_t start, stride, components, component_type, count;
     int normalized;
+    int is_streamed; /* of floats decoded from a stream (stream.h); view is NULL then */
+    size_t streamed; /* the bytes that they take in it */
 } psplat_reader;
 
 /* Checks accessor, an index in JSON, against type, version and count, where PSPLAT_NONE accepts any
@@ -351,15 +354,16 @@ psplat_result psplat_fallback_mesh_parse(psplat_gltf *gltf, psplat_json_value ex
 /* Gives each fallback mesh the sets of the mesh that it stands in for. */
 psplat_result psplat_fallback_meshes_resolve(psplat_gltf *gltf);
 
-/* Parses the extension object; *extent becomes its positionExtent. */
+/* Parses the extension object; *extent becomes its positionExtent. Where *stream becomes the index
+ * of a stream's view (spec 3.12) instead of 0, that holds the rest. */
 psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value object,
-                                     psplat_set *set, psplat_json_value *extent);
+                                     psplat_set *set, psplat_json_value *extent,
+                                     psplat_json_value *stream);
 
-/* Decodes the splats of one primitive, of which attributes, extension and material are members; the
- * last may be 0. */
-psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
-                               psplat_json_value extension, psplat_json_value material,
-                               psplat_set *set);
+/* Decodes the splats of one primitive into sets of gltf: one, or one for each section of a stream.
+ * attributes, extension and material are its members; the last may be 0. */
+psplat_result psplat_sets_parse(psplat_gltf *gltf, psplat_json_value attributes,
+                                psplat_json_value extension, psplat_json_value material);
 
 /* Fills the nodes and their world transforms and marks those that the default scene shows. */
 psplat_result psplat_nodes_parse(psplat_gltf *gltf);

@@ -4,7 +4,7 @@
  */
 #include "asset/gltf.h"
 
-enum { MODE, ATTRIBUTES, INDICES, TARGETS, MATERIAL, EXTENSIONS, MEMBERS, MAX_SETS = 1 << 16 };
+enum { MODE, ATTRIBUTES, INDICES, TARGETS, MATERIAL, EXTENSIONS, MEMBERS };
 
 static const char *const names[MEMBERS] = {"mode",    "attributes", "indices",
                                            "targets", "material",   "extensions"};
@@ -61,16 +61,9 @@ static psplat_result parse_primitive(psplat_gltf *gltf, psplat_json_value primit
         if (members[ATTRIBUTES]) note_stripped(gltf, members[ATTRIBUTES]);
         return PSPLAT_OK;
     }
-    if (gltf->set_count == MAX_SETS)
-        return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED,
-                           psplat_gltf_offset(gltf, primitive), "more than %d primitives of splats",
-                           MAX_SETS);
-    psplat_set *set = &gltf->sets[gltf->set_count];
     result = check_members(gltf, primitive, members);
-    if (!result)
-        result = psplat_set_parse(gltf, members[ATTRIBUTES], extension, members[MATERIAL], set);
-    if (!result) ++gltf->set_count;
-    return result;
+    if (result) return result;
+    return psplat_sets_parse(gltf, members[ATTRIBUTES], extension, members[MATERIAL]);
 }
 
 /* The sets of a mesh lie side by side in gltf->sets. */
@@ -89,19 +82,6 @@ static psplat_result parse_mesh(psplat_gltf *gltf, psplat_json_value mesh, pspla
     return result ? result : psplat_fallback_mesh_parse(gltf, found[1], sets);
 }
 
-/* Counts the primitives of all meshes, of whatever kind: an upper bound of the number of sets. */
-static psplat_result count_primitives(const psplat_gltf *gltf, size_t *count) {
-    static const char *const name[] = {"primitives"};
-    psplat_json_value array = gltf->json_meshes, primitives = 0;
-    psplat_json_value mesh = array ? psplat_json_first(&gltf->json, array) : 0;
-    for (; mesh; mesh = psplat_json_next(&gltf->json, array, mesh)) {
-        psplat_result result = psplat_json_members(&gltf->json, mesh, name, 1, &primitives);
-        if (result) return result;
-        if (primitives) *count += psplat_json_length(&gltf->json, primitives);
-    }
-    return PSPLAT_OK;
-}
-
 static psplat_result fail_no_splats(const psplat_gltf *gltf) {
     if (gltf->json_stripped)
         return psplat_fail(gltf->error, PSPLAT_ERROR_NO_SPLATS,
@@ -115,18 +95,10 @@ static psplat_result fail_no_splats(const psplat_gltf *gltf) {
 
 psplat_result psplat_meshes_parse(psplat_gltf *gltf) {
     void *table = NULL;
-    size_t primitive_count = 0;
     psplat_json_value array = gltf->json_meshes, mesh = 0;
     psplat_result result =
         psplat_gltf_table(gltf, array, "meshes", sizeof *gltf->meshes, &table, &gltf->mesh_count);
     gltf->meshes = table;
-    if (!result) result = count_primitives(gltf, &primitive_count);
-    if (result) return result;
-    if (primitive_count > MAX_SETS) primitive_count = MAX_SETS;
-    gltf->sets = psplat_arena_take(gltf->scratch, primitive_count, sizeof *gltf->sets);
-    if (!gltf->sets)
-        return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu primitives",
-                           primitive_count);
     for (size_t i = 0; i < gltf->mesh_count && !result; ++i) {
         mesh =
             i ? psplat_json_next(&gltf->json, array, mesh) : psplat_json_first(&gltf->json, array);

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * splat_set.c - one primitive of splats: its attributes (spec 3.2), and the check of its extent,
- * which reveals rescaling by another tool (spec 6.2).
+ * splat_set.c - one primitive of splats: its attributes (spec 3.2) or its stream (spec 3.12), and
+ * the check of its extent, which reveals rescaling by another tool (spec 6.2).
  */
 #include "asset/gltf.h"
+#include "asset/stream.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The extension's names are accepted with and without their underscore, but not both at once. */
 static psplat_result find_attributes(const psplat_gltf *gltf, psplat_json_value object,
@@ -171,15 +173,10 @@ static psplat_result check_ranges(const psplat_gltf *gltf, psplat_json_value ext
 /* ---- the whole ---------------------------------------------------------------------------- */
 
 /* Another tool may have scaled POSITION without knowing that SCALE has to follow (spec 6.2). */
-static psplat_result check_extent(const psplat_gltf *gltf, psplat_json_value value,
-                                  const double found[3]) {
-    double stated[3], largest = 0, difference = 0;
-    psplat_result result = psplat_json_numbers(&gltf->json, value, "positionExtent", 3, stated);
-    if (result) return result;
+static psplat_result compare_extents(const psplat_gltf *gltf, psplat_json_value value,
+                                     const double stated[3], const double found[3]) {
+    double largest = 0, difference = 0;
     for (size_t i = 0; i < 3; ++i) {
-        if (stated[i] < 0)
-            return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, value),
-                               "positionExtent must not be negative");
         largest = fmax(largest, fmax(found[i], stated[i]));
         difference = fmax(difference, fabs(found[i] - stated[i]));
     }
@@ -188,6 +185,17 @@ static psplat_result check_extent(const psplat_gltf *gltf, psplat_json_value val
                        "POSITION extends over %g x %g x %g, was written as %g x %g x %g: another "
                        "tool rescaled it but not the radii",
                        found[0], found[1], found[2], stated[0], stated[1], stated[2]);
+}
+
+static psplat_result check_extent(const psplat_gltf *gltf, psplat_json_value value,
+                                  const double found[3]) {
+    double stated[3];
+    psplat_result result = psplat_json_numbers(&gltf->json, value, "positionExtent", 3, stated);
+    if (result) return result;
+    if (stated[0] >= 0 && stated[1] >= 0 && stated[2] >= 0)
+        return compare_extents(gltf, value, stated, found);
+    return psplat_fail(gltf->error, PSPLAT_ERROR_RANGE, psplat_gltf_offset(gltf, value),
+                       "positionExtent must not be negative");
 }
 
 /* A splat takes 164 bytes in memory, 48 more with a finish, 56 more with texture coordinates, and
@@ -210,13 +218,13 @@ static psplat_result describe(const psplat_gltf *gltf, const psplat_readers *r, 
     for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
         const psplat_reader *reader = &r->of[i];
         if (!r->is_present[i]) continue;
-        set->attributes[set->attribute_count++] =
-            (psplat_attribute){.name = psplat_attribute_types[i].name,
-                               .component_type = (uint32_t)reader->component_type,
-                               .components = (uint32_t)reader->components,
-                               .is_compressed = reader->view->decoded != NULL,
-                               .bytes = psplat_reader_bytes(reader),
-                               .stored = psplat_reader_stored(reader)};
+        set->attributes[set->attribute_count++] = (psplat_attribute){
+            .name = psplat_attribute_types[i].name,
+            .component_type = reader->is_streamed ? 0 : (uint32_t)reader->component_type,
+            .components = (uint32_t)reader->components,
+            .is_compressed = reader->is_streamed || reader->view->decoded,
+            .bytes = psplat_reader_bytes(reader),
+            .stored = psplat_reader_stored(reader)};
     }
     return PSPLAT_OK;
 }
@@ -279,22 +287,129 @@ static void set_flags(const psplat_readers *r, psplat_set *set) {
     set->has_texcoord_bend = r->is_present[PSPLAT_TEXCOORD_UU];
 }
 
-psplat_result psplat_set_parse(psplat_gltf *gltf, psplat_json_value attributes,
-                               psplat_json_value extension, psplat_json_value material,
-                               psplat_set *set) {
-    psplat_json_value stated = 0;
-    psplat_readers readers = {0};
-    double extent[3];
-    psplat_result result = psplat_extension_parse(gltf, extension, set, &stated);
-    if (!result) result = open_readers(gltf, attributes, set, &readers);
-    if (!result) result = check_ranges(gltf, extension, &readers, set);
-    if (result) return result;
-    set_flags(&readers, set);
-    result = psplat_material_get(gltf, material, set->has_texcoord, &set->material);
+/* Adds a set to gltf. */
+static psplat_result add_set(psplat_gltf *gltf, psplat_json_value attributes, psplat_set **set) {
+    enum { FIRST_SETS = 16, MAX_SETS = 1 << 16 };
+    if (gltf->set_count == MAX_SETS) {
+        return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED,
+                           psplat_gltf_offset(gltf, attributes),
+                           "more than %d primitives of splats", MAX_SETS);
+    }
+    if (gltf->set_count == gltf->set_capacity) {
+        size_t capacity = gltf->set_count ? 2 * gltf->set_count : FIRST_SETS;
+        psplat_set *sets = psplat_arena_take(gltf->scratch, capacity, sizeof *sets);
+        if (!sets) {
+            return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY,
+                               psplat_gltf_offset(gltf, attributes), "no memory for %zu primitives",
+                               capacity);
+        }
+        if (gltf->set_count) memcpy(sets, gltf->sets, gltf->set_count * sizeof *sets);
+        gltf->sets = sets;
+        gltf->set_capacity = capacity;
+    }
+    *set = &gltf->sets[gltf->set_count++];
+    return PSPLAT_OK;
+}
+
+/* Fills a set from its readers. */
+static psplat_result fill_set(psplat_gltf *gltf, psplat_json_value attributes,
+                              psplat_json_value material, const psplat_readers *readers,
+                              psplat_set *set, double extent[3]) {
+    set_flags(readers, set);
+    psplat_result result = psplat_material_get(gltf, material, set->has_texcoord, &set->material);
     if (!result) result = check_total(gltf, attributes, set->count);
     if (!result) result = reserve(gltf, attributes, set);
-    if (!result) result = describe(gltf, &readers, set);
-    if (!result) result = psplat_values_decode(gltf, &readers, set, extent);
-    if (!result) result = check_extent(gltf, stated, extent);
+    if (!result) result = describe(gltf, readers, set);
+    return result ? result : psplat_values_decode(gltf, readers, set, extent);
+}
+
+/* ---- streams ------------------------------------------------------------------------------ */
+
+/* Opens the accessors beside a stream. */
+static psplat_result open_beside_stream(psplat_gltf *gltf, psplat_json_value object,
+                                        const psplat_stream *stream, psplat_readers *r) {
+    psplat_json_value found[PSPLAT_ATTRIBUTES];
+    int is_required[PSPLAT_ATTRIBUTES] = {0};
+    psplat_result result = find_attributes(gltf, object, found);
+    if (result) return result;
+    require_texcoords(found, is_required);
+    is_required[PSPLAT_POSITION] = 1;
+    is_required[PSPLAT_COLOR_U] = is_required[PSPLAT_COLOR_V] =
+        found[PSPLAT_COLOR_U] || found[PSPLAT_COLOR_V];
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES && !result; ++i) {
+        if (found[i] && psplat_stream_holds(i))
+            return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, found[i]),
+                               "%s is present although the primitive has a stream",
+                               psplat_attribute_types[i].name);
+        if (is_required[i])
+            result = psplat_gltf_require(gltf, object, found[i], psplat_attribute_types[i].name);
+        r->is_present[i] = found[i] != 0;
+        if (found[i] && !result)
+            result = psplat_reader_open(gltf, found[i], &psplat_attribute_types[i],
+                                        PSPLAT_EXTENSION_VERSION, stream->count, &r->of[i]);
+    }
     return result;
+}
+
+/* Makes a set of a section. all are the readers of the accessors beside the stream. */
+static psplat_result add_section(psplat_gltf *gltf, psplat_json_value attributes,
+                                 psplat_json_value material, const psplat_stream *stream,
+                                 size_t section, const psplat_readers *all,
+                                 const psplat_set *like) {
+    const psplat_stream_section *kind = &stream->sections[section];
+    psplat_readers readers = *all;
+    double extent[3];
+    psplat_set *set = NULL;
+    psplat_result result = add_set(gltf, attributes, &set);
+    if (result) return result;
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
+        readers.of[i].start += kind->first * readers.of[i].stride;
+        readers.of[i].count = kind->count;
+    }
+    psplat_stream_readers(stream, section, &readers);
+    *set = *like;
+    set->kernel = stream->kernel;
+    set->clip_count = kind->clip_count;
+    set->depth_tolerance = kind->depth_tolerance;
+    set->is_curved = kind->is_curved;
+    return fill_set(gltf, attributes, material, &readers, set, extent);
+}
+
+/* Decodes a primitive with a stream. like has what the extension object says. */
+static psplat_result parse_streamed(psplat_gltf *gltf, psplat_json_value attributes,
+                                    psplat_json_value extension, psplat_json_value material,
+                                    psplat_json_value value, const psplat_set *like) {
+    psplat_readers readers = {0};
+    psplat_stream *stream = psplat_arena_take(gltf->scratch, 1, sizeof *stream);
+    if (!stream)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, psplat_gltf_offset(gltf, value),
+                           "no memory for a stream");
+    psplat_result result = psplat_stream_open(gltf, value, stream);
+    if (!result) result = open_beside_stream(gltf, attributes, stream, &readers);
+    if (!result) result = check_ranges(gltf, extension, &readers, like);
+    if (!result) result = psplat_stream_decode(gltf, &readers.of[PSPLAT_POSITION], stream);
+    if (!result) result = compare_extents(gltf, value, stream->extent, stream->found_extent);
+    for (size_t i = 0; i < stream->section_count && !result; ++i)
+        result = add_section(gltf, attributes, material, stream, i, &readers, like);
+    return result;
+}
+
+/* ---- primitives --------------------------------------------------------------------------- */
+
+psplat_result psplat_sets_parse(psplat_gltf *gltf, psplat_json_value attributes,
+                                psplat_json_value extension, psplat_json_value material) {
+    psplat_json_value stated = 0, stream = 0;
+    psplat_readers readers = {0};
+    psplat_set parsed = {0}, *set = NULL;
+    double extent[3];
+    psplat_result result = psplat_extension_parse(gltf, extension, &parsed, &stated, &stream);
+    if (result) return result;
+    if (stream) return parse_streamed(gltf, attributes, extension, material, stream, &parsed);
+    result = open_readers(gltf, attributes, &parsed, &readers);
+    if (!result) result = check_ranges(gltf, extension, &readers, &parsed);
+    if (!result) result = add_set(gltf, attributes, &set);
+    if (result) return result;
+    *set = parsed;
+    result = fill_set(gltf, attributes, material, &readers, set, extent);
+    return result ? result : check_extent(gltf, stated, extent);
 }

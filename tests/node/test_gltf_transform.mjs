@@ -52,14 +52,15 @@ for (const path of assetPaths()) {
     // glTF-Transform reads compressed files, but writing them needs an encoder that it does not contain.
     document.getRoot().listExtensionsUsed().find((used) => used.extensionName === 'EXT_meshopt_compression')?.dispose();
     const copy = parse(await io.writeBinary(document));
-    const copied = copy.json.meshes.flatMap((mesh) => mesh.primitives).filter((p) =>
-      Object.keys(p.attributes).some((name) => name.startsWith(`_${extensionName}:`)));
+    const copied = copy.json.meshes.flatMap((mesh) => mesh.primitives).filter(({ mode }) => mode === 0);
     assert.equal(splatPrimitives(copy.json).length, 0);
     assert.equal(copied.length, primitives.length);
     for (const [k, { attributes }] of primitives.entries())
       for (const [name, index] of Object.entries(attributes))
         assert.deepEqual(await readAccessor(copy, copied[k].attributes[name]), await readAccessor(asset, index), name);
-    if (process.env.PHONGSPLAT) assert.match(validate(copy.bytes), dropped);
+    // Of a primitive with a stream, the copy has nothing that tells its points from others.
+    const isNamed = copied.some(({ attributes }) => Object.keys(attributes).some((name) => name.startsWith(`_${extensionName}:`)));
+    if (process.env.PHONGSPLAT) assert.match(validate(copy.bytes), isNamed ? dropped : /no primitive of the file has the extension/);
   });
 }
 

@@ -41,7 +41,7 @@ function texture(json, attributes, version = 3) {
 
 const faults = {
   'version is missing': (json) => delete extension(json, 0).version,
-  'version is of the future': (json) => (extension(json, 0).version = 4),
+  'version is of the future': (json) => (extension(json, 0).version = 5),
   'curved in version 2': (json) => Object.assign(extension(json, 0), { version: 2, curved: true }),
   'a curve that is a number': (json) => Object.assign(extension(json, 0), { version: 3, curved: 1 }),
   'a shape of nothing': (json) => (extension(json, 0).shapeRange = 0),
@@ -111,6 +111,35 @@ test('schema takes: texture coordinates and a normal texture', () => {
   texture(json, { TEXCOORD_U: 0, TEXCOORD_V: 0, TEXCOORD_UU: 0, TEXCOORD_UV: 0, TEXCOORD_VV: 0 });
   Object.assign(extension(json, 0), { texcoordRange: 0.5, texcoordBendRange: 0.1 });
   json.materials[0].extensions = { [extensionName]: { normalTexture: { index: 0, scale: -1 } } };
+  assert.ok(validate(json), ajv.errorsText(validate.errors));
+});
+
+const streamFaults = {
+  'a stream and its clip lines': (json) => (extension(json, 0).clipLines = 4),
+  'a stream and its extent': (json) => (extension(json, 0).positionExtent = [1, 1, 1]),
+  'a stream and its kernel': (json) => (extension(json, 0).kernel = {}),
+  'a stream and a range': (json) => (extension(json, 0).scaleRange = [1, 2]),
+  'a stream and normals': (json) => (splatPrimitives(json)[0].attributes.NORMAL = 0),
+  'a stream and a clip line': (json) => change(json, { CLIP_0: 0 }, 4),
+  'a stream before version 4': (json) => (extension(json, 0).version = 3),
+  'a stream before the first view': (json) => (extension(json, 0).stream = -1),
+  'a stream without points': (json) => delete splatPrimitives(json)[0].attributes.POSITION,
+  'half a gradient beside a stream': (json) => change(json, { COLOR_U: 0 }, 4),
+};
+
+for (const [what, breakIt] of Object.entries(streamFaults)) {
+  test(`schema refuses: ${what}`, () => {
+    const { json } = readAsset(join(schemaDirectory, 'streamed.gltf'));
+    assert.ok(validate(json));
+    breakIt(json);
+    assert.equal(validate(json), false);
+  });
+}
+
+test('schema takes: colours and texture coordinates beside a stream', () => {
+  const { json } = readAsset(join(schemaDirectory, 'streamed.gltf'));
+  texture(json, { COLOR_U: 0, COLOR_V: 0, EMISSIVE: 0, TEXCOORD_U: 0, TEXCOORD_V: 0 }, 4);
+  Object.assign(extension(json, 0), { colorRange: 1, texcoordRange: 0.5 });
   assert.ok(validate(json), ajv.errorsText(validate.errors));
 });
 

@@ -80,9 +80,10 @@ typedef struct psplat_asset_desc {
 /* The storage of one attribute of a batch in its file (spec 3.2), for tools that show it. */
 typedef struct psplat_attribute {
     const char *name;        /* without a leading underscore; a constant string */
-    uint32_t component_type; /* as in glTF: 5126 is float, 5123 is unsigned short, ... */
+    uint32_t component_type; /* as in glTF: 5126 is float, 5123 is unsigned short, ...; 0 where it is
+                                in a coded stream (spec 3.12), of which floats are made */
     uint32_t components;     /* numbers of each splat, 1 ... 4 */
-    int is_compressed;       /* 1: by EXT_meshopt_compression */
+    int is_compressed;       /* 1: by EXT_meshopt_compression, or in a stream */
     size_t bytes;            /* of all splats, uncompressed and without padding between them */
     size_t stored;           /* bytes that the file takes for them: the same, or where they are
                                 compressed their part of the compressed bytes. In the second case

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// decode.js - turns the attributes of a primitive of splats (sections 3.2 to 3.11 of the
+// decode.js - turns the attributes of a primitive of splats (sections 3.2 to 3.12 of the
 // specification) into the float textures of shaders/layout.h, and checks them. Numbers are those of
 // runtime/asset/values.c, unpack.c and pack.c.
-import { Box3, DataTexture, FloatType, RGBAFormat, Sphere, Vector3 } from 'three';
+import { Box3, BufferAttribute, DataTexture, FloatType, RGBAFormat, Sphere, Vector3 } from 'three';
+import { readStream, STREAMED } from './stream.js';
 
 export const EXTENSION = 'PSPLAT_surface_splats';
 
@@ -66,11 +67,21 @@ function numbers(object, key, count, check) {
     return value;
 }
 
+/** Returns the version that a primitive states. */
+function readVersion({ version }) {
+    if (!Number.isInteger(version)) fail('version is missing');
+    if (version < 1 || version > 4) fail(`version ${version} is not one of 1 to 4`);
+    return version;
+}
+
+/** What a primitive with a stream (section 3.12) says about itself, and what it does not. */
+const BESIDE_STREAM = ['colorRange', 'texcoordRange', 'texcoordBendRange'];
+const IN_STREAM = ['clipLines', 'depthTolerance', 'positionExtent', 'kernel', 'scaleRange', 'tiltRange', 'fieldRange', 'turnRange', 'clipRange', 'curved',
+    'shapeRange', 'bendRange'];
+
 /** Returns what a primitive says about itself (section 3.1), with defaults. */
 function readObject(object) {
     const { version, clipLines } = object;
-    if (!Number.isInteger(version)) fail('version is missing');
-    if (version < 1 || version > 3) fail(`version ${version} is not one of 1 to 3`);
     if (!Number.isInteger(clipLines) || clipLines < 0 || clipLines > 4) fail('clipLines must be an integer from 0 to 4');
     if (object.depthTolerance === undefined) fail('depthTolerance is missing');
     if (object.positionExtent === undefined) fail('positionExtent is missing');
@@ -118,16 +129,21 @@ function requireAll(found, names, because) {
     for (const name of names) if (found[name] === undefined) fail(`${name} is missing${because}`);
 }
 
+/** Checks that attributes that come together are complete. */
+function checkPairs(found) {
+    if (found.COLOR_U !== undefined || found.COLOR_V !== undefined) requireAll(found, ['COLOR_U', 'COLOR_V'], ' beside the other');
+    const first = ['TEXCOORD_U', 'TEXCOORD_V'], second = ['TEXCOORD_UU', 'TEXCOORD_UV', 'TEXCOORD_VV'];
+    if (second.some((name) => found[name] !== undefined)) requireAll(found, [...second, ...first], ' beside the second order');
+    if (first.some((name) => found[name] !== undefined)) requireAll(found, [...first, 'TEXCOORD_0'], ' beside the first order');
+}
+
 /** Checks which attributes are required, allowed and forbidden (rule 8 of section 9). */
 function checkPresence(found, set) {
     requireAll(found, ['POSITION', 'NORMAL', 'SCALE'], '');
     if (found.ROTATION !== undefined && found.TURN !== undefined) fail('a primitive has either ROTATION or TURN');
     if (found.TURN === undefined) requireAll(found, ['ROTATION'], '');
     if (found.TILT !== undefined) requireAll(found, ['TURN'], ' beside TILT');
-    if (found.COLOR_U !== undefined || found.COLOR_V !== undefined) requireAll(found, ['COLOR_U', 'COLOR_V'], ' beside the other');
-    const first = ['TEXCOORD_U', 'TEXCOORD_V'], second = ['TEXCOORD_UU', 'TEXCOORD_UV', 'TEXCOORD_VV'];
-    if (second.some((name) => found[name] !== undefined)) requireAll(found, [...second, ...first], ' beside the second order');
-    if (first.some((name) => found[name] !== undefined)) requireAll(found, [...first, 'TEXCOORD_0'], ' beside the first order');
+    checkPairs(found);
     for (let k = 0; k < 4; ++k) {
         const name = `CLIP_${k}`;
         if (k < set.clipLines) requireAll(found, [name], `, clipLines is ${set.clipLines}`);
@@ -445,21 +461,64 @@ function decodeAll(of, set, batch) {
             chunk.makeEmpty();
         }
     }
-    checkExtent(centers, set.positionExtent);
+    return centers;
 }
 
-/** Decodes a primitive of splats. accessor(index) returns a promise of three's attribute.
- *  @returns the batch: textures, bounds and what they hold, without a material. */
-export async function decodePrimitive(primitive, accessor) {
+// ---- primitives ------------------------------------------------------------------------------
+
+/** @returns the attributes of a primitive's accessors, by name. */
+async function loadAttributes(found, accessor) {
+    const names = Object.keys(found), attributes = await Promise.all(names.map((name) => accessor(found[name])));
+    return Object.fromEntries(names.map((name, k) => [name, attributes[k]]));
+}
+
+function decodeBatch(attributes, set, count) {
+    const of = {};
+    for (const [name, attribute] of Object.entries(attributes)) of[name] = open(name, attribute, set, count);
+    const batch = describe(of, set, count);
+    batch.extent = decodeAll(of, set, batch);
+    return batch;
+}
+
+/** Part of an attribute, with the interface that open asks for. */
+function partOf(attribute, first, count) {
+    const { isInterleavedBufferAttribute, data, array, itemSize, normalized } = attribute;
+    return { isInterleavedBufferAttribute, data, array, itemSize, normalized, count, getComponent: (i, k) => attribute.getComponent(first + i, k) };
+}
+
+/** Decodes a primitive with a stream: a batch for each section. */
+async function decodeStreamed(primitive, object, accessor, view) {
+    const found = findAttributes(primitive.attributes), set = { version: object.version };
+    for (const name of IN_STREAM) if (object[name] !== undefined) fail(`${name} is present although the primitive has a stream`);
+    for (const name of STREAMED) if (found[name] !== undefined) fail(`${name} is present although the primitive has a stream`);
+    for (const name of BESIDE_STREAM) set[name] = positive(object, name);
+    requireAll(found, ['POSITION'], '');
+    checkPairs(found);
+    const [bytes, attributes] = await Promise.all([view(object.stream), loadAttributes(found, accessor)]), position = attributes.POSITION;
+    const { head, sections } = readStream(bytes, position.count, (i) => [0, 1, 2].map((k) => position.getComponent(i, k)), fail), centers = new Box3();
+    const batches = sections.map(({ arrays, first, count, clipLines, curved, depthTolerance }) => {
+        const parts = Object.fromEntries(Object.entries(attributes).map(([name, attribute]) => [name, partOf(attribute, first, count)]));
+        for (const [name, { size, array }] of Object.entries(arrays)) parts[name] = new BufferAttribute(array, size);
+        const batch = decodeBatch(parts, { ...set, clipLines, curved, depthTolerance, sharpness: head.sharpness, exponent: head.exponent }, count);
+        centers.union(batch.extent);
+        return batch;
+    });
+    checkExtent(centers, head.positionExtent);
+    return batches;
+}
+
+/** Decodes a primitive of splats. accessor(index) returns a promise of three's attribute, view(index)
+ *  one of the ArrayBuffer of a buffer view. @returns the batches: textures, bounds and what they hold,
+ *  without a material. */
+export async function decodePrimitive(primitive, accessor, view) {
     if (primitive.mode !== 0) fail('the mode of a primitive of splats is 0');
     if (primitive.indices !== undefined || primitive.targets) fail('a primitive of splats has neither indices nor morph targets');
-    const set = readObject(primitive.extensions[EXTENSION]), found = findAttributes(primitive.attributes);
+    const object = primitive.extensions[EXTENSION];
+    if (readVersion(object) >= 4 && object.stream !== undefined) return decodeStreamed(primitive, object, accessor, view);
+    const set = readObject(object), found = findAttributes(primitive.attributes);
     checkPresence(found, set);
     if (set.version < 3) delete found.TEXCOORD_0;
-    const names = Object.keys(found), attributes = await Promise.all(names.map((name) => accessor(found[name])));
-    const count = attributes[names.indexOf('POSITION')].count, of = {};
-    names.forEach((name, k) => { of[name] = open(name, attributes[k], set, count); });
-    const batch = describe(of, set, count);
-    decodeAll(of, set, batch);
-    return batch;
+    const attributes = await loadAttributes(found, accessor), batch = decodeBatch(attributes, set, attributes.POSITION.count);
+    checkExtent(batch.extent, set.positionExtent);
+    return [batch];
 }

@@ -90,14 +90,15 @@ export class GLTFPhongSplats {
 
     async loadSet(index, mesh) {
         const own = mesh.primitives.filter(isSplats), load = (accessor) => this.parser.getDependency('accessor', accessor);
-        const batches = await Promise.all(own.map(async (primitive, k) => {
+        const view = (bytes) => this.parser.getDependency('bufferView', bytes);
+        const decoded = await Promise.all(own.map(async (primitive, k) => {
             try {
-                return await decodePrimitive(primitive, load);
+                return await decodePrimitive(primitive, load, view);
             } catch (error) {
                 throw new Error(`mesh ${index}, primitive ${mesh.primitives.indexOf(own[k])}: ${error.message}`, { cause: error });
             }
         }));
-        const indices = own.map((primitive) => primitive.material), made = new Map();
+        const batches = decoded.flat(), indices = own.flatMap((primitive, k) => decoded[k].map(() => primitive.material)), made = new Map();
         for (const material of indices) if (!made.has(material)) made.set(material, await this.copyMaterial(material));
         const materials = indices.map((material) => made.get(material));
         const lit = materials.find((material) => !material.isMeshBasicMaterial) ?? materials[0];

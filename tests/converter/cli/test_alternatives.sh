@@ -11,7 +11,7 @@ attributes() {
 const bytes = require('fs').readFileSync(process.argv[2]), gltf = JSON.parse(bytes.toString('utf8', 20, 20 + bytes.readUInt32LE(12)));
 const name = 'PSPLAT_surface_splats', standing = gltf.meshes.filter(mesh => mesh.extensions && mesh.extensions[name]);
 for (const mesh of standing) {
-    if (!gltf.meshes[mesh.extensions[name].mesh].primitives.every(p => p.mode === 0 && p.extensions[name].version === 2)) throw Error('no splats');
+    if (!gltf.meshes[mesh.extensions[name].mesh].primitives.every(p => p.mode === 0 && p.extensions[name].version >= 2)) throw Error('no splats');
     if (mesh.primitives.some(p => p.mode !== undefined || p.indices === undefined)) throw Error('no triangles');
     if (!gltf.nodes.some(node => gltf.meshes[node.mesh] === mesh)) throw Error('nobody refers to it');
 }

@@ -2,7 +2,7 @@
 # test_inspect.sh - tests that inspect and validate agree with the asset's file.
 . "$SOURCE_DIR/tests/support/cli.sh"
 write_cube cube.obj
-run "$PHONGSPLAT" convert cube.obj cube.glb -t 2 --report cube.json
+run "$PHONGSPLAT" convert cube.obj cube.glb -t 2 --no-compress --report cube.json
 expect_success
 
 run "$PHONGSPLAT" inspect cube.glb --format json
@@ -51,6 +51,23 @@ expect_output '^2 turn +4 +1$'
 run "$PHONGSPLAT" inspect clockwork.glb --format json
 node -e 'const { animations } = JSON.parse(require("fs").readFileSync("stdout.txt")); require("assert").deepStrictEqual(animations, [
     { name: "tick", duration: 2, channels: 2 }, { name: "bounce", duration: 1, channels: 2 }, { name: "turn", duration: 4, channels: 1 }])' || fail "animations"
+# Of a stream, the bytes of attributes and of the JSON are nearly all of the file.
+run "$PHONGSPLAT" convert cube.obj streamed.glb -t 2
+expect_success
+run "$PHONGSPLAT" inspect streamed.glb
+expect_success
+expect_output '^PSPLAT_surface_splats:SCALE +2 coded +48 +[0-9]+ +[0-9.]+$'
+expect_output '^JSON +[0-9]+ +[0-9.]+$'
+run "$PHONGSPLAT" inspect streamed.glb --format json
+expect_success
+node - stdout.txt streamed.glb <<'JS' || fail "bytes are missing"
+const fs = require('fs'), [, , text, file] = process.argv;
+const shown = JSON.parse(fs.readFileSync(text, 'utf8')), bytes = fs.readFileSync(file), length = bytes.readUInt32LE(12);
+if (shown.json_bytes !== length || shown.file_bytes !== bytes.length) throw Error('JSON or file');
+// Of the rest, 28 bytes are headers of the GLB, 72 the head of a stream of one section, and 3 padding or more.
+const rest = bytes.length - length - shown.stored_bytes;
+if (!(rest >= 90 && rest <= 28 + 72 + 20)) throw Error(`${rest} bytes are nobody's`);
+JS
 
 # A mesh that is placed twice is stored once.
 node - "$SOURCE_DIR/schema/minimal.gltf" <<'JS'
@@ -64,7 +81,7 @@ JS
 for name in once twice; do
     run "$PHONGSPLAT" inspect $name.gltf
     expect_success
-    sed -n '/^clip lines/,/^bounds/p' stdout.txt | grep -v '^bounds\|^file' >$name.txt
+    sed -n '/^clip lines/,/^bounds/p' stdout.txt | grep -v '^bounds\|^JSON\|^file' >$name.txt
     run "$PHONGSPLAT" validate $name.gltf
     expect_success
     expect_output "^$name.gltf: valid, "

@@ -300,7 +300,10 @@ static void check_smallest(size_t count, const psplat_codec *codec) {
         size_t other = size_of(&l, &plan);
         if (other < least) least = other;
     }
-    assert_int_equal(size, least);
+    if (codec)
+        assert_true(size < least); /* by a stream */
+    else
+        assert_int_equal(size, least);
     psplat_asset *asset = writer_open(data, size);
     size_t splats = 0, expected = 0;
     for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b)

@@ -116,13 +116,13 @@ static int bits_of(double radius) {
     return p.normal_bits;
 }
 
-/* Steps are 1/127 for 8 bits, an eighth of that for 11 bits, and an eighth again for 14 bits. An
- * error of half a step in either direction may move a rim by 0.3 tolerances: this allows radii up
- * to about 50, 400 and 3000 tolerances. */
+/* Steps are 1/255 for 9 bits and half of that for each bit more, up to 14. An error of half a step
+ * in either direction may move a rim by 0.15 tolerances: this allows radii up to about 50
+ * tolerances for 9 bits, and twice that for each bit more. */
 static void test_normal_bits(void **state) {
     (void)state;
-    assert_int_equal(bits_of(20), 8);
-    assert_int_equal(bits_of(200), 11);
+    assert_int_equal(bits_of(20), 9);
+    assert_int_equal(bits_of(200), 12);
     assert_int_equal(bits_of(2000), 14);
 }
 

@@ -72,18 +72,34 @@ static size_t index_of(const written *w, const psplat_batch *batch, const psplat
     return index;
 }
 
+/* Returns the line of a splat that is nearest to one: streams have them in an order of their own.
+ */
+static uint32_t nearest_line(const psplat_splat *splat, const float *line, float bend) {
+    uint32_t nearest = 0;
+    float least = HUGE_VALF;
+    for (uint32_t k = 0; k < splat->clip_count; ++k) {
+        float distance = fabsf(splat->bend[k] - bend);
+        for (int i = 0; i < 3; ++i) distance += fabsf(splat->clip[k][i] - line[i]);
+        if (!(distance < least)) continue;
+        least = distance;
+        nearest = k;
+    }
+    return nearest;
+}
+
 static void compare_lines(size_t index, const psplat_splat *found, const psplat_splat *expected,
                           int is_coded) {
     static const float padding[3] = {1, 0, 1};
     assert_true(found->clip_count >= expected->clip_count);
-    for (uint32_t k = 0; k < found->clip_count; ++k) {
-        const float *line = k < expected->clip_count ? expected->clip[k] : padding;
+    for (uint32_t i = 0; i < found->clip_count; ++i) {
+        const float *line = i < expected->clip_count ? expected->clip[i] : padding;
+        uint32_t k = nearest_line(found, line, expected->bend[i]);
         /* The fraction of the range, the range and their product each round an angle (3 ulp of half
          * a turn), and the cosine rounds once in the writer and in the reader. The offset c rounds
          * likewise, and once more in the rounded splat. */
         compare("line", index, found->clip[k], line, 2, 0, is_coded ? (3 * 3.1416 + 2) * ulp : 0);
         compare("distance", index, found->clip[k] + 2, line + 2, 1, 4 * ulp * is_coded, 0);
-        compare("bend", index, found->bend + k, expected->bend + k, 1, 4 * ulp * is_coded, 0);
+        compare("bend", index, found->bend + k, expected->bend + i, 1, 4 * ulp * is_coded, 0);
     }
 }
 
@@ -109,14 +125,15 @@ static void compare_finishes(size_t index, const psplat_finish *found,
     compare("emissive", index, found->emissive, expected->emissive, 3, 0, step);
 }
 
+/* unit is the length of a unit of the file. */
 static void compare_splats(const written *w, size_t index, const psplat_splat *found,
-                           const psplat_splat *expected, int is_packed) {
+                           const psplat_splat *expected, int is_packed, double unit) {
     int is_coded = w->precision.unit > 0;
-    double unit = is_coded ? w->precision.unit : 1;
-    /* The two ends of the range, the fraction and the rounded radius each round. */
+    /* The two ends of the range, the fraction and the rounded radius each round; so does the step
+     * of logarithms in a stream, of which radii are 14 at most here. */
     for (int k = 0; k < 2; ++k)
         near_to("radius", index, (double)found->radius[k] * unit, (double)expected->radius[k],
-                6 * ulp * is_coded * (double)expected->radius[k]);
+                (6 + 14) * ulp * is_coded * (double)expected->radius[k]);
     if (is_coded)
         compare_rotations(index, found->rotation, expected->rotation,
                           4 * ulp + filtered(&w->precision) / 2 * is_packed);
@@ -162,14 +179,13 @@ static void check_asset(const written *w, const psplat_splats *s, const psplat_a
                         is_coded * ulp * fabs((double)s->splats[index].center[k]) +
                             0x1p-51 * fabs(w->origin[k]));
             compare_splats(w, index, &batch->splats[i], &s->splats[index],
-                           batch->attributes[0].is_compressed);
+                           batch->attributes[0].is_compressed, batch->model[0]);
             if (batch->finishes)
                 compare_finishes(index, &batch->finishes[i], &s->finishes[index], is_coded, range);
             else
                 assert_true(!w->has_gradients && !w->has_surface && !w->has_emissive);
         }
-        near_to("depth tolerance", b,
-                (double)batch->depth_tolerance * (is_coded ? w->precision.unit : 1),
+        near_to("depth tolerance", b, (double)batch->depth_tolerance * batch->model[0],
                 (double)s->runs[0].depth_tolerance, 2 * ulp * (double)s->runs[0].depth_tolerance);
     }
     assert_int_equal(total, w->count);
@@ -556,7 +572,6 @@ static void test_bent_lines_keep(void **state) {
 /* Returns the splats read from a file as those of a mesh, with one run for each batch, which may
  * have joined several runs. */
 static psplat_splats splats_of(const psplat_asset *asset, const psplat_splats *original) {
-    double unit = original->precision.unit > 0 ? original->precision.unit : 1;
     psplat_splats s = *original;
     s.splats = writer_memory(s.count, sizeof *s.splats);
     s.runs = writer_memory(s.run_count, sizeof *s.runs);
@@ -575,6 +590,7 @@ static psplat_splats splats_of(const psplat_asset *asset, const psplat_splats *o
         for (int k = 0; k < 3; ++k) s.origin[k] = batch->model[12 + k];
         for (size_t i = 0; i < batch->splat_count; ++i, ++count) {
             psplat_splat *to = &s.splats[count];
+            double unit = batch->model[0];
             *to = batch->splats[i];
             for (int k = 0; k < 3; ++k) to->center[k] = (float)((double)to->center[k] * unit);
             for (int k = 0; k < 2; ++k) to->radius[k] = (float)((double)to->radius[k] * unit);
@@ -583,6 +599,64 @@ static psplat_splats splats_of(const psplat_asset *asset, const psplat_splats *o
     }
     assert_int_equal(count, s.count);
     return s;
+}
+
+/* ---- grades ---------------------------------------------------------------------------------- */
+
+/* Moves splats to the steps of their own radii. Returns how many have other steps than the largest.
+ */
+static size_t round_by_radii(psplat_splats *s) {
+    size_t coarser = 0;
+    for (size_t run = 0, i = 0; run < s->run_count; ++run)
+        for (size_t end = i + s->runs[run].count; i < end; ++i) {
+            psplat_quantized_splat code;
+            double radius[2];
+            psplat_quantize_splat(&s->precision, &s->runs[run], &s->splats[i], &code);
+            psplat_dequantize_splat(&s->precision, &s->runs[run], &code, &s->splats[i]);
+            for (int k = 0; k < 2; ++k) radius[k] = (double)s->splats[i].radius[k];
+            const psplat_precision at = psplat_precision_at(&s->precision, radius);
+            psplat_quantize_splat(&at, &s->runs[run], &s->splats[i], &code);
+            psplat_dequantize_splat(&at, &s->runs[run], &code, &s->splats[i]);
+            coarser += at.line_step > s->precision.line_step;
+        }
+    return coarser;
+}
+
+/* Splats whose steps follow from their radii come back from a file, too, and take fewer bytes than
+ * the same splats with all bits. */
+static void test_graded(void **state) {
+    (void)state;
+    for (int i = 0; i < 8; ++i) {
+        written w = {.count = 300, .size = 3, .least_part = 0.01, .has_slopes = 1, .has_gamma = 1};
+        w.curved = i & 1 ? 31 : 0;
+        w.has_shape = (i & 2) != 0;
+        w.has_bends = (i & 4) != 0;
+        w.precision = steps_of(w.size);
+        w.precision.turn_step = 1.0 / 256;
+        w.precision.normal_bits = 11;
+        psplat_splats s = writer_splats(&w, 5), fine = writer_splats(&w, 5);
+        s.precision.halving = (int)lrint(log(2) / w.precision.scale_step);
+        s.precision.shape_grades = 3;
+        s.precision.normal_grades = 4;
+        for (size_t k = 0; k < s.count; ++k)
+            s.precision.reference = (int)fmax(
+                s.precision.reference,
+                log((double)s.splats[k].radius[0] / w.precision.unit) / w.precision.scale_step);
+        s.precision.reference +=
+            2 * s.precision.halving; /* all splats have two bits less or more */
+        assert_int_equal(round_by_radii(&s), w.count);
+        size_t size, fine_size;
+        uint8_t *data = writer_file(&s, 1, &compressed, &size);
+        uint8_t *fine_data = writer_file(&fine, 1, &compressed, &fine_size);
+        psplat_asset *asset = writer_open(data, size);
+        check_asset(&w, &s, asset);
+        assert_true(size + w.count < fine_size); /* by a byte a splat, and more */
+        psplat_asset_destroy(asset);
+        free(fine_data);
+        free(data);
+        psplat_splats_free(&s);
+        psplat_splats_free(&fine);
+    }
 }
 
 /* Writing again what was read gives the same bytes. */
@@ -615,15 +689,16 @@ static void test_written_again(void **state) {
 
 int test_quantize_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_attributes), cmocka_unit_test(test_curved),
-        cmocka_unit_test(test_lines),      cmocka_unit_test(test_one),
-        cmocka_unit_test(test_many),       cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_far),        cmocka_unit_test(test_thin),
-        cmocka_unit_test(test_steps),      cmocka_unit_test(test_too_fine),
-        cmocka_unit_test(test_not_finite), cmocka_unit_test(test_wrong_runs),
-        cmocka_unit_test(test_shapes),     cmocka_unit_test(test_bent_lines_keep),
-        cmocka_unit_test(test_snapped),    cmocka_unit_test(test_flipped),
-        cmocka_unit_test(test_lines_keep), cmocka_unit_test(test_written_again),
+        cmocka_unit_test(test_attributes),    cmocka_unit_test(test_curved),
+        cmocka_unit_test(test_lines),         cmocka_unit_test(test_one),
+        cmocka_unit_test(test_many),          cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_far),           cmocka_unit_test(test_thin),
+        cmocka_unit_test(test_steps),         cmocka_unit_test(test_too_fine),
+        cmocka_unit_test(test_not_finite),    cmocka_unit_test(test_wrong_runs),
+        cmocka_unit_test(test_shapes),        cmocka_unit_test(test_bent_lines_keep),
+        cmocka_unit_test(test_snapped),       cmocka_unit_test(test_flipped),
+        cmocka_unit_test(test_lines_keep),    cmocka_unit_test(test_graded),
+        cmocka_unit_test(test_written_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

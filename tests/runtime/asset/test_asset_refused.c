@@ -83,7 +83,7 @@ static void test_document(void **state) {
 static void test_extension_object(void **state) {
     (void)state;
     static const refusal refusals[] = {
-        {"\"version\": 1", "\"version\": 4", "4, \"clipLines\"", UNSUPPORTED},
+        {"\"version\": 1", "\"version\": 5", "5, \"clipLines\"", UNSUPPORTED},
         {"\"version\": 1", "\"version\": 0", "0, \"clipLines\"", RANGE},
         {"\"version\": 1", "\"version\": -1", "-1, \"clipLines\"", RANGE},
         {"\"version\": 1, ", "", "{ \"clipLines\"", FORMAT},

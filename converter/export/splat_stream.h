@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * splat_stream.h - splats as a coded stream (spec 3.12): all that else would be in accessors, but
+ * for coarse positions, and in the extension object.
+ */
+#ifndef PHONGSPLAT_EXPORT_SPLAT_STREAM_H
+#define PHONGSPLAT_EXPORT_SPLAT_STREAM_H
+
+#include "export/splat_attributes.h"
+
+#include <phongsplat/splat.h>
+
+/* The most bits of a position that a stream may hold, and the most sections. */
+enum { PSPLAT_MOST_LOW_BITS = 8, PSPLAT_MOST_SECTIONS = 32 };
+
+/* Splats of one kind. */
+typedef struct psplat_section {
+    uint32_t *order; /* indices of the splats, sorted by psplat_stream_sort */
+    size_t count;
+    size_t clip_lines; /* the most of any splat */
+    float depth_tolerance;
+    int is_curved, has_shape; /* as in psplat_run */
+} psplat_section;
+
+/* Returns whether a stream can hold the splats of a table: integers whose turns have steps that are
+ * a half turn over a power of two. */
+int psplat_stream_can_hold(const psplat_attribute_table *table);
+
+/* Sorts the splats of a section along a curve, so that most have near ones before them. Returns 0
+ * where memory ran out. */
+int psplat_stream_sort(const psplat_attribute_table *table, psplat_section *section);
+
+/* Returns component k of the coarse position of a splat, which an accessor holds. The stream has
+ * the low bits that it lacks. */
+int32_t psplat_stream_coarse_position(const psplat_attribute_table *table, size_t index, int k,
+                                      uint32_t low_bits);
+
+/* Encodes sections, 1 to PSPLAT_MOST_SECTIONS of them, of a table that a stream can hold. Returns
+ * malloc'ed bytes, which the caller owns, or NULL where memory ran out. */
+uint8_t *psplat_stream_encode(const psplat_attribute_table *table, const psplat_section *sections,
+                              size_t section_count, uint32_t low_bits, size_t *size);
+
+#endif

@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_stream.c - tests files with a coded stream (spec 3.12) that are not as they should be: each
+ * field of the head out of its range, members and attributes that the stream holds, bytes that are
+ * missing or changed. tests/converter/splats/test_quantize.c reads streams that are whole.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "document.h"
+
+#include <phongsplat/phongsplat.h>
+
+#include <stdlib.h>
+
+enum { JSON_AT = 20, HEAD = 60, SECTION = 12 };
+
+/* A file of the corpus: two sections, then 62 positions. */
+typedef struct file {
+    uint8_t *bytes;
+    size_t size, bin, stream_size; /* bin: where the stream begins */
+} file;
+
+static file read_file(void) {
+    file f = {0};
+    f.bytes = (uint8_t *)document_read(PSPLAT_SOURCE_DIR "/tests/corpus/10-streamed.glb", &f.size);
+    f.bin = JSON_AT + 8 + (size_t)(f.bytes[12] | f.bytes[13] << 8);
+    const char *at = strstr((const char *)f.bytes + JSON_AT, "\"bufferViews\":[{\"buffer\":0,");
+    assert_non_null(at);
+    assert_int_equal(
+        sscanf(at, "\"bufferViews\":[{\"buffer\":0,\"byteLength\":%zu", &f.stream_size), 1);
+    return f;
+}
+
+/* Opens a file and returns the result. */
+static psplat_result open_file(const file *f, psplat_error *error) {
+    psplat_asset *asset = NULL;
+    *error = (psplat_error){0};
+    psplat_result result = psplat_asset_open_memory(f->bytes, f->size, NULL, &asset, error);
+    assert_int_equal(result == PSPLAT_OK, asset != NULL);
+    psplat_asset_destroy(asset);
+    return result;
+}
+
+static void expect(const file *f, psplat_result expected, const char *what) {
+    psplat_error error;
+    psplat_result result = open_file(f, &error);
+    if (result != expected || (expected && !strstr(error.text, what)))
+        fail_msg("%s: result %d, %s", what, (int)result, error.text);
+}
+
+/* Each byte of the head and of the first section, with a value that it must not have. */
+static void test_head(void **state) {
+    (void)state;
+    static const struct {
+        size_t at;
+        uint8_t value;
+        psplat_result result;
+        const char *what;
+    } faults[] = {{0, 2, PSPLAT_ERROR_UNSUPPORTED, "unknown form"},
+                  {1, 9, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {2, 3, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {2, 15, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {3, 0, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {3, 15, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {4, 0, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {4, 15, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {8, 0, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {8, 33, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {9, 8, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {10, 5, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {11, 1, PSPLAT_ERROR_RANGE, "head out of range"},
+                  {15, 0xc0, PSPLAT_ERROR_RANGE, "below 0"},   /* sharpness -4 */
+                  {35, 0xff, PSPLAT_ERROR_RANGE, "below 0"},   /* least radius */
+                  {HEAD, 0, PSPLAT_ERROR_RANGE, "values for"}, /* 0 splats, or another count */
+                  {HEAD + 3, 1, PSPLAT_ERROR_RANGE, "more splats"},
+                  {HEAD + 7, 0xff, PSPLAT_ERROR_RANGE, "section out of range"},
+                  {HEAD + 8, 5, PSPLAT_ERROR_RANGE, "section out of range"},
+                  {HEAD + 9, 5, PSPLAT_ERROR_RANGE, "section out of range"}, /* no gamma */
+                  {HEAD + 9, 53, PSPLAT_ERROR_RANGE, "section out of range"},
+                  {HEAD + 10, 1, PSPLAT_ERROR_RANGE, "section out of range"},
+                  {HEAD + 11, 1, PSPLAT_ERROR_RANGE, "section out of range"}};
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
+        file f = read_file();
+        expect(&f, PSPLAT_OK, "");
+        f.bytes[f.bin + faults[i].at] = faults[i].value;
+        if (faults[i].at == HEAD)
+            expect(&f, PSPLAT_ERROR_RANGE, "section out of range");
+        else
+            expect(&f, faults[i].result, faults[i].what);
+        free(f.bytes);
+    }
+}
+
+/* Another count, which POSITION has not, and another extent, as a tool that rescales leaves it. */
+static void test_positions(void **state) {
+    (void)state;
+    file f = read_file();
+    f.bytes[f.bin + HEAD] = 27;
+    expect(&f, PSPLAT_ERROR_RANGE, "POSITION");
+    f.bytes[f.bin + HEAD] = 28;
+    f.bytes[f.bin + 22] ^= 0x40; /* of the first extent */
+    expect(&f, PSPLAT_ERROR_RESCALED, "rescaled");
+    free(f.bytes);
+}
+
+/* Puts another text of the same length into the JSON. */
+static void test_json(void **state) {
+    (void)state;
+    static const struct {
+        const char *from, *to;
+        psplat_result result;
+        const char *what;
+    } faults[] = {{"\"stream\":0", "\"stream\":9", PSPLAT_ERROR_RANGE, "stream"},
+                  {"\"version\":4,\"stream\":0", "\"version\":4,\"streak\":0", PSPLAT_ERROR_FORMAT,
+                   "clipLines"},
+                  {"\"version\":4", "\"version\":3", PSPLAT_ERROR_FORMAT, "clipLines"},
+                  {"{\"POSITION\":0}", "{\"POSITIOM\":0}", PSPLAT_ERROR_FORMAT, "POSITION"}};
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
+        file f = read_file();
+        char *at = strstr((char *)f.bytes + JSON_AT, faults[i].from);
+        assert_non_null(at);
+        memcpy(at, faults[i].to, strlen(faults[i].to));
+        psplat_error error;
+        psplat_result result = open_file(&f, &error);
+        if (result != faults[i].result || !strstr(error.text, faults[i].what))
+            fail_msg("%s: result %d, %s", faults[i].to, (int)result, error.text);
+        free(f.bytes);
+    }
+}
+
+/* What is said twice. The text of a file of its own has room for it. */
+static void test_said_twice(void **state) {
+    (void)state;
+    static const char *const members[] = {
+        "\"clipLines\": 4",      "\"depthTolerance\": 1", "\"positionExtent\": [1, 1, 1]",
+        "\"kernel\": {}",        "\"curved\": true",      "\"scaleRange\": [1, 2]",
+        "\"turnRange\": 1",      "\"tiltRange\": 1",      "\"fieldRange\": 1",
+        "\"clipRange\": [1, 1]", "\"shapeRange\": 1",     "\"bendRange\": 1",
+    };
+    static const char *const names[] = {"NORMAL",
+                                        "_PSPLAT_surface_splats:ROTATION",
+                                        "_PSPLAT_surface_splats:TURN",
+                                        "_PSPLAT_surface_splats:TILT",
+                                        "_PSPLAT_surface_splats:SCALE",
+                                        "_PSPLAT_surface_splats:NORMAL_FIELD",
+                                        "_PSPLAT_surface_splats:SHAPE",
+                                        "_PSPLAT_surface_splats:CLIP_0",
+                                        "PSPLAT_surface_splats:CLIP_3"};
+    enum { MEMBERS = sizeof members / sizeof *members, NAMES = sizeof names / sizeof *names };
+    for (size_t i = 0; i <= MEMBERS + NAMES; ++i) {
+        char said[128];
+        size_t size;
+        char *text = document_read(PSPLAT_SOURCE_DIR "/schema/streamed.gltf", &size);
+        if (i < MEMBERS) {
+            snprintf(said, sizeof said, "\"version\": 4, %s", members[i]);
+            document_replace(&text, "\"version\": 4", said);
+        } else if (i < MEMBERS + NAMES) {
+            snprintf(said, sizeof said, "\"POSITION\": 0, \"%s\": 0", names[i - MEMBERS]);
+            document_replace(&text, "\"POSITION\": 0", said);
+        }
+        file f = {.bytes = (uint8_t *)text, .size = strlen(text)};
+        expect(&f, i < MEMBERS + NAMES ? PSPLAT_ERROR_FORMAT : PSPLAT_OK,
+               "although the primitive has a stream");
+        free(text);
+    }
+}
+
+/* A stream that ends too early: in its head, in its sections, in its splats. */
+static void test_short(void **state) {
+    (void)state;
+    file f = read_file();
+    for (size_t length = 0; length < f.stream_size; length += length < 100 ? 1 : 37) {
+        file cut = read_file();
+        char number[32], *at = strstr((char *)cut.bytes + JSON_AT, "\"bufferViews\"");
+        char *digits = strstr(at, "\"byteLength\":") + strlen("\"byteLength\":");
+        snprintf(number, sizeof number, "%0*zu", (int)strspn(digits, "0123456789"), length + 1);
+        /* JSON knows no leading zeros, but blanks before a number. */
+        for (char *c = number; *c == '0'; ++c) *c = ' ';
+        memcpy(digits, number, strlen(number));
+        psplat_error error;
+        psplat_result result = open_file(&cut, &error);
+        if (length + 1 < f.stream_size)
+            assert_true(result == PSPLAT_ERROR_FORMAT || result == PSPLAT_ERROR_RANGE);
+        free(cut.bytes);
+    }
+    free(f.bytes);
+}
+
+/* Whatever the bytes are, the file opens or is refused; every splat that comes out is valid, which
+ * the second half of the reader checks. */
+static void test_damaged(void **state) {
+    (void)state;
+    enum { TRIES = 3000 };
+    file whole = read_file(), f = read_file();
+    uint32_t random = 5;
+    size_t refused = 0;
+    for (int i = 0; i < TRIES; ++i) {
+        psplat_error error;
+        for (int k = 0; k <= i % 3; ++k) {
+            random = random * 1664525u + 1013904223u;
+            size_t at = f.bin + (random >> 8) % f.stream_size;
+            f.bytes[at] = (uint8_t)(f.bytes[at] ^ 1u << (random >> 5 & 7));
+        }
+        refused += open_file(&f, &error) != PSPLAT_OK;
+        memcpy(f.bytes, whole.bytes, whole.size);
+    }
+    assert_in_range(refused, TRIES / 4, TRIES);
+    free(whole.bytes);
+    free(f.bytes);
+}
+
+/* The bytes of attributes in the file add up to those of the stream and of the positions. */
+static void test_sizes(void **state) {
+    (void)state;
+    file f = read_file();
+    const psplat_asset_desc desc = {.measures = 1};
+    psplat_asset *asset = NULL;
+    psplat_error error;
+    if (psplat_asset_open_memory(f.bytes, f.size, &desc, &asset, &error))
+        fail_msg("%s", error.text);
+    size_t stored = 0, attributes = 0;
+    for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
+        const psplat_batch *batch = psplat_asset_batch(asset, b);
+        attributes += batch->attribute_count;
+        for (size_t i = 0; i < batch->attribute_count; ++i) {
+            stored += batch->attributes[i].stored;
+            assert_true(batch->attributes[i].is_compressed);
+            assert_int_equal(batch->attributes[i].component_type, 0);
+        }
+    }
+    /* Each attribute is rounded to bytes; positions are 3 bytes of 62 splats. */
+    size_t coded = f.stream_size - HEAD - 2 * SECTION + 3 * 62;
+    assert_in_range(stored, coded - attributes / 2 - 4, coded + attributes / 2);
+    psplat_asset_destroy(asset);
+    free(f.bytes);
+}
+
+int test_stream_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_head),  cmocka_unit_test(test_positions),
+        cmocka_unit_test(test_json),  cmocka_unit_test(test_said_twice),
+        cmocka_unit_test(test_short), cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_sizes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
