@@ -1,10 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Installs what building and testing phongsplat needs from Debian's packages (Debian 12). Needs root
-# or sudo. Where all packages are installed already it needs neither and uses no network.
+# Installs what building and testing phongsplat needs from Debian's packages (Debian 12), and three.js
+# from npm into runtime/web. Needs root or sudo. Where all is installed already it needs neither and uses
+# no network.
 #
-# usage: install.sh [--browser]
+# usage: install.sh [--browser] [--wasm]
 #   --browser   Chromium too, for the tests of runtime/web: 122 MB to fetch, 414 MB on disk
+#   --wasm      emscripten too, for runtime/web/wasm and its tests: 109 MB to fetch besides clang
 set -eu
 
 # compilers and build
@@ -20,14 +22,16 @@ packages="$packages gnuplot-nox"
 # tests; xvfb and XTest drive the viewer
 packages="$packages libcmocka-dev xvfb libx11-dev libxtst-dev"
 
-case "${1:-}" in
-"") ;;
---browser) packages="$packages chromium" ;;
-*)
-    echo "usage: install.sh [--browser]" >&2
-    exit 2
-    ;;
-esac
+for option in "$@"; do
+    case "$option" in
+    --browser) packages="$packages chromium" ;;
+    --wasm) packages="$packages emscripten" ;;
+    *)
+        echo "usage: install.sh [--browser] [--wasm]" >&2
+        exit 2
+        ;;
+    esac
+done
 
 missing=""
 for package in $packages; do
@@ -40,15 +44,22 @@ done
 command -v node >/dev/null || missing="$missing nodejs"
 command -v npm >/dev/null || missing="$missing npm"
 
-[ -n "$missing" ] || exit 0
-if [ "$(id -u)" -eq 0 ]; then
-    as_root=""
-elif command -v sudo >/dev/null; then
+as_root=""
+if [ -n "$missing" ] && [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+        echo "install.sh: needs root or sudo to install:$missing" >&2
+        exit 1
+    fi
     as_root="sudo"
-else
-    echo "install.sh: needs root or sudo to install:$missing" >&2
-    exit 1
 fi
-$as_root apt-get update -q
-# shellcheck disable=SC2086  # the list is meant to be split
-$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
+if [ -n "$missing" ]; then
+    $as_root apt-get update -q
+    # shellcheck disable=SC2086  # the list is meant to be split
+    $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
+fi
+
+# The page of `phongsplat convert --html` holds three.js; all else works without. npm writes its hidden lock file last, so
+# that half an installation is not taken for a whole one.
+web=$(dirname "$0")/../runtime/web
+[ -e "$web/node_modules/.package-lock.json" ] || npm ci --prefix "$web" --no-audit --no-fund --loglevel=error ||
+    echo "install.sh: no three.js, so that phongsplat convert --html will not work" >&2

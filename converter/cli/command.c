@@ -160,3 +160,11 @@ psplat_result psplat_output_check(const char *input, const char *output, int ove
     cause = check_directory(output);
     return cause ? refuse_creation(error, output, cause) : PSPLAT_OK;
 }
+
+int psplat_program_directory(char *path, size_t size) {
+    ssize_t length = readlink("/proc/self/exe", path, size);
+    if (length < 0 || (size_t)length == size) return 0;
+    while (length > 0 && path[length - 1] != '/') --length;
+    path[length] = 0;
+    return length > 0;
+}

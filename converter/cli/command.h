@@ -53,6 +53,10 @@ psplat_result psplat_output_check(const char *input, const char *output, int ove
 /* Returns whether two output paths name the same file. */
 int psplat_output_is_same(const char *first, const char *second);
 
+/* Stores the directory of this program with a slash at its end. Returns 0 where the system does not
+ * tell it or it is longer than size - 1 bytes. */
+int psplat_program_directory(char *path, size_t size);
+
 /* The commands: argv[0] is the name of the command. They return the exit code. */
 int psplat_command_convert(int argc, char **argv);
 

@@ -9,6 +9,7 @@
 #include "cli/command.h"
 #include "cli/jobs.h"
 #include "cli/options.h"
+#include "cli/page.h"
 #include "cli/progress.h"
 #include "export/alternatives.h"
 #include "export/fallback_mesh.h"
@@ -40,6 +41,8 @@ typedef struct arguments {
     psplat_operands more; /* further inputs */
     const char *output;
     const char *report;
+    const char *html;
+    int html_source;
     double tolerance;
     double normal_tolerance, color_tolerance;
     double crease_angle;
@@ -72,7 +75,9 @@ typedef struct product {
     psplat_gaussian **gaussians;     /* by mesh of the scene, or NULL */
     uint8_t *bytes;
     size_t size;
-    size_t needed; /* by the coarsest conversion if the budget is too small for it, else 0 */
+    psplat_page page; /* what --html takes */
+    size_t page_size; /* bytes of the page that was written */
+    size_t needed;    /* by the coarsest conversion if the budget is too small for it, else 0 */
 } product;
 
 /* Reads --precision: auto, float, or the greatest step of positions in units of the tolerance.
@@ -113,6 +118,7 @@ static psplat_parse check_combination(arguments *a) {
         return refuse("precision", "neither auto, float nor a number of 0.001 to 0.5");
     if (a->no_creases && a->crease_angle > 0)
         return refuse("no-creases", "not together with crease-angle");
+    if (a->html_source && !a->html) return refuse("html-source", "only together with html");
     if (a->splats && a->bytes)
         return refuse("splats", "not together with bytes: one budget at a time");
     return PSPLAT_PARSE_OK;
@@ -178,6 +184,13 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "add attributes of KHR_gaussian_splatting: viewers of\n"
          "Gaussians show the shape, lit for good and without sharp\nedges",
          0, 0, NULL},
+        {0, "html", PSPLAT_OPTION_TEXT, &a->html, "PAGE.html",
+         "write the splats with a viewer as one page too, which a\nbrowser opens from disk; - is "
+         "standard output",
+         0, 0, NULL},
+        {0, "html-source", PSPLAT_OPTION_FLAG, &a->html_source, NULL,
+         "put the mesh, a GLB or an OBJ, into PAGE.html as it is,\nand a slider between both", 0, 0,
+         NULL},
         psplat_option_shared("seed", &a->seed),
         {'j', "jobs", PSPLAT_OPTION_COUNT, &a->jobs, "N",
          "with several inputs, convert N of them at a time\n(default 1)", 1, PSPLAT_MAX_JOBS, NULL},
@@ -192,9 +205,11 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
             "Converts a mesh or a point set (OBJ, PLY, OFF, STL, glTF, GLB, text) to Phong splats\n"
             "in a GLB, or several of them to OUT/NAME.glb each.",
         .notes =
-            "OUT.glb is written whole or not at all. Tolerances are promises, checked on samples\n"
-            "other than those that were fitted; one that is broken gives exit code 9, and the\n"
-            "report names the places.\n\n"
+            "OUT.glb is written whole or not at all, and so is PAGE.html. Tolerances are "
+            "promises,\n"
+            "checked on samples other than those that were fitted; one that is broken gives exit "
+            "code 9,\n"
+            "and the report names the places.\n\n"
             "Of several inputs, each is converted whatever happens to the others, and R.json has "
             "an\n"
             "entry for each. The exit code is the greatest of those that wrote nothing, else 9 or "
@@ -222,15 +237,23 @@ static size_t peak_memory(void) {
     return kilobytes * 1024;
 }
 
+/* Checks a file that is written besides another one, which is what the error calls it. */
+static psplat_result check_besides(const arguments *a, const char *path, const char *other,
+                                   const char *what, psplat_error *error) {
+    char shown[PSPLAT_SHOWN_PATH];
+    if (!path) return PSPLAT_OK;
+    psplat_path_shorten(path, shown);
+    if (other && psplat_output_is_same(path, other))
+        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: is also the %s", shown, what);
+    return psplat_output_check(a->input, path, a->overwrite, error);
+}
+
 static psplat_result check_outputs(const arguments *a, psplat_error *error) {
     psplat_result result = psplat_output_check(a->input, a->output, a->overwrite, error);
-    if (result || !a->report) return result;
-    if (psplat_output_is_same(a->report, a->output)) {
-        char shown[PSPLAT_SHOWN_PATH];
-        psplat_path_shorten(a->report, shown);
-        return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: is also the asset", shown);
-    }
-    return psplat_output_check(a->input, a->report, a->overwrite, error);
+    if (!result) result = check_besides(a, a->report, a->output, "asset", error);
+    if (!result) result = check_besides(a, a->html, a->output, "asset", error);
+    if (!result) result = check_besides(a, a->html, a->report, "report", error);
+    return result;
 }
 
 /* Returns the file name without directory and extension, which names the node and the mesh; the
@@ -348,6 +371,15 @@ static psplat_result write_report(const arguments *a, const product *p, psplat_e
     return result;
 }
 
+static psplat_result write_page(const arguments *a, product *p, psplat_error *error) {
+    char *text = NULL;
+    psplat_result result =
+        psplat_page_make(&p->page, a->output, p->bytes, p->size, &text, &p->page_size, error);
+    if (!result) result = psplat_output_write(a->html, text, p->page_size, a->overwrite, error);
+    free(text);
+    return result;
+}
+
 /* Returns whether a path is standard output: "-", /dev/stdout, or the pipe behind it. */
 static int is_standard_output(const char *path) {
     struct stat there, here;
@@ -357,13 +389,16 @@ static int is_standard_output(const char *path) {
 }
 
 /* Prints the summary, unless standard output takes a file. */
-static void print_summary(const arguments *a, const psplat_report *r) {
-    if (a->quiet || a->no_summary || is_standard_output(a->output) || is_standard_output(a->report))
+static void print_summary(const arguments *a, const product *p) {
+    const psplat_report *r = &p->report.total;
+    if (a->quiet || a->no_summary || is_standard_output(a->output) ||
+        is_standard_output(a->report) || is_standard_output(a->html))
         return;
     printf("%s: %zu splats, %zu bytes, max distance %.3g %% (tolerance %.3g %%), rms normal %.3g "
            "degrees, %zu of %zu samples uncovered, %.2f s\n",
            a->output, r->splats, r->bytes, r->max_distance_percent, r->tolerance_percent,
            r->rms_normal_degrees, r->uncovered_samples, r->verification_samples, r->seconds);
+    if (a->html) printf("%s: %zu bytes with the viewer\n", a->html, p->page_size);
 }
 
 /* Describes the first place where a promise of the conversion is broken. */
@@ -422,6 +457,7 @@ static void free_product(product *p) {
     free(p->splats);
     psplat_scene_free(&p->scene);
     psplat_scene_report_free(&p->report);
+    psplat_page_close(&p->page);
     free(p->bytes);
 }
 
@@ -443,6 +479,8 @@ static int run(const arguments *a, product *p, FILE *notes) {
     psplat_error error = {0};
     const char *subject = NULL;
     psplat_result result = check_outputs(a, &error);
+    if (!result && a->html)
+        result = psplat_page_open(&p->page, a->html_source ? a->input : NULL, &error);
     if (!result) {
         result = make(a, p, &error);
         subject = result == PSPLAT_ERROR_WRITE ? a->output : a->input;
@@ -451,6 +489,7 @@ static int run(const arguments *a, product *p, FILE *notes) {
         result = psplat_output_write(a->output, p->bytes, p->size, a->overwrite, &error);
         subject = NULL;
     }
+    if (!result && a->html) result = write_page(a, p, &error);
     p->report.total.bytes = p->size;
     p->report.total.seconds = psplat_progress_clock() - start;
     p->report.total.peak_memory_bytes = peak_memory();
@@ -461,7 +500,7 @@ static int run(const arguments *a, product *p, FILE *notes) {
         return p->needed ? PSPLAT_EXIT_BUDGET : code;
     }
     print_warnings(a, &p->scene);
-    print_summary(a, &p->report.total);
+    print_summary(a, p);
     if (psplat_report_broken(&p->report.total) == PSPLAT_PROMISE_COUNT) return PSPLAT_EXIT_SUCCESS;
     print_broken(a, p);
     return PSPLAT_EXIT_BROKEN;
@@ -542,7 +581,8 @@ int psplat_command_convert(int argc, char **argv) {
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
     if (ends_with_slash(a.output) || (a.more.count && is_directory(a.output)))
-        return run_several(&a);
+        return a.html ? (int)refuse("html", "takes one input and OUT.glb, not a directory")
+                      : run_several(&a);
     if (a.more.count)
         return (int)refuse(a.output,
                            "is one argument too many, or no directory for several inputs");

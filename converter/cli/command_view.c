@@ -17,9 +17,9 @@
  * directory. */
 static void execute_beside(const char *name, char **arguments) {
     char path[4096];
-    ssize_t length = readlink("/proc/self/exe", path, sizeof path);
-    while (length > 0 && path[length - 1] != '/') --length;
-    if (length <= 0 || (size_t)length + strlen(name) >= sizeof path) return;
+    if (!psplat_program_directory(path, sizeof path)) return;
+    size_t length = strlen(path);
+    if (length + strlen(name) >= sizeof path) return;
     strcpy(path + length, name);
     execv(path, arguments);
 }

@@ -5,6 +5,7 @@
 // visitor of a page would pay for them; line breaks stay, so that compilers' messages name lines.
 //
 // usage: node build.mjs [OUT.js]
+//        node build.mjs --strip SHADER OUT
 import { copyFileSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -40,7 +41,9 @@ export function shaderModule() {
     return `// SPDX-License-Identifier: MIT\n// Made by build.mjs from shaders/.\nexport const shaders = {\n${entries.join(',\n')}\n};\n`;
 }
 
-if (process.argv[1] === fileURLToPath(import.meta.url)) {
+if (process.argv[1] === fileURLToPath(import.meta.url) && process.argv[2] === '--strip') {
+    writeFileSync(process.argv[4], `${strip(readFileSync(process.argv[3], 'utf8'))}\n`);
+} else if (process.argv[1] === fileURLToPath(import.meta.url)) {
     writeFileSync(process.argv[2] ?? join(here, 'src/shaders.js'), shaderModule());
     copyFileSync(join(here, '../../LICENSE-MIT'), join(here, 'LICENSE'));
 }

@@ -7,7 +7,6 @@ import { copyFileSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSyn
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test, { after, before } from 'node:test';
-import { makePage } from '../../runtime/web/page.mjs';
 import { here, launch, open, serve } from './browser.mjs';
 
 const converted = process.env.PHONGSPLAT_CONVERTED, root = join(here, '../..'), state = {}, scratch = mkdtempSync(join(tmpdir(), 'phongsplat-web-'));
@@ -144,20 +143,6 @@ test('the page in the README works as it stands', async () => {
     await new Promise((resolve) => setTimeout(resolve, 2000));
     const seen = await covered(page);
     assert.ok(seen.counts[0] > 10000 && seen.counts[1] > 10000, JSON.stringify(seen));
-    assert.deepEqual(page.errors, []);
-    await page.close();
-});
-
-test('viewer and models in one page, opened from disk', async () => {
-    const path = join(scratch, 'one.html'), models = [join(converted, 'bracket.glb'), join(root, 'samples/models/bracket.gltf')];
-    writeFileSync(path, makePage(models.map((model) => [model.split('/').pop(), readFileSync(model)])));
-    const page = await open(state.browser, `file://${path}`);
-    await page.setViewport({ width: 900, height: 600 });
-    await page.waitForFunction('document.documentElement.dataset.ready');
-    assert.match(await text(page, 'splats'), /bracket.glb\n[\d,]+ bytes\n\d+ splats/);
-    assert.match(await text(page, 'source'), /bracket.gltf\n[\d,]+ bytes\n\d+ triangles/);
-    const seen = await covered(page);
-    assert.ok(seen.counts[0] > 3000 && seen.counts[1] > 3000, JSON.stringify(seen));
     assert.deepEqual(page.errors, []);
     await page.close();
 });

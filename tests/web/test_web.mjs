@@ -5,6 +5,7 @@
 // contexts, render targets, missing extensions, broken files. PHONGSPLAT_CONVERTED is the directory
 // of the bundled models, converted; PHONGSPLAT_DRAW_NATIVE the program of draw_native.c.
 import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -58,16 +59,14 @@ function compare(picture, path, shading) {
 const files = ['part', 'torus', 'tiled', 'still-life', 'painted', 'bracket'].map((name) => [`files/${name}.glb`, join(converted ?? '', `${name}.glb`)]);
 files.push(...['minimal', 'integers', 'curved', 'textured', 'streamed'].map((name) => [`schema/${name}.gltf`, join(root, `schema/${name}.gltf`)]));
 
-// Two rasterisers round vertices differently, so that pixels on outlines differ; nothing else may. The C runtime blends
-// the splats of all objects where they touch, within the tolerance, which is 2 % here; three draws object by object, so
-// that scenes of several objects have a bound of their own. (At 0.2 % they have 52 dB and more.)
-const leastOf = (url) => (/still-life|painted/.test(url) ? 36 : 50);
+// Two rasterisers round vertices differently, so that pixels on outlines differ; nothing else may.
+const LEAST = 50;
 for (const [url, path] of files) {
     for (const shading of ['normal', 'lit', 'unlit']) {
         test(`${url}, ${shading}, as the C runtime draws it`, async () => {
             const decibels = compare(await draw({ url: `/${url}`, shading }), path, shading);
             console.log(`${url} ${shading}: ${decibels.toFixed(1)} dB`);
-            assert.ok(decibels >= leastOf(url), `${decibels} dB`);
+            assert.ok(decibels >= LEAST, `${decibels} dB`);
         });
     }
 }
@@ -92,7 +91,7 @@ test('the oldest release of three.js that is supported draws the same', async ()
     const page = await openPage('three-oldest');
     for (const name of ['part', 'still-life', 'tiled']) {
         const decibels = compare(await draw({ url: `/files/${name}.glb`, shading: 'lit' }, page), join(converted, `${name}.glb`), 'lit');
-        assert.ok(decibels >= leastOf(name), `${name}: ${decibels} dB`);
+        assert.ok(decibels >= LEAST, `${name}: ${decibels} dB`);
     }
     await page.close();
 });
@@ -180,9 +179,11 @@ test('shadows are cast and received, and splats cast none on themselves', async 
 });
 
 test('a surface that faces the light has no specks of shadow', async () => {
+    // Fine splats leave the crease alone, where coarse ones round it.
+    execFileSync(process.env.PHONGSPLAT, ['convert', join(root, 'samples/models/part.obj'), join(scratch, 'fine.glb'), '-t', '0.2', '--effort', '0', '-q']);
     for (const light of ['directional', 'spot', 'point']) {
         const differing = await inPage(async (kind) => {
-            const { renderer, scene, camera, root, meshes } = await window.makeStage({ url: '/files/part.glb', environment: false, light: kind });
+            const { renderer, scene, camera, root, meshes } = await window.makeStage({ url: '/scratch/fine.glb', environment: false, light: kind });
             scene.remove(meshes[1], meshes[2]);
             const p = [];
             for (const receives of [true, false]) {
@@ -195,10 +196,10 @@ test('a surface that faces the light has no specks of shadow', async () => {
         }, light);
         const [a, b] = differing.map((text) => Buffer.from(text, 'base64')), dark = [];
         for (let i = 0; i < a.length; i += 3) if (b[i] - a[i] > 20) dark.push(i / 3);
-        // Specks are dark pixels without dark neighbours; shadows are areas. Along a concave crease single
-        // pixels lie between both faces.
+        // Specks are dark pixels without dark neighbours; shadows are areas. Where a wall that faces away from the light meets
+        // the floor, a shadow of less than a pixel begins.
         const set = new Set(dark), alone = dark.filter((i) => ![i - 1, i + 1, i - 960, i + 960].some((k) => set.has(k)));
-        assert.ok(alone.length <= 40, `${light}: ${alone.length} specks among ${dark.length} pixels in shadow`);
+        assert.ok(dark.length > 500 && alone.length <= 5, `${light}: ${alone.length} specks among ${dark.length} pixels in shadow`);
     }
 });
 
@@ -233,6 +234,33 @@ test('rays hit splats where they hit the mesh', async () => {
     assert.ok(found.offset < 0.1, JSON.stringify(found)); // boxes of clipped ellipses are no smaller, and little larger
 });
 
+test('boxes hold all that rays hit, and little more', async () => {
+    for (const [url, most] of [['/files/part.glb', 1.25], ['/files/torus.glb', 1.06], ['/schema/curved.gltf', 1.15]]) {
+        const found = await inPage(async (at) => {
+            const { scene: root } = await window.loader.loadAsync(at), { Box3, Raycaster, Vector3 } = window.THREE, seen = new Box3(), ray = new Raycaster();
+            root.updateMatrixWorld(true);
+            const box = new Box3().setFromObject(root), center = box.getCenter(new Vector3()), size = box.getSize(new Vector3()).length();
+            let state = 1;
+            const random = () => {
+                state = (state * 48271) % 2147483647;
+                return state / 2147483647 - 0.5;
+            };
+            let outside = 0, count = 0;
+            for (let k = 0; k < 4000; ++k) {
+                const from = new Vector3(random(), random(), random()).setLength(2 * size).add(center), to = new Vector3(random(), random(), random()).multiplyScalar(size).add(center);
+                ray.set(from, to.sub(from).normalize());
+                for (const { point } of ray.intersectObject(root, true)) {
+                    outside = Math.max(outside, box.distanceToPoint(point) / size);
+                    seen.expandByPoint(point);
+                    ++count;
+                }
+            }
+            return { count, outside, ratio: size / seen.getSize(new Vector3()).length() };
+        }, url);
+        assert.ok(found.count > 100 && found.outside < 1e-6 && found.ratio < most, `${url}: ${JSON.stringify(found)}`);
+    }
+});
+
 test('clones share what they draw, and dispose() frees it', async () => {
     const found = await inPage(async () => {
         const renderer = window.makeRenderer({ width: 200, height: 150 }), scene = new window.THREE.Scene(), before = renderer.info.memory.textures;
@@ -258,6 +286,64 @@ test('clones share what they draw, and dispose() frees it', async () => {
     assert.equal(found.two, found.steady);
     assert.equal(found.left, 0, JSON.stringify(found));
     assert.ok(found.after <= found.before + 1, JSON.stringify(found)); // three's own table of its BRDF stays
+});
+
+test('objects that lie apart look as each does alone, clones too', async () => {
+    const found = await inPage(async () => {
+        const renderer = window.makeRenderer({ width: 300, height: 200 }), scene = new window.THREE.Scene(), roots = [];
+        for (const name of ['torus', 'tiled', 'part', 'bracket']) {
+            const { scene: root } = await window.loader.loadAsync(`/files/${name}.glb`), sphere = new window.THREE.Box3().setFromObject(root).getBoundingSphere(new window.THREE.Sphere());
+            window.removeLights(root);
+            root.scale.setScalar(1 / sphere.radius);
+            root.position.copy(sphere.center).divideScalar(-sphere.radius);
+            roots.push(root, root.clone());
+        }
+        roots.forEach((root, k) => { root.position.x += 3 * (k % 4); root.position.y += 3 * (k >> 2); });
+        window.eachSplats(roots[2], (o) => { o.material.color.set(0xff0000); });
+        scene.add(...roots);
+        const camera = window.cameraFor(new window.THREE.Box3().setFromObject(scene), 20, 20, 1, 1.5), pictures = [];
+        window.addLight(scene, camera);
+        for (const shown of [roots, ...roots.map((root) => [root])]) {
+            for (const root of roots) root.visible = shown.includes(root);
+            renderer.render(scene, camera);
+            pictures.push(window.pixels(renderer).rgb);
+        }
+        renderer.dispose();
+        renderer.forceContextLoss(); // a page has sixteen
+        return pictures;
+    });
+    const [all, ...single] = found.map((text) => Buffer.from(text, 'base64')), sum = Buffer.alloc(all.length);
+    for (const one of single) {
+        assert.ok(one.some((value) => value > 40));
+        one.forEach((value, i) => { sum[i] = Math.max(sum[i], value); });
+    }
+    assert.ok(psnr(all, sum) >= 50, `${psnr(all, sum)} dB`); // depths are rounded within one range, and within ranges of each
+});
+
+test('with alphaToCoverage multisampling smooths outlines', async () => {
+    const found = await inPage(async () => {
+        const { scene: root } = await window.loader.loadAsync('/files/bracket.glb'), camera = window.cameraFor(new window.THREE.Box3().setFromObject(root), 30, 20), pictures = [];
+        window.removeLights(root);
+        // Eight times as many pixels are what is right; then one sample, four, and four without alphaToCoverage.
+        for (const [scale, antialias, smooth] of [[8, false, false], [1, false, true], [1, true, true], [1, true, false]]) {
+            const renderer = window.makeRenderer({ width: 240 * scale, height: 180 * scale, antialias }), scene = new window.THREE.Scene().add(root);
+            window.addLight(scene, camera);
+            scene.background = new window.THREE.Color(0.2, 0.5, 0.3);
+            window.eachSplats(root, (o) => { Object.assign(o.material, { alphaToCoverage: smooth, needsUpdate: true }); });
+            renderer.render(scene, camera);
+            const gl = renderer.getContext(), rgba = new Uint8Array(4 * 240 * 180);
+            gl.readPixels(0, 0, 240, 180, gl.RGBA, gl.UNSIGNED_BYTE, rgba);
+            pictures.push({ ...window.pixels(renderer), isOpaque: rgba.every((value, k) => k % 4 !== 3 || value === 255) });
+            renderer.dispose();
+            renderer.forceContextLoss(); // a page has sixteen
+        }
+        return pictures;
+    });
+    const right = reduce(rgbOf(found[0]), 1920, 1440, 8), [plain, smooth, rough] = found.slice(1).map((one) => psnr(rgbOf(one), right));
+    console.log(`outlines: one sample ${plain.toFixed(1)} dB, four ${rough.toFixed(1)} dB, with alphaToCoverage ${smooth.toFixed(1)} dB`);
+    assert.ok(found.every((one) => one.isOpaque));
+    assert.ok(Math.abs(plain - rough) < 0.5, `${plain} ${rough}`);
+    assert.ok(smooth > rough + 2, `${smooth} ${rough}`);
 });
 
 test('a lost context comes back', async () => {

@@ -142,6 +142,7 @@ export class SplatCamera {
 
     /** Fits the depth range to a span, and finds all that depends on it. */
     fit(span) {
+        this.span = span;
         const middle = span ? 0.5 * (span.low + span.high) : 0, half = span ? Math.max(0.5 * (span.high - span.low), 2 ** -44) : 1;
         const p = this.projection.copy(this.host).elements;
         for (let k = 0; k < 4; ++k) p[4 * k + 2] = (p[4 * k + 2] - middle * p[4 * k + 3]) / half;

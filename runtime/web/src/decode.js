@@ -324,9 +324,11 @@ function enlarge(s, isCurved, boxes) {
 const CIRCLE = Array.from({ length: 16 }, (_, k) => [Math.cos(k * Math.PI / 8) / Math.cos(Math.PI / 16), Math.sin(k * Math.PI / 8) / Math.cos(Math.PI / 16)]);
 
 /** Clips a polygon by a line (Sutherland and Hodgman 1974). A line that bulges out keeps no more than
- *  the straight one that lies kappa / 2 farther out. */
+ *  the straight one that lies as much farther out as it does at the polygon's or the circle's ends. */
 function cut(polygon, [a, b, c, kappa]) {
-    const height = polygon.map(([u, v]) => a * u + b * v + c + 0.5 * Math.max(kappa, 0) * (a * a + b * b)), kept = [];
+    const reach = Math.min(a * a + b * b, polygon.reduce((most, [u, v]) => Math.max(most, (a * v - b * u) ** 2), 0));
+    const bulge = 0.5 * Math.max(kappa, 0) * reach;
+    const height = polygon.map(([u, v]) => a * u + b * v + c + bulge), kept = [];
     polygon.forEach((p, k) => {
         const next = (k + 1) % polygon.length, t = height[k] / (height[k] - height[next]);
         if (height[k] >= 0) kept.push(p);
@@ -335,17 +337,48 @@ function cut(polygon, [a, b, c, kappa]) {
     return kept;
 }
 
+/** @returns whether a point lies in a convex polygon whose corners go round it to the left. */
+function isInside(polygon, u, v) {
+    return polygon.every((p, k) => {
+        const q = polygon[(k + 1) % polygon.length];
+        return (q[0] - p[0]) * (v - p[1]) - (q[1] - p[1]) * (u - p[0]) >= 0;
+    });
+}
+
+/** Enlarges a range by a quadratic over a polygon: x u + y v + (xx u^2 + 2 xy u v + yy v^2) / 2. It is least and greatest at
+ *  a corner, within an edge, or where its gradient vanishes. */
+function enlargeRange(polygon, x, y, xx, xy, yy, range) {
+    const at = (u, v) => {
+        const f = x * u + y * v + 0.5 * (xx * u * u + 2 * xy * u * v + yy * v * v);
+        range[0] = Math.min(range[0], f);
+        range[1] = Math.max(range[1], f);
+    };
+    polygon.forEach(([u, v], k) => {
+        const q = polygon[(k + 1) % polygon.length], du = q[0] - u, dv = q[1] - v;
+        const t = -((x + xx * u + xy * v) * du + (y + xy * u + yy * v) * dv) / (xx * du * du + 2 * xy * du * dv + yy * dv * dv);
+        at(u, v);
+        if (t > 0 && t < 1) at(u + t * du, v + t * dv);
+    });
+    const det = xx * yy - xy * xy, u = (xy * y - yy * x) / det, v = (xy * x - xx * y) / det;
+    if (Number.isFinite(u + v) && u * u + v * v < 2 && isInside(polygon, u, v)) at(u, v);
+}
+
+const range = [0, 0];
+
 /** Enlarges a box by what clip lines leave of a splat. */
-function enlargeTight(s, isCurved, lines, sagitta, box, point) {
+function enlargeTight(s, isCurved, lines, box) {
     let polygon = CIRCLE;
-    for (const line of lines) polygon = cut(polygon, line);
+    for (const line of [...lines, ...lines]) polygon = cut(polygon, line); // the second time the ends are nearer
+    if (!polygon.length) return;
     const [ru, rv] = s.radii, tilt = isCurved && s.slope ? s.tilt : [0, 0];
-    for (const [u, v] of polygon) {
-        const x = ru * u, y = rv * v, z = -(tilt[0] * x + tilt[1] * y);
-        for (const h of sagitta > 0 ? [z - sagitta, z + sagitta] : [z]) {
-            for (let k = 0; k < 3; ++k) point.setComponent(k, s.center[k] + x * s.axes[k] + y * s.axes[3 + k] + h * s.axes[6 + k]);
-            box.expandByPoint(point);
-        }
+    const [a, b, c] = isCurved ? [s.second[0], s.ratio * s.second[2], s.ratio * s.second[1]] : [0, 0, 0];
+    for (let k = 0; k < 3; ++k) {
+        const n = s.axes[6 + k], axis = 'xyz'[k];
+        range[0] = Infinity;
+        range[1] = -Infinity;
+        enlargeRange(polygon, ru * (s.axes[k] - tilt[0] * n), rv * (s.axes[3 + k] - tilt[1] * n), -ru * a * n, -ru * b * n, -ru * c * n, range);
+        box.min[axis] = Math.min(box.min[axis], s.center[k] + range[0]);
+        box.max[axis] = Math.max(box.max[axis], s.center[k] + range[1]);
     }
 }
 
@@ -453,7 +486,7 @@ function decodeAll(of, set, batch) {
         const sagitta = enlarge(s, set.curved, [batch.bounds]);
         batch.sagitta = Math.max(batch.sagitta, sagitta);
         for (let k = 0; k < set.clipLines; ++k) batch.clips.image.data.set(readLine(of[`CLIP_${k}`], i, set, lines[k]), 4 * (set.clipLines * i + k));
-        enlargeTight(s, set.curved, lines, sagitta, chunk, point);
+        enlargeTight(s, set.curved, lines, chunk);
         packRest(of, set, i, batch, v);
         if (i % CHUNK === CHUNK - 1 || i === batch.count - 1) {
             batch.box.union(chunk);

@@ -52,11 +52,12 @@ function isSameSurface(a, b) {
         (black || (a.emissiveIntensity === b.emissiveIntensity && a.emissive.equals(b.emissive)));
 }
 
-/** @returns which render targets the batches need: what differs between splats or materials. */
-export function differences(batches, materialOf) {
-    const first = surfaceOf(materialOf(batches[0])), differ = { colors: false, materials: false, occlusion: false };
-    for (const batch of batches) {
-        const material = materialOf(batch), surface = surfaceOf(material);
+/** @returns which render targets batches need: what differs between splats or materials.
+ *  drawn: { batch, material }, one at least. */
+export function differences(drawn) {
+    const first = surfaceOf(drawn[0].material), differ = { colors: false, materials: false, occlusion: false };
+    for (const { batch, material } of drawn) {
+        const surface = surfaceOf(material);
         const has = (property) => !!mapOf(batch, material, property);
         differ.occlusion ||= batch.hasSurface || has('aoMap');
         differ.materials ||= differ.occlusion || batch.hasEmissive || has('roughnessMap') || has('emissiveMap') ||
@@ -68,7 +69,7 @@ export function differences(batches, materialOf) {
 
 /** @returns the macros of a batch's pass. view: pass, isCurved, isNear, isTwoSided, counts, isHalf,
  *  differ (of differences()), packs (the depth of shadow maps as colours: '', 'depth', 'distance'),
- *  isReversed. */
+ *  isReversed, isOwned (the visibility pass writes the object's number). */
 function definesOf(batch, material, view) {
     const { pass, isCurved, differ } = view, isFlat = !isCurved, isNormals = pass === PASS.normals;
     const isTwoSided = view.isTwoSided && (isNormals || (isCurved && pass === PASS.visibility));
@@ -106,6 +107,7 @@ function definesOf(batch, material, view) {
     d.MAP_TRANSFORM = isMoved;
     d.PACKS = { '': 0, depth: 1, distance: 2 }[view.packs ?? ''];
     d.REVERSED = !!view.isReversed;
+    d.OWNED = !!view.isOwned;
     return d;
 }
 
@@ -139,8 +141,15 @@ bytes[3] = u / 256.0;
 return bytes;
 }
 #endif
+#if OWNED
+layout(location = 0) out vec4 o_owner;
+uniform vec2 u_owner;
+#endif
 void main() {
 splat_main();
+#if OWNED
+o_owner = vec4(u_owner, 0.0, 1.0);
+#endif
 #if PACKS
 #if CURVED
 float depth = gl_FragDepth;
@@ -171,7 +180,7 @@ function makeUniforms(batch) {
         u_normal_matrix: new Matrix3(), u_ray: new Matrix3(), u_half_viewport: new Vector3(), u_shift: new Vector3(),
         u_view_direction: new Vector3(), u_depth_range: new Vector2(0.5, 0.5), u_unstretch: 1, u_first_index: 0, u_apart: 0,
         u_kernel: new Vector2(-batch.sharpness, 0.5 * batch.exponent), u_base_color: new Vector3(), u_emissive: new Vector3(),
-        u_surface: new Vector3(), u_map_strength: new Vector2(), u_mask: new Vector2(), u_near_far: new Vector2(),
+        u_surface: new Vector3(), u_map_strength: new Vector2(), u_mask: new Vector2(), u_near_far: new Vector2(), u_owner: new Vector2(),
         u_map_transform: Array.from({ length: 2 * SLOTS.length }, () => new Vector3()),
     };
     for (const [name] of SLOTS) names[name] = null;
@@ -184,7 +193,7 @@ export class SplatMaterial extends RawShaderMaterial {
         const defines = definesOf(batch, material, view), [vertexShader, fragmentShader] = sourceOf(defines, view.isCurved);
         const isDepth = view.pass === PASS.visibility, adds = view.pass === PASS.normals;
         super({ name: 'PhongSplats', glslVersion: GLSL3, vertexShader, fragmentShader, uniforms: makeUniforms(batch) });
-        this.colorWrite = !isDepth || defines.PACKS > 0;
+        this.colorWrite = !isDepth || defines.PACKS > 0 || defines.OWNED;
         this.depthWrite = !adds;
         this.depthFunc = adds ? LessEqualDepth : LessDepth;
         this.blending = adds ? CustomBlending : NoBlending;
@@ -220,7 +229,7 @@ export class SplatMaterial extends RawShaderMaterial {
 function keyOf(batch, material, view) {
     const { differ } = view, bits = [
         view.pass & 1, view.pass & 2, view.isCurved, view.isNear, view.isTwoSided, view.counts, view.isHalf, differ.colors, differ.materials, differ.occlusion,
-        view.packs === 'depth', view.packs === 'distance', view.isReversed, batch.texcoords && material.alphaTest > 0,
+        view.packs === 'depth', view.packs === 'distance', view.isReversed, view.isOwned, batch.texcoords && material.alphaTest > 0,
     ];
     let key = 1;
     for (const bit of bits) key = 2 * key + (bit ? 1 : 0);

@@ -21,10 +21,19 @@ void main() {
 /** What three's vertex shaders would hand on, as variables. */
 const HANDED_ON = { vViewPosition: 'vec3', vFogDepth: 'float', vClipPosition: 'vec3', vWorldPosition: 'vec3', vNormal: 'vec3', vFragDepth: 'float', vIsPerspective: 'float' };
 
+/** Whether a pixel is the object's: its own splat is the nearest there. Number 0 has no others beside it. */
+export const OWNED = `
+uniform highp sampler2D psOwners;
+uniform highp float psNumber;
+bool psIsOwned(ivec2 at) {
+    return psNumber == 0.0 || dot(floor(texelFetch(psOwners, at, 0).rg * 255.0 + 0.5), vec2(1.0, 256.0)) == psNumber;
+}
+`;
+
 const DECLARATIONS = `
 uniform highp sampler2D psTarget0, psTarget1, psTarget2, psTarget3, psDepth;
 uniform highp int psFlags;
-uniform mat4 psUnproject, psCamera;
+${OWNED}uniform mat4 psUnproject, psCamera;
 uniform vec2 psToHost, psOrigin;
 uniform float psTolerance;
 #define HAS_NORMAL
@@ -32,7 +41,9 @@ uniform float psTolerance;
 
 /** The point is lifted off the surface by a texel and a half of the shadow map, and more where three
  *  filters over more of them, so that a slope within a texel casts no shadow, and by the distance
- *  that splats of one surface lie apart (shading.glsl does the same). */
+ *  that splats of one surface lie apart (shading.glsl does the same). At a concave crease the normal
+ *  of one face leads along the other, which would cast a shadow within the texels that three filters
+ *  over, so that the point is lifted off both. */
 const SHADOWS = `
 #if defined( USE_SHADOWMAP ) && NUM_DIR_LIGHT_SHADOWS > 0
 uniform mat4 directionalShadowMatrix[ NUM_DIR_LIGHT_SHADOWS ];
@@ -43,23 +54,98 @@ uniform mat4 spotLightMatrix[ NUM_SPOT_LIGHT_COORDS ];
 #if defined( USE_SHADOWMAP ) && NUM_POINT_LIGHT_SHADOWS > 0
 uniform mat4 pointShadowMatrix[ NUM_POINT_LIGHT_SHADOWS ];
 #endif
-float psLift(mat4 m, vec2 size, float radius, vec4 at) {
+#ifdef USE_REVERSED_DEPTH_BUFFER
+#define PS_TO_LIGHT 1.0
+#else
+#define PS_TO_LIGHT -1.0
+#endif
+/** Off the surface, and off the one beside it where that faces the light, too. */
+vec3 psOff(vec3 normal, vec3 next, vec3 toLight) {
+    return dot(next, toLight) > 0.0 ? (normal + next) / (1.0 + dot(normal, next)) : normal;
+}
+/** The normal of a next pixel on another face, or the pixel's own. */
+vec3 psNextNormal(ivec2 at, float z, vec3 normal) {
+    vec3 point = psPoint(at, z), found = normal;
+    float least = 0.95;
+    for (int k = 0; k < 4; ++k) {
+        ivec2 next = at + ivec2(k == 0 ? 1 : k == 1 ? -1 : 0, k == 2 ? 1 : k == 3 ? -1 : 0);
+        vec4 sum = texelFetch(psTarget0, next, 0);
+        if (!(sum.a > 0.0)) continue;
+        float size = distance(psPoint(next, z), point), cosine = dot(normalize(sum.xyz), normal);
+        if (cosine >= least || cosine < -0.9 || distance(psPoint(next, psDepthAt(next, sum.a)), point) > 8.0 * size) continue;
+        least = cosine;
+        found = normalize(sum.xyz);
+    }
+    return found;
+}
+vec3 psLift(vec3 normal, vec3 next, float bias, mat4 m, vec2 size, float radius, vec4 at) {
     vec4 p = m * at;
-    vec3 x = vec3(m[0].x, m[1].x, m[2].x), w = vec3(m[0].w, m[1].w, m[2].w);
+    vec3 x = vec3(m[0].x, m[1].x, m[2].x), z = vec3(m[0].z, m[1].z, m[2].z), w = vec3(m[0].w, m[1].w, m[2].w);
     float texels = length(x - w * (p.x / p.w)) * size.x / abs(p.w);
-    return (1.5 + radius) / max(texels, 1e-30) + psTolerance;
+    return psOff(normal, next, PS_TO_LIGHT * (z - w * (p.z / p.w))) * (bias + (1.5 + radius) / max(texels, 1e-30) + psTolerance);
 }
-float psLiftOfPoint(mat4 m, vec2 size, float radius, vec4 at) {
-    return (1.5 + radius) * 2.0 * length((m * at).xyz) / size.x + psTolerance;
+vec3 psLiftOfPoint(vec3 normal, vec3 next, float bias, mat4 m, vec2 size, float radius, vec4 at) {
+    vec3 away = (m * at).xyz;
+    return psOff(normal, next, -away) * (bias + (1.5 + radius) * 2.0 * length(away) / size.x + psTolerance);
 }
+`;
+
+/** What the targets hold of a pixel, in eye space. */
+const POINTS = `
+float psDepthAt(ivec2 at, float weight) {
+    return (psFlags & ${FLAGS.half}) != 0 ? texelFetch(psDepth, at, 0).r : texelFetch(psTarget1, at, 0).r / weight;
+}
+vec3 psPoint(ivec2 at, float z) {
+    vec4 p = psUnproject * vec4(vec2(at) + 0.5, z, 1.0);
+    return p.xyz / p.w;
+}
+`;
+
+/** With alphaToCoverage, how much of a pixel splats cover; where its centre is not covered, the pixel is like one beside it
+ *  whose centre is. */
+const COVERAGE = `
+#ifdef ALPHA_TO_COVERAGE
+uniform highp sampler2D psFine;
+uniform bool psIsSmooth;
+float psCoverage(ivec2 at) {
+    float count = 0.0;
+    for (int k = 0; k < 4; ++k) count += texelFetch(psFine, 2 * at + ivec2(k & 1, k >> 1), 0).r < 1.0 ? 0.25 : 0.0;
+    return count;
+}
+bool psIsCovered(ivec2 at) {
+    return texelFetch(psDepth, at, 0).r < 1.0 && texelFetch(psTarget0, at, 0).a > 0.0;
+}
+ivec2 psCoveredBeside(ivec2 at) {
+    if (psIsCovered(at)) return at;
+    for (int k = 0; k < 4; ++k) {
+        ivec2 next = at + ivec2(k == 0 ? 1 : k == 1 ? -1 : 0, k == 2 ? 1 : k == 3 ? -1 : 0);
+        if (psIsCovered(next)) return next;
+    }
+    for (int k = 0; k < 4; ++k) {
+        ivec2 next = at + 2 * ivec2(k & 1, k >> 1) - 1;
+        if (psIsCovered(next)) return next;
+    }
+    return at;
+}
+#endif
 `;
 
 const START = `
 void main() {
     ivec2 psAt = ivec2(gl_FragCoord.xy - psOrigin);
+    float psShare = 1.0;
+#ifdef ALPHA_TO_COVERAGE
+    if (psIsSmooth) {
+        psShare = psCoverage(psAt);
+        if (psShare == 0.0) {
+            if (!psIsCovered(psAt)) discard;
+            psShare = 0.25; // the two resolutions round differently
+        } else psAt = psCoveredBeside(psAt);
+    }
+#endif
     vec4 psSum = texelFetch(psTarget0, psAt, 0), psOther = texelFetch(psTarget1, psAt, 0);
     float psBehind = texelFetch(psDepth, psAt, 0).r;
-    if (!(psBehind < 1.0 && psSum.a > 0.0)) discard;
+    if (!(psBehind < 1.0 && psSum.a > 0.0) || !psIsOwned(psAt)) discard;
     float psScale = 1.0 / psSum.a;
     float psZ = (psFlags & ${FLAGS.half}) != 0 ? psBehind : psOther.r * psScale;
     vec3 psColor = vec3(1.0), psEmissive = vec3(0.0), psSurface = vec3(0.0);
@@ -89,10 +175,19 @@ void main() {
     vIsPerspective = isOrthographic ? 0.0 : 1.0;
 `;
 
+const NEXT = `
+#ifdef USE_SHADOWMAP
+vec3 psNext = mat3(psCamera) * psNextNormal(psAt, psZ, transformedNormal);
+#else
+vec3 psNext = vec3(0.0);
+#endif
+`;
+
 /** three derives a roughness from how nonPerturbedNormal changes from pixel to pixel; at creases,
  *  where normals jump, that would shine, so it is constant here. */
 const CHUNKS = {
-    map_fragment: `if ((psFlags & ${FLAGS.colors}) != 0) diffuseColor.rgb = psColor;`,
+    map_fragment: `if ((psFlags & ${FLAGS.colors}) != 0) diffuseColor.rgb = psColor;
+diffuseColor.a *= psShare;`,
     roughnessmap_fragment: `float roughnessFactor = (psFlags & ${FLAGS.materials}) != 0 ? psSurface.y : roughness;`,
     metalnessmap_fragment: `float metalnessFactor = (psFlags & ${FLAGS.materials}) != 0 ? psSurface.x : metalness;`,
     emissivemap_fragment: `if ((psFlags & ${FLAGS.materials}) != 0) totalEmissiveRadiance = psEmissive;`,
@@ -128,8 +223,9 @@ function expand(source) {
 function shadowCoordinates() {
     let chunk = ShaderChunk.shadowmap_vertex;
     for (const [kind, matrix, lift] of [['directionalLight', 'directionalShadow', 'psLift'], ['spotLight', 'spotLight', 'psLift'], ['pointLight', 'pointShadow', 'psLiftOfPoint']]) {
-        const bias = `${kind}Shadows[ i ].shadowNormalBias`;
-        chunk = chunk.replaceAll(bias, `( ${bias} + ${lift}( ${matrix}Matrix[ i ], ${kind}Shadows[ i ].shadowMapSize, ${kind}Shadows[ i ].shadowRadius, worldPosition ) )`);
+        const shadow = `${kind}Shadows[ i ]`;
+        chunk = chunk.replaceAll(`shadowWorldNormal * ${shadow}.shadowNormalBias`,
+            `${lift}( shadowWorldNormal, psNext, ${shadow}.shadowNormalBias, ${matrix}Matrix[ i ], ${shadow}.shadowMapSize, ${shadow}.shadowRadius, worldPosition )`);
     }
     return chunk;
 }
@@ -141,7 +237,7 @@ export function resolveFragment(source) {
     for (const [name, chunk] of Object.entries(CHUNKS)) text = text.replace(`#include <${name}>`, () => chunk);
     text = expand(text).replace(/^([ \t]*)(?:flat\s+)?varying\s+(?:highp\s+|mediump\s+|lowp\s+)?(\w+)\s+(\w+)/gm,
         (_, space, type, name) => (HANDED_ON[name] ? `${space}const int psNo_${name} = 0` : `${space}${type} ${name}`));
-    text = text.replace('void main() {', () => (hasShadows ? SHADOWS + START + expand(shadowCoordinates()) : START));
+    text = text.replace('void main() {', () => COVERAGE + (hasShadows ? POINTS + SHADOWS + START + NEXT + expand(shadowCoordinates()) : START));
     const handed = Object.entries(HANDED_ON).map(([name, type]) => `${type} ${name};\n`).join('');
     return DECLARATIONS + handed + text;
 }
@@ -154,7 +250,7 @@ export function resolveUniforms(material) {
     if (uniformsOf.has(material)) return uniformsOf.get(material);
     const names = {
         psTarget0: null, psTarget1: null, psTarget2: null, psTarget3: null, psDepth: null, psFlags: 0, psUnproject: new Matrix4(), psCamera: new Matrix4(),
-        psToHost: new Vector2(), psOrigin: new Vector2(), psRect: new Vector4(), psTolerance: 0,
+        psToHost: new Vector2(), psOrigin: new Vector2(), psRect: new Vector4(), psTolerance: 0, psOwners: null, psNumber: 0, psFine: null, psIsSmooth: false,
     };
     const uniforms = Object.fromEntries(Object.entries(names).map(([name, value]) => [name, { value }]));
     uniformsOf.set(material, uniforms);

@@ -4,13 +4,20 @@
 // place of one of three's: to see normals or overdraw, or to compare with the runtime.
 import { FrontSide, GLSL3, LessEqualDepth, Matrix3, Matrix4, NoBlending, RawShaderMaterial, Vector2, Vector3, Vector4 } from 'three';
 import { PRELUDE } from './programs.js';
-import { VERTEX } from './resolve.js';
+import { OWNED, VERTEX } from './resolve.js';
 import { shaders } from './shaders.js';
 
 const READS_LIGHT = new Set(['lit', 'toon']), READS_COLOR = new Set(['lit', 'toon', 'unlit']);
 
 /** The light of `phongsplat render`: from behind the camera, and ambient. */
 const LIGHT = new Vector3(-0.15, 0.65, 0.85).normalize(), IRRADIANCE = 0.85 * Math.PI, AMBIENT = 0.12;
+
+const END = `${OWNED}
+void main() {
+    if (!psIsOwned(ivec2(gl_FragCoord.xy) - u_origin)) discard;
+    psMain();
+}
+`;
 
 const SHADINGS = ['lit', 'unlit', 'toon', 'normal', 'depth', 'overdraw', 'splats'];
 
@@ -24,9 +31,9 @@ export class SplatShadingMaterial extends RawShaderMaterial {
         };
         super({
             name: `PhongSplats ${shading}`, glslVersion: GLSL3, vertexShader: PRELUDE + VERTEX, defines, blending: NoBlending, depthFunc: LessEqualDepth,
-            fragmentShader: PRELUDE + shaders['layout.h'] + shaders['shading.glsl'] + shaders['resolve.frag'] + file,
+            fragmentShader: PRELUDE + shaders['layout.h'] + shaders['shading.glsl'] + '#define main psMain\n' + shaders['resolve.frag'] + '#undef main\n' + file + END,
             uniforms: Object.fromEntries(Object.entries({
-                psRect: new Vector4(), u_target0: null, u_target1: null, u_target2: null, u_target3: null, u_depth: null, u_origin: new Vector2(),
+                psRect: new Vector4(), psOwners: null, psNumber: 0, u_target0: null, u_target1: null, u_target2: null, u_target3: null, u_depth: null, u_origin: new Vector2(),
                 u_to_host: new Vector2(), u_base_color: new Vector3(1, 1, 1), u_emissive: new Vector3(), u_surface: new Vector3(),
                 u_ray: new Matrix3(), u_unproject: new Matrix4(), u_planes: new Vector3(), u_ambient: new Vector3(AMBIENT, AMBIENT, AMBIENT),
                 u_light_position: [new Vector4(LIGHT.x, LIGHT.y, LIGHT.z, 0)], u_light_color: [new Vector4(IRRADIANCE, IRRADIANCE, IRRADIANCE, 0)],

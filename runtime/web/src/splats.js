@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
 //
-// splats.js - splats in three's scene graph. When three comes to draw the object, the splat passes
-// run first, into render targets of their own (shaders/README.md), and then three draws the object
+// splats.js - splats in three's scene graph. When three comes to draw the first object, the splat passes
+// of all run first (shared.js), into render targets of their own (shaders/README.md), and then three draws the object
 // itself: a rectangle whose material, one of three's, is the resolve pass (resolve.js).
 import {
-    Box3, BufferAttribute, BufferGeometry, Camera, Color, DoubleSide, FrontSide, Matrix4, Mesh, MeshStandardMaterial, Ray, REVISION, Scene, ShaderMaterial, Sphere,
+    Box3, BufferAttribute, BufferGeometry, Color, DoubleSide, FrontSide, Matrix4, Mesh, MeshStandardMaterial, Ray, REVISION, ShaderMaterial, Sphere,
     SRGBColorSpace, Vector2, Vector3, Vector4,
 } from 'three';
-import { DepthSpan, Placement, screenRect, SplatCamera } from './camera.js';
-import { differences, findMaterial, PASS, surfaceOf } from './programs.js';
+import { Placement, screenRect, SplatCamera } from './camera.js';
+import { findMaterial, PASS, surfaceOf } from './programs.js';
 import { raycastSplats } from './raycast.js';
 import { FLAGS, resolveUniforms } from './resolve.js';
-import { disposeTargets, findTarget, usesHalves } from './targets.js';
+import { takeFrame } from './shared.js';
+import { disposeTargets } from './targets.js';
 
 // How far a patch may be from its tangent plane where that is drawn in its place: in pixels, and as
 // a part of the depth tolerance (batches.c).
@@ -20,12 +21,8 @@ const MAX_FLAT_PIXELS = 0.125, MAX_FLAT_TOLERANCE = 0.25;
 /** Releases before this one keep shadow maps as colours, not as depths. */
 const NATIVE_SHADOWS = 182;
 
-const passes = new Scene(), passCamera = new Camera();
-passes.matrixWorldAutoUpdate = false;
-passCamera.matrixWorldAutoUpdate = false;
-
-const viewport = new Vector4(), rect = new Vector4(), size = new Vector2(), clearColor = new Color(), inverse = new Matrix4();
-const localRay = new Ray(), camera1 = new SplatCamera(), camera2 = new SplatCamera(), white = { isMeshStandardMaterial: true, color: new Color(1, 1, 1) };
+const viewport = new Vector4(), rect = new Vector4(), corners = new Vector4(), size = new Vector2(), inverse = new Matrix4();
+const localRay = new Ray(), camera2 = new SplatCamera(), white = { isMeshStandardMaterial: true, color: new Color(1, 1, 1) };
 
 /** The geometry of a pass: nothing but a number of vertices. */
 function bareGeometry(count) {
@@ -82,6 +79,7 @@ export class PhongSplats extends Mesh {
         this.materials = materials;
         this.surfaceMaterial = material; // of batches, while a SplatShadingMaterial takes its place
         this.placements = batches.map(() => new Placement());
+        this.passMeshes = [];
         this.splatCount = batches.reduce((sum, batch) => sum + batch.count, 0);
         for (const batch of batches) batch.geometries ??= { 3: bareGeometry(3 * batch.count), 6: bareGeometry(6 * batch.count) };
     }
@@ -108,66 +106,51 @@ export class PhongSplats extends Mesh {
 
     // ---- drawing ---------------------------------------------------------------------------
 
-    /** Places the batches and fits the depth range to them. Singular ones get no part in it. */
-    place(camera) {
-        const span = new DepthSpan();
+    /** Places the batches in a view and adds them to its depths. Singular ones get no part in it. */
+    place(camera, span) {
         this.isPlaced = this.batches.map((batch, k) => {
             const placement = this.placements[k], isPlaced = placement.set(this.matrixWorld, camera.view);
-            if (isPlaced) span.add(placement.modelview, camera.host, batch.bounds, 2 * batch.depthTolerance * placement.scale);
+            if (isPlaced) span?.add(placement.modelview, camera.host, batch.bounds, 2 * batch.depthTolerance * placement.scale);
             return isPlaced;
         });
-        camera.fit(span.isEmpty ? null : span);
+    }
+
+    project(camera) {
         this.batches.forEach((batch, k) => { if (this.isPlaced[k]) this.placements[k].project(camera.projection, batch.bounds); });
     }
 
-    /** @returns the material of a batch's pass, ready to be drawn. */
-    prepare(batch, k, camera, view) {
-        const material = this.materialOf(batch), placement = this.placements[k];
-        const isCurved = showsCurvature(batch, placement, camera);
-        const pass = findMaterial(batch, material, { ...view, isCurved, isNear: placement.isNear, isTwoSided: view.isTwoSided ?? this.isTwoSided(batch) });
+    /** @returns the material of a batch's pass. */
+    findPass(batch, k, camera, view) {
+        const placement = this.placements[k], isCurved = showsCurvature(batch, placement, camera);
+        const pass = findMaterial(batch, this.materialOf(batch), { ...view, isCurved, isNear: placement.isNear, isTwoSided: view.isTwoSided ?? this.isTwoSided(batch) });
         pass.vertices = isCurved ? 6 : 3;
-        pass.use(batch, material);
-        camera.apply(pass.uniforms, placement, batch.depthTolerance);
         return pass;
     }
 
-    /** Puts the batches of a pass into the scene of passes. */
-    addPass(camera, view, order) {
-        let first = 0;
-        this.batches.forEach((batch, k) => {
-            const index = first;
-            first += batch.count;
-            if (!this.isPlaced[k]) return;
-            const material = this.prepare(batch, k, camera, view);
-            material.uniforms.u_first_index.value = index;
-            material.uniforms.u_apart.value = view.pass === PASS.parameters ? 2 ** -14 : 0;
-            material.mesh ??= new Mesh(batch.geometries[material.vertices], material);
-            material.mesh.frustumCulled = false;
-            material.mesh.renderOrder = order;
-            material.mesh.matrixWorld.copy(this.matrixWorld);
-            passes.children.push(material.mesh);
-        });
+    /** Makes a batch's pass ready to be drawn. Clones have the same passes. */
+    prepare(pass, batch, k, camera) {
+        pass.use(batch, this.materialOf(batch));
+        camera.apply(pass.uniforms, this.placements[k], batch.depthTolerance);
     }
 
-    /** Runs the passes into a target, within the rectangle of `rect`. */
-    drawPasses(renderer, target) {
-        const old = { target: renderer.getRenderTarget(), face: renderer.getActiveCubeFace(), level: renderer.getActiveMipmapLevel(), alpha: renderer.getClearAlpha(),
-            autoClear: renderer.autoClear, shadows: renderer.shadowMap.autoUpdate, xr: renderer.xr.enabled, reset: renderer.info.autoReset, tone: renderer.toneMapping };
-        const depth = renderer.state.buffers.depth, isReversed = depth.getReversed?.() === true;
-        renderer.getClearColor(clearColor);
-        renderer.autoClear = true;
-        renderer.shadowMap.autoUpdate = renderer.xr.enabled = renderer.info.autoReset = false;
-        renderer.setClearColor(0, 0);
-        if (isReversed) depth.setReversed(false);
-        renderer.setRenderTarget(target);
-        renderer.render(passes, passCamera);
-        if (isReversed) depth.setReversed(true);
-        renderer.setRenderTarget(old.target, old.face, old.level);
-        renderer.setClearColor(clearColor, old.alpha);
-        renderer.autoClear = old.autoClear;
-        renderer.shadowMap.autoUpdate = old.shadows;
-        renderer.xr.enabled = old.xr;
-        renderer.info.autoReset = old.reset;
+    /** Puts the batches of a pass into a scene of passes, with the object's number there. */
+    addPass(scene, camera, view, order, number) {
+        let first = 0;
+        this.batches.forEach((batch, k) => {
+            const index = first, pass = this.isPlaced[k] ? this.findPass(batch, k, camera, view) : null;
+            first += batch.count;
+            if (!pass) return;
+            const mesh = (this.passMeshes[2 * k + order] ??= new Mesh());
+            Object.assign(mesh, { geometry: batch.geometries[pass.vertices], material: pass, frustumCulled: false, renderOrder: order });
+            mesh.matrixWorld.copy(this.matrixWorld);
+            mesh.onBeforeRender = () => {
+                this.prepare(pass, batch, k, camera);
+                pass.uniforms.u_first_index.value = index;
+                pass.uniforms.u_apart.value = view.pass === PASS.parameters ? 2 ** -14 : 0;
+                pass.uniforms.u_owner.value.set((number & 255) / 255, (number >> 8) / 255);
+            };
+            scene.children.push(mesh);
+        });
     }
 
     onBeforeRender(renderer, scene, camera, geometry, material) {
@@ -176,75 +159,76 @@ export class PhongSplats extends Mesh {
         if (material !== this.material) return;
         if (camera.viewport) viewport.copy(camera.viewport);
         else renderer.getCurrentViewport(viewport);
-        const width = viewport.z, height = viewport.w, isHalf = usesHalves(renderer), isShading = !!material.isSplatShading;
-        camera1.set(camera, width, height, renderer.state.buffers.depth.getReversed?.() === true);
-        this.place(camera1);
-        const all = this.batches.length ? differences(this.batches, (batch) => this.materialOf(batch)) : { colors: false };
-        const differ = isShading ? material.reads(all) : all;
-        const target = findTarget(renderer, differ.materials ? 4 : differ.colors ? 3 : 2, isHalf, width, height);
-        if (this.findRect(width, height, target)) {
-            const view = { pass: isShading && material.shading === 'splats' ? PASS.parameters : PASS.normals, differ, isHalf, counts: isShading && material.shading === 'overdraw' };
-            if (view.pass === PASS.normals) this.addPass(camera1, { ...view, pass: PASS.visibility }, 0);
-            this.addPass(camera1, view, 1);
-            this.drawPasses(renderer, target);
-            passes.children.length = 0;
-            if (camera.viewport) renderer.state.viewport(camera.viewport);
-        }
-        if (isShading) this.setShading(renderer, material, target, differ, isHalf);
-        else this.setResolve(material, target, camera, differ, isHalf);
-    }
-
-    /** Finds the pixels that the splats may cover. @returns whether there are any. */
-    findRect(width, height, target) {
-        const at = new Vector4();
-        rect.set(1, 1, -1, -1);
-        this.batches.forEach((batch, k) => {
-            if (!this.isPlaced[k]) return;
-            screenRect(this.placements[k].clip, batch.bounds, width, height, at);
-            rect.set(Math.min(rect.x, at.x), Math.min(rect.y, at.y), Math.max(rect.z, at.z), Math.max(rect.w, at.w));
-        });
-        const isSeen = rect.z > rect.x && rect.w > rect.y;
-        if (!isSeen) rect.set(0, 0, 0, 0);
-        const x = Math.floor((0.5 * rect.x + 0.5) * width), y = Math.floor((0.5 * rect.y + 0.5) * height);
-        target.viewport.set(0, 0, width, height);
-        target.scissor.set(x, y, Math.ceil((0.5 * rect.z + 0.5) * width) - x, Math.ceil((0.5 * rect.w + 0.5) * height) - y);
+        const { frame, id } = takeFrame(this, renderer, scene, camera, viewport);
+        this.findRect(viewport.z, viewport.w, rect);
         // three turns front faces with the object's matrix; the rectangle is turned along.
         if ((this.matrixWorld.determinant() < 0) !== (this.material.side !== FrontSide && this.material.side !== DoubleSide)) rect.set(rect.z, rect.y, rect.x, rect.w);
-        return isSeen;
+        // Clones may follow each other with one material, whose uniforms three would not set again.
+        renderer.setRenderTarget(renderer.getRenderTarget(), renderer.getActiveCubeFace(), renderer.getActiveMipmapLevel());
+        if (camera.viewport) renderer.state.viewport(camera.viewport);
+        const u = material.isSplatShading ? this.setShading(renderer, material, frame) : this.setResolve(material, frame, camera);
+        u.psRect.value.copy(rect);
+        u.psOwners.value = frame.owners.texture;
+        u.psNumber.value = id;
+        material.uniformsNeedUpdate = true;
     }
 
-    setResolve(material, target, camera, differ, isHalf) {
-        const u = resolveUniforms(material), textures = target.textures;
+    /** Alpha that says how many samples are covered stays in them; where the background is opaque it becomes 1 again. */
+    onAfterRender(renderer, scene, camera, geometry, material) {
+        if (!material.alphaToCoverage || material !== this.material || material.isSplatShading) return;
+        if (renderer.getClearAlpha() < 1 && !scene.background) return;
+        const gl = renderer.getContext(), { colorWrite } = material;
+        gl.colorMask(false, false, false, true);
+        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 1]);
+        gl.colorMask(colorWrite, colorWrite, colorWrite, colorWrite);
+    }
+
+    /** Finds the pixels, -1 ... 1, that the splats may cover; none are 0, 0, 0, 0. */
+    findRect(width, height, out) {
+        out.set(1, 1, -1, -1);
+        this.batches.forEach((batch, k) => {
+            if (!this.isPlaced[k]) return;
+            screenRect(this.placements[k].clip, batch.bounds, width, height, corners);
+            out.set(Math.min(out.x, corners.x), Math.min(out.y, corners.y), Math.max(out.z, corners.z), Math.max(out.w, corners.w));
+        });
+        if (!(out.z > out.x && out.w > out.y)) out.set(0, 0, 0, 0);
+    }
+
+    /** @returns the uniforms of a material of three's as a resolve pass. */
+    setResolve(material, frame, camera) {
+        const u = resolveUniforms(material), { textures, depthTexture } = frame.target, { differ, isHalf, eye } = frame;
         for (let k = 0; k < 4; ++k) u[`psTarget${k}`].value = textures[k] ?? textures[0];
-        u.psDepth.value = target.depthTexture;
+        u.psDepth.value = depthTexture;
+        u.psFine.value = frame.fine?.depthTexture ?? depthTexture;
+        u.psIsSmooth.value = !!frame.fine;
         u.psFlags.value = (differ.colors ? FLAGS.colors : 0) | (differ.materials ? FLAGS.materials : 0) | (differ.occlusion ? FLAGS.occlusion : 0) | (isHalf ? FLAGS.half : 0);
-        u.psUnproject.value.copy(camera1.unproject);
+        u.psUnproject.value.copy(eye.unproject);
         u.psCamera.value.copy(camera.matrixWorld);
-        u.psToHost.value.copy(camera1.toHost);
+        u.psToHost.value.copy(eye.toHost);
         u.psOrigin.value.set(viewport.x, viewport.y);
-        u.psRect.value.copy(rect);
         const scale = Math.cbrt(Math.abs(this.matrixWorld.determinant()));
         u.psTolerance.value = 2 * scale * this.batches.reduce((most, batch) => Math.max(most, batch.depthTolerance), 0);
+        return u;
     }
 
-    setShading(renderer, material, target, differ, isHalf) {
-        const u = material.uniforms, textures = target.textures;
-        material.choose(differ, isHalf, renderer.getRenderTarget() === null && renderer.outputColorSpace === SRGBColorSpace);
+    /** @returns the uniforms of a shading of the C runtime. */
+    setShading(renderer, material, frame) {
+        const u = material.uniforms, { textures, depthTexture } = frame.target, { eye } = frame;
+        material.choose(material.reads(frame.differ), frame.isHalf, renderer.getRenderTarget() === null && renderer.outputColorSpace === SRGBColorSpace);
         for (let k = 0; k < 4; ++k) u[`u_target${k}`].value = textures[k] ?? textures[0];
-        u.u_depth.value = target.depthTexture;
+        u.u_depth.value = depthTexture;
         u.u_origin.value.set(viewport.x, viewport.y);
-        u.u_to_host.value.copy(camera1.toHost);
-        u.u_ray.value.copy(camera1.ray);
-        u.u_unproject.value.copy(camera1.unproject);
-        u.u_planes.value.copy(camera1.planes);
-        u.psRect.value.copy(rect);
+        u.u_to_host.value.copy(eye.toHost);
+        u.u_ray.value.copy(eye.ray);
+        u.u_unproject.value.copy(eye.unproject);
+        u.u_planes.value.copy(eye.planes);
         if (this.batches.length) {
             const surface = surfaceOf(this.materialOf(this.batches[0]));
             u.u_base_color.value.setFromColor(surface.color);
             u.u_surface.value.set(surface.metallic, surface.roughness, surface.unlit);
             if (surface.emissive) u.u_emissive.value.setFromColor(surface.emissive).multiplyScalar(surface.emissiveIntensity);
         }
-        material.uniformsNeedUpdate = true;
+        return u;
     }
 
     // ---- shadows ---------------------------------------------------------------------------
@@ -258,22 +242,15 @@ export class PhongSplats extends Mesh {
         const isPoint = isOld && depthMaterial === hiddenDistance;
         size.set(target.width / (isPoint ? 4 : 1), target.height / (isPoint ? 2 : 1)); // old ones have the six faces side by side
         camera2.set(shadowCamera, size.x, size.y, isReversed);
-        this.place2(camera2);
+        this.place(camera2, null); // with the depths that the shadow map has
+        this.project(camera2);
         const view = { pass: PASS.visibility, differ: {}, isHalf: false, isTwoSided: true, isReversed, packs: isOld ? (isPoint ? 'distance' : 'depth') : '' };
         this.batches.forEach((batch, k) => {
             if (!this.isPlaced[k]) return;
-            const material = this.prepare(batch, k, camera2, view);
+            const material = this.findPass(batch, k, camera2, view);
+            this.prepare(material, batch, k, camera2);
             material.uniforms.u_near_far.value.set(shadowCamera.near, shadowCamera.far);
             renderer.renderBufferDirect(shadowCamera, null, batch.geometries[material.vertices], material, this, null);
-        });
-    }
-
-    /** Like place(), with the depths that the shadow map has. */
-    place2(camera) {
-        this.isPlaced = this.batches.map((batch, k) => {
-            const isPlaced = this.placements[k].set(this.matrixWorld, camera.view);
-            if (isPlaced) this.placements[k].project(camera.projection, batch.bounds);
-            return isPlaced;
         });
     }
 

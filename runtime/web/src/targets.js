@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // targets.js - the float render targets of the splat passes (layout.h): one set for each renderer
-// and number of attachments, which all splats share, because each object is resolved before the
-// next one is drawn.
-import { DepthTexture, FloatType, HalfFloatType, NearestFilter, RedFormat, WebGLRenderTarget } from 'three';
+// and number of attachments, which all splats share, because those of one set of passes are resolved
+// before the next one is drawn.
+import { DepthTexture, FloatType, HalfFloatType, NearestFilter, RedFormat, RGFormat, UnsignedByteType, WebGLRenderTarget } from 'three';
 
 /** After so many uses that needed less than a quarter of its pixels a target shrinks. */
 const PATIENCE = 120;
@@ -18,38 +18,46 @@ export function usesHalves(renderer) {
     throw new Error('PhongSplats: this WebGL renders neither to floats nor to half floats');
 }
 
-function makeTarget(count, type, width, height) {
-    const target = new WebGLRenderTarget(width, height, {
-        count, type, minFilter: NearestFilter, magFilter: NearestFilter, generateMipmaps: false,
-        depthTexture: new DepthTexture(width, height, FloatType),
-    });
+/** Makes a target, and one with the same depths for the numbers of objects. */
+function makeTargets(count, type, width, height) {
+    const options = { minFilter: NearestFilter, magFilter: NearestFilter, generateMipmaps: false, depthTexture: new DepthTexture(width, height, FloatType) };
+    const owners = new WebGLRenderTarget(width, height, { ...options, type: UnsignedByteType, format: RGFormat });
+    const target = new WebGLRenderTarget(width, height, { ...options, count, type });
     if (count === 2) target.textures[1].format = RedFormat;
-    target.scissorTest = true;
-    return target;
+    target.scissorTest = owners.scissorTest = true;
+    return { target, owners, idle: 0 };
 }
 
-/** @returns a target with at least so many pixels; the caller sets viewport and scissor. */
+/** @returns a target and its owners with at least so many pixels; the caller sets viewport and
+ *  scissor. */
 export function findTarget(renderer, count, isHalf, width, height) {
     if (!pools.has(renderer)) pools.set(renderer, new Map());
     const pool = pools.get(renderer), key = `${count} ${isHalf}`;
-    let entry = pool.get(key);
-    if (!entry) {
-        entry = { target: makeTarget(count, isHalf ? HalfFloatType : FloatType, width, height), idle: 0 };
-        pool.set(key, entry);
-    }
-    const { target } = entry;
+    if (!pool.has(key)) pool.set(key, makeTargets(count, isHalf ? HalfFloatType : FloatType, width, height));
+    const entry = pool.get(key), { target, owners } = entry, resize = (w, h) => [target, owners].forEach((one) => one.setSize(w, h));
     entry.idle = 4 * width * height < target.width * target.height ? entry.idle + 1 : 0;
     if (entry.idle > PATIENCE) {
-        target.setSize(width, height);
+        resize(width, height);
         entry.idle = 0;
     } else if (width > target.width || height > target.height) {
-        target.setSize(Math.max(width, target.width), Math.max(height, target.height));
+        resize(Math.max(width, target.width), Math.max(height, target.height));
     }
+    return entry;
+}
+
+/** @returns a target of depths alone with exactly so many pixels. */
+export function findDepths(renderer, width, height) {
+    if (!pools.has(renderer)) pools.set(renderer, new Map());
+    const pool = pools.get(renderer), options = { minFilter: NearestFilter, magFilter: NearestFilter, generateMipmaps: false, type: UnsignedByteType, format: RedFormat };
+    if (!pool.has('depths')) pool.set('depths', { target: new WebGLRenderTarget(width, height, { ...options, depthTexture: new DepthTexture(width, height, FloatType) }) });
+    const { target } = pool.get('depths');
+    target.setSize(width, height);
+    target.scissorTest = true;
     return target;
 }
 
 /** Frees the render targets that splats have used with a renderer. */
 export function disposeTargets(renderer) {
-    for (const { target } of pools.get(renderer)?.values() ?? []) target.dispose();
+    for (const { target, owners } of pools.get(renderer)?.values() ?? []) [target, owners].forEach((one) => one?.dispose());
     pools.delete(renderer);
 }

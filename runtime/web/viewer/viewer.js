@@ -181,6 +181,7 @@ async function show(name, buffer, path, files) {
     root.traverse((object) => object.isLight && lights.push(object));
     for (const light of lights) light.removeFromParent();
     if (sides[which]) free(sides[which]);
+    root.traverse((object) => { if (object.isPhongSplats) object.material.alphaToCoverage = true; }); // smooth outlines, as the mesh has them
     sides[which] = { root, name };
     scene.add(root);
     const things = splats ? `${splats.toLocaleString('en')} splats` : `${triangles.toLocaleString('en')} triangles`;
@@ -204,7 +205,7 @@ async function showAll(entries, files) {
 }
 
 function openFiles(list) {
-    const files = new Map([...list].map((file) => [file.name, file])), models = [...files.values()].filter((file) => /\.(glb|gltf|obj)$/i.test(file.name));
+    const files = new Map([...list].map((file) => [file.name, file])), models = [...list].filter((file) => /\.(glb|gltf|obj)$/i.test(file.name));
     if (!models.length) return fail(`${[...files.keys()].join(', ')}: not one of .glb, .gltf and .obj`);
     return showAll(models.map((file) => ({ name: file.name, load: () => file.arrayBuffer(), path: '' })), files);
 }
@@ -274,4 +275,6 @@ function filesInPage() {
 const addresses = [...query.getAll('load'), ...query.getAll('source')];
 const inPage = filesInPage();
 await (inPage.length ? openFiles(inPage) : addresses.length ? openAddresses(addresses) : draw());
+/** For the console, and for scripts that drive the page. */
+window.viewer = { renderer, scene, camera, controls, sides, fit, requestFrame };
 document.documentElement.dataset.ready = 'true';
