@@ -410,7 +410,7 @@ psplat_result psplat_quantize_whole_candidate(const psplat_fit_context *context,
                                               psplat_candidate *candidate, int *fits) {
     quantizer q = quantizer_of(context, candidate);
     put_needed_first(candidate);
-    find_options(&q);
+    begin_options(&q);
     psplat_fit_status status = try_radii(&q, candidate);
     *fits = !status;
     candidate->quantized = 1;
