@@ -251,7 +251,8 @@ static psplat_result read_channel(reading *r, size_t index, psplat_json_value js
         result = psplat_gltf_require(gltf, json, members[i], names[i]);
     if (!result) result = read_target(gltf, members[1], &t);
     if (!result) result = psplat_gltf_index(gltf, members[0], names[0], sampler_count, &at);
-    if (result || t.node == PSPLAT_NONE) return result;
+    /* What moves no splats may be of a kind that this reader does not know. */
+    if (result || t.node == PSPLAT_NONE || r->rig->index_of[t.node] == PSPLAT_NONE) return result;
     sampler *s = &samplers[at];
     int turns = t.path == PSPLAT_PATH_ROTATION;
     result = note_target(r, index, &t);
@@ -265,7 +266,6 @@ static psplat_result read_channel(reading *r, size_t index, psplat_json_value js
     ++animation->info.channel_count;
     animation->info.duration =
         fmax(animation->info.duration, (double)s->keys.times[s->keys.count - 1]);
-    if (r->rig->index_of[t.node] == PSPLAT_NONE) return PSPLAT_OK;
     psplat_channel *channel = &animation->channels[animation->channel_count++];
     *channel = (psplat_channel){.keys = s->keys, .path = t.path};
     return find_animated(r, &t, &channel->animated);

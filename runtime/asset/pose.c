@@ -127,11 +127,13 @@ void psplat_pose_rest(psplat_pose *pose) {
         memcpy(pose->models[i], psplat_asset_batch(pose->asset, i)->model, sizeof pose->models[i]);
 }
 
-/* Returns whether no batch has left what a double can hold. */
-static int is_finite(const psplat_pose *pose) {
-    double min[3], max[3];
-    psplat_pose_bounds(pose, min, max);
+/* Returns whether a batch has not left what a double can hold. Its box alone would not show a NaN,
+ * which fmin and fmax ignore. */
+static int is_finite(const psplat_pose *pose, size_t batch) {
+    double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
     int all = 1;
+    psplat_asset_enlarge(psplat_asset_batch(pose->asset, batch), pose->models[batch], min, max);
+    for (int i = 0; i < 16; ++i) all &= isfinite(pose->models[batch][i]);
     for (int i = 0; i < 3; ++i) all &= isfinite(min[i]) && isfinite(max[i]);
     return all;
 }
@@ -151,10 +153,13 @@ psplat_result psplat_pose_set(psplat_pose *pose, size_t animation, double time,
     for (size_t i = 0; i < played->channel_count; ++i)
         move(&played->channels[i], time, &pose->transforms[played->channels[i].animated]);
     place_nodes(rig, pose);
-    for (size_t i = 0; i < psplat_asset_batch_count(pose->asset); ++i)
+    int all_finite = 1;
+    for (size_t i = 0; i < psplat_asset_batch_count(pose->asset); ++i) {
         memcpy(pose->models[i], pose->world[psplat_asset_rig_node(pose->asset, i)],
                sizeof pose->models[i]);
-    if (is_finite(pose)) return PSPLAT_OK;
+        all_finite &= is_finite(pose, i);
+    }
+    if (all_finite) return PSPLAT_OK;
     psplat_pose_rest(pose);
     return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
                        "at %g seconds animation %zu moves splats beyond what a double can hold",

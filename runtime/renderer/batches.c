@@ -121,7 +121,7 @@ static unsigned options_of(const psplat_model_batch *batch, const psplat_placeme
 /* Adds a chunk to the last run, or begins another where it does not follow it. */
 static int add_chunk(psplat_renderer *renderer, psplat_placed *placed, GLsizei first, GLsizei end) {
     psplat_list *runs = &renderer->instances.runs;
-    psplat_run *last = runs->items ? (psplat_run *)runs->items + runs->count - 1 : NULL;
+    psplat_run *last = runs->count ? (psplat_run *)runs->items + runs->count - 1 : NULL;
     if (placed->run_count && last->end == first) {
         last->end = end;
         return 1;

@@ -117,6 +117,7 @@ static void choose_options(psplat_frame *f) {
         if (psplat_frame_reads_material(f)) key->options |= differ;
     }
     if (!psplat_shading_reads_light(key->shading) || key->pass == PSPLAT_PASS_PARAMETERS) return;
+    if (key->host && !psplat_frame_reads_material(f)) return;
     key->light_count = f->lights.count;
     if (f->lights.has_punctual) key->options |= PSPLAT_OPTION_PUNCTUAL;
     if (f->lights.shadow_count) key->options |= PSPLAT_OPTION_SHADOWS;

@@ -198,7 +198,8 @@ static int add_group(maker *m, const size_t *order, size_t count, int keeps_orde
 }
 
 /* The buffer is allocated anew for each upload, so that GL need not wait until the last one has
- * been read. Where it grows, GL is asked whether it had the memory. */
+ * been read. Where the list of instances grew, GL is asked whether it had the memory: seldom,
+ * because the list doubles, and in a browser the answer takes long. */
 static psplat_result upload(psplat_instances *in, psplat_gl *gl, psplat_error *error) {
     size_t size = in->instances.count * sizeof(psplat_instance);
     if (!in->buffer) gl->GenBuffers(1, &in->buffer);
@@ -208,7 +209,7 @@ static psplat_result upload(psplat_instances *in, psplat_gl *gl, psplat_error *e
     gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)size, in->instances.items, GL_STREAM_DRAW);
     if (!grows) return PSPLAT_OK;
     psplat_result result = psplat_gl_errors(gl, error);
-    if (result == PSPLAT_OK) in->buffer_size = size;
+    if (result == PSPLAT_OK) in->buffer_size = in->instances.capacity * sizeof(psplat_instance);
     return result;
 }
 

@@ -54,7 +54,7 @@ typedef struct psplat_instances {
     psplat_list instances; /* of psplat_instance */
     psplat_list calls;     /* of psplat_call, in drawing order */
     GLuint buffer;         /* holds the instances */
-    size_t buffer_size;    /* the most bytes that it ever had */
+    size_t buffer_size;    /* bytes up to which GL has shown that it has the memory */
     int has_attributes;    /* 1: the vertex array has its attributes enabled */
 } psplat_instances;
 

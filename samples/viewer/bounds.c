@@ -6,6 +6,7 @@
 #include "viewer.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { SIDES = 12, MAX_CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES };
@@ -139,30 +140,60 @@ static void visit_splat(const psplat_splat *s, const double m[16], extent *e,
     if (outline.count && rings > 1) visit_point(s, m, middle[0], middle[1], e, visit);
 }
 
-static void visit_pose(const psplat_asset *asset, const psplat_pose *pose, extent *e,
-                       void (*visit)(extent *e, const double p[3])) {
-    for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
-        const psplat_batch *batch = psplat_asset_batch(asset, b);
-        const double *m = pose ? psplat_pose_matrix(pose, b) : batch->model;
-        for (size_t i = 0; i < batch->splat_count; ++i) visit_splat(&batch->splats[i], m, e, visit);
+static void visit_batch(const psplat_batch *batch, const double m[16], extent *e,
+                        void (*visit)(extent *e, const double p[3])) {
+    for (size_t i = 0; i < batch->splat_count; ++i) visit_splat(&batch->splats[i], m, e, visit);
+}
+
+/* Returns the box around a batch in its own coordinates, empty where nothing of it is seen. */
+static extent box_of(const psplat_batch *batch) {
+    static const double identity[16] = {[0] = 1, [5] = 1, [10] = 1, [15] = 1};
+    extent box = {.min = {INFINITY, INFINITY, INFINITY}, .max = {-INFINITY, -INFINITY, -INFINITY}};
+    visit_batch(batch, identity, &box, grow_box);
+    return box;
+}
+
+static void visit_corners(const extent *box, const double m[16], extent *e,
+                          void (*visit)(extent *e, const double p[3])) {
+    for (int corner = 0; box->min[0] <= box->max[0] && corner < 8; ++corner) {
+        double p[3], q[3];
+        for (int k = 0; k < 3; ++k) p[k] = corner >> k & 1 ? box->max[k] : box->min[k];
+        for (int r = 0; r < 3; ++r)
+            q[r] = m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
+        visit(e, q);
     }
 }
 
-/* Visits the splats at rest and at some times of the first animations, so that these stay in the
- * picture. */
-static void visit_all(const psplat_asset *asset, extent *e,
-                      void (*visit)(extent *e, const double p[3])) {
+/* Visits the batches' boxes at some times of the first animations, so that these stay in the
+ * picture: visiting all splats each time would take long. */
+static void visit_poses(const psplat_asset *asset, psplat_pose *pose, const extent *boxes,
+                        extent *e, void (*visit)(extent *e, const double p[3])) {
     enum { TIMES = 8, ANIMATIONS = 4 };
-    psplat_pose *pose = NULL;
     size_t count = psplat_asset_animation_count(asset);
-    visit_pose(asset, NULL, e, visit);
-    if (!count || psplat_pose_create(asset, &pose, NULL)) return;
     for (size_t i = 0; i < count && i < ANIMATIONS; ++i)
         for (int k = 0; k <= TIMES; ++k) {
             double duration = psplat_asset_get_animation(asset, i)->duration;
-            if (!psplat_pose_set(pose, i, duration * k / TIMES, NULL))
-                visit_pose(asset, pose, e, visit);
+            if (psplat_pose_set(pose, i, duration * k / TIMES, NULL)) continue;
+            for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b)
+                visit_corners(&boxes[b], psplat_pose_matrix(pose, b), e, visit);
         }
+}
+
+/* Visits the splats at rest, and what of them animations move. */
+static void visit_all(const psplat_asset *asset, extent *e,
+                      void (*visit)(extent *e, const double p[3])) {
+    size_t count = psplat_asset_batch_count(asset);
+    psplat_pose *pose = NULL;
+    extent *boxes = NULL;
+    for (size_t b = 0; b < count; ++b) {
+        const psplat_batch *batch = psplat_asset_batch(asset, b);
+        visit_batch(batch, batch->model, e, visit);
+    }
+    if (!psplat_asset_animation_count(asset) || psplat_pose_create(asset, &pose, NULL)) return;
+    boxes = malloc((count + 1) * sizeof *boxes);
+    for (size_t b = 0; boxes && b < count; ++b) boxes[b] = box_of(psplat_asset_batch(asset, b));
+    if (boxes) visit_poses(asset, pose, boxes, e, visit);
+    free(boxes);
     psplat_pose_destroy(pose);
 }
 

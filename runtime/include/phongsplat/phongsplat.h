@@ -173,7 +173,8 @@ PSPLAT_EXPORT void psplat_asset_bounds(const psplat_asset *asset, double min[3],
 typedef struct psplat_animation {
     const char *name;     /* "" where the file gives none */
     double duration;      /* the time of its last key, seconds; the first may be later than 0 */
-    size_t channel_count; /* that move the translation, the rotation or the scale of a node */
+    size_t channel_count; /* that move the translation, the rotation or the scale of a node with
+                             splats, or of one above it; the others count for nothing */
 } psplat_animation;
 
 /* Return the number of animations and one of them, in the order of the file. An asset that is NULL
@@ -518,7 +519,8 @@ typedef struct psplat_view {
     int depth_only; /* 1: splats are drawn in one pass into the framebuffer's depth buffer alone, at
                        the depths of a shadow map: moved away from the eye by epsilon of spec 5.3,
                        the bias that keeps them from shading themselves. mode, shading, resolve,
-                       lights and colours do not matter; shadows want PSPLAT_CULL_NEVER */
+                       lights and colours must be valid but do not matter; shadows want
+                       PSPLAT_CULL_NEVER */
     psplat_host_state host; /* matters under PSPLAT_STATE_HOST_RESETS alone */
 } psplat_view;
 
@@ -546,7 +548,8 @@ typedef struct psplat_item {
  *
  * items has item_count entries, which may be 0. One call with all items of a view is far cheaper
  * than a call for each, which would clear and resolve render targets every time. Errors: ARGUMENT
- * (a pointer is NULL, or a value of the view or of a light is out of range), MEMORY, GRAPHICS. What
+ * (a pointer is NULL, a value of the view or of a light is out of range, or a pose has not as many
+ * batches as its model; that of another asset with as many is not noticed), MEMORY, GRAPHICS. What
  * the framebuffer holds after an error is undefined.
  *
  * A resolve function of the host's writes to as many draw buffers as it has outputs, with what the
@@ -565,15 +568,17 @@ typedef struct psplat_item {
  *
  * Under PSPLAT_STATE_HOST_RESETS this function reads no state, so that nothing waits for the GPU
  * or, in a browser, for another process. psplat_view.host tells what it has to know. In a frame
- * that makes nothing new (programs, targets, shadow maps) it calls no glGet... and no glIsEnabled.
+ * that makes nothing new (programs, targets, shadow maps, room for more instances than ever) it calls
+ * no glGet... and no glIsEnabled.
  * It leaves this behind, whatever it draws and also where it fails while drawing; with no items, or
  * where arguments are refused, it changes nothing:
  *
  *     glBindFramebuffer         psplat_view.host.framebuffer for drawing; that for reading is as
  *                               before
  *     glViewport                x, y, width, height of the view
- *     GL_SCISSOR_TEST           psplat_view.host.scissor_test; the box is as before where that is
- * 1, else that of the viewport glUseProgram, glBindVertexArray                               0
+ *     GL_SCISSOR_TEST           psplat_view.host.scissor_test
+ *     glScissor                 as before where the test is enabled, else that of the viewport
+ *     glUseProgram, glBindVertexArray 0
  *     GL_DITHER                                                     enabled
  *     GL_BLEND, GL_CULL_FACE, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_POLYGON_OFFSET_FILL,
  *     GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_COVERAGE, in GLES 3.1 and GL

@@ -104,15 +104,17 @@ export class PhongSplatsRenderer {
             bounds.push(...new Float64Array(exports.memory.buffer, at, 6));
             return opened;
         });
+        let images = new Map();
         try {
-            const images = await this.decode(asset);
+            images = await this.decode(asset);
+            if (this.handle !== handle) throw new PhongSplatsError('the renderer was disposed', 1);
             this.bitmaps = images;
             const made = exports.ps_model_create(handle, asset) || this.fail();
-            for (const bitmap of images.values()) bitmap.close();
             const model = new Model(this, made, exports.ps_splat_count(made), bounds);
             this.models.add(model);
             return model;
         } finally {
+            for (const bitmap of images.values()) bitmap.close();
             this.bitmaps = new Map();
             exports.ps_close(asset);
         }
@@ -167,6 +169,7 @@ function viewNumbers(gl, { view, projection, shading, lights, ambient, shadowSiz
     // A lost context has no buffer; the runtime says that it is lost.
     numbers.set([gl.drawingBufferWidth || 1, gl.drawingBufferHeight || 1, code, shadowSize, ...ambient, lights.length], 32);
     lights.forEach(({ type = 'directional', color = [Math.PI, Math.PI, Math.PI], direction = [0, -1, 0], position = [0, 0, 0], range = 0, innerAngle = 0, outerAngle = 0, castsShadow = false }, k) => {
+        if (!LIGHTS.includes(type)) throw new PhongSplatsError(`unknown light ${type}`, 1);
         numbers.set([LIGHTS.indexOf(type), ...color, ...direction, ...position, range, innerAngle, outerAngle, +castsShadow], 40 + k * LIGHT_NUMBERS);
     });
     return numbers;

@@ -205,7 +205,7 @@ static char *overlapping(int n) {
         snprintf(list + listed, sizeof list - listed, "%s%d", comma, i + 1);
     }
     strcat(list, "]}");
-    for (int i = 0; i < n; ++i) strcat(list, ",{}");
+    for (int i = 0; i < n; ++i) strcat(list, ",{\"mesh\":0}");
     snprintf(all, sizeof all, "{\"channels\":[%s],\"samplers\":[%s]}", channels, samplers);
     return moving_text(&m, PSPLAT_SOURCE_DIR, list, all);
 }
