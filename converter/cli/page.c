@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const char template_name[] = "phongsplat-page.html";
 
@@ -23,12 +24,14 @@ static psplat_result read_template(char **text, psplat_error *error) {
     char path[MAX_PATH], name[MAX_PATH + sizeof PSPLAT_PAGE_DIRECTORY + sizeof template_name + 1];
     psplat_result result = PSPLAT_ERROR_READ;
     size_t size;
+    int is_there = 0;
     int is_known = psplat_program_directory(path, sizeof path);
-    for (int i = 0; is_known && i < PLACE_COUNT && result == PSPLAT_ERROR_READ; ++i) {
+    for (int i = 0; is_known && i < PLACE_COUNT && !is_there; ++i) {
         snprintf(name, sizeof name, "%s%s%s", path, places[i], template_name);
-        result = psplat_file_read(name, text, &size, error);
+        is_there = access(name, F_OK) == 0;
+        if (is_there) result = psplat_file_read(name, text, &size, error);
     }
-    if (result == PSPLAT_ERROR_READ)
+    if (!is_there)
         return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0,
                            "%s: not found beside phongsplat or in %s; builds have it where "
                            "Node.js and three.js are (samples/install.sh)",

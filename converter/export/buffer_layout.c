@@ -237,6 +237,8 @@ static int make_primitives(const psplat_buffer_layout_plan *plan, psplat_buffer_
 
 /* ---- streams -------------------------------------------------------------------------------- */
 
+/* Returns whether streams hold a kind. A new kind must not come to lie between these unless they
+ * do. */
 static int is_in_stream(size_t kind) {
     return kind == PSPLAT_ATTRIBUTE_NORMAL ||
            (kind >= PSPLAT_ATTRIBUTE_ROTATION && kind < PSPLAT_ATTRIBUTE_COLOR_U);

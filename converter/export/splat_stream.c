@@ -22,7 +22,6 @@ enum {
     SECTION_BYTES = 12,
     WINDOW = 32,     /* splats among which the nearest is looked for */
     LEAST_BYTES = 3, /* of a stream, for each splat (spec 3.12) */
-    MOST_GRADE = 7,
     MOST_LENGTH = 17,
     ADAPTED = 40 /* the most bits that a probability remembers */
 };
@@ -210,7 +209,7 @@ static uint32_t least_of(uint32_t a, uint32_t b) {
 static uint32_t grade_of(const common *c, size_t index) {
     int32_t radius = radius_of(c, index, 0);
     if (!c->halving || radius >= c->reference) return 0;
-    return least_of((uint32_t)(c->reference - radius) / c->halving, MOST_GRADE);
+    return least_of((uint32_t)(c->reference - radius) / c->halving, PSPLAT_MOST_GRADE);
 }
 
 /* Returns the bits that the lines of a splat have less. */

@@ -4,8 +4,9 @@
  * checked.
  *
  * It shares nothing with the tree of fits (mesh/triangle_tree.h), whose faults it would hide else:
- * neither the order of triangles, nor the search, nor the distance of a triangle. It takes about 12
- * bytes a triangle beside the mesh, and 28 while it is built.
+ * neither the order of triangles, nor the search, nor the distance of a triangle. What divides
+ * splats, measure/splat_distance.c, is common to the check and to fits where their walk does not
+ * reach. It takes about 12 bytes a triangle beside the mesh, and 28 while it is built.
  */
 #ifndef PHONGSPLAT_MESH_MORTON_TREE_H
 #define PHONGSPLAT_MESH_MORTON_TREE_H

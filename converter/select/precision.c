@@ -119,7 +119,8 @@ static int has_curved(const psplat_conversion *c) {
 static void choose_shapes(const psplat_conversion *c, double radius, psplat_precision *p) {
     if (!has_curved(c)) return;
     p->shape_step = fmin(4 * greatest_bend_tolerances * c->tolerance / radius, greatest_shape_step);
-    p->shape_grades = (int)floor(log2(greatest_shape_step / p->shape_step));
+    p->shape_grades =
+        (int)fmin(floor(log2(greatest_shape_step / p->shape_step)), PSPLAT_MOST_GRADE);
 }
 
 /* Returns the least power of two from 4 to 2^14 that is not below a number; 2^14 where none is. */

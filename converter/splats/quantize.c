@@ -55,13 +55,12 @@ static int turn_bits(const psplat_precision *p, int elongation) {
 }
 
 psplat_precision psplat_precision_at(const psplat_precision *p, const double radius[2]) {
-    enum { MOST_GRADE = 7 };
     psplat_precision at = *p;
     if (!p->halving) return at;
     int large = round_to(log(radius[0] / p->unit), p->scale_step);
     int small = round_to(log(radius[1] / p->unit), p->scale_step);
     int grade = large < p->reference ? (p->reference - large) / p->halving : 0;
-    grade = least_of(grade, MOST_GRADE);
+    grade = least_of(grade, PSPLAT_MOST_GRADE);
     double line = 1 << least_of(grade, ilogb(1 / p->line_turn_step) - 1);
     at.halving = 0;
     at.normal_shift = least_of(grade, p->normal_grades);

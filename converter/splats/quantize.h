@@ -11,13 +11,16 @@
 
 #include <stdint.h>
 
+/* The most often that steps are halved for splats that are smaller (spec 3.12). */
+enum { PSPLAT_MOST_GRADE = 7 };
+
 /* Rounds all splats with their texture coordinates to splats->precision, to what a reader of the
  * file gets. Does nothing where the
  * precision is that of floats. */
 void psplat_round_to_precision(psplat_splats *splats);
 
-/* Returns the steps of a splat of these radii, which are on the grid: all of them multiples of those
- * of a precision. normal_shift becomes the low bits of codes of N that are 0. */
+/* Returns the steps of a splat of these radii, which are on the grid: all of them multiples of
+ * those of a precision. normal_shift becomes the low bits of codes of N that are 0. */
 psplat_precision psplat_precision_at(const psplat_precision *precision, const double radius[2]);
 
 /* Finds B1 and B2 of spec eq. (0), from which the turn about a unit normal is measured. */

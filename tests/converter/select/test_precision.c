@@ -97,23 +97,25 @@ static void test_steps(void **state) {
     fixture_free(&cube);
 }
 
-/* Returns the bits chosen for the normals of splats that face all ways and have one radius, in
+/* Returns the precision chosen for curved splats that face all ways and have one radius, in
  * tolerances. */
-static int bits_of(double radius) {
+static psplat_precision precision_of(double radius) {
     enum { COUNT = 200 };
     const psplat_convert_desc desc = {.precision = PSPLAT_USUAL_PRECISION};
     psplat_conversion c = {.desc = &desc, .tolerance = 1, .surface = {.diagonal = 1000}};
     uint64_t random = 3;
     for (int i = 0; i < COUNT; ++i) {
         psplat_candidate candidate = {
-            .taken = 1, .covered_count = 1, .region = {.radius = {radius, radius}}};
+            .taken = 1,
+            .covered_count = 1,
+            .region = {.radius = {radius, radius}, .hessian = {1e-6, 0, 0}}};
         psplat_region *r = &candidate.region;
         random_axes(&random, r->u, r->v, r->n);
         assert_true(psplat_selection_push(&c.selection, &candidate));
     }
     psplat_precision p = psplat_precision_choose(&c);
     psplat_selection_free(&c.selection);
-    return p.normal_bits;
+    return p;
 }
 
 /* Steps are 1/255 for 9 bits and half of that for each bit more, up to 14. An error of half a step
@@ -121,17 +123,26 @@ static int bits_of(double radius) {
  * tolerances for 9 bits, and twice that for each bit more. */
 static void test_normal_bits(void **state) {
     (void)state;
-    assert_int_equal(bits_of(20), 9);
-    assert_int_equal(bits_of(200), 12);
-    assert_int_equal(bits_of(2000), 14);
+    assert_int_equal(precision_of(20).normal_bits, 9);
+    assert_int_equal(precision_of(200).normal_bits, 12);
+    assert_int_equal(precision_of(2000).normal_bits, 14);
+}
+
+/* Steps are halved as often as splats may be smaller, but no more often than streams can say: seven
+ * times (spec 3.12). Slopes have a step of 0.4 tolerances over the greatest radius, which is 0.1 at
+ * most: 0.1 / 2^2 and a little less for 20 tolerances, 2^8 times less for 2000. */
+static void test_grades(void **state) {
+    (void)state;
+    assert_int_equal(precision_of(20).shape_grades, 2);
+    assert_int_equal(precision_of(2000).shape_grades, 7);
+    assert_in_range(precision_of(2000).normal_grades, 1, 7);
 }
 
 int test_precision_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_flat),
-        cmocka_unit_test(test_floats),
-        cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_normal_bits),
+        cmocka_unit_test(test_flat),   cmocka_unit_test(test_floats),
+        cmocka_unit_test(test_steps),  cmocka_unit_test(test_normal_bits),
+        cmocka_unit_test(test_grades),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
