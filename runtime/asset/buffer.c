@@ -6,6 +6,7 @@
 #include "asset/gltf.h"
 #include "core/uri.h"
 
+#include <stdint.h>
 #include <string.h>
 
 static const char *name_of(const psplat_buffer *buffer) {
@@ -107,4 +108,12 @@ size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position) {
     if (buffer->is_decoded) return buffer->origin;
     /* Base64 writes three bytes with four digits; this is the digit in which the byte begins. */
     return buffer->origin + (buffer->is_base64 ? position / 3 * 4 + position % 3 : position);
+}
+
+/* No product or sum wraps, whatever the width of size_t. */
+int psplat_gltf_decodes_too_much(const psplat_gltf *gltf, size_t bytes) {
+    size_t loaded = gltf->loaded_bytes - gltf->decoded_bytes;
+    if (bytes > SIZE_MAX - gltf->decoded_bytes) return 1;
+    size_t all = gltf->decoded_bytes + bytes, times = all / PSPLAT_MOST_FROM_A_BYTE;
+    return times > loaded || (times == loaded && all % PSPLAT_MOST_FROM_A_BYTE);
 }

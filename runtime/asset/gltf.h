@@ -136,7 +136,7 @@ typedef struct psplat_gltf {
 
     psplat_files files;
     const char *base_path; /* directory of external buffers; NULL: they are refused */
-    size_t file_budget;    /* bytes that external buffers may still load */
+    size_t file_budget;    /* bytes that may still be loaded or decoded */
     const uint8_t *bin;    /* the BIN chunk, or NULL */
     size_t bin_size, bin_offset;
     size_t loaded_bytes;  /* of all buffers loaded so far */
@@ -153,6 +153,7 @@ typedef struct psplat_gltf {
     psplat_splat *chunk_splats; /* of the chunk being decoded, where only_draws; else NULL */
     psplat_finish *chunk_finishes;
     psplat_texcoord *chunk_texcoords;
+    struct psplat_stream_memory *stream; /* see stream.h; NULL until a primitive has a stream */
 
     psplat_buffer *buffers;
     psplat_view_range *views;
@@ -195,6 +196,13 @@ psplat_result psplat_buffer_load(psplat_gltf *gltf, psplat_buffer *buffer);
 
 /* Loads what the uri of a buffer or image names and stores its number of bytes in *size. */
 psplat_result psplat_buffer_load_uri(psplat_gltf *gltf, psplat_buffer *buffer, size_t *size);
+
+/* The most bytes that are decoded from a byte of a file. */
+enum { PSPLAT_MOST_FROM_A_BYTE = 64 };
+
+/* Returns whether so many bytes more than have been decoded so far would be more than
+ * PSPLAT_MOST_FROM_A_BYTE for each byte that was loaded without decoding. */
+int psplat_gltf_decodes_too_much(const psplat_gltf *gltf, size_t bytes);
 
 /* Returns the offset, in the file or in the external one, of a byte position of a loaded buffer. */
 size_t psplat_buffer_offset(const psplat_buffer *buffer, size_t position);

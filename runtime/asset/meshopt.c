@@ -16,8 +16,7 @@ enum {
     MAX_STRIDE = 256,
     MAX_BLOCK = 256, /* elements in a block */
     BLOCK_BYTES = 8192,
-    GROUP = 16, /* elements in a group */
-    MOST_FROM_A_BYTE = 64
+    GROUP = 16 /* elements in a group */
 };
 
 typedef enum filter {
@@ -103,7 +102,7 @@ static psplat_result check_size(const psplat_gltf *gltf, const psplat_view_range
     size_t buffer_length = gltf->buffers[s->buffer].length;
     if (s->offset > buffer_length || s->length > buffer_length - s->offset)
         return fail(gltf, s, PSPLAT_ERROR_RANGE, "leaves its buffer");
-    if (view->length / MOST_FROM_A_BYTE > s->length)
+    if (view->length / PSPLAT_MOST_FROM_A_BYTE > s->length)
         return fail(gltf, s, PSPLAT_ERROR_RANGE, "announces more than its bytes can hold");
     if (view->length > gltf->file_budget)
         return fail(gltf, s, PSPLAT_ERROR_RANGE, "is larger than allowed");
@@ -183,8 +182,7 @@ static psplat_result measure(psplat_gltf *gltf, psplat_view_range *view, const s
 /* Several views may share their compressed bytes, but not so often that they fill the memory. */
 static psplat_result check_total(const psplat_gltf *gltf, const psplat_view_range *view,
                                  const stream *s) {
-    size_t most = (gltf->loaded_bytes - gltf->decoded_bytes) * MOST_FROM_A_BYTE;
-    if (view->length <= most && gltf->decoded_bytes <= most - view->length) return PSPLAT_OK;
+    if (!psplat_gltf_decodes_too_much(gltf, view->length)) return PSPLAT_OK;
     return fail(gltf, s, PSPLAT_ERROR_RANGE, "uses the file's bytes too many times over");
 }
 

@@ -212,7 +212,9 @@ static psplat_result check_total(psplat_gltf *gltf, psplat_json_value attributes
 }
 
 static psplat_result describe(const psplat_gltf *gltf, const psplat_readers *r, psplat_set *set) {
-    set->attributes = psplat_arena_take(gltf->kept, PSPLAT_ATTRIBUTES, sizeof *set->attributes);
+    size_t present = 0;
+    for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) present += r->is_present[i] != 0;
+    set->attributes = psplat_arena_take(gltf->kept, present, sizeof *set->attributes);
     if (!set->attributes)
         return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for attributes");
     for (size_t i = 0; i < PSPLAT_ATTRIBUTES; ++i) {
@@ -325,6 +327,15 @@ static psplat_result fill_set(psplat_gltf *gltf, psplat_json_value attributes,
 
 /* ---- streams ------------------------------------------------------------------------------ */
 
+/* Distances between integers are exact, so that every machine finds the same nearest splat. */
+static psplat_result check_coarse(const psplat_gltf *gltf, psplat_json_value position,
+                                  const psplat_reader *reader) {
+    if (reader->component_type != PSPLAT_FLOAT && !reader->normalized) return PSPLAT_OK;
+    return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, psplat_gltf_offset(gltf, position),
+                       "POSITION: beside a stream, components must be integers that are not "
+                       "normalized");
+}
+
 /* Opens the accessors beside a stream. */
 static psplat_result open_beside_stream(psplat_gltf *gltf, psplat_json_value object,
                                         const psplat_stream *stream, psplat_readers *r) {
@@ -348,7 +359,7 @@ static psplat_result open_beside_stream(psplat_gltf *gltf, psplat_json_value obj
             result = psplat_reader_open(gltf, found[i], &psplat_attribute_types[i],
                                         PSPLAT_EXTENSION_VERSION, stream->count, &r->of[i]);
     }
-    return result;
+    return result ? result : check_coarse(gltf, found[PSPLAT_POSITION], &r->of[PSPLAT_POSITION]);
 }
 
 /* Makes a set of a section. all are the readers of the accessors beside the stream. */
@@ -380,16 +391,13 @@ static psplat_result parse_streamed(psplat_gltf *gltf, psplat_json_value attribu
                                     psplat_json_value extension, psplat_json_value material,
                                     psplat_json_value value, const psplat_set *like) {
     psplat_readers readers = {0};
-    psplat_stream *stream = psplat_arena_take(gltf->scratch, 1, sizeof *stream);
-    if (!stream)
-        return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, psplat_gltf_offset(gltf, value),
-                           "no memory for a stream");
-    psplat_result result = psplat_stream_open(gltf, value, stream);
+    psplat_stream *stream = NULL;
+    psplat_result result = psplat_stream_open(gltf, value, &stream);
     if (!result) result = open_beside_stream(gltf, attributes, stream, &readers);
     if (!result) result = check_ranges(gltf, extension, &readers, like);
     if (!result) result = psplat_stream_decode(gltf, &readers.of[PSPLAT_POSITION], stream);
     if (!result) result = compare_extents(gltf, value, stream->extent, stream->found_extent);
-    for (size_t i = 0; i < stream->section_count && !result; ++i)
+    for (size_t i = 0; !result && i < stream->section_count; ++i)
         result = add_section(gltf, attributes, material, stream, i, &readers, like);
     return result;
 }

@@ -121,24 +121,13 @@ static psplat_result parse_sections(const psplat_gltf *gltf, psplat_stream *s) {
             !(section->depth_tolerance >= 0 && section->depth_tolerance <= FLT_MAX) ||
             ((flags & CURVED) && !(flags & GAMMA)))
             return fail(gltf, s, PSPLAT_ERROR_RANGE, "has a section out of range");
+        /* Compared before it is added, so that no sum wraps where size_t has 32 bits. */
+        if (section->count > s->size / LEAST_BYTES - s->count)
+            return fail(gltf, s, PSPLAT_ERROR_RANGE,
+                        "announces more splats than its bytes can hold");
         s->count += section->count;
     }
-    if (s->count > s->size / LEAST_BYTES)
-        return fail(gltf, s, PSPLAT_ERROR_RANGE, "announces more splats than its bytes can hold");
     return PSPLAT_OK;
-}
-
-psplat_result psplat_stream_open(psplat_gltf *gltf, psplat_json_value view, psplat_stream *s) {
-    size_t index = 0, start = 0;
-    const psplat_buffer *buffer = NULL;
-    *s = (psplat_stream){.json = view};
-    psplat_result result = psplat_gltf_index(gltf, view, "stream", gltf->view_count, &index);
-    if (!result) result = psplat_view_load(gltf, &gltf->views[index], "stream", &buffer, &start);
-    if (result) return result;
-    s->bytes = buffer->data + start;
-    s->size = gltf->views[index].length;
-    result = parse_head(gltf, s);
-    return result ? result : parse_sections(gltf, s);
 }
 
 /* ---- the arithmetic decoder -------------------------------------------------------------------
@@ -191,6 +180,14 @@ typedef struct decoder {
     number_model models[MODELS];
     code window[WINDOW]; /* the last splats; number i is at i % WINDOW */
 } decoder;
+
+/* One stream is decoded at a time, in memory that all of a file share. */
+struct psplat_stream_memory {
+    psplat_stream stream;
+    decoder decoder;
+    uint8_t *rows;
+    size_t row_capacity;
+};
 
 static uint32_t next_byte(decoder *d) {
     if (d->next < d->end) return *d->next++;
@@ -453,23 +450,50 @@ static psplat_result read_splats(psplat_gltf *gltf, const psplat_reader *positio
     return PSPLAT_OK;
 }
 
+/* ---- streams --------------------------------------------------------------------------------- */
+
+psplat_result psplat_stream_open(psplat_gltf *gltf, psplat_json_value view,
+                                 psplat_stream **stream) {
+    size_t index = 0, start = 0;
+    const psplat_buffer *buffer = NULL;
+    if (!gltf->stream) gltf->stream = psplat_arena_take(gltf->scratch, 1, sizeof *gltf->stream);
+    if (!gltf->stream)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, psplat_gltf_offset(gltf, view),
+                           "no memory for a stream");
+    psplat_stream *s = *stream = &gltf->stream->stream;
+    *s = (psplat_stream){.json = view};
+    psplat_result result = psplat_gltf_index(gltf, view, "stream", gltf->view_count, &index);
+    if (!result && (gltf->views[index].stride || gltf->views[index].compression))
+        return fail(gltf, s, PSPLAT_ERROR_FORMAT,
+                    "is in a bufferView with a byteStride or a compression");
+    if (!result) result = psplat_view_load(gltf, &gltf->views[index], "stream", &buffer, &start);
+    if (result) return result;
+    s->bytes = buffer->data + start;
+    s->size = gltf->views[index].length;
+    result = parse_head(gltf, s);
+    return result ? result : parse_sections(gltf, s);
+}
+
 /* Takes memory for the rows. Several primitives may share a stream, but not so often that they fill
  * the memory. */
-static psplat_result reserve(psplat_gltf *gltf, psplat_stream *s, uint8_t **rows) {
-    enum { MOST_FROM_A_BYTE = 64 };
+static psplat_result reserve(psplat_gltf *gltf, psplat_stream *s) {
+    struct psplat_stream_memory *memory = gltf->stream;
+    if (s->count > gltf->file_budget / ROW_BYTES)
+        return fail(gltf, s, PSPLAT_ERROR_RANGE, "is decoded larger than allowed");
     size_t bytes = s->count * ROW_BYTES;
-    size_t most = (gltf->loaded_bytes - gltf->decoded_bytes) * MOST_FROM_A_BYTE;
-    if (bytes > most || gltf->decoded_bytes > most - bytes)
+    if (psplat_gltf_decodes_too_much(gltf, bytes))
         return fail(gltf, s, PSPLAT_ERROR_RANGE, "uses the file's bytes too many times over");
-    *rows = psplat_arena_reserve(gltf->scratch, s->count, ROW_BYTES);
-    s->decoded = psplat_arena_take(gltf->scratch, 1, sizeof *s->decoded);
-    if (!*rows || !s->decoded)
-        return fail(gltf, s, PSPLAT_ERROR_MEMORY, "leaves no memory to decode it");
-    *s->decoded = (psplat_buffer){.json = s->json,
-                                  .length = bytes,
-                                  .data = *rows,
-                                  .origin = psplat_gltf_offset(gltf, s->json),
-                                  .is_decoded = 1};
+    if (s->count > memory->row_capacity) {
+        memory->rows = psplat_arena_reserve(gltf->scratch, s->count, ROW_BYTES);
+        memory->row_capacity = memory->rows ? s->count : 0;
+    }
+    if (!memory->rows) return fail(gltf, s, PSPLAT_ERROR_MEMORY, "leaves no memory to decode it");
+    s->decoded = (psplat_buffer){.json = s->json,
+                                 .length = bytes,
+                                 .data = memory->rows,
+                                 .origin = psplat_gltf_offset(gltf, s->json),
+                                 .is_decoded = 1};
+    gltf->file_budget -= bytes;
     gltf->loaded_bytes += bytes;
     gltf->decoded_bytes += bytes;
     return PSPLAT_OK;
@@ -477,17 +501,19 @@ static psplat_result reserve(psplat_gltf *gltf, psplat_stream *s, uint8_t **rows
 
 psplat_result psplat_stream_decode(psplat_gltf *gltf, const psplat_reader *positions,
                                    psplat_stream *s) {
-    uint8_t *rows = NULL;
-    psplat_result result = reserve(gltf, s, &rows);
+    psplat_result result = reserve(gltf, s);
     if (result) return result;
-    decoder *d = psplat_arena_take(gltf->scratch, 1, sizeof *d);
-    if (!d) return fail(gltf, s, PSPLAT_ERROR_MEMORY, "leaves no memory to decode it");
-    d->stream = s;
-    d->next = s->bytes + HEAD_BYTES + SECTION_BYTES * s->section_count;
-    d->end = s->bytes + s->size;
-    d->measures = gltf->measures;
+    decoder *d = &gltf->stream->decoder;
+    *d = (decoder){.stream = s,
+                   .next = s->bytes + HEAD_BYTES + SECTION_BYTES * s->section_count,
+                   .end = s->bytes + s->size,
+                   .measures = gltf->measures};
     start(d);
-    return read_splats(gltf, positions, d, rows);
+    result = read_splats(gltf, positions, d, gltf->stream->rows);
+    for (; !result && d->next < d->end; ++d->next)
+        if (*d->next)
+            result = fail(gltf, s, PSPLAT_ERROR_FORMAT, "has bytes other than 0 behind its splats");
+    return result;
 }
 
 /* ---- readers --------------------------------------------------------------------------------- */
@@ -502,7 +528,7 @@ static void add_reader(const psplat_stream *s, size_t section, size_t attribute,
                        size_t components, psplat_readers *readers) {
     readers->is_present[attribute] = 1;
     readers->of[attribute] =
-        (psplat_reader){.buffer = s->decoded,
+        (psplat_reader){.buffer = &s->decoded,
                         .start = s->sections[section].first * ROW_BYTES + at * sizeof(float),
                         .stride = ROW_BYTES,
                         .components = components,

@@ -25,7 +25,7 @@ typedef struct psplat_stream {
     psplat_json_value json; /* the index of its view, for errors */
     const uint8_t *bytes;
     size_t size;
-    psplat_buffer *decoded; /* a row of floats for each splat, where decoded */
+    psplat_buffer decoded; /* a row of floats for each splat, where decoded */
     uint32_t low_bits, normal_bits, turn_bits, line_turn_bits, halving, shape_grades, normal_grades;
     int32_t reference;
     psplat_kernel kernel;
@@ -37,9 +37,10 @@ typedef struct psplat_stream {
     double spent[PSPLAT_MAX_SECTIONS][PSPLAT_ATTRIBUTES];
 } psplat_stream;
 
-/* Reads the head and the sections of the stream in the view of an index in JSON. Fails with FORMAT,
- * RANGE or UNSUPPORTED. */
-psplat_result psplat_stream_open(psplat_gltf *gltf, psplat_json_value view, psplat_stream *stream);
+/* Reads the head and the sections of the stream in the view of an index in JSON. *stream belongs to
+ * gltf, which has one: it and readers of it hold until the next call. Fails with FORMAT, RANGE,
+ * UNSUPPORTED or MEMORY. */
+psplat_result psplat_stream_open(psplat_gltf *gltf, psplat_json_value view, psplat_stream **stream);
 
 /* Decodes all splats, whose coarse positions are those of POSITION. */
 psplat_result psplat_stream_decode(psplat_gltf *gltf, const psplat_reader *positions,

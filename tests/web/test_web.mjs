@@ -545,6 +545,24 @@ for (const [what, change, message] of broken) {
     });
 }
 
+const brokenStreams = [
+    ['normalized positions beside a stream', (g) => { g.accessors[0].normalized = true; }, /POSITION: beside a stream, components must be integers/],
+    ['a stream in a view with a stride', (g) => { g.bufferViews[0].byteStride = 4; }, /a stream is in a bufferView with a byteStride/],
+    ['a compressed stream', (g) => { g.bufferViews[0].extensions = { EXT_meshopt_compression: {} }; }, /a stream is in a bufferView with a byteStride or a compression/],
+    ['bytes behind the last splat of a stream', (g) => { g.bufferViews[0].byteLength += 5; }, /a stream has bytes other than 0 behind its splats/],
+    ['a stream that ends early', (g) => { g.bufferViews[0].byteLength -= 30; }, /a stream is damaged/],
+];
+
+for (const [what, change, message] of brokenStreams) {
+    test(`a file with ${what} says so`, async () => {
+        const json = JSON.parse(readFileSync(join(root, 'schema/streamed.gltf'), 'utf8'));
+        change(json);
+        writeFileSync(join(scratch, 'broken.gltf'), JSON.stringify(json));
+        const text = await inPage(() => window.loader.loadAsync(`/scratch/broken.gltf?${Math.random()}`).then(() => 'opened', (error) => error.message));
+        assert.match(text, message);
+    });
+}
+
 /** Returns GLSL without comments, one space for all white space. */
 function words(source) {
     let text = '', rest = source;

@@ -70,8 +70,8 @@ typedef struct psplat_asset_desc {
     psplat_files files;
     const char *base_path; /* directory of external buffers and images, for
                               psplat_asset_open_memory alone; NULL: those are refused */
-    size_t max_file_size;  /* bytes that all files together and their decompressed data may have;
-                              0 means 2 GiB */
+    size_t max_file_size;  /* bytes that all files together and their decompressed data may have,
+                              a splat of a stream (spec 3.12) 132 of them; 0 means 2 GiB */
     int measures;          /* 1: psplat_attribute.stored is computed for compressed data too */
     int only_draws;        /* 1: the asset is for psplat_model_create alone, takes less memory and
                               opens faster; psplat_batch.splats, finishes and texcoords are NULL */

@@ -519,6 +519,11 @@ function partOf(attribute, first, count) {
     return { isInterleavedBufferAttribute, data, array, itemSize, normalized, count, getComponent: (i, k) => attribute.getComponent(first + i, k) };
 }
 
+/** Distances between integers are exact, so that every machine finds the same nearest splat. */
+function checkCoarse({ array, data, normalized }) {
+    if (normalized || (array ?? data.array) instanceof Float32Array) fail('POSITION: beside a stream, components must be integers that are not normalized');
+}
+
 /** Decodes a primitive with a stream: a batch for each section. */
 async function decodeStreamed(primitive, object, accessor, view) {
     const found = findAttributes(primitive.attributes), set = { version: object.version };
@@ -528,7 +533,8 @@ async function decodeStreamed(primitive, object, accessor, view) {
     requireAll(found, ['POSITION'], '');
     checkPairs(found);
     const [bytes, attributes] = await Promise.all([view(object.stream), loadAttributes(found, accessor)]), position = attributes.POSITION;
-    const { head, sections } = readStream(bytes, position.count, (i) => [0, 1, 2].map((k) => position.getComponent(i, k)), fail), centers = new Box3();
+    checkCoarse(position);
+    const { head, sections } = readStream(bytes, position.count, (i, out) => { for (let k = 0; k < 3; ++k) out[k] = position.getComponent(i, k); }, fail), centers = new Box3();
     const batches = sections.map(({ arrays, first, count, clipLines, curved, depthTolerance }) => {
         const parts = Object.fromEntries(Object.entries(attributes).map(([name, attribute]) => [name, partOf(attribute, first, count)]));
         for (const [name, { size, array }] of Object.entries(arrays)) parts[name] = new BufferAttribute(array, size);

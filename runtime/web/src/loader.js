@@ -90,7 +90,11 @@ export class GLTFPhongSplats {
 
     async loadSet(index, mesh) {
         const own = mesh.primitives.filter(isSplats), load = (accessor) => this.parser.getDependency('accessor', accessor);
-        const view = (bytes) => this.parser.getDependency('bufferView', bytes);
+        const view = (bytes) => {
+            const { byteStride, extensions } = this.parser.json.bufferViews?.[bytes] ?? {};
+            if (byteStride !== undefined || extensions?.EXT_meshopt_compression) throw new Error('a stream is in a bufferView with a byteStride or a compression');
+            return this.parser.getDependency('bufferView', bytes);
+        };
         const decoded = await Promise.all(own.map(async (primitive, k) => {
             try {
                 return await decodePrimitive(primitive, load, view);

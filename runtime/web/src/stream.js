@@ -23,7 +23,7 @@ class Decoder {
         this.at = 0;
         this.range = 0xffffffff;
         this.value = 0;
-        for (let i = 0; i < 4; ++i) this.value = this.value * 256 + this.byte();
+        for (let i = 0; i < 4; ++i) this.value = (this.value << 8 | this.byte()) >>> 0;
         this.ones = new Uint16Array(MODEL * Object.keys(KINDS).length).fill(32768);
         this.seen = new Uint8Array(this.ones.length);
         this.rates = Array.from({ length: ADAPTED + 1 }, (_, n) => Math.floor(131072 / (2 * n + 3)));
@@ -31,20 +31,21 @@ class Decoder {
 
     byte() {
         if (this.at >= this.bytes.length + 4) this.fail('a stream is damaged');
-        return this.bytes[this.at++] ?? 0;
+        return this.at < this.bytes.length ? this.bytes[this.at++] : (++this.at, 0);
     }
 
+    /** Reads a bit, 0 or 1. Numbers wrap in 32 bits, as in the C runtime. */
     split(bound) {
-        const bit = this.value < bound;
+        const bit = this.value < bound ? 1 : 0;
         if (!bit) this.value -= bound;
         this.range = bit ? bound : this.range - bound;
-        for (; this.range < 0x1000000; this.range *= 256) this.value = this.value * 256 + this.byte();
+        for (; this.range < 0x1000000; this.range *= 256) this.value = (this.value << 8 | this.byte()) >>> 0;
         return bit;
     }
 
     bit(m) {
-        const one = this.ones[m], bit = this.split(Math.floor(this.range / 65536) * one), rate = this.rates[this.seen[m]];
-        const next = bit ? one + Math.floor((65536 - one) * rate / 65536) : one - Math.floor(one * rate / 65536);
+        const one = this.ones[m], bit = this.split((this.range >>> 16) * one), rate = this.rates[this.seen[m]];
+        const next = bit ? one + ((65536 - one) * rate >>> 16) : one - (one * rate >>> 16);
         this.ones[m] = Math.min(Math.max(next, LEAST_PART), 65536 - LEAST_PART);
         if (this.seen[m] < ADAPTED) ++this.seen[m];
         return bit;
@@ -52,7 +53,7 @@ class Decoder {
 
     raw(bits) {
         let value = 0;
-        for (let i = 0; i < bits; ++i) value = value * 2 + this.split(Math.floor(this.range / 2));
+        for (let i = 0; i < bits; ++i) value = value * 2 + this.split(this.range >>> 1);
         return value;
     }
 
@@ -109,17 +110,34 @@ function readSections(view, head, fail) {
 /** x / 2^shift, rounded to the nearest integer, halves up. */
 const shifted = (x, shift) => Math.floor((x + Math.floor(2 ** shift / 2)) / 2 ** shift);
 
-/** The last splat among those nearest to a place. */
-function nearest(window, index, place) {
-    let found = { normal: [0, 0], radius: [0, 0] }, least = Infinity;
+/** The integers of the splat that is read, and what later ones need of the last 32. */
+function makeCode() {
+    return {
+        place: new Float64Array(3), low: new Int32Array(3), radius: new Int32Array(2), normal: new Int32Array(2), turn: 0, tilt: new Int32Array(2), field: new Int32Array(3),
+        shape: new Int32Array(3), lineCount: 0, lines: new Int32Array(12), direction: new Float64Array(3),
+        window: { places: new Float64Array(3 * WINDOW), radii: new Int32Array(WINDOW + 1), normals: new Int32Array(2 * (WINDOW + 1)) },
+    };
+}
+
+/** Where the last splat among those nearest to the place is in the window; WINDOW, where all is 0, for
+ *  the first. */
+function nearest({ places }, index, place) {
+    let found = WINDOW, least = Infinity;
     for (let i = 1; i <= WINDOW && i <= index; ++i) {
-        const c = window[(index - i) % WINDOW], x = c.place[0] - place[0], y = c.place[1] - place[1], z = c.place[2] - place[2];
+        const at = (index - i) % WINDOW, x = places[3 * at] - place[0], y = places[3 * at + 1] - place[1], z = places[3 * at + 2] - place[2];
         const distance2 = x * x + y * y + z * z;
         if (!(distance2 < least)) continue;
         least = distance2;
-        found = c;
+        found = at;
     }
     return found;
+}
+
+function remember({ window: { places, radii, normals }, place, radius, normal }, index) {
+    const at = index % WINDOW;
+    for (let k = 0; k < 3; ++k) places[3 * at + k] = place[k];
+    for (let k = 0; k < 2; ++k) normals[2 * at + k] = normal[k];
+    radii[at] = radius[0];
 }
 
 /** How many bits of precision a splat has less than the largest. */
@@ -135,37 +153,58 @@ function turnBits(head, elongation) {
     return Math.min(bits + Math.floor(elongation / (3 * head.halving)), head.turnBits);
 }
 
-const times = (count, make) => Array.from({ length: count }, (_, k) => make(k));
-
-function readSplat(d, head, section, near, place, fail) {
-    const { flags, clipLines } = section, low = times(3, () => d.raw(head.lowBits) - Math.floor(2 ** head.lowBits / 2));
-    const large = near.radius[0] + d.signed(KINDS.radius), elongation = d.unsigned(KINDS.elongation);
+function readFrame(d, head, code, near, fail) {
+    const { window, normal } = code, most = 2 ** (head.normalBits - 1) - 1;
+    for (let k = 0; k < 3; ++k) code.low[k] = d.raw(head.lowBits) - Math.floor(2 ** head.lowBits / 2);
+    const large = window.radii[near] + d.signed(KINDS.radius), elongation = d.unsigned(KINDS.elongation);
     if (elongation > large || large > MOST_RADIUS) fail('a stream is damaged');
-    const grade = gradeOf(head, large), unit = 2 ** Math.min(grade, head.shapeGrades), coarse = Math.min(grade, head.normalGrades), most = 2 ** (head.normalBits - 1) - 1;
-    const normal = times(2, (k) => (shifted(near.normal[k], coarse) + d.signed(KINDS.normal)) * 2 ** coarse);
-    if (normal.some((x) => Math.abs(x) > most)) fail('a stream is damaged');
-    const bits = turnBits(head, elongation), turn = d.raw(bits) * 2 ** (head.turnBits - bits);
-    const tilt = times(2, () => (flags & TILTED ? d.signed(KINDS.tilt) : 0));
-    const field = times(3, (k) => (flags & OWN_FIELD && (k < 2 || flags & GAMMA) ? d.signed(k < 2 ? KINDS.field : KINDS.fieldTwist) : 0));
-    const shape = times(3, (k) => (flags & CURVED ? unit * d.signed(k < 2 ? KINDS.shape : KINDS.shapeTwist) : 0));
-    const count = clipLines ? d.unsigned(KINDS.lines) : 0, lineUnit = 2 ** Math.min(grade, head.lineTurnBits - 1), lines = [];
-    if (count > clipLines) fail('a stream is damaged');
-    for (let i = 0, at = 0; i < count; ++i) {
-        at += i ? d.unsigned(KINDS.lineTurn) : d.raw(head.lineTurnBits + 1 - Math.log2(lineUnit));
-        lines.push([at * lineUnit, lineUnit * d.signed(KINDS.lineDistance), flags & BENDS ? lineUnit * d.signed(KINDS.lineBend) : 0]);
+    code.radius[0] = large;
+    code.radius[1] = large - elongation;
+    const coarse = Math.min(gradeOf(head, large), head.normalGrades);
+    for (let k = 0; k < 2; ++k) {
+        normal[k] = (shifted(window.normals[2 * near + k], coarse) + d.signed(KINDS.normal)) * 2 ** coarse;
+        if (Math.abs(normal[k]) > most) fail('a stream is damaged');
     }
-    return { place, low, radius: [large, large - elongation], normal, turn, tilt, field, shape, lines };
+    const bits = turnBits(head, elongation);
+    code.turn = d.raw(bits) * 2 ** (head.turnBits - bits);
+}
+
+function readField(d, head, { flags }, { tilt, field, shape, radius }) {
+    const unit = 2 ** Math.min(gradeOf(head, radius[0]), head.shapeGrades), fields = flags & OWN_FIELD ? (flags & GAMMA ? 3 : 2) : 0;
+    for (let k = 0; k < 2; ++k) tilt[k] = flags & TILTED ? d.signed(KINDS.tilt) : 0;
+    for (let k = 0; k < 3; ++k) field[k] = k < fields ? d.signed(k < 2 ? KINDS.field : KINDS.fieldTwist) : 0;
+    for (let k = 0; k < 3; ++k) shape[k] = flags & CURVED ? unit * d.signed(k < 2 ? KINDS.shape : KINDS.shapeTwist) : 0;
+}
+
+function readLines(d, head, { flags, clipLines }, code, fail) {
+    const { lines } = code, coarse = Math.min(gradeOf(head, code.radius[0]), head.lineTurnBits - 1), unit = 2 ** coarse;
+    code.lineCount = clipLines ? d.unsigned(KINDS.lines) : 0;
+    if (code.lineCount > clipLines) fail('a stream is damaged');
+    for (let i = 0, at = 0; i < code.lineCount; ++i) {
+        at += i ? d.unsigned(KINDS.lineTurn) : d.raw(head.lineTurnBits + 1 - coarse);
+        lines[3 * i] = at * unit;
+        lines[3 * i + 1] = unit * d.signed(KINDS.lineDistance);
+        lines[3 * i + 2] = flags & BENDS ? unit * d.signed(KINDS.lineBend) : 0;
+    }
 }
 
 // ---- attributes ------------------------------------------------------------------------------
 
 /** Decodes an octahedral code as EXT_meshopt_compression's filter does, to bytes for up to 8 bits,
- *  else to shorts. */
-function normalOf([codeX, codeY], bits) {
+ *  else to shorts, and normalises that. */
+function readDirection([codeX, codeY], bits, direction) {
     const round = Math.fround, z = 2 ** (bits - 1) - 1 - Math.abs(codeX) - Math.abs(codeY), fold = Math.min(z, 0);
-    const x = codeX + (codeX >= 0 ? fold : -fold), y = codeY + (codeY >= 0 ? fold : -fold);
-    const scale = round((bits <= 8 ? 127 : 32767) / round(Math.sqrt(round(x * x + y * y + z * z))));
-    return [x, y, z].map((v) => Math.trunc(round(round(v * scale) + (v >= 0 ? 0.5 : -0.5))));
+    direction[0] = codeX + (codeX >= 0 ? fold : -fold);
+    direction[1] = codeY + (codeY >= 0 ? fold : -fold);
+    direction[2] = z;
+    const scale = round((bits <= 8 ? 127 : 32767) / round(Math.sqrt(round(direction[0] ** 2 + direction[1] ** 2 + z * z))));
+    let square = 0;
+    for (let k = 0; k < 3; ++k) {
+        const v = direction[k];
+        direction[k] = Math.trunc(round(round(v * scale) + (v >= 0 ? 0.5 : -0.5)));
+        square += direction[k] ** 2;
+    }
+    for (let k = 0; k < 3; ++k) direction[k] /= Math.sqrt(square);
 }
 
 /** Arrays of a section's attributes, by name: their numbers of components and their values. */
@@ -178,38 +217,57 @@ function makeArrays(section) {
     return Object.fromEntries(Object.entries(sizes).map(([name, size]) => [name, { size, array: new Float32Array(size * count) }]));
 }
 
-function store(arrays, head, section, i, code) {
-    const put = (name, values) => { if (arrays[name]) arrays[name].array.set(values.slice(0, arrays[name].size), arrays[name].size * i); };
-    const isOwn = section.flags & OWN_FIELD || !section.curved, n = normalOf(code.normal, head.normalBits), length = Math.hypot(...n);
-    put('POSITION', code.place.map((x, k) => x + code.low[k] / 2 ** head.lowBits));
-    put('NORMAL', n.map((x) => x / length));
-    put('TURN', [code.turn / 2 ** head.turnBits]);
-    put('SCALE', code.radius.map((x) => head.firstRadius * Math.exp(x * head.radiusStep)));
-    put('TILT', code.tilt.map((x) => x * (isOwn ? head.tiltStep : head.shapeStep)));
-    put('NORMAL_FIELD', (isOwn ? code.field : code.shape).map((x) => x * (isOwn ? head.fieldStep : head.shapeStep)));
-    put('SHAPE', code.shape.map((x) => x * head.shapeStep));
-    for (let k = 0; k < section.clipLines; ++k) {
-        const line = code.lines[k], angle = line ? Math.PI * line[0] / 2 ** head.lineTurnBits : 0;
-        put(`CLIP_${k}`, line ? [Math.cos(angle), Math.sin(angle), line[1] * head.lineStep, line[2] * head.bendStep] : [1, 0, 1, 0]);
+/** Writes the first numbers of values, times a step, where an attribute is there. */
+function put(attribute, i, values, step) {
+    if (!attribute) return;
+    const { array, size } = attribute;
+    for (let k = 0; k < size; ++k) array[size * i + k] = values[k] * step;
+}
+
+function putLine({ array, size }, i, head, code, k) {
+    const has = k < code.lineCount, at = size * i, angle = has ? Math.PI * code.lines[3 * k] / 2 ** head.lineTurnBits : 0;
+    array[at] = Math.cos(angle);
+    array[at + 1] = Math.sin(angle);
+    array[at + 2] = has ? code.lines[3 * k + 1] * head.lineStep : 1;
+    if (size === 4) array[at + 3] = has ? code.lines[3 * k + 2] * head.bendStep : 0;
+}
+
+function store(arrays, lines, head, section, i, code) {
+    const isOwn = section.flags & OWN_FIELD || !section.curved, { POSITION, SCALE } = arrays;
+    for (let k = 0; k < 3; ++k) POSITION.array[3 * i + k] = code.place[k] + code.low[k] / 2 ** head.lowBits;
+    for (let k = 0; k < 2; ++k) SCALE.array[2 * i + k] = head.firstRadius * Math.exp(code.radius[k] * head.radiusStep);
+    readDirection(code.normal, head.normalBits, code.direction);
+    put(arrays.NORMAL, i, code.direction, 1);
+    arrays.TURN.array[i] = code.turn / 2 ** head.turnBits;
+    put(arrays.TILT, i, code.tilt, isOwn ? head.tiltStep : head.shapeStep);
+    put(arrays.NORMAL_FIELD, i, isOwn ? code.field : code.shape, isOwn ? head.fieldStep : head.shapeStep);
+    put(arrays.SHAPE, i, code.shape, head.shapeStep);
+    for (let k = 0; k < lines.length; ++k) putLine(lines[k], i, head, code, k);
+}
+
+/** Reads the splats of a section. */
+function readSection(d, head, section, code, place, fail) {
+    const arrays = section.arrays = makeArrays(section), lines = [0, 1, 2, 3].slice(0, section.clipLines).map((k) => arrays[`CLIP_${k}`]);
+    for (let i = section.first; i < section.first + section.count; ++i) {
+        place(i, code.place);
+        readFrame(d, head, code, nearest(code.window, i, code.place), fail);
+        readField(d, head, section, code);
+        readLines(d, head, section, code, fail);
+        store(arrays, lines, head, section, i - section.first, code);
+        remember(code, i);
     }
 }
 
-/** Reads a stream. place(i) is POSITION of splat i of count. @returns what all splats have in common,
+/** Reads a stream. place(i, out) stores POSITION of splat i of count in out. @returns what all splats have in common,
  *  and the sections with the arrays of their attributes. */
 export function readStream(buffer, count, place, fail) {
     const view = new DataView(buffer), head = readHead(view, fail), sections = readSections(view, head, fail);
     const found = sections.reduce((sum, section) => sum + section.count, 0);
     if (found > buffer.byteLength / LEAST_BYTES) fail('a stream announces more splats than its bytes can hold');
     if (found !== count) fail(`POSITION has ${count} values for ${found} splats`);
-    const d = new Decoder(new Uint8Array(buffer, HEAD_BYTES + SECTION_BYTES * sections.length), fail), window = [];
-    for (const section of sections) {
-        section.arrays = makeArrays(section);
-        for (let i = section.first; i < section.first + section.count; ++i) {
-            const at = place(i), code = readSplat(d, head, section, nearest(window, i, at), at, fail);
-            store(section.arrays, head, section, i - section.first, code);
-            window[i % WINDOW] = code;
-        }
-    }
+    const d = new Decoder(new Uint8Array(buffer, HEAD_BYTES + SECTION_BYTES * sections.length), fail), code = makeCode();
+    for (const section of sections) readSection(d, head, section, code, place, fail);
+    for (; d.at < d.bytes.length; ++d.at) if (d.bytes[d.at]) fail('a stream has bytes other than 0 behind its splats');
     return { head, sections };
 }
 

@@ -18,6 +18,10 @@
 
 #include <stdlib.h>
 
+/* 84 bytes of zeros in base64. */
+#define ZEROS_12 "AAAAAAAAAAAAAAAA"
+#define ZEROS_84 ZEROS_12 ZEROS_12 ZEROS_12 ZEROS_12 ZEROS_12 ZEROS_12 ZEROS_12
+
 enum { JSON_AT = 20, HEAD = 60, SECTION = 12 };
 
 /* A file of the corpus: two sections, then 62 positions. */
@@ -95,6 +99,90 @@ static void test_head(void **state) {
             expect(&f, faults[i].result, faults[i].what);
         free(f.bytes);
     }
+}
+
+static void put_u32(uint8_t *bytes, uint32_t value) {
+    for (int k = 0; k < 4; ++k) bytes[k] = (uint8_t)(value >> (8 * k));
+}
+
+/* Counts of sections whose sum, in 32 bits, would be that of the file, are refused where they are
+ * added, on machines of any width. */
+static void test_counts_wrap(void **state) {
+    (void)state;
+    file f = read_file();
+    put_u32(f.bytes + f.bin + HEAD, UINT32_MAX);
+    put_u32(f.bytes + f.bin + HEAD + SECTION, 28 + 34 + 1);
+    expect(&f, PSPLAT_ERROR_RANGE, "more splats");
+    put_u32(f.bytes + f.bin + HEAD, 28 + 34 + 1);
+    put_u32(f.bytes + f.bin + HEAD + SECTION, UINT32_MAX);
+    expect(&f, PSPLAT_ERROR_RANGE, "more splats");
+    free(f.bytes);
+}
+
+/* max_file_size also limits the rows of 33 floats that come out of a stream. */
+static void test_budget(void **state) {
+    (void)state;
+    enum { ROW_BYTES = 132 };
+    file f = read_file();
+    psplat_asset_desc desc = {.max_file_size = f.size + 62 * ROW_BYTES};
+    psplat_asset *asset = NULL;
+    psplat_error error = {0};
+    assert_int_equal(psplat_asset_open_memory(f.bytes, f.size, &desc, &asset, &error), PSPLAT_OK);
+    psplat_asset_destroy(asset);
+    --desc.max_file_size;
+    assert_int_equal(psplat_asset_open_memory(f.bytes, f.size, &desc, &asset, &error),
+                     PSPLAT_ERROR_RANGE);
+    if (!strstr(error.text, "larger than allowed")) fail_msg("%s", error.text);
+    free(f.bytes);
+}
+
+typedef struct counter {
+    size_t bytes, peak;
+} counter;
+
+static void *resize_counted(void *user, void *memory, size_t old_size, size_t new_size) {
+    counter *c = user;
+    c->bytes += new_size - old_size;
+    if (c->bytes > c->peak) c->peak = c->bytes;
+    if (new_size) return realloc(memory, new_size);
+    free(memory);
+    return NULL;
+}
+
+/* Opens a file with so many primitives of one stream and returns the most bytes taken. */
+static size_t peak_of(size_t primitives, const char *primitive) {
+    size_t size;
+    char *text = document_read(PSPLAT_SOURCE_DIR "/schema/streamed.gltf", &size), all[4096] = "";
+    counter c = {0};
+    const psplat_asset_desc desc = {.allocator = {resize_counted, &c}};
+    psplat_asset *asset = NULL;
+    psplat_error error = {0};
+    for (size_t i = 0; i < primitives; ++i) {
+        strcat(all, primitive);
+        strcat(all, ",");
+    }
+    strcat(all, "{ \"mode\": 0,");
+    char *brace = strchr(strstr(text, "\"primitives\""), '{'), *mode = strchr(brace, ',');
+    char *grown = malloc(size + sizeof all);
+    assert_non_null(grown);
+    sprintf(grown, "%.*s%s%s", (int)(brace - text), text, all, mode + 1);
+    if (psplat_asset_open_memory(grown, strlen(grown), &desc, &asset, &error))
+        fail_msg("%s", error.text);
+    psplat_asset_destroy(asset);
+    assert_int_equal(c.bytes, 0);
+    free(grown);
+    free(text);
+    return c.peak;
+}
+
+/* The decoder, the stream's head and its rows are memory that all primitives share: each more takes
+ * its JSON, two sets and ten splats, where a decoder and a stream of its own took 15 kB more. */
+static void test_shares_memory(void **state) {
+    (void)state;
+    static const char primitive[] = "{\"mode\":0,\"attributes\":{\"POSITION\":0},\"extensions\":"
+                                    "{\"PSPLAT_surface_splats\":{\"version\":4,\"stream\":0}}}";
+    size_t few = peak_of(1, primitive), many = peak_of(7, primitive);
+    assert_in_range(many - few, 6 * 10 * 164, 6 * 8000);
 }
 
 /* Another count, which POSITION has not, and another extent, as a tool that rescales leaves it. */
@@ -192,6 +280,48 @@ static void test_short(void **state) {
     free(f.bytes);
 }
 
+/* Replaces text of the example and opens it. */
+static void expect_replaced(const char *const texts[][2], size_t count, psplat_result result,
+                            const char *what) {
+    size_t size;
+    char *text = document_read(PSPLAT_SOURCE_DIR "/schema/streamed.gltf", &size);
+    for (size_t i = 0; i < count; ++i) document_replace(&text, texts[i][0], texts[i][1]);
+    file f = {.bytes = (uint8_t *)text, .size = strlen(text)};
+    expect(&f, result, what);
+    free(text);
+}
+
+/* Floats and normalized integers, whose distances machines may round differently. */
+static void test_coarse_integers(void **state) {
+    (void)state;
+    static const char unsigned_byte[] = "\"componentType\": 5121,";
+    static const char *const normalized[][2] = {
+        {unsigned_byte, "\"componentType\": 5121, \"normalized\": true,"}};
+    static const char *const floats[][2] = {{unsigned_byte, "\"componentType\": 5126,"},
+                                            {"\"byteLength\": 40,", "\"byteLength\": 120,"},
+                                            {"\"byteStride\": 4,", "\"byteStride\": 12,"},
+                                            {"\"byteLength\": 228", "\"byteLength\": 308"},
+                                            {"AAAVFTcA", "AAAVFTcA" ZEROS_84}};
+    expect_replaced(normalized, 1, PSPLAT_ERROR_UNSUPPORTED, "must be integers");
+    expect_replaced(floats, 5, PSPLAT_ERROR_UNSUPPORTED, "must be integers");
+}
+
+/* Zeros may follow the last splat, nothing else, and the view has no stride. */
+static void test_end(void **state) {
+    (void)state;
+    static const char *const zeros[][2] = {{"\"byteLength\": 185", "\"byteLength\": 188"}};
+    static const char *const more[][2] = {{"\"byteLength\": 185", "\"byteLength\": 190"}};
+    static const char *const stride[][2] = {
+        {"\"byteLength\": 185", "\"byteLength\": 185, \"byteStride\": 4"}};
+    static const char *const compression[][2] = {
+        {"\"byteLength\": 185",
+         "\"byteLength\": 185, \"extensions\": {\"EXT_meshopt_compression\": {}}"}};
+    expect_replaced(zeros, 1, PSPLAT_OK, "");
+    expect_replaced(more, 1, PSPLAT_ERROR_FORMAT, "behind its splats");
+    expect_replaced(stride, 1, PSPLAT_ERROR_FORMAT, "byteStride");
+    expect_replaced(compression, 1, PSPLAT_ERROR_FORMAT, "compression");
+}
+
 /* Whatever the bytes are, the file opens or is refused; every splat that comes out is valid, which
  * the second half of the reader checks. */
 static void test_damaged(void **state) {
@@ -243,10 +373,18 @@ static void test_sizes(void **state) {
 
 int test_stream_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_head),  cmocka_unit_test(test_positions),
-        cmocka_unit_test(test_json),  cmocka_unit_test(test_said_twice),
-        cmocka_unit_test(test_short), cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_head),
+        cmocka_unit_test(test_positions),
+        cmocka_unit_test(test_json),
+        cmocka_unit_test(test_said_twice),
+        cmocka_unit_test(test_short),
+        cmocka_unit_test(test_damaged),
         cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_counts_wrap),
+        cmocka_unit_test(test_coarse_integers),
+        cmocka_unit_test(test_end),
+        cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_shares_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
