@@ -20,6 +20,7 @@ enum {
     SECTION_BYTES = 12,
     WINDOW = 32,     /* splats among which the nearest is looked for */
     LEAST_BYTES = 3, /* of a stream, for each splat: so that a small file cannot fill the memory */
+    MOST_ALIGNING = 3, /* zeros behind the last splat */
     MOST_GRADE = 7,
     MOST_LENGTH = 17, /* of the unary part of a number */
     MOST_RADIUS = 65535,
@@ -474,6 +475,16 @@ psplat_result psplat_stream_open(psplat_gltf *gltf, psplat_json_value view,
     return result ? result : parse_sections(gltf, s);
 }
 
+/* Returns whether nothing is behind the last splat but zeros that make up LEAST_BYTES a splat, or
+ * align what follows. More are not even looked at: primitives may share a stream. */
+static int ends(const decoder *d) {
+    size_t rest = (size_t)(d->end - d->next);
+    if (rest > MOST_ALIGNING && d->stream->size / LEAST_BYTES > d->stream->count + 1) return 0;
+    for (size_t i = 0; i < rest; ++i)
+        if (d->next[i]) return 0;
+    return 1;
+}
+
 /* Takes memory for the rows. Several primitives may share a stream, but not so often that they fill
  * the memory. */
 static psplat_result reserve(psplat_gltf *gltf, psplat_stream *s) {
@@ -510,10 +521,8 @@ psplat_result psplat_stream_decode(psplat_gltf *gltf, const psplat_reader *posit
                    .measures = gltf->measures};
     start(d);
     result = read_splats(gltf, positions, d, gltf->stream->rows);
-    for (; !result && d->next < d->end; ++d->next)
-        if (*d->next)
-            result = fail(gltf, s, PSPLAT_ERROR_FORMAT, "has bytes other than 0 behind its splats");
-    return result;
+    return result || ends(d) ? result
+                             : fail(gltf, s, PSPLAT_ERROR_FORMAT, "has bytes behind its splats");
 }
 
 /* ---- readers --------------------------------------------------------------------------------- */

@@ -549,7 +549,7 @@ const brokenStreams = [
     ['normalized positions beside a stream', (g) => { g.accessors[0].normalized = true; }, /POSITION: beside a stream, components must be integers/],
     ['a stream in a view with a stride', (g) => { g.bufferViews[0].byteStride = 4; }, /a stream is in a bufferView with a byteStride/],
     ['a compressed stream', (g) => { g.bufferViews[0].extensions = { EXT_meshopt_compression: {} }; }, /a stream is in a bufferView with a byteStride or a compression/],
-    ['bytes behind the last splat of a stream', (g) => { g.bufferViews[0].byteLength += 5; }, /a stream has bytes other than 0 behind its splats/],
+    ['bytes behind the last splat of a stream', (g) => { g.bufferViews[0].byteLength += 5; }, /a stream has bytes behind its splats/],
     ['a stream that ends early', (g) => { g.bufferViews[0].byteLength -= 30; }, /a stream is damaged/],
 ];
 

@@ -3,7 +3,7 @@
 // stream.js - reads the coded stream of a primitive of splats (section 3.12 of the specification)
 // into the attributes that it holds. Numbers are those of runtime/asset/stream.c.
 
-const HEAD_BYTES = 60, SECTION_BYTES = 12, MOST_SECTIONS = 32, WINDOW = 32, LEAST_BYTES = 3;
+const HEAD_BYTES = 60, SECTION_BYTES = 12, MOST_SECTIONS = 32, WINDOW = 32, LEAST_BYTES = 3, MOST_ALIGNING = 3;
 const MOST_GRADE = 7, MOST_LENGTH = 17, MOST_RADIUS = 65535, ADAPTED = 40, LEAST_PART = 32;
 
 /** The flags of a section. */
@@ -258,6 +258,13 @@ function readSection(d, head, section, code, place, fail) {
     }
 }
 
+/** Whether nothing is behind the last splat but zeros that make up LEAST_BYTES a splat, or align what
+ *  follows. */
+function ends({ at, bytes }, size, count) {
+    if (bytes.length - at > MOST_ALIGNING && Math.floor(size / LEAST_BYTES) > count + 1) return false;
+    return bytes.subarray(at).every((x) => x === 0);
+}
+
 /** Reads a stream. place(i, out) stores POSITION of splat i of count in out. @returns what all splats have in common,
  *  and the sections with the arrays of their attributes. */
 export function readStream(buffer, count, place, fail) {
@@ -267,7 +274,7 @@ export function readStream(buffer, count, place, fail) {
     if (found !== count) fail(`POSITION has ${count} values for ${found} splats`);
     const d = new Decoder(new Uint8Array(buffer, HEAD_BYTES + SECTION_BYTES * sections.length), fail), code = makeCode();
     for (const section of sections) readSection(d, head, section, code, place, fail);
-    for (; d.at < d.bytes.length; ++d.at) if (d.bytes[d.at]) fail('a stream has bytes other than 0 behind its splats');
+    if (!ends(d, buffer.byteLength, count)) fail('a stream has bytes behind its splats');
     return { head, sections };
 }
 

@@ -311,12 +311,18 @@ static void test_end(void **state) {
     (void)state;
     static const char *const zeros[][2] = {{"\"byteLength\": 185", "\"byteLength\": 188"}};
     static const char *const more[][2] = {{"\"byteLength\": 185", "\"byteLength\": 190"}};
+    /* Twelve more zeros, before POSITION. */
+    static const char *const many[][2] = {{"\"byteLength\": 185", "\"byteLength\": 195"},
+                                          {"\"byteOffset\": 188", "\"byteOffset\": 200"},
+                                          {"\"byteLength\": 228", "\"byteLength\": 240"},
+                                          {"V+YAAAAe", "V+YA" ZEROS_12 "AAAe"}};
     static const char *const stride[][2] = {
         {"\"byteLength\": 185", "\"byteLength\": 185, \"byteStride\": 4"}};
     static const char *const compression[][2] = {
         {"\"byteLength\": 185",
          "\"byteLength\": 185, \"extensions\": {\"EXT_meshopt_compression\": {}}"}};
     expect_replaced(zeros, 1, PSPLAT_OK, "");
+    expect_replaced(many, 4, PSPLAT_ERROR_FORMAT, "behind its splats");
     expect_replaced(more, 1, PSPLAT_ERROR_FORMAT, "behind its splats");
     expect_replaced(stride, 1, PSPLAT_ERROR_FORMAT, "byteStride");
     expect_replaced(compression, 1, PSPLAT_ERROR_FORMAT, "compression");
