@@ -77,6 +77,11 @@ static const char *reset_status_name(const psplat_gl *gl) {
     return NULL;
 }
 
+static int may_invalidate(const psplat_gl *gl) {
+    return gl->is_es || gl->major * 10 + gl->minor >= 43 ||
+           psplat_gl_has_extension(gl, "GL_ARB_invalidate_subdata");
+}
+
 /* Returns whether a context is that of Mesa's software rasteriser. */
 static int is_software(const psplat_gl *gl) {
     const char *renderer = (const char *)gl->GetString(GL_RENDERER);
@@ -111,6 +116,9 @@ psplat_result psplat_gl_load(psplat_gl *gl, void *(*get_proc)(void *user, const 
     const char *name = reset_status_name(gl);
     if (name)
         load(&gl->GetGraphicsResetStatus, sizeof gl->GetGraphicsResetStatus, get_proc, user, name);
+    if (may_invalidate(gl))
+        load(&gl->InvalidateFramebuffer, sizeof gl->InvalidateFramebuffer, get_proc, user,
+             "glInvalidateFramebuffer");
     gl->GetIntegerv(GL_MAX_TEXTURE_SIZE, &gl->max_texture_size);
     if (gl->max_texture_size < 1)
         return psplat_fail(error, PSPLAT_ERROR_GRAPHICS, 0, "the GL context is lost");

@@ -250,7 +250,10 @@ typedef struct psplat_gl {
 #undef PSPLAT_GL_MEMBER
     void(PSPLAT_GL_CALL *PolygonMode)(GLenum face, GLenum mode); /* NULL on GLES */
     GLenum(PSPLAT_GL_CALL *GetGraphicsResetStatus)(void);        /* NULL without robustness */
-    int is_es;                                                   /* 1: GLES or WebGL */
+    /* NULL before GL 4.3 without GL_ARB_invalidate_subdata, or where the loader has none */
+    void(PSPLAT_GL_CALL *InvalidateFramebuffer)(GLenum target, GLsizei count,
+                                                const GLenum *attachments);
+    int is_es;              /* 1: GLES or WebGL */
     int is_lost;            /* 1: the context was lost, which never ends */
     int major, minor;       /* version of the context */
     int half_targets;       /* 1: RGBA32F cannot be drawn to and blended, so that RGBA16F is used */

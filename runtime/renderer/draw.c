@@ -199,6 +199,7 @@ static void clear_targets(const psplat_frame *f, const psplat_gl_state *state, i
     double half = 0.5 * f->view->width * f->view->height;
     int is_part = state->knows_scissor_box && !f->key.host && (double)width * (double)height < half;
     if (is_part) {
+        psplat_render_targets_invalidate(&f->renderer->targets, gl);
         gl->Enable(GL_SCISSOR_TEST);
         gl->Scissor(extent->x0 - CLEARED_AROUND, extent->y0 - CLEARED_AROUND, width, height);
     }

@@ -112,6 +112,14 @@ psplat_result psplat_render_targets_bind(psplat_render_targets *targets, psplat_
     return bind(target, gl, ledger, color_count, error);
 }
 
+void psplat_render_targets_invalidate(const psplat_render_targets *targets, const psplat_gl *gl) {
+    GLenum attachments[PSPLAT_TARGET_COUNT_EMISSIVE + 1] = {GL_DEPTH_ATTACHMENT};
+    int count = targets->current->color_count;
+    for (int i = 0; i < count; ++i) attachments[i + 1] = GL_COLOR_ATTACHMENT0 + (GLenum)i;
+    if (gl->InvalidateFramebuffer)
+        gl->InvalidateFramebuffer(GL_DRAW_FRAMEBUFFER, count + 1, attachments);
+}
+
 void psplat_render_targets_destroy(psplat_render_targets *targets, const psplat_gl *gl) {
     for (int i = 0; i < PSPLAT_TARGET_SIZES; ++i) destroy(&targets->list[i], gl);
 }

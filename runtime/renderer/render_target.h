@@ -39,6 +39,10 @@ psplat_result psplat_render_targets_bind(psplat_render_targets *targets, psplat_
                                          size_t *ledger, int width, int height, int color_count,
                                          int numbers, psplat_error *error);
 
+/* Lets GL forget what the current target holds, where GL can, so that GPUs that draw in tiles need
+ * not load what is about to be cleared in part. */
+void psplat_render_targets_invalidate(const psplat_render_targets *targets, const psplat_gl *gl);
+
 /* Deletes all targets. */
 void psplat_render_targets_destroy(psplat_render_targets *targets, const psplat_gl *gl);
 

@@ -23,7 +23,7 @@ static int check_splats(const std::string &path, const tinygltf::Model &model,
                         const tinygltf::Primitive &primitive) {
     const tinygltf::Value &object = primitive.extensions.at(extension);
     if (primitive.mode != TINYGLTF_MODE_POINTS) return fail(path, "splats are no points");
-    if (!object.Has("version") || !object.Has("positionExtent"))
+    if (!object.Has("version") || object.Has("positionExtent") == object.Has("stream"))
         return fail(path, "lost an object");
     size_t count = model.accessors.at((size_t)primitive.attributes.at("POSITION")).count;
     for (const auto &[name, index] : primitive.attributes)
