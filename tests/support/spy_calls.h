@@ -64,6 +64,8 @@ SPY_VOID(GetProgramInfoLog, (GLuint program, GLsizei size, GLsizei *length, GLch
          (program, size, length, log), NOTHING)
 SPY_VOID(GetShaderInfoLog, (GLuint shader, GLsizei size, GLsizei *length, GLchar *log),
          (shader, size, length, log), NOTHING)
+SPY_VOID(InvalidateFramebuffer, (GLenum target, GLsizei count, const GLenum *attachments),
+         (target, count, attachments), BOUND(FRAMEBUFFER, GL_DRAW_FRAMEBUFFER_BINDING))
 SPY_VOID(LinkProgram, (GLuint program), (program), OWN(PROGRAM, program))
 SPY_VOID(PixelStorei, (GLenum name, GLint value), (name, value), INTEGER(name))
 SPY_VOID(PolygonMode, (GLenum face, GLenum mode), (face, mode), INTEGER(SPY_GL_POLYGON_MODE))
