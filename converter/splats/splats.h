@@ -41,11 +41,11 @@ typedef struct psplat_precision {
     double texcoord_slope_step;       /* of their change over a radius */
     double texcoord_bend_step;        /* of its second order; 0 where none is written */
     int normal_bits;                  /* of each of the two octahedral coordinates of N, 4 ... 14 */
-    /* Small splats have coarser steps: one bit less for each halving of their radius (spec 3.12). */
+    /* Small splats have coarser steps: a bit less for each halving of their radius (spec 3.12). */
     int halving;       /* steps of radii in a halving; 0: all splats have the same steps */
     int reference;     /* radius from which on splats have these steps, as an integer */
     int shape_grades;  /* the most bits that second derivatives may have less */
-    int normal_grades; /* the same of normals, and how many those of psplat_precision_at have less */
+    int normal_grades; /* the same of normals; psplat_precision_at says how many they have less */
     int normal_shift;
 } psplat_precision;
 

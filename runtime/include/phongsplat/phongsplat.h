@@ -80,8 +80,8 @@ typedef struct psplat_asset_desc {
 /* The storage of one attribute of a batch in its file (spec 3.2), for tools that show it. */
 typedef struct psplat_attribute {
     const char *name;        /* without a leading underscore; a constant string */
-    uint32_t component_type; /* as in glTF: 5126 is float, 5123 is unsigned short, ...; 0 where it is
-                                in a coded stream (spec 3.12), of which floats are made */
+    uint32_t component_type; /* as in glTF: 5126 is float, 5123 is unsigned short, ...; 0 where it
+                                is in a coded stream (spec 3.12), of which floats are made */
     uint32_t components;     /* numbers of each splat, 1 ... 4 */
     int is_compressed;       /* 1: by EXT_meshopt_compression, or in a stream */
     size_t bytes;            /* of all splats, uncompressed and without padding between them */
@@ -568,10 +568,9 @@ typedef struct psplat_item {
  *
  * Under PSPLAT_STATE_HOST_RESETS this function reads no state, so that nothing waits for the GPU
  * or, in a browser, for another process. psplat_view.host tells what it has to know. In a frame
- * that makes nothing new (programs, targets, shadow maps, room for more instances than ever) it calls
- * no glGet... and no glIsEnabled.
- * It leaves this behind, whatever it draws and also where it fails while drawing; with no items, or
- * where arguments are refused, it changes nothing:
+ * that makes nothing new (programs, targets, shadow maps, room for more instances than ever) it
+ * calls no glGet... and no glIsEnabled. It leaves this behind, whatever it draws and also where it
+ * fails while drawing; with no items, or where arguments are refused, it changes nothing:
  *
  *     glBindFramebuffer         psplat_view.host.framebuffer for drawing; that for reading is as
  *                               before

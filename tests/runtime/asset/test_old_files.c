@@ -179,8 +179,7 @@ static void check_file(const old_file *file) {
         assert_int_equal(batch->is_curved,
                          strstr(file->name, "8-") != NULL || (is_streamed && b == 0));
         assert_int_equal(batch->has_shape, !strcmp(file->name, "compressed/8-shapes.glb"));
-        assert_int_equal(batch->has_bends,
-                         is_streamed || !strcmp(file->name, "8-curved.glb"));
+        assert_int_equal(batch->has_bends, is_streamed || !strcmp(file->name, "8-curved.glb"));
         /* So did texture coordinates. */
         assert_int_equal(batch->has_texcoord, strstr(file->name, "9-") != NULL);
         assert_int_equal(batch->has_texcoord_bend, batch->has_texcoord);
