@@ -45,8 +45,8 @@ typedef struct psplat_precision {
     int halving;       /* steps of radii in a halving; 0: all splats have the same steps */
     int reference;     /* radius from which on splats have these steps, as an integer */
     int shape_grades;  /* the most bits that second derivatives may have less */
-    int normal_grades; /* the same of normals; psplat_precision_at says how many they have less */
-    int normal_shift;
+    int normal_grades; /* the same of normals */
+    int normal_shift;  /* the bits that normals have less; 0 but from psplat_precision_at */
 } psplat_precision;
 
 /* The splats of one mesh. They are sorted by their number of clip lines; then come plane splats of
