@@ -16,6 +16,12 @@
 /* The greatest number of shadow maps, which lie side by side in one texture. */
 #define PSPLAT_SHADOW_COUNT 4
 
+/* Which splats of a curved batch a program draws: all; those that no clip line cuts, without lines;
+ * the others. */
+#define PSPLAT_PART_ALL 0
+#define PSPLAT_PART_UNCUT 1
+#define PSPLAT_PART_CUT 2
+
 /* Splats lie in rows of an RGBA32F texture, 512 in each. With 4 texels a splat a row is 2048 texels
  * wide, the least size that GLES 3.0 guarantees; where a splat has 5 of them, rows have 256 splats.
  *
@@ -47,9 +53,9 @@
  * consecutive splats of a batch, as an item places it (psplat_instance).
  *
  *     MODELVIEW  the three rows of the matrix from object to eye space
- *     NORMAL     the three rows of the matrix for normals, the first two with a fourth number:
- *                epsilon of eq. (5) without its cosine; what turns lengths of eye space into those
- *                of object space, on average
+ *     NORMAL     the three rows of the matrix for normals, each with a fourth number: epsilon of
+ *                eq. (5) without its cosine; what turns lengths of eye space into those of object
+ *                space, on average; the factor of weights (1 - psplat_item.fade)
  *     FIRST      two integers: the run's first splat; the batch's first splat, counted over all
  *                batches of all items */
 #define PSPLAT_ATTRIBUTE_MODELVIEW 0

@@ -133,6 +133,31 @@ static int add_chunk(psplat_renderer *renderer, psplat_placed *placed, GLsizei f
     return 1;
 }
 
+/* How many pixels a splat of a chunk has to have in the chunk's extent so that its own extent is
+ * worth its price: some 50 ns, for which a pixel or two are resolved in software. */
+enum { PIXELS_PER_SPHERE = 100 };
+
+/* Enters a chunk in the frame's extent and marks its tiles, splat by splat where those are large.
+ */
+static void mark_chunk(psplat_frame *f, const psplat_model_batch *batch, GLsizei first, GLsizei end,
+                       const double clip[16]) {
+    int width = f->view->width, height = f->view->height;
+    const psplat_chunk *chunk = &batch->chunks[first / PSPLAT_CHUNK_SPLATS];
+    psplat_screen_extent e =
+        psplat_screen_extent_of(chunk->center, chunk->radius, clip, width, height);
+    psplat_screen_extent_join(&f->extent, &e);
+    double pixels = (double)(e.x1 - e.x0) * (e.y1 - e.y0);
+    if (!batch->spheres || pixels < (double)PIXELS_PER_SPHERE * (end - first)) {
+        psplat_marked_tiles_add(&f->tiles, &e);
+        return;
+    }
+    for (GLsizei i = first; i < end; ++i) {
+        const float *sphere = batch->spheres + 4 * (size_t)i;
+        e = psplat_screen_extent_of(sphere, sphere[3], clip, width, height);
+        psplat_marked_tiles_add(&f->tiles, &e);
+    }
+}
+
 /* Finds the runs of chunks that may be visible and enters them in the frame's extent. Returns 0
  * where memory runs out. */
 static int find_runs(psplat_frame *f, psplat_placed *placed, const psplat_placement *placement) {
@@ -143,16 +168,15 @@ static int find_runs(psplat_frame *f, psplat_placed *placed, const psplat_placem
     for (GLsizei at = 0; at < count; at += PSPLAT_CHUNK_SPLATS) {
         const psplat_chunk *chunk = &batch->chunks[at / PSPLAT_CHUNK_SPLATS];
         if (!psplat_chunk_is_visible(chunk, &placement->chunk_view)) continue;
-        psplat_screen_extent_add(&f->extent, chunk->center, chunk->radius, placement->clip,
-                                 f->view->width, f->view->height);
         GLsizei end = count - at < PSPLAT_CHUNK_SPLATS ? count : at + PSPLAT_CHUNK_SPLATS;
+        mark_chunk(f, batch, at, end, placement->clip);
         if (!add_chunk(f->renderer, placed, at, end)) return 0;
     }
     return 1;
 }
 
 static void set_instance(psplat_instance *instance, const psplat_placement *placement,
-                         unsigned first_index) {
+                         const psplat_item *item, unsigned first_index) {
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 4; ++column)
             instance->modelview[4 * row + column] = placement->modelview[4 * column + row];
@@ -161,14 +185,15 @@ static void set_instance(psplat_instance *instance, const psplat_placement *plac
     }
     instance->normal[3] = placement->epsilon;
     instance->normal[7] = placement->unstretch;
-    instance->normal[11] = 0.0f;
+    instance->normal[11] = 1.0f - item->fade;
     instance->first[0] = 0;
     instance->first[1] = (GLint)(first_index & 0x7fffffffu);
 }
 
 /* Adds a batch to what is drawn, unless none of it can be seen. Returns 0 where memory runs out. */
-static int add_placed(psplat_frame *f, const psplat_camera *camera, const psplat_model_batch *batch,
-                      const psplat_placement *placement, unsigned first_index) {
+static int add_placed(psplat_frame *f, const psplat_camera *camera, const psplat_item *item,
+                      const psplat_model_batch *batch, const psplat_placement *placement,
+                      unsigned first_index) {
     psplat_renderer *renderer = f->renderer;
     psplat_list *list = &renderer->instances.placed;
     psplat_placed *placed = psplat_list_add(list, &renderer->allocator, sizeof *placed);
@@ -182,11 +207,12 @@ static int add_placed(psplat_frame *f, const psplat_camera *camera, const psplat
     placed->is_culled = placement->chunk_view.is_culled;
     placed->is_mirrored = placement->is_mirrored;
     placed->is_curved = shows_curvature(batch, camera, placement);
+    placed->is_faded = psplat_item_is_faded(item);
     placed->options = options_of(batch, placement, placed->is_culled, placed->is_curved);
-    placed->key = batch->number << 4 | (unsigned)!!placed->is_curved << 3 |
-                  (unsigned)!!placement->is_near << 2 | (unsigned)!!placed->is_culled << 1 |
-                  (unsigned)!!placed->is_mirrored;
-    set_instance(&placed->instance, placement, first_index);
+    placed->key = batch->number << 5 | (unsigned)placed->is_faded << 4 |
+                  (unsigned)!!placed->is_curved << 3 | (unsigned)!!placement->is_near << 2 |
+                  (unsigned)!!placed->is_culled << 1 | (unsigned)!!placed->is_mirrored;
+    set_instance(&placed->instance, placement, item, first_index);
     return 1;
 }
 
@@ -203,17 +229,17 @@ static int add_item(psplat_frame *f, const psplat_camera *camera, psplat_culling
     for (size_t k = 0; k < item->model->batch_count; ++k) {
         const psplat_model_batch *batch = &item->model->batches[k];
         double modelview[16];
-        if (!psplat_item_shares_place(item, k)) {
+        if (psplat_item_is_drawn(item) && !psplat_item_shares_place(item, k)) {
             psplat_camera_modelview(camera->view, item->transform, psplat_item_matrix(item, k),
                                     modelview);
             is_placed = psplat_camera_place(camera, modelview, &placement);
         }
         if (is_placed) {
-            const psplat_placement_desc desc = {(double)batch->depth_tolerance, batch->bounds_min,
+            const psplat_placement_desc desc = {psplat_item_tolerance(item, k), batch->bounds_min,
                                                 batch->bounds_max,
                                                 is_culled(culling, &batch->material)};
             psplat_camera_place_batch(&desc, &placement);
-            if (!add_placed(f, camera, batch, &placement, *first_index)) return 0;
+            if (!add_placed(f, camera, item, batch, &placement, *first_index)) return 0;
         }
         *first_index += (unsigned)batch->splat_count;
     }
@@ -226,6 +252,7 @@ psplat_result psplat_frame_place(psplat_frame *f, const psplat_camera *camera,
     unsigned first_index = 0; /* may wrap, because instances have no limit */
     int has_memory = 1;
     f->extent = (psplat_screen_extent){0, 0, 0, 0};
+    psplat_marked_tiles_clear(&f->tiles, f->view->width, f->view->height);
     renderer->instances.placed.count = renderer->instances.runs.count = 0;
     for (size_t i = 0; i < f->item_count && has_memory; ++i)
         has_memory = add_item(f, camera, culling, &f->items[i], &first_index);
@@ -255,6 +282,7 @@ static psplat_result use_batch(psplat_frame *f, const psplat_camera *camera,
     const psplat_gl *gl = &renderer->gl;
     const psplat_model_batch *batch = placed->batch;
     key.options |= placed->options;
+    key.is_faded = placed->is_faded;
     key.clip_count = (int)batch->clip_count;
     const psplat_program *program = NULL;
     psplat_result result = psplat_programs_find(&renderer->programs, gl, &renderer->allocator, key,
@@ -279,27 +307,68 @@ static psplat_result use_batch(psplat_frame *f, const psplat_camera *camera,
     return PSPLAT_OK;
 }
 
-psplat_result psplat_frame_draw_placed(psplat_frame *f, const psplat_camera *camera,
-                                       psplat_program_key key) {
+/* Draws calls of one batch with one program. */
+static psplat_result draw_calls(psplat_frame *f, const psplat_camera *camera,
+                                psplat_program_key key, const psplat_call *calls, size_t count) {
     psplat_instances *in = &f->renderer->instances;
     const psplat_gl *gl = &f->renderer->gl;
-    const psplat_placed *all = in->placed.items, *last = NULL;
-    const psplat_call *calls = in->calls.items;
-    for (size_t i = 0; i < in->calls.count; ++i) {
+    const psplat_placed *placed = (const psplat_placed *)in->placed.items + calls->placed;
+    GLsizei vertices = placed->is_curved ? 6 : 3; /* of a splat */
+    psplat_result result = use_batch(f, camera, placed, key);
+    for (size_t i = 0; i < count && result == PSPLAT_OK; ++i) {
         const psplat_call *call = &calls[i];
-        const psplat_placed *placed = &all[call->placed];
-        if (!last || placed->key != last->key) {
-            psplat_result result = use_batch(f, camera, placed, key);
-            if (result != PSPLAT_OK) return result;
-        }
         if (i == 0 || call->first_instance != call[-1].first_instance)
             psplat_instances_use(in, gl, call->first_instance);
-        GLsizei vertices = placed->is_curved ? 6 : 3; /* of a splat */
         gl->DrawArraysInstanced(GL_TRIANGLES, vertices * call->first, vertices * call->count,
                                 call->instance_count);
-        last = placed;
     }
-    return PSPLAT_OK;
+    return result;
+}
+
+/* Where a splat has so many pixels of the frame's extent, fragments cost more than vertices. */
+static const double many_pixels = 600;
+
+static int has_many_pixels(const psplat_frame *f) {
+    const psplat_instances *in = &f->renderer->instances;
+    const psplat_call *calls = in->calls.items;
+    const psplat_screen_extent *extent = &f->extent;
+    double pixels = (double)(extent->x1 - extent->x0) * (extent->y1 - extent->y0), splats = 0;
+    for (size_t i = 0; i < in->calls.count; ++i)
+        splats += (double)calls[i].count * calls[i].instance_count;
+    return pixels > many_pixels * splats;
+}
+
+/* Returns the part of a batch to draw first. Where a quarter of a curved batch or more is not cut
+ * by its lines, a program without lines draws that part and another one the rest: fragments of the
+ * first are cheaper, and each of the two drops what is not its own at the cost of vertices. Where
+ * the nearest splat wins, splats keep their order and are drawn by one program. */
+static int first_part(const psplat_frame *f, const psplat_placed *placed, int pass, int is_large) {
+    const psplat_model_batch *batch = placed->batch;
+    if (!placed->is_curved || !batch->uncut_count || !(f->blends || pass == PSPLAT_PASS_VISIBILITY))
+        return PSPLAT_PART_ALL;
+    int is_enough = 4 * (size_t)batch->uncut_count >= (size_t)batch->splat_count;
+    return is_enough && is_large ? PSPLAT_PART_UNCUT : PSPLAT_PART_ALL;
+}
+
+psplat_result psplat_frame_draw_placed(psplat_frame *f, const psplat_camera *camera,
+                                       psplat_program_key key) {
+    const psplat_instances *in = &f->renderer->instances;
+    const psplat_placed *all = in->placed.items;
+    const psplat_call *calls = in->calls.items;
+    int is_large = has_many_pixels(f);
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0, end; i < in->calls.count && result == PSPLAT_OK; i = end) {
+        const psplat_placed *placed = &all[calls[i].placed];
+        for (end = i + 1; end < in->calls.count; ++end)
+            if (all[calls[end].placed].key != placed->key) break;
+        int has_cut = placed->batch->uncut_count < placed->batch->splat_count;
+        key.part = first_part(f, placed, key.pass, is_large);
+        result = draw_calls(f, camera, key, calls + i, end - i);
+        if (result != PSPLAT_OK || key.part == PSPLAT_PART_ALL || !has_cut) continue;
+        key.part = PSPLAT_PART_CUT;
+        result = draw_calls(f, camera, key, calls + i, end - i);
+    }
+    return result;
 }
 
 psplat_result psplat_frame_draw_batches(psplat_frame *f, const psplat_camera *camera,

@@ -39,9 +39,11 @@ static int same_emission(const psplat_material *a, const psplat_material *b) {
            a->emissive[2] == b->emissive[2] && !a->unlit == !b->unlit;
 }
 
-/* Returns the material of the first batch, which every model has. */
+/* Returns the material of the first batch that is drawn; every model has one. */
 static const psplat_material *first_material(const psplat_frame *f) {
-    return &f->items[0].model->batches[0].material;
+    size_t first = 0;
+    while (first + 1 < f->item_count && !psplat_item_is_drawn(&f->items[first])) ++first;
+    return &f->items[first].model->batches[0].material;
 }
 
 /* Returns the options for what differs between splats or between the materials of batches: those of
@@ -51,7 +53,8 @@ static unsigned differences(const psplat_frame *f) {
     unsigned options = 0;
     for (size_t i = 0; i < f->item_count; ++i) {
         const psplat_model *model = f->items[i].model;
-        for (size_t k = 0; k < model->batch_count; ++k) {
+        size_t count = psplat_item_is_drawn(&f->items[i]) ? model->batch_count : 0;
+        for (size_t k = 0; k < count; ++k) {
             const psplat_model_batch *batch = &model->batches[k];
             const unsigned surface_maps = PSPLAT_OPTION_SURFACE_MAP | PSPLAT_OPTION_OCCLUSION_MAP;
             if (batch->has_color || batch->finish & PSPLAT_FINISH_GRADIENT ||
@@ -127,6 +130,7 @@ static void choose_options(psplat_frame *f) {
 /* Adds the depths at which the view shows an item. */
 static void add_depths(const psplat_view *view, const psplat_item *item, psplat_depth_span *span) {
     double modelview[16], scale = 0.0;
+    if (!psplat_item_is_drawn(item)) return;
     for (size_t k = 0; k < item->model->batch_count; ++k) {
         const psplat_model_batch *batch = &item->model->batches[k];
         if (!psplat_item_shares_place(item, k)) {
@@ -135,7 +139,7 @@ static void add_depths(const psplat_view *view, const psplat_item *item, psplat_
             scale = cbrt(fabs(psplat_matrix_determinant3(modelview)));
         }
         /* Epsilon of eq. (5) is at most twice the tolerance, at grazing angles. */
-        double epsilon = 2.0 * (double)batch->depth_tolerance * scale;
+        double epsilon = 2.0 * psplat_item_tolerance(item, k) * scale;
         psplat_depth_span_add(span, modelview, view->projection, batch->bounds_min,
                               batch->bounds_max, epsilon);
     }
@@ -237,11 +241,22 @@ static psplat_result draw_splats(psplat_frame *f) {
     return psplat_frame_draw_placed(f, &f->camera, f->key);
 }
 
+/* Draws the view where splats may be, with a triangle for each rectangle of marked tiles. */
+static void draw_tiles(const psplat_frame *f) {
+    const psplat_gl *gl = &f->renderer->gl;
+    psplat_marked_tiles tiles = f->tiles;
+    for (;;) {
+        const psplat_screen_extent e = psplat_marked_tiles_take(&tiles, &f->extent);
+        if (!(e.x0 < e.x1)) return;
+        gl->Viewport(f->view->x + e.x0, f->view->y + e.y0, e.x1 - e.x0, e.y1 - e.y0);
+        gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    }
+}
+
 static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state) {
     psplat_renderer *renderer = f->renderer;
     const psplat_gl *gl = &renderer->gl;
     const psplat_view *view = f->view;
-    const psplat_screen_extent *extent = &f->extent;
     const psplat_render_target *target = renderer->targets.current;
     psplat_program_key key = f->key;
     key.is_resolve = 1;
@@ -251,8 +266,6 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     if (result != PSPLAT_OK) return result;
 
     psplat_gl_state_bind_host(state, gl);
-    gl->Viewport(view->x + extent->x0, view->y + extent->y0, extent->x1 - extent->x0,
-                 extent->y1 - extent->y0);
     gl->Disable(GL_BLEND);
     gl->Disable(GL_CULL_FACE);
     gl->Enable(GL_DEPTH_TEST);
@@ -267,7 +280,7 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     for (int i = 0; i < target->color_count; ++i)
         psplat_gl_texture_bind(gl, (GLenum)i, &target->colors[i], GL_TEXTURE_2D);
     psplat_gl_texture_bind(gl, PSPLAT_UNIT_DEPTH, &target->depth, GL_TEXTURE_2D);
-    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    draw_tiles(f);
     return PSPLAT_OK;
 }
 
@@ -326,6 +339,10 @@ static psplat_result check(const psplat_renderer *renderer, const psplat_view *v
     for (size_t i = 0; i < item_count; ++i) {
         if (!items[i].model)
             return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "item %zu has no model", i);
+        if (!(items[i].fade >= 0.0f))
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "item %zu has a fade of %g, which is not 0 or more", i,
+                               (double)items[i].fade);
         size_t batches = items[i].model->batch_count;
         if (items[i].pose && (!psplat_pose_matrix(items[i].pose, batches - 1) ||
                               psplat_pose_matrix(items[i].pose, batches)))

@@ -10,6 +10,7 @@
 #include "renderer/camera.h"
 #include "renderer/screen_extent.h"
 #include "renderer/lights.h"
+#include "renderer/marked_tiles.h"
 #include "renderer/renderer.h"
 
 #include <string.h>
@@ -24,6 +25,7 @@ typedef struct psplat_frame {
     psplat_program_key key;      /* of the attribute pass, without the options that batches add */
     double depth_range[2];       /* the host's: window depth of the near and the far plane */
     psplat_screen_extent extent; /* pixels of the view that the last pass may have covered */
+    psplat_marked_tiles tiles;   /* those of the extent that it may have covered */
     int blends;                  /* 0: the nearest splat wins, and no visibility pass is needed */
     psplat_error *error;         /* the caller's, may be NULL */
 } psplat_frame;
@@ -32,6 +34,21 @@ typedef struct psplat_frame {
  * rest. */
 static inline const double *psplat_item_matrix(const psplat_item *item, size_t batch) {
     return item->pose ? psplat_pose_matrix(item->pose, batch) : item->model->batches[batch].model;
+}
+
+/* Returns 1 where an item is drawn, and 1 where it is not drawn whole. */
+static inline int psplat_item_is_drawn(const psplat_item *item) {
+    return item->fade < 1.0f;
+}
+static inline int psplat_item_is_faded(const psplat_item *item) {
+    return item->fade > 0.0f;
+}
+
+/* Returns the depth tolerance of a batch of an item, in the batch's units. A faded item's is twice
+ * the batch's, as phongsplat.h says of psplat_item. */
+static inline double psplat_item_tolerance(const psplat_item *item, size_t batch) {
+    double tolerance = (double)item->model->batches[batch].depth_tolerance;
+    return psplat_item_is_faded(item) ? 2.0 * tolerance : tolerance;
 }
 
 /* Returns whether a batch of an item is where the batch before it is, as those of one node are. */

@@ -108,6 +108,8 @@ function definesOf(batch, material, view) {
     d.PACKS = { '': 0, depth: 1, distance: 2 }[view.packs ?? ''];
     d.REVERSED = !!view.isReversed;
     d.OWNED = !!view.isOwned;
+    d.FADE = false;
+    d.PART = 0;
     return d;
 }
 
