@@ -41,4 +41,7 @@ size_t psplat_tile_slots_outstanding(const psplat_tiles *tiles);
 /* Returns the bytes that a content is expected to take. */
 size_t psplat_tile_expected_bytes(const psplat_tiles *tiles, uint32_t content);
 
+/* Returns the bytes that psplat_model_create takes on the GPU but for images (upload.c). */
+size_t psplat_tile_model_bytes(const psplat_asset *asset);
+
 #endif

@@ -106,7 +106,7 @@ static world make_world(int depth, int external_depth) {
 
 static void test_cuts(void **state) {
     (void)state;
-    world w = make_world(9, 4);
+    world w = make_world(12, 5);
     psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){0});
     uint32_t random = 99;
     size_t drawn = 0, over = 0, empty = 0;
