@@ -28,6 +28,6 @@ for kind in threads openmp none; do
 done
 
 ctest --test-dir build/tsan --output-on-failure --no-tests=error -j "$(nproc)" \
-    -R '^(test_conversion|test_crease|test_verify|test_holes|test_threads|test_shape_errors|test_contexts|test_lifetimes|test_tiles_threads|test_engine)$'
+    -R '^(test_conversion|test_crease|test_verify|test_holes|test_threads|test_shape_errors|test_contexts|test_lifetimes|test_tile_threads|test_engine)$'
 # The viewer unloads the driver; suppressions that name the driver have no effect after that.
 TSAN_OPTIONS="$options" ctest --test-dir build/tsan --output-on-failure --no-tests=error -R '^test_window_files$'

@@ -9,7 +9,7 @@
 #include "ledger.h"
 #include "near.h"
 #include "scene_asset.h"
-#include "tiles/slots.h"
+#include "tileset/slots.h"
 
 #include <phongsplat/tiles.h>
 

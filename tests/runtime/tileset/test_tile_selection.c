@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_select.c - tests which tiles a frame draws: errors, culling, budgets, hysteresis.
+ * test_tile_selection.c - tests which tiles a frame draws: errors, culling, budgets, hysteresis.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,7 +11,7 @@
 
 #include "tiles_fixture.h"
 
-#include "tiles/show.h"
+#include "tileset/show.h"
 #include "core/matrix.h"
 
 enum { VIEWS = 1000 };
@@ -389,7 +389,7 @@ static void test_refused_views(void **state) {
     world_free(&w);
 }
 
-int test_select_main(void) {
+int test_tile_selection_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cuts),        cmocka_unit_test(test_budget_of_splats),
         cmocka_unit_test(test_best_first),  cmocka_unit_test(test_hysteresis),

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * tileset.c - reads tileset.json and checks everything that it uses. Tiles are taken breadth first,
+ * tileset_file.c - reads tileset.json and checks everything that it uses. Tiles are taken breadth first,
  * so that the children of each lie side by side.
  */
-#include "tiles/tileset.h"
+#include "tileset/tileset_file.h"
 
 #include "core/json.h"
 #include "core/matrix.h"

@@ -3,7 +3,7 @@
  * upload.c - turns what has arrived into models, and destroys models that are not used to make
  * room.
  */
-#include "tiles/slots.h"
+#include "tileset/slots.h"
 
 #include "asset/pack.h"
 

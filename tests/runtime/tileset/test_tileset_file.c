@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_tileset.c - tests what is read of a tileset.json, and that bad ones are refused with their
+ * test_tileset_file.c - tests what is read of a tileset.json, and that bad ones are refused with their
  * place and cause.
  */
 #include <setjmp.h>
@@ -485,7 +485,7 @@ static void test_stdio(void **state) {
     remove(path);
 }
 
-int test_tileset_main(void) {
+int test_tileset_file_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_volumes),  cmocka_unit_test(test_random_volumes),
         cmocka_unit_test(test_regions),  cmocka_unit_test(test_transforms),

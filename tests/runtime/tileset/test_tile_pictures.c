@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_tiles_drawn.c - tests tiles with GL: what they take there, and that a picture of tiles is
+ * test_tile_pictures.c - tests tiles with GL: what they take there, and that a picture of tiles is
  * that of the same models as items.
  */
 #include <setjmp.h>
@@ -235,7 +235,7 @@ static void test_little_room(void **state) {
     psplat_tiles_destroy(tiles, s->canvas->renderer);
 }
 
-int test_tiles_drawn_main(void) {
+int test_tile_pictures_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bytes),
         cmocka_unit_test(test_pictures),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_residency.c - tests what is in memory: budgets with a host that fails, delays and reorders,
+ * test_tile_memory.c - tests what is in memory: budgets with a host that fails, delays and reorders,
  * eviction, cross-fades, failing allocators, requests that are handled wrongly.
  */
 #include <setjmp.h>
@@ -496,7 +496,7 @@ static void test_destroy_early(void **state) {
     world_free(&w);
 }
 
-int test_residency_main(void) {
+int test_tile_memory_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_budgets),       cmocka_unit_test(test_rest),
         cmocka_unit_test(test_no_room),       cmocka_unit_test(test_eviction),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_tiles_threads.c - tests that tiles are supplied by several threads while frames go on.
+ * test_tile_threads.c - tests that tiles are supplied by several threads while frames go on.
  * tests/tsan.sh looks for races here.
  */
 #include <setjmp.h>
@@ -130,7 +130,7 @@ static void test_threads_supply(void **state) {
     run(1200000, 600);
 }
 
-int test_tiles_threads_main(void) {
+int test_tile_threads_main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_threads_supply)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,10 +3,10 @@
  * slots.h - requests under way. A slot holds what a decoding thread needs, so that no such thread
  * looks at the tree, and its state hands it over between threads.
  */
-#ifndef PHONGSPLAT_TILES_SLOTS_H
-#define PHONGSPLAT_TILES_SLOTS_H
+#ifndef PHONGSPLAT_TILESET_SLOTS_H
+#define PHONGSPLAT_TILESET_SLOTS_H
 
-#include "tiles/tree.h"
+#include "tileset/tree.h"
 
 /* Makes room for max_requests slots; frees them with what has arrived. */
 psplat_result psplat_tile_slots_create(psplat_tiles *tiles, psplat_error *error);

@@ -4,7 +4,7 @@
  * (its children are), which runs towards what was chosen. The weights of all tiles over one place
  * add up to 1.
  */
-#include "tiles/show.h"
+#include "tileset/show.h"
 
 #include "core/matrix.h"
 #include "core/memory.h"
