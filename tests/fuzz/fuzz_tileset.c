@@ -170,7 +170,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_meter meter = {.fail_at = fails ? 1 + hash / WAYS % MOST_ALLOCATIONS : 0};
     input in = {data, size};
     const psplat_tiles_desc desc = {.allocator = fuzz_meter_allocator(&meter),
-                                    .source = {read_input, &in},
+                                    .source = {.read = read_input, .user = &in},
                                     .max_bytes = hash >> 5 & 1 ? 100000 : 10000000,
                                     .max_requests = 3,
                                     .fade_seconds = hash >> 6 & 1 ? 3 : 0};
