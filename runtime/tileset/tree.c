@@ -41,8 +41,8 @@ static int resize_table(psplat_tiles *t, enum psplat_tile_table which, size_t en
     memcpy(&block, own.at, sizeof block);
     if (entries > SIZE_MAX / own.size) return 0;
     if (!entries && !block) return 1;
-    block = psplat_resize(&t->allocator, block, t->capacities[which] * own.size,
-                          entries * own.size);
+    block =
+        psplat_resize(&t->allocator, block, t->capacities[which] * own.size, entries * own.size);
     if (entries && !block) return 0;
     memcpy(own.at, &block, sizeof block);
     t->capacities[which] = entries;

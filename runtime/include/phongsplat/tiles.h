@@ -149,8 +149,9 @@ PSPLAT_EXPORT void psplat_tiles_fail(psplat_tiles *tiles, uint64_t tile, int is_
  * make room for these and for what is wanted. What the last select draws, the tiles above it and
  * the root stay. A tile that does not fit into psplat_tiles_desc.max_bytes beside the root alone
  * counts as one that cannot be read. The context is current. Errors: ARGUMENT, and those of
- * psplat_model_create; a tile that failed by MEMORY or GRAPHICS is requested again later, others
- * are not, and the call may be repeated. */
+ * psplat_model_create; a tile that failed by ARGUMENT, MEMORY or GRAPHICS is requested again later,
+ * others are not, and the call may be repeated. After a loss of the context the tileset is
+ * destroyed with the old renderer and opened anew. */
 PSPLAT_EXPORT psplat_result psplat_tiles_upload(psplat_tiles *tiles, psplat_renderer *renderer,
                                                 size_t max_bytes, psplat_error *error);
 
