@@ -95,7 +95,8 @@ static psplat_result read_end(reader *r) {
     if (result) return result;
     if (r->start > r->size || r->bytes > r->size - r->start || r->bytes > most_directory ||
         r->count > r->bytes / DIRECTORY)
-        return refuse(r, PSPLAT_ERROR_FORMAT, r->start, "the directory is not in the archive");
+        return refuse(r, PSPLAT_ERROR_FORMAT, r->size - tail + at,
+                      "the directory is not in the archive");
     return PSPLAT_OK;
 }
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * fuzz_tileset.c - reads any bytes as a tileset.json, draws some frames of it without GL, and
- * supplies what is wanted: external tilesets are the input itself, contents a splat, the input, or
- * nothing, as their names say. A hash of the bytes chooses budgets and views, and which inputs run
+ * fuzz_tileset.c - reads any bytes as a tileset.json, or as an archive where they begin with PK,
+ * draws some frames of it without GL, and supplies what is wanted: of an archive the bytes that are
+ * asked for; else external tilesets are the input itself, contents a splat, the input, or nothing,
+ * as their names say. A hash of the bytes chooses budgets and views, and which inputs run
  * out of memory.
  */
 #include "fuzz.h"
@@ -22,9 +23,16 @@ static psplat_result read_input(void *user, const char *path, uint64_t offset, v
     const input *in = user;
     size_t rest = offset < in->size ? in->size - (size_t)offset : 0;
     (void)error;
-    FUZZ_DEMAND(!strcmp(path, "dir/tileset.json"));
+    FUZZ_DEMAND(!strcmp(path, "dir/tileset.json") || !strcmp(path, "dir/scene.3tz"));
     *got = size < rest ? size : rest;
     if (*got) memcpy(data, in->data + offset, *got);
+    return PSPLAT_OK;
+}
+
+static psplat_result size_input(void *user, const char *path, uint64_t *size, psplat_error *error) {
+    (void)path;
+    (void)error;
+    *size = ((const input *)user)->size;
     return PSPLAT_OK;
 }
 
@@ -91,6 +99,12 @@ static void supply(psplat_tiles *tiles, const input *in, const psplat_tile_reque
     psplat_error error = {0};
     psplat_result result;
     check_path(request->path);
+    if (tiles->archive.name) {
+        FUZZ_DEMAND(request->offset <= in->size && request->size <= in->size - request->offset);
+        psplat_tiles_supply(tiles, request->tile, in->data + request->offset, (size_t)request->size,
+                            NULL);
+        return;
+    }
     FUZZ_DEMAND(request->priority >= 0);
     uint32_t hash = hash_of((const uint8_t *)request->path, strlen(request->path));
     if (hash % 7 == 0) {
@@ -170,14 +184,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     fuzz_meter meter = {.fail_at = fails ? 1 + hash / WAYS % MOST_ALLOCATIONS : 0};
     input in = {data, size};
     const psplat_tiles_desc desc = {.allocator = fuzz_meter_allocator(&meter),
-                                    .source = {.read = read_input, .user = &in},
+                                    .source = {read_input, &in, size_input},
                                     .max_bytes = hash >> 5 & 1 ? 100000 : 10000000,
                                     .max_requests = 3,
                                     .fade_seconds = hash >> 6 & 1 ? 3 : 0};
     psplat_tiles *tiles = NULL;
     psplat_error error = {0};
     fuzz_meter_start(&meter);
-    psplat_result result = psplat_tiles_open(&desc, "dir/tileset.json", &tiles, &error);
+    int is_archive = size > 2 && data[0] == 'P' && data[1] == 'K';
+    psplat_result result =
+        psplat_tiles_open(&desc, is_archive ? "dir/scene.3tz" : "dir/tileset.json", &tiles, &error);
     fuzz_meter_stop(&meter, 1.0);
     FUZZ_DEMAND((result == PSPLAT_OK) == (tiles != NULL));
     FUZZ_DEMAND(meter.peak <= 200000 + 160 * size);
