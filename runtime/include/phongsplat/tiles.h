@@ -120,7 +120,7 @@ typedef struct psplat_tile_request {
                               lives as long as the tileset */
     uint64_t offset, size; /* bytes in that file, which psplat_tiles_supply takes as they are; size
                               0: from offset to its end */
-    double priority;       /* greater is more important */
+    double priority;       /* greater is more important; negative beside the view */
 } psplat_tile_request;
 
 /* Takes up to capacity requests of the last select out, most important first, and returns their

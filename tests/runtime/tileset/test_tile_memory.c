@@ -12,6 +12,8 @@
 
 #include "tiles_fixture.h"
 
+#include "tileset/show.h"
+
 static world make_world(int depth, int external_depth) {
     world w = {.depth = depth,
                .external_depth = external_depth,
@@ -243,6 +245,40 @@ static void test_eviction(void **state) {
             used = tiles->uses[n].used;
         }
     }
+    psplat_tiles_destroy(tiles, NULL);
+    world_free(&w);
+}
+
+/* When the view turns, what was replaced stays so: tiles that come into view are there already. */
+static void test_turning(void **state) {
+    (void)state;
+    world w = make_world(9, 3);
+    psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){0});
+    psplat_view view = {.width = 400, .height = 300};
+    const psplat_tiles_view v = {.view = &view, .pixels = 3};
+    size_t kept = 0, came = 0;
+    view_perspective(&view, 0.4, 0.01, 100);
+    for (int i = 0; i < 60; ++i) {
+        const double eye[3] = {0.5, 0.8, 3.5};
+        view_look_at(&view, eye, (double[]){0.1 * i - 3, 0.2, 0});
+        if (i % 2 == 0) {
+            world_settle(&w, tiles, &v);
+            continue;
+        }
+        uint32_t last = tiles->frame;
+        assert_int_equal(psplat_tiles_select(tiles, &v, NULL), PSPLAT_OK);
+        for (uint32_t node = 0; node < tiles->node_count; ++node) {
+            const psplat_tile_use *use = &tiles->uses[node];
+            if (use->looked != tiles->frame || !use->is_visible) continue;
+            came += use->shown == tiles->frame && use->used == tiles->frame && !use->refined;
+            if (tiles->nodes[node].child_count == 0 || psplat_tile_pixels(tiles, node) <= 3)
+                continue;
+            if (use->refined != tiles->frame) assert_true(use->refined != last);
+            kept += use->refined == tiles->frame;
+        }
+    }
+    print_message("%zu tiles stayed replaced\n", kept);
+    assert_true(kept > 500 && came > 0);
     psplat_tiles_destroy(tiles, NULL);
     world_free(&w);
 }
@@ -505,11 +541,12 @@ static void test_destroy_early(void **state) {
 
 int test_tile_memory_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_budgets),       cmocka_unit_test(test_rest),
-        cmocka_unit_test(test_no_room),       cmocka_unit_test(test_eviction),
-        cmocka_unit_test(test_fades),         cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_steady_frames), cmocka_unit_test(test_stale_requests),
-        cmocka_unit_test(test_wrong_files),   cmocka_unit_test(test_destroy_early),
+        cmocka_unit_test(test_budgets),        cmocka_unit_test(test_rest),
+        cmocka_unit_test(test_no_room),        cmocka_unit_test(test_eviction),
+        cmocka_unit_test(test_turning),        cmocka_unit_test(test_fades),
+        cmocka_unit_test(test_no_memory),      cmocka_unit_test(test_steady_frames),
+        cmocka_unit_test(test_stale_requests), cmocka_unit_test(test_wrong_files),
+        cmocka_unit_test(test_destroy_early),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
