@@ -514,6 +514,63 @@ static void test_wrong_files(void **state) {
     }
 }
 
+static psplat_result mock_result; /* with which mock_fail fails */
+
+static psplat_result mock_fail(psplat_renderer *renderer, const psplat_asset *asset,
+                               psplat_model **model, psplat_error *error) {
+    if (!mock_result) return mock_create(renderer, asset, model, error);
+    return psplat_fail(error, mock_result, 0, "as the test wants");
+}
+
+/* Frames until a tileset of one tile has drawn it, with a request in each frame that wants one. */
+static int frames_until_drawn(const world *w, psplat_tiles *tiles, const psplat_tiles_view *v) {
+    for (int frame = 1; frame < 20; ++frame) {
+        psplat_tile_request request;
+        assert_int_equal(psplat_tiles_select(tiles, v, NULL), PSPLAT_OK);
+        if (psplat_tiles_describe(tiles).drawn) return frame;
+        if (psplat_tiles_wanted(tiles, &request, 1))
+            assert_int_equal(world_supply(w, tiles, request.tile, request.path, NULL), PSPLAT_OK);
+        psplat_result result = psplat_tiles_upload(tiles, NULL, 0, NULL);
+        assert_int_equal(result, psplat_tiles_describe(tiles).waiting ? PSPLAT_OK : mock_result);
+    }
+    return 20;
+}
+
+/* Where the upload fails for want of memory the tile is asked for again, where the file is too much
+ * for this GL it is not; where there is no room it is asked for again when there is. */
+static void test_failing_uploads(void **state) {
+    (void)state;
+    static const psplat_tile_models models = {mock_fail, mock_destroy, mock_describe};
+    static const psplat_result results[] = {PSPLAT_ERROR_MEMORY, PSPLAT_ERROR_GRAPHICS,
+                                            PSPLAT_ERROR_ARGUMENT, PSPLAT_ERROR_RANGE, PSPLAT_OK};
+    world w = make_world(0, 0);
+    psplat_view view = view_all();
+    const psplat_tiles_view v = {.view = &view};
+    for (int i = 0; i < 5; ++i) {
+        psplat_tile_request request;
+        psplat_error error = {0};
+        psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){.max_bytes = 100000});
+        tiles->models = &models;
+        assert_int_equal(psplat_tiles_select(tiles, &v, NULL), PSPLAT_OK);
+        assert_int_equal(psplat_tiles_wanted(tiles, &request, 1), 1);
+        assert_int_equal(world_supply(&w, tiles, request.tile, request.path, NULL), PSPLAT_OK);
+        mock_result = results[i];
+        size_t taken = tiles->max_bytes - atomic_load(&tiles->bytes);
+        if (!mock_result) assert_true(psplat_tiles_take_bytes(tiles, taken));
+        assert_int_equal(psplat_tiles_upload(tiles, NULL, 0, &error), mock_result);
+        assert_int_equal(error.text[0] != 0, mock_result != PSPLAT_OK);
+        if (!mock_result) psplat_tiles_give_bytes(tiles, taken);
+        mock_result = PSPLAT_OK;
+        assert_int_equal(psplat_tiles_describe(tiles).bytes, 0);
+        int is_final = results[i] == PSPLAT_ERROR_RANGE;
+        assert_int_equal(psplat_tiles_describe(tiles).failed, is_final);
+        assert_int_equal(frames_until_drawn(&w, tiles, &v) < 20, !is_final);
+        psplat_tiles_destroy(tiles, NULL);
+    }
+    assert_int_equal(psplat_tiles_upload(NULL, NULL, 0, NULL), PSPLAT_ERROR_ARGUMENT);
+    world_free(&w);
+}
+
 /* What is still on its way when a tileset is destroyed is forgotten. */
 static void test_destroy_early(void **state) {
     (void)state;
@@ -546,7 +603,7 @@ int test_tile_memory_main(void) {
         cmocka_unit_test(test_turning),        cmocka_unit_test(test_fades),
         cmocka_unit_test(test_no_memory),      cmocka_unit_test(test_steady_frames),
         cmocka_unit_test(test_stale_requests), cmocka_unit_test(test_wrong_files),
-        cmocka_unit_test(test_destroy_early),
+        cmocka_unit_test(test_destroy_early),  cmocka_unit_test(test_failing_uploads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
