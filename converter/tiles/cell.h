@@ -41,10 +41,10 @@ int psplat_tile_cell_find(const psplat_tile_cell *root, const char *path, psplat
 /* Returns whether a point of the root lies in a cell. Every point does in one of two halves. */
 int psplat_tile_cell_holds(const psplat_tile_cell *cell, const double point[3]);
 
-/* Returns whether a triangle meets a cell: never 0 where it does; 1 also where it only touches, up
- * to rounding, a side that the cell holds. A triangle that lies in the plane between two halves
- * meets the upper one alone. */
-int psplat_tile_cell_meets_triangle(const psplat_tile_cell *cell, const double corners[3][3]);
+/* Returns whether a triangle, given by its corners, meets a cell: never 0 where it does; 1 also
+ * where it only touches, up to rounding, a side that the cell holds. A triangle that lies in the
+ * plane between two halves meets the upper one alone. */
+int psplat_tile_cell_meets_triangle(const psplat_tile_cell *cell, const double corners[9]);
 
 /* Returns whether the path of one cell begins with that of another: the first one lies in it. */
 int psplat_tile_path_is_in(const char *path, const char *outer);

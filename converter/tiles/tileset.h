@@ -11,7 +11,7 @@
 
 #include <stddef.h>
 
-/* The most tiles of one file of JSON, which names further files for what is below. */
+/* About the most tiles of one file of JSON, which names further files for what is below. */
 enum { PSPLAT_MOST_TILES_OF_FILE = 1000 };
 
 /* Makes a tree of tiles: the parent of a tile is, of the tiles of coarser levels whose cells hold
@@ -27,7 +27,7 @@ typedef psplat_result psplat_take_tileset(void *user, const char *name, const ch
                                           size_t size, psplat_error *error);
 
 /* Writes tiles that are arranged, with these parents, as "tileset.json" and further files
- * "tileset-N.json" beside it with at most `most` tiles each (0: PSPLAT_MOST_TILES_OF_FILE). Boxes
+ * "tileset-N.json" beside it with about `most` tiles each (0: PSPLAT_MOST_TILES_OF_FILE). Boxes
  * are in the coordinates of 3D Tiles, with Z up. Errors: MEMORY, and those of take. */
 psplat_result psplat_tileset_write(const psplat_tile *tiles, size_t count, const size_t *parents,
                                    size_t most, psplat_take_tileset *take, void *user,
