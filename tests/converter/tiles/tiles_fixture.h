@@ -32,6 +32,7 @@ typedef struct tiles_fixture {
     size_t *parents;
     psplat_asset **assets; /* in the order of block.tiles */
     psplat_placed_splats *placed;
+    psplat_tile_cell *cells;
     size_t count;
     uint64_t hash; /* of all contents */
 } tiles_fixture;
@@ -107,7 +108,9 @@ static inline void tiles_make(tiles_fixture *f, const psplat_convert_desc *optio
     f->parents = malloc(f->count * sizeof *f->parents);
     f->placed = calloc(f->count, sizeof *f->placed);
     assert_non_null(f->parents);
+    f->cells = calloc(f->count, sizeof *f->cells);
     assert_non_null(f->placed);
+    assert_non_null(f->cells);
     psplat_tile *before = malloc(f->count * sizeof *before);
     assert_non_null(before);
     memcpy(before, f->block.tiles, f->count * sizeof *before);
@@ -115,6 +118,7 @@ static inline void tiles_make(tiles_fixture *f, const psplat_convert_desc *optio
         fail_msg("%s", error.text);
     for (size_t i = 0; i < f->count; ++i) {
         assert_string_equal(before[i].path, f->block.tiles[i].path); /* they come in this order */
+        assert_true(psplat_tile_cell_find(&f->root, f->block.tiles[i].path, &f->cells[i]));
         assert_int_equal(
             psplat_placed_splats_create(f->assets[i], f->mesh.origin, &f->placed[i], &error),
             PSPLAT_OK);
@@ -132,6 +136,7 @@ static inline void tiles_clear(tiles_fixture *f) {
     }
     free(f->assets);
     free(f->placed);
+    free(f->cells);
     free(f->parents);
     psplat_source_mesh_destroy(f->source);
     psplat_tile_block_free(&f->block);
