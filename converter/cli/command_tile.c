@@ -103,6 +103,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
     };
     psplat_parse parsed = psplat_options_parse(&syntax, argc, argv);
     if (parsed != PSPLAT_PARSE_OK) return parsed;
+    if (!strcmp(a->output, "-"))
+        return psplat_options_refuse("tile", a->output, "a tileset is a directory");
     if (!psplat_options_precision(a->precision, &a->position_precision))
         return psplat_options_refuse("tile", "precision",
                                      "neither auto, float nor a number of 0.001 to 0.5");
