@@ -20,7 +20,7 @@
 #include "measure/splat_distance.h"
 #include "tiles_fixture.h"
 
-enum { SAMPLES = 200000, CUTS = 50, RAY_CUTS = 5, RAYS = 20000, MOST = 24 };
+enum { SAMPLES = 200000, CUTS = 50, RAY_CUTS = 3, RAYS = 10000, MOST = 24 };
 
 /* A model with the samples of its surface, and the tile of each level that owns each of them. */
 typedef struct cuts_fixture {
@@ -270,6 +270,7 @@ static int are_near(const double *a, const double *b, size_t count) {
 /* Returns whether two regions are those of the same splat. A file may give splats lines that cut
  * nothing off behind their own. */
 static int is_same(const psplat_region *a, const psplat_region *b) {
+    if (getenv("DEBUG_SAME") && distance2_3(a->center, b->center) < 1e-8) fprintf(stderr,"c %.3g u %g %g %g|%g %g %g n %g %g %g|%g %g %g r %g %g | %g %g h %.9g %.9g %.9g | %.9g %.9g %.9g lines %d %d\n", sqrt(distance2_3(a->center,b->center)), a->u[0],a->u[1],a->u[2],b->u[0],b->u[1],b->u[2],a->n[0],a->n[1],a->n[2],b->n[0],b->n[1],b->n[2],a->radius[0],a->radius[1],b->radius[0],b->radius[1],a->hessian[0],a->hessian[1],a->hessian[2],b->hessian[0],b->hessian[1],b->hessian[2],a->line_count,b->line_count);
     uint32_t lines = a->line_count < b->line_count ? a->line_count : b->line_count;
     return distance2_3(a->center, b->center) < 1e-20 && are_near(a->u, b->u, 3) &&
            are_near(a->n, b->n, 3) && are_near(a->radius, b->radius, 2) &&
