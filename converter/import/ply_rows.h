@@ -31,11 +31,11 @@ typedef struct psplat_ply_property {
 
 /* Where rows lie and what is in them. Offsets within a vertex are -1 for what it lacks. */
 typedef struct psplat_ply_rows {
-    int is_big;              /* big endian */
-    size_t vertices, faces;  /* numbers of rows */
-    size_t first_vertex;     /* the offset of the first vertex in the file */
-    size_t vertex_size;      /* bytes of each */
-    psplat_ply_type scalars; /* of x, y and z: FLOAT32 or FLOAT64 */
+    int is_big;                           /* big endian */
+    size_t vertices, faces;               /* numbers of rows */
+    size_t first_vertex;                  /* the offset of the first vertex in the file */
+    size_t vertex_size;                   /* bytes of each */
+    psplat_ply_type scalars;              /* of x, y and z: FLOAT32 or FLOAT64 */
     int position[3], normal[3], color[4]; /* floats of normals; bytes of red, green, blue, alpha */
     size_t property_count;
     psplat_ply_property properties[PSPLAT_PLY_PROPERTIES]; /* of faces */

@@ -172,13 +172,12 @@ static psplat_result fail_at(const psplat_triangle_stream *s, size_t offset, psp
 static void next_in_memory(psplat_triangle_stream *s, psplat_stream_triangle *t) {
     const psplat_mesh *mesh = &s->mesh;
     uint32_t triangle = (uint32_t)s->next++;
-    const float *factor =
-        mesh->groups && mesh->source_material_count
-            ? mesh->source_materials[mesh->groups[triangle]].material.base_color
-            : NULL;
+    const float *factor = mesh->groups && mesh->source_material_count
+                              ? mesh->source_materials[mesh->groups[triangle]].material.base_color
+                              : NULL;
     for (size_t i = 0; i < 9; ++i)
-        t->positions[i] = psplat_mesh_corner(mesh, triangle, (int)(i / 3))[i % 3] +
-                          mesh->origin[i % 3];
+        t->positions[i] =
+            psplat_mesh_corner(mesh, triangle, (int)(i / 3))[i % 3] + mesh->origin[i % 3];
     if (s->content.has_normals)
         memcpy(t->normals, mesh->corner_normals + 9 * (size_t)triangle, sizeof t->normals);
     for (size_t i = 0; s->content.has_colors && i < 12; ++i)
@@ -191,8 +190,7 @@ static psplat_result next_stl(psplat_triangle_stream *s, psplat_stream_triangle 
     static const psplat_ply_rows little = {0};
     size_t offset = s->offset + 12;
     for (size_t i = 0; i < 9; ++i) {
-        t->positions[i] =
-            psplat_ply_value(&little, PSPLAT_PLY_FLOAT32, s->data + offset + 4 * i);
+        t->positions[i] = psplat_ply_value(&little, PSPLAT_PLY_FLOAT32, s->data + offset + 4 * i);
         if (!isfinite(t->positions[i]))
             return fail_at(s, offset + 4 * i, PSPLAT_ERROR_RANGE, "triangle", s->next,
                            "a coordinate is not finite", error);
@@ -220,8 +218,7 @@ static psplat_result take_vertex(psplat_triangle_stream *s, uint32_t vertex, siz
     }
     double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
     for (size_t i = 0; i < 3; ++i)
-        t->normals[3 * k + i] =
-            length > 0 && isfinite(length) ? (float)(normal[i] / length) : 0.0f;
+        t->normals[3 * k + i] = length > 0 && isfinite(length) ? (float)(normal[i] / length) : 0.0f;
     for (size_t i = 0; i < 4 && s->content.has_colors; ++i) {
         unsigned byte = ply->color[i] < 0 ? 255 : (unsigned char)row[ply->color[i]];
         t->colors[4 * k + i] = i < 3 ? s->linear[byte] : (float)byte / 255.0f;

@@ -45,9 +45,7 @@ static int reserve(psplat_tile_soup *soup) {
 int psplat_tile_soup_add(void *user, const psplat_stream_triangle *t) {
     psplat_tile_soup *soup = user;
     psplat_mesh *mesh = &soup->mesh;
-    if (soup->reach &&
-        !psplat_tile_cell_meets_triangle(soup->reach, (const double(*)[3])t->positions))
-        return 0;
+    if (soup->reach && !psplat_tile_cell_meets_triangle(soup->reach, t->positions)) return 0;
     if (!reserve(soup)) return 1;
     size_t n = mesh->triangle_count++;
     memcpy(mesh->positions + 9 * n, t->positions, sizeof t->positions);
@@ -131,8 +129,7 @@ static size_t expected_bytes(const head *h) {
     if (memcmp(h->magic, magic, sizeof magic) != 0 || h->version != MESH_VERSION ||
         h->vertices > PSPLAT_MAX_VERTICES || h->triangles > PSPLAT_MAX_TRIANGLES)
         return SIZE_MAX;
-    return 3 * (size_t)h->vertices * sizeof(double) +
-           3 * (size_t)h->triangles * sizeof(uint32_t) +
+    return 3 * (size_t)h->vertices * sizeof(double) + 3 * (size_t)h->triangles * sizeof(uint32_t) +
            (h->has_colors ? 12 * (size_t)h->triangles * sizeof(float) : 0);
 }
 

@@ -31,7 +31,7 @@ enum { READ_BUFFER = 1 << 20 };
 /* A node of the tree of blocks; the tree is full. */
 typedef struct tree_node {
     psplat_tile_cell cell;
-    int axis;          /* of its halving, if it has one, and the place */
+    int axis; /* of its halving, if it has one, and the place */
     double middle;
     uint32_t children; /* the lower one; the upper follows. 0: this is a block */
     uint32_t leaf;
@@ -170,8 +170,7 @@ static psplat_result count_cells(sorter *s, psplat_error *error) {
     s->before = calloc(cells + 1, sizeof *s->before);
     halving *halvings = malloc(cells * sizeof *halvings);
     if (halvings) fill_halvings(halvings, 0, &s->leaves->root, s->depth);
-    psplat_result result =
-        s->before && halvings ? count(s, halvings, error) : fail_memory(error);
+    psplat_result result = s->before && halvings ? count(s, halvings, error) : fail_memory(error);
     free(halvings);
     return result;
 }
@@ -238,7 +237,9 @@ static psplat_result make_blocks(sorter *s, psplat_error *error) {
     size_t next = 0;
     if (!split_cells(s)) return fail_memory(error);
     size_t count = s->leaves->count, share = ALL_BUFFERS / count;
-    s->buffer_size = share < LEAST_BUFFER ? LEAST_BUFFER : share > MOST_BUFFER ? MOST_BUFFER : share;
+    s->buffer_size = share < LEAST_BUFFER  ? LEAST_BUFFER
+                     : share > MOST_BUFFER ? MOST_BUFFER
+                                           : share;
     s->leaves->leaves = calloc(count, sizeof *s->leaves->leaves);
     s->fillings = calloc(count, sizeof *s->fillings);
     s->buffers = malloc(count * s->buffer_size);
@@ -308,7 +309,7 @@ static uint32_t leaf_of(const sorter *s, const double point[3]) {
 static void mark_met(sorter *s, uint32_t node, const psplat_stream_triangle *t) {
     const tree_node *n = &s->nodes[node];
     if (!n->children && s->fillings[n->leaf].is_met) return;
-    if (!psplat_tile_cell_meets_triangle(&n->cell, (const double(*)[3])t->positions)) return;
+    if (!psplat_tile_cell_meets_triangle(&n->cell, t->positions)) return;
     if (!n->children) {
         s->fillings[n->leaf].is_met = 1;
         return;
@@ -374,7 +375,8 @@ static psplat_result write_store(sorter *s, const char *store, psplat_error *err
         s->file < 0 ? fail_store(s, "cannot be created", error) : fill_store(s, error);
     if (s->file >= 0 && close(s->file) && !result)
         result = fail_store(s, "cannot be written", error);
-    if (!result && rename(temporary, store)) result = fail_store(s, "cannot be put in place", error);
+    if (!result && rename(temporary, store))
+        result = fail_store(s, "cannot be put in place", error);
     if (result && s->file >= 0) unlink(temporary);
     free(temporary);
     return result;
@@ -490,9 +492,9 @@ psplat_result psplat_tile_leaf_read(const psplat_tile_leaves *leaves, size_t lea
         return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s: cannot be opened: %s", shown,
                            strerror(errno));
     char *buffer = malloc(READ_BUFFER);
-    psplat_result result = buffer ? read_block(leaves, &leaves->leaves[leaf], file, buffer, shown,
-                                               take, user, error)
-                                  : fail_memory(error);
+    psplat_result result =
+        buffer ? read_block(leaves, &leaves->leaves[leaf], file, buffer, shown, take, user, error)
+               : fail_memory(error);
     free(buffer);
     close(file);
     return result;

@@ -24,7 +24,7 @@ uint64_t psplat_hash_bytes(uint64_t hash, const void *data, size_t size) {
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-static int reserve(psplat_text *text, size_t more) {
+static int reserve(psplat_checked_text *text, size_t more) {
     if (text->failed) return 0;
     if (text->size + more < text->capacity) return 1;
     size_t capacity = 2 * text->capacity + more + 256;
@@ -36,7 +36,7 @@ static int reserve(psplat_text *text, size_t more) {
     return 1;
 }
 
-void psplat_text_add(psplat_text *text, const char *format, ...) {
+void psplat_checked_add(psplat_checked_text *text, const char *format, ...) {
     va_list arguments, again;
     va_start(arguments, format);
     va_copy(again, arguments);
@@ -49,17 +49,17 @@ void psplat_text_add(psplat_text *text, const char *format, ...) {
     va_end(arguments);
 }
 
-void psplat_text_numbers(psplat_text *text, const double *numbers, size_t count) {
-    for (size_t i = 0; i < count; ++i) psplat_text_add(text, " %.17g", numbers[i]);
+void psplat_checked_numbers(psplat_checked_text *text, const double *numbers, size_t count) {
+    for (size_t i = 0; i < count; ++i) psplat_checked_add(text, " %.17g", numbers[i]);
 }
 
-void psplat_text_begin(psplat_text *text, const char *kind, int version) {
-    psplat_text_add(text, "phongsplat tile %s %d\n", kind, version);
+void psplat_checked_begin(psplat_checked_text *text, const char *kind, int version) {
+    psplat_checked_add(text, "phongsplat tile %s %d\n", kind, version);
 }
 
-uint64_t psplat_text_end(psplat_text *text) {
+uint64_t psplat_checked_end(psplat_checked_text *text) {
     uint64_t hash = psplat_hash_bytes(PSPLAT_HASH_BEGIN, text->text, text->failed ? 0 : text->size);
-    psplat_text_add(text, "end %016" PRIx64 "\n", hash);
+    psplat_checked_add(text, "end %016" PRIx64 "\n", hash);
     return hash;
 }
 

@@ -14,27 +14,27 @@
 #include <stdint.h>
 
 /* A text that grows; zero-initialise it. After a failed allocation all further calls do nothing. */
-typedef struct psplat_text {
+typedef struct psplat_checked_text {
     char *text; /* malloc'ed, owned by the caller */
     size_t size, capacity;
     int failed;
-} psplat_text;
+} psplat_checked_text;
 
 /* Appends by printf. Numbers do not depend on the locale unless the program sets one. */
-void psplat_text_add(psplat_text *text, const char *format, ...)
+void psplat_checked_add(psplat_checked_text *text, const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 2, 3)))
 #endif
     ;
 
 /* Appends " X" for each number, so that it reads back as the same double. */
-void psplat_text_numbers(psplat_text *text, const double *numbers, size_t count);
+void psplat_checked_numbers(psplat_checked_text *text, const double *numbers, size_t count);
 
 /* Begins a file of a kind and version. */
-void psplat_text_begin(psplat_text *text, const char *kind, int version);
+void psplat_checked_begin(psplat_checked_text *text, const char *kind, int version);
 
 /* Ends the file and returns the hash of all before its last line. */
-uint64_t psplat_text_end(psplat_text *text);
+uint64_t psplat_checked_end(psplat_checked_text *text);
 
 /* The words of a file, one after the other. */
 typedef struct psplat_words {

@@ -71,58 +71,57 @@ psplat_result psplat_tile_plan_check_input(const psplat_tile_plan *plan, psplat_
 /* ---- text ------------------------------------------------------------------------------------ */
 
 /* Adds what makes two plans equal: the input and what was asked for. */
-static void add_request(const psplat_tile_plan *plan, psplat_text *text) {
+static void add_request(const psplat_tile_plan *plan, psplat_checked_text *text) {
     const psplat_tile_options *o = &plan->options;
     const psplat_convert_desc *c = &o->convert;
-    const double numbers[] = {c->tolerance_percent,      c->normal_tolerance_degrees,
-                              c->crease_angle_degrees,   c->precision,
+    const double numbers[] = {c->tolerance_percent,       c->normal_tolerance_degrees,
+                              c->crease_angle_degrees,    c->precision,
                               c->color_tolerance_percent, o->apron};
-    psplat_text_add(text, "input %s\nsize %" PRIu64 " hash %" PRIu64 "\nnumbers", plan->input,
-                    plan->input_size, plan->input_hash);
-    psplat_text_numbers(text, numbers, sizeof numbers / sizeof *numbers);
-    psplat_text_add(text,
-                    "\nflags %d %d %d %d %d effort %d seed %" PRIu64 " most %" PRIu64 "\n",
-                    c->no_creases, c->constant_normals, c->planar, o->no_compress, o->has_fallback,
-                    c->effort + 1, c->seed, o->most_triangles);
+    psplat_checked_add(text, "input %s\nsize %" PRIu64 " hash %" PRIu64 "\nnumbers", plan->input,
+                       plan->input_size, plan->input_hash);
+    psplat_checked_numbers(text, numbers, sizeof numbers / sizeof *numbers);
+    psplat_checked_add(text, "\nflags %d %d %d %d %d effort %d seed %" PRIu64 " most %" PRIu64 "\n",
+                       c->no_creases, c->constant_normals, c->planar, o->no_compress,
+                       o->has_fallback, c->effort + 1, c->seed, o->most_triangles);
 }
 
-static void add_material(const psplat_material *m, psplat_text *text) {
+static void add_material(const psplat_material *m, psplat_checked_text *text) {
     double numbers[9] = {0};
     for (int k = 0; k < 4; ++k) numbers[k] = (double)m->base_color[k];
     for (int k = 0; k < 3; ++k) numbers[4 + k] = (double)m->emissive[k];
     numbers[7] = (double)m->metallic;
     numbers[8] = (double)m->roughness;
-    psplat_text_add(text, "material");
-    psplat_text_numbers(text, numbers, 9);
-    psplat_text_add(text, " %d %d\n", m->double_sided, m->unlit);
+    psplat_checked_add(text, "material");
+    psplat_checked_numbers(text, numbers, 9);
+    psplat_checked_add(text, " %d %d\n", m->double_sided, m->unlit);
 }
 
-static void add_leaves(const psplat_tile_leaves *leaves, psplat_text *text) {
-    psplat_text_add(text, "root");
-    psplat_text_numbers(text, leaves->root.low, 3);
-    psplat_text_numbers(text, leaves->root.high, 3);
-    psplat_text_add(text, "\ntriangles %" PRIu64 " %d %d %d %d\nleaves %zu\n", leaves->triangles,
-                    leaves->is_single, leaves->has_normals, leaves->has_colors, leaves->is_closed,
-                    leaves->count);
+static void add_leaves(const psplat_tile_leaves *leaves, psplat_checked_text *text) {
+    psplat_checked_add(text, "root");
+    psplat_checked_numbers(text, leaves->root.low, 3);
+    psplat_checked_numbers(text, leaves->root.high, 3);
+    psplat_checked_add(text, "\ntriangles %" PRIu64 " %d %d %d %d\nleaves %zu\n", leaves->triangles,
+                       leaves->is_single, leaves->has_normals, leaves->has_colors,
+                       leaves->is_closed, leaves->count);
     for (size_t i = 0; i < leaves->count; ++i) {
         const psplat_tile_leaf *leaf = &leaves->leaves[i];
-        psplat_text_add(text, "r%s %" PRIu64 " %" PRIu64, leaf->path, leaf->first, leaf->count);
-        if (leaf->count) psplat_text_numbers(text, leaf->low, 3);
-        if (leaf->count) psplat_text_numbers(text, leaf->high, 3);
-        psplat_text_add(text, "\n");
+        psplat_checked_add(text, "r%s %" PRIu64 " %" PRIu64, leaf->path, leaf->first, leaf->count);
+        if (leaf->count) psplat_checked_numbers(text, leaf->low, 3);
+        if (leaf->count) psplat_checked_numbers(text, leaf->high, 3);
+        psplat_checked_add(text, "\n");
     }
 }
 
 /* Adds a line for each task with those that have to be finished before. They follow from the
  * leaves, and stand here for people and other programs. */
-static void add_tasks(const psplat_tile_tasks *tasks, psplat_text *text) {
+static void add_tasks(const psplat_tile_tasks *tasks, psplat_checked_text *text) {
     for (size_t i = 0; i < tasks->count; ++i) {
         const psplat_tile_task *task = &tasks->list[i];
-        psplat_text_add(text, "task %s wave %d needs", task->name, task->wave);
+        psplat_checked_add(text, "task %s wave %d needs", task->name, task->wave);
         for (size_t k = 0; k < task->need_count; ++k)
             if (!task->needs[k].is_original)
-                psplat_text_add(text, " %s", tasks->list[task->needs[k].task].name);
-        psplat_text_add(text, "\n");
+                psplat_checked_add(text, " %s", tasks->list[task->needs[k].task].name);
+        psplat_checked_add(text, "\n");
     }
 }
 
@@ -232,7 +231,8 @@ psplat_result psplat_tile_plan_read(const char *directory, psplat_tile_plan *pla
     if (!has_memory)
         result = fail_memory(error);
     else if (words.failed)
-        result = psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: is no plan of this program", shown);
+        result =
+            psplat_fail(error, PSPLAT_ERROR_FORMAT, 0, "%s: is no plan of this program", shown);
     else
         result = complete(plan, error);
     psplat_words_close(&words);
@@ -249,14 +249,14 @@ void psplat_tile_plan_free(psplat_tile_plan *plan) {
 
 /* ---- the directory --------------------------------------------------------------------------- */
 
-static psplat_result write_text(const char *directory, const char *name, psplat_text *text,
+static psplat_result write_text(const char *directory, const char *name, psplat_checked_text *text,
                                 psplat_error *error) {
     char *path = text->failed ? NULL : psplat_tile_path(directory, name, "");
     psplat_result result =
         path ? psplat_output_write(path, text->text, text->size, 1, error) : fail_memory(error);
     free(path);
     free(text->text);
-    *text = (psplat_text){0};
+    *text = (psplat_checked_text){0};
     return result;
 }
 
@@ -277,13 +277,13 @@ static psplat_result make_directory(const char *directory, const char *name, psp
 /* Writes the names of all tasks, and of those of each wave. */
 static psplat_result write_tasks(const psplat_tile_plan *plan, const char *directory,
                                  psplat_error *error) {
-    psplat_text all = {0}, wave = {0};
+    psplat_checked_text all = {0}, wave = {0};
     char name[32];
     psplat_result result = PSPLAT_OK;
     for (size_t i = 0; i < plan->tasks.count && !result; ++i) {
         const psplat_tile_task *task = &plan->tasks.list[i];
-        psplat_text_add(&all, "%s\n", task->name);
-        psplat_text_add(&wave, "%s\n", task->name);
+        psplat_checked_add(&all, "%s\n", task->name);
+        psplat_checked_add(&wave, "%s\n", task->name);
         if (i + 1 < plan->tasks.count && task[1].wave == task->wave) continue;
         snprintf(name, sizeof name, "tasks-%d", task->wave);
         result = write_text(directory, name, &wave, error);
@@ -298,49 +298,50 @@ static psplat_result write_tasks(const psplat_tile_plan *plan, const char *direc
  * are for the order alone. */
 static psplat_result write_makefile(const psplat_tile_plan *plan, const char *program,
                                     const char *directory, psplat_error *error) {
-    psplat_text text = {0};
-    psplat_text_add(&text,
-                    "# Written by phongsplat tile plan: make -j2 -C DIRECTORY builds the tileset.\n"
-                    "PHONGSPLAT ?= %s\n"
-                    "export OMP_NUM_THREADS ?= 1\n"
-                    "all: tileset.json\n"
-                    ".PHONY: all\n"
-                    "tileset.json:",
-                    program);
+    psplat_checked_text text = {0};
+    psplat_checked_add(
+        &text,
+        "# Written by phongsplat tile plan: make -j2 -C DIRECTORY builds the tileset.\n"
+        "PHONGSPLAT ?= %s\n"
+        "export OMP_NUM_THREADS ?= 1\n"
+        "all: tileset.json\n"
+        ".PHONY: all\n"
+        "tileset.json:",
+        program);
     for (size_t i = 0; i < plan->tasks.count; ++i)
-        psplat_text_add(&text, " work/%s.record", plan->tasks.list[i].name);
-    psplat_text_add(&text, "\n\t\"$(PHONGSPLAT)\" tile merge .\n"
-                           "work/%%.record:\n\t\"$(PHONGSPLAT)\" tile node . $*\n");
+        psplat_checked_add(&text, " work/%s.record", plan->tasks.list[i].name);
+    psplat_checked_add(&text, "\n\t\"$(PHONGSPLAT)\" tile merge .\n"
+                              "work/%%.record:\n\t\"$(PHONGSPLAT)\" tile node . $*\n");
     for (size_t i = 0; i < plan->tasks.count; ++i) {
         const psplat_tile_task *task = &plan->tasks.list[i];
         if (!task->wave) continue;
-        psplat_text_add(&text, "work/%s.record: |", task->name);
+        psplat_checked_add(&text, "work/%s.record: |", task->name);
         for (size_t k = 0; k < task->need_count; ++k)
             if (!task->needs[k].is_original)
-                psplat_text_add(&text, " work/%s.record",
-                                plan->tasks.list[task->needs[k].task].name);
+                psplat_checked_add(&text, " work/%s.record",
+                                   plan->tasks.list[task->needs[k].task].name);
         for (int k = 0; k < 2; ++k)
-            psplat_text_add(&text, " work/%s.record", plan->tasks.list[task->children[k]].name);
-        psplat_text_add(&text, "\n");
+            psplat_checked_add(&text, " work/%s.record", plan->tasks.list[task->children[k]].name);
+        psplat_checked_add(&text, "\n");
     }
     return write_text(directory, "Makefile", &text, error);
 }
 
 static psplat_result write_plan(psplat_tile_plan *plan, const char *directory,
                                 psplat_error *error) {
-    psplat_text text = {0};
-    psplat_text_begin(&text, "plan", PLAN_VERSION);
+    psplat_checked_text text = {0};
+    psplat_checked_begin(&text, "plan", PLAN_VERSION);
     add_request(plan, &text);
     add_material(&plan->material, &text);
     add_leaves(&plan->leaves, &text);
     add_tasks(&plan->tasks, &text);
-    plan->hash = psplat_text_end(&text);
+    plan->hash = psplat_checked_end(&text);
     return write_text(directory, "plan", &text, error);
 }
 
 /* Returns whether two plans are of the same input and options. */
 static int is_same_request(const psplat_tile_plan *a, const psplat_tile_plan *b) {
-    psplat_text left = {0}, right = {0};
+    psplat_checked_text left = {0}, right = {0};
     add_request(a, &left);
     add_request(b, &right);
     int is_same = !left.failed && !right.failed && !strcmp(left.text, right.text);
@@ -381,7 +382,8 @@ static psplat_result check_earlier(const psplat_tile_plan *plan, const char *dir
     if (*is_done) return PSPLAT_OK;
     if (overwrite) return PSPLAT_OK;
     psplat_path_shorten(directory, shown);
-    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: holds another plan; replace it with --overwrite", shown);
+    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0,
+                       "%s: holds another plan; replace it with --overwrite", shown);
 }
 
 static psplat_result sort_input(psplat_tile_plan *plan, const char *directory,

@@ -38,8 +38,8 @@ typedef struct psplat_tile_options {
 /* A plan. Zero-initialise it. */
 typedef struct psplat_tile_plan {
     psplat_tile_options options;
-    psplat_material material; /* of all triangles */
-    char *input;              /* its absolute path */
+    psplat_material material;        /* of all triangles */
+    char *input;                     /* its absolute path */
     uint64_t input_size, input_hash; /* the hash is of parts of it */
     psplat_tile_leaves leaves;
     psplat_tile_tasks tasks;

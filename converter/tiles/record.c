@@ -15,26 +15,26 @@
 
 enum { RECORD_VERSION = 1 };
 
-static void add_tile(const psplat_tile *tile, psplat_text *text) {
-    psplat_text_add(text, "tile r%s %d", tile->path, tile->level);
-    psplat_text_numbers(text, tile->region, 6);
-    psplat_text_numbers(text, tile->bounds, 6);
-    psplat_text_numbers(text, &tile->error, 1);
-    psplat_text_numbers(text, &tile->normal_error, 1);
-    psplat_text_numbers(text, tile->cone, 4);
-    psplat_text_add(text, " %zu %zu %s\n", tile->splats, tile->bytes, tile->content);
+static void add_tile(const psplat_tile *tile, psplat_checked_text *text) {
+    psplat_checked_add(text, "tile r%s %d", tile->path, tile->level);
+    psplat_checked_numbers(text, tile->region, 6);
+    psplat_checked_numbers(text, tile->bounds, 6);
+    psplat_checked_numbers(text, &tile->error, 1);
+    psplat_checked_numbers(text, &tile->normal_error, 1);
+    psplat_checked_numbers(text, tile->cone, 4);
+    psplat_checked_add(text, " %zu %zu %s\n", tile->splats, tile->bytes, tile->content);
 }
 
 psplat_result psplat_tile_record_write(const psplat_tile_record *record, uint64_t plan,
                                        const char *path, psplat_error *error) {
-    psplat_text text = {0};
-    psplat_text_begin(&text, "record", RECORD_VERSION);
-    psplat_text_add(&text, "plan %" PRIu64 " task %s coarsest %d deviation", plan, record->task,
-                    record->coarsest);
-    psplat_text_numbers(&text, &record->deviation, 1);
-    psplat_text_add(&text, "\ntiles %zu\n", record->tile_count);
+    psplat_checked_text text = {0};
+    psplat_checked_begin(&text, "record", RECORD_VERSION);
+    psplat_checked_add(&text, "plan %" PRIu64 " task %s coarsest %d deviation", plan, record->task,
+                       record->coarsest);
+    psplat_checked_numbers(&text, &record->deviation, 1);
+    psplat_checked_add(&text, "\ntiles %zu\n", record->tile_count);
     for (size_t i = 0; i < record->tile_count; ++i) add_tile(&record->tiles[i], &text);
-    psplat_text_end(&text);
+    psplat_checked_end(&text);
     psplat_result result =
         text.failed ? psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for a record")
                     : psplat_output_write(path, text.text, text.size, 1, error);

@@ -156,10 +156,11 @@ static double bound_of(const psplat_triangle_tree *tree, const double corners[3]
     *place = nearest.place;
     if (nearest.place == PSPLAT_NONE || nearest.distance2 > most * most) return HUGE_VAL;
     for (int i = 0; i < 3; ++i)
-        greatest2 = max2(greatest2, point_triangle_distance2(
-                                        corners[i], psplat_tree_corner(tree, nearest.place, 0),
-                                        psplat_tree_corner(tree, nearest.place, 1),
-                                        psplat_tree_corner(tree, nearest.place, 2)));
+        greatest2 =
+            max2(greatest2,
+                 point_triangle_distance2(corners[i], psplat_tree_corner(tree, nearest.place, 0),
+                                          psplat_tree_corner(tree, nearest.place, 1),
+                                          psplat_tree_corner(tree, nearest.place, 2)));
     if (greatest2 <= most * most) return sqrt(greatest2);
     if (!quarterings) return HUGE_VAL;
     double halves[3][3], quarters[4][3][3];
@@ -220,10 +221,9 @@ static psplat_result prove_source(simplifier *s, size_t *failures) {
         double corners[3][3];
         for (int i = 0; i < 3; ++i)
             memcpy(corners[i], psplat_mesh_corner(mesh, (uint32_t)t, i), sizeof corners[i]);
-        double bound =
-            s->frozen[t] && !s->colors
-                ? 0
-                : bound_of(tree, (const double(*)[3])corners, s->most, MOST_QUARTERINGS, &place);
+        double bound = s->frozen[t] && !s->colors ? 0
+                                                  : bound_of(tree, (const double(*)[3])corners,
+                                                             s->most, MOST_QUARTERINGS, &place);
         if (s->colors && place != PSPLAT_NONE) add_colors(s, t, tree, place);
         if (s->frozen[t]) continue;
         s->deviation = max2(s->deviation, min2(bound, s->most));
@@ -266,8 +266,8 @@ static psplat_result run_rounds(simplifier *s) {
         if (result) return result;
         if (failures) freeze(s);
     }
-    if (!failures && border_number(s->indices, s->count) ==
-                         border_number(mesh->triangles, mesh->triangle_count))
+    if (!failures &&
+        border_number(s->indices, s->count) == border_number(mesh->triangles, mesh->triangle_count))
         return PSPLAT_OK;
     memset(s->frozen, 1, mesh->triangle_count); /* Everything stays. */
     s->count = 0;
@@ -283,17 +283,15 @@ static void store_color(const simplifier *s, uint32_t vertex, float color[4]) {
     size_t corner = 3 * (size_t)s->starts[vertex];
     while (s->source->triangles[corner] != vertex) ++corner;
     for (size_t k = 0; k < 4; ++k)
-        color[k] =
-            sum[4] > 0 ? (float)(sum[k] / sum[4]) : s->source->corner_colors[4 * corner + k];
+        color[k] = sum[4] > 0 ? (float)(sum[k] / sum[4]) : s->source->corner_colors[4 * corner + k];
 }
 
 static psplat_result store(simplifier *s, psplat_mesh *simple) {
     size_t vertices = 0;
     uint32_t *numbers = malloc((s->source->vertex_count + 1) * sizeof *numbers);
-    psplat_result result =
-        numbers ? psplat_mesh_allocate(simple, s->source->vertex_count, s->count,
-                                       s->colors ? PSPLAT_MESH_COLORS : 0, NULL)
-                : PSPLAT_ERROR_MEMORY;
+    psplat_result result = numbers ? psplat_mesh_allocate(simple, s->source->vertex_count, s->count,
+                                                          s->colors ? PSPLAT_MESH_COLORS : 0, NULL)
+                                   : PSPLAT_ERROR_MEMORY;
     if (result) {
         free(numbers);
         return PSPLAT_ERROR_MEMORY;
