@@ -24,7 +24,7 @@
 
 /* The parts of the greatest deviation that the simplifier may use by its own estimate, round after
  * round. Chosen by hand: with more, too much cannot be proven. */
-static const double simplified_parts[] = {0.5, 0.5, 0.35, 0.2};
+static const double simplified_parts[] = {0.5, 0.5, 0.5, 0.5, 0.35, 0.2};
 enum { ROUNDS = sizeof simplified_parts / sizeof *simplified_parts };
 
 /* How often a triangle of the source is quartered for its proof. */
@@ -42,6 +42,7 @@ typedef struct simplifier {
     size_t count;             /* of its triangles */
     double *colors;           /* of each vertex, the sum of colours and their weight; or NULL */
     psplat_proxy_search search;
+    psplat_triangle_tree *tree; /* of the source; NULL until it is needed */
 } simplifier;
 
 /* ---- preparation ----------------------------------------------------------------------------- */
@@ -126,28 +127,9 @@ static uint64_t border_number(const uint32_t *triangles, size_t count) {
     return number;
 }
 
-/* Proves that the simplified triangles, which come first, are near the source. */
-static psplat_result prove_result(simplifier *s, size_t simplified, size_t *failures) {
-    for (size_t t = 0; t < simplified; ++t) {
-        const uint32_t *corners = s->indices + 3 * t;
-        double deviation;
-        ++s->search.stamp;
-        if (psplat_proxy_bound(&s->search, corners, s->starts[corners[0]], &deviation))
-            return PSPLAT_ERROR_MEMORY;
-        if (deviation <= s->most) {
-            s->deviation = max2(s->deviation, deviation);
-            continue;
-        }
-        ++*failures;
-        for (size_t i = 0; i < s->search.count; ++i) s->unmade[s->search.stack[i]] = 1;
-        for (int k = 0; k < 3; ++k) s->unmade[s->starts[corners[k]]] = 1;
-    }
-    return PSPLAT_OK;
-}
-
 /* Returns the greatest distance of the corners from one triangle, which bounds that of all points
  * between them since a triangle is convex; of quarters where it is more than most; or HUGE_VAL. */
-static double bound_of(const psplat_triangle_tree *tree, const double corners[3][3], double most,
+static double bound_of(const psplat_triangle_tree *tree, double corners[3][3], double most,
                        int quarterings, uint32_t *place) {
     psplat_tree_nearest nearest = {.distance2 = HUGE_VAL, .place = *place};
     double middle[3], greatest2 = 0, bound = 0;
@@ -175,10 +157,44 @@ static double bound_of(const psplat_triangle_tree *tree, const double corners[3]
     }
     for (int i = 0; i < 4 && bound <= most; ++i) {
         uint32_t near = *place;
-        const double(*quarter)[3] = (const double(*)[3])quarters[i];
-        bound = max2(bound, bound_of(tree, quarter, most, quarterings - 1, &near));
+        bound = max2(bound, bound_of(tree, quarters[i], most, quarterings - 1, &near));
     }
     return bound;
+}
+
+/* Bounds the distance of a triangle with these vertices of the source from a tree's. */
+static double bound_of_corners(const simplifier *s, const psplat_triangle_tree *tree,
+                               const uint32_t vertices[3], uint32_t *place) {
+    double corners[3][3];
+    for (int i = 0; i < 3; ++i)
+        memcpy(corners[i], s->source->positions + 3 * (size_t)vertices[i], sizeof corners[i]);
+    return bound_of(tree, corners, s->most, MOST_QUARTERINGS, place);
+}
+
+/* Proves that the simplified triangles, which come first, are near the source. What the projection
+ * along a normal does not prove, as of slivers, quarters may. */
+static psplat_result prove_result(simplifier *s, size_t simplified, size_t *failures) {
+    uint32_t place = PSPLAT_NONE;
+    for (size_t t = 0; t < simplified; ++t) {
+        const uint32_t *corners = s->indices + 3 * t;
+        double deviation;
+        ++s->search.stamp;
+        if (psplat_proxy_bound(&s->search, corners, s->starts[corners[0]], &deviation))
+            return PSPLAT_ERROR_MEMORY;
+        if (!(deviation <= s->most)) {
+            if (!s->tree) s->tree = psplat_triangle_tree_create(s->source, NULL);
+            if (!s->tree) return PSPLAT_ERROR_MEMORY;
+            deviation = bound_of_corners(s, s->tree, corners, &place);
+        }
+        if (deviation <= s->most) {
+            s->deviation = max2(s->deviation, deviation);
+            continue;
+        }
+        ++*failures;
+        for (size_t i = 0; i < s->search.count; ++i) s->unmade[s->search.stack[i]] = 1;
+        for (int k = 0; k < 3; ++k) s->unmade[s->starts[corners[k]]] = 1;
+    }
+    return PSPLAT_OK;
 }
 
 /* Adds the colours of a triangle of the source to the vertex of the result that stands for it. */
@@ -218,12 +234,9 @@ static psplat_result prove_source(simplifier *s, size_t *failures) {
     uint32_t place = PSPLAT_NONE;
     if (s->colors) memset(s->colors, 0, 5 * mesh->vertex_count * sizeof *s->colors);
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
-        double corners[3][3];
-        for (int i = 0; i < 3; ++i)
-            memcpy(corners[i], psplat_mesh_corner(mesh, (uint32_t)t, i), sizeof corners[i]);
-        double bound = s->frozen[t] && !s->colors ? 0
-                                                  : bound_of(tree, (const double(*)[3])corners,
-                                                             s->most, MOST_QUARTERINGS, &place);
+        double bound = s->frozen[t] && !s->colors
+                           ? 0
+                           : bound_of_corners(s, tree, mesh->triangles + 3 * t, &place);
         if (s->colors && place != PSPLAT_NONE) add_colors(s, t, tree, place);
         if (s->frozen[t]) continue;
         s->deviation = max2(s->deviation, min2(bound, s->most));
@@ -234,13 +247,16 @@ static psplat_result prove_source(simplifier *s, size_t *failures) {
     return PSPLAT_OK;
 }
 
-/* Freezes what could not be proven, with the triangles beside it. */
-static void freeze(simplifier *s) {
-    for (size_t t = 0; t < s->source->triangle_count; ++t) {
-        if (!s->unmade[t]) continue;
-        s->frozen[t] = 1;
-        for (size_t k = 0; k < 3; ++k)
-            if (s->neighbors[3 * t + k] != PSPLAT_NONE) s->frozen[s->neighbors[3 * t + k]] = 1;
+/* Freezes what could not be proven, with so many rings of triangles around it. */
+static void freeze(simplifier *s, int rings) {
+    for (int ring = 0; ring <= rings; ++ring) {
+        for (size_t t = 0; t < s->source->triangle_count; ++t) {
+            if (!s->unmade[t]) continue;
+            s->frozen[t] = 1;
+            for (size_t k = 0; k < 3 && ring < rings; ++k)
+                if (s->neighbors[3 * t + k] != PSPLAT_NONE) s->frozen[s->neighbors[3 * t + k]] = 1;
+        }
+        memcpy(s->unmade, s->frozen, s->source->triangle_count);
     }
     memset(s->unmade, 0, s->source->triangle_count);
 }
@@ -264,7 +280,7 @@ static psplat_result run_rounds(simplifier *s) {
     for (int round = 0; round < ROUNDS && failures; ++round) {
         psplat_result result = run_round(s, simplified_parts[round], &failures);
         if (result) return result;
-        if (failures) freeze(s);
+        if (failures) freeze(s, round + 1);
     }
     if (!failures &&
         border_number(s->indices, s->count) == border_number(mesh->triangles, mesh->triangle_count))
@@ -334,5 +350,6 @@ psplat_result psplat_tile_simplify(const psplat_mesh *source, double most, pspla
     free(s.colors);
     free(s.search.visited);
     free(s.search.stack);
+    psplat_triangle_tree_destroy(s.tree);
     return result;
 }
