@@ -56,16 +56,21 @@ int psplat_tile_soup_add(void *user, const psplat_stream_triangle *t) {
     return 0;
 }
 
-psplat_result psplat_tile_soup_add_mesh(psplat_tile_soup *soup, const psplat_mesh *mesh) {
+psplat_result psplat_tile_soup_add_triangle(psplat_tile_soup *soup, const psplat_mesh *mesh,
+                                            uint32_t triangle) {
     psplat_stream_triangle t = {0};
-    for (uint32_t i = 0; i < mesh->triangle_count; ++i) {
-        for (int k = 0; k < 3; ++k)
-            memcpy(t.positions + 3 * k, psplat_mesh_corner(mesh, i, k), 3 * sizeof(double));
-        if (mesh->corner_colors)
-            memcpy(t.colors, mesh->corner_colors + 12 * (size_t)i, sizeof t.colors);
-        if (psplat_tile_soup_add(soup, &t)) return PSPLAT_ERROR_MEMORY;
-    }
-    return PSPLAT_OK;
+    for (int k = 0; k < 3; ++k)
+        memcpy(t.positions + 3 * k, psplat_mesh_corner(mesh, triangle, k), 3 * sizeof(double));
+    if (mesh->corner_colors)
+        memcpy(t.colors, mesh->corner_colors + 12 * (size_t)triangle, sizeof t.colors);
+    return psplat_tile_soup_add(soup, &t) ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+}
+
+psplat_result psplat_tile_soup_add_mesh(psplat_tile_soup *soup, const psplat_mesh *mesh) {
+    psplat_result result = PSPLAT_OK;
+    for (uint32_t t = 0; t < mesh->triangle_count && !result; ++t)
+        result = psplat_tile_soup_add_triangle(soup, mesh, t);
+    return result;
 }
 
 void psplat_tile_soup_free(psplat_tile_soup *soup) {

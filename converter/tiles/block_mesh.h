@@ -27,7 +27,10 @@ typedef struct psplat_tile_soup {
  * memory. */
 int psplat_tile_soup_add(void *user, const psplat_stream_triangle *triangle);
 
-/* Adds the triangles of a mesh. */
+/* Add a triangle of a mesh, or all of them, with its colours. They fail only with
+ * PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_tile_soup_add_triangle(psplat_tile_soup *soup, const psplat_mesh *mesh,
+                                            uint32_t triangle);
 psplat_result psplat_tile_soup_add_mesh(psplat_tile_soup *soup, const psplat_mesh *mesh);
 
 void psplat_tile_soup_free(psplat_tile_soup *soup);

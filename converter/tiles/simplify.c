@@ -8,6 +8,8 @@
  * proven freezes the triangles of the source there, and the rest is simplified once more with the
  * border of the frozen part locked. So the result has no gaps, unlike a proxy (mesh/proxy.h), of
  * which only distances are asked.
+ *
+ * Large meshes are simplified in parts with locked borders.
  */
 #include "tiles/simplify.h"
 
@@ -16,6 +18,8 @@
 #include "mesh/mesh.h"
 #include "mesh/proxy.h"
 #include "mesh/triangle_tree.h"
+#include "mesh/weld.h"
+#include "tiles/block_mesh.h"
 
 #include <math.h>
 #include <meshoptimizer.h>
@@ -24,8 +28,12 @@
 
 /* The parts of the greatest deviation that the simplifier may use by its own estimate, round after
  * round. Chosen by hand: with more, too much cannot be proven. */
-static const double simplified_parts[] = {0.5, 0.5, 0.5, 0.5, 0.35, 0.2};
+static const double simplified_parts[] = {0.5, 0.5, 0.5, 0.4, 0.3, 0.2};
 enum { ROUNDS = sizeof simplified_parts / sizeof *simplified_parts };
+
+/* The most triangles of a part that is simplified by itself, so that what cannot be proven
+ * somewhere does not hold up the rest. Edges between parts stay for the next block to simplify. */
+enum { PART_TRIANGLES = 1 << 15 };
 
 /* How often a triangle of the source is quartered for its proof. */
 enum { MOST_QUARTERINGS = 6 };
@@ -325,22 +333,18 @@ static psplat_result store(simplifier *s, psplat_mesh *simple) {
     }
     free(numbers);
     simple->vertex_count = vertices;
-    double *smaller = realloc(simple->positions, (3 * vertices + 1) * sizeof *smaller);
-    if (smaller) simple->positions = smaller;
-    memcpy(simple->origin, s->source->origin, sizeof simple->origin);
-    simple->material = s->source->material;
     return PSPLAT_OK;
 }
 
-psplat_result psplat_tile_simplify(const psplat_mesh *source, double most, psplat_mesh *simple,
+/* Simplifies a part of a mesh as psplat_tile_simplify does. */
+static psplat_result simplify_part(const psplat_mesh *source, double most, psplat_mesh *simple,
                                    double *deviation) {
     simplifier s = {.source = source, .most = most};
     *simple = (psplat_mesh){0};
-    *deviation = 0;
     psplat_result result = prepare(&s);
     if (!result && source->triangle_count && s.size > 0) result = run_rounds(&s);
     if (!result) result = store(&s, simple);
-    if (!result) *deviation = s.deviation;
+    if (!result) *deviation = max2(*deviation, s.deviation);
     free(s.unit);
     free(s.neighbors);
     free(s.starts);
@@ -351,5 +355,98 @@ psplat_result psplat_tile_simplify(const psplat_mesh *source, double most, pspla
     free(s.search.visited);
     free(s.search.stack);
     psplat_triangle_tree_destroy(s.tree);
+    return result;
+}
+
+/* ---- parts ----------------------------------------------------------------------------------- */
+
+/* A mesh whose triangles are put into parts. */
+typedef struct parts {
+    const psplat_mesh *source;
+    double most, deviation;
+    uint32_t *order, *spare; /* triangles */
+    psplat_tile_soup soup;   /* the simplified parts */
+} parts;
+
+/* Stores the middle of the longest side of the box of some triangles' first corners, and its axis.
+ * Returns 0 where that box is a point. */
+static int halve_box(const parts *p, size_t begin, size_t end, int *axis, double *middle) {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (size_t i = begin; i < end; ++i) {
+        const double *at = psplat_mesh_corner(p->source, p->order[i], 0);
+        for (int k = 0; k < 3; ++k) {
+            low[k] = min2(low[k], at[k]);
+            high[k] = max2(high[k], at[k]);
+        }
+    }
+    *axis = 0;
+    for (int k = 1; k < 3; ++k)
+        if (high[k] - low[k] > high[*axis] - low[*axis]) *axis = k;
+    *middle = 0.5 * low[*axis] + 0.5 * high[*axis];
+    return low[*axis] < *middle && *middle <= high[*axis];
+}
+
+/* Moves the triangles below a middle before the others, in order. Returns how many they are. */
+static size_t halve(parts *p, size_t begin, size_t end, int axis, double middle) {
+    size_t lower = 0, upper = 0;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t t = p->order[i];
+        if (psplat_mesh_corner(p->source, t, 0)[axis] < middle)
+            p->order[begin + lower++] = t;
+        else
+            p->spare[upper++] = t;
+    }
+    memcpy(p->order + begin + lower, p->spare, upper * sizeof *p->spare);
+    return lower;
+}
+
+/* Adds the simplified mesh of the triangles from begin to end. */
+static psplat_result add_part(parts *p, size_t begin, size_t end) {
+    psplat_tile_soup part = {.has_colors = p->source->corner_colors != NULL};
+    psplat_mesh simple = {0};
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = begin; i < end && !result; ++i)
+        result = psplat_tile_soup_add_triangle(&part, p->source, p->order[i]);
+    if (!result) result = psplat_mesh_weld(&part.mesh, NULL);
+    if (!result) result = simplify_part(&part.mesh, p->most, &simple, &p->deviation);
+    if (!result) result = psplat_tile_soup_add_mesh(&p->soup, &simple);
+    psplat_mesh_free(&simple);
+    psplat_tile_soup_free(&part);
+    return result;
+}
+
+/* Simplifies the triangles from begin to end in parts of few enough. */
+static psplat_result add_parts(parts *p, size_t begin, size_t end) {
+    double middle;
+    int axis;
+    if (end - begin <= PART_TRIANGLES || !halve_box(p, begin, end, &axis, &middle))
+        return add_part(p, begin, end);
+    size_t lower = halve(p, begin, end, axis, middle);
+    psplat_result result = add_parts(p, begin, begin + lower);
+    return result ? result : add_parts(p, begin + lower, end);
+}
+
+psplat_result psplat_tile_simplify(const psplat_mesh *source, double most, psplat_mesh *simple,
+                                   double *deviation) {
+    parts p = {.source = source, .most = most, .soup.has_colors = source->corner_colors != NULL};
+    size_t count = source->triangle_count;
+    *simple = (psplat_mesh){0};
+    *deviation = 0;
+    p.order = malloc((count + 1) * sizeof *p.order);
+    p.spare = malloc((count + 1) * sizeof *p.spare);
+    psplat_result result = p.order && p.spare ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    for (uint32_t t = 0; t < count && !result; ++t) p.order[t] = t;
+    if (!result && count) result = add_parts(&p, 0, count);
+    if (!result && count) result = psplat_mesh_weld(&p.soup.mesh, NULL);
+    free(p.order);
+    free(p.spare);
+    if (!result) {
+        *simple = p.soup.mesh;
+        *deviation = p.deviation;
+        p.soup.mesh = (psplat_mesh){0};
+        memcpy(simple->origin, source->origin, sizeof simple->origin);
+        simple->material = source->material;
+    }
+    psplat_tile_soup_free(&p.soup);
     return result;
 }
