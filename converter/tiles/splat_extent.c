@@ -82,7 +82,7 @@ static void clip_by_side(const psplat_region *region, int k, double sign, double
 int psplat_splat_extent_meets(const psplat_region *region, const double low[3],
                               const double high[3]) {
     /* Heights have smaller ranges over what the first round leaves. */
-    enum { ROUNDS = 2, SIDES = 6 };
+    enum { ROUNDS = 4, SIDES = 6 };
     psplat_cell cell = outline_of(region);
     for (int round = 0; round < ROUNDS && cell.count; ++round) {
         double heights[2];

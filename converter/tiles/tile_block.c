@@ -54,6 +54,7 @@ typedef struct block_work {
     psplat_cell_tree *tree;
     level_work *levels[MOST_LEVELS];
     size_t level_count;
+    size_t most;        /* splats of a tile */
     double diagonal;    /* of which the options' percentages are */
     double before, now; /* the shares of the time of the levels before, and of the current one */
 } block_work;
@@ -138,7 +139,7 @@ static psplat_result convert_level(const block_work *w, const psplat_convert_des
 /* Returns whether a coarser level than the last one is wanted and possible. */
 static int wants_coarser(const block_work *w, double mesh_diagonal) {
     const level_work *last = w->levels[w->level_count - 1];
-    return w->level_count < MOST_LEVELS && last->splats.count > PSPLAT_MOST_TILE_SPLATS &&
+    return w->level_count < MOST_LEVELS && last->splats.count > w->most &&
            2 * last->tolerance <= coarsest_percent / 100 * mesh_diagonal &&
            (w->desc->finest < 0 || w->level_count <= (size_t)w->desc->finest);
 }
@@ -252,7 +253,7 @@ static psplat_result cut_level(const block_work *w, const level_work *level, int
     const psplat_cut_desc desc = {.regions = level->regions,
                                   .region_count = level->splats.count,
                                   .margin = margin_tolerances * level->tolerance,
-                                  .most = is_coarsest ? 0 : PSPLAT_MOST_TILE_SPLATS,
+                                  .most = is_coarsest ? 0 : w->most,
                                   .triangles = level->corners,
                                   .triangle_count = level->fallback.index_count / 3,
                                   .may_halve = w->desc->may_halve,
@@ -307,7 +308,7 @@ static psplat_result tile_levels(block_work *w, psplat_tile_block *block, psplat
 
 psplat_result psplat_tile_block_make(const psplat_tile_block_desc *desc, psplat_tile_block *block,
                                      psplat_error *error) {
-    block_work w = {.desc = desc};
+    block_work w = {.desc = desc, .most = desc->most ? desc->most : PSPLAT_MOST_TILE_SPLATS};
     *block = (psplat_tile_block){0};
     if (!psplat_tile_cell_find(desc->root, desc->path ? desc->path : "", &w.cell))
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "'%.80s' is no path of a cell",

@@ -16,7 +16,8 @@
 
 #include <stdint.h>
 
-/* The most splats of a tile whose cell could be halved. */
+/* The most splats of a tile whose cell could be halved, by default. Smaller cells overlap their
+ * neighbours more, larger ones fit views less. */
 enum { PSPLAT_MOST_TILE_SPLATS = 1024 };
 
 /* What a block is. Zeros are the defaults of what may be NULL or 0. Owns nothing. */
@@ -28,7 +29,8 @@ typedef struct psplat_tile_block_desc {
      * in % of diagonal, which is that of the whole source, or 0: that of the mesh. owned and
      * is_written_in_parts are ignored, and so is bake_textures: textures are always baked. */
     const psplat_convert_desc *convert;
-    int finest; /* the level with these options; -1: that for which the coarsest is level 0 */
+    int finest;  /* the level with these options; -1: that for which the coarsest is level 0 */
+    size_t most; /* splats of a tile whose cell could be halved; 0: PSPLAT_MOST_TILE_SPLATS */
     /* How far the mesh and the source are apart, both ways, in the mesh's units: it is added to all
      * errors. 0: the mesh is the source. */
     double deviation;
@@ -63,7 +65,7 @@ typedef struct psplat_tile_block {
 
 /* Converts the block at the finest level and then with tolerances that double, until one tile holds
  * all of it, or until coarser levels save next to nothing. A cell of a level is halved while more
- * than PSPLAT_MOST_TILE_SPLATS reach it, and at least where the level above halved it. The result
+ * than `most` splats reach it, and at least where the level above halved it. The result
  * is the same for any number of threads. psplat_tile_block_free frees *block. Errors: those of
  * psplat_convert, of psplat_scene_write and of write; *block is empty then. */
 psplat_result psplat_tile_block_make(const psplat_tile_block_desc *desc, psplat_tile_block *block,

@@ -290,7 +290,8 @@ static int observe_samples(const verifier *r, const measurements *m, const pspla
     for (size_t i = 0; i < count; ++i)
         if (m->uncovered[i])
             psplat_observations_open(o, r->samples.positions + 3 * i, m->distances[i]);
-    o->finest = least_hole_tolerances * r->measured.tolerance;
+    /* From the middle of a triangle to its corners it is at most 2/3 of the longest side. */
+    o->finest = least_hole_tolerances * r->measured.tolerance * 2 / 3;
     return 1;
 }
 
