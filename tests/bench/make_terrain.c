@@ -27,8 +27,9 @@ static uint32_t hash(uint32_t x, uint32_t y, uint32_t seed) {
 
 /* Returns the product of the gradient at a point of the grid with the way from it. */
 static double slope(uint32_t x, uint32_t y, uint32_t seed, double dx, double dy) {
-    static const double directions[8][2] = {{1, 0},  {0.7071, 0.7071},   {0, 1},  {-0.7071, 0.7071},
-                                            {-1, 0}, {-0.7071, -0.7071}, {0, -1}, {0.7071, -0.7071}};
+    static const double directions[8][2] = {
+        {1, 0},  {0.7071, 0.7071},   {0, 1},  {-0.7071, 0.7071},
+        {-1, 0}, {-0.7071, -0.7071}, {0, -1}, {0.7071, -0.7071}};
     const double *d = directions[hash(x, y, seed) >> 29];
     return d[0] * dx + d[1] * dy;
 }
