@@ -386,7 +386,7 @@ static psplat_result write_store(sorter *s, const char *store, psplat_error *err
  * triangles are above it, and no more, since each level doubles the counters. */
 static int counted_depth(uint64_t triangles, uint64_t most) {
     int depth = 12;
-    while (depth < PSPLAT_MOST_BLOCK_DEPTH && triangles >> (depth - 10) > most) ++depth;
+    while (depth < PSPLAT_MOST_BLOCK_DEPTH && triangles >> (depth - 12) > most) ++depth;
     return depth;
 }
 
