@@ -3,7 +3,7 @@
 # Tests tile plan, node and merge: the same bytes however tasks are run, also after kill -9, and one line for whatever is wrong.
 # Environment: PHONGSPLAT, SOURCE_DIR, MAKE_TERRAIN.
 . "$SOURCE_DIR/tests/support/cli.sh"
-options="-t 1 --effort 0 --block-triangles 150 --apron 20"
+options="-t 5 --effort 0 --block-triangles 100 --apron 20"
 
 plan() {
     run "$PHONGSPLAT" tile plan terrain.ply "$1" $options
@@ -22,9 +22,9 @@ build() {
 }
 
 case_order() {
-    "$MAKE_TERRAIN" 16 >terrain.ply
+    "$MAKE_TERRAIN" 12 >terrain.ply
     plan list
-    expect_output '^list: 512 triangles in 4 blocks, 7 tasks in 3 waves$'
+    expect_output '^list: 288 triangles in 4 blocks, 7 tasks in 3 waves$'
     run "$PHONGSPLAT" tile merge list
     expect_error 2 '^phongsplat: list: 7 of 7 tasks are not done: r00 r01 r10 r11 \.\.\.$'
     run "$PHONGSPLAT" tile node list r0
@@ -71,7 +71,7 @@ JS
 }
 
 case_killed() {
-    "$MAKE_TERRAIN" 16 >terrain.ply
+    "$MAKE_TERRAIN" 12 >terrain.ply
     plan whole
     build whole
     tileset whole >whole.txt
