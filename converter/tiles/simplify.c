@@ -29,7 +29,10 @@
 /* The parts of the greatest deviation that the simplifier may use by its own estimate, round after
  * round. Chosen by hand: with more, too much cannot be proven. */
 static const double simplified_parts[] = {0.5, 0.5, 0.5, 0.4, 0.3, 0.2};
-enum { ROUNDS = sizeof simplified_parts / sizeof *simplified_parts };
+enum { ROUNDS = sizeof simplified_parts / sizeof *simplified_parts, STRAINED_ROUND = 3 };
+
+/* The part of the greatest deviation of the first of two steps. */
+static const double first_step = 0.2;
 
 /* The most triangles of a part that is simplified by itself, so that what cannot be proven
  * somewhere does not hold up the rest. Edges between parts stay for the next block to simplify. */
@@ -48,7 +51,7 @@ typedef struct simplifier {
     uint8_t *frozen, *unmade; /* of each triangle of the source: it stays; it could not be proven */
     uint32_t *indices;        /* of the result */
     size_t count;             /* of its triangles */
-    double *colors;           /* of each vertex, the sum of colours and their weight; or NULL */
+    int is_strained;          /* proofs failed until less was simplified */
     psplat_proxy_search search;
     psplat_triangle_tree *tree; /* of the source; NULL until it is needed */
 } simplifier;
@@ -79,9 +82,8 @@ static psplat_result prepare(simplifier *s) {
     s->unmade = calloc(mesh->triangle_count + 1, 1);
     s->indices = malloc((edges + 1) * sizeof *s->indices);
     s->search.visited = calloc(mesh->triangle_count + 1, sizeof *s->search.visited);
-    if (mesh->corner_colors) s->colors = malloc((5 * mesh->vertex_count + 1) * sizeof *s->colors);
     if (!s->neighbors || !s->starts || !s->frozen || !s->unmade || !s->indices ||
-        !s->search.visited || (mesh->corner_colors && !s->colors) || !set_unit_positions(s))
+        !s->search.visited || !set_unit_positions(s))
         return PSPLAT_ERROR_MEMORY;
     psplat_result result = psplat_edge_pairs(mesh, s->neighbors, &borders);
     for (size_t e = 0; e < edges && !result; ++e)
@@ -205,31 +207,6 @@ static psplat_result prove_result(simplifier *s, size_t simplified, size_t *fail
     return PSPLAT_OK;
 }
 
-/* Adds the colours of a triangle of the source to the vertex of the result that stands for it. */
-static void add_colors(simplifier *s, size_t t, const psplat_triangle_tree *tree, uint32_t place) {
-    const psplat_mesh *mesh = s->source;
-    const uint32_t *corners = mesh->triangles + 3 * t;
-    const uint32_t *near = tree->corners + 3 * (size_t)place;
-    const double *at[3];
-    double ab[3], ac[3], normal[3];
-    for (int i = 0; i < 3; ++i) at[i] = mesh->positions + 3 * (size_t)corners[i];
-    sub3(ab, at[1], at[0]);
-    sub3(ac, at[2], at[0]);
-    cross3(normal, ab, ac);
-    double weight = length3(normal) + 1e-300; /* Flat triangles alone have colours, too. */
-    for (int i = 0; i < 3; ++i) {
-        uint32_t vertex = near[0];
-        for (int k = 1; k < 3; ++k)
-            if (distance2_3(at[i], mesh->positions + 3 * (size_t)near[k]) <
-                distance2_3(at[i], mesh->positions + 3 * (size_t)vertex))
-                vertex = near[k];
-        double *sum = s->colors + 5 * (size_t)vertex;
-        for (size_t k = 0; k < 4; ++k)
-            sum[k] += weight * (double)mesh->corner_colors[12 * t + 4 * (size_t)i + k];
-        sum[4] += weight;
-    }
-}
-
 /* Proves that the source is near the result. */
 static psplat_result prove_source(simplifier *s, size_t *failures) {
     const psplat_mesh *mesh = s->source;
@@ -240,13 +217,9 @@ static psplat_result prove_source(simplifier *s, size_t *failures) {
     psplat_triangle_tree *tree = psplat_triangle_tree_create(&result, NULL);
     if (!tree) return PSPLAT_ERROR_MEMORY;
     uint32_t place = PSPLAT_NONE;
-    if (s->colors) memset(s->colors, 0, 5 * mesh->vertex_count * sizeof *s->colors);
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
-        double bound = s->frozen[t] && !s->colors
-                           ? 0
-                           : bound_of_corners(s, tree, mesh->triangles + 3 * t, &place);
-        if (s->colors && place != PSPLAT_NONE) add_colors(s, t, tree, place);
         if (s->frozen[t]) continue;
+        double bound = bound_of_corners(s, tree, mesh->triangles + 3 * t, &place);
         s->deviation = max2(s->deviation, min2(bound, s->most));
         s->unmade[t] |= bound > s->most;
         *failures += bound > s->most;
@@ -289,6 +262,7 @@ static psplat_result run_rounds(simplifier *s) {
         psplat_result result = run_round(s, simplified_parts[round], &failures);
         if (result) return result;
         if (failures) freeze(s, round + 1);
+        s->is_strained = round >= STRAINED_ROUND;
     }
     if (!failures &&
         border_number(s->indices, s->count) == border_number(mesh->triangles, mesh->triangle_count))
@@ -302,20 +276,20 @@ static psplat_result run_rounds(simplifier *s) {
 
 /* ---- result ---------------------------------------------------------------------------------- */
 
+/* Stores the colour that a vertex has at some corner of the source. */
 static void store_color(const simplifier *s, uint32_t vertex, float color[4]) {
-    const double *sum = s->colors + 5 * (size_t)vertex;
     size_t corner = 3 * (size_t)s->starts[vertex];
     while (s->source->triangles[corner] != vertex) ++corner;
-    for (size_t k = 0; k < 4; ++k)
-        color[k] = sum[4] > 0 ? (float)(sum[k] / sum[4]) : s->source->corner_colors[4 * corner + k];
+    memcpy(color, s->source->corner_colors + 4 * corner, 4 * sizeof *color);
 }
 
 static psplat_result store(simplifier *s, psplat_mesh *simple) {
     size_t vertices = 0;
     uint32_t *numbers = malloc((s->source->vertex_count + 1) * sizeof *numbers);
-    psplat_result result = numbers ? psplat_mesh_allocate(simple, s->source->vertex_count, s->count,
-                                                          s->colors ? PSPLAT_MESH_COLORS : 0, NULL)
-                                   : PSPLAT_ERROR_MEMORY;
+    psplat_result result =
+        numbers ? psplat_mesh_allocate(simple, s->source->vertex_count, s->count,
+                                       s->source->corner_colors ? PSPLAT_MESH_COLORS : 0, NULL)
+                : PSPLAT_ERROR_MEMORY;
     if (result) {
         free(numbers);
         return PSPLAT_ERROR_MEMORY;
@@ -329,7 +303,7 @@ static psplat_result store(simplifier *s, psplat_mesh *simple) {
                    3 * sizeof *simple->positions);
         }
         simple->triangles[i] = numbers[vertex];
-        if (s->colors) store_color(s, vertex, simple->corner_colors + 4 * i);
+        if (simple->corner_colors) store_color(s, vertex, simple->corner_colors + 4 * i);
     }
     free(numbers);
     simple->vertex_count = vertices;
@@ -338,20 +312,20 @@ static psplat_result store(simplifier *s, psplat_mesh *simple) {
 
 /* Simplifies a part of a mesh as psplat_tile_simplify does. */
 static psplat_result simplify_part(const psplat_mesh *source, double most, psplat_mesh *simple,
-                                   double *deviation) {
+                                   double *deviation, int *is_strained) {
     simplifier s = {.source = source, .most = most};
     *simple = (psplat_mesh){0};
     psplat_result result = prepare(&s);
     if (!result && source->triangle_count && s.size > 0) result = run_rounds(&s);
     if (!result) result = store(&s, simple);
-    if (!result) *deviation = max2(*deviation, s.deviation);
+    *deviation = s.deviation;
+    *is_strained = s.is_strained;
     free(s.unit);
     free(s.neighbors);
     free(s.starts);
     free(s.frozen);
     free(s.unmade);
     free(s.indices);
-    free(s.colors);
     free(s.search.visited);
     free(s.search.stack);
     psplat_triangle_tree_destroy(s.tree);
@@ -400,6 +374,42 @@ static size_t halve(parts *p, size_t begin, size_t end, int axis, double middle)
     return lower;
 }
 
+/* Simplifies a part in two steps, where one step may do less because it cannot be proven: the
+ * second begins with what the first, of a smaller deviation, has proven. */
+static psplat_result simplify_in_steps(const psplat_mesh *mesh, double most, psplat_mesh *simple,
+                                       double *deviation) {
+    psplat_mesh first;
+    double step;
+    int is_strained;
+    psplat_result result = simplify_part(mesh, first_step * most, &first, deviation, &is_strained);
+    if (result) return result;
+    result = simplify_part(&first, most - *deviation, simple, &step, &is_strained);
+    *deviation += step;
+    psplat_mesh_free(&first);
+    return result;
+}
+
+/* Simplifies a part in one step or in two, whichever leaves fewer triangles. */
+static psplat_result simplify_well(parts *p, const psplat_mesh *mesh, psplat_mesh *simple) {
+    psplat_mesh other = {0};
+    double deviation, other_deviation;
+    int is_strained;
+    psplat_result result = simplify_part(mesh, p->most, simple, &deviation, &is_strained);
+    if (!result && is_strained) result = simplify_in_steps(mesh, p->most, &other, &other_deviation);
+    if (!result && is_strained && other.triangle_count < simple->triangle_count) {
+        psplat_mesh_free(simple);
+        *simple = other;
+        deviation = other_deviation;
+    } else {
+        psplat_mesh_free(&other);
+    }
+    if (result)
+        psplat_mesh_free(simple);
+    else
+        p->deviation = max2(p->deviation, deviation);
+    return result;
+}
+
 /* Adds the simplified mesh of the triangles from begin to end. */
 static psplat_result add_part(parts *p, size_t begin, size_t end) {
     psplat_tile_soup part = {.has_colors = p->source->corner_colors != NULL};
@@ -408,7 +418,7 @@ static psplat_result add_part(parts *p, size_t begin, size_t end) {
     for (size_t i = begin; i < end && !result; ++i)
         result = psplat_tile_soup_add_triangle(&part, p->source, p->order[i]);
     if (!result) result = psplat_mesh_weld(&part.mesh, NULL);
-    if (!result) result = simplify_part(&part.mesh, p->most, &simple, &p->deviation);
+    if (!result) result = simplify_well(p, &part.mesh, &simple);
     if (!result) result = psplat_tile_soup_add_mesh(&p->soup, &simple);
     psplat_mesh_free(&simple);
     psplat_tile_soup_free(&part);

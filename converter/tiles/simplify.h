@@ -15,7 +15,7 @@
  * fitted together still do, and *deviation (a length, at most `most` > 0) bounds the distance of
  * each of its points from the source and of each point of the source from it, up to rounding of
  * some 1e-12 of the coordinates. Where nothing simpler can be proven, triangles stay; *deviation is
- * 0 if all do. A vertex has the mean colour of what it stands for. Normals, groups and texture
+ * 0 if all do. Vertices keep their colours. Normals, groups and texture
  * coordinates are not kept. psplat_mesh_free frees *simple. Equal input gives equal results. Fails
  * only with PSPLAT_ERROR_MEMORY; *simple is then empty. */
 psplat_result psplat_tile_simplify(const psplat_mesh *source, double most, psplat_mesh *simple,

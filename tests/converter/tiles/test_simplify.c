@@ -11,7 +11,6 @@
 #include <cmocka.h>
 
 #include "base/random.h"
-#include "base/vector.h"
 #include "mesh/distance.h"
 #include "mesh/edges.h"
 #include "mesh/mesh.h"
@@ -84,7 +83,7 @@ static size_t count_borders(const psplat_mesh *mesh) {
 
 static void deviations_are_kept_both_ways(void **state) {
     (void)state;
-    const double most[] = {2e-4, 1e-3, 1e-2};
+    const double most[] = {5e-4, 2e-3, 2e-2};
     size_t last = 2 * 80 * 40;
     psplat_mesh land = make_land(0, 80, 40, 0);
     for (size_t i = 0; i < 3; ++i) {
@@ -123,24 +122,7 @@ static void blocks_fit_together(void **state) {
     psplat_tile_soup_free(&both);
 }
 
-/* Returns the mean of the red of a mesh over its area. */
-static double mean_red(const psplat_mesh *mesh) {
-    double sum = 0, all = 0;
-    for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
-        double ab[3], ac[3], n[3], area;
-        const float *colors = mesh->corner_colors + 12 * (size_t)t;
-        sub3(ab, psplat_mesh_corner(mesh, t, 1), psplat_mesh_corner(mesh, t, 0));
-        sub3(ac, psplat_mesh_corner(mesh, t, 2), psplat_mesh_corner(mesh, t, 0));
-        cross3(n, ab, ac);
-        area = length3(n);
-        sum += area * ((double)colors[0] + (double)colors[4] + (double)colors[8]) / 3;
-        all += area;
-    }
-    return sum / all;
-}
-
-/* Colours change linearly along x, so that a vertex that stands for what is around it has about the
- * colour of its place, and all of the mesh has the colour that it had. */
+/* Vertices keep their colours, which change along x alone. */
 static void colours_stay_where_they_are(void **state) {
     (void)state;
     psplat_mesh land = make_land(0, 80, 40, 1), simple;
@@ -149,9 +131,8 @@ static void colours_stay_where_they_are(void **state) {
     assert_non_null(simple.corner_colors);
     for (size_t i = 0; i < 3 * simple.triangle_count; ++i) {
         double x = simple.positions[3 * (size_t)simple.triangles[i]];
-        assert_near((double)simple.corner_colors[4 * i], x, 0.4); /* the longest of all edges */
+        assert_near((double)simple.corner_colors[4 * i], x, 1e-7); /* Colours are floats. */
     }
-    assert_near(mean_red(&simple), mean_red(&land), 0.02); /* of a range of 0.8 */
     psplat_mesh_free(&land);
     psplat_mesh_free(&simple);
 }
