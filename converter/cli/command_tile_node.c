@@ -50,6 +50,16 @@ static void print_summary(const arguments *a, const psplat_tile_run *run) {
            a->task, run->triangles, record->tile_count, splats, run->owned, run->simplified);
 }
 
+static void print_broken(const arguments *a, const psplat_tile_run *run) {
+    static const char *const promises[PSPLAT_PROMISE_COUNT] = {"coverage", "distance", "normals",
+                                                               "creases", "textures"};
+    const double *at = run->place.position;
+    psplat_command_error("%s: at %.6g %.6g %.6g: the level of %.3g %% breaks its promise of %s; "
+                         "its tiles were written all the same",
+                         a->task, at[0], at[1], at[2], run->broken_tolerance,
+                         promises[run->place.promise]);
+}
+
 static psplat_result run_task(const arguments *a, const psplat_tile_plan *plan,
                               psplat_tile_run *run, psplat_error *error) {
     char shown[PSPLAT_SHOWN_PATH];
@@ -77,10 +87,7 @@ int psplat_command_tile_node(int argc, char **argv) {
     if (!result) result = run_task(&a, &plan, &run, &error);
     int code = result ? psplat_command_fail(NULL, &error) : PSPLAT_EXIT_SUCCESS;
     if (!result) print_summary(&a, &run);
-    if (!result && run.broken)
-        psplat_command_error("%s: breaks a promise of its conversion in places; its tiles were "
-                             "written all the same",
-                             a.task);
+    if (!result && run.is_broken) print_broken(&a, &run);
     psplat_tile_record_free(&run.record);
     psplat_tile_plan_free(&plan);
     return code;

@@ -20,7 +20,7 @@ static const double usual_apron_percent = 6.25;
 typedef struct arguments {
     const char *input, *output, *precision;
     psplat_tile_options options;
-    int block_triangles;
+    int block_triangles, tile_splats;
     double apron_percent;
     int fallback; /* index into fallback_names */
     int overwrite, quiet;
@@ -55,6 +55,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "apron", PSPLAT_OPTION_PERCENT, &a->apron_percent, "PERCENT",
          "what a block sees around its cell, in % of the cell's\nlongest side (default 6.25)", 0.1,
          100, NULL},
+        {0, "tile-splats", PSPLAT_OPTION_COUNT, &a->tile_splats, "N",
+         "halve the cell of a tile while it has more than N splats\n(default 1024)", 8, 1e9, NULL},
         psplat_option_shared("seed", &c->seed),
         psplat_option_shared("overwrite", &a->overwrite),
         psplat_option_shared("quiet", &a->quiet),
@@ -104,6 +106,7 @@ int psplat_command_tile_plan(int argc, char **argv) {
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
     a.options.most_triangles = (uint64_t)a.block_triangles;
+    a.options.most_splats = (uint64_t)a.tile_splats;
     a.options.apron = a.apron_percent / 100;
     a.options.has_fallback = a.fallback;
     if (!psplat_program_directory(program, sizeof program - 16)) *program = 0;

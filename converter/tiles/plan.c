@@ -80,9 +80,11 @@ static void add_request(const psplat_tile_plan *plan, psplat_checked_text *text)
     psplat_checked_add(text, "input %s\nsize %" PRIu64 " hash %" PRIu64 "\nnumbers", plan->input,
                        plan->input_size, plan->input_hash);
     psplat_checked_numbers(text, numbers, sizeof numbers / sizeof *numbers);
-    psplat_checked_add(text, "\nflags %d %d %d %d %d effort %d seed %" PRIu64 " most %" PRIu64 "\n",
+    psplat_checked_add(text,
+                       "\nflags %d %d %d %d %d effort %d seed %" PRIu64 " most %" PRIu64
+                       " splats %" PRIu64 "\n",
                        c->no_creases, c->constant_normals, c->planar, o->no_compress,
-                       o->has_fallback, c->effort + 1, c->seed, o->most_triangles);
+                       o->has_fallback, c->effort + 1, c->seed, o->most_triangles, o->most_splats);
 }
 
 static void add_material(const psplat_material *m, psplat_checked_text *text) {
@@ -151,6 +153,8 @@ static void read_request(psplat_words *words, psplat_tile_plan *plan) {
     c->seed = psplat_words_count(words);
     psplat_words_expect(words, "most");
     o->most_triangles = psplat_words_count(words);
+    psplat_words_expect(words, "splats");
+    o->most_splats = psplat_words_count(words);
 }
 
 static void read_material(psplat_words *words, psplat_material *m) {

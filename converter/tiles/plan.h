@@ -32,6 +32,7 @@ typedef struct psplat_tile_options {
     int no_compress;             /* 1: contents are not compressed */
     int has_fallback;            /* 1: contents have a simplified mesh */
     uint64_t most_triangles;     /* of a leaf block */
+    uint64_t most_splats;        /* of a tile whose cell could be halved; 0: 1024 */
     double apron;                /* its width, in longest sides of a block's cell */
 } psplat_tile_options;
 

@@ -152,8 +152,12 @@ static void take_tiles(node_run *n, psplat_tile_block *block) {
         if (tile->level > record->coarsest) record->coarsest = tile->level;
         content_name(tile->content, tile->level, tile->path);
     }
-    for (size_t i = 0; i < block->level_count; ++i)
-        n->run->broken |= psplat_report_broken(&block->levels[i].report) != PSPLAT_PROMISE_COUNT;
+    for (size_t i = 0; i < block->level_count && !n->run->is_broken; ++i) {
+        const psplat_report *report = &block->levels[i].report;
+        n->run->is_broken = psplat_report_broken(report) != PSPLAT_PROMISE_COUNT;
+        n->run->place = report->places[0];
+        n->run->broken_tolerance = report->tolerance_percent;
+    }
 }
 
 static psplat_result convert_mesh(node_run *n, const psplat_mesh *mesh,
@@ -168,6 +172,7 @@ static psplat_result convert_mesh(node_run *n, const psplat_mesh *mesh,
         .deviation = n->deviation,
         .codec = n->plan->options.no_compress ? NULL : &psplat_meshopt_codec,
         .has_fallback = n->plan->options.has_fallback,
+        .most = (size_t)n->plan->options.most_splats,
         .may_halve = may_halve,
         .write = write_content,
         .user = n,
