@@ -70,6 +70,13 @@ int psplat_command_compare(int argc, char **argv);
 
 int psplat_command_tile(int argc, char **argv);
 
+/* What `tile` calls if its first operand is their name. */
+int psplat_command_tile_plan(int argc, char **argv);
+
+int psplat_command_tile_node(int argc, char **argv);
+
+int psplat_command_tile_merge(int argc, char **argv);
+
 int psplat_command_tradeoff(int argc, char **argv);
 
 int psplat_command_view(int argc, char **argv);

@@ -96,7 +96,9 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         .notes =
             "A tile covers its part of the surface by itself, so that tiles of any levels show no\n"
             "cracks. Its geometricError is proven. The scene of a glTF file becomes one model, at\n"
-            "rest and without cameras and lights. All of the mesh has to fit into memory.\n\n"
+            "rest and without cameras and lights. All of the mesh has to fit into memory; for\n"
+            "one that does not: phongsplat tile plan --help, tile node --help, tile merge "
+            "--help.\n\n"
             "OUT/ appears whole or not at all. With --overwrite a tileset that is there is "
             "replaced;\n"
             "a directory that holds anything else never is.",
@@ -295,7 +297,11 @@ static int run(const arguments *a, product *p) {
 }
 
 int psplat_command_tile(int argc, char **argv) {
+    const char *name = argc > 1 ? argv[1] : "";
     arguments a = {0};
+    if (!strcmp(name, "plan")) return psplat_command_tile_plan(argc - 1, argv + 1);
+    if (!strcmp(name, "node")) return psplat_command_tile_node(argc - 1, argv + 1);
+    if (!strcmp(name, "merge")) return psplat_command_tile_merge(argc - 1, argv + 1);
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
     product p = {0};

@@ -1,0 +1,462 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * simplify.c - a mesh of fewer triangles with the same border, proven both ways.
+ *
+ * meshoptimizer collapses edges (Garland, Heckbert: Surface Simplification Using Quadric Error
+ * Metrics, 1997) and bounds nothing, so that the result is proven: each of its triangles by
+ * psplat_proxy_bound, and each triangle of the source against it by convexity. What cannot be
+ * proven freezes the triangles of the source there, and the rest is simplified once more with the
+ * border of the frozen part locked. So the result has no gaps, unlike a proxy (mesh/proxy.h), of
+ * which only distances are asked.
+ *
+ * Large meshes are simplified in parts with locked borders.
+ */
+#include "tiles/simplify.h"
+
+#include "base/vector.h"
+#include "mesh/edges.h"
+#include "mesh/mesh.h"
+#include "mesh/proxy.h"
+#include "mesh/triangle_tree.h"
+#include "mesh/weld.h"
+#include "tiles/block_mesh.h"
+
+#include <math.h>
+#include <meshoptimizer.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The parts of the greatest deviation that the simplifier may use by its own estimate, round after
+ * round. Chosen by hand: with more, too much cannot be proven. */
+static const double simplified_parts[] = {0.5, 0.5, 0.5, 0.4, 0.3, 0.2};
+enum { ROUNDS = sizeof simplified_parts / sizeof *simplified_parts, STRAINED_ROUND = 3 };
+
+/* The part of the greatest deviation of the first of two steps. */
+static const double first_step = 0.2;
+
+/* The most triangles of a part that is simplified by itself, so that what cannot be proven
+ * somewhere does not hold up the rest. Edges between parts stay for the next block to simplify. */
+enum { PART_TRIANGLES = 1 << 15 };
+
+/* How often a triangle of the source is quartered for its proof. */
+enum { MOST_QUARTERINGS = 6 };
+
+typedef struct simplifier {
+    const psplat_mesh *source;
+    double most, deviation;
+    float *unit;              /* positions of the source in its box from 0 to 1 */
+    double size;              /* the longest side of that box */
+    uint32_t *neighbors;      /* the triangles across edges of the source */
+    uint32_t *starts;         /* of each vertex, a triangle of the source that has it */
+    uint8_t *frozen, *unmade; /* of each triangle of the source: it stays; it could not be proven */
+    uint32_t *indices;        /* of the result */
+    size_t count;             /* of its triangles */
+    int is_strained;          /* proofs failed until less was simplified */
+    psplat_proxy_search search;
+    psplat_triangle_tree *tree; /* of the source; NULL until it is needed */
+} simplifier;
+
+/* ---- preparation ----------------------------------------------------------------------------- */
+
+static int set_unit_positions(simplifier *s) {
+    const psplat_mesh *mesh = s->source;
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    s->unit = malloc((3 * mesh->vertex_count + 1) * sizeof *s->unit);
+    if (!s->unit) return 0;
+    for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) {
+        low[i % 3] = min2(low[i % 3], mesh->positions[i]);
+        high[i % 3] = max2(high[i % 3], mesh->positions[i]);
+    }
+    for (int k = 0; k < 3; ++k) s->size = max2(s->size, high[k] - low[k]);
+    for (size_t i = 0; i < 3 * mesh->vertex_count && s->size > 0; ++i)
+        s->unit[i] = (float)((mesh->positions[i] - low[i % 3]) / s->size);
+    return 1;
+}
+
+static psplat_result prepare(simplifier *s) {
+    const psplat_mesh *mesh = s->source;
+    size_t edges = 3 * mesh->triangle_count, borders;
+    s->neighbors = malloc((edges + 1) * sizeof *s->neighbors);
+    s->starts = malloc((mesh->vertex_count + 1) * sizeof *s->starts);
+    s->frozen = calloc(mesh->triangle_count + 1, 1);
+    s->unmade = calloc(mesh->triangle_count + 1, 1);
+    s->indices = malloc((edges + 1) * sizeof *s->indices);
+    s->search.visited = calloc(mesh->triangle_count + 1, sizeof *s->search.visited);
+    if (!s->neighbors || !s->starts || !s->frozen || !s->unmade || !s->indices ||
+        !s->search.visited || !set_unit_positions(s))
+        return PSPLAT_ERROR_MEMORY;
+    psplat_result result = psplat_edge_pairs(mesh, s->neighbors, &borders);
+    for (size_t e = 0; e < edges && !result; ++e)
+        if (s->neighbors[e] != PSPLAT_NONE) s->neighbors[e] /= 3;
+    for (uint32_t i = 0; i < edges; ++i) s->starts[mesh->triangles[i]] = i / 3;
+    s->search.source = mesh;
+    s->search.neighbors = s->neighbors;
+    s->search.most = s->most;
+    return result;
+}
+
+/* ---- simplification -------------------------------------------------------------------------- */
+
+static psplat_result simplify(simplifier *s, double part) {
+    const psplat_mesh *mesh = s->source;
+    size_t free_count = 0;
+    uint32_t *unfrozen = malloc((3 * mesh->triangle_count + 1) * sizeof *unfrozen);
+    if (!unfrozen) return PSPLAT_ERROR_MEMORY;
+    for (size_t t = 0; t < mesh->triangle_count; ++t)
+        if (!s->frozen[t])
+            memcpy(unfrozen + 3 * free_count++, mesh->triangles + 3 * t, 3 * sizeof *unfrozen);
+    s->count = meshopt_simplify(s->indices, unfrozen, 3 * free_count, s->unit, mesh->vertex_count,
+                                3 * sizeof *s->unit, 0, (float)(part * s->most / s->size),
+                                meshopt_SimplifyLockBorder, NULL) /
+               3;
+    free(unfrozen);
+    return PSPLAT_OK;
+}
+
+/* Appends the frozen triangles to the simplified ones. */
+static void append_frozen(simplifier *s) {
+    for (size_t t = 0; t < s->source->triangle_count; ++t)
+        if (s->frozen[t])
+            memcpy(s->indices + 3 * s->count++, s->source->triangles + 3 * t,
+                   3 * sizeof *s->indices);
+}
+
+/* ---- proofs ---------------------------------------------------------------------------------- */
+
+/* Returns a number of the edges that belong to an odd number of triangles. Meshes that differ in
+ * these have the same number only where 64 random bits agree. */
+static uint64_t border_number(const uint32_t *triangles, size_t count) {
+    uint64_t number = 0;
+    for (size_t e = 0; e < 3 * count; ++e) {
+        uint64_t a = triangles[e], b = triangles[e % 3 == 2 ? e - 2 : e + 1];
+        uint64_t x = a < b ? a << 32 | b : b << 32 | a;
+        x = (x + 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u;
+        x = (x ^ x >> 29) * 0x94d049bb133111ebu;
+        number ^= x ^ x >> 32;
+    }
+    return number;
+}
+
+/* Returns the greatest distance of the corners from one triangle, which bounds that of all points
+ * between them since a triangle is convex; of quarters where it is more than most; or HUGE_VAL. */
+static double bound_of(const psplat_triangle_tree *tree, double corners[3][3], double most,
+                       int quarterings, uint32_t *place) {
+    psplat_tree_nearest nearest = {.distance2 = HUGE_VAL, .place = *place};
+    double middle[3], greatest2 = 0, bound = 0;
+    for (int k = 0; k < 3; ++k) middle[k] = (corners[0][k] + corners[1][k] + corners[2][k]) / 3;
+    psplat_triangle_tree_nearest(tree, middle, &nearest);
+    *place = nearest.place;
+    if (nearest.place == PSPLAT_NONE || nearest.distance2 > most * most) return HUGE_VAL;
+    for (int i = 0; i < 3; ++i)
+        greatest2 =
+            max2(greatest2,
+                 point_triangle_distance2(corners[i], psplat_tree_corner(tree, nearest.place, 0),
+                                          psplat_tree_corner(tree, nearest.place, 1),
+                                          psplat_tree_corner(tree, nearest.place, 2)));
+    if (greatest2 <= most * most) return sqrt(greatest2);
+    if (!quarterings) return HUGE_VAL;
+    double halves[3][3], quarters[4][3][3];
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k)
+            halves[i][k] = 0.5 * corners[i][k] + 0.5 * corners[(i + 1) % 3][k];
+    for (int i = 0; i < 3; ++i) {
+        memcpy(quarters[i][0], corners[i], sizeof halves[i]);
+        memcpy(quarters[i][1], halves[i], sizeof halves[i]);
+        memcpy(quarters[i][2], halves[(i + 2) % 3], sizeof halves[i]);
+        memcpy(quarters[3][i], halves[i], sizeof halves[i]);
+    }
+    for (int i = 0; i < 4 && bound <= most; ++i) {
+        uint32_t near = *place;
+        bound = max2(bound, bound_of(tree, quarters[i], most, quarterings - 1, &near));
+    }
+    return bound;
+}
+
+/* Bounds the distance of a triangle with these vertices of the source from a tree's. */
+static double bound_of_corners(const simplifier *s, const psplat_triangle_tree *tree,
+                               const uint32_t vertices[3], uint32_t *place) {
+    double corners[3][3];
+    for (int i = 0; i < 3; ++i)
+        memcpy(corners[i], s->source->positions + 3 * (size_t)vertices[i], sizeof corners[i]);
+    return bound_of(tree, corners, s->most, MOST_QUARTERINGS, place);
+}
+
+/* Proves that the simplified triangles, which come first, are near the source. What the projection
+ * along a normal does not prove, as of slivers, quarters may. */
+static psplat_result prove_result(simplifier *s, size_t simplified, size_t *failures) {
+    uint32_t place = PSPLAT_NONE;
+    for (size_t t = 0; t < simplified; ++t) {
+        const uint32_t *corners = s->indices + 3 * t;
+        double deviation;
+        ++s->search.stamp;
+        if (psplat_proxy_bound(&s->search, corners, s->starts[corners[0]], &deviation))
+            return PSPLAT_ERROR_MEMORY;
+        if (!(deviation <= s->most)) {
+            if (!s->tree) s->tree = psplat_triangle_tree_create(s->source, NULL);
+            if (!s->tree) return PSPLAT_ERROR_MEMORY;
+            deviation = bound_of_corners(s, s->tree, corners, &place);
+        }
+        if (deviation <= s->most) {
+            s->deviation = max2(s->deviation, deviation);
+            continue;
+        }
+        ++*failures;
+        for (size_t i = 0; i < s->search.count; ++i) s->unmade[s->search.stack[i]] = 1;
+        for (int k = 0; k < 3; ++k) s->unmade[s->starts[corners[k]]] = 1;
+    }
+    return PSPLAT_OK;
+}
+
+/* Proves that the source is near the result. */
+static psplat_result prove_source(simplifier *s, size_t *failures) {
+    const psplat_mesh *mesh = s->source;
+    const psplat_mesh result = {.positions = mesh->positions,
+                                .vertex_count = mesh->vertex_count,
+                                .triangles = s->indices,
+                                .triangle_count = s->count};
+    psplat_triangle_tree *tree = psplat_triangle_tree_create(&result, NULL);
+    if (!tree) return PSPLAT_ERROR_MEMORY;
+    uint32_t place = PSPLAT_NONE;
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        if (s->frozen[t]) continue;
+        double bound = bound_of_corners(s, tree, mesh->triangles + 3 * t, &place);
+        s->deviation = max2(s->deviation, min2(bound, s->most));
+        s->unmade[t] |= bound > s->most;
+        *failures += bound > s->most;
+    }
+    psplat_triangle_tree_destroy(tree);
+    return PSPLAT_OK;
+}
+
+/* Freezes what could not be proven, with so many rings of triangles around it. */
+static void freeze(simplifier *s, int rings) {
+    for (int ring = 0; ring <= rings; ++ring) {
+        for (size_t t = 0; t < s->source->triangle_count; ++t) {
+            if (!s->unmade[t]) continue;
+            s->frozen[t] = 1;
+            for (size_t k = 0; k < 3 && ring < rings; ++k)
+                if (s->neighbors[3 * t + k] != PSPLAT_NONE) s->frozen[s->neighbors[3 * t + k]] = 1;
+        }
+        memcpy(s->unmade, s->frozen, s->source->triangle_count);
+    }
+    memset(s->unmade, 0, s->source->triangle_count);
+}
+
+/* Runs a round. *failures is 0 if its result is proven. */
+static psplat_result run_round(simplifier *s, double part, size_t *failures) {
+    *failures = 0;
+    s->deviation = 0;
+    psplat_result result = simplify(s, part);
+    if (result) return result;
+    size_t simplified = s->count;
+    append_frozen(s);
+    result = prove_result(s, simplified, failures);
+    if (!result) result = prove_source(s, failures);
+    return result;
+}
+
+static psplat_result run_rounds(simplifier *s) {
+    const psplat_mesh *mesh = s->source;
+    size_t failures = 1;
+    for (int round = 0; round < ROUNDS && failures; ++round) {
+        psplat_result result = run_round(s, simplified_parts[round], &failures);
+        if (result) return result;
+        if (failures) freeze(s, round + 1);
+        s->is_strained = round >= STRAINED_ROUND;
+    }
+    if (!failures &&
+        border_number(s->indices, s->count) == border_number(mesh->triangles, mesh->triangle_count))
+        return PSPLAT_OK;
+    memset(s->frozen, 1, mesh->triangle_count); /* Everything stays. */
+    s->count = 0;
+    s->deviation = 0;
+    append_frozen(s);
+    return PSPLAT_OK;
+}
+
+/* ---- result ---------------------------------------------------------------------------------- */
+
+/* Stores the colour that a vertex has at some corner of the source. */
+static void store_color(const simplifier *s, uint32_t vertex, float color[4]) {
+    size_t corner = 3 * (size_t)s->starts[vertex];
+    while (s->source->triangles[corner] != vertex) ++corner;
+    memcpy(color, s->source->corner_colors + 4 * corner, 4 * sizeof *color);
+}
+
+static psplat_result store(simplifier *s, psplat_mesh *simple) {
+    size_t vertices = 0;
+    uint32_t *numbers = malloc((s->source->vertex_count + 1) * sizeof *numbers);
+    psplat_result result =
+        numbers ? psplat_mesh_allocate(simple, s->source->vertex_count, s->count,
+                                       s->source->corner_colors ? PSPLAT_MESH_COLORS : 0, NULL)
+                : PSPLAT_ERROR_MEMORY;
+    if (result) {
+        free(numbers);
+        return PSPLAT_ERROR_MEMORY;
+    }
+    memset(numbers, 0xff, s->source->vertex_count * sizeof *numbers);
+    for (size_t i = 0; i < 3 * s->count; ++i) {
+        uint32_t vertex = s->indices[i];
+        if (numbers[vertex] == PSPLAT_NONE) {
+            numbers[vertex] = (uint32_t)vertices;
+            memcpy(simple->positions + 3 * vertices++, s->source->positions + 3 * (size_t)vertex,
+                   3 * sizeof *simple->positions);
+        }
+        simple->triangles[i] = numbers[vertex];
+        if (simple->corner_colors) store_color(s, vertex, simple->corner_colors + 4 * i);
+    }
+    free(numbers);
+    simple->vertex_count = vertices;
+    return PSPLAT_OK;
+}
+
+/* Simplifies a part of a mesh as psplat_tile_simplify does. */
+static psplat_result simplify_part(const psplat_mesh *source, double most, psplat_mesh *simple,
+                                   double *deviation, int *is_strained) {
+    simplifier s = {.source = source, .most = most};
+    *simple = (psplat_mesh){0};
+    psplat_result result = prepare(&s);
+    if (!result && source->triangle_count && s.size > 0) result = run_rounds(&s);
+    if (!result) result = store(&s, simple);
+    *deviation = s.deviation;
+    *is_strained = s.is_strained;
+    free(s.unit);
+    free(s.neighbors);
+    free(s.starts);
+    free(s.frozen);
+    free(s.unmade);
+    free(s.indices);
+    free(s.search.visited);
+    free(s.search.stack);
+    psplat_triangle_tree_destroy(s.tree);
+    return result;
+}
+
+/* ---- parts ----------------------------------------------------------------------------------- */
+
+/* A mesh whose triangles are put into parts. */
+typedef struct parts {
+    const psplat_mesh *source;
+    double most, deviation;
+    uint32_t *order, *spare; /* triangles */
+    psplat_tile_soup soup;   /* the simplified parts */
+} parts;
+
+/* Stores the middle of the longest side of the box of some triangles' first corners, and its axis.
+ * Returns 0 where that box is a point. */
+static int halve_box(const parts *p, size_t begin, size_t end, int *axis, double *middle) {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (size_t i = begin; i < end; ++i) {
+        const double *at = psplat_mesh_corner(p->source, p->order[i], 0);
+        for (int k = 0; k < 3; ++k) {
+            low[k] = min2(low[k], at[k]);
+            high[k] = max2(high[k], at[k]);
+        }
+    }
+    *axis = 0;
+    for (int k = 1; k < 3; ++k)
+        if (high[k] - low[k] > high[*axis] - low[*axis]) *axis = k;
+    *middle = 0.5 * low[*axis] + 0.5 * high[*axis];
+    return low[*axis] < *middle && *middle <= high[*axis];
+}
+
+/* Moves the triangles below a middle before the others, in order. Returns how many they are. */
+static size_t halve(parts *p, size_t begin, size_t end, int axis, double middle) {
+    size_t lower = 0, upper = 0;
+    for (size_t i = begin; i < end; ++i) {
+        uint32_t t = p->order[i];
+        if (psplat_mesh_corner(p->source, t, 0)[axis] < middle)
+            p->order[begin + lower++] = t;
+        else
+            p->spare[upper++] = t;
+    }
+    memcpy(p->order + begin + lower, p->spare, upper * sizeof *p->spare);
+    return lower;
+}
+
+/* Simplifies a part in two steps, where one step may do less because it cannot be proven: the
+ * second begins with what the first, of a smaller deviation, has proven. */
+static psplat_result simplify_in_steps(const psplat_mesh *mesh, double most, psplat_mesh *simple,
+                                       double *deviation) {
+    psplat_mesh first;
+    double step;
+    int is_strained;
+    psplat_result result = simplify_part(mesh, first_step * most, &first, deviation, &is_strained);
+    if (result) return result;
+    result = simplify_part(&first, most - *deviation, simple, &step, &is_strained);
+    *deviation += step;
+    psplat_mesh_free(&first);
+    return result;
+}
+
+/* Simplifies a part in one step or in two, whichever leaves fewer triangles. */
+static psplat_result simplify_well(parts *p, const psplat_mesh *mesh, psplat_mesh *simple) {
+    psplat_mesh other = {0};
+    double deviation, other_deviation;
+    int is_strained;
+    psplat_result result = simplify_part(mesh, p->most, simple, &deviation, &is_strained);
+    if (!result && is_strained) result = simplify_in_steps(mesh, p->most, &other, &other_deviation);
+    if (!result && is_strained && other.triangle_count < simple->triangle_count) {
+        psplat_mesh_free(simple);
+        *simple = other;
+        deviation = other_deviation;
+    } else {
+        psplat_mesh_free(&other);
+    }
+    if (result)
+        psplat_mesh_free(simple);
+    else
+        p->deviation = max2(p->deviation, deviation);
+    return result;
+}
+
+/* Adds the simplified mesh of the triangles from begin to end. */
+static psplat_result add_part(parts *p, size_t begin, size_t end) {
+    psplat_tile_soup part = {.has_colors = p->source->corner_colors != NULL};
+    psplat_mesh simple = {0};
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = begin; i < end && !result; ++i)
+        result = psplat_tile_soup_add_triangle(&part, p->source, p->order[i]);
+    if (!result) result = psplat_mesh_weld(&part.mesh, NULL);
+    if (!result) result = simplify_well(p, &part.mesh, &simple);
+    if (!result) result = psplat_tile_soup_add_mesh(&p->soup, &simple);
+    psplat_mesh_free(&simple);
+    psplat_tile_soup_free(&part);
+    return result;
+}
+
+/* Simplifies the triangles from begin to end in parts of few enough. */
+static psplat_result add_parts(parts *p, size_t begin, size_t end) {
+    double middle;
+    int axis;
+    if (end - begin <= PART_TRIANGLES || !halve_box(p, begin, end, &axis, &middle))
+        return add_part(p, begin, end);
+    size_t lower = halve(p, begin, end, axis, middle);
+    psplat_result result = add_parts(p, begin, begin + lower);
+    return result ? result : add_parts(p, begin + lower, end);
+}
+
+psplat_result psplat_tile_simplify(const psplat_mesh *source, double most, psplat_mesh *simple,
+                                   double *deviation) {
+    parts p = {.source = source, .most = most, .soup.has_colors = source->corner_colors != NULL};
+    size_t count = source->triangle_count;
+    *simple = (psplat_mesh){0};
+    *deviation = 0;
+    p.order = malloc((count + 1) * sizeof *p.order);
+    p.spare = malloc((count + 1) * sizeof *p.spare);
+    psplat_result result = p.order && p.spare ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    for (uint32_t t = 0; t < count && !result; ++t) p.order[t] = t;
+    if (!result && count) result = add_parts(&p, 0, count);
+    if (!result && count) result = psplat_mesh_weld(&p.soup.mesh, NULL);
+    free(p.order);
+    free(p.spare);
+    if (!result) {
+        *simple = p.soup.mesh;
+        *deviation = p.deviation;
+        p.soup.mesh = (psplat_mesh){0};
+        memcpy(simple->origin, source->origin, sizeof simple->origin);
+        simple->material = source->material;
+    }
+    psplat_tile_soup_free(&p.soup);
+    return result;
+}
