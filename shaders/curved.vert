@@ -209,6 +209,7 @@ void main() {
     v_eye = vec4(eye, surface.second.z);
     v_shape = vec4(surface.slope, surface.second.xy);
 
+    find_fade();
 #if TEXTURED
     v_splat = float(splat);
 #endif

@@ -47,9 +47,9 @@
  * consecutive splats of a batch, as an item places it (psplat_instance).
  *
  *     MODELVIEW  the three rows of the matrix from object to eye space
- *     NORMAL     the three rows of the matrix for normals, the first two with a fourth number:
- *                epsilon of eq. (5) without its cosine; what turns lengths of eye space into those
- *                of object space, on average
+ *     NORMAL     the three rows of the matrix for normals, each with a fourth number: epsilon of
+ *                eq. (5) without its cosine; what turns lengths of eye space into those of object
+ *                space, on average; the factor of weights (1 - psplat_item.fade)
  *     FIRST      two integers: the run's first splat; the batch's first splat, counted over all
  *                batches of all items */
 #define PSPLAT_ATTRIBUTE_MODELVIEW 0

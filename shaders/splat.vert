@@ -250,6 +250,7 @@ void main() {
     /* The length is about 1 whatever the unit of the scene is, so that squares stay in the range of
      * float. */
     float length2 = dot(rotation, rotation);
+    find_fade();
 #if TEXTURED
     v_splat = float(splat);
 #endif

@@ -6,7 +6,7 @@
  * What depends on the item comes with each instance where INSTANCED is defined, so that one call
  * draws many items, and from uniforms where it is not, as in three.js.
  *
- * gl_program.c defines INSTANCED, WIDE, SHAPE, COLOR, FINISH and FIELD.
+ * gl_program.c defines INSTANCED, WIDE, SHAPE, COLOR, FINISH, FIELD and FADE.
  */
 uniform highp sampler2D u_splats;
 uniform highp sampler2D u_clips;
@@ -26,6 +26,9 @@ uniform mat4 u_modelview;
 uniform mat3 u_normal_matrix;
 uniform float u_unstretch;
 uniform int u_first_index;
+#endif
+#if FADE
+flat out float v_fade; /* the factor of weights; only programs of faded items have it */
 #endif
 
 /* Returns the matrix from object to eye space. */
@@ -61,6 +64,13 @@ float unstretch() {
     return a_normal[1].w;
 #else
     return u_unstretch;
+#endif
+}
+
+/* Sets the factor of weights. Only instances are faded. */
+void find_fade() {
+#if FADE
+    v_fade = a_normal[2].w;
 #endif
 }
 

@@ -4,7 +4,7 @@
  * lists.
  *
  * gl_program.c defines PASS, COLORS, MATERIALS, EMISSIVE (where it is not defined, it is as
- * MATERIALS), OCCLUSION, POWER, COUNT and WEIGHT_FLOOR, and for the pass that shades the macros of
+ * MATERIALS), OCCLUSION, POWER, COUNT, FADE and WEIGHT_FLOOR, and for the pass that shades the macros of
  * shading.glsl, which then comes before this file.
  */
 #ifndef EMISSIVE
@@ -33,9 +33,16 @@ uniform vec3 u_base_color;
 uniform vec3 u_emissive;
 uniform vec3 u_surface; /* metallic, roughness, unlit */
 
-/* Returns psi of spec 3.7 times a factor, the filter's. The lower bound keeps a covered pixel covered
- * where a sharp kernel underflows. */
+#if FADE
+flat in float v_fade;
+#endif
+
+/* Returns psi of spec 3.7 times a factor, the filter's, and that of the item's fade. The lower bound
+ * keeps a covered pixel covered where a sharp kernel underflows. */
 float weight_of(float r2, float factor) {
+#if FADE
+    factor *= v_fade;
+#endif
 #if COUNT
     return 1.0;
 #elif POWER

@@ -92,15 +92,21 @@ static int has_parent_segment(const char *path) {
     }
 }
 
-/* Returns why a path is not allowed, or NULL where it is. */
-static const char *refuse_path(const char *path) {
+/* Returns why a path is not relative, or NULL where it is. */
+static const char *refuse_absolute(const char *path) {
     if (!*path) return "it is empty";
     if (has_scheme(path)) return "its scheme is not data";
     if (*path == '/') return "it is absolute";
-    /* Windows treats backslashes as slashes, so they could get around the checks below. */
+    /* Windows treats backslashes as slashes, so they could get around the checks of parts. */
     if (strchr(path, '\\')) return "it holds a backslash";
-    if (has_parent_segment(path)) return "it leaves its directory";
     return NULL;
+}
+
+/* Returns why a path is not allowed, or NULL where it is. */
+static const char *refuse_path(const char *path) {
+    const char *reason = refuse_absolute(path);
+    if (reason) return reason;
+    return has_parent_segment(path) ? "it leaves its directory" : NULL;
 }
 
 const char *psplat_uri_path(const char *base_path, const char *uri, size_t size,
@@ -114,5 +120,48 @@ const char *psplat_uri_path(const char *base_path, const char *uri, size_t size,
     *reason = "its percent escapes are broken";
     if (!decode_percent(uri, size, path + base)) return NULL;
     *reason = refuse_path(path + base);
+    return *reason ? NULL : path;
+}
+
+/* Appends the parts of a relative path to out, which holds length bytes of parts that end with
+ * slashes, and terminates it. Returns why it is not allowed, or NULL where it is. */
+static const char *append_parts(const char *path, char *out, size_t length) {
+    for (;;) {
+        size_t part = strcspn(path, "/");
+        int is_last = !path[part], is_dot = part == 1 && path[0] == '.';
+        if (part == 2 && path[0] == '.' && path[1] == '.') {
+            if (!length) return "it leaves its directory";
+            for (--length; length && out[length - 1] != '/';) --length;
+            is_dot = 1;
+        } else if (part && !is_dot) {
+            memcpy(out + length, path, part);
+            length += part;
+            if (!is_last) out[length++] = '/';
+        }
+        if (is_last && (!part || is_dot)) return "it names a directory";
+        if (is_last) break;
+        path += part + 1;
+    }
+    out[length] = 0;
+    return NULL;
+}
+
+const char *psplat_uri_resolve(const char *from, const char *uri, size_t size, psplat_arena *arena,
+                               const char **reason) {
+    const char *slash = strrchr(from, '/');
+    size_t base = slash ? (size_t)(slash - from) + 1 : 0;
+    int fits = size < (SIZE_MAX - base - 2) / 2;
+    char *relative = fits ? psplat_arena_take(arena, size + 1, 1) : NULL;
+    char *path = relative ? psplat_arena_take(arena, base + size + 1, 1) : NULL;
+    *reason = "no memory for it";
+    if (!path) return NULL;
+    *reason = "it has a query or a fragment";
+    if (memchr(uri, '?', size) || memchr(uri, '#', size)) return NULL;
+    *reason = "its percent escapes are broken";
+    if (!decode_percent(uri, size, relative)) return NULL;
+    *reason = has_scheme(relative) ? "it has a scheme" : refuse_absolute(relative);
+    if (*reason) return NULL;
+    memcpy(path, from, base);
+    *reason = append_parts(relative, path, base);
     return *reason ? NULL : path;
 }

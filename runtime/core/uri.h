@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * uri.h - the two kinds of URI that a glTF buffer may have: base64 data, and the relative path of a
- * file below base_path. URIs are not terminated by a zero.
+ * file below base_path; and URIs of a tileset, which are relative to the file that they stand in.
+ * URIs are not terminated by a zero.
  */
 #ifndef PHONGSPLAT_CORE_URI_H
 #define PHONGSPLAT_CORE_URI_H
@@ -22,5 +23,12 @@ size_t psplat_uri_decode_base64(const char *digits, size_t size, uint8_t *out, s
  * broken, or the URI is not a relative path that stays below base_path. */
 const char *psplat_uri_path(const char *base_path, const char *uri, size_t size,
                             psplat_arena *arena, const char **reason);
+
+/* Returns the path that a relative URI in the file at path `from` means, with percent escapes
+ * decoded and without parts that are "." or ".."; the arena owns it. Paths are relative to the
+ * directory of a tileset. Returns NULL and stores a constant text in *reason where memory runs out,
+ * an escape is broken, or the URI is no relative path of a file in that directory. */
+const char *psplat_uri_resolve(const char *from, const char *uri, size_t size, psplat_arena *arena,
+                               const char **reason);
 
 #endif

@@ -73,6 +73,7 @@ typedef struct psplat_program_key {
     unsigned options; /* PSPLAT_OPTION_ bits */
     int is_resolve;   /* 1: the resolve pass; 0: a splat pass */
     int pass;         /* PSPLAT_PASS_VISIBILITY ... */
+    int is_faded;     /* 1: weights are multiplied by a number of the item's; macro FADE */
     int clip_count;   /* 0 ... PSPLAT_MAX_CLIP_LINES */
     int shading;      /* PSPLAT_SHADING_LIT ... */
     int light_count;  /* 0 ... PSPLAT_MAX_LIGHTS */

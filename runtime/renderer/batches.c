@@ -152,7 +152,7 @@ static int find_runs(psplat_frame *f, psplat_placed *placed, const psplat_placem
 }
 
 static void set_instance(psplat_instance *instance, const psplat_placement *placement,
-                         unsigned first_index) {
+                         const psplat_item *item, unsigned first_index) {
     for (int row = 0; row < 3; ++row) {
         for (int column = 0; column < 4; ++column)
             instance->modelview[4 * row + column] = placement->modelview[4 * column + row];
@@ -161,14 +161,15 @@ static void set_instance(psplat_instance *instance, const psplat_placement *plac
     }
     instance->normal[3] = placement->epsilon;
     instance->normal[7] = placement->unstretch;
-    instance->normal[11] = 0.0f;
+    instance->normal[11] = 1.0f - item->fade;
     instance->first[0] = 0;
     instance->first[1] = (GLint)(first_index & 0x7fffffffu);
 }
 
 /* Adds a batch to what is drawn, unless none of it can be seen. Returns 0 where memory runs out. */
-static int add_placed(psplat_frame *f, const psplat_camera *camera, const psplat_model_batch *batch,
-                      const psplat_placement *placement, unsigned first_index) {
+static int add_placed(psplat_frame *f, const psplat_camera *camera, const psplat_item *item,
+                      const psplat_model_batch *batch, const psplat_placement *placement,
+                      unsigned first_index) {
     psplat_renderer *renderer = f->renderer;
     psplat_list *list = &renderer->instances.placed;
     psplat_placed *placed = psplat_list_add(list, &renderer->allocator, sizeof *placed);
@@ -182,11 +183,12 @@ static int add_placed(psplat_frame *f, const psplat_camera *camera, const psplat
     placed->is_culled = placement->chunk_view.is_culled;
     placed->is_mirrored = placement->is_mirrored;
     placed->is_curved = shows_curvature(batch, camera, placement);
+    placed->is_faded = psplat_item_is_faded(item);
     placed->options = options_of(batch, placement, placed->is_culled, placed->is_curved);
-    placed->key = batch->number << 4 | (unsigned)!!placed->is_curved << 3 |
-                  (unsigned)!!placement->is_near << 2 | (unsigned)!!placed->is_culled << 1 |
-                  (unsigned)!!placed->is_mirrored;
-    set_instance(&placed->instance, placement, first_index);
+    placed->key = batch->number << 5 | (unsigned)placed->is_faded << 4 |
+                  (unsigned)!!placed->is_curved << 3 | (unsigned)!!placement->is_near << 2 |
+                  (unsigned)!!placed->is_culled << 1 | (unsigned)!!placed->is_mirrored;
+    set_instance(&placed->instance, placement, item, first_index);
     return 1;
 }
 
@@ -203,17 +205,17 @@ static int add_item(psplat_frame *f, const psplat_camera *camera, psplat_culling
     for (size_t k = 0; k < item->model->batch_count; ++k) {
         const psplat_model_batch *batch = &item->model->batches[k];
         double modelview[16];
-        if (!psplat_item_shares_place(item, k)) {
+        if (psplat_item_is_drawn(item) && !psplat_item_shares_place(item, k)) {
             psplat_camera_modelview(camera->view, item->transform, psplat_item_matrix(item, k),
                                     modelview);
             is_placed = psplat_camera_place(camera, modelview, &placement);
         }
         if (is_placed) {
-            const psplat_placement_desc desc = {(double)batch->depth_tolerance, batch->bounds_min,
+            const psplat_placement_desc desc = {psplat_item_tolerance(item, k), batch->bounds_min,
                                                 batch->bounds_max,
                                                 is_culled(culling, &batch->material)};
             psplat_camera_place_batch(&desc, &placement);
-            if (!add_placed(f, camera, batch, &placement, *first_index)) return 0;
+            if (!add_placed(f, camera, item, batch, &placement, *first_index)) return 0;
         }
         *first_index += (unsigned)batch->splat_count;
     }
@@ -255,6 +257,7 @@ static psplat_result use_batch(psplat_frame *f, const psplat_camera *camera,
     const psplat_gl *gl = &renderer->gl;
     const psplat_model_batch *batch = placed->batch;
     key.options |= placed->options;
+    key.is_faded = placed->is_faded;
     key.clip_count = (int)batch->clip_count;
     const psplat_program *program = NULL;
     psplat_result result = psplat_programs_find(&renderer->programs, gl, &renderer->allocator, key,

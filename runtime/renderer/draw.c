@@ -39,9 +39,11 @@ static int same_emission(const psplat_material *a, const psplat_material *b) {
            a->emissive[2] == b->emissive[2] && !a->unlit == !b->unlit;
 }
 
-/* Returns the material of the first batch, which every model has. */
+/* Returns the material of the first batch that is drawn; every model has one. */
 static const psplat_material *first_material(const psplat_frame *f) {
-    return &f->items[0].model->batches[0].material;
+    size_t first = 0;
+    while (first + 1 < f->item_count && !psplat_item_is_drawn(&f->items[first])) ++first;
+    return &f->items[first].model->batches[0].material;
 }
 
 /* Returns the options for what differs between splats or between the materials of batches: those of
@@ -51,7 +53,8 @@ static unsigned differences(const psplat_frame *f) {
     unsigned options = 0;
     for (size_t i = 0; i < f->item_count; ++i) {
         const psplat_model *model = f->items[i].model;
-        for (size_t k = 0; k < model->batch_count; ++k) {
+        size_t count = psplat_item_is_drawn(&f->items[i]) ? model->batch_count : 0;
+        for (size_t k = 0; k < count; ++k) {
             const psplat_model_batch *batch = &model->batches[k];
             const unsigned surface_maps = PSPLAT_OPTION_SURFACE_MAP | PSPLAT_OPTION_OCCLUSION_MAP;
             if (batch->has_color || batch->finish & PSPLAT_FINISH_GRADIENT ||
@@ -127,6 +130,7 @@ static void choose_options(psplat_frame *f) {
 /* Adds the depths at which the view shows an item. */
 static void add_depths(const psplat_view *view, const psplat_item *item, psplat_depth_span *span) {
     double modelview[16], scale = 0.0;
+    if (!psplat_item_is_drawn(item)) return;
     for (size_t k = 0; k < item->model->batch_count; ++k) {
         const psplat_model_batch *batch = &item->model->batches[k];
         if (!psplat_item_shares_place(item, k)) {
@@ -135,7 +139,7 @@ static void add_depths(const psplat_view *view, const psplat_item *item, psplat_
             scale = cbrt(fabs(psplat_matrix_determinant3(modelview)));
         }
         /* Epsilon of eq. (5) is at most twice the tolerance, at grazing angles. */
-        double epsilon = 2.0 * (double)batch->depth_tolerance * scale;
+        double epsilon = 2.0 * psplat_item_tolerance(item, k) * scale;
         psplat_depth_span_add(span, modelview, view->projection, batch->bounds_min,
                               batch->bounds_max, epsilon);
     }
@@ -326,6 +330,10 @@ static psplat_result check(const psplat_renderer *renderer, const psplat_view *v
     for (size_t i = 0; i < item_count; ++i) {
         if (!items[i].model)
             return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "item %zu has no model", i);
+        if (!(items[i].fade >= 0.0f))
+            return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                               "item %zu has a fade of %g, which is not 0 or more", i,
+                               (double)items[i].fade);
         size_t batches = items[i].model->batch_count;
         if (items[i].pose && (!psplat_pose_matrix(items[i].pose, batches - 1) ||
                               psplat_pose_matrix(items[i].pose, batches)))

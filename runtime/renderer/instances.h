@@ -14,8 +14,10 @@
  */
 typedef struct psplat_instance {
     float modelview[12]; /* object to eye space, three rows */
-    float normal[12]; /* three rows of 3, followed by: epsilon; unstretch; 0 (psplat_placement) */
-    GLint first[2];   /* the run's first splat; that of the batch, counted over all batches */
+    float
+        normal[12]; /* three rows of 3, followed by: epsilon; unstretch (psplat_placement); 1 - fade
+                     */
+    GLint first[2]; /* the run's first splat; that of the batch, counted over all batches */
 } psplat_instance;
 
 /* Consecutive splats of a batch that may be visible: first ... end - 1. */
@@ -29,6 +31,7 @@ typedef struct psplat_placed {
     uint64_t key;     /* those with the same key can be drawn by one call */
     unsigned options; /* PSPLAT_OPTION_ bits that the batch asks for in this place */
     int is_curved, is_culled, is_mirrored; /* as psplat_placement and draw_batch() have them */
+    int is_faded;                          /* 1: weights are multiplied by the item's 1 - fade */
     size_t first_run, run_count;
     psplat_instance instance; /* of all of its splats */
 } psplat_placed;

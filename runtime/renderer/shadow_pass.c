@@ -38,11 +38,16 @@ static void look_along(const float direction[3], const double position[3], doubl
         }
 }
 
-/* Returns the axis-aligned bounding box of all batches in the space that view leads to. */
+static size_t drawn_batches(const psplat_item *item) {
+    return psplat_item_is_drawn(item) ? item->model->batch_count : 0;
+}
+
+/* Returns the axis-aligned bounding box of all batches that are drawn in the space that view leads
+ * to. */
 static box bounds_in(const psplat_frame *f, const double view[16]) {
     box b = {{HUGE_VAL, HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};
     for (size_t i = 0; i < f->item_count; ++i)
-        for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
+        for (size_t k = 0; k < drawn_batches(&f->items[i]); ++k) {
             const psplat_model_batch *batch = &f->items[i].model->batches[k];
             double scene[16], m[16];
             psplat_camera_compose(f->items[i].transform, psplat_item_matrix(&f->items[i], k),
@@ -155,13 +160,12 @@ static psplat_result draw_map(psplat_frame *f, int map, int size) {
 static float largest_tolerance(const psplat_frame *f) {
     double most = 0.0;
     for (size_t i = 0; i < f->item_count; ++i)
-        for (size_t k = 0; k < f->items[i].model->batch_count; ++k) {
-            const psplat_model_batch *batch = &f->items[i].model->batches[k];
+        for (size_t k = 0; k < drawn_batches(&f->items[i]); ++k) {
             double scene[16];
             psplat_camera_compose(f->items[i].transform, psplat_item_matrix(&f->items[i], k),
                                   scene);
             double scale = cbrt(fabs(psplat_matrix_determinant3(scene)));
-            most = fmax(most, scale * (double)batch->depth_tolerance);
+            most = fmax(most, scale * psplat_item_tolerance(&f->items[i], k));
         }
     return (float)most;
 }

@@ -6,13 +6,13 @@
 # Environment: SOURCE_DIR; RUNTIME, REFERENCE (static libraries), LIBRARIES (all of them); NM, OBJDUMP, AR, CC.
 set -eu
 
-runtime_rooms="core asset gl renderer"
+runtime_rooms="core asset gl renderer tiles"
 converter_rooms="base material mesh points source scene gltf import appearance features splats measure fit select verify export
     pipeline picture compare views table benchmark tradeoff cli"
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
-standard='<(ctype|errno|fenv|float|inttypes|limits|math|setjmp|signal|stdarg|stdbool|stddef|stdint|stdio|stdlib|string|time)\.h>'
+standard='<(ctype|errno|fenv|float|inttypes|limits|math|setjmp|signal|stdarg|stdatomic|stdbool|stddef|stdint|stdio|stdlib|string|time)\.h>'
 
 # includes ROOT FILES...: "file: <header>" or "file: "header"" for each include directive.
 includes() {
@@ -107,7 +107,7 @@ public_headers_stand_alone() {
 
 runtime_keeps_to_itself() {
     includes "$1" $(room_sources "$1" runtime $runtime_rooms) |
-        only '<phongsplat/(splat|phongsplat)\.h>|<meshoptimizer\.h>|"(shaders|layout)\.h"|"[a-z]+/[a-z_]+\.h"'
+        only '<phongsplat/(splat|phongsplat|tiles)\.h>|<meshoptimizer\.h>|"(shaders|layout)\.h"|"[a-z]+/[a-z_]+\.h"'
 }
 
 reference_shares_public_headers_only() {
@@ -127,7 +127,7 @@ shaders_include_nothing() {
 
 converter_uses_public_headers() {
     includes "$1" $(sources "$1" converter 3) | grep -E 'phongsplat/' |
-        only '<phongsplat/(splat|phongsplat|reference|host)\.h>'
+        only '<phongsplat/(splat|phongsplat|tiles|reference|host)\.h>'
 }
 
 # Samples show what others can do: with headers that are installed, their own, and those in samples/ that they share.
@@ -141,7 +141,7 @@ samples_use_public_headers() {
         done
     done
     includes "$1" $(sources "$1" samples 9) | grep -E 'phongsplat/' |
-        only '<phongsplat/(splat|phongsplat|reference|host)\.h>'
+        only '<phongsplat/(splat|phongsplat|tiles|reference|host)\.h>'
 }
 
 # CGAL, OpenMesh and tinygltf stay behind their C headers.

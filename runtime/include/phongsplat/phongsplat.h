@@ -526,11 +526,23 @@ typedef struct psplat_view {
 
 /* One model to draw. Any number of items may have the same model: they are drawn with the same
  * calls of GL. transform is applied after the asset's own node transforms and may be any
- * invertible affine matrix; all zeros mean the identity. */
+ * invertible affine matrix; all zeros mean the identity.
+ *
+ * fade cross-fades an item and its replacement, as a tile of a level of detail and its children:
+ * with fade t of the old and 1 - t of the new both are drawn, and pixels that both cover turn from
+ * one into the other while t grows. Weights fade, coverage does not: where splats of faded items
+ * are alone in a pixel they are as without a fade, and outlines change when an item comes and when
+ * it goes. A faded item has twice the tolerance of spec 5.3, so that a replacement that lies as far
+ * from it as both of them may err still blends: its own tolerance may be up to three times larger
+ * or smaller. Where there are no weights (depth_only, shadows of lights, PSPLAT_MODE_FLAT,
+ * PSPLAT_MODE_PARAMETERS, the shading `splats`), and in what the shading `overdraw` counts, items
+ * of a fade below 1 are whole. */
 typedef struct psplat_item {
     psplat_model *model;
     double transform[16];
     const psplat_pose *pose; /* of the model's asset; NULL: at rest */
+    float fade; /* 0: whole; between 0 and 1 the weights of its splats in blending (spec 5.4) are
+                   multiplied by 1 - fade; 1 or more: it is not drawn, and casts no shadow */
 } psplat_item;
 
 /* Draws items into the framebuffer that is bound for drawing, which may have any colour and depth
@@ -548,9 +560,9 @@ typedef struct psplat_item {
  *
  * items has item_count entries, which may be 0. One call with all items of a view is far cheaper
  * than a call for each, which would clear and resolve render targets every time. Errors: ARGUMENT
- * (a pointer is NULL, a value of the view or of a light is out of range, or a pose has not as many
- * batches as its model; that of another asset with as many is not noticed), MEMORY, GRAPHICS. What
- * the framebuffer holds after an error is undefined.
+ * (a pointer is NULL, a value of the view or of a light is out of range, a fade is negative or NaN,
+ * or a pose has not as many batches as its model; that of another asset with as many is not
+ * noticed), MEMORY, GRAPHICS. What the framebuffer holds after an error is undefined.
  *
  * A resolve function of the host's writes to as many draw buffers as it has outputs, with what the
  * framebuffer makes of it; the rest of the above holds for all of them.

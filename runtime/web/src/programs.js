@@ -108,6 +108,7 @@ function definesOf(batch, material, view) {
     d.PACKS = { '': 0, depth: 1, distance: 2 }[view.packs ?? ''];
     d.REVERSED = !!view.isReversed;
     d.OWNED = !!view.isOwned;
+    d.FADE = false;
     return d;
 }
 

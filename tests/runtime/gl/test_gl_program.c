@@ -27,7 +27,7 @@ typedef struct key_list {
 static int same(const psplat_program_key *a, const psplat_program_key *b) {
     return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
            a->clip_count == b->clip_count && a->shading == b->shading &&
-           a->light_count == b->light_count;
+           a->light_count == b->light_count && a->is_faded == b->is_faded;
 }
 
 static int by_value(const void *a, const void *b) {
@@ -154,6 +154,15 @@ static void test_no_use(void **state) {
     depth = psplat_program_key_reduce(depth);
     assert_int_equal(depth.options, 0);
     assert_int_equal(depth.light_count, 0);
+    /* Where there are no weights nothing fades. */
+    psplat_program_key faded = {.pass = PSPLAT_PASS_NORMALS, .is_faded = 1};
+    assert_true(psplat_program_key_reduce(faded).is_faded);
+    faded.options = PSPLAT_OPTION_COUNT;
+    assert_false(psplat_program_key_reduce(faded).is_faded);
+    faded.pass = PSPLAT_PASS_RADIANCE;
+    assert_true(psplat_program_key_reduce(faded).is_faded);
+    faded.pass = PSPLAT_PASS_VISIBILITY;
+    assert_false(psplat_program_key_reduce(faded).is_faded);
     /* Colours that are written nowhere are a texel to skip. */
     psplat_program_key plain = {.pass = PSPLAT_PASS_NORMALS,
                                 .options = PSPLAT_OPTION_WIDE | PSPLAT_OPTION_COLOR};
@@ -233,6 +242,7 @@ static void compile_textured(psplat_api api) {
         if (set & 2) key.options |= PSPLAT_OPTION_MASK;
         if (set & 4) key.options |= PSPLAT_OPTION_TEXCOORD_BEND | PSPLAT_OPTION_MAP_TRANSFORM;
         if (set & 8) key.options |= most;
+        key.is_faded = set & 8 ? 1 : 0;
         if (set & 8) key.clip_count = PSPLAT_MAX_CLIP_LINES;
         const psplat_program *program = NULL;
         psplat_result result =

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * upload.c - turns what has arrived into models, and destroys models that are not used to make
+ * room.
+ */
+#include "tiles/slots.h"
+
+#include "asset/pack.h"
+
+/* ---- eviction ------------------------------------------------------------------------------- */
+
+static void destroy_models(psplat_tiles *tiles, psplat_renderer *renderer, uint32_t node) {
+    const psplat_tile_node *n = &tiles->nodes[node];
+    for (uint32_t i = 0; i < n->content_count; ++i) {
+        psplat_tile_load *load = &tiles->loads[n->first_content + i];
+        if (load->progress != PSPLAT_TILE_UPLOADED) continue;
+        tiles->models->destroy(renderer, load->model);
+        psplat_tiles_give_bytes(tiles, load->bytes);
+        load->model = NULL;
+        load->bytes = 0;
+        load->progress = PSPLAT_TILE_ABSENT;
+    }
+}
+
+/* Destroys the tile that was used least recently. Returns 0 where there is none but the root and
+ * those of the last select. */
+static int evict(psplat_tiles *tiles, psplat_renderer *renderer) {
+    uint32_t node = tiles->oldest;
+    if (node == PSPLAT_TILE_NONE || node == 0 || tiles->uses[node].used == tiles->frame) return 0;
+    tiles->resident -= (size_t)psplat_tile_is_ready(tiles, node);
+    destroy_models(tiles, renderer, node);
+    tiles->uses[node].uploaded = 0;
+    psplat_tile_unlist(tiles, node);
+    return 1;
+}
+
+/* Makes room for what is under way and for the requests that come next. */
+static void make_room(psplat_tiles *tiles, psplat_renderer *renderer) {
+    size_t need = psplat_tile_slots_outstanding(tiles), free_slots = 0;
+    for (size_t i = 0; i < tiles->max_requests; ++i)
+        free_slots += psplat_tile_slot_state_of(&tiles->slots[i]) == PSPLAT_SLOT_FREE;
+    for (size_t i = tiles->next_request; i < tiles->request_count && free_slots--; ++i) {
+        size_t bytes = psplat_tile_expected_bytes(tiles, tiles->requests[i]);
+        if (need > tiles->max_bytes || bytes > tiles->max_bytes - need) break;
+        need += bytes;
+    }
+    while (atomic_load(&tiles->bytes) + need > tiles->max_bytes && evict(tiles, renderer)) continue;
+}
+
+/* ---- one tile ------------------------------------------------------------------------------- */
+
+static size_t texture_bytes(size_t splats, int row_splats, int floats) {
+    size_t row = (size_t)row_splats;
+    return (splats + row - 1) / row * row * (size_t)floats * sizeof(float);
+}
+
+/* Returns the bytes that psplat_model_create takes on the GPU but for images. */
+static size_t model_bytes(const psplat_asset *asset) {
+    size_t count = psplat_asset_batch_count(asset), bytes = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_batch *batch = psplat_asset_batch(asset, i);
+        int is_twin = 0;
+        for (size_t k = 0; k < i && !is_twin; ++k)
+            is_twin = psplat_asset_batch(asset, k)->primitive == batch->primitive;
+        if (is_twin) continue;
+        psplat_packing p = psplat_packing_of(batch);
+        const int floats[] = {p.splat_floats, p.clip_floats, p.finish_floats, p.texcoord_floats};
+        for (int k = 0; k < 4; ++k)
+            bytes += texture_bytes(batch->splat_count, p.row_splats, floats[k]);
+    }
+    return bytes;
+}
+
+static int is_double_sided(const psplat_asset *asset) {
+    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
+        if (psplat_asset_batch(asset, i)->material.double_sided) return 1;
+    return 0;
+}
+
+/* Counts a model whose texture bytes were taken already, and destroys its asset. */
+static void keep_model(psplat_tile_slot *slot, psplat_model *model, size_t taken) {
+    psplat_tiles *tiles = slot->tiles;
+    psplat_tile_load *load = &tiles->loads[slot->content];
+    psplat_model_info info = tiles->models->describe(model);
+    load->model = model;
+    load->bytes = info.bytes;
+    load->splats = (uint32_t)info.splat_count;
+    load->failures = 0;
+    load->is_double_sided = is_double_sided(slot->asset);
+    if (taken > info.bytes) psplat_tiles_give_bytes(tiles, taken - info.bytes);
+    if (info.bytes > taken) atomic_fetch_add(&tiles->bytes, info.bytes - taken);
+    size_t both = atomic_load(&slot->bytes) + info.bytes;
+    load->need = both > slot->peak ? both : slot->peak;
+    tiles->splat_bytes += (double)load->need;
+    tiles->splat_total += (double)info.splat_count;
+    tiles->content_bytes += (double)load->need;
+    tiles->content_total += 1;
+    psplat_tile_slot_end(slot, PSPLAT_TILE_UPLOADED);
+}
+
+/* Takes note of a content that has been uploaded; with the last one its tile can be drawn. */
+static void complete(psplat_tiles *tiles, uint32_t node) {
+    psplat_tile_node *n = &tiles->nodes[node];
+    psplat_tile_use *use = &tiles->uses[node];
+    use->used = tiles->frame; /* nothing that is uploaded now makes room for the next */
+    psplat_tile_enlist(tiles, node);
+    if (++use->uploaded < n->content_count) return;
+    ++tiles->resident;
+    n->splats = 0;
+    use->sides = PSPLAT_SIDES_SINGLE;
+    for (uint32_t i = 0; i < n->content_count; ++i) {
+        const psplat_tile_load *load = &tiles->loads[n->first_content + i];
+        n->splats += load->splats;
+        if (load->is_double_sided) use->sides = PSPLAT_SIDES_DOUBLE;
+    }
+}
+
+/* A tile for which there is no room is asked for again when there is; one that does not fit beside
+ * the root alone never is. */
+static void turn_away(psplat_tile_slot *slot, size_t bytes) {
+    psplat_tiles *tiles = slot->tiles;
+    psplat_tile_load *load = &tiles->loads[slot->content];
+    size_t all = atomic_load(&slot->bytes) + bytes, kept = 0;
+    const psplat_tile_node *root = &tiles->nodes[0];
+    for (uint32_t i = 0; tiles->contents[slot->content].node && i < root->content_count; ++i)
+        kept += tiles->loads[root->first_content + i].bytes;
+    load->need = all > load->need ? all : load->need;
+    if (all > tiles->max_bytes - kept)
+        psplat_tile_slot_end(slot, PSPLAT_TILE_FAILED);
+    else
+        psplat_tile_slot_postpone(slot);
+}
+
+/* Uploads what a slot holds, and adds its bytes to *uploaded. */
+static psplat_result upload(psplat_tile_slot *slot, psplat_renderer *renderer, size_t bytes,
+                            psplat_error *error) {
+    psplat_tiles *tiles = slot->tiles;
+    uint32_t node = tiles->contents[slot->content].node;
+    psplat_model *model = NULL;
+    while (!psplat_tiles_take_bytes(tiles, bytes))
+        if (!evict(tiles, renderer)) {
+            turn_away(slot, bytes);
+            return PSPLAT_OK;
+        }
+    psplat_result result = tiles->models->create(renderer, slot->asset, &model, error);
+    if (result == PSPLAT_OK) {
+        keep_model(slot, model, bytes);
+        complete(tiles, node);
+        return PSPLAT_OK;
+    }
+    psplat_tiles_give_bytes(tiles, bytes);
+    if (result == PSPLAT_ERROR_MEMORY || result == PSPLAT_ERROR_GRAPHICS)
+        psplat_tile_slot_postpone(slot);
+    else
+        psplat_tile_slot_end(slot, PSPLAT_TILE_FAILED);
+    return result;
+}
+
+/* ---- all of them ---------------------------------------------------------------------------- */
+
+/* What has arrived after the tile above it was destroyed is no use. */
+static int is_orphan(const psplat_tiles *tiles, uint32_t content) {
+    uint32_t parent = tiles->nodes[tiles->contents[content].node].parent;
+    return parent != PSPLAT_TILE_NONE && tiles->nodes[parent].content_count &&
+           !psplat_tile_is_ready(tiles, parent);
+}
+
+static int is_more_important(const psplat_tiles *tiles, uint32_t a, uint32_t b) {
+    double pa = tiles->loads[a].priority, pb = tiles->loads[b].priority;
+    return pa > pb || (pa == pb && a < b);
+}
+
+/* Returns the most important of the assets that have arrived, or NULL. */
+static psplat_tile_slot *find_best(psplat_tiles *tiles) {
+    psplat_tile_slot *best = NULL;
+    for (size_t i = 0; i < tiles->max_requests; ++i) {
+        psplat_tile_slot *slot = &tiles->slots[i];
+        if (psplat_tile_slot_state_of(slot) != PSPLAT_SLOT_ARRIVED) continue;
+        if (slot->is_tileset) continue; /* it arrived after the last collection */
+        if (is_orphan(tiles, slot->content))
+            psplat_tile_slot_end(slot, PSPLAT_TILE_ABSENT);
+        else if (!best || is_more_important(tiles, slot->content, best->content))
+            best = slot;
+    }
+    return best;
+}
+
+psplat_result psplat_tiles_upload(psplat_tiles *tiles, psplat_renderer *renderer, size_t max_bytes,
+                                  psplat_error *error) {
+    if (!tiles) return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "tiles must not be NULL");
+    psplat_result result = PSPLAT_OK;
+    psplat_tile_slots_collect(tiles);
+    for (size_t uploaded = 0; result == PSPLAT_OK;) {
+        psplat_tile_slot *slot = find_best(tiles);
+        size_t bytes = slot ? model_bytes(slot->asset) : 0;
+        if (!slot || (uploaded && (uploaded > max_bytes || bytes > max_bytes - uploaded))) break;
+        uploaded += bytes;
+        result = upload(slot, renderer, bytes, error);
+    }
+    make_room(tiles, renderer);
+    return result;
+}
