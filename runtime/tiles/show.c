@@ -64,8 +64,9 @@ static int is_zero(const double m[16]) {
     return 1;
 }
 
-/* Appends the contents of a tile. */
-static int add_items(psplat_tiles *tiles, const psplat_tiles_view *view, uint32_t node) {
+/* Appends the contents of a tile with a weight. */
+static int add_items(psplat_tiles *tiles, const psplat_tiles_view *view, uint32_t node,
+                     float weight) {
     const psplat_tile_node *n = &tiles->nodes[node];
     const double *own = tiles->transforms[n->transform];
     double transform[16];
@@ -79,6 +80,7 @@ static int add_items(psplat_tiles *tiles, const psplat_tiles_view *view, uint32_
         psplat_item *item = &tiles->items[tiles->item_count++];
         memset(item, 0, sizeof *item);
         item->model = load->model;
+        item->fade = 1.0f - weight;
         memcpy(item->transform, transform, sizeof transform);
         tiles->state.splats += load->splats;
     }
@@ -134,7 +136,8 @@ static int show(psplat_tiles *tiles, const psplat_tile_camera *camera,
         psplat_tile_use *use = &tiles->uses[node];
         mix(tiles, node, step);
         use->used = use->shown = tiles->frame;
-        if (use->mix < 1.0f && !add_items(tiles, view, node)) return 0;
+        float weight = use->weight * (1.0f - use->mix);
+        if (use->mix < 1.0f && !add_items(tiles, view, node, weight)) return 0;
         if (is_chosen(tiles, node) && tiles->nodes[node].content_count)
             tiles->state.error_pixels =
                 fmax(tiles->state.error_pixels, psplat_tile_pixels(tiles, node));
