@@ -98,7 +98,10 @@ static int stamps_equal(const stamp *a, const stamp *b) {
 psplat_result loader_check(const char *path, psplat_error *error) {
     struct stat status;
     char tileset[MAX_PATH];
+    int is_directory = !stat(path, &status) && S_ISDIR(status.st_mode);
     if (tileset_path(path, tileset, sizeof tileset)) path = tileset;
+    if (is_directory && access(path, F_OK))
+        return psplat_fail(error, PSPLAT_ERROR_READ, 0, "is a directory without tileset.json");
     if (stat(path, &status) || access(path, R_OK))
         return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s", strerror(errno));
     if (!S_ISREG(status.st_mode)) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "is not a file");

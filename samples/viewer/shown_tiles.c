@@ -47,6 +47,7 @@ static psplat_result choose(viewer *v, shown_asset *entry, const psplat_tiles_vi
     if (result) return result;
     tile_reader_feed(entry->reader);
     psplat_tiles_state state = psplat_tiles_describe(entry->tiles);
+    state.error_pixels *= v->settings.pixels / view.pixels;
     add_state(&v->tiles_state, &state);
     return PSPLAT_OK;
 }
