@@ -68,6 +68,8 @@ int psplat_command_validate(int argc, char **argv);
 
 int psplat_command_compare(int argc, char **argv);
 
+int psplat_command_tile(int argc, char **argv);
+
 int psplat_command_tradeoff(int argc, char **argv);
 
 int psplat_command_view(int argc, char **argv);

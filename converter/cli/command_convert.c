@@ -80,21 +80,6 @@ typedef struct product {
     size_t needed;    /* by the coarsest conversion if the budget is too small for it, else 0 */
 } product;
 
-/* Reads --precision: auto, float, or the greatest step of positions in units of the tolerance.
- * Returns 0 where it is none of these. */
-static int parse_precision(arguments *a) {
-    char *end = NULL;
-    a->position_precision = PSPLAT_USUAL_PRECISION;
-    if (!a->precision || !strcmp(a->precision, "auto")) return 1;
-    if (!strcmp(a->precision, "float")) {
-        a->position_precision = 0;
-        return 1;
-    }
-    a->position_precision = strtod(a->precision, &end);
-    return end != a->precision && !*end && a->position_precision >= 0.001 &&
-           a->position_precision <= PSPLAT_GREATEST_PRECISION;
-}
-
 enum { FALLBACK_POINTS, FALLBACK_MESH };
 static const char *const fallback_names[] = {"points", "mesh", NULL};
 
@@ -114,7 +99,7 @@ static psplat_parse check_combination(arguments *a) {
         return refuse("texture-tolerance", "not together with textures bake");
     if (a->textures == TEXTURES_BAKE && a->texture_size)
         return refuse("texture-size", "not together with textures bake");
-    if (!parse_precision(a))
+    if (!psplat_options_precision(a->precision, &a->position_precision))
         return refuse("precision", "neither auto, float nor a number of 0.001 to 0.5");
     if (a->no_creases && a->crease_angle > 0)
         return refuse("no-creases", "not together with crease-angle");

@@ -25,6 +25,7 @@ static const command commands[] = {
     {"render", psplat_command_render, "an asset, or a mesh, becomes a PNG"},
     {"inspect", psplat_command_inspect, "what an asset holds"},
     {"validate", psplat_command_validate, "whether an asset keeps the rules"},
+    {"tile", psplat_command_tile, "a mesh becomes a tileset of 3D Tiles, in levels of detail"},
     {"compare", psplat_command_compare, "how far an asset is from its mesh"},
     {"tradeoff", psplat_command_tradeoff, "what settings cost and buy on a mesh, measured"},
     {"view", psplat_command_view, "assets are shown in a window"},

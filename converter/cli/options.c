@@ -281,3 +281,15 @@ void psplat_options_help(const psplat_syntax *syntax) {
     if (syntax->notes) printf("\n%s\n", syntax->notes);
     printf("\n%s", psplat_exit_help);
 }
+
+int psplat_options_precision(const char *text, double *precision) {
+    char *end = NULL;
+    *precision = PSPLAT_USUAL_PRECISION;
+    if (!text || !strcmp(text, "auto")) return 1;
+    if (!strcmp(text, "float")) {
+        *precision = 0;
+        return 1;
+    }
+    *precision = strtod(text, &end);
+    return end != text && !*end && *precision >= 0.001 && *precision <= PSPLAT_GREATEST_PRECISION;
+}

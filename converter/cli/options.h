@@ -74,6 +74,10 @@ psplat_parse psplat_options_refuse(const char *command, const char *subject, con
 /* Prints the help of a command on standard output. */
 void psplat_options_help(const psplat_syntax *syntax);
 
+/* Reads the text of --precision, or NULL: auto, float (0), or the greatest step of positions in
+ * units of the tolerance. Returns 0 where it is none of these. */
+int psplat_options_precision(const char *text, double *precision);
+
 /* ---- option_table.c: options of several commands ------------------------------------------ */
 
 typedef enum psplat_format { PSPLAT_FORMAT_PRETTY, PSPLAT_FORMAT_JSON } psplat_format;

@@ -179,11 +179,12 @@ static psplat_result place_batch(const psplat_batch *batch, const double origin[
     return PSPLAT_OK;
 }
 
-static psplat_result allocate(const psplat_asset *asset, psplat_placed_splats *placed,
-                              psplat_error *error) {
+static psplat_result allocate(const psplat_asset *const *assets, size_t asset_count,
+                              psplat_placed_splats *placed, psplat_error *error) {
     size_t count = 0;
-    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
-        count += psplat_asset_batch(asset, i)->splat_count;
+    for (size_t a = 0; a < asset_count; ++a)
+        for (size_t i = 0; i < psplat_asset_batch_count(assets[a]); ++i)
+            count += psplat_asset_batch(assets[a], i)->splat_count;
     if (count >= PSPLAT_NONE)
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "%zu splats are too many", count);
     placed->splats.regions = malloc((count + 1) * sizeof *placed->splats.regions);
@@ -194,10 +195,17 @@ static psplat_result allocate(const psplat_asset *asset, psplat_placed_splats *p
 
 psplat_result psplat_placed_splats_create(const psplat_asset *asset, const double origin[3],
                                           psplat_placed_splats *placed, psplat_error *error) {
+    return psplat_placed_splats_create_all(&asset, 1, origin, placed, error);
+}
+
+psplat_result psplat_placed_splats_create_all(const psplat_asset *const *assets, size_t count,
+                                              const double origin[3], psplat_placed_splats *placed,
+                                              psplat_error *error) {
     *placed = (psplat_placed_splats){0};
-    psplat_result result = allocate(asset, placed, error);
-    for (size_t i = 0; !result && i < psplat_asset_batch_count(asset); ++i)
-        result = place_batch(psplat_asset_batch(asset, i), origin, placed);
+    psplat_result result = allocate(assets, count, placed, error);
+    for (size_t a = 0; a < count; ++a)
+        for (size_t i = 0; !result && i < psplat_asset_batch_count(assets[a]); ++i)
+            result = place_batch(psplat_asset_batch(assets[a], i), origin, placed);
     if (!result) {
         placed->region_tree =
             psplat_region_tree_create(placed->splats.regions, placed->splats.count, 0);

@@ -22,6 +22,10 @@ typedef struct psplat_placed_splats {
  * the centres. The caller frees *placed with psplat_placed_splats_free. Errors: MEMORY, RANGE. */
 psplat_result psplat_placed_splats_create(const psplat_asset *asset, const double origin[3],
                                           psplat_placed_splats *placed, psplat_error *error);
+/* The same for several assets (count) that are shown together. */
+psplat_result psplat_placed_splats_create_all(const psplat_asset *const *assets, size_t count,
+                                              const double origin[3], psplat_placed_splats *placed,
+                                              psplat_error *error);
 /* Builds the tree of placed->splats, which finds the splats within reach (a length) of a point.
  * Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_placed_splats_reach(psplat_placed_splats *placed, double reach);

@@ -223,8 +223,15 @@ static const psplat_ray_desc defaults;
 psplat_result psplat_rays_compare(const psplat_source_mesh *source, const psplat_asset *asset,
                                   const psplat_ray_desc *desc, psplat_ray_errors *errors,
                                   psplat_error *error) {
+    return psplat_rays_compare_assets(source, &asset, 1, desc, errors, error);
+}
+
+psplat_result psplat_rays_compare_assets(const psplat_source_mesh *source,
+                                         const psplat_asset *const *assets, size_t count,
+                                         const psplat_ray_desc *desc, psplat_ray_errors *errors,
+                                         psplat_error *error) {
     psplat_tested_surface target;
-    psplat_result result = psplat_tested_surface_splats(source, asset, 0, &target, error);
+    psplat_result result = psplat_tested_surface_assets(source, assets, count, 0, &target, error);
     if (result) return result;
     result = compare(source, &target, desc ? desc : &defaults, errors, error);
     psplat_tested_surface_free(&target);

@@ -62,6 +62,12 @@ psplat_result psplat_rays_compare(const psplat_source_mesh *source, const psplat
                                   const psplat_ray_desc *desc, psplat_ray_errors *errors,
                                   psplat_error *error);
 
+/* Measures several assets (count) that are shown together, such as tiles. */
+psplat_result psplat_rays_compare_assets(const psplat_source_mesh *source,
+                                         const psplat_asset *const *assets, size_t count,
+                                         const psplat_ray_desc *desc, psplat_ray_errors *errors,
+                                         psplat_error *error);
+
 /* Measures another mesh in the same way. */
 psplat_result psplat_rays_compare_mesh(const psplat_source_mesh *source,
                                        const psplat_source_mesh *mesh, const psplat_ray_desc *desc,

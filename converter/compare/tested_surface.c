@@ -27,9 +27,16 @@ static const double default_reach_percent = 1;
 psplat_result psplat_tested_surface_splats(const psplat_source_mesh *source,
                                            const psplat_asset *asset, double percent,
                                            psplat_tested_surface *target, psplat_error *error) {
+    return psplat_tested_surface_assets(source, &asset, 1, percent, target, error);
+}
+
+psplat_result psplat_tested_surface_assets(const psplat_source_mesh *source,
+                                           const psplat_asset *const *assets, size_t count,
+                                           double percent, psplat_tested_surface *target,
+                                           psplat_error *error) {
     *target = (psplat_tested_surface){0};
-    psplat_result result =
-        psplat_placed_splats_create(asset, source->mesh->origin, &target->placed, error);
+    psplat_result result = psplat_placed_splats_create_all(assets, count, source->mesh->origin,
+                                                           &target->placed, error);
     if (result) return result;
     double diagonal = source->surface.diagonal;
     target->reach = percent > 0 ? percent / 100 * diagonal : 2 * target->placed.depth;

@@ -20,11 +20,16 @@ typedef struct psplat_tested_surface {
     double reach;                   /* length of rays along normals, to either side */
 } psplat_tested_surface;
 
-/* Prepares splats or a mesh. percent is the reach in % of the source's diagonal; 0 means the
- * default of psplat_shape_desc. source and mesh must outlive *target. Errors: MEMORY, RANGE. */
+/* Prepares splats, those of several assets together, or a mesh. percent is the reach in % of the
+ * source's diagonal; 0 means the default of psplat_shape_desc. source and mesh must outlive
+ * *target. Errors: MEMORY, RANGE. */
 psplat_result psplat_tested_surface_splats(const psplat_source_mesh *source,
                                            const psplat_asset *asset, double percent,
                                            psplat_tested_surface *target, psplat_error *error);
+psplat_result psplat_tested_surface_assets(const psplat_source_mesh *source,
+                                           const psplat_asset *const *assets, size_t count,
+                                           double percent, psplat_tested_surface *target,
+                                           psplat_error *error);
 void psplat_tested_surface_mesh(const psplat_source_mesh *source, const psplat_source_mesh *mesh,
                                 double percent, psplat_tested_surface *target);
 /* Accepts a zero-initialised struct. */

@@ -473,6 +473,27 @@ psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t 
     return finish(&buffer, ok, samples, error);
 }
 
+static void move_values(float *values, size_t to, size_t from, size_t components) {
+    if (values)
+        memmove(values + to * components, values + from * components, components * sizeof *values);
+}
+
+void psplat_samples_drop_apron(psplat_samples *s, const psplat_surface *surface) {
+    size_t kept = 0;
+    for (size_t i = 0; surface->owned && i < s->count; ++i) {
+        if (!psplat_surface_owns(surface, s->positions + 3 * i)) continue;
+        memmove(s->positions + 3 * kept, s->positions + 3 * i, 3 * sizeof *s->positions);
+        move_values(s->normals, kept, i, 3);
+        move_values(s->colors, kept, i, 4);
+        move_values(s->turned, kept, i, 3);
+        move_values(s->finishes, kept, i, 3);
+        move_values(s->emissive, kept, i, 3);
+        move_values(s->texcoords, kept, i, 2);
+        s->triangles[kept++] = s->triangles[i];
+    }
+    if (surface->owned) s->count = kept;
+}
+
 psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surface *surface,
                                     const double *points, const uint32_t *triangles, size_t count,
                                     psplat_error *error) {

@@ -50,6 +50,9 @@ psplat_result psplat_samples_draw_uniform(const psplat_surface *surface, size_t 
                                           uint64_t seed, psplat_samples *samples,
                                           psplat_error *error);
 
+/* Drops the uniform samples that lie in the surface's apron. The others keep their order. */
+void psplat_samples_drop_apron(psplat_samples *samples, const psplat_surface *surface);
+
 /* Appends samples at points (count x 3) of triangles to blue noise. Samples that were there before
  * keep their indices. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_samples_append(psplat_samples *samples, const psplat_surface *surface,

@@ -44,7 +44,19 @@ typedef struct psplat_surface {
     double roughness;          /* root mean square of the dihedral angles inside patches, radians */
     double area;
     double diagonal; /* of the bounding box of used vertices */
+    /* The lower and the upper corner of the box whose part of the surface splats are to cover, in
+     * the mesh's centred coordinates; set by the caller. What lies outside is an apron: it bounds
+     * what splats may reach. NULL: all is to be covered. */
+    const double *owned;
 } psplat_surface;
+
+/* Returns whether splats are to cover a point of the surface. */
+static inline int psplat_surface_owns(const psplat_surface *surface, const double point[3]) {
+    const double *box = surface->owned;
+    for (int k = 0; box && k < 3; ++k)
+        if (!(point[k] >= box[k] && point[k] <= box[k + 3])) return 0;
+    return 1;
+}
 
 void psplat_surface_free(psplat_surface *surface);
 

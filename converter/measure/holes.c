@@ -39,6 +39,7 @@ enum { LIKELY = 4 };
 
 /* The state of the search in one thread. */
 typedef struct searcher {
+    const psplat_surface *surface;
     const psplat_measured_splats *measured;
     uint32_t likely[LIKELY];
     int likely_count;
@@ -253,6 +254,23 @@ static double area_of(const subtriangle *t) {
     return length3(n) / 2;
 }
 
+static void box_of(const subtriangle *t, double low[3], double high[3]) {
+    for (int k = 0; k < 3; ++k) {
+        low[k] = min2(t->p[0][k], min2(t->p[1][k], t->p[2][k]));
+        high[k] = max2(t->p[0][k], max2(t->p[1][k], t->p[2][k]));
+    }
+}
+
+/* Returns whether all of a part surely belongs to the apron of a surface. */
+static int is_apron(const psplat_surface *surface, const subtriangle *t) {
+    double low[3], high[3];
+    if (!surface->owned) return 0;
+    box_of(t, low, high);
+    for (int k = 0; k < 3; ++k)
+        if (high[k] < surface->owned[k] || low[k] > surface->owned[k + 3]) return 1;
+    return 0;
+}
+
 static int search_part(searcher *s, const subtriangle *t, size_t begin);
 
 /* Finds the holes of a part that no single splat covers, given that near[begin ... near_count) are
@@ -265,7 +283,7 @@ static int search_halves(searcher *s, const subtriangle *t, size_t begin) {
         p[k] = (t->p[0][k] + t->p[1][k] + t->p[2][k]) / 3;
         n[k] = (t->n[0][k] + t->n[1][k] + t->n[2][k]) / 3;
     }
-    int found = side <= s->coarse && is_open(s, p, n, begin);
+    int found = side <= s->coarse && psplat_surface_owns(s->surface, p) && is_open(s, p, n, begin);
     if (found) push_hole(s, p);
     if (!found && !(side > s->fine)) s->holes->unproven += area_of(t);
     for (int k = 0; k < 2 && side > s->fine && !s->failed; ++k)
@@ -277,6 +295,7 @@ static int search_halves(searcher *s, const subtriangle *t, size_t begin) {
  * was halved from. Returns whether there is one. */
 static int search_part(searcher *s, const subtriangle *t, size_t begin) {
     size_t end = s->near_count;
+    if (is_apron(s->surface, t)) return 0;
     int found = !find_near(s, t, begin, end) && search_halves(s, t, end);
     s->near_count = end;
     return found;
@@ -286,13 +305,6 @@ static int visit_near(void *user, uint32_t splat) {
     searcher *s = user;
     push_near(s, splat);
     return s->failed;
-}
-
-static void box_of(const subtriangle *t, double low[3], double high[3]) {
-    for (int k = 0; k < 3; ++k) {
-        low[k] = min2(t->p[0][k], min2(t->p[1][k], t->p[2][k]));
-        high[k] = max2(t->p[0][k], max2(t->p[1][k], t->p[2][k]));
-    }
 }
 
 /* Moves a splat to the front of the likely ones. */
@@ -556,6 +568,7 @@ static void search_item(searcher *s, const psplat_surface *surface, const change
     subtriangle t;
     if (is_known(c, item, surface)) return;
     s->triangle = part_of(surface, item, &t);
+    if (is_apron(surface, &t)) return;
     search_root(s, &t);
     if (c->memory) c->memory->covers[item] = s->cover;
 }
@@ -591,7 +604,8 @@ psplat_result psplat_holes_find_changed(const psplat_surface *surface,
                                         psplat_holes *holes) {
     size_t items = surface->mesh->triangle_count + surface->mesh->point_count,
            block_count = items / BLOCK_SIZE + 1;
-    const searcher first = {.measured = measured, .coarse = coarse, .fine = fine};
+    const searcher first = {
+        .surface = surface, .measured = measured, .coarse = coarse, .fine = fine};
     changes c;
     psplat_holes *blocks = calloc(block_count, sizeof *blocks);
     *holes = (psplat_holes){0};

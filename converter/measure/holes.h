@@ -22,11 +22,10 @@ typedef struct psplat_holes {
 } psplat_holes;
 
 /* Finds the holes between splats that are wider than about `fine`, and the points of a point set
- * that no splat covers. Returns at most one of them in each cube of side `coarse`. Both are lengths
- * in the mesh's units. All of
- * the surface but the holes and what is unproven is proven to be covered. The holes are in the
- * order of triangles, whatever the number of threads; psplat_holes_free frees them. Fails only with
- * PSPLAT_ERROR_MEMORY. */
+ * that no splat covers, but for those in the surface's apron. Returns at most one of them in each
+ * cube of side `coarse`. Both are lengths in the mesh's units. All of the surface but the holes and
+ * what is unproven is proven to be covered. The holes are in the order of triangles, whatever the
+ * number of threads; psplat_holes_free frees them. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_holes_find(const psplat_surface *surface,
                                 const psplat_measured_splats *measured, double coarse, double fine,
                                 psplat_holes *holes);

@@ -184,6 +184,7 @@ static psplat_result measure_point(looker *l, size_t i, uint32_t *open) {
     const psplat_ray_search *search = l->search;
     bundle b;
     l->point = l->samples->positions + 3 * i;
+    if (!psplat_surface_owns(search->surface, l->point)) return PSPLAT_OK;
     l->normal = search->surface->face_normals + 3 * (size_t)l->samples->triangles[i];
     find_cones(l);
     if (l->failed) return PSPLAT_ERROR_MEMORY;

@@ -31,7 +31,8 @@ typedef struct psplat_ray_holes {
     size_t count;
 } psplat_ray_holes;
 
-/* Which rays are tried: 24 from each of so many points, which are uniform by area; their directions
+/* Which rays are tried: 24 from each of so many points, which are uniform by area, but for those in
+ * the surface's apron; their directions
  * are spread over all sides and cosines, with more of them where rays are slanted. */
 typedef struct psplat_ray_search {
     const psplat_surface *surface;

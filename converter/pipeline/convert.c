@@ -26,6 +26,7 @@
 #include "splats/hoist_constants.h"
 #include "splats/quantize.h"
 #include "splats/splats.h"
+#include "verify/observations.h"
 #include "verify/report.h"
 #include "verify/verify.h"
 
@@ -111,7 +112,8 @@ static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
 /* Replaces the selection by a smaller one, in rounds that grow the pool and search locally. */
 static psplat_result improve(psplat_conversion *c, psplat_error *error) {
     int rounds = psplat_local_search_rounds(c->desc);
-    psplat_local_search_desc what = {.samples = &c->samples, .focus = c->samples.count};
+    psplat_local_search_desc what = {
+        .samples = &c->samples, .focus = c->samples.count, .surface = &c->surface};
     psplat_result result = psplat_local_search(&c->selection, &what);
     for (int round = 0; round < rounds && !result; ++round) {
         if (psplat_conversion_interrupted(c->desc, "improving", (double)round / rounds))
@@ -130,7 +132,8 @@ static psplat_result improve(psplat_conversion *c, psplat_error *error) {
 
 /* Moves the selection to the grid of the file, and fills the holes that this opens. */
 static psplat_result quantize(psplat_conversion *c, psplat_error *error) {
-    const psplat_local_search_desc drop = {.samples = &c->samples, .focus = c->samples.count};
+    const psplat_local_search_desc drop = {
+        .samples = &c->samples, .focus = c->samples.count, .surface = &c->surface};
     c->splats->precision = psplat_precision_choose(c);
     if (!(c->splats->precision.unit > 0)) return PSPLAT_OK;
     c->limits.precision = &c->splats->precision;
@@ -182,7 +185,7 @@ static void count_for_report(const psplat_conversion *c, psplat_report *report) 
 }
 
 static psplat_result verify(const psplat_conversion *c, psplat_report *report,
-                            psplat_error *error) {
+                            psplat_observations *observations, psplat_error *error) {
     if (psplat_conversion_interrupted(c->desc, "verifying", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     /* The fit's own tree would hide its faults. */
@@ -198,6 +201,7 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
         .normal_tolerance_degrees = c->desc->normal_tolerance_degrees,
         .texture_tolerance_texels = c->desc->texture_tolerance_texels,
         .seed = c->desc->seed + verify_seed,
+        .observations = observations,
     };
     psplat_result result = psplat_verify(&verification, report, error);
     psplat_distance_destroy(distance);
@@ -205,7 +209,7 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
 }
 
 static psplat_result convert(psplat_conversion *c, const psplat_mesh *mesh, psplat_report *report,
-                             psplat_error *error) {
+                             psplat_observations *observations, psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
     psplat_result result = psplat_conversion_begin(c, mesh, error);
     if (result) return result;
@@ -219,17 +223,17 @@ static psplat_result convert(psplat_conversion *c, const psplat_mesh *mesh, pspl
     count_for_report(c, report);
     psplat_conversion_free_fit(
         c); /* The verification has a tree of its own, as large as all that. */
-    return desc->unverified ? PSPLAT_OK : verify(c, report, error);
+    return desc->unverified ? PSPLAT_OK : verify(c, report, observations, error);
 }
 
 static const psplat_convert_desc defaults;
 
 static psplat_result convert_once(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                                   psplat_splats *splats, psplat_report *report,
-                                  psplat_error *error) {
+                                  psplat_observations *observations, psplat_error *error) {
     *splats = (psplat_splats){0};
     psplat_conversion c = {.desc = desc, .splats = splats, .is_fitted = 1};
-    psplat_result result = convert(&c, mesh, report, error);
+    psplat_result result = convert(&c, mesh, report, observations, error);
     psplat_conversion_free(&c);
     if (result) psplat_splats_free(splats);
     return result;
@@ -248,34 +252,50 @@ static size_t broken_count(const psplat_report *report) {
  * fewest stays, the coarser one of equals. */
 static psplat_result refine_grid(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                                  psplat_splats *splats, psplat_report *report,
-                                 psplat_error *error) {
+                                 psplat_observations *observations, psplat_error *error) {
     for (int i = 0; i < FINER_GRIDS && broken_count(report); ++i) {
         psplat_convert_desc finer = *desc;
         psplat_splats other;
         psplat_report other_report = *report;
+        psplat_observations seen = {0};
         finer.precision *= finer_parts[i];
-        psplat_result result = convert_once(mesh, &finer, &other, &other_report, error);
-        if (result) return result;
+        psplat_result result =
+            convert_once(mesh, &finer, &other, &other_report, observations ? &seen : NULL, error);
+        if (result) {
+            psplat_observations_free(&seen);
+            return result;
+        }
         if (broken_count(&other_report) < broken_count(report)) {
             psplat_splats swap = *splats;
             *splats = other, other = swap;
             *report = other_report;
+            if (observations) {
+                psplat_observations_free(observations);
+                *observations = seen, seen = (psplat_observations){0};
+            }
         }
+        psplat_observations_free(&seen);
         psplat_splats_free(&other);
     }
     return PSPLAT_OK;
 }
 
-psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
-                             psplat_splats *splats, psplat_report *report, psplat_error *error) {
+psplat_result psplat_convert_observed(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                      psplat_splats *splats, psplat_report *report,
+                                      psplat_observations *observations, psplat_error *error) {
     if (!mesh || !splats)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "mesh and splats must not be NULL");
     if (!desc) desc = &defaults;
-    psplat_result result = convert_once(mesh, desc, splats, report, error);
+    psplat_result result = convert_once(mesh, desc, splats, report, observations, error);
     if (result || !report || desc->unverified || !(splats->precision.unit > 0)) return result;
-    result = refine_grid(mesh, desc, splats, report, error);
+    result = refine_grid(mesh, desc, splats, report, observations, error);
     if (result) psplat_splats_free(splats);
     return result;
+}
+
+psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                             psplat_splats *splats, psplat_report *report, psplat_error *error) {
+    return psplat_convert_observed(mesh, desc, splats, report, NULL, error);
 }
 
 psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_convert_desc *desc,
@@ -287,7 +307,7 @@ psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_conver
     psplat_splats measured = *splats; /* They stay unchanged, but c.splats is not const. */
     psplat_conversion c = {.desc = desc ? desc : &defaults, .splats = &measured};
     psplat_result result = psplat_conversion_begin(&c, mesh, error);
-    if (!result) result = verify(&c, report, error);
+    if (!result) result = verify(&c, report, NULL, error);
     psplat_conversion_free(&c);
     return result;
 }

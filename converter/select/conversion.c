@@ -239,6 +239,12 @@ static psplat_result build_appearance(psplat_conversion *c, const psplat_mesh *m
     return psplat_fail(error, result, 0, "the textures do not fit into memory");
 }
 
+static void set_owned(psplat_conversion *c) {
+    for (int k = 0; k < 6 && c->desc->owned; ++k)
+        c->owned[k] = c->desc->owned[k] - c->surface.mesh->origin[k % 3];
+    if (c->desc->owned) c->surface.owned = c->owned;
+}
+
 psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
                                       psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
@@ -258,6 +264,7 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
                                                   error);
     if (!result) result = set_limits(c, error);
     c->appearance.diameter = c->finest;
+    set_owned(c);
     return result;
 }
 

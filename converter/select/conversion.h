@@ -73,6 +73,14 @@ typedef struct psplat_convert_desc {
                                         slides by epsilon over the surface */
     int planar; /* 1: flat splats alone, as in the paper of 2004; 0: curved where that needs fewer
                  */
+    /* The lower and the upper corner (x, y, z each) of the box whose part of the mesh splats are to
+     * cover, in the coordinates of the mesh's file, where the mesh is a part of something larger:
+     * what lies outside is an apron, which bounds what splats may reach. No splat is made for it,
+     * and neither holes nor errors are looked for there. NULL: all of the mesh. */
+    const double *owned;
+    /* 1: positions may need more than 16 bits, since the splats will be written in parts; else
+     * such splats are not rounded to a grid. */
+    int is_written_in_parts;
 } psplat_convert_desc;
 
 /* The data that the stages of a conversion share. */
@@ -95,6 +103,7 @@ typedef struct psplat_conversion {
     double finest;  /* sample spacing that is fine enough for any surface, a length */
     double percent; /* the tolerance in % of diagonal */
     double diagonal;
+    double owned[6]; /* desc->owned in the mesh's centred coordinates */
 } psplat_conversion;
 
 /* Builds all of c that does not depend on samples: surface, limits and appearance. c holds desc and

@@ -159,6 +159,7 @@ static psplat_result cover_holes(psplat_conversion *c, size_t first) {
 static psplat_result improve_around_holes(psplat_conversion *c, size_t first, int round) {
     const psplat_local_search_desc what = {
         .samples = &c->samples,
+        .surface = &c->surface,
         .moves = (size_t)(MOVES_PER_HOLE * (1 + psplat_local_search_rounds(c->desc))) *
                  (c->samples.count - first),
         .focus = first,

@@ -131,6 +131,15 @@ static void pool_take(selector *s) {
 
 /* ---- cover --------------------------------------------------------------------------------- */
 
+/* Marks the samples of an apron, which no splat has to cover. */
+static void mark_apron(selector *s) {
+    const psplat_samples *samples = s->context->samples;
+    for (size_t i = 0; s->context->surface->owned && i < samples->count; ++i) {
+        s->covered[i] = !psplat_surface_owns(s->context->surface, samples->positions + 3 * i);
+        s->uncovered -= s->covered[i];
+    }
+}
+
 /* Marks what the candidates taken before cover, and shuffles the samples. Returns 0 when out of
  * memory. */
 static int selector_begin(selector *s) {
@@ -139,6 +148,7 @@ static int selector_begin(selector *s) {
     s->open = malloc(count * sizeof *s->open);
     if (!s->covered || !s->open) return 0;
     s->uncovered = s->open_count = count;
+    mark_apron(s);
     for (size_t i = 0; i < s->selection->count; ++i)
         if (s->selection->candidates[i].taken) take(s, &s->selection->candidates[i]);
     for (uint32_t i = 0; i < count; ++i) {

@@ -13,6 +13,7 @@
 
 #include "base/random.h"
 #include "features/samples.h"
+#include "features/surface.h"
 #include "fit/candidate.h"
 #include "mesh/mesh.h"
 #include "select/conversion.h"
@@ -310,6 +311,14 @@ static int index_samples(search_state *state) {
     return 1;
 }
 
+/* Counts the samples of an apron as covered by one that is never dropped. */
+static void cover_apron(const search_state *state) {
+    const psplat_surface *surface = state->desc->surface;
+    const psplat_samples *samples = state->desc->samples;
+    for (size_t i = 0; surface && surface->owned && i < samples->count; ++i)
+        state->covers[i] = !psplat_surface_owns(surface, samples->positions + 3 * i);
+}
+
 static int search_begin(search_state *state) {
     size_t candidates = state->selection->count + 1, samples = state->desc->samples->count + 1;
     state->covers = calloc(samples, sizeof *state->covers);
@@ -321,6 +330,7 @@ static int search_begin(search_state *state) {
     if (!state->covers || !state->open || !state->sample_slabs || !state->slabs || !state->places ||
         !state->gains || !index_samples(state))
         return 0;
+    cover_apron(state);
     for (size_t c = 0; c < state->selection->count; ++c)
         if (state->selection->candidates[c].taken)
             count_covers(state, &state->selection->candidates[c], 1);

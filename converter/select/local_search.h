@@ -8,6 +8,7 @@
 #include <phongsplat/splat.h>
 
 #include "features/samples.h"
+#include "features/surface.h"
 #include "select/conversion.h"
 #include "select/selection.h"
 
@@ -20,6 +21,8 @@ typedef struct psplat_local_search_desc {
     int axis;     /* 0, 1 or 2: the axis along which the surface is cut into slabs for the cores */
     uint64_t seed;
     int strict; /* 1: keeps only moves that save a candidate; 0: also those that save none */
+    const psplat_surface
+        *surface; /* of whose apron no sample has to be covered; NULL: it has none */
 } psplat_local_search_desc;
 
 /* Exchanges taken candidates for others of the pool, so that fewer cover the same samples. Never

@@ -23,6 +23,8 @@
 /* All of these but the first were chosen by hand. */
 /* The greatest number of steps of positions: as many as fit into 16 bits. */
 static const double most_steps = 65000;
+/* The same where the splats are written in parts: single precision holds an eighth of a step. */
+static const double most_steps_in_parts = 1 << 21;
 
 /* How far rounding may move the rim of a splat by tilting it, in tolerances, and the share of the
  * samples whose splats it may tilt more. It is of samples, not of splats: a large splat that has to
@@ -150,7 +152,8 @@ static void choose_lines(const psplat_conversion *c, double radius, psplat_preci
 psplat_precision psplat_precision_choose(const psplat_conversion *c) {
     double part = fmin(c->desc->precision, PSPLAT_GREATEST_PRECISION), change, tilt;
     psplat_precision p = {.unit = part * c->tolerance};
-    if (!(part > 0) || c->surface.diagonal > most_steps * p.unit) return (psplat_precision){0};
+    double steps = c->desc->is_written_in_parts ? most_steps_in_parts : most_steps;
+    if (!(part > 0) || c->surface.diagonal > steps * p.unit) return (psplat_precision){0};
     double radius = fmax(greatest_radius(c), p.unit);
     p.turn_step = 1.0 / TURNS;
     p.scale_step = c->limits.planar ? radius_step : curved_radius_step;

@@ -55,13 +55,16 @@ static int compare_owned_samples(const void *left, const void *right) {
 
 /* ---- cells of candidates and of pairs -------------------------------------------------------- */
 
-/* Lists the samples that one or two taken candidates cover. Returns 0 when out of memory. */
+/* Lists the samples that one or two taken candidates cover, but for those of an apron. Returns 0
+ * when out of memory. */
 static int list_owned_samples(relaxer *r) {
     const psplat_selection *selection = &r->c->selection;
     size_t count = r->c->samples.count;
     uint8_t *covers = calloc(count + 1, 1);
     r->owned = malloc((count + 1) * sizeof *r->owned);
     owned_sample *of = r->owned;
+    for (size_t i = 0; covers && r->c->surface.owned && i < count; ++i)
+        if (!psplat_surface_owns(&r->c->surface, r->c->samples.positions + 3 * i)) covers[i] = 3;
     for (uint32_t c = 0; covers && of && c < selection->count; ++c) {
         const psplat_candidate *candidate = &selection->candidates[c];
         for (size_t i = 0; candidate->taken && i < candidate->covered_count; ++i) {

@@ -27,6 +27,7 @@
 #include "measure/texture_slides.h"
 #include "mesh/distance.h"
 #include "mesh/mesh.h"
+#include "verify/observations.h"
 #include "verify/report.h"
 
 #include <math.h>
@@ -272,8 +273,26 @@ static double measure_holes(verifier *r, const psplat_holes *holes) {
         greatest = max2(greatest, distance);
         r->far += distance > r->measured.tolerance;
         add_place(&r->places, PSPLAT_PROMISE_COVERAGE, point, percent(r, distance));
+        if (r->v->observations) psplat_observations_open(r->v->observations, point, distance);
     }
     return greatest;
+}
+
+/* Hands on what the samples measured. Returns 0 when out of memory. */
+static int observe_samples(const verifier *r, const measurements *m, const psplat_holes *holes) {
+    psplat_observations *o = r->v->observations;
+    size_t count = r->samples.count;
+    if (!o) return 1;
+    if (!psplat_observations_allocate(o, r->v->splats->count, count, count + holes->count))
+        return 0;
+    memcpy(o->points, r->samples.positions, count * 3 * sizeof *o->points);
+    memcpy(o->degrees, m->blended, count * sizeof *o->degrees);
+    for (size_t i = 0; i < count; ++i)
+        if (m->uncovered[i])
+            psplat_observations_open(o, r->samples.positions + 3 * i, m->distances[i]);
+    /* From the middle of a triangle to its corners it is at most 2/3 of the longest side. */
+    o->finest = least_hole_tolerances * r->measured.tolerance * 2 / 3;
+    return 1;
 }
 
 static void report_coverage(verifier *r, const measurements *m, const psplat_holes *holes) {
@@ -293,7 +312,7 @@ static void report_coverage(verifier *r, const measurements *m, const psplat_hol
     r->report->verification_samples = count;
     r->report->uncovered_samples = uncovered;
     r->report->max_distance_surface_percent = percent(r, greatest);
-    r->report->rms_distance_percent = percent(r, sqrt(squares / (double)count));
+    r->report->rms_distance_percent = percent(r, sqrt(squares / max2((double)count, 1)));
     r->report->unproven_surface_percent = 100 * holes->unproven / r->v->surface->area;
     set_promise(r->report, PSPLAT_PROMISE_COVERAGE, r->v->tolerance_percent, percent(r, open),
                 uncovered + holes->count);
@@ -363,10 +382,10 @@ static psplat_result measure_surface(verifier *r) {
 #endif
         for (long i = 0; i < end; ++i)
             measure_sample(r->v->surface, &r->samples, (size_t)i, &r->measured, &m);
+        if (observe_samples(r, &m, &holes)) result = PSPLAT_OK;
         report_coverage(r, &m, &holes);
         report_normals(r, &m);
         report_blend_errors(r, &m);
-        result = PSPLAT_OK;
     }
     free_measurements(&m);
     psplat_holes_free(&holes);
@@ -382,6 +401,7 @@ static void report_distances(verifier *r, const psplat_splat_distance *far) {
     for (size_t s = 0; s < r->v->splats->count; ++s) {
         greatest = max2(greatest, far[s].found);
         bound = max2(bound, far[s].bound);
+        if (r->v->observations) r->v->observations->bounds[s] = far[s].bound;
         report->unproven_splats += far[s].nearness == PSPLAT_NEARNESS_UNDECIDED;
         if (far[s].nearness != PSPLAT_NEARNESS_EXCEEDS) continue;
         ++r->far;
@@ -414,6 +434,19 @@ static psplat_result measure_splats(verifier *r) {
 
 /* ---- creases, and the whole verification ----------------------------------------------------- */
 
+/* Drops the crossings that lie in the apron. *greatest becomes that of the others. */
+static void drop_apron_crossings(const psplat_surface *surface, psplat_crease_crossing *crossings,
+                                 size_t *count, double *greatest) {
+    size_t kept = 0;
+    *greatest = 0;
+    for (size_t i = 0; i < *count; ++i) {
+        if (!psplat_surface_owns(surface, crossings[i].point)) continue;
+        *greatest = max2(*greatest, crossings[i].depth);
+        crossings[kept++] = crossings[i];
+    }
+    *count = kept;
+}
+
 static psplat_result measure_creases(verifier *r) {
     psplat_crease_crossing *crossings;
     size_t count;
@@ -422,6 +455,7 @@ static psplat_result measure_creases(verifier *r) {
         psplat_crease_crossings_find(r->v->surface, &r->samples, &r->measured,
                                      r->measured.tolerance, &crossings, &count, &greatest);
     if (result) return result;
+    if (r->v->surface->owned) drop_apron_crossings(r->v->surface, crossings, &count, &greatest);
     for (size_t i = 0; i < count; ++i)
         add_place(&r->places, PSPLAT_PROMISE_CREASE, crossings[i].point,
                   percent(r, crossings[i].depth));
@@ -520,6 +554,7 @@ psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,
     psplat_result result = psplat_samples_draw_uniform(v->surface, sample_count(v, tolerance),
                                                        v->seed, &r.samples, error);
     if (result) return result;
+    psplat_samples_drop_apron(&r.samples, v->surface);
     result = psplat_measured_splats_create(v->splats, tolerance, PSPLAT_STEEPEST_REACH * tolerance,
                                            &r.measured);
     if (!result) result = measure_surface(&r);

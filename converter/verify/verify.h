@@ -10,6 +10,7 @@
 #include "features/surface.h"
 #include "mesh/distance.h"
 #include "splats/splats.h"
+#include "verify/observations.h"
 #include "verify/report.h"
 
 #include <stdint.h>
@@ -20,14 +21,17 @@ typedef struct psplat_verification {
     const psplat_splats *splats;
     const psplat_distance *distance; /* to the mesh */
     double tolerance_percent;
-    double diagonal;                 /* the length that percentages are of */
-    double normal_tolerance_degrees; /* 0: none was promised */
-    double texture_tolerance_texels; /* 0: textures may slide by the tolerance of distances */
-    uint64_t seed;                   /* of the samples; not that of the fitted ones */
+    double diagonal;                   /* the length that percentages are of */
+    double normal_tolerance_degrees;   /* 0: none was promised */
+    double texture_tolerance_texels;   /* 0: textures may slide by the tolerance of distances */
+    uint64_t seed;                     /* of the samples; not that of the fitted ones */
+    psplat_observations *observations; /* gets what is measured at each place; NULL: not wanted */
 } psplat_verification;
 
 /* Draws samples of the surface, measures the splats against them and the mesh, and fills the
- * errors, promises and places of report. Errors: MEMORY, RANGE (too many samples). */
+ * errors, promises and places of report. The surface's apron is left out, but all of a splat must
+ * be near the surface, also of that. The caller frees the observations. Errors: MEMORY, RANGE (too
+ * many samples). */
 psplat_result psplat_verify(const psplat_verification *verification, psplat_report *report,
                             psplat_error *error);
 

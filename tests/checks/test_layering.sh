@@ -8,7 +8,7 @@ set -eu
 
 runtime_rooms="core asset gl renderer tiles"
 converter_rooms="base material mesh points source scene gltf import appearance features splats measure fit select verify export
-    pipeline picture compare views table benchmark tradeoff cli"
+    pipeline tiles picture compare views table benchmark tradeoff cli"
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
