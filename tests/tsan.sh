@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Looks for data races with clang's ThreadSanitizer: the converter's parallel loops, renderers and assets in several threads, the
+# Looks for data races with clang's ThreadSanitizer: the converter's parallel loops, renderers, assets and tiles in several threads, the
 # loaders of the viewer and of samples/engine. libomp tells the sanitizer of OpenMP's barriers through its tool archer; the driver's
 # threads are not instrumented and are ignored. It first checks that the sanitizer reports a known race. Needs libomp-14-dev.
 set -eu
@@ -28,6 +28,6 @@ for kind in threads openmp none; do
 done
 
 ctest --test-dir build/tsan --output-on-failure --no-tests=error -j "$(nproc)" \
-    -R '^(test_conversion|test_crease|test_verify|test_holes|test_threads|test_shape_errors|test_contexts|test_lifetimes|test_engine)$'
+    -R '^(test_conversion|test_crease|test_verify|test_holes|test_threads|test_shape_errors|test_contexts|test_lifetimes|test_tile_threads|test_engine)$'
 # The viewer unloads the driver; suppressions that name the driver have no effect after that.
 TSAN_OPTIONS="$options" ctest --test-dir build/tsan --output-on-failure --no-tests=error -R '^test_window_files$'

@@ -153,7 +153,7 @@ const char *psplat_uri_resolve(const char *from, const char *uri, size_t size, p
     int fits = size < (SIZE_MAX - base - 2) / 2;
     char *relative = fits ? psplat_arena_take(arena, size + 1, 1) : NULL;
     char *path = relative ? psplat_arena_take(arena, base + size + 1, 1) : NULL;
-    *reason = "no memory for it";
+    *reason = NULL;
     if (!path) return NULL;
     *reason = "it has a query or a fragment";
     if (memchr(uri, '?', size) || memchr(uri, '#', size)) return NULL;

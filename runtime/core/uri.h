@@ -26,8 +26,9 @@ const char *psplat_uri_path(const char *base_path, const char *uri, size_t size,
 
 /* Returns the path that a relative URI in the file at path `from` means, with percent escapes
  * decoded and without parts that are "." or ".."; the arena owns it. Paths are relative to the
- * directory of a tileset. Returns NULL and stores a constant text in *reason where memory runs out,
- * an escape is broken, or the URI is no relative path of a file in that directory. */
+ * directory of a tileset. Returns NULL and stores a constant text in *reason where an escape is
+ * broken or the URI is no relative path of a file in that directory, and NULL in *reason where
+ * memory runs out. */
 const char *psplat_uri_resolve(const char *from, const char *uri, size_t size, psplat_arena *arena,
                                const char **reason);
 

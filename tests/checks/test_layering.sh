@@ -6,7 +6,7 @@
 # Environment: SOURCE_DIR; RUNTIME, REFERENCE (static libraries), LIBRARIES (all of them); NM, OBJDUMP, AR, CC.
 set -eu
 
-runtime_rooms="core asset gl renderer tiles"
+runtime_rooms="core asset gl renderer tileset"
 converter_rooms="base material mesh points source scene gltf import appearance features splats measure fit select verify export
     pipeline tiles picture compare views table benchmark tradeoff cli"
 

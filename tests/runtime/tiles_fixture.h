@@ -9,7 +9,7 @@
 #include "ledger.h"
 #include "near.h"
 #include "scene_asset.h"
-#include "tiles/slots.h"
+#include "tileset/slots.h"
 
 #include <phongsplat/tiles.h>
 
@@ -233,7 +233,7 @@ static inline psplat_result mock_create(psplat_renderer *renderer, const psplat_
     made->info.batch_count = psplat_asset_batch_count(asset);
     for (size_t i = 0; i < made->info.batch_count; ++i)
         made->info.splat_count += psplat_asset_batch(asset, i)->splat_count;
-    made->info.bytes = 64 * made->info.splat_count;
+    made->info.bytes = psplat_tile_model_bytes(asset);
     *model = (psplat_model *)made;
     return PSPLAT_OK;
 }

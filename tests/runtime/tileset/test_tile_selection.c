@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_select.c - tests which tiles a frame draws: errors, culling, budgets, hysteresis.
+ * test_tile_selection.c - tests which tiles a frame draws: errors, culling, budgets, hysteresis.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,7 +11,7 @@
 
 #include "tiles_fixture.h"
 
-#include "tiles/show.h"
+#include "tileset/show.h"
 #include "core/matrix.h"
 
 enum { VIEWS = 1000 };
@@ -106,7 +106,7 @@ static world make_world(int depth, int external_depth) {
 
 static void test_cuts(void **state) {
     (void)state;
-    world w = make_world(9, 4);
+    world w = make_world(12, 5);
     psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){0});
     uint32_t random = 99;
     size_t drawn = 0, over = 0, empty = 0;
@@ -389,7 +389,7 @@ static void test_refused_views(void **state) {
     world_free(&w);
 }
 
-int test_select_main(void) {
+int test_tile_selection_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cuts),        cmocka_unit_test(test_budget_of_splats),
         cmocka_unit_test(test_best_first),  cmocka_unit_test(test_hysteresis),

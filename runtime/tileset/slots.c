@@ -3,7 +3,7 @@
  * slots.c - hands requests over between threads, and counts the bytes of what is decoded while it
  * is allocated, so that max_bytes holds at every moment.
  */
-#include "tiles/slots.h"
+#include "tileset/slots.h"
 
 #include "core/memory.h"
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * camera.h - a view in the space of a tileset: what of it may be visible, and how many pixels a
+ * tile_view.h - a view in the space of a tileset: what of it may be visible, and how many pixels a
  * length takes.
  */
-#ifndef PHONGSPLAT_TILES_CAMERA_H
-#define PHONGSPLAT_TILES_CAMERA_H
+#ifndef PHONGSPLAT_TILESET_TILE_VIEW_H
+#define PHONGSPLAT_TILESET_TILE_VIEW_H
 
-#include "tiles/volume.h"
+#include "tileset/volume.h"
 
 #include <phongsplat/tiles.h>
 

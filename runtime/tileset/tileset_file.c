@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * tileset.c - reads tileset.json and checks everything that it uses. Tiles are taken breadth first,
+ * tileset_file.c - reads tileset.json and checks everything that it uses. Tiles are taken breadth first,
  * so that the children of each lie side by side.
  */
-#include "tiles/tileset.h"
+#include "tileset/tileset_file.h"
 
 #include "core/json.h"
 #include "core/matrix.h"
@@ -228,6 +228,7 @@ static psplat_result read_content(reader *r, psplat_json_value value, uint32_t n
     result = psplat_json_string(&r->json, at, &r->out->scratch, &uri, &size);
     if (result) return result;
     const char *path = psplat_uri_resolve(r->out->file->path, uri, size, &r->out->kept, &reason);
+    if (!path && !reason) return no_memory(r);
     if (!path)
         return psplat_fail(r->json.error, PSPLAT_ERROR_UNSUPPORTED,
                            psplat_json_offset(&r->json, at), "the uri %.80s is refused: %s", uri,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * camera.c - planes, depths and scales of a view in the space of a tileset.
+ * tile_view.c - planes, depths and scales of a view in the space of a tileset.
  */
-#include "tiles/camera.h"
+#include "tileset/tile_view.h"
 
 #include "core/matrix.h"
 

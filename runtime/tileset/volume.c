@@ -2,7 +2,7 @@
  *
  * volume.c - transforms bounding volumes and measures them.
  */
-#include "tiles/volume.h"
+#include "tileset/volume.h"
 
 #include "core/matrix.h"
 

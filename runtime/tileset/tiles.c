@@ -2,7 +2,7 @@
  *
  * tiles.c - opens and destroys tilesets, and tells numbers about them.
  */
-#include "tiles/slots.h"
+#include "tileset/slots.h"
 
 #include "core/memory.h"
 

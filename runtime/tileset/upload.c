@@ -3,7 +3,7 @@
  * upload.c - turns what has arrived into models, and destroys models that are not used to make
  * room.
  */
-#include "tiles/slots.h"
+#include "tileset/slots.h"
 
 #include "asset/pack.h"
 
@@ -54,8 +54,7 @@ static size_t texture_bytes(size_t splats, int row_splats, int floats) {
     return (splats + row - 1) / row * row * (size_t)floats * sizeof(float);
 }
 
-/* Returns the bytes that psplat_model_create takes on the GPU but for images. */
-static size_t model_bytes(const psplat_asset *asset) {
+size_t psplat_tile_model_bytes(const psplat_asset *asset) {
     size_t count = psplat_asset_batch_count(asset), bytes = 0;
     for (size_t i = 0; i < count; ++i) {
         const psplat_batch *batch = psplat_asset_batch(asset, i);
@@ -192,7 +191,7 @@ psplat_result psplat_tiles_upload(psplat_tiles *tiles, psplat_renderer *renderer
     psplat_tile_slots_collect(tiles);
     for (size_t uploaded = 0; result == PSPLAT_OK;) {
         psplat_tile_slot *slot = find_best(tiles);
-        size_t bytes = slot ? model_bytes(slot->asset) : 0;
+        size_t bytes = slot ? psplat_tile_model_bytes(slot->asset) : 0;
         if (!slot || (uploaded && (uploaded > max_bytes || bytes > max_bytes - uploaded))) break;
         uploaded += bytes;
         result = upload(slot, renderer, bytes, error);

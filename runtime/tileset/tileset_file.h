@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * tileset.h - reads one tileset.json (3D Tiles 1.0 and 1.1) into tables of tiles and contents.
+ * tileset_file.h - reads one tileset.json (3D Tiles 1.0 and 1.1) into tables of tiles and contents.
  */
-#ifndef PHONGSPLAT_TILES_TILESET_H
-#define PHONGSPLAT_TILES_TILESET_H
+#ifndef PHONGSPLAT_TILESET_TILESET_FILE_H
+#define PHONGSPLAT_TILESET_TILESET_FILE_H
 
 #include "core/arena.h"
-#include "tiles/volume.h"
+#include "tileset/volume.h"
 
 #define PSPLAT_TILE_NONE UINT32_MAX
 

@@ -3,8 +3,8 @@
  * volume.h - bounding volumes of tiles, as spheres and oriented boxes in the space of the tileset
  * with y up.
  */
-#ifndef PHONGSPLAT_TILES_VOLUME_H
-#define PHONGSPLAT_TILES_VOLUME_H
+#ifndef PHONGSPLAT_TILESET_VOLUME_H
+#define PHONGSPLAT_TILESET_VOLUME_H
 
 /* A box with orthonormal axes, or a sphere where half is 0 0 0 and round is its radius. */
 typedef struct psplat_tile_volume {

@@ -2,11 +2,11 @@
  *
  * show.h - from the tiles that were chosen to items: what is drawn, and how strongly.
  */
-#ifndef PHONGSPLAT_TILES_SHOW_H
-#define PHONGSPLAT_TILES_SHOW_H
+#ifndef PHONGSPLAT_TILESET_SHOW_H
+#define PHONGSPLAT_TILESET_SHOW_H
 
-#include "tiles/camera.h"
-#include "tiles/tree.h"
+#include "tileset/tile_view.h"
+#include "tileset/tree.h"
 
 /* Finds whether a tile is visible and how many pixels a unit of length has there, once a frame. */
 void psplat_tile_look(psplat_tiles *tiles, const psplat_tile_camera *camera, uint32_t node);

@@ -3,10 +3,10 @@
  * tree.c - the tables of the tree, which grow with each external tileset, and the list of tiles in
  * memory.
  */
-#include "tiles/tree.h"
+#include "tileset/tree.h"
 
 #include "core/memory.h"
-#include "tiles/cone.h"
+#include "tileset/cone.h"
 
 #include <math.h>
 #include <string.h>

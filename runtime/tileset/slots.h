@@ -3,10 +3,10 @@
  * slots.h - requests under way. A slot holds what a decoding thread needs, so that no such thread
  * looks at the tree, and its state hands it over between threads.
  */
-#ifndef PHONGSPLAT_TILES_SLOTS_H
-#define PHONGSPLAT_TILES_SLOTS_H
+#ifndef PHONGSPLAT_TILESET_SLOTS_H
+#define PHONGSPLAT_TILESET_SLOTS_H
 
-#include "tiles/tree.h"
+#include "tileset/tree.h"
 
 /* Makes room for max_requests slots; frees them with what has arrived. */
 psplat_result psplat_tile_slots_create(psplat_tiles *tiles, psplat_error *error);
@@ -40,5 +40,8 @@ size_t psplat_tile_slots_outstanding(const psplat_tiles *tiles);
 
 /* Returns the bytes that a content is expected to take. */
 size_t psplat_tile_expected_bytes(const psplat_tiles *tiles, uint32_t content);
+
+/* Returns the bytes that psplat_model_create takes on the GPU but for images (upload.c). */
+size_t psplat_tile_model_bytes(const psplat_asset *asset);
 
 #endif

@@ -2,8 +2,8 @@
  *
  * select.c - chooses the tiles of a frame, best first, and what is wanted for the next ones.
  */
-#include "tiles/show.h"
-#include "tiles/slots.h"
+#include "tileset/show.h"
+#include "tileset/slots.h"
 
 #include <math.h>
 

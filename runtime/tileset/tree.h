@@ -3,11 +3,11 @@
  * tree.h - the tree of a tileset as far as it is known, what of it is in memory, and the order in
  * which that was used.
  */
-#ifndef PHONGSPLAT_TILES_TREE_H
-#define PHONGSPLAT_TILES_TREE_H
+#ifndef PHONGSPLAT_TILESET_TREE_H
+#define PHONGSPLAT_TILESET_TREE_H
 
 #include "core/arena.h"
-#include "tiles/tileset.h"
+#include "tileset/tileset_file.h"
 
 #include <phongsplat/tiles.h>
 

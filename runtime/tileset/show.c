@@ -4,7 +4,7 @@
  * (its children are), which runs towards what was chosen. The weights of all tiles over one place
  * add up to 1.
  */
-#include "tiles/show.h"
+#include "tileset/show.h"
 
 #include "core/matrix.h"
 #include "core/memory.h"
@@ -14,6 +14,9 @@
 
 /* Pixels of a unit of length where the eye is inside a volume; greater than any that matter. */
 static const double most_scale = 1e100;
+
+/* Tiles of less weight than this are not drawn. */
+static const float least_weight = 1e-6f;
 
 /* ---- looking ------------------------------------------------------------------------------- */
 
@@ -97,7 +100,7 @@ static void mix(psplat_tiles *tiles, uint32_t node, double step) {
     float target = use->refined == tiles->frame ? 1.0f : 0.0f;
     double change = (double)target - (double)use->mix;
     int is_new = use->shown != tiles->frame && use->shown + 1 != tiles->frame;
-    if (is_new || !tiles->nodes[node].content_count || fabs(change) <= step)
+    if (is_new || !tiles->nodes[node].content_count || fabs(change) <= step + (double)least_weight)
         use->mix = target;
     else
         use->mix += (float)copysign(step, change);
@@ -137,7 +140,7 @@ static int show(psplat_tiles *tiles, const psplat_tile_camera *camera,
         mix(tiles, node, step);
         use->used = use->shown = tiles->frame;
         float weight = use->weight * (1.0f - use->mix);
-        if (use->mix < 1.0f && !add_items(tiles, view, node, weight)) return 0;
+        if (weight >= least_weight && !add_items(tiles, view, node, weight)) return 0;
         if (is_chosen(tiles, node) && tiles->nodes[node].content_count)
             tiles->state.error_pixels =
                 fmax(tiles->state.error_pixels, psplat_tile_pixels(tiles, node));

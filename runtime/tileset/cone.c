@@ -2,7 +2,7 @@
  *
  * cone.c - the smallest cone around two.
  */
-#include "tiles/cone.h"
+#include "tileset/cone.h"
 
 #include "core/matrix.h"
 
