@@ -61,7 +61,7 @@ run "$PHONGSPLAT" render tiles out/y.png
 expect_error 3 'none.glb: the file ends within the GLB header'
 tileset ../cube.glb
 run "$PHONGSPLAT" render tiles out/y.png
-expect_error 3 'tiles: '
+expect_error 4 'the uri ../cube.glb is refused: it leaves its directory'
 run "$PHONGSPLAT" render out out/y.png
 expect_error 2 'out: '
 tileset half-1.glb
