@@ -66,9 +66,9 @@ run "$PHONGSPLAT" render out out/y.png
 expect_error 2 'out: '
 tileset half-1.glb
 run "$PHONGSPLAT" render tiles out/y.png --time 1
-expect_error 1 '--time: the file has no such animation'
+expect_error 1 'time: the file has no such animation'
 for input in tiles/whole.glb cube.obj; do
     run "$PHONGSPLAT" render $input out/y.png --pixels 2
-    expect_error 1 '--pixels: is for a tileset'
+    expect_error 1 'pixels: is for a tileset'
 done
 echo "$checks checks passed"
