@@ -323,11 +323,12 @@ size_t psplat_tiles_wanted(psplat_tiles *tiles, psplat_tile_request *requests, s
         if (!slot || planned + bytes > tiles->max_bytes) break;
         planned += bytes;
         ++tiles->next_request;
-        requests[count] = (psplat_tile_request){.tile = psplat_tile_slot_begin(slot, index, bytes),
-                                                .path = content->path,
-                                                .offset = content->offset,
-                                                .size = content->size,
-                                                .priority = tiles->loads[index].priority};
+        requests[count] =
+            (psplat_tile_request){.tile = psplat_tile_slot_begin(slot, index, bytes),
+                                  .path = tiles->archive.name ? tiles->archive.name : content->path,
+                                  .offset = content->offset,
+                                  .size = content->size,
+                                  .priority = tiles->loads[index].priority};
     }
     return count;
 }

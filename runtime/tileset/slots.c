@@ -148,9 +148,11 @@ uint64_t psplat_tile_slot_begin(psplat_tile_slot *slot, uint32_t content, size_t
     slot->reserved = reserved;
     slot->peak = slot->refused = 0;
     slot->is_tileset = c->is_tileset;
+    slot->stored = c->stored;
     slot->place = (psplat_tileset_place){.path = c->path,
                                          .referrer = c->file,
                                          .error = node->error,
+                                         .archive = tiles->archive.name ? &tiles->archive : NULL,
                                          .allocator = psplat_allocator_default(&tiles->allocator)};
     memcpy(slot->place.transform, tiles->transforms[node->transform], sizeof slot->place.transform);
     tiles->loads[content].progress = PSPLAT_TILE_IN_SLOT;
@@ -247,6 +249,11 @@ size_t psplat_tile_slots_outstanding(const psplat_tiles *tiles) {
 
 static psplat_result decode(psplat_tile_slot *slot, const void *bytes, size_t size,
                             psplat_error *error) {
+    if (slot->place.archive) {
+        psplat_result result = psplat_tile_archive_unpack(bytes, size, slot->stored, &bytes, error);
+        if (result) return result;
+        size = (size_t)slot->stored;
+    }
     if (slot->is_tileset)
         return psplat_tileset_read(bytes, size, &slot->place, &slot->tileset, error);
     const psplat_asset_desc desc = {.allocator = {.resize = resize_counted, .user = slot},

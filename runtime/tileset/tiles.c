@@ -33,6 +33,17 @@ static psplat_result read_with_stdio(void *user, const char *path, uint64_t offs
                     : PSPLAT_OK;
 }
 
+static psplat_result size_with_stdio(void *user, const char *path, uint64_t *size,
+                                     psplat_error *error) {
+    (void)user;
+    FILE *file = fopen(path, "rb");
+    long end = file && !fseek(file, 0, SEEK_END) ? ftell(file) : -1;
+    if (file) fclose(file);
+    if (end < 0) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "cannot read %.150s", path);
+    *size = (uint64_t)end;
+    return PSPLAT_OK;
+}
+
 /* A file that grows in memory while it is read. */
 typedef struct text {
     char *data;
@@ -67,21 +78,61 @@ static const char *file_name(const char *path) {
     return name;
 }
 
-static psplat_result open_tree(psplat_tiles *tiles, const psplat_tiles_source *given,
-                               const char *path, psplat_error *error) {
-    const psplat_tiles_source stdio = {.read = read_with_stdio};
+static int is_archive(const char *path) {
+    size_t length = strlen(path);
+    const char *end = path + length - (length < 4 ? 0 : 4);
+    return end[0] == '.' && end[1] == '3' && (end[2] | 32) == 't' && (end[3] | 32) == 'z';
+}
+
+/* Reads the tileset.json of an archive, whose bytes are *begin of the text. */
+static psplat_result read_from_archive(psplat_tiles *tiles, const psplat_tiles_source *source,
+                                       const char *path, text *out, const void **begin,
+                                       psplat_error *error) {
+    size_t got = 0;
+    psplat_result result =
+        psplat_tile_archive_open(source, path, &tiles->allocator, &tiles->archive, error);
+    if (result) return result;
+    const psplat_tile_entry *entry = psplat_tile_archive_find(&tiles->archive, "tileset.json");
+    if (!entry || !entry->is_stored)
+        return psplat_fail(error, PSPLAT_ERROR_UNSUPPORTED, 0,
+                           "%.150s: there is no tileset.json that is stored as it is", path);
+    if (entry->span <= max_file_size)
+        out->data = psplat_resize(&tiles->allocator, NULL, 0, (size_t)entry->span);
+    if (!out->data) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a tileset");
+    out->capacity = (size_t)entry->span;
+    out->size = (size_t)entry->size;
+    result = source->read(source->user, path, entry->offset, out->data, out->capacity, &got, error);
+    if (result) return result;
+    return psplat_tile_archive_unpack(out->data, got, entry->size, begin, error);
+}
+
+/* Reads a tileset.json, from an archive if path is that of one. */
+static psplat_result read_file(psplat_tiles *tiles, const psplat_tiles_source *given,
+                               const char *path, text *file, const void **begin,
+                               psplat_error *error) {
+    const psplat_tiles_source stdio = {.read = read_with_stdio, .size = size_with_stdio};
     const psplat_tiles_source *source = given->read ? given : &stdio;
-    psplat_tileset_place place = {.path = file_name(path),
-                                  .error = HUGE_VAL,
+    if (is_archive(path)) return read_from_archive(tiles, source, path, file, begin, error);
+    psplat_result result = read_text(tiles, source, path, file, error);
+    *begin = file->data;
+    return result;
+}
+
+static psplat_result open_tree(psplat_tiles *tiles, const psplat_tiles_source *source,
+                               const char *path, psplat_error *error) {
+    psplat_tileset_place place = {.error = HUGE_VAL,
                                   .allocator = psplat_allocator_default(&tiles->allocator)};
     for (int i = 0; i < 4; ++i) place.transform[5 * i] = 1.0;
     text file = {0};
+    const void *begin = NULL;
     psplat_tileset tileset;
     if (error) *error = (psplat_error){0};
-    psplat_result result = read_text(tiles, source, path, &file, error);
+    psplat_result result = read_file(tiles, source, path, &file, &begin, error);
+    place.archive = tiles->archive.name ? &tiles->archive : NULL;
+    place.path = place.archive ? "tileset.json" : file_name(path);
     if (result && error && !error->text[0])
         psplat_fail(error, result, 0, "%s: %.150s", psplat_result_text(result), path);
-    if (!result) result = psplat_tileset_read(file.data, file.size, &place, &tileset, error);
+    if (!result) result = psplat_tileset_read(begin, file.size, &place, &tileset, error);
     if (file.data) psplat_resize(&tiles->allocator, file.data, file.capacity, 0);
     if (result) return result;
     result = psplat_tiles_graft(tiles, &tileset, PSPLAT_TILE_NONE, error);
@@ -137,6 +188,7 @@ void psplat_tiles_destroy(psplat_tiles *tiles, psplat_renderer *renderer) {
     for (size_t i = 0; i < tiles->content_count; ++i)
         if (tiles->loads[i].model) tiles->models->destroy(renderer, tiles->loads[i].model);
     psplat_tiles_free_tree(tiles);
+    if (tiles->archive.name) psplat_arena_release(&tiles->archive.arena);
     psplat_allocator allocator = tiles->allocator;
     if (tiles->items)
         psplat_resize(&allocator, tiles->items, tiles->item_capacity * sizeof *tiles->items, 0);

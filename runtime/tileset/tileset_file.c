@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * tileset_file.c - reads tileset.json and checks everything that it uses. Tiles are taken breadth first,
- * so that the children of each lie side by side.
+ * tileset_file.c - reads tileset.json and checks everything that it uses. Tiles are taken breadth
+ * first, so that the children of each lie side by side.
  */
 #include "tileset/tileset_file.h"
 
@@ -215,6 +215,21 @@ static int ends_with_json(const char *path) {
            (end[4] | 32) == 'n';
 }
 
+/* Finds a content in the archive, if there is one. */
+static psplat_result find_in_archive(reader *r, psplat_json_value uri,
+                                     psplat_tile_content *content) {
+    const psplat_tile_archive *archive = r->place->archive;
+    if (!archive) return PSPLAT_OK;
+    const psplat_tile_entry *entry = psplat_tile_archive_find(archive, content->path);
+    if (!entry) return refuse(r, PSPLAT_ERROR_FORMAT, uri, "the archive has no such file");
+    if (!entry->is_stored)
+        return refuse(r, PSPLAT_ERROR_UNSUPPORTED, uri, "the archive holds this file compressed");
+    content->offset = entry->offset;
+    content->size = entry->span;
+    content->stored = entry->size;
+    return PSPLAT_OK;
+}
+
 static psplat_result read_content(reader *r, psplat_json_value value, uint32_t node) {
     static const char *const names[] = {"uri", "url"}; /* the second in drafts of 1.0 */
     psplat_json_value m[2];
@@ -233,9 +248,10 @@ static psplat_result read_content(reader *r, psplat_json_value value, uint32_t n
         return psplat_fail(r->json.error, PSPLAT_ERROR_UNSUPPORTED,
                            psplat_json_offset(&r->json, at), "the uri %.80s is refused: %s", uri,
                            reason);
-    r->out->contents[r->out->content_count++] = (psplat_tile_content){
+    psplat_tile_content *content = &r->out->contents[r->out->content_count++];
+    *content = (psplat_tile_content){
         .path = path, .node = node, .is_tileset = ends_with_json(path), .file = r->out->file};
-    return PSPLAT_OK;
+    return find_in_archive(r, at, content);
 }
 
 static psplat_result read_content_list(reader *r, psplat_json_value list, uint32_t node) {

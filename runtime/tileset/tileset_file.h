@@ -6,6 +6,7 @@
 #define PHONGSPLAT_TILESET_TILESET_FILE_H
 
 #include "core/arena.h"
+#include "tileset/archive.h"
 #include "tileset/volume.h"
 
 #define PSPLAT_TILE_NONE UINT32_MAX
@@ -36,6 +37,7 @@ typedef struct psplat_tile_node {
 typedef struct psplat_tile_content {
     const char *path;
     uint64_t offset, size; /* in the file; 0 0: all of it */
+    uint64_t stored;       /* bytes of it in these bytes of an archive */
     uint32_t node;
     int is_tileset;
     const psplat_tile_file *file; /* that refers to it */
@@ -55,11 +57,12 @@ typedef struct psplat_tileset {
 
 /* Where a tileset stands. */
 typedef struct psplat_tileset_place {
-    const char *path;                 /* of the file, relative; copied */
-    const psplat_tile_file *referrer; /* NULL for the first file */
-    double transform[16];             /* of the tile that refers to it, y up */
-    double error;                     /* of that tile, which no tile exceeds; HUGE_VAL: none */
-    psplat_allocator allocator;       /* with a resize */
+    const char *path;                   /* of the file, relative; copied */
+    const psplat_tile_file *referrer;   /* NULL for the first file */
+    double transform[16];               /* of the tile that refers to it, y up */
+    double error;                       /* of that tile, which no tile exceeds; HUGE_VAL: none */
+    const psplat_tile_archive *archive; /* that holds all files; NULL: they are in a directory */
+    psplat_allocator allocator;         /* with a resize */
 } psplat_tileset_place;
 
 /* Reads a file. On success the caller releases both arenas of *tileset, scratch at any time and

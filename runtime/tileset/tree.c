@@ -36,15 +36,15 @@ static table find_table(psplat_tiles *t, enum psplat_tile_table which) {
 
 /* Changes a table to have room for so many entries; 0 frees it. */
 static int resize_table(psplat_tiles *t, enum psplat_tile_table which, size_t entries) {
-    table table = find_table(t, which);
+    table own = find_table(t, which);
     void *block = NULL;
-    memcpy(&block, table.at, sizeof block);
-    if (entries > SIZE_MAX / table.size) return 0;
+    memcpy(&block, own.at, sizeof block);
+    if (entries > SIZE_MAX / own.size) return 0;
     if (!entries && !block) return 1;
-    block = psplat_resize(&t->allocator, block, t->capacities[which] * table.size,
-                          entries * table.size);
+    block =
+        psplat_resize(&t->allocator, block, t->capacities[which] * own.size, entries * own.size);
     if (entries && !block) return 0;
-    memcpy(table.at, &block, sizeof block);
+    memcpy(own.at, &block, sizeof block);
     t->capacities[which] = entries;
     return 1;
 }

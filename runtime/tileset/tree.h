@@ -94,6 +94,7 @@ typedef struct psplat_tile_slot {
     psplat_tileset tileset;     /* of a content that is one */
     psplat_tileset_place place; /* for it */
     int is_tileset;
+    uint64_t stored; /* bytes of the file in those of an archive */
 } psplat_tile_slot;
 
 /* Children of a tile that are wanted together, or a tile alone. */
@@ -126,6 +127,7 @@ enum psplat_tile_table {
 struct psplat_tiles {
     psplat_allocator allocator;
     const psplat_tile_models *models;
+    psplat_tile_archive archive; /* its name is NULL where there is none */
     size_t max_bytes, max_requests;
     double fade_seconds;
     _Atomic size_t bytes; /* of all slots and models */

@@ -148,7 +148,8 @@ static psplat_result upload(psplat_tile_slot *slot, psplat_renderer *renderer, s
         return PSPLAT_OK;
     }
     psplat_tiles_give_bytes(tiles, bytes);
-    if (result == PSPLAT_ERROR_MEMORY || result == PSPLAT_ERROR_GRAPHICS)
+    if (result == PSPLAT_ERROR_MEMORY || result == PSPLAT_ERROR_GRAPHICS ||
+        result == PSPLAT_ERROR_ARGUMENT) /* not the file's fault */
         psplat_tile_slot_postpone(slot);
     else
         psplat_tile_slot_end(slot, PSPLAT_TILE_FAILED);

@@ -252,7 +252,7 @@ static const psplat_tile_models mock_models = {mock_create, mock_destroy, mock_d
 static inline psplat_tiles *world_open(world *w, psplat_tiles_desc desc) {
     psplat_error error = {0};
     psplat_tiles *tiles = NULL;
-    desc.source = (psplat_tiles_source){world_read, w};
+    desc.source = (psplat_tiles_source){.read = world_read, .user = w};
     psplat_result result = psplat_tiles_open(&desc, "dir/tileset.json", &tiles, &error);
     if (result) print_error("%s at byte %zu\n", error.text, error.offset);
     assert_int_equal(result, PSPLAT_OK);

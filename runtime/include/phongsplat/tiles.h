@@ -44,12 +44,14 @@ typedef struct psplat_tiles psplat_tiles;
 
 /* Reading of parts of files, for psplat_tiles_open alone. Where it is zero-initialised, stdio is
  * used. read() reads size bytes from offset of a file on, or as many as there are up to its end,
- * into data and stores their number in *got. path is that of psplat_tiles_open. Errors: READ,
- * MEMORY, INTERRUPTED; it may fill error. */
+ * into data and stores their number in *got. size() stores the size of a file in *size; it is
+ * needed for archives alone and may be NULL. path is that of psplat_tiles_open. Errors of both:
+ * READ, MEMORY, INTERRUPTED; they may fill error. */
 typedef struct psplat_tiles_source {
     psplat_result (*read)(void *user, const char *path, uint64_t offset, void *data, size_t size,
                           size_t *got, psplat_error *error);
     void *user;
+    psplat_result (*size)(void *user, const char *path, uint64_t *size, psplat_error *error);
 } psplat_tiles_source;
 
 /* The parameters of psplat_tiles_open. Zeros are the defaults. */
@@ -68,10 +70,11 @@ typedef struct psplat_tiles_desc {
 } psplat_tiles_desc;
 
 /* Opens a tileset: path is that of its tileset.json, whose directory holds everything that it
- * names. Only this file is read here; external tilesets are requested like tiles. On success
- * *tiles belongs to the caller, who destroys it; on failure it is NULL, and error says what is
- * wrong and at which byte of the file. Errors: ARGUMENT, MEMORY, READ, FORMAT, RANGE, UNSUPPORTED,
- * NO_SPLATS (no tile has a content). */
+ * names, or of an archive that holds all of them (.3tz, a ZIP archive in which files are stored as
+ * they are). Only this file is read here, of an archive its directory and its tileset.json;
+ * external tilesets are requested like tiles. On success *tiles belongs to the caller, who destroys
+ * it; on failure it is NULL, and error says what is wrong and at which byte of the file. Errors:
+ * ARGUMENT, MEMORY, READ, FORMAT, RANGE, UNSUPPORTED, NO_SPLATS (no tile has a content). */
 PSPLAT_EXPORT psplat_result psplat_tiles_open(const psplat_tiles_desc *desc, const char *path,
                                               psplat_tiles **tiles, psplat_error *error);
 
@@ -113,8 +116,10 @@ PSPLAT_EXPORT psplat_result psplat_tiles_select(psplat_tiles *tiles, const pspla
 typedef struct psplat_tile_request {
     uint64_t tile;         /* for psplat_tiles_supply and psplat_tiles_fail */
     const char *path;      /* relative to the directory of the tileset, normalised, percent escapes
-                              decoded, with no part that is "..". It lives as long as the tileset */
-    uint64_t offset, size; /* bytes in that file; size 0: from offset to its end */
+                              decoded, with no part that is "..", or the name of the archive. It
+                              lives as long as the tileset */
+    uint64_t offset, size; /* bytes in that file, which psplat_tiles_supply takes as they are; size
+                              0: from offset to its end */
     double priority;       /* greater is more important */
 } psplat_tile_request;
 
@@ -144,8 +149,9 @@ PSPLAT_EXPORT void psplat_tiles_fail(psplat_tiles *tiles, uint64_t tile, int is_
  * make room for these and for what is wanted. What the last select draws, the tiles above it and
  * the root stay. A tile that does not fit into psplat_tiles_desc.max_bytes beside the root alone
  * counts as one that cannot be read. The context is current. Errors: ARGUMENT, and those of
- * psplat_model_create; a tile that failed by MEMORY or GRAPHICS is requested again later, others
- * are not, and the call may be repeated. */
+ * psplat_model_create; a tile that failed by ARGUMENT, MEMORY or GRAPHICS is requested again later,
+ * others are not, and the call may be repeated. After a loss of the context the tileset is
+ * destroyed with the old renderer and opened anew. */
 PSPLAT_EXPORT psplat_result psplat_tiles_upload(psplat_tiles *tiles, psplat_renderer *renderer,
                                                 size_t max_bytes, psplat_error *error);
 

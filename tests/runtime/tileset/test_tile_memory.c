@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_tile_memory.c - tests what is in memory: budgets with a host that fails, delays and reorders,
- * eviction, cross-fades, failing allocators, requests that are handled wrongly.
+ * test_tile_memory.c - tests what is in memory: budgets with a host that fails, delays and
+ * reorders, eviction, cross-fades, failing allocators, requests that are handled wrongly.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -191,12 +191,11 @@ static void test_rest(void **state) {
 }
 
 /* The root alone does not fit: it counts as a file that cannot be read. */
-static void test_no_room(void **state) {
-    (void)state;
+static void check_no_room(size_t max_bytes) {
     world w = make_world(3, 0);
     psplat_view view = view_all();
     const psplat_tiles_view v = {.view = &view};
-    psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){.max_bytes = 1000});
+    psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){.max_bytes = max_bytes});
     for (int i = 0; i < 20; ++i) {
         psplat_tile_request request;
         assert_int_equal(psplat_tiles_select(tiles, &v, NULL), PSPLAT_OK);
@@ -212,6 +211,13 @@ static void test_no_room(void **state) {
     assert_int_equal(s.bytes, 0);
     psplat_tiles_destroy(tiles, NULL);
     world_free(&w);
+}
+
+static void test_no_room(void **state) {
+    (void)state;
+    check_no_room(1000);
+    check_no_room(30000); /* which decoding takes step by step */
+    check_no_room(70000);
 }
 
 /* What was used last stays: after a look at one end and then at the other, what has to go is of the
@@ -316,7 +322,8 @@ static int run_once(world *w, ledger *l) {
     psplat_tile_request requests[8];
     psplat_view view = view_all();
     const psplat_tiles_view v = {.view = &view, .pixels = 4};
-    const psplat_tiles_desc desc = {.allocator = ledger_allocator(l), .source = {world_read, w}};
+    const psplat_tiles_desc desc = {.allocator = ledger_allocator(l),
+                                    .source = {.read = world_read, .user = w}};
     psplat_result result = psplat_tiles_open(&desc, "dir/tileset.json", &tiles, &error);
     assert_int_equal(result == PSPLAT_OK, tiles != NULL);
     if (!tiles) assert_int_equal(result, PSPLAT_ERROR_MEMORY);

@@ -65,7 +65,7 @@ static psplat_tiles *open_spheres(stage *s, size_t max_bytes) {
     psplat_error error = {0};
     psplat_tiles *tiles = NULL;
     const psplat_tiles_desc desc = {
-        .source = {world_read, &s->w}, .max_bytes = max_bytes, .fade_seconds = 1};
+        .source = {.read = world_read, .user = &s->w}, .max_bytes = max_bytes, .fade_seconds = 1};
     canvas_check(psplat_tiles_open(&desc, "dir/tileset.json", &tiles, &error), &error);
     return tiles;
 }

@@ -11,6 +11,7 @@
 
 #include "tiles_fixture.h"
 
+#include "tileset/cone.h"
 #include "tileset/show.h"
 #include "core/matrix.h"
 
@@ -328,6 +329,82 @@ static void test_cones(void **state) {
     assert_true(hidden > 1000);
 }
 
+/* ---- backs ------------------------------------------------------------------------------------
+ */
+
+/* A root with two halves, whose normals look to +z and to -z of the host. */
+static const char halves[] =
+    "{\"asset\":{\"version\":\"1.1\"},\"geometricError\":1,\"root\":{\"refine\":\"REPLACE\","
+    "\"geometricError\":1,\"boundingVolume\":{\"sphere\":[0,0,0,2]},"
+    "\"content\":{\"uri\":\"a.glb\"},\"extras\":{\"phongsplat\":{\"cone\":[0,-1,0,-1]}},"
+    "\"children\":[{\"geometricError\":0.1,\"boundingVolume\":{\"sphere\":[0,0,0,1]},"
+    "\"content\":{\"uri\":\"b.glb\"},\"extras\":{\"phongsplat\":{\"cone\":[0,-1,0,0.8]}}},"
+    "{\"geometricError\":0.1,\"boundingVolume\":{\"sphere\":[0,0,0,1]},"
+    "\"content\":{\"uri\":\"c.glb\"},\"extras\":{\"phongsplat\":{\"cone\":[0,1,0,0.8]}}}]}}";
+
+/* Returns how many of the halves are drawn, and adds the requests to *requests. */
+static size_t draw_halves(int is_double_sided, psplat_culling culling, size_t *requests) {
+    world w = {0};
+    scene s = scene_blank(3);
+    s.material.double_sided = is_double_sided;
+    for (int i = 0; i < WORLD_GLBS; ++i) w.glbs[i] = scene_glb(&s, &w.glb_sizes[i]);
+    scene_free(&s);
+    text_put(world_add_file(&w, "tileset.json"), "%s", halves);
+    psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){0});
+    psplat_view view = {.width = 300, .height = 300, .culling = culling};
+    view_perspective(&view, 0.5, 0.01, 100);
+    view_look_at(&view, (double[]){0.5, 1, 20}, (double[]){0, 0, 0});
+    const psplat_tiles_view v = {.view = &view, .pixels = 2};
+    *requests = world_settle(&w, tiles, &v);
+    size_t drawn = psplat_tiles_describe(tiles).drawn;
+    assert_true(psplat_tile_camera_sees_backs(&(psplat_tile_camera){.direction = {0, 0, -1}},
+                                              &tiles->nodes[2].volume, tiles->uses[2].cone));
+    assert_true(tiles->uses[0].cone[3] < 0); /* all normals there are */
+    psplat_tiles_destroy(tiles, NULL);
+    world_free(&w);
+    return drawn;
+}
+
+/* Only backs of single-sided materials are left out, and then they are not even read. */
+static void test_backs(void **state) {
+    (void)state;
+    size_t requests = 0;
+    assert_int_equal(draw_halves(0, PSPLAT_CULL_BY_MATERIAL, &requests), 1);
+    assert_int_equal(requests, 2);
+    assert_int_equal(draw_halves(1, PSPLAT_CULL_BY_MATERIAL, &requests), 2);
+    assert_int_equal(requests, 3);
+    assert_int_equal(draw_halves(0, PSPLAT_CULL_NEVER, &requests), 2);
+    assert_int_equal(draw_halves(1, PSPLAT_CULL_ALWAYS, &requests), 1);
+}
+
+/* The cone around two holds all of both and is no wider than it has to be. */
+static void test_cone_sums(void **state) {
+    (void)state;
+    uint32_t random = 2463534242u;
+    for (int i = 0; i < 3000; ++i) {
+        double cones[2][4], sum[4];
+        for (int k = 0; k < 2; ++k) {
+            for (int j = 0; j < 3; ++j) cones[k][j] = 2 * (double)scene_random(&random) - 1;
+            unit3(cones[k]);
+            cones[k][3] = cos(1.5 * (double)scene_random(&random));
+        }
+        if (i % 10 == 0) memcpy(cones[1], cones[0], 3 * sizeof *sum);
+        memcpy(sum, cones[0], sizeof sum);
+        psplat_tile_cone_add(sum, cones[1]);
+        if (sum[3] < -1) continue;
+        double half = acos(sum[3]), widest = 0;
+        for (int k = 0; k < 2; ++k) {
+            double between = acos(fmin(psplat_dot3(sum, cones[k]), 1));
+            assert_true(between + acos(cones[k][3]) <= half + 1e-6);
+            widest = fmax(widest, between + acos(cones[k][3]));
+        }
+        assert_near(widest, half, 1e-6);
+        double none[4] = {0, 0, 1, -2};
+        psplat_tile_cone_add(sum, none);
+        assert_true(sum[3] < -1);
+    }
+}
+
 /* Two runs of the same calls choose the same tiles and want the same. */
 static void test_determinism(void **state) {
     (void)state;
@@ -394,6 +471,7 @@ int test_tile_selection_main(void) {
         cmocka_unit_test(test_cuts),        cmocka_unit_test(test_budget_of_splats),
         cmocka_unit_test(test_best_first),  cmocka_unit_test(test_hysteresis),
         cmocka_unit_test(test_scales),      cmocka_unit_test(test_cones),
+        cmocka_unit_test(test_backs),       cmocka_unit_test(test_cone_sums),
         cmocka_unit_test(test_determinism), cmocka_unit_test(test_refused_views),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_tileset_file.c - tests what is read of a tileset.json, and that bad ones are refused with their
- * place and cause.
+ * test_tileset_file.c - tests what is read of a tileset.json, and that bad ones are refused with
+ * their place and cause.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -442,7 +442,7 @@ static void test_opening(void **state) {
     world w = {0};
     psplat_error error = {0};
     psplat_tiles *tiles = (psplat_tiles *)&w;
-    psplat_tiles_desc desc = {.source = {world_read, &w}};
+    psplat_tiles_desc desc = {.source = {.read = world_read, .user = &w}};
     assert_int_equal(psplat_tiles_open(&desc, "dir/tileset.json", &tiles, &error),
                      PSPLAT_ERROR_READ);
     assert_null(tiles);
