@@ -35,6 +35,7 @@ typedef struct arguments {
     int textures;              /* index into texture_names */
     int no_compress;
     int fallback; /* index into fallback_names */
+    int tile_splats;
     int overwrite, quiet;
 } arguments;
 
@@ -65,6 +66,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "textures", PSPLAT_OPTION_CHOICE, &a->textures, "bake",
          "textures become colours of splats (default; there is no\nother choice)", 0, 0,
          texture_names},
+        {0, "tile-splats", PSPLAT_OPTION_COUNT, &a->tile_splats, "N",
+         "halve the cell of a tile while it has more than N splats\n(default 1024)", 8, 1e9, NULL},
         psplat_option_shared("effort", &a->effort),
         psplat_option_shared("crease-angle", &a->crease_angle),
         psplat_option_shared("no-creases", &a->no_creases),
@@ -103,6 +106,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
     };
     psplat_parse parsed = psplat_options_parse(&syntax, argc, argv);
     if (parsed != PSPLAT_PARSE_OK) return parsed;
+    if (!strcmp(a->output, "-"))
+        return psplat_options_refuse("tile", a->output, "a tileset is a directory");
     if (!psplat_options_precision(a->precision, &a->position_precision))
         return psplat_options_refuse("tile", "precision",
                                      "neither auto, float nor a number of 0.001 to 0.5");
@@ -176,6 +181,7 @@ static psplat_result make(const arguments *a, product *p, psplat_error *error) {
             .root = &root,
             .convert = &options,
             .finest = -1,
+            .most = (size_t)a->tile_splats,
             .codec = a->no_compress ? NULL : &psplat_meshopt_codec,
             .has_fallback = a->fallback == FALLBACK_MESH,
             .write = take_content,

@@ -123,10 +123,12 @@ static void a_file_says_what_a_tile_is(void **state) {
 
 /* Appends all tiles of a full tree below a path. */
 static size_t full_tree(psplat_tile *tiles, size_t count, const char *path, int level, int most) {
-    char below[16];
+    char below[PSPLAT_CELL_PATH];
     tiles[count++] = tile_of(level, path, 10 - level);
     for (int half = 0; half < 2 && level < most; ++half) {
-        snprintf(below, sizeof below, "%s%d", path, half);
+        memset(below, 0, sizeof below);
+        memcpy(below, path, (size_t)level);
+        below[level] = half ? '1' : '0';
         count = full_tree(tiles, count, below, level + 1, most);
     }
     return count;
