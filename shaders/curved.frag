@@ -111,6 +111,20 @@ Hit hit_at(vec3 ray, float t) {
     return hit;
 }
 
+#if TWO_SIDED
+/* Returns what hit_at() says of is_inside, but for rounding, without its division. */
+bool is_inside_at(vec3 ray, float t) {
+    vec2 uv = v_local.xy + t * ray.xy;
+    float w = 1.0 + u_shift.y * t, nearer = u_shift.y > 0.0 ? u_shift.x : 1.0;
+    bool is_inside = dot(uv, uv) <= 1.0 && w > 0.0 &&
+                     gl_FragCoord.w * abs(v_local.w * w + nearer * t) <= w;
+#if CLIP_COUNT > 0
+    is_inside = is_inside && is_kept(uv);
+#endif
+    return is_inside;
+}
+#endif
+
 /* Finds the fragment: where only fronts are seen, that of the root at which the ray comes in, else
  * the nearer one of those inside. is_back is true where normals are negated: not where the back only
  * peeks out behind a contour (spec 5.2). Of the two forms of a root the one is used whose terms do
@@ -125,16 +139,18 @@ bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float 
     if (square < 0.0) return false;
     root = sqrt(square);
     float half_sum = 0.5 * (b > 0.0 ? b + root : b - root);
-    float front = b > 0.0 ? -half_sum / a : -c / half_sum;
 #if TWO_SIDED
-    float back = b > 0.0 ? -c / half_sum : -half_sum / a;
-    hit = hit_at(ray, min(front, back));
-    if (!hit.is_inside) hit = hit_at(ray, max(front, back));
+    float first = -half_sum / a, second_root = -c / half_sum;
+    float front = b > 0.0 ? first : second_root;
+    float nearer = min(first, second_root), farther = max(first, second_root);
+    bool is_near = is_inside_at(ray, nearer);
+    hit = hit_at(ray, is_near ? nearer : farther);
+    hit.is_inside = hit.is_inside || is_near;
 #if PASS != PSPLAT_PASS_VISIBILITY && PASS != PSPLAT_PASS_PARAMETERS
     is_back = hit.t != front && !(a > 0.0 && square <= 4.0 * a * v_peek);
 #endif
 #else
-    hit = hit_at(ray, front);
+    hit = hit_at(ray, (b > 0.0 ? -half_sum : -c) / (b > 0.0 ? a : half_sum));
 #endif
     return hit.is_inside;
 }

@@ -155,12 +155,29 @@ float safe_z(Surface surface, vec2 zw, mat3x2 local_to_zw, float w) {
     return least > 0.0 ? clamp(z / least - 1e-5, -1.0, 0.9999) * w : -w;
 }
 
+#if PART
+/* Returns whether a clip line cuts a splat, as psplat_packed_uncut does. */
+bool is_cut(ivec2 place) {
+    for (int i = 0; i < LINE_COUNT; ++i) {
+        vec4 line = texelFetch(u_clips, ivec2(place.x * LINE_COUNT + i, place.y), 0);
+        if (line.xyz != vec3(1.0, 0.0, 1.0) || (BENDS == 1 && line.w != 0.0)) return true;
+    }
+    return false;
+}
+#endif
+
 void main() {
     int billboard = gl_VertexID / 6, vertex = gl_VertexID - 6 * billboard;
     int splat = first_splat() + billboard;
     int corner = vertex < 3 ? vertex : 6 - vertex; /* 0 1 2, 3 2 1 */
     vec2 side = vec2(2 * (corner & 1) - 1, (corner & 2) - 1);
     ivec2 place = place_of(splat), texel = texel_of(place);
+#if PART
+    if (is_cut(place) != (PART == PSPLAT_PART_CUT)) {
+        gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+        return;
+    }
+#endif
     vec4 center = texelFetch(u_splats, texel, 0);
     vec4 rotation = texelFetch(u_splats, texel + ivec2(1, 0), 0);
     vec4 field = texelFetch(u_splats, texel + ivec2(2, 0), 0);

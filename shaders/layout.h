@@ -16,6 +16,12 @@
 /* The greatest number of shadow maps, which lie side by side in one texture. */
 #define PSPLAT_SHADOW_COUNT 4
 
+/* Which splats of a curved batch a program draws: all; those that no clip line cuts, without lines;
+ * the others. */
+#define PSPLAT_PART_ALL 0
+#define PSPLAT_PART_UNCUT 1
+#define PSPLAT_PART_CUT 2
+
 /* Splats lie in rows of an RGBA32F texture, 512 in each. With 4 texels a splat a row is 2048 texels
  * wide, the least size that GLES 3.0 guarantees; where a splat has 5 of them, rows have 256 splats.
  *

@@ -110,6 +110,33 @@ float psplat_packed_sagitta(const psplat_packing *packing, const float *splats, 
     return most;
 }
 
+void psplat_packed_spheres(const psplat_packing *packing, const float *splats, size_t count,
+                           float *spheres) {
+    for (size_t i = 0; i < count; ++i) {
+        const float *splat = splats + i * (size_t)packing->splat_floats, *q = splat + 4;
+        float radius = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], height = 0.0f;
+        if (packing->is_curved && !packing->shape_at) height = radius * hypotf(splat[8], splat[9]);
+        if (packing->is_curved) height += sagitta_of(packing, splat);
+        for (int k = 0; k < 3; ++k) spheres[4 * i + (size_t)k] = splat[k];
+        spheres[4 * i + 3] = 1.00001f * hypotf(radius, height); /* rounded outwards */
+    }
+}
+
+static int is_cut(const psplat_packing *packing, const float *lines) {
+    for (int i = 0; i < packing->clip_floats; i += packing->line_floats)
+        if (lines[i] != 1.0f || lines[i + 1] != 0.0f || lines[i + 2] != 1.0f ||
+            (packing->line_floats == 4 && lines[i + 3] != 0.0f))
+            return 1;
+    return 0;
+}
+
+size_t psplat_packed_uncut(const psplat_packing *packing, const float *clips, size_t count) {
+    size_t uncut = 0;
+    for (size_t i = 0; i < count; ++i)
+        uncut += !is_cut(packing, clips + i * (size_t)packing->clip_floats);
+    return uncut;
+}
+
 void psplat_pack_clips(const psplat_packing *packing, const psplat_splat *splats, size_t count,
                        float *out) {
     for (size_t i = 0; i < count; ++i)

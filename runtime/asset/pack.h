@@ -50,6 +50,16 @@ void psplat_pack_texcoords(const psplat_packing *packing, const psplat_splat *sp
  * N, over count packed splats; 0 where they are flat. In the units of the centres. */
 float psplat_packed_sagitta(const psplat_packing *packing, const float *splats, size_t count);
 
+/* Writes a sphere around each of count packed splats, or around the ellipse in its tangent plane
+ * where that reaches further: centre and radius. */
+void psplat_packed_spheres(const psplat_packing *packing, const float *splats, size_t count,
+                           float *spheres);
+
+/* Returns how many of count splats, whose clip lines are packed, no line cuts: all of theirs are
+ * (1, 0, 1), a tangent of the unit circle, which stands for a line where a splat has fewer than its
+ * batch. The shaders compare the same numbers. */
+size_t psplat_packed_uncut(const psplat_packing *packing, const float *clips, size_t count);
+
 /* Returns what an asset keeps of a batch's splats where it was opened only for drawing, else
  * NULL. */
 const psplat_packed *psplat_asset_packed(const psplat_asset *asset, size_t batch);

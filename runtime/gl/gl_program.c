@@ -131,6 +131,7 @@ psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
         key.options &= ~(unsigned)(PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_SHADOWS);
     }
     if (!key.is_resolve || key.options & PSPLAT_OPTION_AS_IS) key.shading = 0, key.host = 0;
+    if (key.is_resolve || !(key.options & PSPLAT_OPTION_CURVED)) key.part = PSPLAT_PART_ALL;
     if (key.is_resolve) key.pass = key.clip_count = 0;
     if (key.is_resolve || key.options & PSPLAT_OPTION_COUNT ||
         (key.pass != PSPLAT_PASS_NORMALS && key.pass != PSPLAT_PASS_RADIANCE))
@@ -140,7 +141,7 @@ psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
 
 static int is_same_key(const psplat_program_key *a, const psplat_program_key *b) {
     return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
-           a->clip_count == b->clip_count && a->is_faded == b->is_faded &&
+           a->clip_count == b->clip_count && a->is_faded == b->is_faded && a->part == b->part &&
            a->shading == b->shading && a->light_count == b->light_count && a->host == b->host;
 }
 
@@ -240,13 +241,15 @@ static void write_defines(const psplat_gl *gl, const psplat_program_key *key, ch
         PSPLAT_OPTIONS(OPTION)
 #undef OPTION
     };
+    int clip_count = key->part == PSPLAT_PART_UNCUT ? 0 : key->clip_count;
     /* Weights must stay above the least positive number that the targets can hold. */
     int used = snprintf(
         out, size,
         "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n"
+        "#define PART %d\n#define LINE_COUNT %d\n"
         "#define LINE_TYPE %s\n#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
         "#define HALF_TARGETS %d\n#define TEXTURED %d\n#define FADE %d\n#define INSTANCED\n",
-        key->pass, key->clip_count, clip_types[key->clip_count],
+        key->pass, clip_count, clip_types[clip_count], key->part, key->clip_count,
         key->options & PSPLAT_OPTION_BENDS ? "vec4" : "vec3", key->light_count,
         gl->half_targets ? "1e-3" : "1e-30", gl->half_targets,
         !!(key->options & PSPLAT_OPTIONS_TEXTURED), key->is_faded);

@@ -74,6 +74,7 @@ typedef struct psplat_program_key {
     int is_resolve;   /* 1: the resolve pass; 0: a splat pass */
     int pass;         /* PSPLAT_PASS_VISIBILITY ... */
     int is_faded;     /* 1: weights are multiplied by a number of the item's; macro FADE */
+    int part;         /* PSPLAT_PART_ALL ...: which splats of a curved batch are drawn */
     int clip_count;   /* 0 ... PSPLAT_MAX_CLIP_LINES */
     int shading;      /* PSPLAT_SHADING_LIT ... */
     int light_count;  /* 0 ... PSPLAT_MAX_LIGHTS */

@@ -133,6 +133,31 @@ static int add_chunk(psplat_renderer *renderer, psplat_placed *placed, GLsizei f
     return 1;
 }
 
+/* How many pixels a splat of a chunk has to have in the chunk's extent so that its own extent is
+ * worth its price: some 50 ns, for which a pixel or two are resolved in software. */
+enum { PIXELS_PER_SPHERE = 100 };
+
+/* Enters a chunk in the frame's extent and marks its tiles, splat by splat where those are large.
+ */
+static void mark_chunk(psplat_frame *f, const psplat_model_batch *batch, GLsizei first, GLsizei end,
+                       const double clip[16]) {
+    int width = f->view->width, height = f->view->height;
+    const psplat_chunk *chunk = &batch->chunks[first / PSPLAT_CHUNK_SPLATS];
+    psplat_screen_extent e =
+        psplat_screen_extent_of(chunk->center, chunk->radius, clip, width, height);
+    psplat_screen_extent_join(&f->extent, &e);
+    double pixels = (double)(e.x1 - e.x0) * (e.y1 - e.y0);
+    if (!batch->spheres || pixels < (double)PIXELS_PER_SPHERE * (end - first)) {
+        psplat_marked_tiles_add(&f->tiles, &e);
+        return;
+    }
+    for (GLsizei i = first; i < end; ++i) {
+        const float *sphere = batch->spheres + 4 * (size_t)i;
+        e = psplat_screen_extent_of(sphere, sphere[3], clip, width, height);
+        psplat_marked_tiles_add(&f->tiles, &e);
+    }
+}
+
 /* Finds the runs of chunks that may be visible and enters them in the frame's extent. Returns 0
  * where memory runs out. */
 static int find_runs(psplat_frame *f, psplat_placed *placed, const psplat_placement *placement) {
@@ -143,9 +168,8 @@ static int find_runs(psplat_frame *f, psplat_placed *placed, const psplat_placem
     for (GLsizei at = 0; at < count; at += PSPLAT_CHUNK_SPLATS) {
         const psplat_chunk *chunk = &batch->chunks[at / PSPLAT_CHUNK_SPLATS];
         if (!psplat_chunk_is_visible(chunk, &placement->chunk_view)) continue;
-        psplat_screen_extent_add(&f->extent, chunk->center, chunk->radius, placement->clip,
-                                 f->view->width, f->view->height);
         GLsizei end = count - at < PSPLAT_CHUNK_SPLATS ? count : at + PSPLAT_CHUNK_SPLATS;
+        mark_chunk(f, batch, at, end, placement->clip);
         if (!add_chunk(f->renderer, placed, at, end)) return 0;
     }
     return 1;
@@ -228,6 +252,7 @@ psplat_result psplat_frame_place(psplat_frame *f, const psplat_camera *camera,
     unsigned first_index = 0; /* may wrap, because instances have no limit */
     int has_memory = 1;
     f->extent = (psplat_screen_extent){0, 0, 0, 0};
+    psplat_marked_tiles_clear(&f->tiles, f->view->width, f->view->height);
     renderer->instances.placed.count = renderer->instances.runs.count = 0;
     for (size_t i = 0; i < f->item_count && has_memory; ++i)
         has_memory = add_item(f, camera, culling, &f->items[i], &first_index);
@@ -282,27 +307,68 @@ static psplat_result use_batch(psplat_frame *f, const psplat_camera *camera,
     return PSPLAT_OK;
 }
 
-psplat_result psplat_frame_draw_placed(psplat_frame *f, const psplat_camera *camera,
-                                       psplat_program_key key) {
+/* Draws calls of one batch with one program. */
+static psplat_result draw_calls(psplat_frame *f, const psplat_camera *camera,
+                                psplat_program_key key, const psplat_call *calls, size_t count) {
     psplat_instances *in = &f->renderer->instances;
     const psplat_gl *gl = &f->renderer->gl;
-    const psplat_placed *all = in->placed.items, *last = NULL;
-    const psplat_call *calls = in->calls.items;
-    for (size_t i = 0; i < in->calls.count; ++i) {
+    const psplat_placed *placed = (const psplat_placed *)in->placed.items + calls->placed;
+    GLsizei vertices = placed->is_curved ? 6 : 3; /* of a splat */
+    psplat_result result = use_batch(f, camera, placed, key);
+    for (size_t i = 0; i < count && result == PSPLAT_OK; ++i) {
         const psplat_call *call = &calls[i];
-        const psplat_placed *placed = &all[call->placed];
-        if (!last || placed->key != last->key) {
-            psplat_result result = use_batch(f, camera, placed, key);
-            if (result != PSPLAT_OK) return result;
-        }
         if (i == 0 || call->first_instance != call[-1].first_instance)
             psplat_instances_use(in, gl, call->first_instance);
-        GLsizei vertices = placed->is_curved ? 6 : 3; /* of a splat */
         gl->DrawArraysInstanced(GL_TRIANGLES, vertices * call->first, vertices * call->count,
                                 call->instance_count);
-        last = placed;
     }
-    return PSPLAT_OK;
+    return result;
+}
+
+/* Where a splat has so many pixels of the frame's extent, fragments cost more than vertices. */
+static const double many_pixels = 600;
+
+static int has_many_pixels(const psplat_frame *f) {
+    const psplat_instances *in = &f->renderer->instances;
+    const psplat_call *calls = in->calls.items;
+    const psplat_screen_extent *extent = &f->extent;
+    double pixels = (double)(extent->x1 - extent->x0) * (extent->y1 - extent->y0), splats = 0;
+    for (size_t i = 0; i < in->calls.count; ++i)
+        splats += (double)calls[i].count * calls[i].instance_count;
+    return pixels > many_pixels * splats;
+}
+
+/* Returns the part of a batch to draw first. Where a quarter of a curved batch or more is not cut
+ * by its lines, a program without lines draws that part and another one the rest: fragments of the
+ * first are cheaper, and each of the two drops what is not its own at the cost of vertices. Where
+ * the nearest splat wins, splats keep their order and are drawn by one program. */
+static int first_part(const psplat_frame *f, const psplat_placed *placed, int pass, int is_large) {
+    const psplat_model_batch *batch = placed->batch;
+    if (!placed->is_curved || !batch->uncut_count || !(f->blends || pass == PSPLAT_PASS_VISIBILITY))
+        return PSPLAT_PART_ALL;
+    int is_enough = 4 * (size_t)batch->uncut_count >= (size_t)batch->splat_count;
+    return is_enough && is_large ? PSPLAT_PART_UNCUT : PSPLAT_PART_ALL;
+}
+
+psplat_result psplat_frame_draw_placed(psplat_frame *f, const psplat_camera *camera,
+                                       psplat_program_key key) {
+    const psplat_instances *in = &f->renderer->instances;
+    const psplat_placed *all = in->placed.items;
+    const psplat_call *calls = in->calls.items;
+    int is_large = has_many_pixels(f);
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0, end; i < in->calls.count && result == PSPLAT_OK; i = end) {
+        const psplat_placed *placed = &all[calls[i].placed];
+        for (end = i + 1; end < in->calls.count; ++end)
+            if (all[calls[end].placed].key != placed->key) break;
+        int has_cut = placed->batch->uncut_count < placed->batch->splat_count;
+        key.part = first_part(f, placed, key.pass, is_large);
+        result = draw_calls(f, camera, key, calls + i, end - i);
+        if (result != PSPLAT_OK || key.part == PSPLAT_PART_ALL || !has_cut) continue;
+        key.part = PSPLAT_PART_CUT;
+        result = draw_calls(f, camera, key, calls + i, end - i);
+    }
+    return result;
 }
 
 psplat_result psplat_frame_draw_batches(psplat_frame *f, const psplat_camera *camera,

@@ -241,11 +241,22 @@ static psplat_result draw_splats(psplat_frame *f) {
     return psplat_frame_draw_placed(f, &f->camera, f->key);
 }
 
+/* Draws the view where splats may be, with a triangle for each rectangle of marked tiles. */
+static void draw_tiles(const psplat_frame *f) {
+    const psplat_gl *gl = &f->renderer->gl;
+    psplat_marked_tiles tiles = f->tiles;
+    for (;;) {
+        const psplat_screen_extent e = psplat_marked_tiles_take(&tiles, &f->extent);
+        if (!(e.x0 < e.x1)) return;
+        gl->Viewport(f->view->x + e.x0, f->view->y + e.y0, e.x1 - e.x0, e.y1 - e.y0);
+        gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    }
+}
+
 static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state) {
     psplat_renderer *renderer = f->renderer;
     const psplat_gl *gl = &renderer->gl;
     const psplat_view *view = f->view;
-    const psplat_screen_extent *extent = &f->extent;
     const psplat_render_target *target = renderer->targets.current;
     psplat_program_key key = f->key;
     key.is_resolve = 1;
@@ -255,8 +266,6 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     if (result != PSPLAT_OK) return result;
 
     psplat_gl_state_bind_host(state, gl);
-    gl->Viewport(view->x + extent->x0, view->y + extent->y0, extent->x1 - extent->x0,
-                 extent->y1 - extent->y0);
     gl->Disable(GL_BLEND);
     gl->Disable(GL_CULL_FACE);
     gl->Enable(GL_DEPTH_TEST);
@@ -271,7 +280,7 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     for (int i = 0; i < target->color_count; ++i)
         psplat_gl_texture_bind(gl, (GLenum)i, &target->colors[i], GL_TEXTURE_2D);
     psplat_gl_texture_bind(gl, PSPLAT_UNIT_DEPTH, &target->depth, GL_TEXTURE_2D);
-    gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    draw_tiles(f);
     return PSPLAT_OK;
 }
 

@@ -13,6 +13,9 @@
 #include <math.h>
 #include <string.h>
 
+/* The most splats of a batch that have spheres of their own: 256 pixels for each at 2048². */
+enum { MOST_SPHERES = 16384 };
+
 /* Rows of texels that are packed before each upload, and the most floats of a row. */
 enum { ROWS_PER_UPLOAD = 16, MAX_ROW_FLOATS = 4 * 512 * 4 };
 
@@ -26,6 +29,8 @@ typedef struct source {
     const float *packed;  /* splat_count * floats; NULL where pack has to be called */
     psplat_chunk *chunks; /* found by pack_splats */
     float *sagitta;       /* raised by pack_splats */
+    GLsizei *uncut_count; /* raised by pack_clips */
+    float *spheres;       /* found by pack_splats where there is room for them */
     void (*pack)(const struct source *source, size_t first, size_t count, float *out);
 } source;
 
@@ -37,11 +42,13 @@ static void pack_splats(const source *s, size_t first, size_t count, float *out)
         psplat_chunks_find(splats, here, s->chunks + (first + i) / PSPLAT_CHUNK_SPLATS);
         psplat_pack_splats(&s->packing, splats, here, out + i * (size_t)s->floats);
     }
+    if (s->spheres) psplat_packed_spheres(&s->packing, out, count, s->spheres + 4 * first);
     *s->sagitta = fmaxf(*s->sagitta, psplat_packed_sagitta(&s->packing, out, count));
 }
 
 static void pack_clips(const source *s, size_t first, size_t count, float *out) {
     psplat_pack_clips(&s->packing, s->batch->splats + first, count, out);
+    *s->uncut_count += (GLsizei)psplat_packed_uncut(&s->packing, out, count);
 }
 
 static void pack_finishes(const source *s, size_t first, size_t count, float *out) {
@@ -130,23 +137,53 @@ static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
     }
 }
 
+/* Finds what packing splats finds otherwise. */
+static void describe_packed(const psplat_packing *p, const psplat_batch *batch,
+                            const psplat_packed *packed, psplat_model_batch *out) {
+    size_t count = batch->splat_count;
+    out->sagitta = psplat_packed_sagitta(p, packed->splats, count);
+    if (packed->clips) out->uncut_count = (GLsizei)psplat_packed_uncut(p, packed->clips, count);
+    if (out->spheres) psplat_packed_spheres(p, packed->splats, count, out->spheres);
+    memcpy(out->chunks, packed->chunks, psplat_chunk_count(count) * sizeof *out->chunks);
+}
+
 static psplat_result upload_textures(psplat_renderer *renderer, const psplat_batch *batch,
                                      const psplat_packed *packed, psplat_model_batch *out,
                                      float *staging, psplat_error *error) {
     psplat_packing p = psplat_packing_of(batch);
     const psplat_packed none = {0}, *from = packed ? packed : &none;
-    float *sagitta = &out->sagitta;
-    int texcoord_floats = out->textures ? p.texcoord_floats : 0;
-    const source sources[] = {
-        {p, batch, p.splat_floats, 4, from->splats, out->chunks, sagitta, pack_splats},
-        {p, batch, p.clip_floats, p.line_floats, from->clips, NULL, NULL, pack_clips},
-        {p, batch, p.finish_floats, 3, from->finishes, NULL, NULL, pack_finishes},
-        {p, batch, texcoord_floats, p.texcoord_channels, from->texcoords, NULL, NULL,
-         pack_texcoords}};
+    const source sources[] = {{.packing = p,
+                               .batch = batch,
+                               .floats = p.splat_floats,
+                               .channels = 4,
+                               .packed = from->splats,
+                               .chunks = out->chunks,
+                               .sagitta = &out->sagitta,
+                               .spheres = out->spheres,
+                               .pack = pack_splats},
+                              {.packing = p,
+                               .batch = batch,
+                               .floats = p.clip_floats,
+                               .channels = p.line_floats,
+                               .packed = from->clips,
+                               .uncut_count = &out->uncut_count,
+                               .pack = pack_clips},
+                              {.packing = p,
+                               .batch = batch,
+                               .floats = p.finish_floats,
+                               .channels = 3,
+                               .packed = from->finishes,
+                               .pack = pack_finishes},
+                              {.packing = p,
+                               .batch = batch,
+                               .floats = out->textures ? p.texcoord_floats : 0,
+                               .channels = p.texcoord_channels,
+                               .packed = from->texcoords,
+                               .pack = pack_texcoords}};
     psplat_gl_texture *const textures[] = {&out->splats, &out->clips, &out->finishes,
                                            &out->texcoords};
     psplat_result result = PSPLAT_OK;
-    if (packed) *sagitta = psplat_packed_sagitta(&p, packed->splats, batch->splat_count);
+    if (packed) describe_packed(&p, batch, packed, out);
     for (size_t i = 0; i < sizeof sources / sizeof *sources && result == PSPLAT_OK; ++i)
         result = upload(renderer, &sources[i], staging, textures[i], error);
     return result;
@@ -159,6 +196,21 @@ static void enlarge_bounds(psplat_model_batch *batch) {
         batch->bounds_min[i] -= batch->sagitta;
         batch->bounds_max[i] += batch->sagitta;
     }
+}
+
+/* Returns the floats of a batch's spheres, which have their use where splats have many pixels. */
+static size_t sphere_floats(size_t splat_count) {
+    return splat_count <= MOST_SPHERES ? 4 * splat_count : 0;
+}
+
+/* Allocates chunks and spheres of a batch. Returns 0 where memory runs out. */
+static int allocate_bounds(psplat_renderer *renderer, const psplat_batch *batch,
+                           psplat_model_batch *out) {
+    size_t count = batch->splat_count, floats = sphere_floats(count);
+    out->chunks =
+        psplat_allocate(&renderer->allocator, psplat_chunk_count(count), sizeof *out->chunks);
+    if (floats) out->spheres = psplat_allocate(&renderer->allocator, floats, sizeof(float));
+    return out->chunks && (out->spheres || !floats);
 }
 
 static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model, size_t index,
@@ -176,18 +228,18 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
         out->finishes = twin->finishes;
         out->texcoords = twin->texcoords;
         out->chunks = twin->chunks;
+        out->spheres = twin->spheres;
         out->sagitta = twin->sagitta;
+        out->uncut_count = twin->uncut_count;
         out->number = twin->number;
         enlarge_bounds(out);
         return PSPLAT_OK;
     }
     out->is_owner = 1;
     out->number = renderer->batch_count++;
-    size_t chunk_count = psplat_chunk_count(batch->splat_count);
-    out->chunks = psplat_allocate(&renderer->allocator, chunk_count, sizeof *out->chunks);
-    if (!out->chunks)
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu chunks", chunk_count);
-    if (packed) memcpy(out->chunks, packed->chunks, chunk_count * sizeof *out->chunks);
+    if (!allocate_bounds(renderer, batch, out))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for bounds of %zu splats",
+                           batch->splat_count);
     psplat_result result = upload_textures(renderer, batch, packed, out, staging, error);
     enlarge_bounds(out);
     return result;
@@ -273,6 +325,9 @@ void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model) {
         if (batch->chunks)
             psplat_resize(&renderer->allocator, batch->chunks, chunk_count * sizeof(psplat_chunk),
                           0);
+        size_t floats = sphere_floats((size_t)batch->splat_count);
+        if (batch->spheres)
+            psplat_resize(&renderer->allocator, batch->spheres, floats * sizeof(float), 0);
     }
     psplat_model_drop_images(renderer, model);
     size_t size = model->batch_count * sizeof *model->batches;

@@ -39,10 +39,12 @@ typedef struct psplat_model_batch {
     psplat_gl_texture finishes;  /* zero where finish is 0 */
     psplat_gl_texture texcoords; /* zero where textures is 0 */
     psplat_chunk *chunks;        /* psplat_chunk_count(splat_count) of them */
-    int is_owner; /* 0: an earlier batch of the same primitive owns the textures and chunks */
+    float *spheres; /* centre and radius around each splat; NULL where there are many splats */
+    int is_owner;   /* 0: an earlier batch of the same primitive owns the textures and chunks */
     uint32_t primitive;
     uint64_t number; /* of the owner; differs between all batches of a renderer that own textures */
     GLsizei splat_count;
+    GLsizei uncut_count; /* of them by psplat_packed_uncut; 0 where clip_count is 0 */
     uint32_t clip_count;
     int has_color, has_gamma, is_curved, has_shape, has_bends;
     unsigned finish;   /* PSPLAT_FINISH_ bits */

@@ -35,15 +35,20 @@ static range project(range at, range w, int size) {
     return pixels;
 }
 
-void psplat_screen_extent_add(psplat_screen_extent *extent, const float center[3], float radius,
-                              const double clip[16], int width, int height) {
+psplat_screen_extent psplat_screen_extent_of(const float center[3], float radius,
+                                             const double clip[16], int width, int height) {
     range w = range_of(center, radius, clip, 3);
     range x = project(range_of(center, radius, clip, 0), w, width);
     range y = project(range_of(center, radius, clip, 1), w, height);
-    if (!(x.low < x.high) || !(y.low < y.high)) return;
+    if (!(x.low < x.high) || !(y.low < y.high)) return (psplat_screen_extent){0, 0, 0, 0};
+    return (psplat_screen_extent){(int)x.low, (int)x.high, (int)y.low, (int)y.high};
+}
+
+void psplat_screen_extent_join(psplat_screen_extent *extent, const psplat_screen_extent *more) {
+    if (!(more->x0 < more->x1)) return;
     int is_first = !(extent->x0 < extent->x1);
-    if (is_first || (int)x.low < extent->x0) extent->x0 = (int)x.low;
-    if (is_first || (int)x.high > extent->x1) extent->x1 = (int)x.high;
-    if (is_first || (int)y.low < extent->y0) extent->y0 = (int)y.low;
-    if (is_first || (int)y.high > extent->y1) extent->y1 = (int)y.high;
+    if (is_first || more->x0 < extent->x0) extent->x0 = more->x0;
+    if (is_first || more->x1 > extent->x1) extent->x1 = more->x1;
+    if (is_first || more->y0 < extent->y0) extent->y0 = more->y0;
+    if (is_first || more->y1 > extent->y1) extent->y1 = more->y1;
 }

@@ -11,10 +11,12 @@ typedef struct psplat_screen_extent {
     int x0, x1, y0, y1;
 } psplat_screen_extent;
 
-/* Enlarges the rectangle by the pixels that the image of a sphere may cover in a view of width x
- * height pixels, and one pixel around them. clip is the 4 x 4 matrix from the sphere's space to
- * clip space. */
-void psplat_screen_extent_add(psplat_screen_extent *extent, const float center[3], float radius,
-                              const double clip[16], int width, int height);
+/* Returns the pixels that the image of a sphere may cover in a view of width x height pixels, and
+ * one pixel around them. clip is the 4 x 4 matrix from the sphere's space to clip space. */
+psplat_screen_extent psplat_screen_extent_of(const float center[3], float radius,
+                                             const double clip[16], int width, int height);
+
+/* Enlarges the rectangle by another one. */
+void psplat_screen_extent_join(psplat_screen_extent *extent, const psplat_screen_extent *more);
 
 #endif

@@ -109,6 +109,7 @@ function definesOf(batch, material, view) {
     d.REVERSED = !!view.isReversed;
     d.OWNED = !!view.isOwned;
     d.FADE = false;
+    d.PART = 0;
     return d;
 }
 

@@ -35,6 +35,12 @@ static void random_clip(int is_perspective, double clip[16]) {
     clip[15] = is_perspective ? 0 : 1;
 }
 
+static void add(psplat_screen_extent *extent, const float center[3], float radius,
+                const double clip[16]) {
+    psplat_screen_extent more = psplat_screen_extent_of(center, radius, clip, WIDTH, HEIGHT);
+    psplat_screen_extent_join(extent, &more);
+}
+
 static void test_holds(void **state) {
     (void)state;
     for (int round = 0; round < 20000; ++round) {
@@ -44,7 +50,7 @@ static void test_holds(void **state) {
                                  (float)uniform(-6, 1)};
         float radius = (float)uniform(0.001, 2);
         random_clip(round & 1, clip);
-        psplat_screen_extent_add(&extent, center, radius, clip, WIDTH, HEIGHT);
+        add(&extent, center, radius, clip);
         for (int k = 0; k < 20; ++k) {
             double d[3], length = 0, at[4];
             for (int i = 0; i < 3; ++i) d[i] = uniform(-1, 1);
@@ -72,7 +78,7 @@ static void test_tight(void **state) {
     clip[0] = clip[5] = clip[10] = 1;
     clip[11] = -1;
     psplat_screen_extent extent = {0, 0, 0, 0};
-    psplat_screen_extent_add(&extent, (const float[]){0, 0, -10}, 0.1f, clip, WIDTH, HEIGHT);
+    add(&extent, (const float[]){0, 0, -10}, 0.1f, clip);
     /* The radius is 0.01 of w: 1.5 pixels in x and 1 in y. */
     assert_int_equal(extent.x0, 147);
     assert_int_equal(extent.x1, 153);
@@ -80,12 +86,12 @@ static void test_tight(void **state) {
     assert_int_equal(extent.y1, 103);
     /* A sphere outside adds nothing; a second one inside adds its own extent. */
     psplat_screen_extent before = extent;
-    psplat_screen_extent_add(&extent, (const float[]){30, 0, -10}, 0.1f, clip, WIDTH, HEIGHT);
+    add(&extent, (const float[]){30, 0, -10}, 0.1f, clip);
     assert_memory_equal(&before, &extent, sizeof extent);
-    psplat_screen_extent_add(&extent, (const float[]){-5, -5, -10}, 0.1f, clip, WIDTH, HEIGHT);
+    add(&extent, (const float[]){-5, -5, -10}, 0.1f, clip);
     assert_true(extent.x0 < 80 && extent.y0 < 55 && extent.x1 == 153 && extent.y1 == 103);
     /* A sphere around the eye takes the whole view. */
-    psplat_screen_extent_add(&extent, (const float[]){0, 0, 0}, 1, clip, WIDTH, HEIGHT);
+    add(&extent, (const float[]){0, 0, 0}, 1, clip);
     assert_int_equal(extent.x1 - extent.x0, WIDTH);
     assert_int_equal(extent.y1 - extent.y0, HEIGHT);
 }

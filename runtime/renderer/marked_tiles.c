@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * marked_tiles.c - bits of tiles; see marked_tiles.h.
+ */
+#include "renderer/marked_tiles.h"
+
+#include <string.h>
+
+enum { LEAST_SIZE = 16 }; /* pixels; smaller tiles would be more rectangles than they save pixels */
+
+void psplat_marked_tiles_clear(psplat_marked_tiles *tiles, int width, int height) {
+    int longer = width > height ? width : height;
+    int size = (longer + PSPLAT_TILES - 1) / PSPLAT_TILES;
+    memset(tiles, 0, sizeof *tiles);
+    tiles->size = size > LEAST_SIZE ? size : LEAST_SIZE;
+}
+
+/* Returns the bits first ... last. */
+static uint64_t bits(int first, int last) {
+    return (~(uint64_t)0 >> (63 - (last - first))) << first;
+}
+
+void psplat_marked_tiles_add(psplat_marked_tiles *tiles, const psplat_screen_extent *extent) {
+    if (!(extent->x0 < extent->x1)) return;
+    int size = tiles->size;
+    uint64_t row = bits(extent->x0 / size, (extent->x1 - 1) / size);
+    for (int k = extent->y0 / size; k <= (extent->y1 - 1) / size; ++k) tiles->rows[k] |= row;
+}
+
+static int least(int a, int b) {
+    return a < b ? a : b;
+}
+
+static int most(int a, int b) {
+    return a > b ? a : b;
+}
+
+psplat_screen_extent psplat_marked_tiles_take(psplat_marked_tiles *tiles,
+                                              const psplat_screen_extent *within) {
+    int row = 0, first = 0, last, size = tiles->size;
+    while (row < PSPLAT_TILES && !tiles->rows[row]) ++row;
+    if (row == PSPLAT_TILES) return (psplat_screen_extent){0, 0, 0, 0};
+    uint64_t left = tiles->rows[row];
+    while (!(left >> first & 1)) ++first;
+    for (last = first; last < 63 && left >> (last + 1) & 1; ++last) continue;
+    /* The run goes on in the next rows as long as it ends at the same tiles there. */
+    uint64_t run = bits(first, last), around = bits(most(first - 1, 0), least(last + 1, 63));
+    int end = row;
+    for (; end < PSPLAT_TILES && (tiles->rows[end] & around) == run; ++end)
+        tiles->rows[end] &= ~run;
+    return (psplat_screen_extent){most(first * size, within->x0),
+                                  least((last + 1) * size, within->x1),
+                                  most(row * size, within->y0), least(end * size, within->y1)};
+}
