@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * command_render.c - phongsplat render: draws an asset, or a mesh, into a PNG.
+ * command_render.c - phongsplat render: draws an asset, a tileset or a mesh into a PNG.
  *
  * The picture is drawn larger than asked for into a float framebuffer and averaged in linear light.
  * Only this supersampling smooths silhouettes and creases, since a pixel is either inside a splat's
@@ -12,6 +12,7 @@
 #include "cli/command.h"
 #include "cli/mesh_input.h"
 #include "cli/options.h"
+#include "cli/tiles_input.h"
 #include "compare/source_mesh.h"
 #include "compare/source_mesh_parts.h"
 #include "material/mipmap.h"
@@ -48,11 +49,13 @@ typedef struct arguments {
     int overwrite;
     const char *animation; /* a name or an index, or NULL */
     double time;           /* seconds; NaN where it is not given */
+    double pixels;         /* greatest error of tiles; NaN where it is not given */
 } arguments;
 
-/* What is drawn, an asset or a mesh, and what draws it; free_scene frees everything. */
+/* What is drawn, an asset, a tileset or a mesh, and what draws it; free_scene frees everything. */
 typedef struct scene {
-    psplat_asset *asset; /* or NULL: a mesh */
+    psplat_asset *asset;      /* or NULL */
+    psplat_tiles_input tiles; /* or zeros */
     psplat_mesh mesh;
     psplat_source_mesh *source;
     psplat_host *host;
@@ -102,6 +105,9 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "which animation --time is of (default: the first, 0)", 0, 0, NULL},
         {0, "supersample", PSPLAT_OPTION_COUNT, &a->supersample, "N",
          "draw N times as wide and high and average in linear\nlight (default 3)", 1, 8, NULL},
+        {0, "pixels", PSPLAT_OPTION_NUMBER, &a->pixels, "N",
+         "of a tileset: draw the coarsest tiles whose errors are\nat most N pixels (default 1)",
+         0.01, 1e6, NULL},
         psplat_option_shared("software", &a->software),
         psplat_option_shared("overwrite", &a->overwrite),
     };
@@ -110,11 +116,14 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         .operands = "A.glb OUT.png",
         .summary =
             "Draws an asset (.glb or .gltf) into a PNG, seen whole and lit from behind the\n"
-            "camera. The scene's y axis points up. Instead of an asset, A.glb may be a mesh.",
+            "camera. The scene's y axis points up. Instead of an asset, A.glb may be a mesh, or a\n"
+            "tileset (3D Tiles), which is a tileset.json or its directory.",
         .notes =
             "A mesh is drawn as triangles under the same light, so that both can be seen side by\n"
             "side; it takes no --shading but lit and unlit, and no --mode, --shadows, "
-            "--no-filter,\n--time or --animation.\n\n"
+            "--no-filter,\n--time or --animation. A tileset has no animations; all of its tiles "
+            "that the picture\n"
+            "wants are read before it is drawn.\n\n"
             "Pictures at all times of an animation have the same camera. After its end an\n"
             "animation shows its last pose. phongsplat inspect lists animations.\n\n"
             "OUT.png is written whole or not at all; - is standard output.",
@@ -123,23 +132,6 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         .slots = {&a->input, &a->output},
     };
     return psplat_options_parse(&syntax, argc, argv);
-}
-
-static psplat_result prepare_mesh(scene *s, psplat_error *error) {
-    const psplat_mesh_renderer_desc desc = {psplat_host_get_proc, s->host, s->source};
-    psplat_result result = psplat_host_make_current(s->host, error);
-    return result ? result : psplat_mesh_renderer_create(&desc, &s->mesh_renderer, error);
-}
-
-static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) {
-    psplat_result result = psplat_context_create(a->software, &s->host, error);
-    if (result) return result;
-    if (!s->asset) return prepare_mesh(s, error);
-    psplat_renderer_desc desc = {
-        .get_proc = psplat_host_get_proc, .user = s->host, .images = psplat_image_loader()};
-    result = psplat_renderer_create(&desc, &s->renderer, error);
-    if (result) return result;
-    return psplat_model_create(s->renderer, s->asset, &s->model, error);
 }
 
 /* Returns whether the colours of a shading stand for numbers and so are sRGB-encoded already. */
@@ -163,10 +155,39 @@ static psplat_view whole_view(const arguments *a, const scene *s) {
     return view;
 }
 
+/* Reads the tiles of the whole picture. Errors are told in its pixels after averaging. */
+static psplat_result load_tiles(const arguments *a, scene *s, psplat_error *error) {
+    psplat_view whole = whole_view(a, s);
+    double pixels = isnan(a->pixels) ? 1 : a->pixels;
+    const psplat_tiles_view view = {.view = &whole, .pixels = pixels * a->supersample};
+    return psplat_tiles_input_load(&s->tiles, s->renderer, &view, error);
+}
+
+static psplat_result prepare_mesh(scene *s, psplat_error *error) {
+    const psplat_mesh_renderer_desc desc = {psplat_host_get_proc, s->host, s->source};
+    psplat_result result = psplat_host_make_current(s->host, error);
+    return result ? result : psplat_mesh_renderer_create(&desc, &s->mesh_renderer, error);
+}
+
+static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) {
+    psplat_result result = psplat_context_create(a->software, &s->host, error);
+    if (result) return result;
+    if (s->source) return prepare_mesh(s, error);
+    psplat_renderer_desc desc = {
+        .get_proc = psplat_host_get_proc, .user = s->host, .images = psplat_image_loader()};
+    result = psplat_renderer_create(&desc, &s->renderer, error);
+    if (result) return result;
+    if (s->tiles.tiles) return load_tiles(a, s, error);
+    return psplat_model_create(s->renderer, s->asset, &s->model, error);
+}
+
 static psplat_result draw_scene(scene *s, const psplat_view *view, psplat_error *error) {
-    const psplat_item item = {.model = s->model, .pose = s->pose};
-    if (s->asset) return psplat_draw(s->renderer, view, &item, 1, error);
-    return psplat_mesh_renderer_draw(s->mesh_renderer, view, PSPLAT_MESH_RENDERER_LIGHT, error);
+    const psplat_item item = {.model = s->model, .pose = s->pose}, *items = &item;
+    size_t count = 1;
+    if (s->mesh_renderer)
+        return psplat_mesh_renderer_draw(s->mesh_renderer, view, PSPLAT_MESH_RENDERER_LIGHT, error);
+    if (s->tiles.tiles) items = psplat_tiles_items(s->tiles.tiles, &count);
+    return psplat_draw(s->renderer, view, items, count, error);
 }
 
 /* Draws a tile into rgba: (supersample * width) x (supersample * height) linear pixels. */
@@ -256,6 +277,7 @@ static psplat_result render(const arguments *a, scene *s, psplat_error *error) {
 static void free_scene(scene *s) {
     psplat_mesh_renderer_destroy(s->mesh_renderer);
     if (s->renderer) psplat_model_destroy(s->renderer, s->model);
+    psplat_tiles_input_close(&s->tiles, s->renderer);
     psplat_renderer_destroy(s->renderer);
     psplat_pose_destroy(s->pose);
     psplat_host_destroy(s->host);
@@ -264,8 +286,10 @@ static void free_scene(scene *s) {
     psplat_mesh_free(&s->mesh);
 }
 
-/* Reads the input: an asset, or else a mesh. */
+/* Reads the input: a tileset, an asset, or else a mesh. */
 static psplat_result read_input(const arguments *a, scene *s, psplat_error *error) {
+    if (psplat_tiles_input_expected(a->input))
+        return psplat_tiles_input_open(a->input, &s->tiles, error);
     psplat_result result = psplat_command_open(a->input, NULL, &s->asset, error);
     if (!psplat_mesh_input_expected(a->input, result)) return result;
     *error = (psplat_error){0};
@@ -285,8 +309,23 @@ static size_t find_animation(const psplat_asset *asset, const char *text) {
     return strspn(text, "0123456789") && !*end && index < count ? index : count;
 }
 
+/* Finds the sphere around the box of a tileset. */
+static void place_tiles(scene *s) {
+    double min[3], max[3], square = 0;
+    psplat_tiles_bounds(s->tiles.tiles, min, max);
+    for (int i = 0; i < 3; ++i) {
+        s->center[i] = 0.5 * (min[i] + max[i]);
+        square += 0.25 * (max[i] - min[i]) * (max[i] - min[i]);
+    }
+    s->radius = square > 0 ? sqrt(square) : 1;
+}
+
 /* Poses the asset and finds a sphere around what is drawn. */
 static psplat_result take_pose(const arguments *a, scene *s, psplat_error *error) {
+    if (s->tiles.tiles) {
+        place_tiles(s);
+        return PSPLAT_OK;
+    }
     if (!s->asset) {
         memcpy(s->center, s->source->center, sizeof s->center);
         s->radius = s->source->radius > 0 ? s->source->radius : 1;
@@ -305,10 +344,10 @@ static psplat_result take_pose(const arguments *a, scene *s, psplat_error *error
 }
 
 /* Returns whether an option asks for an animation that the asset has not. */
-static int lacks_animation(const arguments *a, const psplat_asset *asset) {
-    return asset && (a->animation || !isnan(a->time)) &&
-           find_animation(asset, a->animation ? a->animation : "0") ==
-               psplat_asset_animation_count(asset);
+static int lacks_animation(const arguments *a, const scene *s) {
+    if (s->source || (!a->animation && isnan(a->time))) return 0;
+    return !s->asset || find_animation(s->asset, a->animation ? a->animation : "0") ==
+                            psplat_asset_animation_count(s->asset);
 }
 
 /* Returns the option that does not go with a mesh, or NULL. */
@@ -328,6 +367,7 @@ int psplat_command_render(int argc, char **argv) {
         .background = {1, 1, 1, 1},
         .supersample = 3,
         .time = NAN,
+        .pixels = NAN,
     };
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
@@ -336,8 +376,10 @@ int psplat_command_render(int argc, char **argv) {
     psplat_result result = psplat_output_check(a.input, a.output, a.overwrite, &error);
     if (result) return psplat_command_fail(NULL, &error);
     result = read_input(&a, &s, &error);
-    const char *option = result || s.asset ? NULL : option_of_splats(&a);
-    int is_lacking = !result && lacks_animation(&a, s.asset);
+    const char *option = result || !s.source ? NULL : option_of_splats(&a);
+    int is_no_tileset = !result && !s.tiles.tiles && !isnan(a.pixels);
+    if (is_no_tileset) option = "pixels";
+    int is_lacking = !result && lacks_animation(&a, &s);
     if (!result && !option && !is_lacking) result = take_pose(&a, &s, &error);
     if (!result && !option && !is_lacking) result = render(&a, &s, &error);
     free_scene(&s);
@@ -346,7 +388,8 @@ int psplat_command_render(int argc, char **argv) {
                                           "the file has no such animation (phongsplat inspect "
                                           "lists them)");
     if (option)
-        return (int)psplat_options_refuse("render", option, "is for splats, not for a mesh");
+        return (int)psplat_options_refuse(
+            "render", option, is_no_tileset ? "is for a tileset" : "is for splats, not for a mesh");
     return result ? psplat_command_fail(result == PSPLAT_ERROR_WRITE ? NULL : a.input, &error)
                   : PSPLAT_EXIT_SUCCESS;
 }

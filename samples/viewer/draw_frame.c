@@ -65,15 +65,18 @@ static void pick(viewer *v, const psplat_view *view) {
     v->needs_redraw = 1;
 }
 
-static psplat_result draw(viewer *v, int width, int height, psplat_error *error) {
+/* samples is how many pixels of the picture are one of the window's, in each direction. */
+static psplat_result draw(viewer *v, int width, int height, int samples, psplat_error *error) {
     draw_backdrop(v, width, height);
-    if (!v->shown.item_count) {
+    if (shown_assets_are_empty(&v->shown)) {
         v->has_pick = 0; /* there is nothing to pick */
         return PSPLAT_OK;
     }
+    const psplat_item *items = NULL;
+    size_t count = 0;
     psplat_view view = view_of(v, width, height);
-    psplat_result result =
-        psplat_draw(v->renderer, &view, v->shown.items, v->shown.item_count, error);
+    psplat_result result = shown_tiles_choose(v, &view, samples, &items, &count, error);
+    if (!result && count) result = psplat_draw(v->renderer, &view, items, count, error);
     if (!result && v->has_pick) pick(v, &view);
     return result;
 }
@@ -87,7 +90,7 @@ psplat_result frame_draw(viewer *v, unsigned framebuffer, int width, int height,
     int is_fine = v->settings.is_smooth && target_resize(&v->fine, gl, 2 * width, 2 * height);
     int n = is_fine ? 2 : 1;
     gl->BindFramebuffer(GL_FRAMEBUFFER, is_fine ? v->fine.framebuffer : framebuffer);
-    psplat_result result = draw(v, n * width, n * height, error);
+    psplat_result result = draw(v, n * width, n * height, n, error);
     if (is_fine) {
         gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
         gl->BlitFramebuffer(0, 0, 2 * width, 2 * height, 0, 0, width, height, GL_COLOR_BUFFER_BIT,

@@ -8,6 +8,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
+#include <math.h>
 #include <stdio.h>
 
 static const double quarter_turn = 1.57079632679489661923;
@@ -136,6 +137,18 @@ static void act_culling(viewer *v, int value) {
     say_choice(v, "back faces culled", culling_names[v->settings.culling]);
 }
 
+/* value is the number of doublings. */
+static void act_pixels(viewer *v, int value) {
+    v->settings.pixels = fmin(fmax(ldexp(v->settings.pixels, value), 0.125), 64);
+    overlay_say(v, "error of tiles: %.3g pixels", v->settings.pixels);
+}
+
+static void act_tile_report(viewer *v, int value) {
+    (void)value;
+    v->settings.has_tile_report = !v->settings.has_tile_report;
+    v->needs_redraw = 1;
+}
+
 static void act_backdrop(viewer *v, int value) {
     v->settings.backdrop = (v->settings.backdrop + value) % names_count(backdrop_names);
     v->needs_redraw = 1;
@@ -235,6 +248,9 @@ const key_binding key_bindings[] = {
     {GLFW_KEY_B, 0, "B", "background", act_backdrop, 1, 0},
     GAP,
     {GLFW_KEY_A, 0, "A", "several files: in place, in a row", act_side_by_side, 0, 0},
+    {GLFW_KEY_LEFT_BRACKET, 0, "[ ]", "tilesets: half, twice the error", act_pixels, -1, 1},
+    {GLFW_KEY_RIGHT_BRACKET, 0, NULL, NULL, act_pixels, 1, 1},
+    {GLFW_KEY_T, 0, "T", "tilesets: show numbers of tiles", act_tile_report, 0, 0},
     {GLFW_KEY_F5, 0, "F5", "load again", act_reload, 0, 0},
     {GLFW_KEY_F11, 0, "F11", "full screen", act_full_screen, 0, 0},
     {GLFW_KEY_F12, 0, "F12", "save a screenshot", act_screenshot, 0, 0},

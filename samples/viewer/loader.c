@@ -9,6 +9,7 @@
 #include "viewer.h"
 
 #include <errno.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +20,9 @@
 /* The time between two checks of the files. A file is loaded when two checks find it the same, so
  * that a file that is still being written is left alone. */
 enum { POLL_MILLISECONDS = 100 };
+
+/* How long tiles take to replace others. */
+#define FADE_SECONDS 0.25
 
 /* What the file system says about a file; all zeros where there is no such file. */
 typedef struct stamp {
@@ -47,6 +51,7 @@ struct loader {
     int is_opening;    /* a requested set is being opened */
     int wants_reload;
     int is_ending;
+    size_t max_bytes;      /* of tiles */
     watched_file *watched; /* used by the worker alone */
     size_t watched_count;
 };
@@ -75,6 +80,8 @@ static int copy_paths(const char *const *paths, size_t count, path_list *list) {
 
 static stamp stamp_of(const char *path) {
     struct stat status;
+    char tileset[MAX_PATH];
+    if (tileset_path(path, tileset, sizeof tileset)) path = tileset;
     if (stat(path, &status)) return (stamp){0};
     return (stamp){status.st_mtim.tv_sec, status.st_mtim.tv_nsec, status.st_size, status.st_ino};
 }
@@ -90,16 +97,37 @@ static int stamps_equal(const stamp *a, const stamp *b) {
  * are checked first. */
 psplat_result loader_check(const char *path, psplat_error *error) {
     struct stat status;
+    char tileset[MAX_PATH];
+    int is_directory = !stat(path, &status) && S_ISDIR(status.st_mode);
+    if (tileset_path(path, tileset, sizeof tileset)) path = tileset;
+    if (is_directory && access(path, F_OK))
+        return psplat_fail(error, PSPLAT_ERROR_READ, 0, "is a directory without tileset.json");
     if (stat(path, &status) || access(path, R_OK))
         return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s", strerror(errno));
     if (!S_ISREG(status.st_mode)) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "is not a file");
     return PSPLAT_OK;
 }
 
-static int open_file(const char *path, loaded_file *file) {
+static void open_tileset(const char *path, size_t max_bytes, loaded_file *file) {
+    const psplat_tiles_desc desc = {
+        .max_bytes = max_bytes, .max_requests = TILE_REQUESTS, .fade_seconds = FADE_SECONDS};
+    double min[3], max[3], square = 0;
+    if (psplat_tiles_open(&desc, path, &file->tiles, &file->error)) return;
+    psplat_tiles_bounds(file->tiles, min, max);
+    for (int i = 0; i < 3; ++i) {
+        file->bounds.center[i] = 0.5 * (min[i] + max[i]);
+        square += 0.25 * (max[i] - min[i]) * (max[i] - min[i]);
+    }
+    file->bounds.radius = sqrt(square);
+}
+
+static int open_file(const char *path, size_t max_bytes, loaded_file *file) {
+    char tileset[MAX_PATH];
     file->path = strdup(path);
     if (!file->path) return 0;
     if (loader_check(path, &file->error)) return 1;
+    if (tileset_path(path, tileset, sizeof tileset))
+        return open_tileset(tileset, max_bytes, file), 1;
     if (psplat_asset_open(path, NULL, &file->asset, &file->error)) return 1;
     if (decoded_images_make(file)) {
         decoded_images_free(file);
@@ -114,14 +142,14 @@ static int open_file(const char *path, loaded_file *file) {
 }
 
 /* Returns NULL when out of memory; the models that are shown then stay. */
-static load *open_files(const path_list *list, int is_reload) {
+static load *open_files(const path_list *list, size_t max_bytes, int is_reload) {
     load *result = calloc(1, sizeof *result);
     if (!result) return NULL;
     result->is_reload = is_reload;
     result->files = calloc(list->count, sizeof *result->files);
     if (result->files)
         while (result->count < list->count &&
-               open_file(list->paths[result->count], &result->files[result->count]))
+               open_file(list->paths[result->count], max_bytes, &result->files[result->count]))
             ++result->count;
     if (result->files && result->count == list->count) return result;
     load_destroy(result);
@@ -133,6 +161,7 @@ void load_destroy(load *l) {
     for (size_t i = 0; i < l->count; ++i) {
         decoded_images_free(&l->files[i]);
         psplat_asset_destroy(l->files[i].asset);
+        psplat_tiles_destroy(l->files[i].tiles, NULL); /* nothing of it is uploaded yet */
         free(l->files[i].path);
     }
     free(l->files);
@@ -150,7 +179,7 @@ static void free_watched(loader *l) {
 
 static int has_success(const load *opened) {
     for (size_t i = 0; i < opened->count; ++i)
-        if (opened->files[i].asset) return 1;
+        if (opened->files[i].asset || opened->files[i].tiles) return 1;
     return 0;
 }
 
@@ -202,7 +231,7 @@ static void open_request(loader *l) {
     pthread_mutex_unlock(&l->lock);
     stamp *stamps = calloc(list.count, sizeof *stamps);
     for (size_t i = 0; i < list.count && stamps; ++i) stamps[i] = stamp_of(list.paths[i]);
-    load *opened = open_files(&list, 0);
+    load *opened = open_files(&list, l->max_bytes, 0);
     if (stamps && opened && has_success(opened)) watch(l, &list, stamps);
     free_paths(&list);
     free(stamps);
@@ -216,7 +245,7 @@ static void open_changed(loader *l) {
     l->wants_reload = 0;
     pthread_mutex_unlock(&l->lock);
     path_list list = changed_files(l, all);
-    load *opened = list.count ? open_files(&list, 1) : NULL;
+    load *opened = list.count ? open_files(&list, l->max_bytes, 1) : NULL;
     free(list.paths);
     pthread_mutex_lock(&l->lock);
     if (opened) finish(l, opened);
@@ -247,10 +276,11 @@ static void *work(void *user) {
 
 /* ---- the main thread's side ---------------------------------------------------------------- */
 
-loader *loader_create(void (*wake)(void)) {
+loader *loader_create(void (*wake)(void), size_t max_bytes) {
     loader *l = calloc(1, sizeof *l);
     if (!l) return NULL;
     l->wake = wake;
+    l->max_bytes = max_bytes;
     pthread_mutex_init(&l->lock, NULL);
     pthread_cond_init(&l->changed, NULL);
     if (!pthread_create(&l->thread, NULL, work, l)) return l;

@@ -128,6 +128,7 @@ static psplat_result loop(viewer *v, psplat_error *error) {
         result = take_loads(v, error);
         if (v->settings.is_turning) turn(v);
         animation_advance(v, window_seconds());
+        if (shown_tiles_have_news(&v->shown)) v->needs_redraw = 1;
         update_overlay(v);
         if (!result && v->needs_redraw) result = draw(v, error);
         update_title(v);
@@ -139,6 +140,7 @@ static psplat_result loop(viewer *v, psplat_error *error) {
 
 static psplat_result begin(viewer *v, psplat_error *error) {
     v->settings = v->options.settings;
+    v->shown.wake = window_wake;
     v->orbit = (orbit){.azimuth = 0.52, .elevation = 0.35, .distance = 1, .reach = 1};
     v->needs_redraw = 1;
     v->window = window_create(v, &v->options, error);
@@ -151,7 +153,7 @@ static psplat_result begin(viewer *v, psplat_error *error) {
     v->shown.renderer = v->renderer;
     if (v->settings.has_environment) v->sky = sky_create(v->renderer, error);
     if (v->settings.has_environment && !v->sky) return error->code;
-    v->loader = loader_create(window_wake);
+    v->loader = loader_create(window_wake, (size_t)v->options.max_megabytes << 20);
     if (!v->loader) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no thread to load files on");
     if (v->options.file_count)
         input_drop(v, (const char *const *)v->options.files, (size_t)v->options.file_count);
@@ -179,7 +181,7 @@ static int show(viewer *v) {
 }
 
 int main(int argc, char **argv) {
-    viewer v = {0};
+    viewer v = {.options.settings.pixels = 1};
     psplat_error error = {0};
     const char *path = NULL;
     switch (options_parse(argc, argv, &v.options, &error)) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * overlay.c - the text over the picture: the keys, messages, errors, and a hint while no model is
- * shown.
+ * overlay.c - the text over the picture: the keys, messages, errors, numbers of tiles, and a hint
+ * while no model is shown.
  */
 #include "viewer.h"
 
@@ -93,7 +93,7 @@ static void error_line(const viewer *v, const char *path, const psplat_error *er
     if (error->offset) snprintf(place, sizeof place, "byte %zu: ", error->offset);
     snprintf(text, size, "%s: %s%s%s", shown_asset_name(path), place,
              *error->text ? error->text : psplat_result_text(error->code),
-             v->shown.item_count ? " (showing what was there before)" : "");
+             !shown_assets_are_empty(&v->shown) ? " (showing what was there before)" : "");
 }
 
 static void draw_lines(viewer *v, int width, int height) {
@@ -111,11 +111,31 @@ static void draw_lines(viewer *v, int width, int height) {
         draw_line(v->canvas, width, &bottom, panel_color, text_color, size, v->message);
 }
 
+/* ---- tiles --------------------------------------------------------------------------------- */
+
+/* Writes the numbers of the last frame's tiles in lines. */
+static void draw_tile_report(viewer *v, int width, int height) {
+    enum { LINES = 4, ACROSS = 180 };
+    char lines[LINES][80];
+    const psplat_tiles_state *s = &v->tiles_state;
+    int size = text_size(width, height, ACROSS, LINES * FONT_LINE), margin = 2 * size * MARGIN;
+    snprintf(lines[0], sizeof lines[0], "%zu splats in %zu tiles", s->splats, s->drawn);
+    snprintf(lines[1], sizeof lines[1], "%zu missing, %zu under way", s->missing,
+             s->under_way + s->waiting);
+    snprintf(lines[2], sizeof lines[2], "error %.2f of %.2g pixels%s", s->error_pixels,
+             v->settings.pixels, s->over_budget ? ", over budget" : "");
+    snprintf(lines[3], sizeof lines[3], "%.1f MB of tiles%s", 1e-6 * (double)s->bytes,
+             s->failed ? ", some cannot be read" : "");
+    draw_panel(v->canvas, margin, margin, size, ACROSS, LINES * FONT_LINE - 2, panel_color);
+    for (int i = 0; i < LINES; ++i)
+        canvas_text(v->canvas, margin, margin + i * size * FONT_LINE, size, text_color, lines[i]);
+}
+
 static void draw_hint(viewer *v, int width, int height) {
     static const char hint[] = "Drop .glb files here - H shows the keys";
     int across = canvas_text_width(hint);
     int size = text_size(width, height, across, FONT_LINE);
-    if (v->shown.item_count || v->has_help || loader_is_busy(v->loader)) return;
+    if (!shown_assets_are_empty(&v->shown) || v->has_help || loader_is_busy(v->loader)) return;
     canvas_text(v->canvas, (width - size * across) / 2, (height - size * FONT_LINE) / 2, size,
                 title_color, hint);
 }
@@ -124,6 +144,8 @@ void overlay_draw(viewer *v, int width, int height) {
     canvas_begin(v->canvas, width, height);
     draw_hint(v, width, height);
     draw_lines(v, width, height);
+    if (v->settings.has_tile_report && shown_tiles_exist(&v->shown))
+        draw_tile_report(v, width, height);
     if (v->has_help) draw_help(v->canvas, width, height);
     canvas_end(v->canvas);
 }

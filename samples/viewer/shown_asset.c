@@ -49,22 +49,28 @@ static void join(sphere *a, const sphere *b) {
 }
 
 void shown_assets_arrange(shown_assets *s) {
+    size_t placed = 0;
     s->item_count = s->splat_count = 0;
     s->bounds = (sphere){.radius = 0};
     for (size_t i = 0; i < s->entry_count; ++i) {
-        const shown_asset *entry = &s->entries[i];
-        if (!entry->model) continue;
-        psplat_item *item = &s->items[s->item_count];
+        shown_asset *entry = &s->entries[i];
+        if (!entry->model && !entry->tiles) continue;
+        psplat_item item = {.model = entry->model, .pose = entry->pose};
         sphere bounds = entry->bounds;
-        *item = (psplat_item){.model = entry->model, .pose = entry->pose};
         if (s->is_side_by_side)
-            place_on_row(&entry->bounds, 2.1 * (double)s->item_count, item->transform, &bounds);
-        if (s->item_count++)
+            place_on_row(&entry->bounds, 2.1 * (double)placed, item.transform, &bounds);
+        if (placed++)
             join(&s->bounds, &bounds);
         else
             s->bounds = bounds;
         s->splat_count += entry->splat_count;
+        memcpy(entry->tiles_transform, item.transform, sizeof item.transform);
+        if (entry->model) s->items[s->item_count++] = item;
     }
+}
+
+int shown_assets_are_empty(const shown_assets *s) {
+    return !s->item_count && !shown_tiles_exist(s);
 }
 
 /* ---- loads -------------------------------------------------------------------------------- */
@@ -86,19 +92,44 @@ static void take_pose(shown_asset *entry, loaded_file *file) {
     file->asset = NULL;
 }
 
+static void free_tiles(const shown_assets *s, shown_asset *entry) {
+    tile_reader_destroy(entry->reader);
+    psplat_tiles_destroy(entry->tiles, s->renderer);
+    entry->reader = NULL;
+    entry->tiles = NULL;
+}
+
 static void free_entries(shown_assets *s, shown_asset *entries, size_t count) {
     for (size_t i = 0; i < count; ++i) {
         psplat_model_destroy(s->renderer, entries[i].model);
         free_pose(&entries[i]);
+        free_tiles(s, &entries[i]);
         free(entries[i].path);
     }
     free(entries);
+}
+
+/* Takes a tileset over, with threads that read its tiles. */
+static void take_tiles(const shown_assets *s, shown_asset *entry, loaded_file *file) {
+    char path[MAX_PATH] = "";
+    tileset_path(file->path, path, sizeof path);
+    tile_reader *reader = tile_reader_create(file->tiles, path, s->wake);
+    if (!reader) {
+        psplat_fail(&entry->error, PSPLAT_ERROR_MEMORY, 0, "no thread to read tiles on");
+        return;
+    }
+    free_tiles(s, entry);
+    entry->tiles = file->tiles;
+    entry->reader = reader;
+    entry->bounds = file->bounds;
+    file->tiles = NULL;
 }
 
 /* Replaces the entry's model where the file could be opened, else notes the error. */
 static void update_entry(shown_assets *s, shown_asset *entry, loaded_file *file) {
     psplat_model *model = NULL;
     entry->error = file->error;
+    if (file->tiles) take_tiles(s, entry, file);
     if (!file->asset) return;
     s->uploading = file;
     psplat_result result = psplat_model_create(s->renderer, file->asset, &model, &entry->error);
@@ -137,7 +168,7 @@ static shown_change replace(shown_assets *s, load *l) {
         update_entry(s, &entries[i], &l->files[i]);
         entries[i].path = l->files[i].path;
         l->files[i].path = NULL;
-        shown += entries[i].model != NULL;
+        shown += entries[i].model || entries[i].tiles;
     }
     if (!shown) {
         psplat_error memory = {.code = PSPLAT_ERROR_MEMORY};
@@ -167,7 +198,8 @@ shown_change shown_assets_take(shown_assets *s, load *l) {
 void shown_assets_clear(shown_assets *s) {
     free_entries(s, s->entries, s->entry_count);
     free(s->items);
-    *s = (shown_assets){.renderer = s->renderer};
+    free(s->frame_items);
+    *s = (shown_assets){.renderer = s->renderer, .wake = s->wake};
 }
 
 const psplat_error *shown_assets_error(const shown_assets *s, const char **path) {

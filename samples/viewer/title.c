@@ -37,14 +37,14 @@ static void append_count(writer *w, size_t count) {
         append(w, "%s%c", i && (length - i) % 3 == 0 ? "," : "", digits[i]);
 }
 
-static void append_files(writer *w, const shown_assets *s) {
+static void append_files(writer *w, const shown_assets *s, size_t splats) {
     for (size_t i = 0; i < s->entry_count && i < 3; ++i)
         append(w, "%s%s%s", i ? ", " : "", shown_asset_name(s->entries[i].path),
                s->entries[i].error.code ? " (broken)" : "");
     if (s->entry_count > 3) append(w, " and %zu more", s->entry_count - 3);
     append(w, " - ");
-    append_count(w, s->splat_count);
-    append(w, s->splat_count == 1 ? " splat" : " splats");
+    append_count(w, splats);
+    append(w, splats == 1 ? " splat" : " splats");
 }
 
 void title_write(const viewer *v, char *text, size_t size) {
@@ -53,7 +53,7 @@ void title_write(const viewer *v, char *text, size_t size) {
     if (*v->shown.refused_path)
         append(&w, "%s (broken) - ", shown_asset_name(v->shown.refused_path));
     if (v->shown.entry_count) {
-        append_files(&w, &v->shown);
+        append_files(&w, &v->shown, v->shown.splat_count + v->tiles_state.splats);
         append(&w, " - %s, %s", mode_names[s->mode], shading_names[s->shading]);
         if (v->frame_time > 0) append(&w, " - %.1f ms", 1e3 * v->frame_time);
         append(&w, " - ");

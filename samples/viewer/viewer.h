@@ -10,6 +10,7 @@
 #define PHONGSPLAT_VIEWER_H
 
 #include <phongsplat/phongsplat.h>
+#include <phongsplat/tiles.h>
 
 typedef struct viewer viewer;
 
@@ -31,9 +32,11 @@ typedef struct settings {
     int has_no_filter;
     int has_environment;
     int is_orthographic;
-    int is_smooth;  /* four samples a pixel */
-    int is_turning; /* the turntable turns */
-    int is_paused;  /* animations stand still */
+    int is_smooth;       /* four samples a pixel */
+    int is_turning;      /* the turntable turns */
+    int is_paused;       /* animations stand still */
+    int has_tile_report; /* numbers of tiles are shown */
+    double pixels;       /* greatest error of tiles, in pixels of the window */
 } settings;
 
 /* The names are used on the command line, in the title and in messages. Each list ends with NULL.
@@ -53,6 +56,8 @@ typedef struct options {
     int width, height;       /* of the window; 0: the default, scaled as the screen asks */
     int is_gles;             /* a GLES 3.0 context instead of GL 3.3 */
     const char *screenshots; /* directory; NULL: that of the asset */
+    int max_splats;          /* of tilesets, drawn at most; 0: any number */
+    int max_megabytes;       /* of tiles in memory; 0: the default of the runtime */
     char **files;            /* file_count of them; moved to the end of argv */
     int file_count;
 } options;
@@ -85,14 +90,23 @@ typedef struct loader loader;
 
 typedef struct loaded_file {
     char *path;
-    psplat_asset *asset;   /* NULL: error says why */
+    psplat_asset *asset;   /* NULL where it is a tileset or error says why */
+    psplat_tiles *tiles;   /* or NULL */
     psplat_pixels *images; /* those of asset, decoded */
     psplat_error error;
-    sphere bounds; /* around the splats of asset */
+    sphere bounds; /* around the splats */
     size_t splat_count;
 } loaded_file;
 
-/* Checks that path names a file that can be read. */
+/* ---- tileset_path.c ------------------------------------------------------------------------- */
+
+enum { MAX_PATH = 4096 };
+
+/* Tells whether path is that of a tileset, a directory or a .json file, and writes the file's name
+ * (0 where size is too small). */
+int tileset_path(const char *path, char *name, size_t size);
+
+/* Checks that path names a file that can be read, or a directory with a tileset. */
 psplat_result loader_check(const char *path, psplat_error *error);
 
 /* ---- decoded_images.c: images of files, decoded by the worker ------------------------------- */
@@ -110,9 +124,9 @@ typedef struct load {
     struct load *next;
 } load;
 
-/* wake is called on the worker's thread whenever loader_take has something to give. Returns NULL
- * where there is no memory or no thread. */
-loader *loader_create(void (*wake)(void));
+/* wake is called on the worker's thread whenever loader_take has something to give. max_bytes is
+ * for psplat_tiles_desc. Returns NULL where there is no memory or no thread. */
+loader *loader_create(void (*wake)(void), size_t max_bytes);
 /* Waits for the file that is being opened. NULL is accepted. */
 void loader_destroy(loader *l);
 
@@ -127,11 +141,31 @@ int loader_is_busy(loader *l); /* whether a new set is being opened */
 load *loader_take(loader *l);
 void load_destroy(load *l); /* NULL is accepted */
 
+/* ---- tile_reader.c: threads that read tiles ------------------------------------------------- */
+
+typedef struct tile_reader tile_reader;
+
+/* How many tiles are under way at a time. */
+enum { TILE_REQUESTS = 32 };
+
+/* path is that of the tileset. wake is called on a worker's thread whenever a tile was handed in.
+ * Returns NULL where there is no memory or no thread. */
+tile_reader *tile_reader_create(psplat_tiles *tiles, const char *path, void (*wake)(void));
+/* Waits for the tiles that are being read, before the tileset is destroyed. NULL is accepted. */
+void tile_reader_destroy(tile_reader *r);
+/* Asks the threads for what the tileset wants. */
+void tile_reader_feed(tile_reader *r);
+/* Returns whether something has been handed in since the last call. */
+int tile_reader_has_news(tile_reader *r);
+
 /* ---- shown_asset.c: the assets that are shown ----------------------------------------------- */
 
 typedef struct shown_asset {
     char *path;
-    psplat_model *model; /* NULL: never opened successfully */
+    psplat_model *model; /* NULL: never opened successfully, or a tileset */
+    psplat_tiles *tiles; /* or NULL */
+    tile_reader *reader; /* of tiles */
+    double tiles_transform[16];
     psplat_asset *asset; /* of the pose, NULL without animations */
     psplat_pose *pose;   /* NULL: at rest */
     sphere bounds;
@@ -145,8 +179,11 @@ typedef struct shown_assets {
     shown_asset *entries;
     psplat_item *items; /* one per entry with a model */
     size_t entry_count, item_count;
+    psplat_item *frame_items; /* these and those of tilesets, as the last frame has drawn them */
+    size_t frame_capacity;
     sphere bounds;
-    size_t splat_count;
+    size_t splat_count;  /* of models; those of tiles change with each frame */
+    void (*wake)(void);  /* for the threads of tilesets */
     int is_side_by_side; /* models in a row, equally large; otherwise where the files place them */
     char refused_path[256]; /* the file because of which a set was not shown, or "" */
     psplat_error refused;
@@ -162,9 +199,21 @@ void shown_assets_arrange(shown_assets *s);
 void shown_assets_clear(shown_assets *s);
 /* Returns the first error to report and the file it concerns, or NULL where there is no error. */
 const psplat_error *shown_assets_error(const shown_assets *s, const char **path);
-const char *shown_asset_name(const char *path); /* the path's last part */
+const char *shown_asset_name(const char *path);    /* the path's last part */
+int shown_assets_are_empty(const shown_assets *s); /* whether there is nothing to draw */
 /* Returns what hands the images of shown->uploading to the renderer. */
 psplat_images decoded_images(shown_assets *shown);
+
+/* ---- shown_tiles.c: the tiles of a frame ---------------------------------------------------- */
+
+int shown_tiles_exist(const shown_assets *s);
+/* Returns whether tiles have come since the last call. */
+int shown_tiles_have_news(shown_assets *s);
+/* Chooses the tiles of a view that has samples of its pixels across one of the window's, and notes
+ * their numbers in v->tiles_state, with the error in pixels of the window. *items and *count are all that is to be drawn, until the next
+ * call. Sets v->needs_redraw where the next frame would differ. */
+psplat_result shown_tiles_choose(viewer *v, const psplat_view *view, double samples,
+                                 const psplat_item **items, size_t *count, psplat_error *error);
 
 /* ---- animation.c: what plays ---------------------------------------------------------------- */
 
@@ -350,12 +399,13 @@ struct viewer {
     char message[320]; /* shown by overlay_say */
     double message_end;
     char title[512];
-    int is_title_late;            /* set too shortly ago to be set again */
-    int animation;                /* index of what plays */
-    double played;                /* its seconds so far */
-    double play_time;             /* when it last went on */
-    double title_time, turn_time; /* when the title was set and the turntable last turned */
-    double pick[2];               /* where the double click was, for orbit_aim */
+    int is_title_late;              /* set too shortly ago to be set again */
+    int animation;                  /* index of what plays */
+    double played;                  /* its seconds so far */
+    double play_time;               /* when it last went on */
+    double title_time, turn_time;   /* when the title was set and the turntable last turned */
+    psplat_tiles_state tiles_state; /* of all tilesets, in the last frame */
+    double pick[2];                 /* where the double click was, for orbit_aim */
     int has_pick;
 };
 

@@ -33,6 +33,11 @@ static const row table[] = {
     {"paused", NULL, "animations stand still until K is pressed", NULL, AT(settings.is_paused)},
     {"screenshots", "DIR", "where screenshots go; default: beside the asset", NULL,
      AT(screenshots)},
+    {"pixels", "N", "tilesets: greatest error, pixels; default: 1", NULL, AT(settings.pixels)},
+    {"max-splats", "N", "tilesets: splats drawn at most", NULL, AT(max_splats)},
+    {"max-megabytes", "N", "tilesets: tiles in memory at most; default: 512", NULL,
+     AT(max_megabytes)},
+    {"tiles", NULL, "tilesets: show numbers of tiles", NULL, AT(settings.has_tile_report)},
     {"gles", NULL, "a context of GLES 3.0 instead of GL 3.3", NULL, AT(is_gles)},
     {"help", NULL, "this text, as does -h", NULL, 0},
     {"version", NULL, "the version", NULL, 0},
@@ -66,10 +71,30 @@ static int read_choice(const row *row, const char *text, options *o) {
     return 0;
 }
 
+/* Reads an error of 0.1 to 1000 pixels. */
+static int read_pixels(const char *text, options *o) {
+    char *end;
+    o->settings.pixels = strtod(text, &end);
+    return !*end && o->settings.pixels >= 0.1 && o->settings.pixels <= 1000;
+}
+
+/* Reads a number of 1 to 999,999,999. */
+static int read_count(const row *row, const char *text, options *o) {
+    size_t length = strspn(text, "0123456789");
+    *int_at(row, o) = length && length < 10 && !text[length] ? atoi(text) : 0;
+    return *int_at(row, o) > 0;
+}
+
+static int is_count(const row *row) {
+    return row->offset == AT(max_splats) || row->offset == AT(max_megabytes);
+}
+
 static int read_value(const row *row, const char *text, options *o) {
     if (!row->placeholder) return *int_at(row, o) = 1;
     if (row->choices) return read_choice(row, text, o);
     if (row->offset == AT(width)) return read_size(text, o);
+    if (row->offset == AT(settings.pixels)) return read_pixels(text, o);
+    if (is_count(row)) return read_count(row, text, o);
     o->screenshots = text;
     return *text != 0;
 }
@@ -87,6 +112,8 @@ static parse_result refuse_value(const row *row, const char *text, psplat_error 
     char expected[200] = "WxH, pixels";
     if (row->choices) join(row->choices, expected, sizeof expected);
     if (row->offset == AT(screenshots)) snprintf(expected, sizeof expected, "a directory");
+    if (row->offset == AT(settings.pixels)) snprintf(expected, sizeof expected, "0.1 to 1000");
+    if (is_count(row)) snprintf(expected, sizeof expected, "a number from 1 on");
     psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "--%s: '%.60s' is not %s%s", row->name, text,
                 row->choices ? "one of: " : "", expected);
     return PARSE_ERROR;
@@ -131,7 +158,10 @@ void options_print_help(void) {
     printf(
         "usage: phongsplat-viewer [options] [A.glb ...]\n\n"
         "Shows Phong splats (.glb or .gltf) in a window; several files are shown together. Files\n"
-        "may be dropped onto the window. A file that changes is loaded again.\n\noptions:\n");
+        "may be dropped onto the window. A file that changes is loaded again. A tileset (3D Tiles) "
+        "is\n"
+        "a tileset.json or its directory; its tiles are read as the camera wants "
+        "them.\n\noptions:\n");
     for (int i = 0; i < OPTION_COUNT; ++i) {
         char left[60], choices[200];
         snprintf(left, sizeof left, "--%s %s", table[i].name,

@@ -51,7 +51,7 @@ static int set_up(void **state) {
     snprintf(f->missing, sizeof f->missing, "%s/missing.glb", f->directory);
     write_scene(f->cube, scene_cube(1));
     write_scene(f->ball, scene_sphere(100, 1));
-    f->loader = loader_create(wake);
+    f->loader = loader_create(wake, 0);
     assert_non_null(f->loader);
     *state = f;
     return 0;
@@ -193,7 +193,7 @@ static void test_ending_early_frees_everything(void **state) {
     fixture *f = *state;
     const char *paths[] = {f->ball, f->cube};
     for (int i = 0; i < 20; ++i) {
-        loader *l = loader_create(wake);
+        loader *l = loader_create(wake, 0);
         assert_non_null(l);
         for (int k = 0; k < i; ++k) assert_int_equal(loader_open(l, paths, 2), 1);
         loader_destroy(l);

@@ -11,7 +11,7 @@ for option in --help -h; do
     run "$VIEWER" x.glb $option
     expect_success
     expect_output '^usage: phongsplat-viewer '
-    for name in --size --mode --shading --lights --background --environment --smooth --screenshots --gles; do expect_output "^  $name"; done
+    for name in --size --mode --shading --lights --background --environment --smooth --screenshots --pixels --max-splats --max-megabytes --tiles --gles; do expect_output "^  $name"; done
     expect_output '^  F12  *save'
     [ "$(awk 'length > 100' stdout.txt | wc -l)" -eq 0 ] || fail "--help: lines over 100 columns"
 done
@@ -30,6 +30,16 @@ for option in --mode --shading --lights --background; do
     run "$VIEWER" x.glb $option
     expect_error 1 "$option: needs a value"
 done
+for pixels in 0 0.01 1001 1px nan ''; do
+    run "$VIEWER" "--pixels=$pixels"
+    expect_error 1 '--pixels: .* is not 0.1 to 1000'
+done
+for option in --max-splats --max-megabytes; do
+    for count in 0 -1 1.5 1e3 1234567890 ''; do
+        run "$VIEWER" "$option=$count"
+        expect_error 1 "$option: .* is not a number from 1 on"
+    done
+done
 run "$VIEWER" --gles=1
 expect_error 1 '--gles: takes no value'
 run "$VIEWER" --screenshots=
@@ -38,7 +48,10 @@ expect_error 1 '--screenshots: .* is not a directory'
 run "$VIEWER" missing.glb
 expect_error 2 '^phongsplat-viewer: missing.glb: No such file'
 run "$VIEWER" .
-expect_error 2 '^phongsplat-viewer: \.: is not a file'
+expect_error 2 '^phongsplat-viewer: \.: is a directory without tileset.json'
+mkdir tiles
+run "$VIEWER" tiles/tileset.json
+expect_error 2 '^phongsplat-viewer: tiles/tileset.json: No such file'
 run "$VIEWER" -- --help
 expect_error 2 '^phongsplat-viewer: --help: '
 write_cube cube.obj

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * draw_native.c - draws an asset by the C runtime with a given camera into a PPM, for comparison
+ * draw_native.c - draws assets by the C runtime with a given camera into a PPM, for comparison
  * with what a browser draws. The background is black, the light that of `phongsplat render`.
  *
- *     draw_native IN.glb OUT.ppm WIDTH HEIGHT SHADING VIEW (16 numbers) PROJECTION (16 numbers)
- *                 [ANIMATION TIME]
+ *     draw_native A.glb[,B.glb...] OUT.ppm WIDTH HEIGHT SHADING VIEW (16 numbers) PROJECTION (16
+ * numbers) [ANIMATION TIME]
  *
- * The last two are an index and seconds, and draw the asset in that pose.
+ * The last two are an index and seconds, and draw the first asset in that pose.
  */
 #include "decode_image.h"
 
@@ -17,7 +17,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FIXED_ARGUMENTS = 6, CAMERA_ARGUMENTS = FIXED_ARGUMENTS + 32, MAX_SIDE = 4096 };
+enum {
+    FIXED_ARGUMENTS = 6,
+    CAMERA_ARGUMENTS = FIXED_ARGUMENTS + 32,
+    MAX_SIDE = 4096,
+    MAX_ASSETS = 256
+};
 
 static const char *const shadings[] = {
 #define NAME(name, file, reads) #file,
@@ -73,32 +78,56 @@ static int write_ppm(const char *path, const psplat_view *view, const uint8_t *r
     return 0;
 }
 
+/* The models of the assets of a call, and what they came from. */
+typedef struct scene {
+    psplat_renderer *renderer;
+    psplat_asset *assets[MAX_ASSETS];
+    psplat_item items[MAX_ASSETS];
+    size_t count;
+    psplat_pose *pose; /* of the first one, or NULL */
+} scene;
+
+/* Opens the assets of a list that is separated by commas, which become zeros. */
+static int open_scene(scene *s, char *list, psplat_error *error) {
+    const psplat_asset_desc desc = {.only_draws = 1};
+    int result = 0;
+    for (char *path = list, *next; path && !result && s->count < MAX_ASSETS; path = next) {
+        psplat_model *model = NULL;
+        next = strchr(path, ',');
+        if (next) *next++ = 0;
+        result = psplat_asset_open(path, &desc, &s->assets[s->count], error) ||
+                 psplat_model_create(s->renderer, s->assets[s->count], &model, error);
+        s->items[s->count++].model = model;
+    }
+    return result;
+}
+
+static void close_scene(scene *s) {
+    psplat_pose_destroy(s->pose);
+    for (size_t i = 0; i < s->count; ++i) {
+        psplat_model_destroy(s->renderer, (psplat_model *)s->items[i].model);
+        psplat_asset_destroy(s->assets[i]);
+    }
+    psplat_renderer_destroy(s->renderer);
+}
+
 /* pose_arguments are an animation and a time, or NULL. */
-static int draw(const char *path, char **pose_arguments, const psplat_view *view, psplat_host *host,
+static int draw(char *list, char **pose_arguments, const psplat_view *view, psplat_host *host,
                 uint8_t *rgba, psplat_error *error) {
     const float black[4] = {0, 0, 0, 1};
-    const psplat_asset_desc asset_desc = {.only_draws = 1};
     const psplat_renderer_desc desc = {
         .get_proc = psplat_host_get_proc, .user = host, .images = decode_images()};
-    psplat_asset *asset = NULL;
-    psplat_renderer *renderer = NULL;
-    psplat_model *model = NULL;
-    psplat_pose *pose = NULL;
-    int result = psplat_asset_open(path, &asset_desc, &asset, error) ||
-                 psplat_renderer_create(&desc, &renderer, error) ||
-                 psplat_model_create(renderer, asset, &model, error) ||
+    scene s = {0};
+    int result = psplat_renderer_create(&desc, &s.renderer, error) || open_scene(&s, list, error) ||
                  psplat_host_begin(host, view->width, view->height, 0, black, error);
     if (!result && pose_arguments)
-        result =
-            psplat_pose_create(asset, &pose, error) ||
-            psplat_pose_set(pose, (size_t)atoi(pose_arguments[0]), atof(pose_arguments[1]), error);
-    const psplat_item item = {.model = model, .pose = pose};
-    result = result || psplat_draw(renderer, view, &item, 1, error) ||
+        result = psplat_pose_create(s.assets[0], &s.pose, error) ||
+                 psplat_pose_set(s.pose, (size_t)atoi(pose_arguments[0]), atof(pose_arguments[1]),
+                                 error);
+    s.items[0].pose = s.pose;
+    result = result || psplat_draw(s.renderer, view, s.items, s.count, error) ||
              psplat_host_read_rgba8(host, rgba, error);
-    if (renderer) psplat_model_destroy(renderer, model);
-    psplat_renderer_destroy(renderer);
-    psplat_pose_destroy(pose);
-    psplat_asset_destroy(asset);
+    close_scene(&s);
     return result;
 }
 
@@ -107,8 +136,9 @@ int main(int argc, char **argv) {
     psplat_view view = {0};
     psplat_host *host = NULL;
     if ((argc != CAMERA_ARGUMENTS && argc != CAMERA_ARGUMENTS + 2) || !read_view(argv, &view))
-        return fprintf(stderr, "usage: draw_native IN.glb OUT.ppm WIDTH HEIGHT SHADING VIEW "
-                               "PROJECTION [ANIMATION TIME]\n"),
+        return fprintf(stderr,
+                       "usage: draw_native A.glb[,B.glb...] OUT.ppm WIDTH HEIGHT SHADING VIEW "
+                       "PROJECTION [ANIMATION TIME]\n"),
                1;
     uint8_t *rgba = malloc((size_t)view.width * (size_t)view.height * 4);
     if (!rgba) return fprintf(stderr, "draw_native: no memory\n"), 1;

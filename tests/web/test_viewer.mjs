@@ -23,7 +23,7 @@ after(async () => {
 });
 
 async function openViewer(query) {
-    const page = await open(state.browser, `${state.server.address}/package/viewer/index.html?three=/modules/three${query}`);
+    const page = await open(state.browser, `${state.server.address}/package/viewer/index.html?three=/modules/three&tiles=/modules/3d-tiles-renderer${query}`);
     await page.setViewport({ width: 900, height: 600 });
     await page.waitForFunction('document.documentElement.dataset.ready');
     return page;
@@ -114,7 +114,7 @@ test('what is wrong with a file is said, and the page goes on', async () => {
         ['future.glb', changed.toString('base64'), /future.glb: mesh 0, primitive 0: PSPLAT_surface_splats: version 7 is not one of 1 to 4/],
         ['cut.glb', glb.subarray(0, 200).toString('base64'), /cut.glb: ./],
         ['empty.obj', Buffer.from('v 0 0 0\n').toString('base64'), /empty.obj: it holds neither splats nor triangles/],
-        ['notes.txt', 'aGVsbG8=', /notes.txt: not one of .glb, .gltf and .obj/],
+        ['notes.txt', 'aGVsbG8=', /notes.txt: not one of .glb, .gltf, .obj and tileset.json/],
     ]) {
         await drop(page, [[name, data]]);
         await page.waitForFunction((start) => !document.getElementById('error').hidden && document.getElementById('error').textContent.startsWith(start), {}, name);
@@ -127,6 +127,60 @@ test('what is wrong with a file is said, and the page goes on', async () => {
     const missing = await openViewer('&load=/files/none.glb');
     assert.match(await text(missing, 'error'), /none.glb: the server answers 404/);
     await missing.close();
+});
+
+/** Returns a tileset of two models beside each other under a coarse one. */
+function makeTileset(contents) {
+    const tile = (name, x, half, error) => ({
+        transform: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, 0, 0, 1], boundingVolume: { box: [0, 0, 0, half, 0, 0, 0, half, 0, 0, 0, half] }, geometricError: error,
+        content: { uri: `${contents}${name}.glb` },
+    });
+    const root = { ...tile('bracket', 0, 8, 0.5), refine: 'REPLACE', children: [tile('part', -4, 4, 0.01), tile('torus', 4, 4, 0.01)] };
+    return JSON.stringify({ asset: { version: '1.1' }, geometricError: 10, root });
+}
+
+const limited = /tiles versions at 1.1 or higher have limited support/;
+
+test('a tileset from an address, or dropped: tiles come as the camera and the error want them', async () => {
+    writeFileSync(join(scratch, 'tileset.json'), makeTileset('../files/'));
+    const page = await openViewer('&tileset=/scratch/tileset.json'), has = (tiles) => page.waitForFunction((n) => document.getElementById('splats').textContent.includes(` in ${n} tiles\n`), {}, tiles);
+    await has(2);
+    assert.match(await text(page, 'splats'), /tileset.json\n[\d,]+ splats in 2 tiles\n[\d,]+ bytes of tiles/);
+    const near = await covered(page);
+    assert.ok(near.counts[0] > 1500 && near.counts[1] > 1500, JSON.stringify(near));
+    await page.select('#mode', 'normal');
+    assert.notDeepEqual((await covered(page)).sums, near.sums);
+    // An error of 64 pixels is met by the coarse tile from afar.
+    await page.evaluate(() => {
+        document.getElementById('pixels').value = 64;
+        window.viewer.camera.position.multiplyScalar(3);
+        window.viewer.controls.update();
+        window.viewer.requestFrame();
+    });
+    await has(1);
+    // Dropped, with its contents; it takes the place of the first one.
+    const names = ['bracket', 'part', 'torus'].map((name) => [`${name}.glb`, base64(join(converted, `${name}.glb`))]);
+    await page.$eval('#pixels', (e) => { e.value = 1; });
+    await drop(page, [['tileset.json', Buffer.from(makeTileset('tiles/')).toString('base64')], ...names]);
+    await has(2);
+    assert.deepEqual(await covered(page).then(({ counts }) => counts.map((n) => n > 1500)), [true, true]);
+    assert.deepEqual(page.errors.filter((error) => !limited.test(error)), []);
+    // A file of splats takes the place of a tileset.
+    await drop(page, [['bracket.glb', base64(join(converted, 'bracket.glb'))]]);
+    await page.waitForFunction('document.getElementById("splats").textContent.startsWith("bracket.glb")');
+    assert.equal(await page.$eval('#tau', (e) => e.hidden), true);
+    await page.close();
+});
+
+test('a tileset that is not there, or lacks a tile, is told', async () => {
+    writeFileSync(join(scratch, 'lacking.json'), makeTileset('../files/no-').replace('no-bracket', 'bracket'));
+    const page = await openViewer('&tileset=/scratch/none.json');
+    assert.match(await text(page, 'error'), /none.json: .*404/);
+    await page.close();
+    const lacking = await openViewer('&load=/scratch/lacking.json');
+    await lacking.waitForFunction('document.getElementById("error").textContent.includes("no-")');
+    assert.match(await text(lacking, 'error'), /no-(part|torus).glb: .*404/);
+    await lacking.close();
 });
 
 test('the page in the README works as it stands', async () => {

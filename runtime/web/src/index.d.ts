@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import type { Box3, BufferGeometry, DataTexture, Group, Intersection, Material, Mesh, Object3D, RawShaderMaterial, Raycaster, WebGLRenderer } from 'three';
+import type { Box3, BufferGeometry, DataTexture, Group, Intersection, Loader, Material, Mesh, Object3D, RawShaderMaterial, Raycaster, WebGLRenderer } from 'three';
 
 /** A primitive of splats, decoded. Clones of an object share it. */
 export interface SplatBatch {
@@ -58,4 +58,31 @@ export class GLTFPhongSplats {
     beforeRoot(): null;
     loadMesh(index: number): Promise<Group | Mesh> | null;
     createNodeMesh(index: number): Promise<Group> | null;
+}
+
+/** What PhongSplatsTiles.describe() tells. */
+export interface SplatTilesState {
+    /** Tiles and splats that are shown. */
+    tiles: number;
+    splats: number;
+    /** Tiles that are queued, downloaded or decoded. */
+    waiting: number;
+    /** Bytes in the cache of the TilesRenderer, which those of a page share. */
+    bytes: number;
+}
+
+/**
+ * The plugin for TilesRenderer of 3d-tiles-renderer: `tiles.registerPlugin(new PhongSplatsTiles(loader))` shows tiles
+ * whose contents are splats, counts their textures in the cache, and frees them when they leave it.
+ */
+export class PhongSplatsTiles {
+    /** loader: a GLTFLoader with GLTFPhongSplats. pixels: the greatest error of what is drawn, `tiles.errorTarget`; 1 unless given. */
+    constructor(loader: Loader, options?: { pixels?: number });
+    readonly name: 'PSPLAT_surface_splats';
+    init(tiles: unknown): void;
+    calculateBytesUsed(tile: unknown, scene: Object3D | null): number;
+    disposeTile(tile: unknown): void;
+    dispose(): void;
+    /** Tells what the last `tiles.update()` shows. */
+    describe(): SplatTilesState;
 }

@@ -2,3 +2,4 @@
 export { GLTFPhongSplats } from './loader.js';
 export { PhongSplats } from './splats.js';
 export { SplatShadingMaterial } from './shading.js';
+export { PhongSplatsTiles } from './tiles.js';

@@ -3,6 +3,8 @@
 // viewer.js - shows splats, the mesh they come from, or both with a slider between them. The page's
 // address may hold ?load=URL and a second one, &load=URL or &source=URL, &mode=MODE, and
 // &three=DIRECTORY for a three.js of one's own. Which side a file is on follows from what it holds.
+// A tileset (3D Tiles) takes the place of the splats: ?tileset=URL, or a .json among the files, with
+// &pixels=ERROR and &tiles=DIRECTORY for a 3d-tiles-renderer of one's own.
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
@@ -10,7 +12,7 @@ import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { MTLLoader } from 'three/addons/loaders/MTLLoader.js';
 import { OBJLoader } from 'three/addons/loaders/OBJLoader.js';
-import { GLTFPhongSplats, PhongSplats, SplatShadingMaterial } from 'three-phong-splats';
+import { GLTFPhongSplats, PhongSplats, PhongSplatsTiles, SplatShadingMaterial } from 'three-phong-splats';
 
 const element = (id) => document.getElementById(id);
 const view = element('view'), slider = element('slider'), query = new URLSearchParams(location.search);
@@ -62,6 +64,7 @@ function draw() {
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
     sun.position.set(-0.5, 1.2, 0.6).applyQuaternion(camera.quaternion).multiplyScalar(controls.maxDistance || 1).add(sun.target.position);
+    if (sides.splats?.tiles) updateTiles(sides.splats);
     const hasBoth = !!(sides.source && sides.splats), border = hasBoth ? Math.round(width * slider.value) : sides.source ? width : 0;
     drawSide(sides.source, 0, border);
     drawSide(sides.splats, border, width - border);
@@ -71,7 +74,7 @@ function draw() {
 /** Moves the camera so that all is seen, and puts its planes around it. */
 function fit() {
     const box = new THREE.Box3();
-    for (const side of Object.values(sides)) if (side) box.union(new THREE.Box3().setFromObject(side.root));
+    for (const side of Object.values(sides)) if (side) box.union(side.tiles ? boxOfTiles(side) : new THREE.Box3().setFromObject(side.root));
     if (box.isEmpty()) return;
     const sphere = box.getBoundingSphere(new THREE.Sphere()), half = THREE.MathUtils.degToRad(0.5 * camera.fov);
     const distance = sphere.radius / Math.sin(Math.atan(Math.tan(half) * Math.min(1, view.clientWidth / view.clientHeight)));
@@ -87,14 +90,20 @@ function fit() {
 
 // ---- modes -----------------------------------------------------------------------------------
 
-function setMode() {
+function setModeOf(root) {
     const mode = element('mode').value;
-    sides.splats?.root.traverse((object) => {
+    root.traverse((object) => {
         if (!object.isPhongSplats) return;
         object.userData.material ??= object.material;
         if (object.material.isSplatShading) object.material.dispose();
         object.material = mode === 'three' ? object.userData.material : new SplatShadingMaterial(mode);
     });
+}
+
+function setMode() {
+    const mode = element('mode').value;
+    if (sides.splats?.tiles) sides.splats.tiles.forEachLoadedModel(setModeOf);
+    else if (sides.splats) setModeOf(sides.splats.root);
     scene.overrideMaterial = null;
     sides.source?.root.traverse((object) => {
         if (!object.isMesh) return;
@@ -167,6 +176,7 @@ function count(root) {
 
 function free(side) {
     side.root.removeFromParent();
+    if (side.tiles) return side.tiles.dispose();
     side.root.traverse((object) => {
         if (object.isPhongSplats) object.dispose();
         else object.geometry?.dispose();
@@ -180,21 +190,33 @@ async function show(name, buffer, path, files) {
     const lights = [];
     root.traverse((object) => object.isLight && lights.push(object));
     for (const light of lights) light.removeFromParent();
-    if (sides[which]) free(sides[which]);
-    root.traverse((object) => { if (object.isPhongSplats) object.material.alphaToCoverage = true; }); // smooth outlines, as the mesh has them
-    sides[which] = { root, name };
-    scene.add(root);
+    smooth(root);
+    put(which, { root, name });
     const things = splats ? `${splats.toLocaleString('en')} splats` : `${triangles.toLocaleString('en')} triangles`;
     element(which).textContent = `${name}\n${buffer.byteLength.toLocaleString('en')} bytes\n${things}`;
+}
+
+/** Smooths outlines, as the mesh has them. */
+function smooth(root) {
+    root.traverse((object) => { if (object.isPhongSplats) object.material.alphaToCoverage = true; });
+}
+
+/** Puts what was loaded on a side, in place of what is there. */
+function put(which, side) {
+    if (sides[which]) free(sides[which]);
+    sides[which] = side;
+    scene.add(side.root);
     slider.hidden = element('divider').hidden = !(sides.source && sides.splats);
+    element('tau').hidden = !sides.splats?.tiles;
     element('hint').hidden = true;
 }
 
 async function showAll(entries, files) {
     fail('');
-    for (const { name, load, path } of entries) {
+    for (const { name, load, path, url } of entries) {
         try {
-            await show(name, await load(), path, files);
+            if (url) await showTileset(name, url, files);
+            else await show(name, await load(), path, files);
         } catch (error) {
             console.info(error);
             fail(`${name}: ${error.message}`);
@@ -205,8 +227,9 @@ async function showAll(entries, files) {
 }
 
 function openFiles(list) {
-    const files = new Map([...list].map((file) => [file.name, file])), models = [...list].filter((file) => /\.(glb|gltf|obj)$/i.test(file.name));
-    if (!models.length) return fail(`${[...files.keys()].join(', ')}: not one of .glb, .gltf and .obj`);
+    const files = new Map([...list].map((file) => [file.name, file])), models = [...list].filter((file) => /\.(glb|gltf|obj)$/i.test(file.name)), tileset = findTileset(list);
+    if (tileset) return showAll([tileset], files);
+    if (!models.length) return fail(`${[...files.keys()].join(', ')}: not one of .glb, .gltf, .obj and tileset.json`);
     return showAll(models.map((file) => ({ name: file.name, load: () => file.arrayBuffer(), path: '' })), files);
 }
 
@@ -216,11 +239,87 @@ async function fetchBytes(url) {
     return response.arrayBuffer();
 }
 
-function openAddresses(addresses) {
+function openAddresses(addresses, tilesets) {
     return showAll(addresses.map((address) => {
         const url = new URL(address, location.href);
+        if (tilesets.includes(address) || /\.json$/i.test(url.pathname)) return { name: tilesetName(url), url: url.href };
         return { name: decodeURIComponent(url.pathname.split('/').pop()), load: () => fetchBytes(url), path: new URL('.', url).href };
     }), new Map());
+}
+
+// ---- tilesets --------------------------------------------------------------------------------
+
+/** Where the contents of dropped folders seem to be. */
+const DROPPED = new URL('dropped/', location.href).href;
+
+/** @returns the name of a tileset's directory where the file has none of its own. */
+function tilesetName(url) {
+    const [directory, file] = decodeURIComponent(url.pathname).split('/').slice(-2);
+    return file === 'tileset.json' && directory ? `${directory}/${file}` : file;
+}
+
+/** @returns what showAll() takes for the outermost tileset.json of a list of files, or undefined. */
+function findTileset(list) {
+    const paths = [...list].map((file) => file.relativePath ?? file.webkitRelativePath ?? file.name).map((path, k) => path || list[k].name);
+    const [path] = paths.filter((path) => /(^|[/])tileset\.json$/i.test(path)).sort((a, b) => a.split('/').length - b.split('/').length);
+    return path === undefined ? undefined : { name: path, url: DROPPED + path };
+}
+
+/** The plugin that reads tiles from files that were dropped. */
+class DroppedFiles {
+    constructor(files) {
+        this.files = files;
+    }
+
+    async fetchData(url) {
+        if (!url.startsWith(DROPPED)) return fetch(url);
+        const file = this.files.get(decodeURIComponent(url.slice(url.lastIndexOf('/') + 1)));
+        return file ? new Response(file) : new Response(null, { status: 404, statusText: 'not among the files' });
+    }
+}
+
+/** Opens a tileset; its tiles come as the camera wants them. */
+async function showTileset(name, url, files) {
+    const { TilesRenderer } = await import('3d-tiles-renderer/three').catch(() => { throw new Error('tilesets need the package 3d-tiles-renderer'); });
+    const tiles = new TilesRenderer(url), loader = loadersFor(files).gltf, plugin = new PhongSplatsTiles(loader, { pixels: Number(element('pixels').value) });
+    tiles.registerPlugin(plugin);
+    if (files.size) tiles.registerPlugin(new DroppedFiles(files));
+    tiles.group.rotation.x = -Math.PI / 2; // 3D Tiles have z up
+    tiles.setCamera(camera);
+    tiles.addEventListener('needs-update', requestFrame);
+    tiles.addEventListener('load-error', ({ url, error }) => fail(`${String(url).split('/').pop()}: ${error.message}`));
+    tiles.addEventListener('load-model', ({ scene: root }) => {
+        smooth(root);
+        setModeOf(root);
+    });
+    tiles.addEventListener('dispose-model', ({ scene: root }) => root.traverse((object) => { if (object.material?.isSplatShading) object.material.dispose(); }));
+    const root = new Promise((resolve, reject) => {
+        tiles.addEventListener('load-root-tileset', resolve);
+        tiles.addEventListener('load-error', ({ tile, error }) => tile ?? reject(error));
+    });
+    tiles.setResolution(camera, 1, 1);
+    tiles.update();
+    await root;
+    put('splats', { root: tiles.group, name, tiles, plugin });
+}
+
+function boxOfTiles({ tiles, root }) {
+    const box = new THREE.Box3();
+    tiles.getBoundingBox(box);
+    root.updateMatrixWorld();
+    return box.applyMatrix4(root.matrixWorld);
+}
+
+/** Chooses the tiles of a frame, and says which they are. */
+function updateTiles({ tiles, plugin, name, root }) {
+    const size = renderer.getDrawingBufferSize(new THREE.Vector2());
+    camera.updateMatrixWorld();
+    root.updateMatrixWorld();
+    tiles.errorTarget = Number(element('pixels').value) || 1;
+    tiles.setResolution(camera, size.x, size.y);
+    tiles.update();
+    const seen = plugin.describe();
+    element('splats').textContent = `${name}\n${seen.splats.toLocaleString('en')} splats in ${seen.tiles} tiles${seen.waiting ? `, ${seen.waiting} to come` : ''}\n${seen.bytes.toLocaleString('en')} bytes of tiles`;
 }
 
 // ---- the distance under the pointer ----------------------------------------------------------
@@ -244,6 +343,7 @@ element('open').addEventListener('click', () => element('file').click());
 element('file').addEventListener('change', (event) => openFiles(event.target.files));
 element('fit').addEventListener('click', fit);
 element('mode').addEventListener('change', setMode);
+element('pixels').addEventListener('input', requestFrame);
 slider.addEventListener('input', requestFrame);
 renderer.domElement.addEventListener('pointermove', hover);
 renderer.domElement.addEventListener('webglcontextrestored', () => {
@@ -258,11 +358,23 @@ view.addEventListener('dragleave', () => view.classList.remove('over'));
 view.addEventListener('drop', (event) => {
     event.preventDefault();
     view.classList.remove('over');
-    openFiles(event.dataTransfer.files);
+    const entries = [...event.dataTransfer.items].map((item) => item.webkitGetAsEntry?.()).filter((entry) => entry);
+    if (!entries.some((entry) => entry.isDirectory)) return openFiles(event.dataTransfer.files);
+    return Promise.all(entries.map(filesOf)).then((files) => openFiles(files.flat()));
 });
 new ResizeObserver(requestFrame).observe(view);
 addEventListener('pagehide', () => PhongSplats.disposeTargets(renderer));
 
+/** @returns all files of a dropped folder, which have their paths as relativePath. */
+async function filesOf(entry) {
+    const ask = (f) => new Promise((resolve, reject) => { f(resolve, reject); });
+    if (entry.isFile) return [Object.assign(await ask((resolve, reject) => entry.file(resolve, reject)), { relativePath: entry.fullPath.slice(1) })];
+    const reader = entry.createReader(), files = [];
+    for (let some; (some = await ask((resolve, reject) => reader.readEntries(resolve, reject))).length;) files.push(...(await Promise.all(some.map(filesOf))).flat());
+    return files;
+}
+
+if (query.has('pixels')) element('pixels').value = query.get('pixels');
 if (query.has('mode')) element('mode').value = query.get('mode');
 /** @returns the files that page.mjs has put into the page. */
 function filesInPage() {
@@ -272,9 +384,9 @@ function filesInPage() {
     });
 }
 
-const addresses = [...query.getAll('load'), ...query.getAll('source')];
+const tilesets = query.getAll('tileset'), addresses = [...tilesets, ...query.getAll('load'), ...query.getAll('source')];
 const inPage = filesInPage();
-await (inPage.length ? openFiles(inPage) : addresses.length ? openAddresses(addresses) : draw());
+await (inPage.length ? openFiles(inPage) : addresses.length ? openAddresses(addresses, tilesets) : draw());
 /** For the console, and for scripts that drive the page. */
 window.viewer = { renderer, scene, camera, controls, sides, fit, requestFrame };
 document.documentElement.dataset.ready = 'true';
