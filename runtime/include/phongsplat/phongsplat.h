@@ -102,6 +102,8 @@ typedef struct psplat_batch {
     size_t splat_count;               /* >= 1 */
     uint32_t clip_count;              /* clip lines of every splat in this batch, 0 ... 4 */
     uint32_t primitive;               /* batches with the same number share their splats */
+    uint32_t level;      /* of detail, at which the batch is drawn first; 0 is the finest. Where a */
+    uint32_t last_level; /* mesh has fewer levels than others, its coarsest stands for the rest */
     double model[16]; /* affine transform from object space to the scene, composed in double */
     psplat_kernel kernel;
     float depth_tolerance; /* depthTolerance of spec 5.3, in the units of psplat_splat.center */
@@ -138,11 +140,30 @@ PSPLAT_EXPORT psplat_result psplat_asset_open_memory(const void *data, size_t si
 /* Frees an asset with all of its batches. NULL is accepted. */
 PSPLAT_EXPORT void psplat_asset_destroy(psplat_asset *asset);
 
-/* Return the number of batches and one of them, in drawing order: those without clip lines come
- * first (BSK04 section 4.1). A batch is valid until the asset is destroyed. An asset that is NULL
- * has no batches, and psplat_asset_batch returns NULL where index is not below the number. */
+/* Return the number of batches of the finest level and one batch, in drawing order: those without
+ * clip lines come first (BSK04 section 4.1). A batch is valid until the asset is destroyed. Batches
+ * of coarser levels (psplat_asset_level_count) follow, level by level; psplat_asset_all_batch_count
+ * counts them too. An asset that is NULL has no batches, and psplat_asset_batch returns NULL where
+ * index is not below the number of all. */
 PSPLAT_EXPORT size_t psplat_asset_batch_count(const psplat_asset *asset);
+PSPLAT_EXPORT size_t psplat_asset_all_batch_count(const psplat_asset *asset);
 PSPLAT_EXPORT const psplat_batch *psplat_asset_batch(const psplat_asset *asset, size_t index);
+
+/* A level of detail of an asset: by how much it differs from the surface that the finest one was
+ * made of (spec 3.13), where that is worst among the meshes of the scene. Errors are 0 where the
+ * file states none. */
+typedef struct psplat_level {
+    double distance;    /* proven, both ways, scene units */
+    double normal;      /* root mean square, degrees */
+    double outline;     /* mean distance between outlines from all sides, scene units */
+    size_t splat_count; /* of its batches */
+} psplat_level;
+
+/* Return the number of levels of detail and one of them; 0 is the finest. Most files have one. An
+ * asset that is NULL has none, and psplat_asset_get_level returns NULL where index is not below the
+ * number. What a level shows are the batches with psplat_batch.level <= index <= last_level. */
+PSPLAT_EXPORT size_t psplat_asset_level_count(const psplat_asset *asset);
+PSPLAT_EXPORT const psplat_level *psplat_asset_get_level(const psplat_asset *asset, size_t index);
 
 /* An image that materials of splats with texture coordinates use, still encoded as PNG, JPEG or
  * whatever else the file holds (WebP, KTX 2 and DDS where EXT_texture_webp, KHR_texture_basisu or
@@ -163,7 +184,7 @@ PSPLAT_EXPORT size_t psplat_asset_image_count(const psplat_asset *asset);
 PSPLAT_EXPORT const psplat_asset_image *psplat_asset_get_image(const psplat_asset *asset,
                                                                size_t index);
 
-/* Computes an axis-aligned box around all batches in scene space, at rest. */
+/* Computes an axis-aligned box around all batches of the finest level in scene space, at rest. */
 PSPLAT_EXPORT void psplat_asset_bounds(const psplat_asset *asset, double min[3], double max[3]);
 
 /* ---- animations ------------------------------------------------------------------------- */
@@ -312,9 +333,11 @@ PSPLAT_EXPORT void psplat_model_destroy(psplat_renderer *renderer, psplat_model 
 
 /* Numbers about a model. */
 typedef struct psplat_model_info {
-    size_t splat_count; /* that are drawn: the splats of a mesh count once for each of its nodes */
-    size_t batch_count;
-    size_t bytes; /* of its textures, a part of psplat_memory.models */
+    size_t splat_count; /* that are drawn of the finest level: the splats of a mesh count once for
+                           each of its nodes */
+    size_t batch_count; /* of the finest level */
+    size_t bytes;       /* of the textures of all levels, a part of psplat_memory.models */
+    size_t level_count; /* as psplat_asset_level_count */
 } psplat_model_info;
 
 /* Returns the numbers of a model, or zeros where model is NULL. */
@@ -531,6 +554,8 @@ typedef struct psplat_item {
     psplat_model *model;
     double transform[16];
     const psplat_pose *pose; /* of the model's asset; NULL: at rest */
+    uint32_t level; /* of detail; 0: the finest. One that the model has not stands for its coarsest.
+                       psplat_model_choose_level finds one that looks right */
 } psplat_item;
 
 /* Draws items into the framebuffer that is bound for drawing, which may have any colour and depth
