@@ -15,11 +15,13 @@
 #include "export/fallback_mesh.h"
 #include "export/glb_writer.h"
 #include "export/khr_gaussians.h"
+#include "export/mesh_levels.h"
 #include "export/meshopt_codec.h"
 #include "import/read_scene.h"
 #include "material/shrink_images.h"
 #include "pipeline/budget.h"
 #include "pipeline/convert_scene.h"
+#include "pipeline/levels.h"
 #include "scene/instances.h"
 #include "scene/scene.h"
 #include "select/conversion.h"
@@ -47,8 +49,10 @@ typedef struct arguments {
     double normal_tolerance, color_tolerance;
     double crease_angle;
     uint64_t seed;
-    int splats, bytes; /* budgets, or 0 */
-    int effort;        /* as in psplat_convert_desc */
+    int splats, bytes;         /* budgets, or 0 */
+    const char *levels;        /* as given, or NULL */
+    psplat_levels_desc wanted; /* what it means */
+    int effort;                /* as in psplat_convert_desc */
     int no_creases;
     int constant_normals;
     int planar;
@@ -73,6 +77,7 @@ typedef struct product {
     psplat_scene_report report;
     psplat_fallback_mesh *fallbacks; /* by mesh of the scene, or NULL */
     psplat_gaussian **gaussians;     /* by mesh of the scene, or NULL */
+    psplat_mesh_levels *levels;      /* by mesh of the scene, or NULL */
     uint8_t *bytes;
     size_t size;
     psplat_page page; /* what --html takes */
@@ -95,6 +100,29 @@ static int parse_precision(arguments *a) {
            a->position_precision <= PSPLAT_GREATEST_PRECISION;
 }
 
+/* Reads --levels: a number of levels, or tolerances of the coarser ones, separated by commas. A
+ * single tolerance has its percent sign. Returns 0 where it is neither. */
+static int parse_levels(arguments *a) {
+    const char *text = a->levels;
+    char *end = NULL;
+    if (!strpbrk(text, ",%")) {
+        unsigned long most = strtoul(text, &end, 10);
+        a->wanted.most = *text >= '0' && *text <= '9' && !*end ? (size_t)most : 0;
+        return a->wanted.most >= 2 && a->wanted.most <= PSPLAT_MOST_LEVELS;
+    }
+    for (size_t i = 0; i + 1 < PSPLAT_MOST_LEVELS; ++i) {
+        double tolerance = strtod(text, &end);
+        if (end == text || !(tolerance > (i ? a->wanted.tolerances[i - 1] : 0)) || tolerance > 20)
+            return 0;
+        a->wanted.tolerances[i] = tolerance;
+        a->wanted.most = i + 2;
+        text = *end == '%' ? end + 1 : end;
+        if (!*text) return 1;
+        if (*text++ != ',') return 0;
+    }
+    return 0;
+}
+
 enum { FALLBACK_POINTS, FALLBACK_MESH };
 static const char *const fallback_names[] = {"points", "mesh", NULL};
 
@@ -110,6 +138,11 @@ static psplat_parse check_combination(arguments *a) {
     if (a->bytes && a->gaussian) return refuse("gaussian", "not together with bytes");
     if (a->bytes && a->fallback == FALLBACK_MESH)
         return refuse("fallback mesh", "not together with bytes");
+    if (a->levels && a->bytes) return refuse("levels", "not together with bytes");
+    if (a->levels && !parse_levels(a))
+        return refuse("levels",
+                      "neither a number of 2 to 16 nor rising tolerances up to 20 %, such "
+                      "as 1%,2%,4%");
     if (a->textures == TEXTURES_BAKE && a->texture_tolerance > 0)
         return refuse("texture-tolerance", "not together with textures bake");
     if (a->textures == TEXTURES_BAKE && a->texture_size)
@@ -159,6 +192,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "bytes", PSPLAT_OPTION_COUNT, &a->bytes, "N",
          "find the smallest tolerance whose OUT.glb has at most N\nbytes with its images: a budget",
          1, 2e9, NULL},
+        {0, "levels", PSPLAT_OPTION_TEXT, &a->levels, "N|LIST",
+         "levels of detail: at most N in all, each with twice the\ntolerance, until some 32 splats "
+         "are left; or the tolerances\nof the coarser ones, such as 1%,2%,4%",
+         0, 0, NULL},
         psplat_option_shared("effort", &a->effort),
         psplat_option_shared("crease-angle", &a->crease_angle),
         psplat_option_shared("no-creases", &a->no_creases),
@@ -340,6 +377,14 @@ static psplat_result add_alternatives(const arguments *a, product *p, psplat_err
     return result;
 }
 
+static psplat_result add_levels(const arguments *a, psplat_progress *progress, product *p,
+                                psplat_error *error) {
+    const psplat_convert_desc desc = describe(a, progress);
+    if (!a->levels) return PSPLAT_OK;
+    return psplat_scene_levels(&p->scene, &desc, &a->wanted, p->splats, &p->report, &p->levels,
+                               error);
+}
+
 static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     psplat_progress progress = psplat_progress_begin(a->quiet || a->no_progress);
     char *name = model_name(a->input);
@@ -350,7 +395,9 @@ static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     if (!result && a->texture_size)
         result = psplat_images_shrink(&p->scene.materials, (uint32_t)a->texture_size, error);
     if (!result) result = convert(a, &written, &progress, p, error);
+    if (!result) result = add_levels(a, &progress, p, error);
     if (!result) result = add_alternatives(a, p, error);
+    written.levels = p->levels;
     written.fallbacks = p->fallbacks;
     written.gaussians = (const psplat_gaussian *const *)p->gaussians;
     psplat_progress_show(&progress, "writing", 0);
@@ -453,6 +500,7 @@ static void print_warnings(const arguments *a, const psplat_scene *scene) {
 static void free_product(product *p) {
     psplat_scene_fallback_meshes_free(&p->scene, p->fallbacks);
     psplat_scene_gaussians_free(&p->scene, p->gaussians);
+    psplat_mesh_levels_free(&p->scene, p->levels);
     psplat_scene_splats_free(&p->scene, p->splats);
     free(p->splats);
     psplat_scene_free(&p->scene);

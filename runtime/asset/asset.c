@@ -78,30 +78,30 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf,
     if (asset->rig_nodes)
         asset->rig_nodes[asset->batch_count] = asset->rig.index_of[node - gltf->nodes];
     psplat_batch *batch = &asset->batches[asset->batch_count++];
-    *batch = (psplat_batch){.splats = set->splats,
-                            .finishes = set->finishes,
-                            .texcoords = set->texcoords,
-                            .splat_count = set->count,
-                            .clip_count = set->clip_count,
-                            .primitive = (uint32_t)placed->set,
-                            .level = (uint32_t)placed->level,
-                            .last_level = (uint32_t)(placed->is_last ? asset->level_count - 1
-                                                                     : placed->level),
-                            .kernel = set->kernel,
-                            .depth_tolerance = set->depth_tolerance,
-                            .material = *set->material,
-                            .has_color = set->has_color,
-                            .has_gamma = set->has_gamma,
-                            .is_curved = set->is_curved,
-                            .has_shape = set->has_shape,
-                            .has_bends = set->has_bends,
-                            .has_color_gradient = set->has_color_gradient,
-                            .has_surface = set->has_surface,
-                            .has_emissive = set->has_emissive,
-                            .has_texcoord = set->has_texcoord,
-                            .has_texcoord_bend = set->has_texcoord_bend,
-                            .attributes = set->attributes,
-                            .attribute_count = set->attribute_count};
+    *batch = (psplat_batch){
+        .splats = set->splats,
+        .finishes = set->finishes,
+        .texcoords = set->texcoords,
+        .splat_count = set->count,
+        .clip_count = set->clip_count,
+        .primitive = (uint32_t)placed->set,
+        .level = (uint32_t)placed->level,
+        .last_level = (uint32_t)(placed->is_last ? asset->level_count - 1 : placed->level),
+        .kernel = set->kernel,
+        .depth_tolerance = set->depth_tolerance,
+        .material = *set->material,
+        .has_color = set->has_color,
+        .has_gamma = set->has_gamma,
+        .is_curved = set->is_curved,
+        .has_shape = set->has_shape,
+        .has_bends = set->has_bends,
+        .has_color_gradient = set->has_color_gradient,
+        .has_surface = set->has_surface,
+        .has_emissive = set->has_emissive,
+        .has_texcoord = set->has_texcoord,
+        .has_texcoord_bend = set->has_texcoord_bend,
+        .attributes = set->attributes,
+        .attribute_count = set->attribute_count};
     place_batch(asset, asset->batch_count - 1, node->world, batch->model);
     for (size_t l = batch->level; l <= batch->last_level; ++l)
         asset->levels[l].splat_count += batch->splat_count;
@@ -136,10 +136,9 @@ static psplat_result count_batches(const psplat_gltf *gltf, size_t *count) {
         for (size_t level = 0; level < level_count_of(mesh); ++level) {
             *count += sets_at(gltf, mesh, level)->set_count;
             if (*count > MAX_BATCHES)
-                return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED,
-                                   psplat_gltf_offset(gltf, node->json),
-                                   "the nodes place more than %d primitives of splats",
-                                   MAX_BATCHES);
+                return psplat_fail(
+                    gltf->error, PSPLAT_ERROR_UNSUPPORTED, psplat_gltf_offset(gltf, node->json),
+                    "the nodes place more than %d primitives of splats", MAX_BATCHES);
         }
     }
     if (*count) return PSPLAT_OK;

@@ -65,8 +65,7 @@ static psplat_result read_errors(const level_list *l, const psplat_json_value *m
     psplat_result result = read_error(l, members[DISTANCE], names[DISTANCE], HUGE_VAL,
                                       before->distance, &level->distance);
     if (!result)
-        result =
-            read_error(l, members[NORMAL], names[NORMAL], 180, before->normal, &level->normal);
+        result = read_error(l, members[NORMAL], names[NORMAL], 180, before->normal, &level->normal);
     if (!result)
         result = read_error(l, members[OUTLINE], names[OUTLINE], HUGE_VAL, before->outline,
                             &level->outline);
@@ -78,8 +77,7 @@ static psplat_result read_place(const level_list *l, const psplat_json_value *me
                                 psplat_mesh_level *level) {
     const psplat_json *json = &l->gltf->json;
     level->scale = 1;
-    psplat_result result =
-        psplat_json_number(json, members[SCALE], names[SCALE], &level->scale);
+    psplat_result result = psplat_json_number(json, members[SCALE], names[SCALE], &level->scale);
     if (!result && !(level->scale > 0))
         result = fail(l, members[SCALE], PSPLAT_ERROR_RANGE, "has a scale that is not above 0");
     if (!result && members[TRANSLATION])
@@ -122,8 +120,7 @@ static psplat_result read_mesh(const level_list *l, psplat_json_value value,
 
 static psplat_result read_level(const level_list *l, psplat_mesh_level *level) {
     psplat_json_value members[MEMBERS];
-    psplat_result result =
-        psplat_json_members(&l->gltf->json, l->element, names, MEMBERS, members);
+    psplat_result result = psplat_json_members(&l->gltf->json, l->element, names, MEMBERS, members);
     if (!result) result = read_mesh(l, members[MESH], level);
     if (!result) result = read_errors(l, members, l->index ? level - 1 : NULL, level);
     if (!result && !l->index && (members[SCALE] || members[TRANSLATION]))

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * matrix.h - 4 x 4 matrices of doubles: product, inverse, normal matrix, stretch, orthonormal basis. All are
- * column-major (m[column * 4 + row]) and act on column vectors. An output may not overlap an input.
+ * matrix.h - 4 x 4 matrices of doubles: product, inverse, normal matrix, stretch, orthonormal
+ * basis. All are column-major (m[column * 4 + row]) and act on column vectors. An output may not
+ * overlap an input.
  */
 #ifndef PHONGSPLAT_CORE_MATRIX_H
 #define PHONGSPLAT_CORE_MATRIX_H
