@@ -31,6 +31,7 @@
 #include <phongsplat/phongsplat.h>
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -435,6 +436,29 @@ static int is_standard_output(const char *path) {
            there.st_ino == here.st_ino;
 }
 
+/* Prints a line about each coarser level: the splats of all meshes that have it, and their greatest
+ * errors. */
+static void print_levels(const arguments *a, const product *p) {
+    for (size_t l = 1; l < PSPLAT_MOST_LEVELS; ++l) {
+        size_t splats = 0;
+        double tolerance = 0, distance = 0, normal = 0, outline = 0;
+        for (size_t i = 0; i < p->scene.mesh_count; ++i) {
+            const psplat_mesh_level_splats *level = &p->levels[i].list[l];
+            if (l >= p->levels[i].count) continue;
+            double percent = 100 / p->report.meshes[i].diagonal;
+            splats += level->splats.count;
+            tolerance = fmax(tolerance, level->tolerance);
+            distance = fmax(distance, percent * level->distance);
+            normal = fmax(normal, level->normal);
+            outline = fmax(outline, percent * level->outline);
+        }
+        if (!splats) return;
+        printf("%s: level %zu: %zu splats, tolerance %.3g %%, distance %.3g %%, rms normal %.3g "
+               "degrees, outline %.3g %%\n",
+               a->output, l, splats, tolerance, distance, normal, outline);
+    }
+}
+
 /* Prints the summary, unless standard output takes a file. */
 static void print_summary(const arguments *a, const product *p) {
     const psplat_report *r = &p->report.total;
@@ -445,6 +469,7 @@ static void print_summary(const arguments *a, const product *p) {
            "degrees, %zu of %zu samples uncovered, %.2f s\n",
            a->output, r->splats, r->bytes, r->max_distance_percent, r->tolerance_percent,
            r->rms_normal_degrees, r->uncovered_samples, r->verification_samples, r->seconds);
+    if (p->levels) print_levels(a, p);
     if (a->html) printf("%s: %zu bytes with the viewer\n", a->html, p->page_size);
 }
 

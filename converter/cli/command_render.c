@@ -41,7 +41,7 @@ typedef struct arguments {
     int size[2];
     psplat_viewpoint viewpoint;
     int mode, shading;
-    int shadows, no_filter;
+    int shadows, no_filter, level;
     float background[4]; /* sRGB-encoded */
     int supersample;
     int software;
@@ -92,6 +92,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "shadows", PSPLAT_OPTION_FLAG, &a->shadows, NULL, "the light casts shadows", 0, 0,
          NULL},
         psplat_option_shared("no-filter", &a->no_filter),
+        {0, "level", PSPLAT_OPTION_COUNT, &a->level, "N",
+         "level of detail, 0 is the finest (default 0); the coarsest\nwhere the asset has not so "
+         "many",
+         0, 1e6, NULL},
         {0, "background", PSPLAT_OPTION_COLOR, a->background, "COLOR",
          "RRGGBB, R,G,B or transparent (default FFFFFF)", 0, 0, NULL},
         {0, "time", PSPLAT_OPTION_NUMBER, &a->time, "S",
@@ -164,7 +168,7 @@ static psplat_view whole_view(const arguments *a, const scene *s) {
 }
 
 static psplat_result draw_scene(scene *s, const psplat_view *view, psplat_error *error) {
-    const psplat_item item = {.model = s->model, .pose = s->pose};
+    const psplat_item item = {.model = s->model, .pose = s->pose, .level = (uint32_t)a->level};
     if (s->asset) return psplat_draw(s->renderer, view, &item, 1, error);
     return psplat_mesh_renderer_draw(s->mesh_renderer, view, PSPLAT_MESH_RENDERER_LIGHT, error);
 }
@@ -318,6 +322,7 @@ static const char *option_of_splats(const arguments *a) {
     if (a->shadows) return "shadows";
     if (!isnan(a->time)) return "time";
     if (a->animation) return "animation";
+    if (a->level) return "level";
     return a->no_filter ? "no-filter" : NULL;
 }
 

@@ -18,7 +18,8 @@
  *     --csv FILE                 all measurements
  *
  * Both are files as a user would have them: convert's, and those of gltfpack -cc -sv -se 1 -si
- * RATIO. Bytes are without those of images, which levels share. Pictures are those of `phongsplat
+ * RATIO. Bytes are without those of images, which levels share. A mesh that gltfpack gets with its
+ * images and without normals has those that our reader makes. Pictures are those of `phongsplat
  * compare`: 12 views, in each of which the source's bounding sphere fills the picture, against the
  * source at the same size, one sample a pixel. The outline is the pixels that are missing or too
  * much, in percent of those that the source covers.
@@ -168,10 +169,11 @@ static void write_obj(const psplat_source_mesh *mesh, const char *path) {
 }
 
 /* Returns the file that gltfpack reads: the model, or the same triangles with the normals that the
- * converter sees. */
+ * converter sees. Models with images are read as they are, since the triangles alone have none. */
 static const char *input_of(bench *b) {
     psplat_error error;
-    if (psplat_gltfpack_reads(b->path) && b->context.mesh.corner_normals) return b->path;
+    int is_whole = b->context.mesh.corner_normals || b->image_bytes > 0;
+    if (psplat_gltfpack_reads(b->path) && is_whole) return b->path;
     check(psplat_sweep_context_source_mesh(&b->context, &error), &error);
     write_obj(b->context.source_mesh, b->files[SOURCE]);
     return b->files[SOURCE];
@@ -182,18 +184,17 @@ static int compare_bytes(const void *left, const void *right) {
     return a->bytes < b->bytes ? -1 : a->bytes > b->bytes;
 }
 
-/* Makes the meshes. Images lie in gltfpack's files where they lie in the source. */
+/* Makes the meshes. gltfpack puts the images of what it reads into its files. */
 static void pack_all(bench *b) {
     static const char *const cc[] = {"-cc", NULL};
-    const char *input = input_of(b), *dot = strrchr(input, '.');
-    double images = dot && !strcmp(dot, ".glb") ? b->image_bytes : 0;
+    const char *input = input_of(b);
     psplat_error error;
     b->mesh_count = 0;
     for (size_t i = 0; i < b->set.ratios.count; ++i) {
         point p = {.setting = b->set.ratios.values[i]};
         check(psplat_gltfpack_run(&b->gltfpack, input, p.setting, cc, b->files[PACKED], &error),
               &error);
-        p.bytes = bytes_of(b->files[PACKED]) - images;
+        p.bytes = bytes_of(b->files[PACKED]) - b->image_bytes;
         if (!measure(b, b->files[PACKED], PSPLAT_COMPETITOR_GLTFPACK, &p)) continue;
         record(b, "mesh", &p);
         b->meshes[b->mesh_count++] = p;
@@ -358,9 +359,13 @@ static int take(options *set, const char *name, const char *value) {
 }
 
 static options parse(int argc, char **argv) {
-    static const char *const defaults[] = {
-        "stanford-bunny.obj", "armadillo.obj", "rocker-arm.obj", "Duck.glb",
-        "spot/spot.obj",      "fandisk.obj",   PSPLAT_SOURCE_DIR "/samples/models/part.obj"};
+    static const char *const defaults[] = {"stanford-bunny.obj",
+                                           "armadillo.obj",
+                                           "rocker-arm.obj",
+                                           "Duck.glb",
+                                           "spot/spot.obj",
+                                           "fandisk.obj",
+                                           PSPLAT_SOURCE_DIR "/samples/models/part.obj"};
     const char *folder = getenv("PSPLAT_BENCH_MODELS");
     options set = {.phongsplat = PSPLAT_PROGRAM,
                    .folder = folder ? folder : PSPLAT_SOURCE_DIR "/../shared/models",
