@@ -53,6 +53,7 @@ typedef struct arguments {
     int splats, bytes;         /* budgets, or 0 */
     const char *levels;        /* as given, or NULL */
     psplat_levels_desc wanted; /* what it means */
+    int level_textures;        /* index into texture_names */
     int effort;                /* as in psplat_convert_desc */
     int no_creases;
     int constant_normals;
@@ -139,6 +140,8 @@ static psplat_parse check_combination(arguments *a) {
     if (a->bytes && a->gaussian) return refuse("gaussian", "not together with bytes");
     if (a->bytes && a->fallback == FALLBACK_MESH)
         return refuse("fallback mesh", "not together with bytes");
+    if (a->level_textures && !a->levels)
+        return refuse("level-textures", "only together with levels");
     if (a->levels && a->bytes) return refuse("levels", "not together with bytes");
     if (a->levels && !parse_levels(a))
         return refuse("levels",
@@ -197,6 +200,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "levels of detail: at most N in all, each with twice the\ntolerance, until some 32 splats "
          "are left; or the tolerances\nof the coarser ones, such as 1%,2%,4%",
          0, 0, NULL},
+        {0, "level-textures", PSPLAT_OPTION_CHOICE, &a->level_textures, "keep|bake",
+         "the textures of coarser levels, as --textures (default\nkeep); baked levels take about "
+         "half the bytes",
+         0, 0, texture_names},
         psplat_option_shared("effort", &a->effort),
         psplat_option_shared("crease-angle", &a->crease_angle),
         psplat_option_shared("no-creases", &a->no_creases),
@@ -380,8 +387,9 @@ static psplat_result add_alternatives(const arguments *a, product *p, psplat_err
 
 static psplat_result add_levels(const arguments *a, psplat_progress *progress, product *p,
                                 psplat_error *error) {
-    const psplat_convert_desc desc = describe(a, progress);
+    psplat_convert_desc desc = describe(a, progress);
     if (!a->levels) return PSPLAT_OK;
+    desc.bake_textures |= a->level_textures == TEXTURES_BAKE;
     return psplat_scene_levels(&p->scene, &desc, &a->wanted, p->splats, &p->report, &p->levels,
                                error);
 }

@@ -167,7 +167,8 @@ static psplat_view whole_view(const arguments *a, const scene *s) {
     return view;
 }
 
-static psplat_result draw_scene(scene *s, const psplat_view *view, psplat_error *error) {
+static psplat_result draw_scene(const arguments *a, scene *s, const psplat_view *view,
+                                psplat_error *error) {
     const psplat_item item = {.model = s->model, .pose = s->pose, .level = (uint32_t)a->level};
     if (s->asset) return psplat_draw(s->renderer, view, &item, 1, error);
     return psplat_mesh_renderer_draw(s->mesh_renderer, view, PSPLAT_MESH_RENDERER_LIGHT, error);
@@ -184,7 +185,7 @@ static psplat_result draw(const arguments *a, scene *s, const psplat_view *whole
         clear[i] =
             shows_numbers(a->shading) ? a->background[i] : psplat_linear_of_srgb(a->background[i]);
     psplat_result result = psplat_host_begin(s->host, view.width, view.height, 1, clear, error);
-    if (!result) result = draw_scene(s, &view, error);
+    if (!result) result = draw_scene(a, s, &view, error);
     if (!result) result = psplat_host_read_float(s->host, rgba, error);
     size_t samples = (size_t)view.width * (size_t)view.height;
     for (size_t i = 0; i < samples && !result && shows_numbers(a->shading); ++i)

@@ -181,10 +181,12 @@ static void add_level_place(psplat_writer *json, const psplat_dequantize_transfo
     if (is_moved) psplat_writer_numbers(json, "translation", translation, 3);
 }
 
-/* Rounds a length up to a float, so that what is proven stays so. */
-static float rounded_up(double length) {
-    float rounded = (float)length;
-    return (double)rounded < length ? nextafterf(rounded, INFINITY) : rounded;
+/* Rounds an error up to four digits, so that what is proven stays so. As a float it is written as
+ * these digits. */
+static float rounded_up(double error) {
+    if (!(error > 0)) return 0;
+    double digit = pow(10, floor(log10(error)) - 3);
+    return (float)(ceil(error / digit * (1 - 1e-12)) * digit);
 }
 
 /* Writes the levels of detail of a mesh (spec 3.13). */
@@ -204,7 +206,7 @@ static void add_levels(psplat_writer *json, const psplat_buffer_layout *layout, 
             add_level_place(json, &finest, &place);
         }
         psplat_writer_float(json, "distance", rounded_up(level->distance / finest.scale));
-        psplat_writer_float(json, "normal", (float)level->normal);
+        psplat_writer_float(json, "normal", rounded_up(level->normal));
         psplat_writer_float(json, "outline", rounded_up(level->outline / finest.scale));
         psplat_writer_close(json, '}');
     }
