@@ -460,6 +460,8 @@ static void print_levels(const arguments *a, const product *p) {
             normal = fmax(normal, level->normal);
             outline = fmax(outline, percent * level->outline);
         }
+        if (!splats && l == 1)
+            printf("%s: no coarser level has at most four fifths of the splats\n", a->output);
         if (!splats) return;
         printf("%s: level %zu: %zu splats, tolerance %.3g %%, distance %.3g %%, rms normal %.3g "
                "degrees, outline %.3g %%\n",

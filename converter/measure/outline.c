@@ -69,22 +69,32 @@ static int steps_of(double cells) {
     return (int)ceil(fmin(cells / cells_apart, 4 * CELLS)) + 1;
 }
 
+static double distance_of(const double a[2], const double b[2]) {
+    return hypot(b[0] - a[0], b[1] - a[1]);
+}
+
+/* Marks rows of points that are parallel to the longest side, so that slivers take few. */
 static void mark_triangle(const grid *g, const psplat_mesh *mesh, size_t triangle) {
-    double at[3][2], longest = 0;
+    double at[3][2], sides[3];
+    int longest = 0;
     for (int k = 0; k < 3; ++k)
         project(g, mesh->positions + 3 * (size_t)mesh->triangles[3 * triangle + (size_t)k], at[k]);
     for (int k = 0; k < 3; ++k) {
-        const double *from = at[k], *to = at[(k + 1) % 3];
-        longest = fmax(longest, hypot(to[0] - from[0], to[1] - from[1]));
+        sides[k] = distance_of(at[k], at[(k + 1) % 3]);
+        if (sides[k] > sides[longest]) longest = k;
     }
-    int steps = steps_of(longest);
-    for (int i = 0; i <= steps; ++i)
-        for (int k = 0; k <= steps - i; ++k) {
-            double a = (double)i / steps, b = (double)k / steps;
-            const double p[2] = {at[0][0] + a * (at[1][0] - at[0][0]) + b * (at[2][0] - at[0][0]),
-                                 at[0][1] + a * (at[1][1] - at[0][1]) + b * (at[2][1] - at[0][1])};
+    const double *a = at[longest], *b = at[(longest + 1) % 3], *apex = at[(longest + 2) % 3];
+    int rows = steps_of(fmin(sides[(longest + 1) % 3], sides[(longest + 2) % 3]));
+    for (int i = 0; i <= rows; ++i) {
+        double t = (double)i / rows;
+        int columns = steps_of(sides[longest] * (1 - t));
+        for (int k = 0; k <= columns; ++k) {
+            double u = (1 - t) * k / columns, v = 1 - t - u;
+            const double p[2] = {u * a[0] + v * b[0] + t * apex[0],
+                                 u * a[1] + v * b[1] + t * apex[1]};
             mark(g, p, OF_MESH);
         }
+    }
 }
 
 static void mark_splat(const grid *g, const psplat_region *region) {
