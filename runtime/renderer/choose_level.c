@@ -12,7 +12,7 @@
 static const double usual_normal = 5.0;
 /* The weight of normals beside outlines, and of the proven distance. */
 static const double normal_exponent = 1.5, distance_weight = 0.25;
-static const double default_tau = 0.25; /* pixels */
+static const double default_tau = 0.5; /* pixels */
 
 /* Returns by how many pixels the image of a length of eye space moves at most where it is parallel
  * to the picture, times the distance from the eye in perspective (w of clip space). */

@@ -567,8 +567,9 @@ PSPLAT_EXPORT double psplat_level_error(const psplat_level *level, double pixels
 
 /* The parameters of psplat_model_choose_level. Zeros are the defaults. */
 typedef struct psplat_level_choice {
-    double tau; /* greatest psplat_level_error, pixels; 0 means 0.25, at which pictures of the
-                   models measured have an SSIM of about 0.92 */
+    double tau; /* greatest psplat_level_error, pixels; 0 means 0.5, at which levels of six models
+                   at 16 to 200 pixels across had an SSIM of 0.88 to 0.97 against their sources,
+                   0.93 on average; at 0.25 it was 0.94 to 0.97 */
     double hysteresis; /* 0 ... 1: by this part of tau less must a level err that is coarser than
                           current, so that levels do not flicker where a distance trembles; 0: none.
                           0.1 is a good value */

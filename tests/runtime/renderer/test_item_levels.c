@@ -217,10 +217,10 @@ static void test_choice(void **state) {
     assert_int_equal(choose(c, &view, 1, &(psplat_level_choice){.tau = 4.01}), 1);
     assert_int_equal(choose(c, &view, 1, &(psplat_level_choice){.tau = 15.9}), 1);
     assert_int_equal(choose(c, &view, 1, &(psplat_level_choice){.tau = 16.1}), 2);
-    /* The default is a quarter of a pixel. */
-    view = from_afar(c, 10, 62);
+    /* The default is half a pixel. */
+    view = from_afar(c, 10, 124);
     assert_int_equal(choose(c, &view, 1, NULL), 1);
-    view = from_afar(c, 10, 63);
+    view = from_afar(c, 10, 126);
     assert_int_equal(choose(c, &view, 1, NULL), 0);
     const psplat_level far_off = {.distance = 2, .normal = 5, .outline = 0.25};
     assert_true(psplat_level_error(&far_off, 10) == 5);
