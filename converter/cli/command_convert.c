@@ -15,11 +15,13 @@
 #include "export/fallback_mesh.h"
 #include "export/glb_writer.h"
 #include "export/khr_gaussians.h"
+#include "export/mesh_levels.h"
 #include "export/meshopt_codec.h"
 #include "import/read_scene.h"
 #include "material/shrink_images.h"
 #include "pipeline/budget.h"
 #include "pipeline/convert_scene.h"
+#include "pipeline/levels.h"
 #include "scene/instances.h"
 #include "scene/scene.h"
 #include "select/conversion.h"
@@ -29,6 +31,7 @@
 #include <phongsplat/phongsplat.h>
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,8 +50,11 @@ typedef struct arguments {
     double normal_tolerance, color_tolerance;
     double crease_angle;
     uint64_t seed;
-    int splats, bytes; /* budgets, or 0 */
-    int effort;        /* as in psplat_convert_desc */
+    int splats, bytes;         /* budgets, or 0 */
+    const char *levels;        /* as given, or NULL */
+    psplat_levels_desc wanted; /* what it means */
+    int level_textures;        /* index into texture_names */
+    int effort;                /* as in psplat_convert_desc */
     int no_creases;
     int constant_normals;
     int planar;
@@ -73,12 +79,36 @@ typedef struct product {
     psplat_scene_report report;
     psplat_fallback_mesh *fallbacks; /* by mesh of the scene, or NULL */
     psplat_gaussian **gaussians;     /* by mesh of the scene, or NULL */
+    psplat_mesh_levels *levels;      /* by mesh of the scene, or NULL */
     uint8_t *bytes;
     size_t size;
     psplat_page page; /* what --html takes */
     size_t page_size; /* bytes of the page that was written */
     size_t needed;    /* by the coarsest conversion if the budget is too small for it, else 0 */
 } product;
+
+/* Reads --levels: a number of levels, or tolerances of the coarser ones, separated by commas. A
+ * single tolerance has its percent sign. Returns 0 where it is neither. */
+static int parse_levels(arguments *a) {
+    const char *text = a->levels;
+    char *end = NULL;
+    if (!strpbrk(text, ",%")) {
+        unsigned long most = strtoul(text, &end, 10);
+        a->wanted.most = *text >= '0' && *text <= '9' && !*end ? (size_t)most : 0;
+        return a->wanted.most >= 2 && a->wanted.most <= PSPLAT_MOST_LEVELS;
+    }
+    for (size_t i = 0; i + 1 < PSPLAT_MOST_LEVELS; ++i) {
+        double tolerance = strtod(text, &end);
+        if (end == text || !(tolerance > (i ? a->wanted.tolerances[i - 1] : 0)) || tolerance > 20)
+            return 0;
+        a->wanted.tolerances[i] = tolerance;
+        a->wanted.most = i + 2;
+        text = *end == '%' ? end + 1 : end;
+        if (!*text) return 1;
+        if (*text++ != ',') return 0;
+    }
+    return 0;
+}
 
 enum { FALLBACK_POINTS, FALLBACK_MESH };
 static const char *const fallback_names[] = {"points", "mesh", NULL};
@@ -95,6 +125,13 @@ static psplat_parse check_combination(arguments *a) {
     if (a->bytes && a->gaussian) return refuse("gaussian", "not together with bytes");
     if (a->bytes && a->fallback == FALLBACK_MESH)
         return refuse("fallback mesh", "not together with bytes");
+    if (a->level_textures && !a->levels)
+        return refuse("level-textures", "only together with levels");
+    if (a->levels && a->bytes) return refuse("levels", "not together with bytes");
+    if (a->levels && !parse_levels(a))
+        return refuse("levels",
+                      "neither a number of 2 to 16 nor rising tolerances up to 20 %, such "
+                      "as 1%,2%,4%");
     if (a->textures == TEXTURES_BAKE && a->texture_tolerance > 0)
         return refuse("texture-tolerance", "not together with textures bake");
     if (a->textures == TEXTURES_BAKE && a->texture_size)
@@ -144,6 +181,14 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "bytes", PSPLAT_OPTION_COUNT, &a->bytes, "N",
          "find the smallest tolerance whose OUT.glb has at most N\nbytes with its images: a budget",
          1, 2e9, NULL},
+        {0, "levels", PSPLAT_OPTION_TEXT, &a->levels, "N|LIST",
+         "levels of detail: at most N in all, each with twice the\ntolerance, until some 32 splats "
+         "are left; or the tolerances\nof the coarser ones, such as 1%,2%,4%",
+         0, 0, NULL},
+        {0, "level-textures", PSPLAT_OPTION_CHOICE, &a->level_textures, "keep|bake",
+         "the textures of coarser levels, as --textures (default\nkeep); baked levels take about "
+         "half the bytes",
+         0, 0, texture_names},
         psplat_option_shared("effort", &a->effort),
         psplat_option_shared("crease-angle", &a->crease_angle),
         psplat_option_shared("no-creases", &a->no_creases),
@@ -325,6 +370,15 @@ static psplat_result add_alternatives(const arguments *a, product *p, psplat_err
     return result;
 }
 
+static psplat_result add_levels(const arguments *a, psplat_progress *progress, product *p,
+                                psplat_error *error) {
+    psplat_convert_desc desc = describe(a, progress);
+    if (!a->levels) return PSPLAT_OK;
+    desc.bake_textures |= a->level_textures == TEXTURES_BAKE;
+    return psplat_scene_levels(&p->scene, &desc, &a->wanted, p->splats, &p->report, &p->levels,
+                               error);
+}
+
 static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     psplat_progress progress = psplat_progress_begin(a->quiet || a->no_progress);
     char *name = model_name(a->input);
@@ -335,7 +389,9 @@ static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     if (!result && a->texture_size)
         result = psplat_images_shrink(&p->scene.materials, (uint32_t)a->texture_size, error);
     if (!result) result = convert(a, &written, &progress, p, error);
+    if (!result) result = add_levels(a, &progress, p, error);
     if (!result) result = add_alternatives(a, p, error);
+    written.levels = p->levels;
     written.fallbacks = p->fallbacks;
     written.gaussians = (const psplat_gaussian *const *)p->gaussians;
     psplat_progress_show(&progress, "writing", 0);
@@ -373,6 +429,31 @@ static int is_standard_output(const char *path) {
            there.st_ino == here.st_ino;
 }
 
+/* Prints a line about each coarser level: the splats of all meshes that have it, and their greatest
+ * errors. */
+static void print_levels(const arguments *a, const product *p) {
+    for (size_t l = 1; l < PSPLAT_MOST_LEVELS; ++l) {
+        size_t splats = 0;
+        double tolerance = 0, distance = 0, normal = 0, outline = 0;
+        for (size_t i = 0; i < p->scene.mesh_count; ++i) {
+            const psplat_mesh_level_splats *level = &p->levels[i].list[l];
+            if (l >= p->levels[i].count) continue;
+            double percent = 100 / p->report.meshes[i].diagonal;
+            splats += level->splats.count;
+            tolerance = fmax(tolerance, level->tolerance);
+            distance = fmax(distance, percent * level->distance);
+            normal = fmax(normal, level->normal);
+            outline = fmax(outline, percent * level->outline);
+        }
+        if (!splats && l == 1)
+            printf("%s: no coarser level has at most four fifths of the splats\n", a->output);
+        if (!splats) return;
+        printf("%s: level %zu: %zu splats, tolerance %.3g %%, distance %.3g %%, rms normal %.3g "
+               "degrees, outline %.3g %%\n",
+               a->output, l, splats, tolerance, distance, normal, outline);
+    }
+}
+
 /* Prints the summary, unless standard output takes a file. */
 static void print_summary(const arguments *a, const product *p) {
     const psplat_report *r = &p->report.total;
@@ -383,6 +464,7 @@ static void print_summary(const arguments *a, const product *p) {
            "degrees, %zu of %zu samples uncovered, %.2f s\n",
            a->output, r->splats, r->bytes, r->max_distance_percent, r->tolerance_percent,
            r->rms_normal_degrees, r->uncovered_samples, r->verification_samples, r->seconds);
+    if (p->levels) print_levels(a, p);
     if (a->html) printf("%s: %zu bytes with the viewer\n", a->html, p->page_size);
 }
 
@@ -438,6 +520,7 @@ static void print_warnings(const arguments *a, const psplat_scene *scene) {
 static void free_product(product *p) {
     psplat_scene_fallback_meshes_free(&p->scene, p->fallbacks);
     psplat_scene_gaussians_free(&p->scene, p->gaussians);
+    psplat_mesh_levels_free(&p->scene, p->levels);
     psplat_scene_splats_free(&p->scene, p->splats);
     free(p->splats);
     psplat_scene_free(&p->scene);

@@ -139,6 +139,19 @@ static void print_images(const psplat_asset *asset, const summary *s) {
     printf("%-36s %-16s %10s %11zu\n", "together", "", "", s->image_bytes);
 }
 
+/* Lists the levels of detail, where there are several. */
+static void print_levels(const psplat_asset *asset) {
+    size_t count = psplat_asset_level_count(asset);
+    if (count < 2) return;
+    printf("\n%-22s %10s %12s %12s %12s\n", "level of detail", "splats", "distance", "normals",
+           "outline");
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_level *level = psplat_asset_get_level(asset, i);
+        printf("%-22zu %10zu %12.4g %11.3g\302\260 %12.4g\n", i, level->splat_count,
+               level->distance, level->normal, level->outline);
+    }
+}
+
 static void print_animations(const psplat_asset *asset) {
     if (!psplat_asset_animation_count(asset)) return;
     printf("\n%-36s %10s %10s\n", "animation", "seconds", "channels");
@@ -208,6 +221,7 @@ static void print_pretty(const char *path, const psplat_asset *asset, const summ
            (double)s->file_bytes / (double)s->splats);
     print_images(asset, s);
     print_animations(asset);
+    print_levels(asset);
     printf("\nbounds  %.6g %.6g %.6g  to  %.6g %.6g %.6g\n\n", s->min[0], s->min[1], s->min[2],
            s->max[0], s->max[1], s->max[2]);
     for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
@@ -276,6 +290,20 @@ static void write_animations(psplat_writer *json, const psplat_asset *asset) {
     psplat_writer_close(json, ']');
 }
 
+static void write_levels(psplat_writer *json, const psplat_asset *asset) {
+    psplat_writer_open(json, "levels", '[');
+    for (size_t i = 0; i < psplat_asset_level_count(asset); ++i) {
+        const psplat_level *level = psplat_asset_get_level(asset, i);
+        psplat_writer_open(json, NULL, '{');
+        psplat_writer_count(json, "splats", level->splat_count);
+        psplat_writer_number(json, "distance", level->distance);
+        psplat_writer_number(json, "normal_degrees", level->normal);
+        psplat_writer_number(json, "outline", level->outline);
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
 static void write_material(psplat_writer *json, const psplat_material *material) {
     psplat_writer_open(json, "material", '{');
     write_floats(json, "base_color", material->base_color, 4);
@@ -332,6 +360,7 @@ static int print_json(const char *path, const psplat_asset *asset, const summary
     write_attributes(&json, s);
     write_images(&json, asset);
     write_animations(&json, asset);
+    if (psplat_asset_level_count(asset) > 1) write_levels(&json, asset);
     psplat_writer_numbers(&json, "bounds_min", s->min, 3);
     psplat_writer_numbers(&json, "bounds_max", s->max, 3);
     write_batches(&json, asset);

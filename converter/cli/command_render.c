@@ -42,7 +42,7 @@ typedef struct arguments {
     int size[2];
     psplat_viewpoint viewpoint;
     int mode, shading;
-    int shadows, no_filter;
+    int shadows, no_filter, level;
     float background[4]; /* sRGB-encoded */
     int supersample;
     int software;
@@ -95,6 +95,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "shadows", PSPLAT_OPTION_FLAG, &a->shadows, NULL, "the light casts shadows", 0, 0,
          NULL},
         psplat_option_shared("no-filter", &a->no_filter),
+        {0, "level", PSPLAT_OPTION_COUNT, &a->level, "N",
+         "level of detail, 0 is the finest (default 0); the coarsest\nwhere the asset has not so "
+         "many",
+         0, 1e6, NULL},
         {0, "background", PSPLAT_OPTION_COLOR, a->background, "COLOR",
          "RRGGBB, R,G,B or transparent (default FFFFFF)", 0, 0, NULL},
         {0, "time", PSPLAT_OPTION_NUMBER, &a->time, "S",
@@ -181,8 +185,10 @@ static psplat_result prepare(const arguments *a, scene *s, psplat_error *error) 
     return psplat_model_create(s->renderer, s->asset, &s->model, error);
 }
 
-static psplat_result draw_scene(scene *s, const psplat_view *view, psplat_error *error) {
-    const psplat_item item = {.model = s->model, .pose = s->pose}, *items = &item;
+static psplat_result draw_scene(const arguments *a, scene *s, const psplat_view *view,
+                                psplat_error *error) {
+    const psplat_item item = {.model = s->model, .pose = s->pose, .level = (uint32_t)a->level};
+    const psplat_item *items = &item;
     size_t count = 1;
     if (s->mesh_renderer)
         return psplat_mesh_renderer_draw(s->mesh_renderer, view, PSPLAT_MESH_RENDERER_LIGHT, error);
@@ -201,7 +207,7 @@ static psplat_result draw(const arguments *a, scene *s, const psplat_view *whole
         clear[i] =
             shows_numbers(a->shading) ? a->background[i] : psplat_linear_of_srgb(a->background[i]);
     psplat_result result = psplat_host_begin(s->host, view.width, view.height, 1, clear, error);
-    if (!result) result = draw_scene(s, &view, error);
+    if (!result) result = draw_scene(a, s, &view, error);
     if (!result) result = psplat_host_read_float(s->host, rgba, error);
     size_t samples = (size_t)view.width * (size_t)view.height;
     for (size_t i = 0; i < samples && !result && shows_numbers(a->shading); ++i)
@@ -357,6 +363,7 @@ static const char *option_of_splats(const arguments *a) {
     if (a->shadows) return "shadows";
     if (!isnan(a->time)) return "time";
     if (a->animation) return "animation";
+    if (a->level) return "level";
     return a->no_filter ? "no-filter" : NULL;
 }
 

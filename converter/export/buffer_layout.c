@@ -529,5 +529,7 @@ void psplat_buffer_layout_clear(psplat_buffer_layout *layout) {
     *layout = (psplat_buffer_layout){.tables = layout->tables,
                                      .mesh_count = layout->mesh_count,
                                      .fallbacks = layout->fallbacks,
-                                     .animations = layout->animations};
+                                     .animations = layout->animations,
+                                     .levels = layout->levels,
+                                     .finest_count = layout->finest_count};
 }

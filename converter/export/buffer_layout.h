@@ -67,6 +67,9 @@ typedef struct psplat_buffer_layout {
     size_t view_count;
     const struct psplat_fallback_file *fallbacks; /* the caller's, or NULL (fallback_mesh_file.h) */
     const struct psplat_animation_file *animations; /* the caller's, or NULL (animation_file.h) */
+    const struct psplat_mesh_levels *levels; /* of the first finest_count meshes, whose coarser ones
+                                                follow; the caller's, or NULL (mesh_levels.h) */
+    size_t finest_count;
     uint32_t low_bits; /* of positions, which are in streams and not in POSITION */
 } psplat_buffer_layout;
 

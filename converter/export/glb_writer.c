@@ -14,6 +14,7 @@
 #include "export/fallback_mesh_file.h"
 #include "export/gltf_document.h"
 #include "export/material_json.h"
+#include "export/mesh_levels.h"
 #include "export/meshopt_codec.h"
 #include "export/splat_attributes.h"
 #include "export/splat_stream.h"
@@ -305,35 +306,31 @@ static psplat_result fill(const psplat_splats *splats, const psplat_write_desc *
     psplat_result result = PSPLAT_OK;
     for (size_t i = 0; i < layout->mesh_count && !result; ++i)
         result = psplat_attribute_table_fill(&splats[i], &layout->tables[i], error);
-    for (size_t i = 0; i < layout->mesh_count && !result && desc->gaussians; ++i)
+    for (size_t i = 0; i < layout->finest_count && !result && desc->gaussians; ++i)
         if (splats[i].count)
             psplat_attribute_table_add_gaussians(&layout->tables[i], desc->gaussians[i]);
     if (result || !desc->fallbacks) return result;
     layout->fallbacks = fallbacks;
-    return psplat_fallback_file_make(desc->fallbacks, layout->tables, layout->mesh_count,
+    return psplat_fallback_file_make(desc->fallbacks, layout->tables, layout->finest_count,
                                      desc->codec, fallbacks, error);
 }
 
-psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats *splats,
-                                 const psplat_write_desc *desc, uint8_t **data, size_t *size,
-                                 psplat_error *error) {
-    static const psplat_write_desc defaults;
-    if (!scene || !splats || !data || !size)
-        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
-                           "scene, splats, data and size are required");
-    if (!desc) desc = &defaults;
-    *data = NULL;
-    *size = 0;
-    psplat_result result = check(scene, splats, error);
-    if (result) return result;
+/* Writes a scene of which the coarser levels are meshes. */
+static psplat_result write_leveled(const psplat_leveled_scene *leveled,
+                                   const psplat_write_desc *desc, uint8_t **data, size_t *size,
+                                   psplat_error *error) {
+    const psplat_scene *scene = &leveled->scene;
     psplat_buffer_layout layout = {.tables = calloc(scene->mesh_count + 1, sizeof *layout.tables),
-                                   .mesh_count = scene->mesh_count};
+                                   .mesh_count = scene->mesh_count,
+                                   .levels = desc->levels,
+                                   .finest_count = leveled->finest_count};
     psplat_fallback_file fallbacks = {0};
     psplat_animation_file animations = {0};
     psplat_materials materials = {0};
+    psplat_result result = PSPLAT_OK;
     if (!layout.tables)
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the file");
-    if (!result) result = fill(splats, desc, &layout, &fallbacks, error);
+    if (!result) result = fill(leveled->splats, desc, &layout, &fallbacks, error);
     if (!result) result = psplat_animation_file_make(scene, desc->codec, &animations, error);
     if (scene->animation_count) layout.animations = &animations;
     if (!result) result = psplat_document_materials(scene, &layout, &materials, error);
@@ -344,6 +341,24 @@ psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats 
     for (size_t i = 0; i < scene->mesh_count && layout.tables; ++i)
         psplat_attribute_table_free(&layout.tables[i]);
     free(layout.tables);
+    return result;
+}
+
+psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats *splats,
+                                 const psplat_write_desc *desc, uint8_t **data, size_t *size,
+                                 psplat_error *error) {
+    static const psplat_write_desc defaults;
+    psplat_leveled_scene leveled = {.splats = NULL};
+    if (!scene || !splats || !data || !size)
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                           "scene, splats, data and size are required");
+    if (!desc) desc = &defaults;
+    *data = NULL;
+    *size = 0;
+    psplat_result result = psplat_leveled_scene_make(scene, splats, desc->levels, &leveled, error);
+    if (!result) result = check(&leveled.scene, leveled.splats, error);
+    if (!result) result = write_leveled(&leveled, desc, data, size, error);
+    psplat_leveled_scene_free(&leveled);
     if (!result) return PSPLAT_OK;
     free(*data);
     *data = NULL;

@@ -19,6 +19,9 @@ typedef struct psplat_write_desc {
     const struct psplat_fallback_mesh *fallbacks; /* one for each mesh of the scene; NULL: none */
     /* For each mesh of the scene a Gaussian for each splat, written beside it; NULL: none. */
     const struct psplat_gaussian *const *gaussians;
+    /* Levels of detail of each mesh of the scene (mesh_levels.h), whose finest is in splats; NULL:
+       none. */
+    const struct psplat_mesh_levels *levels;
 } psplat_write_desc;
 
 /* Serialises splats as a complete GLB (spec 3) of one mesh and one node into *data, allocated with

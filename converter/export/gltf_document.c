@@ -11,6 +11,7 @@
 #include "export/fallback_mesh_file.h"
 #include "export/graph_json.h"
 #include "export/material_json.h"
+#include "export/mesh_levels.h"
 #include "export/splat_attributes.h"
 #include "material/image.h"
 #include "scene/scene.h"
@@ -130,7 +131,7 @@ static void add_ranges(psplat_writer *json, const psplat_attribute_table *table,
 
 static const psplat_fallback_table *fallback_of(const psplat_buffer_layout *layout, size_t mesh) {
     const psplat_fallback_table *table =
-        layout->fallbacks ? &layout->fallbacks->tables[mesh] : NULL;
+        layout->fallbacks && mesh < layout->finest_count ? &layout->fallbacks->tables[mesh] : NULL;
     return table && table->fallback ? table : NULL;
 }
 
@@ -147,6 +148,79 @@ static size_t version_of(const psplat_buffer_layout *layout,
                                                                                    : 1;
 }
 
+/* Returns the index in the file of a mesh that has splats: as many before it have some. */
+static size_t written_index(const psplat_buffer_layout *layout, size_t mesh) {
+    size_t count = 0;
+    for (size_t i = 0; i < mesh; ++i) count += layout->tables[i].splats->count > 0;
+    return count;
+}
+
+/* Returns the transform from the coordinates in which a mesh's splats are stored to its own. */
+static psplat_dequantize_transform placement_of(const psplat_attribute_table *table,
+                                                uint32_t low_bits) {
+    psplat_dequantize_transform placement = {{0, 0, 0}, 1};
+    const psplat_splats *splats = table->splats;
+    double unit = splats->precision.unit;
+    if (table->codes) placement.scale = unit * (double)(1u << low_bits);
+    for (int k = 0; k < 3; ++k)
+        placement.translation[k] = splats->origin[k] + (table->codes ? table->low[k] * unit : 0);
+    return placement;
+}
+
+/* Writes where the coordinates of a coarser level are in those of the finest. */
+static void add_level_place(psplat_writer *json, const psplat_dequantize_transform *finest,
+                            const psplat_dequantize_transform *coarser) {
+    double translation[3];
+    int is_moved = 0;
+    for (int k = 0; k < 3; ++k) {
+        translation[k] = (coarser->translation[k] - finest->translation[k]) / finest->scale;
+        is_moved |= translation[k] != 0;
+    }
+    if (coarser->scale != finest->scale)
+        psplat_writer_number(json, "scale", coarser->scale / finest->scale);
+    if (is_moved) psplat_writer_numbers(json, "translation", translation, 3);
+}
+
+/* Rounds an error up to four digits, so that what is proven stays so. As a float it is written as
+ * these digits. */
+static float rounded_up(double error) {
+    if (!(error > 0)) return 0;
+    double digit = pow(10, floor(log10(error)) - 3);
+    return (float)(ceil(error / digit * (1 - 1e-12)) * digit);
+}
+
+/* Writes the levels of detail of a mesh (spec 3.13). */
+static void add_levels(psplat_writer *json, const psplat_buffer_layout *layout, size_t mesh) {
+    const psplat_mesh_levels *levels = &layout->levels[mesh];
+    psplat_dequantize_transform finest = placement_of(&layout->tables[mesh], layout->low_bits);
+    psplat_writer_open(json, "levels", '[');
+    for (size_t i = 0; i < levels->count; ++i) {
+        const psplat_mesh_level_splats *level = &levels->list[i];
+        psplat_writer_open(json, NULL, '{');
+        if (i) {
+            size_t coarser =
+                psplat_leveled_scene_mesh(layout->levels, layout->finest_count, mesh, i);
+            psplat_dequantize_transform place =
+                placement_of(&layout->tables[coarser], layout->low_bits);
+            psplat_writer_count(json, "mesh", written_index(layout, coarser));
+            add_level_place(json, &finest, &place);
+        }
+        psplat_writer_float(json, "distance", rounded_up(level->distance / finest.scale));
+        psplat_writer_float(json, "normal", rounded_up(level->normal));
+        psplat_writer_float(json, "outline", rounded_up(level->outline / finest.scale));
+        psplat_writer_close(json, '}');
+    }
+    psplat_writer_close(json, ']');
+}
+
+/* Returns whether a primitive is the first of a mesh with levels, which states them. */
+static int states_levels(const psplat_buffer_layout *layout,
+                         const psplat_primitive_layout *primitive) {
+    return layout->levels && primitive->mesh < layout->finest_count &&
+           layout->levels[primitive->mesh].count > 1 &&
+           (primitive == layout->primitives || primitive[-1].mesh != primitive->mesh);
+}
+
 static void add_splat_extension(psplat_writer *json, const psplat_buffer_layout *layout,
                                 const psplat_primitive_layout *primitive) {
     const psplat_attribute_table *table = &layout->tables[primitive->mesh];
@@ -159,6 +233,7 @@ static void add_splat_extension(psplat_writer *json, const psplat_buffer_layout 
     if (primitive->is_streamed) {
         psplat_writer_count(json, "stream", primitive->stream);
         add_ranges(json, table, primitive);
+        if (states_levels(layout, primitive)) add_levels(json, layout, primitive->mesh);
         psplat_writer_close(json, '}');
         return;
     }
@@ -168,6 +243,7 @@ static void add_splat_extension(psplat_writer *json, const psplat_buffer_layout 
     if (primitive->is_curved) psplat_writer_boolean(json, "curved", 1);
     add_ranges(json, table, primitive);
     add_kernel(json, &table->splats->kernel);
+    if (states_levels(layout, primitive)) add_levels(json, layout, primitive->mesh);
     psplat_writer_close(json, '}');
 }
 
@@ -195,13 +271,6 @@ static void add_primitive(psplat_writer *json, const psplat_buffer_layout *layou
     if (layout->tables[primitive->mesh].gaussians) add_gaussian_extension(json);
     psplat_writer_close(json, '}');
     psplat_writer_close(json, '}');
-}
-
-/* Returns how many meshes have splats, which is the index of the first fallback mesh. */
-static size_t count_splat_meshes(const psplat_buffer_layout *layout) {
-    size_t count = 0;
-    for (size_t i = 0; i < layout->mesh_count; ++i) count += layout->tables[i].splats->count > 0;
-    return count;
 }
 
 static void add_fallback_meshes(psplat_writer *json, const psplat_scene *scene,
@@ -374,17 +443,6 @@ static void add_views(psplat_writer *json, const psplat_scene *scene,
 
 /* ---- the rest -------------------------------------------------------------------------------- */
 
-static psplat_dequantize_transform placement_of(const psplat_attribute_table *table,
-                                                uint32_t low_bits) {
-    psplat_dequantize_transform placement = {{0, 0, 0}, 1};
-    const psplat_splats *splats = table->splats;
-    double unit = splats->precision.unit;
-    if (table->codes) placement.scale = unit * (double)(1u << low_bits);
-    for (int k = 0; k < 3; ++k)
-        placement.translation[k] = splats->origin[k] + (table->codes ? table->low[k] * unit : 0);
-    return placement;
-}
-
 /* Writes nodes and scenes. A node shows the fallback mesh, which refers to its splats, where there
  * is one. Returns 0 where memory ran out. */
 static int add_graph(psplat_writer *json, const psplat_scene *scene,
@@ -392,7 +450,7 @@ static int add_graph(psplat_writer *json, const psplat_scene *scene,
     size_t count = layout->mesh_count;
     psplat_dequantize_transform *placements = malloc((count + 1) * sizeof *placements);
     uint32_t *meshes = malloc((count + 1) * sizeof *meshes), written = 0;
-    uint32_t fallback = (uint32_t)count_splat_meshes(layout);
+    uint32_t fallback = (uint32_t)written_index(layout, count);
     for (size_t i = 0; i < count && placements && meshes; ++i) {
         placements[i] = placement_of(&layout->tables[i], layout->low_bits);
         meshes[i] = layout->tables[i].splats->count ? written++ : PSPLAT_NO_INDEX;

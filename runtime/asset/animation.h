@@ -72,6 +72,11 @@ const psplat_rig *psplat_asset_rig(const psplat_asset *asset);
  * animations. */
 size_t psplat_asset_rig_node(const psplat_asset *asset, size_t batch);
 
+/* Computes the matrix of a batch whose node has this one: the same, but for coarser levels, which
+ * have a place of their own in it. */
+void psplat_asset_place(const psplat_asset *asset, size_t batch, const double world[16],
+                        double model[16]);
+
 psplat_allocator psplat_asset_allocator(const psplat_asset *asset);
 
 /* Enlarges a box by that of a batch which a matrix places. */

@@ -6,6 +6,7 @@
 #include "asset/container.h"
 #include "core/files.h"
 #include "asset/gltf.h"
+#include "asset/level.h"
 
 #include <math.h>
 #include <string.h>
@@ -19,7 +20,11 @@ struct psplat_asset {
     const psplat_packed **packed; /* one for each batch */
     psplat_rig rig;
     size_t *rig_nodes; /* of each batch, in rig; NULL without animations */
-    size_t batch_count;
+    psplat_level *levels;
+    double (*places)[4]; /* of each batch: translation and scale within its node; NULL: none has */
+    size_t batch_count;  /* of all levels; those of the finest come first, */
+    size_t finest_count; /* so many */
+    size_t level_count;
     const psplat_asset_image *images;
     size_t image_count;
 };
@@ -41,35 +46,65 @@ void psplat_asset_enlarge(const psplat_batch *batch, const double m[16], double 
     }
 }
 
-static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, size_t set_index,
-                               const psplat_node *node) {
-    const psplat_set *set = &gltf->sets[set_index];
+/* One set of splats where a node places it, at some level. */
+typedef struct placed_set {
+    const psplat_node *node;
+    size_t set, level;
+    const psplat_mesh_level *place; /* NULL in the space of the node's mesh */
+    int is_last;                    /* of the mesh's levels */
+} placed_set;
+
+static void place_batch(const psplat_asset *asset, size_t index, const double world[16],
+                        double model[16]) {
+    memcpy(model, world, 16 * sizeof *model);
+    if (!asset->places) return;
+    const double *place = asset->places[index];
+    for (int row = 0; row < 3; ++row) {
+        for (int k = 0; k < 3; ++k) model[12 + row] += world[4 * k + row] * place[k];
+        for (int k = 0; k < 3; ++k) model[4 * k + row] *= place[3];
+    }
+}
+
+static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf,
+                               const placed_set *placed) {
+    const psplat_set *set = &gltf->sets[placed->set];
+    const psplat_node *node = placed->node;
     asset->packed[asset->batch_count] = set->packed;
+    if (asset->places) {
+        double *place = asset->places[asset->batch_count];
+        place[3] = placed->place ? placed->place->scale : 1;
+        for (int k = 0; k < 3 && placed->place; ++k) place[k] = placed->place->translation[k];
+    }
     if (asset->rig_nodes)
         asset->rig_nodes[asset->batch_count] = asset->rig.index_of[node - gltf->nodes];
     psplat_batch *batch = &asset->batches[asset->batch_count++];
-    *batch = (psplat_batch){.splats = set->splats,
-                            .finishes = set->finishes,
-                            .texcoords = set->texcoords,
-                            .splat_count = set->count,
-                            .clip_count = set->clip_count,
-                            .primitive = (uint32_t)set_index,
-                            .kernel = set->kernel,
-                            .depth_tolerance = set->depth_tolerance,
-                            .material = *set->material,
-                            .has_color = set->has_color,
-                            .has_gamma = set->has_gamma,
-                            .is_curved = set->is_curved,
-                            .has_shape = set->has_shape,
-                            .has_bends = set->has_bends,
-                            .has_color_gradient = set->has_color_gradient,
-                            .has_surface = set->has_surface,
-                            .has_emissive = set->has_emissive,
-                            .has_texcoord = set->has_texcoord,
-                            .has_texcoord_bend = set->has_texcoord_bend,
-                            .attributes = set->attributes,
-                            .attribute_count = set->attribute_count};
-    memcpy(batch->model, node->world, sizeof batch->model);
+    *batch = (psplat_batch){
+        .splats = set->splats,
+        .finishes = set->finishes,
+        .texcoords = set->texcoords,
+        .splat_count = set->count,
+        .clip_count = set->clip_count,
+        .primitive = (uint32_t)placed->set,
+        .level = (uint32_t)placed->level,
+        .last_level = (uint32_t)(placed->is_last ? asset->level_count - 1 : placed->level),
+        .kernel = set->kernel,
+        .depth_tolerance = set->depth_tolerance,
+        .material = *set->material,
+        .has_color = set->has_color,
+        .has_gamma = set->has_gamma,
+        .is_curved = set->is_curved,
+        .has_shape = set->has_shape,
+        .has_bends = set->has_bends,
+        .has_color_gradient = set->has_color_gradient,
+        .has_surface = set->has_surface,
+        .has_emissive = set->has_emissive,
+        .has_texcoord = set->has_texcoord,
+        .has_texcoord_bend = set->has_texcoord_bend,
+        .attributes = set->attributes,
+        .attribute_count = set->attribute_count};
+    place_batch(asset, asset->batch_count - 1, node->world, batch->model);
+    for (size_t l = batch->level; l <= batch->last_level; ++l)
+        asset->levels[l].splat_count += batch->splat_count;
     memcpy(batch->bounds_min, set->bounds_min, sizeof batch->bounds_min);
     memcpy(batch->bounds_max, set->bounds_max, sizeof batch->bounds_max);
     double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -82,41 +117,85 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf, siz
     return PSPLAT_OK;
 }
 
+/* Returns the number of levels of a mesh, which is 1 where it states none. */
+static size_t level_count_of(const psplat_mesh_sets *mesh) {
+    return mesh->level_count ? mesh->level_count : 1;
+}
+
+/* Returns the sets of a mesh at one of its levels. */
+static const psplat_mesh_sets *sets_at(const psplat_gltf *gltf, const psplat_mesh_sets *mesh,
+                                       size_t level) {
+    return level ? &gltf->meshes[mesh->levels[level].mesh] : mesh;
+}
+
 static psplat_result count_batches(const psplat_gltf *gltf, size_t *count) {
     for (size_t i = 0; i < gltf->node_count; ++i) {
         const psplat_node *node = &gltf->nodes[i];
         if (!node->in_scene || node->mesh == PSPLAT_NONE) continue;
-        *count += gltf->meshes[node->mesh].set_count;
-        if (*count > MAX_BATCHES)
-            return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED,
-                               psplat_gltf_offset(gltf, node->json),
-                               "the nodes place more than %d primitives of splats", MAX_BATCHES);
+        const psplat_mesh_sets *mesh = &gltf->meshes[node->mesh];
+        for (size_t level = 0; level < level_count_of(mesh); ++level) {
+            *count += sets_at(gltf, mesh, level)->set_count;
+            if (*count > MAX_BATCHES)
+                return psplat_fail(
+                    gltf->error, PSPLAT_ERROR_UNSUPPORTED, psplat_gltf_offset(gltf, node->json),
+                    "the nodes place more than %d primitives of splats", MAX_BATCHES);
+        }
     }
     if (*count) return PSPLAT_OK;
     return psplat_fail(gltf->error, PSPLAT_ERROR_NO_SPLATS, 0,
                        "the file has splats, but no node of its scene shows them");
 }
 
-/* Unclipped sets come first (BSK04 section 4.1), then the order is that of nodes and primitives. */
+/* Adds the batches of a node at one level, of those with so many clip lines. */
+static psplat_result add_node(psplat_asset *asset, const psplat_gltf *gltf, const psplat_node *node,
+                              size_t level, uint32_t lines) {
+    if (!node->in_scene || node->mesh == PSPLAT_NONE) return PSPLAT_OK;
+    const psplat_mesh_sets *mesh = &gltf->meshes[node->mesh];
+    if (level >= level_count_of(mesh)) return PSPLAT_OK;
+    const psplat_mesh_sets *sets = sets_at(gltf, mesh, level);
+    placed_set placed = {.node = node,
+                         .level = level,
+                         .place = level ? &mesh->levels[level] : NULL,
+                         .is_last = level + 1 == level_count_of(mesh)};
+    psplat_result result = PSPLAT_OK;
+    for (size_t k = 0; k < sets->set_count && !result; ++k) {
+        placed.set = sets->first_set + k;
+        if (gltf->sets[placed.set].clip_count == lines) result = add_batch(asset, gltf, &placed);
+    }
+    return result;
+}
+
+/* Takes memory for the batches of an asset and what belongs to each. */
+static psplat_result reserve_batches(psplat_asset *asset, const psplat_gltf *gltf, size_t count) {
+    psplat_arena *arena = &asset->arena;
+    asset->level_count = psplat_levels_count(gltf);
+    asset->levels = psplat_arena_take(arena, asset->level_count, sizeof *asset->levels);
+    asset->batches = psplat_arena_take(arena, count, sizeof *asset->batches);
+    asset->packed = psplat_arena_take(arena, count, sizeof *asset->packed);
+    if (asset->rig.animation_count)
+        asset->rig_nodes = psplat_arena_take(arena, count, sizeof *asset->rig_nodes);
+    if (asset->level_count > 1)
+        asset->places = psplat_arena_take(arena, count, sizeof *asset->places);
+    if (asset->levels && asset->batches && asset->packed &&
+        (!asset->rig.animation_count || asset->rig_nodes) &&
+        (asset->level_count == 1 || asset->places))
+        return PSPLAT_OK;
+    return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches", count);
+}
+
+/* The finest level comes first. In each, unclipped sets come first (BSK04 section 4.1), then the
+ * order is that of nodes and primitives. */
 static psplat_result make_batches(psplat_asset *asset, const psplat_gltf *gltf) {
     size_t count = 0;
     psplat_result result = count_batches(gltf, &count);
-    if (result) return result;
-    asset->batches = psplat_arena_take(&asset->arena, count, sizeof *asset->batches);
-    asset->packed = psplat_arena_take(&asset->arena, count, sizeof *asset->packed);
-    if (asset->rig.animation_count)
-        asset->rig_nodes = psplat_arena_take(&asset->arena, count, sizeof *asset->rig_nodes);
-    if (!asset->batches || !asset->packed || (asset->rig.animation_count && !asset->rig_nodes))
-        return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches", count);
-    for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines)
-        for (size_t i = 0; i < gltf->node_count; ++i) {
-            const psplat_node *node = &gltf->nodes[i];
-            if (!node->in_scene || node->mesh == PSPLAT_NONE) continue;
-            const psplat_mesh_sets *mesh = &gltf->meshes[node->mesh];
-            for (size_t k = 0; k < mesh->set_count && !result; ++k)
-                if (gltf->sets[mesh->first_set + k].clip_count == lines)
-                    result = add_batch(asset, gltf, mesh->first_set + k, node);
-        }
+    if (!result) result = reserve_batches(asset, gltf, count);
+    if (!result) result = psplat_levels_measure(gltf, asset->levels, asset->level_count);
+    for (size_t level = 0; level < asset->level_count && !result; ++level) {
+        for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines)
+            for (size_t i = 0; i < gltf->node_count && !result; ++i)
+                result = add_node(asset, gltf, &gltf->nodes[i], level, lines);
+        if (!level) asset->finest_count = asset->batch_count;
+    }
     return result;
 }
 
@@ -253,7 +332,19 @@ void psplat_asset_destroy(psplat_asset *asset) {
 }
 
 size_t psplat_asset_batch_count(const psplat_asset *asset) {
+    return asset ? asset->finest_count : 0;
+}
+
+size_t psplat_asset_all_batch_count(const psplat_asset *asset) {
     return asset ? asset->batch_count : 0;
+}
+
+size_t psplat_asset_level_count(const psplat_asset *asset) {
+    return asset ? asset->level_count : 0;
+}
+
+const psplat_level *psplat_asset_get_level(const psplat_asset *asset, size_t index) {
+    return index < psplat_asset_level_count(asset) ? &asset->levels[index] : NULL;
 }
 
 const psplat_batch *psplat_asset_batch(const psplat_asset *asset, size_t index) {
@@ -278,6 +369,11 @@ const psplat_animation *psplat_asset_get_animation(const psplat_asset *asset, si
 
 const psplat_rig *psplat_asset_rig(const psplat_asset *asset) {
     return &asset->rig;
+}
+
+void psplat_asset_place(const psplat_asset *asset, size_t batch, const double world[16],
+                        double model[16]) {
+    place_batch(asset, batch, world, model);
 }
 
 size_t psplat_asset_rig_node(const psplat_asset *asset, size_t batch) {

@@ -12,6 +12,7 @@
  *     primitive.c        meshes: which of their primitives are splats
  *     stream.c           splats in a coded stream
  *     fallback_link.c    fallback meshes for readers that know no splats
+ *     level.c            levels of detail of meshes
  *     extension.c        the extension object of a primitive of splats
  *     attribute_types.c  names and forms of the attributes of splats
  *     splat_set.c        one primitive of splats and its attributes
@@ -85,9 +86,19 @@ typedef struct psplat_set {
     size_t attribute_count;
 } psplat_set;
 
+/* A level of detail of a mesh (spec 3.13). Errors are in units of the POSITION of the finest. */
+typedef struct psplat_mesh_level {
+    size_t mesh;
+    double distance, normal, outline;
+    double scale, translation[3]; /* from the level's POSITION to the finest's: scale first */
+} psplat_mesh_level;
+
 /* The sets of splats that are drawn where a node places this mesh. */
 typedef struct psplat_mesh_sets {
     size_t first_set, set_count;
+    psplat_mesh_level *levels; /* level_count of them, the mesh itself first; NULL without any */
+    size_t level_count;
+    psplat_json_value json_levels; /* 0 where the mesh itself has no list */
     size_t splat_mesh; /* the mesh that this one is the fallback of (spec 6.1), or PSPLAT_NONE */
     psplat_json_value json_splat_mesh;
 } psplat_mesh_sets;

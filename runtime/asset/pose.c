@@ -123,7 +123,7 @@ static void place_nodes(const psplat_rig *rig, psplat_pose *pose) {
 }
 
 void psplat_pose_rest(psplat_pose *pose) {
-    for (size_t i = 0; pose && i < psplat_asset_batch_count(pose->asset); ++i)
+    for (size_t i = 0; pose && i < psplat_asset_all_batch_count(pose->asset); ++i)
         memcpy(pose->models[i], psplat_asset_batch(pose->asset, i)->model, sizeof pose->models[i]);
 }
 
@@ -154,9 +154,9 @@ psplat_result psplat_pose_set(psplat_pose *pose, size_t animation, double time,
         move(&played->channels[i], time, &pose->transforms[played->channels[i].animated]);
     place_nodes(rig, pose);
     int all_finite = 1;
-    for (size_t i = 0; i < psplat_asset_batch_count(pose->asset); ++i) {
-        memcpy(pose->models[i], pose->world[psplat_asset_rig_node(pose->asset, i)],
-               sizeof pose->models[i]);
+    for (size_t i = 0; i < psplat_asset_all_batch_count(pose->asset); ++i) {
+        psplat_asset_place(pose->asset, i, pose->world[psplat_asset_rig_node(pose->asset, i)],
+                           pose->models[i]);
         all_finite &= is_finite(pose, i);
     }
     if (all_finite) return PSPLAT_OK;
@@ -176,7 +176,7 @@ psplat_result psplat_pose_create(const psplat_asset *asset, psplat_pose **out,
     psplat_pose *pose = psplat_arena_take(&arena, 1, sizeof *pose);
     void *transforms = psplat_arena_take(&arena, rig->animated_count, sizeof *pose->transforms);
     void *world = psplat_arena_take(&arena, rig->node_count, sizeof *pose->world);
-    void *models = psplat_arena_take(&arena, psplat_asset_batch_count(asset), sizeof *pose->models);
+    void *models = psplat_arena_take(&arena, psplat_asset_all_batch_count(asset), sizeof *pose->models);
     if (!pose || !transforms || !world || !models) {
         psplat_arena_release(&arena);
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a pose");
@@ -195,7 +195,7 @@ void psplat_pose_destroy(psplat_pose *pose) {
 }
 
 const double *psplat_pose_matrix(const psplat_pose *pose, size_t batch) {
-    return pose && batch < psplat_asset_batch_count(pose->asset) ? pose->models[batch] : NULL;
+    return pose && batch < psplat_asset_all_batch_count(pose->asset) ? pose->models[batch] : NULL;
 }
 
 void psplat_pose_bounds(const psplat_pose *pose, double min[3], double max[3]) {

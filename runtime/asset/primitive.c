@@ -3,6 +3,7 @@
  * primitive.c - finds which primitives of the meshes are splats (spec 3.1 and 6.2).
  */
 #include "asset/gltf.h"
+#include "asset/level.h"
 
 enum { MODE, ATTRIBUTES, INDICES, TARGETS, MATERIAL, EXTENSIONS, MEMBERS };
 
@@ -52,7 +53,8 @@ static psplat_result check_members(const psplat_gltf *gltf, psplat_json_value pr
     return PSPLAT_OK;
 }
 
-static psplat_result parse_primitive(psplat_gltf *gltf, psplat_json_value primitive) {
+static psplat_result parse_primitive(psplat_gltf *gltf, psplat_json_value primitive,
+                                     psplat_mesh_sets *sets) {
     psplat_json_value members[MEMBERS], extension = 0;
     psplat_result result = psplat_json_members(&gltf->json, primitive, names, MEMBERS, members);
     if (!result) result = find_extension(gltf, members[EXTENSIONS], &extension);
@@ -62,6 +64,7 @@ static psplat_result parse_primitive(psplat_gltf *gltf, psplat_json_value primit
         return PSPLAT_OK;
     }
     result = check_members(gltf, primitive, members);
+    if (!result) result = psplat_levels_note(gltf, extension, sets);
     if (result) return result;
     return psplat_sets_parse(gltf, members[ATTRIBUTES], extension, members[MATERIAL]);
 }
@@ -77,7 +80,7 @@ static psplat_result parse_mesh(psplat_gltf *gltf, psplat_json_value mesh, pspla
     sets->first_set = gltf->set_count;
     psplat_json_value array = found[0], primitive = psplat_json_first(&gltf->json, array);
     for (; primitive && !result; primitive = psplat_json_next(&gltf->json, array, primitive))
-        result = parse_primitive(gltf, primitive);
+        result = parse_primitive(gltf, primitive, sets);
     sets->set_count = gltf->set_count - sets->first_set;
     return result ? result : psplat_fallback_mesh_parse(gltf, found[1], sets);
 }
@@ -106,5 +109,6 @@ psplat_result psplat_meshes_parse(psplat_gltf *gltf) {
     }
     if (!result && !gltf->set_count) result = fail_no_splats(gltf);
     if (!result) result = psplat_fallback_meshes_resolve(gltf);
+    if (!result) result = psplat_levels_resolve(gltf);
     return result;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * matrix.c - products and inverses of 4 x 4 matrices of doubles.
+ * matrix.c - products, inverses and stretches of 4 x 4 matrices of doubles.
  */
 #include "core/matrix.h"
 
@@ -35,6 +35,28 @@ void psplat_matrix_normal(const double m[16], double det, double normal[9]) {
     cross(m, m + 4, normal + 6);
     double scale = cbrt(fabs(det)) / det;
     for (int i = 0; i < 9; ++i) normal[i] *= scale;
+}
+
+/* The largest eigenvalue of the matrix of products of columns, whose greatest number was made 1, by
+ * the trigonometric formula (Smith 1961, "Eigenvalues of a symmetric 3 x 3 matrix"). */
+double psplat_matrix_stretch(const double m[16]) {
+    double largest = 0.0, columns[3][3], a[3][3];
+    for (int i = 0; i < 12; ++i)
+        if (i % 4 < 3 && !(fabs(m[i]) <= largest)) largest = fabs(m[i]);
+    if (!(largest > 0.0) || !isfinite(largest)) return largest;
+    for (int i = 0; i < 9; ++i) columns[i / 3][i % 3] = m[i / 3 * 4 + i % 3] / largest;
+    for (int i = 0; i < 9; ++i) a[i / 3][i % 3] = psplat_dot3(columns[i / 3], columns[i % 3]);
+    double mean = (a[0][0] + a[1][1] + a[2][2]) / 3.0, squares = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        a[i][i] -= mean;
+        squares += psplat_dot3(a[i], a[i]);
+    }
+    double p = sqrt(squares / 6.0), c[3];
+    if (!(p > 0.0)) return largest * sqrt(mean);
+    cross(a[1], a[2], c);
+    double half_determinant = psplat_dot3(a[0], c) / (p * p * p) / 2.0;
+    double angle = acos(fmin(fmax(half_determinant, -1.0), 1.0)) / 3.0;
+    return largest * sqrt(mean + 2.0 * p * cos(angle));
 }
 
 /* Applies Gauss-Jordan elimination with row pivoting to [m | 1]. */

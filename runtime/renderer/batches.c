@@ -229,6 +229,7 @@ static int add_item(psplat_frame *f, const psplat_camera *camera, psplat_culling
     for (size_t k = 0; k < item->model->batch_count; ++k) {
         const psplat_model_batch *batch = &item->model->batches[k];
         double modelview[16];
+        if (!psplat_item_shows(item, k)) continue;
         if (psplat_item_is_drawn(item) && !psplat_item_shares_place(item, k)) {
             psplat_camera_modelview(camera->view, item->transform, psplat_item_matrix(item, k),
                                     modelview);

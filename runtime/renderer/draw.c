@@ -39,11 +39,12 @@ static int same_emission(const psplat_material *a, const psplat_material *b) {
            a->emissive[2] == b->emissive[2] && !a->unlit == !b->unlit;
 }
 
-/* Returns the material of the first batch that is drawn; every model has one. */
+/* Returns the material of the first batch that is drawn; every level of a model has one. */
 static const psplat_material *first_material(const psplat_frame *f) {
-    size_t first = 0;
+    size_t first = 0, k = 0;
     while (first + 1 < f->item_count && !psplat_item_is_drawn(&f->items[first])) ++first;
-    return &f->items[first].model->batches[0].material;
+    while (!psplat_item_shows(&f->items[first], k)) ++k;
+    return &f->items[first].model->batches[k].material;
 }
 
 /* Returns the options for what differs between splats or between the materials of batches: those of
@@ -56,6 +57,7 @@ static unsigned differences(const psplat_frame *f) {
         size_t count = psplat_item_is_drawn(&f->items[i]) ? model->batch_count : 0;
         for (size_t k = 0; k < count; ++k) {
             const psplat_model_batch *batch = &model->batches[k];
+            if (!psplat_item_shows(&f->items[i], k)) continue;
             const unsigned surface_maps = PSPLAT_OPTION_SURFACE_MAP | PSPLAT_OPTION_OCCLUSION_MAP;
             if (batch->has_color || batch->finish & PSPLAT_FINISH_GRADIENT ||
                 batch->textures & PSPLAT_OPTION_BASE_MAP || !same_color(first, &batch->material))
@@ -80,7 +82,8 @@ static unsigned differences(const psplat_frame *f) {
 static GLuint unit_count(const psplat_frame *f) {
     for (size_t i = 0; i < f->item_count; ++i)
         for (size_t k = 0; k < f->items[i].model->batch_count; ++k)
-            if (f->items[i].model->batches[k].textures & PSPLAT_OPTIONS_MAPS)
+            if (psplat_item_shows(&f->items[i], k) &&
+                f->items[i].model->batches[k].textures & PSPLAT_OPTIONS_MAPS)
                 return PSPLAT_UNIT_COUNT_MAPS;
     return PSPLAT_UNIT_COUNT;
 }
@@ -133,6 +136,7 @@ static void add_depths(const psplat_view *view, const psplat_item *item, psplat_
     if (!psplat_item_is_drawn(item)) return;
     for (size_t k = 0; k < item->model->batch_count; ++k) {
         const psplat_model_batch *batch = &item->model->batches[k];
+        if (!psplat_item_shows(item, k)) continue;
         if (!psplat_item_shares_place(item, k)) {
             psplat_camera_modelview(view->view, item->transform, psplat_item_matrix(item, k),
                                     modelview);

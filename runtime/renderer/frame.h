@@ -51,8 +51,18 @@ static inline double psplat_item_tolerance(const psplat_item *item, size_t batch
     return psplat_item_is_faded(item) ? 2.0 * tolerance : tolerance;
 }
 
-/* Returns whether a batch of an item is where the batch before it is, as those of one node are. */
+/* Returns whether a batch of an item is of the level that the item shows. */
+static inline int psplat_item_shows(const psplat_item *item, size_t batch) {
+    const psplat_model_batch *b = &item->model->batches[batch];
+    size_t coarsest = item->model->level_count - 1;
+    size_t level = item->level < coarsest ? item->level : coarsest;
+    return b->level <= level && level <= b->last_level;
+}
+
+/* Returns whether a batch of an item is where the batch before it is, as those of one node are, and
+ * that one is shown too. */
 static inline int psplat_item_shares_place(const psplat_item *item, size_t batch) {
+    if (batch > 0 && !psplat_item_shows(item, batch - 1)) return 0;
     if (!item->pose) return item->model->batches[batch].shares_place;
     return batch > 0 && !memcmp(psplat_pose_matrix(item->pose, batch),
                                 psplat_pose_matrix(item->pose, batch - 1), 16 * sizeof(double));

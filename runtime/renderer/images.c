@@ -100,7 +100,7 @@ psplat_result psplat_model_load_images(psplat_renderer *renderer, const psplat_a
     if (!model->images)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu images", count / 2);
     model->image_count = count;
-    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i)
+    for (size_t i = 0; i < psplat_asset_all_batch_count(asset); ++i)
         for (int slot = 0; slot < PSPLAT_TEXTURE_SLOTS && result == PSPLAT_OK; ++slot) {
             size_t at = image_of(model, psplat_asset_batch(asset, i), slot);
             if (at == count || model->images[at].texture.id || model->images[at].host.texture)

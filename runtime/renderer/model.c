@@ -119,6 +119,8 @@ static const psplat_model_batch *find_primitive(const psplat_model *model, size_
 
 static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
     out->primitive = batch->primitive;
+    out->level = batch->level;
+    out->last_level = batch->last_level;
     out->splat_count = (GLsizei)batch->splat_count;
     out->clip_count = batch->clip_count;
     out->has_color = batch->has_color;
@@ -247,7 +249,7 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
 
 static psplat_result check_sizes(const psplat_gl *gl, const psplat_asset *asset,
                                  psplat_error *error) {
-    for (size_t i = 0; i < psplat_asset_batch_count(asset); ++i) {
+    for (size_t i = 0; i < psplat_asset_all_batch_count(asset); ++i) {
         const psplat_batch *batch = psplat_asset_batch(asset, i);
         size_t row = (size_t)psplat_packing_of(batch).row_splats, count = batch->splat_count;
         size_t most = (size_t)gl->max_texture_size * row;
@@ -284,6 +286,34 @@ static psplat_result upload_all(psplat_renderer *renderer, const psplat_asset *a
     return psplat_gl_finish(&renderer->gl, result, error);
 }
 
+/* Frees a model that holds nothing of GL. */
+static void free_model(const psplat_allocator *allocator, psplat_model *model) {
+    if (model->batches)
+        psplat_resize(allocator, model->batches, model->batch_count * sizeof *model->batches, 0);
+    if (model->levels)
+        psplat_resize(allocator, model->levels, model->level_count * sizeof *model->levels, 0);
+    psplat_resize(allocator, model, sizeof *model, 0);
+}
+
+/* Allocates a model of empty batches with the levels of an asset. Returns NULL where memory runs
+ * out. */
+static psplat_model *allocate_model(const psplat_allocator *allocator, const psplat_asset *asset) {
+    psplat_model *model = psplat_allocate(allocator, 1, sizeof *model);
+    if (!model) return NULL;
+    model->batch_count = psplat_asset_all_batch_count(asset);
+    model->level_count = psplat_asset_level_count(asset);
+    psplat_asset_bounds(asset, model->bounds_min, model->bounds_max);
+    model->batches = psplat_allocate(allocator, model->batch_count, sizeof *model->batches);
+    model->levels = psplat_allocate(allocator, model->level_count, sizeof *model->levels);
+    if (!model->batches || !model->levels) {
+        free_model(allocator, model);
+        return NULL;
+    }
+    for (size_t i = 0; i < model->level_count; ++i)
+        model->levels[i] = *psplat_asset_get_level(asset, i);
+    return model;
+}
+
 psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset *asset,
                                   psplat_model **model, psplat_error *error) {
     if (model) *model = NULL;
@@ -293,16 +323,10 @@ psplat_result psplat_model_create(psplat_renderer *renderer, const psplat_asset 
     psplat_result result = check_sizes(&renderer->gl, asset, error);
     if (result != PSPLAT_OK) return result;
 
-    size_t count = psplat_asset_batch_count(asset);
-    psplat_model *made = psplat_allocate(&renderer->allocator, 1, sizeof *made);
-    psplat_model_batch *batches =
-        made ? psplat_allocate(&renderer->allocator, count, sizeof *batches) : NULL;
-    if (!batches) {
-        if (made) psplat_resize(&renderer->allocator, made, sizeof *made, 0);
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches", count);
-    }
-    made->batches = batches;
-    made->batch_count = count;
+    psplat_model *made = allocate_model(&renderer->allocator, asset);
+    if (!made)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches",
+                           psplat_asset_all_batch_count(asset));
     result = upload_all(renderer, asset, made, error);
     if (result != PSPLAT_OK) {
         psplat_model_destroy(renderer, made);
@@ -330,21 +354,22 @@ void psplat_model_destroy(psplat_renderer *renderer, psplat_model *model) {
             psplat_resize(&renderer->allocator, batch->spheres, floats * sizeof(float), 0);
     }
     psplat_model_drop_images(renderer, model);
-    size_t size = model->batch_count * sizeof *model->batches;
-    psplat_resize(&renderer->allocator, model->batches, size ? size : 1, 0);
-    psplat_resize(&renderer->allocator, model, sizeof *model, 0);
+    free_model(&renderer->allocator, model);
 }
 
 psplat_model_info psplat_model_describe(const psplat_model *model) {
     psplat_model_info info = {0};
     for (size_t i = 0; model && i < model->batch_count; ++i) {
         const psplat_model_batch *batch = &model->batches[i];
-        info.splat_count += (size_t)batch->splat_count;
-        info.batch_count += 1;
+        if (!batch->level) {
+            info.splat_count += (size_t)batch->splat_count;
+            info.batch_count += 1;
+        }
         if (batch->is_owner)
             info.bytes += batch->splats.bytes + batch->clips.bytes + batch->finishes.bytes +
                           batch->texcoords.bytes;
     }
+    if (model) info.level_count = model->level_count;
     for (size_t i = 0; model && i < model->image_count; ++i)
         info.bytes += model->images[i].texture.bytes;
     return info;

@@ -42,6 +42,7 @@ typedef struct psplat_model_batch {
     float *spheres; /* centre and radius around each splat; NULL where there are many splats */
     int is_owner;   /* 0: an earlier batch of the same primitive owns the textures and chunks */
     uint32_t primitive;
+    uint32_t level, last_level; /* as in psplat_batch */
     uint64_t number; /* of the owner; differs between all batches of a renderer that own textures */
     GLsizei splat_count;
     GLsizei uncut_count; /* of them by psplat_packed_uncut; 0 where clip_count is 0 */
@@ -79,6 +80,9 @@ typedef struct psplat_model_image {
 struct psplat_model {
     psplat_model_batch *batches;
     size_t batch_count;
+    psplat_level *levels;
+    size_t level_count;
+    double bounds_min[3], bounds_max[3]; /* psplat_asset_bounds */
     psplat_model_image *images; /* image_count: each of the asset's as other numbers, as colours */
     size_t image_count;
 };

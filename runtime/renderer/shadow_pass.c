@@ -49,6 +49,7 @@ static box bounds_in(const psplat_frame *f, const double view[16]) {
     for (size_t i = 0; i < f->item_count; ++i)
         for (size_t k = 0; k < drawn_batches(&f->items[i]); ++k) {
             const psplat_model_batch *batch = &f->items[i].model->batches[k];
+            if (!psplat_item_shows(&f->items[i], k)) continue;
             double scene[16], m[16];
             psplat_camera_compose(f->items[i].transform, psplat_item_matrix(&f->items[i], k),
                                   scene);
@@ -161,6 +162,7 @@ static float largest_tolerance(const psplat_frame *f) {
     double most = 0.0;
     for (size_t i = 0; i < f->item_count; ++i)
         for (size_t k = 0; k < drawn_batches(&f->items[i]); ++k) {
+            if (!psplat_item_shows(&f->items[i], k)) continue;
             double scene[16];
             psplat_camera_compose(f->items[i].transform, psplat_item_matrix(&f->items[i], k),
                                   scene);

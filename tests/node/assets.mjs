@@ -13,7 +13,7 @@ export const extensionName = 'PSPLAT_surface_splats';
 export function assetPaths() {
   const directories = (process.env.PHONGSPLAT_ASSETS ?? '').split(delimiter).filter(Boolean);
   if (!directories.length) throw new Error('PHONGSPLAT_ASSETS names no directory');
-  const paths = ['minimal.gltf', 'integers.gltf', 'curved.gltf', 'textured.gltf', 'streamed.gltf'].map((name) => join(schemaDirectory, name));
+  const paths = ['minimal.gltf', 'integers.gltf', 'curved.gltf', 'textured.gltf', 'streamed.gltf', 'levels.gltf'].map((name) => join(schemaDirectory, name));
   for (const directory of directories) {
     const files = readdirSync(directory).filter((name) => name.endsWith('.glb')).sort();
     if (!files.length) throw new Error(`${directory} holds no .glb`);

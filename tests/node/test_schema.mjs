@@ -136,6 +136,35 @@ for (const [what, breakIt] of Object.entries(streamFaults)) {
   });
 }
 
+const levelFaults = {
+  'levels of nothing': (levels) => levels.splice(0),
+  'a finest level that is another mesh': (levels) => (levels[0].mesh = 0),
+  'a finest level with a place': (levels) => (levels[0].scale = 1),
+  'a coarser level without a mesh': (levels) => delete levels[1].mesh,
+  'a level without a distance': (levels) => delete levels[1].distance,
+  'a level without normals': (levels) => delete levels[0].normal,
+  'a level without an outline': (levels) => delete levels[2].outline,
+  'a negative distance': (levels) => (levels[1].distance = -1),
+  'more than all normals': (levels) => (levels[2].normal = 181),
+  'a scale of nothing': (levels) => (levels[1].scale = 0),
+  'half a translation': (levels) => levels[2].translation.pop(),
+};
+
+for (const [what, breakIt] of Object.entries(levelFaults)) {
+  test(`schema refuses: ${what}`, () => {
+    const { json } = readAsset(join(schemaDirectory, 'levels.gltf'));
+    assert.ok(validate(json), ajv.errorsText(validate.errors));
+    breakIt(extension(json, 0).levels);
+    assert.equal(validate(json), false);
+  });
+}
+
+test('schema takes: levels beside a stream', () => {
+  const { json } = readAsset(join(schemaDirectory, 'streamed.gltf'));
+  extension(json, 0).levels = [{ distance: 0, normal: 0, outline: 0 }];
+  assert.ok(validate(json), ajv.errorsText(validate.errors));
+});
+
 test('schema takes: colours and texture coordinates beside a stream', () => {
   const { json } = readAsset(join(schemaDirectory, 'streamed.gltf'));
   texture(json, { COLOR_U: 0, COLOR_V: 0, EMISSIVE: 0, TEXCOORD_U: 0, TEXCOORD_V: 0 }, 4);
