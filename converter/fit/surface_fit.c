@@ -26,24 +26,12 @@ static const double least_cosine = 0.2, greatest_turn = 3, small_turn = 0.05;
 
 enum { UNKNOWNS = 6 }; /* c, p, q, A, B, C */
 
-/* Samples are added in so many lanes, of which compilers make vectors. */
-enum { LANES = 2 };
-
-/* The products that are summed up: powers s^i t^j of degree 0 to 4, and heights and slopes times
- * the factors of the unknowns. */
-enum { POWERS = 15, PRODUCTS = POWERS + UNKNOWNS };
-
-/* Sums over samples in units of the scale, of each product in each lane. */
+/* Sums over samples in units of the scale: powers s^i t^j by [i][j], heights and slopes times the
+ * factors of the unknowns. */
 typedef struct sums {
-    double of[PRODUCTS][LANES];
+    double powers[5][5];
+    double right[UNKNOWNS];
 } sums;
-
-/* What samples are seen from: a region's frame in units of the scale. */
-typedef struct frame {
-    double center[3];
-    double u[3], v[3], n[3]; /* divided by the scale */
-    double scale;
-} frame;
 
 double psplat_surface_sagitta(const psplat_region *r) {
     double radius = max2(r->radius[0], r->radius[1]);
@@ -57,53 +45,32 @@ double psplat_surface_slope_bound(const psplat_region *r) {
     return norm2(r->slope[0], r->slope[1]) + sqrt(a * a + c * c + b * b * (1 + ratio * ratio));
 }
 
-/* Adds a sample in each lane, of a weight of 0 or 1. */
-static void add_samples(sums *m, const psplat_near_sample *const samples[LANES],
-                        const double weights[LANES], const frame *r) {
-    double x[PRODUCTS][LANES];
-    for (int l = 0; l < LANES; ++l) {
-        const double *n = samples[l]->n, w = weights[l];
-        double d[3];
-        sub3(d, samples[l]->p, r->center);
-        double s = w * dot3(d, r->u), t = w * dot3(d, r->v), h = w * dot3(d, r->n);
-        double turn = -slope_weight / max2(dot3(n, r->n) * r->scale, least_cosine) * r->scale * w;
-        double a = turn * dot3(n, r->u), b = turn * dot3(n, r->v);
-        double s2 = s * s, t2 = t * t, st = s * t;
-        x[0][l] = w, x[1][l] = s, x[2][l] = t, x[3][l] = s2, x[4][l] = st, x[5][l] = t2;
-        x[6][l] = s2 * s, x[7][l] = s2 * t, x[8][l] = s * t2, x[9][l] = t2 * t;
-        x[10][l] = s2 * s2, x[11][l] = s2 * st, x[12][l] = s2 * t2, x[13][l] = st * t2;
-        x[14][l] = t2 * t2;
-        x[15][l] = h, x[16][l] = h * s + a, x[17][l] = h * t + b;
-        x[18][l] = h * s2 / 2 + a * s, x[19][l] = h * st + a * t + b * s;
-        x[20][l] = h * t2 / 2 + b * t;
-    }
-    for (int k = 0; k < PRODUCTS; ++k)
-        for (int l = 0; l < LANES; ++l) m->of[k][l] += x[k][l];
+static void add_powers(sums *m, double s, double t) {
+    double s2 = s * s, t2 = t * t, st = s * t;
+    m->powers[0][0] += 1;
+    m->powers[1][0] += s, m->powers[0][1] += t;
+    m->powers[2][0] += s2, m->powers[1][1] += st, m->powers[0][2] += t2;
+    m->powers[3][0] += s2 * s, m->powers[2][1] += s2 * t;
+    m->powers[1][2] += s * t2, m->powers[0][3] += t2 * t;
+    m->powers[4][0] += s2 * s2, m->powers[3][1] += s2 * st, m->powers[2][2] += s2 * t2;
+    m->powers[1][3] += st * t2, m->powers[0][4] += t2 * t2;
 }
 
-/* Sums up samples (indices; NULL: the first count). */
-static void sum_up(sums *m, const psplat_near_sample *samples, const uint32_t *some, size_t count,
-                   const frame *r) {
-    for (size_t i = 0; i < count; i += LANES) {
-        const psplat_near_sample *lanes[LANES];
-        double weights[LANES];
-        for (size_t l = 0; l < LANES; ++l) {
-            size_t at = i + l < count ? i + l : i;
-            lanes[l] = &samples[some ? some[at] : at];
-            weights[l] = at == i + l;
-        }
-        add_samples(m, lanes, weights, r);
-    }
-}
-
-/* Adds up the lanes, and stores the powers s^i t^j by [i][j]. */
-static void unite_lanes(const sums *m, double powers[5][5], double right[UNKNOWNS]) {
-    double total[PRODUCTS] = {0};
-    for (int k = 0; k < PRODUCTS; ++k)
-        for (int l = 0; l < LANES; ++l) total[k] += m->of[k][l];
-    for (int degree = 0, at = 0; degree < 5; ++degree)
-        for (int j = 0; j <= degree; ++j) powers[degree - j][j] = total[at++];
-    memcpy(right, total + POWERS, UNKNOWNS * sizeof *right);
+static void add_sample(sums *m, const psplat_near_sample *sample, const psplat_region *r,
+                       const double center[3], double scale) {
+    double d[3];
+    sub3(d, sample->p, center);
+    double s = dot3(d, r->u) / scale, t = dot3(d, r->v) / scale, h = dot3(d, r->n) / scale;
+    add_powers(m, s, t);
+    double height = max2(dot3(sample->n, r->n), least_cosine);
+    double x = -slope_weight * dot3(sample->n, r->u) / height;
+    double y = -slope_weight * dot3(sample->n, r->v) / height;
+    m->right[0] += h;
+    m->right[1] += h * s + x;
+    m->right[2] += h * t + y;
+    m->right[3] += h * s * s / 2 + x * s;
+    m->right[4] += h * s * t + x * t + y * s;
+    m->right[5] += h * t * t / 2 + y * t;
 }
 
 /* Stores the normal equations' matrix: heights are (1, s, t, s^2/2, st, t^2/2) x, slopes
@@ -128,9 +95,9 @@ static void normal_matrix(const double p[5][5], double m[UNKNOWNS][UNKNOWNS]) {
 /* Solves the normal equations by the Cholesky factors L D L^T of the matrix, of which only the
  * lower half is read. With level, the slopes at the centre are 0. */
 static void solve(const sums *sums, int level, double x[UNKNOWNS]) {
-    double m[UNKNOWNS][UNKNOWNS], powers[5][5] = {{0}};
-    unite_lanes(sums, powers, x);
-    normal_matrix((const double(*)[5])powers, m);
+    double m[UNKNOWNS][UNKNOWNS];
+    normal_matrix(sums->powers, m);
+    memcpy(x, sums->right, UNKNOWNS * sizeof *x);
     for (int i = 1; level && i <= 2; ++i) {
         for (int k = 0; k < UNKNOWNS; ++k) m[i][k] = m[k][i] = 0;
         m[i][i] = 1, x[i] = 0;
@@ -161,26 +128,17 @@ static void turn_frame(psplat_region *r, const double slope[2]) {
     cross3(r->v, r->n, r->u);
 }
 
-static frame frame_of(const psplat_region *r, const double origin[3], double scale) {
-    frame seen = {.scale = scale};
-    sub3(seen.center, r->center, origin);
-    for (int k = 0; k < 3; ++k) {
-        seen.u[k] = r->u[k] / scale;
-        seen.v[k] = r->v[k] / scale;
-        seen.n[k] = r->n[k] / scale;
-    }
-    return seen;
-}
-
 int psplat_fit_surface(const psplat_near_sample *samples, const uint32_t *some, size_t count,
                        const double origin[3], psplat_region *r) {
     double scale = max2(r->radius[0], r->radius[1]), x[UNKNOWNS];
     memset(r->slope, 0, sizeof r->slope);
     memset(r->hessian, 0, sizeof r->hessian);
     for (int step = 0, level = 0; step < 3; ++step) {
-        sums m = {.of = {{0}}};
-        const frame seen = frame_of(r, origin, scale);
-        sum_up(&m, samples, some, count, &seen);
+        sums m = {.right = {0}};
+        double center[3];
+        sub3(center, r->center, origin);
+        for (size_t i = 0; i < count; ++i)
+            add_sample(&m, &samples[some ? some[i] : i], r, center, scale);
         solve(&m, level, x);
         mad3(r->center, x[0] * scale, r->n);
         if (level) break;
