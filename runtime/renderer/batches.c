@@ -236,7 +236,7 @@ static int add_item(psplat_frame *f, const psplat_camera *camera, psplat_culling
             is_placed = psplat_camera_place(camera, modelview, &placement);
         }
         if (is_placed) {
-            const psplat_placement_desc desc = {psplat_item_tolerance(item, k), batch->bounds_min,
+            const psplat_placement_desc desc = {(double)batch->depth_tolerance, batch->bounds_min,
                                                 batch->bounds_max,
                                                 is_culled(culling, &batch->material)};
             psplat_camera_place_batch(&desc, &placement);

@@ -143,7 +143,7 @@ static void add_depths(const psplat_view *view, const psplat_item *item, psplat_
             scale = cbrt(fabs(psplat_matrix_determinant3(modelview)));
         }
         /* Epsilon of eq. (5) is at most twice the tolerance, at grazing angles. */
-        double epsilon = 2.0 * psplat_item_tolerance(item, k) * scale;
+        double epsilon = 2.0 * (double)batch->depth_tolerance * scale;
         psplat_depth_span_add(span, modelview, view->projection, batch->bounds_min,
                               batch->bounds_max, epsilon);
     }

@@ -44,13 +44,6 @@ static inline int psplat_item_is_faded(const psplat_item *item) {
     return item->fade > 0.0f;
 }
 
-/* Returns the depth tolerance of a batch of an item, in the batch's units. A faded item's is twice
- * the batch's, as phongsplat.h says of psplat_item. */
-static inline double psplat_item_tolerance(const psplat_item *item, size_t batch) {
-    double tolerance = (double)item->model->batches[batch].depth_tolerance;
-    return psplat_item_is_faded(item) ? 2.0 * tolerance : tolerance;
-}
-
 /* Returns whether a batch of an item is of the level that the item shows. */
 static inline int psplat_item_shows(const psplat_item *item, size_t batch) {
     const psplat_model_batch *b = &item->model->batches[batch];

@@ -162,12 +162,13 @@ static float largest_tolerance(const psplat_frame *f) {
     double most = 0.0;
     for (size_t i = 0; i < f->item_count; ++i)
         for (size_t k = 0; k < drawn_batches(&f->items[i]); ++k) {
+            const psplat_model_batch *batch = &f->items[i].model->batches[k];
             if (!psplat_item_shows(&f->items[i], k)) continue;
             double scene[16];
             psplat_camera_compose(f->items[i].transform, psplat_item_matrix(&f->items[i], k),
                                   scene);
             double scale = cbrt(fabs(psplat_matrix_determinant3(scene)));
-            most = fmax(most, scale * psplat_item_tolerance(&f->items[i], k));
+            most = fmax(most, scale * (double)batch->depth_tolerance);
         }
     return (float)most;
 }

@@ -553,11 +553,10 @@ typedef struct psplat_view {
  *
  * fade cross-fades an item and its replacement, as a tile of a level of detail and its children:
  * with fade t of the old and 1 - t of the new both are drawn, and pixels that both cover turn from
- * one into the other while t grows. Weights fade, coverage does not: where splats of faded items
- * are alone in a pixel they are as without a fade, and outlines change when an item comes and when
- * it goes. A faded item has twice the tolerance of spec 5.3, so that a replacement that lies as far
- * from it as both of them may err still blends: its own tolerance may be up to three times larger
- * or smaller. Where there are no weights (depth_only, shadows of lights, PSPLAT_MODE_FLAT,
+ * one into the other while t grows, as far as they lie within the tolerances of spec 5.3: what lies
+ * deeper is hidden, faded or not. Weights fade, coverage and depths do not: where splats of faded
+ * items are alone in a pixel they are as without a fade, and outlines change when an item comes and
+ * when it goes. Where there are no weights (depth_only, shadows of lights, PSPLAT_MODE_FLAT,
  * PSPLAT_MODE_PARAMETERS, the shading `splats`), and in what the shading `overdraw` counts, items
  * of a fade below 1 are whole. */
 typedef struct psplat_item {
