@@ -130,7 +130,8 @@ int main(int argc, char **argv) {
         put(&t, "{\"asset\":{\"version\":\"1.1\"},\"geometricError\":1,\"root\":");
         put_tile(&t, 0, 0, 1, deep);
         put(&t, "}");
-        const psplat_tiles_desc desc = {.source = {.read = read_text, .user = &t}, .max_bytes = (size_t)1 << 40};
+        const psplat_tiles_desc desc = {.source = {.read = read_text, .user = &t},
+                                        .max_bytes = (size_t)1 << 40};
         double start = now();
         if (psplat_tiles_open(&desc, "tileset.json", &tiles, &error)) {
             fprintf(stderr, "bench_tile_selection: %s\n", error.text);

@@ -46,7 +46,7 @@ install_and_use() {
     prefix="$work/moved"
     asset="$prefix/share/phongsplat/schema/minimal.gltf"
     diff -r "$SOURCE_DIR/schema" "$prefix/share/phongsplat/schema" || fail "the schema is not installed as it is"
-    for name in phongsplat splat host reference; do
+    for name in phongsplat splat tiles host reference; do
         [ -f "$prefix/include/phongsplat/$name.h" ] || fail "no $name.h"
     done
     declared "$prefix/include" >"$work/declared"

@@ -11,9 +11,10 @@
  *     psplat_tiles_open(&desc, "scene/tileset.json", &tiles, &error);
  *     // every frame, on the thread of the GL context:
  *     psplat_tiles_select(tiles, &(psplat_tiles_view){.view = &view}, &error);
- *     n = psplat_tiles_wanted(tiles, requests, 16); // most important first; read them on any
- * thread psplat_tiles_upload(tiles, renderer, 4 << 20, &error); items = psplat_tiles_items(tiles,
- * &count); psplat_draw(renderer, &view, items, count, &error);
+ *     n = psplat_tiles_wanted(tiles, requests, 16); // most important first; threads read them
+ *     psplat_tiles_upload(tiles, renderer, 4 << 20, &error);
+ *     items = psplat_tiles_items(tiles, &count);
+ *     psplat_draw(renderer, &view, items, count, &error);
  *     // on any thread, when the bytes of a request have arrived:
  *     psplat_tiles_supply(tiles, request.tile, bytes, size, &error); // decodes there
  *
@@ -65,8 +66,7 @@ typedef struct psplat_tiles_desc {
                             some 600 bytes a tile, is not counted */
     size_t max_requests; /* under way and waiting for the upload at a time, at most 65,536; 0 means
                             16 */
-    double
-        fade_seconds; /* duration of the cross-fade when tiles replace others; 0: there is none */
+    double fade_seconds; /* how long tiles fade into those that replace them; 0: not at all */
 } psplat_tiles_desc;
 
 /* Opens a tileset: path is that of its tileset.json, whose directory holds everything that it
