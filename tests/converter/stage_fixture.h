@@ -164,7 +164,7 @@ static inline psplat_result fixture_exchange(psplat_selection *selection, size_t
     samples.positions = calloc(3 * count + 1, sizeof(double));
     assert_non_null(samples.positions);
     for (size_t i = 0; i < count; ++i) samples.positions[3 * i] = (double)i;
-    psplat_local_search_desc what = {&samples, moves, focus, 0, seed, strict};
+    psplat_local_search_desc what = {&samples, moves, focus, 0, seed, strict, NULL};
     psplat_result result = psplat_local_search(selection, &what);
     free(samples.positions);
     return result;

@@ -127,7 +127,7 @@ static void test_two_halves(void **state) {
     /* The proposal lies in the square although neither half did, because the moments of both refer
      * to one origin. */
     assert_near(whole->deviation, 0, 1e-12);
-    psplat_local_search_desc what = {&c.samples, 50, c.samples.count, 0, 1, 1};
+    psplat_local_search_desc what = {&c.samples, 50, c.samples.count, 0, 1, 1, NULL};
     assert_int_equal(psplat_local_search(&c.selection, &what), PSPLAT_OK);
     assert_int_equal(psplat_selection_taken(&c.selection), 1);
     psplat_selection_free(&c.selection);
@@ -139,7 +139,7 @@ static void test_two_halves(void **state) {
 static size_t select_and_relax(psplat_conversion *c) {
     const psplat_fit_context context = psplat_conversion_context(c);
     assert_int_equal(psplat_greedy_cover(&context, c->desc, &c->selection, NULL), PSPLAT_OK);
-    psplat_local_search_desc what = {&c->samples, 0, c->samples.count, 0, 1, 0};
+    psplat_local_search_desc what = {&c->samples, 0, c->samples.count, 0, 1, 0, NULL};
     assert_int_equal(psplat_local_search(&c->selection, &what), PSPLAT_OK);
     psplat_selection_drop_untaken(&c->selection);
     size_t before = c->selection.count;
