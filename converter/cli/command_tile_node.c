@@ -26,9 +26,11 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
             "Runs one task of the plan that `tile plan` wrote to OUT/: a block of the surface\n"
             "becomes tiles below OUT/tiles/, and a record and a simplified mesh below\n"
             "OUT/work/.",
-        .notes = "A task that is done already is left as it is. One that is killed leaves nothing\n"
-                 "half, and may be run again. Tasks may run at the same time, but those of a wave\n"
-                 "need all before it. Exit code 2 says that one which is needed is not done.",
+        .notes =
+            "A task that is done already is left as it is. One that is killed leaves nothing\n"
+            "half, and may be run again. Tasks may run at the same time, but those of a wave\n"
+            "need all before it. Exit code 2 says that one which is needed is not done. A level\n"
+            "that breaks a promise of its conversion costs a line, and does not stop others.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .slots = {&a->directory, &a->task},

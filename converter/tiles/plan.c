@@ -439,7 +439,11 @@ psplat_result psplat_tile_plan_make(const char *input, const psplat_tile_options
         return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s: cannot be read: %s", shown,
                            strerror(cause));
     }
-    psplat_result result = make_directory(directory, "", error);
+    psplat_result result = PSPLAT_OK;
+    if (strchr(plan->input, '\n')) /* which ends a line of the plan */
+        result = psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
+                             "%s: has a line break in its path, which plans do not take", shown);
+    if (!result) result = make_directory(directory, "", error);
     if (!result) result = check_earlier(plan, directory, overwrite, &old, &is_done, error);
     if (!result && is_done) {
         psplat_tile_plan_free(plan);

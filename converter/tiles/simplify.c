@@ -38,6 +38,10 @@ static const double first_step = 0.2;
  * somewhere does not hold up the rest. Edges between parts stay for the next block to simplify. */
 enum { PART_TRIANGLES = 1 << 15 };
 
+/* Where parts are halved, from the lower end on. Blocks are halved in the middle: locked borders of
+ * blocks lie within parts of the block above. */
+static const double lower_share = 0.41;
+
 /* How often a triangle of the source is quartered for its proof. */
 enum { MOST_QUARTERINGS = 6 };
 
@@ -342,8 +346,8 @@ typedef struct parts {
     psplat_tile_soup soup;   /* the simplified parts */
 } parts;
 
-/* Stores the middle of the longest side of the box of some triangles' first corners, and its axis.
- * Returns 0 where that box is a point. */
+/* Stores a place near the middle of the longest side of the box of some triangles' first corners,
+ * and its axis. Returns 0 where that box is a point. */
 static int halve_box(const parts *p, size_t begin, size_t end, int *axis, double *middle) {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     for (size_t i = begin; i < end; ++i) {
@@ -356,7 +360,7 @@ static int halve_box(const parts *p, size_t begin, size_t end, int *axis, double
     *axis = 0;
     for (int k = 1; k < 3; ++k)
         if (high[k] - low[k] > high[*axis] - low[*axis]) *axis = k;
-    *middle = 0.5 * low[*axis] + 0.5 * high[*axis];
+    *middle = lower_share * high[*axis] + (1 - lower_share) * low[*axis];
     return low[*axis] < *middle && *middle <= high[*axis];
 }
 

@@ -28,8 +28,9 @@
 #include <sys/stat.h>
 
 /* How far simplified meshes may be from the source, in tolerances of the finest level that is made
- * of them. Conversions get that much less. */
-static const double deviation_part = 0.08;
+ * of them, and how much farther when the borders between them are simplified, too. Conversions get
+ * that much less. */
+static const double deviation_part = 0.05, united_part = 0.08;
 /* The level that tile_block knows as the finest of all. It counts levels up to the finest, records
  * count from there. */
 enum { FINEST_LEVEL = 40 };
@@ -198,11 +199,27 @@ static psplat_convert_desc options_of(const node_run *n) {
     return options;
 }
 
+/* Simplifies the united meshes of blocks once more: their borders have all edges of the source, and
+ * slivers beside them, whose normals are far from the surface's. */
+static psplat_result simplify_united(node_run *n, psplat_tile_soup *soup, psplat_error *error) {
+    psplat_mesh simple;
+    double step, most = united_part * tolerance_of(n->plan, n->steps) - n->deviation;
+    psplat_result result = psplat_mesh_weld(&soup->mesh, error);
+    if (result) return result;
+    if (psplat_tile_simplify(&soup->mesh, most, &simple, &step)) return fail_memory(error);
+    psplat_mesh_free(&soup->mesh);
+    soup->mesh = simple;
+    n->deviation += step;
+    return PSPLAT_OK;
+}
+
 static psplat_result convert_block(node_run *n, const psplat_convert_desc *progress,
                                    psplat_error *error) {
     psplat_tile_soup soup = begin_soup(n, &n->task->reach);
     psplat_result result = gather_block(n, &soup, error);
     n->run->triangles = soup.mesh.triangle_count;
+    if (!result && soup.mesh.triangle_count && n->task->leaf == SIZE_MAX)
+        result = simplify_united(n, &soup, error);
     soup.mesh.material = n->plan->material;
     if (!result && soup.mesh.triangle_count) {
         result = psplat_mesh_clean(&soup.mesh, n->task->name, 1, error);
