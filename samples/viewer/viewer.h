@@ -210,8 +210,9 @@ int shown_tiles_exist(const shown_assets *s);
 /* Returns whether tiles have come since the last call. */
 int shown_tiles_have_news(shown_assets *s);
 /* Chooses the tiles of a view that has samples of its pixels across one of the window's, and notes
- * their numbers in v->tiles_state, with the error in pixels of the window. *items and *count are all that is to be drawn, until the next
- * call. Sets v->needs_redraw where the next frame would differ. */
+ * their numbers in v->tiles_state, with the error in pixels of the window. *items and *count are
+ * all that is to be drawn, until the next call. Sets v->needs_redraw where the next frame would
+ * differ. */
 psplat_result shown_tiles_choose(viewer *v, const psplat_view *view, double samples,
                                  const psplat_item **items, size_t *count, psplat_error *error);
 
