@@ -13,6 +13,7 @@
 #include "benchmark/sweep_progress.h"
 #include "benchmark/write_obj.h"
 #include "export/glb_writer.h"
+#include "export/meshopt_codec.h"
 #include "import/read_mesh.h"
 #include "mesh/mesh.h"
 #include "pipeline/convert.h"
@@ -74,11 +75,11 @@ int psplat_make_asset_is_done(const char *folder, const psplat_row *row) {
 
 /* ---- splats ------------------------------------------------------------------------------- */
 
-/* The model is named as `phongsplat convert` names it, so that the bytes are those of that command
- * with --no-compress. */
+/* The model is named as `phongsplat convert` names it, so that the bytes are those of that command.
+ */
 static psplat_result write_splats(const psplat_asset_maker *m, const psplat_setting *setting,
                                   const psplat_splats *splats, psplat_error *error) {
-    const psplat_write_desc desc = {0};
+    const psplat_write_desc desc = {.codec = &psplat_meshopt_codec};
     uint8_t *data = NULL;
     size_t size = 0;
     psplat_text model = {0};
@@ -100,12 +101,12 @@ static psplat_result convert(const psplat_asset_maker *m, psplat_row *row, pspla
         .normal_tolerance_degrees = o->normal_tolerance,
         .crease_angle_degrees = o->crease_angle,
         .no_creases = o->no_creases,
-        .constant_normals = row->setting.field == PSPLAT_FIELD_CONSTANT,
+        .precision = row->setting.form == PSPLAT_FORM_FLOAT ? 0 : PSPLAT_USUAL_PRECISION,
         .effort = o->effort,
         .seed = o->seed,
         .progress = psplat_sweep_progress_show_stage,
         .user = m->progress,
-        .planar = row->setting.planar,
+        .planar = row->setting.form == PSPLAT_FORM_PLANAR,
     };
     psplat_splats splats = {0};
     psplat_report report = {0};

@@ -10,12 +10,19 @@
 #include "compare/statistics.h"
 #include "import/read_mesh.h"
 #include "mesh/mesh.h"
+#include "table/folder.h"
 #include "table/row.h"
 #include "table/setting.h"
+#include "table/text.h"
 #include "views/image_metrics.h"
 #include "views/picture_views.h"
 
 #include <phongsplat/phongsplat.h>
+
+#include <stdlib.h>
+
+/* The view that the page shows: from the front, 36 degrees from the left and 24 from above. */
+enum { SHOWN_VIEW = 6 };
 
 static psplat_result open_splats(psplat_measured_asset *opened, psplat_sweep_context *context,
                                  const char *path, psplat_error *error) {
@@ -88,14 +95,18 @@ psplat_result psplat_measured_asset_shape(const psplat_measured_asset *opened,
     return result;
 }
 
+static psplat_pictured pictured_of(const psplat_measured_asset *opened,
+                                   const psplat_setting *setting) {
+    return (psplat_pictured){.renderer = opened->renderer,
+                             .model = opened->model,
+                             .mode = setting->mode,
+                             .mesh = opened->source_mesh};
+}
+
 psplat_result psplat_measured_asset_picture(const psplat_measured_asset *opened,
                                             psplat_sweep_context *context, psplat_row *row,
                                             psplat_error *error) {
-    const psplat_pictured pictured = {.renderer = opened->renderer,
-                                      .model = opened->model,
-                                      .mode = row->setting.mode,
-                                      .no_filter = row->setting.no_filter,
-                                      .mesh = opened->source_mesh};
+    const psplat_pictured pictured = pictured_of(opened, &row->setting);
     psplat_picture_errors errors = {0};
     psplat_result result = psplat_sweep_context_views(context, error);
     if (!result)
@@ -109,6 +120,34 @@ psplat_result psplat_measured_asset_picture(const psplat_measured_asset *opened,
     values[PSPLAT_COLUMN_DISTANT] = errors.distant;
     values[PSPLAT_COLUMN_MISSING] = errors.missing;
     values[PSPLAT_COLUMN_EXTRA] = errors.extra;
+    values[PSPLAT_COLUMN_OUTLINE] = errors.missing + errors.extra;
     values[PSPLAT_COLUMN_COVERED] = (double)errors.covered;
     return PSPLAT_OK;
+}
+
+/* Draws what is pictured, or the source, into a file of the folder. */
+static psplat_result draw(psplat_sweep_context *context, const psplat_pictured *pictured,
+                          const char *folder, const psplat_setting *setting, psplat_error *error) {
+    psplat_text name = {0};
+    uint8_t *png = NULL;
+    size_t size = 0;
+    psplat_setting_picture(setting, &name);
+    psplat_result result = psplat_text_check(&name, error);
+    if (!result)
+        result = psplat_picture_views_png(context->views, pictured, SHOWN_VIEW, &png, &size, error);
+    if (!result) result = psplat_folder_write(folder, name.data, png, size, error);
+    free(png);
+    free(name.data);
+    return result;
+}
+
+psplat_result psplat_measured_asset_show(const psplat_measured_asset *opened,
+                                         psplat_sweep_context *context,
+                                         const psplat_setting *setting, const char *folder,
+                                         psplat_error *error) {
+    static const psplat_setting source = {.competitor = PSPLAT_COMPETITOR_MESH};
+    const psplat_pictured pictured = pictured_of(opened, setting);
+    psplat_result result = psplat_sweep_context_views(context, error);
+    if (!result) result = draw(context, NULL, folder, &source, error);
+    return result ? result : draw(context, &pictured, folder, setting, error);
 }

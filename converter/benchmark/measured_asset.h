@@ -41,4 +41,10 @@ psplat_result psplat_measured_asset_picture(const psplat_measured_asset *asset,
                                             psplat_sweep_context *context, psplat_row *row,
                                             psplat_error *error);
 
+/* Writes one view of the asset and the same of the source into the folder, for the page. */
+psplat_result psplat_measured_asset_show(const psplat_measured_asset *asset,
+                                         psplat_sweep_context *context,
+                                         const psplat_setting *setting, const char *folder,
+                                         psplat_error *error);
+
 #endif

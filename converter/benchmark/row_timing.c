@@ -49,7 +49,6 @@ static psplat_result draw(void *self, const psplat_view *view, psplat_error *err
     psplat_view drawn = *view;
     const psplat_item item = {.model = r->shown->model};
     drawn.mode = r->setting->mode;
-    drawn.no_filter = r->setting->no_filter;
     return psplat_draw(r->context->renderer, &drawn, &item, 1, error);
 }
 

@@ -6,9 +6,11 @@
 
 #include "pipeline/schedule.h"
 #include "table/setting.h"
+#include "table/text.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* Guesses how many seconds a task takes on a model of middle size. Conversions take longer the more
  * splats they place. */
@@ -23,6 +25,17 @@ static const char *name_of(psplat_task task, int is_splats) {
     return task == PSPLAT_TASK_SHAPE ? "comparing shapes" : "comparing pictures";
 }
 
+/* Says what is done of which asset: "converting 0.5 %, planar". */
+static void name_task(psplat_sweep_progress *progress, psplat_task task,
+                      const psplat_setting *setting) {
+    psplat_text asset = {0};
+    psplat_setting_asset(setting, &asset);
+    snprintf(progress->what, sizeof progress->what, "%s %s",
+             name_of(task, setting->competitor == PSPLAT_COMPETITOR_SPLATS),
+             asset.data ? asset.data : "");
+    free(asset.data);
+}
+
 void psplat_sweep_progress_plan(psplat_sweep_progress *progress, psplat_task task,
                                 const psplat_setting *setting) {
     progress->planned += guess(task, setting);
@@ -30,15 +43,13 @@ void psplat_sweep_progress_plan(psplat_sweep_progress *progress, psplat_task tas
 
 psplat_result psplat_sweep_progress_begin(psplat_sweep_progress *progress, psplat_task task,
                                           const psplat_setting *setting, psplat_error *error) {
-    int is_splats = setting->competitor == PSPLAT_COMPETITOR_SPLATS;
     progress->done += progress->running;
     if (task == PSPLAT_TASK_TIME) {
         progress->running = progress->planned - progress->done;
         snprintf(progress->what, sizeof progress->what, "timing");
     } else {
         progress->running = guess(task, setting);
-        snprintf(progress->what, sizeof progress->what, is_splats ? "%s, %g %%" : "%s, %g",
-                 name_of(task, is_splats), is_splats ? setting->tolerance : setting->ratio);
+        name_task(progress, task, setting);
     }
     if (!psplat_sweep_progress_show(progress, 0)) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");

@@ -62,8 +62,9 @@ static psplat_parse parse_options(const psplat_option *options, size_t count, ar
         .command = "tradeoff",
         .operands = "SOURCE DIR",
         .summary =
-            "Converts a mesh by a ladder of tolerances, measures and draws each conversion\n"
-            "in every way, writes table, charts and page into DIR, and recommends a setting.",
+            "Converts a mesh by a ladder of tolerances, as convert does and with floats and\n"
+            "planar splats, measures and draws each conversion, writes table, charts and page\n"
+            "into DIR, and recommends a setting.",
         .notes =
             "DIR is made, or is one of an earlier sweep. It holds tradeoff.csv, index.html, the\n"
             "assets, and charts as SVG, which gnuplot draws by charts.gp where it is installed.\n"
@@ -88,10 +89,10 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "max-error", PSPLAT_OPTION_PERCENT, &a->demand.error, "E",
          "recommend the cheapest setting (bytes, then ms) whose error\nis at most this", 1e-9, 1e6,
          NULL},
-        {0, "error", PSPLAT_OPTION_CHOICE, &a->error_kind, "distance|normal|image",
+        {0, "error", PSPLAT_OPTION_CHOICE, &a->error_kind, "distance|normal|image|outline",
          "which error that is: greatest two-sided distance, % of the\n"
-         "diagonal; normals, RMS degrees; mean difference of pictures,\n% of white (default "
-         "distance)",
+         "diagonal; normals, RMS degrees; mean difference of pictures,\n% of white; pixels along "
+         "outlines, % (default distance)",
          0, 0, psplat_error_kind_names},
         {0, "max-bytes", PSPLAT_OPTION_COUNT, &a->max_bytes, "N", "a budget for the file", 1, 2e9,
          NULL},
@@ -149,6 +150,7 @@ static void add_values(psplat_text *text, const psplat_sweep_table *t, const psp
     add_value(text, row, PSPLAT_COLUMN_DISTANCE_MAX, ", distance ", " %");
     add_value(text, row, PSPLAT_COLUMN_NORMAL_RMS, ", normals ", " degrees");
     add_value(text, row, PSPLAT_COLUMN_DIFFERENCE, ", pictures ", " %");
+    add_value(text, row, PSPLAT_COLUMN_OUTLINE, ", outlines ", " %");
 }
 
 /* The command, how to draw, what that was measured to give, and what gltfpack needs for it. */
@@ -156,9 +158,7 @@ static void add_recommendation(psplat_text *text, const arguments *a, const pspl
                                const psplat_advice *advice) {
     const psplat_row *row = &t->rows[advice->row];
     psplat_setting_command(&row->setting, &t->options, a->source, text);
-    psplat_text_add(
-        text, "\ndraw with: mode %s, filter %s\nmeasured: ", psplat_mode_names[row->setting.mode],
-        psplat_filter_names[row->setting.no_filter]);
+    psplat_text_add(text, "\ndraw with: mode %s\nmeasured: ", psplat_mode_names[row->setting.mode]);
     add_values(text, t, row);
     psplat_text_add(text, "\n");
     if (advice->simplified == SIZE_MAX) return;
@@ -183,15 +183,19 @@ static void add_cell(psplat_text *text, const psplat_row *row, psplat_column col
 static void add_front(psplat_text *text, const psplat_sweep_table *t, const size_t *order,
                       size_t count, size_t knee) {
     psplat_column cost = psplat_rows_cost(t->rows, t->count);
-    const psplat_column columns[] = {PSPLAT_COLUMN_BYTES,        PSPLAT_COLUMN_ELEMENTS,
-                                     PSPLAT_COLUMN_DISTANCE_MAX, PSPLAT_COLUMN_NORMAL_RMS,
-                                     PSPLAT_COLUMN_DIFFERENCE,   cost};
-    psplat_text_add(text, "%-42s%11s%11s%11s%11s%11s%8s ms\n", "setting", "bytes", "splats",
-                    "distance %", "normals", "pictures %", cost_name(cost));
+    const psplat_column columns[] = {PSPLAT_COLUMN_BYTES,
+                                     PSPLAT_COLUMN_ELEMENTS,
+                                     PSPLAT_COLUMN_DISTANCE_MAX,
+                                     PSPLAT_COLUMN_NORMAL_RMS,
+                                     PSPLAT_COLUMN_DIFFERENCE,
+                                     PSPLAT_COLUMN_OUTLINE,
+                                     cost};
+    psplat_text_add(text, "%-24s%11s%11s%11s%11s%11s%11s%8s ms\n", "setting", "bytes", "splats",
+                    "distance %", "normals", "pictures %", "outlines %", cost_name(cost));
     for (size_t i = 0; i < count; ++i) {
         psplat_text name = {0};
         psplat_setting_describe(&t->rows[order[i]].setting, &name);
-        psplat_text_add(text, "%-42s", name.data ? name.data : "");
+        psplat_text_add(text, "%-24s", name.data ? name.data : "");
         text->failed |= name.failed;
         free(name.data);
         for (size_t k = 0; k < sizeof columns / sizeof *columns; ++k)
@@ -288,8 +292,26 @@ static int fail(const arguments *a, const psplat_error *error) {
 
 /* ---- the command -------------------------------------------------------------------------- */
 
+/* A sweep takes minutes, so that it says what it does also where nobody looks at a terminal: a line
+ * for each step then. */
+typedef struct speaker {
+    psplat_progress progress; /* the line of a terminal */
+    int is_log;
+    char said[64];
+} speaker;
+
+static int say(void *user, const char *what, double done) {
+    speaker *s = user;
+    if (!s->is_log) return psplat_progress_show_done(&s->progress, what, done);
+    if (!strcmp(s->said, what)) return 0;
+    snprintf(s->said, sizeof s->said, "%s", what);
+    fprintf(stderr, "phongsplat: tradeoff: %d %%: %s\n", (int)(100 * done), what);
+    return 0;
+}
+
 static void warn(void *user, const char *text) {
-    psplat_progress_end(user);
+    speaker *s = user;
+    psplat_progress_end(&s->progress);
     psplat_command_error("%s", text);
 }
 
@@ -297,15 +319,16 @@ int psplat_command_tradeoff(int argc, char **argv) {
     arguments a = {0};
     psplat_parse parsed = parse(argc, argv, &a);
     if (parsed != PSPLAT_PARSE_OK) return (int)parsed;
-    psplat_progress progress = psplat_progress_begin(a.quiet);
+    speaker speaker = {.progress = psplat_progress_begin(a.quiet)};
     psplat_sweep_table table = {.count = 0};
     psplat_sweep_counts counts = {0};
     psplat_error error = {0};
-    a.desc.progress = psplat_progress_show_done;
+    speaker.is_log = !a.quiet && !speaker.progress.enabled;
+    a.desc.progress = say;
     a.desc.warn = warn;
-    a.desc.user = &progress;
+    a.desc.user = &speaker;
     psplat_result result = psplat_sweep_run(&a.desc, &table, &counts, &error);
-    psplat_progress_end(&progress);
+    psplat_progress_end(&speaker.progress);
     int code = result ? fail(&a, &error) : recommend(&a, &table, &counts);
     psplat_sweep_table_free(&table);
     return code;

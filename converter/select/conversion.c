@@ -65,6 +65,10 @@ static const double proxy_part = 0.05;
 enum { LEAST_PROXIED = 20000 };
 static const double least_proxy_gain = 8;
 
+/* The diagonal below which a mesh is refused, in its units. The finest lengths of splats are some
+ * 1e-5 of it, and files have them as floats, whose least normal one is 1.2e-38. */
+static const double least_diagonal = 1e-32;
+
 /* The number of samples beyond which a tolerance is refused, before they fill the memory. */
 static const double most_samples = 16e6;
 
@@ -143,6 +147,11 @@ static double texel_length(const psplat_surface *surface) {
 }
 
 static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
+    if (c->surface.diagonal < least_diagonal)
+        return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
+                           "the mesh is %g across; it must be at least %g, so that splats fit into "
+                           "floats",
+                           c->surface.diagonal, least_diagonal);
     double degrees = c->desc->normal_tolerance_degrees,
            effective_percent = set_tolerance(c, c->surface.diagonal);
     double color_limit = color_tolerance(c->desc, c->percent);

@@ -66,16 +66,23 @@ static psplat_result mark(const char *folder, const char *table, psplat_error *e
     return result ? result : psplat_output_write(table, "", 0, 0, error);
 }
 
+static psplat_result make_within(const char *folder, const char *name, psplat_error *error) {
+    char *path = psplat_folder_path(folder, name);
+    if (!path) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a path");
+    psplat_result result = make_directory(path, error);
+    free(path);
+    return result;
+}
+
 psplat_result psplat_folder_open(const char *path, psplat_error *error) {
     char *table = psplat_folder_path(path, psplat_folder_table);
-    char *assets = psplat_folder_path(path, "assets");
-    psplat_result result = table && assets
+    psplat_result result = table
                                ? make_directory(path, error)
                                : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a path");
     if (!result) result = mark(path, table, error);
-    if (!result) result = make_directory(assets, error);
+    if (!result) result = make_within(path, "assets", error);
+    if (!result) result = make_within(path, "pictures", error);
     free(table);
-    free(assets);
     return result;
 }
 

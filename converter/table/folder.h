@@ -10,7 +10,8 @@
 
 extern const char psplat_folder_table[]; /* "tradeoff.csv" */
 
-/* Makes the directory where there is none, and within it a directory "assets" and an empty table.
+/* Makes the directory where there is none, and within it directories "assets" and "pictures" and an
+ * empty table.
  * Refuses one that holds something, but no table: WRITE. */
 psplat_result psplat_folder_open(const char *path, psplat_error *error);
 /* Returns the path of a file in it, from malloc, or NULL where memory ran out. */

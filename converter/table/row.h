@@ -48,6 +48,7 @@
     X(DISTANT, distant_difference)                                                                 \
     X(MISSING, missing_pixels)                                                                     \
     X(EXTRA, extra_pixels)                                                                         \
+    X(OUTLINE, outline_pixels) /* missing and extra */                                             \
     X(COVERED, covered_pixels)                                                                     \
     X(FRAMES, frames) /* that were timed */                                                        \
     X(LOAD_MS, load_ms)                                                                            \

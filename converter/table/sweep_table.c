@@ -2,8 +2,8 @@
  *
  * sweep_table.c - rows as lines of CSV, and lines as rows.
  *
- *     kind,tolerance_percent,ratio,normals,surface,mode,filter,source,source_hash,program,...
- *     splats,0.5,,linear,curved,phong,on,"part.obj",0123456789abcdef,"phongsplat 0.1.0",...
+ *     kind,tolerance_percent,ratio,form,mode,source,source_hash,program,...
+ *     splats,0.5,,usual,phong,"part.obj",0123456789abcdef,"phongsplat 0.1.0",...
  *
  * Only keys have cells with quotes. So the values of a line are read from its end, and its key is
  * compared as it stands.
@@ -21,8 +21,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char key_names[] = "kind,tolerance_percent,ratio,normals,surface,mode,filter,source,"
-                                "source_hash,program,command,measured_with,graphics";
+static const char key_names[] = "kind,tolerance_percent,ratio,form,mode,source,source_hash,program,"
+                                "command,measured_with,graphics";
 
 /* ---- keys --------------------------------------------------------------------------------- */
 
@@ -69,10 +69,8 @@ static char *make_key(const psplat_sweep_table *table, const psplat_setting *s) 
     psplat_text_add(&key, "%s", psplat_competitor_names[s->competitor]);
     add_positive(&key, s->tolerance);
     add_positive(&key, s->ratio);
-    psplat_text_add(&key, ",%s,%s,%s,%s", is_splats ? psplat_field_names[s->field] : "",
-                    is_splats ? psplat_surface_names[s->planar] : "",
-                    is_splats ? psplat_mode_names[s->mode] : "",
-                    is_splats ? psplat_filter_names[s->no_filter] : "");
+    psplat_text_add(&key, ",%s,%s", is_splats ? psplat_form_names[s->form] : "",
+                    is_splats ? psplat_mode_names[s->mode] : "");
     add_cell(&key, table->source);
     psplat_text_add(&key, ",%016llx", (unsigned long long)table->source_hash);
     add_program(&key, table, s);
@@ -90,35 +88,30 @@ static void add_row(psplat_sweep_table *table, const psplat_setting *setting) {
     row->key = make_key(table, setting);
 }
 
-/* An asset is drawn in each mode, with and without filter. */
-static void add_asset(psplat_sweep_table *table, double tolerance, psplat_normal_field field,
-                      int planar) {
-    for (int mode = 0; mode < PSPLAT_DRAWN_MODES; ++mode)
-        for (int no_filter = 0; no_filter < 2; ++no_filter)
-            add_row(table, &(psplat_setting){.competitor = PSPLAT_COMPETITOR_SPLATS,
-                                             .tolerance = tolerance,
-                                             .field = field,
-                                             .planar = planar,
-                                             .mode = (psplat_mode)mode,
-                                             .no_filter = no_filter});
+/* What convert writes is drawn in each mode, and what users rarely take only as they would. */
+static int modes_of(psplat_form form) {
+    return form == PSPLAT_FORM_USUAL ? PSPLAT_DRAWN_MODES : 1;
 }
 
-/* The conversions with each tolerance: curved, planar, and planar with constant normals. */
-enum { CONVERSIONS = 3 };
+static void add_asset(psplat_sweep_table *table, double tolerance, psplat_form form) {
+    for (int mode = 0; mode < modes_of(form); ++mode)
+        add_row(table, &(psplat_setting){.competitor = PSPLAT_COMPETITOR_SPLATS,
+                                         .tolerance = tolerance,
+                                         .form = form,
+                                         .mode = (psplat_mode)mode});
+}
 
 psplat_result psplat_sweep_table_plan(psplat_sweep_table *table, psplat_error *error) {
     const psplat_ladder *tolerances = &table->options.tolerances, *ratios = &table->options.ratios;
-    const size_t drawn = 2 * PSPLAT_DRAWN_MODES * CONVERSIONS;
+    const size_t drawn = PSPLAT_DRAWN_MODES * PSPLAT_FORM_COUNT;
     int has_all = 1;
     table->count = 0;
     table->rows = malloc((1 + drawn * tolerances->count + ratios->count) * sizeof *table->rows);
     if (!table->rows) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for rows");
     add_row(table, &(psplat_setting){.competitor = PSPLAT_COMPETITOR_MESH});
-    for (size_t i = 0; i < tolerances->count; ++i) {
-        add_asset(table, tolerances->steps[i], PSPLAT_FIELD_LINEAR, 0);
-        add_asset(table, tolerances->steps[i], PSPLAT_FIELD_LINEAR, 1);
-        add_asset(table, tolerances->steps[i], PSPLAT_FIELD_CONSTANT, 1);
-    }
+    for (size_t i = 0; i < tolerances->count; ++i)
+        for (int form = 0; form < PSPLAT_FORM_COUNT; ++form)
+            add_asset(table, tolerances->steps[i], (psplat_form)form);
     for (size_t i = ratios->count; i-- && *table->gltfpack;)
         add_row(table, &(psplat_setting){.competitor = PSPLAT_COMPETITOR_GLTFPACK,
                                          .ratio = ratios->steps[i]});

@@ -12,7 +12,7 @@
 
 #include <math.h>
 
-const char *const psplat_error_kind_names[] = {"distance", "normal", "image", NULL};
+const char *const psplat_error_kind_names[] = {"distance", "normal", "image", "outline", NULL};
 
 /* What differs by less is the same to whoever looks: times differ so between runs, and nobody sees
  * so little of a difference between pictures. */
@@ -23,7 +23,7 @@ static const psplat_column front_columns[] = {PSPLAT_COLUMN_BYTES, PSPLAT_COLUMN
 
 static psplat_column column_of(psplat_error_kind kind) {
     static const psplat_column columns[] = {PSPLAT_COLUMN_DISTANCE_MAX, PSPLAT_COLUMN_NORMAL_RMS,
-                                            PSPLAT_COLUMN_DIFFERENCE};
+                                            PSPLAT_COLUMN_DIFFERENCE, PSPLAT_COLUMN_OUTLINE};
     return columns[kind];
 }
 
@@ -43,15 +43,12 @@ static double value_of(const choice *c, size_t row, psplat_column column) {
 
 /* Counts how many steps a setting is from the defaults. */
 static int departures(const psplat_setting *s) {
-    int is_other = s->field != PSPLAT_FIELD_LINEAR || s->planar;
-    return is_other + (int)s->mode + s->no_filter;
+    return (s->form != PSPLAT_FORM_USUAL) + (int)s->mode;
 }
 
 static int is_default_unseen(const choice *c, const psplat_setting *s) {
-    if (s->no_filter) return 0;
     if (c->limits->error <= 0 || c->limits->kind == PSPLAT_ERROR_KIND_IMAGE) return 1;
-    int sees_field = c->limits->kind == PSPLAT_ERROR_KIND_NORMAL;
-    return s->mode == PSPLAT_MODE_PHONG && (sees_field || s->field == PSPLAT_FIELD_LINEAR);
+    return s->mode == PSPLAT_MODE_PHONG;
 }
 
 static double ratio(double value, double limit) {
@@ -157,7 +154,7 @@ psplat_advice psplat_advise(const psplat_row *rows, size_t count, const psplat_d
 static size_t choose_drawing(const choice *c, size_t row, size_t *candidates) {
     size_t count = 0;
     for (size_t i = 0; i < c->count; ++i)
-        if (!c->rows[i].setting.no_filter && !isnan(value_of(c, i, PSPLAT_COLUMN_DIFFERENCE)) &&
+        if (!isnan(value_of(c, i, PSPLAT_COLUMN_DIFFERENCE)) &&
             psplat_setting_shares_asset(&c->rows[i].setting, &c->rows[row].setting))
             candidates[count++] = i;
     count = narrow(c, candidates, count, PSPLAT_COLUMN_DIFFERENCE, equal_difference);

@@ -11,6 +11,7 @@ typedef enum psplat_error_kind {
     PSPLAT_ERROR_KIND_DISTANCE = 0, /* greatest, two-sided, % of the diagonal */
     PSPLAT_ERROR_KIND_NORMAL,       /* root mean square, degrees */
     PSPLAT_ERROR_KIND_IMAGE,        /* mean difference, % of white */
+    PSPLAT_ERROR_KIND_OUTLINE,      /* pixels that only one of both covers, % of the source's */
     PSPLAT_ERROR_KIND_COUNT
 } psplat_error_kind;
 
@@ -31,10 +32,9 @@ typedef struct psplat_advice {
  * without a limit of the error the one with the least difference of images. Times that differ by
  * less than 5 %, and differences by less than 3 %, are equal: the default is taken then.
  *
- * What the error does not see stays at its default where that fits: distances tell nothing of
- * normals and modes, normals nothing of modes, and none tells of the filter (see pareto.h). The
- * nearest miss is the setting whose greatest ratio of value to limit is the smallest. scratch holds
- * count numbers. */
+ * What the error does not see stays at its default where that fits: pictures alone tell of modes.
+ * The nearest miss is the setting whose greatest ratio of value to limit is the smallest. scratch
+ * holds count numbers. */
 psplat_advice psplat_advise(const psplat_row *rows, size_t count, const psplat_demand *limits,
                             size_t *scratch);
 

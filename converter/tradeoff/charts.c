@@ -33,7 +33,7 @@ typedef struct chart {
     const char *title, *x_label, *y_label;
     psplat_column x, y;
     int by_asset;      /* 1: it does not depend on how splats are drawn, and has a point an asset */
-    const char *place; /* of labels beside the points of phong splats with linear normals */
+    const char *place; /* of labels beside the points of what convert writes, drawn as phong */
 } chart;
 
 /* gnuplot draws into files with this prefix first, for it may be killed. */
@@ -64,35 +64,27 @@ static const char preamble[] =
     "hollow(i) = filled(i) - 1\n"
     "\n"
     "# Values of a column in the rows of some splats, or of gltfpack; there are none in others.\n"
-    "is_splats(i, n, f) = strcol('kind') eq 'splats' && strcol('mode') eq mode(i) && \\\n"
-    "    strcol('normals') eq (n eq 'constant' ? n : 'linear') && \\\n"
-    "    strcol('surface') eq (n eq 'linear' ? 'curved' : 'planar') && strcol('filter') eq f\n"
-    "splats(c, i, n, f) = is_splats(i, n, f) ? column(c) : NaN\n"
+    "is_splats(i, f) = strcol('kind') eq 'splats' && strcol('mode') eq mode(i) && \\\n"
+    "    strcol('form') eq f\n"
+    "splats(c, i, f) = is_splats(i, f) ? column(c) : NaN\n"
     "gltfpack(c) = strcol('kind') eq 'gltfpack' ? column(c) : NaN\n"
     "\n"
     "# Parts of plots of a column yname against a column xname, by the first modes.\n"
     "table = 'tradeoff.csv'\n"
     "front = \"$front using 1:2 with lines lw 12 lc rgb '#f7efa0' title 'Pareto front'\"\n"
-    "spread = \"for [i=1:modes] for [n in 'linear planar constant'] \\\n"
-    "    table using (splats(xname, i, n, 'on')):(column(yname)): \\\n"
+    "spread = \"for [i=1:modes] for [f in 'usual float planar'] \\\n"
+    "    table using (splats(xname, i, f)):(column(yname)): \\\n"
     "    (column(xname.'_q1')):(column(xname.'_q3')) with xerrorbars pt 0 lc rgb pale(i)\"\n"
-    "linear = \"for [i=1:modes] table using (splats(xname, i, 'linear', 'on')):(column(yname)) \\\n"
+    "usual = \"for [i=1:modes] table using (splats(xname, i, 'usual')):(column(yname)) \\\n"
     "    with linespoints pt filled(i) ps 0.8 lw 1.4 lc rgb color(i) \\\n"
-    "    title (modes > 1 ? mode(i).', ' : '').'linear normals'\"\n"
-    "planar = \"for [i=1:modes] table using (splats(xname, i, 'planar', 'on')):(column(yname)) \\\n"
-    "    with linespoints dt 4 pt hollow(i) ps 0.8 lw 1.4 lc rgb color(i) \\\n"
-    "    title (modes > 1 ? mode(i).', ' : '').'planar splats'\"\n"
-    "constant = \"for [i=1:modes] table using (splats(xname, i, 'constant', 'on')):(column(yname)) "
-    "\\\n"
-    "    with linespoints dt 2 pt hollow(i) ps 0.8 lw 1.4 lc rgb color(i) \\\n"
-    "    title (modes > 1 ? mode(i).', ' : '').'constant normals'\"\n"
-    "unfiltered = \"for [i=1:modes] for [n in 'linear planar constant'] \\\n"
-    "    table using (splats(xname, i, n, 'off')):(column(yname)) \\\n"
-    "    with points pt 2 ps 0.6 lc rgb color(i), \\\n"
-    "    keyentry with points pt 2 ps 0.6 lc rgb '#666666' title 'no filter'\"\n"
+    "    title (modes > 1 ? 'convert, '.mode(i) : 'convert')\"\n"
+    "floats = \"table using (splats(xname, 1, 'float')):(column(yname)) \\\n"
+    "    with linespoints dt 2 pt hollow(1) ps 0.8 lw 1.4 lc rgb color(1) title 'floats'\"\n"
+    "planar = \"table using (splats(xname, 1, 'planar')):(column(yname)) \\\n"
+    "    with linespoints dt 4 pt hollow(2) ps 0.8 lw 1.4 lc rgb color(1) title 'planar splats'\"\n"
     "simplified = \"table using (gltfpack(xname)):(column(yname)) \\\n"
     "    with linespoints pt 13 ps 0.9 lw 1.4 lc rgb '#444444' title 'gltfpack'\"\n"
-    "tolerances = \"table using (splats(xname, 1, 'linear', 'on')):(column(yname)): \\\n"
+    "tolerances = \"table using (splats(xname, 1, 'usual')):(column(yname)): \\\n"
     "    (sprintf('%g %%', column('tolerance_percent'))) \\\n"
     "    with labels @place font ',11' textcolor rgb color(1)\"\n"
     "ratios = \"table using (gltfpack(xname)):(column(yname)): \\\n"
@@ -112,7 +104,7 @@ static int is_shown(const chart *c, const psplat_row *row) {
     const psplat_setting *s = &row->setting;
     double x = row->values[c->x], y = row->values[c->y];
     if (s->competitor == PSPLAT_COMPETITOR_MESH) return 0;
-    if (c->by_asset && (s->mode != PSPLAT_MODE_PHONG || s->no_filter)) return 0;
+    if (c->by_asset && (s->mode != PSPLAT_MODE_PHONG)) return 0;
     return has_place(x) && has_place(y);
 }
 
@@ -243,7 +235,7 @@ static void add_plot(const chart *c, const psplat_sweep_table *table, psplat_tex
                     c->by_asset ? 1 : PSPLAT_DRAWN_MODES, c->place,
                     strcmp(c->place, "right") ? "0.8,0.5" : "-0.7,-0.7");
     if (is_time(c)) psplat_text_add(script, "@spread, ");
-    psplat_text_add(script, "@linear, @planar, @constant%s", c->by_asset ? "" : ", @unfiltered");
+    psplat_text_add(script, "@usual, @floats, @planar");
     if (*table->gltfpack) psplat_text_add(script, ", @simplified, @ratios");
     if (is_time(c))
         psplat_text_add(script, ", \\\n    keyentry with lines dt 3 lc rgb '#444444' title 'source "

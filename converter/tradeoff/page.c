@@ -42,23 +42,15 @@ static const shown asset_columns[] = {
 };
 
 static const shown drawn_columns[] = {
-    {PSPLAT_COLUMN_BYTES, "size", "bytes"},
-    {PSPLAT_COLUMN_DIFFERENCE, "difference", "%"},
-    {PSPLAT_COLUMN_INSIDE, "inside", "%"},
-    {PSPLAT_COLUMN_DISTANT, "from afar", "%"},
-    {PSPLAT_COLUMN_PSNR, "PSNR", "dB"},
-    {PSPLAT_COLUMN_SSIM, "SSIM", ""},
-    {PSPLAT_COLUMN_MISSING, "missing", "%"},
-    {PSPLAT_COLUMN_EXTRA, "extra", "%"},
-    {PSPLAT_COLUMN_CPU_MS, "CPU", "ms"},
-    {PSPLAT_COLUMN_CPU_MS_Q1, "quartiles", "ms"},
-    {PSPLAT_COLUMN_CPU_MS_Q3, "", "ms"},
-    {PSPLAT_COLUMN_WALL_MS, "wall", "ms"},
-    {PSPLAT_COLUMN_WALL_MS_Q1, "quartiles", "ms"},
-    {PSPLAT_COLUMN_WALL_MS_Q3, "", "ms"},
-    {PSPLAT_COLUMN_GPU_MS, "GPU", "ms"},
-    {PSPLAT_COLUMN_GPU_MS_Q1, "quartiles", "ms"},
-    {PSPLAT_COLUMN_GPU_MS_Q3, "", "ms"},
+    {PSPLAT_COLUMN_BYTES, "size", "bytes"},       {PSPLAT_COLUMN_DIFFERENCE, "difference", "%"},
+    {PSPLAT_COLUMN_INSIDE, "inside", "%"},        {PSPLAT_COLUMN_DISTANT, "from afar", "%"},
+    {PSPLAT_COLUMN_PSNR, "PSNR", "dB"},           {PSPLAT_COLUMN_SSIM, "SSIM", ""},
+    {PSPLAT_COLUMN_MISSING, "missing", "%"},      {PSPLAT_COLUMN_EXTRA, "extra", "%"},
+    {PSPLAT_COLUMN_OUTLINE, "outline", "%"},      {PSPLAT_COLUMN_CPU_MS, "CPU", "ms"},
+    {PSPLAT_COLUMN_CPU_MS_Q1, "quartiles", "ms"}, {PSPLAT_COLUMN_CPU_MS_Q3, "", "ms"},
+    {PSPLAT_COLUMN_WALL_MS, "wall", "ms"},        {PSPLAT_COLUMN_WALL_MS_Q1, "quartiles", "ms"},
+    {PSPLAT_COLUMN_WALL_MS_Q3, "", "ms"},         {PSPLAT_COLUMN_GPU_MS, "GPU", "ms"},
+    {PSPLAT_COLUMN_GPU_MS_Q1, "quartiles", "ms"}, {PSPLAT_COLUMN_GPU_MS_Q3, "", "ms"},
 };
 
 enum {
@@ -78,6 +70,8 @@ static const char style[] =
     "th:first-child,td:first-child{text-align:left}"
     "tr.front td{background:#fcfadf}tr.other td{color:#555}"
     "dt{font-weight:600;margin-top:.6em}dd{margin-left:1.5em}"
+    "div.pictures{display:flex;flex-wrap:wrap;gap:1em}div.pictures figure{margin:0}"
+    "div.pictures img{width:19em;height:19em}figcaption{text-align:center;color:#555}"
     "code{font-size:.95em;background:#f4f4f4;padding:0 .25em}";
 
 static const char definitions[] =
@@ -93,15 +87,14 @@ static const char definitions[] =
     "stands for it, from 12 sides, in % of white, over the pixels that either covers; inside: "
     "that both cover.</dd>\n"
     "<dt>missing, extra</dt><dd>pixels that only the source covers, and that it does not, in % of "
-    "those that it covers.</dd>\n"
+    "those that it covers; outline: both together.</dd>\n"
     "<dt>made in, loaded in</dt><dd>seconds of the conversion; milliseconds of opening the file "
     "and uploading it, a median.</dd>\n"
     "<dt>CPU, wall, GPU</dt><dd>milliseconds of a frame: medians and quartiles of frames that all "
     "settings drew in turn, the 12 views one after the other. CPU time is that of all threads. "
     "GPU time is left empty where GL is drawn in software.</dd>\n"
     "<dt>front</dt><dd>Highlighted settings are those that no other beats: none is at most as "
-    "large and at most as different, and better in one of both. Settings without filter are left "
-    "out: it keeps models still that are small and move, which these pictures do not show.</dd>\n"
+    "large and at most as different, and better in one of both.</dd>\n"
     "</dl>\n";
 
 static const char about_gltfpack[] =
@@ -200,6 +193,7 @@ static void add_front(const psplat_sweep_table *table, const size_t *order, size
         {PSPLAT_COLUMN_DISTANCE_MAX, "distance, max", "%"},
         {PSPLAT_COLUMN_NORMAL_RMS, "normals, RMS", "°"},
         {PSPLAT_COLUMN_DIFFERENCE, "difference", "%"},
+        {PSPLAT_COLUMN_OUTLINE, "outline", "%"},
         {cost, cost == PSPLAT_COLUMN_GPU_MS ? "GPU" : "CPU", "ms a frame"},
     };
     const size_t column_count = sizeof columns / sizeof *columns;
@@ -223,6 +217,48 @@ static void add_front(const psplat_sweep_table *table, const size_t *order, size
     psplat_text_add(html, "</code></p>\n");
     html->failed |= command.failed;
     free(command.data);
+}
+
+static void add_base64(const uint8_t *data, size_t size, psplat_text *html) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < size; i += 3) {
+        uint32_t bits = (uint32_t)data[i] << 16;
+        if (i + 1 < size) bits |= (uint32_t)data[i + 1] << 8;
+        if (i + 2 < size) bits |= data[i + 2];
+        char group[5] = {digits[bits >> 18], digits[bits >> 12 & 63], digits[bits >> 6 & 63],
+                         digits[bits & 63], 0};
+        if (i + 2 >= size) group[3] = '=';
+        if (i + 1 >= size) group[2] = '=';
+        psplat_text_add(html, "%s", group);
+    }
+}
+
+/* The picture is part of the page. An interrupted sweep may have left none. */
+static void add_picture(const char *folder, const psplat_setting *setting, psplat_text *html) {
+    psplat_text name = {0};
+    char *png = NULL;
+    size_t size = 0;
+    psplat_setting_picture(setting, &name);
+    html->failed |= name.failed;
+    if (!name.failed && !psplat_folder_read(folder, name.data, &png, &size, NULL)) {
+        psplat_text_add(html, "<figure><img alt=\"\" src=\"data:image/png;base64,");
+        add_base64((const uint8_t *)png, size, html);
+        psplat_text_add(html, "\"/><figcaption>");
+        add_setting(setting, html);
+        psplat_text_add(html, "</figcaption></figure>\n");
+    }
+    free(png);
+    free(name.data);
+}
+
+/* The source, and what the front makes of it. */
+static void add_pictures(const psplat_sweep_table *table, const char *folder, const size_t *order,
+                         size_t count, psplat_text *html) {
+    if (!count) return;
+    psplat_text_add(html, "<div class=\"pictures\">\n");
+    add_picture(folder, &table->rows[0].setting, html);
+    for (size_t i = count; i-- > 0;) add_picture(folder, &table->rows[order[i]].setting, html);
+    psplat_text_add(html, "</div>\n");
 }
 
 /* Charts are part of the page; what comes before their element is not. */
@@ -269,12 +305,13 @@ static void add_introduction(const psplat_sweep_table *table, psplat_text *html)
     psplat_text_add(html, ".</p>\n");
 }
 
-static void write_body(const psplat_sweep_table *table, const char *folder, uint8_t *is_front,
-                       size_t *order, psplat_text *html) {
+static void write_body(const psplat_sweep_table *table, const char *folder, int has_charts,
+                       uint8_t *is_front, size_t *order, psplat_text *html) {
     psplat_column cost = psplat_rows_cost(table->rows, table->count);
     size_t count = psplat_advise_front(table->rows, table->count, order, is_front);
     add_front(table, order, count, cost, html);
-    if (folder) add_charts(folder, html);
+    add_pictures(table, folder, order, count, html);
+    if (has_charts) add_charts(folder, html);
     psplat_text_add(html, "<h2>Files</h2>\n");
     add_asset_table(table, html);
     psplat_text_add(html, "<h2>Settings</h2>\n");
@@ -285,12 +322,13 @@ static void write_body(const psplat_sweep_table *table, const char *folder, uint
     psplat_text_add(html, "<p>All columns, exactly: <code>tradeoff.csv</code>.</p>\n");
 }
 
-void psplat_page_write(const psplat_sweep_table *table, const char *folder, psplat_text *text) {
+void psplat_page_write(const psplat_sweep_table *table, const char *folder, int has_charts,
+                       psplat_text *text) {
     uint8_t *is_front = malloc(table->count + 1);
     size_t *order = malloc((table->count + 1) * sizeof *order);
     add_introduction(table, text);
     if (is_front && order)
-        write_body(table, folder, is_front, order, text);
+        write_body(table, folder, has_charts, is_front, order, text);
     else
         text->failed = 1;
     psplat_text_add(text, "</body>\n</html>\n");

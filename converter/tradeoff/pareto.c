@@ -12,7 +12,7 @@
 
 static int is_complete(const psplat_row *row, psplat_competitor competitor,
                        const psplat_column *columns, size_t column_count) {
-    if (row->setting.competitor != competitor || row->setting.no_filter) return 0;
+    if (row->setting.competitor != competitor) return 0;
     for (size_t i = 0; i < column_count; ++i)
         if (isnan(row->values[columns[i]])) return 0;
     return 1;
@@ -62,12 +62,16 @@ static double logarithm(double value) {
     return log(fmax(value, 1e-12));
 }
 
+/* Logarithms of equal ratios differ by as much. */
+static const double rounding = 1e-9;
+
 size_t psplat_pareto_knee(const psplat_row *rows, const size_t *order, size_t order_count,
                           psplat_column x, psplat_column y) {
-    if (order_count < 3) return order_count ? order_count - 1 : 0;
+    if (order_count < 2) return 0;
     const double *first = rows[order[0]].values, *last = rows[order[order_count - 1]].values;
     double width = logarithm(last[x]) - logarithm(first[x]);
     double height = logarithm(last[y]) - logarithm(first[y]);
+    if (order_count == 2) return width <= -height + rounding;
     size_t knee = order_count - 1;
     double deepest = 0;
     for (size_t i = 1; i + 1 < order_count; ++i) {

@@ -12,8 +12,7 @@
 int psplat_pareto_beats(const psplat_row *a, const psplat_row *b, const psplat_column *columns,
                         size_t column_count);
 /* Marks the rows of one competitor that no other of them beats. Rows that lack a value are not on
- * the front; equal rows all are. Rows without filter are no choice: what the filter is for, models
- * that are small and move, is not in the pictures of a model that fills them. */
+ * the front; equal rows all are. */
 void psplat_pareto_mark(const psplat_row *rows, size_t count, psplat_competitor competitor,
                         const psplat_column *columns, size_t column_count, uint8_t *is_front);
 /* Writes the indices of marked rows by ascending value of a column into order, of equal ones the
@@ -22,7 +21,8 @@ size_t psplat_pareto_sort(const psplat_row *rows, size_t count, const uint8_t *i
                           psplat_column by, size_t *order);
 /* Returns the position in order of the knee of a sorted front. That is the row farthest below the
  * straight line between its ends, where both columns are logarithms: before it a little more of x
- * buys much less of y, after it much more buys little. With less than three rows it is the last. */
+ * buys much less of y, after it much more buys little. Of two rows it is
+ * the second, unless that takes more times as much of x as it divides y by. */
 size_t psplat_pareto_knee(const psplat_row *rows, const size_t *order, size_t order_count,
                           psplat_column x, psplat_column y);
 

@@ -160,6 +160,9 @@ static psplat_result measure_picture(sweep *s, const psplat_measured_asset *asse
     psplat_result result =
         psplat_sweep_progress_begin(&s->progress, PSPLAT_TASK_PICTURE, &row->setting, error);
     if (!result) result = psplat_measured_asset_picture(asset, &s->context, row, error);
+    if (!result && row->setting.mode == PSPLAT_MODE_PHONG)
+        result =
+            psplat_measured_asset_show(asset, &s->context, &row->setting, s->desc->folder, error);
     if (result) return result;
     row->is_measured = 1;
     ++s->counts->measured;
@@ -253,7 +256,7 @@ static psplat_result publish(const sweep *s, psplat_error *error) {
     psplat_result result = psplat_charts_write(s->table, s->desc->folder, left_out, error);
     if (result) return result;
     if (*left_out) warn(s, left_out);
-    psplat_page_write(s->table, *left_out ? NULL : s->desc->folder, &page);
+    psplat_page_write(s->table, s->desc->folder, !*left_out, &page);
     return write_text(s, "index.html", &page, error);
 }
 

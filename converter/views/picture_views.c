@@ -8,6 +8,7 @@
 
 #include "compare/source_mesh.h"
 #include "compare/source_mesh_parts.h"
+#include "picture/png_writer.h"
 #include "views/distant_view.h"
 #include "views/image_metrics.h"
 #include "views/mesh_renderer.h"
@@ -173,6 +174,29 @@ psplat_result psplat_picture_views_show(psplat_picture_views *views,
     if (!result) result = show(views, &d, view, views->size, error);
     psplat_mesh_renderer_destroy(d.mesh);
     return result;
+}
+
+/* GL's rows begin at the bottom, and those of a PNG at the top. */
+static psplat_result encode(const uint8_t *picture, int edge, uint8_t **png, size_t *size,
+                            psplat_error *error) {
+    size_t row = 4 * (size_t)edge, rows = (size_t)edge;
+    uint8_t *turned = malloc(bytes_of(edge));
+    if (!turned)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a picture of %d x %d",
+                           edge, edge);
+    for (size_t y = 0; y < rows; ++y) memcpy(turned + y * row, picture + (rows - 1 - y) * row, row);
+    psplat_result result = psplat_png_encode(turned, edge, edge, 4, png, size, error);
+    free(turned);
+    return result;
+}
+
+psplat_result psplat_picture_views_png(psplat_picture_views *views, const psplat_pictured *pictured,
+                                       int view, uint8_t **png, size_t *size, psplat_error *error) {
+    const uint8_t *source = views->pictures + (size_t)view * psplat_picture_views_bytes(views);
+    psplat_result result =
+        pictured ? psplat_picture_views_show(views, pictured, view, error) : PSPLAT_OK;
+    return result ? result
+                  : encode(pictured ? views->shown : source, views->size, png, size, error);
 }
 
 /* ---- comparison ------------------------------------------------------------------------------ */

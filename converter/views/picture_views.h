@@ -57,6 +57,12 @@ psplat_result psplat_picture_views_compare(psplat_picture_views *views,
                                            const psplat_pictured *pictured, int view,
                                            psplat_picture_errors *errors, psplat_error *error);
 
+/* Encodes one view of what is pictured, or of the source where pictured is NULL, as a PNG of size x
+ * size pixels without background, in memory from malloc, which the caller frees. Errors: ARGUMENT,
+ * MEMORY, GRAPHICS. */
+psplat_result psplat_picture_views_png(psplat_picture_views *views, const psplat_pictured *pictured,
+                                       int view, uint8_t **png, size_t *size, psplat_error *error);
+
 /* Draws the source into the bound framebuffer, for timing it. Errors: ARGUMENT (a light that is not
  * directional, or shadows), MEMORY, GRAPHICS. */
 psplat_result psplat_picture_views_draw_source(psplat_picture_views *views, const psplat_view *view,

@@ -93,8 +93,9 @@ static int has_failed(const psplat_tiles *tiles, uint32_t node) {
     return 0;
 }
 
-static void want(psplat_tiles *tiles, double priority, uint32_t node, int is_alone) {
-    tiles->families[tiles->family_count++] = (psplat_tile_family){priority, node, is_alone};
+static void want(psplat_tiles *tiles, double priority, uint32_t node,
+                 psplat_tile_family_kind kind) {
+    tiles->families[tiles->family_count++] = (psplat_tile_family){priority, node, kind};
 }
 
 /* Counts what keeps a tile from being replaced; a tile that stays so by hysteresis alone is not too
@@ -103,33 +104,49 @@ static void keep(const selection *s, uint32_t node, size_t *count) {
     if (psplat_tile_pixels(s->tiles, node) > s->pixels) ++*count;
 }
 
+/* What replacing a tile by its visible children takes. */
+typedef struct replacement {
+    double added;        /* splats */
+    int missing, failed; /* children that are not on the GPU, or will never be */
+    int aside;           /* children that are beside the view */
+} replacement;
+
+static replacement look_at_children(const selection *s, uint32_t node) {
+    psplat_tiles *tiles = s->tiles;
+    const psplat_tile_node *n = &tiles->nodes[node];
+    replacement r = {.added = -splats_of(tiles, node)};
+    for (uint32_t child = n->first_child; child < n->first_child + n->child_count; ++child) {
+        psplat_tile_look(tiles, &s->camera, child);
+        r.aside |= tiles->uses[child].is_aside;
+        if (!tiles->uses[child].is_visible) continue;
+        r.added += splats_of(tiles, child);
+        r.missing |= !psplat_tile_is_ready(tiles, child);
+        r.failed |= has_failed(tiles, child);
+    }
+    return r;
+}
+
 /* Replaces a tile by its visible children, or finds what is in the way of that. */
 static void refine(const selection *s, psplat_tile_candidate candidate) {
     psplat_tiles *tiles = s->tiles;
-    const psplat_tile_node *n = &tiles->nodes[candidate.node];
-    double added = -splats_of(tiles, candidate.node);
-    int missing = 0, failed = 0;
-    for (uint32_t i = 0; i < n->child_count; ++i) {
-        uint32_t child = n->first_child + i;
-        psplat_tile_look(tiles, &s->camera, child);
-        if (!tiles->uses[child].is_visible) continue;
-        added += splats_of(tiles, child);
-        missing |= !psplat_tile_is_ready(tiles, child);
-        failed |= has_failed(tiles, child);
-    }
-    if (s->max_splats && (double)tiles->cut_splats + added > (double)s->max_splats) {
-        keep(s, candidate.node, &tiles->state.over_budget);
+    uint32_t node = candidate.node;
+    const psplat_tile_node *n = &tiles->nodes[node];
+    replacement r = look_at_children(s, node);
+    if (s->max_splats && (double)tiles->cut_splats + r.added > (double)s->max_splats) {
+        keep(s, node, &tiles->state.over_budget);
         return;
     }
-    if (missing) {
-        keep(s, candidate.node, &tiles->state.missing);
-        if (!failed) want(tiles, candidate.gain, candidate.node, 0);
+    if (r.missing) {
+        keep(s, node, &tiles->state.missing);
+        if (!r.failed) want(tiles, candidate.gain, node, PSPLAT_FAMILY_CHILDREN);
         return;
     }
-    tiles->cut_splats = (size_t)((double)tiles->cut_splats + added);
-    tiles->uses[candidate.node].refined = tiles->frame;
-    for (uint32_t i = 0; i < n->child_count; ++i)
-        if (tiles->uses[n->first_child + i].is_visible) choose(s, n->first_child + i);
+    tiles->cut_splats = (size_t)((double)tiles->cut_splats + r.added);
+    tiles->uses[node].refined = tiles->frame;
+    /* Later than all that is visible, and in the order of what it is beside. */
+    if (r.aside) want(tiles, -1.0 / (1.0 + candidate.gain), node, PSPLAT_FAMILY_ASIDE);
+    for (uint32_t child = n->first_child; child < n->first_child + n->child_count; ++child)
+        if (tiles->uses[child].is_visible) choose(s, child);
 }
 
 /* A tile without contents stands for its children, each of which is drawn as soon as it is there.
@@ -143,7 +160,7 @@ static void start_at_children(const selection *s) {
         psplat_tile_look(tiles, &s->camera, child);
         if (!tiles->uses[child].is_visible) continue;
         if (!psplat_tile_is_ready(tiles, child)) {
-            if (!has_failed(tiles, child)) want(tiles, HUGE_VAL, child, 1);
+            if (!has_failed(tiles, child)) want(tiles, HUGE_VAL, child, PSPLAT_FAMILY_ALONE);
             continue;
         }
         tiles->cut_splats += tiles->nodes[child].splats;
@@ -161,7 +178,7 @@ static void find_cut(const selection *s) {
         tiles->cut_splats = tiles->nodes[0].splats;
         choose(s, 0);
     } else if (!has_failed(tiles, 0)) {
-        want(tiles, HUGE_VAL, 0, 1);
+        want(tiles, HUGE_VAL, 0, PSPLAT_FAMILY_ALONE);
     }
     while (tiles->heap_count) refine(s, pop(tiles));
 }
@@ -190,13 +207,28 @@ static size_t bytes_needed(const psplat_tiles *tiles, uint32_t node) {
     return bytes;
 }
 
-static size_t family_bytes(const psplat_tiles *tiles, const psplat_tile_family *family) {
+/* Returns the children of a family's tile, and in *end the one behind the last of them, or this
+ * tile alone. */
+static uint32_t family_begin(const psplat_tiles *tiles, const psplat_tile_family *family,
+                             uint32_t *end) {
     const psplat_tile_node *n = &tiles->nodes[family->node];
+    int is_alone = family->kind == PSPLAT_FAMILY_ALONE;
+    *end = is_alone ? family->node + 1 : n->first_child + n->child_count;
+    return is_alone ? family->node : n->first_child;
+}
+
+static int is_in_family(const psplat_tiles *tiles, const psplat_tile_family *family,
+                        uint32_t node) {
+    const psplat_tile_use *use = &tiles->uses[node];
+    if (family->kind == PSPLAT_FAMILY_ASIDE) return use->is_aside && !has_failed(tiles, node);
+    return family->kind == PSPLAT_FAMILY_ALONE || use->is_visible;
+}
+
+static size_t family_bytes(const psplat_tiles *tiles, const psplat_tile_family *family) {
+    uint32_t end, node = family_begin(tiles, family, &end);
     size_t bytes = 0;
-    if (family->is_alone) return bytes_needed(tiles, family->node);
-    for (uint32_t i = 0; i < n->child_count; ++i)
-        if (tiles->uses[n->first_child + i].is_visible)
-            bytes += bytes_needed(tiles, n->first_child + i);
+    for (; node < end; ++node)
+        if (is_in_family(tiles, family, node)) bytes += bytes_needed(tiles, node);
     return bytes;
 }
 
@@ -215,14 +247,9 @@ static void request(psplat_tiles *tiles, uint32_t node, double priority) {
 }
 
 static void request_family(psplat_tiles *tiles, const psplat_tile_family *family) {
-    const psplat_tile_node *n = &tiles->nodes[family->node];
-    if (family->is_alone) {
-        request(tiles, family->node, family->priority);
-        return;
-    }
-    for (uint32_t i = 0; i < n->child_count; ++i)
-        if (tiles->uses[n->first_child + i].is_visible)
-            request(tiles, n->first_child + i, family->priority);
+    uint32_t end, node = family_begin(tiles, family, &end);
+    for (; node < end; ++node)
+        if (is_in_family(tiles, family, node)) request(tiles, node, family->priority);
 }
 
 static int is_sooner(const psplat_tile_family *a, const psplat_tile_family *b) {
@@ -265,7 +292,8 @@ static void request_families(const selection *s) {
     }
     for (; i < tiles->family_count; ++i) {
         const psplat_tile_family *family = &tiles->families[i];
-        if (family->is_alone || !(psplat_tile_pixels(tiles, family->node) > s->pixels)) continue;
+        if (family->kind != PSPLAT_FAMILY_CHILDREN) continue;
+        if (!(psplat_tile_pixels(tiles, family->node) > s->pixels)) continue;
         --tiles->state.missing;
         ++tiles->state.over_budget;
     }

@@ -36,9 +36,9 @@ void psplat_tile_look(psplat_tiles *tiles, const psplat_tile_camera *camera, uin
     psplat_tile_use *use = &tiles->uses[node];
     if (use->looked == tiles->frame) return;
     use->looked = tiles->frame;
-    use->is_visible = psplat_tile_camera_sees(camera, volume) &&
-                      !(may_hide_backs(tiles, camera, node) &&
-                        psplat_tile_camera_sees_backs(camera, volume, use->cone));
+    use->is_aside = !psplat_tile_camera_sees(camera, volume);
+    use->is_visible = !use->is_aside && !(may_hide_backs(tiles, camera, node) &&
+                                          psplat_tile_camera_sees_backs(camera, volume, use->cone));
     use->scale = use->is_visible ? fmin(psplat_tile_camera_scale(camera, volume), most_scale) : 0.0;
     if (!use->is_visible) ++tiles->state.culled;
 }

@@ -62,9 +62,10 @@ typedef struct psplat_tile_use {
     uint32_t uploaded;     /* contents that are uploaded */
     uint32_t newer, older; /* in the list of tiles in memory, PSPLAT_TILE_NONE at its ends */
     psplat_tile_sides sides;
-    float mix;    /* 0: it is drawn, 1: its children are; between them it fades out */
-    float weight; /* in the last frame in which it was shown */
-    int is_visible, is_listed;
+    float mix;                /* 0: it is drawn, 1: its children are; between them it fades out */
+    float weight;             /* in the last frame in which it was shown */
+    int is_visible, is_aside; /* is_aside: it is not in the view, whichever side it shows */
+    int is_listed;
 } psplat_tile_use;
 
 /* ---- requests ------------------------------------------------------------------------------ */
@@ -97,11 +98,18 @@ typedef struct psplat_tile_slot {
     uint64_t stored; /* bytes of the file in those of an archive */
 } psplat_tile_slot;
 
-/* Children of a tile that are wanted together, or a tile alone. */
+typedef enum psplat_tile_family_kind {
+    PSPLAT_FAMILY_CHILDREN, /* the visible children of a tile that is too coarse */
+    PSPLAT_FAMILY_ALONE,    /* a tile */
+    PSPLAT_FAMILY_ASIDE /* the children of a replaced tile that are beside the view: where one of
+                           them came into view and were not there, the tile would be drawn again */
+} psplat_tile_family_kind;
+
+/* Tiles that are wanted together. */
 typedef struct psplat_tile_family {
     double priority;
     uint32_t node;
-    int is_alone; /* 1: node itself, 0: its children */
+    psplat_tile_family_kind kind;
 } psplat_tile_family;
 
 typedef struct psplat_tile_candidate {

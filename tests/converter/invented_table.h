@@ -14,21 +14,16 @@
 #include "table/sweep_options.h"
 #include "table/sweep_table.h"
 
-static inline psplat_row splats_row(double tolerance, psplat_normal_field field, psplat_mode mode,
-                                    int no_filter) {
-    const psplat_setting setting = {.competitor = PSPLAT_COMPETITOR_SPLATS,
-                                    .tolerance = tolerance,
-                                    .field = field,
-                                    .planar = field == PSPLAT_FIELD_CONSTANT,
-                                    .mode = mode,
-                                    .no_filter = no_filter};
+static inline psplat_row splats_row(double tolerance, psplat_form form, psplat_mode mode) {
+    const psplat_setting setting = {
+        .competitor = PSPLAT_COMPETITOR_SPLATS, .tolerance = tolerance, .form = form, .mode = mode};
     return psplat_row_empty(&setting);
 }
 
 /* Returns a row with a size in bytes, a picture difference in % and a frame time in ms; NaN stands
  * for a value that was not measured. */
 static inline psplat_row plain_row(double bytes, double difference, double ms) {
-    psplat_row row = splats_row(1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG, 0);
+    psplat_row row = splats_row(1, PSPLAT_FORM_USUAL, PSPLAT_MODE_PHONG);
     row.values[PSPLAT_COLUMN_BYTES] = bytes;
     row.values[PSPLAT_COLUMN_DIFFERENCE] = difference;
     row.values[PSPLAT_COLUMN_CPU_MS] = ms;
@@ -42,11 +37,14 @@ static inline void fill_row(psplat_row *row) {
     int is_splats = s->competitor == PSPLAT_COMPETITOR_SPLATS;
     double fineness = is_splats ? 1 / s->tolerance : 30 * s->ratio;
     double elements = is_splats ? 120 * pow(fineness, 0.8) : 3000 * fineness;
-    if (s->planar && !s->field) elements *= 2; /* as flat splats need, where curved ones do */
-    double worse = s->field ? 1.7 : 1;
+    if (s->form == PSPLAT_FORM_PLANAR) elements *= 2; /* as flat splats need, where curved do */
+    /* Floats are a little more accurate. */
+    double worse = s->form == PSPLAT_FORM_FLOAT ? 0.9 : 1;
     double *v = row->values;
     v[PSPLAT_COLUMN_ELEMENTS] = floor(elements);
-    v[PSPLAT_COLUMN_BYTES] = floor(2000 + elements * (s->field ? 52 : is_splats ? 64 : 5));
+    v[PSPLAT_COLUMN_BYTES] = floor(2000 + elements * (!is_splats                     ? 5
+                                                      : s->form == PSPLAT_FORM_FLOAT ? 64
+                                                                                     : 12));
     v[PSPLAT_COLUMN_CONVERT_S] = 0.1 + fineness / 7;
     v[PSPLAT_COLUMN_BROKEN] = 0;
     for (int i = PSPLAT_COLUMN_DISTANCE_MAX; i <= PSPLAT_COLUMN_TARGET_SAMPLES; ++i)
@@ -54,10 +52,10 @@ static inline void fill_row(psplat_row *row) {
     v[PSPLAT_COLUMN_DISTANCE_MAX] = 0.97 / fineness;
     v[PSPLAT_COLUMN_NORMAL_RMS] = 4 * worse * pow(fineness, -0.4);
     for (int i = PSPLAT_COLUMN_PSNR; i <= PSPLAT_COLUMN_COVERED; ++i) v[i] = 20 + i / 3.0;
-    v[PSPLAT_COLUMN_DIFFERENCE] =
-        (1.2 + 0.01 * s->no_filter) * worse * (1 + 0.6 * (double)s->mode) * pow(fineness, -0.5);
+    v[PSPLAT_COLUMN_OUTLINE] = 0.16 / fineness;
+    v[PSPLAT_COLUMN_DIFFERENCE] = 1.2 * worse * (1 + 0.6 * (double)s->mode) * pow(fineness, -0.5);
     for (int i = PSPLAT_COLUMN_LOAD_MS; i <= PSPLAT_COLUMN_WALL_MS_Q3; ++i)
-        v[i] = (6 + 1.1 * s->no_filter - 1.5 * (double)s->mode) * pow(elements, 0.2);
+        v[i] = (6 - 1.5 * (double)s->mode) * pow(elements, 0.2);
     v[PSPLAT_COLUMN_CPU_MS_Q1] *= 0.9;
     v[PSPLAT_COLUMN_CPU_MS_Q3] *= 1.2;
 }

@@ -105,7 +105,7 @@ static void supply(psplat_tiles *tiles, const input *in, const psplat_tile_reque
                             NULL);
         return;
     }
-    FUZZ_DEMAND(request->priority >= 0);
+    FUZZ_DEMAND(request->priority >= -1);
     uint32_t hash = hash_of((const uint8_t *)request->path, strlen(request->path));
     if (hash % 7 == 0) {
         psplat_tiles_fail(tiles, request->tile, (int)(hash / 7 % 2));

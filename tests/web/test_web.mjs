@@ -288,6 +288,29 @@ test('clones share what they draw, and dispose() frees it', async () => {
     assert.ok(found.after <= found.before + 1, JSON.stringify(found)); // three's own table of its BRDF stays
 });
 
+test('a canvas that grows looks as one that had its size from the start', async () => {
+    const found = await inPage(async () => {
+        const { scene: root } = await window.loader.loadAsync('/files/torus.glb'), camera = window.cameraFor(new window.THREE.Box3().setFromObject(root), 30, 20), pictures = [];
+        window.removeLights(root);
+        for (const sizes of [[[200, 150], [260, 150], [320, 240]], [[320, 240]]]) {
+            const renderer = window.makeRenderer({ width: 200, height: 150 }), scene = new window.THREE.Scene().add(root);
+            window.addLight(scene, camera);
+            for (const [width, height] of sizes) {
+                renderer.setSize(width, height, false);
+                camera.aspect = width / height;
+                camera.updateProjectionMatrix();
+                renderer.render(scene, camera);
+            }
+            pictures.push(window.pixels(renderer).rgb);
+            renderer.dispose();
+            renderer.forceContextLoss(); // a page has sixteen
+        }
+        return pictures;
+    });
+    assert.ok(Buffer.from(found[0], 'base64').some((value) => value > 40));
+    assert.equal(found[0], found[1]);
+});
+
 test('objects that lie apart look as each does alone, clones too', async () => {
     const found = await inPage(async () => {
         const renderer = window.makeRenderer({ width: 300, height: 200 }), scene = new window.THREE.Scene(), roots = [];

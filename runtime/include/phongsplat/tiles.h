@@ -62,7 +62,7 @@ typedef struct psplat_tiles_desc {
     size_t max_bytes;    /* of tiles: what decoding takes, what waits for the upload, and textures
                             on the GPU; 0 means 512 MiB. It is never exceeded, but for decoded images
                             of textured splats while they are uploaded. The tree of tiles itself,
-                            some 400 bytes a tile, is not counted */
+                            some 600 bytes a tile, is not counted */
     size_t max_requests; /* under way and waiting for the upload at a time, at most 65,536; 0 means
                             16 */
     double
@@ -120,7 +120,7 @@ typedef struct psplat_tile_request {
                               lives as long as the tileset */
     uint64_t offset, size; /* bytes in that file, which psplat_tiles_supply takes as they are; size
                               0: from offset to its end */
-    double priority;       /* greater is more important */
+    double priority;       /* greater is more important; negative beside the view */
 } psplat_tile_request;
 
 /* Takes up to capacity requests of the last select out, most important first, and returns their

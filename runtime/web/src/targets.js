@@ -28,19 +28,34 @@ function makeTargets(count, type, width, height) {
     return { target, owners, idle: 0 };
 }
 
+/** Frees a target and its owners on the GPU. three frees the depths that they share with the target to
+ *  which it counts them, and only if that was drawn to. */
+function release({ target, owners }) {
+    target.depthTexture.dispose();
+    target.dispose();
+    owners?.dispose();
+}
+
+/** Resizes a target and its owners. */
+function resize(entry, width, height) {
+    release(entry);
+    entry.target.setSize(width, height);
+    entry.owners.setSize(width, height);
+}
+
 /** @returns a target and its owners with at least so many pixels; the caller sets viewport and
  *  scissor. */
 export function findTarget(renderer, count, isHalf, width, height) {
     if (!pools.has(renderer)) pools.set(renderer, new Map());
     const pool = pools.get(renderer), key = `${count} ${isHalf}`;
     if (!pool.has(key)) pool.set(key, makeTargets(count, isHalf ? HalfFloatType : FloatType, width, height));
-    const entry = pool.get(key), { target, owners } = entry, resize = (w, h) => [target, owners].forEach((one) => one.setSize(w, h));
+    const entry = pool.get(key), { target } = entry;
     entry.idle = 4 * width * height < target.width * target.height ? entry.idle + 1 : 0;
     if (entry.idle > PATIENCE) {
-        resize(width, height);
+        resize(entry, width, height);
         entry.idle = 0;
     } else if (width > target.width || height > target.height) {
-        resize(Math.max(width, target.width), Math.max(height, target.height));
+        resize(entry, Math.max(width, target.width), Math.max(height, target.height));
     }
     return entry;
 }
@@ -58,6 +73,6 @@ export function findDepths(renderer, width, height) {
 
 /** Frees the render targets that splats have used with a renderer. */
 export function disposeTargets(renderer) {
-    for (const { target, owners } of pools.get(renderer)?.values() ?? []) [target, owners].forEach((one) => one?.dispose());
+    for (const entry of pools.get(renderer)?.values() ?? []) release(entry);
     pools.delete(renderer);
 }

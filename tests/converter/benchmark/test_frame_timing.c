@@ -139,7 +139,7 @@ static void test_progress(void **state) {
             psplat_sweep_progress_show(&p, 0.5);
             psplat_sweep_progress_show(&p, 1);
             if (task != PSPLAT_TASK_MAKE) continue;
-            assert_string_equal(p.what, i ? "converting, 0.1 %" : "converting, 2 %");
+            assert_string_equal(p.what, i ? "converting 0.1 %" : "converting 2 %");
             if (i)
                 assert_true(last - before > 2 * coarse);
             else

@@ -114,6 +114,30 @@ static void test_few_points(void **state) {
     extreme_free(&e);
 }
 
+/* Returns the result of converting a right triangle whose legs are so long. */
+static psplat_result convert_triangle(double leg) {
+    char text[200];
+    psplat_splats splats = {0};
+    psplat_error error = {0};
+    snprintf(text, sizeof text, "OFF\n3 1 0\n0 0 0\n%.17g 0 0\n0 %.17g 0\n3 0 1 2\n", leg, leg);
+    psplat_mesh mesh = read_text("t.off", text);
+    const psplat_convert_desc desc = {.precision = PSPLAT_USUAL_PRECISION};
+    psplat_result result = psplat_convert(&mesh, &desc, &splats, NULL, &error);
+    if (result) assert_int_equal(splats.count, 0);
+    psplat_splats_free(&splats);
+    psplat_mesh_free(&mesh);
+    return result;
+}
+
+/* Splats have floats. A mesh that is too small for them is refused; one of 1e-44 was converted for
+ * ever. */
+static void test_too_small(void **state) {
+    (void)state;
+    assert_int_equal(convert_triangle(1e-31), PSPLAT_OK);
+    assert_int_equal(convert_triangle(1e-33), PSPLAT_ERROR_RANGE);
+    assert_int_equal(convert_triangle(1e-44), PSPLAT_ERROR_RANGE);
+}
+
 /* ---- curvature ------------------------------------------------------------------------------- */
 
 /* Places a sheet that bends by 1e-9 of its size, which needs one splat, as a plane does. */
@@ -162,11 +186,9 @@ static void test_bent_within_tolerance(void **state) {
 
 int test_extreme_input_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_unreferenced),
-        cmocka_unit_test(test_nothing),
-        cmocka_unit_test(test_few_points),
-        cmocka_unit_test(test_nearly_flat),
-        cmocka_unit_test(test_bent_within_tolerance),
+        cmocka_unit_test(test_unreferenced), cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_few_points),   cmocka_unit_test(test_too_small),
+        cmocka_unit_test(test_nearly_flat),  cmocka_unit_test(test_bent_within_tolerance),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

@@ -29,46 +29,47 @@ static const psplat_setting *setting_of(const psplat_sweep_table *table, psplat_
 }
 
 static void assert_setting(const psplat_sweep_table *table, psplat_demand demand, double tolerance,
-                           psplat_normal_field field, psplat_mode mode) {
+                           psplat_form form, psplat_mode mode) {
     psplat_advice advice = advise(table, demand);
     const psplat_setting *s = setting_of(table, advice);
     assert_true(advice.fits);
     assert_true(s->tolerance == tolerance);
-    assert_int_equal(s->field, field);
+    assert_int_equal(s->form, form);
     assert_int_equal(s->mode, mode);
-    assert_int_equal(s->no_filter, 0);
 }
 
-/* Distances are 0.97 of the tolerance; constant normals take fewer bytes, and flat splats take less
- * time. */
+/* Distances are 0.97 of the tolerance; floats take more bytes, and splats drawn flat less time. */
 static void test_error_limits(void **state) {
     (void)state;
     psplat_sweep_table j = make_table(1);
-    /* A distance does not depend on normals and modes, so that these keep their defaults, although
-     * others are cheaper. */
+    /* A distance does not depend on modes, so that the default stays, although others are cheaper.
+     */
     assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.5, 0, 0}, 0.5,
-                   PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+                   PSPLAT_FORM_USUAL, PSPLAT_MODE_PHONG);
     assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_DISTANCE, 0.48, 0, 0}, 0.2,
-                   PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
-    /* Normal errors: linear normals have 4 degrees at 1 %, and constant ones 3.6 only at 0.2 %. */
-    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_NORMAL, 4.1, 0, 0}, 1, PSPLAT_FIELD_LINEAR,
+                   PSPLAT_FORM_USUAL, PSPLAT_MODE_PHONG);
+    /* Normal errors: 4 degrees at 1 %, with floats 3.6, which are not needed. */
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_NORMAL, 4.1, 0, 0}, 1, PSPLAT_FORM_USUAL,
                    PSPLAT_MODE_PHONG);
-    /* Picture errors: linear normals have 1.2 % at 1 %. */
-    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 1.25, 0, 0}, 1, PSPLAT_FIELD_LINEAR,
+    /* Picture errors: 1.2 % at 1 %. Outlines err by a sixth of a distance, and do not tell of modes
+     * either. */
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 1.25, 0, 0}, 1, PSPLAT_FORM_USUAL,
                    PSPLAT_MODE_PHONG);
+    assert_setting(&j, (psplat_demand){PSPLAT_ERROR_KIND_OUTLINE, 0.1, 0, 0}, 0.5,
+                   PSPLAT_FORM_USUAL, PSPLAT_MODE_PHONG);
     psplat_sweep_table_free(&j);
 }
 
 static void test_budgets(void **state) {
     (void)state;
     psplat_sweep_table j = make_table(0);
-    /* The finest setting with linear normals that fits; at 1 % it takes 120 splats of 64 bytes and
-     * 2,000 more. */
-    assert_setting(&j, (psplat_demand){.bytes = 9680}, 1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
-    assert_setting(&j, (psplat_demand){.bytes = 1e9}, 0.1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
-    assert_setting(&j, (psplat_demand){.ms = 1e9}, 0.1, PSPLAT_FIELD_LINEAR, PSPLAT_MODE_PHONG);
+    /* The finest setting that fits; at 1 % it takes 120 splats of 12 bytes and 2,000 more. Floats
+     * are 10 % better, where there are bytes for them. */
+    assert_setting(&j, (psplat_demand){.bytes = 3440}, 1, PSPLAT_FORM_USUAL, PSPLAT_MODE_PHONG);
+    assert_setting(&j, (psplat_demand){.bytes = 1e9}, 0.1, PSPLAT_FORM_FLOAT, PSPLAT_MODE_PHONG);
+    assert_setting(&j, (psplat_demand){.ms = 1e9}, 0.1, PSPLAT_FORM_FLOAT, PSPLAT_MODE_PHONG);
     /* With two limits the tighter one decides. */
-    assert_setting(&j, (psplat_demand){.bytes = 9680, .ms = 1e9}, 1, PSPLAT_FIELD_LINEAR,
+    assert_setting(&j, (psplat_demand){.bytes = 3440, .ms = 1e9}, 1, PSPLAT_FORM_USUAL,
                    PSPLAT_MODE_PHONG);
     /* Phong takes 6 n^0.2 ms, and flat 3 n^0.2 ms: where only flat is fast enough, flat is
      * recommended. */
@@ -95,17 +96,15 @@ static void test_nearest_miss(void **state) {
     advice = advise(&j, (psplat_demand){.bytes = 10});
     assert_false(advice.fits);
     assert_true(setting_of(&j, advice)->tolerance == 2);
-    assert_int_equal(setting_of(&j, advice)->field, PSPLAT_FIELD_CONSTANT);
+    assert_int_equal(setting_of(&j, advice)->form, PSPLAT_FORM_USUAL);
     psplat_sweep_table_free(&j);
 }
 
-/* Times within 5 % count as equal, and the default is taken. A row without the filter is
- * recommended only where no other row fits. */
+/* Times within 5 % count as equal, and the default is taken. */
 static void test_noise(void **state) {
     (void)state;
-    psplat_row rows[3] = {plain_row(100, 2, 1), plain_row(100, 2, 1.04), plain_row(90, 1, 0.5)};
+    psplat_row rows[3] = {plain_row(100, 2, 1), plain_row(100, 2, 1.04), plain_row(110, 1, 0.5)};
     rows[0].setting.mode = PSPLAT_MODE_FLAT;
-    rows[2].setting.no_filter = 1;
     const psplat_sweep_table j = {.rows = rows, .count = 3};
     assert_int_equal(advise(&j, (psplat_demand){PSPLAT_ERROR_KIND_IMAGE, 2, 0, 0}).row, 1);
     rows[1].values[PSPLAT_COLUMN_CPU_MS] = 1.06;
@@ -157,14 +156,13 @@ static void test_front(void **state) {
     size_t order[128];
     uint8_t is_front[128];
     size_t count = psplat_advise_front(j.rows, j.count, order, is_front);
-    /* Linear normals beat constant ones except where these give the smallest file. */
+    /* What convert writes beats floats except where these are the most accurate. */
     assert_int_equal(count, 6);
     for (size_t i = 0; i < count; ++i) {
         const psplat_setting *s = &j.rows[order[i]].setting;
         assert_int_equal(s->competitor, PSPLAT_COMPETITOR_SPLATS);
         assert_int_equal(s->mode, PSPLAT_MODE_PHONG);
-        assert_false(s->no_filter);
-        assert_int_equal(s->field, i ? PSPLAT_FIELD_LINEAR : PSPLAT_FIELD_CONSTANT);
+        assert_int_equal(s->form, i < 5 ? PSPLAT_FORM_USUAL : PSPLAT_FORM_FLOAT);
         assert_true(is_front[order[i]]);
         assert_true(!i || j.rows[order[i]].values[PSPLAT_COLUMN_BYTES] >
                               j.rows[order[i - 1]].values[PSPLAT_COLUMN_BYTES]);

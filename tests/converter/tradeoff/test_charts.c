@@ -113,6 +113,7 @@ static void test_charts(void **state) {
         assert_true(count_of(svg, "rgb(  0, 114, 178)") > 10);
         /* There are filled circles for five points and one in the legend. */
         assert_int_equal(count_of(svg, "#gpPt6'"), 6);
+        assert_int_equal(count_of(svg, "<text>floats</text>"), 1);
         assert_int_equal(count_of(svg, "source mesh"), i == 2);
         free(svg);
     }

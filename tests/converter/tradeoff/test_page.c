@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include "tradeoff/charts.h"
 #include "table/folder.h"
 #include "tradeoff/page.h"
@@ -108,7 +109,7 @@ static size_t count_of(const char *text, const char *word) {
     return count;
 }
 
-/* Makes a folder with charts such as gnuplot writes. */
+/* Makes a folder with charts such as gnuplot writes, and one picture, of 4 bytes. */
 static void make_charts(char folder[32]) {
     static const char chart[] =
         "<?xml version=\"1.0\"?>\n<svg width=\"9\"><text>mark</text></svg>\n";
@@ -118,6 +119,11 @@ static void make_charts(char folder[32]) {
         assert_int_equal(
             psplat_folder_write(folder, psplat_chart_files[i], chart, sizeof chart - 1, NULL),
             PSPLAT_OK);
+    char pictures[64];
+    snprintf(pictures, sizeof pictures, "%s/pictures", folder);
+    assert_int_equal(mkdir(pictures, 0700), 0);
+    assert_int_equal(
+        psplat_folder_write(folder, "pictures/usual-0.5.png", "\377\001\200k", 4, NULL), PSPLAT_OK);
 }
 
 static void remove_charts(const char *folder) {
@@ -136,7 +142,7 @@ static void test_odd_values(void **state) {
     for (size_t i = 0; i < 3; ++i) {
         psplat_text page = {0};
         t.count = counts[i];
-        psplat_page_write(&t, NULL, &page);
+        psplat_page_write(&t, "/nowhere", 0, &page);
         assert_false(page.failed);
         assert_null(strstr(page.data, "nan"));
         free(page.data);
@@ -151,7 +157,7 @@ static void test_page(void **state) {
     psplat_sweep_table t = make_table(1);
     psplat_text page = {0};
     make_charts(folder);
-    psplat_page_write(&t, folder, &page);
+    psplat_page_write(&t, folder, 1, &page);
     remove_charts(folder);
     assert_false(page.failed);
     /* Every setting has a row with the words of setting.c. */
@@ -168,8 +174,12 @@ static void test_page(void **state) {
     assert_int_equal(count_of(page.data, "<tr"), count_of(page.data, "</tr>"));
     assert_non_null(strstr(page.data, "&lt;p&amp;q&gt;.obj"));
     /* The page loads nothing and runs no script. */
-    const char *const outside[] = {"<script", "<link", "<img", "@import", "url(", "href=", "http"};
-    for (size_t i = 0; i < 7; ++i) assert_null(strstr(page.data, outside[i]));
+    const char *const outside[] = {"<script", "<link", "@import", "url(", "href=", "http"};
+    for (size_t i = 0; i < 6; ++i) assert_null(strstr(page.data, outside[i]));
+    /* RFC 4648: the pictures are a part of it. */
+    assert_int_equal(count_of(page.data, "<img"), 1);
+    assert_non_null(strstr(page.data, "src=\"data:image/png;base64,/wGAaw==\"/>"
+                                      "<figcaption>0.5 %, phong</figcaption>"));
     /* The reader accepts XML; void elements of HTML are removed for it. */
     for (char *at; (at = strstr(page.data, "<!doctype html>"));) memset(at, ' ', 15);
     for (char *at; (at = strstr(page.data, "<br>"));) memset(at, ' ', 4);
@@ -183,7 +193,7 @@ static void test_without_charts(void **state) {
     (void)state;
     psplat_sweep_table t = make_table(0);
     psplat_text page = {0};
-    psplat_page_write(&t, NULL, &page);
+    psplat_page_write(&t, "/nowhere", 0, &page);
     assert_null(strstr(page.data, "<svg"));
     assert_null(strstr(page.data, "Charts"));
     assert_non_null(strstr(page.data, "<h2>Files</h2>"));
@@ -193,14 +203,18 @@ static void test_without_charts(void **state) {
 
 static void test_command(void **state) {
     (void)state;
-    psplat_row row = splats_row(0.5, PSPLAT_FIELD_CONSTANT, PSPLAT_MODE_FLAT, 1);
+    psplat_row row = splats_row(0.5, PSPLAT_FORM_FLOAT, PSPLAT_MODE_PHONG);
     psplat_sweep_options options = {.effort = 1, .seed = 3, .normal_tolerance = 5};
     psplat_text text = {0};
     psplat_setting_command(&row.setting, &options, "my models/it's.obj", &text);
     assert_string_equal(text.data,
                         "phongsplat convert 'my models/it'\\''s.obj' 'it'\\''s.glb' --tolerance "
-                        "0.5% --constant-normals --planar --normal-tolerance 5 --effort 1 --seed 3"
-                        " --precision float --no-compress");
+                        "0.5% --precision float --normal-tolerance 5 --effort 1 --seed 3");
+    free(text.data);
+    text = (psplat_text){0};
+    row.setting.form = PSPLAT_FORM_PLANAR;
+    psplat_setting_command(&row.setting, &(psplat_sweep_options){.effort = 0}, "a.obj", &text);
+    assert_string_equal(text.data, "phongsplat convert a.obj a.glb --tolerance 0.5% --planar");
     free(text.data);
 }
 

@@ -86,6 +86,7 @@ static void test_knee(void **state) {
     assert_int_equal(knee_of(bulging, 3), 2);
     assert_true(knee_of(straight, 3) >= 1); /* rounding decides between the two finer ones */
     assert_int_equal(knee_of(straight, 2), 1);
+    assert_int_equal(knee_of(bulging, 2), 0); /* twice the bytes for 60 instead of 64 */
     assert_int_equal(knee_of(straight, 1), 0);
     assert_int_equal(knee_of(straight, 0), 0);
     /* An error of 0 is the best value, and no failure. */

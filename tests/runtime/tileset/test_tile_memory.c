@@ -12,6 +12,8 @@
 
 #include "tiles_fixture.h"
 
+#include "tileset/show.h"
+
 static world make_world(int depth, int external_depth) {
     world w = {.depth = depth,
                .external_depth = external_depth,
@@ -247,6 +249,40 @@ static void test_eviction(void **state) {
     world_free(&w);
 }
 
+/* When the view turns, what was replaced stays so: tiles that come into view are there already. */
+static void test_turning(void **state) {
+    (void)state;
+    world w = make_world(9, 3);
+    psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){0});
+    psplat_view view = {.width = 400, .height = 300};
+    const psplat_tiles_view v = {.view = &view, .pixels = 3};
+    size_t kept = 0, came = 0;
+    view_perspective(&view, 0.4, 0.01, 100);
+    for (int i = 0; i < 60; ++i) {
+        const double eye[3] = {0.5, 0.8, 3.5};
+        view_look_at(&view, eye, (double[]){0.1 * i - 3, 0.2, 0});
+        if (i % 2 == 0) {
+            world_settle(&w, tiles, &v);
+            continue;
+        }
+        uint32_t last = tiles->frame;
+        assert_int_equal(psplat_tiles_select(tiles, &v, NULL), PSPLAT_OK);
+        for (uint32_t node = 0; node < tiles->node_count; ++node) {
+            const psplat_tile_use *use = &tiles->uses[node];
+            if (use->looked != tiles->frame || !use->is_visible) continue;
+            came += use->shown == tiles->frame && use->used == tiles->frame && !use->refined;
+            if (tiles->nodes[node].child_count == 0 || psplat_tile_pixels(tiles, node) <= 3)
+                continue;
+            if (use->refined != tiles->frame) assert_true(use->refined != last);
+            kept += use->refined == tiles->frame;
+        }
+    }
+    print_message("%zu tiles stayed replaced\n", kept);
+    assert_true(kept > 500 && came > 0);
+    psplat_tiles_destroy(tiles, NULL);
+    world_free(&w);
+}
+
 /* ---- cross-fades ------------------------------------------------------------------------------
  */
 
@@ -478,6 +514,63 @@ static void test_wrong_files(void **state) {
     }
 }
 
+static psplat_result mock_result; /* with which mock_fail fails */
+
+static psplat_result mock_fail(psplat_renderer *renderer, const psplat_asset *asset,
+                               psplat_model **model, psplat_error *error) {
+    if (!mock_result) return mock_create(renderer, asset, model, error);
+    return psplat_fail(error, mock_result, 0, "as the test wants");
+}
+
+/* Frames until a tileset of one tile has drawn it, with a request in each frame that wants one. */
+static int frames_until_drawn(const world *w, psplat_tiles *tiles, const psplat_tiles_view *v) {
+    for (int frame = 1; frame < 20; ++frame) {
+        psplat_tile_request request;
+        assert_int_equal(psplat_tiles_select(tiles, v, NULL), PSPLAT_OK);
+        if (psplat_tiles_describe(tiles).drawn) return frame;
+        if (psplat_tiles_wanted(tiles, &request, 1))
+            assert_int_equal(world_supply(w, tiles, request.tile, request.path, NULL), PSPLAT_OK);
+        psplat_result result = psplat_tiles_upload(tiles, NULL, 0, NULL);
+        assert_int_equal(result, psplat_tiles_describe(tiles).waiting ? PSPLAT_OK : mock_result);
+    }
+    return 20;
+}
+
+/* Where the upload fails for want of memory the tile is asked for again, where the file is too much
+ * for this GL it is not; where there is no room it is asked for again when there is. */
+static void test_failing_uploads(void **state) {
+    (void)state;
+    static const psplat_tile_models models = {mock_fail, mock_destroy, mock_describe};
+    static const psplat_result results[] = {PSPLAT_ERROR_MEMORY, PSPLAT_ERROR_GRAPHICS,
+                                            PSPLAT_ERROR_ARGUMENT, PSPLAT_ERROR_RANGE, PSPLAT_OK};
+    world w = make_world(0, 0);
+    psplat_view view = view_all();
+    const psplat_tiles_view v = {.view = &view};
+    for (int i = 0; i < 5; ++i) {
+        psplat_tile_request request;
+        psplat_error error = {0};
+        psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){.max_bytes = 100000});
+        tiles->models = &models;
+        assert_int_equal(psplat_tiles_select(tiles, &v, NULL), PSPLAT_OK);
+        assert_int_equal(psplat_tiles_wanted(tiles, &request, 1), 1);
+        assert_int_equal(world_supply(&w, tiles, request.tile, request.path, NULL), PSPLAT_OK);
+        mock_result = results[i];
+        size_t taken = tiles->max_bytes - atomic_load(&tiles->bytes);
+        if (!mock_result) assert_true(psplat_tiles_take_bytes(tiles, taken));
+        assert_int_equal(psplat_tiles_upload(tiles, NULL, 0, &error), mock_result);
+        assert_int_equal(error.text[0] != 0, mock_result != PSPLAT_OK);
+        if (!mock_result) psplat_tiles_give_bytes(tiles, taken);
+        mock_result = PSPLAT_OK;
+        assert_int_equal(psplat_tiles_describe(tiles).bytes, 0);
+        int is_final = results[i] == PSPLAT_ERROR_RANGE;
+        assert_int_equal(psplat_tiles_describe(tiles).failed, is_final);
+        assert_int_equal(frames_until_drawn(&w, tiles, &v) < 20, !is_final);
+        psplat_tiles_destroy(tiles, NULL);
+    }
+    assert_int_equal(psplat_tiles_upload(NULL, NULL, 0, NULL), PSPLAT_ERROR_ARGUMENT);
+    world_free(&w);
+}
+
 /* What is still on its way when a tileset is destroyed is forgotten. */
 static void test_destroy_early(void **state) {
     (void)state;
@@ -505,11 +598,12 @@ static void test_destroy_early(void **state) {
 
 int test_tile_memory_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_budgets),       cmocka_unit_test(test_rest),
-        cmocka_unit_test(test_no_room),       cmocka_unit_test(test_eviction),
-        cmocka_unit_test(test_fades),         cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_steady_frames), cmocka_unit_test(test_stale_requests),
-        cmocka_unit_test(test_wrong_files),   cmocka_unit_test(test_destroy_early),
+        cmocka_unit_test(test_budgets),        cmocka_unit_test(test_rest),
+        cmocka_unit_test(test_no_room),        cmocka_unit_test(test_eviction),
+        cmocka_unit_test(test_turning),        cmocka_unit_test(test_fades),
+        cmocka_unit_test(test_no_memory),      cmocka_unit_test(test_steady_frames),
+        cmocka_unit_test(test_stale_requests), cmocka_unit_test(test_wrong_files),
+        cmocka_unit_test(test_destroy_early),  cmocka_unit_test(test_failing_uploads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

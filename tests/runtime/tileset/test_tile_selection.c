@@ -329,6 +329,78 @@ static void test_cones(void **state) {
     assert_true(hidden > 1000);
 }
 
+/* A tileset that is placed in the scene is drawn as one that stands there: by the same tiles, whose
+ * items have the transform. */
+static void test_placed_tilesets(void **state) {
+    (void)state;
+    world w = make_world(7, 3);
+    psplat_tiles *tiles[2];
+    uint32_t random = 2463534242u;
+    size_t drawn = 0;
+    for (int i = 0; i < 2; ++i) tiles[i] = world_open(&w, (psplat_tiles_desc){0});
+    for (int i = 0; i < 60; ++i) {
+        psplat_view view = view_random(&random), other = view;
+        psplat_tiles_view v[2] = {{.view = &view, .pixels = 3}, {.view = &other, .pixels = 3}};
+        const double turn[16] = {0, 0, -3, 0, 0, 3, 0, 0, 3, 0, 0, 0, 100, -20, 7, 1};
+        double inverse[16];
+        memcpy(v[1].transform, turn, sizeof turn);
+        /* The eye moves along; its space stays as large as it is, so that the tileset is three
+         * times as large in it. */
+        for (int k = 0; k < 16; ++k)
+            if (k % 4 < 3) view.view[k] *= k < 12 ? 3 : 1;
+        assert_int_equal(psplat_matrix_invert(turn, inverse), 1);
+        psplat_matrix_multiply(view.view, inverse, other.view);
+        for (int k = 0; k < 2; ++k) world_settle(&w, tiles[k], &v[k]);
+        psplat_tiles_state a = psplat_tiles_describe(tiles[0]), b = psplat_tiles_describe(tiles[1]);
+        assert_int_equal(a.drawn, b.drawn);
+        assert_int_equal(a.splats, b.splats);
+        assert_near(a.error_pixels, b.error_pixels, 1e-6 * a.error_pixels);
+        size_t count = 0;
+        const psplat_item *items = psplat_tiles_items(tiles[1], &count);
+        for (size_t k = 0; k < count; ++k)
+            for (int j = 0; j < 16; ++j) assert_near(items[k].transform[j], turn[j], 1e-12);
+        drawn += count;
+    }
+    assert_true(drawn > 500);
+    for (int i = 0; i < 2; ++i) psplat_tiles_destroy(tiles[i], NULL);
+    world_free(&w);
+}
+
+/* A root without a content: its children are drawn as soon as each is there. */
+static void test_empty_root(void **state) {
+    (void)state;
+    world w = {0};
+    world_make_glbs(&w);
+    text_put(world_add_file(&w, "tileset.json"),
+             "{\"asset\":{\"version\":\"1.0\"},\"geometricError\":9,\"root\":{\"refine\":\"ADD\","
+             "\"geometricError\":5,\"boundingVolume\":{\"sphere\":[0,0,0,3]},\"children\":[");
+    for (int i = 0; i < 3; ++i)
+        text_put(&w.texts[0],
+                 "%s{\"geometricError\":1,\"boundingVolume\":{\"sphere\":[%d,0,0,1]},"
+                 "\"content\":{\"uri\":\"%d.glb\"}}",
+                 i ? "," : "", 2 * i - 2, i);
+    text_put(&w.texts[0], "]}}");
+    psplat_tiles *tiles = world_open(&w, (psplat_tiles_desc){.fade_seconds = 1});
+    psplat_view view = {.width = 300, .height = 300};
+    view_perspective(&view, 0.5, 0.01, 100);
+    view_look_at(&view, (double[]){0, 1, 20}, (double[]){0, 0, 0});
+    const psplat_tiles_view v = {.view = &view};
+    for (size_t i = 0; i <= 3; ++i) {
+        psplat_tile_request request;
+        size_t count = 0;
+        assert_int_equal(psplat_tiles_select(tiles, &v, NULL), PSPLAT_OK);
+        psplat_tiles_items(tiles, &count);
+        assert_int_equal(count, i);
+        if (i == 3) break;
+        assert_int_equal(psplat_tiles_wanted(tiles, &request, 1), 1);
+        assert_int_equal(world_supply(&w, tiles, request.tile, request.path, NULL), PSPLAT_OK);
+        assert_int_equal(psplat_tiles_upload(tiles, NULL, 0, NULL), PSPLAT_OK);
+    }
+    assert_int_equal(psplat_tiles_describe(tiles).leaves, 3);
+    psplat_tiles_destroy(tiles, NULL);
+    world_free(&w);
+}
+
 /* ---- backs ------------------------------------------------------------------------------------
  */
 
@@ -468,11 +540,18 @@ static void test_refused_views(void **state) {
 
 int test_tile_selection_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cuts),        cmocka_unit_test(test_budget_of_splats),
-        cmocka_unit_test(test_best_first),  cmocka_unit_test(test_hysteresis),
-        cmocka_unit_test(test_scales),      cmocka_unit_test(test_cones),
-        cmocka_unit_test(test_backs),       cmocka_unit_test(test_cone_sums),
-        cmocka_unit_test(test_determinism), cmocka_unit_test(test_refused_views),
+        cmocka_unit_test(test_cuts),
+        cmocka_unit_test(test_budget_of_splats),
+        cmocka_unit_test(test_best_first),
+        cmocka_unit_test(test_hysteresis),
+        cmocka_unit_test(test_scales),
+        cmocka_unit_test(test_cones),
+        cmocka_unit_test(test_placed_tilesets),
+        cmocka_unit_test(test_empty_root),
+        cmocka_unit_test(test_backs),
+        cmocka_unit_test(test_cone_sums),
+        cmocka_unit_test(test_determinism),
+        cmocka_unit_test(test_refused_views),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

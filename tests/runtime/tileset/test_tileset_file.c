@@ -147,8 +147,13 @@ static void test_regions(void **state) {
             psplat_tile_y_up(z_up, p);
             assert_near(psplat_tile_distance(&v, p), 0, 0);
         }
+        if (i % 50 == 0) { /* most of the earth */
+            const double most[6] = {-3, -1.5, 3, 1.5, 0, 10}, middle[3] = {6378137, 0, 0};
+            psplat_tile_volume_region(most, &v);
+            assert_near(psplat_tile_distance(&v, middle), 0, 0);
+        }
         double way = 6.4e6 * size * 1.5 + 1100; /* it is not much larger than the region */
-        assert_true(psplat_tile_radius(&v) < fmin(way, 6.5e6));
+        assert_true(psplat_tile_radius(&v) < fmin(fmax(way, i % 50 ? 0 : 6.5e6), 6.5e6));
     }
 }
 
@@ -339,6 +344,10 @@ static const refusal refusals[] = {
     {PSPLAT_ERROR_RANGE, LEAF("\"extras\":{\"phongsplat\":{\"cone\":@[0,0,2,0]}}"), "cone"},
     {PSPLAT_ERROR_RANGE, LEAF("\"extras\":{\"phongsplat\":{\"splats\":@-1}}"), "splats"},
     {PSPLAT_ERROR_FORMAT, LEAF("@\"geometricError\":3"), "occurs twice"},
+    {PSPLAT_ERROR_UNSUPPORTED, ROOT(BOX ",\"content\":{\"uri\":@\"../../a.glb\"}"),
+     "leaves its directory"},
+    {PSPLAT_ERROR_UNSUPPORTED, ROOT(BOX ",\"content\":{\"uri\":@\"https://a.org/a.glb\"}"),
+     "a scheme"},
 };
 
 static void test_refusals(void **state) {
