@@ -20,7 +20,7 @@
 #include "measure/splat_distance.h"
 #include "tiles_fixture.h"
 
-enum { SAMPLES = 200000, CUTS = 50, RAY_CUTS = 5, RAYS = 20000, MOST = 24 };
+enum { SAMPLES = 200000, CUTS = 50, RAY_CUTS = 3, RAYS = 10000, MOST = 24 };
 
 /* A model with the samples of its surface, and the tile of each level that owns each of them. */
 typedef struct cuts_fixture {
@@ -146,9 +146,6 @@ static void trees_have_several_levels_and_tiles(void **state) {
     (void)state;
     for (int m = 0; m < 2; ++m) {
         const tiles_fixture *f = &models[m].tiles;
-        for (size_t l = 0; l < f->block.level_count; ++l)
-            print_message("level %d: %zu splats in %zu tiles\n", f->block.levels[l].level,
-                          f->block.levels[l].splats, f->block.levels[l].tiles);
         assert_true(f->block.level_count >= 3 && f->count >= 8);
         for (size_t i = 1; i < f->count; ++i) {
             const psplat_tile *tile = &f->block.tiles[i], *parent = &f->block.tiles[f->parents[i]];
@@ -268,13 +265,15 @@ static int are_near(const double *a, const double *b, size_t count) {
 }
 
 /* Returns whether two regions are those of the same splat. A file may give splats lines that cut
- * nothing off behind their own. */
+ * nothing off behind their own, and who places a circle may turn its axes. */
 static int is_same(const psplat_region *a, const psplat_region *b) {
     uint32_t lines = a->line_count < b->line_count ? a->line_count : b->line_count;
-    return distance2_3(a->center, b->center) < 1e-20 && are_near(a->u, b->u, 3) &&
-           are_near(a->n, b->n, 3) && are_near(a->radius, b->radius, 2) &&
-           are_near(a->hessian, b->hessian, 3) && are_near(a->lines[0], b->lines[0], 3 * lines) &&
-           are_near(a->bends, b->bends, lines);
+    if (distance2_3(a->center, b->center) > 1e-20 || !are_near(a->n, b->n, 3) ||
+        !are_near(a->radius, b->radius, 2))
+        return 0;
+    if (a->radius[0] - a->radius[1] < 1e-5 * a->radius[0]) return 1;
+    return are_near(a->u, b->u, 3) && are_near(a->hessian, b->hessian, 3) &&
+           are_near(a->lines[0], b->lines[0], 3 * lines) && are_near(a->bends, b->bends, lines);
 }
 
 /* Returns whether a tile of the same level before this one has a region, too. */
