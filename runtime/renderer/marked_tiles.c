@@ -6,11 +6,14 @@
 
 #include <string.h>
 
-enum { LEAST_SIZE = 16 }; /* pixels; smaller tiles would be more rectangles than they save pixels */
+/* Pixels: smaller tiles would be more rectangles than they save pixels, and rasterisers work on
+ * blocks of pixels, which borders of tiles should not cut. */
+enum { LEAST_SIZE = 16, BLOCK = 8 };
 
 void psplat_marked_tiles_clear(psplat_marked_tiles *tiles, int width, int height) {
     int longer = width > height ? width : height;
     int size = (longer + PSPLAT_TILES - 1) / PSPLAT_TILES;
+    size = (size + BLOCK - 1) / BLOCK * BLOCK;
     memset(tiles, 0, sizeof *tiles);
     tiles->size = size > LEAST_SIZE ? size : LEAST_SIZE;
 }

@@ -47,7 +47,7 @@ static canvas *open_counting(psplat_api api) {
 }
 
 /* Returns a sphere of twelve splats with two lines each. One in `every` is cut by its second one,
- * which is bent where is_bent is 1; the other lines cut nothing. */
+ * where is_bent is 1 by nothing but its bend; the other lines cut nothing. */
 static scene sphere(size_t every, int is_bent, float beyond) {
     scene s = scene_sphere(12, 1);
     for (size_t i = 0; i < s.count; ++i) {
@@ -56,9 +56,10 @@ static scene sphere(size_t every, int is_bent, float beyond) {
         splat->clip_count = 2;
         for (int k = 0; k < 2; ++k) {
             splat->clip[k][0] = 1;
-            splat->clip[k][2] = k && is_cut ? 0.25f : 1 + beyond;
+            splat->clip[k][2] = 1 + beyond;
         }
-        if (is_cut && is_bent) splat->bend[1] = 0.5f;
+        if (is_cut) splat->clip[1][2] = is_bent ? 1 : 0.25f;
+        if (is_cut && is_bent) splat->bend[1] = -1.5f;
     }
     scene_curve(&s);
     return s;
