@@ -102,8 +102,8 @@ typedef struct loaded_file {
 
 enum { MAX_PATH = 4096 };
 
-/* Tells whether path is that of a tileset, a directory or a .json file, and writes the file's name
- * (0 where size is too small). */
+/* Tells whether path is that of a tileset, a directory, a .json file or a .3tz archive, and writes
+ * the file's name (0 where size is too small). */
 int tileset_path(const char *path, char *name, size_t size);
 
 /* Checks that path names a file that can be read, or a directory with a tileset. */
