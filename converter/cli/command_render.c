@@ -121,7 +121,7 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         .summary =
             "Draws an asset (.glb or .gltf) into a PNG, seen whole and lit from behind the\n"
             "camera. The scene's y axis points up. Instead of an asset, A.glb may be a mesh, or a\n"
-            "tileset (3D Tiles), which is a tileset.json or its directory.",
+            "tileset (3D Tiles), which is a tileset.json, its directory or a .3tz archive.",
         .notes =
             "A mesh is drawn as triangles under the same light, so that both can be seen side by\n"
             "side; it takes no --shading but lit and unlit, and no --mode, --shadows, "

@@ -6,10 +6,9 @@
 
 #include "cli/tiles_input.h"
 
-#include "base/file_bytes.h"
-
 #include <phongsplat/splat.h>
 
+#include <errno.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -28,8 +27,8 @@ static int is_directory(const char *path) {
 }
 
 int psplat_tiles_input_expected(const char *path) {
-    size_t length = strlen(path);
-    return (length > 5 && !strcasecmp(path + length - 5, ".json")) || is_directory(path);
+    const char *dot = strrchr(path, '.');
+    return (dot && (!strcasecmp(dot, ".json") || !strcasecmp(dot, ".3tz"))) || is_directory(path);
 }
 
 /* Returns a directory with the name of a file in it; NULL where there is no memory. */
@@ -65,19 +64,33 @@ static psplat_result name_tile(psplat_result result, const char *path, psplat_er
                        *text ? text : psplat_result_text(result));
 }
 
+/* Reads a part of a file, or all from offset on where *size is 0. The caller frees *bytes. */
+static psplat_result read_range(const char *path, uint64_t offset, uint64_t *size, uint8_t **bytes,
+                                psplat_error *error) {
+    FILE *file = fopen(path, "rb");
+    if (!file) return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s", strerror(errno));
+    if (!*size && !fseeko(file, 0, SEEK_END)) {
+        off_t end = ftello(file);
+        *size = end > 0 && (uint64_t)end > offset ? (uint64_t)end - offset : 0;
+    }
+    *bytes = malloc(*size ? *size : 1);
+    int is_read =
+        *bytes && !fseeko(file, (off_t)offset, SEEK_SET) && fread(*bytes, 1, *size, file) == *size;
+    fclose(file);
+    if (is_read) return PSPLAT_OK;
+    return *bytes ? psplat_fail(error, PSPLAT_ERROR_READ, 0, "the file cannot be read to its end")
+                  : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a tile");
+}
+
 static psplat_result read_tile(const psplat_tiles_input *input, const psplat_tile_request *request,
                                psplat_error *error) {
-    char *bytes = NULL;
-    size_t size = 0;
+    uint8_t *bytes = NULL;
+    uint64_t size = request->size;
     char *path = join(input->directory, request->path);
-    psplat_result result = path ? psplat_file_read(path, &bytes, &size, error)
+    psplat_result result = path ? read_range(path, request->offset, &size, &bytes, error)
                                 : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory");
     free(path);
-    if (!result && request->size && request->offset + request->size > size)
-        result = psplat_fail(error, PSPLAT_ERROR_READ, size, "the file ends too early");
-    if (!result)
-        result = psplat_tiles_supply(input->tiles, request->tile, bytes + request->offset,
-                                     request->size ? request->size : size - request->offset, error);
+    if (!result) result = psplat_tiles_supply(input->tiles, request->tile, bytes, size, error);
     free(bytes);
     return result ? name_tile(result, request->path, error) : PSPLAT_OK;
 }

@@ -14,7 +14,8 @@ typedef struct psplat_tiles_input {
     char *directory; /* with a slash at the end, or "" */
 } psplat_tiles_input;
 
-/* Returns whether a path is that of a tileset: a directory, or a name that ends with .json. */
+/* Returns whether a path is that of a tileset: a directory, or a name that ends with .json or
+ * .3tz. */
 int psplat_tiles_input_expected(const char *path);
 
 /* Opens a tileset; of a directory its tileset.json. The caller closes it, also after an error.

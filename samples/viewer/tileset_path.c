@@ -13,9 +13,10 @@ int tileset_path(const char *path, char *name, size_t size) {
     struct stat status;
     size_t length = strlen(path);
     int is_directory = !stat(path, &status) && S_ISDIR(status.st_mode);
-    int is_json = length > 5 && !strcasecmp(path + length - 5, ".json");
+    const char *end = length > 5 ? path + length - 5 : "";
+    int is_file = !strcasecmp(end, ".json") || (*end && !strcasecmp(end + 1, ".3tz"));
     const char *slash = length && path[length - 1] == '/' ? "" : "/";
-    if (!is_directory && !is_json) return 0;
+    if (!is_directory && !is_file) return 0;
     int written = is_directory ? snprintf(name, size, "%s%stileset.json", path, slash)
                                : snprintf(name, size, "%s", path);
     return written > 0 && (size_t)written < size;

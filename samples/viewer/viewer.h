@@ -102,8 +102,8 @@ typedef struct loaded_file {
 
 enum { MAX_PATH = 4096 };
 
-/* Tells whether path is that of a tileset, a directory or a .json file, and writes the file's name
- * (0 where size is too small). */
+/* Tells whether path is that of a tileset, a directory, a .json file or a .3tz archive, and writes
+ * the file's name (0 where size is too small). */
 int tileset_path(const char *path, char *name, size_t size);
 
 /* Checks that path names a file that can be read, or a directory with a tileset. */
@@ -210,8 +210,9 @@ int shown_tiles_exist(const shown_assets *s);
 /* Returns whether tiles have come since the last call. */
 int shown_tiles_have_news(shown_assets *s);
 /* Chooses the tiles of a view that has samples of its pixels across one of the window's, and notes
- * their numbers in v->tiles_state, with the error in pixels of the window. *items and *count are all that is to be drawn, until the next
- * call. Sets v->needs_redraw where the next frame would differ. */
+ * their numbers in v->tiles_state, with the error in pixels of the window. *items and *count are
+ * all that is to be drawn, until the next call. Sets v->needs_redraw where the next frame would
+ * differ. */
 psplat_result shown_tiles_choose(viewer *v, const psplat_view *view, double samples,
                                  const psplat_item **items, size_t *count, psplat_error *error);
 

@@ -160,7 +160,7 @@ void options_print_help(void) {
         "Shows Phong splats (.glb or .gltf) in a window; several files are shown together. Files\n"
         "may be dropped onto the window. A file that changes is loaded again. A tileset (3D Tiles) "
         "is\n"
-        "a tileset.json or its directory; its tiles are read as the camera wants "
+        "a tileset.json, its directory or a .3tz; its tiles are read as the camera wants "
         "them.\n\noptions:\n");
     for (int i = 0; i < OPTION_COUNT; ++i) {
         char left[60], choices[200];

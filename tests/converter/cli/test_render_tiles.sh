@@ -51,6 +51,41 @@ draw tiles --pixels 10 --size 800x800 --supersample 1
 draw tiles --pixels 10 --supersample 8
 [ "$row" = '.#.' ] || fail "a fine average: $row"
 
+# The same tileset as an archive, a ZIP of stored files.
+node - tiles out/tiles.3tz <<'JS'
+const fs = require('fs'), [, , from, to] = process.argv, parts = [], entries = [];
+const crc = (bytes) => {
+    let c = ~0;
+    for (const byte of bytes) {
+        c ^= byte;
+        for (let k = 0; k < 8; ++k) c = (c >>> 1) ^ (c & 1 ? 0xedb88320 : 0);
+    }
+    return ~c >>> 0;
+};
+let at = 0;
+for (const name of fs.readdirSync(from)) {
+    const bytes = fs.readFileSync(`${from}/${name}`), fields = Buffer.alloc(26);
+    fields.writeUInt16LE(20, 0);
+    fields.writeUInt32LE(crc(bytes), 10);
+    fields.writeUInt32LE(bytes.length, 14);
+    fields.writeUInt32LE(bytes.length, 18);
+    fields.writeUInt16LE(name.length, 22);
+    const end = Buffer.alloc(14);
+    end.writeUInt32LE(at, 10);
+    entries.push(Buffer.from('PK\x01\x02\x14\0'), fields, end, Buffer.from(name));
+    parts.push(Buffer.from('PK\x03\x04'), fields, Buffer.from(name), bytes);
+    at += 30 + name.length + bytes.length;
+}
+const directory = Buffer.concat(entries), last = Buffer.alloc(18), count = entries.length / 4;
+last.writeUInt16LE(count, 4);
+last.writeUInt16LE(count, 6);
+last.writeUInt32LE(directory.length, 8);
+last.writeUInt32LE(at, 12);
+fs.writeFileSync(to, Buffer.concat([...parts, directory, Buffer.from('PK\x05\x06'), last]));
+JS
+draw out/tiles.3tz
+[ "$row" = '.#.#.' ] || fail "an archive: $row"
+
 tileset none.glb
 run "$PHONGSPLAT" render tiles out/y.png
 expect_error 2 'tiles: none.glb: '
