@@ -176,7 +176,8 @@ psplat_result psplat_pose_create(const psplat_asset *asset, psplat_pose **out,
     psplat_pose *pose = psplat_arena_take(&arena, 1, sizeof *pose);
     void *transforms = psplat_arena_take(&arena, rig->animated_count, sizeof *pose->transforms);
     void *world = psplat_arena_take(&arena, rig->node_count, sizeof *pose->world);
-    void *models = psplat_arena_take(&arena, psplat_asset_all_batch_count(asset), sizeof *pose->models);
+    void *models =
+        psplat_arena_take(&arena, psplat_asset_all_batch_count(asset), sizeof *pose->models);
     if (!pose || !transforms || !world || !models) {
         psplat_arena_release(&arena);
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a pose");

@@ -198,12 +198,33 @@ static void check_animations(const psplat_asset *asset) {
     psplat_pose_destroy(pose);
 }
 
-static void check_asset(const psplat_asset *asset) {
-    size_t count = psplat_asset_batch_count(asset);
-    FUZZ_DEMAND(count > 0 && !psplat_asset_batch(asset, count));
+/* Errors do not fall from level to level. */
+static void check_levels(const psplat_asset *asset) {
+    size_t count = psplat_asset_level_count(asset);
+    FUZZ_DEMAND(count > 0 && !psplat_asset_get_level(asset, count));
     for (size_t i = 0; i < count; ++i) {
-        const psplat_batch *batch = psplat_asset_batch(asset, i);
-        FUZZ_DEMAND(!i || psplat_asset_batch(asset, i - 1)->clip_count <= batch->clip_count);
+        const psplat_level *level = psplat_asset_get_level(asset, i), *finer = i ? level - 1 : NULL;
+        FUZZ_DEMAND(level->distance >= 0 && isfinite(level->distance));
+        FUZZ_DEMAND(level->normal >= 0 && level->normal <= 180);
+        FUZZ_DEMAND(level->outline >= 0 && isfinite(level->outline));
+        FUZZ_DEMAND(level->splat_count > 0);
+        FUZZ_DEMAND(!i ||
+                    (level->distance >= finer->distance && level->normal >= finer->normal &&
+                     level->outline >= finer->outline && level->splat_count < finer->splat_count));
+    }
+}
+
+static void check_asset(const psplat_asset *asset) {
+    size_t count = psplat_asset_all_batch_count(asset), finest = psplat_asset_batch_count(asset);
+    FUZZ_DEMAND(finest > 0 && finest <= count && !psplat_asset_batch(asset, count));
+    check_levels(asset);
+    for (size_t i = 0; i < count; ++i) {
+        const psplat_batch *batch = psplat_asset_batch(asset, i), *before = i ? batch - 1 : NULL;
+        FUZZ_DEMAND((batch->level == 0) == (i < finest));
+        FUZZ_DEMAND(batch->level <= batch->last_level &&
+                    batch->last_level < psplat_asset_level_count(asset));
+        FUZZ_DEMAND(!i || before->level < batch->level ||
+                    (before->level == batch->level && before->clip_count <= batch->clip_count));
         if (i < 16) check_batch(batch, asset); /* further instances share their splats */
     }
     check_images(asset);

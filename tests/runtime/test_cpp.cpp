@@ -18,6 +18,7 @@
 #include <vector>
 
 #define FUNCTIONS(X)                                                                               \
+    X(psplat_asset_all_batch_count)                                                                \
     X(psplat_asset_animation_count)                                                                \
     X(psplat_asset_batch)                                                                          \
     X(psplat_asset_batch_count)                                                                    \
@@ -25,7 +26,9 @@
     X(psplat_asset_destroy)                                                                        \
     X(psplat_asset_get_animation)                                                                  \
     X(psplat_asset_get_image)                                                                      \
+    X(psplat_asset_get_level)                                                                      \
     X(psplat_asset_image_count)                                                                    \
+    X(psplat_asset_level_count)                                                                    \
     X(psplat_asset_open)                                                                           \
     X(psplat_asset_open_memory)                                                                    \
     X(psplat_draw)                                                                                 \
@@ -42,6 +45,8 @@
     X(psplat_host_read_rgba8)                                                                      \
     X(psplat_host_renderer)                                                                        \
     X(psplat_host_version)                                                                         \
+    X(psplat_level_error)                                                                          \
+    X(psplat_model_choose_level)                                                                   \
     X(psplat_model_create)                                                                         \
     X(psplat_model_describe)                                                                       \
     X(psplat_model_destroy)                                                                        \
