@@ -48,7 +48,7 @@ static void check_again(const psplat_sweep_table *table) {
 static void check_charts_and_page(const psplat_sweep_table *table) {
     psplat_text script = {0}, page = {0};
     psplat_charts_script(table, &script);
-    psplat_page_write(table, NULL, &page);
+    psplat_page_write(table, "/nowhere", 0, &page);
     FUZZ_DEMAND(!psplat_text_check(&script, NULL) && !psplat_text_check(&page, NULL));
     FUZZ_DEMAND(!strstr(script.data, "nan") && !strstr(script.data, "inf"));
     FUZZ_DEMAND(!strstr(page.data, "<fuzz"));
