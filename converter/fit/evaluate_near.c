@@ -5,9 +5,8 @@
  *
  * In a draft, points of the outline are measured against the samples alone, which is quick. The
  * exact check measures points all over the region against the mesh or, where the whole region is to
- * be proven then or later, its rim before that. Most of these are quickly found to be near their
- * nearest sample or its triangle; only for the others is the tree of the mesh or of its proxy
- * searched.
+ * be proven, its rim before that. Most of these are quickly found to be near their nearest sample
+ * or its triangle; only for the others is the tree of the mesh or of its proxy searched.
  */
 #include "base/region.h"
 #include "base/vector.h"
@@ -203,9 +202,8 @@ static psplat_fit_status mesh_nearness(const psplat_fit_context *context,
     psplat_fit_status status = corner_nearness(context, &c);
     if (status) return status;
     /* Before a proof only the rim is measured, which refuses most regions that are too large. */
-    size_t count = context->limits->proven || context->limits->proven_later
-                       ? psplat_region_rim_points(region, points)
-                       : psplat_region_points(region, points);
+    size_t count = context->limits->proven ? psplat_region_rim_points(region, points)
+                                           : psplat_region_points(region, points);
     for (size_t i = 0; i < count && !status; ++i) status = point_nearness(context, &c, points[i]);
     return status || !context->limits->proven ? status : proven_nearness(context->limits, region);
 }

@@ -34,7 +34,6 @@ typedef struct psplat_limits {
                                         is not bounded so */
     const psplat_precision *precision; /* that lines and fields are rounded to; NULL: none are */
     int proven; /* 1: an exact check of the distance bound takes all points of a region, not some */
-    int proven_later;          /* 1: of a draft: an exact check measures the rim only */
     double measured_tolerance; /* of drafts, which are measured at some points only; 0: the same */
     const psplat_distance *distance; /* to the mesh; NULL: only triangles of samples are measured */
     const psplat_distance *proxy;    /* to its proxy (mesh/proxy.h); NULL: it has none */

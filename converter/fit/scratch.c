@@ -58,7 +58,6 @@ psplat_fit_context psplat_fit_draft(const psplat_fit_context *context, psplat_li
     *draft = *context->limits;
     if (draft->proven && draft->measured_tolerance > 0)
         draft->tolerance = draft->measured_tolerance;
-    draft->proven_later = draft->proven;
     draft->proven = 0;
     result.limits = draft;
     return result;
