@@ -385,11 +385,17 @@ static psplat_result draw_frame(psplat_frame *f) {
     return result;
 }
 
+static int draws_any(const psplat_item *items, size_t item_count) {
+    size_t i = 0;
+    while (i < item_count && !psplat_item_is_drawn(&items[i])) ++i;
+    return i < item_count;
+}
+
 psplat_result psplat_draw(psplat_renderer *renderer, const psplat_view *view,
                           const psplat_item *items, size_t item_count, psplat_error *error) {
     psplat_result result = check(renderer, view, items, item_count, error);
     if (result != PSPLAT_OK) return result;
-    if (item_count == 0) return psplat_frame_ask_for_loss(renderer, error);
+    if (!draws_any(items, item_count)) return psplat_frame_ask_for_loss(renderer, error);
     psplat_frame f = {.renderer = renderer,
                       .view = view,
                       .items = items,

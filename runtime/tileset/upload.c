@@ -55,7 +55,7 @@ static size_t texture_bytes(size_t splats, int row_splats, int floats) {
 }
 
 size_t psplat_tile_model_bytes(const psplat_asset *asset) {
-    size_t count = psplat_asset_batch_count(asset), bytes = 0;
+    size_t count = psplat_asset_all_batch_count(asset), bytes = 0;
     for (size_t i = 0; i < count; ++i) {
         const psplat_batch *batch = psplat_asset_batch(asset, i);
         int is_twin = 0;
@@ -76,8 +76,8 @@ static int is_double_sided(const psplat_asset *asset) {
     return 0;
 }
 
-/* Counts a model whose texture bytes were taken already, and destroys its asset. */
-static void keep_model(psplat_tile_slot *slot, psplat_model *model, size_t taken) {
+/* Counts a model whose bytes were taken already, and destroys its asset. */
+static void keep_model(psplat_tile_slot *slot, psplat_model *model) {
     psplat_tiles *tiles = slot->tiles;
     psplat_tile_load *load = &tiles->loads[slot->content];
     psplat_model_info info = tiles->models->describe(model);
@@ -86,8 +86,6 @@ static void keep_model(psplat_tile_slot *slot, psplat_model *model, size_t taken
     load->splats = (uint32_t)info.splat_count;
     load->failures = 0;
     load->is_double_sided = is_double_sided(slot->asset);
-    if (taken > info.bytes) psplat_tiles_give_bytes(tiles, taken - info.bytes);
-    if (info.bytes > taken) atomic_fetch_add(&tiles->bytes, info.bytes - taken);
     size_t both = atomic_load(&slot->bytes) + info.bytes;
     load->need = both > slot->peak ? both : slot->peak;
     tiles->splat_bytes += (double)load->need;
@@ -130,21 +128,43 @@ static void turn_away(psplat_tile_slot *slot, size_t bytes) {
         psplat_tile_slot_postpone(slot);
 }
 
-/* Uploads what a slot holds, and adds its bytes to *uploaded. */
+/* Takes bytes of the budget, for which tiles may have to go. Returns 0 where there is no room. */
+static int take_room(psplat_tiles *tiles, psplat_renderer *renderer, size_t bytes) {
+    while (!psplat_tiles_take_bytes(tiles, bytes))
+        if (!evict(tiles, renderer)) return 0;
+    return 1;
+}
+
+/* Keeps a model for which so many bytes were taken, or destroys it where it has more and there is no
+ * room for them: how large decoded images are is not known before. */
+static void settle(psplat_tile_slot *slot, psplat_renderer *renderer, psplat_model *model,
+                   size_t taken) {
+    psplat_tiles *tiles = slot->tiles;
+    size_t bytes = tiles->models->describe(model).bytes;
+    if (bytes > taken && !take_room(tiles, renderer, bytes - taken)) {
+        tiles->models->destroy(renderer, model);
+        psplat_tiles_give_bytes(tiles, taken);
+        turn_away(slot, bytes);
+        return;
+    }
+    if (taken > bytes) psplat_tiles_give_bytes(tiles, taken - bytes);
+    uint32_t node = tiles->contents[slot->content].node;
+    keep_model(slot, model);
+    complete(tiles, node);
+}
+
+/* Uploads what a slot holds, which takes so many bytes without the images. */
 static psplat_result upload(psplat_tile_slot *slot, psplat_renderer *renderer, size_t bytes,
                             psplat_error *error) {
     psplat_tiles *tiles = slot->tiles;
-    uint32_t node = tiles->contents[slot->content].node;
     psplat_model *model = NULL;
-    while (!psplat_tiles_take_bytes(tiles, bytes))
-        if (!evict(tiles, renderer)) {
-            turn_away(slot, bytes);
-            return PSPLAT_OK;
-        }
+    if (!take_room(tiles, renderer, bytes)) {
+        turn_away(slot, bytes);
+        return PSPLAT_OK;
+    }
     psplat_result result = tiles->models->create(renderer, slot->asset, &model, error);
     if (result == PSPLAT_OK) {
-        keep_model(slot, model, bytes);
-        complete(tiles, node);
+        settle(slot, renderer, model, bytes);
         return PSPLAT_OK;
     }
     psplat_tiles_give_bytes(tiles, bytes);
@@ -165,8 +185,12 @@ static int is_orphan(const psplat_tiles *tiles, uint32_t content) {
            !psplat_tile_is_ready(tiles, parent);
 }
 
+/* What the last selection did not want comes after all that it did. */
 static int is_more_important(const psplat_tiles *tiles, uint32_t a, uint32_t b) {
+    int wants_a = tiles->uses[tiles->contents[a].node].used == tiles->frame;
+    int wants_b = tiles->uses[tiles->contents[b].node].used == tiles->frame;
     double pa = tiles->loads[a].priority, pb = tiles->loads[b].priority;
+    if (wants_a != wants_b) return wants_a;
     return pa > pb || (pa == pb && a < b);
 }
 

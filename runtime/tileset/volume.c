@@ -46,14 +46,13 @@ static int has_orthogonal_columns(const double m[16]) {
     return is_orthogonal(m, m + 4) && is_orthogonal(m, m + 8) && is_orthogonal(m + 4, m + 8);
 }
 
+/* Where columns are orthogonal, the greatest of their lengths is exact. */
 double psplat_tile_stretch(const double m[16]) {
-    double greatest = 0.0, sum = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        double length2 = psplat_dot3(m + 4 * i, m + 4 * i);
-        greatest = fmax(greatest, length2);
-        sum += length2;
-    }
-    return sqrt(has_orthogonal_columns(m) ? greatest : sum);
+    static const double above = 1.0 + 1e-7; /* the accuracy of psplat_matrix_stretch */
+    double greatest = 0.0;
+    if (!has_orthogonal_columns(m)) return above * psplat_matrix_stretch(m);
+    for (int i = 0; i < 3; ++i) greatest = fmax(greatest, psplat_dot3(m + 4 * i, m + 4 * i));
+    return sqrt(greatest);
 }
 
 /* The singular values of a matrix multiply to its determinant, and none is beyond the stretch. */
