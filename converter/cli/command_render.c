@@ -386,6 +386,7 @@ int psplat_command_render(int argc, char **argv) {
     const char *option = result || !s.source ? NULL : option_of_splats(&a);
     int is_no_tileset = !result && !s.tiles.tiles && !isnan(a.pixels);
     if (is_no_tileset) option = "pixels";
+    if (!result && s.tiles.tiles && a.level) option = "level";
     int is_lacking = !result && lacks_animation(&a, &s);
     if (!result && !option && !is_lacking) result = take_pose(&a, &s, &error);
     if (!result && !option && !is_lacking) result = render(&a, &s, &error);

@@ -100,6 +100,13 @@ static void find_eye(psplat_tile_camera *camera, const double inverse[16],
     for (int i = 0; i < 3; ++i) camera->direction[i] /= length2 > 0.0 ? sqrt(length2) : 1.0;
 }
 
+static int casts_shadows(const psplat_view *view) {
+    int casts = 0;
+    for (int i = 0; i < view->light_count && i < PSPLAT_MAX_LIGHTS; ++i)
+        casts |= view->lights[i].casts_shadow;
+    return casts;
+}
+
 psplat_result psplat_tile_camera_set(psplat_tile_camera *camera, const psplat_tiles_view *view,
                                      psplat_error *error) {
     double inverse[16], modelview[16], modelview_inverse[16], clip[16];
@@ -118,7 +125,8 @@ psplat_result psplat_tile_camera_set(psplat_tile_camera *camera, const psplat_ti
     for (int i = 0; i < 16; ++i)
         if (!isfinite(clip[i]))
             return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "a matrix is not finite");
-    camera->culling = v->culling;
+    /* Backs cast shadows, too. */
+    camera->culling = casts_shadows(v) ? PSPLAT_CULL_NEVER : v->culling;
     camera->is_perspective = p[3] != 0.0 || p[7] != 0.0 || p[11] != 0.0;
     find_planes(camera, clip, v);
     find_scales(camera, v, inverse, modelview);

@@ -135,8 +135,8 @@ static int take_room(psplat_tiles *tiles, psplat_renderer *renderer, size_t byte
     return 1;
 }
 
-/* Keeps a model for which so many bytes were taken, or destroys it where it has more and there is no
- * room for them: how large decoded images are is not known before. */
+/* Keeps a model for which so many bytes were taken, or destroys it where it has more and there is
+ * no room for them: how large decoded images are is not known before. */
 static void settle(psplat_tile_slot *slot, psplat_renderer *renderer, psplat_model *model,
                    size_t taken) {
     psplat_tiles *tiles = slot->tiles;

@@ -25,7 +25,8 @@
  * implicit tiling, viewerRequestVolume, extensions that are required (but 3DTILES_content_gltf),
  * and everything malformed: errors that grow downwards, singular transforms, tiles with neither
  * content nor children, paths that leave the directory of the tileset, absolute URIs, external
- * tilesets that refer to themselves, more than 31 tiles nested in one file or 16,777,216 tiles.
+ * tilesets whose root has no content or that refer to themselves, more than 31 tiles nested in one
+ * file or 16,777,216 tiles.
  *
  * Coordinates towards the host are glTF's, with y up: a point (x, y, z) of a tileset is (x, z, -y)
  * here. Without transforms of tiles that is the space of the .glb files.
@@ -62,7 +63,8 @@ typedef struct psplat_tiles_desc {
     psplat_tiles_source source;
     size_t max_bytes;    /* of tiles: what decoding takes, what waits for the upload, and textures
                             on the GPU; 0 means 512 MiB. It is never exceeded, but for decoded images
-                            of textured splats while they are uploaded. The tree of tiles itself,
+                            of textured splats while they are uploaded: a tile for which they leave
+                            no room is then dropped again. The tree of tiles itself,
                             some 600 bytes a tile, is not counted */
     size_t max_requests; /* under way and waiting for the upload at a time, at most 65,536; 0 means
                             16 */
@@ -88,13 +90,15 @@ PSPLAT_EXPORT void psplat_tiles_bounds(const psplat_tiles *tiles, double min[3],
 
 /* The parameters of psplat_tiles_select. Zeros are the defaults of all members but view. */
 typedef struct psplat_tiles_view {
-    const psplat_view *view; /* of which view, projection, width, height and culling are used */
+    const psplat_view *view; /* of which view, projection, width, height, culling and what lights
+                                cast shadows are used */
     double transform[16];    /* of the tileset in the scene, as psplat_item.transform; all zeros
                                 mean the identity */
     double pixels; /* tau: the greatest error of what is drawn, pixels; 0 means 1. A tile's error
                       in pixels is that of a length of its geometricError, parallel to the image
                       plane, at the nearest visible point of its bounding volume */
-    size_t max_splats; /* that are drawn at most, if the root has no more; 0: any number */
+    size_t max_splats; /* that are drawn at most, if the root has no more, or where it has no
+                          content the tiles right below it; 0: any number */
     double seconds;    /* time of this frame, for cross-fades; it does not run backwards */
 } psplat_tiles_view;
 
@@ -103,7 +107,8 @@ typedef struct psplat_tiles_view {
  * by those of its children that may be visible only where all of these are in memory; else it is
  * drawn and they are wanted. A tile that was replaced in the last frame stays so down to 0.9
  * pixels. Tiles outside the view are left out, and those of which only backs are seen (by the cone
- * of their extras), where materials are single-sided or the view culls always.
+ * of their extras), where materials are single-sided or the view culls always, and no light casts
+ * shadows. Tiles outside the view cast none into it.
  *
  * It calls no GL, waits for nothing, and allocates nothing once as many tiles were drawn before.
  * The same calls choose the same tiles. Items of the call before are gone. Errors: ARGUMENT (a

@@ -227,7 +227,8 @@ async function showAll(entries, files) {
 }
 
 function openFiles(list) {
-    const files = new Map([...list].map((file) => [file.name, file])), models = [...list].filter((file) => /\.(glb|gltf|obj)$/i.test(file.name)), tileset = findTileset(list);
+    // Tilesets name files by paths, models by names.
+    const files = new Map([...list].flatMap((file) => [[file.name, file], [file.relativePath ?? (file.webkitRelativePath || file.name), file]])), models = [...list].filter((file) => /\.(glb|gltf|obj)$/i.test(file.name)), tileset = findTileset(list);
     if (tileset) return showAll([tileset], files);
     if (!models.length) return fail(`${[...files.keys()].join(', ')}: not one of .glb, .gltf, .obj and tileset.json`);
     return showAll(models.map((file) => ({ name: file.name, load: () => file.arrayBuffer(), path: '' })), files);
@@ -273,7 +274,7 @@ class DroppedFiles {
 
     async fetchData(url) {
         if (!url.startsWith(DROPPED)) return fetch(url);
-        const file = this.files.get(decodeURIComponent(url.slice(url.lastIndexOf('/') + 1)));
+        const path = decodeURIComponent(url.slice(DROPPED.length)), file = this.files.get(path) ?? this.files.get(path.slice(path.lastIndexOf('/') + 1));
         return file ? new Response(file) : new Response(null, { status: 404, statusText: 'not among the files' });
     }
 }

@@ -92,8 +92,11 @@ static void test_gone(void **state) {
     }
     two.items[0].fade = INFINITY;
     two.items[1].fade = 1.5f;
-    canvas_draw(c, &view, two.items, 2);
-    assert_int_equal(canvas_covered(c), 0);
+    for (int type = PSPLAT_LIGHT_DIRECTIONAL; type <= PSPLAT_LIGHT_SPOT; ++type) {
+        view.lights[0].type = (psplat_light_type)type;
+        canvas_draw(c, &view, two.items, 2);
+        assert_int_equal(canvas_covered(c), 0);
+    }
     couple_free(c, &two);
     scene_free(&s);
     scene_free(&large);
