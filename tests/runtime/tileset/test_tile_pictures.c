@@ -131,6 +131,19 @@ static void test_bytes(void **state) {
     }
 }
 
+/* All levels of detail of a file are uploaded, and counted. */
+static void test_bytes_of_levels(void **state) {
+    stage *s = *state;
+    psplat_asset *asset = NULL;
+    assert_int_equal(psplat_asset_open(PSPLAT_SOURCE_DIR "/schema/levels.gltf", NULL, &asset, NULL),
+                     PSPLAT_OK);
+    assert_true(psplat_asset_level_count(asset) > 1);
+    psplat_model *model = canvas_model(s->canvas, asset);
+    assert_int_equal(psplat_tile_model_bytes(asset), psplat_model_describe(model).bytes);
+    psplat_model_destroy(s->canvas->renderer, model);
+    psplat_asset_destroy(asset);
+}
+
 /* From far away the root is drawn, from nearby its children, just as these files as items. */
 static void test_pictures(void **state) {
     stage *s = *state;
@@ -237,9 +250,8 @@ static void test_little_room(void **state) {
 
 int test_tile_pictures_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bytes),
-        cmocka_unit_test(test_pictures),
-        cmocka_unit_test(test_fading_pictures),
+        cmocka_unit_test(test_bytes),       cmocka_unit_test(test_bytes_of_levels),
+        cmocka_unit_test(test_pictures),    cmocka_unit_test(test_fading_pictures),
         cmocka_unit_test(test_little_room),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
