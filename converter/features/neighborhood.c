@@ -4,8 +4,8 @@
  *
  * A flood fill over the clusters of triangles within reach of the seed, which crosses no crease,
  * collects their samples and the creases that stop it. The sums over the nearest samples are kept
- * at every BLOCK of them, as far as they were asked for, so that the covariance of any number of
- * nearest samples takes few additions.
+ * at every BLOCK of them, so that the covariance of any number of nearest samples takes fewer than
+ * BLOCK additions.
  */
 #include "features/neighborhood.h"
 
@@ -193,9 +193,9 @@ static int sort_ranked(psplat_neighborhood *n) {
     return 1;
 }
 
-/* Copies the sorted samples, relative to the centre. */
-static int copy_samples(psplat_neighborhood *n, const psplat_samples *samples,
-                        const double origin[3]) {
+/* Copies the sorted samples, relative to the centre, and keeps their sums at every BLOCK. */
+static int sum_up(psplat_neighborhood *n, const psplat_samples *samples, const double origin[3]) {
+    size_t blocks = n->count / BLOCK + 1;
     if (n->count > n->sample_capacity || !n->samples) {
         size_t capacity = 2 * n->count + 64;
         free(n->samples);
@@ -205,14 +205,16 @@ static int copy_samples(psplat_neighborhood *n, const psplat_samples *samples,
         n->sample_capacity = n->samples && n->blocks ? capacity : 0;
         if (!n->sample_capacity) return 0;
     }
+    psplat_covariance sum = {0};
+    n->blocks[0] = sum;
     for (size_t i = 0; i < n->count; ++i) {
         psplat_near_sample *s = &n->samples[i];
         s->index = n->order[i].index;
         sub3(s->p, samples->positions + 3 * (size_t)s->index, origin);
         for (size_t k = 0; k < 3; ++k) s->n[k] = (double)samples->normals[3 * (size_t)s->index + k];
+        psplat_covariance_add(&sum, s->p, s->n);
+        if ((i + 1) % BLOCK == 0 && (i + 1) / BLOCK < blocks) n->blocks[(i + 1) / BLOCK] = sum;
     }
-    n->blocks[0] = (psplat_covariance){0};
-    n->block_count = 1;
     return 1;
 }
 
@@ -224,7 +226,7 @@ int psplat_neighborhood_gather(psplat_neighborhood *n, const psplat_surface *sur
     for (size_t i = 0; ok && i < n->cluster_count; ++i) ok = visit(n, &f, n->clusters[i]);
     if (!ok) return 0;
     memcpy(n->origin, metric->center, sizeof n->origin);
-    return creases_only || (sort_ranked(n) && copy_samples(n, samples, metric->center));
+    return creases_only || (sort_ranked(n) && sum_up(n, samples, metric->center));
 }
 
 size_t psplat_neighborhood_within(const psplat_neighborhood *n, double reach) {
@@ -240,20 +242,9 @@ size_t psplat_neighborhood_within(const psplat_neighborhood *n, double reach) {
     return low;
 }
 
-static void add_samples(const psplat_neighborhood *n, size_t from, size_t to,
-                        psplat_covariance *covariance) {
-    for (size_t i = from; i < to; ++i)
-        psplat_covariance_add(covariance, n->samples[i].p, n->samples[i].n);
-}
-
-void psplat_neighborhood_covariance(psplat_neighborhood *n, size_t count,
+void psplat_neighborhood_covariance(const psplat_neighborhood *n, size_t count,
                                     psplat_covariance *covariance) {
-    size_t block = count / BLOCK;
-    for (size_t known = n->block_count; known <= block; ++known) {
-        n->blocks[known] = n->blocks[known - 1];
-        add_samples(n, (known - 1) * BLOCK, known * BLOCK, &n->blocks[known]);
-        n->block_count = known + 1;
-    }
-    *covariance = n->blocks[block];
-    add_samples(n, block * BLOCK, count, covariance);
+    *covariance = n->blocks[count / BLOCK];
+    for (size_t i = count / BLOCK * BLOCK; i < count; ++i)
+        psplat_covariance_add(covariance, n->samples[i].p, n->samples[i].n);
 }

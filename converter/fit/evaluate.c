@@ -154,25 +154,12 @@ static int choose_lines(const psplat_fit_context *context, size_t segments, cons
 
 /* ---- coverage ------------------------------------------------------------------------------ */
 
-/* Finds the parameters of the surroundings' samples in a region, and how far they lie above its
- * surface, into scratch->uvh. Divisions take long, so that there are few. */
-static void find_local(psplat_scratch *s, const psplat_region *region) {
-    double center[3], inverse[2] = {1 / region->radius[0], 1 / region->radius[1]};
-    const double *slope = region->slope, *h = region->hessian;
-    int curved = psplat_region_is_curved(region);
-    sub3(center, region->center, s->near.origin);
-    for (size_t i = 0; i < s->near_count; ++i) {
-        double d[3], *uvh = s->uvh[i];
-        sub3(d, s->near.samples[i].p, center);
-        double x = dot3(d, region->u), y = dot3(d, region->v), z = dot3(d, region->n);
-        uvh[0] = x * inverse[0], uvh[1] = y * inverse[1];
-        if (curved) {
-            double a = slope[0] + h[0] * x + h[1] * y, b = slope[1] + h[1] * x + h[2] * y;
-            z -= ((slope[0] + a) * x + (slope[1] + b) * y) / 2;
-            z /= sqrt(1 + a * a + b * b);
-        }
-        uvh[2] = z;
-    }
+/* Returns how far a point at (u, v) and a height over the plane is above the surface. */
+static double height_above(const psplat_region *region, const double uvh[3]) {
+    double slope[2];
+    psplat_region_slope(region, uvh, slope);
+    return (uvh[2] - psplat_region_height(region, uvh)) /
+           sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
 }
 
 /* Returns whether a sample's normal faces the way of the region's surface at (u, v). */
@@ -190,18 +177,23 @@ static int faces(const psplat_region *region, int curved, const double uv[2], co
  * of all that lie in its surroundings. Returns their number; 0 where the seed is not among them. */
 static size_t cover(const psplat_fit_context *context, const psplat_region *region, uint32_t seed) {
     psplat_scratch *s = context->scratch;
-    double inner[2], tolerance = context->limits->tolerance;
+    double inner[2], center[3], tolerance = context->limits->tolerance;
     for (int k = 0; k < 2; ++k)
         inner[k] = region->radius[k] /
                    (region->radius[k] - min2(context->limits->margin, 0.5 * region->radius[k]));
-    find_local(s, region);
+    sub3(center, region->center, s->near.origin);
     size_t count = 0;
     int curved = psplat_region_is_curved(region);
     int seed_met = seed == PSPLAT_NONE;
     for (uint32_t i = 0; i < s->near_count; ++i) {
         const psplat_near_sample *sample = &s->near.samples[i];
-        const double *uvh = s->uvh[i];
+        double d[3], *uvh = s->uvh[i];
+        sub3(d, sample->p, center);
+        uvh[0] = dot3(d, region->u) / region->radius[0];
+        uvh[1] = dot3(d, region->v) / region->radius[1];
+        uvh[2] = dot3(d, region->n);
         double x = uvh[0] * inner[0], y = uvh[1] * inner[1];
+        if (curved) uvh[2] = height_above(region, uvh);
         if (fabs(uvh[2]) > tolerance || x * x + y * y > 1) continue;
         if (!psplat_region_contains(region, uvh, 1, line_slack)) continue;
         if (!faces(region, curved, uvh, sample->n)) continue;

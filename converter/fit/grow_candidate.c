@@ -30,9 +30,9 @@
 /* All of these were chosen by hand. */
 /* The greatest aspect ratio of the metric of the curvature, and the least one that is used. */
 static const double greatest_stretch = 8, least_stretch = 1.25;
-/* The reach up to which surroundings are gathered: a multiple of the reach of the samples tried,
- * and spacings, so that the ellipse around these and the next larger one fit in. */
-static const double gathering_factor = 1.5, gathering_spacings = 2.5;
+/* The reach up to which surroundings are gathered, as a multiple of the reach of the samples tried.
+ */
+static const double gathering_factor = 1.3;
 /* The least share of the samples tried that a region without lines must cover. */
 static const double least_covered_part = 0.7;
 /* The first reach, in spacings, and the factor by which it grows. */
@@ -201,9 +201,7 @@ static psplat_fit_status try_nearest(search *s, size_t count) {
 static psplat_fit_status try_reach(search *s, double reach, size_t *count) {
     const psplat_neighborhood *near = &s->context->scratch->near;
     *count = 0;
-    if (psplat_site_gather(s->context, &s->site,
-                           gathering_factor * reach +
-                               gathering_spacings * s->context->samples->spacing)) {
+    if (psplat_site_gather(s->context, &s->site, gathering_factor * reach)) {
         s->failed = 1;
         return PSPLAT_FIT_MEMORY;
     }

@@ -49,7 +49,7 @@ static void gather(psplat_neighborhood *n, const fixture *f, const psplat_metric
 
 /* ---- order and sums -------------------------------------------------------------------------- */
 
-static void check_covariance(psplat_neighborhood *n, size_t count) {
+static void check_covariance(const psplat_neighborhood *n, size_t count) {
     psplat_covariance found, direct = {0};
     psplat_neighborhood_covariance(n, count, &found);
     for (size_t i = 0; i < count; ++i)
