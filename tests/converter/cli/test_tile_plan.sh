@@ -142,7 +142,8 @@ case_errors() {
     run sh -c 'ulimit -f 1; exec "$0" tile node full r0' "$PHONGSPLAT"
     expect_error 5 'full/(tiles/0-r0.glb|work/r0.mesh): cannot be written: File too large'
     run sh -c 'ulimit -f 1; exec "$0" tile plan terrain.ply filled -t 2 --block-triangles 100' "$PHONGSPLAT"
-    expect_error 5 'filled/work/triangles: cannot be written: File too large'
+    expect_error 5 'filled/work.new/triangles: cannot be written: File too large'
+    [ ! -e filled ] || fail "a plan that failed has left: $(ls -R filled)"
     ln -s /dev/full good/tileset.json
     "$PHONGSPLAT" tile node -q good r1 && "$PHONGSPLAT" tile node -q good r
     run "$PHONGSPLAT" tile merge good
@@ -164,6 +165,59 @@ case_errors() {
     expect_error 4 'painted.glb: has textures, which blocks do not keep'
     run "$PHONGSPLAT" tile plan "$SOURCE_DIR/samples/models/scan.xyz" points
     expect_error 4 'scan.xyz: is a point set'
+}
+
+# Nothing but what an earlier plan has made is ever replaced, and that only once the new plan is whole.
+case_replaced() {
+    "$MAKE_TERRAIN" 4 >terrain.ply
+    mkdir -p mine/work
+    echo mine | tee mine/Makefile mine/tasks >mine/plan
+    for overwrite in '' -w; do
+        run "$PHONGSPLAT" tile plan terrain.ply mine $overwrite
+        expect_error 5 'mine: holds files that are not those of a plan'
+        run "$PHONGSPLAT" tile plan terrain.ply . $overwrite
+        expect_error 5 '[.]: holds files that are not those of a plan'
+    done
+    run "$PHONGSPLAT" tile plan terrain.ply terrain.ply -w
+    expect_error 5 'terrain.ply: is no directory'
+    [ "$(cat mine/Makefile mine/tasks mine/plan)" = "$(printf 'mine\nmine\nmine')" ] || fail "a file was replaced"
+    mkdir fresh
+    run "$PHONGSPLAT" tile plan terrain.ply fresh -t 5%
+    expect_success
+
+    # A plan that fails leaves the one before as it was; one that does not leaves nothing of it but what is not its own.
+    options="-t 5 --effort 0 --block-triangles 100"
+    "$MAKE_TERRAIN" 8 >terrain.ply
+    plan out
+    build out >/dev/null
+    touch out/notes.txt out/work/notes.txt out/tileset-1.json
+    (cd out && find . -type f -exec cksum {} +) | sort >before.txt
+    head -c 2000 terrain.ply >cut.ply
+    run "$PHONGSPLAT" tile plan cut.ply out -w
+    expect_error 3 'cut.ply'
+    (cd out && find . -type f -exec cksum {} +) | sort | cmp - before.txt || fail "a plan that failed has changed the one before"
+    run "$PHONGSPLAT" tile plan "$SOURCE_DIR/samples/models/cube.off" out -w -t 5
+    expect_success
+    [ "$(cd out && find . -type f | sort | tr '\n' ' ')" = \
+        "./Makefile ./notes.txt ./plan ./tasks ./tasks-0 ./work/notes.txt ./work/triangles " ] || fail "left: $(ls -R out)"
+
+    # Once work/ is deleted, no plan is there to go on with.
+    rm -r out/work
+    run "$PHONGSPLAT" tile plan "$SOURCE_DIR/samples/models/cube.off" out -t 5
+    expect_error 5 'out: holds this plan without work/triangles, which tasks need; --overwrite plans anew'
+    run "$PHONGSPLAT" tile plan "$SOURCE_DIR/samples/models/cube.off" out -t 5 -w
+    expect_success
+}
+
+# The Makefile calls the program wherever it lies.
+case_program_path() {
+    "$MAKE_TERRAIN" 4 >terrain.ply
+    mkdir 'a #$b `c"\d'
+    cp "$PHONGSPLAT" 'a #$b `c"\d/phongsplat'
+    run 'a #$b `c"\d/phongsplat' tile plan terrain.ply out -t 10 --effort 0
+    expect_success
+    make -s -C out >/dev/null || fail "make"
+    [ -e out/tileset.json ] || fail "no tileset"
 }
 
 run_cases "$@"
