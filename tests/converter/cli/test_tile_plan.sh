@@ -220,4 +220,30 @@ case_program_path() {
     [ -e out/tileset.json ] || fail "no tileset"
 }
 
+# Broken promises stay in the records: merge says how many tasks break which, and its exit code is 9.
+case_broken() {
+    "$MAKE_TERRAIN" 8 >terrain.ply
+    options="-t 5 --effort 0 --block-triangles 100"
+    plan out
+    build out >/dev/null
+    cp out/tileset.json whole.json
+    # Records in which two tasks break promises: the hash of the last line is FNV-1a of all before.
+    node - out/work/r0.record '0 1 0 1 0 first 1 1.5 2 3 0.25' out/work/r1.record '0 1 0 0 0 first 1 4 5 6 0.5' <<'JS' || fail "records"
+const fs = require('fs'), words = process.argv.slice(2);
+for (let i = 0; i < words.length; i += 2) {
+    const text = fs.readFileSync(words[i], 'utf8').replace(/end [0-9a-f]{16}\n$/, '');
+    const broken = text.replace(/^broken 0 0 0 0 0 first 0 0 0 0 0$/m, `broken ${words[i + 1]}`);
+    let hash = 0xcbf29ce484222325n;
+    if (broken === text) throw Error(text);
+    for (const byte of Buffer.from(broken)) hash = ((hash ^ BigInt(byte)) * 0x100000001b3n) & 0xffffffffffffffffn;
+    fs.writeFileSync(words[i], `${broken}end ${hash.toString(16).padStart(16, '0')}\n`);
+}
+JS
+    run "$PHONGSPLAT" tile merge -q out
+    expect_error 9 '^phongsplat: out: 2 tasks break promises of their conversions \(distance: 2, creases: 1\), first r0 at 1[.]5 2 3 at the level of 0[.]25 %; '
+    cmp out/tileset.json whole.json || fail "the tileset is another one"
+    run "$PHONGSPLAT" tile node -q out r1
+    expect_error 0 '^phongsplat: r1: at 4 5 6: the level of 0[.]5 % breaks its promise of distance; '
+}
+
 run_cases "$@"
