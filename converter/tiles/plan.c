@@ -25,6 +25,8 @@
 
 /* The version of plans and of what lies in work/. */
 enum { PLAN_VERSION = 1 };
+/* The most blocks of a plan that is read. */
+enum { MOST_BLOCKS = 1 << 24 };
 /* The parts of the input that its hash is of, and their bytes. */
 enum { HASHED_PARTS = 64, HASHED_BYTES = 4096 };
 
@@ -198,7 +200,7 @@ static int read_leaves(psplat_words *words, psplat_tile_leaves *leaves) {
     leaves->is_closed = psplat_words_count(words) != 0;
     psplat_words_expect(words, "leaves");
     leaves->count = (size_t)psplat_words_count(words);
-    words->failed |= !leaves->count || leaves->count > (size_t)2 << PSPLAT_MOST_BLOCK_DEPTH;
+    words->failed |= !leaves->count || leaves->count > MOST_BLOCKS;
     if (words->failed) return 1;
     leaves->leaves = calloc(leaves->count, sizeof *leaves->leaves);
     for (size_t i = 0; i < leaves->count && leaves->leaves && !words->failed; ++i) {
