@@ -13,6 +13,7 @@
 #include "mesh/clean.h"
 #include "tiles/checked_text.h"
 #include "tiles/plan_folder.h"
+#include "tiles/tile_block.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -363,6 +364,16 @@ static psplat_result write_plan(psplat_tile_plan *plan, const char *directory,
     return write_text(directory, "plan", &text, error);
 }
 
+/* Gives options that are at their defaults the values that these mean, so that a plan with such a
+ * value is the same as one without. */
+static void resolve_defaults(psplat_tile_options *o) {
+    psplat_convert_desc *c = &o->convert;
+    if (!(c->tolerance_percent > 0)) c->tolerance_percent = 0.5;
+    if (!(c->crease_angle_degrees > 0)) c->crease_angle_degrees = 30;
+    if (!c->effort) c->effort = 2;
+    if (!o->most_splats) o->most_splats = PSPLAT_MOST_TILE_SPLATS;
+}
+
 /* Returns whether two plans are of the same input and options. */
 static int is_same_request(const psplat_tile_plan *a, const psplat_tile_plan *b) {
     psplat_checked_text left = {0}, right = {0};
@@ -515,6 +526,7 @@ psplat_result psplat_tile_plan_make(const char *input, const psplat_tile_options
     char shown[PSPLAT_SHOWN_PATH];
     int is_done = 0;
     *plan = (psplat_tile_plan){.options = *options};
+    resolve_defaults(&plan->options);
     psplat_path_shorten(input, shown);
     plan->input = realpath(input, NULL);
     if (!plan->input || !identify(plan->input, &plan->input_size, &plan->input_hash)) {

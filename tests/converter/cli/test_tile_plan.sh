@@ -201,6 +201,15 @@ case_replaced() {
     [ "$(cd out && find . -type f | sort | tr '\n' ' ')" = \
         "./Makefile ./notes.txt ./plan ./tasks ./tasks-0 ./work/notes.txt ./work/triangles " ] || fail "left: $(ls -R out)"
 
+    # A default that is given is the same as one that is not.
+    "$MAKE_TERRAIN" 4 >terrain.ply
+    run "$PHONGSPLAT" tile plan terrain.ply usual
+    expect_success
+    run "$PHONGSPLAT" tile plan terrain.ply usual -t 0.5% --effort 2 --crease-angle 30 --tile-splats 1024 --precision auto
+    expect_success
+    run "$PHONGSPLAT" tile plan terrain.ply usual --effort 3
+    expect_error 5 'usual: holds another plan'
+
     # Once work/ is deleted, no plan is there to go on with.
     rm -r out/work
     run "$PHONGSPLAT" tile plan "$SOURCE_DIR/samples/models/cube.off" out -t 5
