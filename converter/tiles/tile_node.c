@@ -32,8 +32,8 @@
  * that much less. */
 static const double deviation_part = 0.05, united_part = 0.08;
 /* The level that tile_block knows as the finest of all. It counts levels up to the finest, records
- * count from there. */
-enum { FINEST_LEVEL = 40 };
+ * count from there. Chains of blocks may be as deep as cells, each a level above the one below. */
+enum { FINEST_LEVEL = 4 * PSPLAT_MOST_CELL_DEPTH };
 
 typedef struct node_run {
     const psplat_tile_plan *plan;
