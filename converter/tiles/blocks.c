@@ -29,6 +29,9 @@ enum { ALL_BUFFERS = 1 << 26, MOST_BUFFER = 1 << 18, LEAST_BUFFER = 1 << 12 };
 /* The cells that a pass counts in each that has too many triangles, and about in all, as powers of
  * 2, and the most cells of the first pass. */
 enum { CELL_LEVELS = 12, ALL_LEVELS = 20, FIRST_LEVELS = 22 };
+/* The longest side of the smallest cells that are halved, in that of the root: surfaces much
+ * smaller than that have no area beside the whole, so that blocks above them have no tiles. */
+static const double least_side = 0x1p-22;
 /* The bytes that are read from the store at a time. */
 enum { READ_BUFFER = 1 << 20 };
 
@@ -218,13 +221,22 @@ static int add_node(sorter *s, const psplat_tile_cell *cell, uint64_t count) {
     return 1;
 }
 
+/* Returns whether a node has too many triangles and can be halved. */
+static int is_heavy(const sorter *s, const tree_node *n) {
+    const psplat_tile_cell *root = &s->nodes[0].cell;
+    int axis = psplat_tile_cell_axis(&n->cell), longest = psplat_tile_cell_axis(root);
+    return !n->children && n->count > s->most && n->cell.depth < PSPLAT_MOST_BLOCK_DEPTH &&
+           n->cell.high[axis] - n->cell.low[axis] >
+               least_side * (root->high[longest] - root->low[longest]);
+}
+
 /* Splits the node of counters, whose cell number index of `level` levels below the counted one it
  * has, until each part has few enough triangles or is a counted cell. Returns 0 when out of memory.
  */
 static int split_node(sorter *s, const counted *c, uint32_t node, int level, size_t index) {
     const psplat_tile_cell cell = s->nodes[node].cell;
     size_t cells = (size_t)1 << (s->levels - level), begin = index * cells;
-    if (s->nodes[node].count <= s->most || level == s->levels) return 1;
+    if (level == s->levels || !is_heavy(s, &s->nodes[node])) return 1;
     const psplat_tile_cell halves[2] = {psplat_tile_cell_half(&cell, 0),
                                         psplat_tile_cell_half(&cell, 1)};
     uint64_t lower = c->before[begin + cells / 2] - c->before[begin];
@@ -254,8 +266,7 @@ static int begin_counting(sorter *s, int levels) {
     size_t heavy = 0, deepest = 0;
     for (size_t i = 0; i < s->node_count; ++i) {
         const tree_node *n = &s->nodes[i];
-        if (n->children || n->count <= s->most || n->cell.depth == PSPLAT_MOST_BLOCK_DEPTH)
-            continue;
+        if (!is_heavy(s, n)) continue;
         ++heavy;
         if (n->cell.depth > deepest) deepest = n->cell.depth;
     }
@@ -267,8 +278,7 @@ static int begin_counting(sorter *s, int levels) {
     if (!s->counted) return 0;
     for (size_t i = 0; i < s->node_count; ++i) {
         const tree_node *n = &s->nodes[i];
-        if (n->children || n->count <= s->most || n->cell.depth == PSPLAT_MOST_BLOCK_DEPTH)
-            continue;
+        if (!is_heavy(s, n)) continue;
         counted *c = &s->counted[s->counted_count++];
         c->node = (uint32_t)i;
         c->halvings = malloc(((size_t)1 << levels) * sizeof *c->halvings);
