@@ -30,7 +30,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
             "A task that is done already is left as it is. One that is killed leaves nothing\n"
             "half, and may be run again. Tasks may run at the same time, but those of a wave\n"
             "need all before it. Exit code 2 says that one which is needed is not done. A level\n"
-            "that breaks a promise of its conversion costs a line, and does not stop others.",
+            "that breaks a promise of its conversion costs a line and does not stop others; tile\n"
+            "merge counts it.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .slots = {&a->directory, &a->task},
@@ -52,14 +53,12 @@ static void print_summary(const arguments *a, const psplat_tile_run *run) {
            a->task, run->triangles, record->tile_count, splats, run->owned, run->simplified);
 }
 
-static void print_broken(const arguments *a, const psplat_tile_run *run) {
-    static const char *const promises[PSPLAT_PROMISE_COUNT] = {"coverage", "distance", "normals",
-                                                               "creases", "textures"};
-    const double *at = run->place.position;
+static void print_broken(const arguments *a, const psplat_tile_broken *broken) {
+    const double *at = broken->position;
     psplat_command_error("%s: at %.6g %.6g %.6g: the level of %.3g %% breaks its promise of %s; "
                          "its tiles were written all the same",
-                         a->task, at[0], at[1], at[2], run->broken_tolerance,
-                         promises[run->place.promise]);
+                         a->task, at[0], at[1], at[2], broken->tolerance_percent,
+                         psplat_tile_promise_name(broken->first));
 }
 
 static psplat_result run_task(const arguments *a, const psplat_tile_plan *plan,
@@ -89,7 +88,7 @@ int psplat_command_tile_node(int argc, char **argv) {
     if (!result) result = run_task(&a, &plan, &run, &error);
     int code = result ? psplat_command_fail(NULL, &error) : PSPLAT_EXIT_SUCCESS;
     if (!result) print_summary(&a, &run);
-    if (!result && run.is_broken) print_broken(&a, &run);
+    if (!result && psplat_tile_is_broken(&run.record.broken)) print_broken(&a, &run.record.broken);
     psplat_tile_record_free(&run.record);
     psplat_tile_plan_free(&plan);
     return code;

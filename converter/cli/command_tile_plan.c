@@ -74,7 +74,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
             "else runs `phongsplat tile node OUT TASK` for each task and `phongsplat tile merge\n"
             "OUT` in the end. OUT/work/ may be deleted after that.\n\n"
             "A directory that has the same plan already stays as it is. With --overwrite "
-            "another\nplan is replaced.",
+            "another\nplan is replaced, with all that it and its tasks have made; a directory with "
+            "anything\nelse is refused.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
         .slots = {&a->input, &a->output},

@@ -77,9 +77,12 @@ static char *join(const char *folder, const char *name) {
     return path;
 }
 
-/* Returns path without slashes at its end, malloc'ed, or NULL. */
-static char *trim(const char *path) {
+/* Returns the folder that a path means, through symbolic links, or where there is none the path
+ * without slashes at its end; malloc'ed, or NULL. */
+static char *resolve(const char *path) {
     size_t length = strlen(path);
+    char *real = realpath(path, NULL);
+    if (real) return real;
     while (length > 1 && path[length - 1] == '/') --length;
     return strndup(path, length);
 }
@@ -146,10 +149,24 @@ static void remove_folder(const char *path) {
 
 /* ---- checks ---------------------------------------------------------------------------------- */
 
+/* Returns whether a folder, by its real path, cannot be renamed: it is the working directory or one
+ * above that, or a file system begins there. */
+static int is_fixed(const char *target, const struct stat *status) {
+    struct stat parent;
+    size_t length = strlen(target);
+    char *above = join(target, ".."), *here = realpath(".", NULL);
+    int is_mount = above && !stat(above, &parent) &&
+                   (parent.st_dev != status->st_dev || parent.st_ino == status->st_ino);
+    int is_here = here && !strncmp(here, target, length) && (!here[length] || here[length] == '/');
+    free(above);
+    free(here);
+    return is_mount || is_here;
+}
+
 psplat_result psplat_output_folder_check(const char *input, const char *path, int overwrite,
                                          psplat_error *error) {
     struct stat status;
-    char *target = trim(path);
+    char *target = resolve(path);
     int all = 1;
     size_t count = 0;
     if (!target) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory");
@@ -157,15 +174,20 @@ psplat_result psplat_output_folder_check(const char *input, const char *path, in
     if (stat(target, &status)) {
         result = psplat_output_check(input, target, 0, error);
     } else if (!S_ISDIR(status.st_mode)) {
-        result = fail(error, target, "is no directory", 0);
+        result = fail(error, path, "is no directory", 0);
+    } else if (is_fixed(target, &status)) {
+        result = fail(error, path,
+                      "is the working directory, one above it or a mount point, which cannot be "
+                      "replaced as a whole",
+                      0);
     } else {
         int cause = each_entry(target, 0, visit_known, &all, &count);
         if (cause)
-            result = fail(error, target, "cannot be read", cause);
+            result = fail(error, path, "cannot be read", cause);
         else if (count && !all)
-            result = fail(error, target, "holds files that are not those of a tileset", 0);
+            result = fail(error, path, "holds files that are not those of a tileset", 0);
         else if (count && !overwrite)
-            result = fail(error, target, "holds a tileset already; --overwrite replaces it", 0);
+            result = fail(error, path, "holds a tileset already; --overwrite replaces it", 0);
     }
     free(target);
     return result;
@@ -229,7 +251,7 @@ static void hold_signals(sigset_t *before) {
 psplat_result psplat_output_folder_write(const psplat_output_folder *folder, const char *path,
                                          int overwrite, psplat_error *error) {
     psplat_result result = psplat_output_folder_check(NULL, path, overwrite, error);
-    char *target = result ? NULL : trim(path);
+    char *target = result ? NULL : resolve(path);
     char *filled = target ? malloc(strlen(target) + 16) : NULL;
     sigset_t before;
     if (!result && !filled) result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory");

@@ -3,8 +3,9 @@
  * blocks.c - the triangles of a file, sorted into blocks by counting.
  *
  * The cells of one depth, in the order of their paths, are the counters: the cells of any lesser
- * depth are ranges of them. A block is found for a centroid by walking down a tree that ends at the
- * blocks, with the very halvings that make cells.
+ * depth are ranges of them. Cells of that depth with too many triangles are counted again, some
+ * levels deeper, until none has. A block is found for a centroid by walking down a tree that ends
+ * at the blocks, with the very halvings that make cells.
  */
 #define _XOPEN_SOURCE 700 /* pread, pwrite, fsync */
 
@@ -25,6 +26,12 @@
 
 /* The bytes that wait for being written, of all blocks and the most and least of one. */
 enum { ALL_BUFFERS = 1 << 26, MOST_BUFFER = 1 << 18, LEAST_BUFFER = 1 << 12 };
+/* The cells that a pass counts in each that has too many triangles, and about in all, as powers of
+ * 2, and the most cells of the first pass. */
+enum { CELL_LEVELS = 12, ALL_LEVELS = 20, FIRST_LEVELS = 22 };
+/* The longest side of the smallest cells that are halved, in that of the root: surfaces much
+ * smaller than that have no area beside the whole, so that blocks above them have no tiles. */
+static const double least_side = 0x1p-22;
 /* The bytes that are read from the store at a time. */
 enum { READ_BUFFER = 1 << 20 };
 
@@ -35,7 +42,23 @@ typedef struct tree_node {
     double middle;
     uint32_t children; /* the lower one; the upper follows. 0: this is a block */
     uint32_t leaf;
+    uint64_t count; /* its triangles, where it is a block */
 } tree_node;
+
+/* A halving on the way to the counted cells, in the order of a heap: that of halving i's halves are
+ * 2 i + 1 and 2 i + 2. Cells of one depth may differ in the axis, where sides are as good as equal.
+ */
+typedef struct halving {
+    double middle;
+    int axis;
+} halving;
+
+/* Counters of the cells some levels below one. */
+typedef struct counted {
+    uint32_t node; /* that has too many triangles */
+    halving *halvings;
+    uint64_t *before; /* of each cell, the triangles in all before it, and of all at the end */
+} counted;
 
 /* A block while it is filled. */
 typedef struct filling {
@@ -48,8 +71,9 @@ typedef struct sorter {
     psplat_triangle_stream *stream;
     psplat_tile_leaves *leaves;
     uint64_t most;
-    int depth;        /* of the cells that are counted */
-    uint64_t *before; /* of each cell, the triangles in all before it, and of all at the end */
+    int levels;       /* between a node that is counted and the cells below it */
+    counted *counted; /* by node */
+    size_t counted_count;
     tree_node *nodes;
     size_t node_count, node_capacity;
     filling *fillings;
@@ -121,22 +145,14 @@ static psplat_result find_box(sorter *s, psplat_error *error) {
 
 /* ---- counting -------------------------------------------------------------------------------- */
 
-/* A halving on the way to the counted cells, in the order of a heap: that of halving i's halves are
- * 2 i + 1 and 2 i + 2. Cells of one depth may differ in the axis, where sides are as good as equal.
- */
-typedef struct halving {
-    double middle;
-    int axis;
-} halving;
-
-static void fill_halvings(halving *halvings, size_t i, const psplat_tile_cell *cell, int depth) {
-    if (cell->depth == (size_t)depth) return;
+static void fill_halvings(halving *halvings, size_t i, const psplat_tile_cell *cell, int levels) {
+    if (!levels) return;
     psplat_tile_cell lower = psplat_tile_cell_half(cell, 0);
     psplat_tile_cell upper = psplat_tile_cell_half(cell, 1);
     int axis = psplat_tile_cell_axis(cell);
     halvings[i] = (halving){upper.low[axis], axis};
-    fill_halvings(halvings, 2 * i + 1, &lower, depth);
-    fill_halvings(halvings, 2 * i + 2, &upper, depth);
+    fill_halvings(halvings, 2 * i + 1, &lower, levels - 1);
+    fill_halvings(halvings, 2 * i + 2, &upper, levels - 1);
 }
 
 static size_t cell_of(const halving *halvings, size_t cells, const double point[3]) {
@@ -148,9 +164,32 @@ static size_t cell_of(const halving *halvings, size_t cells, const double point[
     return i - (cells - 1);
 }
 
-static psplat_result count(sorter *s, const halving *halvings, psplat_error *error) {
-    size_t cells = (size_t)1 << s->depth;
+static uint32_t node_of(const sorter *s, const double point[3]) {
+    uint32_t i = 0;
+    while (s->nodes[i].children)
+        i = s->nodes[i].children + (point[s->nodes[i].axis] >= s->nodes[i].middle);
+    return i;
+}
+
+/* Finds the counters of a node. Nodes are added in order, so that counters are sorted by them. */
+static counted *counters_of(const sorter *s, uint32_t node) {
+    size_t begin = 0, end = s->counted_count;
+    while (begin < end) {
+        size_t middle = begin + (end - begin) / 2;
+        if (s->counted[middle].node < node) {
+            begin = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    return begin < s->counted_count && s->counted[begin].node == node ? &s->counted[begin] : NULL;
+}
+
+/* Counts the triangles of all cells that have counters. */
+static psplat_result count(sorter *s, psplat_error *error) {
+    size_t cells = (size_t)1 << s->levels;
     psplat_stream_triangle t;
+    uint64_t seen = 0;
     psplat_triangle_stream_rewind(s->stream);
     for (int got = 1; got;) {
         double centroid[3];
@@ -158,34 +197,19 @@ static psplat_result count(sorter *s, const halving *halvings, psplat_error *err
         if (result) return result;
         if (!got) break;
         centroid_of(&t, centroid);
-        ++s->before[cell_of(halvings, cells, centroid) + 1];
+        counted *c = counters_of(s, node_of(s, centroid));
+        if (c) ++c->before[cell_of(c->halvings, cells, centroid) + 1];
+        ++seen;
     }
-    for (size_t i = 0; i < cells; ++i) s->before[i + 1] += s->before[i];
-    if (s->before[cells] == s->leaves->triangles) return PSPLAT_OK;
+    for (size_t k = 0; k < s->counted_count; ++k)
+        for (size_t i = 0; i < cells; ++i) s->counted[k].before[i + 1] += s->counted[k].before[i];
+    if (seen == s->leaves->triangles) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_READ, 0, "%s: changed while it was read", s->shown);
-}
-
-static psplat_result count_cells(sorter *s, psplat_error *error) {
-    size_t cells = (size_t)1 << s->depth;
-    s->before = calloc(cells + 1, sizeof *s->before);
-    halving *halvings = malloc(cells * sizeof *halvings);
-    if (halvings) fill_halvings(halvings, 0, &s->leaves->root, s->depth);
-    psplat_result result = s->before && halvings ? count(s, halvings, error) : fail_memory(error);
-    free(halvings);
-    return result;
 }
 
 /* ---- blocks ---------------------------------------------------------------------------------- */
 
-/* Returns the triangles of a cell, and stores those before it. */
-static uint64_t triangles_of(const sorter *s, const psplat_tile_cell *cell, uint64_t *before) {
-    size_t index = 0, below = (size_t)s->depth - cell->depth;
-    for (size_t i = 0; i < cell->depth; ++i) index = 2 * index + (cell->path[i] == '1');
-    *before = s->before[index << below];
-    return s->before[(index + 1) << below] - *before;
-}
-
-static int add_node(sorter *s, const psplat_tile_cell *cell) {
+static int add_node(sorter *s, const psplat_tile_cell *cell, uint64_t count) {
     if (s->node_count == s->node_capacity) {
         size_t capacity = 2 * s->node_capacity + 64;
         tree_node *larger = realloc(s->nodes, capacity * sizeof *larger);
@@ -193,49 +217,128 @@ static int add_node(sorter *s, const psplat_tile_cell *cell) {
         s->nodes = larger;
         s->node_capacity = capacity;
     }
-    s->nodes[s->node_count++] = (tree_node){.cell = *cell};
+    s->nodes[s->node_count++] = (tree_node){.cell = *cell, .count = count};
     return 1;
 }
 
-/* Splits cells breadth first until each has few enough triangles. Returns 0 when out of memory. */
-static int split_cells(sorter *s) {
-    if (!add_node(s, &s->leaves->root)) return 0;
+/* Returns whether a node has too many triangles and can be halved. */
+static int is_heavy(const sorter *s, const tree_node *n) {
+    const psplat_tile_cell *root = &s->nodes[0].cell;
+    int axis = psplat_tile_cell_axis(&n->cell), longest = psplat_tile_cell_axis(root);
+    return !n->children && n->count > s->most && n->cell.depth < PSPLAT_MOST_BLOCK_DEPTH &&
+           n->cell.high[axis] - n->cell.low[axis] >
+               least_side * (root->high[longest] - root->low[longest]);
+}
+
+/* Splits the node of counters, whose cell number index of `level` levels below the counted one it
+ * has, until each part has few enough triangles or is a counted cell. Returns 0 when out of memory.
+ */
+static int split_node(sorter *s, const counted *c, uint32_t node, int level, size_t index) {
+    const psplat_tile_cell cell = s->nodes[node].cell;
+    size_t cells = (size_t)1 << (s->levels - level), begin = index * cells;
+    if (level == s->levels || !is_heavy(s, &s->nodes[node])) return 1;
+    const psplat_tile_cell halves[2] = {psplat_tile_cell_half(&cell, 0),
+                                        psplat_tile_cell_half(&cell, 1)};
+    uint64_t lower = c->before[begin + cells / 2] - c->before[begin];
+    uint32_t first = (uint32_t)s->node_count;
+    s->nodes[node].axis = psplat_tile_cell_axis(&cell);
+    s->nodes[node].middle = halves[1].low[s->nodes[node].axis];
+    s->nodes[node].children = first;
+    return add_node(s, &halves[0], lower) &&
+           add_node(s, &halves[1], s->nodes[node].count - lower) &&
+           split_node(s, c, first, level + 1, 2 * index) &&
+           split_node(s, c, first + 1, level + 1, 2 * index + 1);
+}
+
+static void free_counted(sorter *s) {
+    for (size_t i = 0; i < s->counted_count; ++i) {
+        free(s->counted[i].halvings);
+        free(s->counted[i].before);
+    }
+    free(s->counted);
+    s->counted = NULL;
+    s->counted_count = 0;
+}
+
+/* Makes counters for all nodes that have too many triangles, about as many of each as of all others
+ * and no more in all, however many nodes there are. Returns 0 when out of memory. */
+static int begin_counting(sorter *s, int levels) {
+    size_t heavy = 0, deepest = 0;
     for (size_t i = 0; i < s->node_count; ++i) {
-        const psplat_tile_cell cell = s->nodes[i].cell;
-        uint64_t before;
-        if (triangles_of(s, &cell, &before) <= s->most || cell.depth == (size_t)s->depth) {
-            ++s->leaves->count;
-            continue;
-        }
-        const psplat_tile_cell halves[2] = {psplat_tile_cell_half(&cell, 0),
-                                            psplat_tile_cell_half(&cell, 1)};
-        s->nodes[i].axis = psplat_tile_cell_axis(&cell);
-        s->nodes[i].middle = halves[1].low[s->nodes[i].axis];
-        s->nodes[i].children = (uint32_t)s->node_count;
-        if (!add_node(s, &halves[0]) || !add_node(s, &halves[1])) return 0;
+        const tree_node *n = &s->nodes[i];
+        if (!is_heavy(s, n)) continue;
+        ++heavy;
+        if (n->cell.depth > deepest) deepest = n->cell.depth;
+    }
+    if (levels > PSPLAT_MOST_BLOCK_DEPTH - (int)deepest)
+        levels = PSPLAT_MOST_BLOCK_DEPTH - (int)deepest;
+    while (levels > 1 && heavy << levels > (size_t)1 << ALL_LEVELS && heavy > 1) --levels;
+    s->levels = levels;
+    s->counted = calloc(heavy + 1, sizeof *s->counted);
+    if (!s->counted) return 0;
+    for (size_t i = 0; i < s->node_count; ++i) {
+        const tree_node *n = &s->nodes[i];
+        if (!is_heavy(s, n)) continue;
+        counted *c = &s->counted[s->counted_count++];
+        c->node = (uint32_t)i;
+        c->halvings = malloc(((size_t)1 << levels) * sizeof *c->halvings);
+        c->before = calloc(((size_t)1 << levels) + 1, sizeof *c->before);
+        if (!c->halvings || !c->before) return 0;
+        fill_halvings(c->halvings, 0, &n->cell, levels);
     }
     return 1;
 }
 
+/* Returns by how many levels the first pass counts: enough that all blocks but those of very uneven
+ * triangles are above them, and no more, since each level doubles the counters. */
+static int first_levels(uint64_t triangles, uint64_t most) {
+    int levels = CELL_LEVELS;
+    while (levels < FIRST_LEVELS && triangles >> (levels - CELL_LEVELS) > most) ++levels;
+    return levels;
+}
+
+/* Splits the root until no block has too many triangles, or only such as cannot be split. */
+static psplat_result split_cells(sorter *s, psplat_error *error) {
+    psplat_result result = PSPLAT_OK;
+    int levels = first_levels(s->leaves->triangles, s->most), is_split = 0;
+    if (!add_node(s, &s->leaves->root, s->leaves->triangles)) return fail_memory(error);
+    while (!result && !is_split) {
+        int has_memory = begin_counting(s, levels);
+        is_split = has_memory && !s->counted_count;
+        levels = CELL_LEVELS;
+        if (!is_split && has_memory) result = count(s, error);
+        for (size_t i = 0; i < s->counted_count && has_memory && !result; ++i)
+            has_memory = split_node(s, &s->counted[i], s->counted[i].node, 0, 0);
+        if (!has_memory) result = fail_memory(error);
+        free_counted(s);
+    }
+    for (size_t i = 0; i < s->node_count; ++i) s->leaves->count += !s->nodes[i].children;
+    return result;
+}
+
 /* Numbers the blocks in the order of their paths, which is that of their triangles. */
-static void number_blocks(sorter *s, uint32_t node, size_t *next) {
+static void number_blocks(sorter *s, uint32_t node, size_t *next, uint64_t *before) {
     tree_node *n = &s->nodes[node];
     if (n->children) {
-        number_blocks(s, n->children, next);
-        number_blocks(s, n->children + 1, next);
+        number_blocks(s, n->children, next, before);
+        number_blocks(s, n->children + 1, next, before);
         return;
     }
     psplat_tile_leaf *leaf = &s->leaves->leaves[*next];
     n->leaf = (uint32_t)(*next)++;
     memcpy(leaf->path, n->cell.path, n->cell.depth + 1);
-    leaf->count = triangles_of(s, &n->cell, &leaf->first);
+    leaf->first = *before;
+    leaf->count = n->count;
+    *before += n->count;
     for (int k = 0; k < 3; ++k) leaf->low[k] = HUGE_VAL, leaf->high[k] = -HUGE_VAL;
     s->fillings[n->leaf].at = leaf->first;
 }
 
 static psplat_result make_blocks(sorter *s, psplat_error *error) {
     size_t next = 0;
-    if (!split_cells(s)) return fail_memory(error);
+    uint64_t before = 0;
+    psplat_result result = split_cells(s, error);
+    if (result) return result;
     size_t count = s->leaves->count, share = ALL_BUFFERS / count;
     s->buffer_size = share < LEAST_BUFFER  ? LEAST_BUFFER
                      : share > MOST_BUFFER ? MOST_BUFFER
@@ -244,7 +347,7 @@ static psplat_result make_blocks(sorter *s, psplat_error *error) {
     s->fillings = calloc(count, sizeof *s->fillings);
     s->buffers = malloc(count * s->buffer_size);
     if (!s->leaves->leaves || !s->fillings || !s->buffers) return fail_memory(error);
-    number_blocks(s, 0, &next);
+    number_blocks(s, 0, &next, &before);
     return PSPLAT_OK;
 }
 
@@ -297,11 +400,7 @@ static psplat_result store_triangle(sorter *s, size_t leaf, const psplat_stream_
 }
 
 static uint32_t leaf_of(const sorter *s, const double point[3]) {
-    const tree_node *n = s->nodes;
-    while (n->children) {
-        n = &s->nodes[n->children + (point[n->axis] >= n->middle)];
-    }
-    return n->leaf;
+    return s->nodes[node_of(s, point)].leaf;
 }
 
 /* Marks the blocks that a triangle meets: where only others' triangles reach into a cell, it has a
@@ -382,14 +481,6 @@ static psplat_result write_store(sorter *s, const char *store, psplat_error *err
     return result;
 }
 
-/* Returns the depth at which cells are counted: enough that all blocks but those of very uneven
- * triangles are above it, and no more, since each level doubles the counters. */
-static int counted_depth(uint64_t triangles, uint64_t most) {
-    int depth = 12;
-    while (depth < PSPLAT_MOST_BLOCK_DEPTH && triangles >> (depth - 12) > most) ++depth;
-    return depth;
-}
-
 psplat_result psplat_tile_leaves_sort(psplat_triangle_stream *stream, uint64_t most,
                                       const char *store, psplat_tile_leaves *leaves,
                                       psplat_error *error) {
@@ -402,12 +493,9 @@ psplat_result psplat_tile_leaves_sort(psplat_triangle_stream *stream, uint64_t m
     s.stride = psplat_tile_leaves_stride(leaves);
     psplat_triangle_stream_rewind(stream);
     psplat_result result = find_box(&s, error);
-    s.depth = counted_depth(leaves->triangles, most);
-    if (!result) result = count_cells(&s, error);
     if (!result) result = make_blocks(&s, error);
     if (!result) result = write_store(&s, store, error);
     if (!result) drop_unmet(&s);
-    free(s.before);
     free(s.nodes);
     free(s.fillings);
     free(s.buffers);

@@ -17,8 +17,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* The greatest depth of the cell of a block: the triangles of so many cells are counted. */
-enum { PSPLAT_MOST_BLOCK_DEPTH = 22 };
+/* The greatest depth of the cell of a block. */
+enum { PSPLAT_MOST_BLOCK_DEPTH = PSPLAT_MOST_CELL_DEPTH };
 
 /* A block of triangles. */
 typedef struct psplat_tile_leaf {
@@ -39,12 +39,13 @@ typedef struct psplat_tile_leaves {
 } psplat_tile_leaves;
 
 /* Sorts the triangles of a stream into blocks of at most `most` (> 0) triangles, unless a cell of
- * the greatest depth has more, and writes them to the file `store`, block by block and in each in
- * the order of the stream. Reads the stream three times, by a counting sort (Knuth, The Art of
- * Computer Programming 3, section 5.2): the box, the counts of small cells, the triangles. Takes
- * memory for the counts, for a few kilobytes of each block, and no more for more triangles. The
- * store has its name once it is whole. Errors: those of the stream, PSPLAT_ERROR_NO_SPLATS (no
- * triangle), PSPLAT_ERROR_WRITE, PSPLAT_ERROR_MEMORY. */
+ * 2^-22 of the root's longest side has more, and writes them to the file `store`, block by block
+ * and in each in the order of the stream. Reads the stream by a counting sort (Knuth, The Art of
+ * Computer Programming 3, section 5.2) three times: the box, the counts of small cells, the
+ * triangles; and once more for every few levels by which the blocks of very uneven triangles are
+ * deeper. Takes memory for the counts, for a few kilobytes of each block, and no more for more
+ * triangles. The store has its name once it is whole. Errors: those of the stream,
+ * PSPLAT_ERROR_NO_SPLATS (no triangle), PSPLAT_ERROR_WRITE, PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_tile_leaves_sort(psplat_triangle_stream *stream, uint64_t most,
                                       const char *store, psplat_tile_leaves *leaves,
                                       psplat_error *error);

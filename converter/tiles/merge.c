@@ -25,6 +25,7 @@ typedef struct merge {
     char shown[PSPLAT_SHOWN_PATH]; /* directory, for errors */
     psplat_tile *tiles;
     size_t count;
+    psplat_tile_summary *summary;
     char *head; /* the text of tileset.json, which is written last */
     size_t head_size;
 } merge;
@@ -60,6 +61,17 @@ static psplat_result check_records(const merge *m, const char *work, psplat_erro
                        m->shown, missing, tasks->count, names);
 }
 
+/* Counts the promises that a task breaks. */
+static void count_broken(psplat_tile_summary *summary, const psplat_tile_record *record) {
+    if (!psplat_tile_is_broken(&record->broken)) return;
+    for (int i = 0; i < PSPLAT_PROMISE_COUNT; ++i)
+        summary->broken[i] += record->broken.promises[i] != 0;
+    if (summary->broken_tasks++) return;
+    summary->first_broken = *record;
+    summary->first_broken.tiles = NULL;
+    summary->first_broken.tile_count = 0;
+}
+
 static psplat_result take_record(merge *m, const char *work, const psplat_tile_task *task,
                                  psplat_error *error) {
     psplat_tile_record record;
@@ -68,6 +80,7 @@ static psplat_result take_record(merge *m, const char *work, const psplat_tile_t
     psplat_result result = psplat_tile_record_read(path, m->plan->hash, &record, error);
     free(path);
     if (result) return result;
+    count_broken(m->summary, &record);
     psplat_tile *larger = realloc(m->tiles, (m->count + record.tile_count + 1) * sizeof *m->tiles);
     if (!larger) result = fail_memory(error);
     if (larger) m->tiles = larger;
@@ -159,7 +172,7 @@ static psplat_result write_tileset(merge *m, psplat_tile_summary *summary, pspla
 
 psplat_result psplat_tile_merge(const psplat_tile_plan *plan, const char *directory,
                                 psplat_tile_summary *summary, psplat_error *error) {
-    merge m = {.plan = plan, .directory = directory};
+    merge m = {.plan = plan, .directory = directory, .summary = summary};
     *summary = (psplat_tile_summary){0};
     psplat_path_shorten(directory, m.shown);
     psplat_result result = take_records(&m, error);

@@ -8,6 +8,7 @@
 #include <phongsplat/splat.h>
 
 #include "tiles/plan.h"
+#include "tiles/record.h"
 
 #include <stddef.h>
 
@@ -16,6 +17,9 @@ typedef struct psplat_tile_summary {
     size_t tiles, levels, splats, finest_splats, bytes; /* finest_splats: of tiles without children;
                                                            bytes: of all contents */
     double error;                                       /* of the root */
+    size_t broken_tasks, broken[PSPLAT_PROMISE_COUNT];  /* tasks that break any promise, and each */
+    psplat_tile_record first_broken; /* of those the first, without its tiles; in the order of the
+                                        plan */
 } psplat_tile_summary;
 
 /* Reads the records of all tasks, checks that their contents are there, links tiles to the next

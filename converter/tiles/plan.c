@@ -12,6 +12,8 @@
 #include "import/triangle_stream.h"
 #include "mesh/clean.h"
 #include "tiles/checked_text.h"
+#include "tiles/plan_folder.h"
+#include "tiles/tile_block.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -24,6 +26,8 @@
 
 /* The version of plans and of what lies in work/. */
 enum { PLAN_VERSION = 1 };
+/* The most blocks of a plan that is read. */
+enum { MOST_BLOCKS = 1 << 24 };
 /* The parts of the input that its hash is of, and their bytes. */
 enum { HASHED_PARTS = 64, HASHED_BYTES = 4096 };
 
@@ -197,7 +201,7 @@ static int read_leaves(psplat_words *words, psplat_tile_leaves *leaves) {
     leaves->is_closed = psplat_words_count(words) != 0;
     psplat_words_expect(words, "leaves");
     leaves->count = (size_t)psplat_words_count(words);
-    words->failed |= !leaves->count || leaves->count > (size_t)2 << PSPLAT_MOST_BLOCK_DEPTH;
+    words->failed |= !leaves->count || leaves->count > MOST_BLOCKS;
     if (words->failed) return 1;
     leaves->leaves = calloc(leaves->count, sizeof *leaves->leaves);
     for (size_t i = 0; i < leaves->count && leaves->leaves && !words->failed; ++i) {
@@ -298,11 +302,27 @@ static psplat_result write_tasks(const psplat_tile_plan *plan, const char *direc
     return result;
 }
 
+/* Returns a path as make and, between quotes of its recipes, the shell take it, malloc'ed, or
+ * NULL. */
+static char *escape_for_make(const char *path) {
+    char *escaped = malloc(3 * strlen(path) + 1), *to = escaped;
+    for (; escaped && *path; ++path) {
+        if (strchr("\"\\`", *path)) *to++ = '\\';             /* for the shell */
+        if (*path == '$') to = memcpy(to, "\\$", 2), to += 2; /* \$$: for both */
+        if (*path == '#') *to++ = '\\';
+        *to++ = *path;
+    }
+    if (escaped) *to = 0;
+    return escaped;
+}
+
 /* Writes what make needs. That a record is newer than another says nothing, so that prerequisites
  * are for the order alone. */
 static psplat_result write_makefile(const psplat_tile_plan *plan, const char *program,
                                     const char *directory, psplat_error *error) {
     psplat_checked_text text = {0};
+    char *escaped = escape_for_make(program);
+    if (!escaped) return fail_memory(error);
     psplat_checked_add(
         &text,
         "# Written by phongsplat tile plan: make -j2 -C DIRECTORY builds the tileset.\n"
@@ -311,7 +331,8 @@ static psplat_result write_makefile(const psplat_tile_plan *plan, const char *pr
         "all: tileset.json\n"
         ".PHONY: all\n"
         "tileset.json:",
-        program);
+        escaped);
+    free(escaped);
     for (size_t i = 0; i < plan->tasks.count; ++i)
         psplat_checked_add(&text, " work/%s.record", plan->tasks.list[i].name);
     psplat_checked_add(&text, "\n\t\"$(PHONGSPLAT)\" tile merge .\n"
@@ -343,6 +364,16 @@ static psplat_result write_plan(psplat_tile_plan *plan, const char *directory,
     return write_text(directory, "plan", &text, error);
 }
 
+/* Gives options that are at their defaults the values that these mean, so that a plan with such a
+ * value is the same as one without. */
+static void resolve_defaults(psplat_tile_options *o) {
+    psplat_convert_desc *c = &o->convert;
+    if (!(c->tolerance_percent > 0)) c->tolerance_percent = 0.5;
+    if (!(c->crease_angle_degrees > 0)) c->crease_angle_degrees = 30;
+    if (!c->effort) c->effort = 2;
+    if (!o->most_splats) o->most_splats = PSPLAT_MOST_TILE_SPLATS;
+}
+
 /* Returns whether two plans are of the same input and options. */
 static int is_same_request(const psplat_tile_plan *a, const psplat_tile_plan *b) {
     psplat_checked_text left = {0}, right = {0};
@@ -354,46 +385,62 @@ static int is_same_request(const psplat_tile_plan *a, const psplat_tile_plan *b)
     return is_same;
 }
 
-/* Deletes what tasks of an earlier plan have made. */
-static void delete_work(const char *directory, const psplat_tile_plan *old) {
-    static const char *const suffixes[] = {".record", ".mesh"};
-    char *work = psplat_tile_path(directory, "work", "");
-    char *plan = psplat_tile_path(directory, "plan", "");
-    if (plan) unlink(plan); /* so that it never stands beside the triangles of another */
-    free(plan);
-    for (size_t i = 0; work && i < 2 * old->tasks.count; ++i) {
-        char *path = psplat_tile_path(work, old->tasks.list[i / 2].name, suffixes[i % 2]);
-        if (path) unlink(path);
-        free(path);
-    }
-    free(work);
+/* Returns whether a file of a directory is there. */
+static int has_file(const char *directory, const char *name) {
+    struct stat status;
+    char *path = psplat_tile_path(directory, name, "");
+    int has = path && !stat(path, &status);
+    free(path);
+    return has;
 }
 
-/* Looks for an earlier plan. *is_done is set if it is the same. */
-static psplat_result check_earlier(const psplat_tile_plan *plan, const char *directory,
-                                   int overwrite, psplat_tile_plan *old, int *is_done,
-                                   psplat_error *error) {
+static psplat_result refuse(const char *directory, const char *why, psplat_error *error) {
     char shown[PSPLAT_SHOWN_PATH];
-    struct stat status;
-    *is_done = 0;
-    char *path = psplat_tile_path(directory, "plan", "");
-    if (!path) return fail_memory(error);
-    int exists = !stat(path, &status);
-    free(path);
-    if (!exists) return PSPLAT_OK;
-    psplat_result result = psplat_tile_plan_read(directory, old, error);
-    *is_done = !result && is_same_request(plan, old);
-    if (*is_done) return PSPLAT_OK;
-    if (overwrite) return PSPLAT_OK;
     psplat_path_shorten(directory, shown);
-    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0,
-                       "%s: holds another plan; replace it with --overwrite", shown);
+    return psplat_fail(error, PSPLAT_ERROR_WRITE, 0, "%s: %s", shown, why);
+}
+
+/* Returns whether the file `plan` of a directory begins as plans do, of whatever version. */
+static int is_plan(const char *directory) {
+    static const char begin[] = "phongsplat tile plan ";
+    char line[sizeof begin] = "";
+    char *path = psplat_tile_path(directory, "plan", "");
+    FILE *file = path ? fopen(path, "rb") : NULL;
+    int is_ours = file && fgets(line, sizeof line, file) && !strcmp(line, begin);
+    if (file) fclose(file);
+    free(path);
+    return is_ours;
+}
+
+/* Refuses a directory that holds anything but a plan, and another plan unless that may be
+ * overwritten. *is_done is set, and old is that plan, if it is the same and whole. */
+static psplat_result check_directory(const psplat_tile_plan *plan, const char *directory,
+                                     int overwrite, psplat_tile_plan *old, int *is_done,
+                                     psplat_error *error) {
+    psplat_error ignored = {0};
+    *is_done = 0;
+    if (!is_plan(directory)) {
+        int is_empty = psplat_plan_folder_is_empty(directory);
+        if (is_empty < 0 && errno == ENOTDIR) return refuse(directory, "is no directory", error);
+        if (is_empty < 0) return refuse(directory, strerror(errno), error);
+        if (is_empty) return PSPLAT_OK;
+        return refuse(directory, "holds files that are not those of a plan", error);
+    }
+    int is_same = !psplat_tile_plan_read(directory, old, &ignored) && is_same_request(plan, old);
+    *is_done = is_same && has_file(directory, "work/triangles");
+    if (*is_done || overwrite) return PSPLAT_OK;
+    if (is_same)
+        return refuse(directory,
+                      "holds this plan without work/triangles, which tasks need; --overwrite plans "
+                      "anew and deletes its tileset",
+                      error);
+    return refuse(directory, "holds another plan; replace it with --overwrite", error);
 }
 
 static psplat_result sort_input(psplat_tile_plan *plan, const char *directory,
                                 psplat_error *error) {
     psplat_triangle_stream *stream;
-    char *store = psplat_tile_path(directory, "work/triangles", "");
+    char *store = psplat_tile_path(directory, "triangles", "");
     if (!store) return fail_memory(error);
     psplat_result result = psplat_triangle_stream_open(plan->input, &stream, error);
     if (!result) {
@@ -413,15 +460,63 @@ static psplat_result sort_input(psplat_tile_plan *plan, const char *directory,
     return result;
 }
 
-static psplat_result make_anew(psplat_tile_plan *plan, const char *program, const char *directory,
-                               psplat_error *error) {
-    psplat_result result = make_directory(directory, "work", error);
-    if (!result) result = make_directory(directory, "tiles", error);
-    if (!result) result = sort_input(plan, directory, error);
+/* Makes all files of a plan in a directory of their own. */
+static psplat_result make_new(psplat_tile_plan *plan, const char *program, const char *directory,
+                              psplat_error *error) {
+    psplat_result result = sort_input(plan, directory, error);
     if (!result) result = complete(plan, error);
     if (!result) result = write_tasks(plan, directory, error);
     if (!result) result = write_makefile(plan, program, directory, error);
     return result ? result : write_plan(plan, directory, error);
+}
+
+/* Moves a file of the new plan to its place. */
+static psplat_result move_file(const char *directory, const char *name, const char *folder,
+                               psplat_error *error) {
+    char *from = psplat_tile_path(directory, PSPLAT_NEW_PLAN "/", name);
+    char *to = psplat_tile_path(directory, folder, name);
+    psplat_result result = PSPLAT_OK;
+    if (!from || !to)
+        result = fail_memory(error);
+    else if (rename(from, to))
+        result = refuse(to, strerror(errno), error);
+    free(from);
+    free(to);
+    return result;
+}
+
+/* Puts the new plan in place of what is there. The triangles come last: a plan without them counts
+ * as not whole, so that this may be interrupted anywhere. */
+static psplat_result put_in_place(const psplat_tile_plan *plan, const char *directory,
+                                  psplat_error *error) {
+    char name[32];
+    psplat_result result = make_directory(directory, "work", error);
+    if (!result) result = make_directory(directory, "tiles", error);
+    if (result) return result;
+    psplat_plan_folder_clear(directory);
+    result = move_file(directory, "plan", "", error);
+    if (!result) result = move_file(directory, "tasks", "", error);
+    for (int wave = 0; wave <= plan->tasks.list[plan->tasks.count - 1].wave && !result; ++wave) {
+        snprintf(name, sizeof name, "tasks-%d", wave);
+        result = move_file(directory, name, "", error);
+    }
+    if (!result) result = move_file(directory, "Makefile", "", error);
+    return result ? result : move_file(directory, "triangles", "work/", error);
+}
+
+/* Makes a plan beside the one that is there, and replaces that in the end. */
+static psplat_result make_anew(psplat_tile_plan *plan, const char *program, const char *directory,
+                               psplat_error *error) {
+    int was_there = has_file(directory, "");
+    char *fresh = psplat_tile_path(directory, PSPLAT_NEW_PLAN, "");
+    psplat_result result = fresh ? make_directory(directory, "", error) : fail_memory(error);
+    if (!result) result = make_directory(directory, PSPLAT_NEW_PLAN, error);
+    if (!result) result = make_new(plan, program, fresh, error);
+    if (!result) result = put_in_place(plan, directory, error);
+    if (fresh) psplat_plan_folder_drop_new(directory);
+    if (result && !was_there) rmdir(directory);
+    free(fresh);
+    return result;
 }
 
 psplat_result psplat_tile_plan_make(const char *input, const psplat_tile_options *options,
@@ -431,6 +526,7 @@ psplat_result psplat_tile_plan_make(const char *input, const psplat_tile_options
     char shown[PSPLAT_SHOWN_PATH];
     int is_done = 0;
     *plan = (psplat_tile_plan){.options = *options};
+    resolve_defaults(&plan->options);
     psplat_path_shorten(input, shown);
     plan->input = realpath(input, NULL);
     if (!plan->input || !identify(plan->input, &plan->input_size, &plan->input_hash)) {
@@ -443,14 +539,12 @@ psplat_result psplat_tile_plan_make(const char *input, const psplat_tile_options
     if (strchr(plan->input, '\n')) /* which ends a line of the plan */
         result = psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                              "%s: has a line break in its path, which plans do not take", shown);
-    if (!result) result = make_directory(directory, "", error);
-    if (!result) result = check_earlier(plan, directory, overwrite, &old, &is_done, error);
+    if (!result) result = check_directory(plan, directory, overwrite, &old, &is_done, error);
     if (!result && is_done) {
         psplat_tile_plan_free(plan);
         *plan = old;
         return PSPLAT_OK;
     }
-    if (!result) delete_work(directory, &old);
     if (!result) result = make_anew(plan, program, directory, error);
     psplat_tile_plan_free(&old);
     if (result) psplat_tile_plan_free(plan);

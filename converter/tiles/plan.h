@@ -50,9 +50,11 @@ typedef struct psplat_tile_plan {
 
 /* Sorts the triangles of a file into blocks and writes the plan and all that belongs to it to a
  * directory, which is made where it does not exist. program is what the Makefile calls. A directory
- * with a plan of the same input and options stays as it is; one with another plan is refused unless
- * overwrite is set, which deletes what that plan had made. Errors: those of
- * psplat_tile_leaves_sort; PSPLAT_ERROR_WRITE. */
+ * with a plan of the same input and options and with work/triangles stays as it is; one with
+ * another plan, or with that one alone, is refused unless overwrite is set; one with anything else
+ * is refused. Everything is made in OUT/work.new/ first. Then what the plan before had made is
+ * deleted (tiles/plan_folder.h), so that a failure before that leaves the directory as it was.
+ * Errors: those of psplat_tile_leaves_sort; PSPLAT_ERROR_WRITE. */
 psplat_result psplat_tile_plan_make(const char *input, const psplat_tile_options *options,
                                     const char *program, const char *directory, int overwrite,
                                     psplat_tile_plan *plan, psplat_error *error);

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RECORD_VERSION = 1 };
+enum { RECORD_VERSION = 2 };
 
 static void add_tile(const psplat_tile *tile, psplat_checked_text *text) {
     psplat_checked_add(text, "tile r%s %d", tile->path, tile->level);
@@ -25,6 +25,39 @@ static void add_tile(const psplat_tile *tile, psplat_checked_text *text) {
     psplat_checked_add(text, " %zu %zu %s\n", tile->splats, tile->bytes, tile->content);
 }
 
+int psplat_tile_is_broken(const psplat_tile_broken *broken) {
+    for (int i = 0; i < PSPLAT_PROMISE_COUNT; ++i)
+        if (broken->promises[i]) return 1;
+    return 0;
+}
+
+const char *psplat_tile_promise_name(psplat_promise promise) {
+    static const char *const names[PSPLAT_PROMISE_COUNT] = {"coverage", "distance", "normals",
+                                                            "creases", "textures"};
+    return names[promise];
+}
+
+static void add_broken(const psplat_tile_broken *broken, psplat_checked_text *text) {
+    psplat_checked_add(text, "\nbroken");
+    for (int i = 0; i < PSPLAT_PROMISE_COUNT; ++i)
+        psplat_checked_add(text, " %d", broken->promises[i]);
+    psplat_checked_add(text, " first %d", (int)broken->first);
+    psplat_checked_numbers(text, broken->position, 3);
+    psplat_checked_numbers(text, &broken->tolerance_percent, 1);
+}
+
+static void read_broken(psplat_words *words, psplat_tile_broken *broken) {
+    psplat_words_expect(words, "broken");
+    for (int i = 0; i < PSPLAT_PROMISE_COUNT; ++i)
+        broken->promises[i] = psplat_words_count(words) != 0;
+    psplat_words_expect(words, "first");
+    uint64_t first = psplat_words_count(words);
+    words->failed |= first >= PSPLAT_PROMISE_COUNT;
+    broken->first = words->failed ? PSPLAT_PROMISE_COVERAGE : (psplat_promise)first;
+    psplat_words_numbers(words, broken->position, 3);
+    broken->tolerance_percent = psplat_words_number(words);
+}
+
 psplat_result psplat_tile_record_write(const psplat_tile_record *record, uint64_t plan,
                                        const char *path, psplat_error *error) {
     psplat_checked_text text = {0};
@@ -32,6 +65,7 @@ psplat_result psplat_tile_record_write(const psplat_tile_record *record, uint64_
     psplat_checked_add(&text, "plan %" PRIu64 " task %s coarsest %d deviation", plan, record->task,
                        record->coarsest);
     psplat_checked_numbers(&text, &record->deviation, 1);
+    add_broken(&record->broken, &text);
     psplat_checked_add(&text, "\ntiles %zu\n", record->tile_count);
     for (size_t i = 0; i < record->tile_count; ++i) add_tile(&record->tiles[i], &text);
     psplat_checked_end(&text);
@@ -79,6 +113,7 @@ static psplat_result read_record(psplat_words *words, uint64_t plan, const char 
     record->coarsest = (int)psplat_words_count(words);
     psplat_words_expect(words, "deviation");
     record->deviation = psplat_words_number(words);
+    read_broken(words, &record->broken);
     psplat_words_expect(words, "tiles");
     record->tile_count = (size_t)psplat_words_count(words);
     if (!words->failed) record->tiles = calloc(record->tile_count + 1, sizeof *record->tiles);

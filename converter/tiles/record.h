@@ -9,9 +9,25 @@
 #include <phongsplat/splat.h>
 
 #include "tiles/tile.h"
+#include "verify/report.h"
 
 #include <stddef.h>
 #include <stdint.h>
+
+/* The promises that conversions of a task break. */
+typedef struct psplat_tile_broken {
+    int promises[PSPLAT_PROMISE_COUNT]; /* 1: a level breaks it */
+    psplat_promise first;               /* of the first level that breaks any; with none, all of
+                                           this is 0 */
+    double position[3];                 /* where, in the coordinates of the source */
+    double tolerance_percent;           /* of that level, in % of the diagonal */
+} psplat_tile_broken;
+
+/* Returns whether any promise is broken. */
+int psplat_tile_is_broken(const psplat_tile_broken *broken);
+
+/* Returns what messages call a promise. */
+const char *psplat_tile_promise_name(psplat_promise promise);
 
 /* A record. Levels of its tiles count upwards to coarser ones: 0 is the finest of the whole
  * tileset, since nobody knows yet how many there will be. Zero-initialise it. */
@@ -19,6 +35,7 @@ typedef struct psplat_tile_record {
     char task[PSPLAT_CELL_PATH + 1];
     int coarsest;     /* the level of its coarsest tiles */
     double deviation; /* of the block's simplified mesh from the source, a length */
+    psplat_tile_broken broken;
     psplat_tile *tiles;
     size_t tile_count;
 } psplat_tile_record;

@@ -32,8 +32,8 @@
  * that much less. */
 static const double deviation_part = 0.05, united_part = 0.08;
 /* The level that tile_block knows as the finest of all. It counts levels up to the finest, records
- * count from there. */
-enum { FINEST_LEVEL = 40 };
+ * count from there. Chains of blocks may be as deep as cells, each a level above the one below. */
+enum { FINEST_LEVEL = 4 * PSPLAT_MOST_CELL_DEPTH };
 
 typedef struct node_run {
     const psplat_tile_plan *plan;
@@ -140,6 +140,18 @@ static int may_halve(void *user, const psplat_tile_cell *cell) {
     return 1;
 }
 
+/* Notes what the report of a level says of broken promises. */
+static void take_broken(psplat_tile_broken *broken, const psplat_report *report) {
+    if (psplat_report_broken(report) == PSPLAT_PROMISE_COUNT) return;
+    if (!psplat_tile_is_broken(broken)) {
+        broken->first = report->places[0].promise;
+        memcpy(broken->position, report->places[0].position, sizeof broken->position);
+        broken->tolerance_percent = report->tolerance_percent;
+    }
+    for (size_t i = 0; i < report->place_count; ++i)
+        broken->promises[report->places[i].promise] = 1;
+}
+
 /* Moves the tiles of a block into the record, with its names and numbers of levels. */
 static void take_tiles(node_run *n, psplat_tile_block *block) {
     psplat_tile_record *record = &n->run->record;
@@ -153,12 +165,8 @@ static void take_tiles(node_run *n, psplat_tile_block *block) {
         if (tile->level > record->coarsest) record->coarsest = tile->level;
         content_name(tile->content, tile->level, tile->path);
     }
-    for (size_t i = 0; i < block->level_count && !n->run->is_broken; ++i) {
-        const psplat_report *report = &block->levels[i].report;
-        n->run->is_broken = psplat_report_broken(report) != PSPLAT_PROMISE_COUNT;
-        n->run->place = report->places[0];
-        n->run->broken_tolerance = report->tolerance_percent;
-    }
+    for (size_t i = 0; i < block->level_count; ++i)
+        take_broken(&record->broken, &block->levels[i].report);
 }
 
 static psplat_result convert_mesh(node_run *n, const psplat_mesh *mesh,

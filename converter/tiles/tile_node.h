@@ -10,7 +10,6 @@
 
 #include "tiles/plan.h"
 #include "tiles/record.h"
-#include "verify/report.h"
 
 #include <stddef.h>
 
@@ -20,9 +19,6 @@ typedef struct psplat_tile_run {
     int was_done;              /* it was there already, so that nothing was done */
     size_t triangles;          /* of the block with its apron */
     size_t owned, simplified;  /* triangles of the block alone, and of its simplified mesh */
-    int is_broken;             /* a level breaks a promise of its conversion, first here: */
-    psplat_place place;
-    double broken_tolerance; /* of that level, in % of the diagonal */
 } psplat_tile_run;
 
 /* Runs a task unless its record and all that this names are there. Everything is written to a

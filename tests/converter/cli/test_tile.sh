@@ -50,6 +50,31 @@ case_overwrite() {
     expect_success
 }
 
+# A symbolic link stays, and what it points to is replaced; what cannot be renamed is refused before anything is done.
+case_links() {
+    mkdir real
+    ln -s real link
+    for overwrite in '' -w; do
+        run "$PHONGSPLAT" tile cube.obj link -t 2 --effort 0 -q $overwrite
+        expect_success
+        [ -L link ] && [ -e real/tileset.json ] || fail "the link was replaced: $(ls -l)"
+    done
+    run "$PHONGSPLAT" tile cube.obj link/ -t 2 --effort 0 -q -w
+    expect_success
+    [ "$(ls | tr '\n' ' ')" = "cube.obj link real stderr.txt stdout.txt " ] || fail "something is left: $(ls)"
+    ln -s nowhere dangling
+    run "$PHONGSPLAT" tile cube.obj dangling
+    expect_error 5 'dangling: is a symbolic link to nothing'
+    mkdir -p empty/below
+    rmdir empty/below && cd empty
+    for out in . ../empty "$PWD" /proc/self /; do
+        run "$PHONGSPLAT" tile absent.obj "$out" -w
+        expect_error '[25]' ': '
+    done
+    run "$PHONGSPLAT" tile absent.obj . -w
+    expect_error 5 '[.]: is the working directory, one above it or a mount point'
+}
+
 # What cannot be is refused in one line, before anything is written.
 case_refused() {
     run "$PHONGSPLAT" tile cube.obj

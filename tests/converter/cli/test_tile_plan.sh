@@ -142,7 +142,8 @@ case_errors() {
     run sh -c 'ulimit -f 1; exec "$0" tile node full r0' "$PHONGSPLAT"
     expect_error 5 'full/(tiles/0-r0.glb|work/r0.mesh): cannot be written: File too large'
     run sh -c 'ulimit -f 1; exec "$0" tile plan terrain.ply filled -t 2 --block-triangles 100' "$PHONGSPLAT"
-    expect_error 5 'filled/work/triangles: cannot be written: File too large'
+    expect_error 5 'filled/work.new/triangles: cannot be written: File too large'
+    [ ! -e filled ] || fail "a plan that failed has left: $(ls -R filled)"
     ln -s /dev/full good/tileset.json
     "$PHONGSPLAT" tile node -q good r1 && "$PHONGSPLAT" tile node -q good r
     run "$PHONGSPLAT" tile merge good
@@ -164,6 +165,94 @@ case_errors() {
     expect_error 4 'painted.glb: has textures, which blocks do not keep'
     run "$PHONGSPLAT" tile plan "$SOURCE_DIR/samples/models/scan.xyz" points
     expect_error 4 'scan.xyz: is a point set'
+}
+
+# Nothing but what an earlier plan has made is ever replaced, and that only once the new plan is whole.
+case_replaced() {
+    "$MAKE_TERRAIN" 4 >terrain.ply
+    mkdir -p mine/work
+    echo mine | tee mine/Makefile mine/tasks >mine/plan
+    for overwrite in '' -w; do
+        run "$PHONGSPLAT" tile plan terrain.ply mine $overwrite
+        expect_error 5 'mine: holds files that are not those of a plan'
+        run "$PHONGSPLAT" tile plan terrain.ply . $overwrite
+        expect_error 5 '[.]: holds files that are not those of a plan'
+    done
+    run "$PHONGSPLAT" tile plan terrain.ply terrain.ply -w
+    expect_error 5 'terrain.ply: is no directory'
+    [ "$(cat mine/Makefile mine/tasks mine/plan)" = "$(printf 'mine\nmine\nmine')" ] || fail "a file was replaced"
+    mkdir fresh
+    run "$PHONGSPLAT" tile plan terrain.ply fresh -t 5%
+    expect_success
+
+    # A plan that fails leaves the one before as it was; one that does not leaves nothing of it but what is not its own.
+    options="-t 5 --effort 0 --block-triangles 100"
+    "$MAKE_TERRAIN" 8 >terrain.ply
+    plan out
+    build out >/dev/null
+    touch out/notes.txt out/work/notes.txt out/tileset-1.json
+    (cd out && find . -type f -exec cksum {} +) | sort >before.txt
+    head -c 2000 terrain.ply >cut.ply
+    run "$PHONGSPLAT" tile plan cut.ply out -w
+    expect_error 3 'cut.ply'
+    (cd out && find . -type f -exec cksum {} +) | sort | cmp - before.txt || fail "a plan that failed has changed the one before"
+    run "$PHONGSPLAT" tile plan "$SOURCE_DIR/samples/models/cube.off" out -w -t 5
+    expect_success
+    [ "$(cd out && find . -type f | sort | tr '\n' ' ')" = \
+        "./Makefile ./notes.txt ./plan ./tasks ./tasks-0 ./work/notes.txt ./work/triangles " ] || fail "left: $(ls -R out)"
+
+    # A default that is given is the same as one that is not.
+    "$MAKE_TERRAIN" 4 >terrain.ply
+    run "$PHONGSPLAT" tile plan terrain.ply usual
+    expect_success
+    run "$PHONGSPLAT" tile plan terrain.ply usual -t 0.5% --effort 2 --crease-angle 30 --tile-splats 1024 --precision auto
+    expect_success
+    run "$PHONGSPLAT" tile plan terrain.ply usual --effort 3
+    expect_error 5 'usual: holds another plan'
+
+    # Once work/ is deleted, no plan is there to go on with.
+    rm -r out/work
+    run "$PHONGSPLAT" tile plan "$SOURCE_DIR/samples/models/cube.off" out -t 5
+    expect_error 5 'out: holds this plan without work/triangles, which tasks need; --overwrite plans anew'
+    run "$PHONGSPLAT" tile plan "$SOURCE_DIR/samples/models/cube.off" out -t 5 -w
+    expect_success
+}
+
+# The Makefile calls the program wherever it lies.
+case_program_path() {
+    "$MAKE_TERRAIN" 4 >terrain.ply
+    mkdir 'a #$b `c"\d'
+    cp "$PHONGSPLAT" 'a #$b `c"\d/phongsplat'
+    run 'a #$b `c"\d/phongsplat' tile plan terrain.ply out -t 10 --effort 0
+    expect_success
+    make -s -C out >/dev/null || fail "make"
+    [ -e out/tileset.json ] || fail "no tileset"
+}
+
+# Broken promises stay in the records: merge says how many tasks break which, and its exit code is 9.
+case_broken() {
+    "$MAKE_TERRAIN" 8 >terrain.ply
+    options="-t 5 --effort 0 --block-triangles 100"
+    plan out
+    build out >/dev/null
+    cp out/tileset.json whole.json
+    # Records in which two tasks break promises: the hash of the last line is FNV-1a of all before.
+    node - out/work/r0.record '0 1 0 1 0 first 1 1.5 2 3 0.25' out/work/r1.record '0 1 0 0 0 first 1 4 5 6 0.5' <<'JS' || fail "records"
+const fs = require('fs'), words = process.argv.slice(2);
+for (let i = 0; i < words.length; i += 2) {
+    const text = fs.readFileSync(words[i], 'utf8').replace(/end [0-9a-f]{16}\n$/, '');
+    const broken = text.replace(/^broken 0 0 0 0 0 first 0 0 0 0 0$/m, `broken ${words[i + 1]}`);
+    let hash = 0xcbf29ce484222325n;
+    if (broken === text) throw Error(text);
+    for (const byte of Buffer.from(broken)) hash = ((hash ^ BigInt(byte)) * 0x100000001b3n) & 0xffffffffffffffffn;
+    fs.writeFileSync(words[i], `${broken}end ${hash.toString(16).padStart(16, '0')}\n`);
+}
+JS
+    run "$PHONGSPLAT" tile merge -q out
+    expect_error 9 '^phongsplat: out: 2 tasks break promises of their conversions \(distance: 2, creases: 1\), first r0 at 1[.]5 2 3 at the level of 0[.]25 %; '
+    cmp out/tileset.json whole.json || fail "the tileset is another one"
+    run "$PHONGSPLAT" tile node -q out r1
+    expect_error 0 '^phongsplat: r1: at 4 5 6: the level of 0[.]5 % breaks its promise of distance; '
 }
 
 run_cases "$@"

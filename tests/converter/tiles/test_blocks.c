@@ -326,12 +326,9 @@ static psplat_tile_leaves sort_file(const char *path, uint64_t most) {
     return leaves;
 }
 
-static void blocks_are_those_of_a_search(void **state) {
-    (void)state;
-    source *s = make_source();
+static void check_blocks(const source *s, const uint64_t *sizes, size_t size_count) {
     write_stl(s, "blocks.stl");
-    const uint64_t sizes[] = {TRIANGLES, 1000, 130, 9};
-    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+    for (size_t i = 0; i < size_count; ++i) {
         psplat_tile_leaves leaves = sort_file("blocks.stl", sizes[i]);
         uint64_t sum = 0;
         for (size_t k = 0; k < leaves.count; ++k) sum += leaves.leaves[k].count;
@@ -341,6 +338,25 @@ static void blocks_are_those_of_a_search(void **state) {
         assert_false(leaves.is_closed);
         psplat_tile_leaves_free(&leaves);
     }
+}
+
+static void blocks_are_those_of_a_search(void **state) {
+    (void)state;
+    source *s = make_source();
+    check_blocks(s, (const uint64_t[]){TRIANGLES, 1000, 130, 9}, 4);
+    free(s);
+}
+
+/* A vertex that is far away puts all others into one cell of the first pass. */
+static void far_points_do_not_fill_blocks(void **state) {
+    (void)state;
+    source *s = make_source();
+    s->vertices[0][0] = 1e5;
+    check_blocks(s, (const uint64_t[]){1000, 130}, 2);
+    psplat_tile_leaves leaves = sort_file("blocks.stl", 130);
+    assert_true(leaves.count >= TRIANGLES / 130);
+    for (size_t i = 0; i < leaves.count; ++i) assert_true(leaves.leaves[i].count <= 130);
+    psplat_tile_leaves_free(&leaves);
     free(s);
 }
 
@@ -438,6 +454,7 @@ int test_blocks_main(void) {
         cmocka_unit_test(squares_become_two_triangles),
         cmocka_unit_test(broken_files_are_refused),
         cmocka_unit_test(blocks_are_those_of_a_search),
+        cmocka_unit_test(far_points_do_not_fill_blocks),
         cmocka_unit_test(closed_surfaces_are_noticed),
         cmocka_unit_test(stores_that_fail_are_told),
         cmocka_unit_test(tasks_see_their_aprons),
