@@ -144,6 +144,13 @@ static int wants_coarser(const block_work *w, double mesh_diagonal) {
            (w->desc->finest < 0 || w->level_count <= (size_t)w->desc->finest);
 }
 
+/* Returns whether a coarser level than the last one has next to nothing less, or nothing at all. */
+static int is_in_vain(const block_work *w, const level_work *level, psplat_result result) {
+    double before = (double)w->levels[w->level_count - 1]->splats.count;
+    if (result) return result == PSPLAT_ERROR_NO_SPLATS;
+    return (double)level->splats.count > worthwhile_part * before;
+}
+
 /* Converts all levels, finest first. */
 static psplat_result convert_levels(block_work *w, psplat_error *error) {
     double mesh_diagonal = psplat_mesh_diagonal(w->desc->mesh);
@@ -155,9 +162,7 @@ static psplat_result convert_levels(block_work *w, psplat_error *error) {
         w->now = finest_share * (1 - w->before);
         result = convert_level(w, &options, level, error);
         w->before += w->now;
-        if (!result && w->level_count &&
-            (double)level->splats.count >
-                worthwhile_part * (double)w->levels[w->level_count - 1]->splats.count) {
+        if (w->level_count && is_in_vain(w, level, result)) {
             level_free(level);
             return PSPLAT_OK;
         }
