@@ -14,6 +14,7 @@
 #include "compare/surface_points.h"
 #include "tiles/splat_extent.h"
 #include "tiles_fixture.h"
+#include "verify/verify.h"
 
 #if defined(_OPENMP)
 #include <omp.h>
@@ -30,7 +31,7 @@ static void assert_covers_its_cell(const tiles_fixture *f, const psplat_tile_cel
                                    const psplat_surface_points *samples) {
     const psplat_tile_level *finest = &f->block.levels[f->block.level_count - 1];
     double tolerance = finest->report.tolerance_percent / 100 * finest->report.diagonal;
-    double low[3], high[3];
+    double low[3], high[3], margin = psplat_verified_cover(tolerance);
     size_t inside = 0;
     for (size_t i = 0; i < samples->uniform; ++i) {
         double p[3], least = HUGE_VAL;
@@ -46,8 +47,8 @@ static void assert_covers_its_cell(const tiles_fixture *f, const psplat_tile_cel
     }
     assert_true(inside > 100);
     for (int k = 0; k < 3; ++k) {
-        low[k] = cell->low[k] - f->mesh.origin[k] - tolerance * (1 + 1e-5);
-        high[k] = cell->high[k] - f->mesh.origin[k] + tolerance * (1 + 1e-5);
+        low[k] = cell->low[k] - f->mesh.origin[k] - margin * (1 + 1e-5);
+        high[k] = cell->high[k] - f->mesh.origin[k] + margin * (1 + 1e-5);
     }
     for (size_t t = 0; t < f->count; ++t)
         for (size_t s = 0;
