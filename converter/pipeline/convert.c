@@ -152,6 +152,10 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     if (!result) result = quantize(c, error);
     if (result) return result;
     psplat_selection_drop_untaken(&c->selection);
+    if (!c->selection.count)
+        return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s",
+                           c->desc->owned ? "nothing of the mesh in its block has an area"
+                                          : "nothing of the mesh has an area");
     result = psplat_close_rays(c, error);
     if (result) return result;
     if (psplat_close_seams(&context, &c->selection))

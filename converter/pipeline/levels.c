@@ -14,6 +14,7 @@
 #include "select/conversion.h"
 #include "splats/splats.h"
 #include "verify/report.h"
+#include "verify/verify.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -42,16 +43,13 @@ static psplat_result measure_outline(const psplat_mesh *mesh, const psplat_splat
     return result;
 }
 
-/* Fills the errors of a level, which are at least those of the one before. Where splats cover the
- * surface, no point of it is farther from them than the tolerance. */
+/* Fills the errors of a level, which are at least those of the one before. */
 static psplat_result measure_level(const psplat_mesh *mesh, const psplat_splats *splats,
                                    const psplat_report *report,
                                    const psplat_mesh_level_splats *before,
                                    psplat_mesh_level_splats *level, psplat_error *error) {
-    double percent = fmax(report->tolerance_percent, report->max_distance_percent);
-    percent = fmax(percent, report->bound_distance_splats_percent);
     level->tolerance = report->tolerance_percent;
-    level->distance = percent / 100 * report->diagonal;
+    level->distance = psplat_verified_distance(report);
     level->normal = report->rms_normal_degrees;
     psplat_result result = measure_outline(mesh, splats, &level->outline, error);
     if (result || !before) return result;

@@ -542,7 +542,9 @@ static psplat_result copy_closed_regions(closer *r) {
     context.limits = &unproven;
     closed.candidates = malloc((closed.count + 1) * sizeof *closed.candidates);
     if (!closed.candidates) return PSPLAT_ERROR_MEMORY;
-    memcpy(closed.candidates, r->c->selection.candidates, closed.count * sizeof *closed.candidates);
+    if (closed.count)
+        memcpy(closed.candidates, r->c->selection.candidates,
+               closed.count * sizeof *closed.candidates);
     psplat_result result = psplat_close_seams(&context, &closed);
     for (size_t i = 0; i < closed.count; ++i) r->regions[i] = closed.candidates[i].region;
     free(closed.candidates);

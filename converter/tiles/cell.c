@@ -57,6 +57,21 @@ int psplat_tile_cell_holds(const psplat_tile_cell *cell, const double point[3]) 
     return 1;
 }
 
+void psplat_tile_cell_settle(const psplat_tile_cell *cell, double extent, double point[3]) {
+    for (int k = 0; k < 3; ++k) {
+        double inside = min2(max2(point[k], cell->low[k]), cell->high[k]);
+        double slack = 16 * DBL_EPSILON * max2(extent, fabs(inside));
+        if (fabs(point[k] - inside) <= slack) point[k] = inside;
+    }
+}
+
+double psplat_tile_cell_distance(const psplat_tile_cell *cell, const double point[3]) {
+    double beside[3];
+    for (int k = 0; k < 3; ++k)
+        beside[k] = max2(max2(cell->low[k] - point[k], point[k] - cell->high[k]), 0);
+    return length3(beside);
+}
+
 /* Returns whether the box of a triangle is beyond one side of a cell. */
 static int is_beside(const psplat_tile_cell *cell, const double corners[9]) {
     for (int k = 0; k < 3; ++k) {

@@ -41,6 +41,13 @@ int psplat_tile_cell_find(const psplat_tile_cell *root, const char *path, psplat
 /* Returns whether a point of the root lies in a cell. Every point does in one of two halves. */
 int psplat_tile_cell_holds(const psplat_tile_cell *cell, const double point[3]);
 
+/* Moves a point that rounding has put beside a side of a cell onto that side. extent is the
+ * greatest coordinate of what the point was computed from. */
+void psplat_tile_cell_settle(const psplat_tile_cell *cell, double extent, double point[3]);
+
+/* Returns how far a point is from a cell; 0 within. */
+double psplat_tile_cell_distance(const psplat_tile_cell *cell, const double point[3]);
+
 /* Returns whether a triangle, given by its corners, meets a cell: never 0 where it does; 1 also
  * where it only touches, up to rounding, a side that the cell holds. A triangle that lies in the
  * plane between two halves meets the upper one alone. */

@@ -278,8 +278,10 @@ psplat_result psplat_cell_tree_cut(psplat_cell_tree *tree, const psplat_cut_desc
 
 size_t psplat_cell_tree_part(const psplat_cell_tree *tree, const double point[3]) {
     const tree_node *node = &tree->root;
-    double p[3];
+    double p[3], extent = 0;
     along3(p, tree->mesh->origin, 1, point);
+    for (int k = 0; k < 3; ++k) extent = max2(extent, fabs(tree->mesh->origin[k]) + fabs(point[k]));
+    psplat_tile_cell_settle(&node->cell, extent, p);
     if (!psplat_tile_cell_holds(&node->cell, p)) return SIZE_MAX;
     while (node && node->part == SIZE_MAX && node->is_cut) {
         int axis = psplat_tile_cell_axis(&node->cell);

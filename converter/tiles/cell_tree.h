@@ -50,8 +50,8 @@ typedef struct psplat_tile_part {
 psplat_result psplat_cell_tree_cut(psplat_cell_tree *tree, const psplat_cut_desc *desc,
                                    psplat_tile_part **parts, size_t *count);
 
-/* Returns the index, among the parts of the last cut, of the cell that holds a point of the mesh;
- * SIZE_MAX where none does. */
+/* Returns the index, among the parts of the last cut, of the cell that holds a point of the mesh,
+ * rounding aside; SIZE_MAX where none does. */
 size_t psplat_cell_tree_part(const psplat_cell_tree *tree, const double point[3]);
 
 void psplat_tile_parts_free(psplat_tile_part *parts, size_t count);

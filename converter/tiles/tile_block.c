@@ -17,6 +17,7 @@
 #include "tiles/cell_tree.h"
 #include "tiles/tile_content.h"
 #include "verify/observations.h"
+#include "verify/verify.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,9 +30,6 @@ static const double coarsest_percent = 20;
  * worth having. Doubled tolerances need 0.6 to 0.75 times the splats where surfaces curve. Chosen
  * by hand. */
 static const double worthwhile_part = 0.9;
-/* How near to its cell, in tolerances, a tile has all splats: a point is covered by splats that are
- * up to a tolerance away, along their normals. */
-static const double margin_tolerances = 1;
 /* The share of the time that the finest of the levels left takes. Chosen by hand. */
 static const double finest_share = 0.5;
 
@@ -111,20 +109,34 @@ static int copy_corners(level_work *level) {
     return level->corners != NULL;
 }
 
+/* Returns how near to its cell a tile has all splats: a point of the source is covered by splats
+ * that are so far away from the mesh, which is up to its deviation away itself. */
+static double margin_of(const block_work *w, const level_work *level) {
+    return psplat_verified_cover(level->tolerance) + w->desc->deviation;
+}
+
+/* Stores the box, around the cell, in which splats cover the surface. It is before the conversion
+ * that it has to be known, whose tolerance is at most this. */
+static void find_owned(const block_work *w, level_work *level, double percent, double owned[6]) {
+    double own = psplat_mesh_diagonal(w->desc->mesh);
+    level->tolerance = min2(percent * w->diagonal, coarsest_percent * own) / 100;
+    for (int k = 0; k < 3; ++k) {
+        owned[k] = w->cell.low[k] - margin_of(w, level);
+        owned[k + 3] = w->cell.high[k] + margin_of(w, level);
+    }
+}
+
 /* Converts the block with these options. */
 static psplat_result convert_level(const block_work *w, const psplat_convert_desc *options,
                                    level_work *level, psplat_error *error) {
     double owned[6];
     psplat_convert_desc desc = *options;
-    level->tolerance = options->tolerance_percent / 100 * w->diagonal;
-    for (int k = 0; k < 3; ++k) {
-        owned[k] = w->cell.low[k] - margin_tolerances * level->tolerance;
-        owned[k + 3] = w->cell.high[k] + margin_tolerances * level->tolerance;
-    }
+    find_owned(w, level, options->tolerance_percent, owned);
     if (w->cell.depth) desc.owned = owned;
     psplat_result result = psplat_convert_observed(w->desc->mesh, &desc, &level->splats,
                                                    &level->report, &level->observations, error);
     if (result) return result;
+    level->tolerance = level->report.tolerance_percent / 100 * level->report.diagonal;
     level->regions = psplat_splat_regions(&level->splats);
     int ok = level->regions != NULL;
     desc.progress = NULL;
@@ -144,6 +156,13 @@ static int wants_coarser(const block_work *w, double mesh_diagonal) {
            (w->desc->finest < 0 || w->level_count <= (size_t)w->desc->finest);
 }
 
+/* Returns whether a coarser level than the last one has next to nothing less, or nothing at all. */
+static int is_in_vain(const block_work *w, const level_work *level, psplat_result result) {
+    double before = (double)w->levels[w->level_count - 1]->splats.count;
+    if (result) return result == PSPLAT_ERROR_NO_SPLATS;
+    return (double)level->splats.count > worthwhile_part * before;
+}
+
 /* Converts all levels, finest first. */
 static psplat_result convert_levels(block_work *w, psplat_error *error) {
     double mesh_diagonal = psplat_mesh_diagonal(w->desc->mesh);
@@ -155,9 +174,7 @@ static psplat_result convert_levels(block_work *w, psplat_error *error) {
         w->now = finest_share * (1 - w->before);
         result = convert_level(w, &options, level, error);
         w->before += w->now;
-        if (!result && w->level_count &&
-            (double)level->splats.count >
-                worthwhile_part * (double)w->levels[w->level_count - 1]->splats.count) {
+        if (w->level_count && is_in_vain(w, level, result)) {
             level_free(level);
             return PSPLAT_OK;
         }
@@ -252,7 +269,7 @@ static psplat_result cut_level(const block_work *w, const level_work *level, int
                                tiled_level *t, psplat_error *error) {
     const psplat_cut_desc desc = {.regions = level->regions,
                                   .region_count = level->splats.count,
-                                  .margin = margin_tolerances * level->tolerance,
+                                  .margin = margin_of(w, level),
                                   .most = is_coarsest ? 0 : w->most,
                                   .triangles = level->corners,
                                   .triangle_count = level->fallback.index_count / 3,
@@ -265,7 +282,7 @@ static psplat_result cut_level(const block_work *w, const level_work *level, int
 /* Returns what each point of the surface is covered within, but for those that are open. */
 static double covered_within(const level_work *level) {
     double tolerance = level->tolerance * (1 + 1e-6); /* as measure/measured_splats.c has it */
-    return level->report.unproven_surface_percent > 0 ? tolerance + level->observations.finest
+    return level->report.unproven_surface_percent > 0 ? psplat_verified_cover(level->tolerance)
                                                       : tolerance;
 }
 
@@ -279,13 +296,15 @@ static psplat_result tile_level(const block_work *w, const level_work *level, in
                                 .codec = w->desc->codec,
                                 .tolerance = covered_within(level),
                                 .deviation = w->desc->deviation,
+                                .margin = margin_of(w, level),
+                                .open_reach = psplat_verified_open_reach(level->tolerance),
                                 .level = number}};
     psplat_result result = cut_level(w, level, is_coarsest, &t, error);
     if (!result && !reserve(block, &t))
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for tiles");
     for (size_t i = 0; i < t.count && !result; ++i)
         psplat_tile_describe(&t.source, &t.parts[i], &t.tiles[i]);
-    if (!result && psplat_tile_add_observations(&t.source, w->tree, t.tiles, t.count))
+    if (!result && psplat_tile_add_observations(&t.source, w->tree, t.parts, t.tiles, t.count))
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for tiles");
     if (!result) result = write_tiles(w, &t, error);
     if (!result) describe_level(level, &t, &block->levels[block->level_count++]);

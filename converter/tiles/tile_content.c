@@ -8,6 +8,7 @@
  */
 #include "tiles/tile_content.h"
 
+#include "base/region_distance.h"
 #include "base/vector.h"
 #include "export/glb_writer.h"
 #include "tiles/splat_extent.h"
@@ -77,20 +78,39 @@ void psplat_tile_describe(const psplat_tile_source *source, const psplat_tile_pa
              *tile->path ? tile->path : "root");
 }
 
-/* Raises the errors of tiles to the distances of the points that no splat covers. One point stands
- * for all in a cube as wide as the tolerance (verify.c). */
-static void add_open(const psplat_tile_source *source, const psplat_cell_tree *tree,
-                     psplat_tile *tiles) {
+/* Returns how far an open point, with the distance of the nearest of all splats, is from those of a
+ * part, whose cell is so far from it. */
+static double distance_to_part(const psplat_tile_source *source, const psplat_tile_part *part,
+                               const double point[3], double width, double aside) {
+    double least = HUGE_VAL;
+    if (width + aside <= source->margin) return width; /* The part has that splat. */
+    for (size_t i = 0; i < part->splat_count; ++i)
+        least = min2(least, psplat_region_distance(&source->regions[part->splats[i]], point));
+    return least;
+}
+
+/* Raises the errors of tiles to the distances of the points that no splat covers, each of which
+ * stands for others, which may lie in other cells. */
+static void add_open(const psplat_tile_source *source, const psplat_tile_part *parts,
+                     psplat_tile *tiles, size_t count) {
     const psplat_observations *o = source->observations;
     for (size_t i = 0; i < o->open_count; ++i) {
-        size_t at = psplat_cell_tree_part(tree, o->open + 3 * i);
-        double error = o->widths[i] + 2 * source->tolerance + source->deviation;
-        if (at != SIZE_MAX) tiles[at].error = max2(tiles[at].error, error);
+        const double *point = o->open + 3 * i;
+        double place[3];
+        along3(place, source->splats->origin, 1, point);
+        for (size_t t = 0; t < count; ++t) {
+            double aside = psplat_tile_cell_distance(&parts[t].cell, place);
+            if (aside > source->open_reach + source->deviation) continue;
+            double error = distance_to_part(source, &parts[t], point, o->widths[i], aside) +
+                           source->open_reach + source->deviation;
+            tiles[t].error = max2(tiles[t].error, error);
+        }
     }
 }
 
 psplat_result psplat_tile_add_observations(const psplat_tile_source *source,
-                                           const psplat_cell_tree *tree, psplat_tile *tiles,
+                                           const psplat_cell_tree *tree,
+                                           const psplat_tile_part *parts, psplat_tile *tiles,
                                            size_t count) {
     const psplat_observations *o = source->observations;
     size_t *samples = calloc(count + 1, sizeof *samples);
@@ -104,7 +124,7 @@ psplat_result psplat_tile_add_observations(const psplat_tile_source *source,
     for (size_t i = 0; i < count; ++i)
         if (samples[i]) tiles[i].normal_error = sqrt(tiles[i].normal_error / (double)samples[i]);
     free(samples);
-    add_open(source, tree, tiles);
+    add_open(source, parts, tiles, count);
     return PSPLAT_OK;
 }
 

@@ -25,8 +25,10 @@ typedef struct psplat_tile_source {
     const psplat_observations *observations; /* of the verification */
     const psplat_fallback_mesh *fallback;    /* or NULL */
     const psplat_codec *codec;               /* or NULL */
-    double tolerance; /* what each point of the surface that is not open is covered within */
-    double deviation; /* of the mesh from the source */
+    double tolerance;  /* what each point of the surface that is not open is covered within */
+    double deviation;  /* of the mesh from the source */
+    double margin;     /* of the cut: each part has all splats that reach this near to its cell */
+    double open_reach; /* how far an open point may be from the one that stands for it */
     int level;
 } psplat_tile_source;
 
@@ -35,10 +37,11 @@ typedef struct psplat_tile_source {
 void psplat_tile_describe(const psplat_tile_source *source, const psplat_tile_part *part,
                           psplat_tile *tile);
 
-/* Adds what was measured at samples and at open points to the tiles of a level, whose parts are
- * those of the last cut of the tree. Fails only with PSPLAT_ERROR_MEMORY. */
+/* Adds what was measured at samples and at open points to the tiles of a level, whose parts (count)
+ * are those of the last cut of the tree. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_tile_add_observations(const psplat_tile_source *source,
-                                           const psplat_cell_tree *tree, psplat_tile *tiles,
+                                           const psplat_cell_tree *tree,
+                                           const psplat_tile_part *parts, psplat_tile *tiles,
                                            size_t count);
 
 /* Makes the GLB of a part: *data (*size bytes) is malloc'ed and owned by the caller. A splat has

@@ -19,8 +19,6 @@ typedef struct psplat_observations {
     double *open;   /* open_count x 3: points of the surface that no splat covers */
     double *widths; /* open_count: their distances from the nearest splat */
     size_t open_count;
-    double finest; /* how far points of the surface for which neither cover nor its lack was proven
-                      are at most from covered ones; measured where the report has such */
 } psplat_observations;
 
 /* Frees what the observations hold, and zeroes them. */

@@ -290,8 +290,6 @@ static int observe_samples(const verifier *r, const measurements *m, const pspla
     for (size_t i = 0; i < count; ++i)
         if (m->uncovered[i])
             psplat_observations_open(o, r->samples.positions + 3 * i, m->distances[i]);
-    /* From the middle of a triangle to its corners it is at most 2/3 of the longest side. */
-    o->finest = least_hole_tolerances * r->measured.tolerance * 2 / 3;
     return 1;
 }
 
@@ -542,6 +540,30 @@ static size_t sample_count(const psplat_verification *v, double tolerance) {
     double wanted = max2((double)v->splats->count * SAMPLES_PER_SPLAT, LEAST_SAMPLES);
     wanted = max2(wanted, v->surface->area / (tolerance * tolerance));
     return (size_t)min2(wanted, MOST_SAMPLES);
+}
+
+double psplat_verified_cover(double tolerance) {
+    /* From the middle of a triangle to its corners it is at most 2/3 of the longest side. */
+    return tolerance * (1 + rounding_slack) * (1 + least_hole_tolerances * 2 / 3);
+}
+
+double psplat_verified_open_reach(double tolerance) {
+    /* A hole stands for the part of a triangle that it is in, whose sides are at most as long as
+     * those of a cube, and one stands for all in a cube (measure/holes.c). */
+    return tolerance * (1 + rounding_slack) * hole_side_tolerances * (1 + sqrt(3));
+}
+
+double psplat_verified_distance(const psplat_report *report) {
+    const psplat_kept *coverage = &report->promises[PSPLAT_PROMISE_COVERAGE];
+    double unit = report->diagonal / 100, tolerance = report->tolerance_percent * unit;
+    double distance =
+        max2(tolerance,
+             max2(report->max_distance_percent, report->bound_distance_splats_percent) * unit);
+    if (report->unproven_surface_percent > 0)
+        distance = max2(distance, psplat_verified_cover(tolerance));
+    if (coverage->broken)
+        distance = max2(distance, coverage->worst * unit + psplat_verified_open_reach(tolerance));
+    return distance;
 }
 
 psplat_result psplat_verify(const psplat_verification *v, psplat_report *report,

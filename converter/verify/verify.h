@@ -35,4 +35,16 @@ typedef struct psplat_verification {
 psplat_result psplat_verify(const psplat_verification *verification, psplat_report *report,
                             psplat_error *error);
 
+/* Returns what each point of the surface that is not open is within of a splat that reaches as near
+ * to it, given the tolerance. That is more than the tolerance where a part of the surface was too
+ * small to be divided further, of which nothing but the middle is known to be covered. */
+double psplat_verified_cover(double tolerance);
+
+/* Returns how far an open point is at most from the one that stands for it, given the tolerance. */
+double psplat_verified_open_reach(double tolerance);
+
+/* Returns what is proven of the distance between surface and splats, both ways, in the mesh's
+ * units: each point of either is within it of the other. */
+double psplat_verified_distance(const psplat_report *report);
+
 #endif

@@ -253,6 +253,24 @@ JS
     cmp out/tileset.json whole.json || fail "the tileset is another one"
     run "$PHONGSPLAT" tile node -q out r1
     expect_error 0 '^phongsplat: r1: at 4 5 6: the level of 0[.]5 % breaks its promise of distance; '
+# A leaf that is there only for a triangle without area has no tile, and all else is built.
+case_nothing() {
+    node - <<'JS' || fail "gap.obj"
+const lines = [], faces = [];
+for (const [from, to] of [[0, 0.9], [3.1, 4]])
+    for (let i = 0; i < 81; ++i) {
+        const at = (k) => [from + (to - from) * ((i % 9) + (k & 1)) / 9, (Math.floor(i / 9) + (k >> 1)) / 9];
+        const first = lines.length + 1;
+        for (let k = 0; k < 4; ++k) lines.push(`v ${at(k)[0]} ${0.02 * Math.sin(9 * at(k)[0])} ${at(k)[1]}`);
+        faces.push(`f ${first} ${first + 2} ${first + 1}`, `f ${first + 1} ${first + 2} ${first + 3}`);
+    }
+for (const x of [2.2, 2.5, 2.8]) lines.push(`v ${x} 0 0.5`);
+faces.push(`f ${lines.length - 2} ${lines.length - 1} ${lines.length}`);
+require('fs').writeFileSync('gap.obj', [...lines, ...faces, ''].join('\n'));
+JS
+    run "$PHONGSPLAT" tile plan gap.obj gap -t 5 --effort 0 --block-triangles 100
+    expect_success
+    build gap
 }
 
 run_cases "$@"

@@ -14,6 +14,7 @@
 #include "compare/surface_points.h"
 #include "tiles/splat_extent.h"
 #include "tiles_fixture.h"
+#include "verify/verify.h"
 
 #if defined(_OPENMP)
 #include <omp.h>
@@ -30,7 +31,7 @@ static void assert_covers_its_cell(const tiles_fixture *f, const psplat_tile_cel
                                    const psplat_surface_points *samples) {
     const psplat_tile_level *finest = &f->block.levels[f->block.level_count - 1];
     double tolerance = finest->report.tolerance_percent / 100 * finest->report.diagonal;
-    double low[3], high[3];
+    double low[3], high[3], margin = psplat_verified_cover(tolerance);
     size_t inside = 0;
     for (size_t i = 0; i < samples->uniform; ++i) {
         double p[3], least = HUGE_VAL;
@@ -46,8 +47,8 @@ static void assert_covers_its_cell(const tiles_fixture *f, const psplat_tile_cel
     }
     assert_true(inside > 100);
     for (int k = 0; k < 3; ++k) {
-        low[k] = cell->low[k] - f->mesh.origin[k] - tolerance * (1 + 1e-5);
-        high[k] = cell->high[k] - f->mesh.origin[k] + tolerance * (1 + 1e-5);
+        low[k] = cell->low[k] - f->mesh.origin[k] - margin * (1 + 1e-5);
+        high[k] = cell->high[k] - f->mesh.origin[k] + margin * (1 + 1e-5);
     }
     for (size_t t = 0; t < f->count; ++t)
         for (size_t s = 0;
@@ -173,6 +174,30 @@ static void failures_end_a_block(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* Two squares with a degenerate triangle between them, in a cell of its own. */
+static void cells_without_area_have_no_splats(void **state) {
+    (void)state;
+    static const double corners[11][3] = {{0, 0, 0},     {0, 0, 1},     {0.9, 0, 0},  {0.9, 0, 1},
+                                          {3.1, 0, 0},   {3.1, 0, 1},   {4, 0, 0},    {4, 0, 1},
+                                          {2.2, 0, 0.5}, {2.5, 0, 0.5}, {2.8, 0, 0.5}};
+    static const uint32_t triangles[15] = {0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7, 8, 9, 10};
+    psplat_mesh mesh = {0};
+    psplat_tile_block block;
+    psplat_error error = {0};
+    assert_int_equal(psplat_mesh_allocate(&mesh, 11, 5, 0, &error), PSPLAT_OK);
+    memcpy(mesh.positions, corners, sizeof corners);
+    memcpy(mesh.triangles, triangles, sizeof triangles);
+    const psplat_tile_cell root = tiles_root(&mesh);
+    psplat_tile_block_desc desc = {
+        .mesh = &mesh, .root = &root, .path = "10", .convert = &quick, .finest = -1};
+    assert_int_equal(psplat_tile_block_make(&desc, &block, &error), PSPLAT_ERROR_NO_SPLATS);
+    assert_null(block.tiles);
+    desc.path = "11";
+    assert_int_equal(psplat_tile_block_make(&desc, &block, &error), PSPLAT_OK);
+    psplat_tile_block_free(&block);
+    psplat_mesh_free(&mesh);
+}
+
 int test_tile_block_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(blocks_cover_their_own_cells),
@@ -180,6 +205,7 @@ int test_tile_block_main(void) {
         cmocka_unit_test(cells_that_may_not_be_halved_stay_whole),
         cmocka_unit_test(fallback_meshes_are_shared_out),
         cmocka_unit_test(failures_end_a_block),
+        cmocka_unit_test(cells_without_area_have_no_splats),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -56,8 +56,8 @@ static size_t owner_of(const tiles_fixture *f, int level, const double point[3])
     double p[3];
     size_t owner = UINT32_MAX, count = 0;
     along3(p, f->mesh.origin, 1, point);
-    for (int k = 0; k < 3; ++k) /* The origin was subtracted in double. */
-        p[k] = fmin(fmax(p[k], f->root.low[k]), f->root.high[k]);
+    /* The origin was subtracted in double. All of a model is within 64 units of its file's. */
+    psplat_tile_cell_settle(&f->root, 64, p);
     for (size_t i = 0; i < f->count; ++i)
         if (f->block.tiles[i].level == level && psplat_tile_cell_holds(&f->cells[i], p))
             owner = i, ++count;
