@@ -253,6 +253,8 @@ JS
     cmp out/tileset.json whole.json || fail "the tileset is another one"
     run "$PHONGSPLAT" tile node -q out r1
     expect_error 0 '^phongsplat: r1: at 4 5 6: the level of 0[.]5 % breaks its promise of distance; '
+}
+
 # A leaf that is there only for a triangle without area has no tile, and all else is built.
 case_nothing() {
     node - <<'JS' || fail "gap.obj"
