@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "appearance/alpha_mask.h"
 #include "base/region_distance.h"
 #include "compare/surface_points.h"
 #include "tiles/splat_extent.h"
@@ -20,10 +21,15 @@
 #include <omp.h>
 #endif
 
-enum { MOST = 8, SAMPLES = 20000 };
+/* FEW is so small that every mesh here is cut, however few splats it takes,
+ * and ALL so large that none is. */
+enum { MOST = 8, FEW = 3, ALL = 1000, SAMPLES = 20000 };
 
 static const psplat_convert_desc quick = {
     .tolerance_percent = 2, .precision = 0.1, .effort = PSPLAT_EFFORT_NONE};
+/* Fine enough for several splats across a half, so that those beside the middle are the fewer. */
+static const psplat_convert_desc fine = {
+    .tolerance_percent = 0.5, .precision = 0.1, .effort = PSPLAT_EFFORT_NONE};
 
 /* Asserts that the finest tiles of a block cover all samples in its cell, within the tolerance, and
  * that each splat of them reaches the cell, which is grown by that. */
@@ -63,7 +69,7 @@ static void blocks_cover_their_own_cells(void **state) {
     psplat_surface_points samples;
     size_t splats = 0, whole;
     tiles_make_bumpy(16, &f.mesh);
-    tiles_make(&f, &quick, MOST, NULL, 0);
+    tiles_make(&f, &fine, ALL, NULL, 0);
     whole = f.block.levels[f.block.level_count - 1].splats;
     assert_int_equal(psplat_surface_points_of_mesh(f.source, shift, SAMPLES, 3, &samples, NULL),
                      PSPLAT_OK);
@@ -71,7 +77,7 @@ static void blocks_cover_their_own_cells(void **state) {
         const char *const paths[] = {"0", "1"};
         psplat_tile_cell cell;
         tiles_clear(&f);
-        tiles_make(&f, &quick, MOST, paths[half], 0);
+        tiles_make(&f, &fine, ALL, paths[half], 0);
         assert_true(psplat_tile_cell_find(&f.root, paths[half], &cell));
         assert_covers_its_cell(&f, &cell, &samples);
         splats += f.block.levels[f.block.level_count - 1].splats;
@@ -94,7 +100,7 @@ static void contents_do_not_depend_on_the_number_of_threads(void **state) {
         omp_set_num_threads(k ? 3 : 1);
 #endif
         tiles_clear(&f);
-        tiles_make(&f, &quick, MOST, NULL, 0);
+        tiles_make(&f, &quick, FEW, NULL, 0);
         hashes[k] = f.hash;
         assert_true(f.count > 2);
     }
@@ -174,26 +180,26 @@ static void failures_end_a_block(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Two squares with a degenerate triangle between them, in a cell of its own. */
-static void cells_without_area_have_no_splats(void **state) {
+/* A tolerance that is coarse for a block, since the source is large, is not what its splats have.
+ */
+static void errors_are_those_of_the_block(void **state) {
     (void)state;
-    static const double corners[11][3] = {{0, 0, 0},     {0, 0, 1},     {0.9, 0, 0},  {0.9, 0, 1},
-                                          {3.1, 0, 0},   {3.1, 0, 1},   {4, 0, 0},    {4, 0, 1},
-                                          {2.2, 0, 0.5}, {2.5, 0, 0.5}, {2.8, 0, 0.5}};
-    static const uint32_t triangles[15] = {0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7, 8, 9, 10};
-    psplat_mesh mesh = {0};
+    psplat_mesh mesh;
     psplat_tile_block block;
     psplat_error error = {0};
-    assert_int_equal(psplat_mesh_allocate(&mesh, 11, 5, 0, &error), PSPLAT_OK);
-    memcpy(mesh.positions, corners, sizeof corners);
-    memcpy(mesh.triangles, triangles, sizeof triangles);
+    tiles_make_bumpy(8, &mesh);
     const psplat_tile_cell root = tiles_root(&mesh);
-    psplat_tile_block_desc desc = {
-        .mesh = &mesh, .root = &root, .path = "10", .convert = &quick, .finest = -1};
-    assert_int_equal(psplat_tile_block_make(&desc, &block, &error), PSPLAT_ERROR_NO_SPLATS);
-    assert_null(block.tiles);
-    desc.path = "11";
+    const double own = psplat_mesh_diagonal(&mesh);
+    psplat_convert_desc convert = quick;
+    convert.tolerance_percent = 10;
+    convert.diagonal = 100 * own;
+    const psplat_tile_block_desc desc = {
+        .mesh = &mesh, .root = &root, .convert = &convert, .finest = -1, .deviation = 0.01 * own};
     assert_int_equal(psplat_tile_block_make(&desc, &block, &error), PSPLAT_OK);
+    for (size_t i = 0; i < block.tile_count; ++i) {
+        assert_true(block.tiles[i].error <= own);
+        assert_true(block.tiles[i].error >= (0.2 + 0.01) * own);
+    }
     psplat_tile_block_free(&block);
     psplat_mesh_free(&mesh);
 }
@@ -205,7 +211,7 @@ int test_tile_block_main(void) {
         cmocka_unit_test(cells_that_may_not_be_halved_stay_whole),
         cmocka_unit_test(fallback_meshes_are_shared_out),
         cmocka_unit_test(failures_end_a_block),
-        cmocka_unit_test(cells_without_area_have_no_splats),
+        cmocka_unit_test(errors_are_those_of_the_block),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
