@@ -35,13 +35,6 @@ static psplat_result fail_memory(psplat_error *error) {
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for the plan");
 }
 
-char *psplat_tile_path(const char *directory, const char *name, const char *suffix) {
-    size_t length = strlen(directory) + strlen(name) + strlen(suffix) + 2;
-    char *path = malloc(length);
-    if (path) snprintf(path, length, "%s/%s%s", directory, name, suffix);
-    return path;
-}
-
 /* ---- the input ------------------------------------------------------------------------------- */
 
 /* Stores size and hash of a file. Returns 0 where it cannot be read. */

@@ -68,9 +68,6 @@ psplat_result psplat_tile_plan_read(const char *directory, psplat_tile_plan *pla
  * input that is not there is not needed. */
 psplat_result psplat_tile_plan_check_input(const psplat_tile_plan *plan, psplat_error *error);
 
-/* Returns "DIRECTORY/NAME" with a suffix, malloc'ed, or NULL when out of memory. */
-char *psplat_tile_path(const char *directory, const char *name, const char *suffix);
-
 void psplat_tile_plan_free(psplat_tile_plan *plan);
 
 #endif

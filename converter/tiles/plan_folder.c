@@ -6,13 +6,19 @@
 
 #include "tiles/plan_folder.h"
 
-#include "tiles/plan.h"
-
 #include <dirent.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+char *psplat_tile_path(const char *directory, const char *name, const char *suffix) {
+    size_t length = strlen(directory) + strlen(name) + strlen(suffix) + 2;
+    char *path = malloc(length);
+    if (path) snprintf(path, length, "%s/%s%s", directory, name, suffix);
+    return path;
+}
 
 int psplat_plan_folder_is_empty(const char *directory) {
     int is_empty = 1;

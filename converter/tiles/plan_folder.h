@@ -8,6 +8,9 @@
 /* The folder in which a plan is made before it takes the place of another. */
 #define PSPLAT_NEW_PLAN "work.new"
 
+/* Returns "DIRECTORY/NAME" with a suffix, malloc'ed, or NULL when out of memory. */
+char *psplat_tile_path(const char *directory, const char *name, const char *suffix);
+
 /* Returns whether a directory has no entry but PSPLAT_NEW_PLAN, which a plan that was killed
  * leaves. A directory that is not there has none; -1: it cannot be read, and errno says why. */
 int psplat_plan_folder_is_empty(const char *directory);
