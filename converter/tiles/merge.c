@@ -8,6 +8,7 @@
 
 #include "base/output.h"
 #include "base/path.h"
+#include "tiles/plan_folder.h"
 #include "tiles/record.h"
 #include "tiles/tileset.h"
 

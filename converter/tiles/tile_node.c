@@ -17,6 +17,7 @@
 #include "mesh/weld.h"
 #include "tiles/block_mesh.h"
 #include "tiles/blocks.h"
+#include "tiles/plan_folder.h"
 #include "tiles/simplify.h"
 #include "tiles/tile_block.h"
 #include "verify/report.h"
