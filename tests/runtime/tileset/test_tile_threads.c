@@ -22,9 +22,9 @@ typedef struct pool {
     const world *w;
     psplat_tiles *tiles;
     pthread_mutex_t mutex;
-    pthread_cond_t wake;
+    pthread_cond_t wake, served;
     psplat_tile_request queue[QUEUE];
-    size_t count, supplied, refused;
+    size_t count, supplied, refused, pending; /* pending: not served yet */
     uint32_t random;
     int is_over;
     _Atomic size_t bytes; /* of the allocator */
@@ -60,14 +60,16 @@ static void *serve(void *user) {
     while (take(p, &request, &chance)) {
         psplat_error error = {0};
         if (chance < 0.1f) sched_yield();
-        if (chance < 0.05f) {
+        psplat_result result = PSPLAT_ERROR_READ;
+        if (chance < 0.05f)
             psplat_tiles_fail(p->tiles, request.tile, 0);
-            continue;
-        }
-        psplat_result result = world_supply(p->w, p->tiles, request.tile, request.path, &error);
+        else
+            result = world_supply(p->w, p->tiles, request.tile, request.path, &error);
         pthread_mutex_lock(&p->mutex);
         p->supplied += result == PSPLAT_OK;
         p->refused += result == PSPLAT_ERROR_MEMORY;
+        --p->pending;
+        pthread_cond_signal(&p->served);
         pthread_mutex_unlock(&p->mutex);
     }
     return NULL;
@@ -76,7 +78,15 @@ static void *serve(void *user) {
 static void put(pool *p, const psplat_tile_request *requests, size_t count) {
     pthread_mutex_lock(&p->mutex);
     for (size_t i = 0; i < count; ++i) p->queue[p->count++] = requests[i];
+    p->pending += count;
     pthread_cond_broadcast(&p->wake);
+    pthread_mutex_unlock(&p->mutex);
+}
+
+/* Waits until the threads have served everything, however few turns they get. */
+static void wait_for_all(pool *p) {
+    pthread_mutex_lock(&p->mutex);
+    while (p->pending) pthread_cond_wait(&p->served, &p->mutex);
     pthread_mutex_unlock(&p->mutex);
 }
 
@@ -95,6 +105,7 @@ static void fly(pool *p, size_t max_bytes, int frames) {
         assert_int_equal(psplat_tiles_upload(p->tiles, NULL, 100000, NULL), PSPLAT_OK);
         psplat_tiles_state s = psplat_tiles_describe(p->tiles);
         assert_true(s.bytes <= max_bytes);
+        if (frame % 8 == 7) wait_for_all(p);
         sched_yield();
     }
     pthread_mutex_lock(&p->mutex);
@@ -110,6 +121,7 @@ static void run(size_t max_bytes, int frames) {
     pool p = {.w = &w,
               .mutex = PTHREAD_MUTEX_INITIALIZER,
               .wake = PTHREAD_COND_INITIALIZER,
+              .served = PTHREAD_COND_INITIALIZER,
               .random = 2463534242u};
     p.tiles = world_open(&w, (psplat_tiles_desc){.allocator = {pool_resize, &p},
                                                  .max_bytes = max_bytes,
