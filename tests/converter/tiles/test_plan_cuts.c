@@ -15,9 +15,6 @@
 
 #include <cmocka.h>
 
-#include <ftw.h>
-#include <unistd.h>
-
 #include <phongsplat/tiles.h>
 
 #include "base/random.h"
@@ -29,6 +26,7 @@
 #include "tiles/plan.h"
 #include "tiles/record.h"
 #include "tiles/tile_node.h"
+#include "plan_fixture.h"
 #include "tiles_fixture.h"
 
 enum { SAMPLES = 30000, CUTS = 50, RAY_CUTS = 4, RAYS = 10000, MOST_TILES = 400, DEEPEST = 16 };
@@ -47,7 +45,7 @@ typedef struct plan_tile {
 
 /* A source, the tileset of its plan, and the tiles that own each sample of the source. */
 typedef struct plan_fixture {
-    char directory[64], input[80], output[80];
+    plan_place place;
     psplat_mesh mesh;
     psplat_source_mesh *source;
     psplat_tile_plan plan;
@@ -87,34 +85,13 @@ static void make_terrain(size_t side, psplat_mesh *mesh) {
     }
 }
 
-static void write_stl(const psplat_mesh *mesh, const char *path) {
-    const char head[80] = "a source of tiles";
-    uint32_t count = (uint32_t)mesh->triangle_count;
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    fwrite(head, 1, sizeof head, file);
-    fwrite(&count, sizeof count, 1, file);
-    for (uint32_t t = 0; t < count; ++t) {
-        float numbers[12] = {0};
-        for (int i = 0; i < 9; ++i)
-            numbers[3 + i] =
-                (float)(psplat_mesh_corner(mesh, t, i / 3)[i % 3] + mesh->origin[i % 3]);
-        fwrite(numbers, sizeof *numbers, 12, file);
-        fwrite("\0", 1, 2, file);
-    }
-    assert_int_equal(fclose(file), 0);
-}
-
 /* Writes the mesh, and takes what was written for the source, whose numbers are rounded. */
 static void settle_source(plan_fixture *f) {
     psplat_error error = {0};
-    strcpy(f->directory, "/tmp/phongsplat-plan-XXXXXX");
-    assert_non_null(mkdtemp(f->directory));
-    snprintf(f->input, sizeof f->input, "%s/source.stl", f->directory);
-    snprintf(f->output, sizeof f->output, "%s/out", f->directory);
-    write_stl(&f->mesh, f->input);
+    plan_place_make(&f->place);
+    plan_write_stl(&f->mesh, f->place.input);
     psplat_mesh_free(&f->mesh);
-    if (psplat_mesh_read(f->input, &f->mesh, &error)) fail_msg("%s", error.text);
+    if (psplat_mesh_read(f->place.input, &f->mesh, &error)) fail_msg("%s", error.text);
     if (psplat_mesh_clean(&f->mesh, "source", 0, &error)) fail_msg("%s", error.text);
     if (psplat_source_mesh_create(&f->mesh, 0, &f->source, &error)) fail_msg("%s", error.text);
 }
@@ -128,17 +105,19 @@ static void build(plan_fixture *f, double tolerance, uint64_t triangles, uint64_
         .most_triangles = triangles,
         .most_splats = splats,
         .apron = 0.0625};
-    if (psplat_tile_plan_make(f->input, &options, "phongsplat", f->output, 0, &f->plan, &error))
+    if (psplat_tile_plan_make(f->place.input, &options, "phongsplat", f->place.output, 0, &f->plan,
+                              &error))
         fail_msg("%s", error.text);
     for (size_t i = 0; i < f->plan.tasks.count; ++i) {
         psplat_tile_run run;
-        if (psplat_tile_node_run(&f->plan, f->output, i, NULL, NULL, &run, &error))
+        if (psplat_tile_node_run(&f->plan, f->place.output, i, NULL, NULL, &run, &error))
             fail_msg("%s", error.text);
         f->simplified +=
             f->plan.tasks.list[i].leaf == SIZE_MAX && run.simplified && run.simplified < run.owned;
         psplat_tile_record_free(&run.record);
     }
-    if (psplat_tile_merge(&f->plan, f->output, &f->summary, &error)) fail_msg("%s", error.text);
+    if (psplat_tile_merge(&f->plan, f->place.output, &f->summary, &error))
+        fail_msg("%s", error.text);
 }
 
 /* Reads a file as text, which the caller frees. */
@@ -202,7 +181,7 @@ static void read_tileset(plan_fixture *f) {
     static const char key[] = "\"geometricError\":";
     size_t open[64], depths[64], levels = 0, depth = 0;
     char path[128];
-    snprintf(path, sizeof path, "%s/tileset.json", f->output);
+    snprintf(path, sizeof path, "%s/tileset.json", f->place.output);
     char *text = read_text(path), *root = strstr(text, "\"root\":");
     assert_non_null(root);
     f->tiles = calloc(MOST_TILES, sizeof *f->tiles);
@@ -228,7 +207,8 @@ static void read_records(plan_fixture *f) {
     for (size_t i = 0; i < f->plan.tasks.count; ++i) {
         char path[192];
         psplat_tile_record record;
-        snprintf(path, sizeof path, "%s/work/%s.record", f->output, f->plan.tasks.list[i].name);
+        snprintf(path, sizeof path, "%s/work/%s.record", f->place.output,
+                 f->plan.tasks.list[i].name);
         if (psplat_tile_record_read(path, f->plan.hash, &record, &error))
             fail_msg("%s", error.text);
         for (size_t k = 0; k < record.tile_count; ++k)
@@ -244,7 +224,7 @@ static void open_contents(plan_fixture *f) {
     for (size_t i = 0; i < f->count; ++i) {
         plan_tile *tile = &f->tiles[i];
         char path[192];
-        snprintf(path, sizeof path, "%s/%s", f->output, tile->uri);
+        snprintf(path, sizeof path, "%s/%s", f->place.output, tile->uri);
         if (psplat_asset_open(path, NULL, &tile->asset, &error)) fail_msg("%s", error.text);
         assert_int_equal(
             psplat_placed_splats_create(tile->asset, f->mesh.origin, &tile->placed, &error),
@@ -321,13 +301,6 @@ static int set_up(void **state) {
     return 0;
 }
 
-static int remove_entry(const char *path, const struct stat *status, int kind, struct FTW *at) {
-    (void)status;
-    (void)kind;
-    (void)at;
-    return remove(path);
-}
-
 static int tear_down(void **state) {
     (void)state;
     for (int m = 0; m < 2; ++m) {
@@ -343,7 +316,7 @@ static int tear_down(void **state) {
         psplat_source_mesh_destroy(f->source);
         psplat_mesh_free(&f->mesh);
         psplat_tile_plan_free(&f->plan);
-        if (*f->directory) nftw(f->directory, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
+        plan_place_remove(&f->place);
     }
     return 0;
 }
@@ -373,7 +346,7 @@ static void trees_are_accepted_by_the_runtime(void **state) {
         psplat_tiles *tiles = NULL;
         psplat_error error = {0};
         const psplat_tiles_desc desc = {.max_bytes = 0};
-        snprintf(path, sizeof path, "%s/tileset.json", models[m].output);
+        snprintf(path, sizeof path, "%s/tileset.json", models[m].place.output);
         if (psplat_tiles_open(&desc, path, &tiles, &error)) fail_msg("%s", error.text);
         psplat_tiles_destroy(tiles, NULL);
     }
