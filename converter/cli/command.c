@@ -161,10 +161,16 @@ psplat_result psplat_output_check(const char *input, const char *output, int ove
     return cause ? refuse_creation(error, output, cause) : PSPLAT_OK;
 }
 
-int psplat_program_directory(char *path, size_t size) {
+int psplat_program_path(char *path, size_t size) {
     ssize_t length = readlink("/proc/self/exe", path, size);
-    if (length < 0 || (size_t)length == size) return 0;
-    while (length > 0 && path[length - 1] != '/') --length;
+    if (length <= 0 || (size_t)length == size) return 0;
     path[length] = 0;
-    return length > 0;
+    return 1;
+}
+
+int psplat_program_directory(char *path, size_t size) {
+    if (!psplat_program_path(path, size)) return 0;
+    char *slash = strrchr(path, '/');
+    if (slash) slash[1] = 0;
+    return slash != NULL;
 }

@@ -53,6 +53,10 @@ psplat_result psplat_output_check(const char *input, const char *output, int ove
 /* Returns whether two output paths name the same file. */
 int psplat_output_is_same(const char *first, const char *second);
 
+/* Stores the path of this program, whatever it is called, with symbolic links resolved. Returns 0
+ * where the system does not tell it or it is longer than size - 1 bytes. */
+int psplat_program_path(char *path, size_t size);
+
 /* Stores the directory of this program with a slash at its end. Returns 0 where the system does not
  * tell it or it is longer than size - 1 bytes. */
 int psplat_program_directory(char *path, size_t size);

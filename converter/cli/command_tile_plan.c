@@ -3,6 +3,8 @@
  * command_tile_plan.c - phongsplat tile plan: a mesh that may be larger than memory is sorted into
  * blocks, which tasks will convert.
  */
+#define _XOPEN_SOURCE 700 /* access */
+
 #include "cli/command.h"
 #include "cli/options.h"
 #include "select/conversion.h"
@@ -11,6 +13,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 /* The triangles of a block, and its apron, unless options say otherwise. Two blocks that are
  * converted at a time then take less than 2 GB. */
@@ -72,7 +75,8 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
             "Binary STL and binary PLY are streamed; other files have to fit into memory.\n"
             "Textures are refused. Then `make -j2 -C OUT` builds OUT/tileset.json, or whatever\n"
             "else runs `phongsplat tile node OUT TASK` for each task and `phongsplat tile merge\n"
-            "OUT` in the end. OUT/work/ may be deleted after that.\n\n"
+            "OUT` in the end. The Makefile calls this program by its path; make\n"
+            "PHONGSPLAT=PATH calls another one. OUT/work/ may be deleted after that.\n\n"
             "A directory that has the same plan already stays as it is. With --overwrite "
             "another\nplan is replaced, with all that it and its tasks have made; a directory with "
             "anything\nelse is refused.",
@@ -99,9 +103,16 @@ static void print_summary(const arguments *a, const psplat_tile_plan *plan) {
            plan->tasks.list[plan->tasks.count - 1].wave + 1);
 }
 
+/* Stores what the Makefile calls: this program where it lies, or, where the system does not tell
+ * that or a line of a Makefile cannot hold it, its usual name, which the shell looks up. */
+static void name_program(char *program, size_t size) {
+    if (!psplat_program_path(program, size) || strchr(program, '\n') || access(program, X_OK))
+        snprintf(program, size, "phongsplat");
+}
+
 int psplat_command_tile_plan(int argc, char **argv) {
     arguments a = {.block_triangles = usual_triangles, .apron_percent = usual_apron_percent};
-    char program[4096] = "";
+    char program[4096];
     psplat_error error = {0};
     psplat_tile_plan plan;
     psplat_parse parsed = parse(argc, argv, &a);
@@ -110,8 +121,7 @@ int psplat_command_tile_plan(int argc, char **argv) {
     a.options.most_splats = (uint64_t)a.tile_splats;
     a.options.apron = a.apron_percent / 100;
     a.options.has_fallback = a.fallback;
-    if (!psplat_program_directory(program, sizeof program - 16)) *program = 0;
-    strcat(program, "phongsplat");
+    name_program(program, sizeof program);
     if (psplat_tile_plan_make(a.input, &a.options, program, a.output, a.overwrite, &plan, &error))
         return psplat_command_fail(NULL, &error);
     print_summary(&a, &plan);

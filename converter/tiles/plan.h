@@ -49,7 +49,8 @@ typedef struct psplat_tile_plan {
 } psplat_tile_plan;
 
 /* Sorts the triangles of a file into blocks and writes the plan and all that belongs to it to a
- * directory, which is made where it does not exist. program is what the Makefile calls. A directory
+ * directory, which is made where it does not exist. program is what the Makefile calls
+ * unless its variable PHONGSPLAT is set. A directory
  * with a plan of the same input and options and with work/triangles stays as it is; one with
  * another plan, or with that one alone, is refused unless overwrite is set; one with anything else
  * is refused. Everything is made in OUT/work.new/ first. Then what the plan before had made is

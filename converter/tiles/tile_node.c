@@ -11,6 +11,7 @@
 #include "tiles/tile_node.h"
 
 #include "base/output.h"
+#include "base/vector.h"
 #include "export/meshopt_codec.h"
 #include "mesh/clean.h"
 #include "mesh/mesh.h"
@@ -32,6 +33,10 @@
  * of them, and how much farther when the borders between them are simplified, too. Conversions get
  * that much less. */
 static const double deviation_part = 0.05, united_part = 0.08;
+/* The greatest tolerance of which deviations are a part, in diagonals of what a block owns. The
+ * coarsest tolerance of a level is half of that (tiles/tile_block.c), and the next one above is
+ * what the mesh is simplified for. */
+static const double greatest_share = 0.4;
 /* The level that tile_block knows as the finest of all. It counts levels up to the finest, records
  * count from there. Chains of blocks may be as deep as cells, each a level above the one below. */
 enum { FINEST_LEVEL = 4 * PSPLAT_MOST_CELL_DEPTH };
@@ -53,6 +58,18 @@ static psplat_result fail_memory(psplat_error *error) {
 static double tolerance_of(const psplat_tile_plan *plan, int steps) {
     double percent = plan->options.convert.tolerance_percent;
     return ldexp((percent > 0 ? percent : 0.5) / 100 * plan->diagonal, steps);
+}
+
+/* Returns the length of which a simplified mesh that a block makes may use a part: the tolerance so
+ * many steps above the finest, but no more than a share of what the block has itself. Where stray
+ * points make a source much larger than what a block sees, tolerances, which double from block to
+ * block above it, are longer than the block. */
+static double simplified_tolerance(const node_run *n, int steps) {
+    const psplat_tile_task *task = n->task;
+    double diagonal[3];
+    if (!(task->low[0] <= task->high[0])) return 0; /* It owns no triangle. */
+    sub3(diagonal, task->high, task->low);
+    return fmin(tolerance_of(n->plan, steps), greatest_share * length3(diagonal));
 }
 
 /* ---- meshes ---------------------------------------------------------------------------------- */
@@ -208,18 +225,34 @@ static psplat_convert_desc options_of(const node_run *n) {
     return options;
 }
 
+/* Welds triangles, and drops those without area, as conversions do. No splat is made for them, and
+ * many on one line make the proofs of a simplification take minutes, since each of them is the
+ * nearest to what lies there. */
+static psplat_result weld(psplat_mesh *mesh, psplat_error *error) {
+    psplat_result result = psplat_mesh_weld(mesh, error);
+    if (!result) psplat_mesh_drop_flat(mesh);
+    return result;
+}
+
+/* Puts a simplified mesh in the place of a welded one that is n->deviation from the source, so that
+ * it is at most so far away in the end. Where that leaves nothing, the mesh stays as it is. */
+static psplat_result simplify(node_run *n, psplat_mesh *mesh, double most, psplat_error *error) {
+    psplat_mesh simple;
+    double step;
+    if (!(most > n->deviation)) return PSPLAT_OK;
+    if (psplat_tile_simplify(mesh, most - n->deviation, &simple, &step)) return fail_memory(error);
+    psplat_mesh_free(mesh);
+    *mesh = simple;
+    n->deviation += step;
+    return PSPLAT_OK;
+}
+
 /* Simplifies the united meshes of blocks once more: their borders have all edges of the source, and
  * slivers beside them, whose normals are far from the surface's. */
 static psplat_result simplify_united(node_run *n, psplat_tile_soup *soup, psplat_error *error) {
-    psplat_mesh simple;
-    double step, most = united_part * tolerance_of(n->plan, n->steps) - n->deviation;
-    psplat_result result = psplat_mesh_weld(&soup->mesh, error);
+    psplat_result result = weld(&soup->mesh, error);
     if (result) return result;
-    if (psplat_tile_simplify(&soup->mesh, most, &simple, &step)) return fail_memory(error);
-    psplat_mesh_free(&soup->mesh);
-    soup->mesh = simple;
-    n->deviation += step;
-    return PSPLAT_OK;
+    return simplify(n, &soup->mesh, united_part * simplified_tolerance(n, n->steps), error);
 }
 
 static psplat_result convert_block(node_run *n, const psplat_convert_desc *progress,
@@ -247,21 +280,18 @@ static psplat_result convert_block(node_run *n, const psplat_convert_desc *progr
 static psplat_result write_simplified(node_run *n, psplat_error *error) {
     psplat_tile_record *record = &n->run->record;
     psplat_tile_soup soup = begin_soup(n, NULL);
-    psplat_mesh simple = {0};
-    double most = deviation_part * tolerance_of(n->plan, record->coarsest + 1), step = 0;
+    double most = deviation_part * simplified_tolerance(n, record->coarsest + 1);
     char *path = psplat_tile_path(n->work, n->task->name, ".mesh");
     n->deviation = 0; /* of the apron does not count here */
     psplat_result result = path ? gather_owned(n, &soup, error) : fail_memory(error);
     n->run->owned = soup.mesh.triangle_count;
     free(soup.mesh.corner_normals);
     soup.mesh.corner_normals = NULL;
-    if (!result && soup.mesh.triangle_count) result = psplat_mesh_weld(&soup.mesh, error);
-    if (!result && psplat_tile_simplify(&soup.mesh, most - n->deviation, &simple, &step))
-        result = fail_memory(error);
-    record->deviation = n->deviation + step;
-    n->run->simplified = simple.triangle_count;
-    if (!result) result = psplat_tile_mesh_write(&simple, record->deviation, path, error);
-    psplat_mesh_free(&simple);
+    if (!result && soup.mesh.triangle_count) result = weld(&soup.mesh, error);
+    if (!result && soup.mesh.triangle_count) result = simplify(n, &soup.mesh, most, error);
+    record->deviation = n->deviation;
+    n->run->simplified = soup.mesh.triangle_count;
+    if (!result) result = psplat_tile_mesh_write(&soup.mesh, record->deviation, path, error);
     psplat_tile_soup_free(&soup);
     free(path);
     return result;

@@ -13,6 +13,8 @@
 
 /* A small file can place one mesh very often, so that the number of batches is limited. */
 enum { MAX_BATCHES = 1 << 18 };
+/* The numbers of clip lines that sets may have. */
+enum { LINE_COUNTS = PSPLAT_MAX_CLIP_LINES + 1 };
 
 struct psplat_asset {
     psplat_arena arena; /* also holds this struct */
@@ -66,18 +68,17 @@ static void place_batch(const psplat_asset *asset, size_t index, const double wo
 }
 
 static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf,
-                               const placed_set *placed) {
+                               const placed_set *placed, size_t index) {
     const psplat_set *set = &gltf->sets[placed->set];
     const psplat_node *node = placed->node;
-    asset->packed[asset->batch_count] = set->packed;
+    asset->packed[index] = set->packed;
     if (asset->places) {
-        double *place = asset->places[asset->batch_count];
+        double *place = asset->places[index];
         place[3] = placed->place ? placed->place->scale : 1;
         for (int k = 0; k < 3 && placed->place; ++k) place[k] = placed->place->translation[k];
     }
-    if (asset->rig_nodes)
-        asset->rig_nodes[asset->batch_count] = asset->rig.index_of[node - gltf->nodes];
-    psplat_batch *batch = &asset->batches[asset->batch_count++];
+    if (asset->rig_nodes) asset->rig_nodes[index] = asset->rig.index_of[node - gltf->nodes];
+    psplat_batch *batch = &asset->batches[index];
     *batch = (psplat_batch){
         .splats = set->splats,
         .finishes = set->finishes,
@@ -102,9 +103,7 @@ static psplat_result add_batch(psplat_asset *asset, const psplat_gltf *gltf,
         .has_texcoord_bend = set->has_texcoord_bend,
         .attributes = set->attributes,
         .attribute_count = set->attribute_count};
-    place_batch(asset, asset->batch_count - 1, node->world, batch->model);
-    for (size_t l = batch->level; l <= batch->last_level; ++l)
-        asset->levels[l].splat_count += batch->splat_count;
+    place_batch(asset, index, node->world, batch->model);
     memcpy(batch->bounds_min, set->bounds_min, sizeof batch->bounds_min);
     memcpy(batch->bounds_max, set->bounds_max, sizeof batch->bounds_max);
     double min[3] = {INFINITY, INFINITY, INFINITY}, max[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -146,25 +145,6 @@ static psplat_result count_batches(const psplat_gltf *gltf, size_t *count) {
                        "the file has splats, but no node of its scene shows them");
 }
 
-/* Adds the batches of a node at one level, of those with so many clip lines. */
-static psplat_result add_node(psplat_asset *asset, const psplat_gltf *gltf, const psplat_node *node,
-                              size_t level, uint32_t lines) {
-    if (!node->in_scene || node->mesh == PSPLAT_NONE) return PSPLAT_OK;
-    const psplat_mesh_sets *mesh = &gltf->meshes[node->mesh];
-    if (level >= level_count_of(mesh)) return PSPLAT_OK;
-    const psplat_mesh_sets *sets = sets_at(gltf, mesh, level);
-    placed_set placed = {.node = node,
-                         .level = level,
-                         .place = level ? &mesh->levels[level] : NULL,
-                         .is_last = level + 1 == level_count_of(mesh)};
-    psplat_result result = PSPLAT_OK;
-    for (size_t k = 0; k < sets->set_count && !result; ++k) {
-        placed.set = sets->first_set + k;
-        if (gltf->sets[placed.set].clip_count == lines) result = add_batch(asset, gltf, &placed);
-    }
-    return result;
-}
-
 /* Takes memory for the batches of an asset and what belongs to each. */
 static psplat_result reserve_batches(psplat_asset *asset, const psplat_gltf *gltf, size_t count) {
     psplat_arena *arena = &asset->arena;
@@ -183,19 +163,80 @@ static psplat_result reserve_batches(psplat_asset *asset, const psplat_gltf *glt
     return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches", count);
 }
 
+/* Calls visit with every set of splats that the scene places, at each level that its mesh has. What
+ * is done for a node does not depend on how many levels other meshes have. */
+static psplat_result visit_placed(psplat_asset *asset, const psplat_gltf *gltf, size_t *slots,
+                                  psplat_result (*visit)(psplat_asset *asset,
+                                                         const psplat_gltf *gltf,
+                                                         const placed_set *placed, size_t *slot)) {
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < gltf->node_count; ++i) {
+        const psplat_node *node = &gltf->nodes[i];
+        if (!node->in_scene || node->mesh == PSPLAT_NONE) continue;
+        const psplat_mesh_sets *mesh = &gltf->meshes[node->mesh];
+        for (size_t level = 0; level < level_count_of(mesh); ++level) {
+            const psplat_mesh_sets *sets = sets_at(gltf, mesh, level);
+            placed_set placed = {.node = node,
+                                 .level = level,
+                                 .place = level ? &mesh->levels[level] : NULL,
+                                 .is_last = level + 1 == level_count_of(mesh)};
+            for (size_t k = 0; k < sets->set_count && !result; ++k) {
+                placed.set = sets->first_set + k;
+                result = visit(asset, gltf, &placed,
+                               &slots[level * LINE_COUNTS + gltf->sets[placed.set].clip_count]);
+            }
+        }
+    }
+    return result;
+}
+
+static psplat_result count_slot(psplat_asset *asset, const psplat_gltf *gltf,
+                                const placed_set *placed, size_t *slot) {
+    (void)asset;
+    (void)gltf;
+    (void)placed;
+    ++slot[1];
+    return PSPLAT_OK;
+}
+
+static psplat_result fill_slot(psplat_asset *asset, const psplat_gltf *gltf,
+                               const placed_set *placed, size_t *slot) {
+    return add_batch(asset, gltf, placed, (*slot)++);
+}
+
+/* Counts the splats of each level, once all batches are known: those that begin there, and those of
+ * the level before that do not end with it. */
+static void count_level_splats(psplat_asset *asset) {
+    psplat_level *levels = asset->levels;
+    for (size_t i = 0; i < asset->batch_count; ++i) {
+        const psplat_batch *batch = &asset->batches[i];
+        levels[batch->level].splat_count += batch->splat_count;
+        /* What wraps around below 0 is added to what it is taken from. */
+        if (batch->last_level + 1 < asset->level_count)
+            levels[batch->last_level + 1].splat_count -= batch->splat_count;
+    }
+    for (size_t l = 1; l < asset->level_count; ++l)
+        levels[l].splat_count += levels[l - 1].splat_count;
+}
+
 /* The finest level comes first. In each, unclipped sets come first (BSK04 section 4.1), then the
- * order is that of nodes and primitives. */
+ * order is that of nodes and primitives: a counting sort by level and lines. */
 static psplat_result make_batches(psplat_asset *asset, const psplat_gltf *gltf) {
-    size_t count = 0;
+    size_t count = 0, *slots = NULL;
     psplat_result result = count_batches(gltf, &count);
     if (!result) result = reserve_batches(asset, gltf, count);
     if (!result) result = psplat_levels_measure(gltf, asset->levels, asset->level_count);
-    for (size_t level = 0; level < asset->level_count && !result; ++level) {
-        for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; ++lines)
-            for (size_t i = 0; i < gltf->node_count && !result; ++i)
-                result = add_node(asset, gltf, &gltf->nodes[i], level, lines);
-        if (!level) asset->finest_count = asset->batch_count;
-    }
+    if (result) return result;
+    size_t slot_count = asset->level_count * LINE_COUNTS;
+    slots = psplat_arena_take(gltf->scratch, slot_count + 1, sizeof *slots);
+    if (!slots)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu batches", count);
+    visit_placed(asset, gltf, slots, count_slot);
+    for (size_t i = 0; i < slot_count; ++i) slots[i + 1] += slots[i];
+    asset->batch_count = count;
+    asset->finest_count = slots[LINE_COUNTS];
+    result = visit_placed(asset, gltf, slots, fill_slot);
+    count_level_splats(asset);
     return result;
 }
 

@@ -96,6 +96,7 @@ typedef struct psplat_mesh_level {
 /* The sets of splats that are drawn where a node places this mesh. */
 typedef struct psplat_mesh_sets {
     size_t first_set, set_count;
+    size_t splat_count;        /* of the sets of the mesh itself */
     psplat_mesh_level *levels; /* level_count of them, the mesh itself first; NULL without any */
     size_t level_count;
     psplat_json_value json_levels; /* 0 where the mesh itself has no list */

@@ -86,13 +86,6 @@ static psplat_result read_place(const level_list *l, const psplat_json_value *me
     return result;
 }
 
-static size_t count_splats(const psplat_gltf *gltf, size_t mesh) {
-    const psplat_mesh_sets *sets = &gltf->meshes[mesh];
-    size_t count = 0;
-    for (size_t i = 0; i < sets->set_count; ++i) count += gltf->sets[sets->first_set + i].count;
-    return count;
-}
-
 /* Checks the mesh of a coarser level. */
 static psplat_result check_mesh(const level_list *l, psplat_json_value value, size_t before,
                                 size_t mesh) {
@@ -101,7 +94,7 @@ static psplat_result check_mesh(const level_list *l, psplat_json_value value, si
         return fail(l, value, PSPLAT_ERROR_FORMAT, "is a mesh with levels of its own");
     if (!sets->set_count || sets->splat_mesh != PSPLAT_NONE)
         return fail(l, value, PSPLAT_ERROR_FORMAT, "is a mesh without splats of its own");
-    if (count_splats(l->gltf, mesh) >= count_splats(l->gltf, before))
+    if (sets->splat_count >= l->gltf->meshes[before].splat_count)
         return fail(l, value, PSPLAT_ERROR_FORMAT, "has no fewer splats than the level before");
     return PSPLAT_OK;
 }
@@ -183,9 +176,8 @@ psplat_result psplat_levels_measure(const psplat_gltf *gltf, psplat_level *level
         const psplat_mesh_sets *mesh = shown_mesh(gltf, &gltf->nodes[i]);
         if (!mesh || !mesh->level_count) continue;
         double stretch = psplat_matrix_stretch(gltf->nodes[i].world);
-        for (size_t l = 0; l < count; ++l) {
-            const psplat_mesh_level *from =
-                &mesh->levels[l < mesh->level_count ? l : mesh->level_count - 1];
+        for (size_t l = 0; l < mesh->level_count; ++l) {
+            const psplat_mesh_level *from = &mesh->levels[l];
             levels[l].distance = fmax(levels[l].distance, stretch * from->distance);
             levels[l].normal = fmax(levels[l].normal, from->normal);
             levels[l].outline = fmax(levels[l].outline, stretch * from->outline);
@@ -195,6 +187,13 @@ psplat_result psplat_levels_measure(const psplat_gltf *gltf, psplat_level *level
                                    "a node's transform makes errors of levels greater than what a "
                                    "double can hold");
         }
+    }
+    /* A mesh is drawn at its last level where others have more. No error falls from level to level,
+     * so that what the level before has is what such meshes leave. */
+    for (size_t l = 1; l < count; ++l) {
+        levels[l].distance = fmax(levels[l].distance, levels[l - 1].distance);
+        levels[l].normal = fmax(levels[l].normal, levels[l - 1].normal);
+        levels[l].outline = fmax(levels[l].outline, levels[l - 1].outline);
     }
     return PSPLAT_OK;
 }

@@ -82,6 +82,8 @@ static psplat_result parse_mesh(psplat_gltf *gltf, psplat_json_value mesh, pspla
     for (; primitive && !result; primitive = psplat_json_next(&gltf->json, array, primitive))
         result = parse_primitive(gltf, primitive, sets);
     sets->set_count = gltf->set_count - sets->first_set;
+    for (size_t i = 0; i < sets->set_count; ++i)
+        sets->splat_count += gltf->sets[sets->first_set + i].count;
     return result ? result : psplat_fallback_mesh_parse(gltf, found[1], sets);
 }
 

@@ -218,15 +218,20 @@ case_replaced() {
     expect_success
 }
 
-# The Makefile calls the program wherever it lies.
+# The Makefile calls the program wherever it lies and whatever it is called, unless PHONGSPLAT says otherwise.
 case_program_path() {
     "$MAKE_TERRAIN" 4 >terrain.ply
     mkdir 'a #$b `c"\d'
-    cp "$PHONGSPLAT" 'a #$b `c"\d/phongsplat'
-    run 'a #$b `c"\d/phongsplat' tile plan terrain.ply out -t 10 --effort 0
+    cp "$PHONGSPLAT" 'a #$b `c"\d/my $splats'
+    run 'a #$b `c"\d/my $splats' tile plan terrain.ply out -t 10 --effort 0
     expect_success
-    make -s -C out >/dev/null || fail "make"
+    env -u PHONGSPLAT make -s -C out >/dev/null || fail "make"
     [ -e out/tileset.json ] || fail "no tileset"
+    rm out/tileset.json
+    printf '#!/bin/sh\necho "$@" >>called.txt\n' >other
+    chmod +x other
+    env -u PHONGSPLAT make -s -C out PHONGSPLAT="$PWD/other" >/dev/null || fail "make PHONGSPLAT="
+    [ "$(cat out/called.txt)" = "tile merge ." ] || fail "another program was called: $(cat out/called.txt)"
 }
 
 # Broken promises stay in the records: merge says how many tasks break which, and its exit code is 9.

@@ -27,6 +27,27 @@
 
 enum { GRID = 40, TRIANGLES = 2 * GRID * GRID, VERTICES = (GRID + 1) * (GRID + 1) };
 
+static char directory[64], stl_file[96], ply_file[96], store_file[96], absent_file[96];
+
+static int set_up(void **state) {
+    (void)state;
+    strcpy(directory, "/tmp/phongsplat-blocks-XXXXXX");
+    if (!mkdtemp(directory)) return -1;
+    snprintf(stl_file, sizeof stl_file, "%s/blocks.stl", directory);
+    snprintf(ply_file, sizeof ply_file, "%s/blocks.ply", directory);
+    snprintf(store_file, sizeof store_file, "%s/blocks.store", directory);
+    snprintf(absent_file, sizeof absent_file, "%s/absent/store", directory);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    remove(stl_file);
+    remove(ply_file);
+    remove(store_file);
+    return rmdir(directory); /* which fails where a test has left something else */
+}
+
 /* A bumpy square of TRIANGLES triangles, more of them where x and z are small, with colours. */
 typedef struct source {
     double vertices[VERTICES][3];
@@ -167,11 +188,11 @@ static void check_stream(const source *s, const char *path, int is_single, int h
 static void streams_hold_the_triangles_of_files(void **state) {
     (void)state;
     source *s = make_source();
-    write_stl(s, "blocks.stl");
-    check_stream(s, "blocks.stl", 1, 0);
+    write_stl(s, stl_file);
+    check_stream(s, stl_file, 1, 0);
     for (int kind = 0; kind < 4; ++kind) {
-        write_ply(s, "blocks.ply", kind & 1, kind >> 1, 0);
-        check_stream(s, "blocks.ply", !(kind >> 1), 1);
+        write_ply(s, ply_file, kind & 1, kind >> 1, 0);
+        check_stream(s, ply_file, !(kind >> 1), 1);
     }
     free(s);
 }
@@ -185,8 +206,8 @@ static void squares_become_two_triangles(void **state) {
     psplat_error error = {0};
     size_t count = 0;
     double sum = 0, expected = 0;
-    write_ply(s, "blocks.ply", 0, 0, 1);
-    psplat_triangle_stream *stream = open_stream("blocks.ply");
+    write_ply(s, ply_file, 0, 0, 1);
+    psplat_triangle_stream *stream = open_stream(ply_file);
     for (int got = 1; got; count += (size_t)got) {
         assert_int_equal(psplat_triangle_stream_next(stream, &t, &got, &error), PSPLAT_OK);
         const double *p = t.positions; /* the area above the plane of x and z, which has a sign */
@@ -210,17 +231,17 @@ static void broken_files_are_refused(void **state) {
     psplat_error error = {0};
     int got = 1;
     s->triangles[700][1] = VERTICES; /* no vertex */
-    write_ply(s, "blocks.ply", 0, 0, 0);
-    psplat_triangle_stream *stream = open_stream("blocks.ply");
+    write_ply(s, ply_file, 0, 0, 0);
+    psplat_triangle_stream *stream = open_stream(ply_file);
     psplat_result result = PSPLAT_OK;
     while (got && !result) result = psplat_triangle_stream_next(stream, &t, &got, &error);
     assert_int_equal(result, PSPLAT_ERROR_RANGE);
     assert_non_null(strstr(error.text, "face 700: a corner is not the index of a vertex"));
     psplat_triangle_stream_close(stream);
     s->triangles[700][1] = 0;
-    write_ply(s, "blocks.ply", 0, 0, 0);
-    assert_int_equal(truncate("blocks.ply", 60000), 0);
-    stream = open_stream("blocks.ply");
+    write_ply(s, ply_file, 0, 0, 0);
+    assert_int_equal(truncate(ply_file, 60000), 0);
+    stream = open_stream(ply_file);
     result = PSPLAT_OK;
     for (got = 1; got && !result;) result = psplat_triangle_stream_next(stream, &t, &got, &error);
     assert_int_equal(result, PSPLAT_ERROR_FORMAT);
@@ -300,8 +321,7 @@ static size_t check_cell(const source *s, const psplat_tile_leaves *leaves, size
     assert_string_equal(leaf->path, cell->path);
     assert_int_equal(leaf->count, held);
     list->source = s;
-    assert_int_equal(psplat_tile_leaf_read(leaves, at, "blocks.store", take, list, &error),
-                     PSPLAT_OK);
+    assert_int_equal(psplat_tile_leaf_read(leaves, at, store_file, take, list, &error), PSPLAT_OK);
     assert_int_equal(list->count, held);
     for (size_t i = 0; i < held; ++i) {
         double c[3];
@@ -320,16 +340,16 @@ static psplat_tile_leaves sort_file(const char *path, uint64_t most) {
     psplat_tile_leaves leaves = {0};
     psplat_error error = {0};
     psplat_triangle_stream *stream = open_stream(path);
-    if (psplat_tile_leaves_sort(stream, most, "blocks.store", &leaves, &error))
+    if (psplat_tile_leaves_sort(stream, most, store_file, &leaves, &error))
         fail_msg("%s", error.text);
     psplat_triangle_stream_close(stream);
     return leaves;
 }
 
 static void check_blocks(const source *s, const uint64_t *sizes, size_t size_count) {
-    write_stl(s, "blocks.stl");
+    write_stl(s, stl_file);
     for (size_t i = 0; i < size_count; ++i) {
-        psplat_tile_leaves leaves = sort_file("blocks.stl", sizes[i]);
+        psplat_tile_leaves leaves = sort_file(stl_file, sizes[i]);
         uint64_t sum = 0;
         for (size_t k = 0; k < leaves.count; ++k) sum += leaves.leaves[k].count;
         assert_int_equal(sum, TRIANGLES);
@@ -353,7 +373,7 @@ static void far_points_do_not_fill_blocks(void **state) {
     source *s = make_source();
     s->vertices[0][0] = 1e5;
     check_blocks(s, (const uint64_t[]){1000, 130}, 2);
-    psplat_tile_leaves leaves = sort_file("blocks.stl", 130);
+    psplat_tile_leaves leaves = sort_file(stl_file, 130);
     assert_true(leaves.count >= TRIANGLES / 130);
     for (size_t i = 0; i < leaves.count; ++i) assert_true(leaves.leaves[i].count <= 130);
     psplat_tile_leaves_free(&leaves);
@@ -374,8 +394,8 @@ static void closed_surfaces_are_noticed(void **state) {
         for (uint32_t v = 0; v < VERTICES; ++v)
             for (uint32_t k = 0; k < 3; ++k) s->vertices[v][k] = v % 4 == k + 1 ? 1 + v / 4 : v / 4;
         if (is_turned) s->triangles[5][0] = s->triangles[5][1];
-        write_stl(s, "blocks.stl");
-        psplat_tile_leaves leaves = sort_file("blocks.stl", 500);
+        write_stl(s, stl_file);
+        psplat_tile_leaves leaves = sort_file(stl_file, 500);
         /* VERTICES is odd, so that the last tetrahedra share vertices: they are closed all the
          * same. */
         assert_int_equal(leaves.is_closed, !is_turned);
@@ -390,16 +410,16 @@ static void stores_that_fail_are_told(void **state) {
     psplat_tile_leaves leaves = {0};
     psplat_error error = {0};
     psplat_tile_soup soup = {0};
-    write_stl(s, "blocks.stl");
-    psplat_triangle_stream *stream = open_stream("blocks.stl");
-    assert_int_equal(psplat_tile_leaves_sort(stream, 500, "absent/store", &leaves, &error),
+    write_stl(s, stl_file);
+    psplat_triangle_stream *stream = open_stream(stl_file);
+    assert_int_equal(psplat_tile_leaves_sort(stream, 500, absent_file, &leaves, &error),
                      PSPLAT_ERROR_WRITE);
     assert_non_null(strstr(error.text, "absent/store: cannot be created"));
     psplat_triangle_stream_close(stream);
-    leaves = sort_file("blocks.stl", 500);
-    assert_int_equal(truncate("blocks.store", 1000), 0);
+    leaves = sort_file(stl_file, 500);
+    assert_int_equal(truncate(store_file, 1000), 0);
     assert_int_equal(
-        psplat_tile_leaf_read(&leaves, 0, "blocks.store", psplat_tile_soup_add, &soup, &error),
+        psplat_tile_leaf_read(&leaves, 0, store_file, psplat_tile_soup_add, &soup, &error),
         PSPLAT_ERROR_FORMAT);
     assert_non_null(strstr(error.text, "blocks.store: ends before the triangles of block"));
     psplat_tile_soup_free(&soup);
@@ -423,8 +443,8 @@ static void tasks_see_their_aprons(void **state) {
     (void)state;
     source *s = make_source();
     psplat_tile_tasks tasks;
-    write_stl(s, "blocks.stl");
-    psplat_tile_leaves leaves = sort_file("blocks.stl", 130);
+    write_stl(s, stl_file);
+    psplat_tile_leaves leaves = sort_file(stl_file, 130);
     assert_int_equal(psplat_tile_tasks_make(&leaves, 0.2, &tasks), PSPLAT_OK);
     assert_int_equal(tasks.count, 2 * leaves.count - 1);
     for (size_t i = 0; i < tasks.count; ++i) {
@@ -459,5 +479,5 @@ int test_blocks_main(void) {
         cmocka_unit_test(stores_that_fail_are_told),
         cmocka_unit_test(tasks_see_their_aprons),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, set_up, tear_down);
 }

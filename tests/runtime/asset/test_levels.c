@@ -99,6 +99,34 @@ static void test_fewer_levels(void **state) {
     free(text);
 }
 
+/* A mesh that ends before others is drawn at its last level beside all coarser ones, with its
+ * errors and its splats. */
+static void test_ended_levels(void **state) {
+    (void)state;
+    char *text = bundled();
+    document_replace(&text, "\"nodes\": [0]", "\"nodes\": [0, 1]");
+    document_replace(&text, "\"mesh\": 0 }", "\"mesh\": 0 }, { \"mesh\": 1 }");
+    document_replace(
+        &text, "\"meshes\": [",
+        "\"meshes\": [{ \"primitives\": [{ \"mode\": 0, \"attributes\": { \"POSITION\": 0, "
+        "\"NORMAL\": 1, \"_PSPLAT_surface_splats:ROTATION\": 2, "
+        "\"_PSPLAT_surface_splats:SCALE\": 3 }, \"material\": 0, \"extensions\": { "
+        "\"PSPLAT_surface_splats\": { \"version\": 1, \"clipLines\": 0, "
+        "\"depthTolerance\": 0.01, \"positionExtent\": [2, 2, 0], \"levels\": [ { "
+        "\"distance\": 0.01, \"normal\": 1, \"outline\": 0.01 }, { \"mesh\": 2, \"distance\": "
+        "0.5, \"normal\": 20, \"outline\": 0.75, \"scale\": 2 } ] } } }] },");
+    document_replace(&text, "\"mesh\": 2, \"distance\": 1", "\"mesh\": 3, \"distance\": 1");
+    document_replace(&text, "\"mesh\": 1, \"distance\"", "\"mesh\": 2, \"distance\"");
+    psplat_asset *asset = open_text(text);
+    check_level(asset, 0, &(psplat_level){0.05, 1.5, 0.02, 8});
+    check_level(asset, 1, &(psplat_level){0.5, 20, 0.75, 4});
+    check_level(asset, 2, &(psplat_level){1, 20, 0.75, 3});
+    assert_int_equal(psplat_asset_batch_count(asset), 2);
+    assert_int_equal(psplat_asset_all_batch_count(asset), 5);
+    psplat_asset_destroy(asset);
+    free(text);
+}
+
 /* What stands in for splats with levels has them too. */
 static void test_stand_in(void **state) {
     (void)state;
@@ -279,12 +307,19 @@ static void test_memory(void **state) {
 
 int test_levels_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_levels_of_file), cmocka_unit_test(test_places),
-        cmocka_unit_test(test_fewer_levels),   cmocka_unit_test(test_stand_in),
-        cmocka_unit_test(test_without_levels), cmocka_unit_test(test_refused_meshes),
-        cmocka_unit_test(test_refused_kinds),  cmocka_unit_test(test_refused_stand_in),
-        cmocka_unit_test(test_refused_errors), cmocka_unit_test(test_refused_places),
-        cmocka_unit_test(test_memory),         cmocka_unit_test(test_refused_second_primitive),
+        cmocka_unit_test(test_levels_of_file),
+        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_fewer_levels),
+        cmocka_unit_test(test_ended_levels),
+        cmocka_unit_test(test_stand_in),
+        cmocka_unit_test(test_without_levels),
+        cmocka_unit_test(test_refused_meshes),
+        cmocka_unit_test(test_refused_kinds),
+        cmocka_unit_test(test_refused_stand_in),
+        cmocka_unit_test(test_refused_errors),
+        cmocka_unit_test(test_refused_places),
+        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_refused_second_primitive),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
