@@ -155,8 +155,8 @@ static void check_file(const written *w, const psplat_codec *codec, float low, f
     psplat_splats splats = writer_splats(w, 3);
     size_t compared = 0, bare = 0;
     uint8_t *data;
+    add_textures(&splats.materials[0]); /* One does not repeat: coordinates stay where they are. */
     add_texcoords(&splats, low, high);
-    add_textures(&splats.materials[0]);
     psplat_asset *asset = write_and_open(&scene, &splats, codec, &data);
     check_images(asset);
     for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
@@ -185,6 +185,7 @@ static void test_round_trip(void **state) {
     for (int i = 0; i < 2; ++i) {
         check_file(&floats, codecs[i], 0, 1);
         check_file(&integers, codecs[i], 0, 1);
+        check_file(&integers, codecs[i], -1, 1);
         check_file(&integers, codecs[i], -40, 70);
     }
 }
@@ -205,6 +206,44 @@ static void test_version(void **state) {
         assert_int_equal(strstr(json, "TEXCOORD_0") != NULL, textured);
         assert_null(strstr(json, "TEXCOORD_UU"));
         assert_null(strstr(json, "images"));
+        free(json);
+        free(data);
+        psplat_splats_free(&splats);
+        free_scene(&scene);
+    }
+}
+
+/* Counts how often a text occurs. */
+static size_t count_of(const char *text, const char *part) {
+    size_t count = 0;
+    for (const char *at = strstr(text, part); at; at = strstr(at + 1, part)) ++count;
+    return count;
+}
+
+/* Streams hold coordinates but for a coarse TEXCOORD_0: bytes where these are from 0 or -1 to 1.
+ * Here it has the only bytes that are normalized. */
+static void test_streamed(void **state) {
+    (void)state;
+    static const struct {
+        float low, high;
+        const char *type; /* NULL: floats */
+    } cases[] = {{0, 1, "\"componentType\":5121,\"normalized\":true"},
+                 {-1, 1, "\"componentType\":5120,\"normalized\":true"},
+                 {-3, 1, NULL}};
+    written w = {.count = 40, .size = 1, .precision = usual_steps, .lines = 6};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        psplat_image images[IMAGES];
+        psplat_scene scene = textured_scene(images);
+        psplat_splats splats = writer_splats(&w, 4);
+        uint8_t *data = NULL;
+        add_textures(&splats.materials[0]);
+        add_texcoords(&splats, cases[i].low, cases[i].high);
+        psplat_asset_destroy(write_and_open(&scene, &splats, &psplat_meshopt_codec, &data));
+        char *json = writer_json(data);
+        assert_non_null(strstr(json, "\"version\":4"));
+        assert_int_equal(count_of(json, "TEXCOORD"), 1);
+        assert_int_equal(count_of(json, "\"normalized\""), cases[i].type != NULL);
+        if (cases[i].type) assert_non_null(strstr(json, cases[i].type));
         free(json);
         free(data);
         psplat_splats_free(&splats);
@@ -262,6 +301,7 @@ int test_textured_file_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_round_trip),
         cmocka_unit_test(test_version),
+        cmocka_unit_test(test_streamed),
         cmocka_unit_test(test_normal_texture),
         cmocka_unit_test(test_refused),
     };
