@@ -443,9 +443,9 @@ static uint8_t *put_coarse_texcoord(double step, int32_t steps, int type, psplat
 static void put_coarse_texcoords(const psplat_attribute_table *table, size_t index, int type,
                                  psplat_view_filter filter, uint8_t *out) {
     for (int k = 0; k < 2; ++k)
-        out = put_coarse_texcoord(coarse_texcoord_step(table),
-                                  psplat_stream_coarse_texcoord(table, index, k), type, filter,
-                                  out);
+        out =
+            put_coarse_texcoord(coarse_texcoord_step(table),
+                                psplat_stream_coarse_texcoord(table, index, k), type, filter, out);
 }
 
 /* Writes an attribute of a primitive's splats, stride bytes apart. */
@@ -542,8 +542,7 @@ static int add_mesh(const psplat_buffer_layout_plan *plan, psplat_buffer_layout 
     for (size_t i = first; i <= last; ++i)
         for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind) {
             psplat_primitive_layout *primitive = &layout->primitives[i];
-            if (primitive->formats[kind].components &&
-                is_apart(plan, layout, primitive, kind) &&
+            if (primitive->formats[kind].components && is_apart(plan, layout, primitive, kind) &&
                 !add_separate_attribute(layout, primitive, kind))
                 return 0;
         }

@@ -24,10 +24,10 @@ enum {
     WINDOW = 32,     /* splats among which the nearest is looked for */
     LEAST_BYTES = 3, /* of a stream, for each splat (spec 3.12) */
     MOST_LENGTH = 17,
-    MOST_TEXCOORD = 32767,          /* of numbers of the first and second order */
+    MOST_TEXCOORD = 32767, /* of numbers of the first and second order */
     MOST_TEXCOORD_LOW_BITS = 15,
-    COARSE_TEXCOORD_POWER = -6,     /* TEXCOORD_0 beside a stream is on a grid of 1/64 */
-    ADAPTED = 40 /* the most bits that a probability remembers */
+    COARSE_TEXCOORD_POWER = -6, /* TEXCOORD_0 beside a stream is on a grid of 1/64 */
+    ADAPTED = 40                /* the most bits that a probability remembers */
 };
 
 enum { CURVED = 1, OWN_FIELD = 2, BENDS = 4, TILTED = 8, GAMMA = 16, TEXCOORD_BENDS = 32 };
@@ -426,9 +426,8 @@ static long nearest_in_chart(const common *c, const uint32_t *order, size_t at) 
     for (size_t i = 1; i <= WINDOW && i <= at; ++i) {
         double places = 0, images = 0;
         for (int k = 0; k < 3; ++k) {
-            double d =
-                psplat_stream_coarse_position(c->table, order[at - i], k, c->low_bits) -
-                psplat_stream_coarse_position(c->table, order[at], k, c->low_bits);
+            double d = psplat_stream_coarse_position(c->table, order[at - i], k, c->low_bits) -
+                       psplat_stream_coarse_position(c->table, order[at], k, c->low_bits);
             places += d * d;
         }
         for (int k = 0; k < 2; ++k) {

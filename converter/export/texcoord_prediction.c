@@ -112,8 +112,8 @@ void psplat_texcoord_predict_move(const psplat_texcoord_field *from,
         gradient(to, k, second);
         change(from, k, d, curves[0]);
         change(to, k, d, curves[1]);
-        move[k] = (dot3(first, d) + dot3(second, d)) / 2 +
-                  (dot3(curves[0], d) - dot3(curves[1], d)) / 12;
+        move[k] =
+            (dot3(first, d) + dot3(second, d)) / 2 + (dot3(curves[0], d) - dot3(curves[1], d)) / 12;
     }
 }
 

@@ -10,9 +10,9 @@
 
 /* Texture coordinates over the plane of a splat, as a reader of a stream computes with them. */
 typedef struct psplat_texcoord_field {
-    double center[3];  /* units of POSITION */
-    double axes[3][3]; /* U, V and N */
-    double radius[2];  /* units of POSITION */
+    double center[3];                /* units of POSITION */
+    double axes[3][3];               /* U, V and N */
+    double radius[2];                /* units of POSITION */
     double along[2][2], bends[3][2]; /* the change with u and v, and with uu, uv and vv */
 } psplat_texcoord_field;
 

@@ -28,12 +28,20 @@ enum {
     MOST_LENGTH = 17, /* of the unary part of a number */
     MOST_RADIUS = 65535,
     MOST_TEXCOORD_LOW_BITS = 15,
-    MOST_TEXCOORD = 32767,           /* of numbers of the first and second order */
+    MOST_TEXCOORD = 32767,            /* of numbers of the first and second order */
     MOST_TEXCOORD_AT = (1 << 23) - 1, /* of those at centres, steps */
-    ADAPTED = 40 /* the most bits that a probability remembers */
+    ADAPTED = 40                      /* the most bits that a probability remembers */
 };
 
-enum { CURVED = 1, OWN_FIELD = 2, BENDS = 4, TILTED = 8, GAMMA = 16, TEXCOORD_BENDS = 32, FLAGS = 63 };
+enum {
+    CURVED = 1,
+    OWN_FIELD = 2,
+    BENDS = 4,
+    TILTED = 8,
+    GAMMA = 16,
+    TEXCOORD_BENDS = 32,
+    FLAGS = 63
+};
 
 /* The floats of a row. */
 enum {
@@ -205,8 +213,8 @@ typedef struct code {
     int32_t low[3], radius[2], normal[2], turn, tilt[2], field[3], shape[3];
     uint32_t line_count;
     int32_t lines[PSPLAT_MAX_CLIP_LINES][3];
-    int32_t coarse[2]; /* TEXCOORD_0, in its own steps */
-    int32_t texcoords[6][2]; /* at the centre, along u and v, uu, uv and vv */
+    int32_t coarse[2];            /* TEXCOORD_0, in its own steps */
+    int32_t texcoords[6][2];      /* at the centre, along u and v, uu, uv and vv */
     psplat_stream_texcoord image; /* where there are texture coordinates */
 } code;
 
@@ -429,8 +437,7 @@ static void start_field(const psplat_stream *s, code *c) {
                                 f->axes);
     for (int k = 0; k < 3; ++k)
         f->center[k] = c->place[k] + (double)c->low[k] / (double)(1u << s->low_bits);
-    for (int k = 0; k < 2; ++k)
-        f->radius[k] = s->first_radius * exp(c->radius[k] * s->radius_step);
+    for (int k = 0; k < 2; ++k) f->radius[k] = s->first_radius * exp(c->radius[k] * s->radius_step);
 }
 
 /* Reads a number next to a prediction. */
@@ -589,8 +596,7 @@ static psplat_result read_splats(psplat_gltf *gltf, const psplat_readers *beside
             float row[ROW] = {0};
             code c = {.radius = {0, 0}};
             if (!read_beside(s, beside, i, &c))
-                return fail(gltf, s, PSPLAT_ERROR_RANGE,
-                            "is beside a TEXCOORD_0 out of range");
+                return fail(gltf, s, PSPLAT_ERROR_RANGE, "is beside a TEXCOORD_0 out of range");
             read_frame(d, nearest(d, i, c.place), s->spent[section], &c);
             if (!d->is_damaged) read_field(d, kind, s->spent[section], &c);
             if (!d->is_damaged) read_lines(d, kind, s->spent[section], &c);

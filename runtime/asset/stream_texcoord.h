@@ -10,9 +10,9 @@
 
 /* Texture coordinates over the plane of a splat. */
 typedef struct psplat_stream_texcoord {
-    double center[3];  /* units of POSITION */
-    double axes[3][3]; /* U, V and N */
-    double radius[2];  /* units of POSITION */
+    double center[3];                /* units of POSITION */
+    double axes[3][3];               /* U, V and N */
+    double radius[2];                /* units of POSITION */
     double along[2][2], bends[3][2]; /* the change with u and v, and with uu, uv and vv */
 } psplat_stream_texcoord;
 

@@ -35,17 +35,15 @@ static double value_at(const image *i, int k, double x, double y) {
 static psplat_texcoord_field field_at(const image *image, double x, double y, double angle,
                                       double large, double small) {
     double c = cos(angle), s = sin(angle);
-    psplat_texcoord_field f = {.center = {x, y, 0},
-                               .axes = {{c, s, 0}, {-s, c, 0}, {0, 0, 1}},
-                               .radius = {large, small}};
+    psplat_texcoord_field f = {
+        .center = {x, y, 0}, .axes = {{c, s, 0}, {-s, c, 0}, {0, 0, 1}}, .radius = {large, small}};
     for (int k = 0; k < 2; ++k) {
         const double *g = image->gradient[k], *h = image->hessian[k];
         double gx = g[0] + h[0] * x + h[1] * y, gy = g[1] + h[1] * x + h[2] * y;
         f.along[0][k] = large * (c * gx + s * gy);
         f.along[1][k] = small * (c * gy - s * gx);
         f.bends[0][k] = large * large / 2 * (c * c * h[0] + 2 * c * s * h[1] + s * s * h[2]);
-        f.bends[1][k] =
-            large * small * (c * s * (h[2] - h[0]) + (c * c - s * s) * h[1]);
+        f.bends[1][k] = large * small * (c * s * (h[2] - h[0]) + (c * c - s * s) * h[1]);
         f.bends[2][k] = small * small / 2 * (s * s * h[0] - 2 * c * s * h[1] + c * c * h[2]);
     }
     return f;
@@ -92,9 +90,8 @@ static void test_turned(void **state) {
     psplat_texcoord_field from = {.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
                                   .radius = {1, 1},
                                   .along = {{0.5, 0.25}, {-0.125, 1}}};
-    psplat_texcoord_field wall = {.center = {1, 0, -1},
-                                  .axes = {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}},
-                                  .radius = {2, 1}};
+    psplat_texcoord_field wall = {
+        .center = {1, 0, -1}, .axes = {{0, 0, -1}, {0, 1, 0}, {1, 0, 0}}, .radius = {2, 1}};
     psplat_texcoord_field back = {.axes = {{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}, .radius = {1, 1}};
     double along[2][2];
     psplat_texcoord_predict_slopes(&from, &wall, along);
@@ -112,9 +109,9 @@ static void test_rounding(void **state) {
         double prediction;
         int32_t rounded;
         int is_safe;
-    } cases[] = {{0, 0, 1},       {0.5, 0, 1},           {0.52, 1, 1},          {-0.5, -1, 1},
-                 {-0.48, 0, 1},   {0.51, 1, 0},          {0.51 - 1e-9, 0, 0},   {0.51 - 1e-7, 0, 1},
-                 {0.51 + 1e-7, 1, 1}, {1e30, 100, 1},    {-INFINITY, -100, 1},  {NAN, 0, 1}};
+    } cases[] = {{0, 0, 1},           {0.5, 0, 1},    {0.52, 1, 1},         {-0.5, -1, 1},
+                 {-0.48, 0, 1},       {0.51, 1, 0},   {0.51 - 1e-9, 0, 0},  {0.51 - 1e-7, 0, 1},
+                 {0.51 + 1e-7, 1, 1}, {1e30, 100, 1}, {-INFINITY, -100, 1}, {NAN, 0, 1}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         int is_safe = 1;
         assert_int_equal(psplat_texcoord_round(cases[i].prediction, 100, &is_safe),

@@ -299,10 +299,8 @@ static void test_refused(void **state) {
 
 int test_textured_file_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_version),
-        cmocka_unit_test(test_streamed),
-        cmocka_unit_test(test_normal_texture),
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_version),
+        cmocka_unit_test(test_streamed),   cmocka_unit_test(test_normal_texture),
         cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -182,9 +182,9 @@ static void check_file(const old_file *file) {
         assert_true(batch->depth_tolerance > 0);
         /* Curved splats and bent lines came with version 3. */
         int is_streamed = !strcmp(file->name, "10-streamed.glb");
-        assert_int_equal(batch->is_curved,
-                         strstr(file->name, "8-") != NULL || (is_streamed && b == 0) ||
-                             !strcmp(file->name, "11-texcoords.glb"));
+        assert_int_equal(batch->is_curved, strstr(file->name, "8-") != NULL ||
+                                               (is_streamed && b == 0) ||
+                                               !strcmp(file->name, "11-texcoords.glb"));
         assert_int_equal(batch->has_shape, !strcmp(file->name, "compressed/8-shapes.glb"));
         assert_int_equal(batch->has_bends, is_streamed || !strcmp(file->name, "8-curved.glb") ||
                                                !strcmp(file->name, "11-texcoords.glb"));

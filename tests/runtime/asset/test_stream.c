@@ -88,9 +88,9 @@ static void test_head(void **state) {
                   {9, 8, PSPLAT_ERROR_RANGE, "head out of range"},
                   {10, 5, PSPLAT_ERROR_RANGE, "head out of range"},
                   {11, 1, PSPLAT_ERROR_RANGE, "head out of range"}, /* what follows is no step */
-                  {15, 0xc0, PSPLAT_ERROR_RANGE, "below 0"},   /* sharpness -4 */
-                  {35, 0xff, PSPLAT_ERROR_RANGE, "below 0"},   /* least radius */
-                  {HEAD, 0, PSPLAT_ERROR_RANGE, "values for"}, /* 0 splats, or another count */
+                  {15, 0xc0, PSPLAT_ERROR_RANGE, "below 0"},        /* sharpness -4 */
+                  {35, 0xff, PSPLAT_ERROR_RANGE, "below 0"},        /* least radius */
+                  {HEAD, 0, PSPLAT_ERROR_RANGE, "values for"},      /* 0 splats, or another count */
                   {HEAD + 3, 1, PSPLAT_ERROR_RANGE, "more splats"},
                   {HEAD + 7, 0xff, PSPLAT_ERROR_RANGE, "section out of range"},
                   {HEAD + 8, 5, PSPLAT_ERROR_RANGE, "section out of range"},
@@ -120,8 +120,8 @@ static void test_texcoord_head(void **state) {
         const char *what;
     } faults[] = {
         {11, 17, PSPLAT_ERROR_RANGE, "head out of range"},
-        {HEAD, 1, PSPLAT_ERROR_RANGE, "head out of range"},          /* no power of two */
-        {HEAD + 3, 0xbf, PSPLAT_ERROR_RANGE, "below 0"},             /* a step below 0 */
+        {HEAD, 1, PSPLAT_ERROR_RANGE, "head out of range"}, /* no power of two */
+        {HEAD + 3, 0xbf, PSPLAT_ERROR_RANGE, "below 0"},    /* a step below 0 */
         {HEAD + 3, 0x20, PSPLAT_ERROR_RANGE, "TEXCOORD_0 out of range"},
         {HEAD + 7, 0xff, PSPLAT_ERROR_RANGE, "below 0"},
         {HEAD + 11, 0xff, PSPLAT_ERROR_RANGE, "below 0"},
@@ -170,11 +170,10 @@ static void test_texcoord_attributes(void **state) {
         const char *to;
         psplat_result result;
         const char *what;
-    } faults[] = {
-        {"\"TEXCOORD_0\":1", PSPLAT_OK, ""},
-        {"\"TEXCOORD_9\":1", PSPLAT_ERROR_FORMAT, "TEXCOORD_0"},
-        {"\"TEXCOORD_0\":1,\"PSPLAT_surface_splats:TEXCOORD_U\":1", PSPLAT_ERROR_FORMAT,
-         "although the primitive has a stream"}};
+    } faults[] = {{"\"TEXCOORD_0\":1", PSPLAT_OK, ""},
+                  {"\"TEXCOORD_9\":1", PSPLAT_ERROR_FORMAT, "TEXCOORD_0"},
+                  {"\"TEXCOORD_0\":1,\"PSPLAT_surface_splats:TEXCOORD_U\":1", PSPLAT_ERROR_FORMAT,
+                   "although the primitive has a stream"}};
     for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
         file f = read_textured();
         edit(&f, "\"TEXCOORD_0\":1", faults[i].to);
