@@ -251,6 +251,61 @@ static void test_streamed(void **state) {
     }
 }
 
+/* Returns the step of radii, a float as streams have it, with which n times the ratio of two radii
+ * a step apart is n + part, as nearly as for any n up to 60. */
+static double step_for(double part, int *n) {
+    double least = HUGE_VAL, found = 0;
+    for (int i = 2; i <= 60; ++i) {
+        double step = (double)(float)log((i + part) / i);
+        double off = fabs(i * (exp(step) - 1) - part);
+        if (off < least) least = off, found = step, *n = i;
+    }
+    assert_in_range((long)(least * 1e12), 0, 5000); /* Near enough: 5e-9. */
+    return found;
+}
+
+/* Two discs on a plane whose radii are a step apart. The change along u is n steps on the first, so
+ * that on the second n + part are predicted. */
+static void put_discs(psplat_splats *s, double part) {
+    psplat_precision *p = &s->precision;
+    int n = 0;
+    p->scale_step = step_for(part, &n);
+    for (int i = 0; i < 2; ++i) {
+        psplat_splat *disc = &s->splats[i];
+        psplat_texcoord texcoord = {.at = {0.25f, 0.25f}};
+        *disc = s->splats[0];
+        for (int k = 0; k < 3; ++k) disc->center[k] = (float)(4 * i * p->unit);
+        for (int k = 0; k < 2; ++k)
+            disc->radius[k] = (float)(p->unit * exp((100 + i) * p->scale_step));
+        texcoord.along_u[0] = (float)(n * p->texcoord_slope_step);
+        s->texcoords[i] = texcoord;
+    }
+    psplat_round_to_precision(s);
+}
+
+/* Where the last bits of a reader's arithmetic would decide what is predicted, coordinates stay in
+ * accessors. */
+static void test_ambiguous(void **state) {
+    (void)state;
+    written w = {.count = 2, .size = 1, .precision = usual_steps, .lines = 1};
+    for (int ambiguous = 0; ambiguous < 2; ++ambiguous) {
+        psplat_image images[IMAGES];
+        psplat_scene scene = textured_scene(images);
+        psplat_splats splats = writer_splats(&w, 4);
+        uint8_t *data = NULL;
+        add_texcoords(&splats, 0, 1);
+        put_discs(&splats, ambiguous ? 0.51 : 0.35);
+        psplat_asset_destroy(write_and_open(&scene, &splats, &psplat_meshopt_codec, &data));
+        char *json = writer_json(data);
+        assert_non_null(strstr(json, "\"version\":4"));
+        assert_int_equal(strstr(json, "TEXCOORD_U") != NULL, ambiguous);
+        free(json);
+        free(data);
+        psplat_splats_free(&splats);
+        free_scene(&scene);
+    }
+}
+
 /* The normal texture stands in the extension's own object, since glTF's own wants tangents. */
 static void test_normal_texture(void **state) {
     (void)state;
@@ -299,9 +354,9 @@ static void test_refused(void **state) {
 
 int test_textured_file_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_version),
-        cmocka_unit_test(test_streamed),   cmocka_unit_test(test_normal_texture),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_round_trip),     cmocka_unit_test(test_version),
+        cmocka_unit_test(test_streamed),       cmocka_unit_test(test_ambiguous),
+        cmocka_unit_test(test_normal_texture), cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
