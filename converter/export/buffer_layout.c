@@ -237,11 +237,13 @@ static int make_primitives(const psplat_buffer_layout_plan *plan, psplat_buffer_
 
 /* ---- streams -------------------------------------------------------------------------------- */
 
-/* Returns whether streams hold a kind. A new kind must not come to lie between these unless they
- * do. */
-static int is_in_stream(size_t kind) {
+/* Returns whether the stream of a primitive holds a kind. A new kind must not come to lie between
+ * these unless it does. */
+static int is_in_stream(const psplat_primitive_layout *primitive, size_t kind) {
     return kind == PSPLAT_ATTRIBUTE_NORMAL ||
-           (kind >= PSPLAT_ATTRIBUTE_ROTATION && kind < PSPLAT_ATTRIBUTE_COLOR_U);
+           (kind >= PSPLAT_ATTRIBUTE_ROTATION && kind < PSPLAT_ATTRIBUTE_COLOR_U) ||
+           (primitive->streams_texcoords && kind >= PSPLAT_ATTRIBUTE_TEXCOORD_U &&
+            kind <= PSPLAT_ATTRIBUTE_TEXCOORD_VV);
 }
 
 /* Brings the primitives that may share a stream with the first one next to it. Returns the end of
@@ -272,11 +274,21 @@ static int add_stream(psplat_buffer_layout *layout, size_t first, size_t end) {
                                        .clip_lines = p[i].clip_lines,
                                        .depth_tolerance = p[i].depth_tolerance,
                                        .is_curved = p[i].is_curved,
-                                       .has_shape = p[i].has_shape};
+                                       .has_shape = p[i].has_shape,
+                                       .has_texcoord_bend = p[i].has_texcoord_bend};
         if (!psplat_stream_sort(table, &sections[i])) return 0;
     }
-    view.bytes = psplat_stream_encode(table, sections, end - first, layout->low_bits, &view.rows);
+    psplat_stream_desc desc = {layout->low_bits,
+                               p->has_texcoord && psplat_stream_can_hold_texcoords(table)};
+    int is_safe = 1;
+    view.bytes = psplat_stream_encode(table, sections, end - first, &desc, &view.rows, &is_safe);
+    if (!view.bytes && !is_safe) {
+        desc.holds_texcoords = 0;
+        view.bytes =
+            psplat_stream_encode(table, sections, end - first, &desc, &view.rows, &is_safe);
+    }
     if (!view.bytes) return 0;
+    p->streams_texcoords = desc.holds_texcoords;
     p->is_streamed = 1;
     p->stream = layout->view_count;
     layout->views[layout->view_count++] = view;
@@ -299,20 +311,53 @@ static int join_primitive(psplat_primitive_layout *primitive,
     return 1;
 }
 
+/* Returns the step of TEXCOORD_0 beside a stream. */
+static double coarse_texcoord_step(const psplat_attribute_table *table) {
+    return ldexp(table->splats->precision.texcoord_step,
+                 (int)psplat_stream_texcoord_low_bits(table));
+}
+
+/* From how many splats on the TEXCOORD_0 beside a stream is smaller as floats for the exponential
+ * filter, which takes a view of its own and JSON for that, than as bytes, whose steps are not those
+ * of the stream. Read off files of 30 to 700 splats. */
+enum { MANY_TEXCOORDS = 600 };
+
+/* Returns the smallest type for the TEXCOORD_0 of a primitive beside a stream. Bytes need it to be
+ * within 0 ... 1 or -1 ... 1. */
+static int coarse_texcoord_type(const psplat_buffer_layout *layout, const psplat_codec *codec,
+                                const psplat_primitive_layout *primitive) {
+    const psplat_attribute_table *table = &layout->tables[primitive->mesh];
+    double step = coarse_texcoord_step(table);
+    int32_t low = 0, high = 0;
+    for (size_t i = 0; i < primitive->count; ++i)
+        for (int k = 0; k < 2; ++k) {
+            int32_t at = psplat_stream_coarse_texcoord(table, primitive->order[i], k);
+            if (at < low) low = at;
+            if (at > high) high = at;
+        }
+    if ((codec && primitive->count >= MANY_TEXCOORDS) || high * step > 1 || low * step < -1)
+        return PSPLAT_TYPE_FLOAT;
+    return low < 0 ? PSPLAT_TYPE_BYTE : PSPLAT_TYPE_UNSIGNED_BYTE;
+}
+
 /* Leaves the formats of what is beside a stream. */
-static void set_streamed_formats(const psplat_buffer_layout *layout,
+static void set_streamed_formats(const psplat_buffer_layout *layout, const psplat_codec *codec,
                                  psplat_primitive_layout *primitive) {
     psplat_attribute_format *position = &primitive->formats[PSPLAT_ATTRIBUTE_POSITION];
     float low[3], high[3];
     for (size_t k = 0; k < PSPLAT_ATTRIBUTE_KINDS; ++k)
-        if (is_in_stream(k)) primitive->formats[k].components = 0;
+        if (is_in_stream(primitive, k)) primitive->formats[k].components = 0;
+    if (primitive->streams_texcoords)
+        primitive->formats[PSPLAT_ATTRIBUTE_TEXCOORD].type =
+            coarse_texcoord_type(layout, codec, primitive);
     psplat_buffer_layout_extent(layout, primitive, low, high);
     if (fmaxf(fmaxf(high[0], high[1]), high[2]) <= 255) position->type = PSPLAT_TYPE_UNSIGNED_BYTE;
 }
 
 /* Puts the primitives of a mesh, which begin at `first`, into as few with streams as there may be.
  */
-static int make_streams(psplat_buffer_layout *layout, size_t first) {
+static int make_streams(const psplat_buffer_layout_plan *plan, psplat_buffer_layout *layout,
+                        size_t first) {
     for (; first < layout->primitive_count; ++first) {
         psplat_primitive_layout *p = &layout->primitives[first];
         size_t end = gather(layout, first);
@@ -323,7 +368,7 @@ static int make_streams(psplat_buffer_layout *layout, size_t first) {
             memmove(p + 1, p + 2, (--layout->primitive_count - first - 1) * sizeof *p);
             --end;
         }
-        set_streamed_formats(layout, p);
+        set_streamed_formats(layout, plan->codec, p);
     }
     return 1;
 }
@@ -382,6 +427,27 @@ static void put_coarse_position(const psplat_attribute_table *table, size_t inde
             out, (uint32_t)psplat_stream_coarse_position(table, index, k, low_bits), bytes);
 }
 
+/* Writes a number of the TEXCOORD_0 beside a stream, so many of its steps. Normalized integers
+ * stand for the multiple of the step that is nearest. */
+static uint8_t *put_coarse_texcoord(double step, int32_t steps, int type, psplat_view_filter filter,
+                                    uint8_t *out) {
+    float value = (float)(steps * step);
+    uint32_t bits = ((uint32_t)steps & 0xffffff) | (uint32_t)ilogb(step) << 24;
+    if (type == PSPLAT_TYPE_UNSIGNED_BYTE)
+        return psplat_put_integer(out, (uint32_t)lrintf(255 * value), 1);
+    if (type == PSPLAT_TYPE_BYTE) return psplat_put_integer(out, (uint32_t)lrintf(127 * value), 1);
+    if (filter != PSPLAT_FILTER_EXPONENTIAL) memcpy(&bits, &value, sizeof bits);
+    return psplat_put_integer(out, bits, 4);
+}
+
+static void put_coarse_texcoords(const psplat_attribute_table *table, size_t index, int type,
+                                 psplat_view_filter filter, uint8_t *out) {
+    for (int k = 0; k < 2; ++k)
+        out =
+            put_coarse_texcoord(coarse_texcoord_step(table),
+                                psplat_stream_coarse_texcoord(table, index, k), type, filter, out);
+}
+
 /* Writes an attribute of a primitive's splats, stride bytes apart. */
 static void put_attribute(const psplat_buffer_layout *layout,
                           const psplat_primitive_layout *primitive, size_t kind,
@@ -392,6 +458,8 @@ static void put_attribute(const psplat_buffer_layout *layout,
         uint32_t index = primitive->order[i];
         if (filter == PSPLAT_FILTER_OCTAHEDRAL)
             psplat_attribute_table_put_octahedral(table, index, out);
+        else if (kind == PSPLAT_ATTRIBUTE_TEXCOORD && primitive->streams_texcoords)
+            put_coarse_texcoords(table, index, format->type, filter, out);
         else if (filter == PSPLAT_FILTER_EXPONENTIAL)
             psplat_attribute_table_put_exponential(table, index, out);
         else if (kind == PSPLAT_ATTRIBUTE_POSITION && primitive->is_streamed)
@@ -401,11 +469,13 @@ static void put_attribute(const psplat_buffer_layout *layout,
     }
 }
 
-static int is_apart(const psplat_buffer_layout_plan *plan, const psplat_attribute_table *table,
-                    size_t kind) {
+static int is_apart(const psplat_buffer_layout_plan *plan, const psplat_buffer_layout *layout,
+                    const psplat_primitive_layout *primitive, size_t kind) {
+    const psplat_attribute_table *table = &layout->tables[primitive->mesh];
     return (plan->lines_apart && psplat_attribute_is_clip_line(kind)) ||
            (plan->normals_apart && table->codes && kind == PSPLAT_ATTRIBUTE_NORMAL) ||
            (plan->codec && kind == PSPLAT_ATTRIBUTE_TEXCOORD &&
+            primitive->formats[kind].type == PSPLAT_TYPE_FLOAT &&
             psplat_attribute_table_has_texcoord_grid(table));
 }
 
@@ -431,17 +501,16 @@ static int replaces_previous(size_t kind) {
  * last. Returns the bytes of such a row. */
 static size_t row_of(const psplat_buffer_layout_plan *plan, const psplat_buffer_layout *layout,
                      size_t first, size_t last, size_t offsets[PSPLAT_ATTRIBUTE_KINDS]) {
-    const psplat_attribute_table *table = &layout->tables[layout->primitives[first].mesh];
     size_t bytes = 0;
     for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind) {
         size_t element = 0;
         for (size_t i = first; i <= last; ++i) {
-            size_t found = psplat_attribute_bytes(&layout->primitives[i].formats[kind]);
-            if (found > element) element = found;
+            const psplat_primitive_layout *primitive = &layout->primitives[i];
+            size_t found = psplat_attribute_bytes(&primitive->formats[kind]);
+            if (!is_apart(plan, layout, primitive, kind) && found > element) element = found;
         }
         offsets[kind] = replaces_previous(kind) ? offsets[kind - 1] : bytes;
-        if (!is_apart(plan, table, kind) && offsets[kind] + element > bytes)
-            bytes = offsets[kind] + element;
+        if (offsets[kind] + element > bytes) bytes = offsets[kind] + element;
     }
     return bytes;
 }
@@ -450,10 +519,10 @@ static int add_rows_of(const psplat_buffer_layout_plan *plan, psplat_buffer_layo
                        psplat_primitive_layout *primitive, size_t stride,
                        const size_t offsets[PSPLAT_ATTRIBUTE_KINDS]) {
     psplat_attribute_place place;
-    const psplat_attribute_table *table = &layout->tables[primitive->mesh];
     uint8_t *rows = add_rows(layout, stride, PSPLAT_FILTER_NONE, primitive->count, &place);
     for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS && rows; ++kind) {
-        if (!primitive->formats[kind].components || is_apart(plan, table, kind)) continue;
+        if (!primitive->formats[kind].components || is_apart(plan, layout, primitive, kind))
+            continue;
         primitive->places[kind] =
             (psplat_attribute_place){place.view, place.offset + offsets[kind]};
         put_attribute(layout, primitive, kind, PSPLAT_FILTER_NONE, rows + offsets[kind], stride);
@@ -473,8 +542,7 @@ static int add_mesh(const psplat_buffer_layout_plan *plan, psplat_buffer_layout 
     for (size_t i = first; i <= last; ++i)
         for (size_t kind = 0; kind < PSPLAT_ATTRIBUTE_KINDS; ++kind) {
             psplat_primitive_layout *primitive = &layout->primitives[i];
-            if (primitive->formats[kind].components &&
-                is_apart(plan, &layout->tables[primitive->mesh], kind) &&
+            if (primitive->formats[kind].components && is_apart(plan, layout, primitive, kind) &&
                 !add_separate_attribute(layout, primitive, kind))
                 return 0;
         }
@@ -508,7 +576,7 @@ psplat_result psplat_buffer_layout_make(const psplat_buffer_layout_plan *plan,
         size_t first = layout->primitive_count;
         is_made = make_primitives(plan, layout, i);
         if (is_made && plan->streams && psplat_stream_can_hold(&layout->tables[i]))
-            is_made = make_streams(layout, first);
+            is_made = make_streams(plan, layout, first);
         if (is_made && layout->primitive_count > first)
             is_made = add_mesh(plan, layout, first, layout->primitive_count - 1);
     }

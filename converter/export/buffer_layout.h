@@ -26,9 +26,10 @@ enum { PSPLAT_LINE_CLASSES = PSPLAT_MAX_CLIP_LINES + 1, PSPLAT_PARTS = 2 * PSPLA
  * of surface but for a few flat ones. */
 typedef struct psplat_primitive_layout {
     size_t mesh, count;
-    uint32_t *order; /* the splats' indices, count of them */
-    int is_streamed; /* a stream holds what it can (splat_stream.h) */
-    size_t stream;   /* its view */
+    uint32_t *order;       /* the splats' indices, count of them */
+    int is_streamed;       /* a stream holds what it can (splat_stream.h) */
+    size_t stream;         /* its view */
+    int streams_texcoords; /* the stream holds texture coordinates but for the coarse TEXCOORD_0 */
     size_t first[PSPLAT_PARTS], counts[PSPLAT_PARTS];
     size_t clip_lines; /* the most of any splat; splats with fewer are padded (spec 3.6) */
     size_t material;

@@ -10,6 +10,7 @@
 #include "export/splat_stream.h"
 
 #include "export/splat_attributes.h"
+#include "export/texcoord_prediction.h"
 #include "splats/splats.h"
 
 #include <math.h>
@@ -23,10 +24,13 @@ enum {
     WINDOW = 32,     /* splats among which the nearest is looked for */
     LEAST_BYTES = 3, /* of a stream, for each splat (spec 3.12) */
     MOST_LENGTH = 17,
-    ADAPTED = 40 /* the most bits that a probability remembers */
+    MOST_TEXCOORD = 32767, /* of numbers of the first and second order */
+    MOST_TEXCOORD_LOW_BITS = 15,
+    COARSE_TEXCOORD_POWER = -6, /* TEXCOORD_0 beside a stream is on a grid of 1/64 */
+    ADAPTED = 40                /* the most bits that a probability remembers */
 };
 
-enum { CURVED = 1, OWN_FIELD = 2, BENDS = 4, TILTED = 8, GAMMA = 16 };
+enum { CURVED = 1, OWN_FIELD = 2, BENDS = 4, TILTED = 8, GAMMA = 16, TEXCOORD_BENDS = 32 };
 
 /* ---- the arithmetic coder -------------------------------------------------------------------- */
 
@@ -51,6 +55,10 @@ enum {
     LINE_TURN,
     LINE_DISTANCE,
     LINE_BEND,
+    TEXCOORD_BEND,
+    TEXCOORD_TWIST,
+    TEXCOORD_SLOPE,
+    TEXCOORD,
     MODELS
 };
 
@@ -68,6 +76,7 @@ typedef struct encoder {
     uint64_t waiting; /* bytes that a carry may still change: one, and the others of 0xff */
     uint8_t first;    /* the first of them */
     int has_begun;    /* the very first byte, which is always 0 and is left out, is gone */
+    int is_safe;      /* all readers predict the same texture coordinates */
     number_model models[MODELS];
 } encoder;
 
@@ -178,6 +187,9 @@ typedef struct common {
     const psplat_attribute_table *table;
     uint32_t low_bits, normal_bits, turn_bits, line_turn_bits, halving, shape_grades, normal_grades;
     int32_t reference;
+    int holds_texcoords;
+    uint32_t texcoord_low_bits;
+    psplat_texcoord_steps steps; /* as the head has them */
 } common;
 
 /* Returns the power of two that is 1 / step, or -1 where there is none from 1 to 14. */
@@ -354,6 +366,12 @@ static void put_lines(encoder *e, const common *c, const psplat_section *section
     }
 }
 
+static int has_bends(const psplat_quantized_texcoord *t) {
+    for (int i = 0; i < 6; ++i)
+        if (t->bends[i / 2][i % 2]) return 1;
+    return 0;
+}
+
 /* Returns what a section has that is not 0 in all of its splats. */
 static unsigned flags_of(const common *c, const psplat_section *section) {
     unsigned flags = section->is_curved ? CURVED | GAMMA : 0;
@@ -365,10 +383,101 @@ static unsigned flags_of(const common *c, const psplat_section *section) {
         if (tilt[0] || tilt[1]) flags |= TILTED;
         if (!is_surface && (code->field[0] || code->field[1] || code->field[2])) flags |= OWN_FIELD;
         if (!is_surface && code->field[2]) flags |= GAMMA;
+        if (c->holds_texcoords && section->has_texcoord_bend && has_bends(&code->texcoord))
+            flags |= TEXCOORD_BENDS;
         for (uint32_t k = 0; k < c->table->splats->splats[section->order[i]].clip_count; ++k)
             if (code->lines[k][2]) flags |= BENDS;
     }
     return flags;
+}
+
+/* ---- texture coordinates --------------------------------------------------------------------- */
+
+static int is_within(const int32_t numbers[2], int32_t most) {
+    return abs(numbers[0]) <= most && abs(numbers[1]) <= most;
+}
+
+int psplat_stream_can_hold_texcoords(const psplat_attribute_table *table) {
+    if (!psplat_attribute_table_has_texcoord_grid(table)) return 0;
+    for (size_t i = 0; i < table->splats->count; ++i) {
+        const psplat_quantized_texcoord *t = &table->codes[i].texcoord;
+        int fits = is_within(t->at, (1 << 23) - 1);
+        for (int k = 0; k < 2; ++k) fits &= is_within(t->along[k], MOST_TEXCOORD);
+        for (int k = 0; k < 3; ++k) fits &= is_within(t->bends[k], MOST_TEXCOORD);
+        if (!fits) return 0;
+    }
+    return 1;
+}
+
+uint32_t psplat_stream_texcoord_low_bits(const psplat_attribute_table *table) {
+    int bits = COARSE_TEXCOORD_POWER - ilogb(table->splats->precision.texcoord_step);
+    return (uint32_t)(bits < 0 ? 0 : bits > MOST_TEXCOORD_LOW_BITS ? MOST_TEXCOORD_LOW_BITS : bits);
+}
+
+int32_t psplat_stream_coarse_texcoord(const psplat_attribute_table *table, size_t index, int k) {
+    return shifted(table->codes[index].texcoord.at[k], psplat_stream_texcoord_low_bits(table));
+}
+
+/* Returns the splat that predicts the texture coordinates of one in the order, as nearest() does,
+ * but for splats that are far away in the image; -1 for the first. */
+static long nearest_in_chart(const common *c, const uint32_t *order, size_t at) {
+    double least = HUGE_VAL;
+    long found = -1;
+    for (size_t i = 1; i <= WINDOW && i <= at; ++i) {
+        double places = 0, images = 0;
+        for (int k = 0; k < 3; ++k) {
+            double d = psplat_stream_coarse_position(c->table, order[at - i], k, c->low_bits) -
+                       psplat_stream_coarse_position(c->table, order[at], k, c->low_bits);
+            places += d * d;
+        }
+        for (int k = 0; k < 2; ++k) {
+            double d = psplat_stream_coarse_texcoord(c->table, order[at - i], k) -
+                       psplat_stream_coarse_texcoord(c->table, order[at], k);
+            images += d * d;
+        }
+        if (!(places * (1 + images) < least)) continue;
+        least = places * (1 + images);
+        found = (long)order[at - i];
+    }
+    return found;
+}
+
+/* Writes coordinates at the centre as the difference to what is predicted, which TEXCOORD_0 limits
+ * to a step of its own. */
+static void put_texcoord_at(encoder *e, const common *c, size_t index, const double move[2],
+                            long from) {
+    const psplat_quantized_splat *codes = c->table->codes;
+    int32_t half = (int32_t)(1u << c->texcoord_low_bits) / 2;
+    for (int k = 0; k < 2; ++k) {
+        int32_t predicted = from < 0 ? 0 : codes[from].texcoord.at[k];
+        int32_t middle = psplat_stream_coarse_texcoord(c->table, index, k) *
+                         (int32_t)(1u << c->texcoord_low_bits);
+        int32_t low = middle - half, high = half ? middle + half - 1 : middle;
+        predicted += psplat_texcoord_round(move[k] / c->steps.at, 1 << 24, &e->is_safe);
+        predicted = predicted < low ? low : predicted > high ? high : predicted;
+        put_signed(e, &e->models[TEXCOORD], codes[index].texcoord.at[k] - predicted);
+    }
+}
+
+static void put_texcoord(encoder *e, const common *c, unsigned flags, size_t index, long from) {
+    const psplat_quantized_texcoord *t = &c->table->codes[index].texcoord;
+    psplat_texcoord_field field, known;
+    double along[2][2] = {{0, 0}, {0, 0}}, move[2] = {0, 0};
+    psplat_texcoord_field_make(c->table, index, &c->steps, &field);
+    for (int i = 0; i < 6 && flags & TEXCOORD_BENDS; ++i)
+        put_signed(e, &e->models[i / 2 == 1 ? TEXCOORD_TWIST : TEXCOORD_BEND],
+                   t->bends[i / 2][i % 2]);
+    if (from >= 0) {
+        psplat_texcoord_field_make(c->table, (size_t)from, &c->steps, &known);
+        psplat_texcoord_predict_slopes(&known, &field, along);
+        psplat_texcoord_predict_move(&known, &field, move);
+    }
+    for (int i = 0; i < 4; ++i)
+        put_signed(e, &e->models[TEXCOORD_SLOPE],
+                   t->along[i / 2][i % 2] -
+                       psplat_texcoord_round(along[i / 2][i % 2] / c->steps.along, MOST_TEXCOORD,
+                                             &e->is_safe));
+    put_texcoord_at(e, c, index, move, from);
 }
 
 /* ---- the head -------------------------------------------------------------------------------- */
@@ -393,7 +502,7 @@ static void put_head(text *out, const common *c, const psplat_section *sections,
     put_byte(out, (uint32_t)count);
     put_byte(out, c->halving ? c->shape_grades : 0);
     put_byte(out, c->halving ? c->normal_grades : 0);
-    put_byte(out, 0);
+    put_byte(out, c->holds_texcoords ? c->texcoord_low_bits + 1 : 0);
     put_float(out, (double)splats->kernel.sharpness);
     put_float(out, (double)splats->kernel.exponent);
     for (int k = 0; k < 3; ++k) put_float(out, (high[k] - low[k]) / unit);
@@ -404,6 +513,10 @@ static void put_head(text *out, const common *c, const psplat_section *sections,
     put_float(out, p->shape_step);
     put_float(out, p->line_step);
     put_float(out, p->bend_step);
+    if (!c->holds_texcoords) return;
+    put_float(out, p->texcoord_step);
+    put_float(out, p->texcoord_slope_step);
+    put_float(out, p->texcoord_bend_step);
 }
 
 static void put_section(text *out, const common *c, const psplat_section *section) {
@@ -424,8 +537,25 @@ static void put_splats(encoder *e, const common *c, const psplat_section *sectio
             put_frame(e, c, order[at], nearest(c, order, at));
             put_field(e, c, &sections[i], flags, order[at]);
             put_lines(e, c, &sections[i], flags, order[at]);
+            if (c->holds_texcoords)
+                put_texcoord(e, c, flags, order[at], nearest_in_chart(c, order, at));
         }
     }
+}
+
+/* Sets what texture coordinates need, as readers get it from the floats of the head. */
+static void set_texcoords(common *c) {
+    const psplat_precision *p = &c->table->splats->precision;
+    double unit = (double)(1u << c->low_bits);
+    c->holds_texcoords = 1;
+    c->texcoord_low_bits = psplat_stream_texcoord_low_bits(c->table);
+    c->steps = (psplat_texcoord_steps){
+        .at = p->texcoord_step,
+        .along = (double)(float)p->texcoord_slope_step,
+        .bend = (double)(float)p->texcoord_bend_step,
+        .radius_step = (double)(float)p->scale_step,
+        .first_radius = (double)(float)(exp(c->table->least_scale * p->scale_step) / unit),
+        .low_bits = c->low_bits};
 }
 
 static common common_of(const psplat_attribute_table *table, const psplat_section *sections,
@@ -446,13 +576,15 @@ static common common_of(const psplat_attribute_table *table, const psplat_sectio
 }
 
 uint8_t *psplat_stream_encode(const psplat_attribute_table *table, const psplat_section *sections,
-                              size_t section_count, uint32_t low_bits, size_t *size) {
-    common c = common_of(table, sections, section_count, low_bits);
-    encoder e = {.range = 0};
+                              size_t section_count, const psplat_stream_desc *desc, size_t *size,
+                              int *is_safe) {
+    common c = common_of(table, sections, section_count, desc->low_bits);
+    encoder e = {.is_safe = 1};
     size_t count = 0;
     for (size_t i = 0; i < section_count; ++i) count += sections[i].count;
     uint32_t *order = malloc(count * sizeof *order);
     if (!order) return NULL;
+    if (desc->holds_texcoords) set_texcoords(&c);
     put_head(&e.out, &c, sections, section_count);
     for (size_t i = 0; i < section_count; ++i) put_section(&e.out, &c, &sections[i]);
     start(&e);
@@ -461,7 +593,8 @@ uint8_t *psplat_stream_encode(const psplat_attribute_table *table, const psplat_
     while (!e.out.failed && e.out.size < LEAST_BYTES * count) put_byte(&e.out, 0);
     free(order);
     *size = e.out.size;
-    if (!e.out.failed) return e.out.bytes;
+    *is_safe = e.is_safe;
+    if (!e.out.failed && e.is_safe) return e.out.bytes;
     free(e.out.bytes);
     return NULL;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
  * splat_stream.h - splats as a coded stream (spec 3.12): all that else would be in accessors, but
- * for coarse positions, and in the extension object.
+ * for coarse positions and texture coordinates, and in the extension object.
  */
 #ifndef PHONGSPLAT_EXPORT_SPLAT_STREAM_H
 #define PHONGSPLAT_EXPORT_SPLAT_STREAM_H
@@ -20,6 +20,7 @@ typedef struct psplat_section {
     size_t clip_lines; /* the most of any splat */
     float depth_tolerance;
     int is_curved, has_shape; /* as in psplat_run */
+    int has_texcoord_bend;    /* the same */
 } psplat_section;
 
 /* Returns whether a stream can hold the splats of a table: integers whose turns have steps that are
@@ -35,9 +36,27 @@ int psplat_stream_sort(const psplat_attribute_table *table, psplat_section *sect
 int32_t psplat_stream_coarse_position(const psplat_attribute_table *table, size_t index, int k,
                                       uint32_t low_bits);
 
+/* Returns whether a stream can hold the texture coordinates of a table, where it has some: their
+ * numbers are on a grid and fit. */
+int psplat_stream_can_hold_texcoords(const psplat_attribute_table *table);
+
+/* Returns how many bits the steps of TEXCOORD_0 beside a stream have less than those in it. */
+uint32_t psplat_stream_texcoord_low_bits(const psplat_attribute_table *table);
+
+/* Returns component k of a splat's TEXCOORD_0 beside a stream, in those steps. */
+int32_t psplat_stream_coarse_texcoord(const psplat_attribute_table *table, size_t index, int k);
+
+/* How a stream is to be made. */
+typedef struct psplat_stream_desc {
+    uint32_t low_bits;   /* of positions */
+    int holds_texcoords; /* of all splats, where the table's can be held */
+} psplat_stream_desc;
+
 /* Encodes sections, 1 to PSPLAT_MOST_SECTIONS of them, of a table that a stream can hold. Returns
- * malloc'ed bytes, which the caller owns, or NULL where memory ran out. */
+ * malloc'ed bytes, which the caller owns, or NULL where memory ran out or, with *is_safe 0, where
+ * readers might predict texture coordinates differently. */
 uint8_t *psplat_stream_encode(const psplat_attribute_table *table, const psplat_section *sections,
-                              size_t section_count, uint32_t low_bits, size_t *size);
+                              size_t section_count, const psplat_stream_desc *desc, size_t *size,
+                              int *is_safe);
 
 #endif

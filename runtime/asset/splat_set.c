@@ -345,10 +345,11 @@ static psplat_result open_beside_stream(psplat_gltf *gltf, psplat_json_value obj
     if (result) return result;
     require_texcoords(found, is_required);
     is_required[PSPLAT_POSITION] = 1;
+    is_required[PSPLAT_TEXCOORD] |= stream->has_texcoord;
     is_required[PSPLAT_COLOR_U] = is_required[PSPLAT_COLOR_V] =
         found[PSPLAT_COLOR_U] || found[PSPLAT_COLOR_V];
     for (size_t i = 0; i < PSPLAT_ATTRIBUTES && !result; ++i) {
-        if (found[i] && psplat_stream_holds(i))
+        if (found[i] && psplat_stream_holds(stream, i))
             return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, found[i]),
                                "%s is present although the primitive has a stream",
                                psplat_attribute_types[i].name);
@@ -395,7 +396,7 @@ static psplat_result parse_streamed(psplat_gltf *gltf, psplat_json_value attribu
     psplat_result result = psplat_stream_open(gltf, value, &stream);
     if (!result) result = open_beside_stream(gltf, attributes, stream, &readers);
     if (!result) result = check_ranges(gltf, extension, &readers, like);
-    if (!result) result = psplat_stream_decode(gltf, &readers.of[PSPLAT_POSITION], stream);
+    if (!result) result = psplat_stream_decode(gltf, &readers, stream);
     if (!result) result = compare_extents(gltf, value, stream->extent, stream->found_extent);
     for (size_t i = 0; !result && i < stream->section_count; ++i)
         result = add_section(gltf, attributes, material, stream, i, &readers, like);

@@ -10,6 +10,8 @@
  */
 #include "asset/stream.h"
 
+#include "asset/stream_texcoord.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -17,6 +19,7 @@
 enum {
     FORM = 1, /* of the stream: the only one so far */
     HEAD_BYTES = 60,
+    TEXCOORD_HEAD_BYTES = 12, /* more, where there are texture coordinates */
     SECTION_BYTES = 12,
     WINDOW = 32,     /* splats among which the nearest is looked for */
     LEAST_BYTES = 3, /* of a stream, for each splat: so that a small file cannot fill the memory */
@@ -24,10 +27,21 @@ enum {
     MOST_GRADE = 7,
     MOST_LENGTH = 17, /* of the unary part of a number */
     MOST_RADIUS = 65535,
-    ADAPTED = 40 /* the most bits that a probability remembers */
+    MOST_TEXCOORD_LOW_BITS = 15,
+    MOST_TEXCOORD = 32767,            /* of numbers of the first and second order */
+    MOST_TEXCOORD_AT = (1 << 23) - 1, /* of those at centres, steps */
+    ADAPTED = 40                      /* the most bits that a probability remembers */
 };
 
-enum { CURVED = 1, OWN_FIELD = 2, BENDS = 4, TILTED = 8, GAMMA = 16, FLAGS = 31 };
+enum {
+    CURVED = 1,
+    OWN_FIELD = 2,
+    BENDS = 4,
+    TILTED = 8,
+    GAMMA = 16,
+    TEXCOORD_BENDS = 32,
+    FLAGS = 63
+};
 
 /* The floats of a row. */
 enum {
@@ -39,8 +53,10 @@ enum {
     AT_FIELD = 11,
     AT_SHAPE = 14,
     AT_LINES = 17,
-    ROW = AT_LINES + 4 * PSPLAT_MAX_CLIP_LINES,
-    ROW_BYTES = 4 * ROW
+    AT_TEXCOORD = AT_LINES + 4 * PSPLAT_MAX_CLIP_LINES, /* six pairs */
+    ROW = AT_TEXCOORD + 12,
+    ROW_BYTES = 4 * ROW,
+    PLAIN_ROW_BYTES = 4 * AT_TEXCOORD /* without texture coordinates */
 };
 
 /* ---- the head ------------------------------------------------------------------------------- */
@@ -64,6 +80,29 @@ static psplat_result fail(const psplat_gltf *gltf, const psplat_stream *s, pspla
 
 static int is_from(uint32_t value, uint32_t least, uint32_t most) {
     return value >= least && value <= most;
+}
+
+/* Reads the steps of texture coordinates, behind the rest of the head. */
+static psplat_result parse_texcoord_head(const psplat_gltf *gltf, psplat_stream *s) {
+    float steps[3];
+    s->has_texcoord = s->bytes[11] > 0;
+    s->head_size = HEAD_BYTES;
+    if (!s->has_texcoord) return PSPLAT_OK;
+    s->head_size += TEXCOORD_HEAD_BYTES;
+    if (s->size < s->head_size) return fail(gltf, s, PSPLAT_ERROR_FORMAT, "is too short");
+    for (size_t i = 0; i < 3; ++i) {
+        steps[i] = get_float(s->bytes + HEAD_BYTES + 4 * i);
+        if (!(steps[i] >= 0 && steps[i] <= FLT_MAX))
+            return fail(gltf, s, PSPLAT_ERROR_RANGE, "has a number that is none or below 0");
+    }
+    s->texcoord_low_bits = s->bytes[11] - 1u;
+    s->texcoord_step = (double)steps[0];
+    s->texcoord_slope_step = (double)steps[1];
+    s->texcoord_bend_step = (double)steps[2];
+    if (s->texcoord_low_bits > MOST_TEXCOORD_LOW_BITS || !(steps[0] >= FLT_MIN) ||
+        get_u32(s->bytes + HEAD_BYTES) & 0x7fffff || !(steps[1] > 0))
+        return fail(gltf, s, PSPLAT_ERROR_RANGE, "has a head out of range");
+    return PSPLAT_OK;
 }
 
 static psplat_result parse_head(const psplat_gltf *gltf, psplat_stream *s) {
@@ -96,16 +135,16 @@ static psplat_result parse_head(const psplat_gltf *gltf, psplat_stream *s) {
     s->bend_step = (double)numbers[11];
     if (!is_from(b[1], 0, 8) || !is_from(b[2], 4, 14) || !is_from(b[3], 1, 14) ||
         !is_from(b[4], 1, 14) || b[9] > MOST_GRADE || b[10] > MOST_GRADE || b[10] > b[2] - 4 ||
-        b[11] || !is_from(b[8], 1, PSPLAT_MAX_SECTIONS) || !(numbers[0] > 0) || !(numbers[1] > 0))
+        !is_from(b[8], 1, PSPLAT_MAX_SECTIONS) || !(numbers[0] > 0) || !(numbers[1] > 0))
         return fail(gltf, s, PSPLAT_ERROR_RANGE, "has a head out of range");
-    return PSPLAT_OK;
+    return parse_texcoord_head(gltf, s);
 }
 
 static psplat_result parse_sections(const psplat_gltf *gltf, psplat_stream *s) {
-    if (s->size < HEAD_BYTES + SECTION_BYTES * s->section_count)
+    if (s->size < s->head_size + SECTION_BYTES * s->section_count)
         return fail(gltf, s, PSPLAT_ERROR_FORMAT, "is too short");
     for (size_t i = 0; i < s->section_count; ++i) {
-        const uint8_t *b = s->bytes + HEAD_BYTES + SECTION_BYTES * i;
+        const uint8_t *b = s->bytes + s->head_size + SECTION_BYTES * i;
         unsigned flags = b[9];
         psplat_stream_section *section = &s->sections[i];
         *section = (psplat_stream_section){.first = s->count,
@@ -116,11 +155,13 @@ static psplat_result parse_sections(const psplat_gltf *gltf, psplat_stream *s) {
                                            .has_own_field = (flags & OWN_FIELD) != 0,
                                            .has_bends = (flags & BENDS) != 0,
                                            .has_tilt = (flags & TILTED) != 0,
-                                           .has_gamma = (flags & GAMMA) != 0};
+                                           .has_gamma = (flags & GAMMA) != 0,
+                                           .has_texcoord_bend = (flags & TEXCOORD_BENDS) != 0};
         if (!section->count || section->clip_count > PSPLAT_MAX_CLIP_LINES || flags > FLAGS ||
             b[10] || b[11] ||
             !(section->depth_tolerance >= 0 && section->depth_tolerance <= FLT_MAX) ||
-            ((flags & CURVED) && !(flags & GAMMA)))
+            ((flags & CURVED) && !(flags & GAMMA)) ||
+            ((flags & TEXCOORD_BENDS) && !(s->texcoord_bend_step > 0)))
             return fail(gltf, s, PSPLAT_ERROR_RANGE, "has a section out of range");
         /* Compared before it is added, so that no sum wraps where size_t has 32 bits. */
         if (section->count > s->size / LEAST_BYTES - s->count)
@@ -159,6 +200,10 @@ enum {
     LINE_TURN,
     LINE_DISTANCE,
     LINE_BEND,
+    TEXCOORD_BEND, /* with uu and vv */
+    TEXCOORD_TWIST,
+    TEXCOORD_SLOPE,
+    TEXCOORD,
     MODELS
 };
 
@@ -168,6 +213,9 @@ typedef struct code {
     int32_t low[3], radius[2], normal[2], turn, tilt[2], field[3], shape[3];
     uint32_t line_count;
     int32_t lines[PSPLAT_MAX_CLIP_LINES][3];
+    int32_t coarse[2];            /* TEXCOORD_0, in its own steps */
+    int32_t texcoords[6][2];      /* at the centre, along u and v, uu, uv and vv */
+    psplat_stream_texcoord image; /* where there are texture coordinates */
 } code;
 
 typedef struct decoder {
@@ -187,7 +235,7 @@ struct psplat_stream_memory {
     psplat_stream stream;
     decoder decoder;
     uint8_t *rows;
-    size_t row_capacity;
+    size_t capacity; /* bytes */
 };
 
 static uint32_t next_byte(decoder *d) {
@@ -357,6 +405,89 @@ static void read_lines(decoder *d, const psplat_stream_section *section, double 
     }
 }
 
+/* ---- texture coordinates --------------------------------------------------------------------- */
+
+/* Returns the last of those splats that are nearest in space and in the image together; NULL for
+ * the first. */
+static const code *nearest_in_chart(const decoder *d, size_t index, const code *c) {
+    const code *found = NULL;
+    double least = HUGE_VAL;
+    for (size_t i = 1; i <= WINDOW && i <= index; ++i) {
+        const code *other = &d->window[(index - i) % WINDOW];
+        double places = 0, images = 0;
+        for (int k = 0; k < 3; ++k) {
+            double difference = other->place[k] - c->place[k];
+            places += difference * difference;
+        }
+        for (int k = 0; k < 2; ++k) {
+            double difference = other->coarse[k] - c->coarse[k];
+            images += difference * difference;
+        }
+        if (!(places * (1 + images) < least)) continue;
+        least = places * (1 + images);
+        found = other;
+    }
+    return found;
+}
+
+/* Sets what is known of a splat's field before its texture coordinates. */
+static void start_field(const psplat_stream *s, code *c) {
+    psplat_stream_texcoord *f = &c->image;
+    psplat_stream_texcoord_axes(c->normal, s->normal_bits, c->turn / (double)(1u << s->turn_bits),
+                                f->axes);
+    for (int k = 0; k < 3; ++k)
+        f->center[k] = c->place[k] + (double)c->low[k] / (double)(1u << s->low_bits);
+    for (int k = 0; k < 2; ++k) f->radius[k] = s->first_radius * exp(c->radius[k] * s->radius_step);
+}
+
+/* Reads a number next to a prediction. */
+static int32_t read_near(decoder *d, number_model *m, int32_t predicted, int32_t most) {
+    int32_t number = predicted + get_signed(d, m);
+    if (number > most || number < -most) d->is_damaged = 1;
+    return number;
+}
+
+static void read_slopes(decoder *d, const psplat_stream_section *section, const code *from,
+                        double *spent, code *c) {
+    const psplat_stream *s = d->stream;
+    double along[2][2] = {{0, 0}, {0, 0}};
+    for (size_t i = 0; i < 6 && section->has_texcoord_bend; ++i) {
+        d->spent = &spent[PSPLAT_TEXCOORD_UU + i / 2];
+        number_model *m = &d->models[i / 2 == 1 ? TEXCOORD_TWIST : TEXCOORD_BEND];
+        c->texcoords[3 + i / 2][i % 2] = read_near(d, m, 0, MOST_TEXCOORD);
+        c->image.bends[i / 2][i % 2] = c->texcoords[3 + i / 2][i % 2] * s->texcoord_bend_step;
+    }
+    if (from) psplat_stream_texcoord_slopes(&from->image, &c->image, along);
+    for (size_t i = 0; i < 4; ++i) {
+        d->spent = &spent[PSPLAT_TEXCOORD_U + i / 2];
+        double predicted = along[i / 2][i % 2] / s->texcoord_slope_step;
+        int32_t number =
+            read_near(d, &d->models[TEXCOORD_SLOPE],
+                      psplat_stream_texcoord_round(predicted, MOST_TEXCOORD), MOST_TEXCOORD);
+        c->texcoords[1 + i / 2][i % 2] = number;
+        c->image.along[i / 2][i % 2] = number * s->texcoord_slope_step;
+    }
+}
+
+static void read_texcoord(decoder *d, const psplat_stream_section *section, const code *from,
+                          double *spent, code *c) {
+    const psplat_stream *s = d->stream;
+    int32_t unit = (int32_t)(1u << s->texcoord_low_bits);
+    double move[2] = {0, 0};
+    start_field(s, c);
+    read_slopes(d, section, from, spent, c);
+    if (from) psplat_stream_texcoord_move(&from->image, &c->image, move);
+    d->spent = &spent[PSPLAT_TEXCOORD];
+    for (int k = 0; k < 2 && !d->is_damaged; ++k) {
+        int32_t low = c->coarse[k] * unit - unit / 2;
+        int32_t high = unit > 1 ? low + unit - 1 : low;
+        int32_t predicted = (from ? from->texcoords[0][k] : 0) +
+                            psplat_stream_texcoord_round(move[k] / s->texcoord_step, 1 << 24);
+        predicted = predicted < low ? low : predicted > high ? high : predicted;
+        c->texcoords[0][k] = read_near(d, &d->models[TEXCOORD], predicted, MOST_TEXCOORD_AT);
+    }
+}
+
 /* ---- rows ------------------------------------------------------------------------------------ */
 
 /* Decodes an octahedral code as EXT_meshopt_compression's filter does, to bytes for up to 8 bits,
@@ -384,6 +515,15 @@ static void put_line(const psplat_stream *s, const int32_t *line, int is_bent, f
     if (is_bent) out[3] = (float)(line[2] * s->bend_step);
 }
 
+static void put_texcoords(const psplat_stream *s, const code *c, float *out) {
+    for (int i = 0; i < 12; ++i) {
+        double step = i < 2   ? s->texcoord_step
+                      : i < 6 ? s->texcoord_slope_step
+                              : s->texcoord_bend_step;
+        out[i] = (float)(c->texcoords[i / 2][i % 2] * step);
+    }
+}
+
 /* Fills a row with what the integers of a splat stand for. */
 static void make_row(const psplat_stream *s, const psplat_stream_section *section, const code *c,
                      float row[ROW]) {
@@ -402,6 +542,7 @@ static void make_row(const psplat_stream *s, const psplat_stream_section *sectio
     }
     row[AT_TURN] = (float)c->turn / (float)(1u << s->turn_bits);
     put_normal(s, c, row + AT_NORMAL);
+    if (s->has_texcoord) put_texcoords(s, c, row + AT_TEXCOORD);
     for (uint32_t i = 0; i < section->clip_count; ++i)
         if (i < c->line_count)
             put_line(s, c->lines[i], section->has_bends, row + AT_LINES + 4 * i);
@@ -409,9 +550,13 @@ static void make_row(const psplat_stream *s, const psplat_stream_section *sectio
             memcpy(row + AT_LINES + 4 * i, padding, sizeof padding);
 }
 
+static size_t row_bytes(const psplat_stream *s) {
+    return s->has_texcoord ? ROW_BYTES : PLAIN_ROW_BYTES;
+}
+
 /* Writes floats in the byte order of files. */
-static void put_row(const float row[ROW], uint8_t *out) {
-    for (size_t i = 0; i < ROW; ++i) {
+static void put_row(const float row[ROW], size_t bytes, uint8_t *out) {
+    for (size_t i = 0; i < bytes / 4; ++i) {
         uint32_t bits;
         memcpy(&bits, &row[i], sizeof bits);
         for (int k = 0; k < 4; ++k) *out++ = (uint8_t)(bits >> (8 * k));
@@ -425,24 +570,42 @@ static void extend(const float row[ROW], double low[3], double high[3]) {
     }
 }
 
-static psplat_result read_splats(psplat_gltf *gltf, const psplat_reader *positions, decoder *d,
+/* Reads what accessors say of a splat. Returns 0 where TEXCOORD_0 is too far away. */
+static int read_beside(const psplat_stream *s, const psplat_readers *beside, size_t index,
+                       code *c) {
+    float place[3], image[2];
+    psplat_reader_get(&beside->of[PSPLAT_POSITION], index, 1, place);
+    for (int k = 0; k < 3; ++k) c->place[k] = (double)place[k];
+    if (!s->has_texcoord) return 1;
+    psplat_reader_get(&beside->of[PSPLAT_TEXCOORD], index, 1, image);
+    for (int k = 0; k < 2; ++k) {
+        double steps = (double)image[k] / s->texcoord_step;
+        if (!(fabs(steps) <= MOST_TEXCOORD_AT + 1.0)) return 0;
+        c->coarse[k] = (int32_t)floor(steps / (1u << s->texcoord_low_bits) + 0.5);
+    }
+    return 1;
+}
+
+static psplat_result read_splats(psplat_gltf *gltf, const psplat_readers *beside, decoder *d,
                                  uint8_t *out) {
     psplat_stream *s = d->stream;
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     for (size_t section = 0; section < s->section_count; ++section) {
         const psplat_stream_section *kind = &s->sections[section];
         for (size_t i = kind->first; i < kind->first + kind->count; ++i) {
-            float place[3], row[ROW] = {0};
+            float row[ROW] = {0};
             code c = {.radius = {0, 0}};
-            psplat_reader_get(positions, i, 1, place);
-            for (int k = 0; k < 3; ++k) c.place[k] = (double)place[k];
+            if (!read_beside(s, beside, i, &c))
+                return fail(gltf, s, PSPLAT_ERROR_RANGE, "is beside a TEXCOORD_0 out of range");
             read_frame(d, nearest(d, i, c.place), s->spent[section], &c);
             if (!d->is_damaged) read_field(d, kind, s->spent[section], &c);
             if (!d->is_damaged) read_lines(d, kind, s->spent[section], &c);
+            if (!d->is_damaged && s->has_texcoord)
+                read_texcoord(d, kind, nearest_in_chart(d, i, &c), s->spent[section], &c);
             if (d->is_damaged || d->missing > 4)
                 return fail(gltf, s, PSPLAT_ERROR_FORMAT, "is damaged");
             make_row(s, kind, &c, row);
-            put_row(row, out + ROW_BYTES * i);
+            put_row(row, row_bytes(s), out + row_bytes(s) * i);
             extend(row, low, high);
             d->window[i % WINDOW] = c;
         }
@@ -489,14 +652,14 @@ static int ends(const decoder *d) {
  * the memory. */
 static psplat_result reserve(psplat_gltf *gltf, psplat_stream *s) {
     struct psplat_stream_memory *memory = gltf->stream;
-    if (s->count > gltf->file_budget / ROW_BYTES)
+    if (s->count > gltf->file_budget / row_bytes(s))
         return fail(gltf, s, PSPLAT_ERROR_RANGE, "is decoded larger than allowed");
-    size_t bytes = s->count * ROW_BYTES;
+    size_t bytes = s->count * row_bytes(s);
     if (psplat_gltf_decodes_too_much(gltf, bytes))
         return fail(gltf, s, PSPLAT_ERROR_RANGE, "uses the file's bytes too many times over");
-    if (s->count > memory->row_capacity) {
-        memory->rows = psplat_arena_reserve(gltf->scratch, s->count, ROW_BYTES);
-        memory->row_capacity = memory->rows ? s->count : 0;
+    if (bytes > memory->capacity) {
+        memory->rows = psplat_arena_reserve(gltf->scratch, s->count, row_bytes(s));
+        memory->capacity = memory->rows ? bytes : 0;
     }
     if (!memory->rows) return fail(gltf, s, PSPLAT_ERROR_MEMORY, "leaves no memory to decode it");
     s->decoded = (psplat_buffer){.json = s->json,
@@ -510,26 +673,27 @@ static psplat_result reserve(psplat_gltf *gltf, psplat_stream *s) {
     return PSPLAT_OK;
 }
 
-psplat_result psplat_stream_decode(psplat_gltf *gltf, const psplat_reader *positions,
+psplat_result psplat_stream_decode(psplat_gltf *gltf, const psplat_readers *beside,
                                    psplat_stream *s) {
     psplat_result result = reserve(gltf, s);
     if (result) return result;
     decoder *d = &gltf->stream->decoder;
     *d = (decoder){.stream = s,
-                   .next = s->bytes + HEAD_BYTES + SECTION_BYTES * s->section_count,
+                   .next = s->bytes + s->head_size + SECTION_BYTES * s->section_count,
                    .end = s->bytes + s->size,
                    .measures = gltf->measures};
     start(d);
-    result = read_splats(gltf, positions, d, gltf->stream->rows);
+    result = read_splats(gltf, beside, d, gltf->stream->rows);
     return result || ends(d) ? result
                              : fail(gltf, s, PSPLAT_ERROR_FORMAT, "has bytes behind its splats");
 }
 
 /* ---- readers --------------------------------------------------------------------------------- */
 
-int psplat_stream_holds(size_t attribute) {
+int psplat_stream_holds(const psplat_stream *s, size_t attribute) {
     return attribute == PSPLAT_NORMAL ||
-           (attribute >= PSPLAT_ROTATION && attribute < PSPLAT_COLOR_U);
+           (attribute >= PSPLAT_ROTATION && attribute < PSPLAT_COLOR_U) ||
+           (s->has_texcoord && attribute >= PSPLAT_TEXCOORD_U && attribute <= PSPLAT_TEXCOORD_VV);
 }
 
 /* Adds a reader of an attribute that lies so many floats behind the begin of each row. */
@@ -538,8 +702,8 @@ static void add_reader(const psplat_stream *s, size_t section, size_t attribute,
     readers->is_present[attribute] = 1;
     readers->of[attribute] =
         (psplat_reader){.buffer = &s->decoded,
-                        .start = s->sections[section].first * ROW_BYTES + at * sizeof(float),
-                        .stride = ROW_BYTES,
+                        .start = s->sections[section].first * row_bytes(s) + at * sizeof(float),
+                        .stride = row_bytes(s),
                         .components = components,
                         .component_type = PSPLAT_FLOAT,
                         .count = s->sections[section].count,
@@ -560,6 +724,12 @@ void psplat_stream_readers(const psplat_stream *s, size_t section, psplat_reader
         add_reader(s, section, PSPLAT_NORMAL_FIELD, AT_FIELD, kind->has_gamma ? 3 : 2, readers);
     if (kind->has_own_field && kind->is_curved)
         add_reader(s, section, PSPLAT_SHAPE, AT_SHAPE, 3, readers);
+    if (s->has_texcoord) {
+        size_t image = psplat_reader_stored(&readers->of[PSPLAT_TEXCOORD]);
+        for (size_t i = 0; i < (kind->has_texcoord_bend ? 6 : 3); ++i)
+            add_reader(s, section, PSPLAT_TEXCOORD + i, AT_TEXCOORD + 2 * i, 2, readers);
+        readers->of[PSPLAT_TEXCOORD].streamed += image;
+    }
     for (size_t i = 0; i < kind->clip_count; ++i)
         add_reader(s, section, PSPLAT_FIRST_CLIP + i, AT_LINES + 4 * i, kind->has_bends ? 4 : 3,
                    readers);

@@ -18,6 +18,7 @@ typedef struct psplat_stream_section {
     int is_curved;
     int has_own_field; /* a flat splat's NORMAL_FIELD, or a curved one's beside its SHAPE */
     int has_gamma, has_tilt, has_bends;
+    int has_texcoord_bend; /* where the stream has texture coordinates */
 } psplat_stream_section;
 
 /* A stream, decoded. */
@@ -31,7 +32,10 @@ typedef struct psplat_stream {
     psplat_kernel kernel;
     double extent[3], found_extent[3]; /* of centres: as written, and as decoded */
     double first_radius, radius_step, tilt_step, field_step, shape_step, line_step, bend_step;
-    size_t count, section_count;
+    int has_texcoord;           /* but for the coarse TEXCOORD_0 */
+    uint32_t texcoord_low_bits; /* of T_0, less those of TEXCOORD_0 */
+    double texcoord_step, texcoord_slope_step, texcoord_bend_step;
+    size_t head_size, count, section_count;
     psplat_stream_section sections[PSPLAT_MAX_SECTIONS];
     /* Bits that attributes take, by section; zeros unless gltf->measures. */
     double spent[PSPLAT_MAX_SECTIONS][PSPLAT_ATTRIBUTES];
@@ -42,14 +46,15 @@ typedef struct psplat_stream {
  * UNSUPPORTED or MEMORY. */
 psplat_result psplat_stream_open(psplat_gltf *gltf, psplat_json_value view, psplat_stream **stream);
 
-/* Decodes all splats, whose coarse positions are those of POSITION. */
-psplat_result psplat_stream_decode(psplat_gltf *gltf, const psplat_reader *positions,
+/* Decodes all splats, whose coarse positions are those of POSITION, as coordinates are of
+ * TEXCOORD_0, where the stream has some. */
+psplat_result psplat_stream_decode(psplat_gltf *gltf, const psplat_readers *beside,
                                    psplat_stream *stream);
 
 /* Sets the readers of all attributes that the stream holds to those of a section. */
 void psplat_stream_readers(const psplat_stream *stream, size_t section, psplat_readers *readers);
 
 /* Returns whether the stream holds an attribute, so that accessors of it are not allowed. */
-int psplat_stream_holds(size_t attribute);
+int psplat_stream_holds(const psplat_stream *stream, size_t attribute);
 
 #endif

@@ -38,6 +38,8 @@
  * interpolated between the rival's best files on logarithmic axes. ">" means that even the rival's
  * smallest file is as good, so that the ratio is greater; "<" that even its largest (all triangles)
  * is not. Seconds are CPU seconds of the programs that were run.
+ *
+ * Textured models are those of bench_textures.mjs.
  */
 #include "benchmark/gltfpack.h"
 #include "benchmark/measured_asset.h"

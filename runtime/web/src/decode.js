@@ -4,7 +4,7 @@
 // specification) into the float textures of shaders/layout.h, and checks them. Numbers are those of
 // runtime/asset/values.c, unpack.c and pack.c.
 import { Box3, BufferAttribute, DataTexture, FloatType, RGBAFormat, Sphere, Vector3 } from 'three';
-import { readStream, STREAMED } from './stream.js';
+import { readStream, STREAMED, STREAMED_TEXCOORDS } from './stream.js';
 
 export const EXTENSION = 'PSPLAT_surface_splats';
 
@@ -534,7 +534,12 @@ async function decodeStreamed(primitive, object, accessor, view) {
     checkPairs(found);
     const [bytes, attributes] = await Promise.all([view(object.stream), loadAttributes(found, accessor)]), position = attributes.POSITION;
     checkCoarse(position);
-    const { head, sections } = readStream(bytes, position.count, (i, out) => { for (let k = 0; k < 3; ++k) out[k] = position.getComponent(i, k); }, fail), centers = new Box3();
+    const beside = {
+        place: (i, out) => { for (let k = 0; k < 3; ++k) out[k] = position.getComponent(i, k); },
+        image: (i) => [0, 1].map((k) => (attributes.TEXCOORD_0 ?? fail('TEXCOORD_0 is missing beside a stream with texture coordinates')).getComponent(i, k)),
+    };
+    const { head, sections } = readStream(bytes, position.count, beside, fail), centers = new Box3();
+    for (const name of STREAMED_TEXCOORDS) if (head.hasTexcoord && found[name] !== undefined) fail(`${name} is present although the primitive has a stream`);
     const batches = sections.map(({ arrays, first, count, clipLines, curved, depthTolerance }) => {
         const parts = Object.fromEntries(Object.entries(attributes).map(([name, attribute]) => [name, partOf(attribute, first, count)]));
         for (const [name, { size, array }] of Object.entries(arrays)) parts[name] = new BufferAttribute(array, size);

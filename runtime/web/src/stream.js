@@ -3,14 +3,17 @@
 // stream.js - reads the coded stream of a primitive of splats (section 3.12 of the specification)
 // into the attributes that it holds. Numbers are those of runtime/asset/stream.c.
 
-const HEAD_BYTES = 60, SECTION_BYTES = 12, MOST_SECTIONS = 32, WINDOW = 32, LEAST_BYTES = 3, MOST_ALIGNING = 3;
+import { axesOf, predictMove, predictSlopes, roundPrediction } from './stream_texcoord.js';
+
+const HEAD_BYTES = 60, TEXCOORD_HEAD_BYTES = 12, SECTION_BYTES = 12, MOST_SECTIONS = 32, WINDOW = 32, LEAST_BYTES = 3, MOST_ALIGNING = 3;
 const MOST_GRADE = 7, MOST_LENGTH = 17, MOST_RADIUS = 65535, ADAPTED = 40, LEAST_PART = 32;
+const MOST_TEXCOORD_LOW_BITS = 15, MOST_TEXCOORD = 32767, MOST_TEXCOORD_AT = 2 ** 23 - 1;
 
 /** The flags of a section. */
-const CURVED = 1, OWN_FIELD = 2, BENDS = 4, TILTED = 8, GAMMA = 16, FLAGS = 31;
+const CURVED = 1, OWN_FIELD = 2, BENDS = 4, TILTED = 8, GAMMA = 16, TEXCOORD_BENDS = 32, FLAGS = 63;
 
 /** The kinds of numbers, each with probabilities of its own. */
-const KINDS = { radius: 0, elongation: 1, normal: 2, tilt: 3, field: 4, fieldTwist: 5, shape: 6, shapeTwist: 7, lines: 8, lineTurn: 9, lineDistance: 10, lineBend: 11 };
+const KINDS = { radius: 0, elongation: 1, normal: 2, tilt: 3, field: 4, fieldTwist: 5, shape: 6, shapeTwist: 7, lines: 8, lineTurn: 9, lineDistance: 10, lineBend: 11, texcoordBend: 12, texcoordTwist: 13, texcoordSlope: 14, texcoord: 15 };
 
 /** Where the bits of a kind of number are: whether it is 0, its sign, its length, the bit below its highest. */
 const ZERO = 0, SIGN = 1, LENGTH = 2, HIGHEST = LENGTH + MOST_LENGTH + 1, MODEL = HIGHEST + MOST_LENGTH + 1;
@@ -83,22 +86,32 @@ function readHead(view, fail) {
     if (b(0) !== 1) fail('a stream is of an unknown form');
     if (!f.every((x) => x >= 0 && x < Infinity)) fail('a stream has a number that is none or below 0');
     const isRight = b(1) <= 8 && b(2) >= 4 && b(2) <= 14 && b(3) >= 1 && b(3) <= 14 && b(4) >= 1 && b(4) <= 14 && b(8) >= 1 && b(8) <= MOST_SECTIONS;
-    if (!isRight || b(9) > MOST_GRADE || b(10) > Math.min(MOST_GRADE, b(2) - 4) || b(11) || !(f[0] > 0) || !(f[1] > 0)) fail('a stream has a head out of range');
+    if (!isRight || b(9) > MOST_GRADE || b(10) > Math.min(MOST_GRADE, b(2) - 4) || !(f[0] > 0) || !(f[1] > 0)) fail('a stream has a head out of range');
     return {
         lowBits: b(1), normalBits: b(2), turnBits: b(3), lineTurnBits: b(4), halving: b(5), reference: view.getUint16(6, true), sectionCount: b(8), shapeGrades: b(9), normalGrades: b(10),
         sharpness: f[0], exponent: f[1], positionExtent: f.slice(2, 5), firstRadius: f[5], radiusStep: f[6], tiltStep: f[7], fieldStep: f[8],
-        shapeStep: f[9], lineStep: f[10], bendStep: f[11],
+        shapeStep: f[9], lineStep: f[10], bendStep: f[11], ...readTexcoordHead(view, b(11), fail),
     };
+}
+
+/** What is behind the rest of the head where there are texture coordinates. */
+function readTexcoordHead(view, lowBits, fail) {
+    if (!lowBits) return { size: HEAD_BYTES, hasTexcoord: false };
+    if (view.byteLength < HEAD_BYTES + TEXCOORD_HEAD_BYTES) fail('a stream is too short');
+    const [at, slope, bend] = [0, 4, 8].map((i) => view.getFloat32(HEAD_BYTES + i, true)), bits = view.getUint32(HEAD_BYTES, true);
+    if (![at, slope, bend].every((x) => x >= 0 && x < Infinity)) fail('a stream has a number that is none or below 0');
+    if (lowBits - 1 > MOST_TEXCOORD_LOW_BITS || bits < 0x800000 || bits & 0x7fffff || !(slope > 0)) fail('a stream has a head out of range');
+    return { size: HEAD_BYTES + TEXCOORD_HEAD_BYTES, hasTexcoord: true, texcoordLowBits: lowBits - 1, texcoordStep: at, texcoordSlopeStep: slope, texcoordBendStep: bend };
 }
 
 function readSections(view, head, fail) {
     const sections = [];
-    if (view.byteLength < HEAD_BYTES + SECTION_BYTES * head.sectionCount) fail('a stream is too short');
+    if (view.byteLength < head.size + SECTION_BYTES * head.sectionCount) fail('a stream is too short');
     for (let i = 0, first = 0; i < head.sectionCount; ++i) {
-        const at = HEAD_BYTES + SECTION_BYTES * i, count = view.getUint32(at, true), depthTolerance = view.getFloat32(at + 4, true);
+        const at = head.size + SECTION_BYTES * i, count = view.getUint32(at, true), depthTolerance = view.getFloat32(at + 4, true);
         const clipLines = view.getUint8(at + 8), flags = view.getUint8(at + 9);
         const isRight = count > 0 && clipLines <= 4 && flags <= FLAGS && !view.getUint16(at + 10, true) && depthTolerance >= 0 && depthTolerance < Infinity;
-        if (!isRight || ((flags & CURVED) && !(flags & GAMMA))) fail('a stream has a section out of range');
+        if (!isRight || ((flags & CURVED) && !(flags & GAMMA)) || ((flags & TEXCOORD_BENDS) && !(head.texcoordBendStep > 0))) fail('a stream has a section out of range');
         sections.push({ first, count, clipLines, flags, depthTolerance, curved: !!(flags & CURVED) });
         first += count;
     }
@@ -114,7 +127,7 @@ const shifted = (x, shift) => Math.floor((x + Math.floor(2 ** shift / 2)) / 2 **
 function makeCode() {
     return {
         place: new Float64Array(3), low: new Int32Array(3), radius: new Int32Array(2), normal: new Int32Array(2), turn: 0, tilt: new Int32Array(2), field: new Int32Array(3),
-        shape: new Int32Array(3), lineCount: 0, lines: new Int32Array(12), direction: new Float64Array(3),
+        shape: new Int32Array(3), lineCount: 0, lines: new Int32Array(12), direction: new Float64Array(3), images: [],
         window: { places: new Float64Array(3 * WINDOW), radii: new Int32Array(WINDOW + 1), normals: new Int32Array(2 * (WINDOW + 1)) },
     };
 }
@@ -188,6 +201,45 @@ function readLines(d, head, { flags, clipLines }, code, fail) {
     }
 }
 
+// ---- texture coordinates ---------------------------------------------------------------------
+
+/** The last of those of the last 32 splats that are nearest in space and in the image together. */
+function nearestInChart(images, index, place, coarse) {
+    let found, least = Infinity;
+    for (let i = 1; i <= WINDOW && i <= index; ++i) {
+        const other = images[(index - i) % WINDOW];
+        const places = [0, 1, 2].reduce((sum, k) => sum + (other.place[k] - place[k]) ** 2, 0), parts = [0, 1].reduce((sum, k) => sum + (other.coarse[k] - coarse[k]) ** 2, 0);
+        if (!(places * (1 + parts) < least)) continue;
+        least = places * (1 + parts);
+        found = other;
+    }
+    return found;
+}
+
+/** Reads the texture coordinates of a splat, of which all else is known. image(i) is its TEXCOORD_0. */
+function readTexcoord(d, head, { flags }, code, index, image, fail) {
+    const coarse = image.map((x) => Math.round(x / head.texcoordStep / 2 ** head.texcoordLowBits)), half = Math.floor(2 ** head.texcoordLowBits / 2);
+    if (!image.every((x) => Math.abs(x / head.texcoordStep) <= MOST_TEXCOORD_AT + 1)) fail('a stream is beside a TEXCOORD_0 out of range');
+    const near = (kind, predicted, most) => {
+        const number = predicted + d.signed(kind);
+        if (Math.abs(number) > most) fail('a stream is damaged');
+        return number;
+    };
+    const from = nearestInChart(code.images, index, code.place, coarse), field = {
+        coarse, place: [...code.place], center: [0, 1, 2].map((k) => code.place[k] + code.low[k] / 2 ** head.lowBits),
+        axes: axesOf(code.normal, head.normalBits, code.turn / 2 ** head.turnBits), radius: [0, 1].map((k) => head.firstRadius * Math.exp(code.radius[k] * head.radiusStep)),
+    };
+    field.bends = [KINDS.texcoordBend, KINDS.texcoordTwist, KINDS.texcoordBend].map((kind) => [0, 1].map(() => (flags & TEXCOORD_BENDS ? near(kind, 0, MOST_TEXCOORD) * head.texcoordBendStep : 0)));
+    const along = from ? predictSlopes(from, field) : [[0, 0], [0, 0]];
+    field.along = along.map((pair) => pair.map((x) => near(KINDS.texcoordSlope, roundPrediction(x / head.texcoordSlopeStep, MOST_TEXCOORD), MOST_TEXCOORD) * head.texcoordSlopeStep));
+    const move = from ? predictMove(from, field) : [0, 0];
+    field.at = move.map((x, k) => {
+        const predicted = (from ? from.at[k] : 0) + roundPrediction(x / head.texcoordStep, 2 ** 24), low = coarse[k] * 2 ** head.texcoordLowBits - half;
+        return near(KINDS.texcoord, Math.min(Math.max(predicted, low), half ? low + 2 * half - 1 : low), MOST_TEXCOORD_AT);
+    });
+    code.images[index % WINDOW] = field;
+}
+
 // ---- attributes ------------------------------------------------------------------------------
 
 /** Decodes an octahedral code as EXT_meshopt_compression's filter does, to bytes for up to 8 bits,
@@ -207,13 +259,17 @@ function readDirection([codeX, codeY], bits, direction) {
     for (let k = 0; k < 3; ++k) direction[k] /= Math.sqrt(square);
 }
 
+const TEXCOORD_BEND_NAMES = ['TEXCOORD_UU', 'TEXCOORD_UV', 'TEXCOORD_VV'];
+
 /** Arrays of a section's attributes, by name: their numbers of components and their values. */
-function makeArrays(section) {
+function makeArrays(section, hasTexcoord) {
     const { flags, count, clipLines } = section, sizes = { POSITION: 3, NORMAL: 3, TURN: 1, SCALE: 2 };
     if (flags & TILTED) sizes.TILT = 2;
     if (flags & (OWN_FIELD | CURVED)) sizes.NORMAL_FIELD = flags & GAMMA ? 3 : 2;
     if (flags & OWN_FIELD && flags & CURVED) sizes.SHAPE = 3;
     for (let k = 0; k < clipLines; ++k) sizes[`CLIP_${k}`] = flags & BENDS ? 4 : 3;
+    if (hasTexcoord) for (const name of ['TEXCOORD_0', 'TEXCOORD_U', 'TEXCOORD_V']) sizes[name] = 2;
+    if (flags & TEXCOORD_BENDS) for (const name of TEXCOORD_BEND_NAMES) sizes[name] = 2;
     return Object.fromEntries(Object.entries(sizes).map(([name, size]) => [name, { size, array: new Float32Array(size * count) }]));
 }
 
@@ -243,16 +299,23 @@ function store(arrays, lines, head, section, i, code) {
     put(arrays.NORMAL_FIELD, i, isOwn ? code.field : code.shape, isOwn ? head.fieldStep : head.shapeStep);
     put(arrays.SHAPE, i, code.shape, head.shapeStep);
     for (let k = 0; k < lines.length; ++k) putLine(lines[k], i, head, code, k);
+    if (!head.hasTexcoord) return;
+    const { at, along, bends } = code.images[(section.first + i) % WINDOW];
+    put(arrays.TEXCOORD_0, i, at, head.texcoordStep);
+    put(arrays.TEXCOORD_U, i, along[0], 1);
+    put(arrays.TEXCOORD_V, i, along[1], 1);
+    for (let k = 0; k < 3; ++k) put(arrays[TEXCOORD_BEND_NAMES[k]], i, bends[k], 1);
 }
 
 /** Reads the splats of a section. */
-function readSection(d, head, section, code, place, fail) {
-    const arrays = section.arrays = makeArrays(section), lines = [0, 1, 2, 3].slice(0, section.clipLines).map((k) => arrays[`CLIP_${k}`]);
+function readSection(d, head, section, code, { place, image }, fail) {
+    const arrays = section.arrays = makeArrays(section, head.hasTexcoord), lines = [0, 1, 2, 3].slice(0, section.clipLines).map((k) => arrays[`CLIP_${k}`]);
     for (let i = section.first; i < section.first + section.count; ++i) {
         place(i, code.place);
         readFrame(d, head, code, nearest(code.window, i, code.place), fail);
         readField(d, head, section, code);
         readLines(d, head, section, code, fail);
+        if (head.hasTexcoord) readTexcoord(d, head, section, code, i, image(i), fail);
         store(arrays, lines, head, section, i - section.first, code);
         remember(code, i);
     }
@@ -265,18 +328,21 @@ function ends({ at, bytes }, size, count) {
     return bytes.subarray(at).every((x) => x === 0);
 }
 
-/** Reads a stream. place(i, out) stores POSITION of splat i of count in out. @returns what all splats have in common,
+/** Reads a stream. beside.place(i, out) stores POSITION of splat i of count in out, beside.image(i) returns its TEXCOORD_0. @returns what all splats have in common,
  *  and the sections with the arrays of their attributes. */
-export function readStream(buffer, count, place, fail) {
+export function readStream(buffer, count, beside, fail) {
     const view = new DataView(buffer), head = readHead(view, fail), sections = readSections(view, head, fail);
     const found = sections.reduce((sum, section) => sum + section.count, 0);
     if (found > buffer.byteLength / LEAST_BYTES) fail('a stream announces more splats than its bytes can hold');
     if (found !== count) fail(`POSITION has ${count} values for ${found} splats`);
-    const d = new Decoder(new Uint8Array(buffer, HEAD_BYTES + SECTION_BYTES * sections.length), fail), code = makeCode();
-    for (const section of sections) readSection(d, head, section, code, place, fail);
+    const d = new Decoder(new Uint8Array(buffer, head.size + SECTION_BYTES * sections.length), fail), code = makeCode();
+    for (const section of sections) readSection(d, head, section, code, beside, fail);
     if (!ends(d, buffer.byteLength, count)) fail('a stream has bytes behind its splats');
     return { head, sections };
 }
 
 /** The attributes that a stream holds, so that accessors of them are not allowed. */
 export const STREAMED = ['NORMAL', 'ROTATION', 'TURN', 'TILT', 'SCALE', 'NORMAL_FIELD', 'SHAPE', 'CLIP_0', 'CLIP_1', 'CLIP_2', 'CLIP_3'];
+
+/** The attributes that a stream with texture coordinates holds besides. */
+export const STREAMED_TEXCOORDS = ['TEXCOORD_U', 'TEXCOORD_V', ...TEXCOORD_BEND_NAMES];

@@ -109,7 +109,7 @@ run "$PHONGSPLAT" convert "$SOURCE_DIR/samples/models/painted.glb" painted.glb -
 expect_success
 run "$PHONGSPLAT" inspect painted.glb
 expect_success
-expect_output '^TEXCOORD_0 +2 float +[0-9]+ +[0-9]+ +[0-9.]+$'
+expect_output '^TEXCOORD_0 +2 coded +[0-9]+ +[0-9]+ +[0-9.]+$'
 expect_output '^texture coordinates +[0-9]+ +[0-9.]+$'
 expect_output '^0 .*image/(png|jpeg) +[0-9]+$'
 expect_output '^  textures: base colour of image 0'

@@ -155,8 +155,8 @@ static void check_file(const written *w, const psplat_codec *codec, float low, f
     psplat_splats splats = writer_splats(w, 3);
     size_t compared = 0, bare = 0;
     uint8_t *data;
+    add_textures(&splats.materials[0]); /* One does not repeat: coordinates stay where they are. */
     add_texcoords(&splats, low, high);
-    add_textures(&splats.materials[0]);
     psplat_asset *asset = write_and_open(&scene, &splats, codec, &data);
     check_images(asset);
     for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
@@ -185,6 +185,7 @@ static void test_round_trip(void **state) {
     for (int i = 0; i < 2; ++i) {
         check_file(&floats, codecs[i], 0, 1);
         check_file(&integers, codecs[i], 0, 1);
+        check_file(&integers, codecs[i], -1, 1);
         check_file(&integers, codecs[i], -40, 70);
     }
 }
@@ -205,6 +206,99 @@ static void test_version(void **state) {
         assert_int_equal(strstr(json, "TEXCOORD_0") != NULL, textured);
         assert_null(strstr(json, "TEXCOORD_UU"));
         assert_null(strstr(json, "images"));
+        free(json);
+        free(data);
+        psplat_splats_free(&splats);
+        free_scene(&scene);
+    }
+}
+
+/* Counts how often a text occurs. */
+static size_t count_of(const char *text, const char *part) {
+    size_t count = 0;
+    for (const char *at = strstr(text, part); at; at = strstr(at + 1, part)) ++count;
+    return count;
+}
+
+/* Streams hold coordinates but for a coarse TEXCOORD_0: bytes where these are from 0 or -1 to 1.
+ * Here it has the only bytes that are normalized. */
+static void test_streamed(void **state) {
+    (void)state;
+    static const struct {
+        float low, high;
+        const char *type; /* NULL: floats */
+    } cases[] = {{0, 1, "\"componentType\":5121,\"normalized\":true"},
+                 {-1, 1, "\"componentType\":5120,\"normalized\":true"},
+                 {-3, 1, NULL}};
+    written w = {.count = 40, .size = 1, .precision = usual_steps, .lines = 6};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        psplat_image images[IMAGES];
+        psplat_scene scene = textured_scene(images);
+        psplat_splats splats = writer_splats(&w, 4);
+        uint8_t *data = NULL;
+        add_textures(&splats.materials[0]);
+        add_texcoords(&splats, cases[i].low, cases[i].high);
+        psplat_asset_destroy(write_and_open(&scene, &splats, &psplat_meshopt_codec, &data));
+        char *json = writer_json(data);
+        assert_non_null(strstr(json, "\"version\":4"));
+        assert_int_equal(count_of(json, "TEXCOORD"), 1);
+        assert_int_equal(count_of(json, "\"normalized\""), cases[i].type != NULL);
+        if (cases[i].type) assert_non_null(strstr(json, cases[i].type));
+        free(json);
+        free(data);
+        psplat_splats_free(&splats);
+        free_scene(&scene);
+    }
+}
+
+/* Returns the step of radii, a float as streams have it, with which n times the ratio of two radii
+ * a step apart is n + part, as nearly as for any n up to 60. */
+static double step_for(double part, int *n) {
+    double least = HUGE_VAL, found = 0;
+    for (int i = 2; i <= 60; ++i) {
+        double step = (double)(float)log((i + part) / i);
+        double off = fabs(i * (exp(step) - 1) - part);
+        if (off < least) least = off, found = step, *n = i;
+    }
+    assert_in_range((long)(least * 1e12), 0, 5000); /* Near enough: 5e-9. */
+    return found;
+}
+
+/* Two discs on a plane whose radii are a step apart. The change along u is n steps on the first, so
+ * that on the second n + part are predicted. */
+static void put_discs(psplat_splats *s, double part) {
+    psplat_precision *p = &s->precision;
+    int n = 0;
+    p->scale_step = step_for(part, &n);
+    for (int i = 0; i < 2; ++i) {
+        psplat_splat *disc = &s->splats[i];
+        psplat_texcoord texcoord = {.at = {0.25f, 0.25f}};
+        *disc = s->splats[0];
+        for (int k = 0; k < 3; ++k) disc->center[k] = (float)(4 * i * p->unit);
+        for (int k = 0; k < 2; ++k)
+            disc->radius[k] = (float)(p->unit * exp((100 + i) * p->scale_step));
+        texcoord.along_u[0] = (float)(n * p->texcoord_slope_step);
+        s->texcoords[i] = texcoord;
+    }
+    psplat_round_to_precision(s);
+}
+
+/* Where the last bits of a reader's arithmetic would decide what is predicted, coordinates stay in
+ * accessors. */
+static void test_ambiguous(void **state) {
+    (void)state;
+    written w = {.count = 2, .size = 1, .precision = usual_steps, .lines = 1};
+    for (int ambiguous = 0; ambiguous < 2; ++ambiguous) {
+        psplat_image images[IMAGES];
+        psplat_scene scene = textured_scene(images);
+        psplat_splats splats = writer_splats(&w, 4);
+        uint8_t *data = NULL;
+        add_texcoords(&splats, 0, 1);
+        put_discs(&splats, ambiguous ? 0.51 : 0.35);
+        psplat_asset_destroy(write_and_open(&scene, &splats, &psplat_meshopt_codec, &data));
+        char *json = writer_json(data);
+        assert_non_null(strstr(json, "\"version\":4"));
+        assert_int_equal(strstr(json, "TEXCOORD_U") != NULL, ambiguous);
         free(json);
         free(data);
         psplat_splats_free(&splats);
@@ -260,10 +354,9 @@ static void test_refused(void **state) {
 
 int test_textured_file_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_version),
-        cmocka_unit_test(test_normal_texture),
-        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_round_trip),     cmocka_unit_test(test_version),
+        cmocka_unit_test(test_streamed),       cmocka_unit_test(test_ambiguous),
+        cmocka_unit_test(test_normal_texture), cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

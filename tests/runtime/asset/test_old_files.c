@@ -116,6 +116,12 @@ static const old_file files[] = {
      {0, 0, 0, 0, 62},
      0,
      {468486, 4008.22291, 224780.736, 56.7291647, 272.677637, 66794.6647, 7547.93322}},
+    {"11-texcoords.glb",
+     1,
+     {0, 0, 0, 0, 19},
+     0,
+     {108066.5, 688.988716, 34652.1202, 236.547093, 215.366403, 11148.2694, -572.051673,
+      165.188399}},
 };
 
 static psplat_asset *open_old(const char *name) {
@@ -176,12 +182,15 @@ static void check_file(const old_file *file) {
         assert_true(batch->depth_tolerance > 0);
         /* Curved splats and bent lines came with version 3. */
         int is_streamed = !strcmp(file->name, "10-streamed.glb");
-        assert_int_equal(batch->is_curved,
-                         strstr(file->name, "8-") != NULL || (is_streamed && b == 0));
+        assert_int_equal(batch->is_curved, strstr(file->name, "8-") != NULL ||
+                                               (is_streamed && b == 0) ||
+                                               !strcmp(file->name, "11-texcoords.glb"));
         assert_int_equal(batch->has_shape, !strcmp(file->name, "compressed/8-shapes.glb"));
-        assert_int_equal(batch->has_bends, is_streamed || !strcmp(file->name, "8-curved.glb"));
+        assert_int_equal(batch->has_bends, is_streamed || !strcmp(file->name, "8-curved.glb") ||
+                                               !strcmp(file->name, "11-texcoords.glb"));
         /* So did texture coordinates. */
-        assert_int_equal(batch->has_texcoord, strstr(file->name, "9-") != NULL);
+        int is_textured = !strcmp(file->name, "11-texcoords.glb");
+        assert_int_equal(batch->has_texcoord, is_textured || strstr(file->name, "9-") != NULL);
         assert_int_equal(batch->has_texcoord_bend, batch->has_texcoord);
         classes[batch->clip_count] += batch->splat_count;
         for (size_t i = 0; i < batch->splat_count; ++i) {

@@ -24,21 +24,30 @@
 
 enum { JSON_AT = 20, HEAD = 60, SECTION = 12 };
 
-/* A file of the corpus: two sections, then 62 positions. */
+/* A file of the corpus: its stream comes first. The first has two sections of 62 splats, the second
+ * one of 19 with texture coordinates. */
 typedef struct file {
     uint8_t *bytes;
     size_t size, bin, stream_size; /* bin: where the stream begins */
 } file;
 
-static file read_file(void) {
+static file read_named(const char *path) {
     file f = {0};
-    f.bytes = (uint8_t *)document_read(PSPLAT_SOURCE_DIR "/tests/corpus/10-streamed.glb", &f.size);
+    f.bytes = (uint8_t *)document_read(path, &f.size);
     f.bin = JSON_AT + 8 + (size_t)(f.bytes[12] | f.bytes[13] << 8);
     const char *at = strstr((const char *)f.bytes + JSON_AT, "\"bufferViews\":[{\"buffer\":0,");
     assert_non_null(at);
     assert_int_equal(
         sscanf(at, "\"bufferViews\":[{\"buffer\":0,\"byteLength\":%zu", &f.stream_size), 1);
     return f;
+}
+
+static file read_file(void) {
+    return read_named(PSPLAT_SOURCE_DIR "/tests/corpus/10-streamed.glb");
+}
+
+static file read_textured(void) {
+    return read_named(PSPLAT_SOURCE_DIR "/tests/corpus/11-texcoords.glb");
 }
 
 /* Opens a file and returns the result. */
@@ -78,10 +87,10 @@ static void test_head(void **state) {
                   {8, 33, PSPLAT_ERROR_RANGE, "head out of range"},
                   {9, 8, PSPLAT_ERROR_RANGE, "head out of range"},
                   {10, 5, PSPLAT_ERROR_RANGE, "head out of range"},
-                  {11, 1, PSPLAT_ERROR_RANGE, "head out of range"},
-                  {15, 0xc0, PSPLAT_ERROR_RANGE, "below 0"},   /* sharpness -4 */
-                  {35, 0xff, PSPLAT_ERROR_RANGE, "below 0"},   /* least radius */
-                  {HEAD, 0, PSPLAT_ERROR_RANGE, "values for"}, /* 0 splats, or another count */
+                  {11, 1, PSPLAT_ERROR_RANGE, "head out of range"}, /* what follows is no step */
+                  {15, 0xc0, PSPLAT_ERROR_RANGE, "below 0"},        /* sharpness -4 */
+                  {35, 0xff, PSPLAT_ERROR_RANGE, "below 0"},        /* least radius */
+                  {HEAD, 0, PSPLAT_ERROR_RANGE, "values for"},      /* 0 splats, or another count */
                   {HEAD + 3, 1, PSPLAT_ERROR_RANGE, "more splats"},
                   {HEAD + 7, 0xff, PSPLAT_ERROR_RANGE, "section out of range"},
                   {HEAD + 8, 5, PSPLAT_ERROR_RANGE, "section out of range"},
@@ -97,6 +106,78 @@ static void test_head(void **state) {
             expect(&f, PSPLAT_ERROR_RANGE, "section out of range");
         else
             expect(&f, faults[i].result, faults[i].what);
+        free(f.bytes);
+    }
+}
+
+/* The same of what a stream with texture coordinates has besides. */
+static void test_texcoord_head(void **state) {
+    (void)state;
+    static const struct {
+        size_t at;
+        uint8_t value;
+        psplat_result result;
+        const char *what;
+    } faults[] = {
+        {11, 17, PSPLAT_ERROR_RANGE, "head out of range"},
+        {HEAD, 1, PSPLAT_ERROR_RANGE, "head out of range"}, /* no power of two */
+        {HEAD + 3, 0xbf, PSPLAT_ERROR_RANGE, "below 0"},    /* a step below 0 */
+        {HEAD + 3, 0x20, PSPLAT_ERROR_RANGE, "TEXCOORD_0 out of range"},
+        {HEAD + 7, 0xff, PSPLAT_ERROR_RANGE, "below 0"},
+        {HEAD + 11, 0xff, PSPLAT_ERROR_RANGE, "below 0"},
+        {HEAD + 12 + 9, 127, PSPLAT_ERROR_RANGE, "section out of range"},
+    };
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
+        file f = read_textured();
+        expect(&f, PSPLAT_OK, "");
+        f.bytes[f.bin + faults[i].at] = faults[i].value;
+        expect(&f, faults[i].result, faults[i].what);
+        free(f.bytes);
+    }
+    file f = read_textured();
+    memset(f.bytes + f.bin + HEAD, 0, 4); /* the step of coordinates */
+    expect(&f, PSPLAT_ERROR_RANGE, "head out of range");
+    free(f.bytes);
+    f = read_textured();
+    memset(f.bytes + f.bin + HEAD + 4, 0, 4); /* that of the first order */
+    expect(&f, PSPLAT_ERROR_RANGE, "head out of range");
+    free(f.bytes);
+    f = read_textured();
+    memset(f.bytes + f.bin + HEAD + 8, 0, 4); /* that of the second, which a flag asks for */
+    expect(&f, PSPLAT_ERROR_RANGE, "section out of range");
+    free(f.bytes);
+}
+
+/* Replaces text in the JSON, which must not become longer than the file's name of its generator. */
+static void edit(file *f, const char *from, const char *to) {
+    size_t size = f->bin - 8 - JSON_AT;
+    char *text = calloc(size + 1, 1);
+    assert_non_null(text);
+    memcpy(text, f->bytes + JSON_AT, size);
+    document_replace(&text, ",\"generator\":\"phongsplat 0.1.0\"", "");
+    document_replace(&text, "\"name\":\"tiles\",", "");
+    document_replace(&text, from, to);
+    assert_true(strlen(text) <= size);
+    memset(f->bytes + JSON_AT, ' ', size);
+    memcpy(f->bytes + JSON_AT, text, strlen(text));
+    free(text);
+}
+
+/* TEXCOORD_0 has to be there beside texture coordinates in a stream, the others not. */
+static void test_texcoord_attributes(void **state) {
+    (void)state;
+    static const struct {
+        const char *to;
+        psplat_result result;
+        const char *what;
+    } faults[] = {{"\"TEXCOORD_0\":1", PSPLAT_OK, ""},
+                  {"\"TEXCOORD_9\":1", PSPLAT_ERROR_FORMAT, "TEXCOORD_0"},
+                  {"\"TEXCOORD_0\":1,\"PSPLAT_surface_splats:TEXCOORD_U\":1", PSPLAT_ERROR_FORMAT,
+                   "although the primitive has a stream"}};
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; ++i) {
+        file f = read_textured();
+        edit(&f, "\"TEXCOORD_0\":1", faults[i].to);
+        expect(&f, faults[i].result, faults[i].what);
         free(f.bytes);
     }
 }
@@ -380,6 +461,8 @@ static void test_sizes(void **state) {
 int test_stream_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_head),
+        cmocka_unit_test(test_texcoord_head),
+        cmocka_unit_test(test_texcoord_attributes),
         cmocka_unit_test(test_positions),
         cmocka_unit_test(test_json),
         cmocka_unit_test(test_said_twice),
