@@ -132,9 +132,9 @@ static const char summary[] =
     "in a GLB, or several of them to OUT/NAME.glb each.";
 
 static const char notes[] =
-    "OUT.glb is written whole or not at all, and so is PAGE.html. Tolerances are promises,\n"
-    "checked on samples other than those that were fitted; one that is broken gives exit code 9,\n"
-    "and the report names the places.\n\n"
+    "OUT.glb, PAGE.html and R.json are written whole and together, or none of them. Tolerances\n"
+    "are promises, checked on samples other than those that were fitted; one that is broken\n"
+    "gives exit code 9, and the report names the places.\n\n"
     "Of several inputs, each is converted whatever happens to the others, and R.json has an\n"
     "entry for each. The exit code is the greatest of those that wrote nothing, else 9 or 0.\n"
     "OUT/ is made where it does not exist.";
@@ -382,21 +382,24 @@ static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     return result;
 }
 
-static psplat_result write_report(const arguments *a, const product *p, psplat_error *error) {
-    char *text = NULL;
-    size_t size = 0;
-    psplat_result result = psplat_scene_report_json(&p->scene, &p->report, &text, &size, error);
-    if (!result) result = psplat_output_write(a->report, text, size, a->overwrite, error);
-    free(text);
-    return result;
-}
-
-static psplat_result write_page(const arguments *a, product *p, psplat_error *error) {
-    char *text = NULL;
-    psplat_result result =
-        psplat_page_make(&p->page, a->output, p->bytes, p->size, &text, &p->page_size, error);
-    if (!result) result = psplat_output_write(a->html, text, p->page_size, a->overwrite, error);
-    free(text);
+/* Writes the asset, the page and the report, all or none. */
+static psplat_result write_outputs(const arguments *a, product *p, psplat_error *error) {
+    psplat_output_file files[3] = {{a->output, p->bytes, p->size}};
+    size_t count = 1, report_size = 0;
+    char *page = NULL, *report = NULL;
+    psplat_result result = PSPLAT_OK;
+    if (a->html) {
+        result =
+            psplat_page_make(&p->page, a->output, p->bytes, p->size, &page, &p->page_size, error);
+        files[count++] = (psplat_output_file){a->html, page, p->page_size};
+    }
+    if (a->report && !result) {
+        result = psplat_scene_report_json(&p->scene, &p->report, &report, &report_size, error);
+        files[count++] = (psplat_output_file){a->report, report, report_size};
+    }
+    if (!result) result = psplat_output_write_all(files, count, a->overwrite, error);
+    free(page);
+    free(report);
     return result;
 }
 
@@ -532,15 +535,13 @@ static int run(const arguments *a, product *p, FILE *notes) {
         result = make(a, p, &error);
         subject = result == PSPLAT_ERROR_WRITE ? a->output : a->input;
     }
-    if (!result) {
-        result = psplat_output_write(a->output, p->bytes, p->size, a->overwrite, &error);
-        subject = NULL;
-    }
-    if (!result && a->html) result = write_page(a, p, &error);
     p->report.total.bytes = p->size;
     p->report.total.seconds = psplat_progress_clock() - start;
     p->report.total.peak_memory_bytes = peak_memory();
-    if (!result && a->report) result = write_report(a, p, &error);
+    if (!result) {
+        result = write_outputs(a, p, &error);
+        subject = NULL;
+    }
     if (notes) take_notes(p, result, &error, notes);
     if (result) {
         int code = psplat_command_fail(subject, &error);
