@@ -58,8 +58,7 @@ if [ -n "$missing" ]; then
     $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing
 fi
 
-# The page of `phongsplat convert --html` holds three.js; all else works without. npm writes its hidden lock file last, so
-# that half an installation is not taken for a whole one.
-web=$(dirname "$0")/../runtime/web
-[ -e "$web/node_modules/.package-lock.json" ] || npm ci --prefix "$web" --no-audit --no-fund --loglevel=error ||
+# The page of `phongsplat convert --html` holds three.js; all else works without.
+samples=$(dirname "$0")
+"$samples/npm_ci.sh" "$samples/../runtime/web" ||
     echo "install.sh: no three.js, so that phongsplat convert --html will not work" >&2

@@ -5,7 +5,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 samples/install.sh
-npm ci --prefix tests/node --no-audit --no-fund --loglevel=error
+samples/npm_ci.sh tests/node
 
 cmake --preset dev
 cmake --build --preset dev

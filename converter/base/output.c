@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * output.c - atomic file output: a file is written whole or not at all.
+ * output.c - atomic file output: files are written whole or not at all.
  *
- * The bytes go to a temporary file in the directory of the target, which is synced and then gets
- * the target's name in one step. rename() does this where the target may be replaced, and link()
- * where it must not exist: link() fails if another process was faster, while rename() would
+ * The bytes of a file go to a temporary file in the directory of the target, which is synced and
+ * then gets the target's name in one step. rename() does this where the target may be replaced, and
+ * link() where it must not exist: link() fails if another process was faster, while rename() would
  * overwrite the file of that process. Where the file system can (O_TMPFILE), the temporary file has
  * no name at all, so that it vanishes with the process even after kill -9 or a power cut. To
  * replace a file it gets a name of its own first, since no system call replaces a file by a
@@ -18,6 +18,7 @@
 
 #include "base/path.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -35,19 +36,21 @@
 /* The number of names that are tried for a temporary file. They differ by process and time. */
 enum { MAX_NAME_ATTEMPTS = 100 };
 
+typedef struct temporary_file {
+    int file;   /* -1: none */
+    char *name; /* malloc'ed, or NULL while the file has no name */
+} temporary_file;
+
 /* A file to be written. */
 typedef struct output {
     const char *path;
+    char *target; /* where symbolic links lead, malloc'ed, or NULL where there is no file yet */
     const void *data;
     size_t size;
-    int overwrite;
-    const struct stat *old; /* of the file that is replaced, or NULL */
+    int overwrite, exists, is_in_place;
+    struct stat old; /* of the file that is replaced, if it exists */
+    temporary_file temporary;
 } output;
-
-typedef struct temporary_file {
-    int file;
-    char *name; /* malloc'ed, or NULL while the file has no name */
-} temporary_file;
 
 static psplat_result fail(psplat_error *error, const char *path, const char *what, int cause) {
     psplat_result code = cause == ENOMEM ? PSPLAT_ERROR_MEMORY : PSPLAT_ERROR_WRITE;
@@ -144,7 +147,7 @@ static int create_temporary(temporary_file *t, const char *path, int nameless) {
 static int fill_temporary(const temporary_file *t, const output *o) {
     int cause = write_all(t->file, o->data, o->size);
     /* The new file gets the permissions of the old one as far as the system allows. */
-    if (!cause && o->old && fchmod(t->file, o->old->st_mode & 0777) && errno != EPERM)
+    if (!cause && o->exists && fchmod(t->file, o->old.st_mode & 0777) && errno != EPERM)
         cause = errno;
     if (!cause && fsync(t->file) && errno != EINVAL && errno != EROFS) cause = errno;
     return cause;
@@ -191,22 +194,43 @@ static void sync_directory(const char *path) {
     free(directory);
 }
 
-/* Writes through a temporary file beside the target. Stores in *what which step failed. */
-static int write_beside(const output *o, int nameless, const char **what) {
-    temporary_file t = {-1, NULL};
+/* Closes the temporary file, which vanishes unless it has got its final name. */
+static void discard(temporary_file *t) {
+    if (t->file >= 0) close(t->file); /* fsync has reported all write errors already */
+    if (t->name) unlink(t->name);
+    free(t->name);
+    *t = (temporary_file){-1, NULL};
+}
+
+/* Writes the temporary file beside the target. Stores in *what which step failed. */
+static int stage(output *o, int nameless, const char **what) {
     *what = "cannot be created";
-    int cause = create_temporary(&t, o->path, nameless);
+    int cause = create_temporary(&o->temporary, o->path, nameless);
     if (cause) return cause;
     *what = "cannot be written";
-    cause = fill_temporary(&t, o);
-    if (!cause) {
+    cause = fill_temporary(&o->temporary, o);
+    if (cause) discard(&o->temporary);
+    return cause;
+}
+
+/* Gives the file its final name. Whether nameless files can get one is found by trying, since
+ * failures have many different errors; where they cannot, a named one is written. */
+static int publish(output *o, const char **what) {
+    int was_nameless = !o->temporary.name;
+    *what = "cannot be put in place";
+    int cause = publish_temporary(&o->temporary, o->path, o->overwrite);
+    if (cause && cause != EEXIST && was_nameless) {
+        discard(&o->temporary);
+        cause = stage(o, 0, what);
+        if (cause) return cause;
         *what = "cannot be put in place";
-        cause = publish_temporary(&t, o->path, o->overwrite);
+        cause = publish_temporary(&o->temporary, o->path, o->overwrite);
     }
-    close(t.file); /* fsync has reported all write errors already */
-    if (cause && t.name) unlink(t.name);
-    free(t.name);
-    if (!cause) sync_directory(o->path);
+    if (!cause) {
+        free(o->temporary.name); /* it is the file's no more */
+        o->temporary.name = NULL;
+        sync_directory(o->path);
+    }
     return cause;
 }
 
@@ -220,36 +244,88 @@ static void hold_signals(sigset_t *before) {
     pthread_sigmask(SIG_BLOCK, &ending, before);
 }
 
-static psplat_result write_file(const char *path, const void *data, size_t size, int overwrite,
-                                psplat_error *error) {
-    struct stat old;
-    int exists = !stat(path, &old);
-    if (exists && S_ISDIR(old.st_mode)) return fail(error, path, "cannot be written", EISDIR);
-    if (exists && !overwrite) return fail_existing(error, path);
-    if (exists && !S_ISREG(old.st_mode)) return write_in_place(path, data, size, error);
-    const output o = {path, data, size, overwrite, exists ? &old : NULL};
+/* ---- several files --------------------------------------------------------------------------- */
+
+static psplat_result fail_output(psplat_error *error, const output *o, const char *what,
+                                 int cause) {
+    return cause == EEXIST ? fail_existing(error, o->path) : fail(error, o->path, what, cause);
+}
+
+/* Looks where a file goes, and whether it may. */
+static psplat_result begin(const psplat_output_file *file, int overwrite, output *o,
+                           psplat_error *error) {
+    *o = (output){.path = file->path,
+                  .data = file->data,
+                  .size = file->size,
+                  .overwrite = overwrite,
+                  .temporary = {-1, NULL}};
+    if (!o->path || !*o->path || (!o->data && o->size))
+        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "no path or no data to write");
+    o->is_in_place = !strcmp(o->path, "-");
+    if (o->is_in_place) return PSPLAT_OK;
+    /* Of a symbolic link the target is replaced, not the link itself. */
+    o->target = realpath(o->path, NULL);
+    if (o->target) o->path = o->target;
+    o->exists = !stat(o->path, &o->old);
+    if (o->exists && S_ISDIR(o->old.st_mode))
+        return fail(error, o->path, "cannot be written", EISDIR);
+    if (o->exists && !overwrite) return fail_existing(error, o->path);
+    o->is_in_place = o->exists && !S_ISREG(o->old.st_mode);
+    return PSPLAT_OK;
+}
+
+static psplat_result write_here(const output *o, psplat_error *error) {
+    if (strcmp(o->path, "-") != 0) return write_in_place(o->path, o->data, o->size, error);
+    int cause = write_all(STDOUT_FILENO, o->data, o->size);
+    return cause ? fail(error, "standard output", "cannot be written", cause) : PSPLAT_OK;
+}
+
+/* Writes the files that are not in place: the temporary ones of all, then the name of each. */
+static psplat_result write_beside(output *list, size_t count, psplat_error *error) {
+    psplat_result result = PSPLAT_OK;
     const char *what = NULL;
-    sigset_t before;
-    hold_signals(&before);
-    /* Whether nameless files work is found by trying, since failures have many different errors. */
-    int cause = write_beside(&o, 1, &what);
-    if (cause && cause != EEXIST) cause = write_beside(&o, 0, &what);
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    if (cause == EEXIST) return fail_existing(error, path);
-    return cause ? fail(error, path, what, cause) : PSPLAT_OK;
+    size_t published = 0;
+    for (size_t i = 0; i < count && !result; ++i) {
+        int cause = list[i].is_in_place ? 0 : stage(&list[i], 1, &what);
+        if (cause) cause = stage(&list[i], 0, &what);
+        if (cause) result = fail_output(error, &list[i], what, cause);
+    }
+    for (; published < count && !result; ++published) {
+        output *o = &list[published];
+        int cause = o->is_in_place ? 0 : publish(o, &what);
+        if (cause) result = fail_output(error, o, what, cause);
+    }
+    /* The last of those that were tried has no name; those before it are taken back. */
+    for (size_t i = 0; result && i + 1 < published; ++i)
+        if (!list[i].is_in_place && !list[i].exists) unlink(list[i].path);
+    for (size_t i = 0; i < count; ++i) discard(&list[i].temporary);
+    return result;
+}
+
+psplat_result psplat_output_write_all(const psplat_output_file *files, size_t count, int overwrite,
+                                      psplat_error *error) {
+    output list[PSPLAT_MOST_OUTPUTS];
+    psplat_result result = PSPLAT_OK;
+    size_t begun = 0;
+    assert(count <= PSPLAT_MOST_OUTPUTS);
+    while (begun < count && !result) {
+        result = begin(&files[begun], overwrite, &list[begun], error);
+        ++begun;
+    }
+    for (size_t i = 0; i < count && !result; ++i)
+        if (list[i].is_in_place) result = write_here(&list[i], error);
+    if (!result) {
+        sigset_t before;
+        hold_signals(&before);
+        result = write_beside(list, count, error);
+        pthread_sigmask(SIG_SETMASK, &before, NULL);
+    }
+    for (size_t i = 0; i < begun; ++i) free(list[i].target);
+    return result;
 }
 
 psplat_result psplat_output_write(const char *path, const void *data, size_t size, int overwrite,
                                   psplat_error *error) {
-    if (!path || !*path || (!data && size))
-        return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "no path or no data to write");
-    if (!strcmp(path, "-")) {
-        int cause = write_all(STDOUT_FILENO, data, size);
-        return cause ? fail(error, "standard output", "cannot be written", cause) : PSPLAT_OK;
-    }
-    /* Of a symbolic link the target is replaced, not the link itself. */
-    char *target = realpath(path, NULL);
-    psplat_result result = write_file(target ? target : path, data, size, overwrite, error);
-    free(target);
-    return result;
+    const psplat_output_file file = {path, data, size};
+    return psplat_output_write_all(&file, 1, overwrite, error);
 }

@@ -46,25 +46,13 @@ typedef struct arguments {
     const char *report;
     const char *html;
     int html_source;
-    double tolerance;
-    double normal_tolerance, color_tolerance;
-    double crease_angle;
-    uint64_t seed;
+    psplat_conversion_options how;
     int splats, bytes;         /* budgets, or 0 */
     const char *levels;        /* as given, or NULL */
     psplat_levels_desc wanted; /* what it means */
     int level_textures;        /* index into texture_names */
-    int effort;                /* as in psplat_convert_desc */
-    int no_creases;
-    int constant_normals;
-    int planar;
-    int textures;             /* index into texture_names */
-    double texture_tolerance; /* texels, or 0 */
-    int texture_size;         /* greatest side of an image, or 0: any */
-    const char *precision;
-    double position_precision; /* what it means, as in psplat_convert_desc */
-    int no_compress;
-    int fallback; /* index into fallback_names */
+    int textures;              /* index into texture_names */
+    int texture_size;          /* greatest side of an image, or 0: any */
     int gaussian;
     int overwrite;
     int quiet;
@@ -110,9 +98,6 @@ static int parse_levels(arguments *a) {
     return 0;
 }
 
-enum { FALLBACK_POINTS, FALLBACK_MESH };
-static const char *const fallback_names[] = {"points", "mesh", NULL};
-
 enum { TEXTURES_KEEP, TEXTURES_BAKE };
 static const char *const texture_names[] = {"keep", "bake", NULL};
 
@@ -123,7 +108,7 @@ static psplat_parse refuse(const char *option, const char *cause) {
 /* Checks what concerns several options together. */
 static psplat_parse check_combination(arguments *a) {
     if (a->bytes && a->gaussian) return refuse("gaussian", "not together with bytes");
-    if (a->bytes && a->fallback == FALLBACK_MESH)
+    if (a->bytes && a->how.fallback == PSPLAT_FALLBACK_MESH)
         return refuse("fallback mesh", "not together with bytes");
     if (a->level_textures && !a->levels)
         return refuse("level-textures", "only together with levels");
@@ -132,43 +117,59 @@ static psplat_parse check_combination(arguments *a) {
         return refuse("levels",
                       "neither a number of 2 to 16 nor rising tolerances up to 20 %, such "
                       "as 1%,2%,4%");
-    if (a->textures == TEXTURES_BAKE && a->texture_tolerance > 0)
+    if (a->textures == TEXTURES_BAKE && a->how.convert.texture_tolerance_texels > 0)
         return refuse("texture-tolerance", "not together with textures bake");
     if (a->textures == TEXTURES_BAKE && a->texture_size)
         return refuse("texture-size", "not together with textures bake");
-    if (!psplat_options_precision(a->precision, &a->position_precision))
-        return refuse("precision", "neither auto, float nor a number of 0.001 to 0.5");
-    if (a->no_creases && a->crease_angle > 0)
-        return refuse("no-creases", "not together with crease-angle");
     if (a->html_source && !a->html) return refuse("html-source", "only together with html");
     if (a->splats && a->bytes)
         return refuse("splats", "not together with bytes: one budget at a time");
-    return PSPLAT_PARSE_OK;
+    return psplat_options_check_conversion("convert", &a->how);
 }
 
-static psplat_parse parse(int argc, char **argv, arguments *a) {
-    const psplat_option options[] = {
+static const char summary[] =
+    "Converts a mesh or a point set (OBJ, PLY, OFF, STL, glTF, GLB, text) to Phong splats\n"
+    "in a GLB, or several of them to OUT/NAME.glb each.";
+
+static const char notes[] =
+    "OUT.glb, PAGE.html and R.json are written whole and together, or none of them. Tolerances\n"
+    "are promises, checked on samples other than those that were fitted; one that is broken\n"
+    "gives exit code 9, and the report names the places.\n\n"
+    "Of several inputs, each is converted whatever happens to the others, and R.json has an\n"
+    "entry for each. The exit code is the greatest of those that wrote nothing, else 9 or 0.\n"
+    "OUT/ is made where it does not exist.";
+
+static void add_files_and_promises(psplat_option_list *list, arguments *a) {
+    psplat_convert_desc *c = &a->how.convert;
+    const psplat_option group[] = {
         {'i', "input", PSPLAT_OPTION_TEXT, &a->input, "IN", "the mesh, instead of the operand", 0,
          0, NULL},
         {'o', "output", PSPLAT_OPTION_TEXT, &a->output, "OUT.glb",
          "the asset, instead of the operand; - is standard output", 0, 0, NULL},
-        {'t', "tolerance", PSPLAT_OPTION_PERCENT, &a->tolerance, "PERCENT",
+        {'t', "tolerance", PSPLAT_OPTION_PERCENT, &c->tolerance_percent, "PERCENT",
          "greatest distance between splats and surface, in % of the\n"
          "bounding box's diagonal: 0.5% or 0.5 (default 0.5; with a\n"
          "budget the greatest that will do, default 20)",
          1e-4, 50, NULL},
-        psplat_option_shared("normal-tolerance", &a->normal_tolerance),
-        {0, "color-tolerance", PSPLAT_OPTION_PERCENT, &a->color_tolerance, "PERCENT",
+        psplat_option_shared("normal-tolerance", &c->normal_tolerance_degrees),
+        {0, "color-tolerance", PSPLAT_OPTION_PERCENT, &c->color_tolerance_percent, "PERCENT",
          "greatest root mean square error of a splat's colour over\nits part of the surface, in % "
          "of sRGB's range; 100 does\nnot bound it (default 10 at a tolerance of 0.5 %, changing\n"
          "with its square root)",
          0.1, 100, NULL},
+    };
+    psplat_options_add(list, group, sizeof group / sizeof *group);
+}
+
+static void add_textures(psplat_option_list *list, arguments *a) {
+    psplat_convert_desc *c = &a->how.convert;
+    const psplat_option group[] = {
         {0, "textures", PSPLAT_OPTION_CHOICE, &a->textures, "keep|bake",
          "keep: splats get texture coordinates where the mesh has\n"
          "them, and OUT.glb the images (default); bake: textures\n"
          "become colours of splats",
          0, 0, texture_names},
-        {0, "texture-tolerance", PSPLAT_OPTION_NUMBER, &a->texture_tolerance, "N",
+        {0, "texture-tolerance", PSPLAT_OPTION_NUMBER, &c->texture_tolerance_texels, "N",
          "greatest error of texture coordinates, in texels (default:\n"
          "a texture slides over the surface by at most the\ntolerance)",
          0.01, 1e4, NULL},
@@ -176,6 +177,12 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "halve images with a side of more than N texels until it\n"
          "has N at most; others are copied untouched (default: all\nare)",
          1, 65536, NULL},
+    };
+    psplat_options_add(list, group, sizeof group / sizeof *group);
+}
+
+static void add_budgets_and_levels(psplat_option_list *list, arguments *a) {
+    const psplat_option group[] = {
         {0, "splats", PSPLAT_OPTION_COUNT, &a->splats, "N",
          "find the smallest tolerance that takes at most N splats:\na budget", 1, 1e9, NULL},
         {0, "bytes", PSPLAT_OPTION_COUNT, &a->bytes, "N",
@@ -189,27 +196,12 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          "the textures of coarser levels, as --textures (default\nkeep); baked levels take about "
          "half the bytes",
          0, 0, texture_names},
-        psplat_option_shared("effort", &a->effort),
-        psplat_option_shared("crease-angle", &a->crease_angle),
-        psplat_option_shared("no-creases", &a->no_creases),
-        {0, "constant-normals", PSPLAT_OPTION_FLAG, &a->constant_normals, NULL,
-         "one normal a splat instead of a linear field: smaller files\nthat need more splats for "
-         "the same shading",
-         0, 0, NULL},
-        {0, "planar", PSPLAT_OPTION_FLAG, &a->planar, NULL,
-         "flat splats alone, as in the paper of 2004, instead of\ncurved ones where these need "
-         "fewer",
-         0, 0, NULL},
-        {0, "precision", PSPLAT_OPTION_TEXT, &a->precision, "P",
-         "float: numbers keep all their bits; or the greatest step of\npositions, in tolerances, "
-         "0.001 to 0.5; other numbers follow\n(default auto: what makes small files)",
-         0, 0, NULL},
-        {0, "no-compress", PSPLAT_OPTION_FLAG, &a->no_compress, NULL,
-         "neither a stream nor EXT_meshopt_compression", 0, 0, NULL},
-        {0, "fallback", PSPLAT_OPTION_CHOICE, &a->fallback, "points|mesh",
-         "what viewers that know no splats show: a coloured point\n"
-         "cloud (default), or a simplified mesh, which makes OUT.glb\nlarger",
-         0, 0, fallback_names},
+    };
+    psplat_options_add(list, group, sizeof group / sizeof *group);
+}
+
+static void add_outputs(psplat_option_list *list, arguments *a) {
+    const psplat_option group[] = {
         {0, "gaussian", PSPLAT_OPTION_FLAG, &a->gaussian, NULL,
          "add attributes of KHR_gaussian_splatting: viewers of\n"
          "Gaussians show the shape, lit for good and without sharp\nedges",
@@ -221,32 +213,30 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "html-source", PSPLAT_OPTION_FLAG, &a->html_source, NULL,
          "put the mesh, a GLB or an OBJ, into PAGE.html as it is,\nand a slider between both", 0, 0,
          NULL},
-        psplat_option_shared("seed", &a->seed),
+        psplat_option_shared("seed", &a->how.convert.seed),
         {'j', "jobs", PSPLAT_OPTION_COUNT, &a->jobs, "N",
          "with several inputs, convert N of them at a time\n(default 1)", 1, PSPLAT_MAX_JOBS, NULL},
         psplat_option_shared("report", &a->report),
         psplat_option_shared("overwrite", &a->overwrite),
         psplat_option_shared("quiet", &a->quiet),
     };
+    psplat_options_add(list, group, sizeof group / sizeof *group);
+}
+
+static psplat_parse parse(int argc, char **argv, arguments *a) {
+    psplat_option_list list = {.count = 0};
+    add_files_and_promises(&list, a);
+    add_textures(&list, a);
+    add_budgets_and_levels(&list, a);
+    psplat_options_add_conversion(&list, &a->how);
+    add_outputs(&list, a);
     const psplat_syntax syntax = {
         .command = "convert",
         .operands = "IN OUT.glb | IN... OUT/",
-        .summary =
-            "Converts a mesh or a point set (OBJ, PLY, OFF, STL, glTF, GLB, text) to Phong splats\n"
-            "in a GLB, or several of them to OUT/NAME.glb each.",
-        .notes =
-            "OUT.glb is written whole or not at all, and so is PAGE.html. Tolerances are "
-            "promises,\n"
-            "checked on samples other than those that were fitted; one that is broken gives exit "
-            "code 9,\n"
-            "and the report names the places.\n\n"
-            "Of several inputs, each is converted whatever happens to the others, and R.json has "
-            "an\n"
-            "entry for each. The exit code is the greatest of those that wrote nothing, else 9 or "
-            "0.\n"
-            "OUT/ is made where it does not exist.",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        .summary = summary,
+        .notes = notes,
+        .options = list.rows,
+        .option_count = list.count,
         .slots = {&a->input, &a->output},
         .more = &a->more,
     };
@@ -327,22 +317,11 @@ static psplat_result check_asset(const product *p, psplat_error *error) {
 }
 
 static psplat_convert_desc describe(const arguments *a, psplat_progress *progress) {
-    return (psplat_convert_desc){
-        .tolerance_percent = a->tolerance,
-        .normal_tolerance_degrees = a->normal_tolerance,
-        .crease_angle_degrees = a->crease_angle,
-        .no_creases = a->no_creases,
-        .constant_normals = a->constant_normals,
-        .color_tolerance_percent = a->color_tolerance,
-        .precision = a->position_precision,
-        .effort = a->effort,
-        .seed = a->seed,
-        .progress = psplat_progress_show,
-        .user = progress,
-        .planar = a->planar,
-        .bake_textures = a->textures == TEXTURES_BAKE,
-        .texture_tolerance_texels = a->texture_tolerance,
-    };
+    psplat_convert_desc desc = a->how.convert;
+    desc.progress = psplat_progress_show;
+    desc.user = progress;
+    desc.bake_textures = a->textures == TEXTURES_BAKE;
+    return desc;
 }
 
 static psplat_result convert(const arguments *a, const psplat_write_desc *written,
@@ -363,7 +342,7 @@ static psplat_result add_alternatives(const arguments *a, product *p, psplat_err
     psplat_convert_desc desc = describe(a, NULL);
     psplat_result result = PSPLAT_OK;
     desc.tolerance_percent = p->report.total.tolerance_percent;
-    if (a->fallback == FALLBACK_MESH)
+    if (a->how.fallback == PSPLAT_FALLBACK_MESH)
         result = psplat_scene_fallback_meshes(&p->scene, &desc, &p->fallbacks, error);
     if (a->gaussian && !result)
         result = psplat_scene_gaussians(&p->scene, p->splats, &p->gaussians, error);
@@ -382,7 +361,7 @@ static psplat_result add_levels(const arguments *a, psplat_progress *progress, p
 static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     psplat_progress progress = psplat_progress_begin(a->quiet || a->no_progress);
     char *name = model_name(a->input);
-    psplat_write_desc written = {.codec = a->no_compress ? NULL : &psplat_meshopt_codec};
+    psplat_write_desc written = {.codec = a->how.no_compress ? NULL : &psplat_meshopt_codec};
     psplat_progress_show(&progress, "reading", 0);
     psplat_result result = psplat_scene_read(a->input, name, &p->scene, error);
     if (!result && a->textures == TEXTURES_KEEP) psplat_scene_warn_of_textures(&p->scene);
@@ -403,21 +382,24 @@ static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     return result;
 }
 
-static psplat_result write_report(const arguments *a, const product *p, psplat_error *error) {
-    char *text = NULL;
-    size_t size = 0;
-    psplat_result result = psplat_scene_report_json(&p->scene, &p->report, &text, &size, error);
-    if (!result) result = psplat_output_write(a->report, text, size, a->overwrite, error);
-    free(text);
-    return result;
-}
-
-static psplat_result write_page(const arguments *a, product *p, psplat_error *error) {
-    char *text = NULL;
-    psplat_result result =
-        psplat_page_make(&p->page, a->output, p->bytes, p->size, &text, &p->page_size, error);
-    if (!result) result = psplat_output_write(a->html, text, p->page_size, a->overwrite, error);
-    free(text);
+/* Writes the asset, the page and the report, all or none. */
+static psplat_result write_outputs(const arguments *a, product *p, psplat_error *error) {
+    psplat_output_file files[3] = {{a->output, p->bytes, p->size}};
+    size_t count = 1, report_size = 0;
+    char *page = NULL, *report = NULL;
+    psplat_result result = PSPLAT_OK;
+    if (a->html) {
+        result =
+            psplat_page_make(&p->page, a->output, p->bytes, p->size, &page, &p->page_size, error);
+        files[count++] = (psplat_output_file){a->html, page, p->page_size};
+    }
+    if (a->report && !result) {
+        result = psplat_scene_report_json(&p->scene, &p->report, &report, &report_size, error);
+        files[count++] = (psplat_output_file){a->report, report, report_size};
+    }
+    if (!result) result = psplat_output_write_all(files, count, a->overwrite, error);
+    free(page);
+    free(report);
     return result;
 }
 
@@ -553,15 +535,13 @@ static int run(const arguments *a, product *p, FILE *notes) {
         result = make(a, p, &error);
         subject = result == PSPLAT_ERROR_WRITE ? a->output : a->input;
     }
-    if (!result) {
-        result = psplat_output_write(a->output, p->bytes, p->size, a->overwrite, &error);
-        subject = NULL;
-    }
-    if (!result && a->html) result = write_page(a, p, &error);
     p->report.total.bytes = p->size;
     p->report.total.seconds = psplat_progress_clock() - start;
     p->report.total.peak_memory_bytes = peak_memory();
-    if (!result && a->report) result = write_report(a, p, &error);
+    if (!result) {
+        result = write_outputs(a, p, &error);
+        subject = NULL;
+    }
     if (notes) take_notes(p, result, &error, notes);
     if (result) {
         int code = psplat_command_fail(subject, &error);

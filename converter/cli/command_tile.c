@@ -26,15 +26,8 @@
 
 typedef struct arguments {
     const char *input, *output, *report;
-    double tolerance, normal_tolerance, color_tolerance, crease_angle;
-    uint64_t seed;
-    int effort;
-    int no_creases, constant_normals, planar;
-    const char *precision;
-    double position_precision; /* what it means, as in psplat_convert_desc */
-    int textures;              /* index into texture_names */
-    int no_compress;
-    int fallback; /* index into fallback_names */
+    psplat_conversion_options how;
+    int textures; /* index into texture_names */
     int tile_splats;
     int overwrite, quiet;
 } arguments;
@@ -47,18 +40,27 @@ typedef struct product {
     double diagonal, seconds;
 } product;
 
-enum { FALLBACK_POINTS, FALLBACK_MESH };
-static const char *const fallback_names[] = {"points", "mesh", NULL};
 static const char *const texture_names[] = {"bake", NULL};
 
-static psplat_parse parse(int argc, char **argv, arguments *a) {
-    const psplat_option options[] = {
-        {'t', "tolerance", PSPLAT_OPTION_PERCENT, &a->tolerance, "PERCENT",
-         "greatest distance between splats and surface at the finest\nlevel, in % of the bounding "
-         "box's diagonal: 0.5% or 0.5\n(default 0.5); it doubles from level to level",
-         1e-5, 20, NULL},
-        psplat_option_shared("normal-tolerance", &a->normal_tolerance),
-        {0, "color-tolerance", PSPLAT_OPTION_PERCENT, &a->color_tolerance, "PERCENT",
+static const char summary[] =
+    "Converts a mesh or a point set (as of convert) to a tileset of 3D Tiles 1.1: levels of\n"
+    "detail in OUT/tileset.json, with Phong splats in GLBs below OUT/tiles/.";
+
+static const char notes[] =
+    "A tile covers its part of the surface by itself, so that tiles of any levels show no\n"
+    "cracks. Its geometricError is proven. The scene of a glTF file becomes one model, at\n"
+    "rest and without cameras and lights. All of the mesh has to fit into memory; for\n"
+    "one that does not: phongsplat tile plan --help, tile node --help, tile merge --help.\n\n"
+    "OUT/ appears whole or not at all. With --overwrite a tileset that is there is replaced;\n"
+    "a directory that holds anything else never is.";
+
+/* Lists what is said of the tiles, then how they are converted, then the rest. */
+static void list_options(psplat_option_list *list, arguments *a) {
+    psplat_convert_desc *c = &a->how.convert;
+    const psplat_option tiles[] = {
+        psplat_option_shared("tolerance", &c->tolerance_percent),
+        psplat_option_shared("normal-tolerance", &c->normal_tolerance_degrees),
+        {0, "color-tolerance", PSPLAT_OPTION_PERCENT, &c->color_tolerance_percent, "PERCENT",
          "greatest root mean square error of a splat's colour over\nits part of the surface at the "
          "finest level, as of convert;\nthis and that of normals grow by the root of 2 from level "
          "to\nlevel",
@@ -66,73 +68,36 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
         {0, "textures", PSPLAT_OPTION_CHOICE, &a->textures, "bake",
          "textures become colours of splats (default; there is no\nother choice)", 0, 0,
          texture_names},
-        {0, "tile-splats", PSPLAT_OPTION_COUNT, &a->tile_splats, "N",
-         "halve the cell of a tile while it has more than N splats\n(default 1024)", 8, 1e9, NULL},
-        psplat_option_shared("effort", &a->effort),
-        psplat_option_shared("crease-angle", &a->crease_angle),
-        psplat_option_shared("no-creases", &a->no_creases),
-        {0, "constant-normals", PSPLAT_OPTION_FLAG, &a->constant_normals, NULL,
-         "one normal a splat instead of a linear field", 0, 0, NULL},
-        {0, "planar", PSPLAT_OPTION_FLAG, &a->planar, NULL, "flat splats alone", 0, 0, NULL},
-        {0, "precision", PSPLAT_OPTION_TEXT, &a->precision, "P",
-         "auto, float, or the greatest step of positions, as of\nconvert", 0, 0, NULL},
-        {0, "no-compress", PSPLAT_OPTION_FLAG, &a->no_compress, NULL,
-         "neither a stream nor EXT_meshopt_compression", 0, 0, NULL},
-        {0, "fallback", PSPLAT_OPTION_CHOICE, &a->fallback, "points|mesh",
-         "what viewers of 3D Tiles that know no splats show: a\ncoloured point cloud (default), or "
-         "a simplified mesh",
-         0, 0, fallback_names},
-        psplat_option_shared("seed", &a->seed),
+        psplat_option_shared("tile-splats", &a->tile_splats),
+    };
+    const psplat_option rest[] = {
+        psplat_option_shared("seed", &c->seed),
         psplat_option_shared("report", &a->report),
         psplat_option_shared("overwrite", &a->overwrite),
         psplat_option_shared("quiet", &a->quiet),
     };
+    psplat_options_add(list, tiles, sizeof tiles / sizeof *tiles);
+    psplat_options_add_conversion(list, &a->how);
+    psplat_options_add(list, rest, sizeof rest / sizeof *rest);
+}
+
+static psplat_parse parse(int argc, char **argv, arguments *a) {
+    psplat_option_list list = {.count = 0};
+    list_options(&list, a);
     const psplat_syntax syntax = {
         .command = "tile",
         .operands = "IN OUT/",
-        .summary = "Converts a mesh or a point set (as of convert) to a tileset of 3D Tiles 1.1: "
-                   "levels of\n"
-                   "detail in OUT/tileset.json, with Phong splats in GLBs below OUT/tiles/.",
-        .notes =
-            "A tile covers its part of the surface by itself, so that tiles of any levels show no\n"
-            "cracks. Its geometricError is proven. The scene of a glTF file becomes one model, at\n"
-            "rest and without cameras and lights. All of the mesh has to fit into memory; for\n"
-            "one that does not: phongsplat tile plan --help, tile node --help, tile merge "
-            "--help.\n\n"
-            "OUT/ appears whole or not at all. With --overwrite a tileset that is there is "
-            "replaced;\n"
-            "a directory that holds anything else never is.",
-        .options = options,
-        .option_count = sizeof options / sizeof *options,
+        .summary = summary,
+        .notes = notes,
+        .options = list.rows,
+        .option_count = list.count,
         .slots = {&a->input, &a->output},
     };
     psplat_parse parsed = psplat_options_parse(&syntax, argc, argv);
     if (parsed != PSPLAT_PARSE_OK) return parsed;
     if (!strcmp(a->output, "-"))
         return psplat_options_refuse("tile", a->output, "a tileset is a directory");
-    if (!psplat_options_precision(a->precision, &a->position_precision))
-        return psplat_options_refuse("tile", "precision",
-                                     "neither auto, float nor a number of 0.001 to 0.5");
-    if (a->no_creases && a->crease_angle > 0)
-        return psplat_options_refuse("tile", "no-creases", "not together with crease-angle");
-    return PSPLAT_PARSE_OK;
-}
-
-static psplat_convert_desc describe(const arguments *a, psplat_progress *progress) {
-    return (psplat_convert_desc){
-        .tolerance_percent = a->tolerance,
-        .normal_tolerance_degrees = a->normal_tolerance,
-        .crease_angle_degrees = a->crease_angle,
-        .no_creases = a->no_creases,
-        .constant_normals = a->constant_normals,
-        .color_tolerance_percent = a->color_tolerance,
-        .precision = a->position_precision,
-        .effort = a->effort,
-        .seed = a->seed,
-        .progress = psplat_progress_show,
-        .user = progress,
-        .planar = a->planar,
-    };
+    return psplat_options_check_conversion("tile", &a->how);
 }
 
 /* Returns the cell of all triangles of a mesh, and stores its diagonal. */
@@ -173,7 +138,9 @@ static psplat_result add_tileset(product *p, psplat_error *error) {
 /* Makes all files of the tileset. */
 static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     psplat_progress progress = psplat_progress_begin(a->quiet);
-    const psplat_convert_desc options = describe(a, &progress);
+    psplat_convert_desc options = a->how.convert;
+    options.progress = psplat_progress_show;
+    options.user = &progress;
     psplat_progress_show(&progress, "reading", 0);
     psplat_result result = psplat_mesh_read(a->input, &p->mesh, error);
     if (!result) {
@@ -184,8 +151,8 @@ static psplat_result make(const arguments *a, product *p, psplat_error *error) {
             .convert = &options,
             .finest = -1,
             .most = (size_t)a->tile_splats,
-            .codec = a->no_compress ? NULL : &psplat_meshopt_codec,
-            .has_fallback = a->fallback == FALLBACK_MESH,
+            .codec = a->how.no_compress ? NULL : &psplat_meshopt_codec,
+            .has_fallback = a->how.fallback == PSPLAT_FALLBACK_MESH,
             .write = take_content,
             .user = &p->folder,
         };

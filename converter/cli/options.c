@@ -140,7 +140,7 @@ static const struct {
 /* ---- the table of getopt_long ------------------------------------------------------------- */
 
 /* getopt_long returns FIRST_ROW plus the index of a row, which is beyond all letters. */
-enum { MAX_ROWS = 32, FIRST_ROW = 256 };
+enum { MAX_ROWS = PSPLAT_MAX_OPTIONS + 2, FIRST_ROW = 256 };
 
 static const psplat_option help_row = {
     'h', "help", PSPLAT_OPTION_FLAG, NULL, NULL, "show this and exit", 0, 0, NULL};
@@ -172,6 +172,12 @@ static void list_rows(const psplat_syntax *syntax, char *letters, struct option 
 }
 
 /* ---- parsing ------------------------------------------------------------------------------ */
+
+void psplat_options_add(psplat_option_list *list, const psplat_option *group, size_t count) {
+    assert(list->count + count <= PSPLAT_MAX_OPTIONS);
+    memcpy(&list->rows[list->count], group, count * sizeof *group);
+    list->count += count;
+}
 
 psplat_parse psplat_options_refuse(const char *command, const char *subject, const char *cause) {
     psplat_command_error("%s: %.160s: %s (phongsplat %s --help lists what it takes)", command,
@@ -280,16 +286,4 @@ void psplat_options_help(const psplat_syntax *syntax) {
     for (size_t i = 0; i <= syntax->option_count; ++i) print_option(row_at(syntax, i));
     if (syntax->notes) printf("\n%s\n", syntax->notes);
     printf("\n%s", psplat_exit_help);
-}
-
-int psplat_options_precision(const char *text, double *precision) {
-    char *end = NULL;
-    *precision = PSPLAT_USUAL_PRECISION;
-    if (!text || !strcmp(text, "auto")) return 1;
-    if (!strcmp(text, "float")) {
-        *precision = 0;
-        return 1;
-    }
-    *precision = strtod(text, &end);
-    return end != text && !*end && *precision >= 0.001 && *precision <= PSPLAT_GREATEST_PRECISION;
 }

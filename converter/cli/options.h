@@ -5,10 +5,11 @@
 #ifndef PHONGSPLAT_CLI_OPTIONS_H
 #define PHONGSPLAT_CLI_OPTIONS_H
 
-#include <stdint.h>
+#include "cli/command.h"
+#include "select/conversion.h"
 
 #include <stddef.h>
-#include "cli/command.h"
+#include <stdint.h>
 
 typedef enum psplat_option_kind {
     PSPLAT_OPTION_FLAG,     /* int, set to 1 */
@@ -34,7 +35,13 @@ typedef struct psplat_option {
     const char *const *choices;
 } psplat_option;
 
-enum { PSPLAT_MAX_SLOTS = 2 };
+enum { PSPLAT_MAX_SLOTS = 2, PSPLAT_MAX_OPTIONS = 30 };
+
+/* The options of a command, in the order of its help. */
+typedef struct psplat_option_list {
+    psplat_option rows[PSPLAT_MAX_OPTIONS];
+    size_t count;
+} psplat_option_list;
 
 /* Operands, as a part of argv. */
 typedef struct psplat_operands {
@@ -51,7 +58,7 @@ typedef struct psplat_syntax {
     const char *summary;
     const char *notes; /* paragraph after the options; may be NULL */
     const psplat_option *options;
-    size_t option_count;                  /* at most 30 */
+    size_t option_count;                  /* at most PSPLAT_MAX_OPTIONS */
     const char **slots[PSPLAT_MAX_SLOTS]; /* NULL after the last */
     psplat_operands *more;                /* or NULL */
 } psplat_syntax;
@@ -68,15 +75,14 @@ typedef enum psplat_parse {
  * global state. */
 psplat_parse psplat_options_parse(const psplat_syntax *syntax, int argc, char **argv);
 
+/* Appends a group of options, whose rows are copied. */
+void psplat_options_add(psplat_option_list *list, const psplat_option *group, size_t count);
+
 /* Prints the error line about subject, an option or an operand; returns PSPLAT_PARSE_ERROR. */
 psplat_parse psplat_options_refuse(const char *command, const char *subject, const char *cause);
 
 /* Prints the help of a command on standard output. */
 void psplat_options_help(const psplat_syntax *syntax);
-
-/* Reads the text of --precision, or NULL: auto, float (0), or the greatest step of positions in
- * units of the tolerance. Returns 0 where it is none of these. */
-int psplat_options_precision(const char *text, double *precision);
 
 /* ---- option_table.c: options of several commands ------------------------------------------ */
 
@@ -85,5 +91,23 @@ extern const char *const psplat_format_names[];
 
 /* Returns the shared option of this name, which must exist, with a place for its value. */
 psplat_option psplat_option_shared(const char *name, void *value);
+
+/* How convert and tile convert, and what of it their files hold. */
+typedef struct psplat_conversion_options {
+    psplat_convert_desc convert;
+    const char *precision; /* as given, or NULL */
+    int no_compress;
+    int fallback; /* index into "points", "mesh" */
+} psplat_conversion_options;
+
+enum { PSPLAT_FALLBACK_POINTS, PSPLAT_FALLBACK_MESH };
+
+/* Appends the options from --effort to --fallback that convert and tile share. */
+void psplat_options_add_conversion(psplat_option_list *list, psplat_conversion_options *values);
+
+/* Checks those options together once they are parsed, and stores what --precision means. Prints the
+ * error line where they are refused. */
+psplat_parse psplat_options_check_conversion(const char *command,
+                                             psplat_conversion_options *values);
 
 #endif

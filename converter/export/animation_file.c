@@ -54,7 +54,7 @@ static int add_view(psplat_animation_file *file, const psplat_scene *scene,
     if (!rows) return 1;
     ++file->view_count;
     *view = (psplat_buffer_view){
-        .stride = 4 * components, .rows = rows, .capacity = rows, .is_plain = 1};
+        .stride = 4 * components, .rows = rows, .capacity = rows, .kind = PSPLAT_VIEW_NUMBERS};
     view->bytes = malloc(rows * view->stride);
     if (!view->bytes) return 0;
     uint8_t *out = view->bytes;

@@ -267,7 +267,7 @@ static int add_stream(psplat_buffer_layout *layout, size_t first, size_t end) {
     psplat_section sections[PSPLAT_MOST_SECTIONS];
     psplat_primitive_layout *p = &layout->primitives[first];
     const psplat_attribute_table *table = &layout->tables[p->mesh];
-    psplat_buffer_view view = {.stride = 1, .is_stream = 1};
+    psplat_buffer_view view = {.stride = 1, .kind = PSPLAT_VIEW_STREAM};
     for (size_t i = 0; i < end - first; ++i) {
         sections[i] = (psplat_section){.order = p[i].order,
                                        .count = p[i].count,
@@ -397,7 +397,7 @@ static uint8_t *add_rows(psplat_buffer_layout *layout, size_t stride, psplat_vie
     size_t i = 0;
     while (i < layout->view_count &&
            (layout->views[i].stride != stride || layout->views[i].filter != filter ||
-            layout->views[i].is_stream))
+            layout->views[i].kind == PSPLAT_VIEW_STREAM))
         ++i;
     psplat_buffer_view *view = &layout->views[i];
     if (i == layout->view_count) {
@@ -581,7 +581,8 @@ psplat_result psplat_buffer_layout_make(const psplat_buffer_layout_plan *plan,
             is_made = add_mesh(plan, layout, first, layout->primitive_count - 1);
     }
     for (size_t i = 0; i < layout->view_count && is_made && plan->codec; ++i)
-        if (!layout->views[i].is_stream) is_made = compress(plan->codec, &layout->views[i]);
+        if (layout->views[i].kind != PSPLAT_VIEW_STREAM)
+            is_made = compress(plan->codec, &layout->views[i]);
     if (is_made) return PSPLAT_OK;
     return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the attributes");
 }

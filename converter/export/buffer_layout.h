@@ -47,13 +47,19 @@ typedef enum psplat_view_filter {
     PSPLAT_FILTER_EXPONENTIAL /* of floats: texture coordinates */
 } psplat_view_filter;
 
+/* What the rows of a view are. */
+typedef enum psplat_view_kind {
+    PSPLAT_VIEW_VERTICES = 0, /* attributes of splats, points or vertices */
+    PSPLAT_VIEW_INDICES,      /* of triangles */
+    PSPLAT_VIEW_NUMBERS,      /* of animations */
+    PSPLAT_VIEW_STREAM        /* bytes of a stream, never compressed */
+} psplat_view_kind;
+
 /* One buffer view: rows of equal size. */
 typedef struct psplat_buffer_view {
     size_t stride, rows, capacity; /* bytes of a row; rows stored; rows that fit into bytes */
     psplat_view_filter filter;     /* whose input the bytes are */
-    int is_index;                  /* indices of triangles instead of attributes */
-    int is_plain;                  /* numbers of animations */
-    int is_stream;                 /* a stream: rows of one byte, never compressed */
+    psplat_view_kind kind;
     uint8_t *bytes;
     uint8_t *packed; /* compressed bytes, or NULL */
     size_t packed_size;

@@ -158,19 +158,20 @@ static int add_indices(psplat_fallback_file *file, const psplat_fallback_mesh *s
     psplat_buffer_view *view = add_view(file, s->index_count, bytes);
     for (size_t i = 0; i < s->index_count && view; ++i)
         psplat_put_integer(view->bytes + i * bytes, s->indices[i], bytes);
-    if (view) view->is_index = 1;
+    if (view) view->kind = PSPLAT_VIEW_INDICES;
     return view != NULL;
 }
 
 static int compress(const psplat_codec *codec, const psplat_fallback_mesh *s,
                     psplat_buffer_view *view) {
-    size_t bound = view->is_index ? codec->index_bound(s->index_count, s->vertex_count)
-                                  : codec->bound(view->rows, view->stride);
+    int is_index = view->kind == PSPLAT_VIEW_INDICES;
+    size_t bound = is_index ? codec->index_bound(s->index_count, s->vertex_count)
+                            : codec->bound(view->rows, view->stride);
     view->packed = malloc(bound + 3);
     if (!view->packed) return 0;
     view->packed_size =
-        view->is_index ? codec->index_encode(view->packed, bound, s->indices, s->index_count)
-                       : codec->encode(view->packed, bound, view->bytes, view->rows, view->stride);
+        is_index ? codec->index_encode(view->packed, bound, s->indices, s->index_count)
+                 : codec->encode(view->packed, bound, view->bytes, view->rows, view->stride);
     return view->packed_size > 0;
 }
 

@@ -379,20 +379,21 @@ static void add_view(psplat_writer *json, const psplat_buffer_view *view, size_t
     static const char *const filters[] = {
         [PSPLAT_FILTER_OCTAHEDRAL] = "OCTAHEDRAL", [PSPLAT_FILTER_EXPONENTIAL] = "EXPONENTIAL"};
     size_t bytes = view->rows * view->stride;
-    int is_vertices = !view->is_index && !view->is_plain && !view->is_stream;
+    int is_vertices = view->kind == PSPLAT_VIEW_VERTICES,
+        is_index = view->kind == PSPLAT_VIEW_INDICES;
     size_t stride = is_vertices ? view->stride : 0;
     psplat_writer_open(json, NULL, '{');
     if (view->packed)
         add_place(json, 1, unpacked_offset, bytes, stride);
     else
         add_place(json, 0, offset, bytes, stride);
-    if (is_vertices || view->is_index)
-        psplat_writer_count(json, "target", view->is_index ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
+    if (is_vertices || is_index)
+        psplat_writer_count(json, "target", is_index ? ELEMENT_ARRAY_BUFFER : ARRAY_BUFFER);
     if (view->packed) {
         psplat_writer_open(json, "extensions", '{');
         psplat_writer_open(json, meshopt, '{');
         add_place(json, 0, offset, view->packed_size, view->stride);
-        psplat_writer_string(json, "mode", view->is_index ? "TRIANGLES" : "ATTRIBUTES");
+        psplat_writer_string(json, "mode", is_index ? "TRIANGLES" : "ATTRIBUTES");
         psplat_writer_count(json, "count", view->rows);
         if (view->filter) psplat_writer_string(json, "filter", filters[view->filter]);
         psplat_writer_close(json, '}');

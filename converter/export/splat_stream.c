@@ -505,7 +505,7 @@ static void put_head(text *out, const common *c, const psplat_section *sections,
     put_byte(out, c->holds_texcoords ? c->texcoord_low_bits + 1 : 0);
     put_float(out, (double)splats->kernel.sharpness);
     put_float(out, (double)splats->kernel.exponent);
-    for (int k = 0; k < 3; ++k) put_float(out, (high[k] - low[k]) / unit);
+    for (int k = 0; k < 3; ++k) put_float(out, low[k] < high[k] ? (high[k] - low[k]) / unit : 0);
     put_float(out, exp(table->least_scale * p->scale_step) / unit);
     put_float(out, p->scale_step);
     put_float(out, p->tilt_step);
@@ -582,7 +582,7 @@ uint8_t *psplat_stream_encode(const psplat_attribute_table *table, const psplat_
     encoder e = {.is_safe = 1};
     size_t count = 0;
     for (size_t i = 0; i < section_count; ++i) count += sections[i].count;
-    uint32_t *order = malloc(count * sizeof *order);
+    uint32_t *order = malloc((count + 1) * sizeof *order);
     if (!order) return NULL;
     if (desc->holds_texcoords) set_texcoords(&c);
     put_head(&e.out, &c, sections, section_count);
@@ -634,7 +634,7 @@ static int compare_places(const void *a, const void *b) {
 }
 
 int psplat_stream_sort(const psplat_attribute_table *table, psplat_section *section) {
-    order_entry *entries = malloc(section->count * sizeof *entries);
+    order_entry *entries = malloc((section->count + 1) * sizeof *entries);
     if (!entries) return 0;
     for (size_t i = 0; i < section->count; ++i) {
         uint32_t x[3], index = section->order[i];

@@ -42,13 +42,13 @@ void read_flat(const tinygltf::Model &model, psplat_mesh &mesh) {
     set_materials(model, soup, mesh);
 }
 
-/* Reads the document, calls read(model) and turns exceptions into error codes. */
+/* Reads the document, calls read(model, warnings) and turns exceptions into error codes. */
 template <typename Read>
 psplat_result catch_errors(const psplat_source *source, psplat_error *error, Read read) {
     try {
         tinygltf::Model model;
-        read_document(*source, model);
-        read(model);
+        const std::vector<std::string> lost = read_document(*source, model);
+        read(model, lost);
         return PSPLAT_OK;
     } catch (const Failure &failure) {
         return psplat_fail(error, failure.code, 0, "%s: %s", source->path, failure.text.c_str());
@@ -64,13 +64,15 @@ psplat_result catch_errors(const psplat_source *source, psplat_error *error, Rea
 
 psplat_result psplat_mesh_read_gltf(const psplat_source *source, psplat_mesh *mesh,
                                     psplat_error *error) {
-    return catch_errors(source, error,
-                        [&](const tinygltf::Model &model) { read_flat(model, *mesh); });
+    return catch_errors(source, error, [&](const tinygltf::Model &model, const auto &) {
+        read_flat(model, *mesh);
+    });
 }
 
 psplat_result psplat_scene_read_gltf(const psplat_source *source, psplat_scene *scene,
                                      psplat_error *error) {
-    return catch_errors(source, error, [&](const tinygltf::Model &model) {
+    return catch_errors(source, error, [&](const tinygltf::Model &model, const auto &lost) {
+        for (const std::string &warning : lost) psplat_scene_warn(scene, "%s", warning.c_str());
         read_graph(model, *scene);
         read_materials(model, scene->materials);
         read_meshes(model, *scene);

@@ -84,8 +84,9 @@ constexpr size_t max_depth = 64; /* levels of nested JSON and of nested nodes */
 /* Returns the text for a message: control characters become spaces. */
 std::string one_line(std::string text);
 
-/* Parses the document and loads its buffers. Images are not decoded. */
-void read_document(const psplat_source &source, tinygltf::Model &model);
+/* Parses the document and loads its buffers. Images are not decoded. Returns warnings of what
+ * tinygltf leaves out of the model without a word. */
+std::vector<std::string> read_document(const psplat_source &source, tinygltf::Model &model);
 
 /* ---- adapter_gltf_json.cpp: the JSON before it is read ----------------------------------------
  */
@@ -96,8 +97,9 @@ constexpr const char *draco = "KHR_draco_mesh_compression";
 constexpr const char *draco_remedy = "; 'gltf-transform copy IN OUT' makes a file without it";
 
 /* Checks syntax, the members that every file needs, and the extensions that the file requires.
- * Fails with the line and column of a text, the byte of a GLB, or the name of the member. */
-void check_json(const char *text, size_t size, bool is_glb);
+ * Fails with the line and column of a text, the byte of a GLB, or the name of the member. Returns
+ * the warnings of read_document. */
+std::vector<std::string> check_json(const char *text, size_t size, bool is_glb);
 
 /* ---- adapter_gltf_meshopt.cpp: EXT_meshopt_compression --------------------------------------- */
 

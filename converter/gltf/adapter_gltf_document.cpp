@@ -148,7 +148,8 @@ std::string first_line(const std::string &text) {
 
 } // namespace
 
-void read_document(const psplat_source &source, tinygltf::Model &model) {
+std::vector<std::string> read_document(const psplat_source &source, tinygltf::Model &model) {
+    std::vector<std::string> lost;
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(keep_image, nullptr);
     loader.SetStoreOriginalJSONForExtrasAndExtensions(true); /* extras are copied as text */
@@ -161,7 +162,7 @@ void read_document(const psplat_source &source, tinygltf::Model &model) {
     if (source.format == PSPLAT_SOURCE_GLB) {
         check_glb(source);
         size_t json = read_u32(source.data + 12);
-        check_json(source.data + glb_header_bytes, json, true);
+        lost = check_json(source.data + glb_header_bytes, json, true);
         bool is_replaced = replace_fallbacks(source.data + 20, json, replaced);
         if (is_replaced) replaced = repack(source, json, std::move(replaced));
         ok = loader.LoadBinaryFromMemory(
@@ -170,7 +171,7 @@ void read_document(const psplat_source &source, tinygltf::Model &model) {
             static_cast<unsigned int>(is_replaced ? replaced.size() : source.size), directory);
     } else {
         check_depth(source.data, source.size, 0);
-        check_json(source.data, source.size, false);
+        lost = check_json(source.data, source.size, false);
         bool is_replaced = replace_fallbacks(source.data, source.size, replaced);
         ok = loader.LoadASCIIFromString(
             &model, &error, &warning, is_replaced ? replaced.data() : source.data,
@@ -179,6 +180,7 @@ void read_document(const psplat_source &source, tinygltf::Model &model) {
     if (!ok) fail(PSPLAT_ERROR_FORMAT, "not a valid glTF: " + first_line(error));
     check_version(model.asset);
     decompress(model);
+    return lost;
 }
 
 } // namespace psplat_gltf

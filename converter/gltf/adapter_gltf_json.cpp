@@ -217,12 +217,56 @@ void check_extensions(const Json &json) {
     }
 }
 
+/* ---- what tinygltf drops --------------------------------------------------------------------- */
+
+/* Returns why tinygltf leaves out a channel of an animation, or NULL where it does not. */
+const char *cause_of_loss(const Json &channel) {
+    if (!channel.is_object()) return "it is not an object";
+    auto sampler = channel.find("sampler"), target = channel.find("target");
+    if (sampler == channel.end() || !sampler->is_number_integer()) return "it has no sampler";
+    if (target == channel.end() || !target->is_object()) return nullptr;
+    auto node = target->find("node"), path = target->find("path");
+    if (node == target->end() || !node->is_number_integer()) return "its target is no node";
+    if (path == target->end() || !path->is_string()) return "its target has no path";
+    return nullptr;
+}
+
+/* Returns a warning of the channels of an animation that are lost, or "". It names the first. */
+std::string warning_of_loss(const Json &animation, size_t index) {
+    std::string first;
+    size_t count = 0, at = 0;
+    auto channels = animation.find("channels"), name = animation.find("name");
+    if (channels == animation.end() || !channels->is_array()) return "";
+    for (const Json &channel : *channels) {
+        const char *cause = cause_of_loss(channel);
+        if (cause && !count++) first = named("channel", at) + " is dropped: " + cause;
+        ++at;
+    }
+    if (!count) return "";
+    bool has_name = name != animation.end() && name->is_string();
+    return named("animation", index) +
+           (has_name ? " '" + one_line(name->get<std::string>()).substr(0, 60) + "'" : "") + ": " +
+           first + (count > 1 ? ", and " + std::to_string(count - 1) + " more like it" : "");
+}
+
+std::vector<std::string> warnings_of_loss(const Json &json) {
+    std::vector<std::string> warnings;
+    auto animations = json.find("animations");
+    if (animations == json.end()) return warnings;
+    for (size_t i = 0; i < animations->size(); ++i) {
+        std::string warning = warning_of_loss((*animations)[i], i);
+        if (!warning.empty()) warnings.push_back(std::move(warning));
+    }
+    return warnings;
+}
+
 } // namespace
 
-void check_json(const char *text, size_t size, bool is_glb) {
+std::vector<std::string> check_json(const char *text, size_t size, bool is_glb) {
     const Json json = parse({std::string_view(text, size), is_glb});
     check_extensions(json);
     check_members(json);
+    return warnings_of_loss(json);
 }
 
 } // namespace psplat_gltf

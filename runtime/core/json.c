@@ -5,6 +5,7 @@
  */
 #include "core/json.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -183,6 +184,50 @@ psplat_result psplat_json_expect(const psplat_json *json, psplat_json_value valu
 
 /* ---- numbers ------------------------------------------------------------------------------ */
 
+/* The powers of ten that doubles hold exactly. */
+static const double powers_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                       1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                       1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+/* Reads the digits of a number without its sign and its point. Returns where its exponent would
+ * begin, or NULL where there are more than 15 of them behind zeros. *places: behind the point. */
+static const char *read_digits(const char *at, const char *end, uint64_t *digits, int *places) {
+    int has_point = 0;
+    for (; at < end && (*at | 0x20) != 'e'; ++at) {
+        if (*at == '.') {
+            has_point = 1;
+            continue;
+        }
+        *digits = 10 * *digits + (uint64_t)(*at - '0');
+        *places += has_point;
+        if (*digits >= 1000000000000000u || *places > 22) return NULL;
+    }
+    return at;
+}
+
+/* Reads a number of at most 15 digits times a power of ten of at most 22. Doubles hold both, so
+ * that their product or quotient is rounded once, to what strtod finds (Clinger: How to read
+ * floating point numbers accurately, 1990), in a fraction of the time. Returns 0 for any other
+ * number, and where doubles are computed with more digits. */
+static int read_short(const char *at, const char *end, double *number) {
+    int is_negative = *at == '-', places = 0, exponent = 0;
+    uint64_t digits = 0;
+    at = read_digits(at + is_negative, end, &digits, &places);
+    if (!at || FLT_EVAL_METHOD != 0) return 0;
+    if (at < end) {
+        int is_small = at[1] == '-';
+        for (at += 1 + (at[1] == '-' || at[1] == '+'); at < end && exponent < 100; ++at)
+            exponent = 10 * exponent + (*at - '0');
+        if (is_small) exponent = -exponent;
+    }
+    exponent -= places;
+    if (exponent < -22 || exponent > 22) return 0;
+    *number = exponent < 0 ? (double)digits / powers_of_ten[-exponent]
+                           : (double)digits * powers_of_ten[exponent];
+    if (is_negative) *number = -*number;
+    return 1;
+}
+
 /* Calls strtod, which expects the locale's decimal separator instead of the point; snprintf shows
  * which one that is. */
 static double parse_number(const char *digits, size_t size, char *copy) {
@@ -212,7 +257,9 @@ psplat_result psplat_json_number(const psplat_json *json, psplat_json_value valu
         return psplat_fail(json->error, PSPLAT_ERROR_UNSUPPORTED, psplat_json_offset(json, value),
                            "%s is written with %zu characters, more than %d", what, size,
                            MAX_DIGITS);
-    double number = parse_number(json->text + token->start, size, copy);
+    const char *text = json->text + token->start;
+    double number;
+    if (!read_short(text, text + size, &number)) number = parse_number(text, size, copy);
     if (!isfinite(number))
         return psplat_fail(json->error, PSPLAT_ERROR_RANGE, psplat_json_offset(json, value),
                            "%s is too large for a number", what);

@@ -41,17 +41,17 @@
  *
  * Textured models are those of bench_textures.mjs.
  */
+#include "beside_gltfpack.h"
+
 #include "benchmark/gltfpack.h"
 #include "benchmark/measured_asset.h"
 #include "benchmark/subprocess.h"
 #include "benchmark/sweep_context.h"
-#include "benchmark/write_obj.h"
 #include "compare/source_mesh.h"
 #include "compare/source_mesh_parts.h"
 #include "import/read_mesh.h"
 #include "mesh/mesh.h"
 #include "table/row.h"
-#include "table/text.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -63,7 +63,6 @@
 
 #include <phongsplat/phongsplat.h>
 
-enum { MOST = 32, ARGUMENTS = 2 * MOST };
 enum { SOURCE, PACKED, PLAIN, OBJ, DRACO, SPLATS, FILES };
 enum { PACKED_CC, PACKED_CZ, PACKED_DRACO, RIVALS };
 enum { DISTANCE_MAX, DISTANCE_RMS, NORMAL_RMS, NORMAL_P95, PICTURE, OUTLINE, ERRORS };
@@ -72,19 +71,6 @@ static const char *const rival_names[RIVALS] = {"-cc", "-cz -vp 12", "Draco"};
 static const char *const error_names[ERRORS] = {
     "distance, greatest %", "RMS %",     "normals, RMS degrees",
     "95th percentile",      "picture %", "outline %"};
-
-typedef struct list {
-    double values[MOST];
-    size_t count;
-} list;
-
-typedef struct options {
-    const char *gltfpack, *phongsplat, *folder, *csv;
-    const char *passed[MOST], *models[MOST];
-    size_t passed_count, model_count;
-    list tolerances, normal_tolerances, ratios;
-    int size;
-} options;
 
 /* A measured file. Distances are in percent of the diagonal, angles in degrees, the difference of
  * pictures in percent of white, the outline in percent of the pixels that the source covers. */
@@ -95,12 +81,12 @@ typedef struct point {
 
 /* The files of one rival. */
 typedef struct ladder {
-    point files[MOST];
+    point files[BENCH_MOST];
     size_t count;
 } ladder;
 
 typedef struct bench {
-    options set;
+    bench_options set;
     psplat_gltfpack gltfpack;
     char directory[64], files[FILES][96];
     FILE *csv;
@@ -108,12 +94,6 @@ typedef struct bench {
     psplat_sweep_context context;
     ladder rivals[RIVALS];
 } bench;
-
-static void check(psplat_result result, const psplat_error *error) {
-    if (result == PSPLAT_OK) return;
-    fprintf(stderr, "bench_gltfpack: %s\n", error->text);
-    exit(1);
-}
 
 static void name_files(bench *b) {
     static const char *const names[FILES] = {"source.obj", "packed.glb", "plain.glb",
@@ -125,11 +105,6 @@ static void name_files(bench *b) {
 static void remove_files(const bench *b) {
     for (size_t i = 0; i < FILES; ++i) unlink(b->files[i]);
     rmdir(b->directory);
-}
-
-static double bytes_of(const char *path) {
-    struct stat status;
-    return stat(path, &status) ? NAN : (double)status.st_size;
 }
 
 /* Returns the CPU seconds of all programs that were run so far. */
@@ -159,12 +134,12 @@ static int measure(bench *b, const char *path, psplat_competitor competitor, poi
     psplat_row row = psplat_row_empty(&setting);
     psplat_error error;
     if (psplat_measured_asset_open(&opened, &b->context, &setting, path, &error)) {
-        if (competitor == PSPLAT_COMPETITOR_SPLATS) check(PSPLAT_ERROR_READ, &error);
+        if (competitor == PSPLAT_COMPETITOR_SPLATS) bench_check(PSPLAT_ERROR_READ, &error);
         psplat_measured_asset_close(&opened);
         return 0;
     }
-    check(psplat_measured_asset_shape(&opened, &b->context, 0, &row, &error), &error);
-    check(psplat_measured_asset_picture(&opened, &b->context, &row, &error), &error);
+    bench_check(psplat_measured_asset_shape(&opened, &b->context, 0, &row, &error), &error);
+    bench_check(psplat_measured_asset_picture(&opened, &b->context, &row, &error), &error);
     p->elements = opened.model ? (double)psplat_model_describe(opened.model).splat_count
                                : (double)opened.mesh.triangle_count;
     take_errors(&row, p);
@@ -198,24 +173,12 @@ static void print_head(const char *kind, const char *setting, const char *elemen
 
 /* ---- rivals ---------------------------------------------------------------------------------- */
 
-static void write_obj(const psplat_source_mesh *mesh, const char *path) {
-    psplat_text text = {0};
-    psplat_write_obj(mesh, &text);
-    FILE *file = fopen(path, "wb");
-    if (text.failed || !file || fwrite(text.data, 1, text.size, file) != text.size ||
-        fclose(file)) {
-        fprintf(stderr, "bench_gltfpack: cannot write %s\n", path);
-        exit(1);
-    }
-    free(text.data);
-}
-
 /* Returns the file that gltfpack reads. */
 static const char *input_of(bench *b) {
     psplat_error error;
     if (psplat_gltfpack_reads(b->path) && b->context.mesh.corner_normals) return b->path;
-    check(psplat_sweep_context_source_mesh(&b->context, &error), &error);
-    write_obj(b->context.source_mesh, b->files[SOURCE]);
+    bench_check(psplat_sweep_context_source_mesh(&b->context, &error), &error);
+    bench_write_obj(b->context.source_mesh, b->files[SOURCE]);
     return b->files[SOURCE];
 }
 
@@ -223,8 +186,8 @@ static const char *input_of(bench *b) {
 static double pack(const bench *b, const char *input, double ratio, const char *const *options,
                    const char *output) {
     psplat_error error;
-    check(psplat_gltfpack_run(&b->gltfpack, input, ratio, options, output, &error), &error);
-    return bytes_of(output);
+    bench_check(psplat_gltfpack_run(&b->gltfpack, input, ratio, options, output, &error), &error);
+    return bench_bytes_of(output);
 }
 
 /* Encodes the triangles of a file and decodes them again into OBJ. Returns the bytes, or NAN where
@@ -238,12 +201,13 @@ static double encode_draco(const bench *b) {
     psplat_source_mesh *source_mesh = NULL;
     psplat_error error;
     if (psplat_mesh_read(b->files[PLAIN], &mesh, &error)) return NAN;
-    check(psplat_source_mesh_create(&mesh, b->context.crease_angle, &source_mesh, &error), &error);
-    write_obj(source_mesh, b->files[OBJ]);
+    bench_check(psplat_source_mesh_create(&mesh, b->context.crease_angle, &source_mesh, &error),
+                &error);
+    bench_write_obj(source_mesh, b->files[OBJ]);
     psplat_source_mesh_destroy(source_mesh);
     psplat_mesh_free(&mesh);
     if (psplat_subprocess_run(encode, NULL, 0)) return NAN;
-    double bytes = bytes_of(b->files[DRACO]);
+    double bytes = bench_bytes_of(b->files[DRACO]);
     return psplat_subprocess_run(decode, NULL, 0) ? NAN : bytes;
 }
 
@@ -311,27 +275,6 @@ static double bytes_for(const ladder *rival, int kind, double error, char *end) 
 
 /* ---- splats ---------------------------------------------------------------------------------- */
 
-/* Returns whether a file was written. Exit code 9, a promise that is broken in places, is accepted,
- * because the table shows it. */
-static int convert(const bench *b, const point *p, const char *output) {
-    char tolerance[40], normal[40], line[200] = "";
-    const char *arguments[ARGUMENTS] = {b->set.phongsplat, "convert", b->path, output, "-w", "-q"};
-    size_t count = 6;
-    snprintf(tolerance, sizeof tolerance, "%g%%", p->setting);
-    snprintf(normal, sizeof normal, "%g", p->normal_setting);
-    arguments[count++] = "-t";
-    arguments[count++] = tolerance;
-    if (p->normal_setting > 0) {
-        arguments[count++] = "--normal-tolerance";
-        arguments[count++] = normal;
-    }
-    for (size_t i = 0; i < b->set.passed_count; ++i) arguments[count++] = b->set.passed[i];
-    int code = psplat_subprocess_run(arguments, line, sizeof line);
-    if (code == 0 || code == 9) return 1;
-    fprintf(stderr, "bench_gltfpack: %s -t %s: exit code %d\n", b->name, tolerance, code);
-    return 0;
-}
-
 static void print_ratios(const bench *b, const point *p) {
     for (int rival = 0; rival < RIVALS; ++rival) {
         const ladder *l = &b->rivals[rival];
@@ -348,15 +291,15 @@ static void print_ratios(const bench *b, const point *p) {
 }
 
 static void convert_all(bench *b) {
-    const list *tolerances = &b->set.tolerances, *normals = &b->set.normal_tolerances;
+    const bench_list *tolerances = &b->set.tolerances, *normals = &b->set.normal_tolerances;
     for (size_t i = 0; i < tolerances->count; ++i)
         for (size_t k = 0; k < normals->count; ++k) {
             const char *output = b->files[SPLATS];
             point p = {.setting = tolerances->values[i], .normal_setting = normals->values[k]};
             double before = seconds_of_programs();
-            if (!convert(b, &p, output)) continue;
+            if (!bench_convert(&b->set, b->path, p.setting, p.normal_setting, output)) continue;
             p.seconds = seconds_of_programs() - before;
-            p.bytes = bytes_of(output);
+            p.bytes = bench_bytes_of(output);
             measure(b, output, PSPLAT_COMPETITOR_SPLATS, &p);
             record(b, "splats", &p);
             printf("| %s | %g", b->name, p.setting);
@@ -380,10 +323,14 @@ static void climb_all(bench *b) {
     printf("\n");
 }
 
-static void run_model(bench *b) {
+static void run_model(void *user, const char *path, const char *name) {
+    bench *b = user;
     psplat_error error;
-    b->context = (psplat_sweep_context){.path = b->path, .size = b->set.size, .software = 1};
-    check(psplat_sweep_context_open(&b->context, &error), &error);
+    b->name = name;
+    b->path = path;
+    b->context =
+        (psplat_sweep_context){.path = path, .size = (int)b->set.sizes.values[0], .software = 1};
+    bench_check(psplat_sweep_context_open(&b->context, &error), &error);
     if (*b->gltfpack.version) climb_all(b);
     print_head("phongsplat", "tolerance %", "splats");
     convert_all(b);
@@ -391,83 +338,20 @@ static void run_model(bench *b) {
     psplat_sweep_context_close(&b->context);
 }
 
-/* Returns the path of a model, or NULL where it is not there. */
-static const char *find_model(const options *set, const char *model) {
-    static char path[1024];
-    if (!access(model, R_OK)) return model;
-    snprintf(path, sizeof path, "%s/%s", set->folder, model);
-    return access(path, R_OK) ? NULL : path;
-}
-
-static void run_models(bench *b) {
-    for (size_t i = 0; i < b->set.model_count; ++i) {
-        b->path = find_model(&b->set, b->set.models[i]);
-        const char *slash = strrchr(b->set.models[i], '/');
-        b->name = slash ? slash + 1 : b->set.models[i];
-        if (b->path)
-            run_model(b);
-        else
-            fprintf(stderr, "bench_gltfpack: no %s\n", b->set.models[i]);
-    }
-}
-
 /* ---- options --------------------------------------------------------------------------------- */
 
-static list parse_list(const char *text) {
-    list l = {.count = 0};
-    while (*text && l.count < MOST) {
-        char *end = NULL;
-        l.values[l.count++] = strtod(text, &end);
-        if (end == text || (*end && *end != ',')) {
-            fprintf(stderr, "bench_gltfpack: %s is no list of numbers\n", text);
-            exit(1);
-        }
-        text = *end ? end + 1 : end;
-    }
-    return l;
-}
-
-/* Takes an option and its value. Returns 0 where name is no option. */
-static int take(options *set, const char *name, const char *value) {
-    if (strncmp(name, "--", 2) != 0) return 0;
-    if (!value) {
-        fprintf(stderr, "bench_gltfpack: %s needs a value\n", name);
-        exit(1);
-    }
-    if (!strcmp(name, "--gltfpack")) set->gltfpack = value;
-    if (!strcmp(name, "--phongsplat")) set->phongsplat = value;
-    if (!strcmp(name, "--folder")) set->folder = value;
-    if (!strcmp(name, "--csv")) set->csv = value;
-    if (!strcmp(name, "--tolerances")) set->tolerances = parse_list(value);
-    if (!strcmp(name, "--normal-tolerances")) set->normal_tolerances = parse_list(value);
-    if (!strcmp(name, "--ratios")) set->ratios = parse_list(value);
-    if (!strcmp(name, "--size")) set->size = atoi(value);
-    if (!strcmp(name, "--pass") && set->passed_count < MOST)
-        set->passed[set->passed_count++] = value;
-    return 1;
-}
-
-static options parse(int argc, char **argv) {
-    static const char *const defaults[] = {"fandisk.obj", "stanford-bunny.obj",
-                                           PSPLAT_SOURCE_DIR "/samples/models/part.obj",
-                                           PSPLAT_SOURCE_DIR "/samples/models/torus.off"};
-    const char *folder = getenv("PSPLAT_BENCH_MODELS");
-    options set = {.phongsplat = PSPLAT_PROGRAM,
-                   .folder = folder ? folder : PSPLAT_SOURCE_DIR "/../shared/models",
-                   .tolerances = parse_list("2,1,0.5,0.2,0.1"),
-                   .normal_tolerances = parse_list("0"),
-                   .ratios = parse_list("1,0.7,0.5,0.35,0.25,0.18,0.12,0.08,0.055,0.04,0.028,0.02,"
-                                        "0.014,0.01,0.007,0.005,0.0035,0.002"),
-                   .size = 512};
-    for (int i = 1; i < argc; ++i)
-        if (take(&set, argv[i], argv[i + 1]))
-            ++i;
-        else if (set.model_count < MOST)
-            set.models[set.model_count++] = argv[i];
-    if (!set.model_count) {
-        set.model_count = sizeof defaults / sizeof *defaults;
-        memcpy(set.models, defaults, sizeof defaults);
-    }
+static bench_options parse(int argc, char **argv) {
+    static const char *const models[] = {"fandisk.obj", "stanford-bunny.obj",
+                                         PSPLAT_SOURCE_DIR "/samples/models/part.obj",
+                                         PSPLAT_SOURCE_DIR "/samples/models/torus.off", NULL};
+    bench_options set = {
+        .tolerances = bench_parse_list("2,1,0.5,0.2,0.1"),
+        .normal_tolerances = bench_parse_list("0"),
+        .ratios = bench_parse_list("1,0.7,0.5,0.35,0.25,0.18,0.12,0.08,0.055,0.04,0.028,0.02,"
+                                   "0.014,0.01,0.007,0.005,0.0035,0.002"),
+        .sizes = bench_parse_list("512"),
+    };
+    bench_parse(&set, models, argc, argv);
     return set;
 }
 
@@ -476,10 +360,7 @@ int main(int argc, char **argv) {
     b.gltfpack = psplat_gltfpack_find(b.set.gltfpack);
     if (!*b.gltfpack.version)
         fprintf(stderr, "bench_gltfpack: gltfpack cannot be run; splats only\n");
-    if (b.set.csv && !(b.csv = fopen(b.set.csv, "w"))) {
-        fprintf(stderr, "bench_gltfpack: cannot write %s\n", b.set.csv);
-        return 1;
-    }
+    b.csv = bench_open_csv(&b.set);
     if (b.csv)
         fprintf(b.csv, "model,kind,tolerance_or_ratio,normal_tolerance,elements,bytes,cpu_seconds,"
                        "distance_max_percent,distance_rms_percent,normal_rms_degrees,"
@@ -487,7 +368,7 @@ int main(int argc, char **argv) {
     if (!mkdtemp(b.directory)) return 1;
     name_files(&b);
     printf("%s\n\n", b.gltfpack.version);
-    run_models(&b);
+    bench_run_models(&b.set, run_model, &b);
     remove_files(&b);
     if (b.csv) fclose(b.csv);
     return 0;

@@ -27,15 +27,14 @@
  * After each size follow the SSIM and the PSNR of a mesh of equal bytes, interpolated between
  * gltfpack's files on an axis of logarithms of bytes; "-" where all of them are larger or smaller.
  */
+#include "beside_gltfpack.h"
+
 #include "benchmark/gltfpack.h"
 #include "benchmark/measured_asset.h"
-#include "benchmark/subprocess.h"
 #include "benchmark/sweep_context.h"
-#include "benchmark/write_obj.h"
 #include "compare/source_mesh.h"
 #include "compare/source_mesh_parts.h"
 #include "table/row.h"
-#include "table/text.h"
 #include "views/picture_views.h"
 
 #include <math.h>
@@ -47,20 +46,8 @@
 
 #include <phongsplat/phongsplat.h>
 
-enum { MOST = 32, ARGUMENTS = 2 * MOST, MOST_SIZES = 4 };
+enum { MOST_SIZES = 4 };
 enum { SOURCE, PACKED, SPLATS, FILES };
-
-typedef struct list {
-    double values[MOST];
-    size_t count;
-} list;
-
-typedef struct options {
-    const char *gltfpack, *phongsplat, *folder, *csv;
-    const char *passed[MOST], *models[MOST];
-    size_t passed_count, model_count;
-    list tolerances, normal_tolerances, ratios, sizes;
-} options;
 
 /* A measured file, and its pictures of each size. */
 typedef struct point {
@@ -71,28 +58,17 @@ typedef struct point {
 } point;
 
 typedef struct bench {
-    options set;
+    bench_options set;
     psplat_gltfpack gltfpack;
     char directory[64], files[FILES][96];
     FILE *csv;
     const char *path, *name;
     psplat_sweep_context context;
     psplat_picture_views *views[MOST_SIZES];
-    double image_bytes; /* of those that splats use */
-    point meshes[MOST]; /* in order of bytes */
+    double image_bytes;       /* of those that splats use */
+    point meshes[BENCH_MOST]; /* in order of bytes */
     size_t mesh_count;
 } bench;
-
-static void check(psplat_result result, const psplat_error *error) {
-    if (result == PSPLAT_OK) return;
-    fprintf(stderr, "bench_levels: %s\n", error->text);
-    exit(1);
-}
-
-static double bytes_of(const char *path) {
-    struct stat status;
-    return stat(path, &status) ? NAN : (double)status.st_size;
-}
 
 /* ---- measuring ------------------------------------------------------------------------------- */
 
@@ -114,8 +90,9 @@ static void measure_pictures(bench *b, const psplat_measured_asset *opened, poin
         .renderer = opened->renderer, .model = opened->model, .mesh = opened->source_mesh};
     psplat_error error;
     for (size_t i = 0; i < b->set.sizes.count; ++i)
-        check(psplat_picture_views_compare(b->views[i], &pictured, -1, &p->pictures[i], &error),
-              &error);
+        bench_check(
+            psplat_picture_views_compare(b->views[i], &pictured, -1, &p->pictures[i], &error),
+            &error);
 }
 
 /* Returns 0 where nothing is left of a mesh. */
@@ -126,11 +103,11 @@ static int measure(bench *b, const char *path, psplat_competitor competitor, poi
     psplat_row row = psplat_row_empty(&setting);
     psplat_error error;
     if (psplat_measured_asset_open(&opened, &b->context, &setting, path, &error)) {
-        if (competitor == PSPLAT_COMPETITOR_SPLATS) check(PSPLAT_ERROR_READ, &error);
+        if (competitor == PSPLAT_COMPETITOR_SPLATS) bench_check(PSPLAT_ERROR_READ, &error);
         psplat_measured_asset_close(&opened);
         return 0;
     }
-    check(psplat_measured_asset_shape(&opened, &b->context, SAMPLES, &row, &error), &error);
+    bench_check(psplat_measured_asset_shape(&opened, &b->context, SAMPLES, &row, &error), &error);
     take_shape(&row, p);
     measure_pictures(b, &opened, p);
     p->elements = opened.model ? (double)psplat_model_describe(opened.model).splat_count
@@ -156,26 +133,14 @@ static void record(const bench *b, const char *kind, const point *p) {
 
 /* ---- gltfpack -------------------------------------------------------------------------------- */
 
-static void write_obj(const psplat_source_mesh *mesh, const char *path) {
-    psplat_text text = {0};
-    psplat_write_obj(mesh, &text);
-    FILE *file = fopen(path, "wb");
-    if (text.failed || !file || fwrite(text.data, 1, text.size, file) != text.size ||
-        fclose(file)) {
-        fprintf(stderr, "bench_levels: cannot write %s\n", path);
-        exit(1);
-    }
-    free(text.data);
-}
-
 /* Returns the file that gltfpack reads: the model, or the same triangles with the normals that the
  * converter sees. Models with images are read as they are, since the triangles alone have none. */
 static const char *input_of(bench *b) {
     psplat_error error;
     int is_whole = b->context.mesh.corner_normals || b->image_bytes > 0;
     if (psplat_gltfpack_reads(b->path) && is_whole) return b->path;
-    check(psplat_sweep_context_source_mesh(&b->context, &error), &error);
-    write_obj(b->context.source_mesh, b->files[SOURCE]);
+    bench_check(psplat_sweep_context_source_mesh(&b->context, &error), &error);
+    bench_write_obj(b->context.source_mesh, b->files[SOURCE]);
     return b->files[SOURCE];
 }
 
@@ -192,9 +157,10 @@ static void pack_all(bench *b) {
     b->mesh_count = 0;
     for (size_t i = 0; i < b->set.ratios.count; ++i) {
         point p = {.setting = b->set.ratios.values[i]};
-        check(psplat_gltfpack_run(&b->gltfpack, input, p.setting, cc, b->files[PACKED], &error),
-              &error);
-        p.bytes = bytes_of(b->files[PACKED]) - b->image_bytes;
+        bench_check(
+            psplat_gltfpack_run(&b->gltfpack, input, p.setting, cc, b->files[PACKED], &error),
+            &error);
+        p.bytes = bench_bytes_of(b->files[PACKED]) - b->image_bytes;
         if (!measure(b, b->files[PACKED], PSPLAT_COMPETITOR_GLTFPACK, &p)) continue;
         record(b, "mesh", &p);
         b->meshes[b->mesh_count++] = p;
@@ -217,26 +183,6 @@ static int mesh_at(const bench *b, double bytes, size_t size, double *ssim, doub
 }
 
 /* ---- splats ---------------------------------------------------------------------------------- */
-
-/* Returns whether a file was written. Exit code 9, a promise that is broken in places, is accepted,
- * because the table shows it. */
-static int convert(const bench *b, const point *p) {
-    char tolerance[40], normal[40], line[200] = "";
-    const char *arguments[ARGUMENTS] = {
-        b->set.phongsplat, "convert", b->path, b->files[SPLATS], "-w", "-q", "-t", tolerance};
-    size_t count = 8;
-    snprintf(tolerance, sizeof tolerance, "%g%%", p->setting);
-    snprintf(normal, sizeof normal, "%g", p->normal_setting);
-    if (p->normal_setting > 0) {
-        arguments[count++] = "--normal-tolerance";
-        arguments[count++] = normal;
-    }
-    for (size_t i = 0; i < b->set.passed_count; ++i) arguments[count++] = b->set.passed[i];
-    int code = psplat_subprocess_run(arguments, line, sizeof line);
-    if (code == 0 || code == 9) return 1;
-    fprintf(stderr, "bench_levels: %s -t %s: exit code %d\n", b->name, tolerance, code);
-    return 0;
-}
 
 static void print_head(const bench *b) {
     printf("| model | tolerance %% | normals | splats | bytes | distance max %% | RMS %% | normals "
@@ -269,14 +215,15 @@ static void print_point(const bench *b, const point *p) {
 static int convert_one(bench *b, size_t t, size_t n, point *p) {
     *p = (point){.setting = b->set.tolerances.values[t],
                  .normal_setting = b->set.normal_tolerances.values[n]};
-    if (!convert(b, p) || !measure(b, b->files[SPLATS], PSPLAT_COMPETITOR_SPLATS, p)) return 0;
-    p->bytes = bytes_of(b->files[SPLATS]) - b->image_bytes;
+    if (!bench_convert(&b->set, b->path, p->setting, p->normal_setting, b->files[SPLATS])) return 0;
+    if (!measure(b, b->files[SPLATS], PSPLAT_COMPETITOR_SPLATS, p)) return 0;
+    p->bytes = bench_bytes_of(b->files[SPLATS]) - b->image_bytes;
     record(b, "splats", p);
     return 1;
 }
 
 static void run_points(bench *b) {
-    static point points[MOST * MOST];
+    static point points[BENCH_MOST * BENCH_MOST];
     size_t count = 0;
     for (size_t n = 0; n < b->set.normal_tolerances.count; ++n)
         for (size_t t = 0; t < b->set.tolerances.count; ++t)
@@ -285,105 +232,46 @@ static void run_points(bench *b) {
     for (size_t i = 0; i < count; ++i) print_point(b, &points[i]);
 }
 
-static void run_model(bench *b) {
+static void run_model(void *user, const char *path, const char *name) {
+    bench *b = user;
     psplat_error error;
-    b->context = (psplat_sweep_context){.path = b->path, .software = 1};
+    b->name = name;
+    b->path = path;
+    b->context = (psplat_sweep_context){.path = path, .software = 1};
     b->image_bytes = 0;
-    check(psplat_sweep_context_open(&b->context, &error), &error);
-    check(psplat_sweep_context_source_mesh(&b->context, &error), &error);
+    bench_check(psplat_sweep_context_open(&b->context, &error), &error);
+    bench_check(psplat_sweep_context_source_mesh(&b->context, &error), &error);
     for (size_t i = 0; i < b->set.sizes.count; ++i) {
         const psplat_picture_views_desc desc = {.host = b->context.host,
                                                 .source = b->context.source_mesh,
                                                 .size = (int)b->set.sizes.values[i]};
-        check(psplat_picture_views_create(&desc, &b->views[i], &error), &error);
+        bench_check(psplat_picture_views_create(&desc, &b->views[i], &error), &error);
     }
     run_points(b);
     for (size_t i = 0; i < b->set.sizes.count; ++i) psplat_picture_views_destroy(b->views[i]);
     psplat_sweep_context_close(&b->context);
 }
 
-/* Returns the path of a model, or NULL where it is not there. */
-static const char *find_model(const options *set, const char *model) {
-    static char path[1024];
-    if (!access(model, R_OK)) return model;
-    snprintf(path, sizeof path, "%s/%s", set->folder, model);
-    return access(path, R_OK) ? NULL : path;
-}
-
-static void run_models(bench *b) {
-    for (size_t i = 0; i < b->set.model_count; ++i) {
-        b->path = find_model(&b->set, b->set.models[i]);
-        const char *slash = strrchr(b->set.models[i], '/');
-        b->name = slash ? slash + 1 : b->set.models[i];
-        if (b->path)
-            run_model(b);
-        else
-            fprintf(stderr, "bench_levels: no %s\n", b->set.models[i]);
-    }
-}
-
 /* ---- options --------------------------------------------------------------------------------- */
 
-static list parse_list(const char *text) {
-    list l = {.count = 0};
-    while (*text && l.count < MOST) {
-        char *end = NULL;
-        l.values[l.count++] = strtod(text, &end);
-        if (end == text || (*end && *end != ',')) {
-            fprintf(stderr, "bench_levels: %s is no list of numbers\n", text);
-            exit(1);
-        }
-        text = *end ? end + 1 : end;
-    }
-    return l;
-}
-
-/* Takes an option and its value. Returns 0 where name is no option. */
-static int take(options *set, const char *name, const char *value) {
-    if (strncmp(name, "--", 2) != 0) return 0;
-    if (!value) {
-        fprintf(stderr, "bench_levels: %s needs a value\n", name);
-        exit(1);
-    }
-    if (!strcmp(name, "--gltfpack")) set->gltfpack = value;
-    if (!strcmp(name, "--phongsplat")) set->phongsplat = value;
-    if (!strcmp(name, "--folder")) set->folder = value;
-    if (!strcmp(name, "--csv")) set->csv = value;
-    if (!strcmp(name, "--tolerances")) set->tolerances = parse_list(value);
-    if (!strcmp(name, "--normal-tolerances")) set->normal_tolerances = parse_list(value);
-    if (!strcmp(name, "--ratios")) set->ratios = parse_list(value);
-    if (!strcmp(name, "--sizes")) set->sizes = parse_list(value);
-    if (!strcmp(name, "--pass") && set->passed_count < MOST)
-        set->passed[set->passed_count++] = value;
-    return 1;
-}
-
-static options parse(int argc, char **argv) {
-    static const char *const defaults[] = {"stanford-bunny.obj",
-                                           "armadillo.obj",
-                                           "rocker-arm.obj",
-                                           "Duck.glb",
-                                           "spot/spot.obj",
-                                           "fandisk.obj",
-                                           PSPLAT_SOURCE_DIR "/samples/models/part.obj"};
-    const char *folder = getenv("PSPLAT_BENCH_MODELS");
-    options set = {.phongsplat = PSPLAT_PROGRAM,
-                   .folder = folder ? folder : PSPLAT_SOURCE_DIR "/../shared/models",
-                   .tolerances = parse_list("8,4,2,1,0.5,0.25"),
-                   .normal_tolerances = parse_list("0"),
-                   .ratios = parse_list("0.5,0.3,0.2,0.14,0.1,0.07,0.05,0.035,0.025,0.018,0.012,"
-                                        "0.008,0.005,0.0035,0.002,0.001"),
-                   .sizes = parse_list("100,200,400")};
-    for (int i = 1; i < argc; ++i)
-        if (take(&set, argv[i], argv[i + 1]))
-            ++i;
-        else if (set.model_count < MOST)
-            set.models[set.model_count++] = argv[i];
+static bench_options parse(int argc, char **argv) {
+    static const char *const models[] = {"stanford-bunny.obj",
+                                         "armadillo.obj",
+                                         "rocker-arm.obj",
+                                         "Duck.glb",
+                                         "spot/spot.obj",
+                                         "fandisk.obj",
+                                         PSPLAT_SOURCE_DIR "/samples/models/part.obj",
+                                         NULL};
+    bench_options set = {
+        .tolerances = bench_parse_list("8,4,2,1,0.5,0.25"),
+        .normal_tolerances = bench_parse_list("0"),
+        .ratios = bench_parse_list("0.5,0.3,0.2,0.14,0.1,0.07,0.05,0.035,0.025,0.018,0.012,0.008,"
+                                   "0.005,0.0035,0.002,0.001"),
+        .sizes = bench_parse_list("100,200,400"),
+    };
+    bench_parse(&set, models, argc, argv);
     if (set.sizes.count > MOST_SIZES) set.sizes.count = MOST_SIZES;
-    if (!set.model_count) {
-        set.model_count = sizeof defaults / sizeof *defaults;
-        memcpy(set.models, defaults, sizeof defaults);
-    }
     return set;
 }
 
@@ -404,17 +292,14 @@ int main(int argc, char **argv) {
     b.gltfpack = psplat_gltfpack_find(b.set.gltfpack);
     if (!*b.gltfpack.version)
         fprintf(stderr, "bench_levels: gltfpack cannot be run; splats only\n");
-    if (b.set.csv && !(b.csv = fopen(b.set.csv, "w"))) {
-        fprintf(stderr, "bench_levels: cannot write %s\n", b.set.csv);
-        return 1;
-    }
+    b.csv = bench_open_csv(&b.set);
     if (b.csv) begin_csv(&b);
     if (!mkdtemp(b.directory)) return 1;
     for (size_t i = 0; i < FILES; ++i)
         snprintf(b.files[i], sizeof b.files[i], "%s/%s", b.directory, names[i]);
     printf("%s\n\n", b.gltfpack.version);
     print_head(&b);
-    run_models(&b);
+    bench_run_models(&b.set, run_model, &b);
     for (size_t i = 0; i < FILES; ++i) unlink(b.files[i]);
     rmdir(b.directory);
     if (b.csv) fclose(b.csv);

@@ -4,9 +4,11 @@
  * with what a browser draws. The background is black, the light that of `phongsplat render`.
  *
  *     draw_native A.glb[,B.glb...] OUT.ppm WIDTH HEIGHT SHADING VIEW (16 numbers) PROJECTION (16
- * numbers) [ANIMATION TIME]
+ * numbers) [ANIMATION TIME | TAU]
  *
- * The last two are an index and seconds, and draw the first asset in that pose.
+ * An animation and a time are an index and seconds, and draw the first asset in that pose. A number
+ * alone draws the first asset at the level of detail that the runtime chooses with that tau, and
+ * prints the level.
  */
 #include "decode_image.h"
 
@@ -111,8 +113,24 @@ static void close_scene(scene *s) {
     psplat_renderer_destroy(s->renderer);
 }
 
-/* pose_arguments are an animation and a time, or NULL. */
-static int draw(char *list, char **pose_arguments, const psplat_view *view, psplat_host *host,
+/* Poses the first asset at a time, or chooses its level, as `count` arguments behind the camera
+ * say.
+ */
+static int place(scene *s, const psplat_view *view, char **arguments, int count,
+                 psplat_error *error) {
+    if (count == 1) {
+        const psplat_level_choice choice = {.tau = atof(arguments[0])};
+        s->items[0].level = psplat_model_choose_level(s->items[0].model, view, NULL, &choice);
+        printf("%u\n", s->items[0].level);
+        return 0;
+    }
+    if (!count) return 0;
+    if (psplat_pose_create(s->assets[0], &s->pose, error)) return 1;
+    s->items[0].pose = s->pose;
+    return psplat_pose_set(s->pose, (size_t)atoi(arguments[0]), atof(arguments[1]), error) != 0;
+}
+
+static int draw(char *list, char **arguments, int count, const psplat_view *view, psplat_host *host,
                 uint8_t *rgba, psplat_error *error) {
     const float black[4] = {0, 0, 0, 1};
     const psplat_renderer_desc desc = {
@@ -120,12 +138,8 @@ static int draw(char *list, char **pose_arguments, const psplat_view *view, pspl
     scene s = {0};
     int result = psplat_renderer_create(&desc, &s.renderer, error) || open_scene(&s, list, error) ||
                  psplat_host_begin(host, view->width, view->height, 0, black, error);
-    if (!result && pose_arguments)
-        result = psplat_pose_create(s.assets[0], &s.pose, error) ||
-                 psplat_pose_set(s.pose, (size_t)atoi(pose_arguments[0]), atof(pose_arguments[1]),
-                                 error);
-    s.items[0].pose = s.pose;
-    result = result || psplat_draw(s.renderer, view, s.items, s.count, error) ||
+    result = result || place(&s, view, arguments, count, error) ||
+             psplat_draw(s.renderer, view, s.items, s.count, error) ||
              psplat_host_read_rgba8(host, rgba, error);
     close_scene(&s);
     return result;
@@ -135,16 +149,16 @@ int main(int argc, char **argv) {
     psplat_error error = {0};
     psplat_view view = {0};
     psplat_host *host = NULL;
-    if ((argc != CAMERA_ARGUMENTS && argc != CAMERA_ARGUMENTS + 2) || !read_view(argv, &view))
+    int more = argc - CAMERA_ARGUMENTS;
+    if (more < 0 || more > 2 || !read_view(argv, &view))
         return fprintf(stderr,
                        "usage: draw_native A.glb[,B.glb...] OUT.ppm WIDTH HEIGHT SHADING VIEW "
-                       "PROJECTION [ANIMATION TIME]\n"),
+                       "PROJECTION [ANIMATION TIME | TAU]\n"),
                1;
     uint8_t *rgba = malloc((size_t)view.width * (size_t)view.height * 4);
     if (!rgba) return fprintf(stderr, "draw_native: no memory\n"), 1;
     int result = psplat_host_create(PSPLAT_API_GL, 1, &host, &error) ||
-                 draw(argv[1], argc > CAMERA_ARGUMENTS ? argv + CAMERA_ARGUMENTS : NULL, &view,
-                      host, rgba, &error);
+                 draw(argv[1], argv + CAMERA_ARGUMENTS, more, &view, host, rgba, &error);
     result = result ? fail(&error) : write_ppm(argv[2], &view, rgba);
     psplat_host_destroy(host);
     free(rgba);

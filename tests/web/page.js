@@ -22,6 +22,8 @@ function makeRenderer(options = {}) {
 
 const loader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).register((parser) => new GLTFPhongSplats(parser));
 
+const levelsLoader = new GLTFLoader().setMeshoptDecoder(MeshoptDecoder).register((parser) => new GLTFPhongSplats(parser, { levels: true }));
+
 /** Returns a camera from which a box is seen whole. */
 function cameraFor(box, azimuth, elevation, closeness = 1, aspect = WIDTH / HEIGHT) {
     const sphere = box.getBoundingSphere(new THREE.Sphere()), camera = new THREE.PerspectiveCamera(27, aspect);
@@ -148,5 +150,5 @@ function orthographic(camera, root) {
     return flat;
 }
 
-Object.assign(window, { THREE, makeStage, removeLights, PhongSplats, SplatShadingMaterial, loader, makeRenderer, cameraFor, addLight, eachSplats, pixels, rendererOf });
+Object.assign(window, { THREE, makeStage, removeLights, PhongSplats, SplatShadingMaterial, loader, levelsLoader, makeRenderer, cameraFor, addLight, eachSplats, pixels, rendererOf });
 document.title = 'ready';

@@ -8,7 +8,6 @@ if [ -z "${CHROMIUM:-}" ] && ! command -v chromium >/dev/null && ! command -v go
     echo "skipped: Chromium is not installed (samples/install.sh --browser installs it)"
     exit 77
 fi
-# npm ci writes its hidden lock file last, so that half an installation is not taken for a whole one.
-[ -e node_modules/.package-lock.json ] || npm ci --no-audit --no-fund --loglevel=error
+../../samples/npm_ci.sh .
 node ../../runtime/web/build.mjs
 exec node "$1"

@@ -71,6 +71,15 @@ function drawViewer(page) {
 
 const text = (page, id) => page.$eval(`#${id}`, (e) => (e.hidden ? '' : e.textContent));
 
+test('the page of an animated model plays it', async () => {
+    const [, html] = convert('clockwork.glb', 'clockwork'), page = await openPage(html);
+    assert.equal(await text(page, 'play'), 'Pause');
+    await page.waitForFunction('window.viewer.motion.seconds > 0');
+    assert.equal(await page.evaluate(() => window.viewer.sides.splats.clip.name), 'tick');
+    assert.deepEqual(page.errors, []);
+    await page.close();
+});
+
 for (const model of ['part.obj', 'torus.off', 'tiled.glb']) {
     test(`the page of ${model} draws as the C runtime does`, async () => {
         const [asset, html] = convert(model, model.split('.')[0]), page = await openPage(html);

@@ -183,6 +183,74 @@ test('a tileset that is not there, or lacks a tile, is told', async () => {
     await lacking.close();
 });
 
+/** Waits until so many frames were drawn, or some seconds have gone by: software needs seconds for its first ones. Returns
+ *  the frames and the seconds of the animation. */
+function watch(page, frames, limit) {
+    return page.evaluate(([wanted, most]) => new Promise((resolve) => {
+        const { renderer, motion } = window.viewer, first = renderer.info.render.frame, start = motion.seconds, end = performance.now() + 1000 * most;
+        const look = () => {
+            const drawn = renderer.info.render.frame - first;
+            if (drawn >= wanted || performance.now() > end) resolve({ drawn, seconds: motion.seconds - start });
+            else setTimeout(look, 20);
+        };
+        look();
+    }), [frames, limit]);
+}
+
+/** Sets the seconds of a page whose animation is paused, and returns its picture. */
+async function shownAt(page, seconds) {
+    await page.evaluate((time) => {
+        window.viewer.motion.seconds = time;
+        window.viewer.requestFrame();
+    }, seconds);
+    return covered(page);
+}
+
+test('animations play in a loop, on both sides alike, and a button stops them', async () => {
+    const page = await openViewer('&load=/files/clockwork.glb&source=/models/clockwork.glb'), options = await page.$$eval('#clip option', (list) => list.map((option) => option.text));
+    assert.deepEqual(options, ['tick', 'bounce', 'turn']);
+    assert.equal(await text(page, 'play'), 'Pause');
+    const playing = await watch(page, 3, 60);
+    assert.ok(playing.drawn >= 3 && playing.seconds > 0, JSON.stringify(playing));
+    await page.click('#play');
+    assert.equal(await text(page, 'play'), 'Play');
+    await covered(page);
+    assert.deepEqual(await watch(page, 1, 1), { drawn: 0, seconds: 0 });
+    // Another animation, in which all turns, begins again after its end.
+    await page.select('#clip', '2');
+    const { duration, name } = await page.evaluate(() => {
+        const { clip } = window.viewer.sides.splats;
+        return { duration: clip.duration, name: clip.name };
+    });
+    assert.equal(name, 'turn');
+    const first = await shownAt(page, 0.3 * duration), second = await shownAt(page, 0.8 * duration), again = await shownAt(page, 7.3 * duration);
+    for (const side of [0, 1]) {
+        assert.ok(Math.abs(first.sums[side] - second.sums[side]) > 0.002 * first.sums[side], JSON.stringify([first, second]));
+        assert.ok(Math.abs(first.sums[side] - again.sums[side]) < 0.0002 * first.sums[side], JSON.stringify([first, again]));
+    }
+    // What does not move has no button.
+    await drop(page, [['bracket.glb', base64(join(converted, 'bracket.glb'))], ['part.obj', base64(join(root, 'samples/models/part.obj'))]]);
+    await page.waitForFunction('document.getElementById("source").textContent.startsWith("part.obj") && document.getElementById("splats").textContent.startsWith("bracket")');
+    assert.equal(await page.$eval('#motion', (e) => e.hidden), true);
+    assert.deepEqual(page.errors, []);
+    await page.close();
+});
+
+test('animations wait for the button where the reader wants little motion', async () => {
+    const page = await openViewer('');
+    await page.emulateMediaFeatures([{ name: 'prefers-reduced-motion', value: 'reduce' }]);
+    await page.goto(`${page.url()}&load=/files/clockwork.glb`);
+    await page.waitForFunction('document.documentElement.dataset.ready');
+    assert.equal(await text(page, 'play'), 'Play');
+    await covered(page);
+    assert.deepEqual(await watch(page, 1, 1), { drawn: 0, seconds: 0 });
+    await page.click('#play');
+    const playing = await watch(page, 3, 60);
+    assert.ok(playing.drawn >= 3 && playing.seconds > 0, JSON.stringify(playing));
+    assert.deepEqual(page.errors, []);
+    await page.close();
+});
+
 test('the page in the README works as it stands', async () => {
     const example = /```html\n([^]*?)```/.exec(readFileSync(join(root, 'runtime/web/README.md'), 'utf8'))[1];
     const local = example.replaceAll(/https:\/\/cdn[^"]*three@[\d.]+\//g, '/modules/three/').replace('./node_modules/three-phong-splats/', '/package/');

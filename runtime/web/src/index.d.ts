@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import type { Box3, BufferGeometry, DataTexture, Group, Intersection, Loader, Material, Mesh, Object3D, RawShaderMaterial, Raycaster, WebGLRenderer } from 'three';
+import type { Box3, BufferGeometry, Camera, DataTexture, Group, Intersection, Loader, LOD, Material, Mesh, Object3D, RawShaderMaterial, Raycaster, Vector2, WebGLRenderer } from 'three';
 
 /** A primitive of splats, decoded. Clones of an object share it. */
 export interface SplatBatch {
@@ -35,11 +35,46 @@ export class PhongSplats extends Mesh<BufferGeometry, Material> {
     /** Where batches have several materials: that of each batch; `material` then only draws the result. */
     readonly materials: Material[] | null;
     readonly splatCount: number;
+    /** Width and height, pixels, of the last picture that showed the object; 0, 0 before. */
+    readonly pictureSize: Vector2;
     raycast(raycaster: Raycaster, intersects: Intersection<Object3D>[]): void;
     /** Frees textures and programs, also those of clones, which share them. Materials and their textures are the caller's. */
     dispose(): void;
     /** Frees the render targets that all splats share with a renderer. */
     static disposeTargets(renderer: WebGLRenderer): void;
+}
+
+/** How far a level of detail is from the surface that the finest one was made of (specification, section 3.13). */
+export interface SplatLevelErrors {
+    /** Proven, both ways, units of the object. */
+    distance: number;
+    /** Root mean square, degrees. */
+    normal: number;
+    /** Mean distance between outlines, units of the object. */
+    outline: number;
+}
+
+/**
+ * Levels of detail of one mesh, of which it shows the one that suits the view. A render chooses anew unless `autoUpdate`
+ * is false; `levels[k].object` are PhongSplats, the finest first, of which one is visible. `clone()` shares what they draw.
+ */
+export class PhongSplatsLOD extends LOD {
+    constructor(levels?: (SplatLevelErrors & { object: PhongSplats })[]);
+    readonly isPhongSplatsLOD: true;
+    /** Greatest error of what is shown, pixels; 0.5 unless set. */
+    tau: number;
+    /** 0 to 1: by this part of tau less must a level err that is coarser than the current one; 0.1 unless set. */
+    hysteresis: number;
+    /** Width and height of pictures, pixels; null: those of the last one that showed the object. */
+    resolution: Vector2 | null;
+    readonly currentLevel: number;
+    /** The level for a picture of so many pixels, as psplat_model_choose_level of the C runtime chooses. Changes nothing. */
+    chooseLevel(camera: Camera, width: number, height: number, options?: { tau?: number; hysteresis?: number; current?: number }): number;
+    /** Shows a level, until the next render chooses one. */
+    showLevel(level: number): void;
+    update(camera: Camera): void;
+    /** Frees the textures and programs of all levels, also those of clones. */
+    dispose(): void;
 }
 
 export type SplatShading = 'lit' | 'unlit' | 'toon' | 'normal' | 'depth' | 'overdraw' | 'splats';
@@ -51,9 +86,10 @@ export class SplatShadingMaterial extends RawShaderMaterial {
     readonly isSplatShading: true;
 }
 
-/** The plugin for GLTFLoader: `loader.register((parser) => new GLTFPhongSplats(parser))`. */
+/** The plugin for GLTFLoader: `loader.register((parser) => new GLTFPhongSplats(parser))`, with `{ levels: true }` for levels of detail. */
 export class GLTFPhongSplats {
-    constructor(parser: unknown);
+    /** levels: meshes with levels of detail become PhongSplatsLOD; else, the default, the finest level is shown. */
+    constructor(parser: unknown, options?: { levels?: boolean });
     readonly name: 'PSPLAT_surface_splats';
     beforeRoot(): null;
     loadMesh(index: number): Promise<Group | Mesh> | null;

@@ -4,6 +4,7 @@
 // PhongSplats.
 import { Group, Matrix4, MeshStandardMaterial, Quaternion, Vector3 } from 'three';
 import { decodePrimitive, EXTENSION } from './decode.js';
+import { PhongSplatsLOD } from './levels.js';
 import { PhongSplats } from './splats.js';
 
 const INSTANCING = 'EXT_mesh_gpu_instancing';
@@ -14,8 +15,10 @@ const isSplats = (primitive) => primitive.extensions?.[EXTENSION] !== undefined;
 const isStripped = (primitive) => !isSplats(primitive) && Object.keys(primitive.attributes ?? {}).some((name) => name.includes(`${EXTENSION}:`));
 
 export class GLTFPhongSplats {
-    constructor(parser) {
+    /** @param levels true: meshes with levels of detail become PhongSplatsLOD; else the finest is shown. */
+    constructor(parser, { levels = false } = {}) {
         this.parser = parser;
+        this.usesLevels = levels;
         this.name = EXTENSION;
         this.sets = new Map(); // by mesh: its batches and materials
         this.instances = new Map(); // by node: what EXT_mesh_gpu_instancing says of nodes with splats
@@ -75,9 +78,8 @@ export class GLTFPhongSplats {
     async loadSplats(index, named = this.parser.json.meshes[index]) {
         const { json } = this.parser, mesh = json.meshes[index];
         if (!json.extensionsUsed?.includes(EXTENSION)) throw new Error(`${EXTENSION}: extensionsUsed does not list it`);
-        if (!this.sets.has(index)) this.sets.set(index, this.loadSet(index, mesh));
-        const { batches, material, materials } = await this.sets.get(index);
-        const splats = new PhongSplats(batches, material, materials);
+        const levels = this.usesLevels ? mesh.primitives.find(isSplats).extensions[EXTENSION].levels : null;
+        const splats = levels?.length > 1 ? await this.makeLevels(index, levels) : await this.makeSplats(index);
         splats.name = this.parser.createUniqueName(named.name || `mesh_${index}`);
         if (mesh.extras) splats.userData = { ...mesh.extras };
         const others = mesh.primitives.filter((primitive) => !isSplats(primitive));
@@ -86,6 +88,26 @@ export class GLTFPhongSplats {
         const group = new Group();
         group.add(splats, await this.parser.loadMesh(json.meshes.length - 1));
         return group;
+    }
+
+    async makeSplats(index) {
+        if (!this.sets.has(index)) this.sets.set(index, this.loadSet(index, this.parser.json.meshes[index]));
+        const { batches, material, materials } = await this.sets.get(index);
+        return new PhongSplats(batches, material, materials);
+    }
+
+    /** @returns an object that shows one of the levels of a mesh (section 3.13). */
+    async makeLevels(index, levels) {
+        const { json } = this.parser;
+        return new PhongSplatsLOD(await Promise.all(levels.map(async ({ mesh, distance, normal, outline, scale = 1, translation = [0, 0, 0] }, k) => {
+            const own = k ? mesh : index, fail = (text) => { throw new Error(`${EXTENSION}: mesh ${index}, level ${k} ${text}`); };
+            if (!json.meshes[own]?.primitives.some(isSplats)) fail(`is mesh ${own}, which has no splats`);
+            if (![distance, normal, outline].every((x) => x >= 0 && Number.isFinite(x))) fail('has errors that are no numbers from 0 on');
+            const object = await this.makeSplats(own);
+            object.scale.setScalar(scale);
+            object.position.fromArray(translation);
+            return { object, distance, normal, outline };
+        })));
     }
 
     async loadSet(index, mesh) {

@@ -69,6 +69,7 @@ export class PhongSplats extends Mesh {
         super(boxGeometry(box), material);
         this.type = 'PhongSplats';
         this.isPhongSplats = true;
+        this.pictureSize = new Vector2(); // of the last picture that showed the object, pixels
         this.setBatches(batches, material, materials);
         this.customDepthMaterial = hiddenDepth;
         this.customDistanceMaterial = hiddenDistance; // of point lights
@@ -159,6 +160,7 @@ export class PhongSplats extends Mesh {
         if (material !== this.material) return;
         if (camera.viewport) viewport.copy(camera.viewport);
         else renderer.getCurrentViewport(viewport);
+        this.pictureSize.set(viewport.z, viewport.w);
         const { frame, id } = takeFrame(this, renderer, scene, camera, viewport);
         this.findRect(viewport.z, viewport.w, rect);
         // three turns front faces with the object's matrix; the rectangle is turned along.

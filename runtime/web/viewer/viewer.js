@@ -4,7 +4,7 @@
 // address may hold ?load=URL and a second one, &load=URL or &source=URL, &mode=MODE, and
 // &three=DIRECTORY for a three.js of one's own. Which side a file is on follows from what it holds.
 // A tileset (3D Tiles) takes the place of the splats: ?tileset=URL, or a .json among the files, with
-// &pixels=ERROR and &tiles=DIRECTORY for a 3d-tiles-renderer of one's own.
+// &pixels=ERROR and &tiles=DIRECTORY for a 3d-tiles-renderer of one's own. The first animation of a file plays in a loop.
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { RoomEnvironment } from 'three/addons/environments/RoomEnvironment.js';
@@ -41,9 +41,9 @@ let isWaiting = false;
 function requestFrame() {
     if (isWaiting) return;
     isWaiting = true;
-    requestAnimationFrame(() => {
+    requestAnimationFrame((now) => {
         isWaiting = false;
-        draw();
+        draw(now);
     });
 }
 
@@ -57,7 +57,8 @@ function drawSide(side, x, width) {
     renderer.render(scene, camera);
 }
 
-function draw() {
+function draw(now = performance.now()) {
+    advance(now);
     const width = view.clientWidth, height = view.clientHeight;
     renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     renderer.setSize(width, height, false);
@@ -74,7 +75,7 @@ function draw() {
 /** Moves the camera so that all is seen, and puts its planes around it. */
 function fit() {
     const box = new THREE.Box3();
-    for (const side of Object.values(sides)) if (side) box.union(side.tiles ? boxOfTiles(side) : new THREE.Box3().setFromObject(side.root));
+    for (const side of Object.values(sides)) if (side) box.union(side.tiles ? boxOfTiles(side) : boxOfMotion(side));
     if (box.isEmpty()) return;
     const sphere = box.getBoundingSphere(new THREE.Sphere()), half = THREE.MathUtils.degToRad(0.5 * camera.fov);
     const distance = sphere.radius / Math.sin(Math.atan(Math.tan(half) * Math.min(1, view.clientWidth / view.clientHeight)));
@@ -86,6 +87,59 @@ function fit() {
     sun.target.position.copy(sphere.center);
     controls.update();
     requestFrame();
+}
+
+// ---- animations ------------------------------------------------------------------------------
+
+/** What moves, and how long it has; people who want little motion start it themselves. */
+const motion = { seconds: 0, isPlaying: !matchMedia('(prefers-reduced-motion: reduce)').matches, last: null };
+
+const movingSides = () => Object.values(sides).filter((side) => side?.mixer);
+
+/** Moves both sides on to the time of a frame, and asks for the next one while they play. */
+function advance(now) {
+    const moving = movingSides();
+    if (!moving.length || !motion.isPlaying) motion.last = null;
+    else {
+        motion.seconds += motion.last === null ? 0 : Math.max(now - motion.last, 0) / 1000;
+        motion.last = now;
+        requestFrame();
+    }
+    for (const { mixer } of moving) mixer.setTime(motion.seconds);
+}
+
+/** Plays the chosen animation of a side, in a loop; one that has fewer plays its last. */
+function choose(side) {
+    const { mixer, animations } = side, index = Math.min(element('clip').value, animations.length - 1);
+    mixer.stopAllAction();
+    side.clip = animations[Math.max(index, 0)];
+    mixer.clipAction(side.clip).play();
+}
+
+/** Lists the animations of what is shown. */
+function listMotion() {
+    const moving = movingSides(), [most] = moving.map(({ animations }) => animations).sort((a, b) => b.length - a.length), clip = element('clip');
+    element('motion').hidden = !most;
+    clip.replaceChildren(...(most ?? []).map(({ name }, index) => new Option(name || `animation ${index}`, index)));
+    clip.hidden = most?.length === 1;
+    motion.seconds = 0;
+    moving.forEach(choose);
+    showMotion();
+}
+
+function showMotion() {
+    element('play').textContent = motion.isPlaying ? 'Pause' : 'Play';
+    requestFrame();
+}
+
+/** @returns the box of a side, at rest or over its whole animation. */
+function boxOfMotion({ root, mixer, clip }) {
+    const box = new THREE.Box3(), steps = mixer ? 32 : 0;
+    for (let i = 0; i <= steps; ++i) {
+        mixer?.setTime(clip.duration * i / (steps + 1));
+        box.union(new THREE.Box3().setFromObject(root));
+    }
+    return box;
 }
 
 // ---- modes -----------------------------------------------------------------------------------
@@ -161,8 +215,9 @@ function withStandardMaterial(root) {
 
 async function parse(name, buffer, path, files) {
     const loaders = loadersFor(files);
-    if (/\.obj$/i.test(name)) return parseObj(new TextDecoder().decode(buffer), path, files, loaders);
-    return (await loaders.gltf.parseAsync(buffer, path)).scene;
+    if (/\.obj$/i.test(name)) return { root: await parseObj(new TextDecoder().decode(buffer), path, files, loaders), animations: [] };
+    const { scene: root, animations } = await loaders.gltf.parseAsync(buffer, path);
+    return { root, animations };
 }
 
 function count(root) {
@@ -176,6 +231,7 @@ function count(root) {
 
 function free(side) {
     side.root.removeFromParent();
+    side.mixer?.stopAllAction();
     if (side.tiles) return side.tiles.dispose();
     side.root.traverse((object) => {
         if (object.isPhongSplats) object.dispose();
@@ -185,13 +241,13 @@ function free(side) {
 
 /** Shows a file on the side that it belongs to. */
 async function show(name, buffer, path, files) {
-    const root = await parse(name, buffer, path, files), { splats, triangles } = count(root), which = splats ? 'splats' : 'source';
+    const { root, animations } = await parse(name, buffer, path, files), { splats, triangles } = count(root), which = splats ? 'splats' : 'source';
     if (!splats && !triangles) throw new Error('it holds neither splats nor triangles');
     const lights = [];
     root.traverse((object) => object.isLight && lights.push(object));
     for (const light of lights) light.removeFromParent();
     smooth(root);
-    put(which, { root, name });
+    put(which, { root, name, animations, mixer: animations.length ? new THREE.AnimationMixer(root) : null });
     const things = splats ? `${splats.toLocaleString('en')} splats` : `${triangles.toLocaleString('en')} triangles`;
     element(which).textContent = `${name}\n${buffer.byteLength.toLocaleString('en')} bytes\n${things}`;
 }
@@ -208,6 +264,7 @@ function put(which, side) {
     scene.add(side.root);
     slider.hidden = element('divider').hidden = !(sides.source && sides.splats);
     element('tau').hidden = !sides.splats?.tiles;
+    listMotion();
     element('hint').hidden = true;
 }
 
@@ -343,6 +400,15 @@ function hover(event) {
 element('open').addEventListener('click', () => element('file').click());
 element('file').addEventListener('change', (event) => openFiles(event.target.files));
 element('fit').addEventListener('click', fit);
+element('play').addEventListener('click', () => {
+    motion.isPlaying = !motion.isPlaying;
+    showMotion();
+});
+element('clip').addEventListener('change', () => {
+    motion.seconds = 0;
+    movingSides().forEach(choose);
+    requestFrame();
+});
 element('mode').addEventListener('change', setMode);
 element('pixels').addEventListener('input', requestFrame);
 slider.addEventListener('input', requestFrame);
@@ -389,5 +455,5 @@ const tilesets = query.getAll('tileset'), addresses = [...tilesets, ...query.get
 const inPage = filesInPage();
 await (inPage.length ? openFiles(inPage) : addresses.length ? openAddresses(addresses, tilesets) : draw());
 /** For the console, and for scripts that drive the page. */
-window.viewer = { renderer, scene, camera, controls, sides, fit, requestFrame };
+window.viewer = { renderer, scene, camera, controls, sides, motion, fit, requestFrame };
 document.documentElement.dataset.ready = 'true';

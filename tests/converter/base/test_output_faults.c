@@ -225,6 +225,34 @@ static void test_each_call_fails(void **state) {
     assert_true(tried >= 4 * 8 * 5);
 }
 
+static psplat_result put_two(const char *second, psplat_error *error) {
+    const psplat_output_file files[] = {{path, new_text, sizeof new_text - 1},
+                                        {second, old_text, sizeof old_text - 1}};
+    plan.calls = 0;
+    return psplat_output_write_all(files, 2, 0, error);
+}
+
+/* Of two new files either both are there or neither is, whichever call fails. */
+static void test_two_or_none(void **state) {
+    (void)state;
+    char second[96];
+    int failures = 0, n;
+    snprintf(second, sizeof second, "%s/second.json", directory);
+    plan.kind = FAIL, plan.cause = ENOSPC;
+    for (plan.no_nameless = 0; plan.no_nameless < 2; ++plan.no_nameless)
+        for (n = 1; n == 1 || n - 1 <= plan.calls; ++n) {
+            plan.at = n;
+            psplat_error error = {0};
+            psplat_result result = put_two(second, &error);
+            assert_int_equal(look(), result ? '-' : 'n');
+            assert_int_equal(!access(second, F_OK), !result);
+            assert_int_equal(count_leftovers(0), !result);
+            failures += result != PSPLAT_OK;
+            count_leftovers(1);
+        }
+    assert_true(failures > 5); /* of the named files alone two writes, a sync and a link each */
+}
+
 /* A signal during a call is no failure. */
 static void test_interrupted_writes_go_on(void **state) {
     (void)state;
@@ -327,6 +355,7 @@ static void test_all_that_may_replace_succeed(void **state) {
 int test_output_faults_main(void) {
     const struct CMUnitTest tests[] = {
         CASE(test_each_call_fails),
+        CASE(test_two_or_none),
         CASE(test_interrupted_writes_go_on),
         CASE(test_killed_at_each_call),
         CASE(test_killed_without_nameless_files),

@@ -76,6 +76,14 @@ expect_error 5 'absent/cube.html: '
 expect_files old.html
 [ "$(cat out/old.html)" = old ] || fail "the old page changed"
 
+# Where one output cannot be written, none is: a full device, a directory that takes no files.
+convert /dev/full -w
+expect_error 5 '/dev/full: cannot be written: No space left on device'
+expect_files old.html
+convert out/cube.html --report /dev/full -w
+expect_error 5 '/dev/full: cannot be written: No space left on device'
+expect_files old.html
+
 # A conversion that fails leaves no page.
 echo 'f 1 2' >cube.obj
 convert out/cube.html

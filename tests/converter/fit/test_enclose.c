@@ -310,13 +310,18 @@ static psplat_candidate grow(const fixture *f, const psplat_limits *limits, uint
 }
 
 /* Candidates from all over a model never become smaller; those that were grown at 0.6 of the
- * tolerance become larger on average, flat ones by more. */
+ * tolerance become larger on average. By how much depends on what else stops them: creases and
+ * corners, of which the part is full, do it sooner. The least gains are half of those that there
+ * were when candidates had grown once (1.12 and 1.51, 1.41 and 1.55, 1.08 and 1.10 times the area),
+ * since other ways to grow leave them more or less of the way. */
 static void test_grow_ellipse(void **state) {
     (void)state;
     const struct {
         const char *name;
-        double tolerance, spacing;
-    } cases[] = {{"sphere.ply", 0.03, 0.015}, {"torus.off", 0.02, 0.01}, {"part.obj", 0.01, 0.01}};
+        double tolerance, spacing, least_gains[2]; /* curved, planar */
+    } cases[] = {{"sphere.ply", 0.03, 0.015, {1.06, 1.25}},
+                 {"torus.off", 0.02, 0.01, {1.2, 1.27}},
+                 {"part.obj", 0.01, 0.01, {1.04, 1.05}}};
     for (size_t m = 0; m < 2 * (sizeof cases / sizeof *cases); ++m) {
         int planar = m % 2;
         fixture f;
@@ -340,7 +345,7 @@ static void test_grow_ellipse(void **state) {
         }
         print_message("%s, planar %d: areas grow %.3f times, then %.3f\n", cases[m / 2].name,
                       planar, gain, again);
-        assert_true(gain > (planar ? 1.05 : 1.02));
+        assert_true(gain > cases[m / 2].least_gains[planar]);
         fixture_free(&f);
     }
 }

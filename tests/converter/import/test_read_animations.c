@@ -226,6 +226,34 @@ static void test_twice(void **state) {
                   "two channels have the scale of node 1");
 }
 
+/* tinygltf leaves out channels without a sampler, a node or a path; a warning names the first of
+ * each animation. The other channels stay. */
+static void test_lost_channels(void **state) {
+    (void)state;
+    gltf g = animated();
+    psplat_scene scene = scene_of(finish(
+        &g, NODES INDEXED
+        ",\"animations\":[{\"name\":\"go\",\"channels\":["
+        "{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"scale\"}},"
+        "{\"target\":{\"node\":0,\"path\":\"scale\"}},"
+        "{\"sampler\":0,\"target\":{\"path\":\"scale\"}}],\"samplers\":["
+        "{\"input\":2,\"output\":3}]},{\"channels\":[{\"sampler\":0,\"target\":{\"node\":0}},"
+        "{\"sampler\":0,\"target\":{\"node\":0,\"path\":\"translation\"}}],\"samplers\":["
+        "{\"input\":2,\"output\":3}]},{\"channels\":[{\"sampler\":0,\"target\":{\"path\":"
+        "\"scale\"}}],\"samplers\":[{\"input\":2,\"output\":3}]}]"));
+    static const char *const expected[] = {
+        "animation 0 'go': channel 1 is dropped: it has no sampler, and 1 more like it",
+        "animation 1: channel 0 is dropped: its target has no path",
+        "animation 2: channel 0 is dropped: its target is no node",
+        "1 animations are dropped: they move no nodes"};
+    assert_int_equal(scene.warning_count, 4);
+    for (size_t i = 0; i < 4; ++i) assert_string_equal(scene.warnings[i], expected[i]);
+    assert_int_equal(scene.animation_count, 2);
+    assert_int_equal(scene.animations[0].channel_count, 1);
+    assert_int_equal(scene.animations[1].channel_count, 1);
+    psplat_scene_free(&scene);
+}
+
 int test_read_animations_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_kept),
@@ -234,6 +262,7 @@ int test_read_animations_main(void) {
         cmocka_unit_test(test_dropped_for_a_cause),
         cmocka_unit_test(test_dropped_for_numbers),
         cmocka_unit_test(test_twice),
+        cmocka_unit_test(test_lost_channels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -261,6 +261,50 @@ static void test_numbers(void **state) {
     check_numbers();
 }
 
+/* Writes a number of up to 18 digits with a point anywhere and an exponent of up to 30, or neither.
+ */
+static void random_number(uint32_t *random, char text[64]) {
+    uint32_t values[4];
+    for (int i = 0; i < 4; ++i) values[i] = *random = *random * 1664525u + 1013904223u;
+    uint64_t digits = ((uint64_t)values[0] << 32 | values[1]) >> (4 + values[3] / 71582789u);
+    char written[32];
+    int count = snprintf(written, sizeof written, "%llu", (unsigned long long)digits);
+    int point = (int)(values[2] >> 8) % (count + 1);
+    snprintf(text, 64, "%s%.*s%s%s", values[2] & 1 ? "-" : "", point, written,
+             point == 0      ? "0."
+             : point < count ? "."
+                             : "",
+             written + point);
+    if (values[2] & 2)
+        snprintf(text + strlen(text), 16, "%c%s%u", values[2] & 4 ? 'e' : 'E',
+                 values[2] & 8    ? "-"
+                 : values[2] & 16 ? "+"
+                                  : "",
+                 (values[2] >> 24) % 31);
+}
+
+/* Numbers that the reader takes a short way for are those of strtod, to the last bit. */
+static void test_random_numbers(void **state) {
+    (void)state;
+    uint32_t random = 3;
+    for (int i = 0; i < 20000; ++i) {
+        char text[64], document_text[80];
+        document d;
+        double number = -1;
+        random_number(&random, text);
+        double expected = strtod(text, NULL);
+        snprintf(document_text, sizeof document_text, "{\"n\":%s}", text);
+        parse(&d, document_text);
+        assert_int_equal(psplat_json_number(&d.json, member(&d, "n"), "n", &number), PSPLAT_OK);
+        if (memcmp(&number, &expected, sizeof number)) fail_msg("%s: %.17g", text, number);
+        done(&d);
+    }
+    check_number("-0", 0);
+    check_number("0e500", 0);
+    check_number("999999999999999e22", 999999999999999e22);
+    check_number("9007199254740993", 9007199254740992.0); /* halfway: to even */
+}
+
 /* Under a locale with a decimal comma strtod stops at the point; the reader must not. The test is
  * skipped where the machine lacks that locale, because C.UTF-8 would show nothing. */
 static void test_numbers_with_comma(void **state) {
@@ -380,12 +424,19 @@ static void test_strings(void **state) {
 
 int test_json_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_accepts),       cmocka_unit_test(test_rejects),
-        cmocka_unit_test(test_zero_bytes),    cmocka_unit_test(test_depth),
-        cmocka_unit_test(test_walk),          cmocka_unit_test(test_members),
-        cmocka_unit_test(test_numbers),       cmocka_unit_test(test_numbers_with_comma),
-        cmocka_unit_test(test_number_limits), cmocka_unit_test(test_integers),
-        cmocka_unit_test(test_other_types),   cmocka_unit_test(test_strings),
+        cmocka_unit_test(test_accepts),
+        cmocka_unit_test(test_rejects),
+        cmocka_unit_test(test_zero_bytes),
+        cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_walk),
+        cmocka_unit_test(test_members),
+        cmocka_unit_test(test_random_numbers),
+        cmocka_unit_test(test_numbers),
+        cmocka_unit_test(test_numbers_with_comma),
+        cmocka_unit_test(test_number_limits),
+        cmocka_unit_test(test_integers),
+        cmocka_unit_test(test_other_types),
+        cmocka_unit_test(test_strings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

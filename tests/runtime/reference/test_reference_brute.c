@@ -6,9 +6,6 @@
  * A + v B projects to (X, Y). The filter of spec 5.8 is computed without singular vectors, by
  * splitting J into a rotation and a reflection.
  */
-#include "reference_view.h"
-#include "scene_asset.h"
-
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -17,19 +14,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "near.h"
-
-#define WIDTH 24
-#define HEIGHT 18
-
-static double between(uint32_t *random, double low, double high) {
-    return low + (high - low) * (double)scene_random(random);
-}
-
-/* Returns a log-uniform number, for sizes from far below a pixel to far beyond the view. */
-static double magnitude(uint32_t *random, double low, double high) {
-    return low * pow(high / low, (double)scene_random(random));
-}
+#include "random_fixture.h"
 
 /* ---- a random splat in a random view ------------------------------------------------------- */
 
@@ -52,50 +37,10 @@ static void random_splat(psplat_splat *splat, int has_bends, uint32_t *random) {
             (float)(u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]);
     splat->radius[0] = (float)magnitude(random, 1e-2, 1e2);
     splat->radius[1] = splat->radius[0] * (float)magnitude(random, 1e-4, 1);
-    splat->clip_count = (uint32_t)between(random, 0, 4.99);
-    for (uint32_t k = 0; k < splat->clip_count; ++k) {
-        double angle = between(random, 0, 6.28);
-        splat->clip[k][0] = (float)cos(angle);
-        splat->clip[k][1] = (float)sin(angle);
-        splat->clip[k][2] = (float)between(random, 0, 1);
-        if (has_bends) splat->bend[k] = (float)between(random, -3, 3);
-    }
-}
-
-static psplat_view random_view(uint32_t *random) {
-    psplat_view view = camera_view(WIDTH, HEIGHT);
-    double eye[3], target[3];
-    for (int i = 0; i < 3; ++i) {
-        eye[i] = between(random, -3, 3);
-        target[i] = between(random, -3, 3);
-    }
-    camera_look(&view, eye, target);
-    view.culling = PSPLAT_CULL_NEVER;
-    double near = magnitude(random, 1e-3, 1), far = near + magnitude(random, 1, 1e4);
-    if (scene_random(random) < 0.3f)
-        camera_parallel(&view, magnitude(random, 0.1, 10), -1, far);
-    else
-        camera_perspective(&view, magnitude(random, 5, 100), near, far);
-    for (int i = 8; i < 10; ++i) view.projection[i] = between(random, -0.5, 0.5);
-    return view;
-}
-
-/* Makes a random matrix that scales, shears, mirrors and moves. */
-static void random_transform(double m[16], uint32_t *random) {
-    for (int i = 0; i < 16; ++i) m[i] = between(random, -0.3, 0.3);
-    for (int i = 0; i < 3; ++i) {
-        m[i * 5] = between(random, 0.6, 1.5) * (scene_random(random) < 0.2f ? -1 : 1);
-        m[i * 4 + 3] = 0;
-    }
-    m[15] = 1;
+    random_lines(splat, has_bends, random);
 }
 
 /* ---- the other way --------------------------------------------------------------------------- */
-
-static void apply(const double m[16], const double v[4], double out[4]) {
-    for (int row = 0; row < 4; ++row)
-        out[row] = m[row] * v[0] + m[4 + row] * v[1] + m[8 + row] * v[2] + m[12 + row] * v[3];
-}
 
 /* Computes the clip space images of the two scaled axes and of the centre. */
 static void clip_frame(const psplat_splat *splat, const double transform[16],
@@ -240,7 +185,7 @@ static void check_random_splats(int no_filter, int has_bends) {
         double transform[16];
         random_splat(&s.splats[0], has_bends, &random);
         random_transform(transform, &random);
-        psplat_view view = random_view(&random);
+        psplat_view view = random_view(&random, 0);
         view.no_filter = no_filter;
         psplat_asset *asset = scene_open(&s);
         picture p = picture_draw(asset, transform, &view);

@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <cmocka.h>
 
+#include "document.h"
 #include "export/glb_writer.h"
 #include "export/mesh_levels.h"
 #include "gl_canvas.h"
@@ -161,6 +162,117 @@ static void test_beyond_coarsest(void **state) {
     for (int i = 0; i < LEVELS; ++i) scene_free(&spheres[i].scene);
 }
 
+/* Two levels of a model that fade into each other are drawn as two files would be. */
+static void test_cross_fade(void **state) {
+    canvas *c = *state;
+    static canvas before;
+    sphere spheres[LEVELS], alone[2];
+    psplat_asset *asset = open_levels(spheres), *apart[2];
+    psplat_model *model = canvas_model(c, asset), *models[2];
+    for (int i = 0; i < 2; ++i) {
+        make_sphere(&alone[i], i + 1);
+        apart[i] = open_glb(&alone[i].splats, NULL);
+        models[i] = canvas_model(c, apart[i]);
+    }
+    psplat_view view = look();
+    for (int shadows = 0; shadows < 2; ++shadows)
+        for (float fade = 0.25f; fade < 1; fade += 0.25f) {
+            const psplat_item two[] = {{.model = models[0], .fade = fade},
+                                       {.model = models[1], .fade = 1 - fade}};
+            const psplat_item one[] = {{.model = model, .level = 1, .fade = fade},
+                                       {.model = model, .level = 2, .fade = 1 - fade}};
+            view.lights[0].casts_shadow = shadows;
+            canvas_draw(c, &view, two, 2);
+            before = *c;
+            assert_true(canvas_covered(c) > 1000);
+            canvas_draw(c, &view, one, 2);
+            assert_memory_equal(c->color, before.color, sizeof before.color);
+            assert_memory_equal(c->depth, before.depth, sizeof before.depth);
+        }
+    for (int i = 0; i < 2; ++i) {
+        psplat_model_destroy(c->renderer, models[i]);
+        psplat_asset_destroy(apart[i]);
+        scene_free(&alone[i].scene);
+    }
+    psplat_model_destroy(c->renderer, model);
+    psplat_asset_destroy(asset);
+    for (int i = 0; i < LEVELS; ++i) scene_free(&spheres[i].scene);
+}
+
+/* Opens schema/levels.gltf, whose levels have scales and translations of their own, with an
+ * animation of its node: a half turn about z, and a move by (1/2, 1/4, -1/2), from 0 to 1 second.
+ */
+static psplat_asset *open_moving_levels(void) {
+    size_t size;
+    char *text = document_read(PSPLAT_SOURCE_DIR "/schema/levels.gltf", &size);
+    document_replace(
+        &text, "\"nodes\": [\n",
+        "\"animations\": [{\"channels\": ["
+        "{\"sampler\": 0, \"target\": {\"node\": 0, \"path\": \"translation\"}},"
+        "{\"sampler\": 1, \"target\": {\"node\": 0, \"path\": \"rotation\"}}],"
+        "\"samplers\": [{\"input\": 12, \"output\": 13}, {\"input\": 12, \"output\": 14}]}],"
+        "\"nodes\": [");
+    document_replace(
+        &text, "\n  ],\n  \"bufferViews\": [",
+        ",{\"bufferView\": 3, \"byteOffset\": 0, \"componentType\": 5126, \"count\": 2,"
+        "\"type\": \"SCALAR\", \"min\": [0], \"max\": [1]},"
+        "{\"bufferView\": 3, \"byteOffset\": 8, \"componentType\": 5126, \"count\": 2,"
+        "\"type\": \"VEC3\"},"
+        "{\"bufferView\": 3, \"byteOffset\": 32, \"componentType\": 5126, \"count\": 2,"
+        "\"type\": \"VEC4\"}],\"bufferViews\": [");
+    document_replace(&text, "\n  ],\n  \"buffers\": [",
+                     ",{\"buffer\": 1, \"byteLength\": 64}],\"buffers\": [");
+    document_replace(&text, "\n    }\n  ]\n}",
+                     "},{\"byteLength\": 64, \"uri\": \"data:application/octet-stream;base64,"
+                     "AAAAAAAAgD8AAAAAAAAAAAAAAAAAAAA/AACAPgAAAL8AAAAAAAAAAAAAAAAAAIA/"
+                     "AAAAAAAAAAAAAIA/AAAAAA==\"}]}");
+    psplat_asset *asset = NULL;
+    psplat_error error = {0};
+    canvas_check(psplat_asset_open_memory(text, strlen(text), NULL, &asset, &error), &error);
+    free(text);
+    return asset;
+}
+
+/* Returns how many pixels differ by more than the rounding of matrices does, but at edges. */
+static int count_differing(const canvas *a, const canvas *b) {
+    int count = 0;
+    for (int i = 0; i < CANVAS_SIZE * CANVAS_SIZE; ++i)
+        count += fabsf(a->color[4 * i] - b->color[4 * i]) > 1e-3f ||
+                 fabsf(a->depth[i] - b->depth[i]) > 1e-5f;
+    return count;
+}
+
+/* Every level of an item in a pose stands where a transform of the item would have put it. */
+static void test_in_a_pose(void **state) {
+    canvas *c = *state;
+    static canvas at_rest, moved;
+    psplat_asset *asset = open_moving_levels();
+    psplat_model *model = canvas_model(c, asset);
+    psplat_pose *pose;
+    psplat_error error = {0};
+    canvas_check(psplat_pose_create(asset, &pose, &error), &error);
+    canvas_check(psplat_pose_set(pose, 0, 1, &error), &error);
+    psplat_view view = look();
+    view.culling = PSPLAT_CULL_NEVER;
+    for (uint32_t level = 0; level < 3; ++level) {
+        psplat_item item = {.model = model, .level = level};
+        canvas_draw(c, &view, &item, 1);
+        at_rest = *c;
+        const double turned[16] = {-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0.5, 0.25, -0.5, 1};
+        memcpy(item.transform, turned, sizeof turned);
+        canvas_draw(c, &view, &item, 1);
+        moved = *c;
+        assert_true(canvas_covered(c) > 200);
+        item = (psplat_item){.model = model, .level = level, .pose = pose};
+        canvas_draw(c, &view, &item, 1);
+        assert_in_range(count_differing(c, &moved), 0, 6);
+        assert_true(count_differing(c, &at_rest) > 60);
+    }
+    psplat_pose_destroy(pose);
+    psplat_model_destroy(c->renderer, model);
+    psplat_asset_destroy(asset);
+}
+
 /* ---- choosing -------------------------------------------------------------------------------- */
 
 /* The box of the model is that of the finest sphere: its sides are a little more than 2. */
@@ -300,6 +412,8 @@ int test_item_levels_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_as_alone, open_canvas, close_canvas),
         cmocka_unit_test_setup_teardown(test_beyond_coarsest, open_canvas, close_canvas),
+        cmocka_unit_test_setup_teardown(test_cross_fade, open_canvas, close_canvas),
+        cmocka_unit_test_setup_teardown(test_in_a_pose, open_canvas, close_canvas),
         cmocka_unit_test_setup_teardown(test_choice, open_chooser, close_chooser),
         cmocka_unit_test_setup_teardown(test_choice_orthographic, open_chooser, close_chooser),
         cmocka_unit_test_setup_teardown(test_choice_at_extremes, open_chooser, close_chooser),
