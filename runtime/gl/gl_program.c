@@ -284,7 +284,8 @@ static psplat_program_source resolve_source(const psplat_program_key *key, const
     int is_shaded = !(key->options & PSPLAT_OPTION_AS_IS);
     return (psplat_program_source){.defines = defines,
                                    .vertex = {psplat_shader_resolve_vert},
-                                   .fragment = {psplat_shader_shading_glsl,
+                                   .fragment = {psplat_shader_resolve_inputs_glsl,
+                                                psplat_shader_shading_glsl,
                                                 psplat_shader_resolve_frag,
                                                 is_shaded ? shadings[key->shading].source : NULL}};
 }
@@ -293,7 +294,8 @@ static psplat_program_source resolve_source(const psplat_program_key *key, const
 static psplat_program_source host_source(const psplat_host_source *host, const char *defines) {
     return (psplat_program_source){.defines = defines,
                                    .vertex = {psplat_shader_resolve_vert},
-                                   .fragment = {psplat_shader_shading_glsl,
+                                   .fragment = {psplat_shader_resolve_inputs_glsl,
+                                                psplat_shader_shading_glsl,
                                                 psplat_shader_resolve_frag, "#line 1\n",
                                                 host->text}};
 }
