@@ -21,12 +21,31 @@ static void require(psplat_result result, const char *what, const psplat_error *
     exit(1);
 }
 
-void mesh_read(const char *path, mesh *m) {
+/* Makes what is drawn of m->source. */
+static void prepare(const char *path, mesh *m) {
     psplat_error error;
-    require(psplat_mesh_read(path, &m->source, &error), path, &error);
     require(psplat_source_mesh_create(&m->source, 0, &m->original, &error), path, &error);
     memcpy(m->center, m->original->center, sizeof m->center);
     m->radius = m->original->radius;
+}
+
+void mesh_read(const char *path, mesh *m) {
+    psplat_error error;
+    require(psplat_mesh_read(path, &m->source, &error), path, &error);
+    prepare(path, m);
+}
+
+void mesh_read_like(const char *path, const mesh *other, mesh *m) {
+    psplat_error error;
+    if (other->source.source_material_count > 1) {
+        fprintf(stderr, "bench: only meshes of one material are simplified\n");
+        exit(1);
+    }
+    require(psplat_mesh_read(path, &m->source, &error), path, &error);
+    m->source.material = other->source.material;
+    m->source.source_materials = other->source.source_materials;
+    m->source.source_material_count = other->source.source_material_count;
+    prepare(path, m);
 }
 
 void mesh_free(mesh *m) {
