@@ -35,13 +35,23 @@ void mesh_read(const char *path, mesh *m) {
     prepare(path, m);
 }
 
-void mesh_read_like(const char *path, const mesh *other, mesh *m) {
-    psplat_error error;
-    if (other->source.source_material_count > 1) {
+/* Returns the one group of all triangles, by which materials are told apart. */
+static uint32_t group_of(const psplat_mesh *source) {
+    uint32_t group = source->groups ? source->groups[0] : 0;
+    for (size_t i = 1; source->groups && i < source->triangle_count; ++i) {
+        if (source->groups[i] == group) continue;
         fprintf(stderr, "bench: only meshes of one material are simplified\n");
         exit(1);
     }
+    return group;
+}
+
+void mesh_read_like(const char *path, const mesh *other, mesh *m) {
+    psplat_error error;
+    uint32_t group = group_of(&other->source);
     require(psplat_mesh_read(path, &m->source, &error), path, &error);
+    for (size_t i = 0; m->source.groups && i < m->source.triangle_count; ++i)
+        m->source.groups[i] = group;
     m->source.material = other->source.material;
     m->source.source_materials = other->source.source_materials;
     m->source.source_material_count = other->source.source_material_count;
