@@ -19,8 +19,14 @@
 layout(depth_greater) out highp float gl_FragDepth;
 #endif
 
+#if FINISH && CLIP_COUNT == 4
 uniform vec3 u_shift;       /* psplat_camera.shift */
 uniform vec2 u_depth_range; /* half and middle of the depth range */
+#else
+flat in vec4 v_view; /* as in curved.vert */
+#define u_shift v_view.xy
+#define u_depth_range v_view.zw
+#endif
 
 in vec4 v_local;
 flat in vec4 v_eye;
@@ -170,14 +176,16 @@ vec3 normal_of(vec2 gradient) {
  *     u_shift.x (epsilon / w) / (m |r| + epsilon / w) / w
  *
  * in perspective, and u_shift.x epsilon / m / w in orthographic views, for which v_epsilon has the
- * factor |r|. |n . r| is the root, but for units. |r| itself counts only where cos is less than 1/2,
- * and there an error of (R / D)^2 for splats of radius R at distance D, as v_distance has, will do. */
+ * factor |r|. |n . r| is the root, but for units, and both sides of the fraction are multiplied by
+ * |n|. |r| itself counts only where cos is less than 1/2, and there an error of (R / D)^2 for splats
+ * of radius R at distance D, as v_distance has, will do. */
 float shift_of(Hit hit, vec3 normal, float root) {
     float inverse_w = u_shift.y > 0.0 ? gl_FragCoord.w : 1.0;
     float ray_length = v_distance * inverse_w, projected = root * v_unit * inverse_w;
-    float m = max(projected * inversesqrt(dot(normal, normal)), 0.5 * ray_length);
+    float size = sqrt(dot(normal, normal));
+    float m = max(projected, 0.5 * ray_length * size);
     float epsilon = v_epsilon * (u_shift.y > 0.0 ? hit.inverse_w : 1.0);
-    epsilon = max(epsilon, u_shift.y * 9.5367431640625e-7 * ray_length);
+    epsilon = size * max(epsilon, u_shift.y * 9.5367431640625e-7 * ray_length);
     float shift = u_shift.x * epsilon * hit.inverse_w / (m + u_shift.y * epsilon);
     float room = max(1.0 - 1.1920929e-7 - hit.ndc, 0.0);
     return max(shift, min(room, 9.5367431640625e-7));

@@ -14,6 +14,12 @@
  */
 uniform mat3 u_ray;         /* from (pixel x, pixel y, 1) to the view ray */
 
+#if !(FINISH && CLIP_COUNT == 4)
+/* Uniforms for fragments, which GLs in software fetch faster where they are flat. With all
+ * attributes and lines there is no room for them, as some GLs have only 15 vectors for varyings. */
+uniform vec2 u_depth_range; /* half and middle of the depth range */
+flat out vec4 v_view;       /* the first two numbers of psplat_camera.shift; u_depth_range */
+#endif
 out vec4 v_local;           /* local coordinates of the billboard's point; z of clip space */
 flat out vec4 v_eye;        /* local coordinates of the eye, in orthographic views the direction to
                                it; the last element of H */
@@ -227,6 +233,9 @@ void main() {
     v_shape = vec4(surface.slope, surface.second.xy);
 
     find_fade();
+#if !(FINISH && CLIP_COUNT == 4)
+    v_view = vec4(u_shift.xy, u_depth_range);
+#endif
 #if TEXTURED
     v_splat = float(splat);
 #endif

@@ -16,6 +16,10 @@
 /* The greatest number of shadow maps, which lie side by side in one texture. */
 #define PSPLAT_SHADOW_COUNT 4
 
+/* The greatest number of lights that the resolve pass hands on from vertices to fragments: there are
+ * 15 vectors for that, of which other uniforms take 9 and a light 2. */
+#define PSPLAT_HANDED_ON_LIGHTS 3
+
 /* Which splats of a curved batch a program draws: all; those that no clip line cuts, without lines;
  * the others. */
 #define PSPLAT_PART_ALL 0

@@ -6,12 +6,13 @@
  *
  * gl_program.c defines AS_IS (the sum is a colour already), COLORS, MATERIALS, EMISSIVE, OCCLUSION,
  * HALF_TARGETS and ENCODE; and HOST_RESOLVE where a host's function takes the place of those files
- * and writes the outputs itself (psplat_resolve).
+ * and writes the outputs itself (psplat_resolve). resolve_inputs.glsl comes before this file.
  */
 #ifndef EMISSIVE
 #define EMISSIVE MATERIALS
 #endif
 
+#ifndef HANDED_ON
 uniform highp sampler2D u_target0;
 uniform highp sampler2D u_target1;
 uniform highp sampler2D u_target2;
@@ -22,6 +23,11 @@ uniform vec2 u_to_host; /* factor and offset from window depth to the host's win
 uniform vec3 u_base_color;
 uniform vec3 u_emissive;
 uniform vec3 u_surface; /* metallic, roughness, unlit */
+
+vec4 target_at(highp sampler2D target, ivec2 at) {
+    return texelFetch(target, at, 0);
+}
+#endif
 
 #ifndef HOST_RESOLVE
 layout(location = 0) out vec4 o_color;
@@ -39,9 +45,9 @@ struct Pixel {
 
 /* Reads the sums of a pixel and divides them by its weight. */
 Pixel pixel_at(ivec2 at) {
-    vec4 sum = texelFetch(u_target0, at, 0);
-    float behind = texelFetch(u_depth, at, 0).r; /* 1: no splat covers the pixel (spec 5.3) */
-    vec3 depth = texelFetch(u_target1, at, 0).rgb;
+    vec4 sum = target_at(u_target0, at);
+    float behind = target_at(u_depth, at).r; /* 1: no splat covers the pixel (spec 5.3) */
+    vec3 depth = target_at(u_target1, at).rgb;
     float scale = 1.0 / sum.a;
     Pixel pixel = Pixel(vec3(vec2(at) + 0.5, depth.r * scale), sum.rgb,
                         behind < 1.0 ? sum.a : 0.0, u_base_color, u_emissive, vec4(u_surface, 1.0));
@@ -51,11 +57,11 @@ Pixel pixel_at(ivec2 at) {
     pixel.window.z = behind;
 #endif
 #if COLORS
-    vec4 colors = texelFetch(u_target2, at, 0) * scale;
+    vec4 colors = target_at(u_target2, at) * scale;
     pixel.color = colors.rgb;
 #endif
 #if EMISSIVE
-    vec4 surface = texelFetch(u_target3, at, 0) * scale;
+    vec4 surface = target_at(u_target3, at) * scale;
     pixel.emissive = surface.rgb;
     pixel.surface.xyz = vec3(colors.a, surface.a, depth.g * scale);
 #elif MATERIALS

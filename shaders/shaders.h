@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * shaders.h - the GLSL files of this directory as zero-terminated strings. gl_program.c declares
- * those of the resolve_*.glsl files.
+ * those of the resolve_*.glsl files that are shadings.
  */
 #ifndef PHONGSPLAT_SHADERS_H
 #define PHONGSPLAT_SHADERS_H
@@ -16,7 +16,9 @@ extern const char psplat_shader_maps_glsl[];
 extern const char psplat_shader_sums_glsl[];
 extern const char psplat_shader_splat_frag[];
 extern const char psplat_shader_curved_frag[];
+extern const char psplat_shader_screen_vert[];
 extern const char psplat_shader_resolve_vert[];
+extern const char psplat_shader_resolve_inputs_glsl[];
 extern const char psplat_shader_resolve_frag[];
 extern const char psplat_shader_depth_frag[]; /* for the headless host */
 

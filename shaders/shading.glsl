@@ -4,15 +4,19 @@
  * document) under lights with the units of KHR_lights_punctual, their shadow maps, a constant
  * ambient radiance and an environment. All positions and directions are in eye space.
  *
- * gl_program.c defines LIGHT_COUNT, PUNCTUAL (some light is not directional), ENVIRONMENT and
- * SHADOWS; and HOST_LIGHT where a host's resolve function filters the lights (psplat_resolve).
+ * resolve_inputs.glsl comes before this file in the resolve pass. gl_program.c defines LIGHT_COUNT,
+ * PUNCTUAL (some light is not directional), ENVIRONMENT and SHADOWS; and HOST_LIGHT where a host's resolve function filters the lights (psplat_resolve).
  */
+#ifndef HANDED_ON
 uniform mat3 u_ray;       /* from (pixel x, pixel y, 1) to the view ray */
-uniform mat4 u_unproject; /* from pixel x, y and window depth to eye space */
 uniform vec3 u_ambient;
+#endif
+uniform mat4 u_unproject; /* from pixel x, y and window depth to eye space */
 #if LIGHT_COUNT > 0
+#ifndef HANDED_ON_LIGHTS
 uniform vec4 u_light_position[LIGHT_COUNT]; /* w = 0: the direction towards a directional light */
 uniform vec4 u_light_color[LIGHT_COUNT];    /* w: 1 / range^2, 0 without a range */
+#endif
 uniform vec3 u_light_axis[LIGHT_COUNT];     /* the direction in which it shines */
 uniform vec4 u_light_cone[LIGHT_COUNT];     /* psplat_lights.cone */
 #endif

@@ -282,20 +282,20 @@ static psplat_program_source splat_source(const psplat_program_key *key, const c
 
 static psplat_program_source resolve_source(const psplat_program_key *key, const char *defines) {
     int is_shaded = !(key->options & PSPLAT_OPTION_AS_IS);
-    return (psplat_program_source){.defines = defines,
-                                   .vertex = {psplat_shader_resolve_vert},
-                                   .fragment = {psplat_shader_shading_glsl,
-                                                psplat_shader_resolve_frag,
-                                                is_shaded ? shadings[key->shading].source : NULL}};
+    return (psplat_program_source){
+        .defines = defines,
+        .vertex = {psplat_shader_resolve_vert},
+        .fragment = {psplat_shader_resolve_inputs_glsl, psplat_shader_shading_glsl,
+                     psplat_shader_resolve_frag, is_shaded ? shadings[key->shading].source : NULL}};
 }
 
 /* Lines of the host's text are counted from 1, as its compiler's messages name them. */
 static psplat_program_source host_source(const psplat_host_source *host, const char *defines) {
-    return (psplat_program_source){.defines = defines,
-                                   .vertex = {psplat_shader_resolve_vert},
-                                   .fragment = {psplat_shader_shading_glsl,
-                                                psplat_shader_resolve_frag, "#line 1\n",
-                                                host->text}};
+    return (psplat_program_source){
+        .defines = defines,
+        .vertex = {psplat_shader_resolve_vert},
+        .fragment = {psplat_shader_resolve_inputs_glsl, psplat_shader_shading_glsl,
+                     psplat_shader_resolve_frag, "#line 1\n", host->text}};
 }
 
 static int build(const psplat_programs *programs, const psplat_gl *gl, psplat_program *program,

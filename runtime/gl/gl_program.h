@@ -154,7 +154,7 @@ void psplat_programs_destroy(psplat_programs *programs, const psplat_gl *gl,
 int psplat_shading_reads_color(int shading);
 int psplat_shading_reads_light(int shading);
 
-enum { PSPLAT_MAX_SHADER_PARTS = 4 };
+enum { PSPLAT_MAX_SHADER_PARTS = 5 };
 
 /* The texts of a program's two shaders, each in parts that follow one another; NULL ends a list. */
 typedef struct psplat_program_source {

@@ -138,7 +138,7 @@ static psplat_result draw_depth(psplat_host *host, psplat_error *error) {
     if (!host->depth_program)
         host->depth_program = psplat_program_build(
             gl,
-            &(psplat_program_source){"", {psplat_shader_resolve_vert}, {psplat_shader_depth_frag}},
+            &(psplat_program_source){"", {psplat_shader_screen_vert}, {psplat_shader_depth_frag}},
             error);
     if (!host->depth_program) return PSPLAT_ERROR_GRAPHICS;
 

@@ -137,30 +137,33 @@ static int add_chunk(psplat_renderer *renderer, psplat_placed *placed, GLsizei f
  * worth its price: some 50 ns, for which a pixel or two are resolved in software. */
 enum { PIXELS_PER_SPHERE = 100 };
 
-/* Enters a chunk in the frame's extent and marks its tiles, splat by splat where those are large.
- */
-static void mark_chunk(psplat_frame *f, const psplat_model_batch *batch, GLsizei first, GLsizei end,
+/* Enters a chunk in the frame's extent and, where the camera is the view's own and not a light's,
+ * marks its blocks, splat by splat where those are large. */
+static void mark_chunk(psplat_frame *f, const psplat_camera *camera,
+                       const psplat_model_batch *batch, GLsizei first, GLsizei end,
                        const double clip[16]) {
-    int width = f->view->width, height = f->view->height;
+    int width = camera->width, height = camera->height;
     const psplat_chunk *chunk = &batch->chunks[first / PSPLAT_CHUNK_SPLATS];
     psplat_screen_extent e =
         psplat_screen_extent_of(chunk->center, chunk->radius, clip, width, height);
     psplat_screen_extent_join(&f->extent, &e);
+    if (camera != &f->camera) return;
     double pixels = (double)(e.x1 - e.x0) * (e.y1 - e.y0);
     if (!batch->spheres || pixels < (double)PIXELS_PER_SPHERE * (end - first)) {
-        psplat_marked_tiles_add(&f->tiles, &e);
+        psplat_marked_blocks_add(&f->blocks, &e);
         return;
     }
     for (GLsizei i = first; i < end; ++i) {
         const float *sphere = batch->spheres + 4 * (size_t)i;
         e = psplat_screen_extent_of(sphere, sphere[3], clip, width, height);
-        psplat_marked_tiles_add(&f->tiles, &e);
+        psplat_marked_blocks_add(&f->blocks, &e);
     }
 }
 
 /* Finds the runs of chunks that may be visible and enters them in the frame's extent. Returns 0
  * where memory runs out. */
-static int find_runs(psplat_frame *f, psplat_placed *placed, const psplat_placement *placement) {
+static int find_runs(psplat_frame *f, const psplat_camera *camera, psplat_placed *placed,
+                     const psplat_placement *placement) {
     const psplat_model_batch *batch = placed->batch;
     GLsizei count = batch->splat_count;
     placed->first_run = f->renderer->instances.runs.count;
@@ -169,7 +172,7 @@ static int find_runs(psplat_frame *f, psplat_placed *placed, const psplat_placem
         const psplat_chunk *chunk = &batch->chunks[at / PSPLAT_CHUNK_SPLATS];
         if (!psplat_chunk_is_visible(chunk, &placement->chunk_view)) continue;
         GLsizei end = count - at < PSPLAT_CHUNK_SPLATS ? count : at + PSPLAT_CHUNK_SPLATS;
-        mark_chunk(f, batch, at, end, placement->clip);
+        mark_chunk(f, camera, batch, at, end, placement->clip);
         if (!add_chunk(f->renderer, placed, at, end)) return 0;
     }
     return 1;
@@ -199,7 +202,7 @@ static int add_placed(psplat_frame *f, const psplat_camera *camera, const psplat
     psplat_placed *placed = psplat_list_add(list, &renderer->allocator, sizeof *placed);
     if (!placed) return 0;
     placed->batch = batch;
-    if (!find_runs(f, placed, placement)) return 0;
+    if (!find_runs(f, camera, placed, placement)) return 0;
     if (!placed->run_count) {
         --list->count;
         return 1;
@@ -253,7 +256,7 @@ psplat_result psplat_frame_place(psplat_frame *f, const psplat_camera *camera,
     unsigned first_index = 0; /* may wrap, because instances have no limit */
     int has_memory = 1;
     f->extent = (psplat_screen_extent){0, 0, 0, 0};
-    psplat_marked_tiles_clear(&f->tiles, f->view->width, f->view->height);
+    psplat_marked_blocks_clear(&f->blocks, f->view->width, f->view->height);
     renderer->instances.placed.count = renderer->instances.runs.count = 0;
     for (size_t i = 0; i < f->item_count && has_memory; ++i)
         has_memory = add_item(f, camera, culling, &f->items[i], &first_index);

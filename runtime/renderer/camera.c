@@ -39,6 +39,8 @@ static void find_unproject(psplat_camera *camera, const double inverse[16],
                                   [15] = 1.0};
     psplat_matrix_multiply(inverse, to_device, product);
     psplat_matrix_to_float(product, 16, camera->unproject);
+    camera->width = desc->width;
+    camera->height = desc->height;
     camera->half_viewport[0] = 0.5f * (float)desc->width;
     camera->half_viewport[1] = 0.5f * (float)desc->height;
     camera->half_viewport[2] = camera->depth_range[0] = (float)(0.5 * (far - near));

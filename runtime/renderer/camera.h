@@ -15,6 +15,7 @@ typedef struct psplat_camera {
     double projection[16]; /* the host's with z fitted to a depth span (depth_span.h) */
     double direction[3];   /* of view rays in eye space, away from the eye; 0 0 0 in perspective */
     double margin[2];      /* for psplat_chunk_view_set: one pixel in halves of the viewport */
+    int width, height;     /* of the viewport, pixels */
     float ray[9];          /* 3 x 3 matrix from (pixel x, pixel y, 1) to the pixel's view ray in eye
                               space, of any length */
     float unproject[16];   /* matrix from pixel x, y and window depth to eye space */

@@ -245,12 +245,12 @@ static psplat_result draw_splats(psplat_frame *f) {
     return psplat_frame_draw_placed(f, &f->camera, f->key);
 }
 
-/* Draws the view where splats may be, with a triangle for each rectangle of marked tiles. */
-static void draw_tiles(const psplat_frame *f) {
+/* Draws the view where splats may be, with a triangle for each rectangle of marked blocks. */
+static void draw_blocks(const psplat_frame *f) {
     const psplat_gl *gl = &f->renderer->gl;
-    psplat_marked_tiles tiles = f->tiles;
+    psplat_marked_blocks blocks = f->blocks;
     for (;;) {
-        const psplat_screen_extent e = psplat_marked_tiles_take(&tiles, &f->extent);
+        const psplat_screen_extent e = psplat_marked_blocks_take(&blocks, &f->extent);
         if (!(e.x0 < e.x1)) return;
         gl->Viewport(f->view->x + e.x0, f->view->y + e.y0, e.x1 - e.x0, e.y1 - e.y0);
         gl->DrawArrays(GL_TRIANGLES, 0, 3);
@@ -284,7 +284,7 @@ static psplat_result resolve(const psplat_frame *f, const psplat_gl_state *state
     for (int i = 0; i < target->color_count; ++i)
         psplat_gl_texture_bind(gl, (GLenum)i, &target->colors[i], GL_TEXTURE_2D);
     psplat_gl_texture_bind(gl, PSPLAT_UNIT_DEPTH, &target->depth, GL_TEXTURE_2D);
-    draw_tiles(f);
+    draw_blocks(f);
     return PSPLAT_OK;
 }
 

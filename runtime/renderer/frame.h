@@ -10,7 +10,7 @@
 #include "renderer/camera.h"
 #include "renderer/screen_extent.h"
 #include "renderer/lights.h"
-#include "renderer/marked_tiles.h"
+#include "renderer/marked_blocks.h"
 #include "renderer/renderer.h"
 
 #include <string.h>
@@ -25,7 +25,7 @@ typedef struct psplat_frame {
     psplat_program_key key;      /* of the attribute pass, without the options that batches add */
     double depth_range[2];       /* the host's: window depth of the near and the far plane */
     psplat_screen_extent extent; /* pixels of the view that the last pass may have covered */
-    psplat_marked_tiles tiles;   /* those of the extent that it may have covered */
+    psplat_marked_blocks blocks; /* those of the extent that it may have covered */
     int blends;                  /* 0: the nearest splat wins, and no visibility pass is needed */
     psplat_error *error;         /* the caller's, may be NULL */
 } psplat_frame;

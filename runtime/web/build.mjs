@@ -13,11 +13,14 @@ import { fileURLToPath } from 'node:url';
 const here = dirname(fileURLToPath(import.meta.url));
 const shaders = join(here, '../../shaders');
 
-/** Returns the names of the files that the package needs: all but those of the headless host. */
+/** Files that three's own passes stand for, and those of the headless host. */
+const UNUSED = new Set(['resolve.vert', 'resolve_inputs.glsl', 'screen.vert', 'depth.frag']);
+
+/** Returns the names of the files that the package needs. */
 export function shaderNames() {
     return readdirSync(shaders)
         .filter((name) => /\.(glsl|vert|frag)$/.test(name) || name === 'layout.h')
-        .filter((name) => name !== 'depth.frag')
+        .filter((name) => !UNUSED.has(name))
         .sort();
 }
 

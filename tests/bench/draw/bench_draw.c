@@ -9,6 +9,8 @@
  *     sprites      the papers' own method; in phong mode (sprites.c)
  *     mesh         the mesh that the model was made from, with --mesh; in phong mode
  *                  (source_drawing.c)
+ *     gltfpack     that mesh, simplified to the picture error of the splats, with --gltfpack; in
+ *                  phong mode (simplified_drawing.c)
  *
  * "generated" counts the fragments that the primitives of the attribute pass cover, per pixel that
  * shows the subject; "blended" counts those of them that are blended. CPU time is that of all
@@ -19,6 +21,7 @@
 #include "interleaved_timing.h"
 #include "table.h"
 #ifdef BENCH_MESH
+#include "simplified_drawing.h"
 #include "source_drawing.h"
 #endif
 
@@ -32,6 +35,44 @@ typedef struct method_set {
     draw_method counted[TIMING_MAX_METHODS]; /* twins of timed; draw is NULL where there is none */
 } method_set;
 
+#ifdef BENCH_MESH
+enum { PICTURE_SIZE = 512 }; /* pixels of the pictures by which meshes are simplified */
+
+/* Adds the simplified mesh and says on stderr what it is. */
+static void add_simplified(method_set *m, psplat_host *host, const subject *s, const options *o,
+                           const mesh *source) {
+    const simplified_desc desc = {.host = host,
+                                  .subject = s,
+                                  .splats = &m->timed[0],
+                                  .source_drawing = &m->timed[m->count - 1],
+                                  .source = source,
+                                  .gltfpack = o->gltfpack,
+                                  .size = PICTURE_SIZE};
+    simplified found;
+    simplified_read(&desc, &found);
+    fprintf(stderr, "gltfpack: %zu of %zu triangles, picture error %.3f %%, splats %.3f %%\n",
+            found.mesh.source.triangle_count, source->source.triangle_count, found.simplified_error,
+            found.splat_error);
+    m->timed[m->count] = draw_method_mesh(host, &found.mesh);
+    m->timed[m->count++].name = "gltfpack";
+    mesh_free(&found.mesh);
+}
+
+static void add_meshes(method_set *m, psplat_host *host, const subject *s, const options *o) {
+    mesh source;
+    mesh_read(o->mesh, &source);
+    m->timed[m->count++] = draw_method_mesh(host, &source);
+    if (o->gltfpack) add_simplified(m, host, s, o, &source);
+    mesh_free(&source);
+}
+#else
+static void add_meshes(method_set *m, psplat_host *host, const subject *s, const options *o) {
+    (void)m, (void)host, (void)s, (void)o;
+    fprintf(stderr, "bench_draw: built without the converter, which reads meshes\n");
+    exit(2);
+}
+#endif
+
 static method_set method_set_make(psplat_host *host, const subject *s, const options *o) {
     const unsigned counting_options = PROBE_BOUND | PROBE_GENERATED;
     method_set m = {0};
@@ -43,19 +84,7 @@ static method_set method_set_make(psplat_host *host, const subject *s, const opt
     m.phong_first = m.count;
     m.counted[m.count] = draw_method_sprites(host, s, counting_options);
     m.timed[m.count++] = draw_method_sprites(host, s, 0);
-#ifdef BENCH_MESH
-    if (o->mesh) {
-        mesh source;
-        mesh_read(o->mesh, &source);
-        m.timed[m.count++] = draw_method_mesh(host, &source);
-        mesh_free(&source);
-    }
-#else
-    if (o->mesh) {
-        fprintf(stderr, "bench_draw: built without the converter, which reads meshes\n");
-        exit(2);
-    }
-#endif
+    if (o->mesh) add_meshes(&m, host, s, o);
     return m;
 }
 

@@ -25,6 +25,9 @@ static const char usage[] =
     "  --no-filter        without the screen-space filter\n"
     "  --mesh FILE        the mesh that the one FILE.glb was made from (where the converter is "
     "built)\n"
+    "  --gltfpack PROGRAM with --mesh: also the mesh that gltfpack simplifies so far that its "
+    "pictures\n"
+    "                     differ from the mesh's as much as those of FILE.glb\n"
     "  --frames N         measured, of each kind; 15\n"
     "  --warm-up N        drawn before them; 2\n"
     "  --hardware         on a GPU where EGL has one, not in software\n"
@@ -120,6 +123,8 @@ static void parse_value(options *o, const char *name, const char *value) {
         o->lights = (int)number(value, 1, PSPLAT_MAX_LIGHTS);
     } else if (strcmp(name, "--mesh") == 0) {
         o->mesh = value;
+    } else if (strcmp(name, "--gltfpack") == 0) {
+        o->gltfpack = value;
     } else if (strcmp(name, "--frames") == 0) {
         o->frames = (size_t)number(value, 1, TIMING_MAX_FRAMES);
     } else if (strcmp(name, "--warm-up") == 0) {
@@ -152,6 +157,7 @@ options options_parse(int argc, char **argv) {
     o.file_count = (size_t)(argc - i);
     if (!o.sphere_count && !o.curved_count && !o.file_count)
         parse_spheres(o.spheres, &o.sphere_count, "10000,100000,1000000");
+    if (o.gltfpack && !o.mesh) refuse("--gltfpack needs --mesh:", o.gltfpack);
     if (o.mesh && o.file_count != 1) refuse("--mesh needs one FILE.glb:", o.mesh);
     return o;
 }

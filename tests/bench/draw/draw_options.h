@@ -20,6 +20,7 @@ typedef struct options {
     int no_filter, lights, csv, hardware;
     size_t frames, warm_up;
     const char *mesh;         /* or NULL */
+    const char *gltfpack;     /* or NULL */
     const char *const *files; /* in argv */
     size_t file_count;
 } options;

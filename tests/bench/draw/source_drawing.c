@@ -21,12 +21,41 @@ static void require(psplat_result result, const char *what, const psplat_error *
     exit(1);
 }
 
-void mesh_read(const char *path, mesh *m) {
+/* Makes what is drawn of m->source. */
+static void prepare(const char *path, mesh *m) {
     psplat_error error;
-    require(psplat_mesh_read(path, &m->source, &error), path, &error);
     require(psplat_source_mesh_create(&m->source, 0, &m->original, &error), path, &error);
     memcpy(m->center, m->original->center, sizeof m->center);
     m->radius = m->original->radius;
+}
+
+void mesh_read(const char *path, mesh *m) {
+    psplat_error error;
+    require(psplat_mesh_read(path, &m->source, &error), path, &error);
+    prepare(path, m);
+}
+
+/* Returns the one group of all triangles, by which materials are told apart. */
+static uint32_t group_of(const psplat_mesh *source) {
+    uint32_t group = source->groups ? source->groups[0] : 0;
+    for (size_t i = 1; source->groups && i < source->triangle_count; ++i) {
+        if (source->groups[i] == group) continue;
+        fprintf(stderr, "bench: only meshes of one material are simplified\n");
+        exit(1);
+    }
+    return group;
+}
+
+void mesh_read_like(const char *path, const mesh *other, mesh *m) {
+    psplat_error error;
+    uint32_t group = group_of(&other->source);
+    require(psplat_mesh_read(path, &m->source, &error), path, &error);
+    for (size_t i = 0; m->source.groups && i < m->source.triangle_count; ++i)
+        m->source.groups[i] = group;
+    m->source.material = other->source.material;
+    m->source.source_materials = other->source.source_materials;
+    m->source.source_material_count = other->source.source_material_count;
+    prepare(path, m);
 }
 
 void mesh_free(mesh *m) {

@@ -21,6 +21,9 @@ typedef struct mesh {
 /* Reads any file that the converter takes, with the normals that the converter would give it. Ends
  * the program with a message where that fails. */
 void mesh_read(const char *path, mesh *m);
+/* Reads a file that has lost the materials of another, whose only one it gets. Ends the program
+ * where that has several. */
+void mesh_read_like(const char *path, const mesh *other, mesh *m);
 void mesh_free(mesh *m);
 
 /* Returns the draw method. Sides and lights follow the view and the material; the mode is always

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_marked_tiles.c - tests that the rectangles that are taken of marked tiles hold each marked
- * pixel once, no other tile, and nothing outside the extent; and that the spheres that mark tiles
+ * test_marked_blocks.c - tests that the rectangles that are taken of marked blocks hold each marked
+ * pixel once, no other block, and nothing outside the extent; and that the spheres that mark blocks
  * hold the splats.
  */
 #include <setjmp.h>
@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "asset/pack.h"
-#include "renderer/marked_tiles.h"
+#include "renderer/marked_blocks.h"
 #include "scene_asset.h"
 
 #include <math.h>
@@ -34,26 +34,26 @@ static psplat_screen_extent random_rectangle(int width, int height) {
     return e;
 }
 
-/* Draws rectangles and what is taken of their tiles, pixel by pixel. Returns the number taken. */
+/* Draws rectangles and what is taken of their blocks, pixel by pixel. Returns the number taken. */
 static int compare(int width, int height, int count) {
     static unsigned char wanted[MAX_SIDE * MAX_SIDE], taken[MAX_SIDE * MAX_SIDE];
     memset(wanted, 0, sizeof wanted);
     memset(taken, 0, sizeof taken);
     psplat_screen_extent all = {0, 0, 0, 0}, e;
-    psplat_marked_tiles tiles;
-    psplat_marked_tiles_clear(&tiles, width, height);
+    psplat_marked_blocks blocks;
+    psplat_marked_blocks_clear(&blocks, width, height);
     for (int i = 0; i < count; ++i) {
         e = random_rectangle(width, height);
         psplat_screen_extent_join(&all, &e);
-        psplat_marked_tiles_add(&tiles, &e);
-        int size = tiles.size, x1 = (e.x1 + size - 1) / size * size;
+        psplat_marked_blocks_add(&blocks, &e);
+        int size = blocks.size, x1 = (e.x1 + size - 1) / size * size;
         int y1 = (e.y1 + size - 1) / size * size;
         for (int y = e.y0 / size * size; y < y1 && y < height; ++y)
             for (int x = e.x0 / size * size; x < x1 && x < width; ++x) wanted[y * MAX_SIDE + x] = 1;
     }
     int rectangles = 0;
     for (;; ++rectangles) {
-        e = psplat_marked_tiles_take(&tiles, &all);
+        e = psplat_marked_blocks_take(&blocks, &all);
         if (!(e.x0 < e.x1)) break;
         assert_true(e.y0 < e.y1);
         for (int y = e.y0; y < e.y1; ++y)
@@ -76,20 +76,20 @@ static void test_rectangles(void **state) {
     }
 }
 
-/* No extent marks no tile, and views of any size have tiles for all their pixels. */
+/* No extent marks no block, and views of any size have blocks for all their pixels. */
 static void test_sizes(void **state) {
     (void)state;
     const psplat_screen_extent none = {0, 0, 0, 0};
-    psplat_marked_tiles tiles;
+    psplat_marked_blocks blocks;
     for (int side = 1; side <= 32768; side = 2 * side + 1) {
         const psplat_screen_extent whole = {0, side, 0, 1}, last = {side - 1, side, 0, 1};
-        psplat_marked_tiles_clear(&tiles, side, 1);
-        psplat_marked_tiles_add(&tiles, &none);
-        psplat_screen_extent e = psplat_marked_tiles_take(&tiles, &whole);
+        psplat_marked_blocks_clear(&blocks, side, 1);
+        psplat_marked_blocks_add(&blocks, &none);
+        psplat_screen_extent e = psplat_marked_blocks_take(&blocks, &whole);
         assert_true(e.x0 == e.x1);
-        psplat_marked_tiles_add(&tiles, &last);
-        e = psplat_marked_tiles_take(&tiles, &whole);
-        assert_true(e.x0 < side && side - e.x0 <= tiles.size);
+        psplat_marked_blocks_add(&blocks, &last);
+        e = psplat_marked_blocks_take(&blocks, &whole);
+        assert_true(e.x0 < side && side - e.x0 <= blocks.size);
         assert_int_equal(e.x1, side);
     }
 }
@@ -140,7 +140,7 @@ static void test_spheres(void **state) {
     }
 }
 
-int test_marked_tiles_main(void) {
+int test_marked_blocks_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rectangles),
         cmocka_unit_test(test_sizes),
