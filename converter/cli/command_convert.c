@@ -486,6 +486,10 @@ static void describe_broken(const psplat_place *place, const psplat_kept *kept, 
         snprintf(text, 160, "the normal errs by %.3g degrees, not %.3g (%zu samples)", value, limit,
                  broken);
         break;
+    case PSPLAT_PROMISE_COLOR:
+        snprintf(text, 160, "colours err by %.3g %%, not %.3g %% (%zu samples)", value, limit,
+                 broken);
+        break;
     case PSPLAT_PROMISE_TEXTURE:
         snprintf(text, 160, "a texture slides by %.3g %s, not %.3g %s (%zu samples)", value,
                  texels ? "texels" : "%", limit, texels ? "texels" : "%", broken);
