@@ -52,6 +52,7 @@ typedef struct mender {
     uint8_t *blamed;   /* by candidate: 1 where it is to be replaced */
     double limit;      /* of errors, in % */
     struct shares shares;
+    int last; /* of psplat_mend_colors */
 } mender;
 
 static void free_round(mender *m) {
@@ -288,7 +289,7 @@ static psplat_result replace(mender *m, psplat_error *error) {
     for (size_t i = 0; i < c->selection.count; ++i)
         if (m->blamed[i]) c->selection.candidates[i].taken = 0;
     psplat_selection_drop_untaken(&c->selection);
-    if (!result) result = psplat_cover_samples(c, first, error);
+    if (!result) result = psplat_cover_samples(c, first, m->last, error);
     psplat_selection_drop_untaken(&c->selection);
     return result;
 }
@@ -299,7 +300,10 @@ psplat_result psplat_mend_colors(psplat_conversion *c, int last, psplat_error *e
     if (!(c->limits.color_tolerance > 0) || !psplat_samples_have_look(&c->samples))
         return PSPLAT_OK;
     for (int round = 0; round < ROUNDS && mends && !result; ++round) {
-        mender m = {.c = c, .limit = 100 * c->limits.color_tolerance, .shares = shares[last != 0]};
+        mender m = {.c = c,
+                    .limit = 100 * c->limits.color_tolerance,
+                    .shares = shares[last != 0],
+                    .last = last};
         if (psplat_conversion_interrupted(c->desc, "mending colours", (double)round / ROUNDS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,
