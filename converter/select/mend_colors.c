@@ -304,7 +304,7 @@ psplat_result psplat_mend_colors(psplat_conversion *c, int last, psplat_error *e
                     .limit = 100 * c->limits.color_tolerance,
                     .shares = shares[last != 0],
                     .last = last};
-        if (psplat_conversion_interrupted(c->desc, "mending colours", (double)round / ROUNDS))
+        if (psplat_conversion_interrupted(c->desc, "closing holes", (double)round / ROUNDS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,
                                    c->selection.count);
