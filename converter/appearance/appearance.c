@@ -384,3 +384,36 @@ double psplat_appearance_alpha(const psplat_appearance *appearance, uint32_t tri
     multiply_corner_color(&p, color);
     return (double)color[3] * (double)a->material.base_color[3];
 }
+
+/* Returns how many texels of a texture a triangle shows. */
+static double texels_of(const psplat_mesh *mesh, uint32_t triangle,
+                        const psplat_texture_info *texture, const psplat_mipmap *mipmap) {
+    if (!mipmap) return 0;
+    const float *uvs = mesh->corner_uvs[texture->texcoord] + 6 * (size_t)triangle;
+    double corners[3][2];
+    for (int i = 0; i < 3; ++i) {
+        const double uv[2] = {(double)uvs[2 * i], (double)uvs[2 * i + 1]};
+        psplat_texture_transform(texture, uv, corners[i]);
+    }
+    double doubled = (corners[1][0] - corners[0][0]) * (corners[2][1] - corners[0][1]) -
+                     (corners[2][0] - corners[0][0]) * (corners[1][1] - corners[0][1]);
+    return fabs(doubled) / 2 * mipmap->image->width * mipmap->image->height;
+}
+
+double psplat_appearance_texels(const psplat_appearance *appearance) {
+    const psplat_mesh *mesh = appearance->mesh;
+    double sum = 0;
+    for (uint32_t t = 0; mesh && t < mesh->triangle_count; ++t) {
+        const psplat_source_material *m;
+        const psplat_material_textures *textures = textures_of(appearance, t, &m);
+        double most = mesh->corner_colors != NULL;
+        if (m) {
+            most = max2(most, texels_of(mesh, t, &m->base_color, textures->base_color));
+            most = max2(most, texels_of(mesh, t, &m->emissive, textures->emissive));
+            most = max2(most,
+                        texels_of(mesh, t, &m->metallic_roughness, textures->metallic_roughness));
+        }
+        sum += isfinite(most) ? most : 0;
+    }
+    return sum;
+}

@@ -84,6 +84,10 @@ void psplat_appearance_bake(const psplat_appearance *appearance, uint32_t triang
                             const double barycentric[3], const float normal[3],
                             psplat_baked_point *baked);
 
+/* Returns how many baked values there are on the surface, about: for each triangle the texels of
+ * the largest texture that is baked there, or one if only its corners have colours. */
+double psplat_appearance_texels(const psplat_appearance *appearance);
+
 /* Returns the mean alpha over the same disc, times its factor, or 1 if the material of the triangle
  * has no mask. A base colour texture that is kept counts as opaque. */
 double psplat_appearance_alpha(const psplat_appearance *appearance, uint32_t triangle,

@@ -28,6 +28,11 @@ typedef struct psplat_limits {
     double color_tolerance;  /* greatest root mean square of a splat's colour error, parts of sRGB's
                                 range; 0: unbounded */
     int constant_colors;     /* 1: colours have no gradients */
+    /* For each of the first color_range_count samples, the least and the greatest of the 8 values
+     * of a look (measure/color_errors.h) around it: no splat may be off that by more than the
+     * tolerance there. The first is NaN where that does not matter. */
+    const float (*color_ranges)[16];
+    size_t color_range_count;
     double texture_tolerance; /* greatest error of texture coordinates, a length: how far a texture
                                  may slide over the surface; 0: unbounded, or no texture is kept */
     double texture_tolerance_texels; /* the same in texels of the material's largest texture; 0: it

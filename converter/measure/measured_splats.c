@@ -37,16 +37,35 @@ void psplat_blend_field_of(const psplat_splat *splat, const psplat_region *regio
     mad3(field->normals[2], gradient[1], region->v);
 }
 
+/* Sets what a splat's fragments have besides colours. finish and material may be NULL. */
+static void set_finish(const psplat_finish *finish, const psplat_material *material,
+                       psplat_blend_field *field) {
+    static const psplat_finish neutral = {.roughness = 1, .metallic = 1, .emissive = {1, 1, 1}};
+    const psplat_finish *f = finish ? finish : &neutral;
+    memset(field->finish, 0, sizeof field->finish);
+    if (!material || material->unlit) return;
+    for (int k = 0; k < 3; ++k)
+        field->finish[k] = (double)material->emissive[k] * (double)f->emissive[k];
+    field->finish[3] = (double)material->roughness * (double)f->roughness;
+    field->finish[4] = (double)material->metallic * (double)f->metallic;
+}
+
 /* Sets the colours of a splat's fragments. finish and material may be NULL. */
-static void set_colors(const psplat_splat *splat, const psplat_finish *finish,
+static void set_colors(const float color[4], const psplat_finish *finish,
                        const psplat_material *material, psplat_blend_field *field) {
     for (int k = 0; k < 3; ++k) {
         double factor = material ? (double)material->base_color[k] : 1;
         field->factor[k] = factor;
-        field->colors[0][k] = factor * (double)splat->color[k];
+        field->colors[0][k] = factor * (double)color[k];
         field->colors[1][k] = finish ? factor * (double)finish->color_u[k] : 0;
         field->colors[2][k] = finish ? factor * (double)finish->color_v[k] : 0;
     }
+}
+
+void psplat_blend_field_paint(const float color[4], const psplat_finish *finish,
+                              const psplat_material *material, psplat_blend_field *field) {
+    set_colors(color, finish, material, field);
+    set_finish(finish, material, field);
 }
 
 void psplat_blend_field_normal(const psplat_blend_field *field, const double uv[2],
@@ -77,10 +96,12 @@ psplat_result psplat_measured_splats_create(const psplat_splats *splats, double 
     for (size_t run = 0, i = 0; run < splats->run_count; ++run) {
         uint32_t material = splats->runs[run].material;
         for (size_t end = i + splats->runs[run].count; i < end && i < splats->count; ++i) {
+            const psplat_finish *finish = splats->finishes ? &splats->finishes[i] : NULL;
+            const psplat_material *factors =
+                material < splats->material_count ? &splats->materials[material] : NULL;
             measured->materials[i] = material;
-            set_colors(&splats->splats[i], splats->finishes ? &splats->finishes[i] : NULL,
-                       material < splats->material_count ? &splats->materials[material] : NULL,
-                       &measured->fields[i]);
+            psplat_blend_field_paint(splats->splats[i].color, finish, factors,
+                                     &measured->fields[i]);
         }
     }
     return PSPLAT_OK;

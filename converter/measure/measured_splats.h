@@ -20,6 +20,7 @@ typedef struct psplat_blend_field {
     double normals[3][3];
     double colors[3]
                  [3]; /* linear in (u, v) as normals are (spec 3.10); times the material's factor */
+    double finish[5]; /* emissive R G B, roughness and metallic; times the material's factors */
     double factor[3]; /* the material's base colour, which no colour of a fragment exceeds */
     psplat_kernel kernel;
     double depth; /* epsilon of spec 5.3, a length along the region's normal */
@@ -69,6 +70,10 @@ static inline int psplat_measured_splats_near(const psplat_measured_splats *meas
 /* Sets the normals of a field to those of a splat with this region. */
 void psplat_blend_field_of(const psplat_splat *splat, const psplat_region *region,
                            psplat_blend_field *field);
+
+/* Sets the colours and the finish of a field. finish and material may be NULL: neutral. */
+void psplat_blend_field_paint(const float color[4], const psplat_finish *finish,
+                              const psplat_material *material, psplat_blend_field *field);
 
 /* Finds the normal of a field at (u, v). It has no particular length. */
 void psplat_blend_field_normal(const psplat_blend_field *field, const double uv[2],

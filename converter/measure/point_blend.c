@@ -88,5 +88,6 @@ void psplat_point_blend_add(psplat_point_blend *blend, uint32_t splat) {
                        uvh[1] * splat_field->colors[2][k];
         blend->color[k] += weight * min2(max2(value, 0), splat_field->factor[k]);
     }
+    for (int k = 0; k < 5; ++k) blend->finish[k] += weight * splat_field->finish[k];
     blend->weight += weight;
 }

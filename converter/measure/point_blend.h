@@ -21,6 +21,7 @@ typedef struct psplat_point_blend {
      * seen. */
     double blended[3], constant[3];
     double color[3], flat_color[3]; /* the sums of weighted colours, with and without gradients */
+    double finish[5];               /* of emissive R G B, roughness and metallic */
     double weight;                  /* the sum of weights */
 } psplat_point_blend;
 

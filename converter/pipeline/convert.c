@@ -18,6 +18,7 @@
 #include "select/fill_holes.h"
 #include "select/greedy_cover.h"
 #include "select/local_search.h"
+#include "select/mend_colors.h"
 #include "select/precision.h"
 #include "select/relax.h"
 #include "select/sample_spacing.h"
@@ -156,7 +157,9 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
         return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s",
                            c->desc->owned ? "nothing of the mesh in its block has an area"
                                           : "nothing of the mesh has an area");
-    result = psplat_close_rays(c, error);
+    result = psplat_mend_colors(c, 0, error);
+    if (!result) result = psplat_close_rays(c, error);
+    if (!result) result = psplat_mend_colors(c, 1, error);
     if (result) return result;
     if (psplat_close_seams(&context, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
@@ -169,7 +172,7 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
 }
 
 static void fill_splats(const psplat_conversion *c, const psplat_mesh *mesh) {
-    c->splats->kernel = (psplat_kernel){kernel_sharpness, PSPLAT_DEFAULT_KERNEL_EXPONENT};
+    c->splats->kernel = c->kernel;
     for (int k = 0; k < 3; ++k) c->splats->origin[k] = mesh->origin[k];
 }
 
@@ -204,6 +207,7 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
         .diagonal = c->diagonal,
         .normal_tolerance_degrees = c->desc->normal_tolerance_degrees,
         .texture_tolerance_texels = c->desc->texture_tolerance_texels,
+        .color_tolerance_percent = 100 * c->limits.color_tolerance,
         .seed = c->desc->seed + verify_seed,
         .observations = observations,
     };
@@ -236,7 +240,10 @@ static psplat_result convert_once(const psplat_mesh *mesh, const psplat_convert_
                                   psplat_splats *splats, psplat_report *report,
                                   psplat_observations *observations, psplat_error *error) {
     *splats = (psplat_splats){0};
-    psplat_conversion c = {.desc = desc, .splats = splats, .is_fitted = 1};
+    psplat_conversion c = {.desc = desc,
+                           .splats = splats,
+                           .is_fitted = 1,
+                           .kernel = {kernel_sharpness, PSPLAT_DEFAULT_KERNEL_EXPONENT}};
     psplat_result result = convert(&c, mesh, report, observations, error);
     psplat_conversion_free(&c);
     if (result) psplat_splats_free(splats);
@@ -244,11 +251,12 @@ static psplat_result convert_once(const psplat_mesh *mesh, const psplat_convert_
 }
 
 /* Returns the number of samples, splats and crease edges at which promises are broken that a finer
- * grid may keep. It hardly moves textures, which are fitted on the grid. */
+ * grid may keep. It hardly moves textures, which are fitted on the grid, nor what colours show. */
 static size_t broken_count(const psplat_report *report) {
     size_t count = 0;
     for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k)
-        if (k != PSPLAT_PROMISE_TEXTURE) count += report->promises[k].broken;
+        if (k != PSPLAT_PROMISE_TEXTURE && k != PSPLAT_PROMISE_COLOR)
+            count += report->promises[k].broken;
     return count;
 }
 

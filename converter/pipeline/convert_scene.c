@@ -76,6 +76,9 @@ static void add_errors(psplat_report *total, const psplat_report *part) {
     raise_to(&total->mirrored_texture_percent, part->mirrored_texture_percent);
     raise_to(&total->foreign_texture_percent, part->foreign_texture_percent);
     raise_to(&total->texture_tolerance_texels, part->texture_tolerance_texels);
+    raise_to(&total->max_look_percent, part->max_look_percent);
+    raise_to(&total->p95_look_percent, part->p95_look_percent);
+    raise_to(&total->look_beyond_percent, part->look_beyond_percent);
     raise_to(&total->p95_color_percent, part->p95_color_percent);
     raise_to(&total->p95_color_constant_percent, part->p95_color_constant_percent);
     total->rms_color_percent =

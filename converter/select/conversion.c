@@ -272,7 +272,8 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
         result = psplat_surface_build_with_charts(mesh, &c->appearance, crease_angle, &c->surface,
                                                   error);
     if (!result) result = set_limits(c, error);
-    c->appearance.diameter = c->finest;
+    /* What is averaged over is no wider than what a colour may be off by. */
+    c->appearance.diameter = fmin(c->finest, c->tolerance);
     set_owned(c);
     return result;
 }
@@ -281,6 +282,8 @@ void psplat_conversion_free_fit(psplat_conversion *c) {
     psplat_selection_free(&c->selection);
     psplat_samples_free(&c->samples);
     psplat_hole_memory_free(&c->hole_memory);
+    free(c->color_ranges);
+    c->color_ranges = NULL;
     psplat_distance_destroy(c->distance);
     psplat_distance_destroy(c->proxy);
     c->distance = c->proxy = NULL;

@@ -100,6 +100,8 @@ typedef struct psplat_conversion {
     psplat_hole_memory hole_memory; /* of psplat_fill_holes */
     psplat_splats *splats;          /* the result; not owned */
     double tolerance;               /* in the mesh's units */
+    psplat_kernel kernel;           /* that splats blend with */
+    float (*color_ranges)[16];      /* of limits */
     double finest;  /* sample spacing that is fine enough for any surface, a length */
     double percent; /* the tolerance in % of diagonal */
     double diagonal;

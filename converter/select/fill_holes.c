@@ -211,3 +211,10 @@ psplat_result psplat_fill_holes(psplat_conversion *c, psplat_error *error) {
 psplat_result psplat_fill_last_holes(psplat_conversion *c, psplat_error *error) {
     return fill(c, IMPROVING_ROUNDS, error);
 }
+
+psplat_result psplat_cover_samples(psplat_conversion *c, size_t first, int last,
+                                   psplat_error *error) {
+    psplat_result result = close_holes(c, first, IMPROVING_ROUNDS);
+    if (!result) return last ? psplat_fill_last_holes(c, error) : psplat_fill_holes(c, error);
+    return psplat_fail(error, result, 0, "%s while covering samples", psplat_result_text(result));
+}

@@ -16,6 +16,11 @@
  * many samples). */
 psplat_result psplat_fill_holes(psplat_conversion *c, psplat_error *error);
 
+/* Covers the samples from index first on and all that no taken candidate covers, and fills the
+ * holes that are left; last: 1 without exchanging candidates. Errors as above. */
+psplat_result psplat_cover_samples(psplat_conversion *c, size_t first, int last,
+                                   psplat_error *error);
+
 /* Does the same without exchanging candidates: all that are taken stay, and others are added. For
  * the holes that are left when candidates have been moved for another reason. */
 psplat_result psplat_fill_last_holes(psplat_conversion *c, psplat_error *error);

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RECORD_VERSION = 2 };
+enum { RECORD_VERSION = 3 };
 
 static void add_tile(const psplat_tile *tile, psplat_checked_text *text) {
     psplat_checked_add(text, "tile r%s %d", tile->path, tile->level);
@@ -33,7 +33,7 @@ int psplat_tile_is_broken(const psplat_tile_broken *broken) {
 
 const char *psplat_tile_promise_name(psplat_promise promise) {
     static const char *const names[PSPLAT_PROMISE_COUNT] = {"coverage", "distance", "normals",
-                                                            "creases", "textures"};
+                                                            "creases",  "textures", "colors"};
     return names[promise];
 }
 

@@ -55,6 +55,9 @@ static void add_errors(psplat_writer *json, const psplat_report *report) {
     psplat_writer_number(json, "p95_color_percent", report->p95_color_percent);
     psplat_writer_number(json, "rms_color_constant_percent", report->rms_color_constant_percent);
     psplat_writer_number(json, "p95_color_constant_percent", report->p95_color_constant_percent);
+    psplat_writer_number(json, "max_look_percent", report->max_look_percent);
+    psplat_writer_number(json, "p95_look_percent", report->p95_look_percent);
+    psplat_writer_number(json, "look_beyond_percent", report->look_beyond_percent);
     psplat_writer_count(json, "uncovered_samples", report->uncovered_samples);
 }
 
@@ -71,7 +74,7 @@ static void add_textures(psplat_writer *json, const psplat_report *report) {
 static const char *const promise_names[PSPLAT_PROMISE_COUNT] = {
     [PSPLAT_PROMISE_COVERAGE] = "coverage", [PSPLAT_PROMISE_DISTANCE] = "distance",
     [PSPLAT_PROMISE_NORMAL] = "normal",     [PSPLAT_PROMISE_CREASE] = "crease",
-    [PSPLAT_PROMISE_TEXTURE] = "texture",
+    [PSPLAT_PROMISE_TEXTURE] = "texture",   [PSPLAT_PROMISE_COLOR] = "color",
 };
 
 /* Adds how each promise was kept. One that was not given has no limit and cannot be broken. */

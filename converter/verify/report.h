@@ -35,17 +35,23 @@ typedef enum psplat_promise {
                                 surface by no more than the tolerance, or than a number of texels;
                                 of an error in texels a quarter does not count as sliding
                                 (measure/texture_slides.h) */
+    PSPLAT_PROMISE_COLOR,    /* at 980 of 1000 surface points, what was baked of textures or comes
+                                from vertices (base colour, emissive, roughness, metallic) is shown
+                                within the colour tolerance, as it is within the tolerance of that
+                                point (measure/color_errors.h) */
     PSPLAT_PROMISE_COUNT
 } psplat_promise;
 
 /* How one promise was kept. */
 typedef struct psplat_kept {
-    double limit; /* degrees for normals, texels for textures whose tolerance is in texels, else %
-                     of the diagonal; 0: the promise was not given, as for normals without a
-                     tolerance and for textures where none is kept */
+    double limit; /* degrees for normals, % of a range for colours, texels for textures whose
+                     tolerance is in texels, else % of the diagonal; 0: the promise was not given,
+                     as for normals without a tolerance, for textures where none is kept, and for
+                     colours without any */
     double worst; /* the greatest value found, in the same unit; for coverage, the greatest distance
                      of an uncovered point from the nearest splat, which may lie beside the point;
-                     for textures, the value that one of 1000 samples exceeds */
+                     for textures and colours, the value that 5 or 20 of 1000 samples
+                     exceed */
     size_t broken; /* the number of samples, holes, splats or crease edges beyond the limit */
 } psplat_kept;
 
@@ -93,6 +99,10 @@ typedef struct psplat_report {
     double p95_color_percent;
     double rms_color_constant_percent; /* the same with gradients set to 0 */
     double p95_color_constant_percent;
+    /* The errors of PSPLAT_PROMISE_COLOR, in % of a range; 0 where nothing is baked. */
+    double max_look_percent;
+    double p95_look_percent;
+    double look_beyond_percent; /* of the samples: their error is beyond the tolerance */
     /* How far kept textures slide over the surface, in % of the diagonal and in texels, as for
      * PSPLAT_PROMISE_TEXTURE; 0 where none is kept. */
     double max_texture_slide_percent;

@@ -24,6 +24,7 @@ typedef struct psplat_verification {
     double diagonal;                   /* the length that percentages are of */
     double normal_tolerance_degrees;   /* 0: none was promised */
     double texture_tolerance_texels;   /* 0: textures may slide by the tolerance of distances */
+    double color_tolerance_percent;    /* 0: colours are not promised */
     uint64_t seed;                     /* of the samples; not that of the fitted ones */
     psplat_observations *observations; /* gets what is measured at each place; NULL: not wanted */
 } psplat_verification;

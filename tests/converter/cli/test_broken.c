@@ -92,7 +92,8 @@ static void test_broken(void **state) {
         [PSPLAT_PROMISE_DISTANCE] = "a splat leaves the surface by 3.5 %, not 2 % (41 ",
         [PSPLAT_PROMISE_NORMAL] = "the normal errs by 3.5 degrees, not 2 (41 samples)",
         [PSPLAT_PROMISE_CREASE] = "a splat crosses a crease by 3.5 %, not 2 % (41 edges)",
-        [PSPLAT_PROMISE_TEXTURE] = "a texture slides by 3.5 %, not 2 % (41 samples)"};
+        [PSPLAT_PROMISE_TEXTURE] = "a texture slides by 3.5 %, not 2 % (41 samples)",
+        [PSPLAT_PROMISE_COLOR] = "colours err by 3.5 %, not 2 % (41 samples)"};
     for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k) {
         char text[1024];
         broken = (psplat_promise)k;

@@ -242,11 +242,11 @@ case_broken() {
     build out >/dev/null
     cp out/tileset.json whole.json
     # Records in which two tasks break promises: the hash of the last line is FNV-1a of all before.
-    node - out/work/r0.record '0 1 0 1 0 first 1 1.5 2 3 0.25' out/work/r1.record '0 1 0 0 0 first 1 4 5 6 0.5' <<'JS' || fail "records"
+    node - out/work/r0.record '0 1 0 1 0 0 first 1 1.5 2 3 0.25' out/work/r1.record '0 1 0 0 0 0 first 1 4 5 6 0.5' <<'JS' || fail "records"
 const fs = require('fs'), words = process.argv.slice(2);
 for (let i = 0; i < words.length; i += 2) {
     const text = fs.readFileSync(words[i], 'utf8').replace(/end [0-9a-f]{16}\n$/, '');
-    const broken = text.replace(/^broken 0 0 0 0 0 first 0 0 0 0 0$/m, `broken ${words[i + 1]}`);
+    const broken = text.replace(/^broken 0 0 0 0 0 0 first 0 0 0 0 0$/m, `broken ${words[i + 1]}`);
     let hash = 0xcbf29ce484222325n;
     if (broken === text) throw Error(text);
     for (const byte of Buffer.from(broken)) hash = ((hash ^ BigInt(byte)) * 0x100000001b3n) & 0xffffffffffffffffn;
