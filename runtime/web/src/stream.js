@@ -207,10 +207,10 @@ function readLines(d, head, { flags, clipLines }, code, fail) {
 function nearestInChart(images, index, place, coarse) {
     let found, least = Infinity;
     for (let i = 1; i <= WINDOW && i <= index; ++i) {
-        const other = images[(index - i) % WINDOW];
-        const places = [0, 1, 2].reduce((sum, k) => sum + (other.place[k] - place[k]) ** 2, 0), parts = [0, 1].reduce((sum, k) => sum + (other.coarse[k] - coarse[k]) ** 2, 0);
-        if (!(places * (1 + parts) < least)) continue;
-        least = places * (1 + parts);
+        const other = images[(index - i) % WINDOW], x = other.place[0] - place[0], y = other.place[1] - place[1], z = other.place[2] - place[2];
+        const s = other.coarse[0] - coarse[0], t = other.coarse[1] - coarse[1], distance = (x * x + y * y + z * z) * (1 + (s * s + t * t));
+        if (!(distance < least)) continue;
+        least = distance;
         found = other;
     }
     return found;
