@@ -12,10 +12,10 @@ import { here, launch, open, psnr, reduce, rgbOf, serve } from './browser.mjs';
 
 const native = process.env.PHONGSPLAT_DRAW_NATIVE, root = join(here, '../..');
 const scratch = mkdtempSync(join(tmpdir(), 'phongsplat-levels-')), state = {};
-const files = { torus: join(scratch, 'torus.glb'), levels: join(root, 'schema/levels.gltf') };
+const files = { cone: join(scratch, 'cone.glb'), levels: join(root, 'schema/levels.gltf') };
 
 before(async () => {
-    execFileSync(process.env.PHONGSPLAT, ['convert', join(root, 'samples/models/torus.off'), files.torus, '-t', '0.5', '--levels', '2%,5%', '--effort', '0', '-q']);
+    execFileSync(process.env.PHONGSPLAT, ['convert', join(root, 'samples/models/cone.stl'), files.cone, '-t', '0.5', '--levels', '2%,5%', '--effort', '0', '-q']);
     state.server = await serve({ modules: join(here, 'node_modules'), package: join(root, 'runtime/web'), tests: here, scratch, schema: join(root, 'schema') });
     state.browser = await launch();
     state.page = await open(state.browser, `${state.server.address}/tests/page.html?three=three`);
@@ -55,7 +55,7 @@ const drawAt = (options) => inPage(async ({ url, closeness, tau, isFlat }) => {
     return { ...window.pixels(renderer), shown, level: lod.currentLevel, view: camera.matrixWorldInverse.elements, projection: camera.projectionMatrix.elements };
 }, options);
 
-for (const [name, url] of [['torus', '/scratch/torus.glb'], ['levels', '/schema/levels.gltf']]) {
+for (const [name, url] of [['cone', '/scratch/cone.glb'], ['levels', '/schema/levels.gltf']]) {
     test(`${name}: the level of the C runtime, and its pixels`, async () => {
         const seen = new Set(), path = files[name];
         for (const [closeness, tau, isFlat] of [[1, 0.01, false], [1, 0.5, false], [2, 1, false], [4, 4, false], [16, 0.5, false], [2, 4, true], [1, 30, false], [4, 1000, true]]) {

@@ -168,6 +168,13 @@ static made *make(size_t count, int lines, int is_curved, uint32_t seed) {
     return m;
 }
 
+/* Returns the stream of all splats, which the caller frees. */
+static uint8_t *encode(const made *m, uint32_t low_bits, size_t *size) {
+    uint8_t *bytes = psplat_stream_encode(&m->table, &m->section, 1, low_bits, size);
+    assert_non_null(bytes);
+    return bytes;
+}
+
 /* ---- reading back ---------------------------------------------------------------------------- */
 
 /* Returns the coarse positions' nearest of the last splats in the order, or NULL for the first. */
@@ -223,8 +230,7 @@ static void check_splat(decoder *d, const made *m, size_t at, unsigned flags, ui
 static size_t check(const made *m, uint32_t low_bits) {
     size_t size = 0, count = m->section.count;
     assert_true(psplat_stream_can_hold(&m->table));
-    uint8_t *bytes = psplat_stream_encode(&m->table, &m->section, 1, low_bits, &size);
-    assert_non_null(bytes);
+    uint8_t *bytes = encode(m, low_bits, &size);
     assert_true(size >= HEAD + SECTION && size >= 3 * count);
     assert_int_equal(bytes[1], low_bits);
     assert_int_equal(bytes[HEAD] | bytes[HEAD + 1] << 8, count);
@@ -244,8 +250,7 @@ static void test_no_splat(void **state) {
     made *m = make(0, 4, 1, 1);
     size_t size = 0;
     assert_true(psplat_stream_sort(&m->table, &m->section));
-    uint8_t *bytes = psplat_stream_encode(&m->table, &m->section, 1, 0, &size);
-    assert_non_null(bytes);
+    uint8_t *bytes = encode(m, 0, &size);
     assert_in_range(size, HEAD + SECTION, HEAD + SECTION + 5);
     for (size_t i = 20; i < 32; ++i) assert_int_equal(bytes[i], 0);
     free(bytes);
