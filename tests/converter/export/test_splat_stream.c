@@ -170,8 +170,11 @@ static made *make(size_t count, int lines, int is_curved, uint32_t seed) {
 
 /* Returns the stream of all splats, which the caller frees. */
 static uint8_t *encode(const made *m, uint32_t low_bits, size_t *size) {
-    uint8_t *bytes = psplat_stream_encode(&m->table, &m->section, 1, low_bits, size);
+    const psplat_stream_desc how = {.low_bits = low_bits};
+    int is_safe = 0;
+    uint8_t *bytes = psplat_stream_encode(&m->table, &m->section, 1, &how, size, &is_safe);
     assert_non_null(bytes);
+    assert_true(is_safe);
     return bytes;
 }
 
