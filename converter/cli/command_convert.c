@@ -155,7 +155,7 @@ static void add_files_and_promises(psplat_option_list *list, arguments *a) {
         {0, "color-tolerance", PSPLAT_OPTION_PERCENT, &c->color_tolerance_percent, "PERCENT",
          "greatest root mean square error of a splat's colour over\nits part of the surface, in % "
          "of sRGB's range; 100 does\nnot bound it (default 10 at a tolerance of 0.5 %, changing\n"
-         "with its square root); a promise at 980 of 1000 points of what\nsplats blend to, and of "
+         "with its square root); a promise at 950 of 1000 points of what\nsplats blend to, and of "
          "emission, roughness and metallic, each\noff by no more than the tolerance over the "
          "surface",
          0.1, 100, NULL},

@@ -35,7 +35,7 @@ typedef enum psplat_promise {
                                 surface by no more than the tolerance, or than a number of texels;
                                 of an error in texels a quarter does not count as sliding
                                 (measure/texture_slides.h) */
-    PSPLAT_PROMISE_COLOR,    /* at 980 of 1000 surface points, what was baked of textures or comes
+    PSPLAT_PROMISE_COLOR,    /* at 950 of 1000 surface points, what was baked of textures or comes
                                 from vertices (base colour, emissive, roughness, metallic) is shown
                                 within the colour tolerance, as it is within the tolerance of that
                                 point (measure/color_errors.h) */
@@ -50,7 +50,7 @@ typedef struct psplat_kept {
                      colours without any */
     double worst; /* the greatest value found, in the same unit; for coverage, the greatest distance
                      of an uncovered point from the nearest splat, which may lie beside the point;
-                     for textures and colours, the value that 5 or 20 of 1000 samples
+                     for textures and colours, the value that 5 or 50 of 1000 samples
                      exceed */
     size_t broken; /* the number of samples, holes, splats or crease edges beyond the limit */
 } psplat_kept;
