@@ -19,7 +19,7 @@
 layout(depth_greater) out highp float gl_FragDepth;
 #endif
 
-#if FINISH && CLIP_COUNT == 4
+#if FINISH && CLIP_COUNT >= 3
 uniform vec3 u_shift;       /* psplat_camera.shift */
 uniform vec2 u_depth_range; /* half and middle of the depth range */
 #else

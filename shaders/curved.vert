@@ -14,7 +14,7 @@
  */
 uniform mat3 u_ray;         /* from (pixel x, pixel y, 1) to the view ray */
 
-#if !(FINISH && CLIP_COUNT == 4)
+#if !(FINISH && CLIP_COUNT >= 3)
 /* Uniforms for fragments, which GLs in software fetch faster where they are flat. With all
  * attributes and lines there is no room for them, as some GLs have only 15 vectors for varyings. */
 uniform vec2 u_depth_range; /* half and middle of the depth range */
@@ -233,7 +233,7 @@ void main() {
     v_shape = vec4(surface.slope, surface.second.xy);
 
     find_fade();
-#if !(FINISH && CLIP_COUNT == 4)
+#if !(FINISH && CLIP_COUNT >= 3)
     v_view = vec4(u_shift.xy, u_depth_range);
 #endif
 #if TEXTURED

@@ -16,9 +16,10 @@
 /* The greatest number of shadow maps, which lie side by side in one texture. */
 #define PSPLAT_SHADOW_COUNT 4
 
-/* The greatest number of lights that the resolve pass hands on from vertices to fragments: there are
- * 15 vectors for that, of which other uniforms take 9 and a light 2. */
-#define PSPLAT_HANDED_ON_LIGHTS 3
+/* The greatest number of lights that the resolve pass hands on from vertices to fragments. There
+ * are 15 vectors for that in GLES 3.0, of which gl_FragCoord takes 1 (GLSL ES 3.00, section 11),
+ * other uniforms take 9 and a light 2. */
+#define PSPLAT_HANDED_ON_LIGHTS 2
 
 /* Which splats of a curved batch a program draws: all; those that no clip line cuts, without lines;
  * the others. */
@@ -43,9 +44,9 @@
  * roughness, metallic; emissive; change of colour with u; change of colour with v. The
  * PSPLAT_FINISH_ bits say which of them a batch has.
  *
- * Texture coordinates (spec 3.11) lie in rows of an RGB32F texture, 2 texels a splat, or 4 where they
- * have a second order: T0, T_u, T_v, T_uu, T_uv, T_vv, two numbers each. Where splats have colours it
- * is an RGBA32F texture, and the fourth numbers are the alpha of COLOR_0. */
+ * Texture coordinates (spec 3.11) lie in rows of an RGB32F texture, 2 texels a splat, or 4 where
+ * they have a second order: T0, T_u, T_v, T_uu, T_uv, T_vv, two numbers each. Where splats have
+ * colours it is an RGBA32F texture, and the fourth numbers are the alpha of COLOR_0. */
 #define PSPLAT_SPLAT_ROW_BITS(is_wide, has_shape) (9 - (is_wide) * (has_shape))
 #define PSPLAT_SPLAT_TEXELS 3
 #define PSPLAT_FINISH_SURFACE 1

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * resolve_inputs.glsl - takes the uniforms of the resolve pass from its vertices (resolve.vert), and
- * reads the render targets by texture coordinates. GPUs do not mind. GLs in software fetch each
- * number of a uniform once for each fragment, but what is flat over a triangle once for the
- * triangle, and texelFetch looks for its level of detail where textureLod of a texture without
- * levels does not. On llvmpipe a fragment of the resolve pass took a third less time.
+ * reads the render targets by texture coordinates. GLs in software fetch each number of a uniform
+ * once for each fragment, but what is flat over a triangle once for the triangle, and texelFetch
+ * looks for its level of detail where textureLod of a texture without levels does not. On llvmpipe
+ * a fragment of the resolve pass took a third less time; on GPUs it was not measured.
  *
  * It comes before shading.glsl and resolve.frag, which declare the uniforms themselves where it is
  * not there, as in three.js.

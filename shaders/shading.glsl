@@ -5,7 +5,8 @@
  * ambient radiance and an environment. All positions and directions are in eye space.
  *
  * resolve_inputs.glsl comes before this file in the resolve pass. gl_program.c defines LIGHT_COUNT,
- * PUNCTUAL (some light is not directional), ENVIRONMENT and SHADOWS; and HOST_LIGHT where a host's resolve function filters the lights (psplat_resolve).
+ * PUNCTUAL (some light is not directional), ENVIRONMENT and SHADOWS; and HOST_LIGHT where a host's
+ * resolve function filters the lights (psplat_resolve).
  */
 #ifndef HANDED_ON
 uniform mat3 u_ray;       /* from (pixel x, pixel y, 1) to the view ray */

@@ -464,7 +464,8 @@ typedef enum psplat_reads {
  *
  * source is valid in GLSL 3.30 and GLSL ES 3.00, has no #version, declares its outputs with
  * locations and defines void resolve(Pixel pixel). It follows shaders/shading.glsl and
- * shaders/resolve.frag, and may use what these define; names that begin with u_ are theirs.
+ * shaders/resolve.frag, and may use what these define; names that begin with u_ or v_ are theirs,
+ * as are target_at and names in capitals.
  *
  *     struct Pixel {
  *         vec3 window;   // pixel x and y in the view (its centres are at 1/2), window depth
