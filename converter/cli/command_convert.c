@@ -157,7 +157,7 @@ static void add_files_and_promises(psplat_option_list *list, arguments *a) {
          "of sRGB's range; 100 does\nnot bound it (default 10 at a tolerance of 0.5 %, changing\n"
          "with its square root); a promise at 950 of 1000 points of what\nsplats blend to, and of "
          "emission, roughness and metallic, each\noff by no more than the tolerance over the "
-         "surface",
+         "surface;\nfiner paint may average out",
          0.1, 100, NULL},
     };
     psplat_options_add(list, group, sizeof group / sizeof *group);

@@ -20,8 +20,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The bounds of the number of points. The share of wrong ones, 5 of 1000, is known to 3 % of itself
- * with the greater one. Chosen by hand. */
+/* The bounds of the number of points. A share of wrong ones of 50 of 1000 is known to 2 % of itself
+ * with the least number, and to 1 % with the greatest. Chosen by hand. */
 enum { LEAST_POINTS = 50000, MOST_POINTS = 250000 };
 
 int psplat_samples_have_look(const psplat_samples *samples) {
