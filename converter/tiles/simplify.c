@@ -45,8 +45,20 @@ static const double lower_share = 0.41;
 /* How often a triangle of the source is quartered for its proof. */
 enum { MOST_QUARTERINGS = 6 };
 
+/* Where the two vertices are that each vertex is locked by, from it along the first axis and the
+ * second one, in sides of the box that holds all others. */
+static const double anchor_offset = 1.5;
+
+/* The edges of some triangles that belong to an odd number of them, as keys in order. */
+typedef struct odd_edges {
+    uint64_t *keys;
+    size_t count;
+} odd_edges;
+
 typedef struct simplifier {
     const psplat_mesh *source;
+    const uint8_t *is_cut; /* of each vertex of the source: it stays, as an end of an edge that
+                              other parts have too, but borders are simplified; NULL: they stay */
     double most, deviation;
     float *unit;              /* positions of the source in its box from 0 to 1 */
     double size;              /* the longest side of that box */
@@ -55,17 +67,53 @@ typedef struct simplifier {
     uint8_t *frozen, *unmade; /* of each triangle of the source: it stays; it could not be proven */
     uint32_t *indices;        /* of the result */
     size_t count;             /* of its triangles */
+    odd_edges odd;            /* of the source */
     int is_strained;          /* proofs failed until less was simplified */
     psplat_proxy_search search;
     psplat_triangle_tree *tree; /* of the source; NULL until it is needed */
 } simplifier;
+
+/* ---- edges ----------------------------------------------------------------------------------- */
+
+static int compare_keys(const void *left, const void *right) {
+    const uint64_t *a = left, *b = right;
+    return (*a > *b) - (*a < *b);
+}
+
+static uint64_t edge_key(uint64_t a, uint64_t b) {
+    return a < b ? a << 32 | b : b << 32 | a;
+}
+
+static uint32_t key_end(uint64_t key, int end) {
+    return (uint32_t)(end ? key : key >> 32);
+}
+
+static psplat_result find_odd_edges(const uint32_t *triangles, size_t count, odd_edges *odd) {
+    odd->keys = malloc((3 * count + 1) * sizeof *odd->keys);
+    odd->count = 0;
+    if (!odd->keys) return PSPLAT_ERROR_MEMORY;
+    for (size_t e = 0; e < 3 * count; ++e) {
+        odd->keys[e] = edge_key(triangles[e], triangles[e % 3 == 2 ? e - 2 : e + 1]);
+    }
+    qsort(odd->keys, 3 * count, sizeof *odd->keys, compare_keys);
+    for (size_t begin = 0, end; begin < 3 * count; begin = end) {
+        for (end = begin; end < 3 * count && odd->keys[end] == odd->keys[begin];) ++end;
+        if ((end - begin) % 2) odd->keys[odd->count++] = odd->keys[begin];
+    }
+    return PSPLAT_OK;
+}
+
+static int has_key(const odd_edges *odd, uint64_t key) {
+    return bsearch(&key, odd->keys, odd->count, sizeof key, compare_keys) != NULL;
+}
 
 /* ---- preparation ----------------------------------------------------------------------------- */
 
 static int set_unit_positions(simplifier *s) {
     const psplat_mesh *mesh = s->source;
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    s->unit = malloc((3 * mesh->vertex_count + 1) * sizeof *s->unit);
+    size_t sets = s->is_cut ? 3 : 1; /* of vertices: with two that lock each */
+    s->unit = malloc((3 * sets * mesh->vertex_count + 1) * sizeof *s->unit);
     if (!s->unit) return 0;
     for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) {
         low[i % 3] = min2(low[i % 3], mesh->positions[i]);
@@ -74,6 +122,11 @@ static int set_unit_positions(simplifier *s) {
     for (int k = 0; k < 3; ++k) s->size = max2(s->size, high[k] - low[k]);
     for (size_t i = 0; i < 3 * mesh->vertex_count && s->size > 0; ++i)
         s->unit[i] = (float)((mesh->positions[i] - low[i % 3]) / s->size);
+    for (size_t i = 3 * mesh->vertex_count; i < 3 * sets * mesh->vertex_count && s->size > 0; ++i) {
+        size_t anchor = i / 3 - mesh->vertex_count;
+        s->unit[i] = s->unit[3 * (anchor / 2) + i % 3];
+        if (i % 3 == anchor % 2) s->unit[i] += (float)anchor_offset;
+    }
     return 1;
 }
 
@@ -84,12 +137,13 @@ static psplat_result prepare(simplifier *s) {
     s->starts = malloc((mesh->vertex_count + 1) * sizeof *s->starts);
     s->frozen = calloc(mesh->triangle_count + 1, 1);
     s->unmade = calloc(mesh->triangle_count + 1, 1);
-    s->indices = malloc((edges + 1) * sizeof *s->indices);
+    s->indices = malloc((edges + 3 * mesh->vertex_count + 1) * sizeof *s->indices);
     s->search.visited = calloc(mesh->triangle_count + 1, sizeof *s->search.visited);
     if (!s->neighbors || !s->starts || !s->frozen || !s->unmade || !s->indices ||
         !s->search.visited || !set_unit_positions(s))
         return PSPLAT_ERROR_MEMORY;
     psplat_result result = psplat_edge_pairs(mesh, s->neighbors, &borders);
+    if (!result) result = find_odd_edges(mesh->triangles, mesh->triangle_count, &s->odd);
     for (size_t e = 0; e < edges && !result; ++e)
         if (s->neighbors[e] != PSPLAT_NONE) s->neighbors[e] /= 3;
     for (uint32_t i = 0; i < edges; ++i) s->starts[mesh->triangles[i]] = i / 3;
@@ -101,19 +155,83 @@ static psplat_result prepare(simplifier *s) {
 
 /* ---- simplification -------------------------------------------------------------------------- */
 
+/* Marks the vertices that have to stay where borders are simplified: those on cuts and at frozen
+ * triangles. A triangle with two of them could vanish along a border that it has, and the edge
+ * between them with it: its third one stays, too. */
+static void find_locked(const simplifier *s, uint8_t *locked) {
+    const psplat_mesh *mesh = s->source;
+    memcpy(locked, s->is_cut, mesh->vertex_count);
+    for (size_t i = 0; i < 3 * mesh->triangle_count; ++i)
+        if (s->frozen[i / 3]) locked[mesh->triangles[i]] = 1;
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        const uint32_t *corners = mesh->triangles + 3 * t, *across = s->neighbors + 3 * t;
+        int has_border = 0, count = 0;
+        for (int k = 0; k < 3; ++k) {
+            has_border |= across[k] == PSPLAT_NONE;
+            count += locked[corners[k]] == 1;
+        }
+        for (int k = 0; k < 3 && has_border && count == 2; ++k)
+            if (!locked[corners[k]]) locked[corners[k]] = 2;
+    }
+}
+
+/* Appends a triangle to each vertex that has to stay: the simplifier moves no vertex at which more
+ * than one border passes. Returns the number of triangles. */
+static size_t append_anchors(const simplifier *s, const uint8_t *locked, size_t count,
+                             uint32_t *triangles) {
+    size_t vertices = s->source->vertex_count;
+    for (size_t v = 0; v < vertices; ++v) {
+        if (!locked[v]) continue;
+        triangles[3 * count] = (uint32_t)v;
+        triangles[3 * count + 1] = (uint32_t)(vertices + 2 * v);
+        triangles[3 * count++ + 2] = (uint32_t)(vertices + 2 * v + 1);
+    }
+    return count;
+}
+
+static void drop_anchors(simplifier *s) {
+    size_t kept = 0;
+    for (size_t t = 0; t < s->count; ++t) {
+        const uint32_t *corners = s->indices + 3 * t;
+        uint32_t vertices = (uint32_t)s->source->vertex_count;
+        if (corners[0] < vertices && corners[1] < vertices && corners[2] < vertices)
+            memmove(s->indices + 3 * kept++, corners, 3 * sizeof *corners);
+    }
+    s->count = kept;
+}
+
+/* Simplifies triangles with borders that stay, or with all but what is locked. */
+static void run_simplifier(simplifier *s, const uint32_t *triangles, size_t count, double part) {
+    size_t vertices = (s->is_cut ? 3 : 1) * s->source->vertex_count, stride = 3 * sizeof *s->unit;
+    double extent = s->is_cut ? (double)meshopt_simplifyScale(s->unit, vertices, stride) : 1;
+    s->count = meshopt_simplify(s->indices, triangles, 3 * count, s->unit, vertices, stride, 0,
+                                (float)(part * s->most / s->size / extent),
+                                s->is_cut ? 0 : meshopt_SimplifyLockBorder, NULL) /
+               3;
+}
+
 static psplat_result simplify(simplifier *s, double part) {
     const psplat_mesh *mesh = s->source;
-    size_t free_count = 0;
-    uint32_t *unfrozen = malloc((3 * mesh->triangle_count + 1) * sizeof *unfrozen);
-    if (!unfrozen) return PSPLAT_ERROR_MEMORY;
+    size_t count = 0;
+    uint32_t *unfrozen =
+        malloc((3 * mesh->triangle_count + 3 * mesh->vertex_count + 1) * sizeof *unfrozen);
+    uint8_t *locked = calloc(mesh->vertex_count + 1, 1);
+    if (!unfrozen || !locked) {
+        free(unfrozen);
+        free(locked);
+        return PSPLAT_ERROR_MEMORY;
+    }
     for (size_t t = 0; t < mesh->triangle_count; ++t)
         if (!s->frozen[t])
-            memcpy(unfrozen + 3 * free_count++, mesh->triangles + 3 * t, 3 * sizeof *unfrozen);
-    s->count = meshopt_simplify(s->indices, unfrozen, 3 * free_count, s->unit, mesh->vertex_count,
-                                3 * sizeof *s->unit, 0, (float)(part * s->most / s->size),
-                                meshopt_SimplifyLockBorder, NULL) /
-               3;
+            memcpy(unfrozen + 3 * count++, mesh->triangles + 3 * t, 3 * sizeof *unfrozen);
+    if (s->is_cut) {
+        find_locked(s, locked);
+        count = append_anchors(s, locked, count, unfrozen);
+    }
+    run_simplifier(s, unfrozen, count, part);
+    if (s->is_cut) drop_anchors(s);
     free(unfrozen);
+    free(locked);
     return PSPLAT_OK;
 }
 
@@ -127,18 +245,35 @@ static void append_frozen(simplifier *s) {
 
 /* ---- proofs ---------------------------------------------------------------------------------- */
 
-/* Returns a number of the edges that belong to an odd number of triangles. Meshes that differ in
- * these have the same number only where 64 random bits agree. */
-static uint64_t border_number(const uint32_t *triangles, size_t count) {
-    uint64_t number = 0;
-    for (size_t e = 0; e < 3 * count; ++e) {
-        uint64_t a = triangles[e], b = triangles[e % 3 == 2 ? e - 2 : e + 1];
-        uint64_t x = a < b ? a << 32 | b : b << 32 | a;
-        x = (x + 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u;
-        x = (x ^ x >> 29) * 0x94d049bb133111ebu;
-        number ^= x ^ x >> 32;
+/* Returns whether an edge of the source that one triangle has, or an odd number, has to stay. */
+static int is_kept(const simplifier *s, uint64_t key) {
+    return !s->is_cut || (s->is_cut[key_end(key, 0)] && s->is_cut[key_end(key, 1)]);
+}
+
+/* Checks that edges that have to stay are there, and that the result has no borders but between
+ * vertices of the source's: none is torn open beside frozen triangles. */
+static psplat_result check_edges(const simplifier *s, int *fits) {
+    odd_edges result;
+    uint8_t *is_border = calloc(s->source->vertex_count + 1, 1);
+    *fits = 1;
+    if (find_odd_edges(s->indices, s->count, &result) || !is_border) {
+        free(result.keys);
+        free(is_border);
+        return PSPLAT_ERROR_MEMORY;
     }
-    return number;
+    for (size_t i = 0; i < s->odd.count; ++i) {
+        uint64_t key = s->odd.keys[i];
+        is_border[key_end(key, 0)] = is_border[key_end(key, 1)] = 1;
+        if (is_kept(s, key)) *fits &= has_key(&result, key);
+    }
+    for (size_t i = 0; i < result.count; ++i) {
+        uint64_t key = result.keys[i];
+        *fits &= s->is_cut ? is_border[key_end(key, 0)] && is_border[key_end(key, 1)]
+                           : has_key(&s->odd, key);
+    }
+    free(result.keys);
+    free(is_border);
+    return PSPLAT_OK;
 }
 
 /* Returns the greatest distance of the corners from one triangle, which bounds that of all points
@@ -262,15 +397,15 @@ static psplat_result run_round(simplifier *s, double part, size_t *failures) {
 static psplat_result run_rounds(simplifier *s) {
     const psplat_mesh *mesh = s->source;
     size_t failures = 1;
+    int fits = 0;
     for (int round = 0; round < ROUNDS && failures; ++round) {
         psplat_result result = run_round(s, simplified_parts[round], &failures);
         if (result) return result;
         if (failures) freeze(s, round + 1);
         s->is_strained = round >= STRAINED_ROUND;
     }
-    if (!failures &&
-        border_number(s->indices, s->count) == border_number(mesh->triangles, mesh->triangle_count))
-        return PSPLAT_OK;
+    if (!failures && check_edges(s, &fits)) return PSPLAT_ERROR_MEMORY;
+    if (fits) return PSPLAT_OK;
     memset(s->frozen, 1, mesh->triangle_count); /* Everything stays. */
     s->count = 0;
     s->deviation = 0;
@@ -287,7 +422,8 @@ static void store_color(const simplifier *s, uint32_t vertex, float color[4]) {
     memcpy(color, s->source->corner_colors + 4 * corner, 4 * sizeof *color);
 }
 
-static psplat_result store(simplifier *s, psplat_mesh *simple) {
+/* Stores the result, and which of its vertices stay if is_cut is not NULL. */
+static psplat_result store(const simplifier *s, psplat_mesh *simple, uint8_t *is_cut) {
     size_t vertices = 0;
     uint32_t *numbers = malloc((s->source->vertex_count + 1) * sizeof *numbers);
     psplat_result result =
@@ -303,6 +439,7 @@ static psplat_result store(simplifier *s, psplat_mesh *simple) {
         uint32_t vertex = s->indices[i];
         if (numbers[vertex] == PSPLAT_NONE) {
             numbers[vertex] = (uint32_t)vertices;
+            if (is_cut) is_cut[vertices] = s->is_cut[vertex];
             memcpy(simple->positions + 3 * vertices++, s->source->positions + 3 * (size_t)vertex,
                    3 * sizeof *simple->positions);
         }
@@ -314,22 +451,44 @@ static psplat_result store(simplifier *s, psplat_mesh *simple) {
     return PSPLAT_OK;
 }
 
+/* A part of a mesh. */
+typedef struct piece {
+    psplat_mesh mesh;
+    uint8_t *is_cut; /* of each vertex, or NULL, as in simplifier */
+    double deviation;
+    int is_strained;
+} piece;
+
+static void piece_free(piece *p) {
+    psplat_mesh_free(&p->mesh);
+    free(p->is_cut);
+    *p = (piece){0};
+}
+
+static psplat_result make_simple(simplifier *s, piece *simple) {
+    psplat_result result = prepare(s);
+    if (!result && s->source->triangle_count && s->size > 0) result = run_rounds(s);
+    if (s->is_cut) simple->is_cut = calloc(s->source->vertex_count + 1, 1);
+    if (s->is_cut && !simple->is_cut) result = PSPLAT_ERROR_MEMORY;
+    if (!result) result = store(s, &simple->mesh, simple->is_cut);
+    simple->deviation = s->deviation;
+    simple->is_strained = s->is_strained;
+    return result;
+}
+
 /* Simplifies a part of a mesh as psplat_tile_simplify does. */
-static psplat_result simplify_part(const psplat_mesh *source, double most, psplat_mesh *simple,
-                                   double *deviation, int *is_strained) {
-    simplifier s = {.source = source, .most = most};
-    *simple = (psplat_mesh){0};
-    psplat_result result = prepare(&s);
-    if (!result && source->triangle_count && s.size > 0) result = run_rounds(&s);
-    if (!result) result = store(&s, simple);
-    *deviation = s.deviation;
-    *is_strained = s.is_strained;
+static psplat_result simplify_part(const piece *source, double most, piece *simple) {
+    simplifier s = {.source = &source->mesh, .is_cut = source->is_cut, .most = most};
+    *simple = (piece){0};
+    psplat_result result = make_simple(&s, simple);
+    if (result) piece_free(simple);
     free(s.unit);
     free(s.neighbors);
     free(s.starts);
     free(s.frozen);
     free(s.unmade);
     free(s.indices);
+    free(s.odd.keys);
     free(s.search.visited);
     free(s.search.stack);
     psplat_triangle_tree_destroy(s.tree);
@@ -344,6 +503,7 @@ typedef struct parts {
     double most, deviation;
     uint32_t *order, *spare; /* triangles */
     psplat_tile_soup soup;   /* the simplified parts */
+    odd_edges odd;           /* of the source, where borders are simplified */
 } parts;
 
 /* Stores a place near the middle of the longest side of the box of some triangles' first corners,
@@ -380,52 +540,70 @@ static size_t halve(parts *p, size_t begin, size_t end, int axis, double middle)
 
 /* Simplifies a part in two steps, where one step may do less because it cannot be proven: the
  * second begins with what the first, of a smaller deviation, has proven. */
-static psplat_result simplify_in_steps(const psplat_mesh *mesh, double most, psplat_mesh *simple,
-                                       double *deviation) {
-    psplat_mesh first;
-    double step;
-    int is_strained;
-    psplat_result result = simplify_part(mesh, first_step * most, &first, deviation, &is_strained);
+static psplat_result simplify_in_steps(const piece *part, double most, piece *simple) {
+    piece first;
+    psplat_result result = simplify_part(part, first_step * most, &first);
     if (result) return result;
-    result = simplify_part(&first, most - *deviation, simple, &step, &is_strained);
-    *deviation += step;
-    psplat_mesh_free(&first);
+    result = simplify_part(&first, most - first.deviation, simple);
+    simple->deviation += first.deviation;
+    piece_free(&first);
     return result;
 }
 
 /* Simplifies a part in one step or in two, whichever leaves fewer triangles. */
-static psplat_result simplify_well(parts *p, const psplat_mesh *mesh, psplat_mesh *simple) {
-    psplat_mesh other = {0};
-    double deviation, other_deviation;
-    int is_strained;
-    psplat_result result = simplify_part(mesh, p->most, simple, &deviation, &is_strained);
-    if (!result && is_strained) result = simplify_in_steps(mesh, p->most, &other, &other_deviation);
-    if (!result && is_strained && other.triangle_count < simple->triangle_count) {
-        psplat_mesh_free(simple);
-        *simple = other;
-        deviation = other_deviation;
-    } else {
-        psplat_mesh_free(&other);
+static psplat_result simplify_well(parts *p, const piece *part, piece *simple) {
+    piece other = {0};
+    psplat_result result = simplify_part(part, p->most, simple);
+    if (!result && simple->is_strained) {
+        result = simplify_in_steps(part, p->most, &other);
+        if (!result && other.mesh.triangle_count < simple->mesh.triangle_count) {
+            piece swap = *simple;
+            *simple = other;
+            other = swap;
+        }
     }
-    if (result)
-        psplat_mesh_free(simple);
-    else
-        p->deviation = max2(p->deviation, deviation);
+    piece_free(&other);
+    if (!result) p->deviation = max2(p->deviation, simple->deviation);
+    return result;
+}
+
+/* Marks the vertices of a part, which has the triangles from begin on, that lie on borders of it
+ * which are none of the source. */
+static psplat_result mark_cuts(const parts *p, size_t begin, piece *part) {
+    size_t corners = 3 * part->mesh.triangle_count;
+    const uint32_t *of_part = part->mesh.triangles;
+    uint32_t *of_source = malloc((part->mesh.vertex_count + 1) * sizeof *of_source);
+    odd_edges odd = {0};
+    part->is_cut = calloc(part->mesh.vertex_count + 1, 1);
+    psplat_result result = of_source && part->is_cut
+                               ? find_odd_edges(of_part, part->mesh.triangle_count, &odd)
+                               : PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < corners && !result; ++i)
+        of_source[of_part[i]] = p->source->triangles[3 * (size_t)p->order[begin + i / 3] + i % 3];
+    for (size_t i = 0; i < odd.count && !result; ++i) {
+        uint32_t ends[2] = {key_end(odd.keys[i], 0), key_end(odd.keys[i], 1)};
+        if (!has_key(&p->odd, edge_key(of_source[ends[0]], of_source[ends[1]])))
+            part->is_cut[ends[0]] = part->is_cut[ends[1]] = 1;
+    }
+    free(of_source);
+    free(odd.keys);
     return result;
 }
 
 /* Adds the simplified mesh of the triangles from begin to end. */
 static psplat_result add_part(parts *p, size_t begin, size_t end) {
-    psplat_tile_soup part = {.has_colors = p->source->corner_colors != NULL};
-    psplat_mesh simple = {0};
+    psplat_tile_soup soup = {.has_colors = p->source->corner_colors != NULL};
+    piece part = {0}, simple = {0};
     psplat_result result = PSPLAT_OK;
     for (size_t i = begin; i < end && !result; ++i)
-        result = psplat_tile_soup_add_triangle(&part, p->source, p->order[i]);
-    if (!result) result = psplat_mesh_weld(&part.mesh, NULL);
-    if (!result) result = simplify_well(p, &part.mesh, &simple);
-    if (!result) result = psplat_tile_soup_add_mesh(&p->soup, &simple);
-    psplat_mesh_free(&simple);
-    psplat_tile_soup_free(&part);
+        result = psplat_tile_soup_add_triangle(&soup, p->source, p->order[i]);
+    if (!result) result = psplat_mesh_weld(&soup.mesh, NULL);
+    part.mesh = soup.mesh;
+    if (!result && p->odd.keys) result = mark_cuts(p, begin, &part);
+    if (!result) result = simplify_well(p, &part, &simple);
+    if (!result) result = psplat_tile_soup_add_mesh(&p->soup, &simple.mesh);
+    piece_free(&simple);
+    piece_free(&part);
     return result;
 }
 
@@ -440,8 +618,8 @@ static psplat_result add_parts(parts *p, size_t begin, size_t end) {
     return result ? result : add_parts(p, begin + lower, end);
 }
 
-psplat_result psplat_tile_simplify(const psplat_mesh *source, double most, psplat_mesh *simple,
-                                   double *deviation) {
+psplat_result psplat_tile_simplify(const psplat_mesh *source, double most, int keeps_border,
+                                   psplat_mesh *simple, double *deviation) {
     parts p = {.source = source, .most = most, .soup.has_colors = source->corner_colors != NULL};
     size_t count = source->triangle_count;
     *simple = (psplat_mesh){0};
@@ -449,11 +627,13 @@ psplat_result psplat_tile_simplify(const psplat_mesh *source, double most, pspla
     p.order = malloc((count + 1) * sizeof *p.order);
     p.spare = malloc((count + 1) * sizeof *p.spare);
     psplat_result result = p.order && p.spare ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    if (!result && !keeps_border) result = find_odd_edges(source->triangles, count, &p.odd);
     for (uint32_t t = 0; t < count && !result; ++t) p.order[t] = t;
     if (!result && count) result = add_parts(&p, 0, count);
     if (!result && count) result = psplat_mesh_weld(&p.soup.mesh, NULL);
     free(p.order);
     free(p.spare);
+    free(p.odd.keys);
     if (!result) {
         *simple = p.soup.mesh;
         *deviation = p.deviation;

@@ -236,11 +236,13 @@ static psplat_result weld(psplat_mesh *mesh, psplat_error *error) {
 
 /* Puts a simplified mesh in the place of a welded one that is n->deviation from the source, so that
  * it is at most so far away in the end. Where that leaves nothing, the mesh stays as it is. */
-static psplat_result simplify(node_run *n, psplat_mesh *mesh, double most, psplat_error *error) {
+static psplat_result simplify(node_run *n, psplat_mesh *mesh, double most, int keeps_border,
+                              psplat_error *error) {
     psplat_mesh simple;
     double step;
     if (!(most > n->deviation)) return PSPLAT_OK;
-    if (psplat_tile_simplify(mesh, most - n->deviation, &simple, &step)) return fail_memory(error);
+    if (psplat_tile_simplify(mesh, most - n->deviation, keeps_border, &simple, &step))
+        return fail_memory(error);
     psplat_mesh_free(mesh);
     *mesh = simple;
     n->deviation += step;
@@ -248,11 +250,12 @@ static psplat_result simplify(node_run *n, psplat_mesh *mesh, double most, pspla
 }
 
 /* Simplifies the united meshes of blocks once more: their borders have all edges of the source, and
- * slivers beside them, whose normals are far from the surface's. */
+ * slivers beside them, whose normals are far from the surface's. So do borders of the source, which
+ * are simplified, too, as nothing has to fit this mesh: those that are handed on keep them. */
 static psplat_result simplify_united(node_run *n, psplat_tile_soup *soup, psplat_error *error) {
     psplat_result result = weld(&soup->mesh, error);
     if (result) return result;
-    return simplify(n, &soup->mesh, united_part * simplified_tolerance(n, n->steps), error);
+    return simplify(n, &soup->mesh, united_part * simplified_tolerance(n, n->steps), 0, error);
 }
 
 static psplat_result convert_block(node_run *n, const psplat_convert_desc *progress,
@@ -288,7 +291,7 @@ static psplat_result write_simplified(node_run *n, psplat_error *error) {
     free(soup.mesh.corner_normals);
     soup.mesh.corner_normals = NULL;
     if (!result && soup.mesh.triangle_count) result = weld(&soup.mesh, error);
-    if (!result && soup.mesh.triangle_count) result = simplify(n, &soup.mesh, most, error);
+    if (!result && soup.mesh.triangle_count) result = simplify(n, &soup.mesh, most, 1, error);
     record->deviation = n->deviation;
     n->run->simplified = soup.mesh.triangle_count;
     if (!result) result = psplat_tile_mesh_write(&soup.mesh, record->deviation, path, error);

@@ -89,7 +89,7 @@ static void deviations_are_kept_both_ways(void **state) {
     for (size_t i = 0; i < 3; ++i) {
         psplat_mesh simple;
         double deviation;
-        assert_int_equal(psplat_tile_simplify(&land, most[i], &simple, &deviation), PSPLAT_OK);
+        assert_int_equal(psplat_tile_simplify(&land, most[i], 1, &simple, &deviation), PSPLAT_OK);
         assert_true(deviation > 0 && deviation <= most[i]);
         assert_true(simple.triangle_count < last);
         last = simple.triangle_count;
@@ -111,7 +111,7 @@ static void blocks_fit_together(void **state) {
     for (uint32_t i = 0; i < 2; ++i) {
         psplat_mesh land = make_land(60 * i, 60, 280, 0), simple;
         double deviation;
-        assert_int_equal(psplat_tile_simplify(&land, 1e-3, &simple, &deviation), PSPLAT_OK);
+        assert_int_equal(psplat_tile_simplify(&land, 1e-3, 1, &simple, &deviation), PSPLAT_OK);
         assert_int_equal(psplat_tile_soup_add_mesh(&both, &simple), PSPLAT_OK);
         psplat_mesh_free(&land);
         psplat_mesh_free(&simple);
@@ -122,12 +122,61 @@ static void blocks_fit_together(void **state) {
     psplat_tile_soup_free(&both);
 }
 
+/* Asserts that all borders of a mesh lie on the rim of a land of so many columns and rows. Returns
+ * how many edges they have. */
+static size_t check_rim(const psplat_mesh *mesh, uint32_t columns, uint32_t rows) {
+    const double most[2] = {0.01 * columns, 0.01 * rows};
+    size_t borders, count = 0;
+    uint32_t *pairs = malloc((3 * mesh->triangle_count + 1) * sizeof *pairs);
+    assert_non_null(pairs);
+    assert_int_equal(psplat_edge_pairs(mesh, pairs, &borders), PSPLAT_OK);
+    for (size_t e = 0; e < 3 * mesh->triangle_count; ++e) {
+        const uint32_t ends[2] = {mesh->triangles[e], mesh->triangles[e % 3 == 2 ? e - 2 : e + 1]};
+        if (pairs[e] != PSPLAT_NONE) continue;
+        ++count;
+        for (int i = 0; i < 2; ++i) {
+            double x = mesh->positions[3 * (size_t)ends[i]];
+            double z = mesh->positions[3 * (size_t)ends[i] + 2];
+            double in = fmin(fmin(x, most[0] - x), fmin(z, most[1] - z));
+            if (!(in <= 1e-9)) /* rounding of sums of 0.01 */
+                fail_msg("a border has a vertex at %g %g, %g inside of the rim", x, z, in);
+        }
+    }
+    free(pairs);
+    return count;
+}
+
+/* Where borders may be simplified, they have as few edges as the surface needs, but those of parts
+ * and of what could not be simplified do not tear, and distances are kept. */
+static void borders_are_simplified_without_gaps(void **state) {
+    (void)state;
+    const uint32_t sizes[3][2] = {{80, 40}, {80, 40}, {70, 240}}; /* the last in two parts */
+    const double most[3] = {3e-3, 9e-3, 3e-3};
+    for (int i = 0; i < 3; ++i) {
+        psplat_mesh land = make_land(0, sizes[i][0], sizes[i][1], 0), simple;
+        double deviation;
+        assert_int_equal(psplat_tile_simplify(&land, most[i], 0, &simple, &deviation), PSPLAT_OK);
+        assert_true(deviation > 0 && deviation <= most[i]);
+        if (i < 2) {
+            check_distance(&simple, &land, deviation);
+            check_distance(&land, &simple, deviation);
+        }
+        size_t edges = check_rim(&simple, sizes[i][0], sizes[i][1]);
+        /* The noise of the borders is far less than the deviation, their waves and cliffs are long:
+         * some tens of edges are enough. */
+        if (!(3 * edges <= 2 * (size_t)(sizes[i][0] + sizes[i][1])))
+            fail_msg("%zu edges of borders are left at %g", edges, most[i]);
+        psplat_mesh_free(&land);
+        psplat_mesh_free(&simple);
+    }
+}
+
 /* Vertices keep their colours, which change along x alone. */
 static void colours_stay_where_they_are(void **state) {
     (void)state;
     psplat_mesh land = make_land(0, 80, 40, 1), simple;
     double deviation;
-    assert_int_equal(psplat_tile_simplify(&land, 5e-4, &simple, &deviation), PSPLAT_OK);
+    assert_int_equal(psplat_tile_simplify(&land, 5e-4, 1, &simple, &deviation), PSPLAT_OK);
     assert_non_null(simple.corner_colors);
     for (size_t i = 0; i < 3 * simple.triangle_count; ++i) {
         double x = simple.positions[3 * (size_t)simple.triangles[i]];
@@ -212,6 +261,7 @@ int test_simplify_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(deviations_are_kept_both_ways),
         cmocka_unit_test(blocks_fit_together),
+        cmocka_unit_test(borders_are_simplified_without_gaps),
         cmocka_unit_test(colours_stay_where_they_are),
         cmocka_unit_test(files_are_whole_or_refused),
         cmocka_unit_test(records_read_back),
