@@ -4,7 +4,11 @@
  * are fitted to the samples in it.
  *
  * The samples are those that the region covers and those that lie a little beyond its rim, on the
- * same chart: coordinates that are interpolated at the rim do not fly off there. Those of curved
+ * same chart: coordinates that are interpolated at the rim do not fly off there. The flood that
+ * gathered them crosses no border of charts, but it may go around the end of one, or once around
+ * the neck of a vase, and come to its other side: in the coordinates that are kept, what lies
+ * behind such a border beyond the rim does not count. A region on trial keeps it, so that one that
+ * ends close to the other side is rather found too large. Coordinates of curved
  * splats are of the second order: on a surface that bends coordinates mostly do, too, and of linear
  * ones up to twice as many splats are needed.
  */
@@ -146,8 +150,8 @@ void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const pspl
     const psplat_scratch *s = context->scratch;
     double beyond = rim_spacings * context->samples->spacing, uvh[3];
     psplat_texcoord_sums sums = {.count = 0};
-    uint32_t first = recorded ? recorded->covered[0] : s->near.samples[s->covered[0]].index;
-    const walled inside = walled_around(context, region, first, beyond);
+    walled inside = {.context = context};
+    if (recorded) inside = walled_around(context, region, recorded->covered[0], beyond);
     for (size_t i = 0; recorded && i < recorded->covered_count; ++i) {
         uint32_t sample = recorded->covered[i];
         psplat_region_local(region, context->samples->positions + 3 * (size_t)sample, uvh);
@@ -156,7 +160,7 @@ void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const pspl
     for (size_t i = 0; i < s->near_count; ++i) {
         if (!counts(context, region, beyond, i)) continue;
         int is_within = counts(context, region, 0, i);
-        if (is_within ? !recorded : !is_behind_wall(&inside, s->near.samples[i].index))
+        if (!(is_within && recorded) && !is_behind_wall(&inside, s->near.samples[i].index))
             add_sample(context, s->near.samples[i].index, s->uvh[i], &sums);
     }
     psplat_texcoord_sums_fit(&sums, region, psplat_region_is_curved(region), fitted);
