@@ -25,7 +25,15 @@ typedef struct psplat_triangle_flood {
 int psplat_triangle_flood_around(psplat_triangle_flood *flood, const psplat_surface *surface,
                                  const psplat_region *region, double margin, uint32_t triangle);
 
-/* Returns whether the last flood met a triangle: one within reach, or next to such a one. */
+/* Floods from a triangle, over edges that are no creases, what the region covers or is no farther
+ * from that than a margin (a length): the triangles that meet it when they are put onto its plane,
+ * at heights that its surface has there. So a flood around the neck of a vase does not come back to
+ * the region from behind. Returns 0 when out of memory. */
+int psplat_triangle_flood_beneath(psplat_triangle_flood *flood, const psplat_surface *surface,
+                                  const psplat_region *region, double margin, uint32_t triangle);
+
+/* Returns whether the last flood met a triangle: one that it is about, that which it started from,
+ * or, of psplat_triangle_flood_around, one next to these. */
 int psplat_triangle_flood_met(const psplat_triangle_flood *flood, uint32_t triangle);
 
 /* Returns whether a triangle comes within reach of a metric's centre. */

@@ -4,16 +4,22 @@
  * are fitted to the samples in it.
  *
  * The samples are those that the region covers and those that lie a little beyond its rim, on the
- * same chart: coordinates that are interpolated at the rim do not fly off there. Those of curved
+ * same chart: coordinates that are interpolated at the rim do not fly off there. The flood that
+ * gathered them crosses no border of charts, but it may go around the end of one, or once around
+ * the neck of a vase, and come to its other side: in the coordinates that are kept, what lies
+ * behind such a border beyond the rim does not count. A region on trial keeps it, so that one that
+ * ends close to the other side is rather found too large. Coordinates of curved
  * splats are of the second order: on a surface that bends coordinates mostly do, too, and of linear
  * ones up to twice as many splats are needed.
  */
 #include "base/region.h"
 #include "base/vector.h"
 #include "features/surface.h"
+#include "fit/crease_segments.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
 #include "fit/texcoord_fit.h"
+#include "mesh/mesh.h"
 #include "splats/splat_texcoord.h"
 
 #include <math.h>
@@ -21,6 +27,98 @@
 /* How far beyond the rim, in spacings, and beyond the tolerance from the surface samples count.
  * Chosen by hand. */
 static const double rim_spacings = 0.75, greatest_height_tolerances = 1.5;
+
+/* How far beside a border, as a part of the way to the middle of its triangle, a sample counts that
+ * lies on it: enough for rounding. */
+static const double beside_border = 1e-3;
+
+/* ---- what is behind a border ----------------------------------------------------------------- */
+
+/* What of a region's surroundings is seen from a point inside, between the creases and borders of
+ * charts that the flood met on both sides (walls). A splat that needs what lies around a bulge of
+ * its own border loses those samples beyond its rim, which it can spare. */
+typedef struct walled {
+    const psplat_fit_context *context;
+    const psplat_region *region;
+    double from[2];    /* (u, v) of a point inside */
+    size_t wall_count; /* in scratch->segments, in (u, v) of the region */
+} walled;
+
+/* Returns whether the last gathering met the triangle across a crease. */
+static int met_across(const psplat_fit_context *context, uint32_t across) {
+    const psplat_neighborhood *near = &context->scratch->near;
+    if (across == PSPLAT_NONE) return 0;
+    return near->stamps[context->samples->clusters.of_triangles[across]] == near->stamp;
+}
+
+/* Finds the walls within a length of a region. */
+static size_t find_walls(const psplat_fit_context *context, const psplat_region *region,
+                         double beyond) {
+    psplat_scratch *s = context->scratch;
+    psplat_region grown = *region;
+    size_t count, kept = 0;
+    int met = 0;
+    for (size_t i = 0; i < s->near.crease_count && !met; ++i)
+        met = met_across(context, context->surface->neighbors[s->near.creases[i]]);
+    if (!met) return 0;
+    grown.line_count = 0;
+    for (int k = 0; k < 2; ++k) grown.radius[k] += beyond;
+    count = psplat_segments_find(context->surface, s->near.creases, s->near.crease_count, &grown,
+                                 2 * context->limits->tolerance, s->segments);
+    for (size_t i = 0; i < count; ++i) {
+        if (!met_across(context, s->segments[i].across)) continue;
+        psplat_segment wall = s->segments[i];
+        for (int k = 0; k < 2; ++k) {
+            wall.a[k] *= grown.radius[k] / region->radius[k];
+            wall.b[k] *= grown.radius[k] / region->radius[k];
+        }
+        s->segments[kept++] = wall;
+    }
+    return kept;
+}
+
+/* Stores where a sample lies in (u, v), a little towards the middle of its triangle. */
+static void place_beside(const walled *w, uint32_t sample, double uv[2]) {
+    const psplat_samples *samples = w->context->samples;
+    const psplat_mesh *mesh = w->context->surface->mesh;
+    double point[3], uvh[3];
+    along3(point, samples->positions + 3 * (size_t)sample, -beside_border,
+           samples->positions + 3 * (size_t)sample);
+    for (int k = 0; k < 3; ++k)
+        mad3(point, beside_border / 3, psplat_mesh_corner(mesh, samples->triangles[sample], k));
+    psplat_region_local(w->region, point, uvh);
+    uv[0] = uvh[0], uv[1] = uvh[1];
+}
+
+/* Returns whether c lies to the left of the way from a to b, or on it. */
+static int is_left(const double a[2], const double b[2], const double c[2]) {
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) >= 0;
+}
+
+/* Returns whether a wall stands between the point inside and a sample. */
+static int is_behind_wall(const walled *w, uint32_t sample) {
+    const psplat_segment *walls = w->context->scratch->segments;
+    double to[2];
+    if (w->wall_count) place_beside(w, sample, to);
+    for (size_t i = 0; i < w->wall_count; ++i) {
+        const double *a = walls[i].a, *b = walls[i].b;
+        if (is_left(w->from, to, a) != is_left(w->from, to, b) &&
+            is_left(a, b, w->from) != is_left(a, b, to))
+            return 1;
+    }
+    return 0;
+}
+
+/* Finds the part of a region's surroundings that a sample lies in. */
+static walled walled_around(const psplat_fit_context *context, const psplat_region *region,
+                            uint32_t sample, double beyond) {
+    walled w = {.context = context, .region = region};
+    w.wall_count = find_walls(context, region, beyond);
+    if (w.wall_count) place_beside(&w, sample, w.from);
+    return w;
+}
+
+/* ---- samples --------------------------------------------------------------------------------- */
 
 /* Returns whether the sample i of the neighbourhood, whose parameters are in the scratch, lies
  * within a length of the region. */
@@ -52,14 +150,19 @@ void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const pspl
     const psplat_scratch *s = context->scratch;
     double beyond = rim_spacings * context->samples->spacing, uvh[3];
     psplat_texcoord_sums sums = {.count = 0};
+    walled inside = {.context = context};
+    if (recorded) inside = walled_around(context, region, recorded->covered[0], beyond);
     for (size_t i = 0; recorded && i < recorded->covered_count; ++i) {
         uint32_t sample = recorded->covered[i];
         psplat_region_local(region, context->samples->positions + 3 * (size_t)sample, uvh);
         add_sample(context, sample, uvh, &sums);
     }
-    for (size_t i = 0; i < s->near_count; ++i)
-        if (counts(context, region, beyond, i) && !(recorded && counts(context, region, 0, i)))
+    for (size_t i = 0; i < s->near_count; ++i) {
+        if (!counts(context, region, beyond, i)) continue;
+        int is_within = counts(context, region, 0, i);
+        if (!(is_within && recorded) && !is_behind_wall(&inside, s->near.samples[i].index))
             add_sample(context, s->near.samples[i].index, s->uvh[i], &sums);
+    }
     psplat_texcoord_sums_fit(&sums, region, psplat_region_is_curved(region), fitted);
 }
 

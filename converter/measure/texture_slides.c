@@ -3,9 +3,10 @@
  * texture_slides.c - how far textures slide over a surface where splats show them.
  *
  * Each sample meets the splats that cover it. These meetings are then looked at splat by splat: the
- * triangles of a splat's samples are flooded up to creases and borders of charts, and the flood
- * that takes most of them is the splat's own chart. So neither a chart beyond a border nor another
- * layer of the surface, closer than the tolerance, counts as what the splat ought to show.
+ * triangles beneath a splat are flooded from its samples up to creases and borders of charts, and
+ * the flood that takes most of them is the splat's own chart. So neither a chart beyond a border
+ * nor another layer of the surface, closer than the tolerance, counts as what the splat ought to
+ * show.
  */
 #include "measure/texture_slides.h"
 
@@ -192,11 +193,11 @@ static void measure(const slides_context *c, meeting *m) {
         psplat_texcoord_sense(texcoord, uvh) * sense_of_triangle(c->surface, kept, triangle) < 0;
 }
 
-/* Floods the chart around a splat from a triangle. Returns 0 when out of memory. */
+/* Floods the chart beneath a splat from a triangle. Returns 0 when out of memory. */
 static int flood(const slides_context *c, uint32_t splat, uint32_t triangle,
                  psplat_triangle_flood *near) {
-    return psplat_triangle_flood_around(near, c->surface, &c->measured->regions[splat],
-                                        c->measured->tolerance, triangle);
+    return psplat_triangle_flood_beneath(near, c->surface, &c->measured->regions[splat],
+                                         c->measured->tolerance, triangle);
 }
 
 /* Finds the chart to which most meetings of a splat belong, and measures these. The others become

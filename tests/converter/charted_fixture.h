@@ -58,4 +58,36 @@ static inline void place_square(double s, double t, double p[3]) {
     p[0] = 2 * s - 1, p[1] = 2 * t - 1, p[2] = 0;
 }
 
+/* ---- a tube whose image is wound around it once -----------------------------------------------
+ */
+
+/* The columns of a tube's grid, its radius, its length, and the angle of its seam around the z axis
+ * from x on. */
+enum { CHARTED_TUBE_CELLS = 48 };
+static const double charted_tube_radius = 0.2, charted_tube_length = 1.2;
+static const double charted_tube_seam = 0.2;
+
+static inline void place_tube(double s, double t, double p[3]) {
+    double angle = charted_tube_seam + 2 * fixture_pi * s;
+    p[0] = charted_tube_radius * cos(angle), p[1] = charted_tube_radius * sin(angle);
+    p[2] = charted_tube_length * (t - 0.5);
+}
+
+/* s goes from 0 at the seam once around to 1, t is z. */
+static inline void chart_tube(uint32_t triangle, const double p[3], float uv[2]) {
+    double around = (atan2(p[1], p[0]) - charted_tube_seam) / (2 * fixture_pi);
+    double column = (triangle / 2 % CHARTED_TUBE_CELLS + 0.5) / CHARTED_TUBE_CELLS;
+    uv[0] = (float)(around + rint(column - around));
+    uv[1] = (float)p[2];
+}
+
+/* Makes a tube that is closed at its seam, which is a border of charts, and builds its surface. */
+static inline void charted_make_tube(charted *c) {
+    charted_make(c, CHARTED_TUBE_CELLS, place_tube, chart_tube);
+    uint32_t *corners = c->f.mesh.triangles, row = CHARTED_TUBE_CELLS + 1;
+    for (size_t i = 0; i < 3 * c->f.mesh.triangle_count; ++i)
+        if (corners[i] % row == CHARTED_TUBE_CELLS) corners[i] -= CHARTED_TUBE_CELLS;
+    charted_build(c, fixture_crease_angle);
+}
+
 #endif
