@@ -6,7 +6,8 @@ set -eu
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 cd "$scratch"
-mkdir bin folder folder/node_modules
+mkdir -p bin folder/node_modules/three folder/node_modules/@esbuild/aix
+touch folder/node_modules/three/package.json folder/node_modules/@esbuild/aix/package.json
 printf '#!/bin/sh\necho "$@" >>"%s/calls"\n' "$scratch" >bin/npm
 chmod +x bin/npm
 PATH="$scratch/bin:$PATH"
@@ -29,6 +30,14 @@ expect 1 'nothing' ''
 expect 1 'another package' "$foreign"
 expect 1 'another version of an optional one' "$three, \"node_modules/@esbuild/aix\": {\"version\": \"0.9.0\"}"
 grep -qx 'ci --prefix folder --no-audit --no-fund --loglevel=error' calls || { echo "called: $(cat calls)" >&2; exit 1; }
+rm folder/node_modules/@esbuild/aix/package.json
+expect 1 'an optional one whose files are gone' "$three, $foreign"
+rm -r folder/node_modules/three
+expect 1 'one whose folder is gone' "$three"
+mkdir folder/node_modules/three
+expect 1 'one whose folder is empty' "$three"
+touch folder/node_modules/three/package.json
+expect 0 'all are there again' "$three"
 rm folder/node_modules/.package-lock.json
 : >calls
 "$SOURCE_DIR/samples/npm_ci.sh" folder

@@ -236,6 +236,59 @@ test('animations play in a loop, on both sides alike, and a button stops them', 
     await page.close();
 });
 
+/** Returns a .glb whose JSON was changed. */
+function changedGlb(path, change) {
+    const glb = readFileSync(path), end = 20 + glb.readUInt32LE(12), json = JSON.parse(glb.toString('utf8', 20, end));
+    change(json);
+    const plain = Buffer.from(JSON.stringify(json)), padded = Buffer.concat([plain, Buffer.alloc(-plain.length & 3, ' ')]), head = Buffer.from(glb.subarray(0, 20));
+    head.writeUInt32LE(20 + padded.length + glb.length - end, 8);
+    head.writeUInt32LE(padded.length, 12);
+    return Buffer.concat([head, padded, glb.subarray(end)]);
+}
+
+/** Makes an animation one of a single moment. */
+function stop(json, { samplers }) {
+    for (const sampler of samplers) {
+        for (const key of ['input', 'output']) {
+            const accessor = { ...json.accessors[sampler[key]], count: sampler.interpolation === 'CUBICSPLINE' && key === 'output' ? 3 : 1 };
+            if (key === 'input') accessor.max = accessor.min;
+            sampler[key] = json.accessors.push(accessor) - 1;
+        }
+    }
+}
+
+/** Makes an animation one of a node that shows nothing, as a camera's path is. */
+function lead(json, { channels }) {
+    const eye = json.nodes.push({ name: 'eye' }) - 1;
+    json.scenes[0].nodes.push(eye);
+    for (const { target } of channels) target.node = eye;
+}
+
+test('animations in which nothing moves are not played', async () => {
+    const still = changedGlb(join(converted, 'clockwork.glb'), (json) => {
+        json.animations.splice(2);
+        stop(json, json.animations[0]);
+        lead(json, json.animations[1]);
+    });
+    const page = await openViewer('');
+    await drop(page, [['still.glb', still.toString('base64')]]);
+    await page.waitForFunction('document.getElementById("splats").textContent');
+    assert.equal(await page.$eval('#motion', (e) => e.hidden), true);
+    await covered(page);
+    assert.deepEqual(await watch(page, 1, 1), { drawn: 0, seconds: 0 });
+    // Beside such animations, those that move something are played as ever.
+    const mixed = changedGlb(join(converted, 'clockwork.glb'), (json) => {
+        stop(json, json.animations[0]);
+        lead(json, json.animations[2]);
+    });
+    await drop(page, [['mixed.glb', mixed.toString('base64')]]);
+    await page.waitForFunction('document.getElementById("splats").textContent.startsWith("mixed.glb")');
+    assert.deepEqual(await page.$$eval('#clip option', (list) => list.map((option) => option.text)), ['bounce']);
+    assert.ok((await watch(page, 3, 60)).drawn >= 3);
+    assert.deepEqual(page.errors, []);
+    await page.close();
+});
+
 test('animations wait for the button where the reader wants little motion', async () => {
     const page = await openViewer('');
     await page.emulateMediaFeatures([{ name: 'prefers-reduced-motion', value: 'reduce' }]);

@@ -61,13 +61,17 @@ export interface SplatLevelErrors {
 export class PhongSplatsLOD extends LOD {
     constructor(levels?: (SplatLevelErrors & { object: PhongSplats })[]);
     readonly isPhongSplatsLOD: true;
-    /** Greatest error of what is shown, pixels; 0.5 unless set. */
+    /** Greatest error of what is shown, pixels; 0.5 unless set, and where it is not above 0, as in the C runtime. */
     tau: number;
     /** 0 to 1: by this part of tau less must a level err that is coarser than the current one; 0.1 unless set. */
     hysteresis: number;
-    /** Width and height of pictures, pixels; null: those of the last one that showed the object. */
+    /** Width and height of pictures, pixels; null: those of the viewport that is drawn, and of the window before the first picture. */
     resolution: Vector2 | null;
     readonly currentLevel: number;
+    /** Throws: levels have errors, not distances, and are given to the constructor. */
+    addLevel(): never;
+    /** Throws, as addLevel() does. */
+    removeLevel(): never;
     /** The level for a picture of so many pixels, as psplat_model_choose_level of the C runtime chooses. Changes nothing. */
     chooseLevel(camera: Camera, width: number, height: number, options?: { tau?: number; hysteresis?: number; current?: number }): number;
     /** Shows a level, until the next render chooses one. */

@@ -2,13 +2,15 @@
 //
 // levels.js - levels of detail of a mesh (section 3.13): an object that shows the one that suits the
 // view, chosen as psplat_model_choose_level of the C runtime does.
-import { LOD, Matrix4, Object3D, Vector2 } from 'three';
+import { LOD, Matrix4, Object3D, Vector2, Vector4 } from 'three';
 
 // Where normals err by so many degrees, the outline counts as it is; the weight of normals beside
 // outlines, and of the proven distance (eq. 4d).
 const USUAL_NORMAL = 5, NORMAL_EXPONENT = 1.5, DISTANCE_WEIGHT = 0.25;
 
-const modelview = new Matrix4();
+const DEFAULT_TAU = 0.5; // pixels
+
+const modelview = new Matrix4(), viewport = new Vector4();
 
 /** @returns the error of a level as it is seen, in pixels, where a unit is so many pixels. */
 export function levelError({ distance, normal, outline }, pixels) {
@@ -47,11 +49,22 @@ export class PhongSplatsLOD extends LOD {
         super();
         this.type = 'PhongSplatsLOD';
         this.isPhongSplatsLOD = true;
-        this.tau = 0.5;
+        this.tau = DEFAULT_TAU;
         this.hysteresis = 0.1;
         this.resolution = null;
         this.currentLevel = 0;
+        this.views = new WeakMap(); // by camera: what drew the object with it last, and which level
+        this.lastRenderer = null;
         this.addLevels(levels);
+    }
+
+    /** three's way to add an object from a distance on, which says nothing of errors. */
+    addLevel() {
+        throw new Error('PhongSplatsLOD: levels and their errors are given to the constructor, not to addLevel');
+    }
+
+    removeLevel() {
+        throw new Error('PhongSplatsLOD: levels stay as the constructor made them; make another object of those that remain');
     }
 
     addLevels(levels) {
@@ -77,7 +90,7 @@ export class PhongSplatsLOD extends LOD {
     }
 
     /** @returns the coarsest level whose error in pixels, at the corner of the finest one's box that is
-     *  nearest to the eye, is at most tau. Changes nothing. */
+     *  nearest to the eye, is at most tau; a tau that is not above 0 is the default. Changes nothing. */
     chooseLevel(camera, width, height, { tau = this.tau, hysteresis = this.hysteresis, current = this.currentLevel } = {}) {
         const p = camera.projectionMatrix.elements, last = this.levels.length - 1;
         if (last < 1) return 0;
@@ -87,9 +100,10 @@ export class PhongSplatsLOD extends LOD {
         if (!(least > 0)) return 0;
         const atOne = 0.5 * Math.max(Math.hypot(p[0], p[4], p[8]) * width, Math.hypot(p[1], p[5], p[9]) * height);
         const pixels = atOne * stretchOf(modelview) / least;
+        const limit = tau > 0 ? tau : DEFAULT_TAU;
         let chosen = 0;
         for (let level = 1; level <= last; ++level) {
-            const most = level > current ? tau * (1 - hysteresis) : tau;
+            const most = level > current ? limit * (1 - hysteresis) : limit;
             if (!(levelError(this.levels[level].errors, pixels) <= most)) break;
             chosen = level;
         }
@@ -101,16 +115,36 @@ export class PhongSplatsLOD extends LOD {
         this.levels.forEach(({ object }, k) => { object.visible = k === level; });
     }
 
-    /** three's hook before each render. The picture is taken to be as large as the last one that showed
-     *  the object, and as the window before there was one. */
+    viewOf(camera) {
+        if (!this.views.has(camera)) this.views.set(camera, { renderer: null, level: this.currentLevel });
+        return this.views.get(camera);
+    }
+
+    /** Tells what draws one of the levels with a camera. Renderers are not kept alive. */
+    noteRenderer(camera, renderer) {
+        const view = this.viewOf(camera);
+        if (view.renderer?.deref() !== renderer) view.renderer = new WeakRef(renderer);
+        this.lastRenderer = view.renderer;
+    }
+
+    /** @returns the size of the picture that is about to be drawn with a camera, null if none is known:
+     *  that of the viewport that its renderer has now; the renderer is the one that drew with the camera
+     *  last, or any that drew the object. Before one did, the picture is taken to be as large as the window. */
+    sizeOf(camera) {
+        const eyes = (camera.cameras ?? []).filter((eye) => eye.viewport);
+        if (eyes.length) return new Vector2(Math.max(...eyes.map((eye) => eye.viewport.z)), Math.max(...eyes.map((eye) => eye.viewport.w)));
+        const renderer = (this.views.get(camera)?.renderer ?? this.lastRenderer)?.deref();
+        if (renderer) return new Vector2(renderer.getCurrentViewport(viewport).z, viewport.w);
+        const { innerWidth, innerHeight } = globalThis; // workers have none
+        return innerWidth > 0 && innerHeight > 0 ? new Vector2(innerWidth, innerHeight) : null;
+    }
+
+    /** three's hook before each render: shows the level for its picture. */
     update(camera) {
         if (!this.levels.length) return;
-        const seen = this.levels[this.currentLevel].object.pictureSize;
-        const size = this.resolution ?? (seen.x > 0 ? seen : new Vector2(globalThis.innerWidth, globalThis.innerHeight));
-        const level = this.chooseLevel(camera, size.x, size.y);
-        if (level === this.currentLevel) return;
-        this.levels[level].object.pictureSize.copy(seen);
-        this.showLevel(level);
+        const view = this.viewOf(camera), size = this.resolution ?? this.sizeOf(camera);
+        view.level = size ? this.chooseLevel(camera, size.x, size.y, { current: view.level }) : 0;
+        if (view.level !== this.currentLevel) this.showLevel(view.level);
     }
 
     /** A ray hits what is shown. */

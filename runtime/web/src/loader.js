@@ -4,12 +4,13 @@
 // PhongSplats.
 import { Group, Matrix4, MeshStandardMaterial, Quaternion, Vector3 } from 'three';
 import { decodePrimitive, EXTENSION } from './decode.js';
+import { readLevels, splatsOf } from './level_list.js';
 import { PhongSplatsLOD } from './levels.js';
 import { PhongSplats } from './splats.js';
 
 const INSTANCING = 'EXT_mesh_gpu_instancing';
 
-const isSplats = (primitive) => primitive.extensions?.[EXTENSION] !== undefined;
+const isSplats = (primitive) => splatsOf(primitive) !== undefined;
 
 /** @returns whether a primitive has the extension's attributes but not its object (section 6.2). */
 const isStripped = (primitive) => !isSplats(primitive) && Object.keys(primitive.attributes ?? {}).some((name) => name.includes(`${EXTENSION}:`));
@@ -78,8 +79,8 @@ export class GLTFPhongSplats {
     async loadSplats(index, named = this.parser.json.meshes[index]) {
         const { json } = this.parser, mesh = json.meshes[index];
         if (!json.extensionsUsed?.includes(EXTENSION)) throw new Error(`${EXTENSION}: extensionsUsed does not list it`);
-        const levels = this.usesLevels ? mesh.primitives.find(isSplats).extensions[EXTENSION].levels : null;
-        const splats = levels?.length > 1 ? await this.makeLevels(index, levels) : await this.makeSplats(index);
+        const levels = readLevels(json, index);
+        const splats = this.usesLevels && levels.length > 1 ? await this.makeLevels(levels) : await this.makeSplats(index);
         splats.name = this.parser.createUniqueName(named.name || `mesh_${index}`);
         if (mesh.extras) splats.userData = { ...mesh.extras };
         const others = mesh.primitives.filter((primitive) => !isSplats(primitive));
@@ -96,17 +97,13 @@ export class GLTFPhongSplats {
         return new PhongSplats(batches, material, materials);
     }
 
-    /** @returns an object that shows one of the levels of a mesh (section 3.13). */
-    async makeLevels(index, levels) {
-        const { json } = this.parser;
-        return new PhongSplatsLOD(await Promise.all(levels.map(async ({ mesh, distance, normal, outline, scale = 1, translation = [0, 0, 0] }, k) => {
-            const own = k ? mesh : index, fail = (text) => { throw new Error(`${EXTENSION}: mesh ${index}, level ${k} ${text}`); };
-            if (!json.meshes[own]?.primitives.some(isSplats)) fail(`is mesh ${own}, which has no splats`);
-            if (![distance, normal, outline].every((x) => x >= 0 && Number.isFinite(x))) fail('has errors that are no numbers from 0 on');
-            const object = await this.makeSplats(own);
+    /** @returns an object that shows one of the levels of a mesh, as readLevels tells them. */
+    async makeLevels(levels) {
+        return new PhongSplatsLOD(await Promise.all(levels.map(async ({ mesh, scale, translation, ...errors }) => {
+            const object = await this.makeSplats(mesh);
             object.scale.setScalar(scale);
             object.position.fromArray(translation);
-            return { object, distance, normal, outline };
+            return { object, ...errors };
         })));
     }
 

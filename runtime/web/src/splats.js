@@ -161,6 +161,7 @@ export class PhongSplats extends Mesh {
         if (camera.viewport) viewport.copy(camera.viewport);
         else renderer.getCurrentViewport(viewport);
         this.pictureSize.set(viewport.z, viewport.w);
+        if (this.parent?.isPhongSplatsLOD) this.parent.noteRenderer(camera, renderer);
         const { frame, id } = takeFrame(this, renderer, scene, camera, viewport);
         this.findRect(viewport.z, viewport.w, rect);
         // three turns front faces with the object's matrix; the rectangle is turned along.

@@ -96,6 +96,16 @@ const motion = { seconds: 0, isPlaying: !matchMedia('(prefers-reduced-motion: re
 
 const movingSides = () => Object.values(sides).filter((side) => side?.mixer);
 
+/** @returns whether an animation moves anything that is drawn: not one of a single moment, nor of a camera. Bones
+ *  deform what is drawn elsewhere. */
+function isMotion(root, { duration, tracks }) {
+    const isDrawn = (object) => object.isMesh || object.isPoints || object.isLine || object.isBone || object.children.some(isDrawn);
+    return duration > 0 && tracks.some(({ name }) => {
+        const moved = THREE.PropertyBinding.findNode(root, THREE.PropertyBinding.parseTrackName(name).nodeName);
+        return moved && isDrawn(moved);
+    });
+}
+
 /** Moves both sides on to the time of a frame, and asks for the next one while they play. */
 function advance(now) {
     const moving = movingSides();
@@ -217,7 +227,7 @@ async function parse(name, buffer, path, files) {
     const loaders = loadersFor(files);
     if (/\.obj$/i.test(name)) return { root: await parseObj(new TextDecoder().decode(buffer), path, files, loaders), animations: [] };
     const { scene: root, animations } = await loaders.gltf.parseAsync(buffer, path);
-    return { root, animations };
+    return { root, animations: animations.filter((animation) => isMotion(root, animation)) };
 }
 
 function count(root) {
