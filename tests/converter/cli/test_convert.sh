@@ -53,9 +53,9 @@ rm out/third.glb
 "$PHONGSPLAT" convert cube.obj - -t 2 --normal-tolerance 5 --report out/promise.json >/dev/null </dev/null || fail "normals of a cube"
 node - out/cube.json out/promise.json <<'JS' || fail "promises"
 const [r, n] = process.argv.slice(2).map((path) => JSON.parse(require('fs').readFileSync(path, 'utf8')));
-if (!r.kept || r.places.length || Object.keys(r.promises).join() !== 'coverage,distance,normal,crease,texture') throw Error('kept');
+if (!r.kept || r.places.length || Object.keys(r.promises).join() !== 'coverage,distance,normal,crease,texture,color') throw Error('kept');
 for (const [name, p] of Object.entries(r.promises)) {
-    if (!p.kept || p.broken || p.given !== (name !== 'normal' && name !== 'texture') || p.limit !== (p.given ? 2 : 0)) throw Error(name);
+    if (!p.kept || p.broken || p.given === ['normal', 'texture', 'color'].includes(name) || p.limit !== (p.given ? 2 : 0)) throw Error(name);
     if (p.given && !(p.worst <= p.limit * 1.000001)) throw Error(name + ' worst');
 }
 if (!n.promises.normal.given || n.promises.normal.limit !== 5 || !(n.promises.normal.worst <= 5)) throw Error('normal');
