@@ -36,22 +36,19 @@ typedef struct text {
 } text;
 
 static void add(text *t, const char *format, ...) {
+    char line[1 << 14];
     va_list list;
-    for (int is_written = 0; !is_written;) {
-        va_start(list, format);
-        int length =
-            vsnprintf(t->bytes ? t->bytes + t->size : NULL, t->capacity - t->size, format, list);
-        va_end(list);
-        assert_true(length >= 0);
-        is_written = t->size + (size_t)length < t->capacity;
-        if (is_written) {
-            t->size += (size_t)length;
-        } else {
-            t->capacity = 2 * t->capacity + (size_t)length + 1;
-            t->bytes = realloc(t->bytes, t->capacity);
-            assert_non_null(t->bytes);
-        }
+    va_start(list, format);
+    int length = vsnprintf(line, sizeof line, format, list);
+    va_end(list);
+    assert_in_range(length, 0, sizeof line - 1);
+    if (t->size + (size_t)length >= t->capacity) {
+        t->capacity = 2 * t->capacity + sizeof line;
+        t->bytes = realloc(t->bytes, t->capacity);
+        assert_non_null(t->bytes);
     }
+    memcpy(t->bytes + t->size, line, (size_t)length + 1);
+    t->size += (size_t)length;
 }
 
 /* Adds a primitive of count splats that lie on one another, and its list of levels if any. */
