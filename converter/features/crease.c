@@ -8,7 +8,8 @@
  * creases that are left, crease_follow.c continues along weaker edges, since creases fade out.
  * Edges between groups of the file, and edges that its normals make hard (authored_normals.c), are
  * creases at any angle and length. With PSPLAT_NO_CREASES only borders are creases. Last come the
- * borders of charts (chart_borders.c), which bound patches and are no creases.
+ * borders of charts (chart_borders.c) and tangent edges (tangent_edges.c), which bound patches and
+ * are no creases.
  */
 #include "features/crease.h"
 
@@ -19,6 +20,8 @@
 #include "features/crease_follow.h"
 #include "features/curvature.h"
 #include "features/surface.h"
+#include "features/surface_build.h"
+#include "features/tangent_edges.h"
 #include "mesh/edges.h"
 #include "mesh/mesh.h"
 
@@ -198,9 +201,10 @@ static void mark_borders(psplat_surface *surface) {
         surface->creases[e] = surface->neighbors[e] == PSPLAT_NONE;
 }
 
-psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle,
+psplat_result psplat_crease_find(psplat_surface *surface, const psplat_patch_bounds *bounds,
                                  const uint8_t *authored) {
     psplat_result result = PSPLAT_OK;
+    double crease_angle = bounds->crease_angle;
     crease_rule rule = {
         .crease_angle = crease_angle,
         .weak_angle = max2(weak_angle_fraction * crease_angle, crease_angle - max_angle_reduction),
@@ -210,6 +214,7 @@ psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle,
     else
         result = find_creases(surface, &rule);
     if (!result) result = psplat_chart_borders_mark(surface);
+    if (!result) result = psplat_tangent_edges_mark(surface, bounds->tolerance);
     if (!result) result = number_patches(surface);
     if (!result) measure_edges(surface);
     return result;

@@ -8,13 +8,13 @@
 #include <phongsplat/splat.h>
 
 #include "features/surface.h"
+#include "features/surface_build.h"
 
 #include <stdint.h>
 
 /* Fills in creases, patches, patch_count, crease_edges and roughness of a surface whose neighbours
- * are known. crease_angle is in radians; authored comes from psplat_authored_read. Fails only with
- * PSPLAT_ERROR_MEMORY. */
-psplat_result psplat_crease_find(psplat_surface *surface, double crease_angle,
+ * are known. authored comes from psplat_authored_read. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_crease_find(psplat_surface *surface, const psplat_patch_bounds *bounds,
                                  const uint8_t *authored);
 
 #endif

@@ -133,11 +133,11 @@ static psplat_result set_normals(psplat_surface *surface, const uint8_t *authore
 }
 
 /* Finds neighbours, creases, patches and normals, after the faces have been measured. */
-static psplat_result build(psplat_surface *surface, double crease_angle) {
+static psplat_result build(psplat_surface *surface, const psplat_patch_bounds *bounds) {
     uint8_t *authored = malloc(3 * surface->mesh->triangle_count);
     psplat_result result = authored ? find_neighbors(surface) : PSPLAT_ERROR_MEMORY;
     if (!result) result = psplat_authored_read(surface, authored);
-    if (!result) result = psplat_crease_find(surface, crease_angle, authored);
+    if (!result) result = psplat_crease_find(surface, bounds, authored);
     if (!result) result = set_normals(surface, authored);
     free(authored);
     return result;
@@ -145,15 +145,15 @@ static psplat_result build(psplat_surface *surface, double crease_angle) {
 
 psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
                                    psplat_surface *surface, psplat_error *error) {
-    return psplat_surface_build_with_charts(mesh, NULL, crease_angle, surface, error);
+    const psplat_patch_bounds bounds = {.crease_angle = crease_angle};
+    return psplat_surface_build_bounded(mesh, &bounds, surface, error);
 }
 
-psplat_result psplat_surface_build_with_charts(const psplat_mesh *mesh,
-                                               const psplat_appearance *appearance,
-                                               double crease_angle, psplat_surface *surface,
-                                               psplat_error *error) {
+psplat_result psplat_surface_build_bounded(const psplat_mesh *mesh,
+                                           const psplat_patch_bounds *bounds,
+                                           psplat_surface *surface, psplat_error *error) {
     size_t count = mesh->triangle_count;
-    *surface = (psplat_surface){.mesh = mesh, .appearance = appearance};
+    *surface = (psplat_surface){.mesh = mesh, .appearance = bounds->appearance};
     if (!count) return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "the mesh has no triangles");
     if (count > (PSPLAT_NONE - 1) / 3) /* edges are 3 times the triangle, plus 0, 1 or 2 */
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0, "%zu triangles are too many", count);
@@ -167,7 +167,7 @@ psplat_result psplat_surface_build_with_charts(const psplat_mesh *mesh,
     psplat_result result = allocated ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     if (!result) {
         measure_faces(surface);
-        result = build(surface, crease_angle);
+        result = build(surface, bounds);
     }
     if (!result) return PSPLAT_OK;
     psplat_surface_free(surface);

@@ -23,11 +23,20 @@
 psplat_result psplat_surface_build(const psplat_mesh *mesh, double crease_angle,
                                    psplat_surface *surface, psplat_error *error);
 
-/* The same for a mesh of this appearance, which must live as long and may be NULL. Where it keeps
- * textures, the borders of their charts bound patches too, whatever the crease angle is. */
-psplat_result psplat_surface_build_with_charts(const psplat_mesh *mesh,
-                                               const psplat_appearance *appearance,
-                                               double crease_angle, psplat_surface *surface,
-                                               psplat_error *error);
+/* What bounds patches besides borders. */
+typedef struct psplat_patch_bounds {
+    double crease_angle; /* as above */
+    /* Of the mesh; must live as long; or NULL. Where it keeps textures, the borders of their charts
+     * bound patches too, whatever the crease angle is. */
+    const psplat_appearance *appearance;
+    /* The greatest distance of splats from the surface, a length: tangent edges over which they
+     * would reach bound patches too (tangent_edges.h). 0: none do. */
+    double tolerance;
+} psplat_patch_bounds;
+
+/* The same with these bounds. */
+psplat_result psplat_surface_build_bounded(const psplat_mesh *mesh,
+                                           const psplat_patch_bounds *bounds,
+                                           psplat_surface *surface, psplat_error *error);
 
 #endif

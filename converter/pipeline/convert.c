@@ -186,6 +186,7 @@ static void count_for_report(const psplat_conversion *c, psplat_report *report) 
     report->crease_edges = c->surface.crease_edges;
     report->border_edges = c->surface.border_edges;
     report->chart_border_edges = c->surface.chart_border_edges;
+    report->tangent_edges = c->surface.tangent_edges;
     report->samples = c->samples.count;
     report->diagonal = c->diagonal;
     report->tolerance_percent = c->percent;

@@ -35,6 +35,7 @@ static void add_counts(psplat_report *total, const psplat_report *part) {
     total->crease_edges += part->crease_edges;
     total->border_edges += part->border_edges;
     total->chart_border_edges += part->chart_border_edges;
+    total->tangent_edges += part->tangent_edges;
     total->samples += part->samples;
     total->uncovered_samples += part->uncovered_samples;
 }

@@ -9,8 +9,8 @@
  * tangent planes at the crease are taken. Lines are never moved in: a splat that reaches a little
  * behind its neighbour is hidden, but a crack is seen.
  *
- * Where a splat ends at a border of charts the surface goes on, so that planes do not cut there:
- * two splats overlap instead, as they do elsewhere.
+ * Where a splat ends at a border of charts or at a tangent edge the surface goes on, so that planes
+ * do not cut there: two splats overlap instead, as they do elsewhere.
  */
 #include "select/close_seams.h"
 
@@ -46,9 +46,9 @@ static const double greatest_bent_move_tolerances = 0.2;
 /* How far a line may reach beyond any point of its crease once it is moved, in tolerances. The
  * value of a bent line changes at another rate at each of its points. */
 static const double greatest_reach_tolerances = 0.8;
-/* How far a splat reaches beyond a border of charts, in tolerances: slanted views see no crack
- * then, and the strip where the texture of the wrong chart is mixed in is narrow. */
-static const double chart_reach_tolerances = 0.4;
+/* How far a splat reaches beyond a border where the surface goes on, in tolerances: slanted views
+ * see no crack then, and the strip where the texture of the wrong chart is mixed in is narrow. */
+static const double smooth_reach_tolerances = 0.4;
 /* How far outside its own region (of the unit ellipse) a splat still counts as lying at a crease
  * point. */
 static const double region_slack = 0.005;
@@ -119,7 +119,7 @@ typedef struct closer {
 
 /* Raises the move of the line at a crease point (u, v, height in the region), in units of the
  * line's value, to that at which it meets the nearest surface across the crease there, if there is
- * a triangle across, and at a border of charts to the reach over it. Lowers the line's limit to the
+ * a triangle across, and at a smooth border to the reach over it. Lowers the line's limit to the
  * move that reaches as far over the crease there as it may. */
 static void find_move_at_point(const psplat_fit_context *context, const closer *closer,
                                const psplat_region *region, const double uvh[3],
@@ -137,8 +137,8 @@ static void find_move_at_point(const psplat_fit_context *context, const closer *
     double reach = psplat_region_line_value(region, i, uvh);
     limits[i] = min2(limits[i], greatest_reach_tolerances * c.tolerance * rate - reach);
     if (across == PSPLAT_NONE) return;
-    if (segment->is_chart)
-        moves[i] = max2(moves[i], chart_reach_tolerances * c.tolerance * rate - reach);
+    if (segment->is_smooth)
+        moves[i] = max2(moves[i], smooth_reach_tolerances * c.tolerance * rate - reach);
     psplat_region_point(region, uvh, c.foot);
     psplat_region_normal(region, uvh, normal);
     memcpy(c.point, c.foot, sizeof c.point);

@@ -248,6 +248,14 @@ static psplat_result build_appearance(psplat_conversion *c, const psplat_mesh *m
     return psplat_fail(error, result, 0, "the textures do not fit into memory");
 }
 
+/* Returns the tolerance by which tangent edges are told; 0 where splats are not to end at them:
+ * flat splats are off on the round side alike, and without creases only borders bound splats. */
+static double tangent_tolerance(psplat_conversion *c, const psplat_mesh *mesh) {
+    if (c->desc->planar || c->desc->no_creases) return 0;
+    set_tolerance(c, psplat_mesh_diagonal(mesh));
+    return c->tolerance;
+}
+
 static void set_owned(psplat_conversion *c) {
     for (int k = 0; k < 6 && c->desc->owned; ++k)
         c->owned[k] = c->desc->owned[k] - c->surface.mesh->origin[k % 3];
@@ -268,9 +276,11 @@ psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *m
     psplat_result result = apply_alpha_mask(c, &mesh, error);
     if (!result) result = build_appearance(c, mesh, error);
     if (!result) result = build_proxy(c, mesh, error);
-    if (!result)
-        result = psplat_surface_build_with_charts(mesh, &c->appearance, crease_angle, &c->surface,
-                                                  error);
+    if (!result) {
+        const psplat_patch_bounds bounds = {crease_angle, &c->appearance,
+                                            tangent_tolerance(c, mesh)};
+        result = psplat_surface_build_bounded(mesh, &bounds, &c->surface, error);
+    }
     if (!result) result = set_limits(c, error);
     /* What is averaged over is no wider than what a colour may be off by. */
     c->appearance.diameter = fmin(c->finest, c->tolerance);

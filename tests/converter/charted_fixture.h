@@ -44,8 +44,8 @@ static inline void charted_make(charted *c, uint32_t cells,
 }
 
 static inline void charted_build(charted *c, double crease_angle) {
-    assert_int_equal(psplat_surface_build_with_charts(&c->f.mesh, &c->appearance, crease_angle,
-                                                      &c->f.surface, NULL),
+    const psplat_patch_bounds bounds = {.crease_angle = crease_angle, .appearance = &c->appearance};
+    assert_int_equal(psplat_surface_build_bounded(&c->f.mesh, &bounds, &c->f.surface, NULL),
                      PSPLAT_OK);
 }
 
