@@ -27,12 +27,12 @@
 #include <string.h>
 
 /* All of these were chosen by hand. */
-enum { ROUNDS = 4, LEAST_POINTS = 32768, MOST_POINTS = 262144 };
+enum { ROUNDS = 6, LEAST_POINTS = 32768, MOST_POINTS = 262144 };
 /* The share of points at which a texture may slide too far, and that to which a round tries to
  * bring it, before splats are extended to close gaps and after that. The check spares 0.005. */
 static const struct shares {
     double spared, wanted;
-} shares[2] = {{0.0035, 0.0025}, {0.0042, 0.0035}};
+} shares[2] = {{0.0035, 0.0015}, {0.0042, 0.001}};
 /* The points of a first glance, and the part of the spared share up to which it ends the search. */
 static const size_t glance_points = 16384;
 static const double glance_part = 0.5;
