@@ -18,6 +18,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The greatest difference of a channel, as images store it and as a part of its range, that counts
+ * as none: five steps of a byte, which is what JPEG does to a plain colour. Chosen by hand. */
+static const float least_seen_difference = 0.02f;
+
 static int is_readable(const psplat_mesh *mesh, const psplat_texture_info *texture) {
     return texture->image && texture->image->pixels && texture->texcoord < PSPLAT_TEXCOORDS &&
            mesh->corner_uvs[texture->texcoord];
@@ -98,6 +102,28 @@ const psplat_kept_textures *psplat_appearance_kept(const psplat_appearance *appe
     for (psplat_texture_slot slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot)
         if (appearance->kept[group].textures[slot].image) return &appearance->kept[group];
     return NULL;
+}
+
+int psplat_appearance_shows_same(const psplat_appearance *appearance, uint32_t triangle,
+                                 const double a[2], const double b[2]) {
+    const psplat_kept_textures *kept = psplat_appearance_kept(appearance, triangle);
+    const psplat_source_material *m;
+    if (!kept) return 1;
+    m = &appearance->mesh->source_materials[group_of(appearance->mesh, triangle)];
+    for (psplat_texture_slot slot = 0; slot < PSPLAT_TEXTURE_SLOTS; ++slot) {
+        const psplat_texture_info *texture = psplat_source_texture(m, slot);
+        double at[2][2];
+        float shown[2][4];
+        if (!kept->textures[slot].image) continue;
+        if (!texture->image || !texture->image->pixels) return 0;
+        for (int i = 0; i < 2; ++i) {
+            psplat_texture_transform(texture, i ? b : a, at[i]);
+            psplat_texture_stored(texture, at[i], shown[i]);
+        }
+        for (int k = 0; k < 4; ++k)
+            if (!(fabsf(shown[0][k] - shown[1][k]) <= least_seen_difference)) return 0;
+    }
+    return 1;
 }
 
 void psplat_appearance_settle_textures(const psplat_appearance *appearance, size_t group,

@@ -64,6 +64,12 @@ void psplat_appearance_free(psplat_appearance *appearance);
 const psplat_kept_textures *psplat_appearance_kept(const psplat_appearance *appearance,
                                                    uint32_t triangle);
 
+/* Returns whether the textures that a triangle's material keeps show the same at two places, in the
+ * coordinates of the mesh: no channel of any image differs there by more than an eye sees. 0 where
+ * an image has no pixels to tell. */
+int psplat_appearance_shows_same(const psplat_appearance *appearance, uint32_t triangle,
+                                 const double a[2], const double b[2]);
+
 /* Makes the textures of a material of the mesh, the group-th or that of the whole mesh, those that
  * it keeps. */
 void psplat_appearance_settle_textures(const psplat_appearance *appearance, size_t group,

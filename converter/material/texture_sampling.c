@@ -118,3 +118,19 @@ void psplat_texture_average(const psplat_texture_info *texture, const psplat_mip
     }
     for (int k = 0; k < 4; ++k) rgba[k] = (float)sum[k];
 }
+
+void psplat_texture_stored(const psplat_texture_info *texture, const double st[2], float rgba[4]) {
+    const psplat_image *image = texture->image;
+    double half = texture->nearest ? 0 : 0.5, sum[4] = {0};
+    double x = texels(st[0], image->width) - half, y = texels(st[1], image->height) - half;
+    double fx = texture->nearest ? 0 : x - floor(x), fy = texture->nearest ? 0 : y - floor(y);
+    for (int corner = 0; corner < 4; ++corner) {
+        int64_t right = (int64_t)floor(x) + (corner & 1), down = (int64_t)floor(y) + (corner >> 1);
+        size_t column = wrap_texel(texture->wrap[0], right, image->width);
+        size_t row = wrap_texel(texture->wrap[1], down, image->height);
+        double weight = (corner & 1 ? fx : 1 - fx) * (corner >> 1 ? fy : 1 - fy);
+        const uint8_t *texel = image->pixels + 4 * (row * image->width + column);
+        for (int k = 0; k < 4; ++k) sum[k] += weight * texel[k] / 255;
+    }
+    for (int k = 0; k < 4; ++k) rgba[k] = (float)sum[k];
+}

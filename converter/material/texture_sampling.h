@@ -18,4 +18,9 @@ void psplat_texture_transform(const psplat_texture_info *texture, const double u
 void psplat_texture_average(const psplat_texture_info *texture, const psplat_mipmap *mipmap,
                             const double st[2], const double axes[2][2], float rgba[4]);
 
+/* Stores the values of a texture at st in image coordinates as the image stores them, 0 ... 1: no
+ * light, but what an eye tells apart. Magnified, as by the filter of its sampler. The image has
+ * pixels. */
+void psplat_texture_stored(const psplat_texture_info *texture, const double st[2], float rgba[4]);
+
 #endif

@@ -10,6 +10,7 @@
  */
 #include "measure/texture_slides.h"
 
+#include "appearance/appearance.h"
 #include "base/region.h"
 #include "base/region_tree.h"
 #include "base/vector.h"
@@ -22,6 +23,7 @@
 #include "splats/splat_texcoord.h"
 #include "splats/splats.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,7 +42,8 @@ typedef struct meeting {
     uint32_t splat, sample;
     float weight;         /* of the splat there, as a part of the kernel's greatest */
     float length, texels; /* of the slide; negative where the splat is of another chart */
-    int mirrored;
+    float way;            /* psplat_texcoord_way */
+    uint8_t mirrored, seen;
 } meeting;
 
 typedef struct meeting_list {
@@ -180,15 +183,21 @@ static void measure(const slides_context *c, meeting *m) {
     const psplat_region *region = &c->measured->regions[m->splat];
     uint32_t triangle = c->samples->triangles[m->sample];
     const psplat_kept_textures *kept = psplat_surface_kept_textures(c->surface, triangle);
-    double uvh[3], error[2];
+    double uvh[3], error[2], shown[2], given[2];
     psplat_region_local(region, c->samples->positions + 3 * (size_t)m->sample, uvh);
-    psplat_texcoord_at(texcoord, uvh, error);
+    psplat_texcoord_at(texcoord, uvh, shown);
     for (int k = 0; k < 2; ++k) {
-        error[k] -= (double)c->samples->texcoords[2 * (size_t)m->sample + (size_t)k];
+        given[k] = (double)c->samples->texcoords[2 * (size_t)m->sample + (size_t)k];
+        error[k] = shown[k] - given[k];
         if (kept->repeats[k]) error[k] -= kept->repeats[k] * rint(error[k] / kept->repeats[k]);
     }
     psplat_slide slide = psplat_texcoord_slide(texcoord, region, uvh, kept->texels, error);
     m->length = (float)slide.length, m->texels = (float)slide.texels;
+    m->way = (float)fmin(psplat_texcoord_way(c->surface->texcoord_slopes + 6 * (size_t)triangle,
+                                             kept->texels, error),
+                         FLT_MAX);
+    m->seen = slide.length > 0 &&
+              !psplat_appearance_shows_same(c->surface->appearance, triangle, shown, given);
     m->mirrored =
         psplat_texcoord_sense(texcoord, uvh) * sense_of_triangle(c->surface, kept, triangle) < 0;
 }
@@ -281,6 +290,9 @@ static void sum_up(const slides_context *c, const meeting_list *list, size_t *he
     for (size_t i = 0; i < samples; ++i) {
         slides->lengths[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].length;
         slides->texels[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].texels;
+        slides->ways[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].way;
+        slides->splats[i] = of[1][i] == SIZE_MAX ? PSPLAT_NONE : list->items[of[1][i]].splat;
+        slides->seen[i] = of[1][i] != SIZE_MAX && list->items[of[1][i]].seen;
         if (of[0][i] == SIZE_MAX) continue;
         const meeting *m = &list->items[of[0][i]];
         ++covered;
@@ -308,8 +320,12 @@ psplat_result psplat_texture_slides_find(const psplat_surface *surface,
     size_t *heaviest = malloc((2 * samples->count + 1) * sizeof *heaviest);
     *slides =
         (psplat_texture_slides){.lengths = malloc((samples->count + 1) * sizeof *slides->lengths),
-                                .texels = malloc((samples->count + 1) * sizeof *slides->texels)};
-    int ok = c.textured && first && heaviest && slides->lengths && slides->texels;
+                                .texels = malloc((samples->count + 1) * sizeof *slides->texels),
+                                .ways = malloc((samples->count + 1) * sizeof *slides->ways),
+                                .splats = malloc((samples->count + 1) * sizeof *slides->splats),
+                                .seen = malloc(samples->count + 1)};
+    int ok = c.textured && first && heaviest && slides->lengths && slides->texels && slides->ways &&
+             slides->splats && slides->seen;
     if (ok) {
         mark_textured(splats, c.textured);
         find_meetings(&c, first, &list);
@@ -326,5 +342,8 @@ psplat_result psplat_texture_slides_find(const psplat_surface *surface,
 void psplat_texture_slides_free(psplat_texture_slides *slides) {
     free(slides->lengths);
     free(slides->texels);
+    free(slides->ways);
+    free(slides->splats);
+    free(slides->seen);
     *slides = (psplat_texture_slides){0};
 }

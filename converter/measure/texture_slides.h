@@ -22,6 +22,11 @@ typedef struct psplat_texture_slides {
      * cover it; negative where there is none, or no texture is kept there: */
     double *lengths; /* over the surface */
     double *texels;
+    double *ways;     /* over the sample's triangle, to where it has what the splat shows */
+    uint32_t *splats; /* the index of that splat; PSPLAT_NONE where there is none */
+    uint8_t *seen;    /* 1 where the splat shows other texels than the surface has there; 0 where
+                         these look the same (psplat_appearance_shows_same), as all over a plain
+                         part of an image */
     /* Parts of the samples that keep textures and are covered, by the splat that covers a sample
      * with the greatest weight: */
     double mirrored; /* it shows the image the other way round than the surface does */

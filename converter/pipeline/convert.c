@@ -19,6 +19,7 @@
 #include "select/greedy_cover.h"
 #include "select/local_search.h"
 #include "select/mend_colors.h"
+#include "select/mend_textures.h"
 #include "select/precision.h"
 #include "select/relax.h"
 #include "select/sample_spacing.h"
@@ -158,8 +159,10 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
                            c->desc->owned ? "nothing of the mesh in its block has an area"
                                           : "nothing of the mesh has an area");
     result = psplat_mend_colors(c, 0, error);
+    if (!result) result = psplat_mend_textures(c, 0, error);
     if (!result) result = psplat_close_rays(c, error);
     if (!result) result = psplat_mend_colors(c, 1, error);
+    if (!result) result = psplat_mend_textures(c, 1, error);
     if (result) return result;
     if (psplat_close_seams(&context, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");

@@ -40,6 +40,12 @@ psplat_slide psplat_texcoord_slide(const psplat_texcoord *texcoord, const psplat
                                    const double uv[2], const double texels[2],
                                    const double error[2]);
 
+/* Returns the length of the way over a triangle's plane along which its coordinates, whose changes
+ * with the position are slopes (psplat_surface.texcoord_slopes), change by error: how far from a
+ * point the surface itself has what a splat shows there. Slow directions count as above; HUGE_VAL
+ * where coordinates do not change. */
+double psplat_texcoord_way(const float slopes[6], const double texels[2], const double error[2]);
+
 /* Returns whether a slide is within a tolerance: a length, unless texels, which then is the
  * tolerance, is greater than 0. Where both are 0, any is. */
 int psplat_slide_is_kept(const psplat_slide *slide, double length, double texels);

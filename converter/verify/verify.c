@@ -540,21 +540,35 @@ static void sum_up_slides(verifier *r, psplat_texture_slides *slides) {
     report->foreign_texture_percent = 100 * slides->foreign;
 }
 
-/* Reports the samples at which a texture slides too far, and how far it does. */
+/* Stores the slides that the promise is about, in texels or as lengths: where one sees nothing of
+ * them they count as `most` at most. A length is the shorter one of the splat's own, and of the way
+ * to where the surface has what the splat shows. Stores r->samples.count, which the caller frees;
+ * NULL: out of memory. */
+static double *promised_slides(const verifier *r, const psplat_texture_slides *slides,
+                               int in_texels, double most) {
+    double *values = malloc((r->samples.count + 1) * sizeof *values);
+    for (size_t i = 0; i < r->samples.count && values; ++i) {
+        values[i] = in_texels ? slides->texels[i] : min2(slides->lengths[i], slides->ways[i]);
+        if (!slides->seen[i]) values[i] = min2(values[i], most);
+    }
+    return values;
+}
+
+/* Reports the samples at which one sees that a texture slides too far, and how far it does. */
 static psplat_result report_slides(verifier *r, psplat_texture_slides *slides) {
     double limit = r->v->texture_tolerance_texels, unit = 1, worst;
-    const double *values = slides->texels;
-    if (!(limit > 0)) {
-        limit = r->v->tolerance_percent, unit = 100 / r->v->diagonal;
-        values = slides->lengths;
-    }
+    int in_texels = limit > 0;
+    if (!in_texels) limit = r->v->tolerance_percent, unit = 100 / r->v->diagonal;
     double most = limit * (1 + rounding_slack);
+    double *values = promised_slides(r, slides, in_texels, limit / unit);
+    if (!values) return PSPLAT_ERROR_MEMORY;
     size_t broken = count_far(values, r->samples.count, most / unit, spared_share, &worst);
-    if (broken == SIZE_MAX) return PSPLAT_ERROR_MEMORY;
-    for (size_t i = 0; broken && i < r->samples.count; ++i)
+    for (size_t i = 0; broken && broken != SIZE_MAX && i < r->samples.count; ++i)
         if (values[i] * unit > most)
             add_place(&r->places, PSPLAT_PROMISE_TEXTURE, r->samples.positions + 3 * i,
                       values[i] * unit);
+    free(values);
+    if (broken == SIZE_MAX) return PSPLAT_ERROR_MEMORY;
     set_promise(r->report, PSPLAT_PROMISE_TEXTURE, limit, worst * unit, broken);
     sum_up_slides(r, slides);
     return PSPLAT_OK;

@@ -137,11 +137,44 @@ static void test_repeats_and_texels(void **state) {
     painted_free(&p);
 }
 
+/* Four columns of texels: 128, 128, 133 (5 steps, next to no difference) and 144. */
+static void columns(uint32_t x, uint32_t y, uint8_t rgba[4]) {
+    (void)y;
+    rgba[0] = rgba[1] = rgba[3] = 255;
+    rgba[2] = x / 4 < 2 ? 128 : x / 4 < 3 ? 133 : 144;
+}
+
+/* One channel of one of several textures tells places apart; an image without pixels tells nothing.
+ */
+static void test_shows_same(void **state) {
+    (void)state;
+    const double first[2] = {0.1, 0.5}, second[2] = {0.4, 0.2}, third[2] = {0.6, 0.5};
+    const double fourth[2] = {0.9, 0.5};
+    painted p;
+    make(&p);
+    psplat_image grey_image = p.image;
+    painted other;
+    painted_make(&other, 1, 16, columns);
+    psplat_appearance a = build(&p, 1);
+    assert_true(psplat_appearance_shows_same(&a, 0, first, fourth));
+    p.source_material.emissive.image = &other.image;
+    assert_true(psplat_appearance_shows_same(&a, 0, first, second));
+    assert_true(psplat_appearance_shows_same(&a, 1, first, third));
+    assert_false(psplat_appearance_shows_same(&a, 0, first, fourth));
+    p.source_material.emissive.image = &grey_image;
+    grey_image.pixels = NULL;
+    assert_false(psplat_appearance_shows_same(&a, 0, first, second));
+    psplat_appearance_free(&a);
+    painted_free(&other);
+    painted_free(&p);
+}
+
 int test_kept_textures_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_kept_is_not_baked),
         cmocka_unit_test(test_one_set),
         cmocka_unit_test(test_repeats_and_texels),
+        cmocka_unit_test(test_shows_same),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -190,6 +190,30 @@ static void test_transform(void **state) {
 }
 
 /* An image that could not be read counts as no texture. */
+/* Stored values are no light: sRGB changes nothing. Wraps and filters are those of the sampler. */
+static void test_stored(void **state) {
+    (void)state;
+    static const uint8_t grey[6] = {0, 51, 102, 153, 204, 255};
+    const double centre[2] = {0.5, 0.25}, between[2] = {1 / 3.0, 0.25},
+                 beyond[2] = {1.5 / 3 - 2, 0.75};
+    float rgba[4];
+    fixture f;
+    make(&f, grey, 3, 2, 1);
+    psplat_texture_stored(&f.texture, centre, rgba);
+    for (int k = 0; k < 4; ++k) assert_near(rgba[k], 0.2, CLOSE);
+    psplat_texture_stored(&f.texture, between, rgba);
+    assert_near(rgba[1], 0.1, CLOSE);
+    psplat_texture_stored(&f.texture, beyond, rgba);
+    assert_near(rgba[1], 0.8, CLOSE);
+    f.texture.wrap[0] = PSPLAT_WRAP_CLAMP;
+    psplat_texture_stored(&f.texture, beyond, rgba);
+    assert_near(rgba[1], 0.6, CLOSE);
+    f.texture.nearest = 1;
+    psplat_texture_stored(&f.texture, between, rgba);
+    assert_near(rgba[1], 0.2, CLOSE);
+    release(&f);
+}
+
 static void test_unreadable(void **state) {
     (void)state;
     psplat_image image = {0};
@@ -206,7 +230,7 @@ int test_texture_sampling_main(void) {
         cmocka_unit_test(test_texel_centres), cmocka_unit_test(test_wraps),
         cmocka_unit_test(test_linear_light),  cmocka_unit_test(test_means),
         cmocka_unit_test(test_footprints),    cmocka_unit_test(test_transform),
-        cmocka_unit_test(test_unreadable),
+        cmocka_unit_test(test_unreadable),    cmocka_unit_test(test_stored),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

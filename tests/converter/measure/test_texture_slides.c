@@ -180,6 +180,39 @@ static void test_heaviest(void **state) {
     stage_end(&s);
 }
 
+/* A splat that shows one point of the image slides by its own diameter; on the surface that point
+ * is as far away as it is. Where the image is plain, nobody sees either. */
+static void test_ways_and_seen(void **state) {
+    (void)state;
+    psplat_image image;
+    stage s;
+    stage_begin(&s, 0);
+    s.texcoords[0] = (psplat_texcoord){.at = {0}};
+    for (int plain = 0; plain < 2; ++plain) {
+        assert_int_equal(psplat_image_allocate(&image, 4, 4, NULL), PSPLAT_OK);
+        for (size_t i = 0; i < 64; ++i)
+            image.pixels[i] = (uint8_t)(plain ? 200 : 255 * (i / 16 % 2));
+        for (int k = 0; k < 2; ++k) s.c.materials[k].base_color.image = &image;
+        measure(&s);
+        size_t seen = 0, own = 0;
+        for (size_t i = 0; i < s.c.f.samples.count; ++i) {
+            const double *p = s.c.f.samples.positions + 3 * i;
+            if (s.slides.lengths[i] < 0) assert_true(s.slides.splats[i] == PSPLAT_NONE);
+            if (s.slides.lengths[i] < 0) continue;
+            ++own;
+            seen += s.slides.seen[i];
+            assert_int_equal(s.slides.splats[i], 0);
+            assert_near(s.slides.ways[i], hypot(p[0], p[1]), 1e-4);
+            if (hypot(p[0], p[1]) > 0.1) assert_near(s.slides.lengths[i], 2, 1e-6);
+        }
+        assert_true(own > 100);
+        assert_true(plain ? seen == 0 : seen > own / 4);
+        psplat_texture_slides_free(&s.slides);
+        psplat_image_free(&image);
+    }
+    stage_end(&s);
+}
+
 /* A long splat beside the seam of a tube reaches over it by 0.006. What is there is of another
  * chart, though the tube goes on from the splat to there around its back. */
 static void test_around_a_neck(void **state) {
@@ -218,7 +251,7 @@ int test_texture_slides_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_errors),        cmocka_unit_test(test_mirrored),
         cmocka_unit_test(test_foreign),       cmocka_unit_test(test_heaviest),
-        cmocka_unit_test(test_around_a_neck),
+        cmocka_unit_test(test_around_a_neck), cmocka_unit_test(test_ways_and_seen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

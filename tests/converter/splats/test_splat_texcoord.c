@@ -128,12 +128,29 @@ static void test_tolerances(void **state) {
     assert_true(psplat_slide_is_kept(&slide, 0, 0));
 }
 
+/* On a triangle on which s changes by 0.5 with x and t by 0.25 with y, an error is a way along
+ * both; a direction in which nothing changes counts as a tenth. */
+static void test_way_on_a_triangle(void **state) {
+    (void)state;
+    float slopes[6] = {0.5f, 0, 0, 0, 0.25f, 0};
+    const double along[2] = {0.02, 0}, both[2] = {0.03, 0.02}, none[2] = {0, 0};
+    assert_near(psplat_texcoord_way(slopes, texels, along), 0.04, 1e-7);
+    assert_near(psplat_texcoord_way(slopes, texels, both), 0.1, 1e-7); /* 0.06 by 0.08 */
+    assert_near(psplat_texcoord_way(slopes, texels, none), 0, 1e-12);
+    slopes[4] = 0; /* 0.01 of t are 5 texels, and s changes by 500 of them a unit. */
+    const double across[2] = {0, 0.01};
+    assert_near(psplat_texcoord_way(slopes, texels, across), 0.1, 1e-7);
+    slopes[0] = 0;
+    assert_true(psplat_texcoord_way(slopes, texels, along) == HUGE_VAL);
+}
+
 int test_splat_texcoord_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_values),
         cmocka_unit_test(test_slide_is_a_distance),
         cmocka_unit_test(test_less_than_a_texel),
         cmocka_unit_test(test_stretched),
+        cmocka_unit_test(test_way_on_a_triangle),
         cmocka_unit_test(test_sense),
         cmocka_unit_test(test_tolerances),
     };
