@@ -47,12 +47,8 @@ static inline double extreme_or(double value, double otherwise) {
 /* Draws every mode. */
 static inline agreement extreme_measure(gpu *g, extreme *e, const agreement_ties *ties) {
     psplat_asset *asset = scene_open(&e->s);
-    agreement a = {0};
-    for (int mode = 0; mode < PSPLAT_MODE_COUNT; ++mode) {
-        e->view.mode = (psplat_mode)mode;
-        agreement one = agreement_measure(g, asset, e->transform, &e->view, 1, ties);
-        agreement_add(&a, &one);
-    }
+    agreement a =
+        agreement_measure_modes(g, asset, e->transform, &e->view, AGREEMENT_ALL_MODES, 1, ties);
     psplat_asset_destroy(asset);
     return a;
 }

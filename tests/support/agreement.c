@@ -133,21 +133,36 @@ static void mark_changes(const picture *p, const picture *other, double step, ui
     }
 }
 
-/* Returns a mark for each pixel that counts for agreement.thin_uv and thin_depth. The caller frees
- * them. */
-static uint8_t *thin_pixels(const picture *p, const psplat_reference_scene *scene,
-                            const psplat_view *view) {
-    const double step = 1.0 / 4096; /* as short as the distance to a contour that is no tie */
-    uint8_t *marks = malloc((size_t)p->width * (size_t)p->height);
+/* The reference's pictures a part of a pixel to the right of a view's and above it. */
+typedef struct neighbours {
+    picture pictures[2];
+} neighbours;
+
+/* As short as the distance to a contour that is no tie, in pixels. */
+static const double neighbour_step = 1.0 / 4096;
+
+static neighbours neighbours_of(const psplat_reference_scene *scene, const psplat_view *view) {
+    neighbours n;
+    for (int upwards = 0; upwards < 2; ++upwards) {
+        psplat_view from = moved(view, upwards ? 0 : neighbour_step, upwards ? neighbour_step : 0);
+        from.mode = PSPLAT_MODE_PARAMETERS; /* which shades nothing */
+        n.pictures[upwards] = picture_of_scene(scene, &from);
+    }
+    return n;
+}
+
+static void neighbours_free(neighbours *n) {
+    for (int i = 0; i < 2; ++i) picture_free(&n->pictures[i]);
+}
+
+/* Returns a mark for each pixel that counts for agreement.thin_uv and thin_depth: none without
+ * neighbours. The caller frees them. */
+static uint8_t *thin_pixels(const picture *p, const neighbours *n) {
+    uint8_t *marks = calloc((size_t)p->width, (size_t)p->height);
+    if (!n) return marks;
     for (int y = 0; y < p->height; ++y)
         for (int x = 0; x < p->width; ++x) marks[y * p->width + x] = (uint8_t)is_thin(p, x, y);
-    for (int upwards = 0; upwards < 2; ++upwards) {
-        psplat_view from = moved(view, upwards ? 0 : step, upwards ? step : 0);
-        from.mode = PSPLAT_MODE_PARAMETERS; /* which shades nothing */
-        picture other = picture_of_scene(scene, &from);
-        mark_changes(p, &other, step, marks);
-        picture_free(&other);
-    }
+    for (int i = 0; i < 2; ++i) mark_changes(p, &n->pictures[i], neighbour_step, marks);
     return marks;
 }
 
@@ -178,13 +193,13 @@ agreement agreement_measure(gpu *g, const psplat_asset *asset, const double tran
     return agreement_measure_scene(g, &scene, view, is_float, ties);
 }
 
-agreement agreement_measure_scene(gpu *g, const psplat_reference_scene *scene,
-                                  const psplat_view *view, int is_float,
-                                  const agreement_ties *ties) {
+/* Compares one mode. Without neighbours no pixel is thin. */
+static agreement measure(gpu *g, const psplat_reference_scene *scene, const psplat_view *view,
+                         int is_float, const agreement_ties *ties, const neighbours *n) {
     agreement result = {0};
     picture p = picture_of_scene(scene, view);
     drawn d = draw(g, scene, view, is_float);
-    uint8_t *thin = thin_pixels(&p, scene, view);
+    uint8_t *thin = thin_pixels(&p, n);
     size_t pixels = (size_t)p.width * (size_t)p.height;
     for (size_t at = 0; at < pixels; ++at) {
         result.covered += p.image.count[at] > 0;
@@ -199,6 +214,30 @@ agreement agreement_measure_scene(gpu *g, const psplat_reference_scene *scene,
     free(d.color);
     free(d.depth);
     return result;
+}
+
+agreement agreement_measure_scene(gpu *g, const psplat_reference_scene *scene,
+                                  const psplat_view *view, int is_float,
+                                  const agreement_ties *ties) {
+    return measure(g, scene, view, is_float, ties, NULL);
+}
+
+agreement agreement_measure_modes(gpu *g, const psplat_asset *asset, const double transform[16],
+                                  const psplat_view *view, unsigned modes, int is_float,
+                                  const agreement_ties *ties) {
+    psplat_reference_scene scene = {.asset = asset};
+    if (transform) memcpy(scene.transform, transform, sizeof scene.transform);
+    neighbours n = neighbours_of(&scene, view);
+    psplat_view from = *view;
+    agreement all = {0};
+    for (int mode = 0; mode < PSPLAT_MODE_COUNT; ++mode) {
+        if (!(modes >> mode & 1)) continue;
+        from.mode = (psplat_mode)mode;
+        agreement one = measure(g, &scene, &from, is_float, ties, &n);
+        agreement_add(&all, &one);
+    }
+    neighbours_free(&n);
+    return all;
 }
 
 static double larger(double a, double b) {

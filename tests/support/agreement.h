@@ -41,7 +41,8 @@ typedef struct agreement {
     /* The same differences in pixels whose nearest splat shows in none or only one direction beside
      * the pixel, or where the reference's (u, v) change by more than 1 a pixel, as they do without
      * a bound towards a contour. That change, and the depth's, magnifies the error of a pixel's
-     * position, which is some 1e-5 pixels. */
+     * position, which is some 1e-5 pixels. agreement_measure_modes alone tells these pixels apart:
+     * elsewhere their differences count for uv and depth. */
     double thin_uv, thin_depth;
 } agreement;
 
@@ -53,6 +54,15 @@ agreement agreement_measure(gpu *g, const psplat_asset *asset, const double tran
 agreement agreement_measure_scene(gpu *g, const psplat_reference_scene *scene,
                                   const psplat_view *view, int is_float,
                                   const agreement_ties *ties);
+
+/* Compares an asset in all modes of the set modes (1u << PSPLAT_MODE_PHONG and so on), whatever the
+ * view's, and adds what it finds. Which pixels are thin does not depend on the mode, and takes two
+ * more pictures of the reference. */
+agreement agreement_measure_modes(gpu *g, const psplat_asset *asset, const double transform[16],
+                                  const psplat_view *view, unsigned modes, int is_float,
+                                  const agreement_ties *ties);
+
+enum { AGREEMENT_ALL_MODES = (1u << PSPLAT_MODE_COUNT) - 1 };
 
 /* Adds a to total: the largest of each difference, the sum of each count. */
 void agreement_add(agreement *total, const agreement *a);

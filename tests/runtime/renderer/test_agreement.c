@@ -78,10 +78,8 @@ static psplat_view view_from(double x, double y, double z) {
 static void check_view(gpu *g, const char *name, const scene *s, const double transform[16],
                        psplat_view view, const agreement_ties *ties) {
     psplat_asset *asset = scene_open(s);
-    agreement all = agreement_measure(g, asset, transform, &view, 1, ties);
-    view.mode = PSPLAT_MODE_PARAMETERS;
-    agreement parameters = agreement_measure(g, asset, transform, &view, 1, ties);
-    agreement_add(&all, &parameters);
+    const unsigned modes = 1u << PSPLAT_MODE_PHONG | 1u << PSPLAT_MODE_PARAMETERS;
+    agreement all = agreement_measure_modes(g, asset, transform, &view, modes, 1, ties);
     psplat_asset_destroy(asset);
     int is_close = ties == &close_up;
     assert_agrees(name, &all, is_close ? BOUND_CLOSE_DEPTH : BOUND_DEPTH,
@@ -91,15 +89,11 @@ static void check_view(gpu *g, const char *name, const scene *s, const double tr
 /* Compares the other modes, and RGBA8 with sRGB encoding. */
 static void check_modes(gpu *g, const char *name, const scene *s, psplat_view view) {
     psplat_asset *asset = scene_open(s);
-    agreement modes = {0};
-    for (int mode = PSPLAT_MODE_GAUSSIAN; mode <= PSPLAT_MODE_FLAT; ++mode) {
-        view.mode = (psplat_mode)mode;
-        agreement a = agreement_measure(g, asset, NULL, &view, 1, &ordinary);
-        agreement_add(&modes, &a);
-    }
-    view.mode = PSPLAT_MODE_PHONG;
+    const unsigned others = 1u << PSPLAT_MODE_GAUSSIAN | 1u << PSPLAT_MODE_FLAT;
+    agreement modes = agreement_measure_modes(g, asset, NULL, &view, others, 1, &ordinary);
     view.linear_output = 0;
-    agreement bytes = agreement_measure(g, asset, NULL, &view, 0, &ordinary);
+    agreement bytes =
+        agreement_measure_modes(g, asset, NULL, &view, 1u << PSPLAT_MODE_PHONG, 0, &ordinary);
     psplat_asset_destroy(asset);
     assert_agrees(name, &modes, BOUND_DEPTH, BOUND_FLOAT);
     assert_agrees(" as sRGB bytes", &bytes, BOUND_DEPTH, BOUND_BYTE);

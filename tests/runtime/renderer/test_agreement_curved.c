@@ -113,12 +113,8 @@ static void assert_agrees(const char *name, const agreement *a, const tolerances
 static void check(gpu *g, const char *name, const scene *s, const double transform[16],
                   psplat_view view, const tolerances *allowed) {
     psplat_asset *asset = scene_open(s);
-    agreement all = {0};
-    for (int mode = 0; mode < PSPLAT_MODE_COUNT; ++mode) {
-        view.mode = (psplat_mode)mode;
-        agreement a = agreement_measure(g, asset, transform, &view, 1, &allowed->ties);
-        agreement_add(&all, &a);
-    }
+    agreement all =
+        agreement_measure_modes(g, asset, transform, &view, AGREEMENT_ALL_MODES, 1, &allowed->ties);
     psplat_asset_destroy(asset);
     assert_agrees(name, &all, allowed);
 }
@@ -192,10 +188,10 @@ static void test_bent_filter(void **state) {
         camera_perspective(&view, 120, 1, 100);
         agreement a = agreement_measure(*state, asset, NULL, &view, 1, &ties);
         print_message("filtered, from %2d: covered %zu skipped %zu depth %.1e color %.1e\n",
-                      distance, a.covered, a.skipped, fmax(a.depth, a.thin_depth), a.color);
+                      distance, a.covered, a.skipped, a.depth, a.color);
         assert_true(a.covered > 20 && a.skipped * 4 < a.covered);
         assert_int_equal(a.mismatches, 0);
-        assert_true(fmax(a.depth, a.thin_depth) <= 2e-5 && a.color <= 2e-4);
+        assert_true(a.depth <= 2e-5 && a.color <= 2e-4);
     }
     psplat_asset_destroy(asset);
     scene_free(&s);
@@ -241,8 +237,8 @@ static void test_flat_patches(void **state) {
         s.depth_tolerance = 1e-5f; /* less than heights, which would not matter else */
         psplat_asset *asset = scene_open(&s);
         psplat_view view = view_from(1, 2, 3);
-        view.mode = PSPLAT_MODE_PARAMETERS;
-        agreement a = agreement_measure(g, asset, NULL, &view, 1, &eighth.ties);
+        agreement a = agreement_measure_modes(g, asset, NULL, &view, 1u << PSPLAT_MODE_PARAMETERS,
+                                              1, &eighth.ties);
         print_message("flat patches: covered %zu skipped %zu mismatches %zu other %zu uv %.1e "
                       "depth %.1e\n",
                       a.covered, a.skipped, a.mismatches, a.other, a.uv, a.depth);

@@ -42,11 +42,11 @@ static const tolerances crowded = {5e-5, 2e-4, 0.75};
 static void assert_agrees(const char *name, const agreement *a, const tolerances *allowed,
                           size_t least) {
     print_message("%-32s covered %6zu skipped %4zu depth %.1e color %.1e\n", name, a->covered,
-                  a->skipped, fmax(a->depth, a->thin_depth), a->color);
+                  a->skipped, a->depth, a->color);
     assert_true(a->covered >= least);
     assert_true((double)a->skipped <= allowed->skipped * (double)a->covered);
     assert_int_equal(a->mismatches, 0);
-    assert_true(a->depth <= allowed->depth && a->thin_depth <= allowed->depth);
+    assert_true(a->depth <= allowed->depth);
     assert_true(a->color <= allowed->color);
 }
 
