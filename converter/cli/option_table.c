@@ -84,8 +84,8 @@ void psplat_options_add_conversion(psplat_option_list *list, psplat_conversion_o
          "fewer",
          0, 0, NULL},
         {0, "precision", PSPLAT_OPTION_TEXT, &values->precision, "P",
-         "float: numbers keep all their bits; or the greatest step of\npositions, in tolerances, "
-         "0.001 to 0.5; other numbers follow\n(default auto: what makes small files)",
+         "float: numbers keep all their bits; or the step of positions,\nin tolerances, 0.001 to "
+         "0.5, where splats lie on the surface\n(default auto: what makes small files)",
          0, 0, NULL},
         {0, "no-compress", PSPLAT_OPTION_FLAG, &values->no_compress, NULL,
          "neither a stream nor EXT_meshopt_compression", 0, 0, NULL},

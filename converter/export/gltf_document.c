@@ -18,6 +18,7 @@
 #include "splats/splats.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 static const char meshopt[] = "EXT_meshopt_compression", gaussian[] = "KHR_gaussian_splatting";
@@ -155,15 +156,37 @@ static size_t written_index(const psplat_buffer_layout *layout, size_t mesh) {
     return count;
 }
 
-/* Returns the transform from the coordinates in which a mesh's splats are stored to its own. */
+/* The part of a step of positions by which shorter numbers of a node may move all of its splats,
+ * and the part of lengths by which they may stretch them: half a bit of a float. What is proven of
+ * splats has a hundredth of the tolerance to spare, and a step is at most half of the tolerance. */
+static const double moved_part = 1.0 / 1024, stretched_part = 0x1p-25;
+
+/* Returns the number of the fewest digits that differs by no more than that. */
+static double shortened(double value, double difference) {
+    char digits[40];
+    double number = value;
+    for (int precision = 0; precision <= 16; ++precision) {
+        snprintf(digits, sizeof digits, "%.*e", precision, value);
+        number = strtod(digits, NULL);
+        if (fabs(number - value) <= difference) break;
+    }
+    return number;
+}
+
+/* Returns the transform from the coordinates in which a mesh's splats are stored to its own. Digits
+ * that move no splat by what matters would be bytes for nothing. */
 static psplat_dequantize_transform placement_of(const psplat_attribute_table *table,
                                                 uint32_t low_bits) {
     psplat_dequantize_transform placement = {{0, 0, 0}, 1};
     const psplat_splats *splats = table->splats;
     double unit = splats->precision.unit;
-    if (table->codes) placement.scale = unit * (double)(1u << low_bits);
+    for (int k = 0; k < 3; ++k) placement.translation[k] = splats->origin[k];
+    if (!table->codes) return placement;
+    double scale = unit * (double)(1u << low_bits);
+    placement.scale = shortened(scale, stretched_part * scale);
     for (int k = 0; k < 3; ++k)
-        placement.translation[k] = splats->origin[k] + (table->codes ? table->low[k] * unit : 0);
+        placement.translation[k] =
+            shortened(splats->origin[k] + table->low[k] * unit, moved_part * unit);
     return placement;
 }
 

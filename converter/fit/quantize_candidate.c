@@ -29,15 +29,15 @@
 
 /* All of these were chosen by hand. */
 /* The number of grid points tried, and how far from the centre they are looked for, in steps. */
-enum { OPTIONS = 8, SEARCHED_STEPS = 3 };
+enum { OPTIONS = 32, SEARCHED_STEPS = 3 };
 /* The number of grid points near a curved surface that are tried with normals of the grid, and
  * every how many of the old region's points the surface is fitted to there. */
-enum { PLACES = 8, FITTED_STEP = 4 };
+enum { PLACES = 12, FITTED_STEP = 4 };
 /* What leaving the plane by the tolerance costs; moving by a radius costs 1. */
 static const double plane_cost = 0.5;
 /* The radii tried, in steps from those of the candidate rounded down: larger ones first. */
-static const int radius_steps[][2] = {{1, 1}, {0, 0}, {-1, -1}};
-enum { RADIUS_STEPS = sizeof radius_steps / sizeof *radius_steps };
+static const int radius_steps[][2] = {{1, 1}, {1, 0}, {0, 1}, {0, 0}, {0, -1}, {-1, 0}, {-1, -1}};
+enum { RADIUS_STEPS = sizeof radius_steps / sizeof *radius_steps, ROUNDED_DOWN = 3 };
 /* How often, and by which factor, a candidate shrinks that fits nowhere on the grid. */
 enum { SHRINKINGS = 16 };
 static const double shrink_factor = 0.9;
@@ -237,7 +237,7 @@ static void find_options_for(quantizer *q, const double radius[2]) {
 /* Finds options for the old radii. */
 static void begin_options(quantizer *q) {
     double radius[2];
-    find_radii(q, 1, radius_steps[1], radius);
+    find_radii(q, 1, radius_steps[ROUNDED_DOWN], radius);
     q->at = psplat_precision_at(q->precision, radius);
     find_options(q);
 }
@@ -290,7 +290,7 @@ static psplat_fit_status shrink(quantizer *q, psplat_candidate *candidate) {
             psplat_candidate_put_nearest_first(q->context->samples, q->old.center, candidate);
         for (int i = 0; i < SHRINKINGS; ++i, factor *= shrink_factor) {
             candidate->covered_count = 1;
-            status = try_options(q, factor, radius_steps[1], 0, candidate);
+            status = try_options(q, factor, radius_steps[ROUNDED_DOWN], 0, candidate);
             if (!status || status == PSPLAT_FIT_MEMORY) return status;
         }
     }
@@ -319,7 +319,7 @@ static psplat_fit_status shrink_about_first(quantizer *q, psplat_candidate *cand
         q->old = shrunk_about(&whole, uvh, factor);
         begin_options(q);
         candidate->covered_count = 1;
-        status = try_options(q, 1, radius_steps[1], 0, candidate);
+        status = try_options(q, 1, radius_steps[ROUNDED_DOWN], 0, candidate);
         factor *= shrink_factor;
     }
     return status;

@@ -19,8 +19,8 @@
 
 #include <stdint.h>
 
-/* The step of positions, in tolerances, that convert uses by default, since it makes files small.
- */
+/* The step of positions, in tolerances, that convert uses by default where splats lie on the
+ * surface, since it makes files small. */
 #define PSPLAT_USUAL_PRECISION 0.1
 
 /* The greatest step of positions, in tolerances. With a larger one, a small splat next to a point
@@ -48,7 +48,9 @@ typedef struct psplat_convert_desc {
     double crease_angle_degrees;     /* dihedral angle from which an edge is a crease, unless it is
                                       * noise; doubled where the file's normals agree; 0 means 30 */
     int no_creases;                  /* 1: only borders and non-manifold edges bound splats */
-    double precision;                /* greatest step of positions, in tolerances, at most
+    double precision;                /* step of positions, in tolerances, where splats lie on the
+                                        surface; up to 3.5 of it where they err by much of the
+                                        tolerance (select/precision.h); at most
                                         PSPLAT_GREATEST_PRECISION; 0: all values are floats */
     int constant_normals;            /* 1: fields without gradients, as Gaussian splats have */
     double color_tolerance_percent;  /* greatest root mean square of a splat's colour error over its

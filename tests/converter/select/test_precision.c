@@ -97,9 +97,9 @@ static void test_steps(void **state) {
     fixture_free(&cube);
 }
 
-/* Returns the precision chosen for curved splats that face all ways and have one radius, in
- * tolerances. */
-static psplat_precision precision_of(double radius) {
+/* Returns the precision chosen for curved splats that face all ways, have one radius and err by so
+ * much, both in tolerances. */
+static psplat_precision precision_of(double radius, double deviation) {
     enum { COUNT = 200 };
     const psplat_convert_desc desc = {.precision = PSPLAT_USUAL_PRECISION};
     psplat_conversion c = {.desc = &desc, .tolerance = 1, .surface = {.diagonal = 1000}};
@@ -108,6 +108,7 @@ static psplat_precision precision_of(double radius) {
         psplat_candidate candidate = {
             .taken = 1,
             .covered_count = 1,
+            .deviation = deviation,
             .region = {.radius = {radius, radius}, .hessian = {1e-6, 0, 0}}};
         psplat_region *r = &candidate.region;
         random_axes(&random, r->u, r->v, r->n);
@@ -123,9 +124,9 @@ static psplat_precision precision_of(double radius) {
  * tolerances for 9 bits, and twice that for each bit more. */
 static void test_normal_bits(void **state) {
     (void)state;
-    assert_int_equal(precision_of(20).normal_bits, 9);
-    assert_int_equal(precision_of(200).normal_bits, 12);
-    assert_int_equal(precision_of(2000).normal_bits, 14);
+    assert_int_equal(precision_of(20, 0).normal_bits, 9);
+    assert_int_equal(precision_of(200, 0).normal_bits, 12);
+    assert_int_equal(precision_of(2000, 0).normal_bits, 14);
 }
 
 /* Steps are halved as often as splats may be smaller, but no more often than streams can say: seven
@@ -133,16 +134,34 @@ static void test_normal_bits(void **state) {
  * most: 0.1 / 2^2 and a little less for 20 tolerances, 2^8 times less for 2000. */
 static void test_grades(void **state) {
     (void)state;
-    assert_int_equal(precision_of(20).shape_grades, 2);
-    assert_int_equal(precision_of(2000).shape_grades, 7);
-    assert_in_range(precision_of(2000).normal_grades, 1, 7);
+    assert_int_equal(precision_of(20, 0).shape_grades, 2);
+    assert_int_equal(precision_of(2000, 0).shape_grades, 7);
+    assert_in_range(precision_of(2000, 0).normal_grades, 1, 7);
+}
+
+/* Where splats use up the tolerance, positions have steps of 3.5 of what is asked for, surfaces
+ * such of three times as much, and N has a bit or two less: rims may move by 0.5 tolerances instead
+ * of 0.15. In between, steps grow by equal factors: with 0.425, halfway from 0.25 to 0.6, by the
+ * root. */
+static void test_coarseness(void **state) {
+    (void)state;
+    const psplat_precision fine = precision_of(200, 0.25), coarse = precision_of(200, 0.6);
+    const psplat_precision half = precision_of(200, 0.425), more = precision_of(200, 0.9);
+    assert_near(fine.unit, precision_of(200, 0).unit, 1e-12);
+    assert_near(coarse.unit, 3.5 * fine.unit, 1e-12);
+    assert_near(half.unit, sqrt(3.5) * fine.unit, 1e-12);
+    assert_near(more.unit, coarse.unit, 1e-12);
+    assert_near(coarse.shape_step, 3 * fine.shape_step, 1e-12);
+    assert_in_range(fine.normal_bits - coarse.normal_bits, 1, 2);
+    assert_near(fine.scale_step, 0.025, 1e-12);
+    assert_near(coarse.scale_step, 0.04, 1e-12);
 }
 
 int test_precision_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_flat),   cmocka_unit_test(test_floats),
         cmocka_unit_test(test_steps),  cmocka_unit_test(test_normal_bits),
-        cmocka_unit_test(test_grades),
+        cmocka_unit_test(test_grades), cmocka_unit_test(test_coarseness),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

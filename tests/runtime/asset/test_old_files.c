@@ -199,11 +199,17 @@ static void check_file(const old_file *file) {
         }
     }
     assert_memory_equal(classes, file->splats_by_clip_lines, sizeof classes);
-    /* Nine digits are listed above, and values are rounded to float. */
-    for (size_t s = 0; s < SUMS; ++s)
+    /* Nine digits are listed above, and values are rounded to float. The decoder of octahedral
+     * filters asks the processor for approximate roots, with which those of some makers round a
+     * component of 8 bits to the next of 127 steps: here and there a splat turns by half a degree.
+     */
+    int is_filtered = strstr(file->name, "compressed/") != NULL;
+    for (size_t s = 0; s < SUMS; ++s) {
+        double rounding = is_filtered && (s == ROTATION || s == NORMAL) ? 1e-4 : 1e-7;
         if (!(fabs(sums[s].value - file->sums[s]) <=
-              2e-8 * fabs(file->sums[s]) + 1e-7 * sums[s].size))
+              2e-8 * fabs(file->sums[s]) + rounding * sums[s].size))
             fail_msg("%s: sum %zu is %.9g, not %.9g", file->name, s, sums[s].value, file->sums[s]);
+    }
     psplat_asset_destroy(asset);
 }
 
