@@ -20,7 +20,6 @@
 #include "features/crease_follow.h"
 #include "features/curvature.h"
 #include "features/surface.h"
-#include "features/surface_build.h"
 #include "features/tangent_edges.h"
 #include "mesh/edges.h"
 #include "mesh/mesh.h"

@@ -7,10 +7,25 @@
 
 #include <phongsplat/splat.h>
 
+#include "appearance/appearance.h"
 #include "features/surface.h"
-#include "features/surface_build.h"
 
+#include <math.h>
 #include <stdint.h>
+
+/* The crease angle with which only edges without a neighbour bound patches. */
+#define PSPLAT_NO_CREASES HUGE_VAL
+
+/* What bounds patches besides borders. */
+typedef struct psplat_patch_bounds {
+    double crease_angle; /* from which an edge is a crease, radians */
+    /* Of the mesh; must live as long; or NULL. Where it keeps textures, the borders of their charts
+     * bound patches too, whatever the crease angle is. */
+    const psplat_appearance *appearance;
+    /* The greatest distance of splats from the surface, a length: tangent edges over which they
+     * would reach bound patches too (tangent_edges.h). 0: none do. */
+    double tolerance;
+} psplat_patch_bounds;
 
 /* Fills in creases, patches, patch_count, crease_edges and roughness of a surface whose neighbours
  * are known. authored comes from psplat_authored_read. Fails only with PSPLAT_ERROR_MEMORY. */
