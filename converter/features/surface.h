@@ -26,8 +26,7 @@ enum {
 };
 
 /* A mesh with what is known about its surface. Edge 3 t + k of triangle t runs from its corner k to
- * its corner (k + 1) % 3. Creases, borders of charts and tangent edges bound
- * the patches. */
+ * its corner (k + 1) % 3. Creases, borders of charts and tangent edges bound the patches. */
 typedef struct psplat_surface {
     const psplat_mesh *mesh;
     const psplat_appearance *appearance; /* set by the caller so that samples are baked; or NULL */

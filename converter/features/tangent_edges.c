@@ -235,7 +235,7 @@ static double find_reach(const place *p) {
     find_turning(p, most_facets_reaches * most, &t);
     if (t.count < TURNING_FACETS) return 0;
     double least = t.facets[TURNING_FACETS - 1].end;
-    if (straight < straight_facets / TURNING_FACETS * least) return 0;
+    if (!(least > 0) || straight < straight_facets / TURNING_FACETS * least) return 0;
     for (double length = t.length; length > least; length *= length_factor) {
         double rate, residual = fit_rate(&t, length, &rate), turn = fabs(rate);
         double reach = sqrt(2 * p->tolerance / turn), error = sqrt(2 * p->tolerance * turn);

@@ -51,6 +51,9 @@ static int begin(psplat_triangle_flood *f, size_t triangles) {
     return 1;
 }
 
+/* The edges at which floods end: over tangent edges both the surface and its texture go on. */
+static const uint8_t ends = PSPLAT_BOUND_CREASE | PSPLAT_BOUND_CHART;
+
 int psplat_triangle_flood_around(psplat_triangle_flood *f, const psplat_surface *surface,
                                  const psplat_region *region, double margin, uint32_t triangle) {
     psplat_metric metric;
@@ -66,7 +69,7 @@ int psplat_triangle_flood_around(psplat_triangle_flood *f, const psplat_surface 
         if (!psplat_triangle_within(surface, &metric, t, reach)) continue;
         for (size_t e = 3 * (size_t)t; e < 3 * (size_t)t + 3; ++e) {
             uint32_t next = surface->neighbors[e];
-            if (!surface->creases[e] && f->stamps[next] != f->stamp) push(f, next);
+            if (!(surface->creases[e] & ends) && f->stamps[next] != f->stamp) push(f, next);
         }
     }
     return 1;
@@ -122,7 +125,7 @@ int psplat_triangle_flood_beneath(psplat_triangle_flood *f, const psplat_surface
         size_t first = 3 * (size_t)f->triangles[at];
         for (size_t e = first; e < first + 3; ++e) {
             uint32_t next = surface->neighbors[e];
-            if (surface->creases[e] || f->stamps[next] == f->stamp) continue;
+            if ((surface->creases[e] & ends) || f->stamps[next] == f->stamp) continue;
             if (is_beneath(surface, region, margin, next)) push(f, next);
         }
     }

@@ -177,6 +177,35 @@ static int sense_of_triangle(const psplat_surface *surface, const psplat_kept_te
     return (area > least) - (area < -least);
 }
 
+/* Returns the length of the way from a sample over its triangle to where that has what a splat
+ * shows there; FLT_MAX where it has that nowhere, and where the triangle is thinner than the
+ * tolerance and ends before: what lies beyond need not go on like it. */
+static double way_over_triangle(const slides_context *c, uint32_t triangle, uint32_t sample,
+                                const double texels[2], const double error[2]) {
+    const psplat_mesh *mesh = c->surface->mesh;
+    const float *slopes = c->surface->texcoord_slopes + 6 * (size_t)triangle;
+    double way = psplat_texcoord_way(slopes, texels, error), s[2][3], g[3], end[3], longest = 0;
+    if (!(way < (double)FLT_MAX)) return (double)FLT_MAX;
+    for (int k = 0; k < 6; ++k) s[k / 3][k % 3] = (double)slopes[k];
+    g[0] = dot3(s[0], s[0]), g[1] = dot3(s[0], s[1]), g[2] = dot3(s[1], s[1]);
+    double det = g[0] * g[2] - g[1] * g[1];
+    memcpy(end, c->samples->positions + 3 * (size_t)sample, sizeof end);
+    mad3(end, (g[2] * error[0] - g[1] * error[1]) / det, s[0]);
+    mad3(end, (g[0] * error[1] - g[1] * error[0]) / det, s[1]);
+    int is_inside = 1;
+    for (int k = 0; k < 3; ++k) {
+        double along[3], inward[3], from[3];
+        const double *a = psplat_mesh_corner(mesh, triangle, k);
+        sub3(along, psplat_mesh_corner(mesh, triangle, (k + 1) % 3), a);
+        cross3(inward, c->surface->face_normals + 3 * (size_t)triangle, along);
+        sub3(from, end, a);
+        is_inside &= dot3(from, inward) >= 0; /* and not NaN */
+        longest = max2(longest, length3(along));
+    }
+    double height = 2 * c->surface->face_areas[triangle] / longest;
+    return is_inside || height >= c->measured->tolerance ? way : (double)FLT_MAX;
+}
+
 /* Measures what a splat shows at a sample of its own chart. */
 static void measure(const slides_context *c, meeting *m) {
     const psplat_texcoord *texcoord = &c->splats->texcoords[m->splat];
@@ -193,10 +222,8 @@ static void measure(const slides_context *c, meeting *m) {
     }
     psplat_slide slide = psplat_texcoord_slide(texcoord, region, uvh, kept->texels, error);
     m->length = (float)slide.length, m->texels = (float)slide.texels;
-    m->way = (float)fmin(psplat_texcoord_way(c->surface->texcoord_slopes + 6 * (size_t)triangle,
-                                             kept->texels, error),
-                         FLT_MAX);
-    m->seen = slide.length > 0 &&
+    m->way = (float)way_over_triangle(c, triangle, m->sample, kept->texels, error);
+    m->seen = !(slide.texels <= 0) &&
               !psplat_appearance_shows_same(c->surface->appearance, triangle, shown, given);
     m->mirrored =
         psplat_texcoord_sense(texcoord, uvh) * sense_of_triangle(c->surface, kept, triangle) < 0;

@@ -49,7 +49,7 @@ typedef struct mender {
     psplat_samples points;
     psplat_texture_slides slides;
     uint32_t *wrong; /* wrong_count indices of points */
-    size_t wrong_count, seen_count;
+    size_t wrong_count, covered_count;
     uint32_t *blames; /* by candidate: over how many wrong points it slides */
     uint8_t *blamed;  /* by candidate: 1 where it is to be replaced */
     int last;         /* of psplat_mend_textures */
@@ -118,7 +118,7 @@ static psplat_result find_wrong(mender *m, size_t most, uint64_t seed, psplat_er
     result =
         psplat_texture_slides_find(&c->surface, &m->points, &m->splats, &m->measured, &m->slides);
     for (size_t i = 0; i < m->points.count && !result; ++i) {
-        m->seen_count += m->slides.lengths[i] >= 0;
+        m->covered_count += m->slides.lengths[i] >= 0;
         if (slides_too_far(m, i)) m->wrong[m->wrong_count++] = (uint32_t)i;
     }
     return result;
@@ -130,12 +130,13 @@ static psplat_result find_wrong(mender *m, size_t most, uint64_t seed, psplat_er
  * as are wanted. Keeps only the wrong points under these. */
 static void choose_blamed(mender *m) {
     size_t left = m->wrong_count, kept = 0;
-    size_t wanted = (size_t)(shares[m->last].wanted * (double)m->seen_count);
+    size_t wanted = (size_t)(shares[m->last].wanted * (double)m->covered_count);
     for (size_t i = 0; i < m->wrong_count; ++i) ++m->blames[m->slides.splats[m->wrong[i]]];
     while (left > wanted) {
         size_t worst = 0;
         for (size_t i = 1; i < m->c->selection.count; ++i)
             if (m->blames[i] > m->blames[worst]) worst = i;
+        if (!m->blames[worst]) break;
         left -= m->blames[worst];
         m->blames[worst] = 0;
         m->blamed[worst] = 1;
@@ -213,7 +214,7 @@ static psplat_result replace(mender *m, psplat_error *error) {
 }
 
 static int is_wrong(const mender *m, double part) {
-    return (double)m->wrong_count > part * shares[m->last].spared * (double)m->seen_count;
+    return (double)m->wrong_count > part * shares[m->last].spared * (double)m->covered_count;
 }
 
 /* Stores whether a few points are wrong so often that more have to tell. */

@@ -189,7 +189,6 @@ static void test_transform(void **state) {
     assert_near(st[1], 0, 0);
 }
 
-/* An image that could not be read counts as no texture. */
 /* Stored values are no light: sRGB changes nothing. Wraps and filters are those of the sampler. */
 static void test_stored(void **state) {
     (void)state;
@@ -214,6 +213,7 @@ static void test_stored(void **state) {
     release(&f);
 }
 
+/* An image that could not be read counts as no texture. */
 static void test_unreadable(void **state) {
     (void)state;
     psplat_image image = {0};
