@@ -264,10 +264,12 @@ static int are_near(const double *a, const double *b, size_t count) {
 }
 
 /* Returns whether two regions are those of the same splat. A file may give splats lines that cut
- * nothing off behind their own, and who places a circle may turn its axes. */
-static int is_same(const psplat_region *a, const psplat_region *b) {
+ * nothing off behind their own, and who places a circle may turn its axes. Nodes place the integers
+ * of each file to 1/1024 of a step, which is at most half a tolerance. */
+static int is_same(const psplat_region *a, const psplat_region *b, double tolerance) {
     uint32_t lines = a->line_count < b->line_count ? a->line_count : b->line_count;
-    if (distance2_3(a->center, b->center) > 1e-20 || !are_near(a->n, b->n, 3) ||
+    double moved = 2 * 0.5 / 1024 * tolerance;
+    if (distance2_3(a->center, b->center) > 3 * moved * moved || !are_near(a->n, b->n, 3) ||
         !are_near(a->radius, b->radius, 2))
         return 0;
     if (a->radius[0] - a->radius[1] < 1e-5 * a->radius[0]) return 1;
@@ -281,7 +283,8 @@ static int is_in_tile_before(const tiles_fixture *f, size_t tile, const psplat_r
         for (size_t s = 0;
              f->block.tiles[i].level == f->block.tiles[tile].level && s < f->placed[i].splats.count;
              ++s)
-            if (is_same(&f->placed[i].splats.regions[s], region)) return 1;
+            if (is_same(&f->placed[i].splats.regions[s], region, tiles_tolerance(f, tile)))
+                return 1;
     return 0;
 }
 
