@@ -20,15 +20,16 @@ typedef struct psplat_triangle_flood {
     size_t triangle_count;
 } psplat_triangle_flood;
 
-/* Floods from a triangle, over edges that are neither creases nor borders of charts, what is no farther from a splat's centre
- * than the splat reaches and a margin (a length). Returns 0 when out of memory. */
+/* Floods from a triangle, over edges that are neither creases nor borders of charts, what is no
+ * farther from a splat's centre than the splat reaches and a margin (a length). Returns 0 when out
+ * of memory. */
 int psplat_triangle_flood_around(psplat_triangle_flood *flood, const psplat_surface *surface,
                                  const psplat_region *region, double margin, uint32_t triangle);
 
-/* Floods from a triangle, over edges that are neither creases nor borders of charts, what the region covers or is no farther
- * from that than a margin (a length): the triangles that meet it when they are put onto its plane,
- * at heights that its surface has there. So a flood around the neck of a vase does not come back to
- * the region from behind. Returns 0 when out of memory. */
+/* Floods from a triangle, over edges that are neither creases nor borders of charts, what the
+ * region covers or is no farther from that than a margin (a length): the triangles that meet it
+ * when they are put onto its plane, at heights that its surface has there. So a flood around the
+ * neck of a vase does not come back to the region from behind. Returns 0 when out of memory. */
 int psplat_triangle_flood_beneath(psplat_triangle_flood *flood, const psplat_surface *surface,
                                   const psplat_region *region, double margin, uint32_t triangle);
 

@@ -23,6 +23,7 @@
 #include "mesh/mesh.h"
 #include "select/fill_holes.h"
 #include "select/selection.h"
+#include "select/thin_points.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -218,37 +219,10 @@ static void choose_blamed(mender *m) {
 
 /* ---- mending --------------------------------------------------------------------------------- */
 
-/* A point and the cube that it is in. */
-typedef struct cube_point {
-    int64_t cube[3];
-    uint32_t point;
-} cube_point;
-
-static int compare_cubes(const void *left, const void *right) {
-    const cube_point *a = left, *b = right;
-    for (int k = 0; k < 3; ++k)
-        if (a->cube[k] != b->cube[k]) return a->cube[k] < b->cube[k] ? -1 : 1;
-    return a->point < b->point ? -1 : a->point > b->point;
-}
-
 /* Keeps one wrong point of each cube. Returns 0 when out of memory. */
-static int thin_points(mender *m) {
-    double side = cube_side_tolerances * m->c->tolerance;
-    cube_point *sorted = malloc((m->wrong_count + 1) * sizeof *sorted);
-    size_t kept = 0;
-    if (!sorted) return 0;
-    for (size_t i = 0; i < m->wrong_count; ++i) {
-        const double *p = m->points.positions + 3 * (size_t)m->wrong[i];
-        sorted[i].point = m->wrong[i];
-        for (int k = 0; k < 3; ++k) sorted[i].cube[k] = (int64_t)floor(p[k] / side);
-    }
-    qsort(sorted, m->wrong_count, sizeof *sorted, compare_cubes);
-    for (size_t i = 0; i < m->wrong_count; ++i)
-        if (!i || memcmp(sorted[i].cube, sorted[i - 1].cube, sizeof sorted->cube) != 0)
-            m->wrong[kept++] = sorted[i].point;
-    m->wrong_count = kept;
-    free(sorted);
-    return 1;
+static int thin_wrong_points(mender *m) {
+    return psplat_thin_points(m->points.positions, cube_side_tolerances * m->c->tolerance, m->wrong,
+                              &m->wrong_count);
 }
 
 /* Notes what candidates may show at the samples from index first on, which are these points. */
@@ -292,7 +266,7 @@ static psplat_result replace(mender *m, psplat_error *error) {
     psplat_result result = find_blames(m);
     if (result) return result;
     choose_blamed(m);
-    if (!thin_points(m)) return PSPLAT_ERROR_MEMORY;
+    if (!thin_wrong_points(m)) return PSPLAT_ERROR_MEMORY;
     result = append_points(m, error);
     for (size_t i = 0; i < c->selection.count; ++i)
         if (m->blamed[i]) c->selection.candidates[i].taken = 0;
