@@ -50,7 +50,7 @@ static const double least_dihedral_share = 0.2;
 static const double length_factor = 0.8;
 /* Edges belong to one chain where they go on by at most this angle, and chains that are shorter,
  * in reaches, are dropped. */
-static const double greatest_chain_angle = 25 * PSPLAT_DEGREE, least_chain_reaches = 8;
+static const double greatest_chain_angle = 25 * PSPLAT_DEGREE, least_chain_reaches = 6;
 
 /* The most facets of a walk, and the most triangles. Facets are triangles in a row of one normal.
  */

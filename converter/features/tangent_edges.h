@@ -18,7 +18,7 @@
  * sqrt(2 e / k), where their normals are off by sqrt(2 e k). An edge is marked where that is 8
  * degrees or more, where the surface on one side of it is straight across the edge for twice that
  * reach, where it turns at one rate on the other side, and where such edges follow each other for
- * eight times the reach. Only meshes whose edges run along the jump have them, as those of CAD
+ * six times the reach. Only meshes whose edges run along the jump have them, as those of CAD
  * programs do; scans have none. */
 psplat_result psplat_tangent_edges_mark(psplat_surface *surface, double tolerance);
 
