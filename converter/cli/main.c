@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -43,10 +44,14 @@ static void print_help(void) {
         psplat_exit_help);
 }
 
-/* Ends the process at once, which is safe since unfinished files are never visible (output.c). */
+/* Ends the process at once, which is safe since unfinished files are never visible (output.c). A
+ * second signal, as timeout(1) sends to the process and then to its group, may reach another
+ * thread meanwhile, which leaves the line and the end to the first. */
 static void on_signal(int number) {
     static const char line[] = "phongsplat: interrupted\n";
+    static atomic_flag is_ending = ATOMIC_FLAG_INIT;
     (void)number;
+    if (atomic_flag_test_and_set(&is_ending)) return;
     if (isatty(STDERR_FILENO) && write(STDERR_FILENO, "\r\033[K", 4) < 0)
         _exit(PSPLAT_EXIT_INTERRUPTED);
     ssize_t written = write(STDERR_FILENO, line, sizeof line - 1);

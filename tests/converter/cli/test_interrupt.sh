@@ -49,6 +49,22 @@ for signal in INT TERM; do
     expect_files ''
 done
 
+# Several signals, as timeout sends to a process and to its group, may reach several threads; one
+# line is printed all the same.
+for _ in 1 2 3 4 5 6 7 8; do
+    OMP_NUM_THREADS=4 env --default-signal=INT "$PHONGSPLAT" convert sheet.obj out/x.glb -t 0.02% >stdout.txt 2>stderr.txt </dev/null &
+    process=$!
+    sleep 0.5
+    # kill signals a process as often as it is named.
+    # shellcheck disable=SC2046
+    kill -INT $(yes $process | head -n 200) 2>kill.txt || true
+    code=0
+    wait $process || code=$?
+    command_line="convert stopped by many SIGINT"
+    expect_error 8 '^phongsplat: interrupted$'
+done
+expect_files ''
+
 # An interrupted conversion leaves an existing output as it is.
 echo before >out/x.glb
 stop INT 1 sheet.obj out/x.glb -w --splats 5000
