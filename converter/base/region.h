@@ -17,7 +17,8 @@
 /* An ellipse cut by clip lines, and the surface over it. Parameters (u, v) are coordinates along
  * the axes in units of the radii, so that the ellipse is the unit disc. A line (a, b, c) of bend k
  * keeps the points with a u + b v + c + k (a v - b u)^2 / 2 >= 0 (spec 3.6); with k > 0 what it
- * keeps is not convex. At s along u and t along v, in lengths, the surface has over the plane the
+ * keeps is not convex. Behind the lines that cut the region there may be seams (spec 3.6), which
+ * bound what the material is and cut nothing off. At s along u and t along v, in lengths, the surface has over the plane the
  * height slope . (s, t) + (A s^2 + 2 B s t + C t^2) / 2 with A, B, C = hessian (spec 3.4 in
  * lengths). */
 typedef struct psplat_region {
@@ -26,7 +27,9 @@ typedef struct psplat_region {
     double radius[2];
     double lines[PSPLAT_MAX_CLIP_LINES][3];
     double bends[PSPLAT_MAX_CLIP_LINES]; /* 0: the line is straight */
-    uint32_t line_count;
+    uint32_t line_count; /* of those that cut */
+    uint32_t seam_count; /* of the seams, lines[line_count] on; both are PSPLAT_MAX_CLIP_LINES at
+                            most */
     double slope[2], hessian[3]; /* of the surface; all 0: it is the plane */
 } psplat_region;
 
@@ -104,6 +107,24 @@ static inline double psplat_region_line_value(const psplat_region *region, uint3
     const double *line = region->lines[i];
     double along = line[0] * uv[1] - line[1] * uv[0];
     return line[0] * uv[0] + line[1] * uv[1] + line[2] + region->bends[i] * along * along / 2;
+}
+
+/* The factor of what a fragment beyond a seam weighs, but for its normal (spec 3.6). */
+#define PSPLAT_SEAM_WEIGHT (1.0 / 256)
+
+/* Returns whether (u, v) lies beyond a seam. */
+static inline int psplat_region_is_beyond_seam(const psplat_region *region, const double uv[2]) {
+    for (uint32_t i = 0; i < region->seam_count; ++i)
+        if (psplat_region_line_value(region, region->line_count + i, uv) < 0) return 1;
+    return 0;
+}
+
+/* Returns the part of a region that is inside all of its seams, which cut it. */
+static inline psplat_region psplat_region_inside_seams(const psplat_region *region) {
+    psplat_region inside = *region;
+    inside.line_count += inside.seam_count;
+    inside.seam_count = 0;
+    return inside;
 }
 
 /* Stores the point (u, v) of clip line i, straight or bent, that is m along it: m is measured in

@@ -141,7 +141,7 @@ static void place(const transform *m, psplat_region *region, psplat_blend_field 
             normalize3(region->n);
             find_axes(axes[0], axes[1], region, r);
         }
-        for (uint32_t i = 0; i < region->line_count; ++i)
+        for (uint32_t i = 0; i < region->line_count + region->seam_count; ++i)
             apply_rotation((const double(*)[2])r, &region->lines[i][0], &region->lines[i][1]);
         for (int k = 0; k < 3; ++k)
             apply_rotation((const double(*)[2])r, &field->normals[1][k], &field->normals[2][k]);
@@ -160,7 +160,13 @@ static int is_valid(const psplat_region *region) {
 static psplat_result place_batch(const psplat_batch *batch, const double origin[3],
                                  psplat_placed_splats *placed) {
     transform m;
-    psplat_splats stored = {.splats = (psplat_splat *)batch->splats, .count = batch->splat_count};
+    psplat_run run = {.count = batch->splat_count,
+                      .clip_lines = batch->clip_count,
+                      .seam_lines = batch->seam_lines};
+    psplat_splats stored = {.splats = (psplat_splat *)batch->splats,
+                            .count = batch->splat_count,
+                            .runs = &run,
+                            .run_count = 1};
     psplat_region *regions;
     if (!transform_of(batch->model, origin, &m)) return PSPLAT_OK;
     regions = psplat_splat_regions(&stored);

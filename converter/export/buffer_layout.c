@@ -31,12 +31,13 @@ enum { CLASSES = PSPLAT_LINE_CLASSES, PARTS = PSPLAT_PARTS }; /* of splats, by t
 
 /* ---- primitives ----------------------------------------------------------------------------- */
 
-/* The runs of splats that may share a primitive: equal material, depth tolerance and kind of
- * surface, all or none with texture coordinates, and at most one run of each number of clip lines.
+/* The runs of splats that may share a primitive: equal material, depth tolerance, kind of surface
+ * and number of seams, all or none with texture coordinates, and at most one run of each number of clip lines.
  * Flat runs that joined a curved family are parts of their own. */
 typedef struct family {
     uint32_t material;
     float depth_tolerance;
+    uint32_t seam_lines;
     int is_curved, has_shape, has_texcoord;
     int has_texcoord_bend; /* of some of them; that of the others is 0 */
     size_t first[PARTS], count[PARTS];
@@ -49,6 +50,7 @@ static size_t find_families(const psplat_splats *splats, family *families) {
         size_t f = 0;
         while (f < count && (families[f].material != run->material ||
                              families[f].depth_tolerance != run->depth_tolerance ||
+                             families[f].seam_lines != run->seam_lines ||
                              families[f].is_curved != run->is_curved ||
                              families[f].has_shape != run->has_shape ||
                              families[f].has_texcoord != run->has_texcoord ||
@@ -57,6 +59,7 @@ static size_t find_families(const psplat_splats *splats, family *families) {
         if (f == count)
             families[count++] = (family){.material = run->material,
                                          .depth_tolerance = run->depth_tolerance,
+                                         .seam_lines = run->seam_lines,
                                          .is_curved = run->is_curved,
                                          .has_shape = run->has_shape,
                                          .has_texcoord = run->has_texcoord};
@@ -105,7 +108,7 @@ static size_t join_families(const psplat_attribute_table *table, family *familie
         for (; to < count; ++to) {
             const family *f = &families[to];
             if (f->is_curved && f->material == flat.material &&
-                f->has_texcoord == flat.has_texcoord &&
+                f->has_texcoord == flat.has_texcoord && f->seam_lines == flat.seam_lines &&
                 f->depth_tolerance == flat.depth_tolerance && !count_of(f, 0, CLASSES - 1, 1) &&
                 are_few(count_of(&flat, 0, CLASSES - 1, 0), count_of(f, 0, CLASSES - 1, 0)) &&
                 fits_curved(table, &flat, f))
@@ -176,6 +179,7 @@ static void add_primitives(psplat_buffer_layout *layout, size_t mesh, const fami
     const psplat_primitive_layout empty = {.mesh = mesh,
                                            .material = f->material,
                                            .depth_tolerance = f->depth_tolerance,
+                                           .seam_lines = f->seam_lines,
                                            .is_curved = f->is_curved,
                                            .has_shape = f->has_shape,
                                            .has_texcoord = f->has_texcoord,
@@ -272,6 +276,7 @@ static int add_stream(psplat_buffer_layout *layout, size_t first, size_t end) {
         sections[i] = (psplat_section){.order = p[i].order,
                                        .count = p[i].count,
                                        .clip_lines = p[i].clip_lines,
+                                       .seam_lines = p[i].seam_lines,
                                        .depth_tolerance = p[i].depth_tolerance,
                                        .is_curved = p[i].is_curved,
                                        .has_shape = p[i].has_shape,
@@ -290,6 +295,8 @@ static int add_stream(psplat_buffer_layout *layout, size_t first, size_t end) {
     if (!view.bytes) return 0;
     p->streams_texcoords = desc.holds_texcoords;
     p->is_streamed = 1;
+    p->section_count = end - first;
+    for (size_t i = 0; i < end - first; ++i) p->section_seams[i] = (uint8_t)p[i].seam_lines;
     p->stream = layout->view_count;
     layout->views[layout->view_count++] = view;
     return 1;

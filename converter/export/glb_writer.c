@@ -105,7 +105,7 @@ static psplat_result check_runs(const psplat_splats *splats, psplat_error *error
     for (size_t r = 0; r < splats->run_count; ++r) {
         const psplat_run *run = &splats->runs[r];
         if (!run->count || run->material >= splats->material_count ||
-            run->clip_lines > PSPLAT_MAX_CLIP_LINES)
+            run->clip_lines > PSPLAT_MAX_CLIP_LINES || run->seam_lines > run->clip_lines)
             return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                                "run %zu is empty or has a material or lines that there are not", r);
         if ((run->has_texcoord && !splats->texcoords) ||

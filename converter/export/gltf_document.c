@@ -244,6 +244,22 @@ static int states_levels(const psplat_buffer_layout *layout,
            (primitive == layout->primitives || primitive[-1].mesh != primitive->mesh);
 }
 
+/* States which lines are seams: a number, or one for each section of a stream. */
+static void add_seams(psplat_writer *json, const psplat_primitive_layout *primitive) {
+    size_t most = primitive->is_streamed ? 0 : primitive->seam_lines;
+    for (size_t i = 0; i < primitive->section_count; ++i)
+        if (primitive->section_seams[i] > most) most = primitive->section_seams[i];
+    if (!most) return;
+    if (!primitive->is_streamed) {
+        psplat_writer_count(json, "seamLines", primitive->seam_lines);
+        return;
+    }
+    psplat_writer_open(json, "seamLines", '[');
+    for (size_t i = 0; i < primitive->section_count; ++i)
+        psplat_writer_count(json, NULL, primitive->section_seams[i]);
+    psplat_writer_close(json, ']');
+}
+
 static void add_splat_extension(psplat_writer *json, const psplat_buffer_layout *layout,
                                 const psplat_primitive_layout *primitive) {
     const psplat_attribute_table *table = &layout->tables[primitive->mesh];
@@ -255,12 +271,14 @@ static void add_splat_extension(psplat_writer *json, const psplat_buffer_layout 
     psplat_writer_count(json, "version", version_of(layout, primitive));
     if (primitive->is_streamed) {
         psplat_writer_count(json, "stream", primitive->stream);
+        add_seams(json, primitive);
         add_ranges(json, table, primitive);
         if (states_levels(layout, primitive)) add_levels(json, layout, primitive->mesh);
         psplat_writer_close(json, '}');
         return;
     }
     psplat_writer_count(json, "clipLines", primitive->clip_lines);
+    add_seams(json, primitive);
     psplat_writer_float(json, "depthTolerance", (float)((double)primitive->depth_tolerance / unit));
     psplat_writer_floats(json, "positionExtent", extent, 3);
     if (primitive->is_curved) psplat_writer_boolean(json, "curved", 1);

@@ -127,7 +127,7 @@ static void set_curved_shape(const psplat_region *region, psplat_gaussian *g) {
 static void set_shape(const psplat_splat *splat, psplat_gaussian *g) {
     psplat_region region;
     double m[3];
-    psplat_splat_region(splat, &region);
+    psplat_splat_region(splat, 0, &region); /* Its colour ends at seams, too. */
     if (psplat_region_is_curved(&region)) {
         set_curved_shape(&region, g);
         return;

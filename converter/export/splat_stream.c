@@ -332,9 +332,11 @@ static int compare_lines(const void *a, const void *b) {
     return (first->bend > second->bend) - (first->bend < second->bend);
 }
 
-/* Finds the lines of a splat in the order of their turns, without those that cut nothing off.
- * Returns how many there are. */
-static size_t find_lines(const common *c, size_t index, line lines[PSPLAT_MAX_CLIP_LINES]) {
+/* Finds the lines of a splat, its seams first and both in the order of their turns, without cutting
+ * lines that cut nothing off. The turn of a line is no less than that of the line before: it may
+ * pass a whole turn. Returns how many there are. */
+static size_t find_lines(const common *c, size_t seams, size_t index,
+                         line lines[PSPLAT_MAX_CLIP_LINES]) {
     const psplat_quantized_splat *code = &c->table->codes[index];
     int32_t whole = (int32_t)(1u << (c->line_turn_bits + 1)),
             unit = (int32_t)(1u << line_grade(c, index));
@@ -342,11 +344,16 @@ static size_t find_lines(const common *c, size_t index, line lines[PSPLAT_MAX_CL
     size_t count = 0;
     for (uint32_t i = 0; i < c->table->splats->splats[index].clip_count; ++i) {
         const int32_t *l = code->lines[i];
-        if (!l[0] && l[1] == padding && !l[2]) continue;
+        if (i >= seams && !l[0] && l[1] == padding && !l[2]) continue;
         lines[count++] =
             (line){((l[0] + whole) % whole) >> line_grade(c, index), l[1] / unit, l[2] / unit};
     }
-    qsort(lines, count, sizeof *lines, compare_lines);
+    qsort(lines, seams, sizeof *lines, compare_lines);
+    qsort(lines + seams, count - seams, sizeof *lines, compare_lines);
+    int32_t least = seams ? lines[seams - 1].turn : 0;
+    int is_later = count > seams && lines[seams].turn < least;
+    for (size_t i = seams; i < count && is_later; ++i)
+        lines[i].turn += whole >> line_grade(c, index);
     return count;
 }
 
@@ -354,7 +361,7 @@ static void put_lines(encoder *e, const common *c, const psplat_section *section
                       size_t index) {
     line lines[PSPLAT_MAX_CLIP_LINES];
     if (!section->clip_lines) return;
-    size_t count = find_lines(c, index, lines);
+    size_t count = find_lines(c, section->seam_lines, index, lines);
     put_unsigned(e, &e->models[LINES], (int32_t)count);
     for (size_t i = 0; i < count; ++i) {
         if (i)

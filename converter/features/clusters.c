@@ -16,14 +16,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-void psplat_clusters_free(psplat_clusters *c) {
-    free(c->of_triangles);
-    free(c->spheres);
-    free(c->triangles);
+void psplat_clusters_unlink(psplat_clusters *c) {
     free(c->first_neighbor);
     free(c->neighbors);
     free(c->first_crease);
     free(c->creases);
+    c->first_neighbor = c->neighbors = c->first_crease = c->creases = NULL;
+}
+
+void psplat_clusters_free(psplat_clusters *c) {
+    free(c->of_triangles);
+    free(c->spheres);
+    free(c->triangles);
+    psplat_clusters_unlink(c);
     *c = (psplat_clusters){0};
 }
 
@@ -194,6 +199,14 @@ static int list_neighbors(const psplat_surface *surface, psplat_clusters *c) {
     }
     c->first_neighbor[c->count] = kept;
     return 1;
+}
+
+int psplat_clusters_relink(const psplat_surface *surface, psplat_clusters *clusters) {
+    clusters->first_neighbor = clusters->neighbors = NULL;
+    clusters->first_crease = clusters->creases = NULL;
+    if (list_creases(surface, clusters) && list_neighbors(surface, clusters)) return 1;
+    psplat_clusters_unlink(clusters);
+    return 0;
 }
 
 int psplat_clusters_build(const psplat_surface *surface, double size, psplat_clusters *clusters) {

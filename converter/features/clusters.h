@@ -33,6 +33,14 @@ typedef struct psplat_clusters {
  * memory. */
 int psplat_clusters_build(const psplat_surface *surface, double size, psplat_clusters *clusters);
 
+/* Gives clusters new lists of neighbours and creases, by the creases of a surface with the same
+ * triangles. They own those alone: of_triangles, spheres and triangles stay another's. Returns 0
+ * when out of memory, and then owns no lists. */
+int psplat_clusters_relink(const psplat_surface *surface, psplat_clusters *clusters);
+
+/* Frees what psplat_clusters_relink has made. */
+void psplat_clusters_unlink(psplat_clusters *clusters);
+
 void psplat_clusters_free(psplat_clusters *clusters);
 
 #endif

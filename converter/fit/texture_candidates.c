@@ -46,11 +46,13 @@ static psplat_result fit_candidate(const psplat_fit_context *context, size_t ind
     const psplat_kept_textures *kept = psplat_surface_kept_textures(context->surface, triangle);
     c->texcoord = (psplat_texcoord){.at = {0}};
     if (!c->taken || !kept) return PSPLAT_OK;
-    psplat_site site = psplat_site_of(&c->region, c->triangle);
-    psplat_evaluation evaluation = psplat_evaluate(context, &site, &c->region, &demands);
+    /* Beyond a seam the texture is another chart's. */
+    const psplat_region inside = psplat_region_inside_seams(&c->region);
+    psplat_site site = psplat_site_of(&inside, c->triangle);
+    psplat_evaluation evaluation = psplat_evaluate(context, &site, &inside, &demands);
     if (evaluation.status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
     if (c->covered_count > 1)
-        psplat_evaluate_fit_texcoords(context, &c->region, c, &c->texcoord);
+        psplat_evaluate_fit_texcoords(context, &inside, c, &c->texcoord);
     else
         take_triangle(
             context->surface, triangle,

@@ -82,6 +82,8 @@ void psplat_point_blend_add(psplat_point_blend *blend, uint32_t splat) {
     psplat_blend_field_normal(splat_field, uvh, normal);
     mad3(blend->blended, weight, normal);
     mad3(blend->constant, weight, splat_field->normals[0]);
+    if (psplat_region_is_beyond_seam(&blend->measured->regions[splat], uvh))
+        weight *= PSPLAT_SEAM_WEIGHT; /* All but normals ends at seams (spec 3.6). */
     mad3(blend->flat_color, weight, splat_field->colors[0]);
     for (int k = 0; k < 3; ++k) { /* Each fragment's colour is clamped (spec eq. 4a). */
         double value = splat_field->colors[0][k] + uvh[0] * splat_field->colors[1][k] +

@@ -44,6 +44,7 @@ typedef struct meeting {
     float length, texels; /* of the slide; negative where the splat is of another chart */
     float way;            /* psplat_texcoord_way */
     uint8_t mirrored, seen;
+    uint8_t is_beyond; /* 1 beyond a seam of the splat */
 } meeting;
 
 typedef struct meeting_list {
@@ -104,9 +105,12 @@ static int visit_splat(void *user, uint32_t index) {
     if (!psplat_measured_splats_cover(c->measured, index, p->normal, uvh)) return 0;
     if (!faces(&c->measured->regions[index], p->normal, uvh)) return 0;
     double falloff = pow(hypot(uvh[0], uvh[1]), (double)kernel->exponent);
+    double weight = exp(-(double)kernel->sharpness * falloff);
+    int is_beyond = psplat_region_is_beyond_seam(&c->measured->regions[index], uvh);
     const meeting item = {.splat = index,
                           .sample = (uint32_t)p->sample,
-                          .weight = (float)exp(-(double)kernel->sharpness * falloff)};
+                          .weight = (float)(is_beyond ? PSPLAT_SEAM_WEIGHT * weight : weight),
+                          .is_beyond = (uint8_t)is_beyond};
     push_meeting(p->list, &item);
     return 0;
 }
@@ -253,9 +257,9 @@ static int measure_splat(const slides_context *c, meeting *meetings, size_t coun
                 !psplat_triangle_flood_met(near, triangles[meetings[k].sample]))
                 continue;
             meetings[k].length = -1;
-            ++flooded;
+            --left;
+            flooded += !meetings[k].is_beyond;
         }
-        left -= flooded;
         if (flooded > most) most = flooded, own = triangles[meetings[i].sample];
     }
     if (own == PSPLAT_NONE) return 1;

@@ -20,6 +20,7 @@
 #include "select/local_search.h"
 #include "select/mend_colors.h"
 #include "select/mend_textures.h"
+#include "select/open_seams.h"
 #include "select/precision.h"
 #include "select/relax.h"
 #include "select/sample_spacing.h"
@@ -166,6 +167,8 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     if (result) return result;
     if (psplat_close_seams(&context, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
+    if (psplat_open_seams(&context, &c->selection))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while opening seams");
     if (psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,
                           c->selection.count))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while colouring splats");

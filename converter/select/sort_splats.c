@@ -42,6 +42,17 @@ static int has_own_shape(const psplat_candidate *candidate) {
     return 0;
 }
 
+/* Stores the lines of a region: seams come first (spec 3.6). */
+static void store_lines(const psplat_region *region, psplat_splat *splat) {
+    uint32_t count = region->line_count + region->seam_count;
+    for (uint32_t i = 0; i < count; ++i) {
+        uint32_t from = (i + region->line_count) % count;
+        for (int k = 0; k < 3; ++k) splat->clip[i][k] = (float)region->lines[from][k];
+        splat->bend[i] = (float)region->bends[from];
+    }
+    splat->clip_count = count;
+}
+
 static void candidate_to_splat(const psplat_candidate *candidate, psplat_splat *splat) {
     const psplat_region *region = &candidate->region;
     double normal[3], shape[5];
@@ -57,19 +68,17 @@ static void candidate_to_splat(const psplat_candidate *candidate, psplat_splat *
     for (int k = 0; k < 2; ++k) splat->radius[k] = (float)region->radius[k];
     for (int k = 0; k < 3; ++k) splat->gradient[k] = (float)candidate->field[2 + k];
     for (int k = 0; k < 4; ++k) splat->color[k] = candidate->color[k];
-    for (uint32_t i = 0; i < region->line_count; ++i)
-        for (int k = 0; k < 3; ++k) splat->clip[i][k] = (float)region->lines[i][k];
-    for (uint32_t i = 0; i < region->line_count; ++i) splat->bend[i] = (float)region->bends[i];
-    splat->clip_count = region->line_count;
+    store_lines(region, splat);
     for (int k = 0; k < 5; ++k) splat->shape[k] = (float)shape[k];
 }
 
-/* The surfaces of splats, in the order of a file. */
-enum { FLAT = 0, PLANE, CURVED, SURFACES };
+/* The surfaces of splats, in the order of a file, and the numbers of seams that they may have. */
+enum { FLAT = 0, PLANE, CURVED, SURFACES, SEAMS = PSPLAT_MAX_CLIP_LINES + 1 };
 
 /* What a splat is sorted by. */
 typedef struct order_entry {
-    uint32_t class, material, index; /* class: SURFACES times the clip lines, plus the surface */
+    uint32_t class, material, index; /* class: the clip lines, times SEAMS, plus those that are
+                                        seams, times SURFACES, plus the surface */
     int has_shape;                   /* as in psplat_run */
     uint64_t code;
 } order_entry;
@@ -142,7 +151,8 @@ static void take_candidates(const psplat_selection *selection, const psplat_sort
         candidate_to_splat(candidate, &s->unsorted[count]);
         if (s->unsorted_finishes) s->unsorted_finishes[count] = candidate->finish;
         if (s->unsorted_texcoords) s->unsorted_texcoords[count] = candidate->texcoord;
-        entries[count].class = SURFACES * candidate->region.line_count + surface;
+        uint32_t seams = candidate->region.seam_count, lines = candidate->region.line_count + seams;
+        entries[count].class = SURFACES * (SEAMS * lines + seams) + surface;
         entries[count].has_shape = curved && has_own_shape(candidate);
         entries[count++].material = storing->groups ? storing->groups[candidate->triangle] : 0;
     }
@@ -155,7 +165,8 @@ static size_t find_runs(const order_entry *entries, size_t count, const psplat_s
     for (size_t i = 0; i < count; ++i) {
         if (!i || entries[i].class != entries[i - 1].class ||
             entries[i].material != entries[i - 1].material)
-            runs[run_count++] = (psplat_run){.clip_lines = entries[i].class / SURFACES,
+            runs[run_count++] = (psplat_run){.clip_lines = entries[i].class / SURFACES / SEAMS,
+                                             .seam_lines = entries[i].class / SURFACES % SEAMS,
                                              .material = entries[i].material,
                                              .is_curved = entries[i].class % SURFACES == CURVED,
                                              .depth_tolerance = entries[i].class % SURFACES == FLAT

@@ -27,7 +27,19 @@ void psplat_quaternion_of_axes(const double u[3], const double v[3], const doubl
     for (int c = 0; c < 4; ++c) rotation[c] = (float)(q[c] / length);
 }
 
-void psplat_splat_region(const psplat_splat *splat, psplat_region *region) {
+/* Stores the lines of a splat: behind those that cut come its seams, which a splat has first. */
+static void take_lines(const psplat_splat *splat, uint32_t seam_lines, psplat_region *region) {
+    uint32_t seams = seam_lines < splat->clip_count ? seam_lines : splat->clip_count;
+    for (uint32_t i = 0; i < splat->clip_count; ++i) {
+        uint32_t from = (i + seams) % splat->clip_count;
+        for (int k = 0; k < 3; ++k) region->lines[i][k] = (double)splat->clip[from][k];
+        region->bends[i] = (double)splat->bend[from];
+    }
+    region->line_count = splat->clip_count - seams;
+    region->seam_count = seams;
+}
+
+void psplat_splat_region(const psplat_splat *splat, uint32_t seam_lines, psplat_region *region) {
     double q[4], length = 0;
     for (int k = 0; k < 4; ++k) length += (double)splat->rotation[k] * (double)splat->rotation[k];
     for (int k = 0; k < 4; ++k) q[k] = (double)splat->rotation[k] / sqrt(length);
@@ -37,12 +49,8 @@ void psplat_splat_region(const psplat_splat *splat, psplat_region *region) {
         .u = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
         .v = {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
         .n = {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
-        .radius = {(double)splat->radius[0], (double)splat->radius[1]},
-        .line_count = splat->clip_count};
-    for (uint32_t i = 0; i < splat->clip_count; ++i) {
-        for (int k = 0; k < 3; ++k) region->lines[i][k] = (double)splat->clip[i][k];
-        region->bends[i] = (double)splat->bend[i];
-    }
+        .radius = {(double)splat->radius[0], (double)splat->radius[1]}};
+    take_lines(splat, seam_lines, region);
     region->slope[0] = -(double)splat->shape[0];
     region->slope[1] = -(double)splat->shape[1];
     region->hessian[0] = -(double)splat->shape[2] / region->radius[0];

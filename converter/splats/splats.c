@@ -11,8 +11,12 @@
 
 psplat_region *psplat_splat_regions(const psplat_splats *splats) {
     psplat_region *regions = malloc((splats->count + 1) * sizeof *regions);
-    for (size_t i = 0; regions && i < splats->count; ++i)
-        psplat_splat_region(&splats->splats[i], &regions[i]);
+    for (size_t run = 0, i = 0; regions && i < splats->count; ++run) {
+        size_t end = run < splats->run_count ? i + splats->runs[run].count : splats->count;
+        uint32_t seams = run < splats->run_count ? splats->runs[run].seam_lines : 0;
+        for (; i < end && i < splats->count; ++i)
+            psplat_splat_region(&splats->splats[i], seams, &regions[i]);
+    }
     return regions;
 }
 

@@ -15,6 +15,7 @@
 typedef struct psplat_run {
     size_t count;
     uint32_t clip_lines;   /* the number of clip lines that each splat has */
+    uint32_t seam_lines;   /* how many of these, the first ones, are seams (spec 3.6) */
     uint32_t material;     /* index into the materials */
     float depth_tolerance; /* epsilon of spec 5.3, in the mesh's units */
     int is_curved;         /* 0: the shape of every splat is 0 */
@@ -49,7 +50,7 @@ typedef struct psplat_precision {
     int normal_shift;  /* the bits that normals have less; 0 but from psplat_precision_at */
 } psplat_precision;
 
-/* The splats of one mesh. They are sorted by their number of clip lines; then come plane splats of
+/* The splats of one mesh. They are sorted by their number of clip lines, and then of seams; then come plane splats of
  * flat surfaces, other plane ones and curved ones; then they are sorted by material, and then in
  * spatial order. Splats of flat surfaces lie on them and need next to no depth tolerance. Each
  * group but for the spatial order is a run. */
@@ -73,7 +74,7 @@ typedef struct psplat_splats {
 void psplat_splats_free(psplat_splats *splats);
 
 /* Returns the regions of the splats, in double precision: count of them, malloc'ed and owned
- * by the caller; NULL when out of memory. */
+ * by the caller; NULL when out of memory. Splats beyond the last run have no seams. */
 psplat_region *psplat_splat_regions(const psplat_splats *splats);
 
 #endif
