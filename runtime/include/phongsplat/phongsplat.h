@@ -101,7 +101,9 @@ typedef struct psplat_batch {
                                          psplat_asset_desc.only_draws was 1 */
     size_t splat_count;               /* >= 1 */
     uint32_t clip_count;              /* clip lines of every splat in this batch, 0 ... 4 */
-    uint32_t primitive;               /* batches with the same number share their splats */
+    uint32_t seam_lines; /* the last so many of a splat's lines are seams (spec 3.6): beyond them
+                            the splat goes on, its material does not */
+    uint32_t primitive;  /* batches with the same number share their splats */
     uint32_t level; /* of detail, at which the batch is drawn first; 0 is the finest. Where a */
     uint32_t last_level; /* mesh has fewer levels than others, its coarsest stands for the rest */
     double model[16];    /* affine transform from object space to the scene, composed in double */

@@ -37,7 +37,8 @@ extern "C" {
  *     u = U.(q - center) / radius[0]       v = V.(q - center) / radius[1]      (BSK04 eq. 1)
  *
  * and belongs to the splat where u*u + v*v <= 1 and, for each clip line (a, b, c) of bend k,
- * a*u + b*v + c + k*(a*v - b*u)^2/2 >= 0. The splat's surface has there the height above that plane
+ * a*u + b*v + c + k*(a*v - b*u)^2/2 >= 0. Lines that are seams (psplat_batch.seam_lines) cut only
+ * its material, not its shape. The splat's surface has there the height above that plane
  *
  *     h(u, v) = -r_u (x u + alpha u^2/2 + gamma q u v + q y v + q beta v^2/2)     (spec eq. 1a)
  *
