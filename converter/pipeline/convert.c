@@ -167,7 +167,7 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     if (result) return result;
     if (psplat_close_seams(&context, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
-    if (psplat_open_seams(&context, &c->selection))
+    if (psplat_open_seams(&context, &c->kernel, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while opening seams");
     if (psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,
                           c->selection.count))

@@ -20,46 +20,71 @@
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
 #include "select/selection.h"
+#include "splats/quantize.h"
 
 #include <math.h>
 #include <string.h>
 
-/* How far a line that cuts may reach over its crease, in tolerances: close_seams.c moves it by up
- * to 0.8, and the fit leaves the rest. A crease so near to such a line is not met. Chosen by hand.
- */
+/* How far a line of a fit may reach over its crease, in tolerances: close_seams.c moves it by up to
+ * 0.8, and the fit leaves the rest. A crease so near to such a line is not met. Chosen by hand. */
 static const double line_reach_tolerances = 1;
+/* Where not all beyond a seam keeps the limits, the parts of the way to the rim that are tried, and
+ * how far these reach at least, in tolerances: a jump of the shading is softened over that width.
+ * Chosen by hand. */
+enum { PARTS = 5 };
+static const double parts[PARTS] = {0.6, 0.35, 0.2, 0.12, 0.07};
+static const double least_reach_tolerances = 0.75;
 /* How far off normals may be beyond a seam, as a root mean square weighted by the kernel: this
  * angle (its square, of the chord between unit vectors) of 14 degrees. Chosen by hand. */
 static const double greatest_normal_square = 0.06;
 
 /* ---- what goes on beyond a seam -------------------------------------------------------------- */
 
-/* Returns a region whose lines in a set of bits are seams and whose other lines cut. */
-static psplat_region with_seams(const psplat_region *region, unsigned seams) {
-    psplat_region split = *region;
-    split.line_count = split.seam_count = 0;
-    for (unsigned is_seam = 0; is_seam < 2; ++is_seam)
-        for (uint32_t i = 0; i < region->line_count; ++i) {
-            if ((seams >> i & 1) != is_seam) continue;
-            uint32_t to = split.line_count + split.seam_count;
-            memcpy(split.lines[to], region->lines[i], sizeof split.lines[to]);
-            split.bends[to] = region->bends[i];
-            split.line_count += !is_seam;
-            split.seam_count += is_seam;
-        }
-    return split;
+/* Returns a region of which a line that cuts has become a seam. */
+static psplat_region with_seam(const psplat_region *region, uint32_t line) {
+    psplat_region opened = *region;
+    uint32_t last = region->line_count + region->seam_count - 1;
+    for (uint32_t i = line; i <= last; ++i) {
+        uint32_t from = i < last ? i + 1 : line;
+        memcpy(opened.lines[i], region->lines[from], sizeof opened.lines[i]);
+        opened.bends[i] = region->bends[from];
+    }
+    --opened.line_count;
+    ++opened.seam_count;
+    return opened;
 }
 
-/* Returns whether a crease lies in a region, other than beside a line that cuts. The scratch holds
- * the surroundings. */
-static int meets_crease(const psplat_fit_context *context, const psplat_region *region) {
+/* Returns by how much the value of a line at most changes for each unit of length. */
+static double line_rate(const psplat_region *region, uint32_t line) {
+    const double *l = region->lines[line];
+    return norm2(l[0] / region->radius[0], l[1] / region->radius[1]);
+}
+
+/* Gives a region that has room for it another line that cuts, beside its last seam, which keeps so
+ * much more (in units of the line's value). */
+static void cut_beyond(const psplat_limits *limits, double beyond, psplat_region *region) {
+    uint32_t last = region->line_count + region->seam_count, line = region->line_count++;
+    for (uint32_t i = last; i > line; --i) {
+        memcpy(region->lines[i], region->lines[i - 1], sizeof region->lines[i]);
+        region->bends[i] = region->bends[i - 1];
+    }
+    memcpy(region->lines[line], region->lines[last], sizeof region->lines[line]);
+    region->bends[line] = region->bends[last];
+    region->lines[line][2] += beyond;
+    if (!limits->precision) return;
+    const psplat_precision at = psplat_precision_at(limits->precision, region->radius);
+    psplat_quantize_line(&at, region->lines[line], &region->bends[line]);
+}
+
+/* Returns whether a crease lies in a region, other than beside the first lines, fitted of them,
+ * which stand at creases. The scratch holds the surroundings. */
+static int meets_crease(const psplat_fit_context *context, const psplat_region *region,
+                        uint32_t fitted) {
     const psplat_neighborhood *near = &context->scratch->near;
     double tolerance = context->limits->tolerance;
     psplat_region narrow = *region;
-    for (uint32_t i = 0; i < narrow.line_count; ++i)
-        narrow.lines[i][2] -= line_reach_tolerances * tolerance *
-                              norm2(region->lines[i][0] / region->radius[0],
-                                    region->lines[i][1] / region->radius[1]);
+    for (uint32_t i = 0; i < fitted; ++i)
+        narrow.lines[i][2] -= line_reach_tolerances * tolerance * line_rate(region, i);
     return psplat_segments_find(context->surface, near->creases, near->crease_count, &narrow,
                                 2 * tolerance, context->scratch->segments) > 0;
 }
@@ -78,8 +103,9 @@ static double normal_square(const psplat_candidate *candidate, const double uv[2
 
 /* Returns whether normals beyond the seams of a region are about those of the surface. Samples that
  * it does not cover, although they are beneath it, count as if they were wholly off. */
-static int has_normals(const psplat_fit_context *context, const psplat_candidate *candidate,
-                       const psplat_region *region, size_t covered) {
+static int has_normals(const psplat_fit_context *context, const psplat_kernel *kernel,
+                       const psplat_candidate *candidate, const psplat_region *region,
+                       size_t covered) {
     const psplat_scratch *s = context->scratch;
     double sum = 0, weights = 0;
     for (size_t i = 0, next = 0; i < s->near_count; ++i) {
@@ -91,7 +117,8 @@ static int has_normals(const psplat_fit_context *context, const psplat_candidate
             fabs(uvh[2]) > 2 * context->limits->tolerance)
             continue;
         if (!is_covered && dot3(s->near.samples[i].n, region->n) <= 0) continue;
-        double weight = exp(-4 * (uvh[0] * uvh[0] + uvh[1] * uvh[1]));
+        double falloff = pow(norm2(uvh[0], uvh[1]), (double)kernel->exponent);
+        double weight = exp(-(double)kernel->sharpness * falloff);
         sum += weight * (is_covered ? normal_square(candidate, uvh, s->near.samples[i].n) : 1);
         weights += weight;
     }
@@ -100,53 +127,79 @@ static int has_normals(const psplat_fit_context *context, const psplat_candidate
 
 /* ---- candidates ------------------------------------------------------------------------------ */
 
-/* Returns whether a region with seams may take the place of a candidate's. */
-static psplat_result try_seams(const psplat_fit_context *context, psplat_site *site,
-                               const psplat_candidate *candidate, const psplat_region *region,
-                               int *is_kept) {
+/* A candidate whose lines are opened. */
+typedef struct opener {
+    const psplat_kernel *kernel;
+    const psplat_candidate *candidate;
+    psplat_site site;
+} opener;
+
+/* Finds whether a region with seams may take the place of the candidate's. */
+static psplat_result try_seams(const psplat_fit_context *context, opener *o,
+                               const psplat_region *region, int *is_kept) {
     const psplat_demands demands = {.skip = PSPLAT_SKIP_LINES | PSPLAT_SKIP_COLORS |
                                             PSPLAT_SKIP_NORMALS};
     *is_kept = 0;
     double reach = psplat_region_reach(region) + context->limits->tolerance;
-    if (psplat_site_gather(context, site, reach)) return PSPLAT_ERROR_MEMORY;
-    if (meets_crease(context, region)) return PSPLAT_OK;
-    psplat_evaluation e = psplat_evaluate(context, site, region, &demands);
+    if (psplat_site_gather(context, &o->site, reach)) return PSPLAT_ERROR_MEMORY;
+    /* Those that have not become seams are still the first ones. */
+    uint32_t fitted = o->candidate->region.line_count - region->seam_count;
+    if (meets_crease(context, region, fitted)) return PSPLAT_OK;
+    psplat_evaluation e = psplat_evaluate(context, &o->site, region, &demands);
     if (e.status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
-    *is_kept = e.status == PSPLAT_FIT_KEPT && has_normals(context, candidate, region, e.count);
+    *is_kept = e.status == PSPLAT_FIT_KEPT &&
+               has_normals(context, o->kernel, o->candidate, region, e.count);
     return PSPLAT_OK;
 }
 
-static int bit_count(unsigned bits) {
-    int count = 0;
-    for (; bits; bits &= bits - 1) ++count;
-    return count;
+/* Makes a seam of a line of a region, with all that lies beyond it, or else as much of that as
+ * another line leaves. Stores the region if it may take the place of the candidate's. */
+static psplat_result open_line(const psplat_fit_context *context, opener *o, uint32_t line,
+                               psplat_region *region) {
+    const psplat_region whole = with_seam(region, line);
+    double all = 1 - region->lines[line][2];
+    double least = least_reach_tolerances * context->limits->tolerance * line_rate(region, line);
+    int is_kept, has_room = whole.line_count + whole.seam_count < PSPLAT_MAX_CLIP_LINES;
+    psplat_result result = try_seams(context, o, &whole, &is_kept);
+    if (!result && is_kept) *region = whole;
+    for (int i = 0; !result && !is_kept && has_room && i < PARTS; ++i) {
+        psplat_region part = whole;
+        if (parts[i] * all < least) break;
+        cut_beyond(context->limits, parts[i] * all, &part);
+        result = try_seams(context, o, &part, &is_kept);
+        if (!result && is_kept) *region = part;
+    }
+    return result;
 }
+
+/* What the threads need. */
+typedef struct opening {
+    psplat_selection *selection;
+    const psplat_kernel *kernel;
+} opening;
 
 /* Opens as many lines of a candidate as may be seams. */
 static psplat_result open_candidate(const psplat_fit_context *context, size_t index, void *user) {
-    psplat_candidate *candidate = (psplat_candidate *)user + index;
-    uint32_t lines = candidate->region.line_count;
+    const opening *all = user;
+    psplat_candidate *candidate = &all->selection->candidates[index];
+    psplat_region region = candidate->region;
     const psplat_kept_textures *kept =
         psplat_surface_kept_textures(context->surface, candidate->triangle);
-    if (!candidate->taken || !lines) return PSPLAT_OK;
+    psplat_result result = PSPLAT_OK;
+    if (!candidate->taken || !region.line_count) return PSPLAT_OK;
     /* Where normals are those of a texture, they end with it. */
     if (!kept || kept->textures[PSPLAT_TEXTURE_NORMAL].image) return PSPLAT_OK;
-    psplat_site site = psplat_site_of(&candidate->region, candidate->triangle);
-    for (int count = (int)lines; count > 0; --count)
-        for (unsigned seams = 1; seams < 1u << lines; ++seams) {
-            if (bit_count(seams) != count) continue;
-            psplat_region region = with_seams(&candidate->region, seams);
-            int is_kept;
-            psplat_result result = try_seams(context, &site, candidate, &region, &is_kept);
-            if (result) return result;
-            if (!is_kept) continue;
-            candidate->region = region;
-            return PSPLAT_OK;
-        }
-    return PSPLAT_OK;
+    opener o = {.kernel = all->kernel,
+                .candidate = candidate,
+                .site = psplat_site_of(&region, candidate->triangle)};
+    for (uint32_t line = region.line_count; line-- > 0 && !result;)
+        result = open_line(context, &o, line, &region);
+    if (!result) candidate->region = region;
+    return result;
 }
 
-psplat_result psplat_open_seams(const psplat_fit_context *context, psplat_selection *selection) {
+psplat_result psplat_open_seams(const psplat_fit_context *context, const psplat_kernel *kernel,
+                                psplat_selection *selection) {
     if (!context->surface->chart_border_edges) return PSPLAT_OK;
     psplat_open_charts open;
     psplat_result result = PSPLAT_ERROR_MEMORY;
@@ -154,7 +207,8 @@ psplat_result psplat_open_seams(const psplat_fit_context *context, psplat_select
         psplat_fit_context opened = *context;
         opened.surface = &open.surface;
         opened.samples = &open.samples;
-        result = psplat_fit_each(&opened, selection->count, open_candidate, selection->candidates);
+        opening all = {selection, kernel};
+        result = psplat_fit_each(&opened, selection->count, open_candidate, &all);
     }
     psplat_open_charts_free(&open);
     return result;

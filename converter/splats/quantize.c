@@ -291,7 +291,7 @@ void psplat_quantize_splat(const psplat_precision *p, const psplat_run *run,
                            const psplat_splat *splat, psplat_quantized_splat *code) {
     psplat_region region;
     double axes[3][3];
-    psplat_splat_region(splat, &region);
+    psplat_splat_region(splat, 0, &region);
     memset(code, 0, sizeof *code);
     psplat_octahedron_encode_coarsely(region.n, p->normal_bits, p->normal_shift, code->normal);
     psplat_octahedron_normal(code->normal, p->normal_bits, axes[2]);

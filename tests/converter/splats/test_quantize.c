@@ -466,9 +466,9 @@ static void test_flipped(void **state) {
         psplat_run run = {.count = 1};
         one.splats = &splat, one.finishes = &finish, one.count = 1;
         one.runs = &run, one.run_count = 1;
-        psplat_splat_region(&splat, &before);
+        psplat_splat_region(&splat, 0, &before);
         psplat_round_to_precision(&one);
-        psplat_splat_region(&splat, &after);
+        psplat_splat_region(&splat, 0, &after);
         double along = 0;
         for (int k = 0; k < 3; ++k) along += before.u[k] * after.u[k];
         assert_true(fabs(along) > 0.999); /* half a step of 1/256 */

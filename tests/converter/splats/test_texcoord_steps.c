@@ -76,7 +76,7 @@ static void coordinates_at(const psplat_splat *splat, const psplat_texcoord *t,
                            const double point[3], double at[2]) {
     psplat_region region;
     double uv[2] = {0, 0};
-    psplat_splat_region(splat, &region);
+    psplat_splat_region(splat, 0, &region);
     for (int k = 0; k < 3; ++k) {
         uv[0] += (point[k] - region.center[k]) * region.u[k] / region.radius[0];
         uv[1] += (point[k] - region.center[k]) * region.v[k] / region.radius[1];
@@ -110,7 +110,7 @@ static void test_rounding(void **state) {
         psplat_dequantize_texcoord(p, &code.texcoord, &texcoord);
         flipped += code.flipped != 0;
         psplat_region region;
-        psplat_splat_region(&s.splats[i], &region);
+        psplat_splat_region(&s.splats[i], 0, &region);
         for (int corner = 0; corner < 4; ++corner) {
             double point[3], before[2], after[2];
             for (int k = 0; k < 3; ++k)
