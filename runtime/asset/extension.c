@@ -1,4 +1,3 @@
-#error "Read AAA-CHANGE-OF-PLAN.txt in the root of this worktree first: one change of the format. Then delete this line."
 /* SPDX-License-Identifier: MIT
  *
  * extension.c - the extension object: what a primitive of splats says about itself (spec 3.1).
