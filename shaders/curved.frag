@@ -11,7 +11,7 @@
  *
  * Divisions and square roots are what a fragment costs, so that their number is kept low.
  *
- * gl_program.c defines PASS, CLIP_COUNT, BENDS, SHAPE, COLOR, FINISH, FIELD, TWO_SIDED, TEXTURED,
+ * gl_program.c defines PASS, CLIP_COUNT, SEAM_COUNT, BENDS, SHAPE, COLOR, FINISH, FIELD, TWO_SIDED, TEXTURED,
  * MASK and NORMAL_MAP. maps.glsl, where splats are textured, and sums.glsl come before this file.
  */
 #if defined(GL_ARB_conservative_depth) || defined(GL_EXT_conservative_depth)
@@ -86,18 +86,31 @@ vec2 gradient(vec2 slope, vec3 second, vec2 uv) {
 }
 
 #if CLIP_COUNT > 0
+float line_value(int i, vec2 uv) {
+    float value = dot(v_lines[i].xy, uv) + v_lines[i].z;
+#if BENDS
+    float across = v_lines[i].x * uv.y - v_lines[i].y * uv.x;
+    value += 0.5 * v_lines[i].w * across * across;
+#endif
+    return value;
+}
+
+/* Returns whether the lines that cut the splat's shape keep a point; the last ones are seams. */
 bool is_kept(vec2 uv) {
     float least = 0.0;
-    for (int i = 0; i < CLIP_COUNT; ++i) {
-        float value = dot(v_lines[i].xy, uv) + v_lines[i].z;
-#if BENDS
-        float across = v_lines[i].x * uv.y - v_lines[i].y * uv.x;
-        value += 0.5 * v_lines[i].w * across * across;
-#endif
-        least = min(least, value);
-    }
+    for (int i = 0; i < CLIP_COUNT - SEAM_COUNT; ++i) least = min(least, line_value(i, uv));
     return least >= 0.0;
 }
+
+#if SEAM_COUNT > 0
+/* Returns the factor of what the material adds: 1 inside all seams, next to nothing beyond. */
+float seam_of(vec2 uv) {
+    float least = 0.0;
+    for (int i = CLIP_COUNT - SEAM_COUNT; i < CLIP_COUNT; ++i)
+        least = min(least, line_value(i, uv));
+    return least >= 0.0 ? 1.0 : BEYOND_SEAMS;
+}
+#endif
 #endif
 
 /* In perspective the eye is 0 and clip coordinates are linear, so t more of the ray adds t times z
@@ -279,6 +292,9 @@ void main() {
 #endif
     if (is_back) normal = -normal;
     float weight = weight_of(dot(hit.uv, hit.uv), 1.0);
+#if SEAM_COUNT > 0
+    weight = beyond_seam(seam_of(hit.uv), weight, normal);
+#endif
     write_sums(weight, depth, normal, color, surface, emissive);
 #endif
 }

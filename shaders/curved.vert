@@ -9,7 +9,7 @@
  * unit disc and its patch the height field h = slope . uv + uv H uv / 2. They are an affine image of
  * eye space, whatever the model matrix is; rays, order along rays and sides stay what they are.
  *
- * gl_program.c defines PASS, CLIP_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
+ * gl_program.c defines PASS, CLIP_COUNT, LINE_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
  * TWO_SIDED and TEXTURED. splat_data.glsl and shift.glsl come before this file.
  */
 uniform mat3 u_ray;         /* from (pixel x, pixel y, 1) to the view ray */
@@ -241,7 +241,7 @@ void main() {
 #endif
 #if CLIP_COUNT > 0
     for (int i = 0; i < CLIP_COUNT; ++i)
-        v_lines[i] = LINE_TYPE(texelFetch(u_clips, ivec2(place.x * CLIP_COUNT + i, place.y), 0));
+        v_lines[i] = LINE_TYPE(texelFetch(u_clips, ivec2(place.x * LINE_COUNT + i, place.y), 0));
 #endif
 #if PASS == PSPLAT_PASS_VISIBILITY
     v_distance = length(view_ray(point));

@@ -3,7 +3,7 @@
  * splat.frag - the fragments of one flat splat. Those outside the ellipse or a clip line are
  * discarded; the others add to the sums of spec 5.4.
  *
- * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, BENDS, COLOR, FINISH, NEAR, FILTER, TEXTURED,
+ * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, SEAM_COUNT, BENDS, COLOR, FINISH, NEAR, FILTER, TEXTURED,
  * MASK and NORMAL_MAP. maps.glsl, where splats are textured, and sums.glsl come before this file.
  */
 #if FILTER
@@ -32,6 +32,19 @@ flat in vec3 v_axis_u;
 flat in vec3 v_axis_v;
 #endif
 #if CLIP_COUNT > 0
+#if SEAM_COUNT > 0
+/* More than any value of a line where the line is a seam, less where it cuts: the last are seams. */
+#define SEAM(i) (i < CLIP_COUNT - SEAM_COUNT ? -1e30 : 1e30)
+#if CLIP_COUNT == 1
+#define SEAMS SEAM(0)
+#elif CLIP_COUNT == 2
+#define SEAMS vec2(SEAM(0), SEAM(1))
+#elif CLIP_COUNT == 3
+#define SEAMS vec3(SEAM(0), SEAM(1), SEAM(2))
+#else
+#define SEAMS vec4(SEAM(0), SEAM(1), SEAM(2), SEAM(3))
+#endif
+#endif
 in CLIP_TYPE v_clip;
 #if BENDS
 in CLIP_TYPE v_across;
@@ -54,14 +67,37 @@ CLIP_TYPE clip_values() {
 #endif
     return values;
 }
+
+/* Returns the values of the lines that cut the splat's shape; seams keep all of it. */
+CLIP_TYPE edge_values() {
+#if SEAM_COUNT > 0
+    return max(clip_values(), SEAMS);
+#else
+    return clip_values();
+#endif
+}
+
+/* Returns the product of the factors that lines of these values have. */
+float factor_of(CLIP_TYPE values) {
+    CLIP_TYPE inside = clamp(values + 0.5, 0.0, 1.0);
+#if CLIP_COUNT == 1
+    return inside;
+#elif CLIP_COUNT == 2
+    return inside.x * inside.y;
+#elif CLIP_COUNT == 3
+    return inside.x * inside.y * inside.z;
+#else
+    return inside.x * inside.y * inside.z * inside.w;
+#endif
+}
 #endif
 
 void discard_outside(float r2) {
     if (r2 > 1.0) discard;
 #if CLIP_COUNT == 1
-    if (clip_values() < (FILTER == 1 ? -0.5 : 0.0)) discard;
+    if (edge_values() < (FILTER == 1 ? -0.5 : 0.0)) discard;
 #elif CLIP_COUNT > 1
-    if (any(lessThan(clip_values(), CLIP_TYPE(FILTER == 1 ? -0.5 : 0.0)))) discard;
+    if (any(lessThan(edge_values(), CLIP_TYPE(FILTER == 1 ? -0.5 : 0.0)))) discard;
 #endif
 #if PASS == PSPLAT_PASS_VISIBILITY && NEAR
     /* Here the splat itself lies between the eye and the near plane, outside the view; only the
@@ -76,20 +112,22 @@ float filter_of() {
 #if FILTER
     factor = v_uv.z;
 #if CLIP_COUNT > 0
-    CLIP_TYPE inside = clamp(clip_values() + 0.5, 0.0, 1.0);
-#if CLIP_COUNT == 1
-    factor *= inside;
-#elif CLIP_COUNT == 2
-    factor *= inside.x * inside.y;
-#elif CLIP_COUNT == 3
-    factor *= inside.x * inside.y * inside.z;
-#else
-    factor *= inside.x * inside.y * inside.z * inside.w;
-#endif
+    factor *= factor_of(edge_values());
 #endif
 #endif
     return factor;
 }
+
+#if SEAM_COUNT > 0
+/* Returns the factor of what the material adds: 1 inside all seams, next to nothing beyond. */
+float seam_of() {
+    CLIP_TYPE values = max(clip_values(), -SEAMS);
+#if !FILTER
+    values = step(0.0, values) - 0.5; /* seams are hard */
+#endif
+    return max(factor_of(values), BEYOND_SEAMS);
+}
+#endif
 
 #if TEXTURED
 /* Returns the derivatives of (u, v) by window x and y. It has to be called before a discard, after
@@ -136,6 +174,10 @@ void main() {
 #if NORMAL_MAP
     normal = turn_normal(place, normal, v_axis_u, v_axis_v);
 #endif
-    write_sums(weight_of(r2, filter_of()), depth, normal, color, surface, emissive);
+    float weight = weight_of(r2, filter_of());
+#if SEAM_COUNT > 0
+    weight = beyond_seam(seam_of(), weight, normal);
+#endif
+    write_sums(weight, depth, normal, color, surface, emissive);
 #endif
 }

@@ -6,7 +6,7 @@
  * lines the fragment shader gets two linear values. Curved splats whose curvature does not show are
  * drawn by this shader too, as the ellipses in their tangent planes (spec 5.1).
  *
- * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
+ * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, LINE_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
  * NEAR, TWO_SIDED, FILTER, TANGENT, TEXTURED and NORMAL_MAP. splat_data.glsl and shift.glsl come
  * before this file.
  */
@@ -161,7 +161,7 @@ Line line_of(ivec2 texel, vec2 uv, mat2 widened) {
 void find_lines(ivec2 place, vec2 uv, mat2 widened) {
     Line lines[CLIP_COUNT];
     for (int i = 0; i < CLIP_COUNT; ++i)
-        lines[i] = line_of(ivec2(place.x * CLIP_COUNT + i, place.y), uv, widened);
+        lines[i] = line_of(ivec2(place.x * LINE_COUNT + i, place.y), uv, widened);
     v_clip = OF_LINES(value);
 #if BENDS
     v_across = OF_LINES(across);

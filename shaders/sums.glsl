@@ -3,7 +3,7 @@
  * sums.glsl - what a fragment of a splat writes: its part of the sums of spec 5.4, which layout.h
  * lists.
  *
- * gl_program.c defines PASS, COLORS, MATERIALS, EMISSIVE (where it is not defined, it is as
+ * gl_program.c defines PASS, SEAM_COUNT, NORMAL_MAP, COLORS, MATERIALS, EMISSIVE (where it is not defined, it is as
  * MATERIALS), OCCLUSION, POWER, COUNT, FADE and WEIGHT_FLOOR, and for the pass that shades the macros of
  * shading.glsl, which then comes before this file.
  */
@@ -51,6 +51,22 @@ float weight_of(float r2, float factor) {
     return max(exp(u_kernel.x * r2) * factor, WEIGHT_FLOOR);
 #endif
 }
+
+#if SEAM_COUNT > 0
+/* The part of a weight that is left to the material beyond a seam (spec 3.6): enough to fill a gap
+ * between splats of the right side, and beside them at most a step of 8 bits. */
+const float BEYOND_SEAMS = 0.00390625;
+
+/* Returns the weight of a fragment whose material has the factor seam. The normal is made longer by
+ * as much, so that it has the whole weight in its sum, of which only the direction counts; but not
+ * where a texture of the material has turned it or light has been computed from it. */
+float beyond_seam(float seam, float weight, inout vec3 normal) {
+#if PASS == PSPLAT_PASS_NORMALS && !NORMAL_MAP
+    normal /= seam;
+#endif
+    return weight * seam;
+}
+#endif
 
 #if PASS == PSPLAT_PASS_PARAMETERS
 void write_parameters(vec2 uv, float index, float depth) {

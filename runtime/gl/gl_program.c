@@ -120,7 +120,25 @@ static unsigned normalise_options(unsigned options) {
     return options;
 }
 
+int psplat_program_has_seams(const psplat_program_key *key) {
+    int is_weighted = key->pass == PSPLAT_PASS_RADIANCE ||
+                      (key->pass == PSPLAT_PASS_NORMALS && !(key->options & PSPLAT_OPTION_COUNT));
+    return !key->is_resolve && key->seam_count > 0 && is_weighted;
+}
+
+/* Sets what follows from the numbers of lines: splats that nothing cuts have no seams, and where
+ * all lines are seams a pass without weights knows of no line. */
+static void reduce_lines(psplat_program_key *key) {
+    if (key->is_resolve || !(key->options & PSPLAT_OPTION_CURVED)) key->part = PSPLAT_PART_ALL;
+    if (key->is_resolve) key->pass = key->clip_count = 0;
+    if (key->is_resolve || key->part == PSPLAT_PART_UNCUT) key->seam_count = 0;
+    if (key->part == PSPLAT_PART_ALL && key->seam_count == key->clip_count &&
+        !psplat_program_has_seams(key))
+        key->clip_count = key->seam_count = 0;
+}
+
 psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
+    reduce_lines(&key);
     key.options &= key.is_resolve ? used_by_resolve(&key) : used_by_splats(&key);
     key.options = normalise_options(key.options);
     int shades = key.is_resolve ? !(key.options & PSPLAT_OPTION_AS_IS) &&
@@ -131,8 +149,6 @@ psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
         key.options &= ~(unsigned)(PSPLAT_OPTION_PUNCTUAL | PSPLAT_OPTION_SHADOWS);
     }
     if (!key.is_resolve || key.options & PSPLAT_OPTION_AS_IS) key.shading = 0, key.host = 0;
-    if (key.is_resolve || !(key.options & PSPLAT_OPTION_CURVED)) key.part = PSPLAT_PART_ALL;
-    if (key.is_resolve) key.pass = key.clip_count = 0;
     if (key.is_resolve || key.options & PSPLAT_OPTION_COUNT ||
         (key.pass != PSPLAT_PASS_NORMALS && key.pass != PSPLAT_PASS_RADIANCE))
         key.is_faded = 0;
@@ -141,8 +157,9 @@ psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
 
 static int is_same_key(const psplat_program_key *a, const psplat_program_key *b) {
     return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
-           a->clip_count == b->clip_count && a->is_faded == b->is_faded && a->part == b->part &&
-           a->shading == b->shading && a->light_count == b->light_count && a->host == b->host;
+           a->clip_count == b->clip_count && a->seam_count == b->seam_count &&
+           a->is_faded == b->is_faded && a->part == b->part && a->shading == b->shading &&
+           a->light_count == b->light_count && a->host == b->host;
 }
 
 /* ---- building ---------------------------------------------------------------------------- */
@@ -241,15 +258,18 @@ static void write_defines(const psplat_gl *gl, const psplat_program_key *key, ch
         PSPLAT_OPTIONS(OPTION)
 #undef OPTION
     };
-    int clip_count = key->part == PSPLAT_PART_UNCUT ? 0 : key->clip_count;
+    /* A splat has LINE_COUNT lines, of which fragments know CLIP_COUNT; the last are seams. */
+    int seam_count = psplat_program_has_seams(key) ? key->seam_count : 0;
+    int clip_count = key->clip_count - key->seam_count + seam_count;
+    if (key->part == PSPLAT_PART_UNCUT) clip_count = 0;
     /* Weights must stay above the least positive number that the targets can hold. */
     int used = snprintf(
         out, size,
         "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n"
-        "#define PART %d\n#define LINE_COUNT %d\n"
+        "#define PART %d\n#define LINE_COUNT %d\n#define SEAM_COUNT %d\n"
         "#define LINE_TYPE %s\n#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
         "#define HALF_TARGETS %d\n#define TEXTURED %d\n#define FADE %d\n#define INSTANCED\n",
-        key->pass, clip_count, clip_types[clip_count], key->part, key->clip_count,
+        key->pass, clip_count, clip_types[clip_count], key->part, key->clip_count, seam_count,
         key->options & PSPLAT_OPTION_BENDS ? "vec4" : "vec3", key->light_count,
         gl->half_targets ? "1e-3" : "1e-30", gl->half_targets,
         !!(key->options & PSPLAT_OPTIONS_TEXTURED), key->is_faded);

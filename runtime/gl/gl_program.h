@@ -76,6 +76,7 @@ typedef struct psplat_program_key {
     int is_faded;     /* 1: weights are multiplied by a number of the item's; macro FADE */
     int part;         /* PSPLAT_PART_ALL ...: which splats of a curved batch are drawn */
     int clip_count;   /* 0 ... PSPLAT_MAX_CLIP_LINES */
+    int seam_count;   /* 0 ... clip_count: the last so many of these are seams */
     int shading;      /* PSPLAT_SHADING_LIT ... */
     int light_count;  /* 0 ... PSPLAT_MAX_LIGHTS */
     unsigned host;    /* 0, or the number of the host's resolve function, in place of the shading */
@@ -128,6 +129,9 @@ typedef struct psplat_programs {
     size_t count, capacity;
     psplat_host_sources hosts;
 } psplat_programs;
+
+/* Returns 1 where the program of a key weighs splats, so that it has to know of its seams. */
+int psplat_program_has_seams(const psplat_program_key *key);
 
 /* Returns the key without what its program does not use, so that equal programs have equal keys. */
 psplat_program_key psplat_program_key_reduce(psplat_program_key key);

@@ -72,12 +72,15 @@ static void apply_textures(const psplat_oracle_drawing *d, const psplat_oracle_v
 }
 
 /* Adds the splat's terms to the sums of eq. (6). Only in Phong mode do its normal and its colour
- * vary over the splat. */
+ * vary over the splat. Beyond a seam its normal keeps the whole weight, unless a texture turns it
+ * (3.6). */
 static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit *at,
                        const psplat_oracle_ray *ray, const psplat_oracle_share *share,
                        psplat_oracle_pixel *p) {
     int bends = d->view->mode == PSPLAT_MODE_PHONG;
-    double weight = d->blends ? weight_of(&at->batch->kernel, share) : 1;
+    double whole = d->blends ? weight_of(&at->batch->kernel, share) : 1;
+    double weight = d->blends ? whole * share->seam : whole;
+    if (bends && psplat_oracle_turns_normals(d, at->batch)) whole = weight;
     double sign = share->is_reversed ? -1 : 1, normal[3], radiance[3];
     double u = bends ? share->u : 0, v = bends ? share->v : 0;
     psplat_oracle_surface surface = surface_of(at, u, v);
@@ -90,7 +93,7 @@ static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit
     apply_textures(d, at, share, bends, &surface, normal);
     for (int i = 0; i < 3; ++i) {
         normal[i] *= sign;
-        p->normal[i] += weight * normal[i];
+        p->normal[i] += whole * normal[i];
     }
     add_surface(&p->surface, weight, &surface);
     if (!is_lit_alone(d->view)) return;
@@ -191,5 +194,7 @@ void psplat_oracle_blend(const psplat_oracle_drawing *d, const psplat_oracle_vis
     /* Where the ray meets no splat, what the filter adds beside splats does not count (5.8). */
     int chosen =
         d->blends ? isfinite(p->limit) && share.tested <= p->limit : at->index == p->nearest_splat;
-    if (exists && chosen && opacity >= 0) contribute(d, at, sight->ray, &share, p);
+    if (!exists || !chosen || !(opacity >= 0)) return;
+    contribute(d, at, sight->ray, &share, p);
+    if (d->ties && d->blends) p->edge_tie = fmin(p->edge_tie, share.seam_margin);
 }

@@ -153,8 +153,8 @@ static double soft_distance(const psplat_oracle_sight *sight, uint32_t k,
     return value * pixels;
 }
 
-/* Returns the product of the clip lines' factors. *least is lowered to the least margin between a
- * line's factor and 0. */
+/* Returns the product of the factors of the lines that cut the shape. *least is lowered to the
+ * least margin between a line's factor and 0. */
 static double factor_of_lines(const psplat_oracle_sight *sight, const psplat_oracle_fragment *f,
                               double *least) {
     double factor = 1, scale = 1;
@@ -167,6 +167,37 @@ static double factor_of_lines(const psplat_oracle_sight *sight, const psplat_ora
     return factor;
 }
 
+/* What is left of the weight of a material beyond a seam (spec 3.6). */
+static const double beyond_seams = 1.0 / 256;
+
+/* Finds s of spec 3.6 where seams are hard. */
+static void find_hard_seam(const psplat_oracle_sight *sight, psplat_oracle_share *share) {
+    const psplat_oracle_splat *splat = sight->splat;
+    share->seam = share->seam_margin = 1;
+    for (uint32_t k = splat->clip_count; k < splat->line_count; ++k) {
+        double by[2], value = psplat_oracle_line_value(splat, k, share->u, share->v, by);
+        double length = hypot(by[0], by[1]);
+        double margin =
+            psplat_oracle_edge(value / length, by[0] / length, by[1] / length, share->steps);
+        share->seam_margin = fmin(share->seam_margin, fabs(margin));
+        if (!(value >= 0)) share->seam = beyond_seams;
+    }
+}
+
+/* Does the same where the filter softens them. Over a ramp of t pixels s is as sharp as t is small,
+ * so that t is what tells a hard seam from a soft one. */
+static void find_soft_seam(const psplat_oracle_sight *sight, const psplat_oracle_fragment *f,
+                           psplat_oracle_share *share) {
+    double t = sight->filter->softness, scale = 1;
+    share->seam = share->seam_margin = 1;
+    for (uint32_t k = sight->splat->clip_count; k < sight->splat->line_count; ++k) {
+        double delta = soft_distance(sight, k, f, &scale);
+        share->seam *= fmin(fmax(0.5 + delta / t, 0), 1);
+        share->seam_margin = fmin(share->seam_margin, fmax(fabs(delta) - t / 2, t));
+    }
+    share->seam = fmax(share->seam, beyond_seams);
+}
+
 /* Does what psplat_oracle_filter_share does, for a splat that is filtered. */
 static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share *share,
                           psplat_oracle_margins *margins) {
@@ -175,16 +206,16 @@ static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share 
     if (!find_point(sight, &at)) return 0;
     const psplat_oracle_fragment *f = &at.f;
     double factor = factor_of_lines(sight, f, &edge);
-    *share = (psplat_oracle_share){f->t,
-                                   f->t,
-                                   f->depth,
-                                   f->u,
-                                   f->v,
-                                   f->r,
-                                   factor * sight->filter->ratio,
-                                   psplat_oracle_is_reversed(sight->splat, f),
-                                   {{0}}};
+    *share = (psplat_oracle_share){.tested = f->t,
+                                   .t = f->t,
+                                   .depth = f->depth,
+                                   .u = f->u,
+                                   .v = f->v,
+                                   .r = f->r,
+                                   .factor = factor * sight->filter->ratio,
+                                   .is_reversed = psplat_oracle_is_reversed(sight->splat, f)};
     memcpy(share->steps, at.steps, sizeof share->steps);
+    find_soft_seam(sight, f, share);
     double tested = f->depth - sight->filter->nearer;
     share->tested = psplat_oracle_camera_reach(sight->camera, sight->ray, tested);
     double inverse = f->r > 0 ? 1 / f->r : 0;
@@ -203,9 +234,15 @@ int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_s
     if (margins) *margins = (psplat_oracle_margins){-1, -1};
     if (sight->filter->is_on) return share_filtered(sight, share, margins);
     if (!f) return 0;
-    *share = (psplat_oracle_share){f->t, f->t, f->depth, f->u,
-                                   f->v, f->r, 1,        psplat_oracle_is_reversed(sight->splat, f),
-                                   {{0}}};
+    *share = (psplat_oracle_share){.tested = f->t,
+                                   .t = f->t,
+                                   .depth = f->depth,
+                                   .u = f->u,
+                                   .v = f->v,
+                                   .r = f->r,
+                                   .factor = 1,
+                                   .is_reversed = psplat_oracle_is_reversed(sight->splat, f)};
     psplat_oracle_find_steps(sight->camera, sight->splat, sight->ray, f, share->steps);
+    find_hard_seam(sight, share);
     return 1;
 }

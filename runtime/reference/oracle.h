@@ -95,7 +95,8 @@ typedef struct psplat_oracle_space {
     double normal_matrix[3][3]; /* |det M3|^(1/3) M3^-T, row by row */
     double epsilon;             /* |det M3|^(1/3) depthTolerance */
     double depth_tolerance;
-    int is_curved; /* that of the batch */
+    int is_curved;       /* that of the batch, */
+    uint32_t seam_count; /* and of its clip lines how many are seams */
 } psplat_oracle_space;
 
 /* Composes view, transform and the batch's model matrix. Returns 0 where their product is singular,
@@ -117,7 +118,8 @@ typedef struct psplat_oracle_splat {
     double side[3];         /* unit image of N as a normal; it points to the front */
     double normal[3][3];    /* n(u, v) = normal[0] + u normal[1] + v normal[2]: eq. (2) */
     double clip[PSPLAT_MAX_CLIP_LINES][4]; /* a, b, c and the bend of each line */
-    uint32_t clip_count;
+    uint32_t clip_count;                   /* those that cut the shape, of which */
+    uint32_t line_count;                   /* the lines are the first; the others are seams */
     int is_curved; /* that of the batch: also where the surface is the plane */
     /* The surface's first and second derivatives, w by u and v. A flat splat has in bend those of
      * the surface to which its normal field belongs. */
@@ -129,8 +131,9 @@ typedef struct psplat_oracle_splat {
     psplat_oracle_mask mask; /* set by psplat_oracle_mask_set */
 } psplat_oracle_splat;
 
-/* Moves a stored splat into eye space; cosine and mask are left alone. */
-void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
+/* Moves a stored splat with so many clip lines, seams among them, into eye space; cosine and mask
+ * are left alone. */
+void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t line_count,
                                const psplat_oracle_space *space, psplat_oracle_splat *placed);
 
 /* ---- ray.c: rays and bounds ------------------------------------------------------------ */
@@ -341,6 +344,8 @@ typedef struct psplat_oracle_share {
     double t, depth; /* its distance along the ray and its window depth */
     double u, v, r;
     double factor;      /* by which the filter multiplies its weight, 0 ... 1 */
+    double seam;        /* the factor s of what its material adds (3.6), up to 1 */
+    double seam_margin; /* as in psplat_oracle_margins, to where s changes all at once */
     int is_reversed;    /* 1: its normal is negated */
     double steps[2][2]; /* of (u, v) by the pixel's x (row 0) and y (row 1) */
 } psplat_oracle_share;
@@ -467,6 +472,9 @@ void psplat_oracle_texture_surface(const psplat_oracle_drawing *drawing,
                                    const psplat_material *material,
                                    const psplat_oracle_coordinates *coordinates,
                                    psplat_oracle_surface *surface);
+
+/* Returns 1 where the normals of a batch are turned by a texture. */
+int psplat_oracle_turns_normals(const psplat_oracle_drawing *drawing, const psplat_batch *batch);
 
 /* Turns the normal of a splat's front at (u, v) by the material's normal texture (eq. (4e)). */
 void psplat_oracle_texture_normal(const psplat_oracle_drawing *drawing,

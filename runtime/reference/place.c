@@ -31,6 +31,7 @@ int psplat_oracle_place_batch(const psplat_batch *batch, const double transform[
     space->epsilon = scale * (double)batch->depth_tolerance;
     space->depth_tolerance = (double)batch->depth_tolerance;
     space->is_curved = batch->is_curved;
+    space->seam_count = batch->seam_lines;
     return 1;
 }
 
@@ -85,8 +86,10 @@ static void surface(const psplat_splat *splat, psplat_oracle_splat *placed) {
     placed->bend[2] = q * (double)second[1];
 }
 
-static void clip_lines(const psplat_splat *splat, uint32_t count, psplat_oracle_splat *placed) {
-    placed->clip_count = count;
+static void clip_lines(const psplat_splat *splat, uint32_t count, uint32_t seam_count,
+                       psplat_oracle_splat *placed) {
+    placed->clip_count = count - seam_count;
+    placed->line_count = count;
     for (uint32_t k = 0; k < count; ++k) {
         for (int i = 0; i < 3; ++i) placed->clip[k][i] = splat->clip[k][i];
         placed->clip[k][3] = splat->bend[k];
@@ -118,7 +121,7 @@ static void normal_field(const psplat_splat *splat, double axes[3][3], const dou
     psplat_oracle_normalise(placed->side);
 }
 
-void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
+void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t line_count,
                                const psplat_oracle_space *space, psplat_oracle_splat *placed) {
     double axes[3][3], moved[4];
     double center[3] = {splat->center[0], splat->center[1], splat->center[2]};
@@ -138,6 +141,6 @@ void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t clip_count,
     else
         parameter_rows(placed);
     normal_field(splat, axes, space->normal_matrix, placed);
-    clip_lines(splat, clip_count, placed);
+    clip_lines(splat, line_count, space->seam_count, placed);
     placed->epsilon = space->epsilon;
 }

@@ -149,6 +149,10 @@ void psplat_oracle_texture_surface(const psplat_oracle_drawing *d, const psplat_
 
 /* ---- normals --------------------------------------------------------------------------------- */
 
+int psplat_oracle_turns_normals(const psplat_oracle_drawing *d, const psplat_batch *batch) {
+    return batch->texcoords && image_of(d, &batch->material, PSPLAT_TEXTURE_NORMAL) != NULL;
+}
+
 /* Finds the change of the point with the image's coordinates, in the plane that touches the
  * surface. Returns 0 where the coordinates span no plane. */
 static int find_tangents(const psplat_oracle_splat *splat, const psplat_texture *texture,

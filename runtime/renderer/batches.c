@@ -288,6 +288,7 @@ static psplat_result use_batch(psplat_frame *f, const psplat_camera *camera,
     key.options |= placed->options;
     key.is_faded = placed->is_faded;
     key.clip_count = (int)batch->clip_count;
+    key.seam_count = (int)batch->seam_lines;
     const psplat_program *program = NULL;
     psplat_result result = psplat_programs_find(&renderer->programs, gl, &renderer->allocator, key,
                                                 &program, f->error);
@@ -345,10 +346,16 @@ static int has_many_pixels(const psplat_frame *f) {
 /* Returns the part of a batch to draw first. Where a quarter of a curved batch or more is not cut
  * by its lines, a program without lines draws that part and another one the rest: fragments of the
  * first are cheaper, and each of the two drops what is not its own at the cost of vertices. Where
- * the nearest splat wins, splats keep their order and are drawn by one program. */
-static int first_part(const psplat_frame *f, const psplat_placed *placed, int pass, int is_large) {
+ * the nearest splat wins, splats keep their order and are drawn by one program. So are those that
+ * seams alone cut, where these do not matter. */
+static int first_part(const psplat_frame *f, const psplat_placed *placed, psplat_program_key key,
+                      int is_large) {
     const psplat_model_batch *batch = placed->batch;
-    if (!placed->is_curved || !batch->uncut_count || !(f->blends || pass == PSPLAT_PASS_VISIBILITY))
+    if (!placed->is_curved || !batch->uncut_count ||
+        !(f->blends || key.pass == PSPLAT_PASS_VISIBILITY))
+        return PSPLAT_PART_ALL;
+    key.seam_count = (int)batch->seam_lines;
+    if (batch->seam_lines == batch->clip_count && !psplat_program_has_seams(&key))
         return PSPLAT_PART_ALL;
     int is_enough = 4 * (size_t)batch->uncut_count >= (size_t)batch->splat_count;
     return is_enough && is_large ? PSPLAT_PART_UNCUT : PSPLAT_PART_ALL;
@@ -366,7 +373,7 @@ psplat_result psplat_frame_draw_placed(psplat_frame *f, const psplat_camera *cam
         for (end = i + 1; end < in->calls.count; ++end)
             if (all[calls[end].placed].key != placed->key) break;
         int has_cut = placed->batch->uncut_count < placed->batch->splat_count;
-        key.part = first_part(f, placed, key.pass, is_large);
+        key.part = first_part(f, placed, key, is_large);
         result = draw_calls(f, camera, key, calls + i, end - i);
         if (result != PSPLAT_OK || key.part == PSPLAT_PART_ALL || !has_cut) continue;
         key.part = PSPLAT_PART_CUT;

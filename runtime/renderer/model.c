@@ -123,6 +123,7 @@ static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
     out->last_level = batch->last_level;
     out->splat_count = (GLsizei)batch->splat_count;
     out->clip_count = batch->clip_count;
+    out->seam_lines = batch->seam_lines;
     out->has_color = batch->has_color;
     out->has_gamma = batch->has_gamma;
     out->is_curved = batch->is_curved;

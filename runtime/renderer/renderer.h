@@ -47,6 +47,7 @@ typedef struct psplat_model_batch {
     GLsizei splat_count;
     GLsizei uncut_count; /* of them by psplat_packed_uncut; 0 where clip_count is 0 */
     uint32_t clip_count;
+    uint32_t seam_lines; /* as in psplat_batch */
     int has_color, has_gamma, is_curved, has_shape, has_bends;
     unsigned finish;   /* PSPLAT_FINISH_ bits */
     unsigned textures; /* PSPLAT_OPTION_ bits of what spec 3.11 asks of fragments; 0: nothing */

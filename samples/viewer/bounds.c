@@ -119,15 +119,16 @@ static void visit_point(const psplat_splat *s, const double m[16], double u, dou
     visit(e, q);
 }
 
-/* Visits the corners of a splat's outline. Within it a curved splat may reach farther, so there it
- * is visited on some rings around the outline's middle, and in that. */
-static void visit_splat(const psplat_splat *s, const double m[16], extent *e,
+/* Visits the corners of the outline that so many lines, the first, leave of a splat. Within it a
+ * curved splat may reach farther, so there it is visited on some rings around the outline's middle,
+ * and in that. */
+static void visit_splat(const psplat_splat *s, uint32_t line_count, const double m[16], extent *e,
                         void (*visit)(extent *e, const double p[3])) {
     enum { RINGS = 4 };
     polygon outline = whole_splat();
     double middle[2] = {0, 0};
     int rings = is_curved(s) ? RINGS : 1;
-    for (uint32_t i = 0; i < s->clip_count; ++i) cut(&outline, s->clip[i], (double)s->bend[i]);
+    for (uint32_t i = 0; i < line_count; ++i) cut(&outline, s->clip[i], (double)s->bend[i]);
     for (int i = 0; i < outline.count; ++i)
         for (int k = 0; k < 2; ++k) middle[k] += outline.corners[i][k] / outline.count;
     for (int ring = 0; ring < rings; ++ring)
@@ -140,9 +141,11 @@ static void visit_splat(const psplat_splat *s, const double m[16], extent *e,
     if (outline.count && rings > 1) visit_point(s, m, middle[0], middle[1], e, visit);
 }
 
+/* Seams, which come last, cut nothing of a splat's shape. */
 static void visit_batch(const psplat_batch *batch, const double m[16], extent *e,
                         void (*visit)(extent *e, const double p[3])) {
-    for (size_t i = 0; i < batch->splat_count; ++i) visit_splat(&batch->splats[i], m, e, visit);
+    for (size_t i = 0; i < batch->splat_count; ++i)
+        visit_splat(&batch->splats[i], batch->clip_count - batch->seam_lines, m, e, visit);
 }
 
 /* Returns the box around a batch in its own coordinates, empty where nothing of it is seen. */

@@ -68,6 +68,11 @@ const faults = {
   'a field of nothing': (json) => (extension(json, 0).fieldRange = 0),
   'a line out of range': (json) => (extension(json, 0).clipRange = [1, 1e6]),
   'five clip lines': (json) => (extension(json, 0).clipLines = 5),
+  'more seams than clip lines': (json) => (extension(json, 1).seamLines = 2),
+  'a seam without clip lines': (json) => (extension(json, 0).seamLines = 1),
+  'less than no seam': (json) => (extension(json, 2).seamLines = -1),
+  'a fraction of a seam': (json) => (extension(json, 2).seamLines = 0.5),
+  'seams of sections without a stream': (json) => (extension(json, 2).seamLines = [1]),
   'a fraction of a clip line': (json) => (extension(json, 0).clipLines = 0.5),
   'a negative depth tolerance': (json) => (extension(json, 0).depthTolerance = -1),
   'no extent': (json) => delete extension(json, 0).positionExtent,
@@ -116,6 +121,9 @@ test('schema takes: texture coordinates and a normal texture', () => {
 
 const streamFaults = {
   'a stream and its clip lines': (json) => (extension(json, 0).clipLines = 4),
+  'one number of seams beside a stream': (json) => (extension(json, 0).seamLines = 1),
+  'no number of seams beside a stream': (json) => (extension(json, 0).seamLines = []),
+  'five seams of a section': (json) => (extension(json, 0).seamLines = [1, 5]),
   'a stream and its extent': (json) => (extension(json, 0).positionExtent = [1, 1, 1]),
   'a stream and its kernel': (json) => (extension(json, 0).kernel = {}),
   'a stream and a range': (json) => (extension(json, 0).scaleRange = [1, 2]),
@@ -158,6 +166,16 @@ for (const [what, breakIt] of Object.entries(levelFaults)) {
     assert.equal(validate(json), false);
   });
 }
+
+test('schema takes: seams', () => {
+  const { json } = readAsset(join(schemaDirectory, 'minimal.gltf')), streamed = readAsset(join(schemaDirectory, 'streamed.gltf')).json;
+  for (const seams of [0, 1, 2]) {
+    extension(json, 2).seamLines = seams;
+    assert.ok(validate(json), ajv.errorsText(validate.errors));
+  }
+  extension(streamed, 0).seamLines = [0, 4];
+  assert.ok(validate(streamed), ajv.errorsText(validate.errors));
+});
 
 test('schema takes: levels beside a stream', () => {
   const { json } = readAsset(join(schemaDirectory, 'streamed.gltf'));

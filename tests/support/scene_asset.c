@@ -193,7 +193,7 @@ scene scene_ellipses(size_t count, uint32_t max_clip_lines, uint32_t seed) {
 }
 
 uint8_t *scene_glb(const scene *s, size_t *size) {
-    if (scene_is_curved(s) || s->texcoords) return scene_curved_glb(s, size);
+    if (scene_is_curved(s) || s->texcoords || s->seam_lines) return scene_curved_glb(s, size);
     psplat_splats splats = {.kernel = s->kernel,
                             .has_color = s->has_color,
                             .materials = (psplat_material[]){s->material},

@@ -27,7 +27,8 @@ typedef struct scene {
     const psplat_pixels *images; /* image_count, with their rgba; material.textures refers to them,
                                     with transforms of translation, rotation and scale */
     size_t image_count;
-    int flat_is_curved; /* default: 0; 1: flat splats lie in curved primitives */
+    uint32_t seam_lines; /* default: 0; of each splat's lines the last so many are seams, or all */
+    int flat_is_curved;  /* default: 0; 1: flat splats lie in curved primitives */
 } scene;
 
 /* Returns count splats at the origin with unit axes along x, y, z and radius 1, white. */

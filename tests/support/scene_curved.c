@@ -205,6 +205,8 @@ static void add_extension(psplat_writer *json, const scene *s, const primitive *
     psplat_writer_open(json, "PSPLAT_surface_splats", '{');
     psplat_writer_count(json, "version", 3);
     psplat_writer_count(json, "clipLines", p->lines);
+    if (s->seam_lines)
+        psplat_writer_count(json, "seamLines", s->seam_lines < p->lines ? s->seam_lines : p->lines);
     psplat_writer_float(json, "depthTolerance", s->depth_tolerance);
     psplat_writer_floats(json, "positionExtent", extent, 3);
     if (p->kind != FLAT) psplat_writer_boolean(json, "curved", 1);

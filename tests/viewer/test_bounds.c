@@ -53,6 +53,22 @@ static void test_what_is_cut_away_has_bounds(void **state) {
     assert_true(isfinite(b.center[0]) && isfinite(b.radius));
 }
 
+/* Beyond a seam the disc goes on. */
+static void test_seams_cut_nothing(void **state) {
+    (void)state;
+    for (uint32_t seams = 0; seams < 2; ++seams) {
+        scene s = scene_disc(1);
+        s.splats[0].clip_count = 1;
+        s.splats[0].clip[0][0] = 1;
+        s.seam_lines = seams;
+        sphere b = sphere_of(s);
+        if (seams)
+            assert_true(fabs(b.center[0]) < 1e-3);
+        else
+            assert_true(b.center[0] > 0.4);
+    }
+}
+
 /* A disc that is bent to a dome ends at a depth of a half: the sphere that holds its rim and its
  * top has about the radius of its rim. A bent line that keeps half of it makes the sphere smaller.
  */
@@ -84,6 +100,7 @@ int test_bounds_main(void) {
         cmocka_unit_test(test_clip_lines_count),
         cmocka_unit_test(test_a_disc_is_inside),
         cmocka_unit_test(test_what_is_cut_away_has_bounds),
+        cmocka_unit_test(test_seams_cut_nothing),
         cmocka_unit_test(test_curved_splats_count),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
