@@ -32,12 +32,13 @@ enum { CLASSES = PSPLAT_LINE_CLASSES, PARTS = PSPLAT_PARTS }; /* of splats, by t
 /* ---- primitives ----------------------------------------------------------------------------- */
 
 /* The runs of splats that may share a primitive: equal material, depth tolerance, kind of surface
- * and number of seams, all or none with texture coordinates, and at most one run of each number of clip lines.
- * Flat runs that joined a curved family are parts of their own. */
+ * and number of seams, all or none with texture coordinates, and at most one run of each number of
+ * clip lines. Flat runs that joined a curved family are parts of their own. */
 typedef struct family {
     uint32_t material;
     float depth_tolerance;
     uint32_t seam_lines;
+    int is_streamed; /* a stream will hold it */
     int is_curved, has_shape, has_texcoord;
     int has_texcoord_bend; /* of some of them; that of the others is 0 */
     size_t first[PARTS], count[PARTS];
@@ -129,6 +130,9 @@ static double cost_of(const family *f, size_t from, size_t to, size_t line_bytes
     size_t own = count_of(f, from, to, 0), joined = count_of(f, from, to, 1);
     double cost = 0;
     if (!are_few(joined, own)) return HUGE_VAL;
+    /* Accessors would need the padding before the seams. */
+    if (f->seam_lines && !f->is_streamed && own + joined > f->count[to] + f->count[CLASSES + to])
+        return HUGE_VAL;
     for (size_t k = from; k <= to; ++k) {
         size_t lines = (f->count[k] + f->count[CLASSES + k]) * (to - k);
         if (lines) cost += padding * (double)(lines * line_bytes);
@@ -227,6 +231,8 @@ static int make_primitives(const psplat_buffer_layout_plan *plan, psplat_buffer_
     size_t first = layout->primitive_count;
     if (!families) return 0;
     size_t count = find_families(table->splats, families);
+    for (size_t i = 0; i < count; ++i)
+        families[i].is_streamed = plan->streams && psplat_stream_can_hold(table);
     if (plan->flat_joins) count = join_families(table, families, count);
     size_t line_bytes = psplat_attribute_bytes(&table->formats[PSPLAT_ATTRIBUTE_LINE]);
     for (size_t i = 0; i < count; ++i)

@@ -332,27 +332,27 @@ static int compare_lines(const void *a, const void *b) {
     return (first->bend > second->bend) - (first->bend < second->bend);
 }
 
-/* Finds the lines of a splat, its seams first and both in the order of their turns, without cutting
- * lines that cut nothing off. The turn of a line is no less than that of the line before: it may
- * pass a whole turn. Returns how many there are. */
+/* Finds the lines of a splat, its seams behind the others and both in the order of their turns,
+ * without lines that cut nothing off. The turn of a line is no less than that of the line before:
+ * seams may be a whole turn farther. Returns how many there are. */
 static size_t find_lines(const common *c, size_t seams, size_t index,
                          line lines[PSPLAT_MAX_CLIP_LINES]) {
     const psplat_quantized_splat *code = &c->table->codes[index];
     int32_t whole = (int32_t)(1u << (c->line_turn_bits + 1)),
             unit = (int32_t)(1u << line_grade(c, index));
     int32_t padding = (int32_t)lrint(1 / c->table->splats->precision.line_step);
-    size_t count = 0;
-    for (uint32_t i = 0; i < c->table->splats->splats[index].clip_count; ++i) {
+    size_t count = 0, cuts, stored = c->table->splats->splats[index].clip_count;
+    for (size_t i = 0; i < stored; ++i) {
         const int32_t *l = code->lines[i];
-        if (i >= seams && !l[0] && l[1] == padding && !l[2]) continue;
+        if (i + seams < stored && !l[0] && l[1] == padding && !l[2]) continue;
         lines[count++] =
             (line){((l[0] + whole) % whole) >> line_grade(c, index), l[1] / unit, l[2] / unit};
     }
-    qsort(lines, seams, sizeof *lines, compare_lines);
-    qsort(lines + seams, count - seams, sizeof *lines, compare_lines);
-    int32_t least = seams ? lines[seams - 1].turn : 0;
-    int is_later = count > seams && lines[seams].turn < least;
-    for (size_t i = seams; i < count && is_later; ++i)
+    cuts = count - seams;
+    qsort(lines, cuts, sizeof *lines, compare_lines);
+    qsort(lines + cuts, seams, sizeof *lines, compare_lines);
+    int is_later = cuts && seams && lines[cuts].turn < lines[cuts - 1].turn;
+    for (size_t i = cuts; i < count && is_later; ++i)
         lines[i].turn += whole >> line_grade(c, index);
     return count;
 }

@@ -18,7 +18,7 @@ typedef struct psplat_section {
     uint32_t *order; /* indices of the splats, sorted by psplat_stream_sort */
     size_t count;
     size_t clip_lines; /* the most of any splat */
-    size_t seam_lines; /* of each splat, the first ones */
+    size_t seam_lines; /* of each splat, the last ones */
     float depth_tolerance;
     int is_curved, has_shape; /* as in psplat_run */
     int has_texcoord_bend;    /* the same */

@@ -42,15 +42,13 @@ static int has_own_shape(const psplat_candidate *candidate) {
     return 0;
 }
 
-/* Stores the lines of a region: seams come first (spec 3.6). */
+/* Stores the lines of a region, seams behind those that cut. */
 static void store_lines(const psplat_region *region, psplat_splat *splat) {
-    uint32_t count = region->line_count + region->seam_count;
-    for (uint32_t i = 0; i < count; ++i) {
-        uint32_t from = (i + region->line_count) % count;
-        for (int k = 0; k < 3; ++k) splat->clip[i][k] = (float)region->lines[from][k];
-        splat->bend[i] = (float)region->bends[from];
+    splat->clip_count = region->line_count + region->seam_count;
+    for (uint32_t i = 0; i < splat->clip_count; ++i) {
+        for (int k = 0; k < 3; ++k) splat->clip[i][k] = (float)region->lines[i][k];
+        splat->bend[i] = (float)region->bends[i];
     }
-    splat->clip_count = count;
 }
 
 static void candidate_to_splat(const psplat_candidate *candidate, psplat_splat *splat) {

@@ -27,16 +27,13 @@ void psplat_quaternion_of_axes(const double u[3], const double v[3], const doubl
     for (int c = 0; c < 4; ++c) rotation[c] = (float)(q[c] / length);
 }
 
-/* Stores the lines of a splat: behind those that cut come its seams, which a splat has first. */
 static void take_lines(const psplat_splat *splat, uint32_t seam_lines, psplat_region *region) {
-    uint32_t seams = seam_lines < splat->clip_count ? seam_lines : splat->clip_count;
     for (uint32_t i = 0; i < splat->clip_count; ++i) {
-        uint32_t from = (i + seams) % splat->clip_count;
-        for (int k = 0; k < 3; ++k) region->lines[i][k] = (double)splat->clip[from][k];
-        region->bends[i] = (double)splat->bend[from];
+        for (int k = 0; k < 3; ++k) region->lines[i][k] = (double)splat->clip[i][k];
+        region->bends[i] = (double)splat->bend[i];
     }
-    region->line_count = splat->clip_count - seams;
-    region->seam_count = seams;
+    region->seam_count = seam_lines < splat->clip_count ? seam_lines : splat->clip_count;
+    region->line_count = splat->clip_count - region->seam_count;
 }
 
 void psplat_splat_region(const psplat_splat *splat, uint32_t seam_lines, psplat_region *region) {

@@ -14,7 +14,7 @@
 void psplat_quaternion_of_axes(const double u[3], const double v[3], const double n[3],
                                float rotation[4]);
 
-/* Finds the region of a splat, in double precision. The first seam_lines of its clip lines are
+/* Finds the region of a splat, in double precision. The last seam_lines of its clip lines are
  * seams. */
 void psplat_splat_region(const psplat_splat *splat, uint32_t seam_lines, psplat_region *region);
 

@@ -15,7 +15,7 @@
 typedef struct psplat_run {
     size_t count;
     uint32_t clip_lines;   /* the number of clip lines that each splat has */
-    uint32_t seam_lines;   /* how many of these, the first ones, are seams (spec 3.6) */
+    uint32_t seam_lines;   /* how many of these, the last ones, are seams (spec 3.6) */
     uint32_t material;     /* index into the materials */
     float depth_tolerance; /* epsilon of spec 5.3, in the mesh's units */
     int is_curved;         /* 0: the shape of every splat is 0 */

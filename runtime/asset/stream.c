@@ -524,6 +524,12 @@ static void put_texcoords(const psplat_stream *s, const code *c, float *out) {
     }
 }
 
+/* Returns the place of a line of a splat, which has so many: seams are the last, and what is
+ * missing lies before them. */
+static uint32_t place_of_line(const psplat_stream_section *section, uint32_t count, uint32_t i) {
+    return i + section->seam_lines < count ? i : section->clip_count - count + i;
+}
+
 /* Fills a row with what the integers of a splat stand for. */
 static void make_row(const psplat_stream *s, const psplat_stream_section *section, const code *c,
                      float row[ROW]) {
@@ -544,10 +550,10 @@ static void make_row(const psplat_stream *s, const psplat_stream_section *sectio
     put_normal(s, c, row + AT_NORMAL);
     if (s->has_texcoord) put_texcoords(s, c, row + AT_TEXCOORD);
     for (uint32_t i = 0; i < section->clip_count; ++i)
-        if (i < c->line_count)
-            put_line(s, c->lines[i], section->has_bends, row + AT_LINES + 4 * i);
-        else
-            memcpy(row + AT_LINES + 4 * i, padding, sizeof padding);
+        memcpy(row + AT_LINES + 4 * i, padding, sizeof padding);
+    for (uint32_t i = 0; i < c->line_count; ++i)
+        put_line(s, c->lines[i], section->has_bends,
+                 row + AT_LINES + 4 * place_of_line(section, c->line_count, i));
 }
 
 static size_t row_bytes(const psplat_stream *s) {
