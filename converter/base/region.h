@@ -18,18 +18,19 @@
  * the axes in units of the radii, so that the ellipse is the unit disc. A line (a, b, c) of bend k
  * keeps the points with a u + b v + c + k (a v - b u)^2 / 2 >= 0 (spec 3.6); with k > 0 what it
  * keeps is not convex. Behind the lines that cut the region there may be seams (spec 3.6), which
- * bound what the material is and cut nothing off. At s along u and t along v, in lengths, the surface has over the plane the
- * height slope . (s, t) + (A s^2 + 2 B s t + C t^2) / 2 with A, B, C = hessian (spec 3.4 in
- * lengths). */
+ * bound what the material is and cut nothing off. At s along u and t along v, in lengths, the
+ * surface has over the plane the height slope . (s, t) + (A s^2 + 2 B s t + C t^2) / 2 with A, B, C
+ * = hessian (spec 3.4 in lengths). */
 typedef struct psplat_region {
     double center[3];
     double u[3], v[3], n[3]; /* orthonormal */
     double radius[2];
     double lines[PSPLAT_MAX_CLIP_LINES][3];
     double bends[PSPLAT_MAX_CLIP_LINES]; /* 0: the line is straight */
-    uint32_t line_count; /* of those that cut */
-    uint32_t seam_count; /* of the seams, lines[line_count] on; both are PSPLAT_MAX_CLIP_LINES at
-                            most */
+    uint32_t line_count;                 /* of those that cut */
+    uint32_t chart_lines; /* a bit for each line that was fitted to borders of charts alone */
+    uint32_t seam_count;  /* of the seams, lines[line_count] on; both are PSPLAT_MAX_CLIP_LINES at
+                             most */
     double slope[2], hessian[3]; /* of the surface; all 0: it is the plane */
 } psplat_region;
 

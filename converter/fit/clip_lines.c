@@ -25,6 +25,7 @@ typedef struct piece {
     uint32_t vertex[2];
     size_t previous, next; /* in the chain, or SIZE_MAX */
     int done;              /* 1: no line is needed for it any more */
+    int is_chart;          /* as in psplat_segment */
 } piece;
 
 /* The state of one choice of lines. */
@@ -256,17 +257,23 @@ static size_t extend_run(const clipper *c, int bent, run *r, clip_line *line) {
     return total;
 }
 
-/* Finds the line of the longest run around a piece. Returns 0 where not even the piece alone has
- * one. */
-static int grow_run(const clipper *c, size_t start, clip_line *line) {
-    run r = {start, start};
-    if (!fit_straight(c, r, line)) return 0;
-    extend_run(c, 0, &r, line);
+/* Finds the longest run around a piece that has a line, and the line. Returns 0 where not even the
+ * piece alone has one. */
+static int grow_run(const clipper *c, run *r, clip_line *line) {
+    if (!fit_straight(c, *r, line)) return 0;
+    extend_run(c, 0, r, line);
     if (!c->may_bend) return 1;
     /* A parabola may leave the run by more at first, and by less once the run is longer: a chord is
      * nearest to a short arc. One step is taken for good at either end. */
-    extend_run(c, 1, &r, line);
+    extend_run(c, 1, r, line);
     return 1;
+}
+
+static int is_chart_run(const clipper *c, run r) {
+    int is_chart = c->pieces[r.first].is_chart;
+    for (size_t i = r.first; i != r.last; i = c->pieces[i].next)
+        is_chart &= c->pieces[c->pieces[i].next].is_chart;
+    return is_chart;
 }
 
 /* Returns the part of a piece at which a line crosses it, between ends on both sides. */
@@ -326,10 +333,12 @@ static void link_chain(clipper *c) {
 
 static int choose_lines(clipper *c, psplat_region *region) {
     link_chain(c);
-    region->line_count = 0;
+    region->line_count = region->chart_lines = 0;
     for (size_t i; (i = nearest_piece(c)) != SIZE_MAX;) {
         clip_line line;
-        if (region->line_count == PSPLAT_MAX_CLIP_LINES || !grow_run(c, i, &line)) return 0;
+        run r = {i, i};
+        if (region->line_count == PSPLAT_MAX_CLIP_LINES || !grow_run(c, &r, &line)) return 0;
+        if (is_chart_run(c, r)) region->chart_lines |= 1u << region->line_count;
         apply_line(c, &line);
         c->pieces[i].done = 1;
         const double stored[3] = {line.a, line.b, line.c};
@@ -341,7 +350,7 @@ static int choose_lines(clipper *c, psplat_region *region) {
 
 int psplat_clip_choose(psplat_region *region, const psplat_segment *segments, size_t count,
                        const double seed[2], double slack, int may_bend) {
-    region->line_count = 0;
+    region->line_count = region->chart_lines = 0;
     memset(region->bends, 0, sizeof region->bends);
     if (!count) return 1;
     clipper c = {.pieces = malloc(count * sizeof(piece)),
@@ -353,6 +362,7 @@ int psplat_clip_choose(psplat_region *region, const psplat_segment *segments, si
     if (!c.pieces) return 0;
     for (size_t i = 0; i < count; ++i) {
         c.pieces[i] = (piece){.vertex = {segments[i].vertex[0], segments[i].vertex[1]}};
+        c.pieces[i].is_chart = segments[i].is_chart;
         memcpy(c.pieces[i].a, segments[i].a, sizeof c.pieces[i].a);
         memcpy(c.pieces[i].b, segments[i].b, sizeof c.pieces[i].b);
     }
