@@ -171,9 +171,11 @@ static const char *surface_name(const psplat_batch *batch) {
 
 static void print_batch(const psplat_batch *b, size_t index) {
     const psplat_material *m = &b->material;
-    printf("batch %zu: primitive %u, %zu %ssplats with %u %sclip lines, depth tolerance %.6g\n",
+    char seams[32] = "";
+    if (b->seam_lines) snprintf(seams, sizeof seams, " (%u of them seams)", b->seam_lines);
+    printf("batch %zu: primitive %u, %zu %ssplats with %u %sclip lines%s, depth tolerance %.6g\n",
            index, b->primitive, b->splat_count, surface_name(b), b->clip_count,
-           b->has_bends ? "bent " : "", (double)b->depth_tolerance);
+           b->has_bends ? "bent " : "", seams, (double)b->depth_tolerance);
     printf(
         "  kernel exp(-%g r^%g), base colour %.3g %.3g %.3g %.3g%s, metallic %.3g, roughness %.3g"
         "%s%s\n",
@@ -324,6 +326,7 @@ static void write_batches(psplat_writer *json, const psplat_asset *asset) {
         psplat_writer_count(json, "primitive", batch->primitive);
         psplat_writer_count(json, "splats", batch->splat_count);
         psplat_writer_count(json, "clip_lines", batch->clip_count);
+        psplat_writer_count(json, "seam_lines", batch->seam_lines);
         psplat_writer_boolean(json, "is_curved", batch->is_curved);
         psplat_writer_boolean(json, "has_shape", batch->has_shape);
         psplat_writer_boolean(json, "has_bends", batch->has_bends);

@@ -158,6 +158,7 @@ static void check_material(const psplat_material *material) {
 
 static void check_batch(const psplat_batch *batch, const psplat_asset *asset) {
     FUZZ_DEMAND(batch->splat_count > 0 && batch->clip_count <= PSPLAT_MAX_CLIP_LINES);
+    FUZZ_DEMAND(batch->seam_lines <= batch->clip_count);
     FUZZ_DEMAND(batch->depth_tolerance >= 0 && isfinite(batch->depth_tolerance));
     FUZZ_DEMAND(batch->kernel.sharpness > 0 && isfinite(batch->kernel.sharpness));
     FUZZ_DEMAND(batch->kernel.exponent > 0 && isfinite(batch->kernel.exponent));

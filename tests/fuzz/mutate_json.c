@@ -224,6 +224,8 @@ static void add_member(fuzz_text *text, span s, uint32_t *random) {
         "'kernel':{'sharpness':2,'exponent':3},",
         "'kernel':{},",
         "'clipLines':1,",
+        "'seamLines':1,",
+        "'seamLines':[1,2],",
         "'emissiveFactor':[1,0.5,0],",
         "'doubleSided':true,",
         "'material':0,",

@@ -58,6 +58,7 @@ function compare(picture, path, shading) {
 
 const files = ['part', 'torus', 'tiled', 'still-life', 'painted', 'bracket'].map((name) => [`files/${name}.glb`, join(converted ?? '', `${name}.glb`)]);
 files.push(...['minimal', 'integers', 'curved', 'textured', 'streamed'].map((name) => [`schema/${name}.gltf`, join(root, `schema/${name}.gltf`)]));
+files.push(['corpus/12-seams.glb', join(root, 'tests/corpus/12-seams.glb')]);
 
 // Two rasterisers round vertices differently, so that pixels on outlines differ; nothing else may.
 const LEAST = 50;
@@ -537,6 +538,9 @@ const broken = [
     ['no tolerance', (g) => { delete g.extension.depthTolerance; }, /depthTolerance is missing/],
     ['rescaled positions', (g) => { g.extension.positionExtent = [1, 1, 1]; }, /another tool rescaled it/],
     ['a missing clip line', (g) => { g.extension.clipLines = 4; }, /CLIP_2 is missing, clipLines is 4/],
+    ['more seams than clip lines', (g) => { g.extension.seamLines = 3; }, /seamLines must be integers from 0 to the number of clip lines, which is 2/],
+    ['half a seam', (g) => { g.extension.seamLines = 0.5; }, /seamLines must be integers/],
+    ['seams of sections without a stream', (g) => { g.extension.seamLines = [1]; }, /seamLines must be integers/],
     ['an attribute of two forms', (g) => { g.attributes['PSPLAT_surface_splats:SCALE'] = 0; }, /with and without an underscore/],
     ['radii in the wrong order', (g) => g.set('SCALE', [0.5, 1]), /splat 0: SCALE is not two radii, the larger first/],
     ['a quaternion that is none', (g) => g.set('ROTATION', [0, 0, 0, 2]), /splat 0: ROTATION is not a unit quaternion/],
@@ -585,6 +589,46 @@ for (const [what, change, message] of brokenStreams) {
         assert.match(text, message);
     });
 }
+
+const streamSeams = [
+    [1, /seamLines is not an array for the stream's 2 sections/],
+    [[1], /seamLines is not an array for the stream's 2 sections/],
+    [[4, 1], /seamLines must be integers from 0 to the number of clip lines, which is 3/],
+    [[1, 4], /opened 1 4/],
+];
+
+for (const [seams, message] of streamSeams) {
+    test(`seams ${JSON.stringify(seams)} of the sections of a stream`, async () => {
+        const json = JSON.parse(readFileSync(join(root, 'schema/streamed.gltf'), 'utf8'));
+        json.meshes[0].primitives[0].extensions.PSPLAT_surface_splats.seamLines = seams;
+        writeFileSync(join(scratch, 'broken.gltf'), JSON.stringify(json));
+        const text = await inPage(() => window.loader.loadAsync(`/scratch/broken.gltf?${Math.random()}`).then(({ scene }) => {
+            let found = 'opened';
+            scene.traverse((o) => { for (const batch of o.batches ?? []) found += ` ${batch.seamLines}`; });
+            return found;
+        }, (error) => error.message));
+        assert.match(text, message);
+    });
+}
+
+test('rays and boxes go on beyond seams, and not beyond lines that cut', async () => {
+    for (const [seams, hits, low] of [[0, [1, 0, 0], 0.125], [1, [1, 1, 0], -0.4841], [2, [1, 1, 1], -0.5]]) {
+        writeBroken((g) => { g.extension.seamLines = seams; });
+        const found = await inPage(async () => {
+            const { scene } = await window.loader.loadAsync(`/scratch/broken.gltf?${Math.random()}`), ray = new window.THREE.Raycaster();
+            scene.updateMatrixWorld(true);
+            const box = new window.THREE.Box3().setFromObject(scene);
+            const shots = [[4.4, 0.2], [4.4, 0], [3.6, 0]].map(([x, y]) => {
+                ray.set(new window.THREE.Vector3(x, y, 5), new window.THREE.Vector3(0, 0, -1));
+                return ray.intersectObject(scene, true).length;
+            });
+            return { shots, low: box.min.y };
+        });
+        assert.deepEqual(found.shots, hits);
+        // Boxes are around polygons of 16 corners, up to 2 % outside the ellipse.
+        assert.ok(found.low <= low + 1e-6 && found.low > low - 0.02, `${found.low}`);
+    }
+});
 
 /** Returns GLSL without comments, one space for all white space. */
 function words(source) {

@@ -79,6 +79,19 @@ const BESIDE_STREAM = ['colorRange', 'texcoordRange', 'texcoordBendRange'];
 const IN_STREAM = ['clipLines', 'depthTolerance', 'positionExtent', 'kernel', 'scaleRange', 'tiltRange', 'fieldRange', 'turnRange', 'clipRange', 'curved',
     'shapeRange', 'bendRange'];
 
+/** Returns a number of seams among so many clip lines. */
+function readSeams(value, clipLines) {
+    if (!Number.isInteger(value) || value < 0 || value > clipLines) fail(`seamLines must be integers from 0 to the number of clip lines, which is ${clipLines}`);
+    return value;
+}
+
+/** Returns the numbers of seams of a stream's sections (section 3.12). */
+function readSectionSeams(value, sections) {
+    if (value === undefined) return sections.map(() => 0);
+    if (!Array.isArray(value) || value.length !== sections.length) fail(`seamLines is not an array for the stream's ${sections.length} sections`);
+    return sections.map(({ clipLines }, k) => readSeams(value[k], clipLines));
+}
+
 /** Returns what a primitive says about itself (section 3.1), with defaults. */
 function readObject(object) {
     const { version, clipLines } = object;
@@ -90,6 +103,7 @@ function readObject(object) {
     return {
         version,
         clipLines,
+        seamLines: readSeams(object.seamLines ?? 0, clipLines),
         curved: !!object.curved,
         depthTolerance: positive(object, 'depthTolerance', undefined, 0),
         positionExtent: numbers(object, 'positionExtent', 3, (v) => v.every((x) => x >= 0)),
@@ -365,7 +379,7 @@ function enlargeRange(polygon, x, y, xx, xy, yy, range) {
 
 const range = [0, 0];
 
-/** Enlarges a box by what clip lines leave of a splat. */
+/** Enlarges a box by what clip lines leave of a splat. lines are those that cut its shape. */
 function enlargeTight(s, isCurved, lines, box) {
     let polygon = CIRCLE;
     for (const line of [...lines, ...lines]) polygon = cut(polygon, line); // the second time the ends are nearer
@@ -439,6 +453,7 @@ function describe(of, set, count) {
     return {
         count,
         clipLines: set.clipLines,
+        seamLines: set.seamLines,
         isCurved: set.curved,
         hasColor: !!of.COLOR_0,
         hasGamma,
@@ -462,7 +477,7 @@ function describe(of, set, count) {
         finishes: makeTexture(count, row, finishTexels),
         texcoords: makeTexture(count, row, texcoordTexels),
         bounds: new Box3(), // of whole ellipses, as the renderer's
-        box: new Box3(), // of what clip lines leave of them
+        box: new Box3(), // of what clip lines that are no seams leave of them
         spheres: [],
         sagitta: 0,
     };
@@ -486,7 +501,7 @@ function decodeAll(of, set, batch) {
         const sagitta = enlarge(s, set.curved, [batch.bounds]);
         batch.sagitta = Math.max(batch.sagitta, sagitta);
         for (let k = 0; k < set.clipLines; ++k) batch.clips.image.data.set(readLine(of[`CLIP_${k}`], i, set, lines[k]), 4 * (set.clipLines * i + k));
-        enlargeTight(s, set.curved, lines, chunk);
+        enlargeTight(s, set.curved, lines.slice(0, set.clipLines - set.seamLines), chunk);
         packRest(of, set, i, batch, v);
         if (i % CHUNK === CHUNK - 1 || i === batch.count - 1) {
             batch.box.union(chunk);
@@ -540,10 +555,11 @@ async function decodeStreamed(primitive, object, accessor, view) {
     };
     const { head, sections } = readStream(bytes, position.count, beside, fail), centers = new Box3();
     for (const name of STREAMED_TEXCOORDS) if (head.hasTexcoord && found[name] !== undefined) fail(`${name} is present although the primitive has a stream`);
-    const batches = sections.map(({ arrays, first, count, clipLines, curved, depthTolerance }) => {
+    const seams = readSectionSeams(object.seamLines, sections);
+    const batches = sections.map(({ arrays, first, count, clipLines, curved, depthTolerance }, section) => {
         const parts = Object.fromEntries(Object.entries(attributes).map(([name, attribute]) => [name, partOf(attribute, first, count)]));
         for (const [name, { size, array }] of Object.entries(arrays)) parts[name] = new BufferAttribute(array, size);
-        const batch = decodeBatch(parts, { ...set, clipLines, curved, depthTolerance, sharpness: head.sharpness, exponent: head.exponent }, count);
+        const batch = decodeBatch(parts, { ...set, clipLines, seamLines: seams[section], curved, depthTolerance, sharpness: head.sharpness, exponent: head.exponent }, count);
         centers.union(batch.extent);
         return batch;
     });

@@ -7,10 +7,12 @@ export interface SplatBatch {
     readonly count: number;
     /** Clip lines of each splat, 0 to 4. */
     readonly clipLines: number;
+    /** How many of these, the last ones, are seams: beyond them a splat goes on, its material does not. */
+    readonly seamLines: number;
     readonly isCurved: boolean;
     /** How far splats of one surface may lie apart, in the units of the positions. */
     readonly depthTolerance: number;
-    /** Box of what clip lines leave of the splats. */
+    /** Box of what clip lines that are no seams leave of the splats. */
     readonly box: Box3;
     readonly splats: DataTexture;
 }

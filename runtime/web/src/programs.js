@@ -73,7 +73,9 @@ export function differences(drawn) {
 function definesOf(batch, material, view) {
     const { pass, isCurved, differ } = view, isFlat = !isCurved, isNormals = pass === PASS.normals;
     const isTwoSided = view.isTwoSided && (isNormals || (isCurved && pass === PASS.visibility));
-    const d = { PASS: pass, CLIP_COUNT: batch.clipLines, CLIP_TYPE: ['none', 'float', 'vec2', 'vec3', 'vec4'][batch.clipLines] };
+    // Fragments know of seams only where they are weighed.
+    const seams = isNormals && !view.counts ? batch.seamLines : 0, lines = batch.clipLines - batch.seamLines + seams;
+    const d = { PASS: pass, CLIP_COUNT: lines, CLIP_TYPE: ['none', 'float', 'vec2', 'vec3', 'vec4'][lines], LINE_COUNT: batch.clipLines, SEAM_COUNT: seams };
     d.LINE_TYPE = batch.hasBends ? 'vec4' : 'vec3';
     d.WEIGHT_FLOOR = view.isHalf ? '1e-3' : '1e-30';
     d.HALF_TARGETS = view.isHalf;

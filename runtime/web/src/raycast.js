@@ -26,10 +26,11 @@ function readSplat(batch, i, s) {
     if (!batch.isCurved) s.shape = [0, 0, 0, 0, 0];
 }
 
+/** Whether a point lies in the ellipse and is kept by the lines that cut the splat's shape: seams, the last ones, do not. */
 function isKept(batch, i, u, v) {
     if (u * u + v * v > 1) return false;
     const lines = batch.clips?.image.data;
-    for (let k = 0; k < batch.clipLines; ++k) {
+    for (let k = 0; k < batch.clipLines - batch.seamLines; ++k) {
         const at = 4 * (batch.clipLines * i + k), a = lines[at], b = lines[at + 1], across = a * v - b * u;
         if (a * u + b * v + lines[at + 2] + 0.5 * lines[at + 3] * across * across < 0) return false;
     }

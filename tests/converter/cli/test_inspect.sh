@@ -69,6 +69,14 @@ const rest = bytes.length - length - shown.stored_bytes;
 if (!(rest >= 90 && rest <= 28 + 72 + 20)) throw Error(`${rest} bytes are nobody's`);
 JS
 
+# Seams are counted among the clip lines.
+run "$PHONGSPLAT" inspect "$SOURCE_DIR/tests/corpus/12-seams.glb"
+expect_success
+expect_output '^batch 0: .* with 2 clip lines \(1 of them seams\), '
+run "$PHONGSPLAT" inspect "$SOURCE_DIR/tests/corpus/12-seams.glb" --format json
+expect_success
+expect_output '"seam_lines": 1'
+
 # A mesh that is placed twice is stored once.
 node - "$SOURCE_DIR/schema/minimal.gltf" <<'JS'
 const fs = require('fs'), gltf = JSON.parse(fs.readFileSync(process.argv[2], 'utf8'));

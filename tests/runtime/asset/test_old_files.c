@@ -122,6 +122,12 @@ static const old_file files[] = {
      0,
      {108066.5, 688.988716, 34652.1202, 236.547093, 215.366403, 11148.2694, -572.051673,
       165.188399}},
+    {"12-seams.glb",
+     1,
+     {0, 0, 24, 0, 0},
+     0,
+     {914.101713, 1171.18497, 285.000005, 770.101707, 104.999998, 8805.13765, 314.999995,
+      182.305999}},
 };
 
 static psplat_asset *open_old(const char *name) {
@@ -182,14 +188,16 @@ static void check_file(const old_file *file) {
         assert_true(batch->depth_tolerance > 0);
         /* Curved splats and bent lines came with version 3. */
         int is_streamed = !strcmp(file->name, "10-streamed.glb");
+        int has_seams = !strcmp(file->name, "12-seams.glb");
+        assert_int_equal(batch->seam_lines, has_seams);
         assert_int_equal(batch->is_curved, strstr(file->name, "8-") != NULL ||
-                                               (is_streamed && b == 0) ||
+                                               (is_streamed && b == 0) || has_seams ||
                                                !strcmp(file->name, "11-texcoords.glb"));
         assert_int_equal(batch->has_shape, !strcmp(file->name, "compressed/8-shapes.glb"));
         assert_int_equal(batch->has_bends, is_streamed || !strcmp(file->name, "8-curved.glb") ||
                                                !strcmp(file->name, "11-texcoords.glb"));
         /* So did texture coordinates. */
-        int is_textured = !strcmp(file->name, "11-texcoords.glb");
+        int is_textured = has_seams || !strcmp(file->name, "11-texcoords.glb");
         assert_int_equal(batch->has_texcoord, is_textured || strstr(file->name, "9-") != NULL);
         assert_int_equal(batch->has_texcoord_bend, batch->has_texcoord);
         classes[batch->clip_count] += batch->splat_count;

@@ -26,8 +26,9 @@ typedef struct key_list {
 
 static int same(const psplat_program_key *a, const psplat_program_key *b) {
     return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
-           a->clip_count == b->clip_count && a->shading == b->shading &&
-           a->light_count == b->light_count && a->is_faded == b->is_faded;
+           a->clip_count == b->clip_count && a->seam_count == b->seam_count &&
+           a->shading == b->shading && a->light_count == b->light_count &&
+           a->is_faded == b->is_faded;
 }
 
 static int by_value(const void *a, const void *b) {
@@ -305,6 +306,90 @@ static void compile_textured(psplat_api api) {
     psplat_host_destroy(host);
 }
 
+/* Passes without weights do not tell seams from lines that are not there, and where all lines are
+ * seams they share the programs of splats without lines. */
+static void test_seam_keys(void **state) {
+    (void)state;
+    static const struct {
+        psplat_program_key key;
+        int has_seams, clip_count, seam_count; /* reduced */
+    } cases[] = {
+        {{.pass = PSPLAT_PASS_NORMALS, .clip_count = 2, .seam_count = 1}, 1, 2, 1},
+        {{.pass = PSPLAT_PASS_NORMALS, .clip_count = 2, .seam_count = 2}, 1, 2, 2},
+        {{.pass = PSPLAT_PASS_NORMALS, .clip_count = 2}, 0, 2, 0},
+        {{.pass = PSPLAT_PASS_RADIANCE, .clip_count = 3, .seam_count = 3}, 1, 3, 3},
+        {{.pass = PSPLAT_PASS_VISIBILITY, .clip_count = 2, .seam_count = 1}, 0, 2, 1},
+        {{.pass = PSPLAT_PASS_VISIBILITY, .clip_count = 2, .seam_count = 2}, 0, 0, 0},
+        {{.pass = PSPLAT_PASS_PARAMETERS, .clip_count = 4, .seam_count = 4}, 0, 0, 0},
+        {{.pass = PSPLAT_PASS_NORMALS,
+          .options = PSPLAT_OPTION_COUNT,
+          .clip_count = 2,
+          .seam_count = 2},
+         0,
+         0,
+         0},
+        {{.pass = PSPLAT_PASS_NORMALS,
+          .options = PSPLAT_OPTION_CURVED,
+          .part = PSPLAT_PART_UNCUT,
+          .clip_count = 2,
+          .seam_count = 2},
+         0,
+         2,
+         0},
+        {{.is_resolve = 1, .clip_count = 2, .seam_count = 2}, 0, 0, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        psplat_program_key reduced = psplat_program_key_reduce(cases[i].key);
+        psplat_program_key again = psplat_program_key_reduce(reduced);
+        assert_true(same(&reduced, &again));
+        assert_int_equal(psplat_program_has_seams(&reduced), cases[i].has_seams);
+        assert_int_equal(reduced.clip_count, cases[i].clip_count);
+        assert_int_equal(reduced.seam_count, cases[i].seam_count);
+    }
+}
+
+/* Compiles programs with seams in all passes, of flat and curved splats, with as few varyings as
+ * there may be and with most of them. */
+static void compile_seams(psplat_api api) {
+    static const unsigned kinds[] = {0, PSPLAT_OPTION_TANGENT, PSPLAT_OPTION_CURVED};
+    static const int lines[][2] = {{1, 1}, {2, 1}, {3, 2}, {4, 1}, {4, 4}};
+    const unsigned most = PSPLAT_OPTION_FINISH | PSPLAT_OPTION_GAMMA | PSPLAT_OPTION_BENDS |
+                          PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_FILTER | PSPLAT_OPTION_WIDE |
+                          PSPLAT_OPTION_FIELD | PSPLAT_OPTIONS_TARGETS | PSPLAT_OPTIONS_MAPS;
+    psplat_host *host = NULL;
+    psplat_error error = {0};
+    psplat_gl gl;
+    assert_int_equal(psplat_host_create(api, 1, &host, &error), PSPLAT_OK);
+    assert_int_equal(psplat_gl_load(&gl, psplat_host_get_proc, host, &error), PSPLAT_OK);
+    psplat_allocator allocator = {0};
+    psplat_programs programs = {0};
+    for (size_t set = 0; set < 4 * 3 * 2 * 5; ++set) {
+        const int *counts = lines[set % 5];
+        psplat_program_key key = {.pass = (int)(set / 30),
+                                  .options = kinds[set / 10 % 3] | (set / 5 % 2 ? most : 0),
+                                  .is_faded = set / 5 % 2,
+                                  .clip_count = counts[0],
+                                  .seam_count = counts[1]};
+        const psplat_program *program = NULL;
+        psplat_result result =
+            psplat_programs_find(&programs, &gl, &allocator, key, &program, &error);
+        if (result) fail_msg("options 0x%x of pass %d: %s", key.options, key.pass, error.text);
+    }
+    print_message("%zu programs\n", programs.count);
+    psplat_programs_destroy(&programs, &gl, &allocator);
+    psplat_host_destroy(host);
+}
+
+static void test_seams_gl(void **state) {
+    (void)state;
+    compile_seams(PSPLAT_API_GL);
+}
+
+static void test_seams_gles(void **state) {
+    (void)state;
+    compile_seams(PSPLAT_API_GLES);
+}
+
 static void test_textured_gl(void **state) {
     (void)state;
     compile_textured(PSPLAT_API_GL);
@@ -327,10 +412,11 @@ static void test_gles(void **state) {
 
 int test_gl_program_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bounded),       cmocka_unit_test(test_no_use),
-        cmocka_unit_test(test_no_textures),   cmocka_unit_test(test_textured_gl),
-        cmocka_unit_test(test_textured_gles), cmocka_unit_test(test_gl),
-        cmocka_unit_test(test_gles),
+        cmocka_unit_test(test_seam_keys),   cmocka_unit_test(test_seams_gl),
+        cmocka_unit_test(test_seams_gles),  cmocka_unit_test(test_bounded),
+        cmocka_unit_test(test_no_use),      cmocka_unit_test(test_no_textures),
+        cmocka_unit_test(test_textured_gl), cmocka_unit_test(test_textured_gles),
+        cmocka_unit_test(test_gl),          cmocka_unit_test(test_gles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -136,6 +136,26 @@ static void test_whole(void **state) {
     scene_free(&s);
 }
 
+/* Seams are lines where they are weighed, and none where splats only have to be seen: where all
+ * lines are seams, that pass has no parts. */
+static void test_seams(void **state) {
+    canvas *c = *state;
+    static canvas parts;
+    psplat_view view = view_of(0);
+    for (uint32_t seams = 1; seams <= 2; ++seams) {
+        scene with = sphere(3, 0, 0), without = sphere(3, 0, 1e-3f);
+        with.seam_lines = without.seam_lines = seams;
+        assert_int_equal(draw(c, &with, &view), (seams == 2 ? 1 : 2) + 2);
+        parts = *c;
+        assert_int_equal(draw(c, &without, &view), 2);
+        assert_true(canvas_covered(c) > CANVAS_SIZE * CANVAS_SIZE / 4);
+        for (int i = 0; i < 4 * CANVAS_SIZE * CANVAS_SIZE; ++i)
+            assert_float_equal(parts.color[i], c->color[i], 1e-5f);
+        scene_free(&with);
+        scene_free(&without);
+    }
+}
+
 static int open_gl(void **state) {
     *state = open_counting(PSPLAT_API_GL);
     return 0;
@@ -155,6 +175,7 @@ int test_parts_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parts),
         cmocka_unit_test(test_whole),
+        cmocka_unit_test(test_seams),
     };
     int failed = cmocka_run_group_tests_name("parts_gl", tests, open_gl, close_canvas);
     return failed + cmocka_run_group_tests_name("parts_gles", tests, open_gles, close_canvas);
