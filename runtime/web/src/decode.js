@@ -551,15 +551,15 @@ async function decodeStreamed(primitive, object, accessor, view) {
     checkCoarse(position);
     const beside = {
         place: (i, out) => { for (let k = 0; k < 3; ++k) out[k] = position.getComponent(i, k); },
+        seams: (sections) => readSectionSeams(object.seamLines, sections),
         image: (i) => [0, 1].map((k) => (attributes.TEXCOORD_0 ?? fail('TEXCOORD_0 is missing beside a stream with texture coordinates')).getComponent(i, k)),
     };
     const { head, sections } = readStream(bytes, position.count, beside, fail), centers = new Box3();
     for (const name of STREAMED_TEXCOORDS) if (head.hasTexcoord && found[name] !== undefined) fail(`${name} is present although the primitive has a stream`);
-    const seams = readSectionSeams(object.seamLines, sections);
-    const batches = sections.map(({ arrays, first, count, clipLines, curved, depthTolerance }, section) => {
+    const batches = sections.map(({ arrays, first, count, clipLines, seamLines, curved, depthTolerance }) => {
         const parts = Object.fromEntries(Object.entries(attributes).map(([name, attribute]) => [name, partOf(attribute, first, count)]));
         for (const [name, { size, array }] of Object.entries(arrays)) parts[name] = new BufferAttribute(array, size);
-        const batch = decodeBatch(parts, { ...set, clipLines, seamLines: seams[section], curved, depthTolerance, sharpness: head.sharpness, exponent: head.exponent }, count);
+        const batch = decodeBatch(parts, { ...set, clipLines, seamLines, curved, depthTolerance, sharpness: head.sharpness, exponent: head.exponent }, count);
         centers.union(batch.extent);
         return batch;
     });

@@ -280,12 +280,21 @@ function put(attribute, i, values, step) {
     for (let k = 0; k < size; ++k) array[size * i + k] = values[k] * step;
 }
 
+/** Writes line k of a splat's lines, or a line that cuts nothing where there is no such line. */
 function putLine({ array, size }, i, head, code, k) {
-    const has = k < code.lineCount, at = size * i, angle = has ? Math.PI * code.lines[3 * k] / 2 ** head.lineTurnBits : 0;
+    const has = k >= 0, at = size * i, angle = has ? Math.PI * code.lines[3 * k] / 2 ** head.lineTurnBits : 0;
     array[at] = Math.cos(angle);
     array[at + 1] = Math.sin(angle);
     array[at + 2] = has ? code.lines[3 * k + 1] * head.lineStep : 1;
     if (size === 4) array[at + 3] = has ? code.lines[3 * k + 2] * head.bendStep : 0;
+}
+
+/** Returns which line of a splat with so many has a place among those of its section; -1: none. Seams
+ *  are the last, and what is missing lies before them. */
+function lineAt(place, count, { clipLines, seamLines }) {
+    if (place < count - seamLines) return place;
+    const fromLast = clipLines - place;
+    return fromLast <= Math.min(count, seamLines) ? count - fromLast : -1;
 }
 
 function store(arrays, lines, head, section, i, code) {
@@ -298,7 +307,7 @@ function store(arrays, lines, head, section, i, code) {
     put(arrays.TILT, i, code.tilt, isOwn ? head.tiltStep : head.shapeStep);
     put(arrays.NORMAL_FIELD, i, isOwn ? code.field : code.shape, isOwn ? head.fieldStep : head.shapeStep);
     put(arrays.SHAPE, i, code.shape, head.shapeStep);
-    for (let k = 0; k < lines.length; ++k) putLine(lines[k], i, head, code, k);
+    for (let k = 0; k < lines.length; ++k) putLine(lines[k], i, head, code, lineAt(k, code.lineCount, section));
     if (!head.hasTexcoord) return;
     const { at, along, bends } = code.images[(section.first + i) % WINDOW];
     put(arrays.TEXCOORD_0, i, at, head.texcoordStep);
@@ -328,10 +337,12 @@ function ends({ at, bytes }, size, count) {
     return bytes.subarray(at).every((x) => x === 0);
 }
 
-/** Reads a stream. beside.place(i, out) stores POSITION of splat i of count in out, beside.image(i) returns its TEXCOORD_0. @returns what all splats have in common,
+/** Reads a stream. beside.place(i, out) stores POSITION of splat i of count in out, beside.image(i) returns its TEXCOORD_0, beside.seams(sections) the number of seams
+ *  among the lines of each section. @returns what all splats have in common,
  *  and the sections with the arrays of their attributes. */
 export function readStream(buffer, count, beside, fail) {
     const view = new DataView(buffer), head = readHead(view, fail), sections = readSections(view, head, fail);
+    for (const [k, seams] of beside.seams(sections).entries()) sections[k].seamLines = seams;
     const found = sections.reduce((sum, section) => sum + section.count, 0);
     if (found > buffer.byteLength / LEAST_BYTES) fail('a stream announces more splats than its bytes can hold');
     if (found !== count) fail(`POSITION has ${count} values for ${found} splats`);
