@@ -87,7 +87,7 @@ static inline void put_on_grid(const written *w, size_t index, psplat_splat *s, 
     if (!w->has_gamma) s->gradient[2] = 0;
     if (w->has_slopes) return;
     psplat_region region;
-    psplat_splat_region(s, &region);
+    psplat_splat_region(s, 0, &region);
     for (int k = 0; k < 3; ++k) {
         s->normal[k] = (float)region.n[k];
         s->gradient[k] = 0;
@@ -97,7 +97,7 @@ static inline void put_on_grid(const written *w, size_t index, psplat_splat *s, 
 /* Gives a splat a random surface. Without a shape of its own its field becomes that of it. */
 static inline void put_shape(const written *w, psplat_splat *s, uint32_t *state) {
     psplat_region region;
-    psplat_splat_region(s, &region);
+    psplat_splat_region(s, 0, &region);
     for (int k = 0; k < 5; ++k) s->shape[k] = scene_random(state) - 0.5f;
     if (w->has_shape) {
         s->shape[0] = s->shape[1] = 0;
