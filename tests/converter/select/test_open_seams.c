@@ -315,6 +315,53 @@ static void test_cut_beyond(void **state) {
     }
 }
 
+/* A crease of 39 degrees along x = 1/8. */
+static void place_edge(double s, double t, double p[3]) {
+    place_square(s, t, p);
+    p[2] = -0.8 * max2(p[0] - 0.125, 0);
+}
+
+/* A crease beyond the border ends the disc before it, though what little there is of the disc over
+ * it would be near the surface, 0.012 off. */
+static void test_crease_beyond(void **state) {
+    (void)state;
+    stage s;
+    const double radius = 0.24, line[1][3] = {{-1, 0, 0.1 / radius}}; /* x <= 0 */
+    jump = 0.5;
+    stage_begin(&s, 0.02, place_edge, chart_halves);
+    assert_int_equal(s.c.f.surface.crease_edges, CELLS);
+    s.limits.margin = 1e-3; /* Most of the rim's samples count, and agree. */
+    psplat_candidate *c = add_disc(&s, -0.1, radius, 1, line);
+    open_seams(&s);
+    const psplat_region *r = &c->region;
+    assert_int_equal(r->seam_count, 1);
+    assert_int_equal(r->line_count, 1);
+    double x = (r->lines[0][2] - line[0][2]) * radius;
+    assert_true(x > 0.75 * s.limits.tolerance && x < 0.125);
+    check_regions(&s);
+    stage_end(&s);
+}
+
+/* On a plane, a disc goes on where its normals are those of the plane, and ends beside the border
+ * where they lean by 45 degrees there, and more beyond. */
+static void test_normals(void **state) {
+    (void)state;
+    const double line[1][3] = {{-1, 0, 0.5}};
+    jump = 0.5, bend = 0;
+    for (int leans = 0; leans < 2; ++leans) {
+        stage s;
+        stage_begin(&s, 0.02, place_bent, chart_halves);
+        psplat_candidate *c = add_disc(&s, -0.3, 0.6, 1, line);
+        c->field[2] = leans ? 2 : 0;
+        open_seams(&s);
+        assert_int_equal(c->region.line_count, leans);
+        /* It may go on by less than the spacing of samples, where there is none to tell. */
+        double x = (c->region.lines[0][2] - line[0][2]) * 0.6;
+        if (leans) assert_true(x < s.c.f.samples.spacing);
+        stage_end(&s);
+    }
+}
+
 /* Where a disc has four lines, there is none left for another one beyond: that towards the bend
  * stays, and the others become seams. */
 static void test_most_lines(void **state) {
@@ -374,9 +421,10 @@ static void test_threads(void **state) {
 
 int test_open_seams_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_dome),       cmocka_unit_test(test_creases),
-        cmocka_unit_test(test_left_alone), cmocka_unit_test(test_cut_beyond),
-        cmocka_unit_test(test_most_lines), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_dome),          cmocka_unit_test(test_creases),
+        cmocka_unit_test(test_left_alone),    cmocka_unit_test(test_cut_beyond),
+        cmocka_unit_test(test_crease_beyond), cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_most_lines),    cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
