@@ -114,7 +114,8 @@ static size_t count_with_seams(const psplat_splats *splats) {
     return count;
 }
 
-static void check(const psplat_convert_desc *desc) {
+/* Asserts that with seams, jumps are at most this part of what they are where seams cut. */
+static void check(const psplat_convert_desc *desc, double most) {
     painted p;
     psplat_source_materials materials;
     psplat_report report;
@@ -134,22 +135,26 @@ static void check(const psplat_convert_desc *desc) {
         "%zu of %zu splats have seams; normals jump by %.4f with them, %.4f where they cut\n",
         seams, splats.count, blended, cut);
     assert_true(seams >= 6);
-    assert_true(blended < 0.5 * cut);
+    assert_true(blended < most * cut);
     psplat_splats_free(&splats);
     painted_free(&p);
 }
 
 static void test_curved(void **state) {
     (void)state;
-    check(&(psplat_convert_desc){.tolerance_percent = 0.5,
-                                 .precision = PSPLAT_USUAL_PRECISION,
-                                 .effort = PSPLAT_EFFORT_NONE});
+    const psplat_convert_desc desc = {.tolerance_percent = 0.5,
+                                      .precision = PSPLAT_USUAL_PRECISION,
+                                      .effort = PSPLAT_EFFORT_NONE};
+    check(&desc, 0.5);
 }
 
+/* Flat splats are smaller, so that the rims of some lie beside the border, too, at which the kernel
+ * is not yet 0. */
 static void test_planar(void **state) {
     (void)state;
-    check(
-        &(psplat_convert_desc){.tolerance_percent = 1, .planar = 1, .effort = PSPLAT_EFFORT_NONE});
+    const psplat_convert_desc desc = {
+        .tolerance_percent = 1, .planar = 1, .effort = PSPLAT_EFFORT_NONE};
+    check(&desc, 0.65);
 }
 
 int test_seam_conversion_main(void) {
