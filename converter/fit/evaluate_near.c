@@ -24,7 +24,26 @@
 enum { RINGS = 2 };
 static const double ring_scales[RINGS] = {1, 0.6};
 
+/* Samples that are looked at one by one only if one of them is near. */
+enum { RUN = 16 };
+
 /* ---- by samples ---------------------------------------------------------------------------- */
+
+/* Returns whether one of some samples, the first of which is `first`, comes within the root of
+ * most2 of a point. All are measured, so that compilers take several at once. */
+static int is_any_within(const psplat_neighborhood *near, size_t first, size_t count,
+                         const double q[3], double most2) {
+    const double *x = near->along[0] + first, *y = near->along[1] + first;
+    const double *z = near->along[2] + first;
+    double distances2[RUN];
+    int any = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double d[3] = {q[0] - x[i], q[1] - y[i], q[2] - z[i]};
+        distances2[i] = dot3(d, d);
+    }
+    for (size_t i = 0; i < count; ++i) any |= distances2[i] <= most2;
+    return any;
+}
 
 /* Returns whether a point of a region's surface (relative to the neighbourhood's origin) is no
  * farther than the greatest gap from a sample that is within the tolerance of the surface. Of a
@@ -34,11 +53,17 @@ static int is_near_some(const psplat_fit_context *context, int curved, const dou
     const psplat_scratch *s = context->scratch;
     double tolerance2 = context->limits->tolerance * context->limits->tolerance;
     double gap = PSPLAT_GREATEST_GAP * context->samples->spacing, gap2 = gap * gap;
+    double most2 = tolerance2 + gap2;
     for (size_t i = 0; i < s->near_count; ++i) {
+        size_t left = s->near_count - i;
+        if (i % RUN == 0 && !is_any_within(&s->near, i, left < RUN ? left : RUN, q, most2)) {
+            i += RUN - 1;
+            continue;
+        }
         double d[3];
         sub3(d, q, s->near.samples[i].p);
         double distance2 = dot3(d, d);
-        if (distance2 > tolerance2 + gap2) continue;
+        if (distance2 > most2) continue;
         double height = curved ? s->uvh[i][2] : dot3(d, s->near.samples[i].n);
         double height2 = height * height;
         if (height2 <= tolerance2 && distance2 - height2 <= gap2) return 1;
