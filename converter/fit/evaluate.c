@@ -29,6 +29,10 @@ static const double least_gathering_growth = 1.6;
  */
 static const double line_slack = 1e-7;
 
+/* The part of the tolerance by which a corner is farther from the mesh where no rounding matters.
+ */
+static const double certain_excess = 1e-3;
+
 /* The samples that are turned into the parameters of a region in one go. */
 enum { LOCAL_BLOCK = 64 };
 
@@ -235,7 +239,8 @@ static size_t cover(const psplat_fit_context *context, const psplat_region *regi
 static int holds(const psplat_fit_context *context, const psplat_region *region,
                  const psplat_candidate *held) {
     int curved = psplat_region_is_curved(region);
-    for (size_t i = 0; i < held->covered_count; ++i) {
+    for (size_t i = held->covered_count;
+         i-- > 0;) { /* The outer ones, which come last, fail first. */
         size_t at = 3 * (size_t)held->covered[i];
         double uvh[3], n[3];
         psplat_region_local(region, context->samples->positions + at, uvh);
@@ -292,6 +297,27 @@ static psplat_fit_status check_limits(const psplat_fit_context *context, int ski
     return status || gains ? status : PSPLAT_FIT_NO_GAIN;
 }
 
+/* Returns whether a corner of a region is so far from the mesh that the check of the distance bound
+ * is certain to fail, whatever samples and triangles that asks first: all of these lie on the mesh
+ * but for rounding, and what is near its proxy is near the mesh. Stores that in *far. */
+static psplat_result find_far_corner(const psplat_limits *limits, const psplat_region *region,
+                                     int *far) {
+    double polygon[PSPLAT_OUTLINE][2], point[3];
+    double certain = (1 + certain_excess) * limits->tolerance;
+    uint32_t guess = PSPLAT_NONE;
+    *far = 0;
+    size_t count = limits->distance ? psplat_region_polygon(region, 1, polygon, PSPLAT_OUTLINE) : 0;
+    for (size_t i = 0; i < count && !*far; ++i) {
+        int within;
+        psplat_region_point(region, polygon[i], point);
+        psplat_result result =
+            psplat_distance_is_within(limits->distance, point, certain, &guess, &within);
+        if (result) return result;
+        *far = !within;
+    }
+    return PSPLAT_OK;
+}
+
 static psplat_fit_status evaluate(const psplat_fit_context *context, psplat_site *site,
                                   const psplat_demands *demands, psplat_evaluation *e) {
     if (!(psplat_surface_slope_bound(&e->region) <= PSPLAT_GREATEST_SURFACE_SLOPE)) /* or NaN */
@@ -301,6 +327,11 @@ static psplat_fit_status evaluate(const psplat_fit_context *context, psplat_site
     int large = is_large(demands, &e->region);
     if (!large && demands->more_than == SIZE_MAX) return PSPLAT_FIT_NO_GAIN;
     if (demands->held && !holds(context, &e->region, demands->held)) return PSPLAT_FIT_SAMPLES_LOST;
+    if (demands->any_reason) {
+        int far;
+        if (find_far_corner(context->limits, &e->region, &far)) return PSPLAT_FIT_MEMORY;
+        if (far) return PSPLAT_FIT_LEAVES_SURFACE;
+    }
     e->count = cover(context, &e->region, site->seed);
     if (!e->count) return PSPLAT_FIT_SAMPLES_LOST;
     return check_limits(context, demands->skip, large || e->count > demands->more_than, e);
@@ -372,6 +403,7 @@ psplat_fit_status psplat_candidate_replace(const psplat_fit_context *context, ps
     const psplat_demands demands = {.inside = context->samples->positions +
                                               3 * (size_t)candidate->covered[0],
                                     .held = candidate,
+                                    .any_reason = site->seed == PSPLAT_NONE || least_area > 0,
                                     .least_area = least_area,
                                     .more_than = keep_record ? SIZE_MAX : candidate->covered_count};
     psplat_evaluation evaluation = psplat_evaluate(context, site, region, &demands);
