@@ -21,6 +21,7 @@
 #include "select/mend_colors.h"
 #include "select/mend_textures.h"
 #include "select/open_seams.h"
+#include "select/own_fields.h"
 #include "select/precision.h"
 #include "select/relax.h"
 #include "select/sample_spacing.h"
@@ -174,6 +175,8 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while colouring splats");
     if (psplat_fit_texcoords(&context, c->selection.candidates, c->selection.count))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while texturing splats");
+    if (psplat_fit_own_fields(c))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while shading splats");
     return store_splats(c, error);
 }
 
