@@ -17,6 +17,7 @@
 #include "fit/nearness.h"
 #include "measure/measured_splats.h"
 #include "measure/ray_holes.h"
+#include "mesh/mesh.h"
 #include "select/selection.h"
 #include "splats/quantize.h"
 
