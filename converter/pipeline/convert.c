@@ -12,6 +12,7 @@
 #include "fit/texture_candidates.h"
 #include "mesh/distance.h"
 #include "mesh/mesh.h"
+#include "select/close_cracks.h"
 #include "select/close_rays.h"
 #include "select/close_seams.h"
 #include "select/conversion.h"
@@ -166,7 +167,7 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     if (!result) result = psplat_mend_colors(c, 1, error);
     if (!result) result = psplat_mend_textures(c, 1, error);
     if (result) return result;
-    if (psplat_close_seams(&context, &c->selection))
+    if (psplat_close_seams(&context, &c->selection) || psplat_close_cracks(c))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
     if (psplat_open_seams(&context, &c->kernel, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while opening seams");
