@@ -77,11 +77,34 @@ static void assert_near3(const double a[3], const double b[3], double tolerance)
     for (int k = 0; k < 3; ++k) assert_near(a[k], b[k], tolerance);
 }
 
-/* Asserts that points, which of them the lines keep, and normals agree with the map. */
-static void check_placed(const psplat_region *stored, const psplat_blend_field *field,
-                         const psplat_region *placed, const psplat_blend_field *placed_field,
-                         const double m[16], uint64_t *random) {
+/* Returns the splats of a batch, which stay its own, in one run. */
+static psplat_splats splats_of(const psplat_batch *batch, psplat_run *run) {
+    *run = (psplat_run){.count = batch->splat_count,
+                        .clip_lines = batch->clip_count,
+                        .seam_lines = batch->seam_lines};
+    return (psplat_splats){.splats = (psplat_splat *)batch->splats,
+                           .count = batch->splat_count,
+                           .runs = run,
+                           .run_count = 1};
+}
+
+/* Asserts that a point is beyond a seam where its image is. Returns whether it is. */
+static int check_beyond(const psplat_region *stored, const double uv[2],
+                        const psplat_region *placed, const double image[2]) {
+    int is_beyond = psplat_region_is_beyond_seam(stored, uv);
+    assert_int_equal(placed->line_count, stored->line_count);
+    assert_int_equal(placed->seam_count, stored->seam_count);
+    assert_int_equal(psplat_region_is_beyond_seam(placed, image), is_beyond);
+    return is_beyond;
+}
+
+/* Asserts that points, which of them the lines keep, and normals agree with the map. Returns how
+ * many of the points are beyond a seam. */
+static int check_placed(const psplat_region *stored, const psplat_blend_field *field,
+                        const psplat_region *placed, const psplat_blend_field *placed_field,
+                        const double m[16], uint64_t *random) {
     double right[3];
+    int beyond = 0;
     assert_near(dot3(placed->u, placed->v), 0, 1e-12);
     assert_near(length3(placed->u), 1, 1e-12);
     assert_near(length3(placed->v), 1, 1e-12);
@@ -99,20 +122,23 @@ static void check_placed(const psplat_region *stored, const psplat_blend_field *
         assert_near(hypot(uvh[0], uvh[1]), hypot(uv[0], uv[1]), 1e-10);
         assert_int_equal(psplat_region_contains(placed, uvh, 1, 0),
                          psplat_region_contains(stored, uv, 1, 0));
+        beyond += check_beyond(stored, uv, placed, uvh);
         psplat_blend_field_normal(field, uv, n);
         transform_normal(m, n, expected);
         psplat_blend_field_normal(placed_field, uvh, seen);
         assert_near3(seen, expected, 1e-9 * length3(expected));
     }
+    return beyond;
 }
 
 static void test_transforms(void **state) {
     (void)state;
     uint64_t random = 3;
-    int mirrored = 0;
+    int mirrored = 0, beyond = 0;
     for (uint32_t round = 0; round < 20; ++round) {
         double m[16], cofactor[3];
         scene s = scene_ellipses(30, 4, round + 1);
+        s.seam_lines = round % 5;
         random_map(&random, m);
         cross3(cofactor, m + 4, m + 8);
         mirrored += dot3(m, cofactor) < 0;
@@ -125,13 +151,16 @@ static void test_transforms(void **state) {
         assert_near(placed.depth, scale * (double)s.depth_tolerance, 1e-6 * scale);
         for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
             const psplat_batch *batch = psplat_asset_batch(asset, b);
-            psplat_splats stored = {.splats = (psplat_splat *)batch->splats,
-                                    .count = batch->splat_count};
+            psplat_run run;
+            psplat_splats stored = splats_of(batch, &run);
             psplat_measured_splats measured;
+            assert_int_equal(batch->seam_lines,
+                             s.seam_lines < batch->clip_count ? s.seam_lines : batch->clip_count);
             assert_int_equal(psplat_measured_splats_create(&stored, 1, 1, &measured), PSPLAT_OK);
             for (size_t i = 0; i < stored.count; ++i, ++at)
-                check_placed(&measured.regions[i], &measured.fields[i], &placed.splats.regions[at],
-                             &placed.splats.fields[at], m, &random);
+                beyond +=
+                    check_placed(&measured.regions[i], &measured.fields[i],
+                                 &placed.splats.regions[at], &placed.splats.fields[at], m, &random);
             psplat_measured_splats_free(&measured);
         }
         psplat_placed_splats_free(&placed);
@@ -139,6 +168,7 @@ static void test_transforms(void **state) {
         scene_free(&s);
     }
     assert_in_range(mirrored, 4, 16); /* out of 20 */
+    assert_true(beyond > 1000);       /* out of 12,000 */
 }
 
 /* Stores the image of a surface's normal, of any length: the cross product of the images of both
@@ -170,6 +200,7 @@ static void test_curved(void **state) {
         double m[16];
         scene s = scene_ellipses(30, 4, round + 1);
         scene_curve(&s);
+        s.seam_lines = round % 5;
         for (size_t i = 0; i < s.count; ++i)
             for (uint32_t k = 0; k < s.splats[i].clip_count; ++k)
                 s.splats[i].bend[k] = (float)(4 * psplat_random_unit(&random) - 2);
@@ -181,8 +212,8 @@ static void test_curved(void **state) {
         size_t at = 0;
         for (size_t b = 0; b < psplat_asset_batch_count(asset); ++b) {
             const psplat_batch *batch = psplat_asset_batch(asset, b);
-            psplat_splats stored = {.splats = (psplat_splat *)batch->splats,
-                                    .count = batch->splat_count};
+            psplat_run run;
+            psplat_splats stored = splats_of(batch, &run);
             psplat_region *regions = psplat_splat_regions(&stored);
             assert_non_null(regions);
             for (size_t i = 0; i < 20 * stored.count; ++i) {
@@ -199,6 +230,7 @@ static void test_curved(void **state) {
                 assert_near(hypot(uvh[0], uvh[1]), hypot(uv[0], uv[1]), 1e-9);
                 assert_int_equal(psplat_region_contains(to, uvh, 1, 0),
                                  psplat_region_contains(from, uv, 1, 0));
+                check_beyond(from, uv, to, uvh);
                 psplat_region_normal(to, uvh, normal);
                 image_normal(from, uv, m, expected);
                 assert_near3(normal, expected, 1e-8);

@@ -297,6 +297,49 @@ static void test_order(void **state) {
     }
 }
 
+/* Makes the first count segments of a chain borders of charts. */
+static void mark_charts(psplat_segment *segments, size_t count) {
+    for (size_t i = 0; i < count; ++i) segments[i].is_chart = 1;
+}
+
+/* Returns the line that keeps a point by nothing, up to rounding: the one that stands there. */
+static uint32_t line_at(const psplat_region *r, double u, double v) {
+    for (uint32_t i = 0; i < r->line_count; ++i)
+        if (fabs(psplat_region_line_value(r, i, (const double[2]){u, v})) < 1e-9) return i;
+    fail_msg("no line stands at (%g, %g)", u, v);
+    return 0;
+}
+
+/* A border of charts and a crease that meet at a corner get a line each, of which that at the
+ * border alone is marked. Where both go on along one straight line, that is a crease's. */
+static void test_chart_lines(void **state) {
+    (void)state;
+    psplat_segment s[4];
+    const double corner[3][2] = {{-0.4, 1}, {-0.4, -0.3}, {1, -0.3}};
+    const double straight[5][2] = {{-0.8, -0.3}, {-0.4, -0.3}, {0, -0.3}, {0.4, -0.3}, {0.8, -0.3}};
+    const double seed[2] = {0, 0};
+    psplat_region r = unit_region();
+    size_t count = chain(s, 0, corner, 3, 0);
+    for (int charts = 0; charts < 3; ++charts) {
+        s[0].is_chart = charts > 0, s[1].is_chart = charts > 1;
+        assert_int_equal(psplat_clip_choose(&r, s, count, seed, 0.01, 0), 1);
+        assert_int_equal(r.line_count, 2);
+        uint32_t first = line_at(&r, -0.4, 0.3), second = line_at(&r, 0.3, -0.3);
+        assert_int_equal(r.chart_lines,
+                         (charts > 0 ? 1u << first : 0) | (charts > 1 ? 1u << second : 0));
+    }
+    count = chain(s, 0, straight, 5, 0);
+    for (size_t charts = 0; charts <= count; ++charts)
+        for (int may_bend = 0; may_bend < 2; ++may_bend) {
+            mark_charts(s, charts);
+            assert_int_equal(psplat_clip_choose(&r, s, count, seed, 0.01, may_bend), 1);
+            assert_int_equal(r.line_count, 1);
+            assert_int_equal(r.chart_lines, charts == count);
+        }
+    assert_int_equal(psplat_clip_choose(&r, NULL, 0, seed, 0.01, 0), 1);
+    assert_int_equal(r.chart_lines, 0); /* That of the region before is forgotten. */
+}
+
 int test_clip_lines_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_no_creases),    cmocka_unit_test(test_straight_chain),
@@ -304,6 +347,7 @@ int test_clip_lines_main(void) {
         cmocka_unit_test(test_curved_chain),  cmocka_unit_test(test_bent_arcs),
         cmocka_unit_test(test_parabola),      cmocka_unit_test(test_random_chains),
         cmocka_unit_test(test_too_many),      cmocka_unit_test(test_order),
+        cmocka_unit_test(test_chart_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -247,11 +247,79 @@ static void test_around_a_neck(void **state) {
     stage_end(&s);
 }
 
+/* A disc in the middle, with a seam a little left of the border of charts, is of the left chart:
+ * the samples beyond the seam do not vote, though they are more. A splat of the right chart whose
+ * rim hardly reaches there shows more than what is beyond the seam, which weighs a 256th. */
+static void test_beyond_seams(void **state) {
+    (void)state;
+    stage s;
+    for (uint32_t seams = 0; seams < 2; ++seams) {
+        size_t own[2] = {0, 0}, foreign = 0;
+        stage_begin(&s, 0.5);
+        s.run.clip_lines = 1;
+        s.run.seam_lines = seams;
+        s.splats[0].center[0] = 0.25f;
+        s.texcoords[0].at[0] = 0.0625f;
+        s.splats[0].clip_count = 1;
+        /* Kept is what lies left of x = 0, where u = -0.25, or all. */
+        s.splats[0].clip[0][0] = seams ? -1 : 0;
+        s.splats[0].clip[0][2] = seams ? -0.25f : 1;
+        measure(&s);
+        for (size_t i = 0; i < s.c.f.samples.count; ++i) {
+            const double *p = s.c.f.samples.positions + 3 * i;
+            int is_right = s.c.f.samples.triangles[i] / 2 % CELLS >= CELLS / 2;
+            if (hypot(p[0] - 0.25, p[1]) > 1 - 1e-5 || fabs(p[0]) < 1e-6) continue;
+            own[is_right] += s.slides.texels[i] >= 0;
+            foreign += s.slides.texels[i] < 0;
+            if (s.slides.texels[i] >= 0) assert_near(s.slides.texels[i], is_right ? 50 : 0, 1e-3);
+        }
+        /* Without a seam the right chart has more votes. */
+        assert_true(foreign > 100);
+        assert_true(own[seams ? 0 : 1] > 100);
+        assert_int_equal(own[seams ? 1 : 0], 0);
+        stage_end(&s);
+    }
+}
+
+/* A disc that is all of one chart has a seam through its middle all the same. What a lighter splat
+ * shows decides beyond it, and the disc inside. */
+static void test_light_beyond_seams(void **state) {
+    (void)state;
+    stage s;
+    for (uint32_t seams = 0; seams < 2; ++seams) {
+        stage_begin(&s, 0);
+        s.run.count = 2;
+        s.run.clip_lines = 1;
+        s.run.seam_lines = seams;
+        for (int i = 0; i < 2; ++i) {
+            s.splats[i].clip_count = 1;
+            s.splats[i].clip[0][2] = 1; /* cuts nothing off */
+        }
+        if (seams) s.splats[0].clip[0][0] = -1, s.splats[0].clip[0][2] = 0;
+        s.splats[1].center[1] = 0.5f;
+        s.texcoords[1].at[0] = 0.02f, s.texcoords[1].at[1] = 0.125f;
+        measure(&s);
+        size_t beyond = 0;
+        for (size_t i = 0; i < s.c.f.samples.count; ++i) {
+            const double *p = s.c.f.samples.positions + 3 * i;
+            /* There the second splat weighs less, but more than a 256th of the first. */
+            if (p[1] > 0.2 || p[1] < -0.2 || fabs(p[0]) > 0.6 || fabs(p[0]) < 1e-6) continue;
+            int is_second = seams && p[0] > 0;
+            beyond += (size_t)is_second;
+            assert_int_equal(s.slides.splats[i], is_second);
+            assert_near(s.slides.texels[i], is_second ? 2 : 0, 1e-3);
+        }
+        assert_int_equal(beyond > 20, seams);
+        stage_end(&s);
+    }
+}
+
 int test_texture_slides_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_errors),        cmocka_unit_test(test_mirrored),
         cmocka_unit_test(test_foreign),       cmocka_unit_test(test_heaviest),
         cmocka_unit_test(test_around_a_neck), cmocka_unit_test(test_ways_and_seen),
+        cmocka_unit_test(test_beyond_seams),  cmocka_unit_test(test_light_beyond_seams),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
