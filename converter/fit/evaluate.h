@@ -7,8 +7,9 @@
  * order: it chooses the clip lines that keep the region on its side of the creases, finds the
  * samples that it covers, checks whether one colour and one field of texture coordinates suit them,
  * checks whether all of the region is
- * near the surface, and fits the normal field. It changes only the scratch and the reach that the
- * site records.
+ * near the surface, and fits the normal field. Where any reason will do, a region that is certain
+ * to leave the surface is refused before its samples are looked at. It changes only the scratch and
+ * the reach that the site records.
  */
 #ifndef PHONGSPLAT_FIT_EVALUATE_H
 #define PHONGSPLAT_FIT_EVALUATE_H
