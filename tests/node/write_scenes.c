@@ -61,8 +61,16 @@ static scene default_material(void) {
     return s;
 }
 
-/* What write_all varies: the attributes of spec 3.10, and curved surfaces. */
-enum { GRADIENTS = 1, SURFACE = 2, EMISSIVE = 4, CURVED = 8, OWN_SHAPE = 16, BENT = 32 };
+/* What write_all varies: the attributes of spec 3.10, curved surfaces, bends and seams. */
+enum {
+    GRADIENTS = 1,
+    SURFACE = 2,
+    EMISSIVE = 4,
+    CURVED = 8,
+    OWN_SHAPE = 16,
+    BENT = 32,
+    SEAMS = 64
+};
 enum { SPLATS = 100 };
 
 static void vary(psplat_finish *f, unsigned bits, uint32_t *state) {
@@ -114,6 +122,8 @@ static void write_all(const char *directory, const char *name, unsigned bits,
             runs[lines].is_curved = (bits & CURVED) != 0;
             runs[lines].has_shape = (bits & OWN_SHAPE) != 0;
             runs[lines].has_bends = (bits & BENT) != 0;
+            /* Those of one line have none, and those of four have three. */
+            runs[lines].seam_lines = bits & SEAMS && lines ? lines - 1 : 0;
             vary(&finishes[splats.count], bits, &state);
             sorted[splats.count] = all.splats[i];
             if (bits & (CURVED | BENT)) curve(&sorted[splats.count], bits, &state);
@@ -173,7 +183,12 @@ static void write_variants(char **folders, int folder_count, const char *what, u
 }
 
 int main(int argc, char **argv) {
-    static const unsigned curved[] = {CURVED, CURVED | OWN_SHAPE, BENT, CURVED | BENT,
+    static const unsigned curved[] = {CURVED,
+                                      CURVED | OWN_SHAPE,
+                                      BENT,
+                                      CURVED | BENT,
+                                      SEAMS,
+                                      CURVED | BENT | SEAMS,
                                       CURVED | OWN_SHAPE | BENT | GRADIENTS | SURFACE | EMISSIVE};
     if (argc != 2 && argc != 3) return 2;
     write_scene(argv[1], "disc", scene_disc(1));

@@ -23,6 +23,18 @@
  * are 1/128 of a turn or more apart. */
 static const double rounding = 1e-5;
 
+/* Makes the last line of every third splat that has seams one that cuts nothing off. */
+static void blunt_seams(psplat_splats *s) {
+    static const float blunt[3] = {1, 0, 1};
+    for (size_t run = 0, i = 0; run < s->run_count; ++run)
+        for (size_t end = i + s->runs[run].count; i < end; ++i) {
+            uint32_t last = s->splats[i].clip_count - 1;
+            if (i % 3 || !s->runs[run].seam_lines) continue;
+            memcpy(s->splats[i].clip[last], blunt, sizeof blunt);
+            s->splats[i].bend[last] = 0;
+        }
+}
+
 /* Divides the run of each number of lines among all numbers of seams, from `least` to `most`. */
 static void add_seams(psplat_splats *s, uint32_t least, uint32_t most) {
     enum { MOST_RUNS = (PSPLAT_MAX_CLIP_LINES + 1) * (PSPLAT_MAX_CLIP_LINES + 1) };
@@ -43,6 +55,7 @@ static void add_seams(psplat_splats *s, uint32_t least, uint32_t most) {
     free(s->runs);
     s->runs = runs;
     s->run_count = count;
+    blunt_seams(s);
 }
 
 static uint32_t seams_of(const psplat_splats *s, size_t index) {

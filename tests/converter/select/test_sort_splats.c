@@ -179,6 +179,56 @@ static void test_round_trip(void **state) {
     psplat_splats_free(&splats);
 }
 
+/* Compares all lines of a region, seams behind those that cut, with those that come back. */
+static void compare_seams(const psplat_region *r, const psplat_region *back) {
+    assert_int_equal(back->line_count, r->line_count);
+    assert_int_equal(back->seam_count, r->seam_count);
+    for (uint32_t i = 0; i < r->line_count + r->seam_count; ++i) {
+        for (int k = 0; k < 3; ++k) assert_near(back->lines[i][k], r->lines[i][k], single);
+        assert_near(back->bends[i], r->bends[i], single);
+    }
+}
+
+/* Seams come back with their bends, behind the lines that cut. Splats are sorted by all of their
+ * lines, and then by their seams, and runs tell the number of both. */
+static void test_seams(void **state) {
+    (void)state;
+    enum { COUNT = 200 };
+    static psplat_candidate candidates[COUNT];
+    uint64_t random = 23;
+    size_t matched = 0;
+    for (int i = 0; i < COUNT; ++i) {
+        random_candidate(&candidates[i], &random);
+        psplat_region *r = &candidates[i].region;
+        for (uint32_t k = 0; k < r->line_count; ++k) r->bends[k] = psplat_random_unit(&random);
+        r->seam_count = (uint32_t)(psplat_random_next(&random) % (r->line_count + 1));
+        r->line_count -= r->seam_count;
+    }
+    psplat_splats splats = store(candidates, COUNT);
+    psplat_region *back = psplat_splat_regions(&splats);
+    assert_non_null(back);
+    assert_int_equal(splats.run_count, 15); /* 0 ... n seams of n lines, which are 0 ... 4 */
+    for (size_t run = 0, i = 0; run < splats.run_count; ++run) {
+        const psplat_run *r = &splats.runs[run];
+        if (run)
+            assert_true(8 * r->clip_lines + r->seam_lines >
+                        8 * r[-1].clip_lines + r[-1].seam_lines);
+        for (size_t end = i + r->count; i < end; ++i)
+            assert_int_equal(splats.splats[i].clip_count, r->clip_lines);
+    }
+    for (size_t i = 0; i < COUNT; ++i)
+        for (size_t k = 0; k < COUNT; ++k) {
+            double d[3];
+            sub3(d, back[i].center, candidates[k].region.center);
+            if (length3(d) > 1e-6) continue;
+            compare_seams(&candidates[k].region, &back[i]);
+            ++matched;
+        }
+    assert_int_equal(matched, COUNT);
+    free(back);
+    psplat_splats_free(&splats);
+}
+
 /* Inside a class, centres on a grid of 8^3 come in Morton order: x is the lowest bit of each group
  * of three. */
 static void test_morton(void **state) {
@@ -374,7 +424,7 @@ int test_sort_splats_main(void) {
         cmocka_unit_test(test_round_trip), cmocka_unit_test(test_morton),
         cmocka_unit_test(test_runs),       cmocka_unit_test(test_texcoords),
         cmocka_unit_test(test_degenerate), cmocka_unit_test(test_curved_runs),
-        cmocka_unit_test(test_own_shapes),
+        cmocka_unit_test(test_own_shapes), cmocka_unit_test(test_seams),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
