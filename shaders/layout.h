@@ -38,11 +38,11 @@
  *     last:    alpha, beta, gamma of the surface, in curved batches that have shapes of their own
  *              (spec 3.4); in the other curved batches the surface is that of the normal field
  *
- * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat, seams (spec 3.6)
- * after the others; where some of a batch's lines are bent, of an RGBA32F texture (a, b, c, kappa).
- * Finishes (the parts of a material that vary over a batch, spec 3.10) lie in another one, up to 4
- * texels a splat: occlusion, roughness, metallic; emissive; change of colour with u; change of
- * colour with v. The PSPLAT_FINISH_ bits say which of them a batch has.
+ * Clip lines (a, b, c) lie in rows of an RGB32F texture, clip_count texels a splat, seams
+ * (spec 3.6) after the others; where some of a batch's lines are bent, of an RGBA32F texture (a, b,
+ * c, kappa). Finishes (the parts of a material that vary over a batch, spec 3.10) lie in another
+ * one, up to 4 texels a splat: occlusion, roughness, metallic; emissive; change of colour with u;
+ * change of colour with v. The PSPLAT_FINISH_ bits say which of them a batch has.
  *
  * Texture coordinates (spec 3.11) lie in rows of an RGB32F texture, 2 texels a splat, or 4 where
  * they have a second order: T0, T_u, T_v, T_uu, T_uv, T_vv, two numbers each. Where splats have

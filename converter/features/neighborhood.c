@@ -4,8 +4,8 @@
  *
  * A flood fill over the clusters of triangles within reach of the seed, which crosses no crease,
  * collects their samples and the creases that stop it. The sums over the nearest samples are kept
- * at every BLOCK of them, so that the covariance of any number of nearest samples takes fewer than
- * BLOCK additions.
+ * at every BLOCK of them as far as they were asked for, so that the covariance of any number of
+ * nearest samples takes few additions.
  */
 #include "features/neighborhood.h"
 
@@ -22,12 +22,13 @@ enum { BLOCK = 16 };
 
 /* The digits of the radix sort. The keys are positive floats, whose bits other than the sign
  * are 31. */
-enum { DIGITS = 4, DIGIT_BITS = 8 };
+enum { DIGITS = 4, DIGIT_BITS = 8, DIGIT_MASK = (1 << DIGIT_BITS) - 1 };
 
 void psplat_neighborhood_free(psplat_neighborhood *n) {
     free(n->stamps);
     free(n->clusters);
     free(n->samples);
+    free(n->along[0]);
     free(n->order);
     free(n->sorted);
     free(n->blocks);
@@ -172,6 +173,21 @@ static int begin(psplat_neighborhood *n, const psplat_clusters *clusters, uint32
     return push_cluster(n, clusters->of_triangles[triangle]);
 }
 
+/* Stores for each digit how many samples have a lower value of it than each one. */
+static void count_digits(const psplat_neighborhood *n, uint32_t starts[][1 << DIGIT_BITS]) {
+    for (size_t i = 0; i < n->count; ++i)
+        for (int digit = 0; digit < DIGITS; ++digit)
+            starts[digit][n->order[i].key >> digit * DIGIT_BITS & DIGIT_MASK]++;
+    for (int digit = 0; digit < DIGITS; ++digit) {
+        uint32_t below = 0;
+        for (uint32_t value = 0; value <= DIGIT_MASK; ++value) {
+            uint32_t count = starts[digit][value];
+            starts[digit][value] = below;
+            below += count;
+        }
+    }
+}
+
 /* Sorts samples by distance: a radix sort from the least significant digit, so that samples at
  * equal distances keep the order of the flood. */
 static int sort_ranked(psplat_neighborhood *n) {
@@ -181,40 +197,51 @@ static int sort_ranked(psplat_neighborhood *n) {
         n->sorted_capacity = n->sorted ? 2 * n->count : 0;
         if (!n->sorted) return 0;
     }
-    for (int shift = 0; n->count && shift < DIGITS * DIGIT_BITS; shift += DIGIT_BITS) {
-        size_t starts[(1 << DIGIT_BITS) + 1] = {0};
-        const uint32_t mask = (1u << DIGIT_BITS) - 1;
-        for (size_t i = 0; i < n->count; ++i) starts[(n->order[i].key >> shift & mask) + 1]++;
-        for (uint32_t digit = 0; digit < mask; ++digit) starts[digit + 1] += starts[digit];
+    uint32_t starts[DIGITS][1 << DIGIT_BITS] = {{0}};
+    count_digits(n, starts);
+    for (int digit = 0; digit < DIGITS; ++digit) {
+        int shift = digit * DIGIT_BITS;
         for (size_t i = 0; i < n->count; ++i)
-            n->sorted[starts[n->order[i].key >> shift & mask]++] = n->order[i];
-        memcpy(n->order, n->sorted, n->count * sizeof *n->order);
+            n->sorted[starts[digit][n->order[i].key >> shift & DIGIT_MASK]++] = n->order[i];
+        psplat_ranked *order = n->order;
+        n->order = n->sorted, n->sorted = order;
+        size_t capacity = n->order_capacity;
+        n->order_capacity = n->sorted_capacity, n->sorted_capacity = capacity;
     }
     return 1;
 }
 
-/* Copies the sorted samples, relative to the centre, and keeps their sums at every BLOCK. */
-static int sum_up(psplat_neighborhood *n, const psplat_samples *samples, const double origin[3]) {
-    size_t blocks = n->count / BLOCK + 1;
-    if (n->count > n->sample_capacity || !n->samples) {
-        size_t capacity = 2 * n->count + 64;
-        free(n->samples);
-        free(n->blocks);
-        n->samples = malloc(capacity * sizeof *n->samples);
-        n->blocks = malloc((capacity / BLOCK + 2) * sizeof *n->blocks);
-        n->sample_capacity = n->samples && n->blocks ? capacity : 0;
-        if (!n->sample_capacity) return 0;
-    }
-    psplat_covariance sum = {0};
-    n->blocks[0] = sum;
+/* Makes room for the sorted samples. Returns 0 when out of memory. */
+static int reserve_samples(psplat_neighborhood *n) {
+    if (n->count <= n->sample_capacity && n->samples) return 1;
+    size_t capacity = 2 * n->count + 64;
+    free(n->samples);
+    free(n->along[0]);
+    free(n->blocks);
+    n->samples = malloc(capacity * sizeof *n->samples);
+    n->along[0] = malloc(3 * capacity * sizeof *n->along[0]);
+    n->blocks = malloc((capacity / BLOCK + 2) * sizeof *n->blocks);
+    n->sample_capacity = n->samples && n->along[0] && n->blocks ? capacity : 0;
+    if (!n->sample_capacity) return 0;
+    for (size_t k = 1; k < 3; ++k) n->along[k] = n->along[0] + k * capacity;
+    return 1;
+}
+
+/* Copies the sorted samples, relative to the centre. */
+static int copy_samples(psplat_neighborhood *n, const psplat_samples *samples,
+                        const double origin[3]) {
+    if (!reserve_samples(n)) return 0;
     for (size_t i = 0; i < n->count; ++i) {
         psplat_near_sample *s = &n->samples[i];
         s->index = n->order[i].index;
         sub3(s->p, samples->positions + 3 * (size_t)s->index, origin);
-        for (size_t k = 0; k < 3; ++k) s->n[k] = (double)samples->normals[3 * (size_t)s->index + k];
-        psplat_covariance_add(&sum, s->p, s->n);
-        if ((i + 1) % BLOCK == 0 && (i + 1) / BLOCK < blocks) n->blocks[(i + 1) / BLOCK] = sum;
+        for (size_t k = 0; k < 3; ++k) {
+            s->n[k] = (double)samples->normals[3 * (size_t)s->index + k];
+            n->along[k][i] = s->p[k];
+        }
     }
+    n->blocks[0] = (psplat_covariance){0};
+    n->block_count = 1;
     return 1;
 }
 
@@ -226,7 +253,7 @@ int psplat_neighborhood_gather(psplat_neighborhood *n, const psplat_surface *sur
     for (size_t i = 0; ok && i < n->cluster_count; ++i) ok = visit(n, &f, n->clusters[i]);
     if (!ok) return 0;
     memcpy(n->origin, metric->center, sizeof n->origin);
-    return creases_only || (sort_ranked(n) && sum_up(n, samples, metric->center));
+    return creases_only || (sort_ranked(n) && copy_samples(n, samples, metric->center));
 }
 
 size_t psplat_neighborhood_within(const psplat_neighborhood *n, double reach) {
@@ -242,9 +269,21 @@ size_t psplat_neighborhood_within(const psplat_neighborhood *n, double reach) {
     return low;
 }
 
-void psplat_neighborhood_covariance(const psplat_neighborhood *n, size_t count,
-                                    psplat_covariance *covariance) {
-    *covariance = n->blocks[count / BLOCK];
-    for (size_t i = count / BLOCK * BLOCK; i < count; ++i)
+/* Adds the samples from one index to another to sums. */
+static void add_samples(const psplat_neighborhood *n, size_t from, size_t to,
+                        psplat_covariance *covariance) {
+    for (size_t i = from; i < to; ++i)
         psplat_covariance_add(covariance, n->samples[i].p, n->samples[i].n);
+}
+
+void psplat_neighborhood_covariance(psplat_neighborhood *n, size_t count,
+                                    psplat_covariance *covariance) {
+    size_t whole = count / BLOCK;
+    for (; n->block_count <= whole; ++n->block_count) {
+        psplat_covariance *sum = &n->blocks[n->block_count];
+        *sum = n->blocks[n->block_count - 1];
+        add_samples(n, BLOCK * (n->block_count - 1), BLOCK * n->block_count, sum);
+    }
+    *covariance = n->blocks[whole];
+    add_samples(n, BLOCK * whole, count, covariance);
 }

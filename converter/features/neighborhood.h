@@ -27,6 +27,7 @@ typedef struct psplat_near_sample {
  * grows on demand. Zero-initialise it. */
 typedef struct psplat_neighborhood {
     psplat_near_sample *samples; /* nearest first */
+    double *along[3];            /* their positions once more, by axis */
     size_t count;
     uint32_t *creases; /* edges (3 x triangle + side) that stopped the flood, and others near it */
     size_t crease_count;
@@ -34,6 +35,7 @@ typedef struct psplat_neighborhood {
     double origin[3]; /* the metric's centre */
     psplat_ranked *order, *sorted; /* count; sorted is scratch memory */
     psplat_covariance *blocks;     /* sums over the nearest 0, 16, 32 ... samples */
+    size_t block_count;            /* how many of them are known */
     uint32_t *stamps;              /* per cluster: the flood that met it last */
     size_t stamp_count;            /* clusters */
     uint32_t stamp;
@@ -54,7 +56,7 @@ int psplat_neighborhood_gather(psplat_neighborhood *neighborhood, const psplat_s
 size_t psplat_neighborhood_within(const psplat_neighborhood *neighborhood, double reach);
 
 /* Finds the sums over the nearest count samples, relative to the origin. */
-void psplat_neighborhood_covariance(const psplat_neighborhood *neighborhood, size_t count,
+void psplat_neighborhood_covariance(psplat_neighborhood *neighborhood, size_t count,
                                     psplat_covariance *covariance);
 
 /* Frees what the neighbourhood owns, and zeroes it. */

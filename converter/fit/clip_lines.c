@@ -57,18 +57,24 @@ static double line_value(const clip_line *line, const double uv[2]) {
     return line->a * uv[0] + line->b * uv[1] + line->c + line->bend * along * along / 2;
 }
 
-/* Returns by how much the value of a line changes for each unit of length across it at a point. For
- * a bent one it is at most the rate at the vertex, so that distances are rather too large. */
-static double rate_at(const clipper *c, const clip_line *line, const double uv[2]) {
+/* Returns by how much a line's value changes in a length along its normal, of a bent one where its
+ * place is 0. */
+static double rate_of(const clipper *c, const clip_line *line) {
+    return norm2(line->a / c->radius[0], line->b / c->radius[1]);
+}
+
+/* The same at a point, given that rate: of a bent line it is at most the rate at the vertex, so
+ * that distances are rather too large. */
+static double rate_at(const clipper *c, const clip_line *line, double rate, const double uv[2]) {
+    if (line->bend == 0) return rate;
     double turn = line->bend * place_along(line, uv);
     double a = line->a - turn * line->b, b = line->b + turn * line->a;
-    return fmin(norm2(line->a / c->radius[0], line->b / c->radius[1]),
-                norm2(a / c->radius[0], b / c->radius[1]));
+    return min2(rate, norm2(a / c->radius[0], b / c->radius[1]));
 }
 
 /* Returns about how far, in lengths, a line keeps a point. */
 static double line_distance(const clipper *c, const clip_line *line, const double uv[2]) {
-    return line_value(line, uv) / rate_at(c, line, uv);
+    return line_value(line, uv) / rate_at(c, line, rate_of(c, line), uv);
 }
 
 static double seed_distance(const clipper *c, const piece *p) {
@@ -120,26 +126,44 @@ typedef struct run {
     size_t first, last;
 } run;
 
-/* Moves a line out until it touches a run. Returns 0 where the run leaves it by more than the
- * slack, or where the line would cut off the seed. A straight piece may leave a bent line most in
- * its middle. */
-static int touch_run(const clipper *c, run r, clip_line *line) {
-    double least = HUGE_VAL, greatest = 0;
-    for (int pass = 0; pass < 2; ++pass) {
-        for (size_t i = r.first;; i = c->pieces[i].next) {
-            const piece *p = &c->pieces[i];
-            const double middle[2] = {(p->a[0] + p->b[0]) / 2, (p->a[1] + p->b[1]) / 2};
-            const double *points[3] = {p->a, p->b, middle};
-            for (int k = 0; k < (line->bend != 0 ? 3 : 2); ++k)
-                if (pass)
-                    greatest = fmax(greatest, line_distance(c, line, points[k]));
-                else
-                    least = fmin(least, line_value(line, points[k]));
-            if (i == r.last) break;
-        }
-        if (!pass) line->c -= least;
+/* Stores the points at which a piece is measured, and returns their number: a straight piece may
+ * leave a bent line most in its middle. */
+static int points_of(const piece *p, const clip_line *line, double points[3][2]) {
+    for (int k = 0; k < 2; ++k) {
+        points[0][k] = p->a[k], points[1][k] = p->b[k];
+        points[2][k] = (p->a[k] + p->b[k]) / 2;
     }
-    return greatest <= c->slack && line_distance(c, line, c->seed) >= -1e-9 * c->radius[0];
+    return line->bend != 0 ? 3 : 2;
+}
+
+/* Returns the least value of a line at the points of a run. */
+static double least_value(const clipper *c, run r, const clip_line *line) {
+    double least = HUGE_VAL, points[3][2];
+    for (size_t i = r.first;; i = c->pieces[i].next) {
+        int count = points_of(&c->pieces[i], line, points);
+        for (int k = 0; k < count; ++k) least = min2(least, line_value(line, points[k]));
+        if (i == r.last) return least;
+    }
+}
+
+/* Returns whether a run leaves a line by no more than the slack. Most lines that are tried do not
+ * fit, which one point is enough to tell. */
+static int keeps_slack(const clipper *c, run r, const clip_line *line) {
+    double rate = rate_of(c, line), points[3][2];
+    for (size_t i = r.first;; i = c->pieces[i].next) {
+        int count = points_of(&c->pieces[i], line, points);
+        for (int k = 0; k < count; ++k)
+            if (line_value(line, points[k]) / rate_at(c, line, rate, points[k]) > c->slack)
+                return 0;
+        if (i == r.last) return 1;
+    }
+}
+
+/* Moves a line out until it touches a run. Returns 0 where the run leaves it by more than the
+ * slack, or where the line would cut off the seed. */
+static int touch_run(const clipper *c, run r, clip_line *line) {
+    line->c -= least_value(c, r, line);
+    return line_distance(c, line, c->seed) >= -1e-9 * c->radius[0] && keeps_slack(c, r, line);
 }
 
 /* Fits a straight line to a run, of the direction of its chord. */

@@ -33,6 +33,14 @@ static const double line_slack = 1e-7;
  * surface, so that normals blend across: with 0.15 edges still show at borders, and 0.3 takes 1 to
  * 8 % more splats. */
 static const double chart_reach = 0.3;
+
+/* The part of the tolerance by which a corner is farther from the mesh where no rounding matters.
+ */
+static const double certain_excess = 1e-3;
+
+/* The samples that are turned into the parameters of a region in one go. */
+enum { LOCAL_BLOCK = 64 };
+
 /* The most steps of the grid by which a rounded line is moved out to keep a point. A step is a
  * twentieth of the tolerance at most, and the slack of creases has room for some. */
 enum { MOST_RAISING_STEPS = 3 };
@@ -158,14 +166,6 @@ static int choose_lines(const psplat_fit_context *context, size_t segments, cons
 
 /* ---- coverage ------------------------------------------------------------------------------ */
 
-/* Returns how far a point at (u, v) and a height over the plane is above the surface. */
-static double height_above(const psplat_region *region, const double uvh[3]) {
-    double slope[2];
-    psplat_region_slope(region, uvh, slope);
-    return (uvh[2] - psplat_region_height(region, uvh)) /
-           sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
-}
-
 /* Returns whether a sample's normal faces the way of the region's surface at (u, v). */
 static int faces(const psplat_region *region, int curved, const double uv[2], const double n[3]) {
     double slope[2], along = dot3(n, region->n);
@@ -177,33 +177,64 @@ static int faces(const psplat_region *region, int curved, const double uv[2], co
                                              (1 + slope[0] * slope[0] + slope[1] * slope[1]);
 }
 
+/* Samples in a region's parameters, and how far they are above its surface. */
+typedef struct local_block {
+    double u[LOCAL_BLOCK], v[LOCAL_BLOCK], h[LOCAL_BLOCK];
+} local_block;
+
+/* Stores some samples as psplat_region_local would, with positions by axis, relative to the
+ * neighbourhood's origin as the centre is. Compilers turn these loops into ones over several
+ * samples at once. */
+static void find_local(const psplat_region *region, int curved, const double center[3],
+                       const double *x, const double *y, const double *z, size_t count,
+                       local_block *restrict b) {
+    const psplat_region r = *region;
+    for (size_t i = 0; i < count; ++i) {
+        const double d[3] = {x[i] - center[0], y[i] - center[1], z[i] - center[2]};
+        b->u[i] = dot3(d, r.u) / r.radius[0];
+        b->v[i] = dot3(d, r.v) / r.radius[1];
+        b->h[i] = dot3(d, r.n);
+    }
+    for (size_t i = 0; curved && i < count; ++i) {
+        const double uv[2] = {b->u[i], b->v[i]};
+        double slope[2];
+        psplat_region_slope(&r, uv, slope);
+        b->h[i] = (b->h[i] - psplat_region_height(&r, uv)) /
+                  sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+    }
+}
+
+/* Returns by which factors parameters grow where the margin is taken off the radii. */
+static void margin_factors(const psplat_limits *limits, const psplat_region *region,
+                           double inner[2]) {
+    for (int k = 0; k < 2; ++k)
+        inner[k] =
+            region->radius[k] / (region->radius[k] - min2(limits->margin, 0.5 * region->radius[k]));
+}
+
 /* Finds the samples that a region covers, into scratch->covered and scratch->uv, and the parameters
  * of all that lie in its surroundings. Returns their number; 0 where the seed is not among them. */
 static size_t cover(const psplat_fit_context *context, const psplat_region *region, uint32_t seed) {
     psplat_scratch *s = context->scratch;
     double inner[2], center[3], tolerance = context->limits->tolerance;
-    for (int k = 0; k < 2; ++k)
-        inner[k] = region->radius[k] /
-                   (region->radius[k] - min2(context->limits->margin, 0.5 * region->radius[k]));
-    sub3(center, region->center, s->near.origin);
     size_t count = 0;
-    int curved = psplat_region_is_curved(region);
-    int seed_met = seed == PSPLAT_NONE;
-    for (uint32_t i = 0; i < s->near_count; ++i) {
-        const psplat_near_sample *sample = &s->near.samples[i];
-        double d[3], *uvh = s->uvh[i];
-        sub3(d, sample->p, center);
-        uvh[0] = dot3(d, region->u) / region->radius[0];
-        uvh[1] = dot3(d, region->v) / region->radius[1];
-        uvh[2] = dot3(d, region->n);
-        double x = uvh[0] * inner[0], y = uvh[1] * inner[1];
-        if (curved) uvh[2] = height_above(region, uvh);
-        if (fabs(uvh[2]) > tolerance || x * x + y * y > 1) continue;
+    int curved = psplat_region_is_curved(region), seed_met = seed == PSPLAT_NONE;
+    local_block b;
+    margin_factors(context->limits, region, inner);
+    sub3(center, region->center, s->near.origin);
+    for (size_t i = 0; i < s->near_count; ++i) {
+        size_t k = i % LOCAL_BLOCK, left = s->near_count - i;
+        if (!k)
+            find_local(region, curved, center, s->near.along[0] + i, s->near.along[1] + i,
+                       s->near.along[2] + i, left < LOCAL_BLOCK ? left : LOCAL_BLOCK, &b);
+        double *uvh = s->uvh[i], x = b.u[k] * inner[0], y = b.v[k] * inner[1];
+        uvh[0] = b.u[k], uvh[1] = b.v[k], uvh[2] = b.h[k];
+        if ((fabs(uvh[2]) > tolerance) | (x * x + y * y > 1)) continue;
         if (!psplat_region_contains(region, uvh, 1, line_slack)) continue;
-        if (!faces(region, curved, uvh, sample->n)) continue;
-        seed_met |= sample->index == seed;
+        if (!faces(region, curved, uvh, s->near.samples[i].n)) continue;
+        seed_met |= s->near.samples[i].index == seed;
         memcpy(s->uv[count], uvh, sizeof s->uv[count]);
-        s->covered[count++] = i;
+        s->covered[count++] = (uint32_t)i;
     }
     return seed_met ? count : 0;
 }
@@ -213,7 +244,8 @@ static size_t cover(const psplat_fit_context *context, const psplat_region *regi
 static int holds(const psplat_fit_context *context, const psplat_region *region,
                  const psplat_candidate *held) {
     int curved = psplat_region_is_curved(region);
-    for (size_t i = 0; i < held->covered_count; ++i) {
+    for (size_t i = held->covered_count;
+         i-- > 0;) { /* The outer ones, which come last, fail first. */
         size_t at = 3 * (size_t)held->covered[i];
         double uvh[3], n[3];
         psplat_region_local(region, context->samples->positions + at, uvh);
@@ -284,6 +316,27 @@ static psplat_fit_status check_limits(const psplat_fit_context *context, int ski
     return status || gains ? status : PSPLAT_FIT_NO_GAIN;
 }
 
+/* Returns whether a corner of a region is so far from the mesh that the check of the distance bound
+ * is certain to fail, whatever samples and triangles that asks first: all of these lie on the mesh
+ * but for rounding, and what is near its proxy is near the mesh. Stores that in *far. */
+static psplat_result find_far_corner(const psplat_limits *limits, const psplat_region *region,
+                                     int *far) {
+    double polygon[PSPLAT_OUTLINE][2], point[3];
+    double certain = (1 + certain_excess) * limits->tolerance;
+    uint32_t guess = PSPLAT_NONE;
+    *far = 0;
+    size_t count = limits->distance ? psplat_region_polygon(region, 1, polygon, PSPLAT_OUTLINE) : 0;
+    for (size_t i = 0; i < count && !*far; ++i) {
+        int within;
+        psplat_region_point(region, polygon[i], point);
+        psplat_result result =
+            psplat_distance_is_within(limits->distance, point, certain, &guess, &within);
+        if (result) return result;
+        *far = !within;
+    }
+    return PSPLAT_OK;
+}
+
 static psplat_fit_status evaluate(const psplat_fit_context *context, psplat_site *site,
                                   const psplat_demands *demands, psplat_evaluation *e) {
     if (!(psplat_surface_slope_bound(&e->region) <= PSPLAT_GREATEST_SURFACE_SLOPE)) /* or NaN */
@@ -293,6 +346,11 @@ static psplat_fit_status evaluate(const psplat_fit_context *context, psplat_site
     int large = is_large(demands, &e->region);
     if (!large && demands->more_than == SIZE_MAX) return PSPLAT_FIT_NO_GAIN;
     if (demands->held && !holds(context, &e->region, demands->held)) return PSPLAT_FIT_SAMPLES_LOST;
+    if (demands->any_reason) {
+        int far;
+        if (find_far_corner(context->limits, &e->region, &far)) return PSPLAT_FIT_MEMORY;
+        if (far) return PSPLAT_FIT_LEAVES_SURFACE;
+    }
     e->count = cover(context, &e->region, site->seed);
     if (!e->count) return PSPLAT_FIT_SAMPLES_LOST;
     return check_limits(context, demands->skip, large || e->count > demands->more_than, e);
@@ -364,6 +422,7 @@ psplat_fit_status psplat_candidate_replace(const psplat_fit_context *context, ps
     const psplat_demands demands = {.inside = context->samples->positions +
                                               3 * (size_t)candidate->covered[0],
                                     .held = candidate,
+                                    .any_reason = site->seed == PSPLAT_NONE || least_area > 0,
                                     .least_area = least_area,
                                     .more_than = keep_record ? SIZE_MAX : candidate->covered_count};
     psplat_evaluation evaluation = psplat_evaluate(context, site, region, &demands);

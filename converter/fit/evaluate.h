@@ -7,8 +7,9 @@
  * order: it chooses the clip lines that keep the region on its side of the creases, finds the
  * samples that it covers, checks whether one colour and one field of texture coordinates suit them,
  * checks whether all of the region is
- * near the surface, and fits the normal field. It changes only the scratch and the reach that the
- * site records.
+ * near the surface, and fits the normal field. Where any reason will do, a region that is certain
+ * to leave the surface is refused before its samples are looked at. It changes only the scratch and
+ * the reach that the site records.
  */
 #ifndef PHONGSPLAT_FIT_EVALUATE_H
 #define PHONGSPLAT_FIT_EVALUATE_H
@@ -89,8 +90,10 @@ enum {
 typedef struct psplat_demands {
     const double *inside; /* A point that all lines must keep; unused where lines are skipped. */
     const psplat_candidate *held; /* Its covered samples must stay inside and near; NULL: none. */
-    double least_area;            /* HUGE_VAL: no area is large enough. */
-    size_t more_than;             /* SIZE_MAX: no number of samples is large enough. */
+    int any_reason;    /* 1: a region that leaves the surface may be told so before other limits are
+                          checked, or whether it gains; nearness must not be skipped */
+    double least_area; /* HUGE_VAL: no area is large enough. */
+    size_t more_than;  /* SIZE_MAX: no number of samples is large enough. */
     double reach; /* How far the surroundings reach from the site; 0: as far as the region needs. */
     size_t nearest; /* How many samples the surroundings have, if the site was the last to gather
                        any; 0: all that lie within the reach. */
@@ -134,7 +137,8 @@ psplat_result psplat_candidate_set(const psplat_fit_context *context, const pspl
                                    psplat_candidate *candidate);
 /* Evaluates a region in place of the candidate's, and gives it to the candidate where it holds all
  * samples that the candidate covers, keeps the limits, and is as large as least_area or (unless
- * keep_record is 1) covers more samples. Returns KEPT where it did. */
+ * keep_record is 1) covers more samples. Returns KEPT where it did. Why it did not is certain only
+ * at a site with a seed and with a least_area of 0. */
 psplat_fit_status psplat_candidate_replace(const psplat_fit_context *context, psplat_site *site,
                                            const psplat_region *region, double least_area,
                                            int keep_record, psplat_candidate *candidate);

@@ -24,7 +24,26 @@
 enum { RINGS = 2 };
 static const double ring_scales[RINGS] = {1, 0.6};
 
+/* Samples that are looked at one by one only if one of them is near. */
+enum { RUN = 16 };
+
 /* ---- by samples ---------------------------------------------------------------------------- */
+
+/* Returns whether one of some samples, the first of which is `first`, comes within the root of
+ * most2 of a point. All are measured, so that compilers take several at once. */
+static int is_any_within(const psplat_neighborhood *near, size_t first, size_t count,
+                         const double q[3], double most2) {
+    const double *x = near->along[0] + first, *y = near->along[1] + first;
+    const double *z = near->along[2] + first;
+    double distances2[RUN];
+    int any = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double d[3] = {q[0] - x[i], q[1] - y[i], q[2] - z[i]};
+        distances2[i] = dot3(d, d);
+    }
+    for (size_t i = 0; i < count; ++i) any |= distances2[i] <= most2;
+    return any;
+}
 
 /* Returns whether a point of a region's surface (relative to the neighbourhood's origin) is no
  * farther than the greatest gap from a sample that is within the tolerance of the surface. Of a
@@ -34,11 +53,17 @@ static int is_near_some(const psplat_fit_context *context, int curved, const dou
     const psplat_scratch *s = context->scratch;
     double tolerance2 = context->limits->tolerance * context->limits->tolerance;
     double gap = PSPLAT_GREATEST_GAP * context->samples->spacing, gap2 = gap * gap;
+    double most2 = tolerance2 + gap2;
     for (size_t i = 0; i < s->near_count; ++i) {
+        size_t left = s->near_count - i;
+        if (i % RUN == 0 && !is_any_within(&s->near, i, left < RUN ? left : RUN, q, most2)) {
+            i += RUN - 1;
+            continue;
+        }
         double d[3];
         sub3(d, q, s->near.samples[i].p);
         double distance2 = dot3(d, d);
-        if (distance2 > tolerance2 + gap2) continue;
+        if (distance2 > most2) continue;
         double height = curved ? s->uvh[i][2] : dot3(d, s->near.samples[i].n);
         double height2 = height * height;
         if (height2 <= tolerance2 && distance2 - height2 <= gap2) return 1;
@@ -76,44 +101,63 @@ static psplat_fit_status outline_nearness(const psplat_fit_context *context,
 
 /* ---- by the mesh --------------------------------------------------------------------------- */
 
-/* The samples around a region, in the cells of a grid over its parameters (u, v). */
+/* The samples around a region, in the cells of a grid over its parameters (u, v). Cells follow each
+ * other row by row, so that neighbouring cells of a row are read in one go. */
 enum { CELLS = 16 };
 typedef struct cells {
     const psplat_region *region;
-    uint32_t heads[CELLS * CELLS];
-    const uint32_t *nexts; /* of each sample, in its cell; PSPLAT_NONE at the end */
-    const psplat_near_sample *samples;
+    uint32_t first[CELLS * CELLS + 1];  /* the first sample of each cell */
+    const psplat_celled_sample *sorted; /* nearest to the site first within a cell */
+    uint32_t guess;                     /* for psplat_distance_is_within */
 } cells;
 
+/* Rounds down, as floor does, which is a call of a function on many machines. */
 static int cell_along(double x) {
-    return (int)floor((x + 1) * (CELLS / 2.0));
+    double place = (x + 1) * (CELLS / 2.0);
+    int truncated = (int)place;
+    return truncated - (place < truncated);
 }
 
 /* Sorts the samples into the cells by their parameters, which the scratch holds. */
 static void fill_cells(psplat_scratch *s, const psplat_region *region, cells *c) {
-    *c = (cells){.region = region, .nexts = s->next_in_cell, .samples = s->near.samples};
-    memset(c->heads, 0xff, sizeof c->heads);
-    for (uint32_t i = (uint32_t)s->near_count; i-- > 0;) { /* The nearest of all come first. */
+    uint32_t ends[CELLS * CELLS] = {0}, below = 0;
+    for (size_t i = 0; i < s->near_count; ++i) {
         const double *uvh = s->uvh[i];
+        s->cells[i] = PSPLAT_NONE;
         if (!(fabs(uvh[0]) < 1 && fabs(uvh[1]) < 1)) continue;
-        uint32_t *head = &c->heads[cell_along(uvh[1]) * CELLS + cell_along(uvh[0])];
-        s->next_in_cell[i] = *head;
-        *head = i;
+        s->cells[i] = (uint32_t)(cell_along(uvh[1]) * CELLS + cell_along(uvh[0]));
+        ++ends[s->cells[i]];
+    }
+    *c = (cells){.region = region, .sorted = s->sorted, .guess = PSPLAT_NONE};
+    for (size_t k = 0; k < CELLS * CELLS; ++k) {
+        c->first[k] = below;
+        below += ends[k];
+        ends[k] = c->first[k];
+    }
+    c->first[CELLS * CELLS] = below;
+    for (uint32_t i = 0; i < s->near_count; ++i) {
+        if (s->cells[i] == PSPLAT_NONE) continue;
+        psplat_celled_sample *to = &s->sorted[ends[s->cells[i]]++];
+        memcpy(to->p, s->near.samples[i].p, sizeof to->p);
+        to->near = i;
     }
 }
 
-/* Finds the sample nearest to a point in the cells around it; PSPLAT_NONE where there is none. */
-static uint32_t nearest_sample(const cells *c, const double uv[2], const double q[3],
+/* Finds the sample nearest to a point in the cells around it, or the first one that is as near as
+ * `enough`; PSPLAT_NONE where there is none. */
+static uint32_t nearest_sample(const cells *c, const double uv[2], const double q[3], double enough,
                                double *distance2) {
     uint32_t nearest = PSPLAT_NONE;
     int column = cell_along(uv[0]), row = cell_along(uv[1]);
+    int left = column > 0 ? column - 1 : 0, right = column + 2 < CELLS ? column + 2 : CELLS;
     *distance2 = HUGE_VAL;
-    for (int y = row > 0 ? row - 1 : 0; y <= row + 1 && y < CELLS; ++y)
-        for (int x = column > 0 ? column - 1 : 0; x <= column + 1 && x < CELLS; ++x)
-            for (uint32_t i = c->heads[y * CELLS + x]; i != PSPLAT_NONE; i = c->nexts[i]) {
-                double d2 = distance2_3(c->samples[i].p, q);
-                if (d2 < *distance2) *distance2 = d2, nearest = i;
-            }
+    for (int y = row > 0 ? row - 1 : 0; y <= row + 1 && y < CELLS && left < right; ++y)
+        for (uint32_t i = c->first[y * CELLS + left]; i < c->first[y * CELLS + right]; ++i) {
+            double d2 = distance2_3(c->sorted[i].p, q);
+            if (!(d2 < *distance2)) continue;
+            *distance2 = d2, nearest = c->sorted[i].near;
+            if (d2 <= enough) return nearest;
+        }
     return nearest;
 }
 
@@ -156,21 +200,22 @@ static int is_near_sample(const psplat_fit_context *context, const double q[3],
     return 0;
 }
 
-static psplat_fit_status point_nearness(const psplat_fit_context *context, const cells *c,
+static psplat_fit_status point_nearness(const psplat_fit_context *context, cells *c,
                                         const double point[3]) {
     const psplat_limits *limits = context->limits;
     double uvh[3], q[3], distance2;
     int near;
     psplat_region_local(c->region, point, uvh);
     sub3(q, point, context->scratch->near.origin);
-    uint32_t nearest = nearest_sample(c, uvh, q, &distance2);
-    if (distance2 <= limits->tolerance * limits->tolerance) return PSPLAT_FIT_KEPT;
+    double enough = limits->tolerance * limits->tolerance;
+    uint32_t nearest = nearest_sample(c, uvh, q, enough, &distance2);
+    if (distance2 <= enough) return PSPLAT_FIT_KEPT;
     if (nearest != PSPLAT_NONE &&
         is_near_triangles(context, context->scratch->near.samples[nearest].index, point))
         return PSPLAT_FIT_KEPT;
     if (!limits->distance || !is_near_sample(context, q, distance2))
         return PSPLAT_FIT_LEAVES_SURFACE;
-    if (psplat_limits_point_near(limits, point, &near)) return PSPLAT_FIT_MEMORY;
+    if (psplat_limits_point_near(limits, point, &c->guess, &near)) return PSPLAT_FIT_MEMORY;
     return near ? PSPLAT_FIT_KEPT : PSPLAT_FIT_LEAVES_SURFACE;
 }
 
@@ -183,7 +228,7 @@ static psplat_fit_status proven_nearness(const psplat_limits *limits, const pspl
 
 /* Measures the corners of a region's outline: of most regions that leave the surface, one of these
  * few points does. */
-static psplat_fit_status corner_nearness(const psplat_fit_context *context, const cells *c) {
+static psplat_fit_status corner_nearness(const psplat_fit_context *context, cells *c) {
     double polygon[PSPLAT_OUTLINE][2], point[3];
     size_t count = psplat_region_polygon(c->region, 1, polygon, PSPLAT_OUTLINE);
     psplat_fit_status status = PSPLAT_FIT_KEPT;

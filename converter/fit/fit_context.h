@@ -45,14 +45,21 @@ typedef struct psplat_limits {
     double proxy_deviation;          /* of the proxy, a length */
 } psplat_limits;
 
+/* A sample of a cell, by its index into near.samples. */
+typedef struct psplat_celled_sample {
+    double p[3]; /* relative to the neighbourhood's origin */
+    uint32_t near;
+} psplat_celled_sample;
+
 /* The memory of one thread that evaluates regions. Zero-initialise it. */
 typedef struct psplat_scratch {
     psplat_neighborhood near;
     const struct psplat_site *site; /* where the neighbourhood was gathered */
-    size_t near_count;      /* the number of its samples in the surroundings of the last region */
-    double (*uvh)[3];       /* near_count: parameters and heights in that region */
-    uint32_t *covered;      /* the samples that the region covers, indices into near.samples */
-    uint32_t *next_in_cell; /* near_count, for evaluate_near.c */
+    size_t near_count; /* the number of its samples in the surroundings of the last region */
+    double (*uvh)[3];  /* near_count: parameters and heights in that region */
+    uint32_t *covered; /* the samples that the region covers, indices into near.samples */
+    uint32_t *cells;   /* near_count, for evaluate_near.c, as are the next */
+    psplat_celled_sample *sorted;
     double (*uv)[2], (*slopes)[2]; /* parameters and local normals of the covered samples */
     double *heights;               /* of samples, for grow_candidate.c */
     psplat_segment *segments;

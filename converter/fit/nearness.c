@@ -21,8 +21,8 @@ static double tolerance_of_asked(const psplat_limits *limits) {
 }
 
 psplat_result psplat_limits_point_near(const psplat_limits *limits, const double point[3],
-                                       int *near) {
-    return psplat_distance_within(asked(limits), point, 1, tolerance_of_asked(limits), near);
+                                       uint32_t *guess, int *near) {
+    return psplat_distance_is_within(asked(limits), point, tolerance_of_asked(limits), guess, near);
 }
 
 psplat_result psplat_limits_region_near(const psplat_limits *limits, const psplat_region *region,

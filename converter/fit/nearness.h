@@ -12,11 +12,12 @@
 #include "fit/fit_context.h"
 
 /* These store in *near whether a point, or all of a region, is within limits->tolerance of the mesh
- * (psplat_distance_within, psplat_region_near), whose tree must not be NULL for points; a region is
- * near where there is none. What is near is near for certain; with a proxy, what is near by less
- * than twice its deviation may count as farther. They fail only with PSPLAT_ERROR_MEMORY. */
+ * (psplat_distance_is_within, psplat_region_near), whose tree must not be NULL for points; a region
+ * is near where there is none. What is near is near for certain; with a proxy, what is near by less
+ * than twice its deviation may count as farther. *guess is as there. They fail only with
+ * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_limits_point_near(const psplat_limits *limits, const double point[3],
-                                       int *near);
+                                       uint32_t *guess, int *near);
 psplat_result psplat_limits_region_near(const psplat_limits *limits, const psplat_region *region,
                                         int *near);
 

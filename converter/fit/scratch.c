@@ -11,7 +11,8 @@
 static void free_samples(psplat_scratch *s) {
     free(s->uvh);
     free(s->covered);
-    free(s->next_in_cell);
+    free(s->cells);
+    free(s->sorted);
     free(s->uv);
     free(s->slopes);
     free(s->heights);
@@ -31,11 +32,12 @@ static int reserve_samples(psplat_scratch *s) {
     free_samples(s);
     s->uvh = malloc(capacity * sizeof *s->uvh);
     s->covered = malloc(capacity * sizeof *s->covered);
-    s->next_in_cell = malloc(capacity * sizeof *s->next_in_cell);
+    s->cells = malloc(capacity * sizeof *s->cells);
+    s->sorted = malloc(capacity * sizeof *s->sorted);
     s->uv = malloc(capacity * sizeof *s->uv);
     s->slopes = malloc(capacity * sizeof *s->slopes);
     s->heights = malloc(capacity * sizeof *s->heights);
-    int all = s->uvh && s->covered && s->next_in_cell && s->uv && s->slopes && s->heights;
+    int all = s->uvh && s->covered && s->cells && s->sorted && s->uv && s->slopes && s->heights;
     s->capacity = all ? capacity : 0;
     return all;
 }

@@ -25,6 +25,7 @@ static const double slope_weight = 0.03, ridge_part = 1e-9;
 static const double least_cosine = 0.2, greatest_turn = 3, small_turn = 0.05;
 
 enum { UNKNOWNS = 6 }; /* c, p, q, A, B, C */
+enum { BLOCK = 32 };   /* samples that are turned into the frame in one go */
 
 /* Sums over samples in units of the scale: powers s^i t^j by [i][j], heights and slopes times the
  * factors of the unknowns. */
@@ -45,32 +46,72 @@ double psplat_surface_slope_bound(const psplat_region *r) {
     return norm2(r->slope[0], r->slope[1]) + sqrt(a * a + c * c + b * b * (1 + ratio * ratio));
 }
 
-static void add_powers(sums *m, double s, double t) {
-    double s2 = s * s, t2 = t * t, st = s * t;
-    m->powers[0][0] += 1;
-    m->powers[1][0] += s, m->powers[0][1] += t;
-    m->powers[2][0] += s2, m->powers[1][1] += st, m->powers[0][2] += t2;
-    m->powers[3][0] += s2 * s, m->powers[2][1] += s2 * t;
-    m->powers[1][2] += s * t2, m->powers[0][3] += t2 * t;
-    m->powers[4][0] += s2 * s2, m->powers[3][1] += s2 * st, m->powers[2][2] += s2 * t2;
-    m->powers[1][3] += st * t2, m->powers[0][4] += t2 * t2;
+/* Samples in the frame of a region, in units of the scale: their places and heights, and their
+ * slopes times the weight of slopes. */
+typedef struct block {
+    double s[BLOCK], t[BLOCK], h[BLOCK], x[BLOCK], y[BLOCK];
+    size_t count;
+} block;
+
+static void add_powers(sums *m, const block *b) {
+    sums a = *m; /* Sums of one function's own can stay in registers. */
+    for (size_t i = 0; i < b->count; ++i) {
+        double s = b->s[i], t = b->t[i], s2 = s * s, t2 = t * t, st = s * t;
+        a.powers[1][0] += s, a.powers[0][1] += t;
+        a.powers[2][0] += s2, a.powers[1][1] += st, a.powers[0][2] += t2;
+        a.powers[3][0] += s2 * s, a.powers[2][1] += s2 * t;
+        a.powers[1][2] += s * t2, a.powers[0][3] += t2 * t;
+        a.powers[4][0] += s2 * s2, a.powers[3][1] += s2 * st, a.powers[2][2] += s2 * t2;
+        a.powers[1][3] += st * t2, a.powers[0][4] += t2 * t2;
+    }
+    a.powers[0][0] += (double)b->count;
+    *m = a;
 }
 
-static void add_sample(sums *m, const psplat_near_sample *sample, const psplat_region *r,
-                       const double center[3], double scale) {
-    double d[3];
-    sub3(d, sample->p, center);
-    double s = dot3(d, r->u) / scale, t = dot3(d, r->v) / scale, h = dot3(d, r->n) / scale;
-    add_powers(m, s, t);
-    double height = max2(dot3(sample->n, r->n), least_cosine);
-    double x = -slope_weight * dot3(sample->n, r->u) / height;
-    double y = -slope_weight * dot3(sample->n, r->v) / height;
-    m->right[0] += h;
-    m->right[1] += h * s + x;
-    m->right[2] += h * t + y;
-    m->right[3] += h * s * s / 2 + x * s;
-    m->right[4] += h * s * t + x * t + y * s;
-    m->right[5] += h * t * t / 2 + y * t;
+static void add_right(sums *m, const block *b) {
+    double right[UNKNOWNS];
+    memcpy(right, m->right, sizeof right);
+    for (size_t i = 0; i < b->count; ++i) {
+        double s = b->s[i], t = b->t[i], h = b->h[i], x = b->x[i], y = b->y[i];
+        right[0] += h;
+        right[1] += h * s + x;
+        right[2] += h * t + y;
+        right[3] += h * s * s / 2 + x * s;
+        right[4] += h * s * t + x * t + y * s;
+        right[5] += h * t * t / 2 + y * t;
+    }
+    memcpy(m->right, right, sizeof right);
+}
+
+static void fill_block(block *b, const psplat_near_sample *samples, const uint32_t *some,
+                       size_t first, const psplat_region *r, const double center[3], double scale) {
+    double height[BLOCK];
+    for (size_t i = 0; i < b->count; ++i) {
+        const psplat_near_sample *sample = &samples[some ? some[first + i] : first + i];
+        double d[3];
+        sub3(d, sample->p, center);
+        b->s[i] = dot3(d, r->u), b->t[i] = dot3(d, r->v), b->h[i] = dot3(d, r->n);
+        height[i] = max2(dot3(sample->n, r->n), least_cosine);
+        b->x[i] = -slope_weight * dot3(sample->n, r->u);
+        b->y[i] = -slope_weight * dot3(sample->n, r->v);
+    }
+    for (size_t i = 0; i < b->count; ++i) { /* Divisions of neighbours can be done at once. */
+        b->s[i] /= scale, b->t[i] /= scale, b->h[i] /= scale;
+        b->x[i] /= height[i], b->y[i] /= height[i];
+    }
+}
+
+/* Adds samples in their order, which rounding depends on. */
+static void add_samples(sums *m, const psplat_near_sample *samples, const uint32_t *some,
+                        size_t count, const psplat_region *r, const double center[3],
+                        double scale) {
+    block b;
+    for (size_t first = 0; first < count; first += b.count) {
+        b.count = count - first < BLOCK ? count - first : BLOCK;
+        fill_block(&b, samples, some, first, r, center, scale);
+        add_powers(m, &b);
+        add_right(m, &b);
+    }
 }
 
 /* Stores the normal equations' matrix: heights are (1, s, t, s^2/2, st, t^2/2) x, slopes
@@ -137,8 +178,7 @@ int psplat_fit_surface(const psplat_near_sample *samples, const uint32_t *some, 
         sums m = {.right = {0}};
         double center[3];
         sub3(center, r->center, origin);
-        for (size_t i = 0; i < count; ++i)
-            add_sample(&m, &samples[some ? some[i] : i], r, center, scale);
+        add_samples(&m, samples, some, count, r, center, scale);
         solve(&m, level, x);
         mad3(r->center, x[0] * scale, r->n);
         if (level) break;

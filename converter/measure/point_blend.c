@@ -65,6 +65,13 @@ static int intersect(const psplat_point_blend *blend, uint32_t splat, double uvh
     return psplat_region_contains(region, uvh, 1, 0);
 }
 
+int psplat_point_blend_meet(const psplat_point_blend *blend, uint32_t splat, double uv[2]) {
+    double uvh[3], height, cosine;
+    if (!intersect(blend, splat, uvh, &height, &cosine)) return 0;
+    uv[0] = uvh[0], uv[1] = uvh[1];
+    return 1;
+}
+
 void psplat_point_blend_limit(psplat_point_blend *blend, uint32_t splat) {
     double uvh[3], height, cosine;
     if (!intersect(blend, splat, uvh, &height, &cosine)) return;

@@ -28,6 +28,10 @@ typedef struct psplat_point_blend {
 /* Raises the limit to the height below which a splat hides others, where its front is seen. */
 void psplat_point_blend_limit(psplat_point_blend *blend, uint32_t splat);
 
+/* Stores where in a splat (u, v) its fragment at the point lies, hidden or not. Returns 0 where it
+ * has none: where the line along the surface's normal does not meet its front within reach. */
+int psplat_point_blend_meet(const psplat_point_blend *blend, uint32_t splat, double uv[2]);
+
 /* Adds the fragment of a splat, where its front is seen and it is not hidden. */
 void psplat_point_blend_add(psplat_point_blend *blend, uint32_t splat);
 

@@ -7,6 +7,10 @@
  * has to be the step between them times the tangent of the slant. So random rays are tried. All
  * rays of a point are tried at once against each splat nearby, and the mesh is asked only about
  * those that nothing meets.
+ *
+ * Cracks that are much narrower than the random points lie apart are found from the rims of splats,
+ * which border every gap: points a little beyond a rim stand for the triangle that is nearest to
+ * them, whose plane their rays are taken to see.
  */
 #include "measure/ray_holes.h"
 
@@ -15,56 +19,86 @@
 #include "base/region_tree.h"
 #include "base/vector.h"
 #include "features/samples.h"
+#include "measure/rim_points.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The rays of a point: so many around it at each of these slants. */
-enum { AROUND = 8, SLANTS = 3, RAYS = AROUND * SLANTS };
+/* The rays of a point: so many around it at each slant. Points beyond rims, which gaps are close
+ * to, have fewer. */
+enum { AROUND = 8, AROUND_RIMS = 4, SLANTS = 4, RAYS = AROUND * (SLANTS - 1) };
 
-/* The ranges of cosines of the slants. Chosen by hand. */
-static const double cosines[SLANTS + 1] = {PSPLAT_LEAST_SIGHT_COSINE, 0.3, 0.55, 1};
+/* The ranges of cosines of the slants, the flattest first, which only rays past rims have. Chosen
+ * by hand. */
+static const double cosines[SLANTS + 1] = {PSPLAT_FLATTEST_SIGHT_COSINE, PSPLAT_LEAST_SIGHT_COSINE,
+                                           0.3, 0.55, 1};
 
 /* How far rays run to the eye, in diagonals: out of the box. */
 static const double way_diagonals = 1.5;
 
-/* The rays of one point, and which of them have met no splat yet. */
+/* How far outside rims lie the points that rays pass there, in tolerances: gaps that are narrower
+ * than the least are seen from very near alone. */
+static const double least_rim_gap = 0.02, greatest_rim_gap = 0.5;
+
+/* How much of the way from a face to the eye, in tolerances over the cosine, does not count where
+ * the face stands for the surface around it, which may bend. */
+static const double bend_tolerances = 0.25;
+
+/* Where rays pass, and the triangle that they see: of points of the surface, one that they lie on;
+ * of points beyond rims, the nearest one. */
+typedef struct place {
+    double point[3];
+    double lift; /* of the point over the triangle's plane, a length */
+    uint32_t triangle;
+    uint32_t open; /* a bit for each ray that is a hole */
+} place;
+
+/* The rays of one place, and which of them have met no splat yet. */
 typedef struct bundle {
     psplat_sight sights[RAYS];
     double cosine[RAYS];
     uint32_t open; /* a bit for each */
 } bundle;
 
-/* Makes the first rays of point i, which always are the same. */
-static void make_rays(const psplat_ray_search *search, const psplat_samples *samples, size_t i,
-                      int count, bundle *b) {
-    const double *normal = search->surface->face_normals + 3 * (size_t)samples->triangles[i];
-    uint64_t random = search->seed ^ i;
+/* The places of a search, and their rays' slants. */
+typedef struct ray_plan {
+    const psplat_ray_search *search;
+    place *places;
+    size_t count;
+    const psplat_rim_point *rims; /* of each place; NULL: the places lie on the surface */
+    const double *cosines;        /* slants + 1, the flattest first */
+    int slants, around;           /* rays of each slant */
+} ray_plan;
+
+/* Makes the first rays of place i, which always are the same. */
+static void make_rays(const ray_plan *plan, size_t i, int count, bundle *b) {
+    const place *at = &plan->places[i];
+    const double *normal = plan->search->surface->face_normals + 3 * (size_t)at->triangle;
+    uint64_t random = plan->search->seed ^ i;
     double u[3], v[3], turn = psplat_random_unit(&random);
     perpendicular3(u, normal);
     cross3(v, normal, u);
     for (int k = 0; k < count; ++k) {
-        int slant = k / AROUND;
-        double angle = 2 * PSPLAT_PI * (turn + (k + psplat_random_unit(&random)) / AROUND);
-        double part = psplat_random_unit(&random);
-        double cosine = cosines[slant] + part * (cosines[slant + 1] - cosines[slant]);
+        const double *range = plan->cosines + k / plan->around;
+        double angle = 2 * PSPLAT_PI * (turn + (k + psplat_random_unit(&random)) / plan->around);
+        double cosine = range[0] + psplat_random_unit(&random) * (range[1] - range[0]);
         double sine = sqrt(max2(1 - cosine * cosine, 0)), *d = b->sights[k].direction;
         b->cosine[k] = cosine;
-        memcpy(b->sights[k].point, samples->positions + 3 * i, sizeof b->sights[k].point);
         for (int c = 0; c < 3; ++c)
             d[c] = cosine * normal[c] + sine * (cos(angle) * u[c] + sin(angle) * v[c]);
+        along3(b->sights[k].point, at->point, -at->lift / cosine, d);
     }
     b->open = (1u << count) - 1;
 }
 
-/* What a thread that looks at points knows. Points follow each other over the surface, so that it
- * keeps which splats last met all rays of a point, and those near the last points. The results do
+/* What a thread that looks at places knows. Places follow each other over the surface, so that it
+ * keeps which splats last met all rays of a place, and those near the last places. The results do
  * not depend on it. */
 enum { LIKELY = 4 };
 typedef struct looker {
-    const psplat_ray_search *search;
-    const psplat_samples *samples;
+    const ray_plan *plan;
+    const psplat_measured_splats *measured;
     const double *bends;             /* of the regions */
     psplat_sight_cone cones[SLANTS]; /* of the rays of a slant and of all steeper ones */
     double reach;                    /* how far from its point a ray may meet a splat */
@@ -74,8 +108,9 @@ typedef struct looker {
     uint32_t *near;
     size_t near_count, near_capacity;
     int failed;
-    /* At the point: */
+    /* At the place: */
     const double *point, *normal;
+    double lift;
     int met; /* the first cone of which all rays are met */
 } looker;
 
@@ -104,7 +139,7 @@ static void find_near(looker *l) {
         l->high[k] = l->point[k] + l->reach, high[k] = l->high[k] + l->reach;
     }
     l->near_count = 0;
-    psplat_region_tree_visit_box(l->search->measured->region_tree, low, high, push_near, l);
+    psplat_region_tree_visit_box(l->measured->region_tree, low, high, push_near, l);
 }
 
 /* Remembers a splat. */
@@ -120,9 +155,8 @@ static void put_first(looker *l, uint32_t splat) {
 /* Finds whether a splat meets all rays of a cone that has not been met. Returns whether all cones
  * have been. */
 static int meet_cones(looker *l, uint32_t splat) {
-    const psplat_measured_splats *measured = l->search->measured;
-    int met = psplat_sight_cones_meet(&measured->regions[splat], l->bends[splat], l->point,
-                                      l->normal, measured->tolerance, l->cones, l->met);
+    int met = psplat_sight_cones_meet(&l->measured->regions[splat], l->bends[splat], l->point,
+                                      l->normal, l->measured->tolerance, l->cones, l->met);
     if (met < l->met) {
         l->met = met;
         put_first(l, splat);
@@ -132,7 +166,7 @@ static int meet_cones(looker *l, uint32_t splat) {
 
 /* Finds the cones of which all rays are met. */
 static void find_cones(looker *l) {
-    l->met = SLANTS;
+    l->met = l->plan->slants;
     for (int k = 0; k < l->likely_count; ++k)
         if (meet_cones(l, l->likely[k])) return;
     find_near(l);
@@ -144,7 +178,7 @@ static void find_cones(looker *l) {
  * found once. Always returns whether none is left. */
 static int meet_splat(const looker *l, const psplat_region *region, bundle *b) {
     const double *h = region->hessian, *radius = region->radius;
-    double from[3], slope[2], tolerance = l->search->measured->tolerance;
+    double from[3], slope[2], tolerance = l->measured->tolerance;
     sub3(from, l->point, region->center);
     double s = dot3(from, region->u), t = dot3(from, region->v);
     const double foot[2] = {s / radius[0], t / radius[1]};
@@ -163,7 +197,8 @@ static int meet_splat(const looker *l, const psplat_region *region, bundle *b) {
         double rise = sqrt(square);
         double way = f1 > 0 ? -2 * f0 / (f1 + rise) : (rise - f1) / (2 * f2);
         const double uv[2] = {(s + way * x) / radius[0], (t + way * y) / radius[1]};
-        if (fabs(way) * b->cosine[k] <= tolerance && psplat_region_contains(region, uv, 1, 0))
+        if (fabs(way * b->cosine[k] + l->lift) <= tolerance &&
+            psplat_region_contains(region, uv, 1, 0))
             b->open &= ~(1u << k);
     }
     return !b->open;
@@ -172,113 +207,182 @@ static int meet_splat(const looker *l, const psplat_region *region, bundle *b) {
 /* Closes the rays that meet splats: most meet one that meets all rays of a slant, or did so at a
  * point before. */
 static void find_rays(const looker *l, bundle *b) {
-    const psplat_region *regions = l->search->measured->regions;
+    const psplat_region *regions = l->measured->regions;
     for (int k = 0; k < l->likely_count; ++k)
         if (meet_splat(l, &regions[l->likely[k]], b)) return;
     for (size_t k = 0; k < l->near_count; ++k)
         if (meet_splat(l, &regions[l->near[k]], b)) return;
 }
 
-/* Finds which rays of a point are holes. */
-static psplat_result measure_point(looker *l, size_t i, uint32_t *open) {
-    const psplat_ray_search *search = l->search;
+/* Finds the triangle that is nearest to a place beyond a rim. */
+static psplat_result find_triangle(const ray_plan *plan, place *at) {
+    double nearest[3], d[3];
+    psplat_result result =
+        psplat_distance_nearest(plan->search->distance, at->point, nearest, &at->triangle);
+    if (result) return result;
+    sub3(d, at->point, nearest);
+    at->lift = dot3(d, plan->search->surface->face_normals + 3 * (size_t)at->triangle);
+    return PSPLAT_OK;
+}
+
+/* Stores whether a ray that meets no splat is a hole: whether it sees the surface from outside,
+ * inside of its outline, which few rays do not, and which short ways tell. */
+static psplat_result see(const looker *l, psplat_sight sight, double cosine, int *is_hole) {
+    const psplat_ray_search *search = l->plan->search;
+    double tolerance = l->measured->tolerance;
+    psplat_result result =
+        psplat_sight_is_inner(&sight, l->normal, cosine, search->distance, tolerance, is_hole);
+    if (result || !*is_hole) return result;
+    if (l->plan->rims) {
+        double behind[3], bend = bend_tolerances * tolerance / cosine;
+        along3(behind, sight.point, -bend, sight.direction);
+        along3(sight.point, sight.point, bend, sight.direction);
+        result = psplat_distance_meets(search->distance, sight.point, behind, is_hole);
+        if (result || !*is_hole) return result;
+    }
+    return psplat_sight_is_free(&sight, search->distance, way_diagonals * search->surface->diagonal,
+                                is_hole);
+}
+
+/* Finds which rays of a place are holes. */
+static psplat_result measure_place(looker *l, size_t i) {
+    const psplat_surface *surface = l->plan->search->surface;
+    place *at = &l->plan->places[i];
+    psplat_result result = PSPLAT_OK;
     bundle b;
-    l->point = l->samples->positions + 3 * i;
-    if (!psplat_surface_owns(search->surface, l->point)) return PSPLAT_OK;
-    l->normal = search->surface->face_normals + 3 * (size_t)l->samples->triangles[i];
+    l->point = at->point;
+    if (!psplat_surface_owns(surface, at->point)) return PSPLAT_OK;
+    /* The triangle beneath a rim is found only where it is needed, since that takes long. */
+    l->normal =
+        l->plan->rims ? l->plan->rims[i].normal : surface->face_normals + 3 * (size_t)at->triangle;
     find_cones(l);
     if (l->failed) return PSPLAT_ERROR_MEMORY;
-    if (!l->met) return PSPLAT_OK;
-    make_rays(search, l->samples, i, AROUND * l->met, &b);
+    if (l->met && l->plan->rims) result = find_triangle(l->plan, at);
+    if (result || !l->met) return result;
+    l->normal = surface->face_normals + 3 * (size_t)at->triangle;
+    l->lift = at->lift;
+    make_rays(l->plan, i, l->plan->around * l->met, &b);
     find_rays(l, &b);
-    psplat_result result = PSPLAT_OK;
     for (uint32_t k = 0; k < RAYS && b.open && !result; ++k) {
-        int is_free; /* and inner, which few are, and which short ways tell */
+        int is_hole;
         if (!(b.open & (1u << k))) continue;
-        result = psplat_sight_is_inner(&b.sights[k], l->normal, b.cosine[k], search->distance,
-                                       search->measured->tolerance, &is_free);
-        if (!result && is_free)
-            result = psplat_sight_is_free(&b.sights[k], search->distance,
-                                          way_diagonals * search->surface->diagonal, &is_free);
-        if (!is_free) b.open &= ~(1u << k);
+        result = see(l, b.sights[k], b.cosine[k], &is_hole);
+        if (!result && !is_hole) b.open &= ~(1u << k);
     }
-    *open = b.open;
+    at->open = b.open;
     return result;
 }
 
-/* Makes the rays that were found again, in the order of their points. Returns 0 when out of memory.
- */
-static int collect(const psplat_ray_search *search, const psplat_samples *samples,
-                   const uint32_t *open, psplat_ray_holes *holes) {
-    size_t count = 0;
-    for (size_t i = 0; i < samples->count; ++i)
-        for (uint32_t k = 0; k < RAYS; ++k) count += (open[i] >> k) & 1;
-    holes->holes = malloc((count + 1) * sizeof *holes->holes);
-    for (size_t i = 0; holes->holes && i < samples->count; ++i) {
+/* Appends the rays that are holes, made again, in the order of their places. Returns 0 when out of
+ * memory. */
+static int collect(const ray_plan *plan, psplat_ray_holes *holes) {
+    size_t count = holes->count;
+    for (size_t i = 0; i < plan->count; ++i)
+        for (uint32_t k = 0; k < RAYS; ++k) count += (plan->places[i].open >> k) & 1;
+    psplat_ray_hole *all = realloc(holes->holes, (count + 1) * sizeof *all);
+    if (!all) return 0;
+    holes->holes = all;
+    for (size_t i = 0; i < plan->count; ++i) {
+        const place *at = &plan->places[i];
         bundle b;
-        if (!open[i]) continue;
-        make_rays(search, samples, i, RAYS, &b);
+        if (!at->open) continue;
+        make_rays(plan, i, plan->around * plan->slants, &b);
         for (uint32_t k = 0; k < RAYS; ++k)
-            if ((open[i] >> k) & 1)
-                holes->holes[holes->count++] =
-                    (psplat_ray_hole){b.sights[k], b.cosine[k], samples->triangles[i]};
+            if ((at->open >> k) & 1)
+                all[holes->count++] = (psplat_ray_hole){b.sights[k], b.cosine[k], at->triangle};
     }
-    return holes->holes != NULL;
+    return 1;
 }
 
 /* Returns a looker that has seen nothing yet. */
-static looker looker_of(const psplat_ray_search *search, const psplat_samples *samples,
-                        const double *bends) {
-    looker l = {.search = search,
-                .samples = samples,
+static looker looker_of(const ray_plan *plan, const double *bends) {
+    looker l = {.plan = plan,
+                .measured = plan->search->measured,
                 .bends = bends,
-                .reach = search->measured->tolerance / cosines[0],
+                .reach = plan->search->measured->tolerance / plan->cosines[0],
                 .low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
-    for (int k = 0; k < SLANTS; ++k) {
-        l.cones[k].cosine = cosines[k];
-        l.cones[k].sine = sqrt(1 - cosines[k] * cosines[k]);
+    for (int k = 0; k < plan->slants; ++k) {
+        double cosine = plan->cosines[k];
+        l.cones[k] = (psplat_sight_cone){cosine, sqrt(1 - cosine * cosine)};
     }
     return l;
 }
 
-enum { BLOCK_POINTS = 256 }; /* that a thread takes at once */
+enum { BLOCK_PLACES = 256 }; /* that a thread takes at once */
 
-/* Finds which rays of each point are holes. */
-static psplat_result measure_points(const psplat_ray_search *search, const psplat_samples *samples,
-                                    const double *bends, uint32_t *open) {
-    long end = (long)samples->count;
+/* Finds which rays of each place are holes, and appends them. */
+static psplat_result measure_places(const ray_plan *plan, const double *bends,
+                                    psplat_ray_holes *holes) {
+    long end = (long)plan->count;
     int failed = 0;
 #if defined(_OPENMP)
 #pragma omp parallel reduction(| : failed)
 #endif
     {
-        looker l = looker_of(search, samples, bends);
+        looker l = looker_of(plan, bends);
 #if defined(_OPENMP)
-#pragma omp for schedule(dynamic, BLOCK_POINTS)
+#pragma omp for schedule(dynamic, BLOCK_PLACES)
 #endif
-        for (long i = 0; i < end; ++i) failed |= measure_point(&l, (size_t)i, &open[i]) != 0;
+        for (long i = 0; i < end; ++i) failed |= measure_place(&l, (size_t)i) != PSPLAT_OK;
         free(l.near);
     }
-    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+    return !failed && collect(plan, holes) ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+}
+
+/* Casts rays from random points of the surface. */
+static psplat_result measure_points(const psplat_ray_search *search, const double *bends,
+                                    psplat_ray_holes *holes) {
+    psplat_samples samples = {0};
+    ray_plan plan = {
+        .search = search, .cosines = cosines + 1, .slants = SLANTS - 1, .around = AROUND};
+    psplat_result result =
+        psplat_samples_draw_uniform(search->surface, search->points, search->seed, &samples, NULL);
+    if (!result) plan.places = calloc(samples.count + 1, sizeof *plan.places);
+    plan.count = plan.places ? samples.count : 0;
+    for (size_t i = 0; i < plan.count; ++i) {
+        memcpy(plan.places[i].point, samples.positions + 3 * i, sizeof plan.places[i].point);
+        plan.places[i].triangle = samples.triangles[i];
+    }
+    psplat_samples_free(&samples);
+    if (!result) result = plan.places ? measure_places(&plan, bends, holes) : PSPLAT_ERROR_MEMORY;
+    free(plan.places);
+    return result;
+}
+
+/* Casts rays past the rims of the splats. */
+static psplat_result measure_rims(const psplat_ray_search *search, const double *bends,
+                                  psplat_ray_holes *holes) {
+    const psplat_rim_draw draw = {.regions = search->measured->regions,
+                                  .count = search->measured->count,
+                                  .spacing = search->rim_spacing,
+                                  .least = least_rim_gap * search->measured->tolerance,
+                                  .greatest = greatest_rim_gap * search->measured->tolerance,
+                                  .seed = search->seed};
+    psplat_rim_point *rims;
+    ray_plan plan = {.search = search, .cosines = cosines, .slants = SLANTS, .around = AROUND_RIMS};
+    psplat_result result = psplat_rim_points_draw(&draw, &rims, &plan.count);
+    if (result) return result;
+    plan.rims = rims;
+    plan.places = calloc(plan.count + 1, sizeof *plan.places);
+    for (size_t i = 0; plan.places && i < plan.count; ++i)
+        memcpy(plan.places[i].point, rims[i].point, sizeof plan.places[i].point);
+    result = plan.places ? measure_places(&plan, bends, holes) : PSPLAT_ERROR_MEMORY;
+    free(plan.places);
+    free(rims);
+    return result;
 }
 
 psplat_result psplat_ray_holes_find(const psplat_ray_search *search, psplat_ray_holes *holes) {
-    psplat_samples samples = {0};
-    *holes = (psplat_ray_holes){0};
-    psplat_result result =
-        psplat_samples_draw_uniform(search->surface, search->points, search->seed, &samples, NULL);
     size_t count = search->measured->count;
-    uint32_t *open = result ? NULL : calloc(samples.count + 1, sizeof *open);
     double *bends = malloc((count + 1) * sizeof *bends);
-    int failed = !open || !bends;
-    for (size_t i = 0; !failed && i < count; ++i)
-        bends[i] = psplat_region_bend(&search->measured->regions[i]);
-    if (!failed) failed = measure_points(search, &samples, bends, open) != PSPLAT_OK;
-    if (!failed) failed = !collect(search, &samples, open, holes);
-    free(open);
+    *holes = (psplat_ray_holes){0};
+    if (!bends) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < count; ++i) bends[i] = psplat_region_bend(&search->measured->regions[i]);
+    psplat_result result = search->points ? measure_points(search, bends, holes) : PSPLAT_OK;
+    if (!result && search->rim_spacing > 0) result = measure_rims(search, bends, holes);
     free(bends);
-    psplat_samples_free(&samples);
-    return failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
+    if (result) psplat_ray_holes_free(holes);
+    return result;
 }
 
 void psplat_ray_holes_free(psplat_ray_holes *holes) {

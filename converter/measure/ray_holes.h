@@ -15,9 +15,10 @@
 #include <stdint.h>
 
 /* The least cosine of a ray to the normal of the face that it sees at which splats have to be
- * whole.
+ * whole. Rays from rims, which show folds and slits, are tried down to the flatter one.
  */
 #define PSPLAT_LEAST_SIGHT_COSINE 0.2
+#define PSPLAT_FLATTEST_SIGHT_COSINE 0.08
 
 /* A ray that sees a point of a triangle, with that cosine, and meets no splat there. */
 typedef struct psplat_ray_hole {
@@ -31,14 +32,15 @@ typedef struct psplat_ray_holes {
     size_t count;
 } psplat_ray_holes;
 
-/* Which rays are tried: 24 from each of so many points, which are uniform by area, but for those in
- * the surface's apron; their directions
+/* Which rays are tried: 24 from each of so many points, which are uniform by area, and 16 past the
+ * rims of splats at points so far apart, but for those in the surface's apron; their directions
  * are spread over all sides and cosines, with more of them where rays are slanted. */
 typedef struct psplat_ray_search {
     const psplat_surface *surface;
     const psplat_measured_splats *measured; /* only the tree, the regions and the tolerance count */
     const psplat_distance *distance;        /* to the surface */
     size_t points;
+    double rim_spacing; /* a length; 0: no rays past rims */
     uint64_t seed;
 } psplat_ray_search;
 

@@ -139,21 +139,28 @@ psplat_result psplat_distance_meets(const psplat_distance *distance, const doubl
     return PSPLAT_OK;
 }
 
+psplat_result psplat_distance_is_within(const psplat_distance *distance, const double point[3],
+                                        double tolerance, uint32_t *guess, int *within) {
+    if (distance->cgal)
+        return psplat_cgal_distance_within(distance->cgal, point, 1, tolerance, within);
+    double at[3];
+    *within = distance->morton
+                  ? psplat_morton_tree_nearest(distance->morton, point, tolerance * (1 + 1e-12), at,
+                                               guess) <= tolerance
+                  : psplat_triangle_tree_is_within(distance->tree, point, tolerance, guess);
+    return PSPLAT_OK;
+}
+
 psplat_result psplat_distance_within(const psplat_distance *distance, const double *points,
                                      size_t count, double tolerance, int *within) {
     if (distance->cgal)
         return psplat_cgal_distance_within(distance->cgal, points, count, tolerance, within);
-    uint32_t place = PSPLAT_NONE;
+    uint32_t guess = PSPLAT_NONE;
+    psplat_result result = PSPLAT_OK;
     *within = 1;
-    for (size_t i = 0; i < count && *within; ++i) {
-        double at[3];
-        *within =
-            distance->morton
-                ? psplat_morton_tree_nearest(distance->morton, points + 3 * i,
-                                             tolerance * (1 + 1e-12), at, &place) <= tolerance
-                : psplat_triangle_tree_is_within(distance->tree, points + 3 * i, tolerance, &place);
-    }
-    return PSPLAT_OK;
+    for (size_t i = 0; i < count && *within && !result; ++i)
+        result = psplat_distance_is_within(distance, points + 3 * i, tolerance, &guess, within);
+    return result;
 }
 
 /* What a visit of a box hands on. */

@@ -60,6 +60,11 @@ psplat_result psplat_distance_meets(const psplat_distance *distance, const doubl
 psplat_result psplat_distance_within(const psplat_distance *distance, const double *points,
                                      size_t count, double tolerance, int *within);
 
+/* The same of one point. *guess is PSPLAT_NONE at first; handed on from point to point on the same
+ * distance, it makes neighbouring points faster and changes no result. */
+psplat_result psplat_distance_is_within(const psplat_distance *distance, const double point[3],
+                                        double tolerance, uint32_t *guess, int *within);
+
 /* Calls visit with the corners of each triangle that may meet the box from low to high, until visit
  * returns other than 0. It may also be called for triangles that only come near the box. */
 psplat_result psplat_distance_visit_box(const psplat_distance *distance, const double low[3],

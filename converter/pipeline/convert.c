@@ -12,6 +12,7 @@
 #include "fit/texture_candidates.h"
 #include "mesh/distance.h"
 #include "mesh/mesh.h"
+#include "select/close_cracks.h"
 #include "select/close_rays.h"
 #include "select/close_seams.h"
 #include "select/conversion.h"
@@ -21,6 +22,7 @@
 #include "select/mend_colors.h"
 #include "select/mend_textures.h"
 #include "select/open_seams.h"
+#include "select/own_fields.h"
 #include "select/precision.h"
 #include "select/relax.h"
 #include "select/sample_spacing.h"
@@ -165,7 +167,7 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     if (!result) result = psplat_mend_colors(c, 1, error);
     if (!result) result = psplat_mend_textures(c, 1, error);
     if (result) return result;
-    if (psplat_close_seams(&context, &c->selection))
+    if (psplat_close_seams(&context, &c->selection) || psplat_close_cracks(c))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
     if (psplat_open_seams(&context, &c->kernel, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while opening seams");
@@ -174,6 +176,8 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while colouring splats");
     if (psplat_fit_texcoords(&context, c->selection.candidates, c->selection.count))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while texturing splats");
+    if (psplat_fit_own_fields(c))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while shading splats");
     return store_splats(c, error);
 }
 

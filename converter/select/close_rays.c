@@ -26,6 +26,7 @@
 #include "measure/measured_splats.h"
 #include "measure/ray_holes.h"
 #include "measure/ray_meeting.h"
+#include "select/close_cracks.h"
 #include "select/close_seams.h"
 #include "select/conversion.h"
 #include "select/fill_holes.h"
@@ -51,8 +52,10 @@ static const double most_height = 3;
  * that of the samples it is recorded to cover, and rims weigh little, but those of another colour
  * can be seen. */
 static const double color_factor = 1.5;
+/* How far the points lie apart at which rays pass rims, in tolerances. */
+static const double rim_spacing_tolerances = 2;
 /* How many candidates there may be in the end for each that there were: what gaps may cost. */
-static const double most_growth = 1.1;
+static const double most_growth = 1.13;
 /* The share of the gaps of one round from which on those of the next one end the rounds. */
 static const double stalling_share = 0.85;
 
@@ -66,7 +69,7 @@ typedef struct choice {
 typedef struct gap {
     psplat_ray_hole hole;
     choice choices[CHOICES]; /* nearest first */
-    int closed;
+    int closed;              /* 1: by a candidate, or to be closed by close_cracks.c */
 } gap;
 
 /* The state of a round. */
@@ -312,9 +315,12 @@ static int visit_choice(void *user, uint32_t candidate) {
     chooser *s = user;
     const psplat_region *region = &s->closer->regions[candidate];
     const psplat_ray_hole *hole = &s->gap->hole;
-    double height, uv[2];
+    double height, uv[2], tolerance = s->closer->measured.tolerance;
+    if (psplat_crack_width(&hole->sight, hole->cosine, region, tolerance) <=
+        PSPLAT_GREATEST_CRACK * tolerance)
+        s->gap->closed = 1;
     if (!psplat_sight_leaves(&hole->sight, region, &height, uv) ||
-        fabs(height) * hole->cosine > s->closer->measured.tolerance ||
+        fabs(height) * hole->cosine > tolerance ||
         !psplat_region_contains(region, uv, most_distance, 0))
         return 0;
     choice new = {candidate, hypot(uv[0], uv[1])}, *choices = s->gap->choices;
@@ -328,7 +334,7 @@ static int visit_choice(void *user, uint32_t candidate) {
 }
 
 static void choose(const closer *r, gap *gap) {
-    double low[3], high[3], reach = r->measured.tolerance / PSPLAT_LEAST_SIGHT_COSINE;
+    double low[3], high[3], reach = r->measured.tolerance / PSPLAT_FLATTEST_SIGHT_COSINE;
     chooser s = {r, gap};
     for (int k = 0; k < CHOICES; ++k) gap->choices[k] = (choice){PSPLAT_NONE, 0};
     for (int k = 0; k < 3; ++k) {
@@ -380,6 +386,12 @@ static void mark_closed(closer *r) {
 
 /* ---- new candidates -------------------------------------------------------------------------- */
 
+static size_t count_open(const closer *r) {
+    size_t open = 0;
+    for (size_t i = 0; i < r->count; ++i) open += !r->gaps[i].closed;
+    return open;
+}
+
 /* Appends points of the gaps that are left to the samples, at most so many, spread over all gaps.
  * Stores the seeds. */
 static psplat_result append_seeds(closer *r, size_t most, uint32_t **seeds, size_t *count,
@@ -389,9 +401,8 @@ static psplat_result append_seeds(closer *r, size_t most, uint32_t **seeds, size
     uint32_t *triangles = malloc((r->count + 1) * sizeof *triangles);
     *seeds = malloc((r->count + 1) * sizeof **seeds);
     psplat_result result = points && triangles && *seeds ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
-    size_t open = 0, met = 0;
+    size_t open = count_open(r), met = 0;
     *count = 0;
-    for (size_t i = 0; i < r->count; ++i) open += !r->gaps[i].closed;
     for (size_t i = 0; !result && i < r->count; ++i) {
         const double *p = r->gaps[i].hole.sight.point;
         if (r->gaps[i].closed || *count * open > met++ * most) continue;
@@ -422,7 +433,7 @@ static psplat_result finish_new(const psplat_fit_context *context, size_t index,
  * seen straight on show most. Marks them as closed where mark is 1. */
 static double gain_of(closer *r, const psplat_region *region, int mark) {
     double gain = 0, tolerance = r->measured.tolerance;
-    double far = psplat_region_reach(region) + tolerance / PSPLAT_LEAST_SIGHT_COSINE;
+    double far = psplat_region_reach(region) + tolerance / PSPLAT_FLATTEST_SIGHT_COSINE;
     for (size_t i = 0; i < r->count; ++i) {
         if (r->gaps[i].closed ||
             distance2_3(r->gaps[i].hole.sight.point, region->center) > far * far ||
@@ -566,6 +577,8 @@ static psplat_result find_gaps(closer *r, uint64_t seed) {
                                       .measured = &r->measured,
                                       .distance = r->c->distance,
                                       .points = POINTS_PER_SAMPLE * r->c->samples.count,
+                                      .rim_spacing =
+                                          rim_spacing_tolerances * r->c->limits.tolerance,
                                       .seed = seed};
     psplat_result result = psplat_ray_holes_find(&search, &holes);
     if (result) return result;
@@ -624,9 +637,10 @@ psplat_result psplat_close_rays(psplat_conversion *c, psplat_error *error) {
         if (psplat_conversion_interrupted(c->desc, "closing holes", (double)round / ROUNDS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = find_gaps(&r, c->desc->seed + (uint64_t)round);
+        size_t open = count_open(&r);
         /* Once candidates only gain by extension, rounds that find as much again are of no use. */
-        int stalls = c->selection.count >= most && (double)r.count > stalling_share * (double)gaps;
-        gaps = stalls ? 0 : r.count;
+        int stalls = c->selection.count >= most && (double)open > stalling_share * (double)gaps;
+        gaps = stalls ? 0 : open;
         if (!result && gaps) result = close_gaps(&r, error);
         free_round(&r);
     }

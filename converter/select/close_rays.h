@@ -10,10 +10,11 @@
 #include "select/conversion.h"
 
 /* Extends the ellipses of candidates to where rays pass between them, as far as the limits allow,
- * and adds candidates where that does not help: in the end there are at most 8 % more of them,
+ * and adds candidates where that does not help: in the end there are at most 13 % more of them,
  * unless that opens holes along normals, which psplat_fill_last_holes then fills. Every candidate
  * must be taken. Rays see the candidates as
- * psplat_close_seams will leave them, which has to follow. What a candidate is recorded to cover
+ * psplat_close_seams will leave them, which has to follow, and so has psplat_close_cracks, to which
+ * narrow cracks at clip lines are left. What a candidate is recorded to cover
  * stays, and with that its colour. Errors: MEMORY, INTERRUPTED, RANGE (too many samples). */
 psplat_result psplat_close_rays(psplat_conversion *c, psplat_error *error);
 

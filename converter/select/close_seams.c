@@ -49,6 +49,8 @@ static const double greatest_reach_tolerances = 0.8;
 /* How far a splat reaches beyond a border where the surface goes on, in tolerances: slanted views
  * see no crack then, and the strip where the texture of the wrong chart is mixed in is narrow. */
 static const double smooth_reach_tolerances = 0.4;
+/* The same at a tangent edge, where the surface goes on and no texture jumps. */
+static const double tangent_reach_tolerances = 2;
 /* How far outside its own region (of the unit ellipse) a splat still counts as lying at a crease
  * point. */
 static const double region_slack = 0.005;
@@ -135,10 +137,11 @@ static void find_move_at_point(const psplat_fit_context *context, const closer *
     double rate = line_outward(region, i, uvh, c.outward), normal[3];
     /* The line may already reach beyond this point. */
     double reach = psplat_region_line_value(region, i, uvh);
-    limits[i] = min2(limits[i], greatest_reach_tolerances * c.tolerance * rate - reach);
+    double farthest = segment->is_tangent ? tangent_reach_tolerances : greatest_reach_tolerances;
+    limits[i] = min2(limits[i], farthest * c.tolerance * rate - reach);
     if (across == PSPLAT_NONE) return;
-    if (segment->is_smooth)
-        moves[i] = max2(moves[i], smooth_reach_tolerances * c.tolerance * rate - reach);
+    double over = segment->is_tangent ? tangent_reach_tolerances : smooth_reach_tolerances;
+    if (segment->is_smooth) moves[i] = max2(moves[i], over * c.tolerance * rate - reach);
     psplat_region_point(region, uvh, c.foot);
     psplat_region_normal(region, uvh, normal);
     memcpy(c.point, c.foot, sizeof c.point);

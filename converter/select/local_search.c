@@ -40,7 +40,7 @@ typedef struct search_state {
     psplat_selection *selection;
     const psplat_local_search_desc *desc;
     size_t *first;         /* sample count + 1: where the candidates of each begin in incident */
-    uint32_t *incident;    /* the candidates that cover each sample */
+    uint32_t *incident;    /* the candidates of each sample's slab that cover it */
     uint16_t *covers;      /* per sample: the number of taken candidates that cover it */
     uint8_t *open;         /* per sample: 1 where the current move has yet to cover it */
     uint8_t *sample_slabs; /* per sample: its slab */
@@ -118,10 +118,9 @@ static void remove_one(slab *s, exchange *e, uint32_t c) {
 /* Finds a taken candidate of the slab that covers a sample; PSPLAT_NONE where there is none. */
 static uint32_t taken_candidate_of(const slab *s, size_t sample) {
     const search_state *state = s->state;
+    if (state->sample_slabs[sample] != s->id) return PSPLAT_NONE;
     for (size_t i = state->first[sample]; i < state->first[sample + 1]; ++i)
-        if (state->slabs[state->incident[i]] == s->id &&
-            state->selection->candidates[state->incident[i]].taken)
-            return state->incident[i];
+        if (state->selection->candidates[state->incident[i]].taken) return state->incident[i];
     return PSPLAT_NONE;
 }
 
@@ -154,8 +153,7 @@ static void count_gains(slab *s) {
         size_t sample = s->open_list[k];
         for (size_t i = state->first[sample]; i < state->first[sample + 1]; ++i) {
             uint32_t c = state->incident[i];
-            if (state->slabs[c] == s->id && state->gains[c]++ == 0)
-                s->touched[s->touched_count++] = c;
+            if (state->gains[c]++ == 0) s->touched[s->touched_count++] = c;
         }
     }
 }
@@ -185,7 +183,7 @@ static void close_samples(const slab *s, uint32_t chosen, size_t *left) {
         state->open[sample] = 0;
         --*left;
         for (size_t i = state->first[sample]; i < state->first[sample + 1]; ++i)
-            if (state->slabs[state->incident[i]] == s->id) --state->gains[state->incident[i]];
+            --state->gains[state->incident[i]];
     }
 }
 
@@ -293,24 +291,6 @@ static int improve_slab(const search_state *state, uint8_t id, size_t taken) {
 
 /* ---- setting up ---------------------------------------------------------------------------- */
 
-static int index_samples(search_state *state) {
-    const psplat_selection *selection = state->selection;
-    size_t count = state->desc->samples->count;
-    state->first = calloc(count + 2, sizeof *state->first);
-    if (!state->first) return 0;
-    size_t *starts = state->first + 1; /* Filling moves each start to the next one's place. */
-    for (size_t c = 0; c < selection->count; ++c)
-        for (size_t i = 0; i < selection->candidates[c].covered_count; ++i)
-            starts[selection->candidates[c].covered[i] + 1]++;
-    for (size_t i = 0; i < count; ++i) starts[i + 1] += starts[i];
-    state->incident = malloc((starts[count] + 1) * sizeof *state->incident);
-    if (!state->incident) return 0;
-    for (uint32_t c = 0; c < selection->count; ++c)
-        for (size_t i = 0; i < selection->candidates[c].covered_count; ++i)
-            state->incident[starts[selection->candidates[c].covered[i]]++] = c;
-    return 1;
-}
-
 /* Counts the samples of an apron as covered by one that is never dropped. */
 static void cover_apron(const search_state *state) {
     const psplat_surface *surface = state->desc->surface;
@@ -328,7 +308,7 @@ static int search_begin(search_state *state) {
     state->places = malloc(candidates * sizeof *state->places);
     state->gains = calloc(candidates, sizeof *state->gains);
     if (!state->covers || !state->open || !state->sample_slabs || !state->slabs || !state->places ||
-        !state->gains || !index_samples(state))
+        !state->gains)
         return 0;
     cover_apron(state);
     for (size_t c = 0; c < state->selection->count; ++c)
@@ -365,6 +345,28 @@ static size_t drop_unneeded(const search_state *state) {
     return taken;
 }
 
+/* Lists the candidates of each sample but for those of no slab, which no move exchanges. Returns 0
+ * when out of memory. */
+static int index_samples(search_state *state) {
+    const psplat_selection *selection = state->selection;
+    size_t count = state->desc->samples->count;
+    state->first = calloc(count + 2, sizeof *state->first);
+    if (!state->first) return 0;
+    size_t *starts = state->first + 1; /* Filling moves each start to the next one's place. */
+    for (size_t c = 0; c < selection->count; ++c)
+        for (size_t i = 0; state->slabs[c] != OUTSIDE && i < selection->candidates[c].covered_count;
+             ++i)
+            starts[selection->candidates[c].covered[i] + 1]++;
+    for (size_t i = 0; i < count; ++i) starts[i + 1] += starts[i];
+    state->incident = malloc((starts[count] + 1) * sizeof *state->incident);
+    if (!state->incident) return 0;
+    for (uint32_t c = 0; c < selection->count; ++c)
+        for (size_t i = 0; state->slabs[c] != OUTSIDE && i < selection->candidates[c].covered_count;
+             ++i)
+            state->incident[starts[selection->candidates[c].covered[i]]++] = c;
+    return 1;
+}
+
 /* Cuts the surface into slabs and lets each make its moves. Returns 0 when out of memory. */
 static int improve_slabs(search_state *state, size_t taken) {
     size_t slabs = taken / LEAST_SLAB_CANDIDATES;
@@ -372,6 +374,7 @@ static int improve_slabs(search_state *state, size_t taken) {
     cut_into_slabs(state, state->desc->axis);
     for (size_t c = 0; c < state->selection->count; ++c)
         state->slabs[c] = slab_of_candidate(state, &state->selection->candidates[c]);
+    if (!index_samples(state)) return 0;
     long end = (long)state->slab_count;
     int failed = 0;
 #if defined(_OPENMP)

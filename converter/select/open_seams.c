@@ -25,9 +25,10 @@
 #include <math.h>
 #include <string.h>
 
-/* How far a line of a fit may reach over its crease, in tolerances: close_seams.c moves it by up to
- * 0.8, and the fit leaves the rest. A crease so near to such a line is not met. Chosen by hand. */
-static const double line_reach_tolerances = 1;
+/* How far a line of a fit may reach over what it stands at, a crease or a tangent edge, in
+ * tolerances: close_seams.c moves it by up to 0.8 and 2, close_cracks.c by a little more, and the
+ * fit leaves the rest. An edge so near to such a line is not met. Chosen by hand. */
+static const double crease_reach_tolerances = 1, tangent_reach_tolerances = 2.5;
 /* Where not all beyond a seam keeps the limits, the parts of the way to the rim that are tried, and
  * how far these reach at least, in tolerances: a jump of the shading is softened over that width.
  * Chosen by hand. */
@@ -76,17 +77,22 @@ static void cut_beyond(const psplat_limits *limits, double beyond, psplat_region
     psplat_quantize_line(&at, region->lines[line], &region->bends[line]);
 }
 
-/* Returns whether a crease lies in a region, other than beside the first lines, fitted of them,
- * which stand at creases. The scratch holds the surroundings. */
-static int meets_crease(const psplat_fit_context *context, const psplat_region *region,
-                        uint32_t fitted) {
+/* Returns whether an edge that bounds patches, of creases or of tangent edges, lies in a region,
+ * other than beside the first lines, fitted of them, which stand at such edges. The scratch holds
+ * the surroundings. */
+static int meets_edge(const psplat_fit_context *context, const psplat_region *region,
+                      uint32_t fitted, int is_tangent) {
     const psplat_neighborhood *near = &context->scratch->near;
+    const psplat_segment *segments = context->scratch->segments;
     double tolerance = context->limits->tolerance;
+    double reach = (is_tangent ? tangent_reach_tolerances : crease_reach_tolerances) * tolerance;
     psplat_region narrow = *region;
-    for (uint32_t i = 0; i < fitted; ++i)
-        narrow.lines[i][2] -= line_reach_tolerances * tolerance * line_rate(region, i);
-    return psplat_segments_find(context->surface, near->creases, near->crease_count, &narrow,
-                                2 * tolerance, context->scratch->segments) > 0;
+    for (uint32_t i = 0; i < fitted; ++i) narrow.lines[i][2] -= reach * line_rate(region, i);
+    size_t count = psplat_segments_find(context->surface, near->creases, near->crease_count,
+                                        &narrow, 2 * tolerance, context->scratch->segments);
+    for (size_t i = 0; i < count; ++i)
+        if (segments[i].is_tangent == is_tangent) return 1;
+    return 0;
 }
 
 /* Returns the squared difference of the unit normals of a candidate at (u, v) and of a sample. */
@@ -144,7 +150,8 @@ static psplat_result try_seams(const psplat_fit_context *context, opener *o,
     if (psplat_site_gather(context, &o->site, reach)) return PSPLAT_ERROR_MEMORY;
     /* Those that have not become seams are still the first ones. */
     uint32_t fitted = o->candidate->region.line_count - region->seam_count;
-    if (meets_crease(context, region, fitted)) return PSPLAT_OK;
+    if (meets_edge(context, region, fitted, 0) || meets_edge(context, region, fitted, 1))
+        return PSPLAT_OK;
     psplat_evaluation e = psplat_evaluate(context, &o->site, region, &demands);
     if (e.status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
     *is_kept = e.status == PSPLAT_FIT_KEPT &&

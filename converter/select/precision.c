@@ -75,9 +75,7 @@ static const double field_step_part = 0.2;
 enum { LEAST_GRADED_BITS = 7 };
 static const limit greatest_shape_step = {0.1, 0.2};
 
-/* Returns the mean part of the tolerance that the fits of taken candidates use. It is of samples:
- * most of what one sees are large splats. */
-static double used_part(const psplat_conversion *c) {
+double psplat_used_part(const psplat_conversion *c) {
     double sum = 0, count = 0;
     for (size_t i = 0; i < c->selection.count; ++i) {
         const psplat_candidate *candidate = &c->selection.candidates[i];
@@ -90,7 +88,7 @@ static double used_part(const psplat_conversion *c) {
 
 /* Returns how coarse limits may be: 0 for fine ones to 1. */
 static double coarseness_of(const psplat_conversion *c) {
-    double part = (used_part(c) - little_used) / (much_used - little_used);
+    double part = (psplat_used_part(c) - little_used) / (much_used - little_used);
     return fmin(fmax(part, 0), 1);
 }
 

@@ -12,6 +12,10 @@
  * is 0 where floats are wanted, or positions would not fit into 16 bits. */
 psplat_precision psplat_precision_choose(const psplat_conversion *c);
 
+/* Returns the mean part of the tolerance that the fits of taken candidates use, from 0 to 1. It is
+ * of samples: most of what one sees are large splats. */
+double psplat_used_part(const psplat_conversion *c);
+
 /* Moves the texture coordinates of c->splats to where they take fewest bytes, and completes
  * c->splats->precision with their steps (splats/texcoord_steps.h). */
 void psplat_precision_settle_texcoords(psplat_conversion *c);

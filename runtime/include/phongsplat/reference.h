@@ -43,7 +43,7 @@ typedef struct psplat_reference_image {
     int32_t *splat;  /* index of the nearest splat, counted over all batches in draw order; -1 where
                         the ray meets no splat */
     uint32_t *count; /* splats blended into the pixel (at most 1 in flat and parameters mode) */
-    double *tie; /* the least of these: distance to an edge, |1 - r| or to a clip line, in (u, v)
+    double *tie; /* the least of these: distance to an edge, |1 - r| or to a line or seam, in (u, v)
                     or in pixels, whichever is less; |cosine| between the normal of a splat's
                     surface and the ray, which decides between front and back; and for a curved
                     splat the distance in pixels to its contour, where rays touch it (to first

@@ -49,7 +49,7 @@ static void gather(psplat_neighborhood *n, const fixture *f, const psplat_metric
 
 /* ---- order and sums -------------------------------------------------------------------------- */
 
-static void check_covariance(const psplat_neighborhood *n, size_t count) {
+static void check_covariance(psplat_neighborhood *n, size_t count) {
     psplat_covariance found, direct = {0};
     psplat_neighborhood_covariance(n, count, &found);
     for (size_t i = 0; i < count; ++i)
@@ -100,6 +100,9 @@ static void check_ball(psplat_neighborhood *n, const fixture *f, uint32_t seed, 
         check_covariance(n, within);
     }
     check_covariance(n, n->count);
+    gather(n, f, &m, f->samples.triangles[seed], reach); /* All before few, too. */
+    check_covariance(n, n->count);
+    check_covariance(n, n->count / 2);
 }
 
 static void test_order(void **state) {

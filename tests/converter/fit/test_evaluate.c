@@ -232,6 +232,31 @@ static void test_demands(void **state) {
     stage_end(&s);
 }
 
+/* Whether a region is kept does not depend on whether any reason will do for refusing it, and a
+ * region whose rim leaves the surface is refused for that even where it does not gain. The radii
+ * reach over the one beyond which the discs leave the dome, and the heights over the surface. */
+static void test_any_reason(void **state) {
+    (void)state;
+    stage s;
+    size_t kept = 0, refused = 0;
+    stage_begin(&s, 0.5);
+    for (int step = 0; step < 60; ++step) {
+        double radius = 0.05 + 0.01 * (step % 30), height = step < 30 ? 0.5 : 0.5 + 0.9 * tolerance;
+        const psplat_region region = disc(0, height, radius);
+        psplat_fit_status status = evaluate(&s, &region, &(psplat_demands){0}).status;
+        psplat_fit_status any = evaluate(&s, &region, &(psplat_demands){.any_reason = 1}).status;
+        assert_int_equal(any == PSPLAT_FIT_KEPT, status == PSPLAT_FIT_KEPT);
+        kept += !status, refused += status != PSPLAT_FIT_KEPT;
+    }
+    assert_true(kept > 10 && refused > 10);
+    const psplat_region wide = disc(0, 0.5, 0.6);
+    psplat_demands gainless = {.least_area = HUGE_VAL, .more_than = SIZE_MAX - 1};
+    assert_int_equal(evaluate(&s, &wide, &gainless).status, PSPLAT_FIT_NO_GAIN);
+    gainless.any_reason = 1;
+    assert_int_equal(evaluate(&s, &wide, &gainless).status, PSPLAT_FIT_LEAVES_SURFACE);
+    stage_end(&s);
+}
+
 /* Two evaluations agree, whatever was evaluated between them, at that site or elsewhere. */
 static void test_repeated(void **state) {
     (void)state;
@@ -287,7 +312,7 @@ int test_evaluate_main(void) {
         cmocka_unit_test(test_kept),    cmocka_unit_test(test_broken),
         cmocka_unit_test(test_tilted),  cmocka_unit_test(test_colors),
         cmocka_unit_test(test_demands), cmocka_unit_test(test_repeated),
-        cmocka_unit_test(test_one),
+        cmocka_unit_test(test_one),     cmocka_unit_test(test_any_reason),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

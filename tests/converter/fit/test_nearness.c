@@ -36,7 +36,8 @@ static int is_near(const psplat_limits *limits, double height) {
     const psplat_region region = {
         .center = {0.5, 0.25, height}, .u = {1}, .v = {0, 1}, .n = {0, 0, 1}, .radius = {2, 1}};
     int point_near = -1, region_near = -1;
-    assert_int_equal(psplat_limits_point_near(limits, point, &point_near), PSPLAT_OK);
+    uint32_t guess = UINT32_MAX;
+    assert_int_equal(psplat_limits_point_near(limits, point, &guess, &point_near), PSPLAT_OK);
     assert_int_equal(psplat_limits_region_near(limits, &region, &region_near), PSPLAT_OK);
     assert_int_equal(point_near, region_near);
     return point_near;

@@ -112,6 +112,55 @@ static void test_steps(void **state) {
     fixture_free(&f);
 }
 
+/* Finds the rays that pass between two splats in the plane of the square, with so many random
+ * points and so far between points of rims. A negative width is an overlap. */
+static psplat_ray_holes find_crack(const fixture *f, double width, size_t points, double spacing) {
+    psplat_region regions[2] = {half(-1, middle, 0), half(1, middle + width, 0)};
+    psplat_measured_splats measured = {.regions = regions, .count = 2, .tolerance = tolerance};
+    psplat_ray_holes holes;
+    measured.region_tree = psplat_region_tree_create(regions, 2, 0);
+    assert_non_null(measured.region_tree);
+    const psplat_ray_search search = {.surface = &f->surface,
+                                      .measured = &measured,
+                                      .distance = f->distance,
+                                      .points = points,
+                                      .rim_spacing = spacing,
+                                      .seed = 3};
+    assert_int_equal(psplat_ray_holes_find(&search, &holes), PSPLAT_OK);
+    psplat_region_tree_destroy(measured.region_tree);
+    return holes;
+}
+
+/* Rays past rims find a crack that is far narrower than random points lie apart, and nothing where
+ * there is none: neither where the splats overlap, nor beyond the square, over which they reach. */
+static void test_cracks(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, 3, 3, place_square);
+    fixture_build(&f);
+    f.distance = psplat_distance_create(&f.mesh);
+    assert_non_null(f.distance);
+    double width = 0.05 * tolerance;
+    psplat_ray_holes random = find_crack(&f, width, 2000, 0);
+    psplat_ray_holes rims = find_crack(&f, width, 0, tolerance);
+    psplat_ray_holes overlap = find_crack(&f, -tolerance, 0, tolerance);
+    print_message("%zu rays of random points, %zu past rims\n", random.count, rims.count);
+    assert_true(rims.count > 100);
+    assert_true(rims.count > 10 * random.count);
+    for (size_t i = 0; i < rims.count; ++i) {
+        const psplat_ray_hole *hole = &rims.holes[i];
+        const double *p = hole->sight.point;
+        assert_near(p[2], 0, 1e-12);
+        assert_near(hole->cosine, hole->sight.direction[2], 1e-12);
+        assert_true(p[0] >= middle && p[0] <= middle + width && p[1] >= 0 && p[1] <= 1);
+    }
+    assert_int_equal(overlap.count, 0);
+    psplat_ray_holes_free(&random);
+    psplat_ray_holes_free(&rims);
+    psplat_ray_holes_free(&overlap);
+    fixture_free(&f);
+}
+
 /* The number of threads changes nothing. */
 static void test_threads(void **state) {
     (void)state;
@@ -139,6 +188,7 @@ static void test_threads(void **state) {
 int test_ray_holes_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_cracks),
         cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -31,6 +31,7 @@ typedef struct scene {
     psplat_mesh mesh;
     double scale, offset;
     uint64_t random;
+    uint32_t guess; /* a place near some point asked before; PSPLAT_NONE at first */
 } scene;
 
 static double between(uint64_t *random, double low, double high) {
@@ -65,7 +66,8 @@ static void place_triangle(scene *s, int kind, size_t triangle) {
 }
 
 static scene make_scene(int kind, size_t count, double scale, double offset) {
-    scene s = {.scale = scale, .offset = offset, .random = 7 + (uint64_t)kind};
+    scene s = {
+        .scale = scale, .offset = offset, .random = 7 + (uint64_t)kind, .guess = PSPLAT_NONE};
     s.mesh.triangle_count = count;
     s.mesh.vertex_count = 3 * count;
     s.mesh.positions = malloc(9 * count * sizeof *s.mesh.positions);
@@ -123,6 +125,10 @@ static void compare_distance(scene *s, const psplat_distance *own, const psplat_
         double limit = factors[i] * expected;
         if (fabs(limit - expected) <= slack) continue;
         assert_int_equal(psplat_distance_within(own, point, 1, limit, &within), PSPLAT_OK);
+        assert_int_equal(within, factors[i] > 1);
+        /* What was near the points before is asked first, and changes nothing. */
+        assert_int_equal(psplat_distance_is_within(own, point, limit, &s->guess, &within),
+                         PSPLAT_OK);
         assert_int_equal(within, factors[i] > 1);
     }
 }
