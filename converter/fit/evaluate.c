@@ -29,11 +29,6 @@ static const double least_gathering_growth = 1.6;
  */
 static const double line_slack = 1e-7;
 
-/* How far beyond a border of charts, as a part of its shorter radius, a region has to be near the
- * surface, so that normals blend across: with 0.15 edges still show at borders, and 0.3 takes 1 to
- * 8 % more splats. */
-static const double chart_reach = 0.3;
-
 /* The part of the tolerance by which a corner is farther from the mesh where no rounding matters.
  */
 static const double certain_excess = 1e-3;
@@ -286,18 +281,6 @@ static int is_large(const psplat_demands *demands, const psplat_region *region) 
     return demands->least_area < HUGE_VAL && psplat_region_area(region) >= demands->least_area;
 }
 
-/* Returns a region whose lines at borders of charts keep more: the surface goes on there, and those
- * lines will be seams, beyond which the splat is still there (select/open_seams.c). */
-static psplat_region beyond_charts(const psplat_region *region) {
-    psplat_region wide = *region;
-    for (uint32_t i = 0; i < wide.line_count; ++i) {
-        double a = wide.lines[i][0] / wide.radius[0], b = wide.lines[i][1] / wide.radius[1];
-        if (wide.chart_lines >> i & 1)
-            wide.lines[i][2] += chart_reach * wide.radius[1] * norm2(a, b);
-    }
-    return wide;
-}
-
 /* Checks the limits that are not skipped. A region that does not gain will not be used, so it need
  * not be near the surface, and its normals matter only where a limit bounds them. */
 static psplat_fit_status check_limits(const psplat_fit_context *context, int skip, int gains,
@@ -306,10 +289,8 @@ static psplat_fit_status check_limits(const psplat_fit_context *context, int ski
     if (!(skip & PSPLAT_SKIP_COLORS)) status = psplat_evaluate_colors(context, e->count);
     if (!status && !(skip & PSPLAT_SKIP_COLORS))
         status = psplat_evaluate_texcoords(context, &e->region);
-    if (!status && gains && !(skip & PSPLAT_SKIP_NEARNESS)) {
-        const psplat_region wide = beyond_charts(&e->region);
-        status = psplat_evaluate_nearness(context, &wide, !(skip & PSPLAT_SKIP_EXACTNESS));
-    }
+    if (!status && gains && !(skip & PSPLAT_SKIP_NEARNESS))
+        status = psplat_evaluate_nearness(context, &e->region, !(skip & PSPLAT_SKIP_EXACTNESS));
     if (!status && (gains || context->limits->normal_tolerance > 0) &&
         !(skip & PSPLAT_SKIP_NORMALS))
         status = psplat_evaluate_normals(context, e);

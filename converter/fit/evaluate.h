@@ -164,7 +164,8 @@ psplat_fit_status psplat_evaluate_texcoords(const psplat_fit_context *context,
                                             const psplat_region *region);
 /* evaluate_near.c: returns KEPT where the region is within the tolerance of the surface that is
  * connected with the site, else LEAVES_SURFACE or MEMORY. With exact, points all over the region
- * are measured against the mesh; else points of its outline are measured against samples. */
+ * are measured against the mesh, also those a little beyond borders of charts; else points of its
+ * outline are measured against samples. */
 psplat_fit_status psplat_evaluate_nearness(const psplat_fit_context *context,
                                            const psplat_region *region, int exact);
 /* evaluate_normals.c: fits the normal field of an evaluation to its covered samples. The field has

@@ -107,25 +107,21 @@ static double normal_square(const psplat_candidate *candidate, const double uv[2
     return distance2_3(own, n);
 }
 
-/* Returns whether normals beyond the seams of a region are about those of the surface. Samples that
- * it does not cover, although they are beneath it, count as if they were wholly off. */
+/* Returns whether normals beyond the seams of a region are about those of the surface. Samples
+ * farther from it than the tolerance count as if its normals were wholly off. */
 static int has_normals(const psplat_fit_context *context, const psplat_kernel *kernel,
-                       const psplat_candidate *candidate, const psplat_region *region,
-                       size_t covered) {
+                       const psplat_candidate *candidate, const psplat_region *region) {
     const psplat_scratch *s = context->scratch;
-    double sum = 0, weights = 0;
-    for (size_t i = 0, next = 0; i < s->near_count; ++i) {
-        int is_covered = next < covered && s->covered[next] == i;
-        const double *uvh = s->uvh[i];
-        next += (size_t)is_covered;
+    double sum = 0, weights = 0, tolerance = context->limits->tolerance;
+    for (size_t i = 0; i < s->near_count; ++i) {
+        const double *uvh = s->uvh[i], *n = s->near.samples[i].n;
         if (!psplat_region_contains(region, uvh, 1, 0) ||
-            !psplat_region_is_beyond_seam(region, uvh) ||
-            fabs(uvh[2]) > 2 * context->limits->tolerance)
+            !psplat_region_is_beyond_seam(region, uvh) || fabs(uvh[2]) > 2 * tolerance ||
+            dot3(n, region->n) <= 0)
             continue;
-        if (!is_covered && dot3(s->near.samples[i].n, region->n) <= 0) continue;
         double falloff = pow(norm2(uvh[0], uvh[1]), (double)kernel->exponent);
         double weight = exp(-(double)kernel->sharpness * falloff);
-        sum += weight * (is_covered ? normal_square(candidate, uvh, s->near.samples[i].n) : 1);
+        sum += weight * (fabs(uvh[2]) <= tolerance ? normal_square(candidate, uvh, n) : 1);
         weights += weight;
     }
     return sum <= greatest_normal_square * weights;
@@ -154,8 +150,7 @@ static psplat_result try_seams(const psplat_fit_context *context, opener *o,
         return PSPLAT_OK;
     psplat_evaluation e = psplat_evaluate(context, &o->site, region, &demands);
     if (e.status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
-    *is_kept = e.status == PSPLAT_FIT_KEPT &&
-               has_normals(context, o->kernel, o->candidate, region, e.count);
+    *is_kept = e.status == PSPLAT_FIT_KEPT && has_normals(context, o->kernel, o->candidate, region);
     return PSPLAT_OK;
 }
 
