@@ -188,6 +188,7 @@ static psplat_result open_candidate(const psplat_fit_context *context, size_t in
     const psplat_kept_textures *kept =
         psplat_surface_kept_textures(context->surface, candidate->triangle);
     psplat_result result = PSPLAT_OK;
+    region.chart_lines = 0; /* Lines change their places, and nothing beyond them is wanted now. */
     if (!candidate->taken || !region.line_count) return PSPLAT_OK;
     /* Where normals are those of a texture, they end with it. */
     if (!kept || kept->textures[PSPLAT_TEXTURE_NORMAL].image) return PSPLAT_OK;
