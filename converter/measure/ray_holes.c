@@ -197,7 +197,8 @@ static int meet_splat(const looker *l, const psplat_region *region, bundle *b) {
         double rise = sqrt(square);
         double way = f1 > 0 ? -2 * f0 / (f1 + rise) : (rise - f1) / (2 * f2);
         const double uv[2] = {(s + way * x) / radius[0], (t + way * y) / radius[1]};
-        if (fabs(way * b->cosine[k] + l->lift) <= tolerance &&
+        /* What is near depends on the points before, beyond the reach. */
+        if (fabs(way * b->cosine[k] + l->lift) <= tolerance && fabs(way) <= l->reach &&
             psplat_region_contains(region, uv, 1, 0))
             b->open &= ~(1u << k);
     }

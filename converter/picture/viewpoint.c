@@ -194,15 +194,16 @@ static void visit_point(const psplat_splat *s, const double m[16], double u, dou
     visit(user, q);
 }
 
-/* Calls visit with the corners of a splat's outline. Within it a curved splat may reach farther, so
- * there it is visited on some rings around the outline's middle, and in that. */
-static void visit_splat(const psplat_splat *s, const double m[16],
+/* Calls visit with the corners of the outline of a splat, which so many lines cut. Within it a
+ * curved splat may reach farther, so there it is visited on some rings around the outline's middle,
+ * and in that. */
+static void visit_splat(const psplat_splat *s, uint32_t lines, const double m[16],
                         void (*visit)(void *user, const double p[3]), void *user) {
     enum { RINGS = 4 };
     outline o = circle();
     double middle[2] = {0, 0};
     int rings = is_curved(s) ? RINGS : 1;
-    for (uint32_t k = 0; k < s->clip_count; ++k) o = cut_by(&o, s->clip[k], (double)s->bend[k]);
+    for (uint32_t k = 0; k < lines; ++k) o = cut_by(&o, s->clip[k], (double)s->bend[k]);
     for (int k = 0; k < o.count; ++k)
         for (int i = 0; i < 2; ++i) middle[i] += o.corners[k][i] / o.count;
     for (int ring = 0; ring < rings; ++ring)
@@ -221,7 +222,7 @@ static void visit_all(const psplat_asset *asset, const psplat_pose *pose,
         const psplat_batch *batch = psplat_asset_batch(asset, b);
         const double *m = pose ? psplat_pose_matrix(pose, b) : batch->model;
         for (size_t i = 0; i < batch->splat_count; ++i)
-            visit_splat(&batch->splats[i], m, visit, user);
+            visit_splat(&batch->splats[i], batch->clip_count - batch->seam_lines, m, visit, user);
     }
 }
 

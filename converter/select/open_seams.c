@@ -127,6 +127,19 @@ static int has_normals(const psplat_fit_context *context, const psplat_kernel *k
     return sum <= greatest_normal_square * weights;
 }
 
+/* Returns the greatest distance of a region from the samples beneath it, which the scratch holds.
+ */
+static double greatest_deviation(const psplat_fit_context *context, const psplat_region *region) {
+    const psplat_scratch *s = context->scratch;
+    double greatest = 0;
+    for (size_t i = 0; i < s->near_count; ++i) {
+        double height = fabs(s->uvh[i][2]);
+        if (height <= context->limits->tolerance && psplat_region_contains(region, s->uvh[i], 1, 0))
+            greatest = max2(greatest, height);
+    }
+    return greatest;
+}
+
 /* ---- candidates ------------------------------------------------------------------------------ */
 
 /* A candidate whose lines are opened. */
@@ -134,6 +147,7 @@ typedef struct opener {
     const psplat_kernel *kernel;
     const psplat_candidate *candidate;
     psplat_site site;
+    double deviation; /* greatest of the regions that may take its place, as in psplat_candidate */
 } opener;
 
 /* Finds whether a region with seams may take the place of the candidate's. */
@@ -151,6 +165,7 @@ static psplat_result try_seams(const psplat_fit_context *context, opener *o,
     psplat_evaluation e = psplat_evaluate(context, &o->site, region, &demands);
     if (e.status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
     *is_kept = e.status == PSPLAT_FIT_KEPT && has_normals(context, o->kernel, o->candidate, region);
+    if (*is_kept) o->deviation = max2(o->deviation, greatest_deviation(context, region));
     return PSPLAT_OK;
 }
 
@@ -194,10 +209,13 @@ static psplat_result open_candidate(const psplat_fit_context *context, size_t in
     if (!kept || kept->textures[PSPLAT_TEXTURE_NORMAL].image) return PSPLAT_OK;
     opener o = {.kernel = all->kernel,
                 .candidate = candidate,
+                .deviation = candidate->deviation,
                 .site = psplat_site_of(&region, candidate->triangle)};
     for (uint32_t line = region.line_count; line-- > 0 && !result;)
         result = open_line(context, &o, line, &region);
-    if (!result) candidate->region = region;
+    if (result || !region.seam_count) return result;
+    candidate->region = region;
+    candidate->deviation = o.deviation;
     return result;
 }
 

@@ -263,7 +263,7 @@ static double added_part(const psplat_conversion *c) {
     double added = 0, bytes = 0;
     for (size_t i = 0; i < c->selection.count; ++i) {
         const psplat_region *region = &c->selection.candidates[i].region;
-        bytes += splat_bytes + line_bytes * region->line_count;
+        bytes += splat_bytes + line_bytes * (region->line_count + region->seam_count);
         if (c->samples.colors) bytes += color_bytes;
         if (c->samples.texcoords) bytes += texcoord_bytes;
         if (psplat_region_is_curved(region)) added += field_bytes;
