@@ -322,11 +322,13 @@ static int has_curved(const psplat_selection *selection) {
     return 0;
 }
 
+/* Machined parts get none: the shapes that CAD programs triangulate have the normals, and beside
+ * tangent edges fields that serve the whole blend err by more than those (test_tangent_edges). */
 psplat_result psplat_fit_own_fields(psplat_conversion *c) {
     field_fit f = {.count = 0};
     if (!c->limits.precision || c->limits.constant_normals || c->limits.normal_tolerance > 0 ||
         c->samples.turned || !is_lit(c->surface.mesh) || !has_curved(&c->selection) ||
-        psplat_used_part(c) < least_used)
+        c->surface.tangent_edges || psplat_used_part(c) < least_used)
         return PSPLAT_OK;
     psplat_result result =
         psplat_blend_points_draw(c, POINTS_PER_SPLAT, c->desc->seed + fields_seed, &f.points);
