@@ -32,8 +32,8 @@ typedef struct psplat_primitive_layout {
     size_t stream;         /* its view */
     int streams_texcoords; /* the stream holds texture coordinates but for the coarse TEXCOORD_0 */
     size_t first[PSPLAT_PARTS], counts[PSPLAT_PARTS];
-    size_t clip_lines; /* the most of any splat; splats with fewer are padded (spec 3.6) */
-    size_t seam_lines; /* as in psplat_run */
+    size_t clip_lines;    /* the most of any splat; splats with fewer are padded (spec 3.6) */
+    size_t seam_lines;    /* as in psplat_run */
     size_t section_count; /* of the stream, where is_streamed is 1 */
     uint8_t section_seams[PSPLAT_MOST_SECTIONS]; /* the seam_lines of each of its sections */
     size_t material;

@@ -15,8 +15,8 @@
 #include <stdint.h>
 
 /* What splats show of kept textures at samples of a surface. Splats do not store their chart, so
- * the samples that a splat covers, inside its seams, vote: the part of the surface beneath the splat, bounded by
- * creases and borders of charts, to which most of them belong is its own. */
+ * the samples that a splat covers, inside its seams, vote: the part of the surface beneath the
+ * splat, bounded by creases and borders of charts, to which most of them belong is its own. */
 typedef struct psplat_texture_slides {
     /* By sample, the slide of the splat that weighs most there, of those of its own chart that
      * cover it; negative where there is none, or no texture is kept there: */

@@ -23,11 +23,11 @@ typedef struct psplat_sort_desc {
 } psplat_sort_desc;
 
 /* Converts the taken candidates to splats in single precision. They are sorted by their number of
- * clip lines, then by how many of these are seams, then flat ones, other plane ones and curved ones, then by material, and then along a
- * Morton curve. Curved candidates whose field is not that of their surface (up to the rounding to
- * float) have no slope at the centre; one of them gives its whole run shapes of its own. Sets
- * splats, finishes, texcoords, runs, their counts and has_color, and frees what splats held of
- * these before. Fails only with PSPLAT_ERROR_MEMORY. */
+ * clip lines, then by how many of these are seams, then flat ones, other plane ones and curved
+ * ones, then by material, and then along a Morton curve. Curved candidates whose field is not that
+ * of their surface (up to the rounding to float) have no slope at the centre; one of them gives its
+ * whole run shapes of its own. Sets splats, finishes, texcoords, runs, their counts and has_color,
+ * and frees what splats held of these before. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_sort_splats(const psplat_selection *selection, const psplat_sort_desc *storing,
                                  psplat_splats *splats);
 

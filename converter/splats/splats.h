@@ -50,10 +50,10 @@ typedef struct psplat_precision {
     int normal_shift;  /* the bits that normals have less; 0 but from psplat_precision_at */
 } psplat_precision;
 
-/* The splats of one mesh. They are sorted by their number of clip lines, and then of seams; then come plane splats of
- * flat surfaces, other plane ones and curved ones; then they are sorted by material, and then in
- * spatial order. Splats of flat surfaces lie on them and need next to no depth tolerance. Each
- * group but for the spatial order is a run. */
+/* The splats of one mesh. They are sorted by their number of clip lines, and then of seams; then
+ * come plane splats of flat surfaces, other plane ones and curved ones; then they are sorted by
+ * material, and then in spatial order. Splats of flat surfaces lie on them and need next to no
+ * depth tolerance. Each group but for the spatial order is a run. */
 typedef struct psplat_splats {
     psplat_splat *splats;
     psplat_finish *finishes; /* count (spec 3.10); NULL where all are neutral */
