@@ -153,6 +153,7 @@ enum {
     GL_COLOR_ATTACHMENT0 = 0x8CE0,
     GL_DEPTH_ATTACHMENT = 0x8D00,
     GL_SAMPLE_MASK = 0x8E51,
+    GL_PRIMITIVE_RESTART = 0x8F9D,
     GL_CONTEXT_LOST_WEBGL = 0x9242
 };
 
@@ -253,10 +254,11 @@ typedef struct psplat_gl {
     /* NULL before GL 4.3 without GL_ARB_invalidate_subdata, or where the loader has none */
     void(PSPLAT_GL_CALL *InvalidateFramebuffer)(GLenum target, GLsizei count,
                                                 const GLenum *attachments);
-    int is_es;              /* 1: GLES or WebGL */
-    int is_lost;            /* 1: the context was lost, which never ends */
-    int major, minor;       /* version of the context */
-    int half_targets;       /* 1: RGBA32F cannot be drawn to and blended, so that RGBA16F is used */
+    int is_es;        /* 1: GLES or WebGL */
+    int is_lost;      /* 1: the context was lost, which never ends */
+    int major, minor; /* version of the context */
+    int half_targets; /* 1: RGBA16F is used, since the host wants it or RGBA32F cannot be drawn
+                         to and blended */
     GLint max_texture_size; /* texels */
     GLint max_anisotropy;   /* of samplers; 1: there is none */
 } psplat_gl;

@@ -17,7 +17,7 @@
 
 #include <phongsplat/phongsplat.h>
 
-#define PSPLAT_GL_CAPABILITY_COUNT 23
+#define PSPLAT_GL_CAPABILITY_COUNT 24
 
 typedef struct psplat_gl_state {
     GLboolean capabilities[PSPLAT_GL_CAPABILITY_COUNT];

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * render_target.c - makes and keeps float render targets. They are RGBA32F, because 16 bits
- * saturate where many splats meet in a pixel, and RGBA16F only where the context cannot blend 32
- * bits (psplat_gl.half_targets).
+ * render_target.c - makes and keeps float render targets. They are RGBA32F, because 16 bits lose
+ * precision where many splats meet in a pixel, and RGBA16F only where the host wants that or the
+ * context cannot blend 32 bits (psplat_gl.half_targets).
  */
 #include "renderer/render_target.h"
 

@@ -21,6 +21,7 @@ psplat_result psplat_renderer_create(const psplat_renderer_desc *desc, psplat_re
         psplat_resize(&desc->allocator, made, sizeof *made, 0);
         return result;
     }
+    if (desc->half_targets) made->gl.half_targets = 1;
     made->gl.GenVertexArrays(1, &made->vertex_array);
     *renderer = made;
     return PSPLAT_OK;

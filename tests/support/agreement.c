@@ -5,6 +5,7 @@
  */
 #include "agreement.h"
 
+#include <GL/glcorearb.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,10 +17,26 @@ static void check(psplat_result result, const psplat_error *error) {
     abort();
 }
 
+/* Returns the step of the grid to which the GL rounds the places of vertices, in pixels. */
+static double vertex_step_of(psplat_host *host) {
+    void *address = psplat_host_get_proc(host, "glGetIntegerv");
+    PFNGLGETINTEGERVPROC get_integer;
+    GLint bits = 0;
+    memcpy(&get_integer, &address, sizeof get_integer);
+    get_integer(GL_SUBPIXEL_BITS, &bits);
+    return ldexp(1, -bits);
+}
+
 gpu gpu_open(psplat_api api) {
+    const int software = !getenv("PSPLAT_TEST_GPU");
     gpu g;
     psplat_error error;
-    check(psplat_host_create(api, 0, &g.host, &error), &error);
+    check(psplat_host_create(api, software, &g.host, &error), &error);
+    if (!software && strstr(psplat_host_renderer(g.host), "llvmpipe")) {
+        fprintf(stderr, "agreement: PSPLAT_TEST_GPU is set, but EGL offers no GPU\n");
+        abort();
+    }
+    g.vertex_step = software ? 0 : vertex_step_of(g.host);
     psplat_renderer_desc desc = {
         .get_proc = psplat_host_get_proc, .user = g.host, .images = scene_images()};
     check(psplat_renderer_create(&desc, &g.renderer, &error), &error);
@@ -166,24 +183,105 @@ static uint8_t *thin_pixels(const picture *p, const neighbours *n) {
     return marks;
 }
 
-static void compare_pixel(const drawn *d, const picture *p, size_t at, int thin, psplat_mode mode,
-                          agreement *result) {
-    const float *ours = d->color + 4 * at, *theirs = p->image.color + 4 * at;
-    int covered = p->image.count[at] > 0;
+/* ---- what rounded vertices may change ---------------------------------------------------------
+ */
+
+enum { SHIFTS = 4 };
+
+/* The reference's pictures moved by the step of a GPU's grid of vertices, towards each corner. */
+typedef struct shifted {
+    picture pictures[SHIFTS];
+    int count; /* 0: vertices are not rounded */
+} shifted;
+
+static shifted shifted_of(const gpu *g, const psplat_reference_scene *scene,
+                          const psplat_view *view) {
+    shifted s = {.count = g->vertex_step > 0 ? SHIFTS : 0};
+    for (int i = 0; i < s.count; ++i) {
+        psplat_view from = moved(view, i & 1 ? g->vertex_step : -g->vertex_step,
+                                 i & 2 ? g->vertex_step : -g->vertex_step);
+        s.pictures[i] = picture_of_scene(scene, &from);
+    }
+    return s;
+}
+
+static void shifted_free(shifted *s) {
+    for (int i = 0; i < s->count; ++i) picture_free(&s->pictures[i]);
+}
+
+/* Returns the greatest change of a pixel's depth between the picture and those moved. */
+static double depth_change(const picture *p, const shifted *s, size_t at) {
+    double change = 0;
+    for (int i = 0; i < s->count; ++i)
+        change = fmax(change, fabs(s->pictures[i].image.depth[at] - p->image.depth[at]));
+    return change;
+}
+
+/* Returns whether rounding may change which splats a pixel shows: two of them may come nearer to
+ * each other, each by the change of its depth. */
+static int may_change(const picture *p, const shifted *s, size_t at, const agreement_ties *ties) {
+    int may = s->count && p->image.depth_tie[at] < ties->depth + 2 * depth_change(p, s, at);
+    for (int i = 0; i < s->count; ++i) {
+        const psplat_reference_image *image = &s->pictures[i].image;
+        may |= image->count[at] != p->image.count[at] || image->splat[at] != p->image.splat[at] ||
+               image->epsilon_tie[at] < ties->epsilon;
+    }
+    return may;
+}
+
+/* Returns by how much numbers of a pixel's colour differ beyond what rounding may change. */
+static double color_beyond(const float *ours, const picture *p, const shifted *s, size_t at,
+                           int count) {
+    const float *theirs = p->image.color + 4 * at;
+    double change = 0;
+    for (int i = 0; i < s->count; ++i)
+        change = fmax(change, difference(s->pictures[i].image.color + 4 * at, theirs, count));
+    double d = difference(ours, theirs, count) - change;
+    return d < 0 ? 0 : d; /* a NaN stays one */
+}
+
+static double depth_beyond(double ours, const picture *p, const shifted *s, size_t at) {
+    double d = fabs(ours - p->image.depth[at]) - depth_change(p, s, at);
+    return d < 0 ? 0 : d;
+}
+
+/* ---- pixels -----------------------------------------------------------------------------------
+ */
+
+/* What a pixel is compared by. */
+typedef struct comparison {
+    drawn drawn;
+    picture picture;
+    shifted shifted;
+    uint8_t *thin;
+    psplat_mode mode;
+} comparison;
+
+static void compare_pixel(const comparison *c, size_t at, agreement *result) {
+    const float *ours = c->drawn.color + 4 * at, *theirs = c->picture.image.color + 4 * at;
+    int covered = c->picture.image.count[at] > 0, thin = c->thin[at];
     if ((ours[3] > 0) != covered) {
         ++result->mismatches;
         return;
     }
     if (!covered) return;
     agreement here = {.color = 0};
-    *(thin ? &here.thin_depth : &here.depth) = fabs((double)d->depth[at] - p->image.depth[at]);
-    if (mode != PSPLAT_MODE_PARAMETERS)
-        here.color = difference(ours, theirs, 3);
+    *(thin ? &here.thin_depth : &here.depth) =
+        depth_beyond((double)c->drawn.depth[at], &c->picture, &c->shifted, at);
+    if (c->mode != PSPLAT_MODE_PARAMETERS)
+        here.color = color_beyond(ours, &c->picture, &c->shifted, at, 3);
     else if (difference(ours + 2, theirs + 2, 1) < 0.5)
-        *(thin ? &here.thin_uv : &here.uv) = difference(ours, theirs, 2);
+        *(thin ? &here.thin_uv : &here.uv) = color_beyond(ours, &c->picture, &c->shifted, at, 2);
     else
         here.other = 1;
     agreement_add(result, &here);
+}
+
+/* Returns whether a decision for a pixel is too close to call. */
+static int is_tie(const comparison *c, const agreement_ties *ties, size_t at) {
+    const psplat_reference_image *image = &c->picture.image;
+    return image->tie[at] < ties->edge || image->depth_tie[at] < ties->depth ||
+           image->epsilon_tie[at] < ties->epsilon;
 }
 
 agreement agreement_measure(gpu *g, const psplat_asset *asset, const double transform[16],
@@ -197,22 +295,24 @@ agreement agreement_measure(gpu *g, const psplat_asset *asset, const double tran
 static agreement measure(gpu *g, const psplat_reference_scene *scene, const psplat_view *view,
                          int is_float, const agreement_ties *ties, const neighbours *n) {
     agreement result = {0};
-    picture p = picture_of_scene(scene, view);
-    drawn d = draw(g, scene, view, is_float);
-    uint8_t *thin = thin_pixels(&p, n);
-    size_t pixels = (size_t)p.width * (size_t)p.height;
+    comparison c = {.drawn = draw(g, scene, view, is_float),
+                    .picture = picture_of_scene(scene, view),
+                    .shifted = shifted_of(g, scene, view),
+                    .mode = view->mode};
+    c.thin = thin_pixels(&c.picture, n);
+    size_t pixels = (size_t)view->width * (size_t)view->height;
     for (size_t at = 0; at < pixels; ++at) {
-        result.covered += p.image.count[at] > 0;
-        if (p.image.tie[at] < ties->edge || p.image.depth_tie[at] < ties->depth ||
-            p.image.epsilon_tie[at] < ties->epsilon)
+        result.covered += c.picture.image.count[at] > 0;
+        if (is_tie(&c, ties, at))
             ++result.skipped;
-        else
-            compare_pixel(&d, &p, at, thin[at], view->mode, &result);
+        else if (!may_change(&c.picture, &c.shifted, at, ties))
+            compare_pixel(&c, at, &result);
     }
-    free(thin);
-    picture_free(&p);
-    free(d.color);
-    free(d.depth);
+    free(c.thin);
+    shifted_free(&c.shifted);
+    picture_free(&c.picture);
+    free(c.drawn.color);
+    free(c.drawn.depth);
     return result;
 }
 

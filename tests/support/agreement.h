@@ -3,6 +3,12 @@
  * agreement.h - draws the same asset with the renderer and with the reference rasteriser and
  * measures by how much they differ. Pixels for which a decision of the reference is too close to
  * call (a tie) are skipped and counted.
+ *
+ * Mesa's software rasteriser draws, whose figures are the same everywhere, unless PSPLAT_TEST_GPU
+ * is set in the environment. GPUs round the places of vertices to a grid before they interpolate,
+ * so that a picture may be shifted by up to half a step of the grid. There a difference counts as
+ * far as it exceeds those of the reference's own pictures moved by a step, and a pixel which may
+ * show other splats in those is left out.
  */
 #ifndef PHONGSPLAT_TEST_AGREEMENT_H
 #define PHONGSPLAT_TEST_AGREEMENT_H
@@ -14,9 +20,11 @@
 typedef struct gpu {
     psplat_host *host;
     psplat_renderer *renderer;
+    double vertex_step; /* pixels: of the grid of vertices; 0 where places are not rounded */
 } gpu;
 
-/* Ends the program with a message where there is no context or renderer. */
+/* Ends the program with a message where there is no context or renderer, or where PSPLAT_TEST_GPU
+ * asks for a GPU and there is none. */
 gpu gpu_open(psplat_api api);
 void gpu_close(gpu *g);
 

@@ -6,6 +6,7 @@
  *     lower bound  its primitives drawn twice with a constant shader, without blending, float
  *                  targets and resolve pass: what is left is the cost of rasterising (probe.h)
  *     no textures  the same splats, where the file has images
+ *     half targets the same splats with sums of 16 bits, with --half-targets
  *     sprites      the papers' own method; in phong mode (sprites.c)
  *     mesh         the mesh that the model was made from, with --mesh; in phong mode
  *                  (source_drawing.c)
@@ -81,6 +82,7 @@ static method_set method_set_make(psplat_host *host, const subject *s, const opt
     m.timed[m.count++] = draw_method_splats(host, s, PROBE_BOUND);
     if (psplat_asset_image_count(s->asset) > 0)
         m.timed[m.count++] = draw_method_untextured(host, s);
+    if (o->half_targets) m.timed[m.count++] = draw_method_half(host, s);
     m.phong_first = m.count;
     m.counted[m.count] = draw_method_sprites(host, s, counting_options);
     m.timed[m.count++] = draw_method_sprites(host, s, 0);

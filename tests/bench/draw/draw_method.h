@@ -24,6 +24,9 @@ draw_method draw_method_splats(psplat_host *host, const subject *s, unsigned opt
 /* Returns the renderer without a loader of images, so that it draws no textures. */
 draw_method draw_method_untextured(psplat_host *host, const subject *s);
 
+/* Returns the renderer with sums of 16 bits (psplat_renderer_desc.half_targets). */
+draw_method draw_method_half(psplat_host *host, const subject *s);
+
 /* Returns the papers' own method (BSK04, BHZK05). Sides, lights and filter follow the view; the
  * mode is always phong and lit. */
 draw_method draw_method_sprites(psplat_host *host, const subject *s, unsigned options);

@@ -30,6 +30,7 @@ static const char usage[] =
     "                     differ from the mesh's as much as those of FILE.glb\n"
     "  --frames N         measured, of each kind; 15\n"
     "  --warm-up N        drawn before them; 2\n"
+    "  --half-targets     also with sums of 16 bits\n"
     "  --hardware         on a GPU where EGL has one, not in software\n"
     "  --csv              comma-separated values, not a table\n";
 
@@ -104,6 +105,7 @@ static int parse_flag(options *o, const char *name) {
     if (strcmp(name, "--no-filter") == 0) return o->no_filter = 1;
     if (strcmp(name, "--csv") == 0) return o->csv = 1;
     if (strcmp(name, "--hardware") == 0) return o->hardware = 1;
+    if (strcmp(name, "--half-targets") == 0) return o->half_targets = 1;
     return 0;
 }
 

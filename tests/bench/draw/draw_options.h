@@ -17,7 +17,7 @@ typedef struct options {
     psplat_mode modes[PSPLAT_MODE_COUNT];
     size_t mode_count;
     psplat_shading shading;
-    int no_filter, lights, csv, hardware;
+    int no_filter, lights, csv, hardware, half_targets;
     size_t frames, warm_up;
     const char *mesh;         /* or NULL */
     const char *gltfpack;     /* or NULL */

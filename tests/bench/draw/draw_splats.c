@@ -36,11 +36,12 @@ static void destroy(void *self) {
     free(s);
 }
 
-static splats *make(psplat_host *host, const subject *subject, psplat_images images) {
+static splats *make(psplat_host *host, const subject *subject, psplat_images images, int half) {
     splats *s = calloc(1, sizeof *s);
     if (!s) abort();
     psplat_error error;
-    psplat_renderer_desc desc = {.get_proc = probe_get_proc, .user = host, .images = images};
+    psplat_renderer_desc desc = {
+        .get_proc = probe_get_proc, .user = host, .images = images, .half_targets = half};
     check(psplat_renderer_create(&desc, &s->renderer, &error), &error);
     check(psplat_model_create(s->renderer, subject->asset, &s->model, &error), &error);
     return s;
@@ -48,12 +49,16 @@ static splats *make(psplat_host *host, const subject *subject, psplat_images ima
 
 draw_method draw_method_splats(psplat_host *host, const subject *subject, unsigned options) {
     const char *name = options & PROBE_BOUND ? "lower bound" : "ours";
-    return (draw_method){name, draw, destroy, make(host, subject, decode_images()), options};
+    return (draw_method){name, draw, destroy, make(host, subject, decode_images(), 0), options};
 }
 
 draw_method draw_method_untextured(psplat_host *host, const subject *subject) {
     psplat_images none = {.load = NULL};
-    return (draw_method){"no textures", draw, destroy, make(host, subject, none), 0};
+    return (draw_method){"no textures", draw, destroy, make(host, subject, none, 0), 0};
+}
+
+draw_method draw_method_half(psplat_host *host, const subject *subject) {
+    return (draw_method){"half targets", draw, destroy, make(host, subject, decode_images(), 1), 0};
 }
 
 void draw_method_destroy(draw_method *method) {

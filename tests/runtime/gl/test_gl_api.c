@@ -144,11 +144,9 @@ static void *get_proc_without_blending(void *user, const char *name) {
     return address_of((void (*)(void))get_stringi_without_blending);
 }
 
-/* GLES without GL_EXT_float_blend draws into RGBA16F. The picture is that of RGBA32F to half
- * precision, and the depth lies epsilon behind, which is twice the tolerance at grazing angles. */
-static void test_half_targets(void **state) {
-    (void)state;
-    canvas *c = canvas_create(PSPLAT_API_GLES);
+/* Compares pictures of a sphere whose sums have 32 and 16 bits: they are equal to half precision,
+ * and the depth lies epsilon behind, which is twice the tolerance at grazing angles. */
+static void compare_half(canvas *c, const psplat_renderer_desc *desc) {
     scene s = scene_sphere(200, 0.8f);
     psplat_asset *asset = scene_open(&s);
     const double eye[3] = {0, 0, 2}, target[3] = {0, 0, 0};
@@ -160,9 +158,8 @@ static void test_half_targets(void **state) {
     canvas *half = calloc(1, sizeof *half);
     assert_non_null(half);
     *half = *c;
-    psplat_renderer_desc desc = {.get_proc = get_proc_without_blending, .user = c->host};
     psplat_error error = {0};
-    canvas_check(psplat_renderer_create(&desc, &half->renderer, &error), &error);
+    canvas_check(psplat_renderer_create(desc, &half->renderer, &error), &error);
     psplat_item half_item = {.model = canvas_model(half, asset)};
     canvas_draw(half, &view, &half_item, 1);
     for (int i = 0; i < CANVAS_SIZE * CANVAS_SIZE; ++i) {
@@ -173,13 +170,36 @@ static void test_half_targets(void **state) {
         assert_near(c->depth[i], half->depth[i], 2 * s.depth_tolerance); /* eq. (5) */
         assert_true(half->depth[i] > c->depth[i] - 1e-6f);
     }
+    /* Four numbers, one number and depth: 16 + 4 + 4 bytes a pixel, and 8 + 2 + 4. */
+    const size_t pixels = CANVAS_SIZE * CANVAS_SIZE;
+    assert_int_equal(psplat_renderer_memory(c->renderer).targets, 24 * pixels);
+    assert_int_equal(psplat_renderer_memory(half->renderer).targets, 14 * pixels);
     psplat_model_destroy(half->renderer, half_item.model);
     psplat_renderer_destroy(half->renderer);
     free(half);
     psplat_model_destroy(c->renderer, item.model);
     psplat_asset_destroy(asset);
     scene_free(&s);
+}
+
+/* GLES without GL_EXT_float_blend draws into RGBA16F. */
+static void test_half_targets(void **state) {
+    (void)state;
+    canvas *c = canvas_create(PSPLAT_API_GLES);
+    compare_half(c,
+                 &(psplat_renderer_desc){.get_proc = get_proc_without_blending, .user = c->host});
     canvas_destroy(c);
+}
+
+/* So does a context that can blend 32 bits, where the host wants it. */
+static void test_wanted_half_targets(void **state) {
+    (void)state;
+    for (int api = PSPLAT_API_GL; api <= PSPLAT_API_GLES; ++api) {
+        canvas *c = canvas_create((psplat_api)api);
+        compare_half(c, &(psplat_renderer_desc){
+                            .get_proc = psplat_host_get_proc, .user = c->host, .half_targets = 1});
+        canvas_destroy(c);
+    }
 }
 
 static void (*real_get_integer)(unsigned name, int *values);
@@ -227,9 +247,9 @@ static void test_small_textures(void **state) {
 
 int test_gl_api_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_missing_functions), cmocka_unit_test(test_versions),
-        cmocka_unit_test(test_arguments),         cmocka_unit_test(test_half_targets),
-        cmocka_unit_test(test_small_textures),
+        cmocka_unit_test(test_missing_functions),   cmocka_unit_test(test_versions),
+        cmocka_unit_test(test_arguments),           cmocka_unit_test(test_half_targets),
+        cmocka_unit_test(test_wanted_half_targets), cmocka_unit_test(test_small_textures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

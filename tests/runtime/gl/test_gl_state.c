@@ -456,7 +456,7 @@ static const struct {
 /* Capabilities that no frame touches. */
 static int is_kept(GLenum capability) {
     return capability == FRAMEBUFFER_SRGB || capability == MULTISAMPLE ||
-           capability == PRIMITIVE_RESTART || capability == PROGRAM_POINT_SIZE;
+           capability == PROGRAM_POINT_SIZE;
 }
 
 static void expect_integer(const fixture *f, GLenum name, const GLint *now, const GLint *before) {
