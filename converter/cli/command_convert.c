@@ -148,13 +148,13 @@ static void add_files_and_promises(psplat_option_list *list, arguments *a) {
          "the asset, instead of the operand; - is standard output", 0, 0, NULL},
         {'t', "tolerance", PSPLAT_OPTION_PERCENT, &c->tolerance_percent, "PERCENT",
          "greatest distance between splats and surface, in % of the\n"
-         "bounding box's diagonal: 0.5% or 0.5 (default 0.5; with a\n"
+         "bounding box's diagonal: 0.2% or 0.2 (default 0.2; with a\n"
          "budget the greatest that will do, default 20)",
          1e-4, 50, NULL},
         psplat_option_shared("normal-tolerance", &c->normal_tolerance_degrees),
         {0, "color-tolerance", PSPLAT_OPTION_PERCENT, &c->color_tolerance_percent, "PERCENT",
          "greatest root mean square error of a splat's colour over\nits part of the surface, in % "
-         "of sRGB's range; 100 does\nnot bound it (default 10 at a tolerance of 0.5 %, changing\n"
+         "of sRGB's range; 100 does\nnot bound it (default 6.3 at a tolerance of 0.2 %, changing\n"
          "with its square root); a promise at 950 of 1000 points of what\nsplats blend to, and of "
          "emission, roughness and metallic, each\noff by no more than the tolerance over the "
          "surface;\nfiner paint may average out",

@@ -12,6 +12,7 @@
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -82,6 +83,18 @@ static void hold_standard_streams(void) {
     if (file > STDERR_FILENO) close(file);
 }
 
+/* Starts the program anew with OMP_WAIT_POLICY=passive where the environment does not say how idle
+ * threads wait. GNU's OpenMP lets them spin for milliseconds otherwise, which costs an eighth of a
+ * conversion's CPU time and takes it from whatever else runs. The library reads its environment
+ * before main, so setting it here would be too late. Where the program cannot be found, as without
+ * /proc, threads spin. */
+static void let_idle_threads_sleep(char **argv) {
+    char path[4096]; /* Linux's greatest length of paths */
+    if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
+    if (!psplat_program_path(path, sizeof path) || setenv("OMP_WAIT_POLICY", "passive", 1)) return;
+    execv(path, argv);
+}
+
 /* Flushes standard output, where printing may fail only now, and returns the exit code. */
 static int close_output(int code) {
     if (!fflush(stdout) && !ferror(stdout)) return code;
@@ -108,6 +121,7 @@ static int run(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
+    let_idle_threads_sleep(argv);
     hold_standard_streams();
     set_signals();
     return close_output(run(argc, argv));

@@ -30,7 +30,7 @@ static const psplat_option shared[] = {
     /* Options of tilesets: */
     {'t', "tolerance", PSPLAT_OPTION_PERCENT, NULL, "PERCENT",
      "greatest distance between splats and surface at the finest\nlevel, in % of the bounding "
-     "box's diagonal: 0.5% or 0.5\n(default 0.5); it doubles from level to level",
+     "box's diagonal: 0.2% or 0.2\n(default 0.2); it doubles from level to level",
      1e-5, 20, NULL},
     {0, "tile-splats", PSPLAT_OPTION_COUNT, NULL, "N",
      "halve the cell of a tile while it has more than N splats\n(default 1024)", 8, 1e9, NULL},

@@ -22,14 +22,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const double default_tolerance_percent = 0.5;
 /* The greatest tolerance of a mesh that is a part of something larger, in % of its own diagonal. A
  * coarser one would leave nothing to be recognised, and save next to nothing. Chosen by hand. */
 static const double coarsest_own_percent = 20;
 static const double default_crease_angle_degrees = 30;
-/* Tuned on the textures of spot and Duck: all that people would name is still there, with edges
- * that are a little frayed. */
-static const double default_color_tolerance_percent = 10;
+/* The tolerance of colours at the second tolerance. Tuned on the textures of spot and Duck: all
+ * that people would name is still there, with edges that are a little frayed. */
+static const double default_color_tolerance_percent = 10, default_color_at_percent = 0.5;
 /* The colour tolerance (parts of sRGB's range) up to which linear colours are chosen. They take
  * three times the bytes, and up to here they save as much in splats. Tuned with bench_color on
  * pictures and on smooth colours. */
@@ -84,7 +83,7 @@ int psplat_conversion_interrupted(const psplat_convert_desc *desc, const char *s
 }
 
 static double tolerance_percent(const psplat_convert_desc *desc) {
-    return desc->tolerance_percent > 0 ? desc->tolerance_percent : default_tolerance_percent;
+    return desc->tolerance_percent > 0 ? desc->tolerance_percent : PSPLAT_DEFAULT_TOLERANCE_PERCENT;
 }
 
 /* Returns the tolerance of colours in parts of sRGB's range; 0 where it is unbounded. The default
@@ -93,7 +92,7 @@ static double tolerance_percent(const psplat_convert_desc *desc) {
 static double color_tolerance(const psplat_convert_desc *desc, double percent) {
     double color_percent = desc->color_tolerance_percent;
     if (!(color_percent > 0))
-        color_percent = default_color_tolerance_percent * sqrt(percent / default_tolerance_percent);
+        color_percent = default_color_tolerance_percent * sqrt(percent / default_color_at_percent);
     return color_percent < 100 ? color_percent / 100 : 0;
 }
 

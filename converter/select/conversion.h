@@ -41,9 +41,16 @@ enum { PSPLAT_EFFORT_NONE = -1 };
 /* The greatest effort. */
 enum { PSPLAT_GREATEST_EFFORT = 9 };
 
+/* The tolerance where none is given, in % of the bounding-box diagonal: a pixel where a model is
+ * some 500 of them across. Of 0.5, 0.4, 0.3 and 0.2 it is the one at which bytes times the error of
+ * pictures are least on the Duck, fandisk and part.obj, and within 3 % of least on the bunny; at
+ * 0.5 outlines and highlights of machined parts waver visibly. */
+#define PSPLAT_DEFAULT_TOLERANCE_PERCENT 0.2
+
 /* The options of a conversion. Zeros are the defaults. */
 typedef struct psplat_convert_desc {
-    double tolerance_percent;        /* epsilon in % of the bounding-box diagonal; 0 means 0.5 */
+    double tolerance_percent;        /* epsilon in % of the bounding-box diagonal; 0 means
+                                        PSPLAT_DEFAULT_TOLERANCE_PERCENT */
     double normal_tolerance_degrees; /* greatest error of the normal field; 0 means unbounded */
     double crease_angle_degrees;     /* dihedral angle from which an edge is a crease, unless it is
                                       * noise; doubled where the file's normals agree; 0 means 30 */

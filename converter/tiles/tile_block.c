@@ -83,7 +83,8 @@ static int show_progress(void *user, const char *stage, double fraction) {
 static psplat_convert_desc options_of(block_work *w, size_t steps) {
     psplat_convert_desc options = *w->desc->convert;
     double doubled = ldexp(1, (int)steps), root = sqrt(doubled);
-    if (!(options.tolerance_percent > 0)) options.tolerance_percent = 0.5;
+    if (!(options.tolerance_percent > 0))
+        options.tolerance_percent = PSPLAT_DEFAULT_TOLERANCE_PERCENT;
     options.tolerance_percent *= doubled;
     options.diagonal = w->diagonal;
     options.normal_tolerance_degrees = min2(options.normal_tolerance_degrees * root, 90);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-# test_threads.sh - tests that convert writes the same bytes for any number of threads.
+# test_threads.sh - tests that convert writes the same bytes for any number of threads, and that idle
+# threads sleep where the environment does not say otherwise.
 . "$SOURCE_DIR/tests/support/cli.sh"
 mkdir out
 
@@ -27,4 +28,21 @@ done
 cmp out/1.glb out/2.glb || fail "two threads write what one does not"
 cmp measured.1 measured.2 || fail "two threads measure what one does not"
 [ "$(wc -l <measured.1)" -gt 10 ] || fail "the report is not one key a line"
+# waits_as POLICY [COMMAND...]: the program, started by COMMAND, has POLICY in its environment while it waits for its input.
+waits_as() {
+    policy=$1
+    shift
+    mkfifo input.obj
+    "$@" "$PHONGSPLAT" convert input.obj out/piped.glb -wq 2>stderr.txt &
+    exec 3>input.obj # opens when the program does, which is after it has started anew
+    tr '\0' '\n' <"/proc/$!/environ" >environment.txt
+    cat saddle.obj >&3
+    exec 3>&-
+    wait $! || fail "a conversion from a pipe: $(cat stderr.txt)"
+    grep -qx "OMP_WAIT_POLICY=$policy" environment.txt || fail "threads do not wait as $policy: $(grep OMP environment.txt)"
+    rm input.obj
+    checks=$((checks + 1))
+}
+waits_as passive env -u OMP_WAIT_POLICY -u GOMP_SPINCOUNT
+waits_as active env OMP_WAIT_POLICY=active
 echo "$checks checks passed"
