@@ -11,7 +11,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test, { after, before } from 'node:test';
 import { gzipSync } from 'node:zlib';
-import { drawNative, here, launch, open, psnr, reduce, rgbOf, serve } from './browser.mjs';
+import { drawNative, here, launch, open, psnr, questionsOf, reduce, rgbOf, serve } from './browser.mjs';
 
 const converted = process.env.PHONGSPLAT_CONVERTED ?? '', program = process.env.PHONGSPLAT_DRAW_NATIVE, root = join(here, '../..');
 const wasm = join(root, 'runtime/web/wasm'), dist = join(root, 'build/wasm/dist'), state = {};
@@ -196,6 +196,22 @@ test('lights, shadows, transforms and several models', async () => {
     assert.equal(none, 0);
     assert.ok(one > 1e6 && two > 1.5 * one && two < 3 * one, JSON.stringify(found));
     assert.ok(dark < 0.99 * bright && dark > 0.2 * bright, JSON.stringify(found));
+});
+
+test('frames ask WebGL for nothing, so that pages do not wait', async () => {
+    const made = await questionsOf(state.page, '() => window.create(64, 64)');
+    assert.ok(made.asked.includes('getParameter'), String(made.asked)); // so that questions are heard
+    await inPage(async () => {
+        window.torus = await window.shared.open(await window.fetchBytes('/files/torus.glb'));
+        window.drawTorus = () => {
+            const light = { direction: [0.2, -1, -0.3], castsShadow: true };
+            window.shared.draw(window.torus, { ...window.around(window.torus), lights: [light] });
+        };
+        window.drawTorus(); // makes programs and targets, and asks whether GL takes them
+    });
+    const { asked, waited } = await questionsOf(state.page, '() => { for (let i = 0; i < 5; ++i) window.drawTorus(); }');
+    await inPage(() => window.torus.dispose());
+    assert.deepEqual([asked, waited], [[], 0]);
 });
 
 test('canvases are independent, and a renderer frees what it has', async () => {
