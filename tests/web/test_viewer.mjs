@@ -145,6 +145,10 @@ test('what is wrong with a file is said, and the page goes on', async () => {
     const missing = await openViewer('&load=/files/none.glb');
     assert.match(await text(missing, 'error'), /none.glb: the server answers 404/);
     await missing.close();
+    const alone = await open(state.browser, `${state.server.address}/package/viewer/index.html?three=/nowhere`);
+    await alone.waitForFunction('!document.getElementById("error").hidden');
+    assert.match(await text(alone, 'error'), /three.js could not be loaded from .*nowhere/);
+    await alone.close();
 });
 
 /** Returns a tileset of two models beside each other under a coarse one. */

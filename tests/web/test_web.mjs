@@ -6,7 +6,7 @@
 // of the bundled models, converted; PHONGSPLAT_DRAW_NATIVE the program of draw_native.c.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test, { after, before } from 'node:test';
@@ -71,6 +71,16 @@ for (const [url, path] of files) {
         });
     }
 }
+
+test('files of every earlier state of the format are drawn as the C runtime draws them', async () => {
+    const corpus = join(root, 'tests/corpus'), names = ['', 'compressed/'].flatMap((folder) => readdirSync(join(corpus, folder)).filter((name) => /\.gl(b|tf)$/.test(name)).map((name) => folder + name));
+    assert.ok(names.length >= 20, String(names));
+    for (const name of names) {
+        const decibels = compare(await draw({ url: `/corpus/${name}`, shading: 'normal' }), join(corpus, name), 'normal');
+        console.log(`${name}: ${decibels.toFixed(1)} dB`);
+        assert.ok(decibels >= LEAST, `${name}: ${decibels} dB`);
+    }
+});
 
 for (const shading of ['toon', 'depth', 'overdraw', 'splats']) {
     test(`the shading ${shading} is the C runtime's`, async () => {
