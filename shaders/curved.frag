@@ -12,7 +12,8 @@
  * Divisions and square roots are what a fragment costs, so that their number is kept low.
  *
  * gl_program.c defines PASS, CLIP_COUNT, SEAM_COUNT, BENDS, SHAPE, COLOR, FINISH, FIELD, TWO_SIDED, TEXTURED,
- * MASK and NORMAL_MAP. maps.glsl, where splats are textured, and sums.glsl come before this file.
+ * MASK and NORMAL_MAP. texels.glsl, maps.glsl where splats are textured, and sums.glsl come before
+ * this file.
  */
 #if defined(GL_ARB_conservative_depth) || defined(GL_EXT_conservative_depth)
 /* GPUs can go on testing depth before they shade: curved.vert puts billboards before patches. */
@@ -61,8 +62,12 @@ flat in vec3 v_color;
 flat in vec3 v_color_u;
 flat in vec3 v_color_v;
 #endif
+#if !READS_SURFACE
 flat in vec3 v_surface;
 flat in vec3 v_emissive;
+#elif !TEXTURED
+flat in float v_splat;
+#endif
 #elif COLOR
 flat in vec3 v_color;
 #endif
@@ -278,8 +283,13 @@ void main() {
     color += hit.uv.x * v_color_u + hit.uv.y * v_color_v;
 #endif
     color = clamp(color, 0.0, 1.0);
+#if READS_SURFACE
+    ivec2 texel = finish_texel_of(place_of(int(v_splat)));
+    read_surface(texel, surface, emissive);
+#else
     surface = v_surface;
     emissive = v_emissive;
+#endif
 #elif COLOR
     color = v_color;
 #endif

@@ -10,7 +10,7 @@
  * eye space, whatever the model matrix is; rays, order along rays and sides stay what they are.
  *
  * gl_program.c defines PASS, CLIP_COUNT, LINE_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
- * TWO_SIDED and TEXTURED. splat_data.glsl and shift.glsl come before this file.
+ * TWO_SIDED and TEXTURED. texels.glsl, splat_data.glsl and shift.glsl come before this file.
  */
 uniform mat3 u_ray;         /* from (pixel x, pixel y, 1) to the view ray */
 
@@ -56,13 +56,15 @@ flat out vec3 v_color;      /* not clamped */
 flat out vec3 v_color_u;
 flat out vec3 v_color_v;
 #endif
+#if !READS_SURFACE
 flat out vec3 v_surface;
 flat out vec3 v_emissive;
+#endif
 #elif COLOR
 flat out vec3 v_color;
 #endif
 #endif
-#if TEXTURED
+#if TEXTURED || READS_SURFACE
 flat out float v_splat;     /* the splat's index in the batch; below 2^24, so that it is exact */
 #endif
 #if CLIP_COUNT > 0
@@ -236,7 +238,7 @@ void main() {
 #if !(FINISH && CLIP_COUNT >= 3)
     v_view = vec4(u_shift.xy, u_depth_range);
 #endif
-#if TEXTURED
+#if TEXTURED || READS_SURFACE
     v_splat = float(splat);
 #endif
 #if CLIP_COUNT > 0
@@ -279,8 +281,10 @@ void main() {
     v_color_u = finish.color_u;
     v_color_v = finish.color_v;
 #endif
+#if !READS_SURFACE
     v_surface = finish.surface;
     v_emissive = finish.emissive;
+#endif
 #elif COLOR
     v_color = texelFetch(u_splats, texel + ivec2(3, 0), 0).rgb;
 #endif

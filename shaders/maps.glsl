@@ -7,8 +7,8 @@
  * A splat's coordinates are fetched here and not handed on by the vertex shader, because some GLs
  * have no varyings left for them. Gradients are passed to every lookup, as it may follow a discard.
  *
- * gl_program.c defines WIDE, SHAPE, FIELD, MASK, BASE_MAP, SURFACE_MAP, NORMAL_MAP, OCCLUSION_MAP,
- * EMISSIVE_MAP, TEXCOORD_BEND and MAP_TRANSFORM.
+ * gl_program.c defines FIELD, MASK, BASE_MAP, SURFACE_MAP, NORMAL_MAP, OCCLUSION_MAP, EMISSIVE_MAP,
+ * TEXCOORD_BEND and MAP_TRANSFORM. texels.glsl comes before this file.
  */
 uniform highp sampler2D u_texcoords; /* layout.h */
 #if BASE_MAP
@@ -45,9 +45,7 @@ struct Place {
 /* Returns the place of a point of the splat. The columns of reach are the derivatives of (u, v) by
  * window x and y. */
 Place place_on_maps(vec2 uv, mat2 reach) {
-    const int bits = PSPLAT_SPLAT_ROW_BITS(WIDE, SHAPE);
-    int splat = int(v_splat);
-    ivec2 texel = ivec2(splat & ((1 << bits) - 1), splat >> bits);
+    ivec2 texel = place_of(int(v_splat));
     texel.x *= 2 + 2 * TEXCOORD_BEND;
     vec4 a = texelFetch(u_texcoords, texel, 0);
     vec3 b = texelFetch(u_texcoords, texel + ivec2(1, 0), 0).rgb;

@@ -8,6 +8,7 @@
 
 extern const char psplat_shader_layout_h[];
 extern const char psplat_shader_shading_glsl[];
+extern const char psplat_shader_texels_glsl[];
 extern const char psplat_shader_splat_data_glsl[];
 extern const char psplat_shader_shift_glsl[];
 extern const char psplat_shader_splat_vert[];

@@ -4,7 +4,8 @@
  * discarded; the others add to the sums of spec 5.4.
  *
  * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, SEAM_COUNT, BENDS, COLOR, FINISH, NEAR, FILTER, TEXTURED,
- * MASK and NORMAL_MAP. maps.glsl, where splats are textured, and sums.glsl come before this file.
+ * MASK and NORMAL_MAP. texels.glsl, maps.glsl where splats are textured, and sums.glsl come before
+ * this file.
  */
 #if FILTER
 in vec4 v_uv;

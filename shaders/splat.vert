@@ -7,8 +7,8 @@
  * drawn by this shader too, as the ellipses in their tangent planes (spec 5.1).
  *
  * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, LINE_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
- * NEAR, TWO_SIDED, FILTER, TANGENT, TEXTURED and NORMAL_MAP. splat_data.glsl and shift.glsl come
- * before this file.
+ * NEAR, TWO_SIDED, FILTER, TANGENT, TEXTURED and NORMAL_MAP. texels.glsl, splat_data.glsl and
+ * shift.glsl come before this file.
  */
 invariant gl_Position;
 

@@ -6,14 +6,11 @@
  * What depends on the item comes with each instance where INSTANCED is defined, so that one call
  * draws many items, and from uniforms where it is not, as in three.js.
  *
- * gl_program.c defines INSTANCED, WIDE, SHAPE, COLOR, FINISH, FIELD and FADE.
+ * gl_program.c defines INSTANCED, WIDE, SHAPE, COLOR, FINISH, FIELD and FADE. texels.glsl comes before
+ * this file.
  */
 uniform highp sampler2D u_splats;
 uniform highp sampler2D u_clips;
-#if FINISH
-uniform highp sampler2D u_finishes;
-uniform int u_finish; /* PSPLAT_FINISH_ bits */
-#endif
 uniform mat4 u_projection;
 uniform vec3 u_half_viewport; /* half the width and height in pixels, half the depth range */
 uniform vec3 u_shift; /* psplat_camera.shift, see shift_of(); where not INSTANCED z is epsilon() */
@@ -92,12 +89,6 @@ int first_index() {
 #endif
 }
 
-/* Returns the column and the row of a splat in the textures, counted in splats. */
-ivec2 place_of(int splat) {
-    const int bits = PSPLAT_SPLAT_ROW_BITS(WIDE, SHAPE);
-    return ivec2(splat & ((1 << bits) - 1), splat >> bits);
-}
-
 /* Returns the first texel of a splat. */
 ivec2 texel_of(ivec2 place) {
     return ivec2(place.x * (PSPLAT_SPLAT_TEXELS + WIDE + SHAPE), place.y);
@@ -123,19 +114,13 @@ struct Finish {
 };
 
 Finish finish_of(ivec2 place) {
-    int surface = u_finish & PSPLAT_FINISH_SURFACE;
-    int emissive = (u_finish & PSPLAT_FINISH_EMISSIVE) / PSPLAT_FINISH_EMISSIVE;
-    int gradient = (u_finish & PSPLAT_FINISH_GRADIENT) / PSPLAT_FINISH_GRADIENT;
-    ivec2 texel = ivec2(place.x * (surface + emissive + 2 * gradient), place.y);
+    ivec2 texel = finish_texel_of(place);
     Finish finish = Finish(vec3(1.0), vec3(0.0), vec3(0.0), vec3(1.0), vec3(1.0));
     if ((u_finish & PSPLAT_FINISH_COLOR) > 0)
         finish.color = texelFetch(u_splats, texel_of(place) + ivec2(3, 0), 0).rgb;
-    if (surface > 0) finish.surface = texelFetch(u_finishes, texel, 0).rgb;
-    texel.x += surface;
-    if (emissive > 0) finish.emissive = texelFetch(u_finishes, texel, 0).rgb;
+    read_surface(texel, finish.surface, finish.emissive);
 #if FIELD
-    texel.x += emissive;
-    if (gradient > 0) {
+    if ((u_finish & PSPLAT_FINISH_GRADIENT) > 0) {
         finish.color_u = texelFetch(u_finishes, texel, 0).rgb;
         finish.color_v = texelFetch(u_finishes, texel + ivec2(1, 0), 0).rgb;
     }

@@ -7,6 +7,10 @@ cd "$(dirname "$0")/.."
 samples/install.sh
 samples/npm_ci.sh tests/node
 
+if [ -z "${CHROMIUM:-}" ] && ! command -v chromium >/dev/null && ! command -v google-chrome >/dev/null; then
+    echo "run.sh: Chromium is not installed, so that the tests web_* are skipped (samples/install.sh --browser installs it)"
+fi
+
 cmake --preset dev
 cmake --build --preset dev
 cmake --preset clang

@@ -213,8 +213,9 @@ static void add_outputs(psplat_option_list *list, arguments *a) {
          "standard output",
          0, 0, NULL},
         {0, "html-source", PSPLAT_OPTION_FLAG, &a->html_source, NULL,
-         "put the mesh, a GLB or an OBJ, into PAGE.html as it is,\nand a slider between both", 0, 0,
-         NULL},
+         "put the mesh into PAGE.html, too, and a slider between both:\na GLB, or an OBJ without "
+         "materials, as it is, else a GLB with\nall triangles and images",
+         0, 0, NULL},
         psplat_option_shared("seed", &a->how.convert.seed),
         {'j', "jobs", PSPLAT_OPTION_COUNT, &a->jobs, "N",
          "with several inputs, convert N of them at a time\n(default 1)", 1, PSPLAT_MAX_JOBS, NULL},
@@ -351,6 +352,20 @@ static psplat_result add_alternatives(const arguments *a, product *p, psplat_err
     return result;
 }
 
+/* Makes the mesh that the page shows beside the splats, with the textures that it has. */
+static psplat_result add_source(const arguments *a, product *p, psplat_error *error) {
+    psplat_convert_desc desc = describe(a, NULL);
+    psplat_fallback_mesh *meshes = NULL;
+    desc.tolerance_percent = p->report.total.tolerance_percent;
+    desc.bake_textures = 0;
+    psplat_result result = psplat_scene_whole_meshes(&p->scene, &desc, &meshes, error);
+    if (!result)
+        result = psplat_scene_write_meshes(&p->scene, meshes, &psplat_meshopt_codec, &p->page.mesh,
+                                           &p->page.mesh_size, error);
+    psplat_scene_fallback_meshes_free(&p->scene, meshes);
+    return result;
+}
+
 static psplat_result add_levels(const arguments *a, psplat_progress *progress, product *p,
                                 psplat_error *error) {
     psplat_convert_desc desc = describe(a, progress);
@@ -372,6 +387,7 @@ static psplat_result make(const arguments *a, product *p, psplat_error *error) {
     if (!result) result = convert(a, &written, &progress, p, error);
     if (!result) result = add_levels(a, &progress, p, error);
     if (!result) result = add_alternatives(a, p, error);
+    if (!result && psplat_page_wants_mesh(&p->page)) result = add_source(a, p, error);
     written.levels = p->levels;
     written.fallbacks = p->fallbacks;
     written.gaussians = (const psplat_gaussian *const *)p->gaussians;

@@ -41,18 +41,23 @@ static psplat_result read_template(char **text, psplat_error *error) {
                        template_name);
 }
 
-static const char *extension_of(psplat_source_format format) {
-    return format == PSPLAT_SOURCE_GLB ? ".glb" : format == PSPLAT_SOURCE_OBJ ? ".obj" : NULL;
+/* Returns whether an OBJ refers to a file of materials. */
+static int has_library(const char *text) {
+    for (const char *at = text; (at = strstr(at, "mtllib")) != NULL; ++at)
+        if (at == text || at[-1] == '\n' || at[-1] == '\r') return 1;
+    return 0;
+}
+
+int psplat_page_wants_mesh(const psplat_page *page) {
+    psplat_source_format format = page->source.format;
+    return format != PSPLAT_SOURCE_UNKNOWN && format != PSPLAT_SOURCE_GLB &&
+           (format != PSPLAT_SOURCE_OBJ || has_library(page->source.data));
 }
 
 psplat_result psplat_page_open(psplat_page *page, const char *source, psplat_error *error) {
     psplat_result result = read_template(&page->template, error);
     if (result || !source) return result;
-    result = psplat_source_load(source, &page->source, error);
-    if (result || extension_of(page->source.format)) return result;
-    return psplat_fail(error, PSPLAT_ERROR_UNSUPPORTED, 0,
-                       "%s: a page shows sources that are GLB or OBJ (--html-source)",
-                       page->source.path);
+    return psplat_source_load(source, &page->source, error);
 }
 
 /* Returns the file name of a path, with the extension at its end, or NULL; the caller frees it. */
@@ -69,14 +74,17 @@ static char *name_with(const char *path, const char *extension) {
 
 psplat_result psplat_page_make(const psplat_page *page, const char *asset_path, const void *bytes,
                                size_t size, char **text, size_t *text_size, psplat_error *error) {
-    const char *extension = extension_of(page->source.format);
+    int has_source = page->source.format != PSPLAT_SOURCE_UNKNOWN;
+    int is_obj = page->source.format == PSPLAT_SOURCE_OBJ && !page->mesh;
     char *name = name_with(strcmp(asset_path, "-") != 0 ? asset_path : "splats", ".glb");
-    char *source = extension ? name_with(page->source.file, extension) : NULL;
+    char *source = has_source ? name_with(page->source.file, is_obj ? ".obj" : ".glb") : NULL;
     const psplat_page_model models[] = {{name, bytes, size},
-                                        {source, page->source.data, page->source.size}};
+                                        {source,
+                                         page->mesh ? (const void *)page->mesh : page->source.data,
+                                         page->mesh ? page->mesh_size : page->source.size}};
     psplat_result result =
-        name && (source || !extension)
-            ? psplat_html_page(page->template, models, extension ? 2 : 1, text, text_size, error)
+        name && (source || !has_source)
+            ? psplat_html_page(page->template, models, has_source ? 2 : 1, text, text_size, error)
             : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory");
     free(name);
     free(source);
@@ -85,6 +93,8 @@ psplat_result psplat_page_make(const psplat_page *page, const char *asset_path, 
 
 void psplat_page_close(psplat_page *page) {
     free(page->template);
+    free(page->mesh);
     psplat_source_free(&page->source);
     page->template = NULL;
+    page->mesh = NULL;
 }

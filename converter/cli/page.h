@@ -15,14 +15,20 @@
 /* What a page takes besides the asset. Zero-initialise; psplat_page_close releases it. */
 typedef struct psplat_page {
     char *template;       /* the viewer's page, ended by a 0 */
-    psplat_source source; /* the mesh to show beside the splats, or empty */
+    psplat_source source; /* the file of the mesh to show beside the splats, or empty */
+    uint8_t *mesh;        /* that mesh as a GLB, where the viewer does not read the file, or NULL */
+    size_t mesh_size;
 } psplat_page;
 
 /* Reads the template and, unless source is NULL, the source file. Errors: PSPLAT_ERROR_GRAPHICS (no
- * template beside this program or where installations have it, or not one),
- * PSPLAT_ERROR_UNSUPPORTED (a source that the viewer does not show), and those of
+ * template beside this program or where installations have it, or not one), and those of
  * psplat_source_load. */
 psplat_result psplat_page_open(psplat_page *page, const char *source, psplat_error *error);
+
+/* Returns whether the page wants the source as a GLB, in psplat_page.mesh: a file that is a GLB is
+ * shown as it is, and so is an OBJ that refers to no materials; the viewer reads no other format,
+ * and a page has no second file. */
+int psplat_page_wants_mesh(const psplat_page *page);
 
 /* Makes the page of an asset. Models get the names of their files, with an extension by which the
  * viewer knows them. *text is malloc'ed and owned by the caller. Errors: PSPLAT_ERROR_MEMORY. */

@@ -22,32 +22,46 @@ void psplat_scene_fallback_meshes_free(const psplat_scene *scene, psplat_fallbac
     free(fallbacks);
 }
 
-static psplat_result make_fallback_meshes(const psplat_scene *scene, psplat_convert_desc desc,
-                                          const double *lengths, psplat_fallback_mesh *made,
-                                          psplat_error *error) {
+/* psplat_fallback_mesh_make, or psplat_whole_mesh_make. */
+typedef psplat_result (*make_mesh)(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                   psplat_fallback_mesh *made, psplat_error *error);
+
+static psplat_result make_meshes(const psplat_scene *scene, psplat_convert_desc desc,
+                                 make_mesh make, const double *lengths, psplat_fallback_mesh *made,
+                                 psplat_error *error) {
     psplat_result result = PSPLAT_OK;
     desc.progress = NULL;
     for (size_t i = 0; i < scene->mesh_count && !result; ++i) {
         desc.diagonal = lengths[i];
         if (scene->meshes[i].mesh.triangle_count)
-            result = psplat_fallback_mesh_make(&scene->meshes[i].mesh, &desc, &made[i], error);
+            result = make(&scene->meshes[i].mesh, &desc, &made[i], error);
     }
+    return result;
+}
+
+static psplat_result make_all(const psplat_scene *scene, const psplat_convert_desc *desc,
+                              make_mesh make, psplat_fallback_mesh **all, psplat_error *error) {
+    double *lengths = malloc((scene->mesh_count + 1) * sizeof *lengths), diagonal;
+    psplat_fallback_mesh *made = calloc(scene->mesh_count + 1, sizeof *made);
+    psplat_result result =
+        lengths && made ? psplat_scene_lengths(scene, lengths, &diagonal, error)
+                        : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for coarse meshes");
+    if (!result) result = make_meshes(scene, *desc, make, lengths, made, error);
+    free(lengths);
+    *all = result ? NULL : made;
+    if (result) psplat_scene_fallback_meshes_free(scene, made);
     return result;
 }
 
 psplat_result psplat_scene_fallback_meshes(const psplat_scene *scene,
                                            const psplat_convert_desc *desc,
                                            psplat_fallback_mesh **fallbacks, psplat_error *error) {
-    double *lengths = malloc((scene->mesh_count + 1) * sizeof *lengths), diagonal;
-    psplat_fallback_mesh *made = calloc(scene->mesh_count + 1, sizeof *made);
-    psplat_result result =
-        lengths && made ? psplat_scene_lengths(scene, lengths, &diagonal, error)
-                        : psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for coarse meshes");
-    if (!result) result = make_fallback_meshes(scene, *desc, lengths, made, error);
-    free(lengths);
-    *fallbacks = result ? NULL : made;
-    if (result) psplat_scene_fallback_meshes_free(scene, made);
-    return result;
+    return make_all(scene, desc, psplat_fallback_mesh_make, fallbacks, error);
+}
+
+psplat_result psplat_scene_whole_meshes(const psplat_scene *scene, const psplat_convert_desc *desc,
+                                        psplat_fallback_mesh **whole, psplat_error *error) {
+    return make_all(scene, desc, psplat_whole_mesh_make, whole, error);
 }
 
 void psplat_scene_gaussians_free(const psplat_scene *scene, psplat_gaussian **gaussians) {

@@ -23,6 +23,10 @@ psplat_result psplat_scene_fallback_meshes(const psplat_scene *scene,
                                            const psplat_convert_desc *desc,
                                            psplat_fallback_mesh **fallbacks, psplat_error *error);
 
+/* The same with all triangles of the meshes. */
+psplat_result psplat_scene_whole_meshes(const psplat_scene *scene, const psplat_convert_desc *desc,
+                                        psplat_fallback_mesh **whole, psplat_error *error);
+
 /* Accepts NULL. */
 void psplat_scene_fallback_meshes_free(const psplat_scene *scene, psplat_fallback_mesh *fallbacks);
 

@@ -25,6 +25,7 @@ typedef struct work {
     psplat_fallback_vertex *vertices;
     uint32_t *indices, *spare; /* spare is scratch memory of the same size */
     size_t vertex_count, index_count;
+    int is_whole; /* 1: nothing is simplified */
 } work;
 
 /* ---- corners --------------------------------------------------------------------------------- */
@@ -240,23 +241,34 @@ static psplat_result make(work *w, psplat_fallback_mesh *fallback, psplat_error 
     if (!result && w->conversion.appearance.has_color) result = join_colors(w, error);
     if (result) return result;
     weld_corners(w);
-    simplify(w, w->conversion.tolerance);
+    if (!w->is_whole) simplify(w, w->conversion.tolerance);
     result = split_by_group(w, fallback, error);
     if (!result) hand_over(w, fallback);
+    return result;
+}
+
+/* Makes the mesh and frees what it took. */
+static psplat_result finish(work *w, psplat_fallback_mesh *fallback, psplat_error *error) {
+    *fallback = (psplat_fallback_mesh){0};
+    psplat_result result = make(w, fallback, error);
+    psplat_conversion_free(&w->conversion);
+    free(w->vertices);
+    free(w->indices);
+    free(w->spare);
+    if (result) psplat_fallback_mesh_free(fallback);
     return result;
 }
 
 psplat_result psplat_fallback_mesh_make(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                                         psplat_fallback_mesh *fallback, psplat_error *error) {
     work w = {.mesh = mesh, .conversion = {.desc = desc}};
-    *fallback = (psplat_fallback_mesh){0};
-    psplat_result result = make(&w, fallback, error);
-    psplat_conversion_free(&w.conversion);
-    free(w.vertices);
-    free(w.indices);
-    free(w.spare);
-    if (result) psplat_fallback_mesh_free(fallback);
-    return result;
+    return finish(&w, fallback, error);
+}
+
+psplat_result psplat_whole_mesh_make(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                     psplat_fallback_mesh *whole, psplat_error *error) {
+    work w = {.mesh = mesh, .conversion = {.desc = desc}, .is_whole = 1};
+    return finish(&w, whole, error);
 }
 
 void psplat_fallback_mesh_free(psplat_fallback_mesh *fallback) {

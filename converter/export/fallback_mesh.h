@@ -45,6 +45,9 @@ typedef struct psplat_fallback_mesh {
  * frees *fallback with psplat_fallback_mesh_free. Errors: MEMORY, RANGE, INTERRUPTED. */
 psplat_result psplat_fallback_mesh_make(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                                         psplat_fallback_mesh *fallback, psplat_error *error);
+/* The same with all triangles of the mesh: what a page shows as the source. */
+psplat_result psplat_whole_mesh_make(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                     psplat_fallback_mesh *whole, psplat_error *error);
 void psplat_fallback_mesh_free(psplat_fallback_mesh *fallback);
 
 #endif

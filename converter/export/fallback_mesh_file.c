@@ -188,6 +188,12 @@ static int add_mesh(psplat_fallback_file *file, const psplat_attribute_table *ta
     return 1;
 }
 
+static int has_splats(const psplat_attribute_table *tables, size_t mesh_count) {
+    for (size_t i = 0; i < mesh_count; ++i)
+        if (tables[i].splats->count) return 1;
+    return 0;
+}
+
 psplat_result psplat_fallback_file_make(const psplat_fallback_mesh *fallbacks,
                                         const psplat_attribute_table *tables, size_t mesh_count,
                                         const psplat_codec *codec, psplat_fallback_file *file,
@@ -196,9 +202,9 @@ psplat_result psplat_fallback_file_make(const psplat_fallback_mesh *fallbacks,
     *file = (psplat_fallback_file){.mesh_count = mesh_count};
     file->tables = calloc(mesh_count + 1, sizeof *file->tables);
     file->views = calloc(MAX_VIEWS * mesh_count + 1, sizeof *file->views);
-    int is_made = file->tables && file->views;
+    int is_made = file->tables && file->views, needs_splats = has_splats(tables, mesh_count);
     for (size_t i = 0; i < mesh_count && is_made; ++i) {
-        if (!fallbacks[i].index_count || !tables[i].splats->count) continue;
+        if (!fallbacks[i].index_count || (needs_splats && !tables[i].splats->count)) continue;
         file->tables[i].fallback = &fallbacks[i];
         is_made = add_mesh(file, &tables[i], codec, &file->tables[i]);
     }
@@ -262,6 +268,7 @@ void psplat_fallback_file_write_mesh(psplat_writer *json, const psplat_fallback_
             psplat_materials_find(materials, scene, &primitive->material, primitive->group));
     }
     psplat_writer_close(json, ']');
+    if (splat_mesh == PSPLAT_NO_INDEX) return;
     psplat_writer_open(json, "extensions", '{');
     psplat_writer_open(json, "PSPLAT_surface_splats", '{');
     psplat_writer_count(json, "mesh", splat_mesh);

@@ -37,9 +37,9 @@ typedef struct psplat_fallback_file {
 } psplat_fallback_file;
 
 /* Stores the fallback meshes in the coordinates of the splats of their meshes, and in their units
- * if the splats are quantized. A codec of NULL leaves the views uncompressed. fallbacks must
- * outlive *file. The caller frees *file with psplat_fallback_file_free, also after an error.
- * Errors: MEMORY. */
+ * if the splats are quantized; those of meshes without splats only where no mesh has any. A codec
+ * of NULL leaves the views uncompressed. fallbacks must outlive *file. The caller frees *file with
+ * psplat_fallback_file_free, also after an error. Errors: MEMORY. */
 psplat_result psplat_fallback_file_make(const psplat_fallback_mesh *fallbacks,
                                         const psplat_attribute_table *tables, size_t mesh_count,
                                         const psplat_codec *codec, psplat_fallback_file *file,
@@ -51,7 +51,8 @@ psplat_result psplat_fallback_file_collect(const psplat_fallback_file *file,
                                            const psplat_scene *scene, psplat_materials *materials);
 
 /* Writes the members of an element of "meshes". first_accessor is the index in the file of the
- * first accessor of all fallback meshes, splat_mesh that of the mesh with the splats. */
+ * first accessor of all fallback meshes, splat_mesh that of the mesh with the splats, or
+ * PSPLAT_NO_INDEX. */
 void psplat_fallback_file_write_mesh(psplat_writer *json, const psplat_fallback_table *table,
                                      const psplat_scene *scene, const psplat_materials *materials,
                                      size_t first_accessor, size_t splat_mesh);

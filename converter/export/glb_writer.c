@@ -271,6 +271,7 @@ static psplat_result try_plans(const psplat_scene *scene, const psplat_write_des
                                const psplat_materials *materials, psplat_buffer_layout *layout,
                                uint8_t **data, size_t *size, psplat_error *error) {
     enum { APART = 1, NORMALS = 2, ALIKE = 4, JOINED = 8, PADDED = 16, PLANS = 32 };
+    static const psplat_buffer_layout_plan plain;
     const psplat_codec *codec = desc->codec;
     const unsigned large = codec ? APART | NORMALS | ALIKE : APART;
     unsigned plans = JOINED;
@@ -280,6 +281,7 @@ static psplat_result try_plans(const psplat_scene *scene, const psplat_write_des
         splats += layout->tables[i].splats->count;
         if (has_curved_runs(layout->tables[i].splats)) plans = PLANS;
     }
+    if (!splats) return try_plan(scene, &plain, materials, layout, data, size, error);
     if (codec && splats <= MOST_SPLATS_TO_TRY)
         result = try_streams(scene, desc, materials, layout, data, size, error);
     for (unsigned plan = 0; plan < plans && !result; ++plan) {
@@ -363,6 +365,26 @@ psplat_result psplat_scene_write(const psplat_scene *scene, const psplat_splats 
     free(*data);
     *data = NULL;
     *size = 0;
+    return result;
+}
+
+psplat_result psplat_scene_write_meshes(const psplat_scene *scene,
+                                        const psplat_fallback_mesh *meshes,
+                                        const psplat_codec *codec, uint8_t **data, size_t *size,
+                                        psplat_error *error) {
+    psplat_write_desc desc = {.codec = codec, .fallbacks = meshes};
+    psplat_leveled_scene leveled = {.splats = NULL};
+    psplat_splats *none = calloc(scene->mesh_count + 1, sizeof *none);
+    *data = NULL;
+    *size = 0;
+    if (!none) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for the file");
+    /* Where a node would put splats it puts triangles. */
+    for (size_t i = 0; i < scene->mesh_count; ++i)
+        memcpy(none[i].origin, meshes[i].origin, sizeof none[i].origin);
+    psplat_result result = psplat_leveled_scene_make(scene, none, NULL, &leveled, error);
+    if (!result) result = write_leveled(&leveled, &desc, data, size, error);
+    psplat_leveled_scene_free(&leveled);
+    free(none);
     return result;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * glb_writer.h - the glTF writer: splats, alone or in a scene, as a complete GLB.
+ * glb_writer.h - the glTF writer: splats, alone or in a scene, or a scene's meshes as a complete
+ * GLB.
  */
 #ifndef PHONGSPLAT_EXPORT_GLB_WRITER_H
 #define PHONGSPLAT_EXPORT_GLB_WRITER_H
@@ -23,6 +24,14 @@ typedef struct psplat_write_desc {
        none. */
     const struct psplat_mesh_levels *levels;
 } psplat_write_desc;
+
+/* Serialises the scene's graph with triangles alone, of psplat_scene_whole_meshes, as a GLB that
+ * knows no splats into *data, allocated with malloc and owned by the caller. codec is required.
+ * Errors: RANGE (more than 4 GiB), ARGUMENT (a texture whose image the scene has not), MEMORY. */
+psplat_result psplat_scene_write_meshes(const psplat_scene *scene,
+                                        const struct psplat_fallback_mesh *meshes,
+                                        const psplat_codec *codec, uint8_t **data, size_t *size,
+                                        psplat_error *error);
 
 /* Serialises splats as a complete GLB (spec 3) of one mesh and one node into *data, allocated with
  * malloc and owned by the caller. It touches no file. name, which may be NULL, becomes the name of

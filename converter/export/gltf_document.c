@@ -324,7 +324,9 @@ static void add_fallback_meshes(psplat_writer *json, const psplat_scene *scene,
         if (table) {
             psplat_writer_open(json, NULL, '{');
             if (from->name) psplat_writer_string(json, "name", from->name);
-            psplat_fallback_file_write_mesh(json, table, scene, materials, accessor, splat_mesh);
+            psplat_fallback_file_write_mesh(json, table, scene, materials, accessor,
+                                            layout->tables[mesh].splats->count ? splat_mesh
+                                                                               : PSPLAT_NO_INDEX);
             if (from->extras) psplat_writer_raw(json, "extras", from->extras);
             psplat_writer_close(json, '}');
         }
@@ -509,7 +511,7 @@ static void add_extensions(psplat_writer *json, const psplat_scene *scene,
                            const psplat_buffer_layout *layout, const psplat_materials *materials) {
     int quantized = is_quantized(layout), packed = is_packed(layout);
     psplat_writer_open(json, "extensionsUsed", '[');
-    psplat_writer_string(json, NULL, "PSPLAT_surface_splats");
+    if (layout->primitive_count) psplat_writer_string(json, NULL, "PSPLAT_surface_splats");
     if (quantized) psplat_writer_string(json, NULL, "KHR_mesh_quantization");
     if (packed) psplat_writer_string(json, NULL, meshopt);
     if (has_gaussians(layout)) psplat_writer_string(json, NULL, gaussian);

@@ -290,6 +290,7 @@ static psplat_program_source splat_source(const psplat_program_key *key, const c
     psplat_program_source source = {.defines = defines};
     const char **vertex = source.vertex, **fragment = source.fragment;
     int is_curved = !!(key->options & PSPLAT_OPTION_CURVED);
+    *vertex++ = *fragment++ = psplat_shader_texels_glsl;
     *vertex++ = psplat_shader_splat_data_glsl;
     *vertex++ = psplat_shader_shift_glsl;
     *vertex = is_curved ? psplat_shader_curved_vert : psplat_shader_splat_vert;

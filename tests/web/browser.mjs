@@ -2,7 +2,7 @@
 //
 // browser.mjs - a headless Chromium and a file server for the tests, and comparison of pictures.
 import { execFileSync } from 'node:child_process';
-import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs';
+import { existsSync, readFileSync, statSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { dirname, extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -27,8 +27,9 @@ export async function serve(directories) {
         const [, name, ...rest] = decodeURIComponent(new URL(request.url, 'http://localhost').pathname).split('/');
         const root = directories[name], path = root && join(root, normalize(`/${rest.join('/')}`));
         if (!path || !existsSync(path) || !statSync(path).isFile()) return response.writeHead(404).end();
-        response.writeHead(200, { 'Content-Type': types[extname(path)] ?? 'application/octet-stream', 'Content-Length': statSync(path).size });
-        createReadStream(path).pipe(response);
+        const bytes = readFileSync(path); // whole, as tests write files anew while the connection is open
+        response.writeHead(200, { 'Content-Type': types[extname(path)] ?? 'application/octet-stream', 'Content-Length': bytes.length });
+        response.end(bytes);
     });
     await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
     return { address: `http://127.0.0.1:${server.address().port}`, close: () => server.close() };
@@ -39,6 +40,36 @@ export async function launch() {
         executablePath: findChromium(),
         args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--hide-scrollbars'],
     });
+}
+
+/** Runs f in the page and returns what it asked of WebGL, as a list of names, and how long f waited for the answers,
+ *  milliseconds. To ask is to wait for all that was drawn before, since the GL is another process; what a browser knows itself
+ *  (isContextLost, getExtension of one that is there) does not count. */
+export function questionsOf(page, f) {
+    return page.evaluate(`(async () => {
+        const prototype = WebGL2RenderingContext.prototype, kept = {}, asked = [];
+        let waited = 0;
+        for (const name of Object.getOwnPropertyNames(prototype)) {
+            if (!/^(get|is|check|read|finish|clientWaitSync)/.test(name) || /^(isContextLost|getExtension|getContextAttributes)$/.test(name)) continue;
+            if (typeof Object.getOwnPropertyDescriptor(prototype, name).value !== 'function') continue;
+            kept[name] = prototype[name];
+            prototype[name] = function (...values) {
+                const start = performance.now();
+                asked.push(name);
+                try {
+                    return kept[name].apply(this, values);
+                } finally {
+                    waited += performance.now() - start;
+                }
+            };
+        }
+        try {
+            await (${f})();
+        } finally {
+            Object.assign(prototype, kept);
+        }
+        return { asked, waited };
+    })()`);
 }
 
 /** Opens a page and fails on what it reports as an error. Returns the page, with `errors`. */

@@ -107,6 +107,33 @@ test('with its source the page has a slider, also where both have one name', asy
     }
 });
 
+/** Returns the pixels of one side of the page, drawn alone, that are not background. */
+function coverOf(page, side) {
+    return page.evaluate((which) => {
+        const { renderer, scene, camera, sides } = window.viewer, gl = renderer.getContext(), [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight], rgba = new Uint8Array(4 * width * height);
+        for (const [name, { root }] of Object.entries(sides)) root.visible = name === which;
+        scene.background = null;
+        renderer.setClearColor(0, 1);
+        renderer.setScissorTest(false);
+        renderer.setViewport(0, 0, renderer.domElement.clientWidth, renderer.domElement.clientHeight);
+        renderer.render(scene, camera);
+        gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, rgba);
+        return rgba.filter((value, i) => i % 4 === 1 && value > 8).length;
+    }, side);
+}
+
+test('the source is shown whatever its format is, where its splats are', async () => {
+    for (const [model, triangles] of [['cube.off', '12'], ['sphere.ply', '5,120'], ['cone.stl', '1,248'], ['bracket.gltf', '20'], ['scan.xyz', '[\\d,]+']]) {
+        const [, html] = convert(model, 'any', '--html-source', '-w'), page = await openPage(html);
+        assert.match(await text(page, 'source'), new RegExp(`^${model}.glb\n[\\d,]+ bytes\n${triangles} triangles`));
+        const [source, splats] = [await coverOf(page, 'source'), await coverOf(page, 'splats')];
+        // Splats of a tolerance of 2 % stand over outlines a little.
+        assert.ok(source > 5000 && splats > 0.9 * source && splats < 1.15 * source, `${model}: ${source} and ${splats} pixels`);
+        assert.deepEqual(page.errors, []);
+        await page.close();
+    }
+});
+
 test('names are text, whatever they hold', async () => {
     const name = `a<!--"><script>document.title='run'<\\script>&amp;'`;
     const [asset, html] = convert('cube.off', name), page = await openPage(html);

@@ -80,6 +80,10 @@ test('a source and its splats from addresses: bytes, counts, and a slider betwee
     assert.ok(Math.abs(source.sums[1] - colored.sums[1]) > 0.005 * colored.sums[1]);
     await page.mouse.move(430, 330);
     assert.match(await text(page, 'hover'), /% of the diagonal/);
+    await page.mouse.move(30, 330);
+    assert.equal(await text(page, 'hover'), '');
+    await page.touchscreen.tap(430, 330); // fingers do not hover
+    await page.waitForFunction('document.getElementById("hover").textContent.includes("% of the diagonal")');
     assert.deepEqual(page.errors, []);
     await page.close();
 });
@@ -107,6 +111,19 @@ test('files are dropped, and dragging turns the model', async () => {
     await page.close();
 });
 
+test('sources of other programs are shown', async () => {
+    const page = await openViewer('');
+    for (const [name, triangles] of [['sphere.ply', '5,120'], ['cone.stl', '1,248']]) {
+        await drop(page, [[name, base64(join(root, 'samples/models', name))]]);
+        await page.waitForFunction((start) => document.getElementById('source').textContent.startsWith(start), {}, name);
+        assert.match(await text(page, 'source'), new RegExp(`\n[\\d,]+ bytes\n${triangles} triangles$`));
+        const seen = await covered(page);
+        assert.ok(seen.counts[0] > 3000 && seen.counts[1] > 3000, JSON.stringify(seen));
+    }
+    assert.deepEqual(page.errors, []);
+    await page.close();
+});
+
 test('what is wrong with a file is said, and the page goes on', async () => {
     const page = await openViewer('');
     const glb = readFileSync(join(converted, 'bracket.glb')), changed = Buffer.from(glb.toString('latin1').replace(/"version":\d/, '"version":7'), 'latin1');
@@ -114,7 +131,8 @@ test('what is wrong with a file is said, and the page goes on', async () => {
         ['future.glb', changed.toString('base64'), /future.glb: mesh 0, primitive 0: PSPLAT_surface_splats: version 7 is not one of 1 to 4/],
         ['cut.glb', glb.subarray(0, 200).toString('base64'), /cut.glb: ./],
         ['empty.obj', Buffer.from('v 0 0 0\n').toString('base64'), /empty.obj: it holds neither splats nor triangles/],
-        ['notes.txt', 'aGVsbG8=', /notes.txt: not one of .glb, .gltf, .obj and tileset.json/],
+        ['points.ply', Buffer.from('ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n').toString('base64'), /points.ply: it holds points and no triangles/],
+        ['notes.txt', 'aGVsbG8=', /notes.txt: not one of .glb, .gltf, .obj, .ply, .stl and tileset.json/],
     ]) {
         await drop(page, [[name, data]]);
         await page.waitForFunction((start) => !document.getElementById('error').hidden && document.getElementById('error').textContent.startsWith(start), {}, name);
@@ -127,6 +145,10 @@ test('what is wrong with a file is said, and the page goes on', async () => {
     const missing = await openViewer('&load=/files/none.glb');
     assert.match(await text(missing, 'error'), /none.glb: the server answers 404/);
     await missing.close();
+    const alone = await open(state.browser, `${state.server.address}/package/viewer/index.html?three=/nowhere`);
+    await alone.waitForFunction('!document.getElementById("error").hidden');
+    assert.match(await text(alone, 'error'), /three.js could not be loaded from .*nowhere/);
+    await alone.close();
 });
 
 /** Returns a tileset of two models beside each other under a coarse one. */

@@ -11,7 +11,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test, { after, before } from 'node:test';
 import { gzipSync } from 'node:zlib';
-import { drawNative, here, launch, open, psnr, reduce, rgbOf, serve } from './browser.mjs';
+import { drawNative, here, launch, open, psnr, questionsOf, reduce, rgbOf, serve } from './browser.mjs';
 
 const converted = process.env.PHONGSPLAT_CONVERTED ?? '', program = process.env.PHONGSPLAT_DRAW_NATIVE, root = join(here, '../..');
 const wasm = join(root, 'runtime/web/wasm'), dist = join(root, 'build/wasm/dist'), state = {};
@@ -103,6 +103,50 @@ for (const [url, path] of files) {
     });
 }
 
+test('items are drawn in poses of their own, as the C runtime draws them', async () => {
+    const path = join(converted, 'clockwork.glb');
+    const found = await inPage(async () => {
+        const model = await window.shared.open(await window.fetchBytes('/files/clockwork.glb'));
+        Object.assign(window, { clockwork: model, pose: model.createPose() });
+        return { animations: model.animations, second: model.createPose() !== window.pose };
+    });
+    assert.deepEqual(found.animations.map(({ name }) => name), ['tick', 'bounce', 'turn']);
+    assert.ok(found.second && found.animations.every(({ duration }) => duration > 0), JSON.stringify(found));
+    // Drawn at a time of each, and at rest again.
+    for (const [index, time] of [[0, 0.6], [1, 0.25], [2, 2.5], [0, -1]]) {
+        const picture = await inPage(async ([animation, seconds]) => {
+            const { clockwork: model, pose } = window, camera = window.around(model);
+            if (seconds < 0) pose.rest();
+            else pose.set(animation, seconds);
+            window.shared.draw({ model, pose }, { ...camera, shading: 'normal' });
+            return { ...window.pixels(window.shared), ...camera };
+        }, [index, time]);
+        const against = (pose) => psnr(reduce(rgbOf(picture), 960, 720), reduce(drawNative(program, path, join(scratch, 'native.ppm'), picture, 'normal', pose), 960, 720));
+        const posed = against(time < 0 ? [] : [index, time]), other = against(time < 0 ? [0, 0.6] : []);
+        console.log(`clockwork, ${time < 0 ? 'at rest' : `animation ${index} at ${time} s`}: ${posed.toFixed(1)} dB`);
+        assert.ok(posed >= 50, `${posed} dB`); // outlines differ, where two rasterisers round
+        assert.ok(other < posed - 10, `in another pose it would be ${other} dB`);
+    }
+});
+
+test('poses that cannot be are refused', async () => {
+    const found = await inPage(async () => {
+        const { shared, clockwork: model, pose, refused } = window, still = await shared.open(await window.fetchBytes('/files/part.glb')), camera = window.around(model), list = [
+            await refused(async () => pose.set(3, 0)),
+            await refused(async () => pose.set(0, NaN)),
+            await refused(async () => still.createPose()),
+            await refused(async () => shared.draw({ model: still, pose }, camera)),
+        ];
+        still.dispose();
+        model.dispose();
+        model.dispose();
+        list.push(await refused(async () => pose.set(0, 0)), await refused(async () => shared.draw({ model: await shared.open(await window.fetchBytes('/files/clockwork.glb')), pose }, camera)));
+        return list.map(({ name, message }) => `${name}: ${message}`);
+    });
+    const disposed = /PhongSplatsError: a model, a pose or the renderer was disposed/;
+    for (const [k, message] of [/animation/, /finite/, /no animations/, /of another model/, disposed, disposed].entries()) assert.match(found[k], message);
+});
+
 test('for 100 kB, compressed, a page has all', () => {
     const sizes = ['phong-splats.wasm', 'phong-splats.js', 'gl.js'].map((name) => gzipSync(readFileSync(join(dist, name)), { level: 9 }).length);
     console.log(`gzipped: ${sizes.join(' + ')} bytes`);
@@ -154,6 +198,22 @@ test('lights, shadows, transforms and several models', async () => {
     assert.ok(dark < 0.99 * bright && dark > 0.2 * bright, JSON.stringify(found));
 });
 
+test('frames ask WebGL for nothing, so that pages do not wait', async () => {
+    const made = await questionsOf(state.page, '() => window.create(64, 64)');
+    assert.ok(made.asked.includes('getParameter'), String(made.asked)); // so that questions are heard
+    await inPage(async () => {
+        window.torus = await window.shared.open(await window.fetchBytes('/files/torus.glb'));
+        window.drawTorus = () => {
+            const light = { direction: [0.2, -1, -0.3], castsShadow: true };
+            window.shared.draw(window.torus, { ...window.around(window.torus), lights: [light] });
+        };
+        window.drawTorus(); // makes programs and targets, and asks whether GL takes them
+    });
+    const { asked, waited } = await questionsOf(state.page, '() => { for (let i = 0; i < 5; ++i) window.drawTorus(); }');
+    await inPage(() => window.torus.dispose());
+    assert.deepEqual([asked, waited], [[], 0]);
+});
+
 test('canvases are independent, and a renderer frees what it has', async () => {
     const found = await inPage(async () => {
         const [a, b] = [await window.create(200, 150), await window.create(200, 150)], bytes = await window.fetchBytes('/files/tiled.glb');
@@ -175,7 +235,7 @@ test('canvases are independent, and a renderer frees what it has', async () => {
         b.dispose();
         return { same, differ: first !== other, foreign: foreign.message, freed: [...made.keys()].sort(), gone: (await window.refused(async () => b.draw([], camera))).message };
     });
-    assert.deepEqual(found, { same: true, differ: true, foreign: 'a model or the renderer was disposed', freed: ['Framebuffer', 'Program', 'Sampler', 'Texture', 'VertexArray'], gone: 'a model or the renderer was disposed' });
+    assert.deepEqual(found, { same: true, differ: true, foreign: 'a model, a pose or the renderer was disposed', freed: ['Framebuffer', 'Program', 'Sampler', 'Texture', 'VertexArray'], gone: 'a model, a pose or the renderer was disposed' });
 });
 
 test('a lost context is an error, and a new renderer on the canvas draws again', async () => {

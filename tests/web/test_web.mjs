@@ -6,12 +6,12 @@
 // of the bundled models, converted; PHONGSPLAT_DRAW_NATIVE the program of draw_native.c.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test, { after, before } from 'node:test';
 import { shaderNames } from '../../runtime/web/build.mjs';
-import { drawNative, here, launch, open, psnr, reduce, rgbOf, serve } from './browser.mjs';
+import { drawNative, here, launch, open, psnr, questionsOf, reduce, rgbOf, serve } from './browser.mjs';
 
 const converted = process.env.PHONGSPLAT_CONVERTED, program = process.env.PHONGSPLAT_DRAW_NATIVE;
 const root = join(here, '../..'), scratch = mkdtempSync(join(tmpdir(), 'phongsplat-web-'));
@@ -72,6 +72,16 @@ for (const [url, path] of files) {
     }
 }
 
+test('files of every earlier state of the format are drawn as the C runtime draws them', async () => {
+    const corpus = join(root, 'tests/corpus'), names = ['', 'compressed/'].flatMap((folder) => readdirSync(join(corpus, folder)).filter((name) => /\.gl(b|tf)$/.test(name)).map((name) => folder + name));
+    assert.ok(names.length >= 20, String(names));
+    for (const name of names) {
+        const decibels = compare(await draw({ url: `/corpus/${name}`, shading: 'normal' }), join(corpus, name), 'normal');
+        console.log(`${name}: ${decibels.toFixed(1)} dB`);
+        assert.ok(decibels >= LEAST, `${name}: ${decibels} dB`);
+    }
+});
+
 for (const shading of ['toon', 'depth', 'overdraw', 'splats']) {
     test(`the shading ${shading} is the C runtime's`, async () => {
         const decibels = compare(await draw({ url: '/files/torus.glb', shading }), join(converted, 'torus.glb'), shading);
@@ -90,9 +100,9 @@ test('orthographic views, and views from so near that the near plane cuts', asyn
 
 test('the oldest release of three.js that is supported draws the same', async () => {
     const page = await openPage('three-oldest');
-    for (const name of ['part', 'still-life', 'tiled']) {
-        const decibels = compare(await draw({ url: `/files/${name}.glb`, shading: 'lit' }, page), join(converted, `${name}.glb`), 'lit');
-        assert.ok(decibels >= LEAST, `${name}: ${decibels} dB`);
+    for (const [url, path] of files) {
+        const decibels = compare(await draw({ url: `/${url}`, shading: 'lit' }, page), path, 'lit');
+        assert.ok(decibels >= LEAST, `${url}: ${decibels} dB`);
     }
     await page.close();
 });
@@ -177,6 +187,17 @@ test('shadows are cast and received, and splats cast none on themselves', async 
     assert.ok(found.cast.length >= 10 && found.received.length >= 2, JSON.stringify([found.cast.length, found.received.length]));
     assert.ok(mean(found.cast) < 0.6 * mean(found.castOff), `cast: ${mean(found.cast)} of ${mean(found.castOff)}`);
     assert.ok(mean(found.received) < 0.8 * mean(found.receivedOff), `received: ${mean(found.received)} of ${mean(found.receivedOff)}`);
+});
+
+test('frames ask WebGL for nothing, so that pages do not wait', async () => {
+    const made = await questionsOf(state.page, `async () => {
+        window.stage = await window.makeStage({ url: '/files/still-life.glb' });
+        for (let i = 0; i < 2; ++i) window.stage.renderer.render(window.stage.scene, window.stage.camera); // makes programs and targets
+    }`);
+    assert.ok(made.asked.includes('getParameter'), String(made.asked)); // so that questions are heard
+    const { asked, waited } = await questionsOf(state.page, '() => { for (let i = 0; i < 5; ++i) window.stage.renderer.render(window.stage.scene, window.stage.camera); }');
+    await inPage(() => window.stage.renderer.dispose());
+    assert.deepEqual([asked, waited], [[], 0]);
 });
 
 test('a surface that faces the light has no specks of shadow', async () => {

@@ -172,8 +172,8 @@ o_packed = pack(depth);
 function sourceOf(defines, isCurved) {
     const head = Object.entries(defines).map(([key, value]) => `#define ${key} ${typeof value === 'boolean' ? +value : value}\n`).join('');
     const start = PRELUDE + head + `#define CURVED ${+isCurved}\n` + shaders['layout.h'] + '#define main splat_main\n', end = '#undef main\n';
-    const vertex = shaders['splat_data.glsl'] + shaders['shift.glsl'] + shaders[isCurved ? 'curved.vert' : 'splat.vert'];
-    const fragment = (defines.TEXTURED ? shaders['maps.glsl'] : '') + shaders['sums.glsl'] + shaders[isCurved ? 'curved.frag' : 'splat.frag'];
+    const vertex = shaders['texels.glsl'] + shaders['splat_data.glsl'] + shaders['shift.glsl'] + shaders[isCurved ? 'curved.vert' : 'splat.vert'];
+    const fragment = shaders['texels.glsl'] + (defines.TEXTURED ? shaders['maps.glsl'] : '') + shaders['sums.glsl'] + shaders[isCurved ? 'curved.frag' : 'splat.frag'];
     return [start + vertex + end + VERTEX_END, start + fragment + end + FRAGMENT_END];
 }
 

@@ -12,6 +12,8 @@ import { MeshoptDecoder } from 'three/addons/libs/meshopt_decoder.module.js';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { MTLLoader } from 'three/addons/loaders/MTLLoader.js';
 import { OBJLoader } from 'three/addons/loaders/OBJLoader.js';
+import { PLYLoader } from 'three/addons/loaders/PLYLoader.js';
+import { STLLoader } from 'three/addons/loaders/STLLoader.js';
 import { GLTFPhongSplats, PhongSplats, PhongSplatsTiles, SplatShadingMaterial } from 'three-phong-splats';
 
 const element = (id) => document.getElementById(id);
@@ -216,15 +218,29 @@ async function parseObj(text, path, files, loaders) {
     return loaders.obj.parse(text);
 }
 
+/** @returns the material of splats without one. */
+function standardMaterial(more) {
+    return new THREE.MeshStandardMaterial({ color: 0xffffff, metalness: 0, roughness: 1, side: THREE.DoubleSide, ...more });
+}
+
 /** OBJ files without materials get the one of splats without. */
 function withStandardMaterial(root) {
-    const plain = new THREE.MeshStandardMaterial({ color: 0xffffff, metalness: 0, roughness: 1, side: THREE.DoubleSide });
+    const plain = standardMaterial();
     root.traverse((object) => { if (object.isMesh) object.material = plain; });
     return root;
 }
 
+/** @returns the mesh of a PLY or an STL. */
+function meshOf(geometry, needsIndex) {
+    if (needsIndex && !geometry.index) throw new Error('it holds points and no triangles');
+    const { color, normal } = geometry.attributes;
+    return new THREE.Mesh(geometry, standardMaterial({ vertexColors: !!color, flatShading: !normal }));
+}
+
 async function parse(name, buffer, path, files) {
     const loaders = loadersFor(files);
+    if (/\.ply$/i.test(name)) return { root: meshOf(new PLYLoader().parse(buffer), true), animations: [] };
+    if (/\.stl$/i.test(name)) return { root: meshOf(new STLLoader().parse(buffer), false), animations: [] };
     if (/\.obj$/i.test(name)) return { root: await parseObj(new TextDecoder().decode(buffer), path, files, loaders), animations: [] };
     const { scene: root, animations } = await loaders.gltf.parseAsync(buffer, path);
     return { root, animations: animations.filter((animation) => isMotion(root, animation)) };
@@ -295,9 +311,9 @@ async function showAll(entries, files) {
 
 function openFiles(list) {
     // Tilesets name files by paths, models by names.
-    const files = new Map([...list].flatMap((file) => [[file.name, file], [file.relativePath ?? (file.webkitRelativePath || file.name), file]])), models = [...list].filter((file) => /\.(glb|gltf|obj)$/i.test(file.name)), tileset = findTileset(list);
+    const files = new Map([...list].flatMap((file) => [[file.name, file], [file.relativePath ?? (file.webkitRelativePath || file.name), file]])), models = [...list].filter((file) => /\.(glb|gltf|obj|ply|stl)$/i.test(file.name)), tileset = findTileset(list);
     if (tileset) return showAll([tileset], files);
-    if (!models.length) return fail(`${[...files.keys()].join(', ')}: not one of .glb, .gltf, .obj and tileset.json`);
+    if (!models.length) return fail(`${[...files.keys()].join(', ')}: not one of .glb, .gltf, .obj, .ply, .stl and tileset.json`);
     return showAll(models.map((file) => ({ name: file.name, load: () => file.arrayBuffer(), path: '' })), files);
 }
 
@@ -402,7 +418,8 @@ function hover(event) {
         return ray.intersectObject(root, true)[0];
     });
     const size = new THREE.Box3().setFromObject(sides.source.root).getSize(new THREE.Vector3()).length();
-    element('hover').textContent = hits[0] && hits[1] ? `${(100 * hits[0].point.distanceTo(hits[1].point) / size).toPrecision(2)} % of the diagonal apart along the ray` : '';
+    const apart = hits[0] && hits[1] && `${(100 * hits[0].point.distanceTo(hits[1].point) / size).toPrecision(2)} % of the diagonal apart along the ray`;
+    element('hover').textContent = apart || (hits[0] ? 'the source alone is here' : hits[1] ? 'splats alone are here' : '');
 }
 
 // ---- controls --------------------------------------------------------------------------------
@@ -423,6 +440,7 @@ element('mode').addEventListener('change', setMode);
 element('pixels').addEventListener('input', requestFrame);
 slider.addEventListener('input', requestFrame);
 renderer.domElement.addEventListener('pointermove', hover);
+renderer.domElement.addEventListener('click', hover); // fingers do not hover
 renderer.domElement.addEventListener('webglcontextrestored', () => {
     scene.environment = pmrem.fromScene(new RoomEnvironment(), 0.04).texture;
     requestFrame();

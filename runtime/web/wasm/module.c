@@ -10,7 +10,9 @@
 
 #include <phongsplat/phongsplat.h>
 
+#include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,6 +33,12 @@ extern void ps_drop_texture(unsigned texture);
 
 /* Returns the number that a text is, as JavaScript reads it. */
 extern double ps_parse_number(const char *text);
+
+/* JavaScript's Math. */
+extern double ps_sin(double x);
+extern double ps_cos(double x);
+extern double ps_tan(double x);
+extern double ps_exp(double x);
 
 typedef struct module {
     psplat_renderer *renderer;
@@ -68,11 +76,37 @@ static void release_image(void *user, psplat_pixels *pixels) {
     ps_drop_texture(pixels->texture);
 }
 
-/* Takes the place of the C library's, whose numbers of 128 bits are 14 kB of code. It reads decimal
- * numbers alone, which those of JSON are. */
+/* ---- what the browser has, in place of the C library, which every visitor would have to fetch ---
+ */
+
+/* The library's numbers of 128 bits are 14 kB of code. This reads decimal numbers alone, which
+ * those of JSON are. */
 double strtod(const char *restrict text, char **restrict end) {
     if (end) *end = (char *)(uintptr_t)(text + strspn(text, "+-.0123456789eE"));
     return ps_parse_number(text);
+}
+
+double sin(double x) {
+    return ps_sin(x);
+}
+
+double cos(double x) {
+    return ps_cos(x);
+}
+
+double tan(double x) {
+    return ps_tan(x);
+}
+
+double exp(double x) {
+    return ps_exp(x);
+}
+
+/* A page has no files: what an asset refers to is not found. */
+FILE *fopen(const char *restrict path, const char *restrict mode) {
+    (void)path;
+    (void)mode;
+    return NULL;
 }
 
 /* ---- what JavaScript calls ---------------------------------------------------------------- */
@@ -140,6 +174,40 @@ EXPORT(ps_image_type) const char *ps_image_type(const psplat_asset *asset, size_
     return psplat_asset_get_image(asset, index)->mime_type;
 }
 
+EXPORT(ps_animation_count) size_t ps_animation_count(const psplat_asset *asset) {
+    return psplat_asset_animation_count(asset);
+}
+
+/* Return the name of an animation and its duration, seconds. */
+EXPORT(ps_animation_name) const char *ps_animation_name(const psplat_asset *asset, size_t index) {
+    return psplat_asset_get_animation(asset, index)->name;
+}
+
+EXPORT(ps_animation_duration)
+double ps_animation_duration(const psplat_asset *asset, size_t index) {
+    return psplat_asset_get_animation(asset, index)->duration;
+}
+
+/* Makes a pose of an asset, at rest. Returns NULL where that fails. */
+EXPORT(ps_pose_create) psplat_pose *ps_pose_create(module *m, const psplat_asset *asset) {
+    psplat_pose *pose = NULL;
+    return psplat_pose_create(asset, &pose, &m->error) ? NULL : pose;
+}
+
+/* Moves a pose to a time of an animation, seconds. Returns 0 where that fails. */
+EXPORT(ps_pose_set)
+int ps_pose_set(module *m, psplat_pose *pose, size_t animation, double time) {
+    return !psplat_pose_set(pose, animation, time, &m->error);
+}
+
+EXPORT(ps_pose_rest) void ps_pose_rest(psplat_pose *pose) {
+    psplat_pose_rest(pose);
+}
+
+EXPORT(ps_pose_destroy) void ps_pose_destroy(psplat_pose *pose) {
+    psplat_pose_destroy(pose);
+}
+
 /* Frees an asset; NULL is accepted. */
 EXPORT(ps_close) void ps_close(psplat_asset *asset) {
     psplat_asset_destroy(asset);
@@ -187,11 +255,11 @@ static psplat_light read_light(const double *n) {
     return light;
 }
 
-/* Draws a model with a transform of 16 numbers, or all zeros, for each item. numbers is a view as
- * above. Returns 0 where that fails. */
+/* Draws a model in a pose, or in NULL, with a transform of 16 numbers, or all zeros, for each item.
+ * numbers is a view as above. Returns 0 where that fails. */
 EXPORT(ps_draw)
-int ps_draw(module *m, const double *numbers, psplat_model *const *models, const double *transforms,
-            size_t count) {
+int ps_draw(module *m, const double *numbers, psplat_model *const *models,
+            const psplat_pose *const *poses, const double *transforms, size_t count) {
     psplat_view view = {.width = (int)numbers[WIDTH],
                         .height = (int)numbers[HEIGHT],
                         .shading = (psplat_shading)numbers[SHADING],
@@ -207,6 +275,7 @@ int ps_draw(module *m, const double *numbers, psplat_model *const *models, const
         view.lights[i] = read_light(numbers + LIGHTS + i * LIGHT_NUMBERS);
     for (size_t i = 0; i < count; ++i) {
         items[i].model = models[i];
+        items[i].pose = poses[i];
         memcpy(items[i].transform, transforms + 16 * i, sizeof items[i].transform);
     }
     psplat_result result = psplat_draw(m->renderer, &view, items, count, &m->error);

@@ -47,10 +47,24 @@ export interface Model {
     readonly max: Color;
     readonly center: Color;
     readonly radius: number;
+    /** in the order of the file; durations in seconds */
+    readonly animations: readonly { readonly name: string; readonly duration: number }[];
+    /** A pose at rest; only models with animations have any. */
+    createPose(): Pose;
+    /** Frees the model and its poses. */
     dispose(): void;
 }
 
-export type Item = Model | { model: Model; transform?: Matrix };
+/** Where the parts of a model are. An item is drawn in its pose. */
+export interface Pose {
+    /** Moves all to where it is at a time of an animation. For a loop pass `seconds % duration`. */
+    set(animation: number, seconds: number): this;
+    /** Moves all to where the file has it. */
+    rest(): this;
+    dispose(): void;
+}
+
+export type Item = Model | { model: Model; transform?: Matrix; pose?: Pose };
 
 export class PhongSplatsRenderer {
     static create(canvas: HTMLCanvasElement | OffscreenCanvas, options?: {

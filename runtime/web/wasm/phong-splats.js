@@ -11,6 +11,8 @@ import { makeGl } from './gl.js';
 const SHADINGS = ['lit', 'unlit', 'toon', 'normal', 'depth', 'overdraw', 'splats'], LIGHTS = ['directional', 'point', 'spot'];
 const MAX_LIGHTS = 8, LIGHT_NUMBERS = 14, VIEW_NUMBERS = 40 + MAX_LIGHTS * LIGHT_NUMBERS; // as module.c has them
 
+const DISPOSED = 'a model, a pose or the renderer was disposed';
+
 /** What the runtime refuses: `message` is its text, `code` its psplat_result. */
 export class PhongSplatsError extends Error {
     constructor(message, code) {
@@ -20,18 +22,59 @@ export class PhongSplatsError extends Error {
     }
 }
 
-/** A model on the GPU; PhongSplatsRenderer.open makes it. */
+/** Where the parts of a model are at a time of one of its animations; Model.createPose makes it. */
+class Pose {
+    constructor(model) {
+        const { exports, handle } = model.renderer;
+        this.model = model;
+        this.handle = exports.ps_pose_create(handle, model.asset) || model.renderer.fail();
+    }
+
+    /** Moves all to where it is at `seconds` of animation `index`. For a loop pass `seconds % duration`. */
+    set(index, seconds) {
+        const { renderer } = this.model;
+        if (!this.handle) throw new PhongSplatsError(DISPOSED, 1);
+        if (!renderer.exports.ps_pose_set(renderer.handle, this.handle, index, seconds)) renderer.fail();
+        return this;
+    }
+
+    /** Moves all to where the file has it. */
+    rest() {
+        if (this.handle) this.model.renderer.exports.ps_pose_rest(this.handle);
+        return this;
+    }
+
+    /** Frees the pose, once or more often. Its model frees it, too. */
+    dispose() {
+        if (this.handle) this.model.renderer.exports.ps_pose_destroy(this.handle);
+        this.model.poses.delete(this);
+        this.handle = 0;
+    }
+}
+
+/** A model on the GPU; PhongSplatsRenderer.open makes it. asset: 0, or what its animations need. */
 class Model {
-    constructor(renderer, handle, splatCount, bounds) {
-        Object.assign(this, { renderer, handle, splatCount, min: bounds.slice(0, 3), max: bounds.slice(3) });
+    constructor(renderer, handle, asset, animations, splatCount, bounds) {
+        Object.assign(this, { renderer, handle, asset, animations, splatCount, min: bounds.slice(0, 3), max: bounds.slice(3), poses: new Set() });
         this.center = this.min.map((low, k) => 0.5 * (low + this.max[k]));
         this.radius = 0.5 * Math.hypot(...this.min.map((low, k) => this.max[k] - low));
     }
 
-    /** Frees the model, once or more often. */
+    /** @returns a pose of the model, at rest, for an item of draw(): a model is in as many poses at once as it has items. */
+    createPose() {
+        if (!this.handle) throw new PhongSplatsError(DISPOSED, 1);
+        if (!this.asset) throw new PhongSplatsError('the model has no animations', 1);
+        const pose = new Pose(this);
+        this.poses.add(pose);
+        return pose;
+    }
+
+    /** Frees the model and its poses, once or more often. */
     dispose() {
         if (!this.handle) return;
+        for (const pose of [...this.poses]) pose.dispose();
         this.renderer.exports.ps_model_destroy(this.renderer.handle, this.handle);
+        this.renderer.exports.ps_close(this.asset);
         this.renderer.models.delete(this);
         this.handle = 0;
     }
@@ -67,6 +110,10 @@ export class PhongSplatsRenderer {
             ps_find_texture: (data, isSrgb) => (this.bitmaps.has(data) ? this.api.makeTexture(this.bitmaps.get(data), !!isSrgb) : 0),
             ps_drop_texture: (name) => this.api.dropTexture(name),
             ps_parse_number: (text) => Number(this.api.read(text)),
+            ps_sin: Math.sin,
+            ps_cos: Math.cos,
+            ps_tan: Math.tan,
+            ps_exp: Math.exp,
             emscripten_notify_memory_growth() {},
         };
         // The C library may ask for files, which there are none of: 52 is its ENOSYS.
@@ -104,20 +151,28 @@ export class PhongSplatsRenderer {
             bounds.push(...new Float64Array(exports.memory.buffer, at, 6));
             return opened;
         });
-        let images = new Map();
+        let images = new Map(), isKept = false;
         try {
             images = await this.decode(asset);
             if (this.handle !== handle) throw new PhongSplatsError('the renderer was disposed', 1);
             this.bitmaps = images;
             const made = exports.ps_model_create(handle, asset) || this.fail();
-            const model = new Model(this, made, exports.ps_splat_count(made), bounds);
+            const animations = this.listAnimations(asset);
+            isKept = animations.length > 0;
+            const model = new Model(this, made, isKept ? asset : 0, animations, exports.ps_splat_count(made), bounds);
             this.models.add(model);
             return model;
         } finally {
             for (const bitmap of images.values()) bitmap.close();
             this.bitmaps = new Map();
-            exports.ps_close(asset);
+            if (!isKept) exports.ps_close(asset);
         }
+    }
+
+    /** @returns the names of an asset's animations and how long they take, seconds. */
+    listAnimations(asset) {
+        const { exports } = this, count = exports.ps_animation_count(asset);
+        return Array.from({ length: count }, (_, i) => ({ name: this.api.read(exports.ps_animation_name(asset, i)), duration: exports.ps_animation_duration(asset, i) }));
     }
 
     /** @returns what the browser decodes of an asset's images, by where their bytes are. */
@@ -132,20 +187,22 @@ export class PhongSplatsRenderer {
         return images;
     }
 
-    /** Clears the canvas and draws. @param items a model, { model, transform }, or an array of both */
+    /** Clears the canvas and draws. @param items a model, { model, transform, pose }, or an array of both */
     draw(items, { view, projection, shading = 'lit', lights = [cameraLight(view)], ambient = [0.12, 0.12, 0.12], background = [0, 0, 0, 1], shadowSize = 0 }) {
         const { gl, exports, handle } = this, list = [items].flat().map((item) => (item.handle === undefined ? item : { model: item }));
         const numbers = viewNumbers(gl, { view, projection, shading, lights, ambient, shadowSize });
         const transforms = list.flatMap(({ transform }) => [...transform ?? new Array(16).fill(0)]);
-        if (!handle || list.some(({ model }) => !model?.handle || model.renderer !== this)) throw new PhongSplatsError('a model or the renderer was disposed', 1);
+        if (!handle || list.some(({ model, pose }) => !model?.handle || model.renderer !== this || (pose && !pose.handle))) throw new PhongSplatsError(DISPOSED, 1);
+        if (list.some(({ model, pose }) => pose && pose.model !== model)) throw new PhongSplatsError('a pose is of another model', 1);
         gl.clearColor(...background);
         gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-        this.with([8 * numbers.length, 4 * list.length, 8 * transforms.length], (at, models, places) => {
+        this.with([8 * numbers.length, 4 * list.length, 4 * list.length, 8 * transforms.length], (at, models, poses, places) => {
             const { buffer } = exports.memory;
             new Float64Array(buffer, at, numbers.length).set(numbers);
             new Uint32Array(buffer, models, list.length).set(list.map(({ model }) => model.handle));
+            new Uint32Array(buffer, poses, list.length).set(list.map(({ pose }) => pose?.handle ?? 0));
             new Float64Array(buffer, places, transforms.length).set(transforms);
-            if (!exports.ps_draw(handle, at, models, places, list.length)) this.fail();
+            if (!exports.ps_draw(handle, at, models, poses, places, list.length)) this.fail();
         });
     }
 

@@ -42,7 +42,8 @@ cat >expected.html <<HTML
 HTML
 cmp out/cube.html expected.html || fail "the page"
 
-# The source goes in as it is; other formats than GLB and OBJ, and the option alone, are refused before anything is written.
+# A source that is a GLB or an OBJ without materials goes in as it is, others as a GLB of all triangles; the option alone is
+# refused.
 convert - -wq --html-source
 expect_success
 grep -qx "<script type=\"model\" data-name=\"cube.obj\">$(base64 -w 0 cube.obj)</script>" stdout.txt || fail "the source"
@@ -53,8 +54,27 @@ grep -q 'data-name="&quot;a&quot; &lt;b&gt;.bin.glb"' out/names.html || fail "th
 grep -q 'data-name="&lt;cube&gt; &amp; &quot;cube&quot;.obj"' out/names.html || fail "the name of the source"
 grep -q '<title>&quot;a&quot; &lt;b&gt;.bin.glb</title>' out/names.html || fail "the title"
 rm out/*
-run bin/phongsplat convert "$SOURCE_DIR/samples/models/cube.off" out/cube.glb -t 2 --html out/cube.html --html-source
-expect_error 4 'cube.off: a page shows sources that are GLB or OBJ'
+# expect_source NAME: the page out/m.html has a second model of that name, a GLB without splats, which is written to source.glb.
+expect_source() {
+    sed -n "s/.*<script type=\"model\" data-name=\"$1\">\([^<]*\)<.*/\1/p" out/m.html | base64 -d >source.glb
+    [ "$(head -c 4 source.glb)" = glTF ] || fail "$1: no GLB in the page"
+    grep -qa PSPLAT source.glb && fail "$1: the source has splats"
+    run bin/phongsplat inspect source.glb
+    expect_code 3
+}
+models=$SOURCE_DIR/samples/models
+for model in cube.off slab.ply plate.stl bracket.gltf scan.xyz; do
+    run bin/phongsplat convert "$models/$model" out/m.glb -t 5 --effort 0 -wq --html out/m.html --html-source
+    expect_success
+    expect_source $model.glb
+done
+printf 'newmtl red\nKd 1 0 0\n' >painted.mtl
+{ echo 'mtllib painted.mtl' && echo 'usemtl red' && cat cube.obj; } >painted.obj
+run bin/phongsplat convert painted.obj out/m.glb -t 5 --effort 0 -wq --html out/m.html --html-source
+expect_success
+expect_source painted.obj.glb
+grep -qa '"baseColorFactor":\[1,0,0' source.glb || fail "the material of an OBJ"
+rm out/*
 run bin/phongsplat convert cube.obj out/cube.glb -t 2 --html-source
 expect_error 1 'html-source: only together with html'
 run bin/phongsplat convert cube.obj out/ -t 2 --html out/cube.html

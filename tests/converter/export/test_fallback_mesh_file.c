@@ -2,7 +2,7 @@
  *
  * test_fallback_mesh_file.c - tests of files with fallback meshes (spec 6.1), in all precisions:
  * the runtime reads the splats, and a reader without the extension reads the mesh in the same
- * place.
+ * place. And of files of meshes alone, which pages show as the source.
  */
 #include "mesh_fixture.h"
 #include "export/alternatives.h"
@@ -145,12 +145,72 @@ static void test_small_steps(void **state) {
     check_model("cube.off", 0.002);
 }
 
+static size_t count_scene_triangles(const psplat_scene *scene) {
+    size_t count = 0;
+    for (size_t i = 0; i < scene->mesh_count; ++i) count += scene->meshes[i].mesh.triangle_count;
+    return count;
+}
+
+/* Stores the size of a mesh's box. */
+static void size_of(const psplat_mesh *mesh, double size[3]) {
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (size_t i = 0; i < 3 * mesh->vertex_count; ++i) {
+        low[i % 3] = fmin(low[i % 3], mesh->positions[i]);
+        high[i % 3] = fmax(high[i % 3], mesh->positions[i]);
+    }
+    for (int k = 0; k < 3; ++k) size[k] = high[k] - low[k];
+}
+
+/* Expects the same meshes with all their triangles, images and animations. Nodes place a mesh's
+ * middle, so that sizes are compared; test_page.mjs looks where the meshes are. */
+static void check_whole_scene(const psplat_scene *scene, const psplat_scene *found) {
+    assert_int_equal(found->mesh_count, scene->mesh_count);
+    assert_int_equal(count_scene_triangles(found), count_scene_triangles(scene));
+    assert_int_equal(found->animation_count, scene->animation_count);
+    assert_int_equal(found->materials.image_count, scene->materials.image_count);
+    for (size_t i = 0; i < scene->mesh_count; ++i) {
+        double a[3], b[3];
+        size_of(&scene->meshes[i].mesh, a);
+        size_of(&found->meshes[i].mesh, b);
+        for (int k = 0; k < 3; ++k) assert_true(fabs(a[k] - b[k]) <= 1e-6 * a[k]); /* floats */
+    }
+}
+
+static void test_whole_meshes(void **state) {
+    static const char *const models[] = {"torus.off", "slab.ply", "bracket.gltf", "tiled.glb",
+                                         "clockwork.glb"};
+    static const psplat_convert_desc desc = {.tolerance_percent = 5};
+    (void)state;
+    for (size_t i = 0; i < sizeof models / sizeof *models; ++i) {
+        psplat_scene scene, found;
+        psplat_fallback_mesh *whole = NULL;
+        psplat_asset *asset = NULL;
+        psplat_error error = {0};
+        uint8_t *data = NULL;
+        size_t size = 0;
+        char path[1024];
+        snprintf(path, sizeof path, "%s/samples/models/%s", PSPLAT_SOURCE_DIR, models[i]);
+        check(psplat_scene_read(path, "model", &scene, &error), &error);
+        check(psplat_scene_whole_meshes(&scene, &desc, &whole, &error), &error);
+        check(psplat_scene_write_meshes(&scene, whole, &psplat_meshopt_codec, &data, &size, &error),
+              &error);
+        assert_true(psplat_asset_open_memory(data, size, NULL, &asset, &error) != PSPLAT_OK);
+        write_bytes("whole.glb", data, size);
+        check(psplat_scene_read(fixture_path, "model", &found, &error), &error);
+        unlink(fixture_path);
+        check_whole_scene(&scene, &found);
+        psplat_scene_fallback_meshes_free(&scene, whole);
+        psplat_scene_free(&scene);
+        psplat_scene_free(&found);
+        free(data);
+    }
+}
+
 int test_fallback_mesh_file_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cube),
-        cmocka_unit_test(test_torus),
-        cmocka_unit_test(test_scene),
-        cmocka_unit_test(test_small_steps),
+        cmocka_unit_test(test_cube),         cmocka_unit_test(test_torus),
+        cmocka_unit_test(test_scene),        cmocka_unit_test(test_small_steps),
+        cmocka_unit_test(test_whole_meshes),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }

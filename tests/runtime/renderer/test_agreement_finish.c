@@ -36,8 +36,8 @@ enum {
 /* Splats as numbers to be stored, by attribute. */
 typedef struct columns {
     double position[3 * MOST], normal[3 * MOST], rotation[4 * MOST], scale[2 * MOST];
-    double color[3 * MOST], clip[2][3 * MOST];
-    double field[3 * MOST], shape[3 * MOST], bent[2][4 * MOST];
+    double color[3 * MOST], clip[PSPLAT_MAX_CLIP_LINES][3 * MOST];
+    double field[3 * MOST], shape[3 * MOST], bent[PSPLAT_MAX_CLIP_LINES][4 * MOST];
     double surface[3 * MOST], emissive[3 * MOST], color_u[3 * MOST], color_v[3 * MOST];
     double texcoord[3][3 * MOST]; /* of which pairs are used: T0, T_u, T_v */
 } columns;
@@ -103,6 +103,8 @@ static void add(packed *p, size_t *at, const char *name, int components, const d
 
 static psplat_asset *open_columns(const columns *c, size_t count, uint32_t clip_lines,
                                   unsigned stored) {
+    static const char *const lines[PSPLAT_MAX_CLIP_LINES] = {"CLIP_0", "CLIP_1", "CLIP_2",
+                                                             "CLIP_3"};
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
     char extension[220];
     int is_curved = !!(stored & CURVED);
@@ -124,8 +126,7 @@ static psplat_asset *open_columns(const columns *c, size_t count, uint32_t clip_
     add(&p, &at, "ROTATION", 4, c->rotation);
     add(&p, &at, "SCALE", 2, c->scale);
     for (unsigned k = 0; k < clip_lines; ++k)
-        add(&p, &at, k ? "CLIP_1" : "CLIP_0", is_curved ? 4 : 3,
-            is_curved ? c->bent[k] : c->clip[k]);
+        add(&p, &at, lines[k], is_curved ? 4 : 3, is_curved ? c->bent[k] : c->clip[k]);
     if (is_curved) add(&p, &at, "NORMAL_FIELD", 3, c->field);
     if (stored & SHAPE) add(&p, &at, "SHAPE", 3, c->shape);
     if (stored & COLOR) add(&p, &at, "COLOR_0", 3, c->color);
@@ -161,7 +162,7 @@ static void check(gpu *g, const char *name, const psplat_asset *asset, const psp
     agreement a = agreement_measure(g, asset, NULL, view, 1, &ties);
     print_message("%-26s covered %6zu skipped %4zu color %.1e\n", name, a.covered, a.skipped,
                   a.color);
-    assert_true(a.covered > 1000 && a.skipped * 10 < a.covered);
+    assert_true(a.covered > 500 && a.skipped * 10 < a.covered);
     assert_int_equal(a.mismatches, 0);
     assert_true(a.color <= most);
 }
@@ -220,14 +221,15 @@ static void test_parts(void **state) {
 }
 
 /* Of curved splats colours have to change with the (u, v) at which the ray meets the surface. The
- * rows of textures are shorter where a splat has both a colour and a shape of its own. */
+ * rows of textures are shorter where a splat has both a colour and a shape of its own. Beside four
+ * clip lines fragments read a part of the finish themselves. */
 static void test_curved(void **state) {
     columns *c = calloc(1, sizeof *c);
     assert_non_null(c);
-    for (uint32_t lines = 0; lines <= 2; lines += 2)
+    for (uint32_t lines = 0; lines <= PSPLAT_MAX_CLIP_LINES; lines += 2)
         for (unsigned own = 0; own <= SHAPE; own += SHAPE) {
             size_t count = 0;
-            scene s = scene_ellipses(3 * MOST, lines, 7);
+            scene s = scene_ellipses((lines + 1) * MOST, lines, 7);
             fill(c, &s, &count, lines);
             /* Highlights of smooth materials would change within a hundredth of a pixel. */
             for (size_t i = 0; i < count; ++i)
