@@ -14,23 +14,28 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+#ifdef __linux__
+#include <sys/auxv.h>
+#endif
 
 typedef struct command {
     const char *name;
     int (*run)(int argc, char **argv);
     const char *summary;
+    int has_threads; /* whether it computes for long in several threads */
 } command;
 
 static const command commands[] = {
-    {"convert", psplat_command_convert, "a mesh becomes Phong splats in a GLB"},
-    {"render", psplat_command_render, "an asset, or a mesh, becomes a PNG"},
-    {"inspect", psplat_command_inspect, "what an asset holds"},
-    {"validate", psplat_command_validate, "whether an asset keeps the rules"},
-    {"tile", psplat_command_tile, "a mesh becomes a tileset of 3D Tiles, in levels of detail"},
-    {"compare", psplat_command_compare, "how far an asset is from its mesh"},
-    {"tradeoff", psplat_command_tradeoff, "what settings cost and buy on a mesh, measured"},
-    {"view", psplat_command_view, "assets are shown in a window"},
+    {"convert", psplat_command_convert, "a mesh becomes Phong splats in a GLB", 1},
+    {"render", psplat_command_render, "an asset, or a mesh, becomes a PNG", 0},
+    {"inspect", psplat_command_inspect, "what an asset holds", 0},
+    {"validate", psplat_command_validate, "whether an asset keeps the rules", 0},
+    {"tile", psplat_command_tile, "a mesh becomes a tileset of 3D Tiles, in levels of detail", 1},
+    {"compare", psplat_command_compare, "how far an asset is from its mesh", 1},
+    {"tradeoff", psplat_command_tradeoff, "what settings cost and buy on a mesh, measured", 1},
+    {"view", psplat_command_view, "assets are shown in a window", 0},
 };
 
 enum { COMMAND_COUNT = sizeof commands / sizeof *commands };
@@ -83,16 +88,28 @@ static void hold_standard_streams(void) {
     if (file > STDERR_FILENO) close(file);
 }
 
+/* Returns whether a path names the program that runs: that may have been replaced, or be the
+ * dynamic linker, which was called with the program as its argument and would take the command for
+ * one. */
+static int is_this_program(const char *path) {
+    struct stat named, running;
+#ifdef __linux__
+    if (!getauxval(AT_BASE)) return 0;
+#endif
+    return !stat(path, &named) && !stat("/proc/self/exe", &running) &&
+           named.st_dev == running.st_dev && named.st_ino == running.st_ino;
+}
+
 /* Starts the program anew with OMP_WAIT_POLICY=passive where the environment does not say how idle
  * threads wait. GNU's OpenMP lets them spin for milliseconds otherwise, which costs an eighth of a
  * conversion's CPU time and takes it from whatever else runs. The library reads its environment
  * before main, so setting it here would be too late. Where the program cannot be found, as without
- * /proc, threads spin. */
+ * /proc, threads spin. valgrind does not follow the new start unless it is told to. */
 static void let_idle_threads_sleep(char **argv) {
     char path[4096]; /* Linux's greatest length of paths */
     if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;
-    if (!psplat_program_path(path, sizeof path) || setenv("OMP_WAIT_POLICY", "passive", 1)) return;
-    execv(path, argv);
+    if (!psplat_program_path(path, sizeof path) || !is_this_program(path)) return;
+    if (!setenv("OMP_WAIT_POLICY", "passive", 1)) execv(path, argv);
 }
 
 /* Flushes standard output, where printing may fail only now, and returns the exit code. */
@@ -105,7 +122,10 @@ static int close_output(int code) {
 static int run(int argc, char **argv) {
     const char *name = argc > 1 ? argv[1] : "";
     for (int i = 0; i < COMMAND_COUNT; ++i)
-        if (!strcmp(commands[i].name, name)) return commands[i].run(argc - 1, argv + 1);
+        if (!strcmp(commands[i].name, name)) {
+            if (commands[i].has_threads) let_idle_threads_sleep(argv);
+            return commands[i].run(argc - 1, argv + 1);
+        }
     if (!strcmp(name, "--version")) {
         printf("phongsplat %d.%d.%d\n", PSPLAT_VERSION_MAJOR, PSPLAT_VERSION_MINOR,
                PSPLAT_VERSION_PATCH);
@@ -121,7 +141,6 @@ static int run(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-    let_idle_threads_sleep(argv);
     hold_standard_streams();
     set_signals();
     return close_output(run(argc, argv));

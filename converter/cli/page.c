@@ -41,10 +41,13 @@ static psplat_result read_template(char **text, psplat_error *error) {
                        template_name);
 }
 
-/* Returns whether an OBJ refers to a file of materials. */
+/* Returns whether an OBJ refers to a file of materials, in a line that blanks may begin. */
 static int has_library(const char *text) {
-    for (const char *at = text; (at = strstr(at, "mtllib")) != NULL; ++at)
-        if (at == text || at[-1] == '\n' || at[-1] == '\r') return 1;
+    for (const char *at = text; (at = strstr(at, "mtllib")) != NULL; ++at) {
+        const char *begin = at;
+        while (begin > text && (begin[-1] == ' ' || begin[-1] == '\t')) --begin;
+        if (begin == text || begin[-1] == '\n' || begin[-1] == '\r') return 1;
+    }
     return 0;
 }
 

@@ -550,6 +550,8 @@ psplat_result psplat_document_materials(const psplat_scene *scene,
                                         const psplat_buffer_layout *layout,
                                         psplat_materials *materials, psplat_error *error) {
     psplat_result result = psplat_materials_collect(scene, layout->tables[0].splats, materials);
+    for (size_t i = 0; i < layout->mesh_count; ++i)
+        materials->has_splats |= layout->tables[i].splats->count > 0;
     if (!result && layout->fallbacks)
         result = psplat_fallback_file_collect(layout->fallbacks, scene, materials);
     if (result) return psplat_fail(error, result, 0, "no memory for the materials");

@@ -9,9 +9,9 @@
 
 #include <stddef.h>
 
-/* A model for the page. The extension of its name, .glb, .gltf, .obj, .ply or .stl, tells the viewer how to
- * read it; the first model's name is the page's title. Names are UTF-8 and may hold anything: what
- * HTML gives a meaning is escaped. */
+/* A model for the page. The extension of its name, .glb, .gltf, .obj, .ply or .stl, tells the
+ * viewer how to read it; the first model's name is the page's title. Names are UTF-8 and may hold
+ * anything: what HTML gives a meaning is escaped. */
 typedef struct psplat_page_model {
     const char *name;
     const void *bytes;

@@ -268,6 +268,9 @@ static void add_core(psplat_writer *json, const psplat_materials *materials,
     add_texture_info(json, materials, "metallicRoughnessTexture",
                      &textures[PSPLAT_TEXTURE_METALLIC_ROUGHNESS], NULL);
     psplat_writer_close(json, '}');
+    if (!materials->has_splats)
+        add_texture_info(json, materials, "normalTexture", &textures[PSPLAT_TEXTURE_NORMAL],
+                         "scale");
     add_texture_info(json, materials, "occlusionTexture", &textures[PSPLAT_TEXTURE_OCCLUSION],
                      "strength");
     add_texture_info(json, materials, "emissiveTexture", &textures[PSPLAT_TEXTURE_EMISSIVE], NULL);
@@ -280,12 +283,14 @@ static void add_core(psplat_writer *json, const psplat_materials *materials,
 }
 
 /* Writes the extensions of a material. glTF wants tangents where a material has a normal texture,
- * and splats have none, so that texture stands in the extension's own object (spec 3.11). */
+ * and splats have none, so that texture stands in the extension's own object (spec 3.11), where
+ * there are splats. */
 static void add_extensions(psplat_writer *json, const psplat_materials *materials,
                            const psplat_material *m) {
     const psplat_texture *normal = &m->textures[PSPLAT_TEXTURE_NORMAL];
+    int is_ours = materials->has_splats && normal->image;
     float strength = emissive_strength(m);
-    if (!m->unlit && strength <= 1.0f && !normal->image) return;
+    if (!m->unlit && strength <= 1.0f && !is_ours) return;
     psplat_writer_open(json, "extensions", '{');
     if (strength > 1.0f) {
         psplat_writer_open(json, "KHR_materials_emissive_strength", '{');
@@ -296,7 +301,7 @@ static void add_extensions(psplat_writer *json, const psplat_materials *material
         psplat_writer_open(json, "KHR_materials_unlit", '{');
         psplat_writer_close(json, '}');
     }
-    if (normal->image) {
+    if (is_ours) {
         psplat_writer_open(json, "PSPLAT_surface_splats", '{');
         add_texture_info(json, materials, "normalTexture", normal, "scale");
         psplat_writer_close(json, '}');

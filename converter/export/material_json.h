@@ -27,6 +27,7 @@ typedef struct psplat_materials {
     size_t sampler_count;
     uint32_t *images; /* indices of the scene's images */
     size_t image_count;
+    int has_splats; /* 0: the file holds triangles alone, whose normal textures are glTF's own */
 } psplat_materials;
 
 /* Collects the materials that runs of splats use, each once, in the order of the scene's

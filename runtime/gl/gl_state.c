@@ -26,7 +26,7 @@ static const struct {
     {GL_COLOR_LOGIC_OP, 0, GL_FALSE},
     {GL_DEPTH_CLAMP, 0, GL_FALSE},
     {GL_POLYGON_SMOOTH, 0, GL_FALSE},
-    {GL_PRIMITIVE_RESTART, 0, GL_FALSE}, /* some drivers heed it without indices, too */
+    {GL_PRIMITIVE_RESTART, 0, GL_FALSE},        /* some drivers heed it without indices, too */
     {GL_TEXTURE_CUBE_MAP_SEAMLESS, 0, GL_TRUE}, /* GLES is always seamless */
     {GL_CLIP_DISTANCE0, 0, GL_FALSE},
     {GL_CLIP_DISTANCE0 + 1, 0, GL_FALSE},

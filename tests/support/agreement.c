@@ -305,9 +305,14 @@ static agreement measure(gpu *g, const psplat_reference_scene *scene, const pspl
         result.covered += c.picture.image.count[at] > 0;
         if (is_tie(&c, ties, at))
             ++result.skipped;
-        else if (!may_change(&c.picture, &c.shifted, at, ties))
+        else if (may_change(&c.picture, &c.shifted, at, ties))
+            ++result.left_out;
+        else
             compare_pixel(&c, at, &result);
     }
+    if (2 * result.left_out > result.covered)
+        printf("agreement: %zu pixels of %zu may change with rounded vertices\n", result.left_out,
+               result.covered);
     free(c.thin);
     shifted_free(&c.shifted);
     picture_free(&c.picture);
@@ -347,6 +352,7 @@ static double larger(double a, double b) {
 void agreement_add(agreement *total, const agreement *a) {
     total->covered += a->covered;
     total->skipped += a->skipped;
+    total->left_out += a->left_out;
     total->mismatches += a->mismatches;
     total->other += a->other;
     total->color = larger(total->color, a->color);

@@ -40,7 +40,8 @@ typedef struct agreement_ties {
 
 typedef struct agreement {
     size_t covered;    /* pixels that the reference covers */
-    size_t skipped;    /* pixels that are not compared */
+    size_t skipped;    /* pixels that are ties */
+    size_t left_out;   /* others that rounded vertices may change; not compared, either */
     size_t mismatches; /* compared pixels that only one of them covers */
     size_t other;      /* parameters mode: compared pixels that show different splats */
     double color;      /* largest difference of a colour channel; 0 in parameters mode */

@@ -41,7 +41,7 @@ static void test_pause_and_next(void **state) {
     picture paused = await_covered(f, "the asset is drawn", 50, ALL);
     program_key(&f->viewer, "k", 0);
     await_differences(f, "it plays", &paused, 50);
-    picture left = program_picture(&f->viewer);
+    picture left = await_still(f, "it has jumped");
     program_key(&f->viewer, "n", 0);
     await_differences(f, "the next one plays", &left, 50);
     program_key(&f->viewer, "n", 0);

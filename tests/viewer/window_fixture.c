@@ -137,6 +137,21 @@ picture await_covered(const fixture *f, const char *what, int at_least, int at_m
     return program_picture(&f->viewer);
 }
 
+/* Keeps the picture in user, and returns whether it is as the one before. */
+static int is_still(void *user, const program *p) {
+    picture *before = user, now = program_picture(p);
+    int is_same = before->rgb && count_differences(&now, before) == 0;
+    free(before->rgb);
+    *before = now;
+    return is_same;
+}
+
+picture await_still(const fixture *f, const char *what) {
+    picture still = {.rgb = NULL};
+    program_await(&f->viewer, what, is_still, &still);
+    return still;
+}
+
 picture start_cube(fixture *f) {
     start(f, "--lights=headlight", f->a, NULL);
     program_await_title(&f->viewer, "a.glb - 6 splats - phong, lit");

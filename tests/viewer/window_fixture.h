@@ -51,5 +51,8 @@ void await_differences(const fixture *f, const char *what, const picture *from, 
 void await_change(const fixture *f, const char *what, const picture *from);
 void await_return(const fixture *f, const char *what, const picture *to);
 picture await_covered(const fixture *f, const char *what, int at_least, int at_most);
+/* Waits until the picture stays: one may be taken while the window is drawn. The caller frees rgb.
+ */
+picture await_still(const fixture *f, const char *what);
 
 #endif

@@ -34,13 +34,15 @@ class Pose {
     set(index, seconds) {
         const { renderer } = this.model;
         if (!this.handle) throw new PhongSplatsError(DISPOSED, 1);
+        if (!Number.isInteger(index)) throw new TypeError(`the index of an animation is an integer, not ${index}`);
         if (!renderer.exports.ps_pose_set(renderer.handle, this.handle, index, seconds)) renderer.fail();
         return this;
     }
 
     /** Moves all to where the file has it. */
     rest() {
-        if (this.handle) this.model.renderer.exports.ps_pose_rest(this.handle);
+        if (!this.handle) throw new PhongSplatsError(DISPOSED, 1);
+        this.model.renderer.exports.ps_pose_rest(this.handle);
         return this;
     }
 

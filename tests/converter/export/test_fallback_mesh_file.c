@@ -195,6 +195,11 @@ static void test_whole_meshes(void **state) {
         check(psplat_scene_write_meshes(&scene, whole, &psplat_meshopt_codec, &data, &size, &error),
               &error);
         assert_true(psplat_asset_open_memory(data, size, NULL, &asset, &error) != PSPLAT_OK);
+        /* Normal textures, of tiled.glb, are glTF's own where there are no splats. */
+        const char *json = (const char *)data + 20; /* ended by a 0 of the next chunk's length */
+        assert_null(strstr(json, "PSPLAT"));
+        assert_int_equal(strstr(json, "\"normalTexture\"") != NULL,
+                         strcmp(models[i], "tiled.glb") == 0);
         write_bytes("whole.glb", data, size);
         check(psplat_scene_read(fixture_path, "model", &found, &error), &error);
         unlink(fixture_path);

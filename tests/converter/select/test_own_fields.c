@@ -210,7 +210,7 @@ static psplat_splats convert(const psplat_mesh *mesh, const psplat_convert_desc 
 }
 
 static const psplat_convert_desc usual = {
-    .tolerance_percent = 0.1, .precision = PSPLAT_USUAL_PRECISION, .effort = PSPLAT_EFFORT_NONE};
+    .tolerance_percent = 0.2, .precision = PSPLAT_USUAL_PRECISION, .effort = PSPLAT_EFFORT_NONE};
 
 /* Returns the number of splats with a field beside a shape. */
 static size_t own_fields(const psplat_splats *splats) {
@@ -251,7 +251,7 @@ static void test_bowl(void **state) {
     print_message("%zu splats, normals off by %.2f and without fields of their own by %.2f\n",
                   with.splats, with.rms_normal_degrees, without.rms_normal_degrees);
     assert_true(with.rms_normal_degrees < 0.85 * without.rms_normal_degrees);
-    assert_true(with.max_distance_percent <= 0.1);
+    assert_true(with.max_distance_percent <= 0.2);
     psplat_splats_free(&splats);
     psplat_mesh_free(&f.mesh);
 }
@@ -276,21 +276,22 @@ static void test_threads(void **state) {
 }
 
 /* Splats that are flat, of floats, with bounded or constant normals, or unlit have no fields beside
- * shapes. */
+ * shapes; the same conversion without any of these has some. */
 static void test_none(void **state) {
     (void)state;
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < 6; ++i) {
         fixture f;
         psplat_report report;
         psplat_convert_desc desc = usual;
         make_bowl(&f);
+        desc.tolerance_percent = 0.5; /* of constant normals a finer one takes many splats */
         desc.planar = i == 0;
         if (i == 1) desc.precision = 0;
         if (i == 2) desc.normal_tolerance_degrees = 30;
         desc.constant_normals = i == 3;
         f.mesh.material.unlit = i == 4;
         psplat_splats splats = convert(&f.mesh, &desc, &report);
-        assert_int_equal(own_fields(&splats), 0);
+        assert_int_equal(own_fields(&splats) > 0, i == 5);
         psplat_splats_free(&splats);
         psplat_mesh_free(&f.mesh);
     }
