@@ -14,7 +14,7 @@ phongsplat=build/release/phongsplat
 $phongsplat convert samples/models/part.obj build/demo/part.glb --tolerance 0.2% \
     --report build/demo/part.json --overwrite --quiet
 $phongsplat render build/demo/part.glb build/demo/part.png --overwrite \
-    --azimuth 55 --elevation 33 --distance 0.85
+    --azimuth 55 --elevation 33 --distance 0.95
 
 # field NAME prints the field's value in the report, rounded NAME the same with three digits.
 field() {
