@@ -135,6 +135,13 @@ static void must_own_bound(const char *call, spy_object kind, GLenum binding) {
     must_own(call, kind, (GLuint)name);
 }
 
+/* For capabilities of GL that pictures of software rasterisers do not show. */
+static void must_be_off(const char *call, GLenum capability) {
+    const char *version = (const char *)real_GetString()(GL_VERSION);
+    int is_es = version && strncmp(version, "OpenGL ES", 9) == 0;
+    if (!is_es && real_IsEnabled()(capability)) trouble(call, "draws with capability", capability);
+}
+
 static void born(spy_object kind, GLuint name) {
     if (name == 0) return;
     if (name >= SPY_NAME_MAX) {
@@ -184,6 +191,7 @@ static int is_due(spy_fault fault) {
 #define SAMPLER(unit) touch(call, QUERY_SAMPLER, GL_SAMPLER_BINDING, GL_TEXTURE0 + unit);
 #define BOUND(kind, name) must_own_bound(call, SPY_##kind, name);
 #define OWN(kind, object) must_own(call, SPY_##kind, object);
+#define OFF(capability) must_be_off(call, capability);
 
 #define SPY_VOID(name, parameters, arguments, before)                                              \
     static void APIENTRY spy_##name parameters {                                                   \

@@ -15,6 +15,7 @@
  *     SAMPLER(unit)     sets the sampler of a unit
  *     BOUND(kind, name) changes the object that glGetIntegerv(name) tells, which must be our own
  *     OWN(kind, object) changes this object, which must be our own
+ *     OFF(capability)   works only while this capability of GL is disabled
  */
 SPY_VOID(ActiveTexture, (GLenum unit), (unit), INTEGER(GL_ACTIVE_TEXTURE))
 SPY_VOID(AttachShader, (GLuint program, GLuint shader), (program, shader),
@@ -42,10 +43,12 @@ SPY_VOID(DepthFunc, (GLenum func), (func), INTEGER(GL_DEPTH_FUNC))
 SPY_VOID(DepthMask, (GLboolean flag), (flag), INTEGER(GL_DEPTH_WRITEMASK))
 SPY_VOID(Disable, (GLenum capability), (capability), CAPABILITY(capability))
 SPY_VOID(DrawArrays, (GLenum mode, GLint first, GLsizei count), (mode, first, count),
-         BOUND(PROGRAM, GL_CURRENT_PROGRAM) BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING))
+         BOUND(PROGRAM, GL_CURRENT_PROGRAM) BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING)
+             OFF(GL_PRIMITIVE_RESTART))
 SPY_VOID(DrawArraysInstanced, (GLenum mode, GLint first, GLsizei count, GLsizei instances),
          (mode, first, count, instances),
-         BOUND(PROGRAM, GL_CURRENT_PROGRAM) BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING))
+         BOUND(PROGRAM, GL_CURRENT_PROGRAM) BOUND(VERTEX_ARRAY, GL_VERTEX_ARRAY_BINDING)
+             OFF(GL_PRIMITIVE_RESTART))
 SPY_VOID(DrawBuffers, (GLsizei count, const GLenum *buffers), (count, buffers),
          BOUND(FRAMEBUFFER, GL_DRAW_FRAMEBUFFER_BINDING))
 SPY_VOID(Enable, (GLenum capability), (capability), CAPABILITY(capability))
