@@ -101,10 +101,11 @@ static int is_this_program(const char *path) {
 }
 
 /* Starts the program anew with OMP_WAIT_POLICY=passive where the environment does not say how idle
- * threads wait. GNU's OpenMP lets them spin for milliseconds otherwise, which costs an eighth of a
- * conversion's CPU time and takes it from whatever else runs. The library reads its environment
- * before main, so setting it here would be too late. Where the program cannot be found, as without
- * /proc, threads spin. valgrind does not follow the new start unless it is told to. */
+ * threads wait. GNU's OpenMP lets them spin for milliseconds otherwise, which costs 6 % of a
+ * conversion's CPU time, and twice as much where it takes it from something else that runs. The
+ * library reads its environment before main, so setting it here would be too late. Where the
+ * program cannot be found, as without /proc, threads spin. valgrind does not follow the new start
+ * unless it is told to. */
 static void let_idle_threads_sleep(char **argv) {
     char path[4096]; /* Linux's greatest length of paths */
     if (getenv("OMP_WAIT_POLICY") || getenv("GOMP_SPINCOUNT")) return;

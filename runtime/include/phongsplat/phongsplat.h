@@ -298,7 +298,7 @@ typedef struct psplat_renderer_desc {
     psplat_images images;
     psplat_state_policy state;
     int half_targets; /* not 0: sums are kept in 16 bits although the context can keep them in 32.
-                         GPUs blend them faster: on an NVIDIA H200 frames took 18 to 34 % less
+                         GPUs blend them faster: on an NVIDIA H200 frames took 18 to 35 % less
                          time. Software rasterisers are slower with them */
 } psplat_renderer_desc;
 

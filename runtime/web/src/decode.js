@@ -166,13 +166,6 @@ function checkPresence(found, set) {
     if (found.SHAPE !== undefined && !set.curved) fail('SHAPE is present although the primitive is not curved');
 }
 
-const GETTERS = ['getX', 'getY', 'getZ', 'getW'];
-
-/** @returns component k of element i; three's own getComponent is of release 161. */
-function component(attribute, i, k) {
-    return attribute[GETTERS[k]](i);
-}
-
 /** An attribute: get(i, k) is component k of splat i, normalised integers as glTF says. */
 function open(name, attribute, set, count) {
     const type = TYPES[name], array = (attribute.isInterleavedBufferAttribute ? attribute.data : attribute).array;
@@ -188,7 +181,7 @@ function open(name, attribute, set, count) {
     if (name.startsWith('CLIP_') && isBent && set.version < 3) fail(`bent clip lines are of version 3, the primitive states ${set.version}`);
     if (name.startsWith('CLIP_') && isBent && !isFloat && set.bendRange === undefined) fail('bendRange, which the integers of bends need, is missing');
     return { name, size: attribute.itemSize, isFloat, steps: array.BYTES_PER_ELEMENT === 1 ? 255 : 65535,
-        get: (i, k) => component(attribute, i, k) };
+        get: (i, k) => attribute.getComponent(i, k) };
 }
 
 /** Reads a splat's numbers times what integers are multiplied by, and refuses those that are not
@@ -538,7 +531,7 @@ function decodeBatch(attributes, set, count) {
 /** Part of an attribute, with the interface that open asks for. */
 function partOf(attribute, first, count) {
     const { isInterleavedBufferAttribute, data, array, itemSize, normalized } = attribute;
-    return { isInterleavedBufferAttribute, data, array, itemSize, normalized, count, getX: (i) => attribute.getX(first + i), getY: (i) => attribute.getY(first + i), getZ: (i) => attribute.getZ(first + i), getW: (i) => attribute.getW(first + i) };
+    return { isInterleavedBufferAttribute, data, array, itemSize, normalized, count, getComponent: (i, k) => attribute.getComponent(first + i, k) };
 }
 
 /** Distances between integers are exact, so that every machine finds the same nearest splat. */
@@ -557,9 +550,9 @@ async function decodeStreamed(primitive, object, accessor, view) {
     const [bytes, attributes] = await Promise.all([view(object.stream), loadAttributes(found, accessor)]), position = attributes.POSITION;
     checkCoarse(position);
     const beside = {
-        place: (i, out) => { for (let k = 0; k < 3; ++k) out[k] = component(position, i, k); },
+        place: (i, out) => { for (let k = 0; k < 3; ++k) out[k] = position.getComponent(i, k); },
         seams: (sections) => readSectionSeams(object.seamLines, sections),
-        image: (i) => [0, 1].map((k) => component(attributes.TEXCOORD_0 ?? fail('TEXCOORD_0 is missing beside a stream with texture coordinates'), i, k)),
+        image: (i) => [0, 1].map((k) => (attributes.TEXCOORD_0 ?? fail('TEXCOORD_0 is missing beside a stream with texture coordinates')).getComponent(i, k)),
     };
     const { head, sections } = readStream(bytes, position.count, beside, fail), centers = new Box3();
     for (const name of STREAMED_TEXCOORDS) if (head.hasTexcoord && found[name] !== undefined) fail(`${name} is present although the primitive has a stream`);

@@ -14,8 +14,9 @@ command -v emcmake >/dev/null || {
 }
 mkdir -p "$out/apt/lists/partial" "$out/apt/archives/partial" "$out/dist"
 if [ ! -d "$out/meshoptimizer" ]; then
-    # A list of its own: most systems have none of sources.
-    echo "deb-src http://deb.debian.org/debian bookworm main" >"$out/apt/sources.list"
+    # A list of its own, of the mirror that this system has its packages from: most systems have none of sources.
+    apt-get indextargets --format 'deb-src $(REPO_URI) $(RELEASE) $(COMPONENT)' 'Created-By: Packages' 'Component: main' |
+        sort -u >"$out/apt/sources.list"
     apt_own() {
         apt-get -q -o Dir::Etc::sourcelist="$out/apt/sources.list" -o Dir::Etc::sourceparts=/dev/null \
             -o Dir::State::lists="$out/apt/lists" -o Dir::Cache="$out/apt" -o APT::Sandbox::User="$(id -un)" "$@"

@@ -61,86 +61,84 @@ static void test_opens(void **state) {
     free(text);
 }
 
+/* What is wrong in the structure of a document, and what is said of it. */
+static const struct {
+    const char *from, *to, *at;
+    psplat_result code;
+    const char *said;
+} structures[] = {
+    {"\"animations\":[{", "\"animations\":3,\"x\":[{", "3,\"x\"", FORMAT, "animations must be"},
+    {"\"animations\":[", "\"animations\":[7,", "7,{", FORMAT, ""},
+    {"\"name\":\"a\"", "\"name\":1", "1,\"channels\"", FORMAT, "name must be"},
+    {"\"channels\":[", "\"channels\":{},\"x\":[", "{},\"x\"", FORMAT, "channels must be"},
+    {"\"samplers\":[", "\"samplers\":1,\"x\":[", "1,\"x\"", FORMAT, "samplers must be"},
+    {"\"samplers\":[", "\"x\":[", "0,\"target\"", RANGE, "index into nothing"},
+    {"\"sampler\":0", "\"sampler\":2", "2,\"target\"", RANGE, "sampler"},
+    {"\"sampler\":0", "\"sampler\":-1", "-1,\"target\"", RANGE, "sampler"},
+    {"\"sampler\":0,", "", "{\"target\"", FORMAT, "sampler is missing"},
+    {"\"target\":{", "\"x\":{", "{\"sampler\":0", FORMAT, "target is missing"},
+    {"\"target\":{", "\"target\":[],\"x\":{", "[],\"x\"", FORMAT, ""},
+    {"\"node\":0,\"path\"", "\"node\":3,\"path\"", "3,\"path\"", RANGE, "node"},
+    {"\"node\":0,\"path\"", "\"node\":\"0\",\"path\"", "\"0\",\"path\"", FORMAT, "node"},
+    {"\"path\":\"rotation\"", "\"path\":null", "null", FORMAT, "path"},
+    {"\"path\":\"rotation\"", "\"x\":0", "{\"node\":0", FORMAT, "path is missing"},
+    {"\"node\":1,\"path\"", "\"node\":2,\"path\"", NULL, PSPLAT_OK, ""}, /* shows nothing */
+    {"{\"mesh\":0},{\"matrix\"",
+     "{\"mesh\":0,\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]},{\"matrix\"", "{\"node\":1", FORMAT,
+     "node 1 has a matrix, which cannot be animated"},
+    {"\"node\":1,\"path\":\"scale\"", "\"node\":0,\"path\":\"rotation\"",
+     "{\"node\":0,\"path\":\"rotation\"}}],", FORMAT,
+     "two channels of an animation move the same of node 0"},
+    {"\"sampler\":1", "\"sampler\":0", "{\"sampler\":0,\"target\":{\"node\":1", FORMAT,
+     "a sampler of 4 numbers moves what has 3"},
+    {"\"input\":16,\"output\":17", "\"output\":17", "{\"output\":17", FORMAT, "input is missing"},
+    {"\"output\":17", "\"x\":17", "{\"input\":16,\"x\"", FORMAT, "output is missing"},
+    {"\"output\":17", "\"output\":19", "19,", RANGE, "the rotations of a sampler"},
+    {"\"input\":16", "\"input\":1e9", "1e9", RANGE, "the times of a sampler"},
+    {"LINEAR", "linear", "\"linear\"", FORMAT, "interpolation is none of"},
+    {"\"LINEAR\"", "1", "1},{", FORMAT, "interpolation must be"},
+    {"LINEAR", "CUBICSPLINE", "{\"input\":16,\"output\":17", RANGE,
+     "a sampler has 3 values for 3 times"},
+    {"\"count\":3,\"type\":\"SCALAR\"", "\"count\":2,\"type\":\"SCALAR\"",
+     "{\"input\":16,\"output\":17", RANGE, "a sampler has 3 values for 2 times"},
+    {"\"count\":3,\"type\":\"SCALAR\"", "\"count\":0,\"type\":\"SCALAR\"", "0,\"type\":\"SCALAR\"",
+     RANGE, "count must be at least 1"},
+    {"\"count\":3,\"type\":\"SCALAR\"", "\"count\":300,\"type\":\"SCALAR\"",
+     "{\"bufferView\":3,\"byteOffset\":0", RANGE, "300 elements leave their bufferView"},
+    {"\"count\":3,\"type\":\"SCALAR\"", "\"count\":3,\"type\":\"VEC2\"",
+     "{\"bufferView\":3,\"byteOffset\":0", UNSUPPORTED, "the times of a sampler: must be SCALAR"},
+    {"\"count\":3,\"type\":\"VEC4\"", "\"count\":3,\"type\":\"VEC3\"",
+     "{\"bufferView\":3,\"byteOffset\":12", UNSUPPORTED,
+     "the rotations of a sampler: must be VEC4"},
+    {"\"count\":3,\"type\":\"VEC4\"", "\"count\":3,\"type\":\"MAT2\"",
+     "{\"bufferView\":3,\"byteOffset\":12", UNSUPPORTED,
+     "the rotations of a sampler: must be VEC4"},
+    {"\"byteOffset\":0,\"componentType\":5126,\"count\":3",
+     "\"byteOffset\":0,\"componentType\":5123,\"count\":3", "{\"bufferView\":3,\"byteOffset\":0",
+     UNSUPPORTED, "component type 5123"},
+    {"\"byteOffset\":12,\"componentType\":5126", "\"byteOffset\":12,\"componentType\":5122",
+     "{\"bufferView\":3,\"byteOffset\":12", UNSUPPORTED, "integers must be normalized"},
+    {"\"byteOffset\":60,\"componentType\":5126",
+     "\"byteOffset\":60,\"componentType\":5122,\"normalized\":true",
+     "{\"bufferView\":3,\"byteOffset\":60", UNSUPPORTED,
+     "the values of a sampler: component type 5122"},
+    {"\"byteOffset\":12,\"componentType\":5126", "\"byteOffset\":13,\"componentType\":5126",
+     "{\"bufferView\":3,\"byteOffset\":13", RANGE, "not aligned"},
+    {"\"bufferView\":3,\"byteOffset\":12,", "",
+     "{\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"", UNSUPPORTED, "without bufferView"},
+    {"\"type\":\"VEC4\"}", "\"type\":\"VEC4\",\"sparse\":{}}", "{}}", UNSUPPORTED, "sparse"},
+    /* A cycle of nodes is refused before animations walk over it. */
+    {"{\"mesh\":0}", "{\"mesh\":0,\"children\":[0]}", "{\"children\":[1,2]}", RANGE, "not a root"},
+};
+
 static void test_structure(void **state) {
     (void)state;
-    static const struct {
-        const char *from, *to, *at;
-        psplat_result code;
-        const char *said;
-    } cases[] = {
-        {"\"animations\":[{", "\"animations\":3,\"x\":[{", "3,\"x\"", FORMAT, "animations must be"},
-        {"\"animations\":[", "\"animations\":[7,", "7,{", FORMAT, ""},
-        {"\"name\":\"a\"", "\"name\":1", "1,\"channels\"", FORMAT, "name must be"},
-        {"\"channels\":[", "\"channels\":{},\"x\":[", "{},\"x\"", FORMAT, "channels must be"},
-        {"\"samplers\":[", "\"samplers\":1,\"x\":[", "1,\"x\"", FORMAT, "samplers must be"},
-        {"\"samplers\":[", "\"x\":[", "0,\"target\"", RANGE, "index into nothing"},
-        {"\"sampler\":0", "\"sampler\":2", "2,\"target\"", RANGE, "sampler"},
-        {"\"sampler\":0", "\"sampler\":-1", "-1,\"target\"", RANGE, "sampler"},
-        {"\"sampler\":0,", "", "{\"target\"", FORMAT, "sampler is missing"},
-        {"\"target\":{", "\"x\":{", "{\"sampler\":0", FORMAT, "target is missing"},
-        {"\"target\":{", "\"target\":[],\"x\":{", "[],\"x\"", FORMAT, ""},
-        {"\"node\":0,\"path\"", "\"node\":3,\"path\"", "3,\"path\"", RANGE, "node"},
-        {"\"node\":0,\"path\"", "\"node\":\"0\",\"path\"", "\"0\",\"path\"", FORMAT, "node"},
-        {"\"path\":\"rotation\"", "\"path\":null", "null", FORMAT, "path"},
-        {"\"path\":\"rotation\"", "\"x\":0", "{\"node\":0", FORMAT, "path is missing"},
-        {"\"node\":1,\"path\"", "\"node\":2,\"path\"", NULL, PSPLAT_OK, ""}, /* shows nothing */
-        {"{\"mesh\":0},{\"matrix\"",
-         "{\"mesh\":0,\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]},{\"matrix\"", "{\"node\":1",
-         FORMAT, "node 1 has a matrix, which cannot be animated"},
-        {"\"node\":1,\"path\":\"scale\"", "\"node\":0,\"path\":\"rotation\"",
-         "{\"node\":0,\"path\":\"rotation\"}}],", FORMAT,
-         "two channels of an animation move the same of node 0"},
-        {"\"sampler\":1", "\"sampler\":0", "{\"sampler\":0,\"target\":{\"node\":1", FORMAT,
-         "a sampler of 4 numbers moves what has 3"},
-        {"\"input\":16,\"output\":17", "\"output\":17", "{\"output\":17", FORMAT,
-         "input is missing"},
-        {"\"output\":17", "\"x\":17", "{\"input\":16,\"x\"", FORMAT, "output is missing"},
-        {"\"output\":17", "\"output\":19", "19,", RANGE, "the rotations of a sampler"},
-        {"\"input\":16", "\"input\":1e9", "1e9", RANGE, "the times of a sampler"},
-        {"LINEAR", "linear", "\"linear\"", FORMAT, "interpolation is none of"},
-        {"\"LINEAR\"", "1", "1},{", FORMAT, "interpolation must be"},
-        {"LINEAR", "CUBICSPLINE", "{\"input\":16,\"output\":17", RANGE,
-         "a sampler has 3 values for 3 times"},
-        {"\"count\":3,\"type\":\"SCALAR\"", "\"count\":2,\"type\":\"SCALAR\"",
-         "{\"input\":16,\"output\":17", RANGE, "a sampler has 3 values for 2 times"},
-        {"\"count\":3,\"type\":\"SCALAR\"", "\"count\":0,\"type\":\"SCALAR\"",
-         "0,\"type\":\"SCALAR\"", RANGE, "count must be at least 1"},
-        {"\"count\":3,\"type\":\"SCALAR\"", "\"count\":300,\"type\":\"SCALAR\"",
-         "{\"bufferView\":3,\"byteOffset\":0", RANGE, "300 elements leave their bufferView"},
-        {"\"count\":3,\"type\":\"SCALAR\"", "\"count\":3,\"type\":\"VEC2\"",
-         "{\"bufferView\":3,\"byteOffset\":0", UNSUPPORTED,
-         "the times of a sampler: must be SCALAR"},
-        {"\"count\":3,\"type\":\"VEC4\"", "\"count\":3,\"type\":\"VEC3\"",
-         "{\"bufferView\":3,\"byteOffset\":12", UNSUPPORTED,
-         "the rotations of a sampler: must be VEC4"},
-        {"\"count\":3,\"type\":\"VEC4\"", "\"count\":3,\"type\":\"MAT2\"",
-         "{\"bufferView\":3,\"byteOffset\":12", UNSUPPORTED,
-         "the rotations of a sampler: must be VEC4"},
-        {"\"byteOffset\":0,\"componentType\":5126,\"count\":3",
-         "\"byteOffset\":0,\"componentType\":5123,\"count\":3",
-         "{\"bufferView\":3,\"byteOffset\":0", UNSUPPORTED, "component type 5123"},
-        {"\"byteOffset\":12,\"componentType\":5126", "\"byteOffset\":12,\"componentType\":5122",
-         "{\"bufferView\":3,\"byteOffset\":12", UNSUPPORTED, "integers must be normalized"},
-        {"\"byteOffset\":60,\"componentType\":5126",
-         "\"byteOffset\":60,\"componentType\":5122,\"normalized\":true",
-         "{\"bufferView\":3,\"byteOffset\":60", UNSUPPORTED,
-         "the values of a sampler: component type 5122"},
-        {"\"byteOffset\":12,\"componentType\":5126", "\"byteOffset\":13,\"componentType\":5126",
-         "{\"bufferView\":3,\"byteOffset\":13", RANGE, "not aligned"},
-        {"\"bufferView\":3,\"byteOffset\":12,", "",
-         "{\"componentType\":5126,\"count\":3,\"type\":\"VEC4\"", UNSUPPORTED,
-         "without bufferView"},
-        {"\"type\":\"VEC4\"}", "\"type\":\"VEC4\",\"sparse\":{}}", "{}}", UNSUPPORTED, "sparse"},
-        /* A cycle of nodes is refused before animations walk over it. */
-        {"{\"mesh\":0}", "{\"mesh\":0,\"children\":[0]}", "{\"children\":[1,2]}", RANGE,
-         "not a root"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    for (size_t i = 0; i < sizeof structures / sizeof *structures; ++i) {
         char *text = document_of(times, rotations, scales);
-        document_replace(&text, cases[i].from, cases[i].to);
-        size_t at = cases[i].at ? document_find(text, cases[i].at) : 0;
-        if (i + 1 == sizeof cases / sizeof *cases) at = document_find(text, "0] }");
-        expect(text, cases[i].code, at, cases[i].said);
+        document_replace(&text, structures[i].from, structures[i].to);
+        size_t at = structures[i].at ? document_find(text, structures[i].at) : 0;
+        if (i + 1 == sizeof structures / sizeof *structures) at = document_find(text, "0] }");
+        expect(text, structures[i].code, at, structures[i].said);
         free(text);
     }
 }
