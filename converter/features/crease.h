@@ -25,6 +25,9 @@ typedef struct psplat_patch_bounds {
     /* The greatest distance of splats from the surface, a length: tangent edges over which they
      * would reach bound patches too (tangent_edges.h). 0: none do. */
     double tolerance;
+    /* The altitude, a length, below which slivers face as the surface beside them (slivers.h). 0:
+     * all triangles face their own way. */
+    double sliver_height;
 } psplat_patch_bounds;
 
 /* Fills in creases, patches, patch_count, crease_edges and roughness of a surface whose neighbours

@@ -30,7 +30,7 @@ enum {
 typedef struct psplat_surface {
     const psplat_mesh *mesh;
     const psplat_appearance *appearance; /* set by the caller so that samples are baked; or NULL */
-    double *face_normals;                /* triangle_count x 3, unit */
+    double *face_normals;                /* triangle_count x 3, unit; of slivers, of those beside */
     double *face_areas;                  /* triangle_count */
     uint32_t *neighbors;   /* triangle_count x 3: triangle across the edge, or PSPLAT_NONE */
     uint8_t *creases;      /* triangle_count x 3: PSPLAT_BOUND_..., or 0 inside patches */

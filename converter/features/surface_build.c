@@ -11,6 +11,7 @@
 #include "base/vector.h"
 #include "features/authored_normals.h"
 #include "features/crease.h"
+#include "features/slivers.h"
 #include "features/surface.h"
 #include "mesh/edges.h"
 #include "mesh/mesh.h"
@@ -136,6 +137,7 @@ static psplat_result set_normals(psplat_surface *surface, const uint8_t *authore
 static psplat_result build(psplat_surface *surface, const psplat_patch_bounds *bounds) {
     uint8_t *authored = malloc(3 * surface->mesh->triangle_count);
     psplat_result result = authored ? find_neighbors(surface) : PSPLAT_ERROR_MEMORY;
+    if (!result) result = psplat_slivers_settle(surface, bounds->sliver_height);
     if (!result) result = psplat_authored_read(surface, authored);
     if (!result) result = psplat_crease_find(surface, bounds, authored);
     if (!result) result = set_normals(surface, authored);

@@ -54,6 +54,9 @@ static const double crease_slack_part = 0.3;
  * curvature radius R are about sqrt(R tolerance) wide, and some fifteen samples across one suffice.
  */
 static const double spacing_percent = 0.5;
+/* The altitude, in tolerances, below which slivers do not say where the surface faces. Splats may
+ * leave the surface by that much sixteen times over. Chosen by hand. */
+static const double sliver_tolerances = 1.0 / 16;
 /* The longest edges of triangles along the edge of an alpha mask, in tolerances. */
 static const double mask_step_tolerances = 2;
 
@@ -247,12 +250,18 @@ static psplat_result build_appearance(psplat_conversion *c, const psplat_mesh *m
     return psplat_fail(error, result, 0, "the textures do not fit into memory");
 }
 
-/* Returns the tolerance by which tangent edges are told; 0 where splats are not to end at them:
- * flat splats are off on the round side alike, and without creases only borders bound splats. */
-static double tangent_tolerance(psplat_conversion *c, const psplat_mesh *mesh) {
-    if (c->desc->planar || c->desc->no_creases) return 0;
+/* Returns what bounds patches. Splats are not to end at tangent edges where they are flat, which
+ * are off on the round side alike, and where without creases only borders bound them. */
+static psplat_patch_bounds patch_bounds(psplat_conversion *c, const psplat_mesh *mesh) {
+    const psplat_convert_desc *desc = c->desc;
+    double degrees =
+        desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
     set_tolerance(c, psplat_mesh_diagonal(mesh));
-    return c->tolerance;
+    return (psplat_patch_bounds){.crease_angle =
+                                     desc->no_creases ? PSPLAT_NO_CREASES : degrees * PSPLAT_DEGREE,
+                                 .appearance = &c->appearance,
+                                 .tolerance = desc->planar || desc->no_creases ? 0 : c->tolerance,
+                                 .sliver_height = sliver_tolerances * c->tolerance};
 }
 
 static void set_owned(psplat_conversion *c) {
@@ -264,20 +273,16 @@ static void set_owned(psplat_conversion *c) {
 psplat_result psplat_conversion_begin(psplat_conversion *c, const psplat_mesh *mesh,
                                       psplat_error *error) {
     const psplat_convert_desc *desc = c->desc;
-    double degrees =
-        desc->crease_angle_degrees > 0 ? desc->crease_angle_degrees : default_crease_angle_degrees;
     if (desc->effort < PSPLAT_EFFORT_NONE || desc->effort > PSPLAT_GREATEST_EFFORT)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "an effort of %d; %d is the greatest",
                            desc->effort, PSPLAT_GREATEST_EFFORT);
     if (psplat_conversion_interrupted(desc, "finding creases", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-    double crease_angle = desc->no_creases ? PSPLAT_NO_CREASES : degrees * PSPLAT_DEGREE;
     psplat_result result = apply_alpha_mask(c, &mesh, error);
     if (!result) result = build_appearance(c, mesh, error);
     if (!result) result = build_proxy(c, mesh, error);
     if (!result) {
-        const psplat_patch_bounds bounds = {crease_angle, &c->appearance,
-                                            tangent_tolerance(c, mesh)};
+        const psplat_patch_bounds bounds = patch_bounds(c, mesh);
         result = psplat_surface_build_bounded(mesh, &bounds, &c->surface, error);
     }
     if (!result) result = set_limits(c, error);
