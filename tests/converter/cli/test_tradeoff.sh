@@ -52,9 +52,11 @@ case_sweep() {
     sweep "$cube" d --tolerances 1 --no-gltfpack
     expect_measured 6 0 0
     ! grep -q ^splats,2, d/tradeoff.csv || fail "a row that is not asked for"
-    # With more frames all are timed, and nothing else is done.
+    # With more frames all are timed, and nothing else is done. Fewer are no reason to.
     sweep "$cube" d --tolerances 1 --no-gltfpack --frames 2
     expect_measured 6 0 6
+    sweep "$cube" d --tolerances 1 --no-gltfpack
+    expect_measured 6 0 0
     # Pictures of another size are measured anew.
     sweep "$cube" d --tolerances 1 --no-gltfpack --size 24
     expect_measured 6 5 6
