@@ -64,6 +64,13 @@ psplat_quartiles psplat_timing_quartiles(double *values, size_t count) {
                               at_fraction(values, count, 0.75)};
 }
 
+int psplat_timing_is_precise(const psplat_quartiles *q, size_t count, double precision) {
+    /* The standard error of the median of normally distributed values, in interquartile ranges of
+     * them over the root of their number: sqrt(pi / 2) / 1.349. */
+    static const double error_of_median = 0.929;
+    return error_of_median * (q->high - q->low) / sqrt((double)count) <= precision * q->median;
+}
+
 /* ---- rounds ------------------------------------------------------------------------------- */
 
 static int load(psplat_host *host, const char *name, void *function) {
@@ -117,19 +124,61 @@ static psplat_result draw_timed(const psplat_timing_desc *desc, const gl *functi
     return result;
 }
 
-/* The samples of what is timed as number i begin at i * frames. Rounds that do not count write into
- * the first, which is written again. */
-static psplat_result run_rounds(const psplat_timing_desc *desc, const gl *functions,
-                                sample *samples, psplat_error *error) {
-    size_t frames = (size_t)desc->rounds, rounds = WARM_UP + frames;
-    for (size_t round = 0; round < rounds; ++round) {
-        const psplat_view *view = &desc->views[round % desc->view_count];
-        size_t frame = round < WARM_UP ? 0 : round - WARM_UP;
-        for (size_t i = 0; i < desc->count; ++i) {
-            psplat_result result = draw_timed(desc, functions, &desc->timed[i], view,
-                                              &samples[i * frames + frame], error);
-            if (result) return result;
-        }
+/* Rounds that are drawn. The samples of what is timed as number i begin at i * desc->rounds, and
+ * scratch has room for as many. */
+typedef struct timing {
+    const psplat_timing_desc *desc;
+    gl functions;
+    sample *samples;
+    double *scratch;
+    size_t drawn; /* rounds that count */
+} timing;
+
+/* Draws a round. Those that do not count write into the first samples, which are written again. */
+static psplat_result draw_round(timing *t, size_t round, psplat_error *error) {
+    const psplat_timing_desc *desc = t->desc;
+    const psplat_view *view = &desc->views[round % desc->view_count];
+    size_t frame = round < WARM_UP ? 0 : round - WARM_UP;
+    for (size_t i = 0; i < desc->count; ++i) {
+        psplat_result result = draw_timed(desc, &t->functions, &desc->timed[i], view,
+                                          &t->samples[i * (size_t)desc->rounds + frame], error);
+        if (result) return result;
+    }
+    t->drawn = round < WARM_UP ? 0 : frame + 1;
+    return PSPLAT_OK;
+}
+
+static psplat_frame_times summarise(const timing *t, size_t index) {
+    const sample *samples = t->samples + index * (size_t)t->desc->rounds;
+    psplat_frame_times times = {.frames = (int)t->drawn};
+    for (size_t i = 0; i < t->drawn; ++i) t->scratch[i] = samples[i].cpu;
+    times.cpu = psplat_timing_quartiles(t->scratch, t->drawn);
+    for (size_t i = 0; i < t->drawn; ++i) t->scratch[i] = samples[i].wall;
+    times.wall = psplat_timing_quartiles(t->scratch, t->drawn);
+    for (size_t i = 0; i < t->drawn; ++i) t->scratch[i] = samples[i].gpu;
+    times.gpu = psplat_timing_quartiles(t->scratch, t->drawn);
+    return times;
+}
+
+/* Returns whether all frames are known well enough. Only whole turns of the views are looked at, so
+ * that all views count alike. */
+static int is_enough(const timing *t) {
+    const psplat_timing_desc *desc = t->desc;
+    if (!(desc->precision > 0) || !t->drawn || t->drawn % desc->view_count) return 0;
+    for (size_t i = 0; i < desc->count; ++i) {
+        const psplat_frame_times times = summarise(t, i);
+        const psplat_quartiles *cost = t->functions.query ? &times.gpu : &times.cpu;
+        if (!psplat_timing_is_precise(cost, t->drawn, desc->precision)) return 0;
+    }
+    return 1;
+}
+
+static psplat_result run_rounds(timing *t, psplat_error *error) {
+    const psplat_timing_desc *desc = t->desc;
+    size_t rounds = WARM_UP + (size_t)desc->rounds;
+    for (size_t round = 0; round < rounds && !is_enough(t); ++round) {
+        psplat_result result = draw_round(t, round, error);
+        if (result) return result;
         double done = (double)(round + 1) / (double)rounds;
         if (desc->progress && desc->progress(desc->user, done))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
@@ -137,33 +186,21 @@ static psplat_result run_rounds(const psplat_timing_desc *desc, const gl *functi
     return PSPLAT_OK;
 }
 
-static psplat_frame_times summarise(const sample *samples, size_t count, double *scratch) {
-    psplat_frame_times times;
-    for (size_t i = 0; i < count; ++i) scratch[i] = samples[i].cpu;
-    times.cpu = psplat_timing_quartiles(scratch, count);
-    for (size_t i = 0; i < count; ++i) scratch[i] = samples[i].wall;
-    times.wall = psplat_timing_quartiles(scratch, count);
-    for (size_t i = 0; i < count; ++i) scratch[i] = samples[i].gpu;
-    times.gpu = psplat_timing_quartiles(scratch, count);
-    return times;
-}
-
 psplat_result psplat_timing_run(const psplat_timing_desc *desc, psplat_frame_times *times,
                                 psplat_error *error) {
     size_t frames = (size_t)desc->rounds;
-    gl functions;
-    psplat_result result = load_gl(desc->host, &functions, error);
+    timing t = {.desc = desc};
+    psplat_result result = load_gl(desc->host, &t.functions, error);
     if (result) return result;
-    sample *samples = calloc(desc->count * frames + 1, sizeof *samples);
-    double *scratch = malloc(frames * sizeof *scratch);
-    if (!samples || !scratch)
+    t.samples = calloc(desc->count * frames + 1, sizeof *t.samples);
+    t.scratch = malloc(frames * sizeof *t.scratch);
+    if (!t.samples || !t.scratch)
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for %zu frames",
                              desc->count * frames);
-    if (!result) result = run_rounds(desc, &functions, samples, error);
-    for (size_t i = 0; i < desc->count && !result; ++i)
-        times[i] = summarise(samples + i * frames, frames, scratch);
-    if (functions.query) functions.DeleteQueries(1, &functions.query);
-    free(samples);
-    free(scratch);
+    if (!result) result = run_rounds(&t, error);
+    for (size_t i = 0; i < desc->count && !result; ++i) times[i] = summarise(&t, i);
+    if (t.functions.query) t.functions.DeleteQueries(1, &t.functions.query);
+    free(t.samples);
+    free(t.scratch);
     return result;
 }

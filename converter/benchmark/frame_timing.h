@@ -20,6 +20,7 @@ typedef struct psplat_quartiles {
 
 /* Milliseconds a frame, from an empty framebuffer until GL is done with it. */
 typedef struct psplat_frame_times {
+    int frames;           /* that were timed */
     psplat_quartiles cpu; /* of all threads of the process */
     psplat_quartiles wall;
     psplat_quartiles gpu; /* GL_TIME_ELAPSED; NaN in software */
@@ -31,7 +32,11 @@ typedef struct psplat_timing_desc {
     size_t view_count;
     const psplat_timed_frame *timed;
     size_t count;
-    int rounds;                                   /* after two that do not count */
+    int rounds; /* at most, after two that do not count */
+    /* The standard error of medians, of the GPU's times or else of the CPU's, in parts of them,
+     * that suffices: after a turn of all views in which each median reaches it, no more rounds
+     * are drawn. 0: none does. */
+    double precision;
     int (*progress)(void *user, double fraction); /* not 0: INTERRUPTED; may be NULL */
     void *user;
 } psplat_timing_desc;
@@ -41,6 +46,9 @@ psplat_result psplat_timing_run(const psplat_timing_desc *desc, psplat_frame_tim
                                 psplat_error *error);
 /* Returns the quartiles of values, which it reorders; it interpolates between neighbours. */
 psplat_quartiles psplat_timing_quartiles(double *values, size_t count);
+/* Returns whether the standard error of the median of count values with these quartiles, as it is
+ * of normally distributed ones, is at most `precision`, in parts of the median. */
+int psplat_timing_is_precise(const psplat_quartiles *quartiles, size_t count, double precision);
 double psplat_timing_clock(void); /* seconds of a monotonic clock */
 
 #endif

@@ -94,26 +94,55 @@ static psplat_result write_splats(const psplat_asset_maker *m, const psplat_sett
     return result;
 }
 
-static psplat_result convert(const psplat_asset_maker *m, psplat_row *row, psplat_error *error) {
+static psplat_convert_desc convert_desc(const psplat_asset_maker *m,
+                                        const psplat_setting *setting) {
     const psplat_sweep_options *o = m->options;
-    const psplat_convert_desc desc = {
-        .tolerance_percent = row->setting.tolerance,
+    return (psplat_convert_desc){
+        .tolerance_percent = setting->tolerance,
         .normal_tolerance_degrees = o->normal_tolerance,
         .crease_angle_degrees = o->crease_angle,
         .no_creases = o->no_creases,
-        .precision = row->setting.form == PSPLAT_FORM_FLOAT ? 0 : PSPLAT_USUAL_PRECISION,
+        .precision = setting->form == PSPLAT_FORM_FLOAT ? 0 : PSPLAT_USUAL_PRECISION,
         .effort = o->effort,
         .seed = o->seed,
         .progress = psplat_sweep_progress_show_stage,
         .user = m->progress,
-        .planar = row->setting.form == PSPLAT_FORM_PLANAR,
+        .planar = setting->form == PSPLAT_FORM_PLANAR,
     };
+}
+
+/* Converts as psplat_convert does. Settings that differ in their precision alone share a draft, and
+ * all that they share counts for each of them: *seconds is what the command takes. */
+static psplat_result convert_setting(const psplat_asset_maker *m, const psplat_setting *setting,
+                                     psplat_splats *splats, psplat_report *report, double *seconds,
+                                     psplat_error *error) {
+    psplat_sweep_context *context = m->context;
+    const psplat_convert_desc desc = convert_desc(m, setting);
+    psplat_result result = PSPLAT_OK;
+    double before = 0, start;
+    if (desc.planar) {
+        psplat_sweep_context_drop_draft(context);
+        start = psplat_timing_clock();
+        result = psplat_convert(&context->mesh, &desc, splats, report, error);
+    } else {
+        result = psplat_sweep_context_draft(context, &desc, error);
+        before = context->draft_seconds;
+        start = psplat_timing_clock();
+        if (!result)
+            result = psplat_draft_convert(context->draft, desc.precision, splats, report, error);
+    }
+    *seconds = before + psplat_timing_clock() - start;
+    return result;
+}
+
+static psplat_result convert(const psplat_asset_maker *m, psplat_row *row, psplat_error *error) {
     psplat_splats splats = {0};
     psplat_report report = {0};
+    double seconds = 0;
+    psplat_result result = convert_setting(m, &row->setting, &splats, &report, &seconds, error);
     double start = psplat_timing_clock();
-    psplat_result result = psplat_convert(&m->context->mesh, &desc, &splats, &report, error);
     if (!result) result = write_splats(m, &row->setting, &splats, error);
-    row->values[PSPLAT_COLUMN_CONVERT_S] = psplat_timing_clock() - start;
+    row->values[PSPLAT_COLUMN_CONVERT_S] = seconds + psplat_timing_clock() - start;
     row->values[PSPLAT_COLUMN_ELEMENTS] = (double)splats.count;
     row->values[PSPLAT_COLUMN_BROKEN] = 0;
     for (int i = 0; i < PSPLAT_PROMISE_COUNT; ++i)

@@ -22,6 +22,10 @@
 /* Each asset is opened so often. */
 enum { OPENINGS = 9 };
 
+/* The standard error of what frames take, as a part of it, that suffices: settings that differ by
+ * less are as fast as each other to any user. */
+static const double precision = 0.05;
+
 /* A row, and what it draws. Each asset is opened for its first row alone. */
 typedef struct drawn_row {
     const psplat_setting *setting;
@@ -143,17 +147,34 @@ static psplat_result time_frames(timing *t, int (*progress)(void *user, double f
                                      .timed = t->frames,
                                      .count = table->count,
                                      .rounds = table->options.frames,
+                                     .precision = precision,
                                      .progress = progress,
                                      .user = user};
     psplat_result result = psplat_timing_run(&desc, t->times, error);
     for (size_t i = 0; i < table->count && !result; ++i) {
         double *values = table->rows[i].values;
-        values[PSPLAT_COLUMN_FRAMES] = table->options.frames;
+        values[PSPLAT_COLUMN_FRAMES] = t->times[i].frames;
         fill_quartiles(values + PSPLAT_COLUMN_CPU_MS, &t->times[i].cpu);
         fill_quartiles(values + PSPLAT_COLUMN_WALL_MS, &t->times[i].wall);
         fill_quartiles(values + PSPLAT_COLUMN_GPU_MS, &t->times[i].gpu);
     }
     return result;
+}
+
+static int is_timed(const psplat_row *row, psplat_column cost, int frames) {
+    const double *values = row->values;
+    double drawn = values[PSPLAT_COLUMN_FRAMES];
+    const psplat_quartiles quartiles = {values[cost], values[cost + 1], values[cost + 2]};
+    if (!(drawn > 0)) return 0;
+    return drawn >= frames || (fmod(drawn, PSPLAT_PICTURE_VIEWS) == 0 &&
+                               psplat_timing_is_precise(&quartiles, (size_t)drawn, precision));
+}
+
+int psplat_row_timing_is_done(const psplat_sweep_table *table) {
+    psplat_column cost = psplat_rows_cost(table->rows, table->count);
+    for (size_t i = 0; i < table->count; ++i)
+        if (!is_timed(&table->rows[i], cost, table->options.frames)) return 0;
+    return 1;
 }
 
 psplat_result psplat_row_timing_run(psplat_sweep_table *table, psplat_sweep_context *context,

@@ -10,6 +10,9 @@
 
 #include <phongsplat/splat.h>
 
+/* Returns whether all rows were timed already: in as many frames as the options ask for, or in
+ * whole turns of the views that leave a standard error of no more than 5 %. */
+int psplat_row_timing_is_done(const psplat_sweep_table *table);
 /* Draws what each row stands for in turn, opens every asset of the folder in turn, and fills the
  * values from PSPLAT_COLUMN_FRAMES on. progress as in psplat_timing_desc. */
 psplat_result psplat_row_timing_run(psplat_sweep_table *table, psplat_sweep_context *context,

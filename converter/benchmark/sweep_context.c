@@ -10,9 +10,12 @@
 #include "appearance/alpha_mask.h"
 #include "base/file_bytes.h"
 #include "base/path.h"
+#include "benchmark/frame_timing.h"
 #include "compare/source_mesh.h"
 #include "import/read_mesh.h"
 #include "mesh/mesh.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
 #include "views/gl_context.h"
 #include "views/image_loader.h"
 #include "views/picture_views.h"
@@ -78,6 +81,7 @@ psplat_result psplat_sweep_context_open(psplat_sweep_context *context, psplat_er
 }
 
 void psplat_sweep_context_close(psplat_sweep_context *context) {
+    psplat_sweep_context_drop_draft(context);
     psplat_picture_views_destroy(context->views);
     psplat_renderer_destroy(context->renderer);
     psplat_host_destroy(context->host);
@@ -97,4 +101,20 @@ psplat_result psplat_sweep_context_views(psplat_sweep_context *context, psplat_e
     const psplat_picture_views_desc desc = {
         .host = context->host, .source = context->source_mesh, .size = context->size};
     return result ? result : psplat_picture_views_create(&desc, &context->views, error);
+}
+
+psplat_result psplat_sweep_context_draft(psplat_sweep_context *context,
+                                         const psplat_convert_desc *desc, psplat_error *error) {
+    if (context->draft && context->draft_tolerance == desc->tolerance_percent) return PSPLAT_OK;
+    psplat_sweep_context_drop_draft(context);
+    double start = psplat_timing_clock();
+    psplat_result result = psplat_draft_create(&context->mesh, desc, &context->draft, error);
+    context->draft_tolerance = desc->tolerance_percent;
+    context->draft_seconds = psplat_timing_clock() - start;
+    return result;
+}
+
+void psplat_sweep_context_drop_draft(psplat_sweep_context *context) {
+    psplat_draft_destroy(context->draft);
+    context->draft = NULL;
 }

@@ -9,6 +9,8 @@
 #include "compare/source_mesh.h"
 #include "compare/source_mesh_parts.h"
 #include "mesh/mesh.h"
+#include "pipeline/convert.h"
+#include "select/conversion.h"
 #include "views/picture_views.h"
 #include "views/picture_views_parts.h"
 
@@ -27,6 +29,9 @@ typedef struct psplat_sweep_context {
     psplat_host *host;
     psplat_renderer *renderer;
     psplat_picture_views *views; /* NULL until psplat_sweep_context_views */
+    psplat_draft *draft;         /* NULL until psplat_sweep_context_draft */
+    double draft_tolerance;      /* %, of draft */
+    double draft_seconds;        /* that draft took */
 } psplat_sweep_context;
 
 /* Reads the source and makes a graphics context. */
@@ -34,5 +39,11 @@ psplat_result psplat_sweep_context_open(psplat_sweep_context *context, psplat_er
 void psplat_sweep_context_close(psplat_sweep_context *context);
 psplat_result psplat_sweep_context_source_mesh(psplat_sweep_context *context, psplat_error *error);
 psplat_result psplat_sweep_context_views(psplat_sweep_context *context, psplat_error *error);
+
+/* Makes the draft of a conversion, unless it is there already. All descs of a sweep are the same
+ * but for their tolerances and precisions. Errors are those of psplat_draft_create. */
+psplat_result psplat_sweep_context_draft(psplat_sweep_context *context,
+                                         const psplat_convert_desc *desc, psplat_error *error);
+void psplat_sweep_context_drop_draft(psplat_sweep_context *context);
 
 #endif

@@ -5,13 +5,9 @@
  */
 #include "compare/statistics.h"
 
-#include <math.h>
-#include <stdlib.h>
+#include "base/sort_values.h"
 
-static int compare_values(const void *left, const void *right) {
-    double a = *(const double *)left, b = *(const double *)right;
-    return a < b ? -1 : a > b;
-}
+#include <math.h>
 
 static double mean_square(const double *values, size_t count) {
     double sum = 0;
@@ -30,7 +26,7 @@ psplat_statistics psplat_statistics_of(double *values, size_t count, size_t *kep
         if (values[i] >= 0) values[given++] = values[i];
     if (kept) *kept = given;
     if (!given) return (psplat_statistics){0};
-    qsort(values, given, sizeof *values, compare_values);
+    psplat_sort_values(values, given);
     return (psplat_statistics){values[given - 1], sqrt(mean_square(values, given)),
                                values[index95(given)]};
 }

@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
  * surface_points.c - sample points on a mesh or on splats, uniform by area, with the corners added.
+ * In the end they are sorted along a curve through space: the nearest triangle of a point is then
+ * a good first guess for the next one, which spares most of a search for it.
  */
 #include "compare/surface_points.h"
 
+#include "base/morton.h"
 #include "base/random.h"
 #include "base/region.h"
 #include "base/vector.h"
@@ -44,6 +47,81 @@ static void push(psplat_surface_points *cloud, const double point[3]) {
     memcpy(cloud->points + 3 * cloud->count++, point, 3 * sizeof *point);
 }
 
+/* ---- order ----------------------------------------------------------------------------------- */
+
+/* The cells of the curve: 64 along each axis. A surface meets some 20,000 of them, so that about
+ * ten of the points of a comparison share one. */
+enum { DROPPED_BITS = 12, CELLS = 1 << (30 - DROPPED_BITS) };
+
+/* Stores the cell of each point of begin ... end, in a box around these. */
+static void find_cells(const psplat_surface_points *cloud, size_t begin, size_t end,
+                       uint32_t *cells) {
+    double low[3], high[3], middle[3], half = 0;
+    for (int k = 0; k < 3; ++k) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
+    for (size_t i = begin; i < end; ++i)
+        for (int k = 0; k < 3; ++k) {
+            low[k] = min2(low[k], cloud->points[3 * i + (size_t)k]);
+            high[k] = max2(high[k], cloud->points[3 * i + (size_t)k]);
+        }
+    for (int k = 0; k < 3; ++k) {
+        middle[k] = (low[k] + high[k]) / 2;
+        half = max2(half, (high[k] - low[k]) / 2);
+    }
+    for (size_t i = begin; i < end; ++i)
+        cells[i - begin] = psplat_morton_code(cloud->points + 3 * i, middle, half) >> DROPPED_BITS;
+}
+
+/* Stores where each of count points goes, so that their cells rise and points of a cell keep their
+ * order. starts has room for all cells. */
+static void find_places(const uint32_t *cells, size_t count, size_t *starts, size_t *places) {
+    size_t sum = 0;
+    memset(starts, 0, CELLS * sizeof *starts);
+    for (size_t i = 0; i < count; ++i) ++starts[cells[i]];
+    for (size_t c = 0; c < CELLS; ++c) {
+        size_t size = starts[c];
+        starts[c] = sum;
+        sum += size;
+    }
+    for (size_t i = 0; i < count; ++i) places[i] = starts[cells[i]]++;
+}
+
+/* Sorts the points begin ... end, with their normals where they have some, along a Morton curve. */
+static psplat_result arrange_range(psplat_surface_points *cloud, size_t begin, size_t end,
+                                   int has_normals) {
+    size_t count = end - begin;
+    uint32_t *cells = malloc((count + 1) * sizeof *cells);
+    size_t *starts = malloc(CELLS * sizeof *starts), *places = malloc((count + 1) * sizeof *places);
+    double *points = malloc((count + 1) * 3 * sizeof *points);
+    float *normals = malloc((count + 1) * 3 * sizeof *normals);
+    int ok = cells && starts && places && points && normals;
+    if (ok) {
+        find_cells(cloud, begin, end, cells);
+        find_places(cells, count, starts, places);
+        for (size_t i = 0; i < count; ++i)
+            memcpy(points + 3 * places[i], cloud->points + 3 * (begin + i), 3 * sizeof *points);
+        memcpy(cloud->points + 3 * begin, points, 3 * count * sizeof *points);
+        for (size_t i = 0; i < count && has_normals; ++i)
+            memcpy(normals + 3 * places[i], cloud->normals + 3 * (begin + i), 3 * sizeof *normals);
+        if (has_normals) memcpy(cloud->normals + 3 * begin, normals, 3 * count * sizeof *normals);
+    }
+    free(cells);
+    free(starts);
+    free(places);
+    free(points);
+    free(normals);
+    return ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+}
+
+/* Sorts both kinds of points, each for itself. The cloud is freed where that fails. */
+static psplat_result arrange(psplat_surface_points *cloud, int has_normals, psplat_error *error) {
+    psplat_result result = arrange_range(cloud, 0, cloud->uniform, has_normals);
+    if (!result) result = arrange_range(cloud, cloud->uniform, cloud->count, 0);
+    if (!result) return PSPLAT_OK;
+    size_t count = cloud->count;
+    psplat_surface_points_free(cloud);
+    return psplat_fail(error, result, 0, "no memory to sort %zu points", count);
+}
+
 /* ---- points of a mesh ------------------------------------------------------------------------ */
 
 /* Adds the vertices that triangles use, or every n-th of them so that there are at most `most`. */
@@ -79,7 +157,8 @@ psplat_result psplat_surface_points_of_mesh(const psplat_source_mesh *mesh, cons
         for (size_t i = 0; i < cloud->count; ++i) mad3(cloud->points + 3 * i, -1, shift);
     }
     psplat_samples_free(&samples);
-    if (result) psplat_surface_points_free(cloud);
+    if (!result) return arrange(cloud, 1, error);
+    psplat_surface_points_free(cloud);
     return result;
 }
 
@@ -198,5 +277,5 @@ psplat_result psplat_surface_points_of_regions(const psplat_region *regions, siz
     push_all(regions, region_count, count, area, seed, cloud);
     cloud->uniform = cloud->count;
     for (size_t i = 0; i < region_count; ++i) push_corners(&regions[i], sides, cloud);
-    return PSPLAT_OK;
+    return arrange(cloud, 0, error);
 }

@@ -19,6 +19,8 @@ typedef struct psplat_surface_points {
                        are corners, where the greatest distances are likely */
 } psplat_surface_points;
 
+/* Points of either kind are sorted so that those that follow each other are near each other. */
+
 /* Samples count points of a mesh and adds up to count of its vertices, all moved by -shift. The
  * caller frees *cloud with psplat_surface_points_free. Errors: MEMORY. */
 psplat_result psplat_surface_points_of_mesh(const psplat_source_mesh *mesh, const double shift[3],

@@ -76,25 +76,41 @@ psplat_result psplat_tested_surface_distance(const psplat_tested_surface *target
     return PSPLAT_OK;
 }
 
+/* The splats that a point's normal meets. More than these are met in places where splats crowd,
+ * and are then looked for again. */
+enum { MOST_MET = 64 };
+typedef struct met_splats {
+    psplat_point_blend blend;
+    uint32_t splats[MOST_MET];
+    size_t count;
+} met_splats;
+
 static int visit_limit(void *user, uint32_t splat) {
-    psplat_point_blend_limit(user, splat);
+    met_splats *met = user;
+    if (!psplat_point_blend_limit(&met->blend, splat)) return 0;
+    if (met->count < MOST_MET) met->splats[met->count] = splat;
+    ++met->count;
     return 0;
 }
 
 static int visit_add(void *user, uint32_t splat) {
-    psplat_point_blend_add(user, splat);
+    met_splats *met = user;
+    psplat_point_blend_add(&met->blend, splat);
     return 0;
 }
 
 static void splat_normal(const psplat_tested_surface *target, const double point[3],
                          const double normal[3], double seen[3]) {
     const psplat_measured_splats *splats = &target->placed.splats;
-    psplat_point_blend blend = {.measured = splats, .reach = target->reach, .limit = -HUGE_VAL};
-    memcpy(blend.point, point, sizeof blend.point);
-    memcpy(blend.normal, normal, sizeof blend.normal);
-    psplat_region_tree_visit(splats->region_tree, point, visit_limit, &blend);
-    psplat_region_tree_visit(splats->region_tree, point, visit_add, &blend);
-    memcpy(seen, blend.blended, sizeof blend.blended);
+    met_splats met = {.blend = {.measured = splats, .reach = target->reach, .limit = -HUGE_VAL}};
+    memcpy(met.blend.point, point, sizeof met.blend.point);
+    memcpy(met.blend.normal, normal, sizeof met.blend.normal);
+    psplat_region_tree_visit(splats->region_tree, point, visit_limit, &met);
+    if (met.count > MOST_MET)
+        psplat_region_tree_visit(splats->region_tree, point, visit_add, &met);
+    else
+        for (size_t i = 0; i < met.count; ++i) visit_add(&met, met.splats[i]);
+    memcpy(seen, met.blend.blended, sizeof met.blend.blended);
 }
 
 /* Finds the normal at the nearest point, since a simplified mesh has no other correspondence. */

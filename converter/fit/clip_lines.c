@@ -72,9 +72,14 @@ static double rate_at(const clipper *c, const clip_line *line, double rate, cons
     return min2(rate, norm2(a / c->radius[0], b / c->radius[1]));
 }
 
-/* Returns about how far, in lengths, a line keeps a point. */
+/* Returns about how far, in lengths, a line of a given rate keeps a point. */
+static double distance_at(const clipper *c, const clip_line *line, double rate,
+                          const double uv[2]) {
+    return line_value(line, uv) / rate_at(c, line, rate, uv);
+}
+
 static double line_distance(const clipper *c, const clip_line *line, const double uv[2]) {
-    return line_value(line, uv) / rate_at(c, line, rate_of(c, line), uv);
+    return distance_at(c, line, rate_of(c, line), uv);
 }
 
 static double seed_distance(const clipper *c, const piece *p) {
@@ -314,13 +319,14 @@ static double crossing(const clip_line *line, const piece *p) {
 
 /* Marks the pieces that a line cuts away as done, and shortens those that it crosses. */
 static void apply_line(clipper *c, const clip_line *line) {
-    double most = c->slack * (1 + 1e-9);
+    double most = c->slack * (1 + 1e-9), rate = rate_of(c, line);
     for (size_t i = 0; i < c->count; ++i) {
         piece *p = &c->pieces[i];
+        if (p->done) continue;
         const double middle[2] = {(p->a[0] + p->b[0]) / 2, (p->a[1] + p->b[1]) / 2};
-        double a = line_distance(c, line, p->a), b = line_distance(c, line, p->b);
-        double m = line->bend != 0 ? line_distance(c, line, middle) : a;
-        if (fmax(m, fmax(a, b)) <= most) p->done = 1;
+        double a = distance_at(c, line, rate, p->a), b = distance_at(c, line, rate, p->b);
+        double m = line->bend != 0 ? distance_at(c, line, rate, middle) : a;
+        p->done = max2(m, max2(a, b)) <= most;
         if (p->done || (a >= 0) == (b >= 0)) continue;
         double *out = a < 0 ? p->a : p->b, t = crossing(line, p);
         double cut[2] = {p->a[0] + t * (p->b[0] - p->a[0]), p->a[1] + t * (p->b[1] - p->a[1])};

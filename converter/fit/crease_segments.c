@@ -65,6 +65,13 @@ static void keep_inside_bent(const psplat_region *region, uint32_t i, const doub
     }
 }
 
+/* Returns whether a segment lies on one side of the square around the unit circle, as most do. */
+static int is_beside_disc(const psplat_segment *s) {
+    for (int k = 0; k < 2; ++k)
+        if (min2(s->a[k], s->b[k]) > 1 || max2(s->a[k], s->b[k]) < -1) return 1;
+    return 0;
+}
+
 /* Clips a segment to the unit circle and the lines. Returns 0 where nothing is left. */
 static int clip_segment(psplat_segment *s, const psplat_region *region) {
     double d[3];
@@ -106,7 +113,7 @@ size_t psplat_segments_find(const psplat_surface *surface, const uint32_t *creas
         s->is_tangent = surface->creases[edge] == PSPLAT_BOUND_TANGENT;
         plane_local(region, mesh->positions + 3 * (size_t)s->vertex[0], s->a);
         plane_local(region, mesh->positions + 3 * (size_t)s->vertex[1], s->b);
-        if (!clip_segment(s, region)) continue;
+        if (is_beside_disc(s) || !clip_segment(s, region)) continue;
         take_height(region, s->a);
         take_height(region, s->b);
         count += min2(fabs(s->a[2]), fabs(s->b[2])) <= height;

@@ -72,11 +72,12 @@ int psplat_point_blend_meet(const psplat_point_blend *blend, uint32_t splat, dou
     return 1;
 }
 
-void psplat_point_blend_limit(psplat_point_blend *blend, uint32_t splat) {
+int psplat_point_blend_limit(psplat_point_blend *blend, uint32_t splat) {
     double uvh[3], height, cosine;
-    if (!intersect(blend, splat, uvh, &height, &cosine)) return;
+    if (!intersect(blend, splat, uvh, &height, &cosine)) return 0;
     double epsilon = blend->measured->fields[splat].depth / max2(cosine, 0.5); /* spec eq. 5 */
     blend->limit = max2(blend->limit, height - epsilon);
+    return 1;
 }
 
 void psplat_point_blend_add(psplat_point_blend *blend, uint32_t splat) {

@@ -25,8 +25,9 @@ typedef struct psplat_point_blend {
     double weight;                  /* the sum of weights */
 } psplat_point_blend;
 
-/* Raises the limit to the height below which a splat hides others, where its front is seen. */
-void psplat_point_blend_limit(psplat_point_blend *blend, uint32_t splat);
+/* Raises the limit to the height below which a splat hides others, where its front is seen. Returns
+ * 0 where it is not seen, so that there is nothing to add either. */
+int psplat_point_blend_limit(psplat_point_blend *blend, uint32_t splat);
 
 /* Stores where in a splat (u, v) its fragment at the point lies, hidden or not. Returns 0 where it
  * has none: where the line along the surface's normal does not meet its front within reach. */

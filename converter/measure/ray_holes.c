@@ -45,6 +45,9 @@ static const double least_rim_gap = 0.02, greatest_rim_gap = 0.5;
  * the face stands for the surface around it, which may bend. */
 static const double bend_tolerances = 0.25;
 
+/* What rounding may make of lengths, in parts of them. */
+static const double rounding = 1e-9;
+
 /* Where rays pass, and the triangle that they see: of points of the surface, one that they lie on;
  * of points beyond rims, the nearest one. */
 typedef struct place {
@@ -174,9 +177,18 @@ static void find_cones(looker *l) {
         if (meet_cones(l, l->near[k])) return;
 }
 
+/* Returns whether no ray gets to a surface within the reach, given the point's height over it and
+ * its slope there. Along a ray the height changes by no more than f1 t + f2 t^2, with |f1| at most
+ * the length of the surface's normal and |f2| at most half of the bend. */
+static int is_too_high(double height, const double slope[2], double bend, double reach) {
+    double steepest = sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+    return fabs(height) > (steepest + bend * reach / 2) * reach * (1 + rounding);
+}
+
 /* Closes the rays that meet a splat: psplat_sight_meets for all that are open, with what they share
  * found once. Always returns whether none is left. */
-static int meet_splat(const looker *l, const psplat_region *region, bundle *b) {
+static int meet_splat(const looker *l, uint32_t splat, bundle *b) {
+    const psplat_region *region = &l->measured->regions[splat];
     const double *h = region->hessian, *radius = region->radius;
     double from[3], slope[2], tolerance = l->measured->tolerance;
     sub3(from, l->point, region->center);
@@ -186,6 +198,7 @@ static int meet_splat(const looker *l, const psplat_region *region, bundle *b) {
     if (foot[0] * foot[0] + foot[1] * foot[1] > most * most) return 0;
     psplat_region_slope(region, foot, slope);
     double f0 = dot3(from, region->n) - psplat_region_height(region, foot);
+    if (is_too_high(f0, slope, l->bends[splat], l->reach)) return 0;
     for (uint32_t k = 0; k < RAYS; ++k) {
         if (!(b->open & (1u << k))) continue;
         const double *d = b->sights[k].direction;
@@ -208,11 +221,10 @@ static int meet_splat(const looker *l, const psplat_region *region, bundle *b) {
 /* Closes the rays that meet splats: most meet one that meets all rays of a slant, or did so at a
  * point before. */
 static void find_rays(const looker *l, bundle *b) {
-    const psplat_region *regions = l->measured->regions;
     for (int k = 0; k < l->likely_count; ++k)
-        if (meet_splat(l, &regions[l->likely[k]], b)) return;
+        if (meet_splat(l, l->likely[k], b)) return;
     for (size_t k = 0; k < l->near_count; ++k)
-        if (meet_splat(l, &regions[l->near[k]], b)) return;
+        if (meet_splat(l, l->near[k], b)) return;
 }
 
 /* Finds the triangle that is nearest to a place beyond a rim. */

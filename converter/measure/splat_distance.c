@@ -142,19 +142,25 @@ static void find_planes(triangle *t) {
 }
 
 /* Returns the squared distance of a point to a triangle, or where it is greater than `most`, some
- * number greater than that. */
+ * number greater than that. From outside of some sides' half-planes, the nearest point lies on one
+ * of these sides. */
 static double triangle_distance2(const double p[3], triangle *t, double most) {
     if (!t->has_planes) find_planes(t);
-    if (t->has_planes > 0) {
-        double d[3], beyond = 0;
-        for (int i = 0; i < 3; ++i) {
-            sub3(d, p, t->corners + 3 * i);
-            beyond = max2(beyond, dot3(d, t->sides[i]));
-        }
-        double height = dot3(d, t->up), least = height * height + beyond * beyond;
-        if (beyond == 0 || least > most) return least;
+    if (t->has_planes < 0)
+        return point_triangle_distance2(p, t->corners, t->corners + 3, t->corners + 6);
+    double d[3], outside[3], beyond = 0, nearest = HUGE_VAL;
+    for (int i = 0; i < 3; ++i) {
+        sub3(d, p, t->corners + 3 * i);
+        outside[i] = dot3(d, t->sides[i]);
+        beyond = max2(beyond, outside[i]);
     }
-    return point_triangle_distance2(p, t->corners, t->corners + 3, t->corners + 6);
+    double height = dot3(d, t->up), least = height * height + beyond * beyond;
+    if (beyond == 0 || least > most) return least;
+    for (int i = 0; i < 3; ++i)
+        if (outside[i] > 0)
+            nearest = min2(nearest, point_segment_distance2(p, t->corners + 3 * i,
+                                                            t->corners + 3 * ((i + 1) % 3)));
+    return nearest;
 }
 
 /* Returns a bound of the distance from all of a patch to a triangle. One that is greater than

@@ -149,12 +149,23 @@ static psplat_result quantize(psplat_conversion *c, psplat_error *error) {
     return result;
 }
 
-static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
+/* Covers the surface by splats of floats: all of a conversion that does not depend on the grid. */
+static psplat_result cover(psplat_conversion *c, const psplat_mesh *mesh, psplat_error *error) {
+    psplat_result result = psplat_conversion_begin(c, mesh, error);
+    if (result) return result;
+    if (psplat_conversion_interrupted(c->desc, "sampling", 0))
+        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+    result = psplat_draw_samples_for_limits(c, error);
     const psplat_fit_context context = psplat_conversion_context(c);
-    psplat_result result = psplat_greedy_cover(&context, c->desc, &c->selection, error);
+    if (!result) result = psplat_greedy_cover(&context, c->desc, &c->selection, error);
     if (!result) result = improve(c, error);
-    if (!result) result = psplat_fill_holes(c, error);
-    if (!result) result = quantize(c, error);
+    return result ? result : psplat_fill_holes(c, error);
+}
+
+/* Makes the splats of the file from those that cover the surface. */
+static psplat_result complete(psplat_conversion *c, psplat_error *error) {
+    const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result = quantize(c, error);
     if (result) return result;
     psplat_selection_drop_untaken(&c->selection);
     if (!c->selection.count)
@@ -181,9 +192,9 @@ static psplat_result select_splats(psplat_conversion *c, psplat_error *error) {
     return store_splats(c, error);
 }
 
-static void fill_splats(const psplat_conversion *c, const psplat_mesh *mesh) {
+static void fill_splats(const psplat_conversion *c) {
     c->splats->kernel = c->kernel;
-    for (int k = 0; k < 3; ++k) c->splats->origin[k] = mesh->origin[k];
+    for (int k = 0; k < 3; ++k) c->splats->origin[k] = c->surface.mesh->origin[k];
 }
 
 static void count_for_report(const psplat_conversion *c, psplat_report *report) {
@@ -229,36 +240,124 @@ static psplat_result verify(const psplat_conversion *c, psplat_report *report,
 
 static psplat_result convert(psplat_conversion *c, const psplat_mesh *mesh, psplat_report *report,
                              psplat_observations *observations, psplat_error *error) {
-    const psplat_convert_desc *desc = c->desc;
-    psplat_result result = psplat_conversion_begin(c, mesh, error);
+    psplat_result result = cover(c, mesh, error);
+    if (!result) result = complete(c, error);
     if (result) return result;
-    if (psplat_conversion_interrupted(desc, "sampling", 0))
-        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-    result = psplat_draw_samples_for_limits(c, error);
-    if (!result) result = select_splats(c, error);
-    if (result) return result;
-    fill_splats(c, mesh);
+    fill_splats(c);
     if (!report) return PSPLAT_OK;
     count_for_report(c, report);
     psplat_conversion_free_fit(
         c); /* The verification has a tree of its own, as large as all that. */
-    return desc->unverified ? PSPLAT_OK : verify(c, report, observations, error);
+    return c->desc->unverified ? PSPLAT_OK : verify(c, report, observations, error);
 }
 
 static const psplat_convert_desc defaults;
 
+static psplat_conversion begin_conversion(const psplat_convert_desc *desc, psplat_splats *splats) {
+    *splats = (psplat_splats){0};
+    return (psplat_conversion){.desc = desc,
+                               .splats = splats,
+                               .is_fitted = 1,
+                               .kernel = {kernel_sharpness, PSPLAT_DEFAULT_KERNEL_EXPONENT}};
+}
+
 static psplat_result convert_once(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                                   psplat_splats *splats, psplat_report *report,
                                   psplat_observations *observations, psplat_error *error) {
-    *splats = (psplat_splats){0};
-    psplat_conversion c = {.desc = desc,
-                           .splats = splats,
-                           .is_fitted = 1,
-                           .kernel = {kernel_sharpness, PSPLAT_DEFAULT_KERNEL_EXPONENT}};
+    psplat_conversion c = begin_conversion(desc, splats);
     psplat_result result = convert(&c, mesh, report, observations, error);
     psplat_conversion_free(&c);
     if (result) psplat_splats_free(splats);
     return result;
+}
+
+/* ---- drafts ---------------------------------------------------------------------------------- */
+
+struct psplat_draft {
+    psplat_convert_desc desc;
+    psplat_conversion conversion; /* as it was when the surface was covered */
+    psplat_selection covering;    /* a copy of its selection, which it has no more */
+    size_t sample_count;
+    psplat_limits limits;
+    psplat_splats splats; /* what the covering stored; of no use to anyone else */
+};
+
+psplat_result psplat_draft_create(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                  psplat_draft **draft, psplat_error *error) {
+    psplat_draft *d = calloc(1, sizeof *d);
+    *draft = NULL;
+    if (!d) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a conversion");
+    d->desc = desc ? *desc : defaults;
+    d->conversion = begin_conversion(&d->desc, &d->splats);
+    psplat_result result = cover(&d->conversion, mesh, error);
+    if (result) {
+        psplat_draft_destroy(d);
+        return result;
+    }
+    psplat_selection_drop_untaken(&d->conversion.selection);
+    d->covering = d->conversion.selection;
+    d->conversion.selection = (psplat_selection){0};
+    d->sample_count = d->conversion.samples.count;
+    d->limits = d->conversion.limits;
+    *draft = d;
+    return PSPLAT_OK;
+}
+
+void psplat_draft_destroy(psplat_draft *draft) {
+    if (!draft) return;
+    psplat_conversion_free(&draft->conversion);
+    psplat_selection_free(&draft->covering);
+    psplat_splats_free(&draft->splats);
+    free(draft);
+}
+
+/* Undoes what completing the draft has changed. */
+static void restore(psplat_draft *draft) {
+    psplat_conversion *c = &draft->conversion;
+    psplat_selection_free(&c->selection);
+    psplat_samples_truncate(&c->samples, draft->sample_count);
+    psplat_hole_memory_free(&c->hole_memory); /* It only spares a search what it knows already. */
+    free(c->color_ranges);
+    c->color_ranges = NULL;
+    c->limits = draft->limits;
+    c->desc = &draft->desc;
+    c->splats = &draft->splats;
+}
+
+/* Completes a draft on the grid of a desc, and leaves the draft as it was. */
+static psplat_result complete_draft(psplat_draft *draft, const psplat_convert_desc *desc,
+                                    psplat_splats *splats, psplat_report *report,
+                                    psplat_error *error) {
+    psplat_conversion *c = &draft->conversion;
+    *splats = (psplat_splats){0};
+    c->desc = desc;
+    c->splats = splats;
+    psplat_result result = psplat_selection_copy(&draft->covering, &c->selection);
+    if (result) psplat_fail(error, result, 0, "no memory for the selection");
+    if (!result) result = complete(c, error);
+    if (!result) fill_splats(c);
+    if (!result && report) {
+        count_for_report(c, report);
+        if (!desc->unverified) result = verify(c, report, NULL, error);
+    }
+    restore(draft);
+    if (result) psplat_splats_free(splats);
+    return result;
+}
+
+/* ---- grids ----------------------------------------------------------------------------------- */
+
+/* What is converted: a mesh, or a draft of it where that is not NULL. */
+typedef struct original {
+    const psplat_mesh *mesh;
+    psplat_draft *draft;
+} original;
+
+static psplat_result convert_original(const original *from, const psplat_convert_desc *desc,
+                                      psplat_splats *splats, psplat_report *report,
+                                      psplat_observations *observations, psplat_error *error) {
+    return from->draft ? complete_draft(from->draft, desc, splats, report, error)
+                       : convert_once(from->mesh, desc, splats, report, observations, error);
 }
 
 /* Returns the number of samples, splats and crease edges at which promises are broken that a finer
@@ -273,7 +372,7 @@ static size_t broken_count(const psplat_report *report) {
 
 /* Converts again on finer grids, and at last with floats, while promises are broken. What breaks
  * fewest stays, the coarser one of equals. */
-static psplat_result refine_grid(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+static psplat_result refine_grid(const original *from, const psplat_convert_desc *desc,
                                  psplat_splats *splats, psplat_report *report,
                                  psplat_observations *observations, psplat_error *error) {
     for (int i = 0; i < FINER_GRIDS && broken_count(report); ++i) {
@@ -282,8 +381,8 @@ static psplat_result refine_grid(const psplat_mesh *mesh, const psplat_convert_d
         psplat_report other_report = *report;
         psplat_observations seen = {0};
         finer.precision *= finer_parts[i];
-        psplat_result result =
-            convert_once(mesh, &finer, &other, &other_report, observations ? &seen : NULL, error);
+        psplat_result result = convert_original(from, &finer, &other, &other_report,
+                                                observations ? &seen : NULL, error);
         if (result) {
             psplat_observations_free(&seen);
             return result;
@@ -303,17 +402,32 @@ static psplat_result refine_grid(const psplat_mesh *mesh, const psplat_convert_d
     return PSPLAT_OK;
 }
 
+/* Converts, and on finer grids where promises are broken. */
+static psplat_result convert_and_refine(const original *from, const psplat_convert_desc *desc,
+                                        psplat_splats *splats, psplat_report *report,
+                                        psplat_observations *observations, psplat_error *error) {
+    psplat_result result = convert_original(from, desc, splats, report, observations, error);
+    if (result || !report || desc->unverified || !(splats->precision.unit > 0)) return result;
+    result = refine_grid(from, desc, splats, report, observations, error);
+    if (result) psplat_splats_free(splats);
+    return result;
+}
+
 psplat_result psplat_convert_observed(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                                       psplat_splats *splats, psplat_report *report,
                                       psplat_observations *observations, psplat_error *error) {
+    const original from = {.mesh = mesh};
     if (!mesh || !splats)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0, "mesh and splats must not be NULL");
-    if (!desc) desc = &defaults;
-    psplat_result result = convert_once(mesh, desc, splats, report, observations, error);
-    if (result || !report || desc->unverified || !(splats->precision.unit > 0)) return result;
-    result = refine_grid(mesh, desc, splats, report, observations, error);
-    if (result) psplat_splats_free(splats);
-    return result;
+    return convert_and_refine(&from, desc ? desc : &defaults, splats, report, observations, error);
+}
+
+psplat_result psplat_draft_convert(psplat_draft *draft, double precision, psplat_splats *splats,
+                                   psplat_report *report, psplat_error *error) {
+    const original from = {.draft = draft};
+    psplat_convert_desc desc = draft->desc;
+    desc.precision = precision;
+    return convert_and_refine(&from, &desc, splats, report, NULL, error);
 }
 
 psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,

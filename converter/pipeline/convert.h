@@ -26,6 +26,23 @@ psplat_result psplat_convert_observed(const psplat_mesh *mesh, const psplat_conv
                                       psplat_splats *splats, psplat_report *report,
                                       psplat_observations *observations, psplat_error *error);
 
+/* A conversion as far as it does not depend on precision: the surface is covered, which takes half
+ * of the time, and conversions with several precisions go on from there. */
+typedef struct psplat_draft psplat_draft;
+
+/* Begins a conversion; desc->precision does not matter. mesh must outlive *draft, which the caller
+ * frees with psplat_draft_destroy. Errors are those of psplat_convert; *draft is NULL then. */
+psplat_result psplat_draft_create(const psplat_mesh *mesh, const psplat_convert_desc *desc,
+                                  psplat_draft **draft, psplat_error *error);
+
+/* Gives the splats and the report of psplat_convert with this precision, and leaves the draft as it
+ * was, also after an error. One thread at a time may do that. Errors are those of psplat_convert.
+ */
+psplat_result psplat_draft_convert(psplat_draft *draft, double precision, psplat_splats *splats,
+                                   psplat_report *report, psplat_error *error);
+
+void psplat_draft_destroy(psplat_draft *draft); /* NULL is accepted */
+
 /* Measures splats that psplat_convert made of mesh and desc, and fills what it left out of report
  * because of desc->unverified. Errors are those of psplat_convert. */
 psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_convert_desc *desc,

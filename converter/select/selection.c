@@ -9,6 +9,7 @@
 #include "fit/grow_candidate.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 void psplat_selection_free(psplat_selection *selection) {
     for (size_t i = 0; i < selection->count; ++i) psplat_candidate_free(&selection->candidates[i]);
@@ -27,6 +28,21 @@ int psplat_selection_push(psplat_selection *selection, psplat_candidate *candida
     selection->candidates[selection->count++] = *candidate;
     *candidate = (psplat_candidate){0};
     return 1;
+}
+
+psplat_result psplat_selection_copy(const psplat_selection *selection, psplat_selection *copy) {
+    *copy = (psplat_selection){0};
+    for (size_t i = 0; i < selection->count; ++i) {
+        psplat_candidate candidate = selection->candidates[i];
+        size_t bytes = candidate.covered_count * sizeof *candidate.covered;
+        candidate.covered = malloc(bytes + 1);
+        if (candidate.covered) memcpy(candidate.covered, selection->candidates[i].covered, bytes);
+        if (candidate.covered && psplat_selection_push(copy, &candidate)) continue;
+        psplat_candidate_free(&candidate);
+        psplat_selection_free(copy);
+        return PSPLAT_ERROR_MEMORY;
+    }
+    return PSPLAT_OK;
 }
 
 size_t psplat_selection_taken(const psplat_selection *selection) {

@@ -30,6 +30,10 @@ psplat_result psplat_selection_grow(const psplat_fit_context *context, const uin
 /* Frees the candidates that are not taken; the others keep their order. */
 void psplat_selection_drop_untaken(psplat_selection *selection);
 
+/* Copies all candidates with what they own into *copy, which the caller frees with
+ * psplat_selection_free. Fails only with PSPLAT_ERROR_MEMORY; *copy is empty then. */
+psplat_result psplat_selection_copy(const psplat_selection *selection, psplat_selection *copy);
+
 /* Frees all candidates, and zeroes the selection. */
 void psplat_selection_free(psplat_selection *selection);
 

@@ -31,7 +31,7 @@ typedef struct psplat_sweep_options {
     uint64_t seed;
     int samples; /* of shape comparisons; default that of psplat_shape_desc */
     int size;    /* width and height of pictures in pixels; default 512 */
-    int frames;  /* of each setting that are timed; default 24 */
+    int frames;  /* of each setting that are timed at most; default 24 */
 } psplat_sweep_options;
 
 /* Fills in the defaults of what is not given. */

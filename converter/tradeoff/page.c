@@ -301,7 +301,8 @@ static void add_introduction(const psplat_sweep_table *table, psplat_text *html)
                   html);
     psplat_text_add(html, " Pictures are %d pixels wide and high", o->size);
     add_paragraph(", drawn with ", table->graphics, "", html);
-    psplat_text_add(html, "; %d frames of each setting were timed", o->frames);
+    psplat_text_add(html, "; %.0f frames of each setting were timed",
+                    table->count ? table->rows->values[PSPLAT_COLUMN_FRAMES] : 0);
     psplat_text_add(html, ".</p>\n");
 }
 

@@ -232,13 +232,10 @@ static psplat_result measure_assets(sweep *s, psplat_error *error) {
     return PSPLAT_OK;
 }
 
-/* Times all rows where any of them was not timed in as many frames. */
+/* Times all rows where any of them was not timed well enough. */
 static psplat_result measure_times(sweep *s, psplat_error *error) {
     psplat_sweep_table *t = s->table;
-    size_t timed = 0;
-    for (size_t i = 0; i < t->count; ++i)
-        timed += t->rows[i].values[PSPLAT_COLUMN_FRAMES] == t->options.frames;
-    if (timed == t->count) return PSPLAT_OK;
+    if (psplat_row_timing_is_done(t)) return PSPLAT_OK;
     psplat_result result =
         psplat_sweep_progress_begin(&s->progress, PSPLAT_TASK_TIME, &t->rows->setting, error);
     if (!result)

@@ -77,7 +77,8 @@ typedef struct plane {
 typedef struct windows {
     double weights[WINDOW];
     plane lumas[2];
-    double *means[MEANS]; /* of a row, over window columns: a, b, a^2 + b^2, a b */
+    double *columns[MEANS]; /* of a row, over window columns: a, b, a^2 + b^2, a b */
+    double *means[MEANS];   /* the same over whole windows */
 } windows;
 
 static void set_weights(double weights[WINDOW]) {
@@ -88,62 +89,85 @@ static void set_weights(double weights[WINDOW]) {
     for (int i = 0; i < WINDOW; ++i) weights[i] /= sum;
 }
 
-/* Stores the luma of encoded values (ITU-R BT.601). */
+/* Stores the luma of encoded values (ITU-R BT.601), which is 0 already where nothing is. */
 static void set_luma(plane *p, const uint8_t *rgba, int size) {
     for (int y = 0; y < size; ++y) {
         double *row = p->values + (size_t)(y + WINDOW_REACH) * p->stride + WINDOW_REACH;
         for (int x = 0; x < size; ++x, rgba += 4)
-            row[x] = 0.299 * rgba[0] + 0.587 * rgba[1] + 0.114 * rgba[2];
+            if (rgba[3]) row[x] = 0.299 * rgba[0] + 0.587 * rgba[1] + 0.114 * rgba[2];
     }
 }
 
-static void average_columns(const windows *w, int y) {
-    size_t stride = w->lumas[0].stride;
-    for (int m = 0; m < MEANS; ++m) memset(w->means[m], 0, stride * sizeof(double));
+/* Averages over the columns begin ... end of the windows of row y. */
+static void average_columns(const windows *w, int y, size_t begin, size_t end) {
+    double *restrict first = w->columns[0], *restrict second = w->columns[1];
+    double *restrict squares = w->columns[2], *restrict products = w->columns[3];
+    for (int m = 0; m < MEANS; ++m)
+        memset(w->columns[m] + begin, 0, (end - begin) * sizeof(double));
     for (int k = 0; k < WINDOW; ++k) {
-        const double *a = w->lumas[0].values + (size_t)(y + k) * stride;
-        const double *b = w->lumas[1].values + (size_t)(y + k) * stride;
+        const double *a = w->lumas[0].values + (size_t)(y + k) * w->lumas[0].stride;
+        const double *b = w->lumas[1].values + (size_t)(y + k) * w->lumas[1].stride;
         double weight = w->weights[k];
-        for (size_t x = 0; x < stride; ++x) {
-            w->means[0][x] += weight * a[x];
-            w->means[1][x] += weight * b[x];
-            w->means[2][x] += weight * (a[x] * a[x] + b[x] * b[x]);
-            w->means[3][x] += weight * (a[x] * b[x]);
+        for (size_t x = begin; x < end; ++x) {
+            first[x] += weight * a[x];
+            second[x] += weight * b[x];
+            squares[x] += weight * (a[x] * a[x] + b[x] * b[x]);
+            products[x] += weight * (a[x] * b[x]);
+        }
+    }
+}
+
+/* Averages the columns over the windows around the pixels begin ... end of a row. Pixel after pixel
+ * is the inner loop, so that several are averaged at once. */
+static void average_windows(const windows *w, size_t begin, size_t end) {
+    for (int m = 0; m < MEANS; ++m) {
+        double *restrict mean = w->means[m];
+        memset(mean + begin, 0, (end - begin) * sizeof *mean);
+        for (size_t k = 0; k < WINDOW; ++k) {
+            const double *column = w->columns[m] + k;
+            double weight = w->weights[k];
+            for (size_t x = begin; x < end; ++x) mean[x] += weight * column[x];
         }
     }
 }
 
 static double similarity(const windows *w, size_t x) {
-    double m[MEANS] = {0};
-    for (size_t k = 0; k < WINDOW; ++k)
-        for (int i = 0; i < MEANS; ++i) m[i] += w->weights[k] * w->means[i][x + k];
-    double product = m[0] * m[1], squares = m[0] * m[0] + m[1] * m[1];
-    return (2 * product + c1) * (2 * (m[3] - product) + c2) /
-           ((squares + c1) * (m[2] - squares + c2));
+    double a = w->means[0][x], b = w->means[1][x], product = a * b, squares = a * a + b * b;
+    return (2 * product + c1) * (2 * (w->means[3][x] - product) + c2) /
+           ((squares + c1) * (w->means[2][x] - squares + c2));
+}
+
+static int is_covered(const uint8_t *source, const uint8_t *pictured, size_t x) {
+    return source[4 * x + 3] || pictured[4 * x + 3];
 }
 
 static void add_windows(psplat_image_metrics *sums, const windows *w, const uint8_t *source,
                         const uint8_t *pictured, int size) {
-    for (int y = 0; y < size; ++y) {
-        int averaged = 0;
-        for (int x = 0; x < size; ++x) {
-            size_t alpha = 4 * ((size_t)y * (size_t)size + (size_t)x) + 3;
-            if (!source[alpha] && !pictured[alpha]) continue;
-            if (!averaged++) average_columns(w, y);
-            sums->ssim += similarity(w, (size_t)x);
-        }
+    size_t side = (size_t)size;
+    for (int y = 0; y < size; ++y, source += 4 * side, pictured += 4 * side) {
+        size_t begin = 0, end = side;
+        while (begin < end && !is_covered(source, pictured, begin)) ++begin;
+        while (begin < end && !is_covered(source, pictured, end - 1)) --end;
+        if (begin == end) continue;
+        average_columns(w, y, begin, end + WINDOW - 1);
+        average_windows(w, begin, end);
+        for (size_t x = begin; x < end; ++x)
+            if (is_covered(source, pictured, x)) sums->ssim += similarity(w, x);
     }
 }
 
 psplat_result psplat_image_metrics_add(psplat_image_metrics *sums, const uint8_t *source,
                                        const uint8_t *pictured, int size, psplat_error *error) {
     size_t side = (size_t)size + 2 * WINDOW_REACH, pixels = (size_t)size * (size_t)size;
-    double *memory = calloc(2 * side * side + MEANS * side, sizeof *memory);
+    double *memory = calloc(2 * side * side + 2 * MEANS * side, sizeof *memory);
     if (!memory)
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory to compare %zu pixels",
                            pixels);
     windows w = {.lumas = {{memory, side}, {memory + side * side, side}}};
-    for (size_t i = 0; i < MEANS; ++i) w.means[i] = memory + 2 * side * side + i * side;
+    for (size_t i = 0; i < MEANS; ++i) {
+        w.columns[i] = memory + 2 * side * side + i * side;
+        w.means[i] = w.columns[i] + MEANS * side;
+    }
     set_weights(w.weights);
     set_luma(&w.lumas[0], source, size);
     set_luma(&w.lumas[1], pictured, size);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_frame_timing.c - tests of quartiles, of the order in which frames are timed, and of the
- * progress of a sweep. Durations themselves are not tested.
+ * test_frame_timing.c - tests of quartiles, of their precision, of the order in which frames are
+ * timed, and of the progress of a sweep. Durations themselves are not tested.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -34,6 +34,19 @@ static void test_quartiles(void **state) {
     assert_true(isnan(psplat_timing_quartiles(NULL, 0).median));
     double missing[] = {NAN, NAN};
     assert_true(isnan(psplat_timing_quartiles(missing, 2).high));
+}
+
+/* The middle half of normally distributed values is 1.349 standard deviations wide, and the
+ * standard error of the median of n of them is 1.253 standard deviations over the root of n. */
+static void test_precise(void **state) {
+    (void)state;
+    const psplat_quartiles q = {.median = 10, .low = 10 - 1.349 / 2, .high = 10 + 1.349 / 2};
+    const psplat_quartiles none = {NAN, NAN, NAN}, exact = {.median = 3, .low = 3, .high = 3};
+    assert_true(psplat_timing_is_precise(&q, 16, 1.01 * 0.1253 / 4));
+    assert_false(psplat_timing_is_precise(&q, 16, 0.99 * 0.1253 / 4));
+    assert_true(psplat_timing_is_precise(&q, 25, 1.01 * 0.1253 / 5));
+    assert_true(psplat_timing_is_precise(&exact, 1, 0.001));
+    assert_false(psplat_timing_is_precise(&none, 16, 0.05));
 }
 
 enum { TIMED = 3, VIEWS = 2, FRAMES = 5 };
@@ -102,8 +115,22 @@ static void test_turns(void **state) {
         assert_true(times[i].wall.median <= times[i].wall.high);
         assert_true(isnan(times[i].gpu.median)); /* a software driver has no GPU time */
     }
+    for (int i = 0; i < TIMED; ++i) assert_int_equal(times[i].frames, FRAMES);
+    /* Any error suffices: one turn of the views is drawn. None does: all rounds are. */
+    desc.precision = 1e9;
+    d.count = 0;
+    assert_int_equal(psplat_timing_run(&desc, times, &error), PSPLAT_OK);
+    assert_int_equal(d.count, TIMED * (VIEWS + 2));
+    for (int i = 0; i < TIMED; ++i) assert_int_equal(times[i].frames, VIEWS);
+    desc.precision = 1e-12;
+    d.count = 0;
+    assert_int_equal(psplat_timing_run(&desc, times, &error), PSPLAT_OK);
+    assert_int_equal(d.count, TIMED * (FRAMES + 2));
+    assert_int_equal(times[TIMED - 1].frames, FRAMES);
+    desc.precision = 0;
     desc.progress = stop_after_half;
     desc.user = &done;
+    d.count = 0;
     assert_int_equal(psplat_timing_run(&desc, times, &error), PSPLAT_ERROR_INTERRUPTED);
     assert_true(done > 0.5 && done < 1);
     psplat_host_destroy(host);
@@ -157,6 +184,7 @@ static void test_progress(void **state) {
 int test_frame_timing_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_quartiles),
+        cmocka_unit_test(test_precise),
         cmocka_unit_test(test_turns),
         cmocka_unit_test(test_progress),
     };

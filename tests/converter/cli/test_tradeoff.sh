@@ -52,9 +52,11 @@ case_sweep() {
     sweep "$cube" d --tolerances 1 --no-gltfpack
     expect_measured 6 0 0
     ! grep -q ^splats,2, d/tradeoff.csv || fail "a row that is not asked for"
-    # With more frames all are timed, and nothing else is done.
+    # With more frames all are timed, and nothing else is done. Fewer are no reason to.
     sweep "$cube" d --tolerances 1 --no-gltfpack --frames 2
     expect_measured 6 0 6
+    sweep "$cube" d --tolerances 1 --no-gltfpack
+    expect_measured 6 0 0
     # Pictures of another size are measured anew.
     sweep "$cube" d --tolerances 1 --no-gltfpack --size 24
     expect_measured 6 5 6
@@ -159,6 +161,22 @@ case_plain_convert() {
             [ "$bytes" -le "$(wc -c <part.glb)" ] ||
                 fail "${kind%:*} $error: $bytes bytes are recommended, convert -t $tolerance% takes $(wc -c <part.glb)"
         done
+    done
+}
+
+# Settings of one tolerance share the part of their conversions that does not depend on precision. Each is what its own command
+# writes all the same, also where a sweep makes one of them alone.
+case_shared_conversion() {
+    for run in together alone; do
+        sweep "$SOURCE_DIR/samples/models/part.obj" d --tolerances 2 --no-gltfpack --effort 0 -q
+        expect_code 0
+        for form in usual float planar; do
+            case $form in usual) options= ;; float) options='--precision float' ;; planar) options=--planar ;; esac
+            # shellcheck disable=SC2086
+            "$PHONGSPLAT" convert "$SOURCE_DIR/samples/models/part.obj" part.glb -t 2% --effort 0 -q -w $options
+            cmp -s part.glb "d/assets/$form-2.glb" || fail "$run: the sweep makes something else than convert $options"
+        done
+        rm d/assets/float-2.glb
     done
 }
 
