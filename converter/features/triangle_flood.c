@@ -117,21 +117,47 @@ static int is_beneath(const psplat_surface *surface, const psplat_region *region
     return point_triangle_distance2(origin, corners[0], corners[1], corners[2]) <= 1;
 }
 
+/* Lets a flood spread beneath a region, from its triangle `at` on, but not over edges that bound
+ * what is in `bounds`. */
+static void spread_beneath(psplat_triangle_flood *f, const psplat_surface *surface,
+                           const psplat_region *region, double margin, uint8_t bounds, size_t at) {
+    for (; at < f->triangle_count; ++at) {
+        size_t first = 3 * (size_t)f->triangles[at];
+        for (size_t e = first; e < first + 3; ++e) {
+            uint32_t next = surface->neighbors[e];
+            if (next == PSPLAT_NONE || (surface->creases[e] & bounds) ||
+                f->stamps[next] == f->stamp)
+                continue;
+            if (is_beneath(surface, region, margin, next)) push(f, next);
+        }
+    }
+}
+
 int psplat_triangle_flood_beneath(psplat_triangle_flood *f, const psplat_surface *surface,
                                   const psplat_region *region, double margin, uint32_t triangle) {
     if (!begin(f, surface->mesh->triangle_count)) return 0;
     push(f, triangle);
-    for (size_t at = 0; at < f->triangle_count; ++at) {
-        size_t first = 3 * (size_t)f->triangles[at];
-        for (size_t e = first; e < first + 3; ++e) {
-            uint32_t next = surface->neighbors[e];
-            if ((surface->creases[e] & ends) || f->stamps[next] == f->stamp) continue;
-            if (is_beneath(surface, region, margin, next)) push(f, next);
-        }
-    }
+    spread_beneath(f, surface, region, margin, ends, 0);
     return 1;
+}
+
+int psplat_triangle_flood_begin(psplat_triangle_flood *f, const psplat_surface *surface) {
+    return begin(f, surface->mesh->triangle_count);
+}
+
+void psplat_triangle_flood_add_beneath(psplat_triangle_flood *f, const psplat_surface *surface,
+                                       const psplat_region *region, double margin,
+                                       uint32_t triangle) {
+    size_t at = f->triangle_count;
+    if (psplat_triangle_flood_met(f, triangle)) return;
+    push(f, triangle);
+    spread_beneath(f, surface, region, margin, 0, at);
 }
 
 int psplat_triangle_flood_met(const psplat_triangle_flood *f, uint32_t triangle) {
     return f->stamps[triangle] == f->stamp;
+}
+
+void psplat_triangle_flood_forget(psplat_triangle_flood *f, uint32_t triangle) {
+    f->stamps[triangle] = 0;
 }

@@ -33,9 +33,21 @@ int psplat_triangle_flood_around(psplat_triangle_flood *flood, const psplat_surf
 int psplat_triangle_flood_beneath(psplat_triangle_flood *flood, const psplat_surface *surface,
                                   const psplat_region *region, double margin, uint32_t triangle);
 
+/* Begins a flood that has met nothing yet. Returns 0 when out of memory. */
+int psplat_triangle_flood_begin(psplat_triangle_flood *flood, const psplat_surface *surface);
+
+/* Goes on with a flood from one more triangle, unless it has met that: as
+ * psplat_triangle_flood_beneath, but over creases and borders of charts too. */
+void psplat_triangle_flood_add_beneath(psplat_triangle_flood *flood, const psplat_surface *surface,
+                                       const psplat_region *region, double margin,
+                                       uint32_t triangle);
+
 /* Returns whether the last flood met a triangle: one that it is about, that which it started from,
  * or, of psplat_triangle_flood_around, one next to these. */
 int psplat_triangle_flood_met(const psplat_triangle_flood *flood, uint32_t triangle);
+
+/* Makes a triangle one that the last flood has not met; it stays in the list. */
+void psplat_triangle_flood_forget(psplat_triangle_flood *flood, uint32_t triangle);
 
 /* Returns whether a triangle comes within reach of a metric's centre. */
 int psplat_triangle_within(const psplat_surface *surface, const psplat_metric *metric,

@@ -149,7 +149,7 @@ void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const pspl
                                    const psplat_candidate *recorded, psplat_texcoord *fitted) {
     const psplat_scratch *s = context->scratch;
     double beyond = rim_spacings * context->samples->spacing, uvh[3];
-    psplat_texcoord_sums sums = {.count = 0};
+    psplat_texcoord_sums sums = {.weight = 0};
     walled inside = {.context = context};
     if (recorded) inside = walled_around(context, region, recorded->covered[0], beyond);
     for (size_t i = 0; recorded && i < recorded->covered_count; ++i) {

@@ -6,35 +6,43 @@
  * What is fitted is the difference from the mean change on the samples' triangles, by ridge
  * regression: a direction of which the samples say nothing keeps the triangles' own change, and
  * second derivatives of which they say nothing are 0. So coordinates do not fly off between the
- * last sample and the rim. All samples weigh the same: they are evenly spaced, and the promise is
- * about the greatest error.
+ * last sample and the rim. A sample weighs what the kernel gives the splat there: near the rim
+ * other splats weigh more, so that errors show less than those in the middle. Those beyond the rim
+ * weigh still less, but enough to hold coordinates where few samples lie inside.
  */
 #include "fit/texcoord_fit.h"
 
 #include "base/region.h"
 #include "base/vector.h"
 
-/* The ridges that are added to the mean squares of u and v, which over a disc are 1/4, and to those
- * of their second powers, 1/8 and 1/24, as parts of 1. Chosen by hand. */
+#include <math.h>
+
+/* The ridges that are added to the mean squares of u and v, which over a disc with these weights
+ * are 0.17, and to those of their second powers, 0.07 and 0.023, as parts of 1. Chosen by hand. */
 static const double slope_ridge = 1e-3, bend_ridge = 2e-4;
+
+/* The square of (u, v) from which on samples, all beyond the rim, weigh the same: so that weights
+ * do not vanish around the smallest splats. Chosen by hand. */
+static const double farthest_square = 4;
 
 enum { LINEAR = 3, BENT = 6 }; /* unknowns: 1, u, v, u^2, u v, v^2 */
 static const int powers_of[BENT][2] = {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}};
 
 void psplat_texcoord_sums_add(psplat_texcoord_sums *sums, const double uv[2],
                               const float texcoord[2], const float slopes[6]) {
-    double u[5] = {1}, v[5] = {1};
-    if (sums->count == 0)
+    double u[5] = {1}, v[5] = {1}, square = uv[0] * uv[0] + uv[1] * uv[1];
+    double weight = exp(-(double)PSPLAT_DEFAULT_KERNEL_SHARPNESS * min2(square, farthest_square));
+    if (!(sums->weight > 0))
         for (int k = 0; k < 2; ++k) sums->base[k] = (double)texcoord[k];
-    sums->count += 1;
+    sums->weight += weight;
     for (int i = 1; i < 5; ++i) u[i] = u[i - 1] * uv[0], v[i] = v[i - 1] * uv[1];
     for (int i = 0; i < 5; ++i)
-        for (int j = 0; i + j < 5; ++j) sums->powers[i][j] += u[i] * v[j];
+        for (int j = 0; i + j < 5; ++j) sums->powers[i][j] += weight * u[i] * v[j];
     for (int k = 0; k < 2; ++k) {
-        double value = (double)texcoord[k] - sums->base[k];
+        double value = weight * ((double)texcoord[k] - sums->base[k]);
         for (int i = 0; i < BENT; ++i)
             sums->right[k][i] += value * u[powers_of[i][0]] * v[powers_of[i][1]];
-        for (int c = 0; c < 3; ++c) sums->slopes[k][c] += (double)slopes[3 * k + c];
+        for (int c = 0; c < 3; ++c) sums->slopes[k][c] += weight * (double)slopes[3 * k + c];
     }
 }
 
@@ -61,8 +69,8 @@ static void solve(double m[BENT][BENT], int unknowns, double x[BENT]) {
 /* Finds how one coordinate changes along u and v on the samples' triangles on average. */
 static void mean_slopes(const psplat_texcoord_sums *sums, int k, const psplat_region *region,
                         double slopes[2]) {
-    slopes[0] = dot3(sums->slopes[k], region->u) * region->radius[0] / sums->count;
-    slopes[1] = dot3(sums->slopes[k], region->v) * region->radius[1] / sums->count;
+    slopes[0] = dot3(sums->slopes[k], region->u) * region->radius[0] / sums->weight;
+    slopes[1] = dot3(sums->slopes[k], region->v) * region->radius[1] / sums->weight;
 }
 
 void psplat_texcoord_sums_fit(const psplat_texcoord_sums *sums, const psplat_region *region,
@@ -74,7 +82,7 @@ void psplat_texcoord_sums_fit(const psplat_texcoord_sums *sums, const psplat_reg
         for (int j = 0; j < unknowns; ++j)
             m[i][j] =
                 sums->powers[powers_of[i][0] + powers_of[j][0]][powers_of[i][1] + powers_of[j][1]];
-    for (int i = 1; i < unknowns; ++i) m[i][i] += sums->count * (i < 3 ? slope_ridge : bend_ridge);
+    for (int i = 1; i < unknowns; ++i) m[i][i] += sums->weight * (i < 3 ? slope_ridge : bend_ridge);
     factor(m, unknowns);
     for (int k = 0; k < 2; ++k) {
         double x[BENT], slopes[2];

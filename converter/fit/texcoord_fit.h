@@ -11,14 +11,15 @@
 
 /* The sums over samples from which texture coordinates are fitted. Zero-initialise them. */
 typedef struct psplat_texcoord_sums {
-    double count;
+    double weight;       /* of all samples */
     double base[2];      /* the coordinates of the first sample, which all are relative to */
-    double powers[5][5]; /* of u^i v^j */
+    double powers[5][5]; /* of u^i v^j, as all of these times the samples' weights */
     double right[2][6];  /* of s and t times 1, u, v, u^2, u v, v^2 */
     double slopes[2][3]; /* of the changes of s and t with the position on the samples' triangles */
 } psplat_texcoord_sums;
 
-/* Adds a sample with parameters uv. slopes are those of its triangle (psplat_surface). */
+/* Adds a sample with parameters uv, which weighs what the default kernel gives the splat there,
+ * also beyond the rim, up to twice the radii. slopes are those of its triangle (psplat_surface). */
 void psplat_texcoord_sums_add(psplat_texcoord_sums *sums, const double uv[2],
                               const float texcoord[2], const float slopes[6]);
 

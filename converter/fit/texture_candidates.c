@@ -18,7 +18,7 @@
 /* Gives a candidate coordinates that change as on a triangle, from those at a point of it on. */
 static void take_triangle(const psplat_surface *surface, uint32_t triangle, const double point[3],
                           psplat_candidate *c) {
-    psplat_texcoord_sums sums = {.count = 0};
+    psplat_texcoord_sums sums = {.weight = 0};
     double barycentric[3], uvh[3];
     float texcoord[2];
     psplat_region_local(&c->region, point, uvh);

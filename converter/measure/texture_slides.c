@@ -3,10 +3,11 @@
  * texture_slides.c - how far textures slide over a surface where splats show them.
  *
  * Each sample meets the splats that cover it. These meetings are then looked at splat by splat: the
- * triangles beneath a splat are flooded from its samples up to creases and borders of charts, and
- * the flood that takes most of them is the splat's own chart. So neither a chart beyond a border
- * nor another layer of the surface, closer than the tolerance, counts as what the splat ought to
- * show.
+ * triangles beneath a splat are flooded up to creases and borders of charts, and the flood that has
+ * most of the area beneath it, inside its seams, is the splat's own chart. So neither a chart
+ * beyond a border nor another layer of the surface, closer than the tolerance, counts as what the
+ * splat ought to show. Areas decide, not the samples, of which a narrow splat has few: these may
+ * all happen to lie across the border.
  */
 #include "measure/texture_slides.h"
 
@@ -19,6 +20,7 @@
 #include "features/surface.h"
 #include "features/triangle_flood.h"
 #include "measure/measured_splats.h"
+#include "measure/region_cell.h"
 #include "mesh/mesh.h"
 #include "splats/splat_texcoord.h"
 #include "splats/splats.h"
@@ -210,6 +212,12 @@ static double way_over_triangle(const slides_context *c, uint32_t triangle, uint
     return is_inside || height >= c->measured->tolerance ? way : (double)FLT_MAX;
 }
 
+/* Returns whether a material keeps a normal texture: the tangents of that turn over where the image
+ * is mirrored, also where no texel is out of its place. */
+static int keeps_normal_texture(const psplat_kept_textures *kept) {
+    return kept->textures[PSPLAT_TEXTURE_NORMAL].image != 0;
+}
+
 /* Measures what a splat shows at a sample of its own chart. */
 static void measure(const slides_context *c, meeting *m) {
     const psplat_texcoord *texcoord = &c->splats->texcoords[m->splat];
@@ -230,43 +238,128 @@ static void measure(const slides_context *c, meeting *m) {
     m->seen = !(slide.texels <= 0) &&
               !psplat_appearance_shows_same(c->surface->appearance, triangle, shown, given);
     m->mirrored =
+        (slide.texels > PSPLAT_LEAST_SLIDE_TEXELS || keeps_normal_texture(kept)) &&
         psplat_texcoord_sense(texcoord, uvh) * sense_of_triangle(c->surface, kept, triangle) < 0;
 }
 
-/* Floods the chart beneath a splat from a triangle. Returns 0 when out of memory. */
-static int flood(const slides_context *c, uint32_t splat, uint32_t triangle,
-                 psplat_triangle_flood *near) {
-    return psplat_triangle_flood_beneath(near, c->surface, &c->measured->regions[splat],
-                                         c->measured->tolerance, triangle);
+/* What finds the chart of one splat, and memory of one thread. */
+typedef struct chart_search {
+    const slides_context *context;
+    const psplat_region *region;
+    psplat_region inside;        /* the part of the region inside its seams */
+    psplat_cell cell;            /* about that part */
+    psplat_triangle_flood all;   /* what is beneath the splat, of all charts */
+    psplat_triangle_flood chart; /* one of these */
+} chart_search;
+
+static void free_search(chart_search *search) {
+    psplat_triangle_flood_free(&search->all);
+    psplat_triangle_flood_free(&search->chart);
 }
 
-/* Finds the chart to which most meetings of a splat belong, and measures these. The others become
- * negative. Returns 0 when out of memory. */
-static int measure_splat(const slides_context *c, meeting *meetings, size_t count,
-                         psplat_triangle_flood *near) {
-    const uint32_t *triangles = c->samples->triangles;
-    size_t most = 0, left = count;
-    uint32_t own = PSPLAT_NONE;
-    for (size_t i = 0; i < count; ++i) meetings[i].length = 0;
-    for (size_t i = 0; i < count && left > most; ++i) {
-        size_t flooded = 0;
-        if (meetings[i].length < 0) continue; /* An earlier flood has taken it. */
-        if (!flood(c, meetings[i].splat, triangles[meetings[i].sample], near)) return 0;
-        for (size_t k = i; k < count; ++k) {
-            if (meetings[k].length < 0 ||
-                !psplat_triangle_flood_met(near, triangles[meetings[k].sample]))
-                continue;
-            meetings[k].length = -1;
-            --left;
-            flooded += !meetings[k].is_beyond;
-        }
-        if (flooded > most) most = flooded, own = triangles[meetings[i].sample];
+/* Returns the area of a cell, in units of the parameters. */
+static double cell_area(const psplat_cell *cell) {
+    double twice = 0;
+    for (size_t i = 0, last = cell->count - 1; i < cell->count; last = i++)
+        twice += cell->corners[last][0] * cell->corners[i][1] -
+                 cell->corners[last][1] * cell->corners[i][0];
+    return twice / 2;
+}
+
+/* Returns whether a splat shows a triangle at (u, v): it faces about the same way there, and the
+ * triangle's plane is within the tolerance. */
+static int shows_triangle(const chart_search *search, uint32_t triangle, const double uv[2]) {
+    const psplat_surface *surface = search->context->surface;
+    const double *normal = surface->face_normals + 3 * (size_t)triangle;
+    double point[3], to[3], uvh[3], upward = dot3(normal, search->region->n);
+    if (!(upward > 0)) return 0;
+    psplat_region_point(search->region, uv, point);
+    sub3(to, psplat_mesh_corner(surface->mesh, triangle, 0), point);
+    mad3(point, dot3(to, normal) / upward, search->region->n);
+    psplat_region_local(search->region, point, uvh);
+    return fabs(uvh[2]) <= search->context->measured->tolerance &&
+           faces(search->region, normal, uvh);
+}
+
+/* Returns the area, in units of the parameters, of what a splat shows of a triangle inside its
+ * seams. */
+static double area_of_triangle(const chart_search *search, uint32_t triangle) {
+    psplat_cell part = search->cell;
+    double corners[3][3], mean[2];
+    for (int k = 0; k < 3; ++k)
+        psplat_region_local(search->region,
+                            psplat_mesh_corner(search->context->surface->mesh, triangle, k),
+                            corners[k]);
+    for (int k = 0; k < 3 && part.count; ++k) {
+        const double *a = corners[k], *b = corners[(k + 1) % 3];
+        psplat_cell_clip(&part,
+                         (const double[3]){a[1] - b[1], b[0] - a[0], a[0] * b[1] - b[0] * a[1]});
     }
-    if (own == PSPLAT_NONE) return 1;
-    if (!flood(c, meetings[0].splat, own, near)) return 0;
+    if (!part.count) return 0;
+    psplat_cell_mean(&part, mean);
+    return shows_triangle(search, triangle, mean) ? cell_area(&part) : 0;
+}
+
+/* Takes the triangles of the last chart out of those that are beneath. Returns their area. */
+static double take_chart(chart_search *search) {
+    double area = 0;
+    for (size_t i = 0; i < search->chart.triangle_count; ++i) {
+        area += area_of_triangle(search, search->chart.triangles[i]);
+        psplat_triangle_flood_forget(&search->all, search->chart.triangles[i]);
+    }
+    return area;
+}
+
+/* Floods the chart beneath a splat from a triangle. Returns 0 when out of memory. */
+static int flood_chart(chart_search *search, uint32_t triangle) {
+    return psplat_triangle_flood_beneath(&search->chart, search->context->surface, search->region,
+                                         search->context->measured->tolerance, triangle);
+}
+
+/* Floods all that is beneath a splat, of all charts, from its samples. Returns 0 when out of
+ * memory. */
+static int flood_all(chart_search *search, const meeting *meetings, size_t count) {
+    const slides_context *c = search->context;
+    search->region = &c->measured->regions[meetings[0].splat];
+    search->inside = psplat_region_inside_seams(search->region);
+    search->cell = psplat_cell_of_disc();
+    psplat_cell_clip_by_rim(&search->inside, &search->cell);
+    if (!psplat_triangle_flood_begin(&search->all, c->surface)) return 0;
+    for (size_t i = 0; i < count; ++i)
+        psplat_triangle_flood_add_beneath(&search->all, c->surface, search->region,
+                                          c->measured->tolerance,
+                                          c->samples->triangles[meetings[i].sample]);
+    return 1;
+}
+
+/* Finds a triangle of the chart that has most of the area beneath a splat: PSPLAT_NONE where none
+ * has any. Returns 0 when out of memory. */
+static int find_own_chart(chart_search *search, const meeting *meetings, size_t count,
+                          uint32_t *own) {
+    double most = 0;
+    *own = PSPLAT_NONE;
+    if (!flood_all(search, meetings, count)) return 0;
+    for (size_t i = 0; i < search->all.triangle_count; ++i) {
+        uint32_t triangle = search->all.triangles[i];
+        if (!psplat_triangle_flood_met(&search->all, triangle)) continue; /* It is of a chart. */
+        if (!flood_chart(search, triangle)) return 0;
+        double area = take_chart(search);
+        if (area > most) most = area, *own = triangle;
+    }
+    return 1;
+}
+
+/* Measures the meetings of a splat that belong to its own chart. The others become negative.
+ * Returns 0 when out of memory. */
+static int measure_splat(chart_search *search, meeting *meetings, size_t count) {
+    const slides_context *c = search->context;
+    uint32_t own;
+    if (!find_own_chart(search, meetings, count, &own)) return 0;
+    if (own != PSPLAT_NONE && !flood_chart(search, own)) return 0;
     for (size_t i = 0; i < count; ++i) {
+        uint32_t triangle = c->samples->triangles[meetings[i].sample];
         meetings[i].length = meetings[i].texels = -1;
-        if (psplat_triangle_flood_met(near, triangles[meetings[i].sample]))
+        if (own != PSPLAT_NONE && psplat_triangle_flood_met(&search->chart, triangle))
             measure(c, &meetings[i]);
     }
     return 1;
@@ -281,14 +374,14 @@ static int measure_splats(const slides_context *c, meeting *meetings, const size
 #pragma omp parallel reduction(| : failed)
 #endif
     {
-        psplat_triangle_flood near = {0};
+        chart_search search = {.context = c};
 #if defined(_OPENMP)
 #pragma omp for schedule(dynamic, 16)
 #endif
         for (long i = 0; i < count; ++i)
             if (first[i + 1] > first[i])
-                failed |= !measure_splat(c, meetings + first[i], first[i + 1] - first[i], &near);
-        psplat_triangle_flood_free(&near);
+                failed |= !measure_splat(&search, meetings + first[i], first[i + 1] - first[i]);
+        free_search(&search);
     }
     return !failed;
 }

@@ -14,9 +14,9 @@
 
 #include <stdint.h>
 
-/* What splats show of kept textures at samples of a surface. Splats do not store their chart, so
- * the samples that a splat covers, inside its seams, vote: the part of the surface beneath the
- * splat, bounded by creases and borders of charts, to which most of them belong is its own. */
+/* What splats show of kept textures at samples of a surface. Splats do not store their chart: the
+ * part of the surface beneath a splat, bounded by creases and borders of charts, that has the
+ * greatest area inside its seams is its own. */
 typedef struct psplat_texture_slides {
     /* By sample, the slide of the splat that weighs most there, of those of its own chart that
      * cover it; negative where there is none, or no texture is kept there: */
@@ -29,7 +29,9 @@ typedef struct psplat_texture_slides {
                          part of an image */
     /* Parts of the samples that keep textures and are covered, by the splat that covers a sample
      * with the greatest weight: */
-    double mirrored; /* it shows the image the other way round than the surface does */
+    double mirrored; /* it shows the image the other way round than the surface does, and one sees
+                        it: the material keeps a normal texture, or coordinates err by more than
+                        PSPLAT_LEAST_SLIDE_TEXELS, within which filtering hides it */
     double foreign;  /* its own chart is not that of the sample */
 } psplat_texture_slides;
 

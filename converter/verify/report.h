@@ -111,7 +111,8 @@ typedef struct psplat_report {
     double max_texture_slide_texels;
     double p95_texture_slide_texels;
     double mirrored_texture_percent; /* of the textured area: the splat that weighs most there shows
-                                        the image the other way round */
+                                        the image the other way round, where one sees that
+                                        (measure/texture_slides.h) */
     double foreign_texture_percent;  /* the same, where that splat is of another chart */
     double texture_tolerance_texels; /* the limit of PSPLAT_PROMISE_TEXTURE is in texels; 0: it is
                                         in % of the diagonal */

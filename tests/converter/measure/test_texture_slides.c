@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include <math.h>
 #include <cmocka.h>
@@ -113,19 +114,31 @@ static void test_errors(void **state) {
     stage_end(&s);
 }
 
+/* A mirrored image shows, but for a strip within which it errs by a quarter of a texel at most:
+ * with e texels for each unit of length across, those as far from the axis as 1 / (8 e), on both
+ * sides. That much of a disc of radius 1 is about 4 / (8 e) of pi. A normal texture shows it there,
+ * too. */
 static void test_mirrored(void **state) {
     (void)state;
-    stage s;
-    stage_begin(&s, 0);
-    s.texcoords[0].along_u[0] *= -1;
-    measure(&s);
-    assert_near(s.slides.mirrored, 1, 0);
-    psplat_texture_slides_free(&s.slides);
-    s.run.has_texcoord = 0; /* It shows no texture at all. */
-    measure(&s);
-    assert_true(s.slides.mirrored == 0);
-    for (size_t i = 0; i < s.c.f.samples.count; ++i) assert_true(s.slides.texels[i] < 0);
-    stage_end(&s);
+    for (int narrow = 0; narrow < 2; ++narrow) {
+        double e = narrow ? 1 : 25;
+        stage s;
+        stage_begin(&s, 0);
+        for (int k = 0; k < 2; ++k) s.c.kept[k].texels[1] = 4 * e;
+        s.texcoords[0].along_v[1] *= -1;
+        measure(&s);
+        assert_near(s.slides.mirrored, 1 - 4 / (8 * e) / fixture_pi, 0.02); /* some 2000 samples */
+        psplat_texture_slides_free(&s.slides);
+        for (int k = 0; k < 2; ++k) s.c.kept[k].textures[PSPLAT_TEXTURE_NORMAL].image = 1;
+        measure(&s);
+        assert_near(s.slides.mirrored, 1, 0);
+        psplat_texture_slides_free(&s.slides);
+        s.run.has_texcoord = 0; /* It shows no texture at all. */
+        measure(&s);
+        assert_true(s.slides.mirrored == 0);
+        for (size_t i = 0; i < s.c.f.samples.count; ++i) assert_true(s.slides.texels[i] < 0);
+        stage_end(&s);
+    }
 }
 
 /* A disc that covers more of the left chart is of that one: the right part is foreign, and slides
@@ -160,6 +173,40 @@ static void test_foreign(void **state) {
             assert_near(s.slides.texels[i], 1, 1e-3);
     }
     stage_end(&s);
+}
+
+/* The area beneath a splat decides which chart is its own, also where all samples lie on the other
+ * side of the border, as may happen to few of them: what these show is foreign, and slides by
+ * nothing. */
+static void test_areas_decide(void **state) {
+    (void)state;
+    for (int area_is_left = 0; area_is_left < 2; ++area_is_left) {
+        stage s;
+        size_t left = 0, shown = 0;
+        stage_begin(&s, 0.5);
+        s.splats[0].center[0] = area_is_left ? -0.25f : 0.25f;
+        s.texcoords[0].at[0] = area_is_left ? -0.0625f : 0.0625f + 0.5f;
+        psplat_samples *samples = &s.c.f.samples;
+        for (size_t i = 0; i < samples->count; ++i) { /* Only those of the right half stay. */
+            if (samples->triangles[i] / 2 % CELLS < CELLS / 2) continue;
+            memmove(samples->positions + 3 * left, samples->positions + 3 * i,
+                    3 * sizeof *samples->positions);
+            memmove(samples->normals + 3 * left, samples->normals + 3 * i,
+                    3 * sizeof *samples->normals);
+            memmove(samples->texcoords + 2 * left, samples->texcoords + 2 * i,
+                    2 * sizeof *samples->texcoords);
+            samples->triangles[left++] = samples->triangles[i];
+        }
+        samples->count = left;
+        measure(&s);
+        for (size_t i = 0; i < left; ++i) {
+            shown += s.slides.texels[i] >= 0;
+            assert_true(s.slides.texels[i] < 1e-3);
+        }
+        assert_near(s.slides.foreign, area_is_left, 0);
+        assert_true(area_is_left ? shown == 0 : shown > 100);
+        stage_end(&s);
+    }
 }
 
 /* Of two splats of a chart the one that weighs more at a sample counts. */
@@ -248,7 +295,7 @@ static void test_around_a_neck(void **state) {
 }
 
 /* A disc in the middle, with a seam a little left of the border of charts, is of the left chart:
- * the samples beyond the seam do not vote, though they are more. A splat of the right chart whose
+ * what lies beyond the seam does not count, though it is more. A splat of the right chart whose
  * rim hardly reaches there shows more than what is beyond the seam, which weighs a 256th. */
 static void test_beyond_seams(void **state) {
     (void)state;
@@ -273,7 +320,7 @@ static void test_beyond_seams(void **state) {
             foreign += s.slides.texels[i] < 0;
             if (s.slides.texels[i] >= 0) assert_near(s.slides.texels[i], is_right ? 50 : 0, 1e-3);
         }
-        /* Without a seam the right chart has more votes. */
+        /* Without a seam the right chart has the greater area. */
         assert_true(foreign > 100);
         assert_true(own[seams ? 0 : 1] > 100);
         assert_int_equal(own[seams ? 1 : 0], 0);
@@ -316,10 +363,15 @@ static void test_light_beyond_seams(void **state) {
 
 int test_texture_slides_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_errors),        cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_foreign),       cmocka_unit_test(test_heaviest),
-        cmocka_unit_test(test_around_a_neck), cmocka_unit_test(test_ways_and_seen),
-        cmocka_unit_test(test_beyond_seams),  cmocka_unit_test(test_light_beyond_seams),
+        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_foreign),
+        cmocka_unit_test(test_heaviest),
+        cmocka_unit_test(test_areas_decide),
+        cmocka_unit_test(test_around_a_neck),
+        cmocka_unit_test(test_ways_and_seen),
+        cmocka_unit_test(test_beyond_seams),
+        cmocka_unit_test(test_light_beyond_seams),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
