@@ -20,6 +20,7 @@
 #include "select/greedy_cover.h"
 #include "select/local_search.h"
 #include "select/mend_colors.h"
+#include "select/mend_creases.h"
 #include "select/mend_textures.h"
 #include "select/open_seams.h"
 #include "select/own_fields.h"
@@ -177,6 +178,7 @@ static psplat_result complete(psplat_conversion *c, psplat_error *error) {
     if (!result) result = psplat_close_rays(c, error);
     if (!result) result = psplat_mend_colors(c, 1, error);
     if (!result) result = psplat_mend_textures(c, 1, error);
+    if (!result) result = psplat_mend_creases(c, error);
     if (result) return result;
     if (psplat_close_seams(&context, &c->selection) || psplat_close_cracks(c))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * mend_creases.h - splats that reach too far over a crease shrink.
+ */
+#ifndef PHONGSPLAT_SELECT_MEND_CREASES_H
+#define PHONGSPLAT_SELECT_MEND_CREASES_H
+
+#include <phongsplat/splat.h>
+
+#include "select/conversion.h"
+
+/* Shrinks taken candidates, which are all of the selection, in which a crease of their own sheet
+ * lies deeper than the tolerance (measure/crease_crossings.h), and covers what they leave. A fit
+ * gives a splat lines where creases lie inside it, by the samples and creases around its seed, but
+ * discs of the last resort and splats that are extended later may reach one that they did not see.
+ * Without this, a single such place made a file several times as large, since it was written with
+ * floats. Errors: MEMORY, INTERRUPTED, RANGE (too many samples). */
+psplat_result psplat_mend_creases(psplat_conversion *c, psplat_error *error);
+
+#endif
