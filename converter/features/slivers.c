@@ -18,9 +18,13 @@
 #include <string.h>
 
 /* The greatest altitude of a sliver, in longest sides. Chosen by hand. */
-static const double greatest_slimness = 0.1;
+static const double greatest_slimness = 0.2;
 /* The cosine of the angle up to which normals agree: 30 degrees, as no crease has by default. */
 static const double agreeing_cosine = 0.866;
+
+/* The part of its longest side from which a sliver's edge counts: the strips of a thin wire face
+ * all around it, and not as the ends do. */
+static const double long_part = 0.5;
 
 /* The slivers of a surface of which it is open whether their normals are right. */
 typedef struct slivers {
@@ -35,9 +39,14 @@ static double side_length(const psplat_mesh *mesh, uint32_t triangle, int side) 
                             psplat_mesh_corner(mesh, triangle, (side + 1) % 3)));
 }
 
-static int is_sliver(const psplat_surface *surface, uint32_t triangle, double height) {
+static double longest_side(const psplat_mesh *mesh, uint32_t triangle) {
     double longest = 0;
-    for (int k = 0; k < 3; ++k) longest = max2(longest, side_length(surface->mesh, triangle, k));
+    for (int k = 0; k < 3; ++k) longest = max2(longest, side_length(mesh, triangle, k));
+    return longest;
+}
+
+static int is_sliver(const psplat_surface *surface, uint32_t triangle, double height) {
+    double longest = longest_side(surface->mesh, triangle);
     /* A triangle's least altitude stands on its longest side. */
     double area = surface->face_areas[triangle];
     return 2 * area < longest * min2(height, greatest_slimness * longest);
@@ -47,13 +56,14 @@ static double *normal_of(const psplat_surface *surface, uint32_t triangle) {
     return surface->face_normals + 3 * (size_t)triangle;
 }
 
-/* Returns the triangle across the longest edge of a sliver beyond which the normal is right, of
- * those where it agrees with the sliver's or of all; PSPLAT_NONE where there is no such edge. */
+/* Returns the triangle across the longest of the long edges of a sliver beyond which the normal is
+ * right, of those where it agrees with the sliver's or of all; PSPLAT_NONE where there is no such
+ * edge. */
 static uint32_t right_beside(const psplat_surface *surface, const slivers *s, uint32_t triangle,
                              int agrees) {
     double least_cosine = agrees ? agreeing_cosine : -HUGE_VAL;
     uint32_t found = PSPLAT_NONE;
-    double longest = -1;
+    double longest = long_part * longest_side(surface->mesh, triangle);
     for (int k = 0; k < 3; ++k) {
         uint32_t other = surface->neighbors[3 * (size_t)triangle + (size_t)k];
         double length = side_length(surface->mesh, triangle, k);

@@ -94,7 +94,7 @@ psplat_result psplat_mend_creases(psplat_conversion *c, psplat_error *error) {
     size_t crossings = 1;
     for (int round = 0; round < ROUNDS && crossings && !result; ++round) {
         mender m = {.c = c};
-        if (psplat_conversion_interrupted(c->desc, "mending creases", (double)round / ROUNDS))
+        if (psplat_conversion_interrupted(c->desc, "closing holes", 1))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = find_crossed(&m);
         crossings = m.count;

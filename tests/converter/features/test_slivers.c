@@ -165,6 +165,23 @@ static void test_step(void **state) {
     }
 }
 
+/* The faces of a thin wire go all around it: its ends, which are no slivers, lie across short
+ * edges.
+ */
+static void test_wire(void **state) {
+    (void)state;
+    psplat_mesh mesh = shape_cube(1);
+    for (size_t i = 0; i < mesh.vertex_count; ++i)
+        for (size_t k = 0; k < 2; ++k) mesh.positions[3 * i + k] *= 0.002;
+    psplat_surface settled = build(&mesh, 0.01), own = build(&mesh, 0);
+    assert_memory_equal(settled.face_normals, own.face_normals,
+                        3 * mesh.triangle_count * sizeof(double));
+    assert_int_equal(settled.patch_count, 6);
+    psplat_surface_free(&settled);
+    psplat_surface_free(&own);
+    psplat_mesh_free(&mesh);
+}
+
 /* A sliver beside nothing, and one beside slivers alone, face their own way. */
 static void test_alone(void **state) {
     (void)state;
@@ -183,7 +200,8 @@ int test_slivers_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sheet),      cmocka_unit_test(test_order),
         cmocka_unit_test(test_conversion), cmocka_unit_test(test_fillet),
-        cmocka_unit_test(test_step),       cmocka_unit_test(test_alone),
+        cmocka_unit_test(test_step),       cmocka_unit_test(test_wire),
+        cmocka_unit_test(test_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
