@@ -167,14 +167,16 @@ case_plain_convert() {
 # Settings of one tolerance share the part of their conversions that does not depend on precision. Each is what its own command
 # writes all the same, also where a sweep makes one of them alone.
 case_shared_conversion() {
+    for form in usual float planar; do
+        case $form in usual) options= ;; float) options='--precision float' ;; planar) options=--planar ;; esac
+        # shellcheck disable=SC2086
+        "$PHONGSPLAT" convert "$SOURCE_DIR/samples/models/part.obj" "$form.glb" -t 2% --effort 0 -q $options
+    done
     for run in together alone; do
         sweep "$SOURCE_DIR/samples/models/part.obj" d --tolerances 2 --no-gltfpack --effort 0 -q
         expect_code 0
         for form in usual float planar; do
-            case $form in usual) options= ;; float) options='--precision float' ;; planar) options=--planar ;; esac
-            # shellcheck disable=SC2086
-            "$PHONGSPLAT" convert "$SOURCE_DIR/samples/models/part.obj" part.glb -t 2% --effort 0 -q -w $options
-            cmp -s part.glb "d/assets/$form-2.glb" || fail "$run: the sweep makes something else than convert $options"
+            cmp -s "$form.glb" "d/assets/$form-2.glb" || fail "$run: the sweep makes something else than convert does for $form"
         done
         rm d/assets/float-2.glb
     done
