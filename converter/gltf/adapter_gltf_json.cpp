@@ -199,7 +199,8 @@ const char *remedy(const std::string &name) {
 }
 
 void check_extensions(const Json &json) {
-    /* Some of these are not read: they do not change the shape, and factors replace what they say. */
+    /* Some of these are not read: they do not change the shape, and factors replace what they say.
+     */
     static const char *const known[] = {"KHR_mesh_quantization",  "KHR_texture_transform",
                                         "KHR_lights_punctual",    "KHR_texture_basisu",
                                         "EXT_texture_webp",       "KHR_materials_",

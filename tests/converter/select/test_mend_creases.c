@@ -146,7 +146,7 @@ static void test_shrinks(void **state) {
     psplat_region *region = &r.c.selection.candidates[0].region;
     const double width = region->radius[0];
     region->line_count = 0;
-    region->radius[0] *= 3; /* beyond the cube: nothing larger than a part of it keeps the limits */
+    region->radius[0] *= 3; /* beyond the cube */
     assert_true(count_crossings(&r, &open) > 0);
     assert_int_equal(psplat_mend_creases(&r.c, NULL), PSPLAT_OK);
     assert_int_equal(count_crossings(&r, &open), 0);
