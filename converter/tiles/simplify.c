@@ -5,9 +5,9 @@
  * meshoptimizer collapses edges (Garland, Heckbert: Surface Simplification Using Quadric Error
  * Metrics, 1997) and bounds nothing, so that the result is proven: each of its triangles by
  * psplat_proxy_bound, and each triangle of the source against it by convexity. What cannot be
- * proven freezes the triangles of the source there, and the rest is simplified once more with the
- * border of the frozen part locked. So the result has no gaps, unlike a proxy (mesh/proxy.h), of
- * which only distances are asked.
+ * proven freezes the triangles of the source there, and so does what is folded; the rest is
+ * simplified once more with the border of the frozen part locked. So the result has no gaps, unlike
+ * a proxy (mesh/proxy.h), of which only distances are asked.
  *
  * Large meshes are simplified in parts with locked borders.
  */
@@ -28,8 +28,13 @@
 
 /* The parts of the greatest deviation that the simplifier may use by its own estimate, round after
  * round. Chosen by hand: with more, too much cannot be proven. */
-static const double simplified_parts[] = {0.5, 0.5, 0.5, 0.4, 0.3, 0.2};
+static const double simplified_parts[] = {0.5, 0.5, 0.5, 0.5, 0.5, 0.4, 0.3, 0.2};
 enum { ROUNDS = sizeof simplified_parts / sizeof *simplified_parts, STRAINED_ROUND = 3 };
+
+/* The most rounds in which folded triangles freeze what lies around them, with so many rings of
+ * triangles. Then they are taken, so that meshes whose sides lie nearer to each other than the
+ * deviation are simplified all the same. */
+enum { FOLD_ROUNDS = 6, FOLD_RINGS = 2 };
 
 /* The part of the greatest deviation of the first of two steps. */
 static const double first_step = 0.2;
@@ -44,6 +49,11 @@ static const double lower_share = 0.41;
 
 /* How often a triangle of the source is quartered for its proof. */
 enum { MOST_QUARTERINGS = 6 };
+
+/* The least cosine between a simplified triangle's normal and that of the source beside it. Folded
+ * and standing triangles may be as near the source as others, but no splat that covers the surface
+ * beside them faces as they do. */
+static const double least_facing = 0.2;
 
 /* Where the two vertices are that each vertex is locked by, from it along the first axis and the
  * second one, in sides of the box that holds all others. */
@@ -70,7 +80,7 @@ typedef struct simplifier {
     odd_edges odd;            /* of the source */
     int is_strained;          /* proofs failed until less was simplified */
     psplat_proxy_search search;
-    psplat_triangle_tree *tree; /* of the source; NULL until it is needed */
+    psplat_triangle_tree *tree; /* of the source; NULL before the first round */
 } simplifier;
 
 /* ---- edges ----------------------------------------------------------------------------------- */
@@ -245,6 +255,11 @@ static void append_frozen(simplifier *s) {
 
 /* ---- proofs ---------------------------------------------------------------------------------- */
 
+/* What a round left to do, in triangles. */
+typedef struct failures {
+    size_t unproven, folded;
+} failures;
+
 /* Returns whether an edge of the source that one triangle has, or an odd number, has to stay. */
 static int is_kept(const simplifier *s, uint64_t key) {
     return !s->is_cut || (s->is_cut[key_end(key, 0)] && s->is_cut[key_end(key, 1)]);
@@ -320,26 +335,70 @@ static double bound_of_corners(const simplifier *s, const psplat_triangle_tree *
     return bound_of(tree, corners, s->most, MOST_QUARTERINGS, place);
 }
 
-/* Proves that the simplified triangles, which come first, are near the source. What the projection
- * along a normal does not prove, as of slivers, quarters may. */
-static psplat_result prove_result(simplifier *s, size_t simplified, size_t *failures) {
+/* Stores the normal of a triangle, twice as long as its area. */
+static void area_vector(const double *a, const double *b, const double *c, double normal[3]) {
+    double ab[3], ac[3];
+    sub3(ab, b, a);
+    sub3(ac, c, a);
+    cross3(normal, ab, ac);
+}
+
+/* Returns whether the triangle of the source that is nearest to a point faces along a normal. */
+static int source_faces(const simplifier *s, const double point[3], const double normal[3],
+                        uint32_t *place) {
+    psplat_tree_nearest nearest = {.distance2 = HUGE_VAL, .place = *place};
+    double other[3];
+    psplat_triangle_tree_nearest(s->tree, point, &nearest);
+    *place = nearest.place;
+    area_vector(psplat_tree_corner(s->tree, nearest.place, 0),
+                psplat_tree_corner(s->tree, nearest.place, 1),
+                psplat_tree_corner(s->tree, nearest.place, 2), other);
+    return dot3(other, normal) >= least_facing * length3(other) * length3(normal);
+}
+
+/* Returns whether a triangle is folded: higher than the greatest deviation, and facing otherwise
+ * than the source beside its middle and between that and each of its corners. */
+static int is_folded(const simplifier *s, const uint32_t vertices[3], uint32_t *place) {
+    const double *corners[3];
+    double normal[3], middle[3], longest = 0;
+    for (int i = 0; i < 3; ++i) corners[i] = s->source->positions + 3 * (size_t)vertices[i];
+    for (int i = 0; i < 3; ++i) {
+        double side[3];
+        sub3(side, corners[(i + 1) % 3], corners[i]);
+        longest = max2(longest, length3(side));
+    }
+    area_vector(corners[0], corners[1], corners[2], normal);
+    if (length3(normal) <= longest * s->most) return 0;
+    for (int k = 0; k < 3; ++k) middle[k] = (corners[0][k] + corners[1][k] + corners[2][k]) / 3;
+    if (source_faces(s, middle, normal, place)) return 0;
+    for (int i = 0; i < 3; ++i) {
+        double between[3];
+        for (int k = 0; k < 3; ++k) between[k] = 0.5 * middle[k] + 0.5 * corners[i][k];
+        if (source_faces(s, between, normal, place)) return 0;
+    }
+    return 1;
+}
+
+/* Proves that the simplified triangles, which come first, are near the source, and looks for folded
+ * ones if unfolds is 1. What the projection along a normal does not prove, as of slivers, quarters
+ * may. */
+static psplat_result prove_result(simplifier *s, size_t simplified, int unfolds, failures *left) {
     uint32_t place = PSPLAT_NONE;
+    if (!s->tree) s->tree = psplat_triangle_tree_create(s->source, NULL);
+    if (!s->tree) return PSPLAT_ERROR_MEMORY;
     for (size_t t = 0; t < simplified; ++t) {
         const uint32_t *corners = s->indices + 3 * t;
         double deviation;
         ++s->search.stamp;
         if (psplat_proxy_bound(&s->search, corners, s->starts[corners[0]], &deviation))
             return PSPLAT_ERROR_MEMORY;
-        if (!(deviation <= s->most)) {
-            if (!s->tree) s->tree = psplat_triangle_tree_create(s->source, NULL);
-            if (!s->tree) return PSPLAT_ERROR_MEMORY;
-            deviation = bound_of_corners(s, s->tree, corners, &place);
-        }
-        if (deviation <= s->most) {
-            s->deviation = max2(s->deviation, deviation);
-            continue;
-        }
-        ++*failures;
+        if (!(deviation <= s->most)) deviation = bound_of_corners(s, s->tree, corners, &place);
+        int is_unproven = !(deviation <= s->most);
+        int has_fold = !is_unproven && unfolds && is_folded(s, corners, &place);
+        if (!is_unproven) s->deviation = max2(s->deviation, deviation);
+        if (!is_unproven && !has_fold) continue;
+        left->unproven += (size_t)is_unproven;
+        left->folded += (size_t)has_fold;
         for (size_t i = 0; i < s->search.count; ++i) s->unmade[s->search.stack[i]] = 1;
         for (int k = 0; k < 3; ++k) s->unmade[s->starts[corners[k]]] = 1;
     }
@@ -347,7 +406,7 @@ static psplat_result prove_result(simplifier *s, size_t simplified, size_t *fail
 }
 
 /* Proves that the source is near the result. */
-static psplat_result prove_source(simplifier *s, size_t *failures) {
+static psplat_result prove_source(simplifier *s, failures *left) {
     const psplat_mesh *mesh = s->source;
     const psplat_mesh result = {.positions = mesh->positions,
                                 .vertex_count = mesh->vertex_count,
@@ -360,51 +419,56 @@ static psplat_result prove_source(simplifier *s, size_t *failures) {
         if (s->frozen[t]) continue;
         double bound = bound_of_corners(s, tree, mesh->triangles + 3 * t, &place);
         s->deviation = max2(s->deviation, min2(bound, s->most));
-        s->unmade[t] |= bound > s->most;
-        *failures += bound > s->most;
+        if (bound > s->most) s->unmade[t] = 1;
+        left->unproven += bound > s->most;
     }
     psplat_triangle_tree_destroy(tree);
     return PSPLAT_OK;
 }
 
-/* Freezes what could not be proven, with so many rings of triangles around it. */
+/* Freezes what has to stay, with so many rings of triangles around it. */
 static void freeze(simplifier *s, int rings) {
-    for (int ring = 0; ring <= rings; ++ring) {
-        for (size_t t = 0; t < s->source->triangle_count; ++t) {
-            if (!s->unmade[t]) continue;
-            s->frozen[t] = 1;
-            for (size_t k = 0; k < 3 && ring < rings; ++k)
-                if (s->neighbors[3 * t + k] != PSPLAT_NONE) s->frozen[s->neighbors[3 * t + k]] = 1;
-        }
-        memcpy(s->unmade, s->frozen, s->source->triangle_count);
+    size_t count = s->source->triangle_count;
+    for (int ring = 0; ring < rings; ++ring) {
+        for (size_t t = 0; t < count; ++t)
+            for (size_t k = 0; k < 3 && s->unmade[t] == 1 + ring; ++k) {
+                uint32_t across = s->neighbors[3 * t + k];
+                if (across != PSPLAT_NONE && !s->unmade[across])
+                    s->unmade[across] = (uint8_t)(2 + ring);
+            }
     }
-    memset(s->unmade, 0, s->source->triangle_count);
+    for (size_t t = 0; t < count; ++t) s->frozen[t] |= s->unmade[t] != 0;
+    memset(s->unmade, 0, count);
 }
 
-/* Runs a round. *failures is 0 if its result is proven. */
-static psplat_result run_round(simplifier *s, double part, size_t *failures) {
-    *failures = 0;
+/* Runs a round, which looks for folded triangles if unfolds is 1. */
+static psplat_result run_round(simplifier *s, double part, int unfolds, failures *left) {
+    *left = (failures){0};
     s->deviation = 0;
     psplat_result result = simplify(s, part);
     if (result) return result;
     size_t simplified = s->count;
     append_frozen(s);
-    result = prove_result(s, simplified, failures);
-    if (!result) result = prove_source(s, failures);
+    result = prove_result(s, simplified, unfolds, left);
+    if (!result) result = prove_source(s, left);
     return result;
 }
 
 static psplat_result run_rounds(simplifier *s) {
     const psplat_mesh *mesh = s->source;
-    size_t failures = 1;
-    int fits = 0;
-    for (int round = 0; round < ROUNDS && failures; ++round) {
-        psplat_result result = run_round(s, simplified_parts[round], &failures);
+    failures left = {.unproven = 1};
+    int round = 0, fold_rounds = 0, fits = 0;
+    while (round < ROUNDS && (left.unproven || left.folded)) {
+        psplat_result result =
+            run_round(s, simplified_parts[round], fold_rounds < FOLD_ROUNDS, &left);
         if (result) return result;
-        if (failures) freeze(s, round + 1);
         s->is_strained = round >= STRAINED_ROUND;
+        if (left.unproven)
+            freeze(s, ++round);
+        else if (left.folded)
+            freeze(s, FOLD_RINGS), ++fold_rounds;
     }
-    if (!failures && check_edges(s, &fits)) return PSPLAT_ERROR_MEMORY;
+    if (!left.unproven && check_edges(s, &fits)) return PSPLAT_ERROR_MEMORY;
     if (fits) return PSPLAT_OK;
     memset(s->frozen, 1, mesh->triangle_count); /* Everything stays. */
     s->count = 0;

@@ -17,7 +17,9 @@
  * beside it that stand on the surface or are folded over, and few splats face as they do.
  * *deviation (a length, at most `most` > 0) bounds the distance of each point of the result from
  * the source and of each point of the source from the result, up to rounding of some 1e-12 of the
- * coordinates. Where nothing simpler can be proven, triangles stay; *deviation is 0 if all do.
+ * coordinates. Where nothing simpler can be proven, triangles stay; *deviation is 0 if all do. So
+ * they do where a simplified triangle higher than most faces otherwise than the source beside it,
+ * in some rounds at least: where two sheets are nearer than most to each other, it may.
  * Vertices keep their colours. Normals, groups and texture coordinates are not kept.
  * psplat_mesh_free frees *simple. Equal input gives equal results. Fails only with
  * PSPLAT_ERROR_MEMORY; *simple is then empty. */

@@ -55,15 +55,22 @@ typedef struct source {
     uint32_t triangles[TRIANGLES][3];
 } source;
 
+/* Rounds to single precision. GCC 12 with -O2 leaves (double)(float) out where two such values that
+ * it has just computed are stored side by side; a volatile one it has to keep. */
+static double single(double value) {
+    volatile float rounded = (float)value;
+    return (double)rounded;
+}
+
 static source *make_source(void) {
     source *s = malloc(sizeof *s);
     uint64_t seed = 11;
     assert_non_null(s);
     for (uint32_t v = 0; v < VERTICES; ++v) {
         double x = (double)(v % (GRID + 1)) / GRID, z = (double)(v / (GRID + 1)) / GRID;
-        s->vertices[v][0] = (double)(float)(7 * x * x);
-        s->vertices[v][1] = (double)(float)(0.3 * sin(5 * x) + 0.05 * psplat_random_unit(&seed));
-        s->vertices[v][2] = (double)(float)(5 * z * z - 2);
+        s->vertices[v][0] = single(7 * x * x);
+        s->vertices[v][1] = single(0.3 * sin(5 * x) + 0.05 * psplat_random_unit(&seed));
+        s->vertices[v][2] = single(5 * z * z - 2);
         for (int k = 0; k < 4; ++k)
             s->colors[v][k] = (unsigned char)(psplat_random_next(&seed) >> 56);
     }

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "base/random.h"
+#include "base/vector.h"
 #include "mesh/distance.h"
 #include "mesh/edges.h"
 #include "mesh/mesh.h"
@@ -100,6 +101,42 @@ static void deviations_are_kept_both_ways(void **state) {
         psplat_mesh_free(&simple);
     }
     assert_true(last < 1000); /* of 6,400; a lock of all would show here */
+    psplat_mesh_free(&land);
+}
+
+/* Returns how many triangles of a landscape that are higher than this face downwards. */
+static size_t count_folds(const psplat_mesh *land, double least) {
+    size_t folds = 0;
+    for (uint32_t t = 0; t < land->triangle_count; ++t) {
+        double sides[3][3], normal[3], longest = 0;
+        for (int i = 0; i < 3; ++i) {
+            sub3(sides[i], psplat_mesh_corner(land, t, (i + 1) % 3),
+                 psplat_mesh_corner(land, t, i));
+            longest = fmax(longest, length3(sides[i]));
+        }
+        cross3(normal, sides[0], sides[1]);
+        folds += normal[1] < 0 && length3(normal) > least * longest;
+    }
+    return folds;
+}
+
+/* The source has no triangle that faces downwards, and none is made, with borders or without. What
+ * stays so that none is folded is little. */
+static void nothing_is_folded_over(void **state) {
+    (void)state;
+    static const double most[] = {1e-3, 4e-3};
+    static const size_t enough[] = {5500, 3500}; /* triangles of 32,400 */
+    psplat_mesh land = make_land(0, 90, 180, 0);
+    for (int i = 0; i < 4; ++i) {
+        psplat_mesh simple;
+        double deviation;
+        assert_int_equal(psplat_tile_simplify(&land, most[i / 2], i % 2, &simple, &deviation),
+                         PSPLAT_OK);
+        if (count_folds(&simple, most[i / 2]) || simple.triangle_count > enough[i / 2])
+            fail_msg("%zu of %zu triangles are folded at %g", count_folds(&simple, most[i / 2]),
+                     simple.triangle_count, most[i / 2]);
+        psplat_mesh_free(&simple);
+    }
     psplat_mesh_free(&land);
 }
 
@@ -260,6 +297,7 @@ static void records_read_back(void **state) {
 int test_simplify_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(deviations_are_kept_both_ways),
+        cmocka_unit_test(nothing_is_folded_over),
         cmocka_unit_test(blocks_fit_together),
         cmocka_unit_test(borders_are_simplified_without_gaps),
         cmocka_unit_test(colours_stay_where_they_are),
