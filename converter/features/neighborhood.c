@@ -139,10 +139,12 @@ static int cluster_near(const flood *f, uint32_t cluster) {
     return psplat_triangle_within(f->surface, f->metric, triangle, f->reach);
 }
 
-/* Takes the samples of a cluster and queues its neighbours, where it is within reach. */
+/* Takes the samples of a cluster and queues its neighbours, where it is within reach. That of the
+ * first triangle is visited even where it is not: points of a cloud may be farther from their
+ * triangle than that, and moved centres, too. */
 static int visit(psplat_neighborhood *n, const flood *f, uint32_t cluster) {
     const psplat_clusters *clusters = &f->samples->clusters;
-    if (!cluster_near(f, cluster)) {
+    if (cluster != n->clusters[0] && !cluster_near(f, cluster)) {
         n->whole = 0;
         return 1;
     }

@@ -240,18 +240,23 @@ static segment segment_of(const psplat_triangle_tree *tree, const double from[3]
     return s;
 }
 
-/* Returns whether a segment comes near the box of a part, by its times between parallel planes. A
- * part that does not exist is left before it is entered. */
-static int passes_box(const segment *s, const psplat_tree_node *node, int part) {
-    float begin = 0, end = 1;
+/* Stores when a segment is within the boxes of a node, by its times between parallel planes. Parts
+ * that do not exist are left before they are entered. */
+static void box_times(const segment *s, const psplat_tree_node *node,
+                      float begin[PSPLAT_TREE_PARTS], float end[PSPLAT_TREE_PARTS]) {
+    for (int i = 0; i < PSPLAT_TREE_PARTS; ++i) begin[i] = 0, end[i] = 1;
     for (int k = 0; k < 3; ++k) {
-        float low = (node->low[k][part] - s->slack - s->start[k]) * s->inverse[k];
-        float high = (node->high[k][part] + s->slack - s->start[k]) * s->inverse[k];
-        float first = s->inverse[k] > 0 ? low : high, last = s->inverse[k] > 0 ? high : low;
-        begin = first > begin ? first : begin;
-        end = last < end ? last : end;
+        float start = s->start[k], inverse = s->inverse[k];
+        float slack = inverse > 0 ? s->slack : -s->slack;
+        const float *near = inverse > 0 ? node->low[k] : node->high[k];
+        const float *far = inverse > 0 ? node->high[k] : node->low[k];
+        for (int i = 0; i < PSPLAT_TREE_PARTS; ++i) {
+            float first = (near[i] - slack - start) * inverse;
+            float last = (far[i] + slack - start) * inverse;
+            begin[i] = first > begin[i] ? first : begin[i];
+            end[i] = last < end[i] ? last : end[i];
+        }
     }
-    return begin <= end * product_slack;
 }
 
 /* Returns whether a segment meets a triangle from its front, by the signs of the volumes that it
@@ -294,8 +299,10 @@ int psplat_triangle_tree_meets(const psplat_triangle_tree *tree, const double fr
             if (meets_leaf(tree, &s, top.index)) return 1;
             continue;
         }
+        float begin[PSPLAT_TREE_PARTS], end[PSPLAT_TREE_PARTS];
+        box_times(&s, node_at(tree, &top), begin, end);
         for (int k = 0; k < PSPLAT_TREE_PARTS; ++k)
-            if (passes_box(&s, node_at(tree, &top), k)) stack[count++] = part_of(&top, k, 0);
+            if (begin[k] <= end[k] * product_slack) stack[count++] = part_of(&top, k, 0);
     }
     return 0;
 }

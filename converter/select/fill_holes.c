@@ -33,8 +33,9 @@
 enum { ROUNDS = 32, IMPROVING_ROUNDS = 16 };
 
 /* The moves of the local search for each hole, for effort 0; each round of the effort adds as many.
- * Chosen by hand. */
-enum { MOVES_PER_HOLE = 10 };
+ * And the most for each splat: few splats may have many holes between them, and a move that
+ * exchanges most of them takes long. Chosen by hand. */
+enum { MOVES_PER_HOLE = 10, MOVES_PER_SPLAT = 10 };
 
 /* The side of the cubes in each of which one hole is found, in sample spacings, and the width below
  * which holes are not found, in sample spacings and in tolerances: the lesser of both, since the
@@ -157,15 +158,16 @@ static psplat_result cover_holes(psplat_conversion *c, size_t first) {
 
 /* Runs a local search around the samples from index first on. */
 static psplat_result improve_around_holes(psplat_conversion *c, size_t first, int round) {
-    const psplat_local_search_desc what = {
-        .samples = &c->samples,
-        .surface = &c->surface,
-        .moves = (size_t)(MOVES_PER_HOLE * (1 + psplat_local_search_rounds(c->desc))) *
-                 (c->samples.count - first),
-        .focus = first,
-        .strict = 1,
-        .axis = round % 3,
-        .seed = c->desc->seed + (uint64_t)round};
+    size_t share = (size_t)(1 + psplat_local_search_rounds(c->desc));
+    size_t moves = MOVES_PER_HOLE * share * (c->samples.count - first);
+    size_t most = MOVES_PER_SPLAT * share * psplat_selection_taken(&c->selection);
+    const psplat_local_search_desc what = {.samples = &c->samples,
+                                           .surface = &c->surface,
+                                           .moves = moves < most ? moves : most,
+                                           .focus = first,
+                                           .strict = 1,
+                                           .axis = round % 3,
+                                           .seed = c->desc->seed + (uint64_t)round};
     return psplat_local_search(&c->selection, &what);
 }
 
