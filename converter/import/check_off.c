@@ -34,6 +34,13 @@ static psplat_result next_content(off_state *state, const char *what, psplat_err
                        state->lines.number, what);
 }
 
+/* Moves on to the next line where nothing is left of this one: vertices and corners may go on
+ * there, since the format separates numbers by any white space. */
+static psplat_result continue_line(off_state *state, const char *what, psplat_error *error) {
+    const char *rest = state->lines.cursor;
+    return rest[strspn(rest, " \t\r")] ? PSPLAT_OK : next_content(state, what, error);
+}
+
 static psplat_result check_header(off_state *state, psplat_error *error) {
     psplat_lines_next(&state->lines);
     char *word = state->lines.line;
@@ -67,6 +74,7 @@ static psplat_result check_counts(psplat_source *source, off_state *state, pspla
     if (!result)
         result =
             psplat_lines_count(&state->lines, "the number of vertices", &source->vertices, error);
+    if (!result) result = continue_line(state, "the number of faces", error);
     if (!result) result = psplat_lines_count(&state->lines, "the number of faces", &faces, error);
     if (result) return result;
     source->faces = faces;
@@ -131,7 +139,8 @@ static psplat_result check_vertex(psplat_source *source, off_state *state, size_
     double value[6], color[4];
     psplat_result result = next_content(state, "the last vertex", error);
     for (int k = 0; k < (state->normals ? 6 : 3) && !result; ++k) {
-        result = psplat_lines_number(&state->lines, names[k], &value[k], error);
+        result = continue_line(state, names[k], error);
+        if (!result) result = psplat_lines_number(&state->lines, names[k], &value[k], error);
         if (!result) result = psplat_rewrite_text(&state->out, error, "%.9g ", value[k]);
     }
     if (!result) result = check_color(source, state, color, error);
@@ -154,7 +163,9 @@ static psplat_result check_face(const psplat_source *source, off_state *state,
                                  PSPLAT_MAX_CORNERS);
     result = psplat_rewrite_text(&state->out, error, "%zu", corners);
     for (size_t i = 0; i < corners && !result; ++i) {
-        result = psplat_lines_count(&state->lines, "the index of a corner", &vertex, error);
+        result = continue_line(state, "the index of a corner", error);
+        if (!result)
+            result = psplat_lines_count(&state->lines, "the index of a corner", &vertex, error);
         if (result) return result;
         if (vertex >= source->vertices)
             return psplat_lines_fail(&state->lines, error, PSPLAT_ERROR_RANGE,

@@ -53,6 +53,10 @@ static void test_off(void **state) {
                                           "1 0 0\n0 1 0 # y\n0 0 1\n3 0 2 1 255 0 0\n3 0 1 3\n"
                                           "3 1 2 3 0.5 0.5 0.5\n3 2 0 3\n");
     check_tetrahedron(&mesh);
+    /* Vertices and faces may go on in the next line, and end with what is left of their last. */
+    mesh = read_text("l.off", "OFF\n4\n4 6\n0 0\n0\n1 0 0\n0\n\n1\n0\n0 0 1\n3 0 2 \n1 255 0 0\n"
+                              "3 0 1\n3\n3 1 2 3 0.5 0.5 0.5\n3\n2 0\n3\n");
+    check_tetrahedron(&mesh);
 }
 
 static void test_ply_text(void **state) {
