@@ -82,6 +82,10 @@ typedef struct psplat_fit_context {
  * regions that are measured at some points only. */
 psplat_fit_context psplat_fit_draft(const psplat_fit_context *context, psplat_limits *draft);
 
+/* Returns whether the samples' normals are those of the file, which may not be those of the shape.
+ */
+int psplat_has_authored_normals(const psplat_fit_context *context);
+
 /* Calls visit with each index below count, on all cores. The context that visit gets has a scratch
  * of its thread. Fails with PSPLAT_ERROR_MEMORY where any visit fails. */
 psplat_result psplat_fit_each(const psplat_fit_context *context, size_t count,

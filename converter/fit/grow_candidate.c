@@ -131,7 +131,8 @@ static void fit_ellipse(const psplat_fit_context *context, const psplat_plane *p
     psplat_region flat = *region;
     if (!context->limits->planar) {
         for (int k = 0; k < 2; ++k) region->radius[k] = 2 * sqrt(variance[k]);
-        if (psplat_fit_surface(near->samples, some, count, near->origin, region)) {
+        if (psplat_fit_surface(near->samples, some, count, near->origin,
+                               psplat_has_authored_normals(context), region)) {
             surround(context, variance, some, count, region);
             if (psplat_surface_sagitta(region) > PSPLAT_FLAT_PART * context->limits->tolerance)
                 return;
@@ -285,7 +286,7 @@ static void fit_again(const search *s, size_t covered, psplat_region *region) {
     if (!psplat_region_is_curved(region) || covered < LEAST_SAMPLES) return;
     psplat_region fitted = *region;
     if (!psplat_fit_surface(scratch->near.samples, scratch->covered, covered, scratch->near.origin,
-                            &fitted))
+                            psplat_has_authored_normals(s->context), &fitted))
         return;
     settle(s->context, scratch->covered, covered, &fitted);
     *region = fitted;

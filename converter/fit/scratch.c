@@ -5,6 +5,7 @@
 #include "features/neighborhood.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
+#include "mesh/mesh.h"
 
 #include <stdlib.h>
 
@@ -63,6 +64,10 @@ psplat_fit_context psplat_fit_draft(const psplat_fit_context *context, psplat_li
     draft->proven = 0;
     result.limits = draft;
     return result;
+}
+
+int psplat_has_authored_normals(const psplat_fit_context *context) {
+    return context->surface->mesh->corner_normals != NULL;
 }
 
 psplat_result psplat_fit_each(const psplat_fit_context *context, size_t count,

@@ -20,6 +20,10 @@
  * part of the trace that is added to the normal equations' diagonal so that few samples have a
  * solution too: with second derivatives of 0 where nothing is known of them. Chosen by hand. */
 static const double slope_weight = 0.03, ridge_part = 1e-9;
+/* The weight where authored normals are not those of the shape, as on boxes with smooth normals:
+ * where the first weight moves the surface off the heights by more than this, root mean square, in
+ * units of the radius. Chosen by hand. */
+static const double least_slope_weight = 3e-6, greatest_pull = 0.02;
 /* The least cosine of a sample's normal whose slope is used, the greatest slope at the centre by
  * which the frame is turned, and the slope beyond which it is turned and fitted again. */
 static const double least_cosine = 0.2, greatest_turn = 3, small_turn = 0.05;
@@ -32,6 +36,7 @@ enum { BLOCK = 32 };   /* samples that are turned into the frame in one go */
 typedef struct sums {
     double powers[5][5];
     double right[UNKNOWNS];
+    double slopes[UNKNOWNS]; /* the part of right that stems from slopes */
 } sums;
 
 double psplat_surface_sagitta(const psplat_region *r) {
@@ -69,8 +74,9 @@ static void add_powers(sums *m, const block *b) {
 }
 
 static void add_right(sums *m, const block *b) {
-    double right[UNKNOWNS];
+    double right[UNKNOWNS], slopes[UNKNOWNS];
     memcpy(right, m->right, sizeof right);
+    memcpy(slopes, m->slopes, sizeof slopes);
     for (size_t i = 0; i < b->count; ++i) {
         double s = b->s[i], t = b->t[i], h = b->h[i], x = b->x[i], y = b->y[i];
         right[0] += h;
@@ -79,8 +85,11 @@ static void add_right(sums *m, const block *b) {
         right[3] += h * s * s / 2 + x * s;
         right[4] += h * s * t + x * t + y * s;
         right[5] += h * t * t / 2 + y * t;
+        slopes[1] += x, slopes[2] += y;
+        slopes[3] += x * s, slopes[4] += x * t + y * s, slopes[5] += y * t;
     }
     memcpy(m->right, right, sizeof right);
+    memcpy(m->slopes, slopes, sizeof slopes);
 }
 
 static void fill_block(block *b, const psplat_near_sample *samples, const uint32_t *some,
@@ -116,10 +125,10 @@ static void add_samples(sums *m, const psplat_near_sample *samples, const uint32
 
 /* Stores the normal equations' matrix: heights are (1, s, t, s^2/2, st, t^2/2) x, slopes
  * (0, 1, 0, s, t, 0) x and (0, 0, 1, 0, s, t) x. */
-static void normal_matrix(const double p[5][5], double m[UNKNOWNS][UNKNOWNS]) {
+static void normal_matrix(const double p[5][5], double w, double m[UNKNOWNS][UNKNOWNS]) {
     static const int powers[UNKNOWNS][2] = {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}};
     static const double factors[UNKNOWNS] = {1, 1, 1, 0.5, 1, 0.5};
-    double w = slope_weight, trace = 0;
+    double trace = 0;
     for (int i = 0; i < UNKNOWNS; ++i)
         for (int j = 0; j < UNKNOWNS; ++j)
             m[i][j] = factors[i] * factors[j] *
@@ -133,12 +142,13 @@ static void normal_matrix(const double p[5][5], double m[UNKNOWNS][UNKNOWNS]) {
     for (int i = 0; i < UNKNOWNS; ++i) m[i][i] += ridge_part * trace;
 }
 
-/* Solves the normal equations by the Cholesky factors L D L^T of the matrix, of which only the
- * lower half is read. With level, the slopes at the centre are 0. */
-static void solve(const sums *sums, int level, double x[UNKNOWNS]) {
+/* Solves the normal equations with a weight of slopes by the Cholesky factors L D L^T of the
+ * matrix, of which only the lower half is read. With level, the slopes at the centre are 0. */
+static void solve(const sums *sums, double weight, int level, double x[UNKNOWNS]) {
     double m[UNKNOWNS][UNKNOWNS];
-    normal_matrix(sums->powers, m);
-    memcpy(x, sums->right, UNKNOWNS * sizeof *x);
+    normal_matrix(sums->powers, weight, m);
+    for (int i = 0; i < UNKNOWNS; ++i)
+        x[i] = sums->right[i] - (1 - weight / slope_weight) * sums->slopes[i];
     for (int i = 1; level && i <= 2; ++i) {
         for (int k = 0; k < UNKNOWNS; ++k) m[i][k] = m[k][i] = 0;
         m[i][i] = 1, x[i] = 0;
@@ -156,6 +166,27 @@ static void solve(const sums *sums, int level, double x[UNKNOWNS]) {
         for (int k = i + 1; k < UNKNOWNS; ++k) x[i] -= m[k][i] * x[k];
 }
 
+/* Returns the sum of the squared distances from the heights, but for a term that is the same for
+ * all surfaces. */
+static double height_error(const sums *sums, const double x[UNKNOWNS]) {
+    double m[UNKNOWNS][UNKNOWNS], error = 0;
+    normal_matrix(sums->powers, 0, m);
+    for (int i = 0; i < UNKNOWNS; ++i) {
+        error += x[i] * (m[i][i] * x[i] - 2 * (sums->right[i] - sums->slopes[i]));
+        for (int k = 0; k < i; ++k) error += 2 * x[i] * m[i][k] * x[k];
+    }
+    return error;
+}
+
+/* Solves them with a weight of authored slopes that does not move the surface off the heights. */
+static void solve_authored(const sums *sums, int level, double x[UNKNOWNS]) {
+    double other[UNKNOWNS];
+    solve(sums, slope_weight, level, x);
+    solve(sums, least_slope_weight, level, other);
+    double more = height_error(sums, x) - height_error(sums, other);
+    if (more > greatest_pull * greatest_pull * sums->powers[0][0]) memcpy(x, other, sizeof other);
+}
+
 /* Turns the frame so that a surface of these slopes at the centre gets n for its normal there. */
 static void turn_frame(psplat_region *r, const double slope[2]) {
     double u[3];
@@ -170,7 +201,7 @@ static void turn_frame(psplat_region *r, const double slope[2]) {
 }
 
 int psplat_fit_surface(const psplat_near_sample *samples, const uint32_t *some, size_t count,
-                       const double origin[3], psplat_region *r) {
+                       const double origin[3], int authored, psplat_region *r) {
     double scale = max2(r->radius[0], r->radius[1]), x[UNKNOWNS];
     memset(r->slope, 0, sizeof r->slope);
     memset(r->hessian, 0, sizeof r->hessian);
@@ -179,7 +210,10 @@ int psplat_fit_surface(const psplat_near_sample *samples, const uint32_t *some, 
         double center[3];
         sub3(center, r->center, origin);
         add_samples(&m, samples, some, count, r, center, scale);
-        solve(&m, level, x);
+        if (authored)
+            solve_authored(&m, level, x);
+        else
+            solve(&m, slope_weight, level, x);
         mad3(r->center, x[0] * scale, r->n);
         if (level) break;
         double turn = norm2(x[1], x[2]);

@@ -122,6 +122,27 @@ static void test_cube(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* A cube whose normals are those of a ball keeps its sides, one splat each: normals that the shape
+ * contradicts do not bend splats. */
+static void test_smooth_cube(void **state) {
+    (void)state;
+    psplat_mesh mesh = read_model("cube.off");
+    psplat_report report = {0};
+    mesh.corner_normals = malloc(9 * mesh.triangle_count * sizeof(float));
+    assert_non_null(mesh.corner_normals);
+    for (size_t i = 0; i < 3 * mesh.triangle_count; ++i) {
+        double n[3];
+        memcpy(n, mesh.positions + 3 * (size_t)mesh.triangles[i], sizeof n);
+        normalize3(n);
+        for (int k = 0; k < 3; ++k) mesh.corner_normals[3 * i + (size_t)k] = (float)n[k];
+    }
+    psplat_splats splats = convert(&mesh, 0.5, &report);
+    assert_int_equal(splats.count, 6);
+    assert_true(report.max_distance_percent <= 0.5);
+    psplat_splats_free(&splats);
+    psplat_mesh_free(&mesh);
+}
+
 /* Every outline stays within the tolerance of the sphere, and the linear normal field follows its
  * normals better than a constant one. */
 static void check_sphere(void) {
@@ -388,12 +409,19 @@ static void test_round_trip(void **state) {
 
 int test_conversion_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_promise),      cmocka_unit_test(test_too_fine),
-        cmocka_unit_test(test_cube),         cmocka_unit_test(test_sphere),
-        cmocka_unit_test(test_curved_saves), cmocka_unit_test(test_deterministic),
-        cmocka_unit_test(test_scale),        cmocka_unit_test(test_triangle),
-        cmocka_unit_test(test_double_sheet), cmocka_unit_test(test_interrupt),
-        cmocka_unit_test(test_round_trip),   cmocka_unit_test(test_effort_out_of_range),
+        cmocka_unit_test(test_promise),
+        cmocka_unit_test(test_too_fine),
+        cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_smooth_cube),
+        cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_curved_saves),
+        cmocka_unit_test(test_deterministic),
+        cmocka_unit_test(test_scale),
+        cmocka_unit_test(test_triangle),
+        cmocka_unit_test(test_double_sheet),
+        cmocka_unit_test(test_interrupt),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_effort_out_of_range),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
