@@ -142,7 +142,7 @@ static int enclose(const enclosed *e, const psplat_plane *plane, psplat_region *
     for (int turn = 0; turn < 2 && curved; ++turn)
         curved = (!turn || surround(e, region)) &&
                  psplat_fit_surface(e->samples, NULL, e->count, e->origin,
-                                    psplat_has_authored_normals(e->context), region);
+                                    psplat_most_normal_pull(e->context), region);
     if (curved && psplat_surface_sagitta(region) > PSPLAT_FLAT_PART * e->context->limits->tolerance)
         return settle(e, region);
     *region = flat;

@@ -82,9 +82,9 @@ typedef struct psplat_fit_context {
  * regions that are measured at some points only. */
 psplat_fit_context psplat_fit_draft(const psplat_fit_context *context, psplat_limits *draft);
 
-/* Returns whether the samples' normals are those of the file, which may not be those of the shape.
- */
-int psplat_has_authored_normals(const psplat_fit_context *context);
+/* Returns how far normals may move the surfaces that psplat_fit_surface finds off the samples, a
+ * length: those of the file may not be those of the shape. HUGE_VAL where the file has none. */
+double psplat_most_normal_pull(const psplat_fit_context *context);
 
 /* Calls visit with each index below count, on all cores. The context that visit gets has a scratch
  * of its thread. Fails with PSPLAT_ERROR_MEMORY where any visit fails. */

@@ -132,7 +132,7 @@ static void fit_ellipse(const psplat_fit_context *context, const psplat_plane *p
     if (!context->limits->planar) {
         for (int k = 0; k < 2; ++k) region->radius[k] = 2 * sqrt(variance[k]);
         if (psplat_fit_surface(near->samples, some, count, near->origin,
-                               psplat_has_authored_normals(context), region)) {
+                               psplat_most_normal_pull(context), region)) {
             surround(context, variance, some, count, region);
             if (psplat_surface_sagitta(region) > PSPLAT_FLAT_PART * context->limits->tolerance)
                 return;
@@ -286,7 +286,7 @@ static void fit_again(const search *s, size_t covered, psplat_region *region) {
     if (!psplat_region_is_curved(region) || covered < LEAST_SAMPLES) return;
     psplat_region fitted = *region;
     if (!psplat_fit_surface(scratch->near.samples, scratch->covered, covered, scratch->near.origin,
-                            psplat_has_authored_normals(s->context), &fitted))
+                            psplat_most_normal_pull(s->context), &fitted))
         return;
     settle(s->context, scratch->covered, covered, &fitted);
     *region = fitted;

@@ -7,7 +7,11 @@
 #include "fit/fit_context.h"
 #include "mesh/mesh.h"
 
+#include <math.h>
 #include <stdlib.h>
+
+/* How far the file's own normals may move fits off the surface, in tolerances. Chosen by hand. */
+static const double most_pull_tolerances = 0.1;
 
 static void free_samples(psplat_scratch *s) {
     free(s->uvh);
@@ -66,8 +70,9 @@ psplat_fit_context psplat_fit_draft(const psplat_fit_context *context, psplat_li
     return result;
 }
 
-int psplat_has_authored_normals(const psplat_fit_context *context) {
-    return context->surface->mesh->corner_normals != NULL;
+double psplat_most_normal_pull(const psplat_fit_context *context) {
+    int authored = context->surface->mesh->corner_normals != NULL;
+    return authored ? most_pull_tolerances * context->limits->tolerance : HUGE_VAL;
 }
 
 psplat_result psplat_fit_each(const psplat_fit_context *context, size_t count,

@@ -20,10 +20,8 @@
  * part of the trace that is added to the normal equations' diagonal so that few samples have a
  * solution too: with second derivatives of 0 where nothing is known of them. Chosen by hand. */
 static const double slope_weight = 0.03, ridge_part = 1e-9;
-/* The weight where authored normals are not those of the shape, as on boxes with smooth normals:
- * where the first weight moves the surface off the heights by more than this, root mean square, in
- * units of the radius. Chosen by hand. */
-static const double least_slope_weight = 3e-6, greatest_pull = 0.02;
+/* The weight where that one moves the surface off the heights by too much. Chosen by hand. */
+static const double least_slope_weight = 3e-6;
 /* The least cosine of a sample's normal whose slope is used, the greatest slope at the centre by
  * which the frame is turned, and the slope beyond which it is turned and fitted again. */
 static const double least_cosine = 0.2, greatest_turn = 3, small_turn = 0.05;
@@ -178,13 +176,15 @@ static double height_error(const sums *sums, const double x[UNKNOWNS]) {
     return error;
 }
 
-/* Solves them with a weight of authored slopes that does not move the surface off the heights. */
-static void solve_authored(const sums *sums, int level, double x[UNKNOWNS]) {
+/* Solves them with a weight of slopes that moves the surface off the heights by at most that, root
+ * mean square, in units of the scale. */
+static void solve_bounded(const sums *sums, double most_pull, int level, double x[UNKNOWNS]) {
     double other[UNKNOWNS];
     solve(sums, slope_weight, level, x);
+    if (!(most_pull < HUGE_VAL)) return;
     solve(sums, least_slope_weight, level, other);
     double more = height_error(sums, x) - height_error(sums, other);
-    if (more > greatest_pull * greatest_pull * sums->powers[0][0]) memcpy(x, other, sizeof other);
+    if (more > most_pull * most_pull * sums->powers[0][0]) memcpy(x, other, sizeof other);
 }
 
 /* Turns the frame so that a surface of these slopes at the centre gets n for its normal there. */
@@ -201,7 +201,7 @@ static void turn_frame(psplat_region *r, const double slope[2]) {
 }
 
 int psplat_fit_surface(const psplat_near_sample *samples, const uint32_t *some, size_t count,
-                       const double origin[3], int authored, psplat_region *r) {
+                       const double origin[3], double most_pull, psplat_region *r) {
     double scale = max2(r->radius[0], r->radius[1]), x[UNKNOWNS];
     memset(r->slope, 0, sizeof r->slope);
     memset(r->hessian, 0, sizeof r->hessian);
@@ -210,10 +210,7 @@ int psplat_fit_surface(const psplat_near_sample *samples, const uint32_t *some, 
         double center[3];
         sub3(center, r->center, origin);
         add_samples(&m, samples, some, count, r, center, scale);
-        if (authored)
-            solve_authored(&m, level, x);
-        else
-            solve(&m, slope_weight, level, x);
+        solve_bounded(&m, most_pull / scale, level, x);
         mad3(r->center, x[0] * scale, r->n);
         if (level) break;
         double turn = norm2(x[1], x[2]);

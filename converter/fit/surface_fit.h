@@ -29,10 +29,10 @@ double psplat_surface_slope_bound(const psplat_region *region);
  * relative to origin, by their heights and, with a small weight, by their normals. The region's
  * axes are turned about its centre, and that is moved along its normal, so that the surface passes
  * through the centre with normal n: its slope there is 0. Radii only set the scale; lines stay.
- * authored says that the normals are the file's: where the shape contradicts them, as on a box with
- * smooth normals, it alone counts. Returns 0, with the region flat, where the surface would be too
- * steep at the centre. */
+ * Where the normals would move the surface off the heights by more than most_pull (a length, root
+ * mean square; HUGE_VAL: any), as those of a box with smooth normals do, heights alone count.
+ * Returns 0, with the region flat, where the surface would be too steep at the centre. */
 int psplat_fit_surface(const psplat_near_sample *samples, const uint32_t *some, size_t count,
-                       const double origin[3], int authored, psplat_region *region);
+                       const double origin[3], double most_pull, psplat_region *region);
 
 #endif

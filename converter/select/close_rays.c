@@ -137,7 +137,7 @@ static void fit_to(const psplat_region *old, psplat_region *region) {
         samples[i].index = (uint32_t)i;
     }
     const double origin[3] = {region->center[0], region->center[1], region->center[2]};
-    psplat_fit_surface(samples, NULL, SIDES * RINGS, origin, 0, region);
+    psplat_fit_surface(samples, NULL, SIDES * RINGS, origin, HUGE_VAL, region);
 }
 
 /* How an ellipse is extended to a place outside: about the same centre, so that its frame and its
@@ -192,7 +192,7 @@ static psplat_result fit_to_samples(const psplat_fit_context *context, psplat_si
     }
     const double origin[3] = {near->origin[0], near->origin[1], near->origin[2]};
     if (count)
-        psplat_fit_surface(near->samples, some, count, origin, psplat_has_authored_normals(context),
+        psplat_fit_surface(near->samples, some, count, origin, psplat_most_normal_pull(context),
                            region);
     free(some);
     return PSPLAT_OK;

@@ -122,7 +122,7 @@ static void test_paraboloids(void **state) {
         psplat_region r = start_region(&q, 6 * psplat_random_unit(&random), 0, 1);
         /* a height that is off is found, too */
         mad3(r.center, 0.1 * signed_unit(&random), r.n);
-        assert_int_equal(psplat_fit_surface(samples, NULL, count, q.center, 0, &r), 1);
+        assert_int_equal(psplat_fit_surface(samples, NULL, count, q.center, HUGE_VAL, &r), 1);
         check_frame(&r);
         /* What the diagonal adds, 1e-9 of the trace, is some 1e-7 of the greatest heights, 1. */
         assert_true(farthest(&r, samples, count, q.center) < 1e-6);
@@ -147,7 +147,7 @@ static void test_tilted(void **state) {
         draw(&q, &random, 1, q.center, MOST, samples);
         tilt = fixture_pi / 3 * (trial + 1) / 200; /* up to 60 degrees */
         psplat_region r = start_region(&q, 6 * psplat_random_unit(&random), tilt, 1);
-        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 0, &r), 1);
+        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, HUGE_VAL, &r), 1);
         check_frame(&r);
         most = pow(2 * bend, 3) / 2;
         assert_true(farthest(&r, samples, MOST, q.center) < most + 1e-6);
@@ -171,7 +171,7 @@ static void test_some(void **state) {
         else
             mad3(samples[i].p, 5, q.axes[2]);
     psplat_region r = start_region(&q, 1, 0, 1);
-    assert_int_equal(psplat_fit_surface(samples, some, MOST / 2, q.center, 0, &r), 1);
+    assert_int_equal(psplat_fit_surface(samples, some, MOST / 2, q.center, HUGE_VAL, &r), 1);
     for (int k = 0; k < 3; ++k) assert_near(r.center[k], q.center[k], 1e-6);
     for (int k = 0; k < 3; ++k) assert_near(r.n[k], q.axes[2][k], 1e-6);
 }
@@ -197,7 +197,7 @@ static void test_sphere(void **state) {
                            .v = {0, 1, 0},
                            .n = {0, 0, 1},
                            .radius = {radii[c], radii[c]}};
-        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, origin, 0, &r), 1);
+        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, origin, HUGE_VAL, &r), 1);
         double x2 = radii[c] * radii[c], most = x2 * x2 / 8;
         /* Least squares leave up to twice of what the best of all would; 1.3 is for the sixth
          * order. */
@@ -225,7 +225,7 @@ static void test_few(void **state) {
             samples[i] = quadric_sample(&q, at * cos(turn), at * sin(turn), q.center);
         }
         psplat_region r = start_region(&q, 0, 0, 1);
-        assert_int_equal(psplat_fit_surface(samples, NULL, count, q.center, 0, &r), 1);
+        assert_int_equal(psplat_fit_surface(samples, NULL, count, q.center, HUGE_VAL, &r), 1);
         check_frame(&r);
         for (int k = 0; k < 3; ++k) assert_true(isfinite(r.hessian[k]) && isfinite(r.center[k]));
         assert_true(farthest(&r, samples, count, q.center) < 1e-5);
@@ -258,7 +258,7 @@ static void test_noise(void **state) {
         memcpy(exact, samples, sizeof exact);
         for (int i = 0; i < MOST; ++i) mad3(samples[i].p, noise * signed_unit(&random), q.axes[2]);
         psplat_region r = start_region(&q, 0, 0, 1);
-        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 0, &r), 1);
+        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, HUGE_VAL, &r), 1);
         /* Six unknowns of 400 equations: a standard deviation of 0.58 noise * sqrt(6 / 400) in the
          * mean, here times 7 for the rim of the worst of 50. */
         assert_true(farthest(&r, exact, MOST, q.center) < 0.5 * noise);
@@ -284,7 +284,7 @@ static void test_scale_and_place(void **state) {
         double tilt = 0.5 * psplat_random_unit(&random);
         draw(&q, &random, 1, q.center, MOST, samples);
         psplat_region first = start_region(&q, 1, tilt, 1);
-        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 0, &first), 1);
+        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, HUGE_VAL, &first), 1);
         for (size_t c = 0; c < sizeof cases / sizeof *cases; ++c) {
             double scale = cases[c].scale, slack = cases[c].slack, origin[3];
             psplat_region r = start_region(&q, 1, tilt, scale);
@@ -295,7 +295,7 @@ static void test_scale_and_place(void **state) {
                 origin[k] = q.center[k] * scale + cases[c].offset;
                 r.center[k] = origin[k];
             }
-            assert_int_equal(psplat_fit_surface(changed, NULL, MOST, origin, 0, &r), 1);
+            assert_int_equal(psplat_fit_surface(changed, NULL, MOST, origin, HUGE_VAL, &r), 1);
             for (int k = 0; k < 3; ++k) {
                 assert_near(r.n[k], first.n[k], slack);
                 assert_near(r.u[k], first.u[k], slack);
@@ -319,7 +319,7 @@ static void test_steep(void **state) {
         draw(&q, &random, 1, q.center, MOST, samples);
         psplat_region r = start_region(&q, 0, atan(steep ? 3.3 : 2.7), 1);
         for (int k = 0; k < 3; ++k) r.hessian[k] = r.slope[k % 2] = 7; /* what it had before */
-        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 0, &r), !steep);
+        assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, HUGE_VAL, &r), !steep);
         assert_int_equal(psplat_region_is_curved(&r) && steep, 0);
         if (!steep) assert_near(fabs(dot3(r.n, q.axes[2])), 1, 1e-9);
     }
@@ -365,15 +365,15 @@ static void test_authored_normals(void **state) {
         normalize3(samples[i].n);
     }
     psplat_region r = start_region(&q, 1, 0.2, 1), other = r;
-    assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 0, &r), 1);
+    assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, HUGE_VAL, &r), 1);
     assert_true(farthest(&r, samples, MOST, q.center) > 0.05);
-    assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 1, &other), 1);
+    assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 0.02, &other), 1);
     assert_true(farthest(&other, samples, MOST, q.center) < 1e-4);
     q = random_quadric(&random, 0.5);
     draw(&q, &random, 1, q.center, MOST, samples);
     r = other = start_region(&q, 1, 0.2, 1);
-    assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 0, &r), 1);
-    assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 1, &other), 1);
+    assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, HUGE_VAL, &r), 1);
+    assert_int_equal(psplat_fit_surface(samples, NULL, MOST, q.center, 0.02, &other), 1);
     assert_memory_equal(&r, &other, sizeof r);
 }
 
