@@ -176,8 +176,8 @@ static double height_error(const sums *sums, const double x[UNKNOWNS]) {
     return error;
 }
 
-/* Solves them with a weight of slopes that moves the surface off the heights by at most that, root
- * mean square, in units of the scale. */
+/* Solves the normal equations with the weight of slopes, or with the least one where that moves the
+ * surface off the heights by more than most_pull, root mean square, in units of the scale. */
 static void solve_bounded(const sums *sums, double most_pull, int level, double x[UNKNOWNS]) {
     double other[UNKNOWNS];
     solve(sums, slope_weight, level, x);

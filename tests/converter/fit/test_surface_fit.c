@@ -351,8 +351,8 @@ static void test_bounds(void **state) {
     }
 }
 
-/* A side of a box with smooth normals is a plane, though its normals are those of a ball. A ball
- * with normals of its own stays one to the last bit. */
+/* A side of a box with smooth normals is a plane, though its normals are those of a ball. A surface
+ * that has the normals it is given stays as it is, to the last bit. */
 static void test_authored_normals(void **state) {
     (void)state;
     uint64_t random = 17;
