@@ -288,7 +288,7 @@ static psplat_fit_status check_limits(const psplat_fit_context *context, int ski
     psplat_fit_status status = PSPLAT_FIT_KEPT;
     if (!(skip & PSPLAT_SKIP_COLORS)) status = psplat_evaluate_colors(context, e->count);
     if (!status && !(skip & PSPLAT_SKIP_COLORS))
-        status = psplat_evaluate_texcoords(context, &e->region);
+        status = psplat_evaluate_texcoords(context, &e->region, e->count);
     if (!status && gains && !(skip & PSPLAT_SKIP_NEARNESS))
         status = psplat_evaluate_nearness(context, &e->region, !(skip & PSPLAT_SKIP_EXACTNESS));
     if (!status && (gains || context->limits->normal_tolerance > 0) &&

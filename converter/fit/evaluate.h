@@ -152,16 +152,15 @@ void psplat_candidate_put_nearest_first(const psplat_samples *samples, const dou
 /* evaluate_color.c: returns KEPT where the colours of the covered samples (count) are within the
  * tolerance of one colour that may change linearly, else COLORS_DIFFER. */
 psplat_fit_status psplat_evaluate_colors(const psplat_fit_context *context, size_t count);
-/* evaluate_texcoord.c: fits texture coordinates of a region to the samples in it, at least one, and
- * to those of its chart that lie a little beyond its rim. The samples in it are those of the last
- * evaluation, which must have been one of this region, or those that a candidate is recorded to
- * cover (recorded; or NULL). */
+/* evaluate_texcoord.c: fits texture coordinates of a region to the samples that a candidate is
+ * recorded to cover, at least one, and to those of its chart that lie a little beyond its rim, as
+ * the last evaluation met them, which must have been one of this region. */
 void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const psplat_region *region,
-                                   const psplat_candidate *recorded, psplat_texcoord *fitted);
-/* The same, and returns KEPT where the texture slides nowhere there beyond its tolerance, else
+                                   const psplat_candidate *candidate, psplat_texcoord *fitted);
+/* The same for the covered samples (count) of the last evaluation, and returns KEPT where the texture slides nowhere there beyond its tolerance, else
  * TEXTURE_SLIDES. */
 psplat_fit_status psplat_evaluate_texcoords(const psplat_fit_context *context,
-                                            const psplat_region *region);
+                                            const psplat_region *region, size_t count);
 /* evaluate_near.c: returns KEPT where the region is within the tolerance of the surface that is
  * connected with the site, else LEAVES_SURFACE or MEMORY. With exact, points all over the region
  * are measured against the mesh, also those a little beyond borders of charts; else points of its

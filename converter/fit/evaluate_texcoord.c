@@ -6,11 +6,12 @@
  * The samples are those that the region covers and those that lie a little beyond its rim, on the
  * same chart: coordinates that are interpolated at the rim do not fly off there. The flood that
  * gathered them crosses no border of charts, but it may go around the end of one, or once around
- * the neck of a vase, and come to its other side: in the coordinates that are kept, what lies
- * behind such a border beyond the rim does not count. A region on trial keeps it, so that one that
- * ends close to the other side is rather found too large. Coordinates of curved
- * splats are of the second order: on a surface that bends coordinates mostly do, too, and of linear
- * ones up to twice as many splats are needed.
+ * the neck of a vase, and come to its other side: what lies behind such a border does not count
+ * where it is beyond the rim, nor where it is less far inside than a splat may reach over a crease:
+ * lines on the grid of a file leave their borders a little, and in the end they are moved out. What
+ * lies farther inside does count, so that a region that reaches over a border is found too large.
+ * Coordinates of curved splats are of the second order: on a surface that bends coordinates mostly
+ * do, too, and of linear ones up to twice as many splats are needed.
  */
 #include "base/region.h"
 #include "base/vector.h"
@@ -28,6 +29,10 @@
  * Chosen by hand. */
 static const double rim_spacings = 0.75, greatest_height_tolerances = 1.5;
 
+/* How far the lines of splats reach over the borders of charts once they have been moved out, in
+ * tolerances (select/close_seams.c). */
+static const double reach_tolerances = 0.8;
+
 /* How far beside a border, as a part of the way to the middle of its triangle, a sample counts that
  * lies on it: enough for rounding. */
 static const double beside_border = 1e-3;
@@ -40,15 +45,17 @@ static const double beside_border = 1e-3;
 typedef struct walled {
     const psplat_fit_context *context;
     const psplat_region *region;
-    double from[2];    /* (u, v) of a point inside */
+    double depth;      /* inside lines, up to which what is behind a wall does not count */
+    uint32_t inside;   /* a covered sample */
+    double from[2];    /* (u, v) of a point at that */
     size_t wall_count; /* in scratch->segments, in (u, v) of the region */
 } walled;
 
-/* Returns whether the last gathering met the triangle across a crease. */
-static int met_across(const psplat_fit_context *context, uint32_t across) {
+/* Returns whether the last gathering met a triangle. */
+static int was_met(const psplat_fit_context *context, uint32_t triangle) {
     const psplat_neighborhood *near = &context->scratch->near;
-    if (across == PSPLAT_NONE) return 0;
-    return near->stamps[context->samples->clusters.of_triangles[across]] == near->stamp;
+    if (triangle == PSPLAT_NONE) return 0;
+    return near->stamps[context->samples->clusters.of_triangles[triangle]] == near->stamp;
 }
 
 /* Finds the walls within a length of a region. */
@@ -59,14 +66,14 @@ static size_t find_walls(const psplat_fit_context *context, const psplat_region 
     size_t count, kept = 0;
     int met = 0;
     for (size_t i = 0; i < s->near.crease_count && !met; ++i)
-        met = met_across(context, context->surface->neighbors[s->near.creases[i]]);
+        met = was_met(context, context->surface->neighbors[s->near.creases[i]]);
     if (!met) return 0;
     grown.line_count = 0;
     for (int k = 0; k < 2; ++k) grown.radius[k] += beyond;
     count = psplat_segments_find(context->surface, s->near.creases, s->near.crease_count, &grown,
                                  2 * context->limits->tolerance, s->segments);
     for (size_t i = 0; i < count; ++i) {
-        if (!met_across(context, s->segments[i].across)) continue;
+        if (!was_met(context, s->segments[i].across)) continue;
         psplat_segment wall = s->segments[i];
         for (int k = 0; k < 2; ++k) {
             wall.a[k] *= grown.radius[k] / region->radius[k];
@@ -109,13 +116,43 @@ static int is_behind_wall(const walled *w, uint32_t sample) {
     return 0;
 }
 
-/* Finds the part of a region's surroundings that a sample lies in. */
-static walled walled_around(const psplat_fit_context *context, const psplat_region *region,
-                            uint32_t sample, double beyond) {
-    walled w = {.context = context, .region = region};
-    w.wall_count = find_walls(context, region, beyond);
-    if (w.wall_count) place_beside(&w, sample, w.from);
-    return w;
+/* Returns how far parameters lie inside a region's lines, in its smaller radius. */
+static double depth_inside_lines(const psplat_region *region, const double uv[2]) {
+    double depth = HUGE_VAL;
+    for (uint32_t line = 0; line < region->line_count; ++line)
+        depth = min2(depth, psplat_region_line_value(region, line, uv));
+    return depth;
+}
+
+/* Returns whether parameters lie inside the region, and so far from its lines that it reaches over
+ * the border of a chart there. */
+static int is_deep_inside(const walled *w, const double uv[2]) {
+    return uv[0] * uv[0] + uv[1] * uv[1] <= 1 &&
+           depth_inside_lines(w->region, uv) * w->region->radius[1] >= w->depth;
+}
+
+/* Returns whether a sample, whose parameters are given, is not to count. */
+static int is_across(const walled *w, uint32_t sample, const double uv[2]) {
+    return is_behind_wall(w, sample) && !is_deep_inside(w, uv);
+}
+
+/* The same of a sample that a candidate is recorded to cover: another gathering than the last may
+ * have met it, around a border. */
+static int is_recorded_across(const walled *w, uint32_t sample, const double uv[2]) {
+    return !was_met(w->context, w->context->samples->triangles[sample]) || is_across(w, sample, uv);
+}
+
+/* Offers a covered sample as the point inside: that which is farthest inside the rim and the lines
+ * is taken, since others may lie on the border of a chart, or across. */
+static void offer_inside(walled *w, uint32_t sample, const double uv[2], double *depth) {
+    double own = min2(1 - norm2(uv[0], uv[1]), depth_inside_lines(w->region, uv));
+    if (own > *depth) *depth = own, w->inside = sample;
+}
+
+/* Finds what stands around the point inside. */
+static void find_surroundings(walled *w, double beyond) {
+    w->wall_count = find_walls(w->context, w->region, beyond);
+    if (w->wall_count) place_beside(w, w->inside, w->from);
 }
 
 /* ---- samples --------------------------------------------------------------------------------- */
@@ -146,42 +183,73 @@ static void add_sample(const psplat_fit_context *context, uint32_t sample, const
 }
 
 void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const psplat_region *region,
-                                   const psplat_candidate *recorded, psplat_texcoord *fitted) {
+                                   const psplat_candidate *candidate, psplat_texcoord *fitted) {
     const psplat_scratch *s = context->scratch;
-    double beyond = rim_spacings * context->samples->spacing, uvh[3];
+    double rim = rim_spacings * context->samples->spacing, uvh[3], depth = -HUGE_VAL;
     psplat_texcoord_sums sums = {.weight = 0};
-    walled inside = {.context = context};
-    if (recorded) inside = walled_around(context, region, recorded->covered[0], beyond);
-    for (size_t i = 0; recorded && i < recorded->covered_count; ++i) {
-        uint32_t sample = recorded->covered[i];
+    walled inside = {.context = context,
+                     .region = region,
+                     .depth = reach_tolerances * context->limits->tolerance,
+                     .inside = candidate->covered[0]};
+    for (size_t i = 0; i < candidate->covered_count; ++i) {
+        uint32_t sample = candidate->covered[i];
+        if (!was_met(context, context->samples->triangles[sample])) continue;
         psplat_region_local(region, context->samples->positions + 3 * (size_t)sample, uvh);
-        add_sample(context, sample, uvh, &sums);
+        offer_inside(&inside, sample, uvh, &depth);
+    }
+    find_surroundings(&inside, rim);
+    for (size_t i = 0; i < candidate->covered_count; ++i) {
+        uint32_t sample = candidate->covered[i];
+        psplat_region_local(region, context->samples->positions + 3 * (size_t)sample, uvh);
+        if (sample == inside.inside || !is_recorded_across(&inside, sample, uvh))
+            add_sample(context, sample, uvh, &sums);
     }
     for (size_t i = 0; i < s->near_count; ++i) {
-        if (!counts(context, region, beyond, i)) continue;
-        int is_within = counts(context, region, 0, i);
-        if (!(is_within && recorded) && !is_behind_wall(&inside, s->near.samples[i].index))
-            add_sample(context, s->near.samples[i].index, s->uvh[i], &sums);
+        uint32_t sample = s->near.samples[i].index;
+        if (counts(context, region, rim, i) && !counts(context, region, 0, i) &&
+            !is_across(&inside, sample, s->uvh[i]))
+            add_sample(context, sample, s->uvh[i], &sums);
     }
     psplat_texcoord_sums_fit(&sums, region, psplat_region_is_curved(region), fitted);
 }
 
+/* Fits coordinates to the samples of the last evaluation. */
+static void fit_evaluated(const walled *inside, double rim, psplat_texcoord *fitted) {
+    const psplat_fit_context *context = inside->context;
+    const psplat_scratch *s = context->scratch;
+    psplat_texcoord_sums sums = {.weight = 0};
+    for (size_t i = 0; i < s->near_count; ++i) {
+        uint32_t sample = s->near.samples[i].index;
+        if (counts(context, inside->region, rim, i) && !is_across(inside, sample, s->uvh[i]))
+            add_sample(context, sample, s->uvh[i], &sums);
+    }
+    psplat_texcoord_sums_fit(&sums, inside->region, psplat_region_is_curved(inside->region),
+                             fitted);
+}
+
 psplat_fit_status psplat_evaluate_texcoords(const psplat_fit_context *context,
-                                            const psplat_region *region) {
+                                            const psplat_region *region, size_t count) {
     const psplat_limits *limits = context->limits;
     const psplat_scratch *s = context->scratch;
     if (!context->samples->texcoords ||
         !(limits->texture_tolerance > 0 || limits->texture_tolerance_texels > 0))
         return PSPLAT_FIT_KEPT;
-    uint32_t first = context->samples->triangles[s->near.samples[s->covered[0]].index];
-    const psplat_kept_textures *kept = psplat_surface_kept_textures(context->surface, first);
+    uint32_t first = s->near.samples[s->covered[0]].index;
+    const psplat_kept_textures *kept =
+        psplat_surface_kept_textures(context->surface, context->samples->triangles[first]);
     if (!kept) return PSPLAT_FIT_KEPT;
+    double rim = rim_spacings * context->samples->spacing, depth = -HUGE_VAL;
+    walled inside = {.context = context, .region = region, .depth = limits->crease_slack};
+    for (size_t i = 0; i < count; ++i)
+        offer_inside(&inside, s->near.samples[s->covered[i]].index, s->uvh[s->covered[i]], &depth);
+    find_surroundings(&inside, rim);
     psplat_texcoord fitted;
-    psplat_evaluate_fit_texcoords(context, region, NULL, &fitted);
+    fit_evaluated(&inside, rim, &fitted);
     for (size_t i = 0; i < s->near_count; ++i) {
-        const float *given = context->samples->texcoords + 2 * (size_t)s->near.samples[i].index;
+        uint32_t sample = s->near.samples[i].index;
+        const float *given = context->samples->texcoords + 2 * (size_t)sample;
         double error[2];
-        if (!counts(context, region, 0, i)) continue;
+        if (!counts(context, region, 0, i) || is_across(&inside, sample, s->uvh[i])) continue;
         psplat_texcoord_at(&fitted, s->uvh[i], error);
         for (int k = 0; k < 2; ++k) error[k] -= (double)given[k];
         psplat_slide slide = psplat_texcoord_slide(&fitted, region, s->uvh[i], kept->texels, error);

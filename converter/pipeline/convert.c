@@ -163,6 +163,20 @@ static psplat_result cover(psplat_conversion *c, const psplat_mesh *mesh, psplat
     return result ? result : psplat_fill_holes(c, error);
 }
 
+/* Moves the lines of splats out to those beside them, where they keep the promise of creases. */
+static psplat_result join_splats(psplat_conversion *c) {
+    const psplat_fit_context context = psplat_conversion_context(c);
+    size_t count = c->selection.count;
+    psplat_region *before = malloc((count + 1) * sizeof *before);
+    if (!before) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < count; ++i) before[i] = c->selection.candidates[i].region;
+    psplat_result result = psplat_close_seams(&context, &c->selection);
+    if (!result) result = psplat_close_cracks(c);
+    if (!result) result = psplat_take_back_crossings(c, before);
+    free(before);
+    return result;
+}
+
 /* Makes the splats of the file from those that cover the surface. */
 static psplat_result complete(psplat_conversion *c, psplat_error *error) {
     const psplat_fit_context context = psplat_conversion_context(c);
@@ -180,7 +194,7 @@ static psplat_result complete(psplat_conversion *c, psplat_error *error) {
     if (!result) result = psplat_mend_textures(c, 1, error);
     if (!result) result = psplat_mend_creases(c, error);
     if (result) return result;
-    if (psplat_close_seams(&context, &c->selection) || psplat_close_cracks(c))
+    if (join_splats(c))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
     if (psplat_open_seams(&context, &c->kernel, &c->selection))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while opening seams");

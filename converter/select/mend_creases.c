@@ -89,6 +89,15 @@ static psplat_result replace(mender *m, psplat_error *error) {
     return result;
 }
 
+psplat_result psplat_take_back_crossings(psplat_conversion *c, const psplat_region *before) {
+    mender m = {.c = c};
+    psplat_result result = find_crossed(&m);
+    for (size_t i = 0; i < c->selection.count && !result; ++i)
+        if (m.crossed[i]) c->selection.candidates[i].region = before[i];
+    free(m.crossed);
+    return result;
+}
+
 psplat_result psplat_mend_creases(psplat_conversion *c, psplat_error *error) {
     psplat_result result = PSPLAT_OK;
     size_t crossings = 1;

@@ -7,6 +7,7 @@
 
 #include <phongsplat/splat.h>
 
+#include "base/region.h"
 #include "select/conversion.h"
 
 /* Shrinks taken candidates, which are all of the selection, in which a crease of their own sheet
@@ -16,5 +17,10 @@
  * Without this, a single such place made a file several times as large, since it was written with
  * floats. Errors: MEMORY, INTERRUPTED, RANGE (too many samples). */
 psplat_result psplat_mend_creases(psplat_conversion *c, psplat_error *error);
+
+/* Gives the candidates in which creases lie deeper than the tolerance now the regions that they had
+ * before, by index. For those whose lines have been moved out (close_seams.h, close_cracks.h): a
+ * line that may reach a little over its own crease may meet another one there. Errors: MEMORY. */
+psplat_result psplat_take_back_crossings(psplat_conversion *c, const psplat_region *before);
 
 #endif
