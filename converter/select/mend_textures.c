@@ -16,6 +16,7 @@
 #include "fit/candidate.h"
 #include "fit/fit_context.h"
 #include "fit/texture_candidates.h"
+#include "measure/hidden_samples.h"
 #include "measure/measured_splats.h"
 #include "measure/texture_slides.h"
 #include "select/fill_holes.h"
@@ -92,12 +93,19 @@ static psplat_result measure_candidates(mender *m) {
     return m->measured.region_tree ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
 }
 
-/* Returns whether a texture slides too far at a point, and one sees it. */
-static int slides_too_far(const mender *m, size_t point) {
-    double texels = m->c->desc->texture_tolerance_texels;
-    if (!m->slides.seen[point]) return 0;
-    if (texels > 0) return m->slides.texels[point] > texels;
-    return fmin(m->slides.lengths[point], m->slides.ways[point]) > m->c->tolerance;
+/* Stores whether a texture slides too far at a point, and one sees it. */
+static psplat_result find_whether_wrong(const mender *m, size_t point, int *wrong) {
+    const psplat_conversion *c = m->c;
+    double texels = c->desc->texture_tolerance_texels;
+    int hidden;
+    *wrong = m->slides.seen[point] &&
+             (texels > 0 ? m->slides.texels[point] > texels
+                         : fmin(m->slides.lengths[point], m->slides.ways[point]) > c->tolerance);
+    if (!*wrong) return PSPLAT_OK;
+    psplat_result result =
+        psplat_sample_is_hidden(&c->surface, &m->points, c->distance, c->tolerance, point, &hidden);
+    *wrong = !result && !hidden;
+    return result;
 }
 
 /* Finds at which of at most so many points textures slide too far. */
@@ -119,8 +127,10 @@ static psplat_result find_wrong(mender *m, size_t most, uint64_t seed, psplat_er
     result =
         psplat_texture_slides_find(&c->surface, &m->points, &m->splats, &m->measured, &m->slides);
     for (size_t i = 0; i < m->points.count && !result; ++i) {
+        int wrong;
         m->covered_count += m->slides.lengths[i] >= 0;
-        if (slides_too_far(m, i)) m->wrong[m->wrong_count++] = (uint32_t)i;
+        result = find_whether_wrong(m, i, &wrong);
+        if (wrong) m->wrong[m->wrong_count++] = (uint32_t)i;
     }
     return result;
 }

@@ -16,11 +16,15 @@
 #include "splats/splats.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The greatest bend of a clip line (spec 3.6) less what rounding to floats may add, and the most
  * steps of its distance, as many as two bytes hold. */
 static const double greatest_bend = 4 - 1e-5;
+/* The same of the left side of spec (3a), with which the normal stays within acos 0.05 of N, too.
+ */
+static const double greatest_field_slope = 19.9;
 enum { MOST_LINE_STEPS = 32767 };
 
 void psplat_turn_basis(const double n[3], double b1[3], double b2[3]) {
@@ -246,6 +250,31 @@ static void encode_tilt(const double normal[3], const double axes[3][3], double 
     for (int k = 0; k < 2; ++k) code[k] = round_to(dot3(normal, axes[k]) / height, step);
 }
 
+/* Returns the left side of spec (3a) for a field's code: its slope at the centre and the greatest
+ * change of that over the ellipse. */
+static double field_slope(const psplat_precision *p, const psplat_quantized_splat *code) {
+    double ratio = exp((code->scale[1] - code->scale[0]) * p->scale_step);
+    double tilt = p->tilt_step * norm2(code->tilt[0], code->tilt[1]);
+    double mixed = sqrt(1 + ratio * ratio) * code->field[2];
+    return tilt + p->field_step * norm2(norm2(code->field[0], code->field[1]), mixed);
+}
+
+/* Takes steps off a field until it keeps the bound of spec (3a), each off its greatest number: a
+ * field just within the bound may be rounded to one beyond. */
+static void bound_field(const psplat_precision *p, psplat_quantized_splat *code) {
+    while (field_slope(p, code) > greatest_field_slope) {
+        int32_t *numbers[5] = {&code->tilt[0], &code->tilt[1], &code->field[0], &code->field[1],
+                               &code->field[2]};
+        int greatest = 0;
+        for (int k = 1; k < 5; ++k) {
+            double step = k < 2 ? p->tilt_step : p->field_step;
+            double best = greatest < 2 ? p->tilt_step : p->field_step;
+            if (abs(*numbers[k]) * step > abs(*numbers[greatest]) * best) greatest = k;
+        }
+        *numbers[greatest] += *numbers[greatest] > 0 ? -1 : 1;
+    }
+}
+
 /* Encodes the normal field of a splat where it is not that of a curved surface. */
 static void encode_field(const psplat_precision *p, const psplat_region *region,
                          const psplat_splat *splat, const double axes[3][3],
@@ -257,6 +286,7 @@ static void encode_field(const psplat_precision *p, const psplat_region *region,
     for (int k = 0; k < 3; ++k) normal[k] = (double)splat->normal[k];
     encode_tilt(normal, axes, p->tilt_step, code->tilt);
     encode_changes(region, axes, change, region->radius, p->field_step, code->field);
+    bound_field(p, code);
 }
 
 /* Encodes the surface of a curved splat. The radii that are stored are those of the code, so that

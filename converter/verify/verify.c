@@ -20,6 +20,7 @@
 #include "features/surface.h"
 #include "material/mipmap.h"
 #include "measure/crease_crossings.h"
+#include "measure/hidden_samples.h"
 #include "measure/holes.h"
 #include "measure/measured_splats.h"
 #include "measure/point_blend.h"
@@ -540,18 +541,23 @@ static void sum_up_slides(verifier *r, psplat_texture_slides *slides) {
     report->foreign_texture_percent = 100 * slides->foreign;
 }
 
-/* Stores the slides that the promise is about, in texels or as lengths: where one sees nothing of
- * them they count as `most` at most. A length is the shorter one of the splat's own, and of the way
- * to where the surface has what the splat shows. Stores r->samples.count, which the caller frees;
- * NULL: out of memory. */
-static double *promised_slides(const verifier *r, const psplat_texture_slides *slides,
-                               int in_texels, double most) {
-    double *values = malloc((r->samples.count + 1) * sizeof *values);
-    for (size_t i = 0; i < r->samples.count && values; ++i) {
+/* Stores the slides that the promise is about, in texels or as lengths, r->samples.count: where one
+ * sees nothing of them, since what is shown looks the same or the sample is hidden, they count as
+ * `most` at most. A length is the shorter one of the splat's own, and of the way to where the
+ * surface has what the splat shows. */
+static psplat_result find_promised_slides(const verifier *r, const psplat_texture_slides *slides,
+                                          int in_texels, double most, double *values) {
+    const psplat_verification *v = r->v;
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < r->samples.count && !result; ++i) {
+        int hidden = !slides->seen[i];
         values[i] = in_texels ? slides->texels[i] : min2(slides->lengths[i], slides->ways[i]);
-        if (!slides->seen[i]) values[i] = min2(values[i], most);
+        if (!hidden && values[i] > most)
+            result = psplat_sample_is_hidden(v->surface, &r->samples, v->distance,
+                                             r->measured.tolerance, i, &hidden);
+        if (hidden) values[i] = min2(values[i], most);
     }
-    return values;
+    return result;
 }
 
 /* Reports the samples at which one sees that a texture slides too far, and how far it does. */
@@ -560,8 +566,13 @@ static psplat_result report_slides(verifier *r, psplat_texture_slides *slides) {
     int in_texels = limit > 0;
     if (!in_texels) limit = r->v->tolerance_percent, unit = 100 / r->v->diagonal;
     double most = limit * (1 + rounding_slack);
-    double *values = promised_slides(r, slides, in_texels, limit / unit);
-    if (!values) return PSPLAT_ERROR_MEMORY;
+    double *values = malloc((r->samples.count + 1) * sizeof *values);
+    psplat_result result = values ? find_promised_slides(r, slides, in_texels, limit / unit, values)
+                                  : PSPLAT_ERROR_MEMORY;
+    if (result) {
+        free(values);
+        return result;
+    }
     size_t broken = count_far(values, r->samples.count, most / unit, spared_share, &worst);
     for (size_t i = 0; broken && broken != SIZE_MAX && i < r->samples.count; ++i)
         if (values[i] * unit > most)

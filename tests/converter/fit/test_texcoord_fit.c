@@ -270,15 +270,9 @@ static void test_candidates(void **state) {
     stage_end(&s);
 }
 
-/* A splat beside the seam of a tube, which it is long enough to meet from both sides: samples
- * across the seam lie beyond its line, and their coordinates are off by a whole image. What it gets
- * errs by what sines leave of angles, 0.007 at the rim. */
-static void test_around_a_neck(void **state) {
-    (void)state;
-    stage s = {.limits = {.tolerance = 0.02, .crease_tolerance = 0.01}};
-    charted_make_tube(&s.c);
-    fixture_sample(&s.c.f, 0.02);
-    s.limits.distance = s.c.f.distance;
+/* A splat on a tube beside its seam, which it is long enough to meet from both sides. Its line
+ * stands so far beyond the seam. */
+static psplat_region region_beside_seam(double beyond) {
     psplat_region region = {.center = {0.2, 0, 0},
                             .u = {0, 0, 1},
                             .v = {0, -1, 0},
@@ -288,31 +282,109 @@ static void test_around_a_neck(void **state) {
     double seam[3], p[3];
     place_tube(0, 0.5, p);
     psplat_region_local(&region, p, seam);
-    region.lines[0][1] = 1, region.lines[0][2] = -seam[1] - 0.02;
+    region.lines[0][1] = 1, region.lines[0][2] = -seam[1] + beyond / region.radius[1];
     region.line_count = 1;
-    psplat_candidate c = {.region = region, .taken = 1};
-    const psplat_samples *samples = &s.c.f.samples;
+    return region;
+}
+
+/* Makes a candidate of all samples inside a region, but for a margin at its rim, of which the first
+ * is nearest to its centre. The caller frees what it covers. */
+static psplat_candidate candidate_of(const stage *s, const psplat_region *region) {
+    const psplat_samples *samples = &s->c.f.samples;
+    psplat_candidate c = {.region = *region, .taken = 1};
     c.covered = malloc(samples->count * sizeof *c.covered);
     assert_non_null(c.covered);
     for (uint32_t i = 0; i < samples->count; ++i) {
         double uvh[3];
-        psplat_region_local(&region, samples->positions + 3 * (size_t)i, uvh);
-        if (fabs(uvh[2]) < 0.01 && psplat_region_contains(&region, uvh, 0.95, 0))
+        psplat_region_local(region, samples->positions + 3 * (size_t)i, uvh);
+        if (fabs(uvh[2]) < 0.01 && psplat_region_contains(region, uvh, 0.95, 0))
             c.covered[c.covered_count++] = i;
     }
     assert_true(c.covered_count > 50);
-    psplat_candidate_put_nearest_first(samples, region.center, &c);
+    psplat_candidate_put_nearest_first(samples, region->center, &c);
     c.triangle = samples->triangles[c.covered[0]];
-    psplat_fit_context context = fixture_context(&s.c.f, &s.limits, NULL);
-    assert_int_equal(psplat_fit_texcoords(&context, &c, 1), PSPLAT_OK);
-    for (size_t i = 0; i < c.covered_count; ++i) {
+    return c;
+}
+
+/* Fits the coordinates of a candidate, and tests them at the samples that it covers on its own side
+ * of the seam. Samples across have coordinates that are off by a whole image. What the splat gets
+ * errs by what sines leave of angles, 0.007 at the rim. */
+static void assert_own_side_fits(stage *s, psplat_candidate *c, size_t least_across) {
+    const psplat_samples *samples = &s->c.f.samples;
+    psplat_fit_context context = fixture_context(&s->c.f, &s->limits, NULL);
+    size_t across = 0;
+    assert_int_equal(psplat_fit_texcoords(&context, c, 1), PSPLAT_OK);
+    for (size_t i = 0; i < c->covered_count; ++i) {
         double uvh[3], at[2];
-        const float *given = samples->texcoords + 2 * (size_t)c.covered[i];
-        psplat_region_local(&region, samples->positions + 3 * (size_t)c.covered[i], uvh);
-        psplat_texcoord_at(&c.texcoord, uvh, at);
+        const float *given = samples->texcoords + 2 * (size_t)c->covered[i];
+        psplat_region_local(&c->region, samples->positions + 3 * (size_t)c->covered[i], uvh);
+        psplat_texcoord_at(&c->texcoord, uvh, at);
+        across += given[0] < 0.5f;
+        if (given[0] < 0.5f) continue;
         for (int k = 0; k < 2; ++k) assert_near(at[k], (double)given[k], 0.01);
     }
+    assert_true(across >= least_across);
+}
+
+/* Samples across the seam lie beyond a line that stands before it. */
+static void test_around_a_neck(void **state) {
+    (void)state;
+    stage s = {.limits = {.tolerance = 0.02, .crease_tolerance = 0.01}};
+    charted_make_tube(&s.c);
+    fixture_sample(&s.c.f, 0.02);
+    s.limits.distance = s.c.f.distance;
+    const psplat_region region = region_beside_seam(-0.0024);
+    psplat_candidate c = candidate_of(&s, &region);
+    assert_own_side_fits(&s, &c, 0);
     free(c.covered);
+    stage_end(&s);
+}
+
+/* Where lines have been moved out over the seam, by 0.7 of the tolerance, samples across lie inside
+ * the splat, and do not count. */
+static void test_over_a_seam(void **state) {
+    (void)state;
+    stage s = {.limits = {.tolerance = 0.02, .crease_tolerance = 0.01}};
+    charted_make_tube(&s.c);
+    fixture_sample(&s.c.f, 0.005);
+    s.limits.distance = s.c.f.distance;
+    const psplat_region region = region_beside_seam(0.014);
+    psplat_candidate c = candidate_of(&s, &region);
+    assert_own_side_fits(&s, &c, 20);
+    free(c.covered);
+    stage_end(&s);
+}
+
+/* On trial, a line may stand a little beyond the seam, as on the grid of a file; a region that
+ * reaches far over the seam shows the wrong part of the image there. */
+static void test_seam_on_trial(void **state) {
+    (void)state;
+    static const struct {
+        double beyond;
+        psplat_fit_status status;
+    } cases[] = {
+        {-0.0024, PSPLAT_FIT_KEPT}, {0.004, PSPLAT_FIT_KEPT}, {0.014, PSPLAT_FIT_TEXTURE_SLIDES}};
+    stage s = {.limits = {.tolerance = 0.02,
+                          .crease_tolerance = 0.01,
+                          .crease_slack = 0.006,
+                          .texture_tolerance = 0.02}};
+    charted_make_tube(&s.c);
+    fixture_sample(&s.c.f, 0.005);
+    s.limits.distance = s.c.f.distance;
+    psplat_fit_context context = fixture_context(&s.c.f, &s.limits, NULL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        const psplat_region region = region_beside_seam(cases[i].beyond);
+        psplat_candidate c = candidate_of(&s, &region);
+        psplat_site site = psplat_site_of(&region, c.triangle);
+        const psplat_demands demands = {.skip = PSPLAT_SKIP_LINES | PSPLAT_SKIP_NEARNESS |
+                                                PSPLAT_SKIP_NORMALS};
+        psplat_scratch scratch = {0};
+        context.scratch = &scratch;
+        psplat_evaluation e = psplat_evaluate(&context, &site, &region, &demands);
+        assert_int_equal(e.status, cases[i].status);
+        psplat_scratch_free(&scratch);
+        free(c.covered);
+    }
     stage_end(&s);
 }
 
@@ -322,6 +394,7 @@ int test_texcoord_fit_main(void) {
         cmocka_unit_test(test_far_samples),  cmocka_unit_test(test_row),
         cmocka_unit_test(test_one_sample),   cmocka_unit_test(test_limits),
         cmocka_unit_test(test_candidates),   cmocka_unit_test(test_around_a_neck),
+        cmocka_unit_test(test_over_a_seam),  cmocka_unit_test(test_seam_on_trial),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

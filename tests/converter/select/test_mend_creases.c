@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include <math.h>
+#include <string.h>
 #include <cmocka.h>
 
 #include "stage_fixture.h"
@@ -156,11 +157,41 @@ static void test_shrinks(void **state) {
     end(&r);
 }
 
+/* Of splats whose lines have been moved out, those that reach too far over creases now get their
+ * old regions back, and the others keep what they have. */
+static void test_taken_back(void **state) {
+    (void)state;
+    mended r;
+    size_t open;
+    begin(&r);
+    size_t count = r.c.selection.count;
+    psplat_region *regions = malloc(count * sizeof *regions);
+    assert_non_null(regions);
+    assert_true(count >= 2);
+    for (size_t i = 0; i < count; ++i) {
+        psplat_region *region = &r.c.selection.candidates[i].region;
+        regions[i] = *region;
+        double reach = (i % 2 ? 0.5 : 3) * r.c.tolerance; /* 3 tolerances are too far */
+        for (uint32_t k = 0; k < region->line_count; ++k)
+            region->lines[k][2] += reach / region->radius[1];
+    }
+    assert_true(count_crossings(&r, &open) > 0);
+    assert_int_equal(psplat_take_back_crossings(&r.c, regions), PSPLAT_OK);
+    assert_int_equal(count_crossings(&r, &open), 0);
+    for (size_t i = 0; i < count; ++i) {
+        int is_old = !memcmp(&regions[i], &r.c.selection.candidates[i].region, sizeof *regions);
+        assert_int_equal(is_old, regions[i].line_count == 0 || i % 2 == 0);
+    }
+    free(regions);
+    end(&r);
+}
+
 int test_mend_creases_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lost_lines),
         cmocka_unit_test(test_whole),
         cmocka_unit_test(test_shrinks),
+        cmocka_unit_test(test_taken_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

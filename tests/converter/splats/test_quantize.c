@@ -16,6 +16,7 @@
 #include <cmocka.h>
 
 #include "writer_fixture.h"
+#include "base/random.h"
 #include "base/region.h"
 #include "export/glb_writer.h"
 #include "export/meshopt_codec.h"
@@ -719,6 +720,52 @@ static void test_written_again(void **state) {
     }
 }
 
+/* Fields just within the bound of spec (3a) stay within it when they are rounded, even by coarse
+ * steps, and others are rounded to nothing but the nearest numbers. */
+static void test_bounded_fields(void **state) {
+    (void)state;
+    const psplat_run run = {.count = 1};
+    psplat_precision p = {.unit = 0.01,
+                          .turn_step = 1.0 / 256,
+                          .scale_step = 0.03,
+                          .normal_bits = 12,
+                          .line_step = 1.0 / 1024,
+                          .line_turn_step = 1.0 / 1024};
+    uint64_t seed = 11;
+    int rounded_down = 0;
+    for (int i = 0; i < 4000; ++i) {
+        p.tilt_step = p.field_step = ldexp(1, -(i % 6));
+        double f[5], sum = 0, ratio = 0.25 + 0.75 * psplat_random_unit(&seed);
+        double wanted = i % 2 ? 19.85 : 10 * psplat_random_unit(&seed);
+        for (int k = 0; k < 5; ++k) f[k] = psplat_random_unit(&seed) - 0.5;
+        sum =
+            hypot(f[0], f[1]) + sqrt(f[2] * f[2] + f[3] * f[3] + f[4] * f[4] * (1 + ratio * ratio));
+        for (int k = 0; k < 5; ++k) f[k] *= wanted / sum;
+        const double length = sqrt(1 + f[0] * f[0] + f[1] * f[1]);
+        psplat_splat splat = {.rotation = {0, 0, 0, 1}, .radius = {2, (float)(2 * ratio)}};
+        for (int k = 0; k < 3; ++k)
+            splat.normal[k] = (float)((k < 2 ? f[k] : 1) / length),
+            splat.gradient[k] = (float)f[2 + k];
+        psplat_quantized_splat code;
+        psplat_quantize_splat(&p, &run, &splat, &code);
+        double found = exp((code.scale[1] - code.scale[0]) * p.scale_step);
+        double slope =
+            p.tilt_step * hypot(code.tilt[0], code.tilt[1]) +
+            p.field_step *
+                sqrt((double)code.field[0] * code.field[0] + (double)code.field[1] * code.field[1] +
+                     (double)code.field[2] * code.field[2] * (1 + found * found));
+        assert_true(slope <= 19.9);
+        /* The turn rounds the axes by half of 1/256 of a half turn at most. */
+        double move = wanted * 0.0062 * 2 + p.field_step * (0.5 + 1e-6);
+        int is_near = 1;
+        for (int k = 0; k < 3; ++k)
+            is_near &= fabs(code.field[k] * p.field_step - f[2 + k]) <= move;
+        if (i % 2 == 0) assert_true(is_near);
+        rounded_down += !is_near;
+    }
+    assert_true(rounded_down > 10);
+}
+
 int test_quantize_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_attributes),
@@ -741,6 +788,7 @@ int test_quantize_main(void) {
         cmocka_unit_test(test_lines_keep),
         cmocka_unit_test(test_graded),
         cmocka_unit_test(test_written_again),
+        cmocka_unit_test(test_bounded_fields),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * hidden_samples.h - samples on layers of a surface that lie close beneath another layer.
+ */
+#ifndef PHONGSPLAT_MEASURE_HIDDEN_SAMPLES_H
+#define PHONGSPLAT_MEASURE_HIDDEN_SAMPLES_H
+
+#include <phongsplat/splat.h>
+
+#include "features/samples.h"
+#include "features/surface.h"
+#include "mesh/distance.h"
+
+#include <stddef.h>
+
+/* Stores in *hidden whether a sample, by its index, lies beneath another layer: whether a triangle
+ * whose front faces its side lies above it, along the normal of its own triangle, by no more than a
+ * height, a length, and by more than rounding. Plates, badges and hoses of game assets have such
+ * layers. Where splats may leave the surface by that height, those of both layers are drawn as one,
+ * so that nobody sees the lower one. */
+psplat_result psplat_sample_is_hidden(const psplat_surface *surface, const psplat_samples *samples,
+                                      const psplat_distance *distance, double height, size_t sample,
+                                      int *hidden);
+
+#endif
