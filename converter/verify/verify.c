@@ -566,7 +566,7 @@ static psplat_result report_slides(verifier *r, psplat_texture_slides *slides) {
     int in_texels = limit > 0;
     if (!in_texels) limit = r->v->tolerance_percent, unit = 100 / r->v->diagonal;
     double most = limit * (1 + rounding_slack);
-    double *values = malloc((r->samples.count + 1) * sizeof *values);
+    double *values = calloc(r->samples.count + 1, sizeof *values);
     psplat_result result = values ? find_promised_slides(r, slides, in_texels, limit / unit, values)
                                   : PSPLAT_ERROR_MEMORY;
     if (result) {
