@@ -354,18 +354,8 @@ static int is_covered(const walk *w, const double uv[2]) {
 }
 
 /* Returns whether more than an end of a wall lies in a cell. */
-static int is_wall_in(const wall *wall, const psplat_cell *cell) {
-    double begin = 0, end = 1;
-    for (size_t i = 0; i < cell->count && begin < end; ++i) {
-        const double *a = cell->corners[i], *b = cell->corners[(i + 1) % cell->count];
-        double u = b[0] - a[0], v = b[1] - a[1], least = slack * sqrt(u * u + v * v);
-        double from = u * (wall->a[1] - a[1]) - v * (wall->a[0] - a[0]) - least;
-        double to = u * (wall->b[1] - a[1]) - v * (wall->b[0] - a[0]) - least;
-        if (from < 0 && to < 0) return 0;
-        if (from < 0) begin = max2(begin, from / (from - to));
-        if (to < 0) end = min2(end, from / (from - to));
-    }
-    return begin < end;
+static int is_wall_in(const psplat_cell *cell, const wall *wall) {
+    return psplat_cell_holds_segment(cell, wall->a, wall->b, slack);
 }
 
 /* Walls that may lie in a cell, as indices. */
@@ -399,7 +389,7 @@ static int are_sides_near(walk *w, const psplat_cell *cell, const wall_list *lis
         psplat_cell_clip_by_rim(w->region, &side);
         if (!side.count) continue;
         for (size_t i = 0; i + 1 < list->count; ++i)
-            if (is_wall_in(&w->walls[list->walls[i]], &side))
+            if (is_wall_in(&side, &w->walls[list->walls[i]]))
                 left.walls[left.count++] = list->walls[i];
         if (!are_sides_near(w, &side, &left, sign < 0 ? last->place : guess)) return 0;
     }
@@ -412,7 +402,7 @@ static int are_walls_near(walk *w) {
     list.count = 0;
     psplat_cell_clip_by_rim(w->region, &cell);
     for (size_t i = 0; i < w->wall_count && cell.count; ++i)
-        if (is_wall_in(&w->walls[i], &cell)) list.walls[list.count++] = (uint16_t)i;
+        if (is_wall_in(&cell, &w->walls[i])) list.walls[list.count++] = (uint16_t)i;
     return !cell.count || are_sides_near(w, &cell, &list, w->steps[0].place);
 }
 

@@ -15,6 +15,10 @@ enum { DISC_SIDES = 16 };
 /* What lies beyond the rim by less, in units of the parameters, is not cut off. */
 #define RIM_SLACK 1e-12
 
+/* Sides that are shorter do not tell on which side of them anything lies: where cuts leave a corner
+ * twice, rounding turns the side between. */
+static const double least_edge = 1e-6;
+
 psplat_cell psplat_cell_of_disc(void) {
     /* Cosines of 0, 1/8, 2/8, 3/8 and 4/8 of pi, enlarged so that the sides touch the disc. */
     static const double far = 1.0195911582083184 * (1 + RIM_SLACK);
@@ -132,4 +136,20 @@ void psplat_cell_clip_by_rim(const psplat_region *region, psplat_cell *cell) {
         if (region->bends[i] != 0) straighten(region, i, cell, line);
         psplat_cell_clip(cell, line);
     }
+}
+
+int psplat_cell_holds_segment(const psplat_cell *cell, const double a[2], const double b[2],
+                              double slack) {
+    double begin = 0, end = 1;
+    for (size_t i = 0; i < cell->count && begin < end; ++i) {
+        const double *c = cell->corners[i], *d = cell->corners[(i + 1) % cell->count];
+        double u = d[0] - c[0], v = d[1] - c[1], length = sqrt(u * u + v * v);
+        if (length < least_edge) continue;
+        double from = u * (a[1] - c[1]) - v * (a[0] - c[0]) - slack * length;
+        double to = u * (b[1] - c[1]) - v * (b[0] - c[0]) - slack * length;
+        if (from < 0 && to < 0) return 0;
+        if (from < 0) begin = max2(begin, from / (from - to));
+        if (to < 0) end = min2(end, from / (from - to));
+    }
+    return begin < end;
 }

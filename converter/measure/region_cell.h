@@ -32,4 +32,9 @@ void psplat_cell_clip_by_rim(const psplat_region *region, psplat_cell *cell);
 void psplat_cell_box(const psplat_cell *cell, double low[2], double high[2]);
 void psplat_cell_mean(const psplat_cell *cell, double mean[2]);
 
+/* Returns whether more than an end of a segment lies inside a cell, by more than a length; 1 rather
+ * than 0 where rounding decides. */
+int psplat_cell_holds_segment(const psplat_cell *cell, const double a[2], const double b[2],
+                              double slack);
+
 #endif
