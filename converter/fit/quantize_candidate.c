@@ -344,14 +344,16 @@ static int put_needed_first(psplat_candidate *candidate) {
  * surface. */
 static const double disc_radius_tolerances = 0.4;
 
-/* Returns a small disc on the grid that covers a point, with its centre as near to that as the grid
- * allows. Its radius is at least twice the centre's distance from the point within the plane, so
- * that the farthest point of the disc is three times as far, plus the height of the centre. */
+/* Returns a small disc on the grid that covers a point. Its radius is at least twice the centre's
+ * distance from the point within the plane, so that the farthest point of the disc is three times
+ * as far, plus the height of the centre: that sum is what its centre is chosen by. Of the nearest
+ * grid point it is sqrt(10) times half a cube's diagonal at most, which is less than the tolerance
+ * for steps up to 0.36 of it; select/precision.c chooses 0.35 at most unless it is told. */
 static psplat_region disc_at(quantizer *q, const double point[3], uint32_t triangle) {
     double tolerance = q->context->limits->tolerance, least = q->old.radius[1], d[3];
     const double *n = q->context->surface->face_normals + 3 * (size_t)triangle;
-    q->old =
-        (psplat_region){.radius = {plane_cost / 1.5 * tolerance, plane_cost / 1.5 * tolerance}};
+    double radius = tolerance / (3 * plane_cost);
+    q->old = (psplat_region){.radius = {radius, radius}};
     memcpy(q->old.center, point, sizeof q->old.center);
     memcpy(q->old.n, n, sizeof q->old.n);
     perpendicular3(q->old.u, n);

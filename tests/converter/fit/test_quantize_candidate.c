@@ -296,12 +296,47 @@ static void test_whole(void **state) {
     fixture_free(&f);
 }
 
+/* ---- the last resort ------------------------------------------------------------------------- */
+
+/* Candidates that cover no sample become small discs at their centres, with all of it within the
+ * tolerance on the coarsest grid that is chosen. The torus deviates from its planes by less than
+ * 1e-3 of the tolerance over so small discs. */
+static void test_discs(void **state) {
+    (void)state;
+    enum { DISCS = 500 };
+    fixture f;
+    psplat_scratch scratch = {0};
+    fixture_model(&f, "torus.off");
+    fixture_sample(&f, 0.01);
+    double tolerance = 0.0003 * f.surface.diagonal;
+    const psplat_precision precision = {
+        .unit = 0.35 * tolerance, .scale_step = 0.04, .turn_step = 1.0 / 256, .normal_bits = 8};
+    const psplat_limits limits = {.tolerance = tolerance,
+                                  .crease_tolerance = 0.5 * tolerance,
+                                  .crease_slack = 0.3 * tolerance,
+                                  .distance = f.distance,
+                                  .precision = &precision};
+    const psplat_fit_context context = fixture_context(&f, &limits, &scratch);
+    for (size_t i = 0; i < DISCS; ++i) {
+        size_t sample = i * f.samples.count / DISCS;
+        psplat_candidate c = {.taken = 1, .triangle = f.samples.triangles[sample]};
+        memcpy(c.region.center, f.samples.positions + 3 * sample, sizeof c.region.center);
+        c.region.u[0] = c.region.v[1] = c.region.n[2] = 1;
+        c.region.radius[0] = c.region.radius[1] = 2 * tolerance;
+        assert_int_equal(psplat_quantize_candidate(&context, &c), PSPLAT_OK);
+        fixture_assert_near(&c.region, f.distance, tolerance);
+        psplat_candidate_free(&c);
+    }
+    psplat_scratch_free(&scratch);
+    fixture_free(&f);
+}
+
 int test_quantize_candidate_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_promises), cmocka_unit_test(test_normals),
         cmocka_unit_test(test_on_grid),  cmocka_unit_test(test_rounded_once),
         cmocka_unit_test(test_scale),    cmocka_unit_test(test_place),
-        cmocka_unit_test(test_whole),
+        cmocka_unit_test(test_whole),    cmocka_unit_test(test_discs),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }
