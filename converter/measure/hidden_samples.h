@@ -22,4 +22,10 @@ psplat_result psplat_sample_is_hidden(const psplat_surface *surface, const pspla
                                       const psplat_distance *distance, double height, size_t sample,
                                       int *hidden);
 
+/* Stores in *hides whether another layer lies beneath a sample, of which the front faces the
+ * sample's side, too: the same the other way round. */
+psplat_result psplat_sample_hides(const psplat_surface *surface, const psplat_samples *samples,
+                                  const psplat_distance *distance, double depth, size_t sample,
+                                  int *hides);
+
 #endif

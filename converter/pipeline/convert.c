@@ -16,6 +16,7 @@
 #include "select/close_rays.h"
 #include "select/close_seams.h"
 #include "select/conversion.h"
+#include "select/depth_tolerance.h"
 #include "select/fill_holes.h"
 #include "select/greedy_cover.h"
 #include "select/local_search.h"
@@ -62,19 +63,9 @@ static const double finer_parts[FINER_GRIDS] = {0.25, 0};
 static const uint64_t improve_seed = 0x696d70726f766500u;
 static const uint64_t verify_seed = 0x7665726966790000u;
 
-/* Returns the depth tolerance: the greatest distance between two overlapping splats of one surface,
- * along their normal, and at least a quarter of the tolerance. */
-static float depth_tolerance(const psplat_conversion *c) {
-    double deviation = 0;
-    for (size_t i = 0; i < c->selection.count; ++i)
-        deviation = fmax(deviation, c->selection.candidates[i].deviation);
-    return (float)fmax(2 * deviation, 0.25 * c->tolerance);
-}
-
 static psplat_result store_splats(psplat_conversion *c, psplat_error *error) {
     const psplat_mesh *mesh = c->surface.mesh;
-    const psplat_sort_desc storing = {
-        .depth_tolerance = depth_tolerance(c),
+    psplat_sort_desc storing = {
         .flat_depth_tolerance = (float)(2 * flat_deviation_tolerances * c->tolerance),
         .groups = mesh->source_materials ? mesh->groups : NULL,
         .kept = c->appearance.kept,
@@ -82,7 +73,8 @@ static psplat_result store_splats(psplat_conversion *c, psplat_error *error) {
         .has_finish = c->samples.colors || c->samples.finishes || c->samples.emissive};
     size_t materials = mesh->source_materials ? mesh->source_material_count : 1;
     c->splats->materials = malloc((materials + 1) * sizeof *c->splats->materials);
-    if (!c->splats->materials || psplat_sort_splats(&c->selection, &storing, c->splats))
+    if (!c->splats->materials || psplat_depth_tolerance_choose(c, &storing.depth_tolerance) ||
+        psplat_sort_splats(&c->selection, &storing, c->splats))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
     c->splats->material_count = materials;
     for (size_t i = 0; i < materials; ++i) {
