@@ -89,8 +89,9 @@ static psplat_parse parse(int argc, char **argv, arguments *a) {
          1e-4, 50, NULL},
         {0, "ray-reach", PSPLAT_OPTION_PERCENT, &a->rays.reach, "PERCENT",
          "how near a surface point, times the cosine, a ray that sees\n"
-         "it has to meet the splats (default: half of the asset's\n"
-         "depth tolerance; of a mesh 0.25)",
+         "it has to meet the splats (default: how far those are from\n"
+         "the source at most, but between half of the asset's depth\n"
+         "tolerance and all of it; of a mesh 0.25)",
          1e-4, 50, NULL},
         {0, "crease-width", PSPLAT_OPTION_PERCENT, &a->shape.crease_width, "PERCENT",
          "what is near a crease (default: the reach)", 1e-4, 50, NULL},
@@ -195,15 +196,26 @@ static psplat_result write_maps(const arguments *a, const subjects *s, psplat_er
 
 /* ---- comparison ------------------------------------------------------------------------------ */
 
+/* Returns how rays are measured. An asset whose depth tolerance is half as large as splats are far
+ * from the source, since layers lie close to each other, is asked for no more than it promises. */
+static psplat_ray_desc ray_desc(const arguments *a, const subjects *s) {
+    psplat_ray_desc rays = a->rays;
+    double half_depth = s->comparison.shape.reach / 4;
+    if (s->target || rays.reach > 0 || a->shape.reach > 0) return rays;
+    rays.reach = fmin(fmax(s->comparison.shape.inward.max, half_depth), 2 * half_depth);
+    return rays;
+}
+
 static psplat_result measure(const arguments *a, subjects *s, psplat_error *error) {
     psplat_shape_errors *shape = &s->comparison.shape;
-    psplat_ray_errors *rays = &s->comparison.rays;
+    psplat_ray_errors *errors = &s->comparison.rays;
     psplat_result result =
         s->target ? psplat_shape_compare_mesh(s->source, s->target, &a->shape, shape, error)
                   : psplat_shape_compare(s->source, s->asset, &a->shape, shape, error);
     if (result) return result;
-    return s->target ? psplat_rays_compare_mesh(s->source, s->target, &a->rays, rays, error)
-                     : psplat_rays_compare(s->source, s->asset, &a->rays, rays, error);
+    const psplat_ray_desc rays = ray_desc(a, s);
+    return s->target ? psplat_rays_compare_mesh(s->source, s->target, &rays, errors, error)
+                     : psplat_rays_compare(s->source, s->asset, &rays, errors, error);
 }
 
 /* Returns how near an outline, in pixels, a pixel is no interior hole: as far as the reach of rays
