@@ -182,11 +182,61 @@ static void add_sample(const psplat_fit_context *context, uint32_t sample, const
                              context->surface->texcoord_slopes + 6 * (size_t)triangle);
 }
 
+/* Returns the greatest slide of fitted coordinates over the samples that a candidate is recorded to
+ * cover on its side, in parts of what is allowed. */
+static double greatest_slide(const walled *inside, const psplat_candidate *candidate,
+                             const psplat_texcoord *fitted) {
+    const psplat_fit_context *context = inside->context;
+    const psplat_samples *samples = context->samples;
+    const psplat_limits *limits = context->limits;
+    const psplat_kept_textures *kept =
+        psplat_surface_kept_textures(context->surface, samples->triangles[inside->inside]);
+    double texels = limits->texture_tolerance_texels, greatest = 0, uvh[3], error[2];
+    if (!kept || !(texels > 0 || limits->texture_tolerance > 0)) return 0;
+    for (size_t i = 0; i < candidate->covered_count; ++i) {
+        uint32_t sample = candidate->covered[i];
+        const float *given = samples->texcoords + 2 * (size_t)sample;
+        psplat_region_local(inside->region, samples->positions + 3 * (size_t)sample, uvh);
+        if (is_recorded_across(inside, sample, uvh)) continue;
+        psplat_texcoord_at(fitted, uvh, error);
+        for (int k = 0; k < 2; ++k) error[k] -= (double)given[k];
+        psplat_slide slide =
+            psplat_texcoord_slide(fitted, inside->region, uvh, kept->texels, error);
+        double part = texels > 0 ? slide.texels / texels : slide.length / limits->texture_tolerance;
+        greatest = max2(greatest, part);
+    }
+    return greatest;
+}
+
+/* Adds the samples that a candidate is recorded to cover on its side. */
+static void add_recorded(const walled *inside, const psplat_candidate *candidate,
+                         psplat_texcoord_sums *sums) {
+    const psplat_fit_context *context = inside->context;
+    double uvh[3];
+    for (size_t i = 0; i < candidate->covered_count; ++i) {
+        uint32_t sample = candidate->covered[i];
+        psplat_region_local(inside->region, context->samples->positions + 3 * (size_t)sample, uvh);
+        if (sample == inside->inside || !is_recorded_across(inside, sample, uvh))
+            add_sample(context, sample, uvh, sums);
+    }
+}
+
+/* Adds the samples beyond the rim. */
+static void add_rim(const walled *inside, double rim, psplat_texcoord_sums *sums) {
+    const psplat_fit_context *context = inside->context;
+    const psplat_scratch *s = context->scratch;
+    for (size_t i = 0; i < s->near_count; ++i) {
+        uint32_t sample = s->near.samples[i].index;
+        if (counts(context, inside->region, rim, i) && !counts(context, inside->region, 0, i) &&
+            !is_across(inside, sample, s->uvh[i]))
+            add_sample(context, sample, s->uvh[i], sums);
+    }
+}
+
 void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const psplat_region *region,
                                    const psplat_candidate *candidate, psplat_texcoord *fitted) {
-    const psplat_scratch *s = context->scratch;
     double rim = rim_spacings * context->samples->spacing, uvh[3], depth = -HUGE_VAL;
-    psplat_texcoord_sums sums = {.weight = 0};
+    int is_curved = psplat_region_is_curved(region);
     walled inside = {.context = context,
                      .region = region,
                      .depth = reach_tolerances * context->limits->tolerance,
@@ -198,19 +248,17 @@ void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const pspl
         offer_inside(&inside, sample, uvh, &depth);
     }
     find_surroundings(&inside, rim);
-    for (size_t i = 0; i < candidate->covered_count; ++i) {
-        uint32_t sample = candidate->covered[i];
-        psplat_region_local(region, context->samples->positions + 3 * (size_t)sample, uvh);
-        if (sample == inside.inside || !is_recorded_across(&inside, sample, uvh))
-            add_sample(context, sample, uvh, &sums);
-    }
-    for (size_t i = 0; i < s->near_count; ++i) {
-        uint32_t sample = s->near.samples[i].index;
-        if (counts(context, region, rim, i) && !counts(context, region, 0, i) &&
-            !is_across(&inside, sample, s->uvh[i]))
-            add_sample(context, sample, s->uvh[i], &sums);
-    }
-    psplat_texcoord_sums_fit(&sums, region, psplat_region_is_curved(region), fitted);
+    psplat_texcoord_sums own = {.weight = 0};
+    add_recorded(&inside, candidate, &own);
+    psplat_texcoord_sums sums = own;
+    add_rim(&inside, rim, &sums);
+    psplat_texcoord_sums_fit(&sums, region, is_curved, fitted);
+    double slide = greatest_slide(&inside, candidate, fitted);
+    if (slide <= 1) return;
+    /* What lies beyond the rim may be of another layer, or across a border that ends there. */
+    psplat_texcoord without_rim;
+    psplat_texcoord_sums_fit(&own, region, is_curved, &without_rim);
+    if (greatest_slide(&inside, candidate, &without_rim) < slide) *fitted = without_rim;
 }
 
 /* Fits coordinates to the samples of the last evaluation. */

@@ -388,13 +388,44 @@ static void test_seam_on_trial(void **state) {
     stage_end(&s);
 }
 
+/* Coordinates that change 160 times as fast from x = 1/2 on. */
+static void chart_kink(uint32_t triangle, const double p[3], float uv[2]) {
+    (void)triangle;
+    uv[0] = (float)(p[0] < 0.5 ? p[0] / 4 : 0.125 + 40 * (p[0] - 0.5));
+    uv[1] = (float)(p[1] / 4);
+}
+
+/* Where a kink lies beyond the rim, what is there does not spoil coordinates inside, which its
+ * samples give exactly, but for floats. */
+static void test_kink_beyond_rim(void **state) {
+    (void)state;
+    stage s = {.limits = {.tolerance = 0.02, .texture_tolerance = 0.002}};
+    charted_make(&s.c, 8, place_square, chart_kink);
+    charted_build(&s.c, fixture_crease_angle);
+    fixture_sample(&s.c.f, 0.02);
+    s.limits.distance = s.c.f.distance;
+    const psplat_region region = {
+        .u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {0.49, 0.49}};
+    psplat_candidate c = candidate_of(&s, &region);
+    psplat_fit_context context = fixture_context(&s.c.f, &s.limits, NULL);
+    assert_int_equal(psplat_fit_texcoords(&context, &c, 1), PSPLAT_OK);
+    for (int k = 0; k < 2; ++k) {
+        assert_near(c.texcoord.at[k], 0, 1e-6);
+        assert_near(c.texcoord.along_u[k], k ? 0 : 0.49 / 4, 1e-6);
+        assert_near(c.texcoord.along_v[k], k ? 0.49 / 4 : 0, 1e-6);
+    }
+    free(c.covered);
+    stage_end(&s);
+}
+
 int test_texcoord_fit_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_second_order), cmocka_unit_test(test_linear),
-        cmocka_unit_test(test_far_samples),  cmocka_unit_test(test_row),
-        cmocka_unit_test(test_one_sample),   cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_candidates),   cmocka_unit_test(test_around_a_neck),
-        cmocka_unit_test(test_over_a_seam),  cmocka_unit_test(test_seam_on_trial),
+        cmocka_unit_test(test_second_order),    cmocka_unit_test(test_linear),
+        cmocka_unit_test(test_far_samples),     cmocka_unit_test(test_row),
+        cmocka_unit_test(test_one_sample),      cmocka_unit_test(test_limits),
+        cmocka_unit_test(test_candidates),      cmocka_unit_test(test_around_a_neck),
+        cmocka_unit_test(test_over_a_seam),     cmocka_unit_test(test_seam_on_trial),
+        cmocka_unit_test(test_kink_beyond_rim),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
