@@ -26,9 +26,10 @@
 enum { ROUNDS = 8 };
 static const double shrink_factor = 0.85;
 
-/* The number of points that tell of which sheet splats are. Those that are fitted lie closer where
- * fitting was hard, so that they tell another sheet than the check finds. Chosen by hand. */
-enum { LEAST_POINTS = 32768, MOST_POINTS = 262144 };
+/* The number of points for each splat that tell of which sheet splats are, and the bounds of the
+ * number of all. Those that are fitted lie closer where fitting was hard, so that they tell another
+ * sheet than the check finds. Chosen by hand. */
+enum { POINTS_PER_SPLAT = 64, LEAST_POINTS = 32768, MOST_POINTS = 262144 };
 /* An offset of the seed: the letters of "crease". */
 static const uint64_t mend_seed = 0x6372656173650000u;
 
@@ -43,8 +44,8 @@ typedef struct mender {
 /* Draws the points of all rounds. */
 static psplat_result draw_points(mender *m) {
     const psplat_conversion *c = m->c;
-    double dense = c->surface.area / (c->tolerance * c->tolerance);
-    size_t count = (size_t)fmin(fmax(dense, LEAST_POINTS), MOST_POINTS);
+    double wanted = POINTS_PER_SPLAT * (double)c->selection.count;
+    size_t count = (size_t)fmin(fmax(wanted, LEAST_POINTS), MOST_POINTS);
     return psplat_samples_draw_uniform(&c->surface, count, c->desc->seed + mend_seed, &m->points,
                                        NULL);
 }
