@@ -52,7 +52,8 @@ typedef struct psplat_ray_desc {
                      the source itself hides are left out; default 100,000 */
     double reach; /* % of the source's diagonal; default half of the greatest depth tolerance of
                      the asset (spec 5.3), which is the tolerance of its conversion or a little
-                     less; a quarter % for a mesh */
+                     less, or half of that where layers lie close to each other
+                     (select/depth_tolerance.h); a quarter % for a mesh */
     uint64_t seed;
 } psplat_ray_desc;
 

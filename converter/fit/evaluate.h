@@ -157,8 +157,8 @@ psplat_fit_status psplat_evaluate_colors(const psplat_fit_context *context, size
  * the last evaluation met them, which must have been one of this region. */
 void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const psplat_region *region,
                                    const psplat_candidate *candidate, psplat_texcoord *fitted);
-/* The same for the covered samples (count) of the last evaluation, and returns KEPT where the texture slides nowhere there beyond its tolerance, else
- * TEXTURE_SLIDES. */
+/* The same for the covered samples (count) of the last evaluation, and returns KEPT where the
+ * texture slides nowhere there beyond its tolerance, else TEXTURE_SLIDES. */
 psplat_fit_status psplat_evaluate_texcoords(const psplat_fit_context *context,
                                             const psplat_region *region, size_t count);
 /* evaluate_near.c: returns KEPT where the region is within the tolerance of the surface that is

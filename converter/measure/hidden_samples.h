@@ -16,8 +16,8 @@
 /* Stores in *hidden whether a sample, by its index, lies beneath another layer: whether a triangle
  * whose front faces its side lies above it, along the normal of its own triangle, by no more than a
  * height, a length, and by more than rounding. Plates, badges and hoses of game assets have such
- * layers. Where splats may leave the surface by that height, those of both layers are drawn as one,
- * so that nobody sees the lower one. */
+ * layers. A picture of the source shows the upper one there, so that none tells whether the lower
+ * one is right. */
 psplat_result psplat_sample_is_hidden(const psplat_surface *surface, const psplat_samples *samples,
                                       const psplat_distance *distance, double height, size_t sample,
                                       int *hidden);

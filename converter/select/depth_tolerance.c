@@ -6,7 +6,6 @@
 
 #include "features/samples.h"
 #include "fit/candidate.h"
-#include "mesh/distance.h"
 #include "measure/hidden_samples.h"
 #include "select/selection.h"
 

@@ -34,7 +34,9 @@ typedef enum psplat_promise {
                                 most there, of those of its chart that cover it, slide over the
                                 surface by no more than the tolerance, or than a number of texels;
                                 of an error in texels a quarter does not count as sliding
-                                (measure/texture_slides.h) */
+                                (measure/texture_slides.h), nor does any that nobody sees: what is
+                                shown looks the same, or another layer of the surface lies above the
+                                point within the tolerance (measure/hidden_samples.h) */
     PSPLAT_PROMISE_COLOR,    /* at 950 of 1000 surface points, what was baked of textures or comes
                                 from vertices (base colour, emissive, roughness, metallic) is shown
                                 within the colour tolerance, as it is within the tolerance of that

@@ -35,6 +35,9 @@ if (r.distance_max_percent !== Math.max(r.outward_max_percent, r.inward_max_perc
 if (r.uncovered_area_percent > 0.1 || r.overhang_area_percent !== 0) throw Error('coverage');
 if (r.rays.count < 9990 || r.rays.missed !== 0 || r.rays.missed_percent !== 0 || r.rays.open !== 0 || r.rays.places.length !== 0) throw Error('rays');
 if (r.rays.ranges.length !== 4 || r.rays.ranges.reduce((sum, g) => sum + g.count, 0) !== r.rays.count || r.rays.ranges[0].least_cosine !== 0.2) throw Error('ranges');
+// Rays may miss by as much as splats leave the source, between half of the depth tolerance and all of it; the reach is twice that.
+const rayReach = Math.min(Math.max(r.inward_max_percent, r.reach_percent / 4), r.reach_percent / 2);
+if (!(Math.abs(r.rays.reach_percent - rayReach) <= 1e-9 * rayReach)) throw Error(`the reach of rays: ${r.rays.reach_percent}, not ${rayReach}`);
 if (!(r.rays.reach_percent > 0 && r.rays.hidden >= 0 && r.rays.outline >= 0)) throw Error('rays beside outlines');
 if (r.image_interior_holes !== 0 || r.image_erosion < 3) throw Error('interior holes');
 if (r.image_size !== 64 || r.mode !== 'phong' || r.filter !== true) throw Error('how it was drawn');

@@ -103,6 +103,15 @@ static size_t count_crossings(const mended *r, size_t *open) {
     return count;
 }
 
+/* Returns a copy of the regions of all candidates, which the caller frees. */
+static psplat_region *regions_of(const mended *r) {
+    const psplat_selection *selection = &r->c.selection;
+    psplat_region *regions = malloc(selection->count * sizeof *regions);
+    assert_non_null(regions);
+    for (size_t i = 0; i < selection->count; ++i) regions[i] = selection->candidates[i].region;
+    return regions;
+}
+
 /* Splats that lost their lines reach far over the edges, until they have been mended. */
 static void test_lost_lines(void **state) {
     (void)state;
@@ -125,9 +134,7 @@ static void test_whole(void **state) {
     size_t open;
     begin(&r);
     size_t count = r.c.selection.count;
-    psplat_region *regions = malloc(count * sizeof *regions);
-    assert_non_null(regions);
-    for (size_t i = 0; i < count; ++i) regions[i] = r.c.selection.candidates[i].region;
+    psplat_region *regions = regions_of(&r);
     assert_int_equal(count_crossings(&r, &open), 0);
     assert_int_equal(psplat_mend_creases(&r.c, NULL), PSPLAT_OK);
     assert_int_equal(r.c.selection.count, count);
@@ -165,12 +172,10 @@ static void test_taken_back(void **state) {
     size_t open;
     begin(&r);
     size_t count = r.c.selection.count;
-    psplat_region *regions = malloc(count * sizeof *regions);
-    assert_non_null(regions);
+    psplat_region *regions = regions_of(&r);
     assert_true(count >= 2);
     for (size_t i = 0; i < count; ++i) {
         psplat_region *region = &r.c.selection.candidates[i].region;
-        regions[i] = *region;
         double reach = (i % 2 ? 0.5 : 3) * r.c.tolerance; /* 3 tolerances are too far */
         for (uint32_t k = 0; k < region->line_count; ++k)
             region->lines[k][2] += reach / region->radius[1];
