@@ -29,10 +29,6 @@
  * Chosen by hand. */
 static const double rim_spacings = 0.75, greatest_height_tolerances = 1.5;
 
-/* How far the lines of splats reach over the borders of charts once they have been moved out, in
- * tolerances (select/close_seams.c). */
-static const double reach_tolerances = 0.8;
-
 /* How far beside a border, as a part of the way to the middle of its triangle, a sample counts that
  * lies on it: enough for rounding. */
 static const double beside_border = 1e-3;
@@ -237,10 +233,8 @@ void psplat_evaluate_fit_texcoords(const psplat_fit_context *context, const pspl
                                    const psplat_candidate *candidate, psplat_texcoord *fitted) {
     double rim = rim_spacings * context->samples->spacing, uvh[3], depth = -HUGE_VAL;
     int is_curved = psplat_region_is_curved(region);
-    walled inside = {.context = context,
-                     .region = region,
-                     .depth = reach_tolerances * context->limits->tolerance,
-                     .inside = candidate->covered[0]};
+    walled inside = {
+        .context = context, .region = region, .depth = HUGE_VAL, .inside = candidate->covered[0]};
     for (size_t i = 0; i < candidate->covered_count; ++i) {
         uint32_t sample = candidate->covered[i];
         if (!was_met(context, context->samples->triangles[sample])) continue;

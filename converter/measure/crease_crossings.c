@@ -9,8 +9,9 @@
  * themselves, since chords would cut off more of them than a tolerance, and then the maximum is
  * searched about the deepest of some places. Splats do not store their patch, so the samples that a
  * splat covers vote: the sheet around the splat, bounded by creases, to which most of them belong
- * is its own. The creases of other sheets that lie closer than the tolerance are left out, be they
- * of the same patch, as where cloth is folded.
+ * is its own, as are others that have nearly as many votes where a caller wants that. The creases
+ * of other sheets that lie closer than the tolerance are left out, be they of the same patch, as
+ * where cloth is folded.
  */
 #include "measure/crease_crossings.h"
 
@@ -403,71 +404,126 @@ static psplat_result find_votes(const psplat_samples *samples,
     return votes->failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }
 
-/* The sheet of a splat is what is connected with a triangle over edges that are no creases, no
- * farther from the splat's centre than the splat reaches. Leaves the sheet flooded that has most of
- * the votes on a splat, the first of them where several have as many. Votes of one sheet become
- * PSPLAT_NONE when it was counted. Returns 0 when out of memory. */
-static int flood_own_sheet(const psplat_surface *surface, const psplat_region *region,
-                           double tolerance, vote *votes, size_t count,
-                           psplat_triangle_flood *near) {
-    size_t most = 0;
-    uint32_t best = votes[0].triangle;
-    for (size_t i = 0; i < count; ++i) {
-        uint32_t start = votes[i].triangle;
-        size_t members = 0;
-        if (start == PSPLAT_NONE) continue;
-        if (!psplat_triangle_flood_around(near, surface, region, tolerance, start)) return 0;
-        for (size_t k = i; k < count; ++k) {
-            if (votes[k].triangle == PSPLAT_NONE ||
-                !psplat_triangle_flood_met(near, votes[k].triangle))
-                continue;
-            votes[k].triangle = PSPLAT_NONE;
-            ++members;
-        }
-        if (members > most) most = members, best = start;
-    }
-    return psplat_triangle_flood_around(near, surface, region, tolerance, best);
+/* The sheets that the votes on one splat are of, each by its first triangle. The sheet of a
+ * triangle is what is connected with it over edges that are no creases, no farther from the splat's
+ * centre than the splat reaches. */
+typedef struct sheet_search {
+    const psplat_surface *surface;
+    const psplat_measured_splats *measured;
+    double least_share; /* of psplat_crease_crossings_find */
+    vote_list votes;    /* on all splats */
+    uint32_t *starts;   /* sheet_count */
+    size_t *sizes;      /* the votes of each, sheet_count */
+    size_t sheet_count, capacity, largest;
+    psplat_triangle_flood near; /* the sheet that was flooded last */
+} sheet_search;
+
+static void free_sheets(sheet_search *s) {
+    free(s->votes.items);
+    free(s->starts);
+    free(s->sizes);
+    psplat_triangle_flood_free(&s->near);
 }
 
-/* Drops the crossings of sheets other than that which most samples of the splat belong to. Of a
+/* Returns 0 when out of memory. */
+static int push_sheet(sheet_search *s, uint32_t start, size_t size) {
+    if (s->sheet_count == s->capacity) {
+        size_t capacity = 2 * s->capacity + 16;
+        uint32_t *starts = realloc(s->starts, capacity * sizeof *starts);
+        if (starts) s->starts = starts;
+        size_t *sizes = realloc(s->sizes, capacity * sizeof *sizes);
+        if (sizes) s->sizes = sizes;
+        if (!starts || !sizes) return 0;
+        s->capacity = capacity;
+    }
+    if (!s->sheet_count || size > s->sizes[s->largest]) s->largest = s->sheet_count;
+    s->starts[s->sheet_count] = start;
+    s->sizes[s->sheet_count++] = size;
+    return 1;
+}
+
+/* Returns 0 when out of memory. */
+static int flood_sheet(sheet_search *s, uint32_t splat, uint32_t start) {
+    return psplat_triangle_flood_around(&s->near, s->surface, &s->measured->regions[splat],
+                                        s->measured->tolerance, start);
+}
+
+/* Finds the sheets of the votes from `first` to before `end`, which are all on a splat, and the
+ * largest, the first one of equals. Votes become PSPLAT_NONE when they were counted. Returns 0 when
+ * out of memory. */
+static int find_sheets(sheet_search *s, uint32_t splat, size_t first, size_t end) {
+    vote *votes = s->votes.items;
+    s->sheet_count = s->largest = 0;
+    for (size_t i = first; i < end; ++i) {
+        uint32_t start = votes[i].triangle;
+        size_t size = 0;
+        if (start == PSPLAT_NONE) continue;
+        if (!flood_sheet(s, splat, start)) return 0;
+        for (size_t k = i; k < end; ++k) {
+            if (votes[k].triangle == PSPLAT_NONE ||
+                !psplat_triangle_flood_met(&s->near, votes[k].triangle))
+                continue;
+            votes[k].triangle = PSPLAT_NONE;
+            ++size;
+        }
+        if (!push_sheet(s, start, size)) return 0;
+    }
+    return 1;
+}
+
+/* Puts those of count crossings of one splat first whose creases bound sheets of its own. Stores
+ * how many they are. Returns 0 when out of memory. */
+static int sort_own_first(sheet_search *s, psplat_crease_crossing *crossings, size_t count,
+                          size_t *own) {
+    *own = 0;
+    for (size_t i = 0; i < s->sheet_count; ++i) {
+        double least = s->least_share * (double)s->sizes[s->largest];
+        if (i != s->largest && (double)s->sizes[i] <= least) continue;
+        if (!flood_sheet(s, crossings->splat, s->starts[i])) return 0;
+        for (size_t k = *own; k < count; ++k) {
+            if (!psplat_triangle_flood_met(&s->near, crossings[k].edge / 3)) continue;
+            const psplat_crease_crossing found = crossings[k];
+            crossings[k] = crossings[*own];
+            crossings[(*own)++] = found;
+        }
+    }
+    return 1;
+}
+
+/* Drops the crossings of sheets other than those that many samples of the splat belong to. Of a
  * splat without votes all are kept. */
-static psplat_result drop_foreign_crossings(const psplat_surface *surface,
-                                            const psplat_samples *samples,
-                                            const psplat_measured_splats *measured,
+static psplat_result drop_foreign_crossings(const psplat_samples *samples, sheet_search *s,
                                             crossing_list *list) {
-    vote_list votes = {0};
-    psplat_triangle_flood near = {0};
-    psplat_result result = find_votes(samples, measured, list, &votes);
+    psplat_result result = find_votes(samples, s->measured, list, &s->votes);
     size_t kept = 0, vote = 0;
     for (size_t i = 0, end; i < list->count && !result; i = end) {
         uint32_t splat = list->items[i].splat;
         for (end = i; end < list->count && list->items[end].splat == splat;) ++end;
-        while (vote < votes.count && votes.items[vote].splat < splat) ++vote;
-        size_t first = vote;
-        while (vote < votes.count && votes.items[vote].splat == splat) ++vote;
-        if (vote > first &&
-            !flood_own_sheet(surface, &measured->regions[splat], measured->tolerance,
-                             votes.items + first, vote - first, &near))
+        while (vote < s->votes.count && s->votes.items[vote].splat < splat) ++vote;
+        size_t first = vote, own = end - i;
+        while (vote < s->votes.count && s->votes.items[vote].splat == splat) ++vote;
+        if (vote > first && !(find_sheets(s, splat, first, vote) &&
+                              sort_own_first(s, list->items + i, end - i, &own)))
             result = PSPLAT_ERROR_MEMORY;
-        for (size_t k = i; k < end && !result; ++k)
-            if (vote == first || psplat_triangle_flood_met(&near, list->items[k].edge / 3))
-                list->items[kept++] = list->items[k];
+        memmove(list->items + kept, list->items + i, own * sizeof *list->items);
+        kept += own;
     }
     list->count = kept;
-    psplat_triangle_flood_free(&near);
-    free(votes.items);
+    if (kept) qsort(list->items, kept, sizeof *list->items, compare_crossings);
     return result;
 }
 
 psplat_result psplat_crease_crossings_find(const psplat_surface *surface,
                                            const psplat_samples *samples,
                                            const psplat_measured_splats *measured, double limit,
-                                           psplat_crease_crossing **crossings, size_t *count,
-                                           double *greatest) {
+                                           double least_share, psplat_crease_crossing **crossings,
+                                           size_t *count, double *greatest) {
+    sheet_search sheets = {.surface = surface, .measured = measured, .least_share = least_share};
     crossing_list list = {0};
     *greatest = probe_all(surface, measured, limit, &list);
     psplat_result result = list.failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
-    if (!result && list.count) result = drop_foreign_crossings(surface, samples, measured, &list);
+    if (!result && list.count) result = drop_foreign_crossings(samples, &sheets, &list);
+    free_sheets(&sheets);
     if (!result) result = psplat_drop_unseen_crossings(surface, measured, list.items, &list.count);
     for (size_t i = 0; i < list.count; ++i) *greatest = max2(*greatest, list.items[i].depth);
     *crossings = list.items;

@@ -3,11 +3,13 @@
  * texture_slides.c - how far textures slide over a surface where splats show them.
  *
  * Each sample meets the splats that cover it. These meetings are then looked at splat by splat: the
- * triangles beneath a splat are flooded up to creases and borders of charts, and the flood that has
- * most of the area beneath it, inside its seams, is the splat's own chart. So neither a chart
- * beyond a border nor another layer of the surface, closer than the tolerance, counts as what the
- * splat ought to show. Areas decide, not the samples, of which a narrow splat has few: these may
- * all happen to lie across the border.
+ * triangles beneath a splat are flooded up to creases and borders of charts, and one of the floods
+ * that have much of the area beneath it, inside its seams, is the splat's own chart. So neither a
+ * chart beyond a border nor another layer of the surface, closer than the tolerance, counts as what
+ * the splat ought to show. Areas decide, not the samples, of which a narrow splat has few: these
+ * may all happen to lie across the border. Where layers lie on each other, or a border runs through
+ * the middle, several have about as much, and that is the splat's over which its coordinates slide
+ * least: the others are other splats' to show. Where none does, a sample is lost.
  */
 #include "measure/texture_slides.h"
 
@@ -38,6 +40,10 @@ static const double least_aspect = 0.02;
  * shows the sample's place: around a sharp rim, the splats of one side lie within the tolerance of
  * the other side too. Chosen by hand. */
 static const double least_shown_cosine = 0.5;
+
+/* The share of the area of the largest chart beneath a splat from which on another one may be its
+ * own. Chosen by hand. */
+static const double least_area_share = 0.25;
 
 /* A sample that a splat covers. */
 typedef struct meeting {
@@ -242,6 +248,12 @@ static void measure(const slides_context *c, meeting *m) {
         psplat_texcoord_sense(texcoord, uvh) * sense_of_triangle(c->surface, kept, triangle) < 0;
 }
 
+/* A chart beneath a splat. */
+typedef struct chart {
+    uint32_t triangle; /* one of it */
+    double area;       /* beneath the splat, in units of its parameters */
+} chart;
+
 /* What finds the chart of one splat, and memory of one thread. */
 typedef struct chart_search {
     const slides_context *context;
@@ -250,11 +262,27 @@ typedef struct chart_search {
     psplat_cell cell;            /* about that part */
     psplat_triangle_flood all;   /* what is beneath the splat, of all charts */
     psplat_triangle_flood chart; /* one of these */
+    chart *charts;               /* all that have an area, chart_count */
+    size_t chart_count, chart_capacity;
 } chart_search;
 
 static void free_search(chart_search *search) {
     psplat_triangle_flood_free(&search->all);
     psplat_triangle_flood_free(&search->chart);
+    free(search->charts);
+}
+
+/* Returns 0 when out of memory. */
+static int push_chart(chart_search *search, uint32_t triangle, double area) {
+    if (search->chart_count == search->chart_capacity) {
+        size_t capacity = 2 * search->chart_capacity + 16;
+        chart *charts = realloc(search->charts, capacity * sizeof *charts);
+        if (!charts) return 0;
+        search->charts = charts;
+        search->chart_capacity = capacity;
+    }
+    search->charts[search->chart_count++] = (chart){triangle, area};
+    return 1;
 }
 
 /* Returns the area of a cell, in units of the parameters. */
@@ -332,35 +360,92 @@ static int flood_all(chart_search *search, const meeting *meetings, size_t count
     return 1;
 }
 
-/* Finds a triangle of the chart that has most of the area beneath a splat: PSPLAT_NONE where none
- * has any. Returns 0 when out of memory. */
-static int find_own_chart(chart_search *search, const meeting *meetings, size_t count,
-                          uint32_t *own) {
-    double most = 0;
-    *own = PSPLAT_NONE;
+/* Finds the charts that have an area beneath a splat. Returns 0 when out of memory. */
+static int find_charts(chart_search *search, const meeting *meetings, size_t count) {
+    search->chart_count = 0;
     if (!flood_all(search, meetings, count)) return 0;
     for (size_t i = 0; i < search->all.triangle_count; ++i) {
         uint32_t triangle = search->all.triangles[i];
         if (!psplat_triangle_flood_met(&search->all, triangle)) continue; /* It is of a chart. */
         if (!flood_chart(search, triangle)) return 0;
         double area = take_chart(search);
-        if (area > most) most = area, *own = triangle;
+        if (area > 0 && !push_chart(search, triangle, area)) return 0;
     }
     return 1;
 }
 
-/* Measures the meetings of a splat that belong to its own chart. The others become negative.
- * Returns 0 when out of memory. */
+/* Returns the share of the meetings on the chart that was flooded last at which one sees that the
+ * texture slides by more than the tolerance; 1 where there is none. */
+static double share_that_slides(const chart_search *search, const meeting *meetings, size_t count) {
+    const slides_context *c = search->context;
+    size_t on_chart = 0, slides = 0;
+    for (size_t i = 0; i < count; ++i) {
+        meeting m = meetings[i];
+        if (!psplat_triangle_flood_met(&search->chart, c->samples->triangles[m.sample])) continue;
+        measure(c, &m);
+        ++on_chart;
+        slides += m.seen && (double)min2(m.length, m.way) > c->measured->tolerance;
+    }
+    return on_chart ? (double)slides / (double)on_chart : 1;
+}
+
+/* Finds a triangle of the chart that is a splat's own: PSPLAT_NONE where none has an area beneath
+ * it. Returns 0 when out of memory. */
+static int find_own_chart(chart_search *search, const meeting *meetings, size_t count,
+                          uint32_t *own) {
+    double most = 0, least = HUGE_VAL;
+    size_t found = 0, large = 0;
+    *own = PSPLAT_NONE;
+    if (!find_charts(search, meetings, count)) return 0;
+    for (size_t i = 0; i < search->chart_count; ++i) most = max2(most, search->charts[i].area);
+    for (size_t i = 0; i < search->chart_count; ++i)
+        if (search->charts[i].area >= least_area_share * most)
+            search->charts[large++] = search->charts[i];
+    for (size_t i = 0; i < large; ++i) {
+        double share = 0;
+        if (large > 1 && !flood_chart(search, search->charts[i].triangle)) return 0;
+        if (large > 1) share = share_that_slides(search, meetings, count);
+        if (share > least ||
+            (share == least && search->charts[i].area <= search->charts[found].area))
+            continue;
+        least = share;
+        found = i;
+        *own = search->charts[i].triangle;
+    }
+    return 1;
+}
+
+/* Stores whether a splat that is not of a sample's chart shows other texels than the surface has
+ * there. */
+static void measure_foreign(const slides_context *c, const psplat_kept_textures *own, meeting *m) {
+    uint32_t triangle = c->samples->triangles[m->sample];
+    const float *texcoord = c->samples->texcoords + 2 * (size_t)m->sample;
+    const double given[2] = {(double)texcoord[0], (double)texcoord[1]};
+    double uvh[3], shown[2];
+    m->length = m->texels = -1;
+    m->seen = 1;
+    if (own != psplat_surface_kept_textures(c->surface, triangle)) return;
+    psplat_region_local(&c->measured->regions[m->splat],
+                        c->samples->positions + 3 * (size_t)m->sample, uvh);
+    psplat_texcoord_at(&c->splats->texcoords[m->splat], uvh, shown);
+    m->seen = !psplat_appearance_shows_same(c->surface->appearance, triangle, shown, given);
+}
+
+/* Measures the meetings of a splat. Lengths of those that do not belong to its own chart become
+ * negative. Returns 0 when out of memory. */
 static int measure_splat(chart_search *search, meeting *meetings, size_t count) {
     const slides_context *c = search->context;
     uint32_t own;
     if (!find_own_chart(search, meetings, count, &own)) return 0;
     if (own != PSPLAT_NONE && !flood_chart(search, own)) return 0;
+    const psplat_kept_textures *kept =
+        own != PSPLAT_NONE ? psplat_surface_kept_textures(c->surface, own) : NULL;
     for (size_t i = 0; i < count; ++i) {
         uint32_t triangle = c->samples->triangles[meetings[i].sample];
-        meetings[i].length = meetings[i].texels = -1;
         if (own != PSPLAT_NONE && psplat_triangle_flood_met(&search->chart, triangle))
             measure(c, &meetings[i]);
+        else
+            measure_foreign(c, kept, &meetings[i]);
     }
     return 1;
 }
@@ -417,14 +502,56 @@ static void sum_up(const slides_context *c, const meeting_list *list, size_t *he
         slides->ways[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].way;
         slides->splats[i] = of[1][i] == SIZE_MAX ? PSPLAT_NONE : list->items[of[1][i]].splat;
         slides->seen[i] = of[1][i] != SIZE_MAX && list->items[of[1][i]].seen;
+        slides->lost[i] = 0;
         if (of[0][i] == SIZE_MAX) continue;
         const meeting *m = &list->items[of[0][i]];
+        slides->lost[i] = of[1][i] == SIZE_MAX && m->seen;
         ++covered;
         mirrored += m->mirrored;
         foreign += m->length < 0;
     }
     slides->mirrored = covered > 0 ? mirrored / covered : 0;
     slides->foreign = covered > 0 ? foreign / covered : 0;
+}
+
+/* Stores whether a sample lies within the tolerance of a border of its chart. Returns 0 when out of
+ * memory. */
+static int find_near_border(const slides_context *c, size_t sample, psplat_triangle_flood *flood,
+                            int *is_near) {
+    const psplat_surface *surface = c->surface;
+    const double *point = c->samples->positions + 3 * sample, tolerance = c->measured->tolerance;
+    psplat_region around = {.radius = {0, 0}};
+    memcpy(around.center, point, sizeof around.center);
+    *is_near = 0;
+    if (!psplat_triangle_flood_around(flood, surface, &around, tolerance,
+                                      c->samples->triangles[sample]))
+        return 0;
+    for (size_t i = 0; i < flood->triangle_count && !*is_near; ++i)
+        for (int k = 0; k < 3 && !*is_near; ++k) {
+            uint32_t triangle = flood->triangles[i];
+            if (!(surface->creases[3 * (size_t)triangle + (size_t)k] &
+                  (PSPLAT_BOUND_CREASE | PSPLAT_BOUND_CHART)))
+                continue;
+            *is_near =
+                point_segment_distance2(point, psplat_mesh_corner(surface->mesh, triangle, k),
+                                        psplat_mesh_corner(surface->mesh, triangle, (k + 1) % 3)) <=
+                tolerance * tolerance;
+        }
+    return 1;
+}
+
+/* Samples beside borders are not lost: splats may reach over these by the tolerance. Returns 0 when
+ * out of memory. */
+static int spare_borders(const slides_context *c, psplat_texture_slides *slides) {
+    psplat_triangle_flood flood = {0};
+    int ok = 1, is_near;
+    for (size_t i = 0; i < c->samples->count && ok; ++i) {
+        if (!slides->lost[i]) continue;
+        ok = find_near_border(c, i, &flood, &is_near);
+        slides->lost[i] = !is_near;
+    }
+    psplat_triangle_flood_free(&flood);
+    return ok;
 }
 
 /* Marks the splats that have texture coordinates. */
@@ -447,15 +574,17 @@ psplat_result psplat_texture_slides_find(const psplat_surface *surface,
                                 .texels = malloc((samples->count + 1) * sizeof *slides->texels),
                                 .ways = malloc((samples->count + 1) * sizeof *slides->ways),
                                 .splats = malloc((samples->count + 1) * sizeof *slides->splats),
-                                .seen = malloc(samples->count + 1)};
+                                .seen = malloc(samples->count + 1),
+                                .lost = malloc(samples->count + 1)};
     int ok = c.textured && first && heaviest && slides->lengths && slides->texels && slides->ways &&
-             slides->splats && slides->seen;
+             slides->splats && slides->seen && slides->lost;
     if (ok) {
         mark_textured(splats, c.textured);
         find_meetings(&c, first, &list);
         ok = !list.failed && measure_splats(&c, list.items, first, (long)splats->count);
     }
     if (ok) sum_up(&c, &list, heaviest, slides);
+    if (ok) ok = spare_borders(&c, slides);
     free(c.textured);
     free(first);
     free(heaviest);
@@ -469,5 +598,6 @@ void psplat_texture_slides_free(psplat_texture_slides *slides) {
     free(slides->ways);
     free(slides->splats);
     free(slides->seen);
+    free(slides->lost);
     *slides = (psplat_texture_slides){0};
 }

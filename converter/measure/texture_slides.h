@@ -14,9 +14,10 @@
 
 #include <stdint.h>
 
-/* What splats show of kept textures at samples of a surface. Splats do not store their chart: the
- * part of the surface beneath a splat, bounded by creases and borders of charts, that has the
- * greatest area inside its seams is its own. */
+/* What splats show of kept textures at samples of a surface. Splats do not store their chart: of
+ * the parts of the surface beneath a splat, bounded by creases and borders of charts, that have at
+ * least a quarter of the area of the largest one inside its seams, the one over which its
+ * coordinates slide at the least share of the samples is its own. */
 typedef struct psplat_texture_slides {
     /* By sample, the slide of the splat that weighs most there, of those of its own chart that
      * cover it; negative where there is none, or no texture is kept there: */
@@ -27,6 +28,9 @@ typedef struct psplat_texture_slides {
     uint8_t *seen;    /* 1 where the splat shows other texels than the surface has there; 0 where
                          these look the same (psplat_appearance_shows_same), as all over a plain
                          part of an image */
+    uint8_t *lost; /* 1 where splats cover the sample, none of its chart, the heaviest shows other
+                      texels than the surface has there, and the borders of the chart, over which
+                      splats may reach by the tolerance, are farther away than that */
     /* Parts of the samples that keep textures and are covered, by the splat that covers a sample
      * with the greatest weight: */
     double mirrored; /* it shows the image the other way round than the surface does, and one sees

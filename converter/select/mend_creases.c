@@ -30,6 +30,9 @@ static const double shrink_factor = 0.85;
  * number of all. Those that are fitted lie closer where fitting was hard, so that they tell another
  * sheet than the check finds. Chosen by hand. */
 enum { POINTS_PER_SPLAT = 64, LEAST_POINTS = 32768, MOST_POINTS = 262144 };
+/* The share of the votes of a splat's sheet from which on another one counts as its own, too: other
+ * points, those of the check, may give that one more. Chosen by hand. */
+static const double other_sheet_share = 0.25;
 /* An offset of the seed: the letters of "crease". */
 static const uint64_t mend_seed = 0x6372656173650000u;
 
@@ -68,7 +71,7 @@ static psplat_result find_crossed(mender *m) {
     if (!measured.region_tree) result = PSPLAT_ERROR_MEMORY;
     if (!result)
         result = psplat_crease_crossings_find(&c->surface, &m->points, &measured, c->tolerance,
-                                              &crossings, &m->count, &greatest);
+                                              other_sheet_share, &crossings, &m->count, &greatest);
     for (size_t i = 0; i < m->count && !result; ++i) m->crossed[crossings[i].splat] = 1;
     free(crossings);
     psplat_measured_splats_free(&measured);

@@ -509,7 +509,7 @@ static psplat_result measure_creases(verifier *r) {
     double greatest;
     psplat_result result =
         psplat_crease_crossings_find(r->v->surface, &r->samples, &r->measured,
-                                     r->measured.tolerance, &crossings, &count, &greatest);
+                                     r->measured.tolerance, 1, &crossings, &count, &greatest);
     if (result) return result;
     if (r->v->surface->owned) drop_apron_crossings(r->v->surface, crossings, &count, &greatest);
     for (size_t i = 0; i < count; ++i)
@@ -541,6 +541,14 @@ static void sum_up_slides(verifier *r, psplat_texture_slides *slides) {
     report->foreign_texture_percent = 100 * slides->foreign;
 }
 
+/* Returns what counts as the slide at a sample where the splats show other charts alone: the whole
+ * of the mesh, or a side of its image. */
+static double lost_slide(const verifier *r, size_t sample, int in_texels) {
+    const psplat_kept_textures *kept =
+        psplat_surface_kept_textures(r->v->surface, r->samples.triangles[sample]);
+    return in_texels && kept ? max2(kept->texels[0], kept->texels[1]) : r->v->diagonal;
+}
+
 /* Stores the slides that the promise is about, in texels or as lengths, r->samples.count: where one
  * sees nothing of them, since what is shown looks the same or the sample is hidden, they count as
  * `most` at most. A length is the shorter one of the splat's own, and of the way to where the
@@ -550,8 +558,9 @@ static psplat_result find_promised_slides(const verifier *r, const psplat_textur
     const psplat_verification *v = r->v;
     psplat_result result = PSPLAT_OK;
     for (size_t i = 0; i < r->samples.count && !result; ++i) {
-        int hidden = !slides->seen[i];
+        int hidden = !slides->seen[i] && !slides->lost[i];
         values[i] = in_texels ? slides->texels[i] : min2(slides->lengths[i], slides->ways[i]);
+        if (slides->lost[i]) values[i] = lost_slide(r, i, in_texels);
         if (!hidden && values[i] > most)
             result = psplat_sample_is_hidden(v->surface, &r->samples, v->distance,
                                              r->measured.tolerance, i, &hidden);

@@ -22,10 +22,10 @@
 #include "measure/measured_splats.h"
 #include "mesh/mesh.h"
 
-/* Returns how many crossings of one region deeper than limit there are, and stores the greatest
- * depth. */
-static size_t crossings(const fixture *f, psplat_region *region, uint32_t material,
-                        double tolerance, double limit, double *greatest) {
+/* Returns how many crossings of one region deeper than limit there are, of sheets with more than a
+ * share of the votes of that with most, and stores the greatest depth. */
+static size_t crossings_of_sheets(const fixture *f, psplat_region *region, uint32_t material,
+                                  double tolerance, double limit, double share, double *greatest) {
     psplat_blend_field field = {.kernel = {2, 2}, .depth = HUGE_VAL};
     psplat_measured_splats measured = {.regions = region,
                                        .fields = &field,
@@ -36,13 +36,19 @@ static size_t crossings(const fixture *f, psplat_region *region, uint32_t materi
     size_t count;
     measured.region_tree = psplat_region_tree_create(region, 1, tolerance);
     assert_non_null(measured.region_tree);
-    assert_int_equal(psplat_crease_crossings_find(&f->surface, &f->samples, &measured, limit,
+    assert_int_equal(psplat_crease_crossings_find(&f->surface, &f->samples, &measured, limit, share,
                                                   &found, &count, greatest),
                      PSPLAT_OK);
     for (size_t i = 0; i < count; ++i) assert_true(found[i].depth > limit);
+    for (size_t i = 1; i < count; ++i) assert_true(found[i - 1].edge < found[i].edge);
     free(found);
     psplat_region_tree_destroy(measured.region_tree);
     return count;
+}
+
+static size_t crossings(const fixture *f, psplat_region *region, uint32_t material,
+                        double tolerance, double limit, double *greatest) {
+    return crossings_of_sheets(f, region, material, tolerance, limit, 1, greatest);
 }
 
 static psplat_region level_region(double ru, double rv) {
@@ -113,6 +119,10 @@ static void test_own_sheet(void **state) {
     r.center[0] = 1.5, r.center[2] = 0.004 * 2 * fixture_pi;
     double greatest;
     assert_int_equal(crossings(&f, &r, 1, 0.03, 0.1, &greatest), 0);
+    /* Each end covers half of it: about half as many samples as the turn between them. */
+    assert_int_equal(crossings_of_sheets(&f, &r, 1, 0.03, 0.1, 0.6, &greatest), 0);
+    assert_true(crossings_of_sheets(&f, &r, 1, 0.03, 0.1, 0.4, &greatest) > 1);
+    assert_near(greatest, 0.3, 0.01); /* They pass below and above its centre. */
     /* A splat at the inner border crosses it. */
     r.center[0] = 1.05;
     assert_true(crossings(&f, &r, 1, 0.03, 0.1, &greatest) > 0);

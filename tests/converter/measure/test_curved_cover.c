@@ -272,7 +272,7 @@ static void test_crossings(void **state) {
         s.region.line_count = bend != 2;
         s.region.lines[0][0] = -1, s.region.lines[0][2] = 1 / 1.3 + 0.06, s.region.bends[0] = bend;
         measure(&s, 0.02);
-        assert_int_equal(psplat_crease_crossings_find(&f.surface, &f.samples, &s.measured, 0.01,
+        assert_int_equal(psplat_crease_crossings_find(&f.surface, &f.samples, &s.measured, 0.01, 1,
                                                       &crossings, &count, &greatest),
                          PSPLAT_OK);
         if (bend == 3) {

@@ -221,6 +221,35 @@ static void test_broken(void **state) {
     painted_free(&p);
 }
 
+/* One disc over two charts has the coordinates of the left one. Those of the right one are a square
+ * of the picture away, so that what the disc shows there is wrong, and nothing else shows it. */
+static void test_lost(void **state) {
+    (void)state;
+    painted p;
+    psplat_source_materials materials;
+    psplat_report report;
+    psplat_convert_desc floats = usual;
+    floats.precision = 0;
+    make(&p, &materials);
+    for (size_t i = 0; i < 3 * p.mesh.triangle_count; ++i)
+        if (i / 6 % CELLS >= CELLS / 2) p.mesh.corner_uvs[0][2 * i + 1] += 16.0f / SIZE;
+    psplat_splats splats = convert(&p, &floats, &report), one = splats;
+    assert_int_equal(psplat_report_broken(&report), PSPLAT_PROMISE_COUNT);
+    psplat_splat disc = {.normal = {0, 0, 1}, .rotation = {0, 0, 0, 1}, .radius = {1.5f, 1.5f}};
+    psplat_texcoord left = {.at = {0.5f, 0.5f}, .along_u = {0.75f, 0}, .along_v = {0, -0.75f}};
+    psplat_run run = {.count = 1, .has_texcoord = 1};
+    one.splats = &disc, one.texcoords = &left, one.runs = &run;
+    one.count = one.run_count = 1;
+    assert_int_equal(psplat_convert_verify(&p.mesh, &floats, &one, &report, NULL), PSPLAT_OK);
+    const psplat_kept *kept = &report.promises[PSPLAT_PROMISE_TEXTURE];
+    assert_true(report.max_texture_slide_texels < 0.01); /* of its own chart */
+    assert_near(kept->worst, 100, 1e-6);                 /* % of the diagonal */
+    /* Between squares both are grey. */
+    assert_near((double)kept->broken / (double)report.verification_samples, 0.45, 0.05);
+    psplat_splats_free(&splats);
+    painted_free(&p);
+}
+
 int test_kept_conversion_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_colors_split_nothing),
@@ -228,6 +257,7 @@ int test_kept_conversion_main(void) {
         cmocka_unit_test(test_seam),
         cmocka_unit_test(test_narrow_strip),
         cmocka_unit_test(test_broken),
+        cmocka_unit_test(test_lost),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -84,7 +84,7 @@ static size_t count_crossings(const mended *r, size_t *open) {
     assert_int_equal(psplat_samples_draw_uniform(&r->c.surface, PROBES, 7, &probes, NULL),
                      PSPLAT_OK);
     assert_int_equal(psplat_crease_crossings_find(&r->c.surface, &probes, &measured, r->c.tolerance,
-                                                  &crossings, &count, &greatest),
+                                                  1, &crossings, &count, &greatest),
                      PSPLAT_OK);
     *open = 0;
     for (size_t i = 0; i < probes.count; ++i) {
