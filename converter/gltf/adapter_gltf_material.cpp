@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
  * adapter_gltf_material.cpp - materials and their textures (glTF 2.0 section 3.9,
- * KHR_texture_transform, KHR_materials_unlit, KHR_materials_emissive_strength).
+ * KHR_texture_transform, KHR_materials_unlit, KHR_materials_emissive_strength,
+ * KHR_materials_pbrSpecularGlossiness).
  */
 #include "gltf/adapter_gltf.hpp"
 #include "material/image.h"
+#include "material/mipmap.h"
 #include "material/source_materials.h"
 
 #include <algorithm>
@@ -26,13 +28,15 @@ void read_number(const tinygltf::Value &object, const char *name, double &value)
     if (std::isfinite(number)) value = number;
 }
 
-void read_pair(const tinygltf::Value &object, const char *name, double pair[2]) {
+/* Reads as many numbers, or none. */
+void read_numbers(const tinygltf::Value &object, const char *name, double *numbers, size_t count) {
     if (!object.Has(name) || !object.Get(name).IsArray()) return;
     const tinygltf::Value &array = object.Get(name);
-    for (int k = 0; k < 2 && array.ArrayLen() == 2; ++k) {
-        const tinygltf::Value &item = array.Get(k);
+    if (array.ArrayLen() != count) return;
+    for (size_t k = 0; k < count; ++k) {
+        const tinygltf::Value &item = array.Get(static_cast<int>(k));
         if (item.IsNumber() && std::isfinite(item.GetNumberAsDouble()))
-            pair[k] = item.GetNumberAsDouble();
+            numbers[k] = item.GetNumberAsDouble();
     }
 }
 
@@ -112,8 +116,8 @@ void read_transform(const tinygltf::ExtensionMap &extensions, psplat_texture_inf
     auto found = extensions.find("KHR_texture_transform");
     if (found == extensions.end() || !found->second.IsObject()) return;
     double offset[2] = {0, 0}, scale[2] = {1, 1}, rotation = 0, texcoord = texture.texcoord;
-    read_pair(found->second, "offset", offset);
-    read_pair(found->second, "scale", scale);
+    read_numbers(found->second, "offset", offset, 2);
+    read_numbers(found->second, "scale", scale, 2);
     read_number(found->second, "rotation", rotation);
     read_number(found->second, "texCoord", texcoord);
     double c = std::cos(rotation), s = std::sin(rotation);
@@ -146,6 +150,95 @@ psplat_texture_info texture_of(const tinygltf::Model &model, const Info &info, d
     return out;
 }
 
+/* ---- specular-glossiness ---------------------------------------------------------------------
+ */
+
+/* The reflectance of what is not metal (glTF 2.0 appendix B). */
+const double dielectric = 0.04;
+
+/* Returns a texture of an extension, as tinygltf reads those of materials; its index is -1 where
+ * there is none. */
+tinygltf::TextureInfo info_of(const tinygltf::Value &object, const char *name) {
+    tinygltf::TextureInfo info;
+    if (!object.Has(name) || !object.Get(name).IsObject()) return info;
+    const tinygltf::Value &in = object.Get(name);
+    double index = -1, texcoord = 0;
+    read_number(in, "index", index);
+    read_number(in, "texCoord", texcoord);
+    info.index = index >= 0 && index < 1e6 ? static_cast<int>(index) : -1;
+    info.texCoord = texcoord >= 0 && texcoord < 1e6 ? static_cast<int>(texcoord) : 0;
+    if (!in.Has("extensions") || !in.Get("extensions").IsObject()) return info;
+    for (const std::string &key : in.Get("extensions").Keys())
+        info.extensions[key] = in.Get("extensions").Get(key);
+    return info;
+}
+
+/* Multiplies a colour and a number by the mean of a texture: R, G and B in linear light, and alpha.
+ */
+void multiply_by_mean(const psplat_texture_info &texture, double color[3], double &number) {
+    if (!texture.image || !texture.image->pixels) return;
+    const psplat_image &image = *texture.image;
+    double sums[4] = {0, 0, 0, 0}, count = static_cast<double>(image.width) * image.height;
+    float linear[256];
+    for (int i = 0; i < 256; ++i) linear[i] = psplat_linear_of_srgb(static_cast<float>(i) / 255);
+    for (size_t i = 0; i < static_cast<size_t>(image.width) * image.height; ++i) {
+        const uint8_t *pixel = image.pixels + 4 * i;
+        for (int k = 0; k < 3; ++k) sums[k] += static_cast<double>(linear[pixel[k]]);
+        sums[3] += pixel[3] / 255.0;
+    }
+    for (int k = 0; k < 3; ++k) color[k] *= sums[k] / count;
+    number *= sums[3] / count;
+}
+
+double brightness_of(const double color[3]) {
+    return std::sqrt(0.299 * color[0] * color[0] + 0.587 * color[1] * color[1] +
+                     0.114 * color[2] * color[2]);
+}
+
+/* Returns how metallic a material is whose base colour, blended between what diffuse and what
+ * specular light say of it, gives both: the root of a quadratic equation. */
+double metallic_of(double diffuse, double specular, double not_reflected) {
+    if (specular < dielectric) return 0;
+    double b = diffuse * not_reflected / (1 - dielectric) + specular - 2 * dielectric;
+    double square = std::fmax(b * b - 4 * dielectric * (dielectric - specular), 0);
+    return std::fmin(std::fmax((std::sqrt(square) - b) / (2 * dielectric), 0), 1);
+}
+
+/* Reads KHR_materials_pbrSpecularGlossiness, which replaces metallic-roughness where a material has
+ * both, as the metallic-roughness that looks most like it: by the method of the extension's own
+ * examples, for the means of its textures. Base colours are those of diffuse light, with their
+ * texture, or of specular light where most of the material is metal. */
+void read_specular(const tinygltf::Model &model, const tinygltf::Value &extension,
+                   psplat_source_materials &materials, psplat_source_material &out) {
+    const double least = 1e-6;
+    double diffuse[4] = {1, 1, 1, 1}, specular[3] = {1, 1, 1}, glossiness = 1, opacity = 1;
+    read_numbers(extension, "diffuseFactor", diffuse, 4);
+    read_numbers(extension, "specularFactor", specular, 3);
+    read_number(extension, "glossinessFactor", glossiness);
+    psplat_texture_info textures[2] = {
+        texture_of(model, info_of(extension, "diffuseTexture"), 1, materials),
+        texture_of(model, info_of(extension, "specularGlossinessTexture"), 1, materials)};
+    double seen[3], reflected[3];
+    std::copy_n(diffuse, 3, seen);
+    std::copy_n(specular, 3, reflected);
+    multiply_by_mean(textures[0], seen, opacity);
+    multiply_by_mean(textures[1], reflected, glossiness);
+    double left = 1 - std::fmax(reflected[0], std::fmax(reflected[1], reflected[2]));
+    double metallic = metallic_of(brightness_of(seen), brightness_of(reflected), left);
+    bool is_metal = metallic >= 0.5 && textures[1].image;
+    for (int k = 0; k < 3; ++k) {
+        double dull = diffuse[k] * left / (1 - dielectric) / std::fmax(1 - metallic, least);
+        double shiny = (specular[k] - dielectric * (1 - metallic)) / std::fmax(metallic, least);
+        double part = is_metal ? 1 : textures[0].image ? 0 : metallic * metallic;
+        out.material.base_color[k] = factor(dull + part * (shiny - dull), 0, 1);
+    }
+    out.material.base_color[3] = factor(diffuse[3], 0, 1);
+    out.material.metallic = factor(metallic, 0, 1);
+    out.material.roughness = factor(1 - glossiness, 0, 1);
+    out.base_color = textures[is_metal];
+    out.metallic_roughness = psplat_texture_info{};
+}
+
 psplat_source_material source_material_of(const tinygltf::Model &model,
                                           const tinygltf::Material &in,
                                           psplat_source_materials &materials) {
@@ -158,6 +251,9 @@ psplat_source_material source_material_of(const tinygltf::Model &model,
     out.occlusion = texture_of(model, in.occlusionTexture,
                                std::fmin(std::fmax(in.occlusionTexture.strength, 0), 1), materials);
     out.emissive = texture_of(model, in.emissiveTexture, 1, materials);
+    auto specular = in.extensions.find("KHR_materials_pbrSpecularGlossiness");
+    if (specular != in.extensions.end() && specular->second.IsObject())
+        read_specular(model, specular->second, materials, out);
     out.is_masked = in.alphaMode == "MASK";
     out.is_blended = in.alphaMode == "BLEND";
     out.alpha_cutoff = factor(in.alphaCutoff, 0, 1e6);

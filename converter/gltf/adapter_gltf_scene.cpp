@@ -206,10 +206,29 @@ void settle_roots(psplat_scene &scene, std::vector<uint32_t> &parents) {
 
 /* ---- warnings ------------------------------------------------------------------------------ */
 
+const char specular_glossiness[] = "KHR_materials_pbrSpecularGlossiness";
+
+/* Warns where a texture of specular colours and glossiness becomes factors. */
+void warn_of_specular_textures(const tinygltf::Model &model, psplat_scene &scene) {
+    size_t count = 0;
+    for (const tinygltf::Material &material : model.materials) {
+        auto found = material.extensions.find(specular_glossiness);
+        count += found != material.extensions.end() && found->second.IsObject() &&
+                 found->second.Has("specularGlossinessTexture");
+    }
+    if (count)
+        psplat_scene_warn(
+            &scene,
+            "the specular textures of %zu materials become their mean: 'gltf-transform "
+            "metalrough' keeps them",
+            count);
+}
+
 void warn_of_extensions(const tinygltf::Model &model, psplat_scene &scene) {
     static const char *const converted[] = {
         "KHR_lights_punctual",   "KHR_materials_emissive_strength", "KHR_materials_unlit",
-        "KHR_mesh_quantization", "KHR_texture_transform",           "EXT_meshopt_compression"};
+        "KHR_mesh_quantization", "KHR_texture_transform",           "EXT_meshopt_compression",
+        specular_glossiness};
     for (const std::string &name : model.extensionsUsed) {
         bool known = std::any_of(std::begin(converted), std::end(converted),
                                  [&](const char *one) { return name == one; });
@@ -217,6 +236,7 @@ void warn_of_extensions(const tinygltf::Model &model, psplat_scene &scene) {
             psplat_scene_warn(&scene, "extension %s is not converted: what it says is dropped",
                               one_line(name).substr(0, 80).c_str());
     }
+    warn_of_specular_textures(model, scene);
 }
 
 void warn_of_meshes(const tinygltf::Model &model, psplat_scene &scene) {

@@ -67,9 +67,13 @@ static psplat_result check_version(psplat_gltf *gltf, psplat_json_value asset) {
     return result;
 }
 
+/* A file that has no splats at all is not one of ours, whatever else it requires. */
 static psplat_result fail_unknown_extension(psplat_gltf *gltf, psplat_json_value extension) {
     char *name = NULL;
     size_t size = 0;
+    if (!gltf->is_listed)
+        return psplat_fail(gltf->error, PSPLAT_ERROR_NO_SPLATS, 0,
+                           "the file does not use the extension " PSPLAT_EXTENSION);
     psplat_result result = psplat_json_string(&gltf->json, extension, gltf->scratch, &name, &size);
     if (result) return result;
     return psplat_fail(gltf->error, PSPLAT_ERROR_UNSUPPORTED, psplat_gltf_offset(gltf, extension),
@@ -250,8 +254,8 @@ psplat_result psplat_gltf_parse(psplat_gltf *gltf) {
     psplat_result result = psplat_json_parse(&gltf->json, gltf->scratch);
     if (!result) result = psplat_json_members(&gltf->json, 0, names, 15, members);
     if (!result) result = check_version(gltf, members[0]);
-    if (!result) result = check_required(gltf, members[1]);
     if (!result) result = check_used(gltf, members[10]);
+    if (!result) result = check_required(gltf, members[1]);
     if (!result) result = parse_tables(gltf, members + 2);
     if (result) return result;
     gltf->json_materials = members[5];

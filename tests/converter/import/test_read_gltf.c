@@ -224,6 +224,75 @@ static void test_one_material(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* PNGs of one texel, what differs between them: black, (255, 128, 0) with an alpha of 64, white,
+ * and black with an alpha of 128. */
+static const char *const texels[] = {"NgYGD4DwABBAEAgLvRWw", "P438DgAAAFwQHASVKQtg",
+                                     "P4////fwAJ+wP99djxmg", "NgYGBoAAAAhQCBRcqBlw"};
+
+/* Reads a material with KHR_materials_pbrSpecularGlossiness, whose textures are those texels. */
+static psplat_mesh read_specular(const char *extension) {
+    gltf g = tetrahedron();
+    char rest[4096] = NODE "\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"],";
+    for (int i = 0; i < 4; ++i)
+        append(rest, sizeof rest,
+               "%s{\"uri\":\"data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAA"
+               "DUlEQVR42m%sAAAABJRU5ErkJggg==\"}",
+               i ? "," : "\"images\":[", texels[i]);
+    for (int i = 0; i < 4; ++i)
+        append(rest, sizeof rest, "%s{\"source\":%d}", i ? "," : "],\"textures\":[", i);
+    append(rest, sizeof rest,
+           "],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,1,0,1]},"
+           "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{%s}}}],"
+           "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
+           "\"material\":0}]}]",
+           extension);
+    return read_text("m.gltf", finish(&g, rest));
+}
+
+/* What reflects 4 % is no metal, and what reflects alone is one; in between the brighter says more.
+ * Factors multiply the means of textures. */
+static void test_specular_glossiness(void **state) {
+    (void)state;
+    static const struct {
+        const char *extension;
+        double base[4], metallic, roughness;
+    } cases[] = {
+        {"\"diffuseFactor\":[0.5,0.25,0.1,0.8],\"specularFactor\":[0.04,0.04,0.04],"
+         "\"glossinessFactor\":0.3",
+         {0.5, 0.25, 0.1, 0.8},
+         0,
+         0.7},
+        {"\"diffuseFactor\":[0,0,0,1],\"specularFactor\":[0.9,0.6,0.3],\"glossinessFactor\":1",
+         {0.9, 0.6, 0.3, 1},
+         1,
+         0},
+        {"\"diffuseTexture\":{\"index\":2},\"specularGlossinessTexture\":{\"index\":3}",
+         {1 / 0.96, 1 / 0.96, 1 / 0.96, 1},
+         0,
+         1 - 128 / 255.0},
+        {"\"diffuseTexture\":{\"index\":0},\"specularGlossinessTexture\":{\"index\":1},"
+         "\"specularFactor\":[1,1,0.5],\"glossinessFactor\":0.5",
+         {1, 1, 0.5, 1},
+         1,
+         1 - 32 / 255.0},
+        {"", {1, 1, 1, 1}, 1, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        psplat_mesh mesh = read_specular(cases[i].extension);
+        assert_int_equal(mesh.source_material_count, 2); /* and the default one */
+        const psplat_source_material *m = &mesh.source_materials[0];
+        for (int k = 0; k < 4; ++k)
+            assert_near((double)m->material.base_color[k], fmin(cases[i].base[k], 1), 1e-6);
+        assert_near((double)m->material.metallic, cases[i].metallic, 1e-6);
+        assert_near((double)m->material.roughness, cases[i].roughness, 1e-6);
+        assert_null(m->metallic_roughness.image);
+        if (i == 2) assert_true(m->base_color.image->pixels[0] == 255);
+        if (i == 3) assert_true(m->base_color.image->pixels[1] == 128);
+        if (i < 2) assert_null(m->base_color.image);
+        psplat_mesh_free(&mesh);
+    }
+}
+
 static void test_two_materials(void **state) {
     (void)state;
     /* The default material of glTF (white, metallic) stands beside a red one whose texture is
@@ -434,12 +503,19 @@ static void test_refused_accessors(void **state) {
 
 int test_read_gltf_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_index_types),      cmocka_unit_test(test_strips_and_fans),
-        cmocka_unit_test(test_transforms),       cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_uvs_and_tangents), cmocka_unit_test(test_attributes_of_some),
-        cmocka_unit_test(test_colors),           cmocka_unit_test(test_one_material),
-        cmocka_unit_test(test_two_materials),    cmocka_unit_test(test_glb),
-        cmocka_unit_test(test_refused),          cmocka_unit_test(test_refused_accessors),
+        cmocka_unit_test(test_index_types),
+        cmocka_unit_test(test_strips_and_fans),
+        cmocka_unit_test(test_transforms),
+        cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_uvs_and_tangents),
+        cmocka_unit_test(test_attributes_of_some),
+        cmocka_unit_test(test_colors),
+        cmocka_unit_test(test_one_material),
+        cmocka_unit_test(test_specular_glossiness),
+        cmocka_unit_test(test_two_materials),
+        cmocka_unit_test(test_glb),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_refused_accessors),
         cmocka_unit_test(test_refused_json),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);

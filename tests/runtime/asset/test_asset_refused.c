@@ -62,6 +62,10 @@ static void test_document(void **state) {
         {"\"asset\"", "\"other\"", "{", FORMAT},
         {"\"extensionsUsed\"", "\"extensionsRequired\": [\"KHR_unheard_of\"], \"extensionsUsed\"",
          "\"KHR_unheard_of", UNSUPPORTED},
+        /* Without splats it is another's file, which other readers may know. */
+        {"\"extensionsUsed\"",
+         "\"extensionsRequired\": [\"KHR_unheard_of\"], \"extensionsIgnored\"", NULL,
+         PSPLAT_ERROR_NO_SPLATS},
         {"\"extensionsUsed\"", "\"extensionsRequired\": [3], \"extensionsUsed\"", "3]", FORMAT},
         {"\"extensionsUsed\"", "\"extensionsRequired\": 3, \"extensionsUsed\"", "3,", FORMAT},
         {"\"extensionsUsed\"", "\"extensionsIgnored\"", "{\n          \"mode\"", FORMAT},
