@@ -155,15 +155,26 @@ static psplat_result cover(psplat_conversion *c, const psplat_mesh *mesh, psplat
     return result ? result : psplat_fill_holes(c, error);
 }
 
-/* Moves the lines of splats out to those beside them, where they keep the promise of creases. */
-static psplat_result join_splats(psplat_conversion *c) {
+/* Moves the lines of splats out to those beside them. */
+static psplat_result close_gaps(psplat_conversion *c) {
     const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result = psplat_close_seams(&context, &c->selection);
+    return result ? result : psplat_close_cracks(c);
+}
+
+/* Lets splats go on beyond borders of charts. */
+static psplat_result open_seams(psplat_conversion *c) {
+    const psplat_fit_context context = psplat_conversion_context(c);
+    return psplat_open_seams(&context, &c->kernel, &c->selection);
+}
+
+/* Takes a step that makes splats larger, where they keep the promise of creases. */
+static psplat_result enlarge(psplat_conversion *c, psplat_result (*step)(psplat_conversion *c)) {
     size_t count = c->selection.count;
     psplat_region *before = malloc((count + 1) * sizeof *before);
     if (!before) return PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; i < count; ++i) before[i] = c->selection.candidates[i].region;
-    psplat_result result = psplat_close_seams(&context, &c->selection);
-    if (!result) result = psplat_close_cracks(c);
+    psplat_result result = step(c);
     if (!result) result = psplat_take_back_crossings(c, before);
     free(before);
     return result;
@@ -186,9 +197,9 @@ static psplat_result complete(psplat_conversion *c, psplat_error *error) {
     if (!result) result = psplat_mend_textures(c, 1, error);
     if (!result) result = psplat_mend_creases(c, error);
     if (result) return result;
-    if (join_splats(c))
+    if (enlarge(c, close_gaps))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
-    if (psplat_open_seams(&context, &c->kernel, &c->selection))
+    if (c->surface.chart_border_edges && enlarge(c, open_seams))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while opening seams");
     if (psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,
                           c->selection.count))

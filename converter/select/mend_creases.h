@@ -19,8 +19,9 @@
 psplat_result psplat_mend_creases(psplat_conversion *c, psplat_error *error);
 
 /* Gives the candidates in which creases lie deeper than the tolerance now the regions that they had
- * before, by index. For those whose lines have been moved out (close_seams.h, close_cracks.h): a
- * line that may reach a little over its own crease may meet another one there. Errors: MEMORY. */
+ * before, by index. For those whose lines have been moved out (close_seams.h, close_cracks.h) or
+ * opened (open_seams.h): a line that may reach a little over its own crease may meet another one
+ * there, and so may what goes on beyond a seam. Errors: MEMORY. */
 psplat_result psplat_take_back_crossings(psplat_conversion *c, const psplat_region *before);
 
 #endif
