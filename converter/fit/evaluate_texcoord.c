@@ -7,9 +7,9 @@
  * same chart: coordinates that are interpolated at the rim do not fly off there. The flood that
  * gathered them crosses no border of charts, but it may go around the end of one, or once around
  * the neck of a vase, and come to its other side: what lies behind such a border does not count
- * where it is beyond the rim, nor where it is less far inside than a splat may reach over a crease:
- * lines on the grid of a file leave their borders a little, and in the end they are moved out. What
- * lies farther inside does count, so that a region that reaches over a border is found too large.
+ * in the last fit. On trial, what lies farther inside than a splat may reach over a crease does
+ * count, so that a region that reaches over a border is found too large; lines on the grid of a
+ * file leave their borders a little.
  * Coordinates of curved splats are of the second order: on a surface that bends coordinates mostly
  * do, too, and of linear ones up to twice as many splats are needed.
  */
