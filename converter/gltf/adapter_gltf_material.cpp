@@ -207,8 +207,9 @@ double metallic_of(double diffuse, double specular, double not_reflected) {
 /* Reads KHR_materials_pbrSpecularGlossiness, which replaces metallic-roughness where a material has
  * both, as the metallic-roughness that looks most like it: by the method of the extension's own
  * examples, for the means of its textures. Base colours are those of diffuse light, with their
- * texture, or of specular light where most of the material is metal. */
-void read_specular(const tinygltf::Model &model, const tinygltf::Value &extension,
+ * texture, or of specular light where most of the material is metal; but the alpha of that texture
+ * is glossiness, which would cut and blend. Where it cannot be read nothing is said to be metal. */
+void read_specular(const tinygltf::Model &model, const tinygltf::Value &extension, bool is_opaque,
                    psplat_source_materials &materials, psplat_source_material &out) {
     const double least = 1e-6;
     double diffuse[4] = {1, 1, 1, 1}, specular[3] = {1, 1, 1}, glossiness = 1, opacity = 1;
@@ -223,9 +224,10 @@ void read_specular(const tinygltf::Model &model, const tinygltf::Value &extensio
     std::copy_n(specular, 3, reflected);
     multiply_by_mean(textures[0], seen, opacity);
     multiply_by_mean(textures[1], reflected, glossiness);
+    if (textures[1].image && !textures[1].image->pixels) std::fill_n(reflected, 3, dielectric);
     double left = 1 - std::fmax(reflected[0], std::fmax(reflected[1], reflected[2]));
     double metallic = metallic_of(brightness_of(seen), brightness_of(reflected), left);
-    bool is_metal = metallic >= 0.5 && textures[1].image;
+    bool is_metal = metallic >= 0.5 && textures[1].image && is_opaque;
     for (int k = 0; k < 3; ++k) {
         double dull = diffuse[k] * left / (1 - dielectric) / std::fmax(1 - metallic, least);
         double shiny = (specular[k] - dielectric * (1 - metallic)) / std::fmax(metallic, least);
@@ -253,7 +255,7 @@ psplat_source_material source_material_of(const tinygltf::Model &model,
     out.emissive = texture_of(model, in.emissiveTexture, 1, materials);
     auto specular = in.extensions.find("KHR_materials_pbrSpecularGlossiness");
     if (specular != in.extensions.end() && specular->second.IsObject())
-        read_specular(model, specular->second, materials, out);
+        read_specular(model, specular->second, in.alphaMode == "OPAQUE", materials, out);
     out.is_masked = in.alphaMode == "MASK";
     out.is_blended = in.alphaMode == "BLEND";
     out.alpha_cutoff = factor(in.alphaCutoff, 0, 1e6);

@@ -36,7 +36,10 @@ typedef enum psplat_promise {
                                 of an error in texels a quarter does not count as sliding
                                 (measure/texture_slides.h), nor does any that nobody sees: what is
                                 shown looks the same, or another layer of the surface lies above the
-                                point within the tolerance (measure/hidden_samples.h) */
+                                point within the tolerance (measure/hidden_samples.h). A point that
+                                only splats of other charts cover counts as one that slides by the
+                                whole diagonal, or a side of the image, where one sees that and the
+                                borders of its chart are farther away than the tolerance */
     PSPLAT_PROMISE_COLOR,    /* at 950 of 1000 surface points, what was baked of textures or comes
                                 from vertices (base colour, emissive, roughness, metallic) is shown
                                 within the colour tolerance, as it is within the tolerance of that

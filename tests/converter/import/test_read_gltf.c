@@ -229,8 +229,9 @@ static void test_one_material(void **state) {
 static const char *const texels[] = {"NgYGD4DwABBAEAgLvRWw", "P438DgAAAFwQHASVKQtg",
                                      "P4////fwAJ+wP99djxmg", "NgYGBoAAAAhQCBRcqBlw"};
 
-/* Reads a material with KHR_materials_pbrSpecularGlossiness, whose textures are those texels. */
-static psplat_mesh read_specular(const char *extension) {
+/* Reads a material with KHR_materials_pbrSpecularGlossiness, whose textures are those texels and
+ * one that is missing. */
+static psplat_mesh read_specular(const char *alpha_mode, const char *extension) {
     gltf g = tetrahedron();
     char rest[4096] = NODE "\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"],";
     for (int i = 0; i < 4; ++i)
@@ -238,14 +239,16 @@ static psplat_mesh read_specular(const char *extension) {
                "%s{\"uri\":\"data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAA"
                "DUlEQVR42m%sAAAABJRU5ErkJggg==\"}",
                i ? "," : "\"images\":[", texels[i]);
-    for (int i = 0; i < 4; ++i)
+    append(rest, sizeof rest, ",{\"uri\":\"missing.png\"}");
+    for (int i = 0; i < 5; ++i)
         append(rest, sizeof rest, "%s{\"source\":%d}", i ? "," : "],\"textures\":[", i);
     append(rest, sizeof rest,
-           "],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0,1,0,1]},"
+           "],\"materials\":[{\"alphaMode\":\"%s\",\"pbrMetallicRoughness\":{\"baseColorFactor\":["
+           "0,1,0,1]},"
            "\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{%s}}}],"
            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
            "\"material\":0}]}]",
-           extension);
+           alpha_mode, extension);
     return read_text("m.gltf", finish(&g, rest));
 }
 
@@ -276,9 +279,13 @@ static void test_specular_glossiness(void **state) {
          1,
          1 - 32 / 255.0},
         {"", {1, 1, 1, 1}, 1, 0},
+        {"\"diffuseTexture\":{\"index\":2},\"specularGlossinessTexture\":{\"index\":4}",
+         {1, 1, 1, 1},
+         0,
+         0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        psplat_mesh mesh = read_specular(cases[i].extension);
+        psplat_mesh mesh = read_specular("OPAQUE", cases[i].extension);
         assert_int_equal(mesh.source_material_count, 2); /* and the default one */
         const psplat_source_material *m = &mesh.source_materials[0];
         for (int k = 0; k < 4; ++k)
@@ -289,8 +296,13 @@ static void test_specular_glossiness(void **state) {
         if (i == 2) assert_true(m->base_color.image->pixels[0] == 255);
         if (i == 3) assert_true(m->base_color.image->pixels[1] == 128);
         if (i < 2) assert_null(m->base_color.image);
+        if (i == 5) assert_true(m->base_color.image->pixels[0] == 255);
         psplat_mesh_free(&mesh);
     }
+    /* The alpha of diffuse colours cuts, and not that of specular ones. */
+    psplat_mesh mesh = read_specular("MASK", cases[3].extension);
+    assert_true(mesh.source_materials[0].base_color.image->pixels[3] == 255);
+    psplat_mesh_free(&mesh);
 }
 
 static void test_two_materials(void **state) {
