@@ -32,14 +32,18 @@ static void interpolate(const float *corners, size_t components, const double we
 
 void psplat_surface_barycentric(const psplat_surface *surface, uint32_t triangle, const double p[3],
                                 double weights[3]) {
-    const double *normal = surface->face_normals + 3 * (size_t)triangle;
-    double total = 0;
+    const double *corner = psplat_mesh_corner(surface->mesh, triangle, 0);
+    double sides[2][3], across[3], total = 0;
+    /* A sliver's face normal may be that of the triangle beside it, along which it has no area. */
+    for (int k = 0; k < 2; ++k)
+        sub3(sides[k], psplat_mesh_corner(surface->mesh, triangle, k + 1), corner);
+    cross3(across, sides[0], sides[1]);
     for (int k = 0; k < 3; ++k) {
         double a[3], b[3], c[3];
         sub3(a, psplat_mesh_corner(surface->mesh, triangle, (k + 1) % 3), p);
         sub3(b, psplat_mesh_corner(surface->mesh, triangle, (k + 2) % 3), p);
         cross3(c, a, b);
-        double twice_area = dot3(c, normal);
+        double twice_area = dot3(c, across);
         weights[k] = twice_area > 0 ? twice_area : 0;
         total += weights[k];
     }
@@ -50,7 +54,8 @@ void psplat_surface_normal(const psplat_surface *surface, uint32_t triangle,
                            const double barycentric[3], float normal[3]) {
     double sum[3];
     interpolate(surface->corner_normals + 9 * (size_t)triangle, 3, barycentric, sum);
-    const double *n = normalize3(sum) > 1e-9 ? sum : surface->face_normals + 3 * (size_t)triangle;
+    const double *n =
+        normalize3(sum) > PSPLAT_LEAST_NORMAL ? sum : surface->face_normals + 3 * (size_t)triangle;
     for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
 }
 

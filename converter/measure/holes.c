@@ -283,6 +283,9 @@ static int search_halves(searcher *s, const subtriangle *t, size_t begin) {
         p[k] = (t->p[0][k] + t->p[1][k] + t->p[2][k]) / 3;
         n[k] = (t->n[0][k] + t->n[1][k] + t->n[2][k]) / 3;
     }
+    /* As samples have it; no splat faces the way of no normal. */
+    if (!(length3(n) > PSPLAT_LEAST_NORMAL))
+        memcpy(n, s->surface->face_normals + 3 * (size_t)s->triangle, sizeof n);
     int found = side <= s->coarse && psplat_surface_owns(s->surface, p) && is_open(s, p, n, begin);
     if (found) push_hole(s, p);
     if (!found && !(side > s->fine)) s->holes->unproven += area_of(t);

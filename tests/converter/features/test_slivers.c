@@ -14,6 +14,8 @@
 #include <cmocka.h>
 
 #include "appearance/alpha_mask.h"
+#include "base/vector.h"
+#include "features/surface.h"
 #include "features/surface_build.h"
 #include "mesh/mesh.h"
 #include "pipeline/convert.h"
@@ -79,6 +81,24 @@ static void test_sheet(void **state) {
     psplat_surface_free(&flat);
     psplat_surface_free(&low);
     psplat_surface_free(&own);
+    psplat_mesh_free(&mesh);
+}
+
+/* Points of a sliver have its barycentric coordinates, whichever way it faces: along the normal of
+ * the sheet, the walls have no area. */
+static void test_barycentric(void **state) {
+    (void)state;
+    psplat_mesh mesh = make_sheet();
+    psplat_surface surface = build(&mesh, 4 * dent);
+    for (uint32_t t = 0; t < mesh.triangle_count; ++t) {
+        const double weights[3] = {0.5, 0.375, 0.125};
+        double point[3] = {0, 0, 0}, found[3];
+        for (int k = 0; k < 3; ++k) mad3(point, weights[k], psplat_mesh_corner(&mesh, t, k));
+        psplat_surface_barycentric(&surface, t, point, found);
+        /* rounding of coordinates of 1, beside an altitude of 1e-3 or more */
+        for (int k = 0; k < 3; ++k) assert_near(found[k], weights[k], 1e-11);
+    }
+    psplat_surface_free(&surface);
     psplat_mesh_free(&mesh);
 }
 
@@ -198,10 +218,10 @@ static void test_alone(void **state) {
 
 int test_slivers_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sheet),      cmocka_unit_test(test_order),
-        cmocka_unit_test(test_conversion), cmocka_unit_test(test_fillet),
-        cmocka_unit_test(test_step),       cmocka_unit_test(test_wire),
-        cmocka_unit_test(test_alone),
+        cmocka_unit_test(test_sheet),  cmocka_unit_test(test_barycentric),
+        cmocka_unit_test(test_order),  cmocka_unit_test(test_conversion),
+        cmocka_unit_test(test_fillet), cmocka_unit_test(test_step),
+        cmocka_unit_test(test_wire),   cmocka_unit_test(test_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

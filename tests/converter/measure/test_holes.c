@@ -180,6 +180,24 @@ static void test_sides(void **state) {
     scene_end(&s);
 }
 
+/* A square faces up, but the normals of one of its corners down, as where a surface is folded:
+ * where they cancel each other, the triangle's own normal counts, and one of two splats that face
+ * either way covers that, too. */
+static void test_no_normal(void **state) {
+    (void)state;
+    scene s;
+    scene_begin(&s, 2, 2, 1, 1, NULL);
+    for (size_t corner = 0; corner < 6; ++corner)
+        if (s.f.mesh.triangles[corner] == s.f.mesh.triangles[0])
+            s.f.surface.corner_normals[3 * corner + 2] = -1;
+    add_disc(&s, 0, 0, 3, 0, 1);
+    add_disc(&s, 0, 0, 3, 0, -1);
+    assert_int_equal(find(&s, 4, 0.01), 0);
+    s.discs.candidates[0].taken = 0;
+    assert_true(find(&s, 4, 0.01) > 0);
+    scene_end(&s);
+}
+
 /* ---- gaps of known width --------------------------------------------------------------------- */
 
 /* Adds two discs that parallel lines cut so that they leave a slit, at an angle and at a distance
@@ -406,10 +424,11 @@ static void test_points(void **state) {
 
 int test_holes_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_square),   cmocka_unit_test(test_sides),
-        cmocka_unit_test(test_slits),    cmocka_unit_test(test_notch),
-        cmocka_unit_test(test_one_lost), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_points),   cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_square),    cmocka_unit_test(test_sides),
+        cmocka_unit_test(test_no_normal), cmocka_unit_test(test_slits),
+        cmocka_unit_test(test_notch),     cmocka_unit_test(test_one_lost),
+        cmocka_unit_test(test_threads),   cmocka_unit_test(test_points),
+        cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
