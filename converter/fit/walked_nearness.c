@@ -29,7 +29,10 @@
 
 /* The most walls and steps after which the walk gives up, and the steps and the slots of places for
  * which no memory is allocated. Chosen by hand. */
-enum { MOST_WALLS = 256, MOST_STEPS = 1 << 16, FIRST_STEPS = 64, FIRST_SLOTS = 256 };
+enum { MOST_WALLS = 256, MOST_STEPS = 1 << 18, FIRST_STEPS = 64, FIRST_SLOTS = 256 };
+
+/* The columns of u, from rim to rim, by which the triangles are listed that lie under points. */
+enum { COLUMNS = 64 };
 
 /* What lies beyond the rim or behind a wall by less, in units of the parameters, is rounding. */
 static const double slack = 1e-12;
@@ -50,12 +53,12 @@ typedef struct step {
     corner corners[3];
     double bound; /* of the distance over all of the triangle */
     uint32_t place;
+    int entry; /* the edge that the walk came over; -1: none */
 } step;
 
 /* An edge that the walk could not cross, from a to b: the triangle before it lies on its left. */
 typedef struct wall {
     double a[2], b[2];
-    uint32_t place; /* of that triangle */
 } wall;
 
 typedef struct walk {
@@ -71,6 +74,8 @@ typedef struct walk {
     size_t slot_count;                         /* a power of two, over twice the steps */
     wall walls[MOST_WALLS];
     size_t wall_count;
+    uint32_t column_starts[COLUMNS + 1], *in_columns; /* indices of steps; NULL: not listed yet */
+    uint32_t guess;      /* the place of the triangle that was found nearest last */
     int failed, is_lost; /* no memory; or the walk cannot tell */
 } walk;
 
@@ -87,7 +92,7 @@ static int was_seen(const walk *w, uint32_t place) {
     return w->slots[slot_of(w, place)] != PSPLAT_NONE;
 }
 
-static void free_walk(walk *w) {
+static void free_steps(walk *w) {
     if (w->steps != w->first_steps) free(w->steps);
     if (w->slots != w->first_slots) free(w->slots);
 }
@@ -105,7 +110,7 @@ static int grow(walk *w) {
     }
     memcpy(steps, w->steps, w->count * sizeof *steps);
     memset(slots, 0xff, slot_count * sizeof *slots);
-    free_walk(w);
+    free_steps(w);
     w->steps = steps, w->capacity = capacity;
     w->slots = slots, w->slot_count = slot_count;
     for (size_t i = 0; i < w->count; ++i) w->slots[slot_of(w, steps[i].place)] = steps[i].place;
@@ -186,7 +191,7 @@ static void add_wall(walk *w, const step *from, int edge) {
         w->is_lost = 1;
         return;
     }
-    w->walls[w->wall_count++] = (wall){{a[0], a[1]}, {b[0], b[1]}, from->place};
+    w->walls[w->wall_count++] = (wall){{a[0], a[1]}, {b[0], b[1]}};
 }
 
 static void add_step(walk *w, const step *s) {
@@ -222,6 +227,7 @@ static void cross_edge(walk *w, const step *from, int edge) {
     to.corners[new] = project(w, psplat_tree_corner(tree, to.place, new));
     to.corners[(new + 1) % 3] = from->corners[(edge + 1) % 3];
     to.corners[(new + 2) % 3] = from->corners[edge];
+    to.entry = (new + 1) % 3;
     double area = area_of(to.corners, &longest2);
     if (area >= -back_slack * longest2)
         add_step(w, &to);
@@ -247,6 +253,8 @@ static void find_start(walk *w, step *first) {
     first->place = nearest.place;
     for (int i = 0; i < 3; ++i)
         first->corners[i] = project(w, psplat_tree_corner(w->tree, first->place, i));
+    first->entry = -1;
+    w->guess = first->place;
     double area = area_of(first->corners, &longest2);
     w->is_lost = !(area > front_least * longest2);
 }
@@ -279,7 +287,8 @@ static void walk_over(walk *w) {
     for (size_t i = 0; i < w->count && !w->is_lost && !w->failed; ++i) {
         const step from = w->steps[i]; /* Steps move where their room grows. */
         for (int edge = 0; edge < 3 && !w->is_lost && !w->failed; ++edge)
-            if (is_edge_under(w, &from.corners[edge], &from.corners[(edge + 1) % 3]))
+            if (edge != from.entry &&
+                is_edge_under(w, &from.corners[edge], &from.corners[(edge + 1) % 3]))
                 cross_edge(w, &from, edge);
     }
 }
@@ -287,13 +296,10 @@ static void walk_over(walk *w) {
 /* ---- the rest ------------------------------------------------------------------------------- */
 
 /* Finds whether the region's part in a cell is near the mesh, by branch and bound. */
-static int is_cell_near(walk *w, const psplat_cell *cell, uint32_t place) {
+static int is_cell_near(walk *w, const psplat_cell *cell) {
     const psplat_splat_distance_desc desc = {.tolerance = w->tolerance, .stop_at_first = 1};
     psplat_splat_distance found;
-    double guess[9];
-    for (int i = 0; i < 3; ++i)
-        memcpy(guess + 3 * i, psplat_tree_corner(w->tree, place, i), 3 * sizeof *guess);
-    w->failed |= psplat_splat_distance_find_in(w->region, w->distance, &desc, cell, guess,
+    w->failed |= psplat_splat_distance_find_in(w->region, w->distance, &desc, cell, &w->guess,
                                                &found) != PSPLAT_OK;
     return !w->failed && found.nearness == PSPLAT_NEARNESS_WITHIN;
 }
@@ -331,18 +337,50 @@ static int is_step_near(walk *w, const step *s) {
         lift_cell(w, s, &cell, lifted);
         if (gap_bound(w, lifted, cell.count) <= w->tolerance) return 1;
     }
-    return is_cell_near(w, &cell, s->place);
+    return is_cell_near(w, &cell);
 }
 
 /* ---- walls ---------------------------------------------------------------------------------- */
 
+static int column_of(double u) {
+    return (int)min2(max2((u + 1) * (COLUMNS / 2.0), 0), COLUMNS - 1);
+}
+
+/* Finds the first and the last column in which a triangle may lie. */
+static void columns_of(const step *s, int *first, int *last) {
+    const corner *c = s->corners;
+    *first = column_of(min2(c[0].uv[0], min2(c[1].uv[0], c[2].uv[0])));
+    *last = column_of(max2(c[0].uv[0], max2(c[1].uv[0], c[2].uv[0])));
+}
+
+/* Lists the triangles that were walked over by columns. */
+static void list_columns(walk *w) {
+    uint32_t ends[COLUMNS + 1] = {0};
+    int first, last;
+    for (size_t i = 0; i < w->count; ++i) {
+        columns_of(&w->steps[i], &first, &last);
+        for (int k = first; k <= last; ++k) ++ends[k + 1];
+    }
+    for (int k = 0; k < COLUMNS; ++k) ends[k + 1] += ends[k];
+    memcpy(w->column_starts, ends, sizeof ends);
+    w->in_columns = malloc((ends[COLUMNS] + 1) * sizeof *w->in_columns);
+    w->failed |= !w->in_columns;
+    for (size_t i = 0; i < w->count && w->in_columns; ++i) {
+        columns_of(&w->steps[i], &first, &last);
+        for (int k = first; k <= last; ++k) w->in_columns[ends[k]++] = (uint32_t)i;
+    }
+}
+
 /* Returns whether a triangle that was walked over lies under a point that the region may hold. */
-static int is_covered(const walk *w, const double uv[2]) {
+static int is_covered(walk *w, const double uv[2]) {
     if (uv[0] * uv[0] + uv[1] * uv[1] > 1) return 0;
     for (uint32_t i = 0; i < w->region->line_count; ++i)
         if (w->lines[i][0] * uv[0] + w->lines[i][1] * uv[1] + w->lines[i][2] < 0) return 0;
-    for (size_t i = 0; i < w->count; ++i) {
-        const corner *c = w->steps[i].corners;
+    if (!w->in_columns) list_columns(w);
+    if (w->failed) return 0;
+    const uint32_t *at = w->column_starts + column_of(uv[0]);
+    for (uint32_t i = at[0]; i < at[1]; ++i) {
+        const corner *c = w->steps[w->in_columns[i]].corners;
         int inside = 1;
         for (int k = 0; k < 3 && inside; ++k) {
             const double *a = c[k].uv, *b = c[(k + 1) % 3].uv;
@@ -365,12 +403,12 @@ typedef struct wall_list {
 } wall_list;
 
 /* Returns whether the region is near in a cell: where no wall is, over triangles or by branch and
- * bound; else on both sides of the line through the last of the walls. guess is a place. */
-static int are_sides_near(walk *w, const psplat_cell *cell, const wall_list *list, uint32_t guess) {
+ * bound; else on both sides of the line through the last of the walls. */
+static int are_sides_near(walk *w, const psplat_cell *cell, const wall_list *list) {
     if (!list->count) {
         double mean[2];
         psplat_cell_mean(cell, mean);
-        return is_covered(w, mean) || is_cell_near(w, cell, guess);
+        return is_covered(w, mean) || is_cell_near(w, cell);
     }
     const wall *last = &w->walls[list->walls[list->count - 1]];
     double u = last->b[0] - last->a[0], v = last->b[1] - last->a[1];
@@ -383,7 +421,7 @@ static int are_sides_near(walk *w, const psplat_cell *cell, const wall_list *lis
         if (!side.count) continue;
         if (side.count + 2 + PSPLAT_MAX_CLIP_LINES >= PSPLAT_CELL_CORNERS) {
             /* Clipping would replace it by its box, which reaches back over walls. */
-            if (!is_cell_near(w, &side, guess)) return 0;
+            if (!is_cell_near(w, &side)) return 0;
             continue;
         }
         psplat_cell_clip_by_rim(w->region, &side);
@@ -391,7 +429,7 @@ static int are_sides_near(walk *w, const psplat_cell *cell, const wall_list *lis
         for (size_t i = 0; i + 1 < list->count; ++i)
             if (is_wall_in(&side, &w->walls[list->walls[i]]))
                 left.walls[left.count++] = list->walls[i];
-        if (!are_sides_near(w, &side, &left, sign < 0 ? last->place : guess)) return 0;
+        if (!are_sides_near(w, &side, &left)) return 0;
     }
     return 1;
 }
@@ -403,7 +441,7 @@ static int are_walls_near(walk *w) {
     psplat_cell_clip_by_rim(w->region, &cell);
     for (size_t i = 0; i < w->wall_count && cell.count; ++i)
         if (is_wall_in(&cell, &w->walls[i])) list.walls[list.count++] = (uint16_t)i;
-    return !cell.count || are_sides_near(w, &cell, &list, w->steps[0].place);
+    return !cell.count || are_sides_near(w, &cell, &list);
 }
 
 /* ---- all ------------------------------------------------------------------------------------ */
@@ -427,10 +465,12 @@ psplat_result psplat_walked_nearness(const psplat_region *region, const psplat_d
     w.region = region, w.distance = distance, w.tree = psplat_distance_tree(distance);
     w.tolerance = tolerance;
     w.count = w.wall_count = 0;
+    w.in_columns = NULL;
     w.failed = w.is_lost = 0;
     walk_over(&w);
     *is_known = !w.failed && !w.is_lost;
     *near = *is_known && is_walk_near(&w);
-    free_walk(&w);
+    free_steps(&w);
+    free(w.in_columns);
     return w.failed ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
 }

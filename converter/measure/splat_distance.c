@@ -18,6 +18,8 @@
 #include "base/vector.h"
 #include "measure/region_cell.h"
 #include "mesh/distance.h"
+#include "mesh/mesh.h"
+#include "mesh/triangle_tree.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,7 +30,7 @@ enum { DEFAULT_MOST_CELLS = 100000 };
 
 /* The most triangles that are gathered for a cell. Larger cells ask the tree for one at a time: a
  * splat over a million triangles that are nearly flat needs few of them. Chosen by hand. */
-enum { MOST_GATHERED = 1024 };
+enum { MOST_GATHERED = 256 };
 
 /* The size below which cells are not halved, in tolerances, and how much the bound may exceed the
  * greatest distance found where that is beyond the tolerance. Chosen by hand. */
@@ -67,6 +69,7 @@ typedef struct searcher {
     psplat_splat_distance *result;
     triangle *triangles; /* that may be near the region */
     triangle asked;      /* the one that was found last in the whole mesh */
+    uint32_t guess;      /* for psplat_distance_nearest_corners */
     size_t triangle_count, triangle_capacity;
     uint32_t *near;
     size_t near_count, near_capacity;
@@ -189,7 +192,8 @@ static void take_found(searcher *s, const double point[3], double distance) {
  */
 static double find_nearest(searcher *s, const double point[3]) {
     double at[3], corners[9];
-    s->failed |= psplat_distance_nearest_corners(s->distance, point, at, corners) != PSPLAT_OK;
+    s->failed |=
+        psplat_distance_nearest_corners(s->distance, point, &s->guess, at, corners) != PSPLAT_OK;
     if (s->failed) return 0;
     set_triangle(&s->asked, corners);
     return sqrt(distance2_3(at, point));
@@ -354,8 +358,9 @@ static void halve_large(searcher *s, const psplat_cell *c, const patch *p, const
     }
 }
 
-/* Searches a cell, given a triangle that is likely near. One that has too many triangles near it is
- * bounded by the one nearest to its middle, or halved. */
+/* Searches a cell, given a triangle that is likely near. Most are near all of the one nearest to
+ * their middle; only where that is not enough are triangles gathered, and where these are too many,
+ * the cell is halved. */
 static void search_large(searcher *s, psplat_cell *c, const triangle *guess) {
     patch p;
     triangle near = *guess;
@@ -364,14 +369,14 @@ static void search_large(searcher *s, psplat_cell *c, const triangle *guess) {
     lift(s->region, c, &p);
     double bound = patch_bound(&p, &near, s->accepted);
     if (bound > s->accepted) {
-        if (gather(s, &p)) {
-            search(s, c, 0, &near);
-            return;
-        }
         double distance = find_nearest(s, p.middle);
         if (psplat_region_contains(s->region, p.middle_uv, 1, 0)) take_found(s, p.middle, distance);
         near = s->asked;
         bound = min2(patch_bound(&p, &near, HUGE_VAL), distance + p.radius);
+        if (bound > s->accepted && !s->failed && !s->done && gather(s, &p)) {
+            search(s, c, 0, &near);
+            return;
+        }
     }
     ++s->result->cells;
     if (bound > s->accepted && !s->failed && !s->done) {
@@ -408,11 +413,14 @@ static void search_region(searcher *s) {
     if (!s->failed) search_large(s, &c, &guess);
 }
 
-/* Bounds the distances of a cell alone. Most are near the triangle that is guessed, so that others
- * are gathered only then when this one is not enough. */
-static void search_cell(searcher *s, psplat_cell *c, const double guess[9]) {
+/* Bounds the distances of a cell alone, of which most are near the triangle that is guessed. */
+static void search_cell(searcher *s, psplat_cell *c) {
+    const psplat_triangle_tree *tree = psplat_distance_tree(s->distance);
+    double corners[9];
     triangle near;
-    set_triangle(&near, guess);
+    for (int k = 0; k < 3; ++k)
+        memcpy(corners + 3 * k, psplat_tree_corner(tree, s->guess, k), 3 * sizeof *corners);
+    set_triangle(&near, corners);
     search_large(s, c, &near);
 }
 
@@ -435,6 +443,7 @@ static searcher begin(const psplat_region *region, const psplat_distance *distan
                       .distance = distance,
                       .desc = desc,
                       .result = result,
+                      .guess = PSPLAT_NONE,
                       .accepted = desc->tolerance};
 }
 
@@ -450,10 +459,12 @@ psplat_result psplat_splat_distance_find(const psplat_region *region,
 psplat_result psplat_splat_distance_find_in(const psplat_region *region,
                                             const psplat_distance *distance,
                                             const psplat_splat_distance_desc *desc,
-                                            const psplat_cell *cell, const double guess[9],
+                                            const psplat_cell *cell, uint32_t *guess,
                                             psplat_splat_distance *result) {
     searcher s = begin(region, distance, desc, result);
     psplat_cell c = *cell;
-    search_cell(&s, &c, guess);
+    s.guess = *guess;
+    search_cell(&s, &c);
+    *guess = s.guess;
     return finish(&s);
 }

@@ -48,12 +48,13 @@ psplat_result psplat_splat_distance_find(const psplat_region *region,
                                          const psplat_splat_distance_desc *desc,
                                          psplat_splat_distance *result);
 
-/* The same for the part of a region that a convex polygon of its parameters holds. guess are the
- * corners of a triangle of the mesh that is likely near all of it. */
+/* The same for the part of a region that a convex polygon of its parameters holds. distance must be
+ * one with a tree for fits. *guess is the place in it of a triangle that is likely near all of that
+ * part, and becomes that of the one found last. */
 psplat_result psplat_splat_distance_find_in(const psplat_region *region,
                                             const psplat_distance *distance,
                                             const psplat_splat_distance_desc *desc,
-                                            const psplat_cell *cell, const double guess[9],
+                                            const psplat_cell *cell, uint32_t *guess,
                                             psplat_splat_distance *result);
 
 #endif

@@ -100,8 +100,8 @@ static void store_mesh_corners(const psplat_mesh *mesh, uint32_t triangle, doubl
 
 /* Finds the nearest point in a tree of our own, and the corners of its triangle. Returns 0 where
  * there is no triangle, or the point is not finite. */
-static int find_own(const psplat_distance *distance, const double point[3], double nearest[3],
-                    double corners[9]) {
+static int find_own(const psplat_distance *distance, const double point[3], uint32_t *guess,
+                    double nearest[3], double corners[9]) {
     uint32_t triangle;
     if (distance->morton) {
         psplat_morton_tree_nearest(distance->morton, point, HUGE_VAL, nearest, &triangle);
@@ -109,20 +109,21 @@ static int find_own(const psplat_distance *distance, const double point[3], doub
         store_mesh_corners(psplat_morton_tree_mesh(distance->morton), triangle, corners);
         return 1;
     }
-    psplat_tree_nearest found = {.distance2 = HUGE_VAL, .place = PSPLAT_NONE};
+    psplat_tree_nearest found = {.distance2 = HUGE_VAL, .place = *guess};
     psplat_triangle_tree_nearest(distance->tree, point, &found);
     if (found.place == PSPLAT_NONE) return 0;
+    *guess = found.place;
     memcpy(nearest, found.point, sizeof found.point);
     store_corners(distance->tree, found.place, corners);
     return 1;
 }
 
 psplat_result psplat_distance_nearest_corners(const psplat_distance *distance,
-                                              const double point[3], double nearest[3],
-                                              double corners[9]) {
+                                              const double point[3], uint32_t *guess,
+                                              double nearest[3], double corners[9]) {
     uint32_t triangle;
     if (!distance->cgal) {
-        if (!find_own(distance, point, nearest, corners))
+        if (!find_own(distance, point, guess, nearest, corners))
             for (int k = 0; k < 9; ++k) nearest[k % 3] = corners[k] = HUGE_VAL;
         return PSPLAT_OK;
     }

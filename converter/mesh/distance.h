@@ -46,10 +46,11 @@ psplat_result psplat_distance_query(const psplat_distance *distance, const doubl
 psplat_result psplat_distance_nearest(const psplat_distance *distance, const double point[3],
                                       double nearest[3], uint32_t *triangle);
 
-/* The same, but stores the corners of that triangle. */
+/* The same, but stores the corners of that triangle. *guess is PSPLAT_NONE or, to save time, what
+ * an earlier query nearby stored there. */
 psplat_result psplat_distance_nearest_corners(const psplat_distance *distance,
-                                              const double point[3], double nearest[3],
-                                              double corners[9]);
+                                              const double point[3], uint32_t *guess,
+                                              double nearest[3], double corners[9]);
 
 /* Stores in *meets whether the segment between two points meets a triangle from its front. */
 psplat_result psplat_distance_meets(const psplat_distance *distance, const double from[3],
