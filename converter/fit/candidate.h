@@ -29,6 +29,9 @@ typedef struct psplat_candidate {
     int quantized;     /* 1 after psplat_quantize_candidate */
 } psplat_candidate;
 
+/* Copies a candidate with what it owns. Returns 0 when out of memory; *to then owns nothing. */
+int psplat_candidate_copy(const psplat_candidate *from, psplat_candidate *to);
+
 /* Frees what the candidate owns, and zeroes it. */
 void psplat_candidate_free(psplat_candidate *candidate);
 

@@ -398,6 +398,13 @@ psplat_result psplat_ray_holes_find(const psplat_ray_search *search, psplat_ray_
     return result;
 }
 
+int psplat_ray_hole_is_closed(const psplat_ray_hole *hole, const psplat_region *region,
+                              double tolerance) {
+    double height, uv[2];
+    return psplat_sight_meets(&hole->sight, region, 0, &height, uv) &&
+           fabs(height) * hole->cosine <= tolerance;
+}
+
 void psplat_ray_holes_free(psplat_ray_holes *holes) {
     free(holes->holes);
     *holes = (psplat_ray_holes){0};

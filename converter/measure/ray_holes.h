@@ -49,6 +49,11 @@ typedef struct psplat_ray_search {
  * it. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_ray_holes_find(const psplat_ray_search *search, psplat_ray_holes *holes);
 
+/* Returns whether a ray meets the front of a region within the tolerance over its cosine of the
+ * point that it sees. */
+int psplat_ray_hole_is_closed(const psplat_ray_hole *hole, const psplat_region *region,
+                              double tolerance);
+
 /* Frees the rays, and zeroes holes. */
 void psplat_ray_holes_free(psplat_ray_holes *holes);
 

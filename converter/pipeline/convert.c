@@ -30,6 +30,7 @@
 #include "select/sample_spacing.h"
 #include "select/selection.h"
 #include "select/sort_splats.h"
+#include "select/trim_splats.h"
 #include "splats/hoist_constants.h"
 #include "splats/quantize.h"
 #include "splats/splats.h"
@@ -193,6 +194,7 @@ static psplat_result complete(psplat_conversion *c, psplat_error *error) {
     result = psplat_mend_colors(c, 0, error);
     if (!result) result = psplat_mend_textures(c, 0, error);
     if (!result) result = psplat_close_rays(c, error);
+    if (!result) result = psplat_trim_splats(c, error);
     if (!result) result = psplat_mend_colors(c, 1, error);
     if (!result) result = psplat_mend_textures(c, 1, error);
     if (!result) result = psplat_mend_creases(c, error);

@@ -18,6 +18,7 @@
 #include "measure/measured_splats.h"
 #include "measure/ray_holes.h"
 #include "mesh/mesh.h"
+#include "select/rim_rays.h"
 #include "select/selection.h"
 #include "splats/quantize.h"
 
@@ -121,28 +122,16 @@ static void choose(closer *r, const psplat_measured_splats *measured) {
 
 /* Finds the cracks between the candidates. */
 static psplat_result find_cracks(closer *r, uint64_t seed) {
-    const psplat_selection *selection = &r->c->selection;
-    psplat_ray_holes holes = {0};
-    psplat_region *regions = malloc((selection->count + 1) * sizeof *regions);
-    psplat_measured_splats measured = {
-        .regions = regions, .count = selection->count, .tolerance = r->c->limits.tolerance};
-    for (size_t i = 0; regions && i < selection->count; ++i)
-        regions[i] = selection->candidates[i].region;
-    if (regions) measured.region_tree = psplat_region_tree_create(regions, selection->count, 0);
-    const psplat_ray_search search = {.surface = &r->c->surface,
-                                      .measured = &measured,
-                                      .distance = r->c->distance,
-                                      .rim_spacing =
-                                          rim_spacing_tolerances * r->c->limits.tolerance,
-                                      .seed = seed};
+    psplat_measured_splats measured;
+    psplat_ray_holes rays;
     psplat_result result =
-        measured.region_tree ? psplat_ray_holes_find(&search, &holes) : PSPLAT_ERROR_MEMORY;
-    r->count = holes.count;
-    r->cracks = malloc((holes.count + 1) * sizeof *r->cracks);
+        psplat_rim_rays_find(r->c, rim_spacing_tolerances, seed, &measured, &rays);
+    r->count = rays.count;
+    r->cracks = malloc((rays.count + 1) * sizeof *r->cracks);
     if (!r->cracks) result = PSPLAT_ERROR_MEMORY;
-    for (size_t i = 0; r->cracks && i < r->count; ++i) r->cracks[i].hole = holes.holes[i];
+    for (size_t i = 0; r->cracks && i < r->count; ++i) r->cracks[i].hole = rays.holes[i];
     if (!result) choose(r, &measured);
-    psplat_ray_holes_free(&holes);
+    psplat_ray_holes_free(&rays);
     psplat_measured_splats_free(&measured);
     return result;
 }

@@ -88,13 +88,6 @@ typedef struct closer {
 
 /* ---- extension ------------------------------------------------------------------------------- */
 
-/* Returns whether a ray meets a candidate where it sees the surface. */
-static int meets(const psplat_ray_hole *hole, const psplat_region *region, double tolerance) {
-    double height, uv[2];
-    return psplat_sight_meets(&hole->sight, region, 0, &height, uv) &&
-           fabs(height) * hole->cosine <= tolerance;
-}
-
 /* Sets the axes of a region to those of the ellipse with these conjugate diameters, along the old
  * axes. */
 static void set_axes(const double a[2], const double b[2], psplat_region *region) {
@@ -198,15 +191,6 @@ static psplat_result fit_to_samples(const psplat_fit_context *context, psplat_si
     return PSPLAT_OK;
 }
 
-/* Copies a candidate with what it covers. Returns 0 when out of memory. */
-static int copy_candidate(const psplat_candidate *from, psplat_candidate *to) {
-    *to = *from;
-    to->covered = malloc((from->covered_count + 1) * sizeof *to->covered);
-    if (!to->covered) return 0;
-    memcpy(to->covered, from->covered, from->covered_count * sizeof *to->covered);
-    return 1;
-}
-
 /* Stores whether some points of the rim of a region that the lines of an old one do not cut off are
  * near the mesh: most regions that leave the surface do so there, and few points tell sooner than
  * an evaluation. The first point is at the angle `from`, and others follow on both sides. */
@@ -234,13 +218,14 @@ static psplat_result try_region(const psplat_fit_context *context, psplat_site *
                                 const psplat_ray_hole *hole, const psplat_region *region,
                                 psplat_candidate *candidate) {
     psplat_candidate tried;
-    if (!copy_candidate(candidate, &tried)) return PSPLAT_ERROR_MEMORY;
+    if (!psplat_candidate_copy(candidate, &tried)) return PSPLAT_ERROR_MEMORY;
     psplat_fit_status status = psplat_candidate_replace(context, site, region, 0, 1, &tried);
     psplat_result result = status == PSPLAT_FIT_MEMORY ? PSPLAT_ERROR_MEMORY : PSPLAT_OK;
     int fits = !status;
     if (fits && context->limits->precision)
         result = psplat_quantize_whole_candidate(context, &tried, &fits);
-    if (!result && fits && meets(hole, &tried.region, context->limits->tolerance)) {
+    if (!result && fits &&
+        psplat_ray_hole_is_closed(hole, &tried.region, context->limits->tolerance)) {
         psplat_candidate old = *candidate;
         *candidate = tried;
         tried = old;
@@ -278,7 +263,7 @@ static psplat_result extend(const psplat_fit_context *context, psplat_site *site
         result =
             make_region(context, site, candidate, uv, distance, (extension)how, &region, &worth);
         if (!result && worth) result = try_region(context, site, hole, &region, candidate);
-        if (meets(hole, &candidate->region, context->limits->tolerance)) break;
+        if (psplat_ray_hole_is_closed(hole, &candidate->region, context->limits->tolerance)) break;
     }
     return result;
 }
@@ -293,13 +278,14 @@ static psplat_result extend_to_all(const psplat_fit_context *context, size_t ind
     for (uint32_t i = r->first[index]; i < r->first[index + 1] && !result; ++i) {
         const psplat_ray_hole *hole = &r->gaps[r->order[i]].hole;
         double height, uv[2], tolerance = context->limits->tolerance;
-        if (!candidate->covered_count || meets(hole, &candidate->region, tolerance) ||
+        if (!candidate->covered_count ||
+            psplat_ray_hole_is_closed(hole, &candidate->region, tolerance) ||
             !psplat_sight_leaves(&hole->sight, &candidate->region, &height, uv))
             continue;
         double distance = hypot(uv[0], uv[1]) * (1 + spare);
         if (distance < 1 || distance > most_distance) continue;
         result = extend(context, &site, hole, uv, distance, candidate);
-        failures += !meets(hole, &candidate->region, tolerance);
+        failures += !psplat_ray_hole_is_closed(hole, &candidate->region, tolerance);
         if (failures == FAILURES) break;
     }
     return result;
@@ -380,9 +366,9 @@ static void mark_closed(closer *r) {
     for (size_t i = 0; i < r->count; ++i) {
         uint32_t candidate = chosen(r, &r->gaps[i]);
         if (candidate != PSPLAT_NONE)
-            r->gaps[i].closed =
-                meets(&r->gaps[i].hole, &r->c->selection.candidates[candidate].region,
-                      r->measured.tolerance);
+            r->gaps[i].closed = psplat_ray_hole_is_closed(
+                &r->gaps[i].hole, &r->c->selection.candidates[candidate].region,
+                r->measured.tolerance);
     }
 }
 
@@ -439,7 +425,7 @@ static double gain_of(closer *r, const psplat_region *region, int mark) {
     for (size_t i = 0; i < r->count; ++i) {
         if (r->gaps[i].closed ||
             distance2_3(r->gaps[i].hole.sight.point, region->center) > far * far ||
-            !meets(&r->gaps[i].hole, region, tolerance))
+            !psplat_ray_hole_is_closed(&r->gaps[i].hole, region, tolerance))
             continue;
         r->gaps[i].closed = mark;
         gain += r->gaps[i].hole.cosine;

@@ -64,17 +64,12 @@ static psplat_result grow_and_quantize_taken(const psplat_fit_context *context, 
     return selection->candidates[index].taken ? grow_and_quantize(context, index, user) : PSPLAT_OK;
 }
 
-/* Stores the splats of the taken candidates, finds the holes between them, and appends points in
- * the holes to the samples. Stores how many. */
-static psplat_result find_holes(psplat_conversion *c, size_t *count, psplat_error *error) {
+psplat_result psplat_find_holes(psplat_conversion *c, psplat_holes *holes) {
     psplat_measured_splats measured;
-    psplat_holes holes = {0};
     const psplat_sort_desc storing = {0}; /* Only the regions of the splats matter here. */
     double tolerance = c->limits.tolerance, spacing = c->samples.spacing;
-    const psplat_fit_context context = psplat_conversion_context(c);
-    psplat_result result =
-        psplat_fit_each(&context, c->selection.count, grow_and_quantize_taken, &c->selection);
-    if (!result) result = psplat_sort_splats(&c->selection, &storing, c->splats);
+    *holes = (psplat_holes){0};
+    psplat_result result = psplat_sort_splats(&c->selection, &storing, c->splats);
     if (!result)
         result = psplat_measured_splats_create(c->splats, tolerance,
                                                PSPLAT_STEEPEST_REACH * tolerance, &measured);
@@ -82,13 +77,23 @@ static psplat_result find_holes(psplat_conversion *c, size_t *count, psplat_erro
         result = psplat_holes_find_changed(
             &c->surface, &measured, cube_side_spacings * spacing,
             fmin(least_hole_spacings * spacing, least_hole_tolerances * tolerance), &c->hole_memory,
-            &holes);
+            holes);
         psplat_measured_splats_free(&measured);
     }
+    return result;
+}
+
+/* Finishes the taken candidates, finds the holes between them, and appends points in the holes to
+ * the samples. Stores how many. */
+static psplat_result append_holes(psplat_conversion *c, size_t *count, psplat_error *error) {
+    psplat_holes holes = {0};
+    const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result =
+        psplat_fit_each(&context, c->selection.count, grow_and_quantize_taken, &c->selection);
+    if (!result) result = psplat_find_holes(c, &holes);
+    if (result) psplat_fail(error, result, 0, "out of memory while looking for holes");
     *count = holes.count;
-    if (result)
-        psplat_fail(error, result, 0, "out of memory while looking for holes");
-    else if (holes.count)
+    if (!result && holes.count)
         result = psplat_samples_append(&c->samples, &c->surface, holes.points, holes.triangles,
                                        holes.count, error);
     psplat_holes_free(&holes);
@@ -193,7 +198,7 @@ static psplat_result fill(psplat_conversion *c, int first_round, psplat_error *e
         size_t first = c->samples.count;
         if (desc->progress && desc->progress(desc->user, "closing holes", (double)round / ROUNDS))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-        result = find_holes(c, &holes, error);
+        result = append_holes(c, &holes, error);
         if (result || !holes) break;
         result = close_holes(c, first, round);
         if (result)

@@ -7,7 +7,13 @@
 
 #include <phongsplat/splat.h>
 
+#include "measure/holes.h"
 #include "select/conversion.h"
+
+/* Finds the holes between the splats of the taken candidates, of which those of the last search
+ * that nothing has changed around are known. c->splats then holds these splats. psplat_holes_free
+ * frees *holes. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_find_holes(psplat_conversion *c, psplat_holes *holes);
 
 /* Finds holes between the splats of the taken candidates, appends points in them to the samples,
  * and covers these with candidates, until no hole is left or 32 rounds are over. Grows the ellipses

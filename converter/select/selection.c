@@ -33,11 +33,10 @@ int psplat_selection_push(psplat_selection *selection, psplat_candidate *candida
 psplat_result psplat_selection_copy(const psplat_selection *selection, psplat_selection *copy) {
     *copy = (psplat_selection){0};
     for (size_t i = 0; i < selection->count; ++i) {
-        psplat_candidate candidate = selection->candidates[i];
-        size_t bytes = candidate.covered_count * sizeof *candidate.covered;
-        candidate.covered = malloc(bytes + 1);
-        if (candidate.covered) memcpy(candidate.covered, selection->candidates[i].covered, bytes);
-        if (candidate.covered && psplat_selection_push(copy, &candidate)) continue;
+        psplat_candidate candidate;
+        if (psplat_candidate_copy(&selection->candidates[i], &candidate) &&
+            psplat_selection_push(copy, &candidate))
+            continue;
         psplat_candidate_free(&candidate);
         psplat_selection_free(copy);
         return PSPLAT_ERROR_MEMORY;

@@ -92,6 +92,7 @@ async function climb(model, kind, settings, make) {
     const made = join(folder, 'made.glb'), shrunk = join(folder, 'shrunk.glb'), report = join(folder, 'report.json'), files = [];
     for (const setting of settings) {
         make(setting, made);
+        if (!readGlb(made).json.meshes) break; // gltfpack has collapsed all
         for (const scale of numbers(options.scales)) {
             const path = scale === 1 ? made : shrunk;
             if (scale !== 1) await shrink(made, shrunk, scale);
