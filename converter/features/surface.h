@@ -83,7 +83,7 @@ void psplat_surface_barycentric(const psplat_surface *surface, uint32_t triangle
                                 const double point[3], double barycentric[3]);
 
 /* Where the normals of corners cancel each other, so that what is interpolated is no longer than
- * this, the normal is that of the triangle. Rounding alone leaves less. */
+ * this, the normal is that of the triangle. */
 #define PSPLAT_LEAST_NORMAL 1e-9
 
 /* Stores the unit normal that is interpolated at barycentric coordinates of a triangle. */

@@ -102,7 +102,7 @@ static void average_fan(psplat_surface *surface, uint8_t *done, uint32_t corner)
         mad3(sum, corner_angle(mesh, c), surface->face_normals + 3 * (size_t)(c / 3));
         c = corner_after(surface, c);
     } while (c != PSPLAT_NONE && c != begin);
-    int folded = normalize3(sum) < 1e-9;
+    int folded = normalize3(sum) < PSPLAT_LEAST_NORMAL;
     c = begin;
     do {
         const double *n = folded ? surface->face_normals + 3 * (size_t)(c / 3) : sum;

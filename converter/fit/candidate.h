@@ -23,7 +23,8 @@ typedef struct psplat_candidate {
     uint32_t *covered;        /* sample indices, covered_count; the seed among them; owned */
     size_t covered_count;
     uint32_t needed;   /* 1 + the sample that it grew for when splats lay on the grid already, and
-                        * that it must cover on the grid too; 0: none */
+                        * that it must cover on the grid too, unless that is left to others
+                        * (select/trim_splats.c); 0: none */
     int taken;         /* 1: belongs to the selection; 0: is only in the pool */
     int ellipse_grown; /* 1 after psplat_grow_ellipse */
     int quantized;     /* 1 after psplat_quantize_candidate */

@@ -28,8 +28,8 @@
 /* The cells after which the search gives up. Chosen by hand: most splats take less than 2000. */
 enum { DEFAULT_MOST_CELLS = 100000 };
 
-/* The most triangles that are gathered for a cell. Larger cells ask the tree for one at a time: a
- * splat over a million triangles that are nearly flat needs few of them. Chosen by hand. */
+/* The most triangles that are gathered for a cell. Those with more near them are halved: a splat
+ * over a million triangles that are nearly flat needs few of them. Chosen by hand. */
 enum { MOST_GATHERED = 256 };
 
 /* The size below which cells are not halved, in tolerances, and how much the bound may exceed the
@@ -358,9 +358,9 @@ static void halve_large(searcher *s, const psplat_cell *c, const patch *p, const
     }
 }
 
-/* Searches a cell, given a triangle that is likely near. Most are near all of the one nearest to
- * their middle; only where that is not enough are triangles gathered, and where these are too many,
- * the cell is halved. */
+/* Searches a cell, given a triangle that is likely near. All of most cells is near the triangle
+ * that is nearest to their middle; only where that does not tell are triangles gathered, and where
+ * these are too many, the cell is halved. */
 static void search_large(searcher *s, psplat_cell *c, const triangle *guess) {
     patch p;
     triangle near = *guess;

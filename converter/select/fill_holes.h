@@ -10,9 +10,10 @@
 #include "measure/holes.h"
 #include "select/conversion.h"
 
-/* Finds the holes between the splats of the taken candidates, of which those of the last search
- * that nothing has changed around are known. c->splats then holds these splats. psplat_holes_free
- * frees *holes. Fails only with PSPLAT_ERROR_MEMORY. */
+/* Finds the holes between the splats of the taken candidates, whose ellipses have to be grown, and
+ * on the grid where the limits have a precision. Looks only where splats have changed since the
+ * last search or that found holes. c->splats then holds these splats. psplat_holes_free frees
+ * *holes. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_find_holes(psplat_conversion *c, psplat_holes *holes);
 
 /* Finds holes between the splats of the taken candidates, appends points in them to the samples,

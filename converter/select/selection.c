@@ -9,7 +9,6 @@
 #include "fit/grow_candidate.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 void psplat_selection_free(psplat_selection *selection) {
     for (size_t i = 0; i < selection->count; ++i) psplat_candidate_free(&selection->candidates[i]);

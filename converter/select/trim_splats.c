@@ -219,24 +219,26 @@ static void restore(trimmer *t, uint32_t index) {
 /* A hole, or a ray that meets nothing, and the splat that would close it at its old size. */
 typedef struct opening {
     const trimmer *t;
-    const double *point;
     const psplat_ray_hole *ray; /* NULL: it is a hole */
+    double point[3], normal[3]; /* of the hole */
     uint32_t closing;           /* of several the one that stands off least; PSPLAT_NONE: none */
     int is_closed;              /* by one that has its old size */
 } opening;
 
-/* Returns whether a region closes an opening. */
-static int closes(const opening *o, const psplat_region *region) {
-    double uvh[3], tolerance = o->t->before.tolerance;
-    if (o->ray) return psplat_ray_hole_is_closed(o->ray, region, tolerance);
-    psplat_region_local(region, o->point, uvh);
-    return fabs(uvh[2]) <= tolerance && psplat_region_contains(region, uvh, 1, 0);
+/* Returns whether a splat closes an opening at its old size. */
+static int closes(const opening *o, uint32_t index) {
+    const psplat_measured_splats *before = &o->t->before;
+    double uvh[3];
+    if (o->ray)
+        return psplat_ray_hole_is_closed(o->ray, &before->regions[index], before->tolerance);
+    psplat_region_local(&before->regions[index], o->point, uvh);
+    return psplat_measured_splats_cover(before, index, o->normal, uvh);
 }
 
 static int visit_before(void *user, uint32_t index) {
     opening *o = user;
     const trimmed *splats = o->t->splats;
-    if (!closes(o, &o->t->before.regions[index])) return 0;
+    if (!closes(o, index)) return 0;
     if (!splats[index].is_trimmed)
         o->is_closed = 1;
     else if (o->closing == PSPLAT_NONE || splats[index].stand_off < splats[o->closing].stand_off ||
@@ -245,27 +247,47 @@ static int visit_before(void *user, uint32_t index) {
     return o->is_closed;
 }
 
-/* Gives a splat its old size that closes an opening by that, if one does. */
-static void close_opening(trimmer *t, const double point[3], const psplat_ray_hole *ray) {
-    opening o = {.t = t, .point = point, .ray = ray, .closing = PSPLAT_NONE};
-    double reach = ray ? t->before.tolerance / PSPLAT_FLATTEST_SIGHT_COSINE : 0;
+/* Gives a splat its old size that closes an opening within reach of a point by that. Returns
+ * whether one does. */
+static int close_opening(trimmer *t, opening *o, const double point[3], double reach) {
     double low[3], high[3];
+    o->t = t;
+    o->closing = PSPLAT_NONE;
     for (int k = 0; k < 3; ++k) low[k] = point[k] - reach, high[k] = point[k] + reach;
-    psplat_region_tree_visit_box(t->before.region_tree, low, high, visit_before, &o);
-    if (!o.is_closed && o.closing != PSPLAT_NONE) restore(t, o.closing);
+    psplat_region_tree_visit_box(t->before.region_tree, low, high, visit_before, o);
+    if (o->is_closed || o->closing == PSPLAT_NONE) return 0;
+    restore(t, o->closing);
+    return 1;
 }
 
-/* Restores what closed holes. Another hole may be found then, where one was in the same place, or
- * where the splat faces another way. */
+static int close_ray(trimmer *t, const psplat_ray_hole *ray) {
+    opening o = {.ray = ray};
+    return close_opening(t, &o, ray->sight.point,
+                         t->before.tolerance / PSPLAT_FLATTEST_SIGHT_COSINE);
+}
+
+static int close_hole(trimmer *t, const psplat_holes *holes, size_t i) {
+    const psplat_surface *surface = &t->c->surface;
+    opening o = {.ray = NULL};
+    double weights[3];
+    float normal[3];
+    for (size_t k = 0; k < 3; ++k) o.point[k] = holes->points[3 * i + k];
+    psplat_surface_barycentric(surface, holes->triangles[i], o.point, weights);
+    psplat_surface_normal(surface, holes->triangles[i], weights, normal);
+    for (int k = 0; k < 3; ++k) o.normal[k] = (double)normal[k];
+    return close_opening(t, &o, o.point, 0);
+}
+
+/* Restores what closed holes. Another hole may be found then, where one was in the same place. */
 static psplat_result restore_for_holes(trimmer *t) {
-    psplat_holes holes = {.count = 1};
     psplat_result result = PSPLAT_OK;
-    for (int round = 0; round < HOLE_ROUNDS && holes.count && !result; ++round) {
+    size_t restored = 1;
+    for (int round = 0; round < HOLE_ROUNDS && restored && !result; ++round) {
+        psplat_holes holes;
         result = psplat_find_holes(t->c, &holes);
-        for (size_t i = 0; i < holes.count; ++i) close_opening(t, holes.points + 3 * i, NULL);
-        size_t count = holes.count;
+        restored = 0;
+        for (size_t i = 0; i < holes.count; ++i) restored += (size_t)close_hole(t, &holes, i);
         psplat_holes_free(&holes);
-        holes.count = count;
     }
     return result;
 }
@@ -278,8 +300,7 @@ static psplat_result restore_for_rays(trimmer *t) {
         psplat_ray_holes rays;
         result = psplat_rim_rays_find(t->c, rim_spacing_tolerances,
                                       t->c->desc->seed + (uint64_t)round, &measured, &rays);
-        for (size_t i = 0; i < rays.count && !result; ++i)
-            close_opening(t, rays.holes[i].sight.point, &rays.holes[i]);
+        for (size_t i = 0; i < rays.count && !result; ++i) close_ray(t, &rays.holes[i]);
         psplat_ray_holes_free(&rays);
         psplat_measured_splats_free(&measured);
     }
@@ -300,17 +321,27 @@ static psplat_result begin(trimmer *t, psplat_conversion *c) {
     return t->before.region_tree ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
 }
 
+static int is_any_trimmed(const trimmer *t) {
+    int any = 0;
+    for (size_t i = 0; i < t->count; ++i) any |= t->splats[i].is_trimmed;
+    return any;
+}
+
 psplat_result psplat_trim_splats(psplat_conversion *c, psplat_error *error) {
     trimmer t;
+    int any = 0;
     const psplat_fit_context context = psplat_conversion_context(c);
     if (!c->limits.distance) return PSPLAT_OK;
     psplat_result result = begin(&t, c);
     if (!result) result = psplat_fit_each(&context, t.count, measure, &t);
     if (!result && !choose_scales(&t)) result = PSPLAT_ERROR_MEMORY;
     if (!result) result = psplat_fit_each(&context, t.count, trim, &t);
-    if (!result) result = restore_for_rays(&t);
-    if (!result) result = restore_for_holes(&t);
+    if (!result) any = is_any_trimmed(&t);
+    if (any) result = restore_for_rays(&t);
+    if (any && !result) result = restore_for_holes(&t);
     if (result) psplat_fail(error, result, 0, "out of memory while trimming splats");
     trimmer_free(&t);
-    return result ? result : psplat_fill_last_holes(c, error);
+    if (!result && any) result = psplat_fill_last_holes(c, error);
+    psplat_selection_drop_untaken(&c->selection);
+    return result;
 }

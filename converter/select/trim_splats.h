@@ -10,11 +10,11 @@
 #include "select/conversion.h"
 
 /* Makes splats up to a tenth smaller where a rim stands off outwards by half the tolerance or more,
- * and where other splats cover what is left: outlines are drawn by rims. No splat is added for
- * that, but for holes narrower than those that are looked for until here, and no ray that met a
- * splat passes between them afterwards, of those that are tried. All candidates of the selection
- * have to be taken, on the grid where the limits have a precision. Errors: MEMORY, INTERRUPTED,
- * RANGE (too many samples). */
+ * and where other splats cover what is left: outlines are drawn by rims. Splats are added only for
+ * holes that no old size closes. Of the rays that are tried, while seams are still open, none that
+ * met a splat passes between them afterwards. All candidates of the selection have to be taken, on
+ * the grid where the limits have a precision, and all are taken afterwards. Errors: MEMORY,
+ * INTERRUPTED, RANGE (too many samples). */
 psplat_result psplat_trim_splats(psplat_conversion *c, psplat_error *error);
 
 #endif

@@ -168,7 +168,8 @@ test('shadows are cast and received, and splats cast none on themselves', async 
             }
             ray.setFromCamera(new window.THREE.Vector2((k % 40) / 20 - 0.97, Math.floor(k / 40) / 20 - 0.97), camera);
             const hit = ray.intersectObject(root, true)[0];
-            if (!hit || ray.intersectObjects([meshes[1], meshes[2]]).length) continue;
+            // Where the light does not fall, or at a flat angle, there is no shadow to see.
+            if (!hit || hit.normal.dot(toLight) < 0.3 || ray.intersectObjects([meshes[1], meshes[2]]).length) continue;
             ray.set(hit.point.clone().addScaledVector(hit.normal, 1e-3), toLight);
             if (ray.intersectObject(meshes[1]).length) on.push(hit.point);
         }

@@ -117,16 +117,19 @@ static void test_part(void **state) {
 static void test_threads(void **state) {
     (void)state;
     psplat_region *first = NULL;
+    size_t count = 0;
     for (int threads = 1; threads <= 3; ++threads) {
         closing r;
         fixture_threads(threads);
         closing_begin(&r, "torus.off", 0.004, 0.015, 0, 0.1);
         assert_int_equal(psplat_trim_splats(&r.c, NULL), PSPLAT_OK);
         psplat_region *regions = copy_regions(&r);
-        if (first)
-            assert_memory_equal(first, regions, r.c.selection.count * sizeof *regions);
-        else
+        if (!first) {
             first = copy_regions(&r);
+            count = r.c.selection.count;
+        }
+        assert_int_equal(r.c.selection.count, count);
+        assert_memory_equal(first, regions, count * sizeof *regions);
         free(regions);
         closing_end(&r);
     }
