@@ -77,6 +77,11 @@ static inline void psplat_region_normal(const psplat_region *r, const double uv[
     normalize3(normal);
 }
 
+/* Returns the area of the whole ellipse over pi, whatever lines cut off, in units of area. */
+static inline double psplat_region_ellipse(const psplat_region *r) {
+    return r->radius[0] * r->radius[1];
+}
+
 /* Returns the radius of a sphere around the centre that holds the surface over all of the ellipse.
  */
 double psplat_region_reach(const psplat_region *region);

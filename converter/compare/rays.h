@@ -53,7 +53,7 @@ typedef struct psplat_ray_desc {
     double reach; /* % of the source's diagonal; default half of the greatest depth tolerance of
                      the asset (spec 5.3), which is the tolerance of its conversion or a little
                      less, or half of that where layers lie close to each other
-                     (select/depth_tolerance.h); a quarter % for a mesh */
+                     (finish/depth_tolerance.h); a quarter % for a mesh */
     uint64_t seed;
 } psplat_ray_desc;
 

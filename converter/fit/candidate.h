@@ -24,7 +24,7 @@ typedef struct psplat_candidate {
     size_t covered_count;
     uint32_t needed;   /* 1 + the sample that it grew for when splats lay on the grid already, and
                         * that it must cover on the grid too, unless that is left to others
-                        * (select/trim_splats.c); 0: none */
+                        * (finish/trim_splats.c); 0: none */
     int taken;         /* 1: belongs to the selection; 0: is only in the pool */
     int ellipse_grown; /* 1 after psplat_grow_ellipse */
     int quantized;     /* 1 after psplat_quantize_candidate */

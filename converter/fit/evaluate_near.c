@@ -207,7 +207,7 @@ static int is_near_sample(const psplat_fit_context *context, const double q[3],
 }
 
 /* Returns a region whose lines at borders of charts keep more: the surface goes on there, and those
- * lines will be seams, beyond which the splat is still there (select/open_seams.c). */
+ * lines will be seams, beyond which the splat is still there (finish/open_seams.c). */
 static psplat_region beyond_charts(const psplat_region *region) {
     psplat_region wide = *region;
     for (uint32_t i = 0; i < wide.line_count; ++i) {

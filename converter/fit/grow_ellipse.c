@@ -22,10 +22,6 @@ static const psplat_ellipse_growth growth_of_taken = {.most = 1.25, .steps = 5, 
  * cut gains little by a larger ellipse, which only costs drawing time. Chosen by hand. */
 static const double least_gain_share = 0.25;
 
-static double ellipse_area(const psplat_region *region) {
-    return region->radius[0] * region->radius[1];
-}
-
 /* Turns the frame so that the larger radius comes first. */
 static void order_axes(psplat_region *region) {
     if (region->radius[0] >= region->radius[1]) return;
@@ -59,7 +55,7 @@ psplat_result psplat_grow_ellipse_at(const psplat_fit_context *context, psplat_s
         for (int step = 0; step < growth->steps && kept < growth->most; ++step) {
             double factor = step ? (kept + broken) / 2 : growth->most;
             psplat_region region = stretched(&narrow, axes, factor);
-            double gain = ellipse_area(&region) / ellipse_area(&narrow) - 1;
+            double gain = psplat_region_ellipse(&region) / psplat_region_ellipse(&narrow) - 1;
             psplat_fit_status status = psplat_candidate_replace(
                 context, site, &region, area * (1 + least_gain_share * gain), growth->keep_record,
                 candidate);
@@ -79,7 +75,7 @@ static psplat_result settle(const psplat_fit_context *context, psplat_site *site
                             const psplat_candidate *before, psplat_candidate *candidate) {
     int near = 0;
     psplat_region middle = candidate->region;
-    if (ellipse_area(&middle) == ellipse_area(&before->region)) return PSPLAT_OK;
+    if (psplat_region_ellipse(&middle) == psplat_region_ellipse(&before->region)) return PSPLAT_OK;
     if (psplat_limits_region_near(context->limits, &middle, &near)) return PSPLAT_ERROR_MEMORY;
     if (near) return PSPLAT_OK;
     *candidate = *before;

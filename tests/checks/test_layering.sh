@@ -7,7 +7,7 @@
 set -eu
 
 runtime_rooms="core asset gl renderer tileset"
-converter_rooms="base material mesh points source scene gltf import appearance features splats measure fit select verify export
+converter_rooms="base material mesh points source scene gltf import appearance features splats measure fit select finish verify export
     pipeline tiles picture compare views table benchmark tradeoff cli"
 
 scratch=$(mktemp -d)

@@ -16,7 +16,7 @@
 #include "fit/region_near.h"
 #include "measure/measured_splats.h"
 #include "measure/ray_holes.h"
-#include "select/close_seams.h"
+#include "finish/close_seams.h"
 #include "select/conversion.h"
 #include "select/fill_holes.h"
 #include "select/greedy_cover.h"

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * mend_creases.c - splats that reach too far over a crease shrink.
+ *
+ * The measure is that of the promise. It looks at the splats' outlines and at creases alone, so
+ * that no sample has to tell. A splat that shrinks gets its lines anew.
+ */
+#include "finish/mend_creases.h"
+
+#include "base/region_tree.h"
+#include "features/samples.h"
+#include "fit/candidate.h"
+#include "fit/evaluate.h"
+#include "fit/fit_context.h"
+#include "fit/quantize_candidate.h"
+#include "measure/crease_crossings.h"
+#include "measure/measured_splats.h"
+#include "select/fill_holes.h"
+#include "select/selection.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* How often splats shrink, and by which factor. Chosen by hand: the last ones are a quarter as wide
+ * as they were. */
+enum { ROUNDS = 8 };
+static const double shrink_factor = 0.85;
+
+/* The number of points for each splat that tell of which sheet splats are, and the bounds of the
+ * number of all. Those that are fitted lie closer where fitting was hard, so that they tell another
+ * sheet than the check finds. Chosen by hand. */
+enum { POINTS_PER_SPLAT = 64, LEAST_POINTS = 32768, MOST_POINTS = 262144 };
+/* The share of the votes of a splat's sheet from which on another one counts as its own, too: other
+ * points, those of the check, may give that one more. Chosen by hand. */
+static const double other_sheet_share = 0.25;
+/* An offset of the seed: the letters of "crease". */
+static const uint64_t mend_seed = 0x6372656173650000u;
+
+/* The state of a round. */
+typedef struct mender {
+    psplat_conversion *c;
+    psplat_samples points;
+    uint8_t *crossed; /* by candidate: a crease lies too deep in it */
+    size_t count;     /* of crossings */
+} mender;
+
+/* Draws the points of all rounds. */
+static psplat_result draw_points(mender *m) {
+    const psplat_conversion *c = m->c;
+    double wanted = POINTS_PER_SPLAT * (double)c->selection.count;
+    size_t count = (size_t)fmin(fmax(wanted, LEAST_POINTS), MOST_POINTS);
+    return psplat_samples_draw_uniform(&c->surface, count, c->desc->seed + mend_seed, &m->points,
+                                       NULL);
+}
+
+/* Finds the candidates in which creases lie too deep. */
+static psplat_result find_crossed(mender *m) {
+    psplat_conversion *c = m->c;
+    size_t count = c->selection.count;
+    psplat_measured_splats measured = {.count = count, .tolerance = c->tolerance};
+    psplat_crease_crossing *crossings = NULL;
+    double greatest;
+    measured.regions = malloc((count + 1) * sizeof *measured.regions);
+    m->crossed = calloc(count + 1, 1);
+    psplat_result result = measured.regions && m->crossed ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !result; ++i)
+        measured.regions[i] = c->selection.candidates[i].region;
+    if (!result)
+        measured.region_tree = psplat_region_tree_create(measured.regions, count,
+                                                         PSPLAT_STEEPEST_REACH * c->tolerance);
+    if (!measured.region_tree) result = PSPLAT_ERROR_MEMORY;
+    if (!result)
+        result = psplat_crease_crossings_find(&c->surface, &m->points, &measured, c->tolerance,
+                                              other_sheet_share, &crossings, &m->count, &greatest);
+    for (size_t i = 0; i < m->count && !result; ++i) m->crossed[crossings[i].splat] = 1;
+    free(crossings);
+    psplat_measured_splats_free(&measured);
+    return result;
+}
+
+/* Shrinks a candidate in which a crease lies too deep. Where nothing smaller keeps the limits, it
+ * is no longer taken. */
+static psplat_result shrink(const psplat_fit_context *context, size_t index, void *user) {
+    const mender *m = user;
+    psplat_candidate *candidate = &m->c->selection.candidates[index];
+    psplat_region region = candidate->region;
+    if (!m->crossed[index]) return PSPLAT_OK;
+    candidate->taken = candidate->covered_count > 0;
+    if (!candidate->taken) return PSPLAT_OK;
+    psplat_candidate_put_nearest_first(context->samples, region.center, candidate);
+    psplat_site site = psplat_site_of(&region, candidate->triangle);
+    const psplat_demands demands = {.inside = context->samples->positions +
+                                              3 * (size_t)candidate->covered[0]};
+    for (int k = 0; k < 2; ++k) region.radius[k] *= shrink_factor;
+    psplat_evaluation e = psplat_evaluate(context, &site, &region, &demands);
+    if (e.status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
+    candidate->taken = e.status == PSPLAT_FIT_KEPT;
+    if (!candidate->taken) return PSPLAT_OK;
+    if (psplat_candidate_set(context, &site, &e, 0, candidate)) return PSPLAT_ERROR_MEMORY;
+    return context->limits->precision ? psplat_quantize_candidate(context, candidate) : PSPLAT_OK;
+}
+
+/* Replaces the candidates in which creases lie too deep. */
+static psplat_result replace(mender *m, psplat_error *error) {
+    psplat_conversion *c = m->c;
+    const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result = psplat_fit_each(&context, c->selection.count, shrink, m);
+    psplat_selection_drop_untaken(&c->selection);
+    if (!result) result = psplat_cover_samples(c, c->samples.count, 1, error);
+    psplat_selection_drop_untaken(&c->selection);
+    return result;
+}
+
+psplat_result psplat_take_back_crossings(psplat_conversion *c, const psplat_region *before) {
+    mender m = {.c = c};
+    psplat_result result = draw_points(&m);
+    if (!result) result = find_crossed(&m);
+    for (size_t i = 0; i < c->selection.count && !result; ++i)
+        if (m.crossed[i]) c->selection.candidates[i].region = before[i];
+    free(m.crossed);
+    psplat_samples_free(&m.points);
+    return result;
+}
+
+psplat_result psplat_mend_creases(psplat_conversion *c, psplat_error *error) {
+    mender m = {.c = c, .count = 1};
+    psplat_result result = draw_points(&m);
+    for (int round = 0; round < ROUNDS && m.count && !result; ++round) {
+        if (psplat_conversion_interrupted(c->desc, "closing holes", 1)) {
+            result = psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
+            break;
+        }
+        result = find_crossed(&m);
+        if (!result && m.count) result = replace(&m, error);
+        free(m.crossed);
+    }
+    psplat_samples_free(&m.points);
+    if (result && result != PSPLAT_ERROR_INTERRUPTED)
+        psplat_fail(error, result, 0, "%s while mending creases", psplat_result_text(result));
+    return result;
+}

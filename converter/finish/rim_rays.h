@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * rim_rays.h - rays past the rims of a selection's splats, which meet nothing where they see the
+ * surface.
+ */
+#ifndef PHONGSPLAT_FINISH_RIM_RAYS_H
+#define PHONGSPLAT_FINISH_RIM_RAYS_H
+
+#include <phongsplat/splat.h>
+
+#include "measure/measured_splats.h"
+#include "measure/ray_holes.h"
+#include "select/conversion.h"
+
+/* Finds the rays past points of the rims, so many tolerances apart, that meet none of the
+ * candidates, of which all have to be taken. *measured gets their regions and a tree of these; the
+ * caller frees both, also where this fails. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_rim_rays_find(const psplat_conversion *c, double spacing_tolerances,
+                                   uint64_t seed, psplat_measured_splats *measured,
+                                   psplat_ray_holes *rays);
+
+#endif

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_trim_splats.c - tests of shrinking splats whose rims stand off: outlines get narrower, and
+ * nothing opens, by rays of other seeds than the stage's and by points of the surface.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include <math.h>
+#include <cmocka.h>
+
+#include "closing_fixture.h"
+#include "finish/close_rays.h"
+#include "finish/trim_splats.h"
+
+/* The distances of rims from the surface, in tolerances. */
+typedef struct stand_off {
+    double mean, greatest;
+} stand_off;
+
+/* Finds those of some of the candidates. */
+static stand_off measure(const closing *r, size_t from, size_t to) {
+    enum { SIDES = 64 };
+    double sum = 0, greatest = 0;
+    size_t count = 0;
+    for (size_t i = from; i < to; ++i)
+        for (int k = 0; k < SIDES; ++k) {
+            const psplat_region *region = &r->c.selection.candidates[i].region;
+            const double uv[2] = {cos(2 * fixture_pi * k / SIDES), sin(2 * fixture_pi * k / SIDES)};
+            double point[3], distance;
+            /* A point of the rim is on it but for rounding. */
+            if (!psplat_region_contains(region, uv, 1 + 1e-9, 0)) continue;
+            psplat_region_point(region, uv, point);
+            assert_int_equal(psplat_distance_query(r->f.distance, point, 1, &distance), PSPLAT_OK);
+            sum += distance;
+            greatest = fmax(greatest, distance);
+            ++count;
+        }
+    return (stand_off){sum / (double)count / r->c.tolerance, greatest / r->c.tolerance};
+}
+
+static psplat_region *copy_regions(const closing *r) {
+    psplat_region *regions = malloc((r->c.selection.count + 1) * sizeof *regions);
+    assert_non_null(regions);
+    for (size_t i = 0; i < r->c.selection.count; ++i)
+        regions[i] = r->c.selection.candidates[i].region;
+    return regions;
+}
+
+/* A torus: rims stand off by less, some splats are smaller, none is larger or new, none leaves the
+ * surface, every sample stays covered, and no more rays pass. */
+static void test_torus(void **state) {
+    (void)state;
+    static const double precisions[] = {0, 0.1};
+    for (size_t i = 0; i < sizeof precisions / sizeof *precisions; ++i) {
+        closing r;
+        closing_begin(&r, "torus.off", 0.003, 0.008, 0, precisions[i]);
+        assert_int_equal(psplat_close_rays(&r.c, NULL), PSPLAT_OK);
+        size_t count = r.c.selection.count, smaller = 0, gaps = count_gaps(&r, 99);
+        double before = measure(&r, 0, count).mean;
+        psplat_region *old = copy_regions(&r);
+        assert_int_equal(psplat_trim_splats(&r.c, NULL), PSPLAT_OK);
+        double after = measure(&r, 0, count).mean;
+        assert_int_equal(r.c.selection.count, count);
+        for (size_t k = 0; k < count; ++k) {
+            double ratio = psplat_region_ellipse(&r.c.selection.candidates[k].region) /
+                           psplat_region_ellipse(&old[k]);
+            assert_true(ratio <= 1);
+            assert_true(ratio >= 0.9 * 0.9 * 0.95); /* and steps of the grid */
+            smaller += ratio < 1;
+        }
+        size_t now = count_gaps(&r, 99);
+        print_message("%zu of %zu smaller, rims off by %.3f -> %.3f, gaps %zu -> %zu\n", smaller,
+                      count, before, after, gaps, now);
+        assert_true(10 * smaller > count);
+        assert_true(after < 0.97 * before);
+        assert_true(now <= gaps + 1); /* of 480,000 rays; those of the stage are others */
+        check_cover(&r);
+        free(old);
+        closing_end(&r);
+    }
+}
+
+/* Splats whose rims stand off by less than half the tolerance stay as they are, like those of the
+ * part's faces, although others cover some of what they do. */
+static void test_part(void **state) {
+    (void)state;
+    closing r;
+    size_t kept = 0;
+    closing_begin(&r, "part.obj", 0.005, 0.01, 0, 0.1);
+    psplat_region *old = copy_regions(&r);
+    stand_off *before = malloc(r.c.selection.count * sizeof *before);
+    assert_non_null(before);
+    size_t count = r.c.selection.count;
+    for (size_t i = 0; i < count; ++i) before[i] = measure(&r, i, i + 1);
+    assert_int_equal(psplat_trim_splats(&r.c, NULL), PSPLAT_OK);
+    assert_int_equal(r.c.selection.count, count);
+    for (size_t i = 0; i < count; ++i) {
+        if (!(before[i].greatest < 0.49)) continue; /* The stage measures fewer points. */
+        assert_memory_equal(&old[i], &r.c.selection.candidates[i].region, sizeof *old);
+        ++kept;
+    }
+    assert_true(4 * kept > count);
+    free(before);
+    free(old);
+    closing_end(&r);
+}
+
+/* The result does not depend on the number of threads. */
+static void test_threads(void **state) {
+    (void)state;
+    psplat_region *first = NULL;
+    size_t count = 0;
+    for (int threads = 1; threads <= 3; ++threads) {
+        closing r;
+        fixture_threads(threads);
+        closing_begin(&r, "torus.off", 0.004, 0.015, 0, 0.1);
+        assert_int_equal(psplat_trim_splats(&r.c, NULL), PSPLAT_OK);
+        psplat_region *regions = copy_regions(&r);
+        if (!first) {
+            first = copy_regions(&r);
+            count = r.c.selection.count;
+        }
+        assert_int_equal(r.c.selection.count, count);
+        assert_memory_equal(first, regions, count * sizeof *regions);
+        free(regions);
+        closing_end(&r);
+    }
+    fixture_threads(0);
+    free(first);
+}
+
+int test_trim_splats_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_torus),
+        cmocka_unit_test(test_part),
+        cmocka_unit_test(test_threads),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
