@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * curved.frag - the fragments of one curved splat: finds where the view ray meets the patch (spec
- * 5.1) in the splat's local coordinates (curved.vert), and writes the point's depth and its part of
- * the sums.
+ * curved.frag - the fragments of one curved splat: finds where the view ray meets the patch, or the
+ * wall under its rim (spec 5.1), in the splat's local coordinates (curved.vert), and writes the
+ * point's depth and its part of the sums.
  *
  * Along the ray the height over the surface is F(t) = c + b t + a t^2, t being 0 at the billboard
  * and 1 the way from the eye to there. At its roots F' is -+sqrt(b^2 - 4 a c): at one of them the ray
@@ -32,6 +32,7 @@ flat in vec4 v_view; /* as in curved.vert */
 in vec4 v_local;
 flat in vec4 v_eye;
 flat in vec4 v_shape;
+flat in float v_room;
 #if PASS == PSPLAT_PASS_VISIBILITY
 in float v_distance;
 flat in float v_epsilon;
@@ -44,9 +45,6 @@ flat in float v_apart;
 flat in vec3 v_normal_x;
 flat in vec3 v_normal_y;
 flat in vec3 v_normal_z;
-#if TWO_SIDED
-flat in float v_peek;
-#endif
 #endif
 #if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
 #if SHAPE
@@ -76,13 +74,14 @@ flat in vec3 v_color;
 flat in LINE_TYPE v_lines[CLIP_COUNT];
 #endif
 
-/* Where a ray meets the quadric. */
+/* Where a ray meets the quadric or the wall. */
 struct Hit {
     float t;
     vec2 uv;
     float inverse_w; /* of clip coordinates */
     float ndc;       /* z in normalised device coordinates */
-    bool is_inside; /* the ellipse, the clip lines, and the near and the far plane */
+    bool is_inside; /* the clip lines, and the near and the far plane */
+    bool is_wall;
 };
 
 /* Returns the gradient of a height field at uv. */
@@ -128,15 +127,30 @@ Hit hit_at(vec3 ray, float t) {
     hit.inverse_w = gl_FragCoord.w / (1.0 + u_shift.y * t);
     float nearer = u_shift.y > 0.0 ? u_shift.x : 1.0;
     hit.ndc = gl_FragCoord.w * v_local.w + nearer * t * hit.inverse_w;
-    hit.is_inside = dot(hit.uv, hit.uv) <= 1.0 && hit.inverse_w > 0.0 && abs(hit.ndc) <= 1.0;
+    hit.is_inside = hit.inverse_w > 0.0 && abs(hit.ndc) <= 1.0;
 #if CLIP_COUNT > 0
     hit.is_inside = hit.is_inside && is_kept(hit.uv);
 #endif
     return hit;
 }
 
+/* Finds where a ray goes into the cylinder of the rim. Returns whether that is on the wall: under the
+ * rim, by no more than the wall's depth, and where the height falls, by `fall`. Next to the axis t is
+ * -(uv . ray) / ray . ray and the ray |uv x ray| / |ray| from it, and half a chord of the unit circle
+ * before that it goes in. */
+bool meets_wall(float c, float b, float a, vec3 ray, out float t, out float fall) {
+    vec2 at = v_local.xy;
+    float length2 = dot(ray.xy, ray.xy), away = at.x * ray.y - at.y * ray.x;
+    float square = length2 - away * away;
+    t = -(dot(at, ray.xy) + sqrt(max(square, 0.0))) / length2;
+    float over = c + t * (b + t * a);
+    fall = -b - 2.0 * a * t;
+    return square > 0.0 && fall > 0.0 && over < 0.0 && over > -PSPLAT_WALL * v_room;
+}
+
 #if TWO_SIDED
-/* Returns what hit_at() says of is_inside, but for rounding, without its division. */
+/* Returns whether a point is inside the ellipse and what hit_at() says of is_inside, but for rounding,
+ * without its division. */
 bool is_inside_at(vec3 ray, float t) {
     vec2 uv = v_local.xy + t * ray.xy;
     float w = 1.0 + u_shift.y * t, nearer = u_shift.y > 0.0 ? u_shift.x : 1.0;
@@ -149,33 +163,39 @@ bool is_inside_at(vec3 ray, float t) {
 }
 #endif
 
-/* Finds the fragment: where only fronts are seen, that of the root at which the ray comes in, else
- * the nearer one of those inside. is_back is true where normals are negated: not where the back only
- * peeks out behind a contour (spec 5.2). Of the two forms of a root the one is used whose terms do
- * not cancel. */
+/* Finds the fragment: of the surface where only fronts are seen that of the root at which the ray
+ * comes in, else the nearer one of those inside. Where none is inside the ellipse, it is that of the
+ * wall. (A front that lines cut off has no wall before it: the ray comes from over the rim.) is_back is
+ * true where normals are negated: not where the back only peeks out behind a contour (spec 5.2).
+ * root is by how much the height falls or rises there. Of the two forms of a root the one is used
+ * whose terms do not cancel. */
 bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float root) {
     vec3 at = v_local.xyz, ray = u_shift.y * at - v_eye.xyz;
     vec2 g = gradient(slope, second, at.xy);
     float c = at.z - 0.5 * dot(g + slope, at.xy), b = ray.z - dot(g, ray.xy);
     float a = -0.5 * dot(vec2(dot(second.xy, ray.xy), dot(second.yz, ray.xy)), ray.xy);
-    float square = b * b - 4.0 * a * c;
-    is_back = false;
-    if (square < 0.0) return false;
-    root = sqrt(square);
+    float square = b * b - 4.0 * a * c, t;
+    root = sqrt(max(square, 0.0));
     float half_sum = 0.5 * (b > 0.0 ? b + root : b - root);
+    is_back = false;
 #if TWO_SIDED
     float first = -half_sum / a, second_root = -c / half_sum;
     float front = b > 0.0 ? first : second_root;
     float nearer = min(first, second_root), farther = max(first, second_root);
     bool is_near = is_inside_at(ray, nearer);
-    hit = hit_at(ray, is_near ? nearer : farther);
-    hit.is_inside = hit.is_inside || is_near;
+    bool is_met = square >= 0.0 && (is_near || is_inside_at(ray, farther));
+    t = is_near ? nearer : farther;
 #if PASS != PSPLAT_PASS_VISIBILITY && PASS != PSPLAT_PASS_PARAMETERS
-    is_back = hit.t != front && !(a > 0.0 && square <= 4.0 * a * v_peek);
+    is_back = is_met && t != front && !(a > 0.0 && square <= 8.0 * a * v_room);
 #endif
 #else
-    hit = hit_at(ray, (b > 0.0 ? -half_sum : -c) / (b > 0.0 ? a : half_sum));
+    t = (b > 0.0 ? -half_sum : -c) / (b > 0.0 ? a : half_sum);
+    vec2 uv = at.xy + t * ray.xy;
+    bool is_met = square >= 0.0 && dot(uv, uv) <= 1.0;
 #endif
+    if (!is_met && !meets_wall(c, b, a, ray, t, root)) return false;
+    hit = hit_at(ray, t);
+    hit.is_wall = !is_met;
     return hit.is_inside;
 }
 
@@ -203,6 +223,7 @@ float shift_of(Hit hit, vec3 normal, float root) {
     float size = sqrt(dot(normal, normal));
     float m = max(projected, 0.5 * ray_length * size);
     float epsilon = v_epsilon * (u_shift.y > 0.0 ? hit.inverse_w : 1.0);
+    if (hit.is_wall) epsilon *= PSPLAT_WALL_SHIFT;
     epsilon = size * max(epsilon, u_shift.y * 9.5367431640625e-7 * ray_length);
     float shift = u_shift.x * epsilon * hit.inverse_w / (m + u_shift.y * epsilon);
     float room = max(1.0 - 1.1920929e-7 - hit.ndc, 0.0);
@@ -212,13 +233,14 @@ float shift_of(Hit hit, vec3 normal, float root) {
 
 #if TEXTURED
 /* Returns the derivatives of (u, v) by window x and y, of which the billboard's point has those
- * given, along the plane that touches the patch. Neighbours of the pixel may not meet the patch, so
+ * given, along the plane that touches the patch or the wall. Neighbours of the pixel may not meet the patch, so
  * that the roots themselves have no derivatives. With the point p = e + k d on a ray d from the eye
  * e, dp = k dd + d dk has no part along the normal, which gives dk. On a contour it is infinite;
  * there it stays a number, or GLs might sample anything. */
 mat2 reach_of(Hit hit, vec2 slope, vec3 second, vec3 by_x, vec3 by_y) {
     vec3 ray = u_shift.y * v_local.xyz - v_eye.xyz;
-    vec3 normal = vec3(-gradient(slope, second, hit.uv), 1.0);
+    vec3 normal =
+        hit.is_wall ? vec3(hit.uv, 0.0) : vec3(-gradient(slope, second, hit.uv), 1.0);
     float facing = dot(normal, ray);
     vec2 along = ray.xy / (abs(facing) > 1e-12 ? facing : 1e-12);
     float k = 1.0 + u_shift.y * hit.t;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * curved.vert - draws a curved splat as a billboard: a rectangle through its centre that hides all
- * of its patch from the eye. The fragment shader finds where the view ray meets the patch (compare
+ * of its patch, and of the wall under its rim, from the eye. The fragment shader finds where the view ray meets the patch (compare
  * Sigg, Weyrich, Botsch, Gross: GPU-Based Ray-Casting of Quadratic Surfaces, 2006, whose primitives
  * are bounded by screen rectangles instead).
  *
@@ -24,6 +24,7 @@ out vec4 v_local;           /* local coordinates of the billboard's point; z of 
 flat out vec4 v_eye;        /* local coordinates of the eye, in orthographic views the direction to
                                it; the last element of H */
 flat out vec4 v_shape;      /* slope; the first two elements of H */
+flat out float v_room;      /* the depth tolerance */
 #if PASS == PSPLAT_PASS_VISIBILITY
 out float v_distance;       /* of the billboard's point, in perspective */
 flat out float v_epsilon;   /* in orthographic views times the length of u_view_direction */
@@ -36,9 +37,6 @@ flat out float v_apart;
 flat out vec3 v_normal_x;   /* the columns of the matrix from local normals to eye space */
 flat out vec3 v_normal_y;
 flat out vec3 v_normal_z;
-#if TWO_SIDED
-flat out float v_peek;      /* how far a ray stays under the surface behind its contour, at most */
-#endif
 #endif
 #if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
 #if SHAPE
@@ -75,7 +73,8 @@ flat out LINE_TYPE v_lines[CLIP_COUNT];
 struct Surface {
     vec2 slope;
     vec3 second;    /* H: d2h/du2, d2h/dudv, d2h/dv2 */
-    vec2 low_high;  /* bounds of uv H uv / 2 over the unit disc, with some room */
+    vec2 low_high;  /* bounds of uv H uv / 2 over the unit disc, with some room, the lower one with
+                       the wall */
 };
 
 /* Returns slopes and second derivatives of the height whose gradient is a field (spec 3.5). */
@@ -84,7 +83,7 @@ void find_height(vec2 xy, vec3 alpha_beta_gamma, float ratio, out vec2 slope, ou
     second = -vec3(alpha_beta_gamma.x, ratio * alpha_beta_gamma.z, ratio * alpha_beta_gamma.y);
 }
 
-Surface surface_of(vec4 field, float gamma, ivec2 texel, float ratio) {
+Surface surface_of(vec4 field, float gamma, ivec2 texel, float ratio, float wall) {
     Surface surface;
 #if SHAPE
     vec3 shape = texelFetch(u_splats, texel + ivec2(PSPLAT_SPLAT_TEXELS + WIDE, 0), 0).xyz;
@@ -94,18 +93,20 @@ Surface surface_of(vec4 field, float gamma, ivec2 texel, float ratio) {
 #endif
     vec3 h = surface.second;
     float mean = 0.5 * (h.x + h.z), root = length(vec2(0.5 * (h.x - h.z), h.y));
-    surface.low_high = vec2(0.5 * min(mean - root, 0.0) - 1e-3, 0.5 * max(mean + root, 0.0) + 1e-3);
+    surface.low_high = vec2(0.5 * min(mean - root, 0.0) - 1e-3 - wall,
+                            0.5 * max(mean + root, 0.0) + 1e-3);
     return surface;
 }
 
 /* Returns whether the eye sees the backs of all points of the patch: where n . (eye - point), which
- * is eye.z - slope . eye.xy - uv H eye.xy + uv H uv / 2, is negative all over the disc. In
- * orthographic views eye is a direction, and the last term is not there. */
-bool is_turned_away(Surface surface, vec3 eye) {
+ * is eye.z - slope . eye.xy - uv H eye.xy + uv H uv / 2, is negative all over the disc, even seen
+ * from the foot of the wall. In orthographic views eye is a direction, and the last terms are not
+ * there. */
+bool is_turned_away(Surface surface, vec3 eye, float wall) {
     vec3 h = surface.second;
     float bent = length(vec2(dot(h.xy, eye.xy), dot(h.yz, eye.xy)));
     float most = eye.z - dot(surface.slope, eye.xy) + bent;
-    return most + u_shift.y * surface.low_high.y < 0.0;
+    return most + u_shift.y * (surface.low_high.y + wall) < 0.0;
 }
 
 /* A billboard: the rectangle with these half axes around center, before perspective makes it
@@ -193,7 +194,8 @@ void main() {
 #if GAMMA
     gamma = texelFetch(u_splats, texel + ivec2(3, 0), 0).w;
 #endif
-    Surface surface = surface_of(field, gamma, texel, ratio);
+    float unit = unstretch() / radius, room = epsilon() * unit, wall = PSPLAT_WALL * room;
+    Surface surface = surface_of(field, gamma, texel, ratio, wall);
 
     mat3 axes = axes_of(rotation);
     vec3 eye_center = modelview() * vec4(center.xyz, 1.0);
@@ -202,11 +204,10 @@ void main() {
      * (2)'s own transform (spec 4). */
     mat3 normals = normal_matrix() * (axes / radius);
     normals[1] /= ratio;
-    float unit = unstretch() / radius;
     vec3 eye = u_shift.y > 0.0 ? -unit * (eye_center * normals)
                                : -unit * (u_view_direction * normals);
 #if !TWO_SIDED
-    if (is_turned_away(surface, eye)) {
+    if (is_turned_away(surface, eye, wall)) {
         gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
         return;
     }
@@ -233,6 +234,7 @@ void main() {
     gl_Position.z = safe_z(surface, clip_center.zw, zw, gl_Position.w);
     v_eye = vec4(eye, surface.second.z);
     v_shape = vec4(surface.slope, surface.second.xy);
+    v_room = room;
 
     find_fade();
 #if !(FINISH && CLIP_COUNT >= 3)
@@ -259,9 +261,6 @@ void main() {
     v_normal_x = normals[0];
     v_normal_y = normals[1];
     v_normal_z = normals[2];
-#if TWO_SIDED
-    v_peek = 2.0 * epsilon() * unit;
-#endif
 #endif
 #if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
 #if SHAPE

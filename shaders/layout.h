@@ -13,6 +13,11 @@
 #define PSPLAT_PASS_RADIANCE 2   /* splats lit one by one (spec 5.7) */
 #define PSPLAT_PASS_PARAMETERS 3 /* u, v and index of the nearest splat */
 
+/* How far down the wall under the rim of a curved splat reaches, and how far behind it what it
+ * hides begins, in depth tolerances (spec 5.1 and 5.3). */
+#define PSPLAT_WALL 0.25
+#define PSPLAT_WALL_SHIFT 8.0
+
 /* The greatest number of shadow maps, which lie side by side in one texture. */
 #define PSPLAT_SHADOW_COUNT 4
 

@@ -78,9 +78,9 @@ static void choose_direction(const double normal[3], uint64_t random, ray *r) {
     mad3(r->sight.direction, sine * sin(angle), v);
 }
 
-/* The search for a front within reach of the point, and before it. */
+/* The search for a front or a wall within reach of the point, and before it. */
 typedef struct search {
-    const psplat_region *regions;
+    const psplat_measured_splats *splats;
     const psplat_sight *sight;
     double reach;
     int met, hidden, behind;
@@ -88,8 +88,9 @@ typedef struct search {
 
 static int visit_splat(void *user, uint32_t splat) {
     search *s = user;
-    double height, uv[2];
-    if (!psplat_sight_meets(s->sight, &s->regions[splat], rim_slack, &height, uv)) return 0;
+    double height, uv[2], wall = s->splats->fields[splat].depth / 4; /* spec 5.1 */
+    if (!psplat_sight_meets(s->sight, &s->splats->regions[splat], wall, rim_slack, &height, uv))
+        return 0;
     s->met |= fabs(height) <= s->reach;
     s->hidden |= height > s->reach;
     s->behind |= height < -s->reach;
@@ -98,7 +99,7 @@ static int visit_splat(void *user, uint32_t splat) {
 
 static ray_state meet_splats(const psplat_placed_splats *placed, const psplat_sight *sight,
                              double reach, double way) {
-    search s = {placed->splats.regions, sight, reach, 0, 0, 0};
+    search s = {&placed->splats, sight, reach, 0, 0, 0};
     double a[3], b[3], low[3], high[3];
     for (int all = 0; all < 2 && !s.met; ++all) { /* near the point, and then on all of the line */
         along3(a, sight->point, all ? -way : -reach, sight->direction);

@@ -55,7 +55,7 @@ static const double color_factor = 1.5;
 /* How far the points lie apart at which rays pass rims, in tolerances. */
 static const double rim_spacing_tolerances = 2;
 /* How many candidates there may be in the end for each that there were: what gaps may cost. */
-static const double most_growth = 1.2;
+static const double most_growth = 1.1;
 /* The share of the gaps of one round from which on those of the next one end the rounds. */
 static const double stalling_share = 0.85;
 

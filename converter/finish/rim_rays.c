@@ -11,12 +11,14 @@
 #include <stdlib.h>
 
 psplat_result psplat_rim_rays_find(const psplat_conversion *c, double spacing_tolerances,
-                                   uint64_t seed, psplat_measured_splats *measured,
-                                   psplat_ray_holes *rays) {
+                                   double wall_tolerances, uint64_t seed,
+                                   psplat_measured_splats *measured, psplat_ray_holes *rays) {
     const psplat_selection *selection = &c->selection;
     size_t count = selection->count;
     *rays = (psplat_ray_holes){0};
-    *measured = (psplat_measured_splats){.count = count, .tolerance = c->limits.tolerance};
+    *measured = (psplat_measured_splats){.count = count,
+                                         .tolerance = c->limits.tolerance,
+                                         .wall = wall_tolerances * c->limits.tolerance};
     measured->regions = malloc((count + 1) * sizeof *measured->regions);
     if (!measured->regions) return PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; i < count; ++i) measured->regions[i] = selection->candidates[i].region;

@@ -13,10 +13,11 @@
 #include "select/conversion.h"
 
 /* Finds the rays past points of the rims, so many tolerances apart, that meet none of the
- * candidates, of which all have to be taken. *measured gets their regions and a tree of these; the
- * caller frees both, also where this fails. Fails only with PSPLAT_ERROR_MEMORY. */
+ * candidates, of which all have to be taken, nor walls that reach so many tolerances down.
+ * *measured gets their regions and a tree of these; the caller frees both, also where this fails.
+ * Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_rim_rays_find(const psplat_conversion *c, double spacing_tolerances,
-                                   uint64_t seed, psplat_measured_splats *measured,
-                                   psplat_ray_holes *rays);
+                                   double wall_tolerances, uint64_t seed,
+                                   psplat_measured_splats *measured, psplat_ray_holes *rays);
 
 #endif

@@ -40,6 +40,9 @@ static const double least_scale = 0.9;
 static const double margin_spacings = 0.5;
 /* How far the points lie apart at which rays pass rims, in tolerances. */
 static const double rim_spacing_tolerances = 1;
+/* How far down walls under rims reach, which stop rays (spec 5.1), in tolerances: a quarter of the
+ * depth tolerance, and that mostly is two (depth_tolerance.h). */
+static const double wall_tolerances = 0.5;
 /* What rounding may put a point of the rim beyond it, in units of u and v. */
 static const double rim_slack = 1e-9;
 /* The points of a rim at which it is measured how far it stands off. */
@@ -295,7 +298,7 @@ static psplat_result restore_for_rays(trimmer *t) {
     for (int round = 0; round < RAY_ROUNDS && !result; ++round) {
         psplat_measured_splats measured;
         psplat_ray_holes rays;
-        result = psplat_rim_rays_find(t->c, rim_spacing_tolerances,
+        result = psplat_rim_rays_find(t->c, rim_spacing_tolerances, wall_tolerances,
                                       t->c->desc->seed + (uint64_t)round, &measured, &rays);
         for (size_t i = 0; i < rays.count && !result; ++i) close_ray(t, &rays.holes[i]);
         psplat_ray_holes_free(&rays);

@@ -34,6 +34,8 @@ typedef struct psplat_measured_splats {
     size_t count;
     psplat_region_tree *region_tree;
     double tolerance; /* a length, a little wider than the promised one to allow for rounding */
+    double wall; /* how far down the walls under the rims of curved splats are taken to reach (spec
+                    5.1), a length */
 } psplat_measured_splats;
 
 /* How far from a splat's box a point may lie that is within a tolerance of its surface along the
@@ -42,8 +44,8 @@ typedef struct psplat_measured_splats {
 #define PSPLAT_STEEPEST_REACH 3
 
 /* Prepares splats. The tree finds those whose box is within reach, a length, of a point. The depth
- * of all fields is infinite, so that no splat hides another. psplat_measured_splats_free frees
- * *measured. Fails only with PSPLAT_ERROR_MEMORY. */
+ * of all fields is infinite, so that no splat hides another, and there are no walls.
+ * psplat_measured_splats_free frees *measured. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_measured_splats_create(const psplat_splats *splats, double tolerance,
                                             double reach, psplat_measured_splats *measured);
 

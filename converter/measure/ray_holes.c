@@ -3,8 +3,9 @@
  * ray_holes.c - the search for rays that pass between splats.
  *
  * Two splats that overlap along the surface's normal may lie at different heights. A slanted ray
- * then passes the rim of the higher one and reaches the lower one where that has ended: the overlap
- * has to be the step between them times the tangent of the slant. So random rays are tried. All
+ * then passes the rim of the higher one, where that is flat or its wall too low, and reaches the
+ * lower one where that has ended: the overlap has to be the rest of the step between them times the
+ * tangent of the slant. So random rays are tried. All
  * rays of a point are tried at once against each splat nearby, and the mesh is asked only about
  * those that nothing meets.
  *
@@ -131,15 +132,16 @@ static int push_near(void *user, uint32_t splat) {
     return 0;
 }
 
-/* Finds the splats near the point, and near those that may follow it. */
+/* Finds the splats near the point, and near those that may follow it. Walls leave the boxes of
+ * splats. */
 static void find_near(looker *l) {
-    double low[3], high[3];
+    double low[3], high[3], far = l->reach + l->measured->wall;
     int known = 1;
     for (int k = 0; k < 3; ++k) known &= l->point[k] >= l->low[k] && l->point[k] <= l->high[k];
     if (known) return;
     for (int k = 0; k < 3; ++k) {
-        l->low[k] = l->point[k] - l->reach, low[k] = l->low[k] - l->reach;
-        l->high[k] = l->point[k] + l->reach, high[k] = l->high[k] + l->reach;
+        l->low[k] = l->point[k] - l->reach, low[k] = l->low[k] - far;
+        l->high[k] = l->point[k] + l->reach, high[k] = l->high[k] + far;
     }
     l->near_count = 0;
     psplat_region_tree_visit_box(l->measured->region_tree, low, high, push_near, l);
@@ -185,12 +187,32 @@ static int is_too_high(double height, const double slope[2], double bend, double
     return fabs(height) > (steepest + bend * reach / 2) * reach * (1 + rounding);
 }
 
+/* Returns whether a ray gets so far along to a splat within the tolerance of the place. What is
+ * near depends on the places before, beyond the reach. */
+static int is_within(const looker *l, const bundle *b, uint32_t k, double way) {
+    return fabs(way * b->cosine[k] + l->lift) <= l->measured->tolerance && fabs(way) <= l->reach;
+}
+
+/* Closes the open rays that meet a wall. */
+static void meet_wall(const looker *l, const psplat_region *region, bundle *b) {
+    for (uint32_t k = 0; k < RAYS && b->open; ++k) {
+        double way, uv[2];
+        if (!(b->open & (1u << k))) continue;
+        const psplat_sight *from = &b->sights[k];
+        psplat_sight sight = {{l->point[0], l->point[1], l->point[2]},
+                              {from->direction[0], from->direction[1], from->direction[2]}};
+        if (psplat_sight_meets_wall(&sight, region, l->measured->wall, &way, uv) &&
+            is_within(l, b, k, way))
+            b->open &= ~(1u << k);
+    }
+}
+
 /* Closes the rays that meet a splat: psplat_sight_meets for all that are open, with what they share
  * found once. Always returns whether none is left. */
 static int meet_splat(const looker *l, uint32_t splat, bundle *b) {
     const psplat_region *region = &l->measured->regions[splat];
     const double *h = region->hessian, *radius = region->radius;
-    double from[3], slope[2], tolerance = l->measured->tolerance;
+    double from[3], slope[2];
     sub3(from, l->point, region->center);
     double s = dot3(from, region->u), t = dot3(from, region->v);
     const double foot[2] = {s / radius[0], t / radius[1]};
@@ -198,7 +220,8 @@ static int meet_splat(const looker *l, uint32_t splat, bundle *b) {
     if (foot[0] * foot[0] + foot[1] * foot[1] > most * most) return 0;
     psplat_region_slope(region, foot, slope);
     double f0 = dot3(from, region->n) - psplat_region_height(region, foot);
-    if (is_too_high(f0, slope, l->bends[splat], l->reach)) return 0;
+    if (is_too_high(max2(fabs(f0) - l->measured->wall, 0), slope, l->bends[splat], l->reach))
+        return 0;
     for (uint32_t k = 0; k < RAYS; ++k) {
         if (!(b->open & (1u << k))) continue;
         const double *d = b->sights[k].direction;
@@ -210,11 +233,10 @@ static int meet_splat(const looker *l, uint32_t splat, bundle *b) {
         double rise = sqrt(square);
         double way = f1 > 0 ? -2 * f0 / (f1 + rise) : (rise - f1) / (2 * f2);
         const double uv[2] = {(s + way * x) / radius[0], (t + way * y) / radius[1]};
-        /* What is near depends on the points before, beyond the reach. */
-        if (fabs(way * b->cosine[k] + l->lift) <= tolerance && fabs(way) <= l->reach &&
-            psplat_region_contains(region, uv, 1, 0))
+        if (is_within(l, b, k, way) && psplat_region_contains(region, uv, 1, 0))
             b->open &= ~(1u << k);
     }
+    meet_wall(l, region, b);
     return !b->open;
 }
 
@@ -401,7 +423,7 @@ psplat_result psplat_ray_holes_find(const psplat_ray_search *search, psplat_ray_
 int psplat_ray_hole_is_closed(const psplat_ray_hole *hole, const psplat_region *region,
                               double tolerance) {
     double height, uv[2];
-    return psplat_sight_meets(&hole->sight, region, 0, &height, uv) &&
+    return psplat_sight_meets(&hole->sight, region, 0, 0, &height, uv) &&
            fabs(height) * hole->cosine <= tolerance;
 }
 

@@ -37,16 +37,17 @@ typedef struct psplat_ray_holes {
  * are spread over all sides and cosines, with more of them where rays are slanted. */
 typedef struct psplat_ray_search {
     const psplat_surface *surface;
-    const psplat_measured_splats *measured; /* only the tree, the regions and the tolerance count */
+    const psplat_measured_splats *measured; /* only the tree, the regions, the tolerance and the
+                                               walls count */
     const psplat_distance *distance;        /* to the surface */
     size_t points;
     double rim_spacing; /* a length; 0: no rays past rims */
     uint64_t seed;
 } psplat_ray_search;
 
-/* Finds the rays that meet no splat's front within the tolerance over their cosine of the point
- * that they see. The result does not depend on the number of threads; psplat_ray_holes_free frees
- * it. Fails only with PSPLAT_ERROR_MEMORY. */
+/* Finds the rays that meet no splat's front, and no wall, within the tolerance over their cosine of
+ * the point that they see. The result does not depend on the number of threads;
+ * psplat_ray_holes_free frees it. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_ray_holes_find(const psplat_ray_search *search, psplat_ray_holes *holes);
 
 /* Returns whether a ray meets the front of a region within the tolerance over its cosine of the

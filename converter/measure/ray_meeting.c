@@ -3,7 +3,8 @@
  * ray_meeting.c - where a ray meets the splats of a place (spec 5.1, 5.2), in double precision.
  *
  * The height of the line over a curved splat is F0 + F1 t + F2 t^2 at t along it. An eye far along
- * it looks down on the front at the root where the height rises.
+ * it looks down on the front at the root where the height rises, and on the wall where the line
+ * leaves the cylinder of the rim.
  */
 #include "measure/ray_meeting.h"
 
@@ -54,14 +55,39 @@ int psplat_sight_leaves(const psplat_sight *sight, const psplat_region *region, 
     return 1;
 }
 
-int psplat_sight_meets(const psplat_sight *sight, const psplat_region *region, double slack,
-                       double *height, double uv[2]) {
-    return psplat_sight_leaves(sight, region, height, uv) &&
-           psplat_region_contains(region, uv, 1 + slack, slack);
-}
-
 /* What rounding may make of lengths and parameters, in parts of them. */
 static const double cone_slack = 1e-9;
+
+/* In units of the radii the line leaves the unit circle half a chord beyond its point next to the
+ * axis. */
+int psplat_sight_meets_wall(const psplat_sight *sight, const psplat_region *region, double wall,
+                            double *height, double uv[2]) {
+    const double *r = region->radius, *to = sight->direction;
+    double from[3], at[3], slope[2];
+    if (!(wall > 0) || !psplat_region_is_curved(region)) return 0;
+    sub3(from, sight->point, region->center);
+    const double o[2] = {dot3(from, region->u) / r[0], dot3(from, region->v) / r[1]};
+    const double d[2] = {dot3(to, region->u) / r[0], dot3(to, region->v) / r[1]};
+    double length2 = d[0] * d[0] + d[1] * d[1], away = o[0] * d[1] - o[1] * d[0];
+    double square = length2 - away * away;
+    if (!(square > 0)) return 0;
+    *height = (sqrt(square) - o[0] * d[0] - o[1] * d[1]) / length2;
+    for (int k = 0; k < 2; ++k) uv[k] = o[k] + *height * d[k];
+    along3(at, from, *height, to);
+    double over = dot3(at, region->n) - psplat_region_height(region, uv);
+    if (!(over < 0 && over > -wall)) return 0;
+    psplat_region_slope(region, uv, slope);
+    double rise =
+        dot3(to, region->n) - slope[0] * dot3(to, region->u) - slope[1] * dot3(to, region->v);
+    return rise > 0 && psplat_region_contains(region, uv, 1 + cone_slack, 0);
+}
+
+int psplat_sight_meets(const psplat_sight *sight, const psplat_region *region, double wall,
+                       double slack, double *height, double uv[2]) {
+    return (psplat_sight_leaves(sight, region, height, uv) &&
+            psplat_region_contains(region, uv, 1 + slack, slack)) ||
+           psplat_sight_meets_wall(sight, region, wall, height, uv);
+}
 
 /* Returns a bound of how far along rays of a cone the front of a surface is met, or HUGE_VAL. The
  * height of such a ray over the surface is f0 + f1 t + f2 t^2, with |f2| at most half of the bend:

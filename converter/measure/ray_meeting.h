@@ -20,13 +20,19 @@ typedef struct psplat_sight {
 int psplat_sight_leaves(const psplat_sight *sight, const psplat_region *region, double *height,
                         double uv[2]);
 
-/* Finds where an eye far along the sight sees the front of a splat's surface: *height is how far
- * along the direction from the point, a length, which is negative behind the point; uv are the
- * parameters there. Returns 0 where the line misses the front, or meets it outside the ellipse or
- * beyond a clip line. Rounding may widen both by slack, in units of u, v and of the lines' values.
- */
-int psplat_sight_meets(const psplat_sight *sight, const psplat_region *region, double slack,
-                       double *height, double uv[2]);
+/* Finds where an eye far along the sight, which does not see the front of a curved splat, sees the
+ * wall under its rim (spec 5.1), which reaches down by a length: *height and uv as below. Returns 0
+ * where it does not. */
+int psplat_sight_meets_wall(const psplat_sight *sight, const psplat_region *region, double wall,
+                            double *height, double uv[2]);
+
+/* Finds where an eye far along the sight sees the front of a splat's surface, or the wall under its
+ * rim, which reaches down by a length: *height is how far along the direction from the point, a
+ * length, which is negative behind the point; uv are the parameters there. Returns 0 where the line
+ * misses both, or meets the front outside the ellipse, or either beyond a clip line. Rounding may
+ * widen ellipse and lines by slack, in units of u, v and of the lines' values. */
+int psplat_sight_meets(const psplat_sight *sight, const psplat_region *region, double wall,
+                       double slack, double *height, double uv[2]);
 
 /* The directions whose cosine to a normal is at least this. */
 typedef struct psplat_sight_cone {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * curve.c - the second order of a splat: where a ray crosses the quadric of a curved splat (spec
- * 3.4 and 5.1), the normals of that surface, and clip lines, straight and bent (spec 3.6).
+ * 3.4 and 5.1) and the wall under its rim, the normals of that surface, and clip lines, straight
+ * and bent (spec 3.6).
  *
  * In the splat's own coordinates (u, v, w) a transform of the node is forgotten: rays stay rays,
  * and the surface is f = 0 with the f of oracle.h, which is above 0 on its front.
@@ -108,4 +109,33 @@ int psplat_oracle_is_inside(const psplat_oracle_splat *splat, double u, double v
     for (uint32_t k = 0; k < splat->clip_count; ++k)
         if (!(psplat_oracle_line_value(splat, k, u, v, NULL) >= 0)) return 0;
     return 1;
+}
+
+/* With the ray at o + t d and in (u, v) alone, t is -(o.d) / d.d next to the axis, where the ray is
+ * |o x d| / |d| from it, and a chord of the unit circle before that on the circle. */
+void psplat_oracle_entry_set(psplat_oracle_entry *entry, const psplat_oracle_splat *splat,
+                             const double origin[3], const double direction[3]) {
+    psplat_oracle_crossing c;
+    psplat_oracle_crossing_set(&c, splat, origin, direction);
+    const double *o = c.origin, *d = c.direction, *h = c.height;
+    double length2 = d[0] * d[0] + d[1] * d[1], away = o[0] * d[1] - o[1] * d[0];
+    double half_chord = sqrt(fmax(length2 - away * away, 0));
+    double t = -(o[0] * d[0] + o[1] * d[1] + half_chord) / length2;
+    double height = h[0] + t * (h[1] + t * h[2]), u = o[0] + t * d[0], v = o[1] + t * d[1];
+    entry->s = c.s0 + t;
+    entry->margins[0] = 1 - fabs(away) / sqrt(length2);
+    entry->margins[1] = height + splat->wall;
+    entry->margins[2] = -height;
+    entry->margins[3] = -(h[1] + 2 * t * h[2]) / psplat_oracle_length(d);
+    entry->count = 4 + splat->clip_count;
+    for (uint32_t k = 0; k < splat->clip_count; ++k) {
+        double by[2], value = psplat_oracle_line_value(splat, k, u, v, by);
+        entry->margins[4 + k] = value / hypot(by[0], by[1]);
+    }
+}
+
+int psplat_oracle_entry_meets(const psplat_oracle_entry *entry) {
+    for (uint32_t k = 0; k < entry->count; ++k)
+        if (!(entry->margins[k] > 0)) return 0;
+    return isfinite(entry->s);
 }

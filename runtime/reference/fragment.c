@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * fragment.c - where a ray meets a splat's surface (spec 5.1), from which side (5.2), whether that
- * point is a fragment, and how near it is to the opposite.
+ * fragment.c - where a ray meets a splat's surface or the wall under its rim (spec 5.1), from which
+ * side (5.2), whether that point is a fragment, and how near it is to the opposite.
  */
 #include "reference/oracle.h"
 
@@ -27,11 +27,12 @@ static int set_point(const psplat_oracle_camera *camera, const psplat_oracle_spl
 }
 
 /* Returns 1 where the point is a fragment: inside the ellipse and the clip lines, between the near
- * and the far plane and, where cull is 1, seen from the front. */
+ * and the far plane and, where cull is 1, seen from the front. A point of the wall is known to be
+ * on the rim and between the lines. */
 static int exists(const psplat_oracle_splat *splat, const psplat_oracle_fragment *fragment,
                   int cull) {
     if (fragment->is_missed) return 0;
-    if (!psplat_oracle_is_inside(splat, fragment->u, fragment->v)) return 0;
+    if (!fragment->is_wall && !psplat_oracle_is_inside(splat, fragment->u, fragment->v)) return 0;
     if (cull && !splat->is_curved && !(fragment->cosine > 0)) return 0;
     return fragment->depth >= 0 && fragment->depth <= 1;
 }
@@ -45,10 +46,21 @@ static void add_point(const psplat_oracle_camera *camera, const psplat_oracle_sp
     meeting->is_inside = exists(splat, &point, cull);
 }
 
+/* Adds the point of the wall, which is met where no other is. */
+static void add_wall(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                     const psplat_oracle_ray *ray, int cull, psplat_oracle_meeting *meeting) {
+    psplat_oracle_entry entry;
+    if (!(splat->wall > 0)) return;
+    psplat_oracle_entry_set(&entry, splat, ray->origin, ray->direction);
+    psplat_oracle_fragment point = {
+        .s = entry.s, .is_missed = !psplat_oracle_entry_meets(&entry), .is_wall = 1};
+    add_point(camera, splat, ray, cull, point, meeting);
+}
+
 /* The front is what a ray meets at the root where it goes in (spec 5.1), so that culled splats are
  * asked for that root alone. The order of the roots is that of their parameters. */
-static void meet_curved(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
-                        const psplat_oracle_ray *ray, int cull, psplat_oracle_meeting *meeting) {
+static void meet_surface(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                         const psplat_oracle_ray *ray, int cull, psplat_oracle_meeting *meeting) {
     psplat_oracle_crossing crossing;
     psplat_oracle_crossing_set(&crossing, splat, ray->origin, ray->direction);
     psplat_oracle_fragment middle = {.s = psplat_oracle_crossing_middle(&crossing), .is_missed = 1};
@@ -73,7 +85,8 @@ void psplat_oracle_meet(const psplat_oracle_camera *camera, const psplat_oracle_
     double to_center[3];
     *meeting = (psplat_oracle_meeting){.count = 0};
     if (splat->is_curved) {
-        meet_curved(camera, splat, ray, cull, meeting);
+        meet_surface(camera, splat, ray, cull, meeting);
+        add_wall(camera, splat, ray, cull, meeting);
         return;
     }
     psplat_oracle_along(splat->center, -1, ray->origin, to_center);
@@ -87,14 +100,15 @@ const psplat_oracle_fragment *psplat_oracle_met(const psplat_oracle_meeting *mee
 }
 
 /* Theta of eq. (5) is the angle at the centre of a flat splat, and at the fragment of a curved one.
- */
+ * Epsilon is larger for walls. */
 double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
                                     const psplat_oracle_fragment *fragment) {
     double point[3], theta = splat->is_curved ? fragment->cosine : splat->cosine;
-    double cosine = fmax(fabs(theta), 0.5);
+    double cosine = fmax(fabs(theta), 0.5), epsilon = splat->epsilon;
+    if (fragment->is_wall) epsilon *= PSPLAT_ORACLE_WALL_SHIFT;
     psplat_oracle_along(ray->origin, fragment->s, ray->direction, point);
     double least = 0x1p-20 * psplat_oracle_length(point) / cosine; /* eq. (5a) */
-    return fragment->t + fmax(splat->epsilon / cosine, least);
+    return fragment->t + fmax(epsilon / cosine, least);
 }
 
 int psplat_oracle_is_reversed(const psplat_oracle_splat *splat,
@@ -110,6 +124,15 @@ double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2
     return value / fmax(1, sqrt(x * x + y * y));
 }
 
+/* Stores the normal of the surface or the wall that a fragment is on, of any length. */
+static void find_normal(const psplat_oracle_splat *splat, const psplat_oracle_fragment *fragment,
+                        double normal[3]) {
+    psplat_oracle_surface_normal(splat, fragment->u, fragment->v, normal);
+    if (!fragment->is_wall) return;
+    for (int i = 0; i < 3; ++i)
+        normal[i] = fragment->u * splat->parameter[0][i] + fragment->v * splat->parameter[1][i];
+}
+
 /* The ray's point at s moves with the ray and along it, so that it stays on the surface, whose
  * normal is n: s moves by -n.moved / n.d. */
 void psplat_oracle_find_steps(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
@@ -118,7 +141,7 @@ void psplat_oracle_find_steps(const psplat_oracle_camera *camera, const psplat_o
     psplat_oracle_ray_steps by;
     double normal[3];
     psplat_oracle_camera_ray_steps(camera, ray, &by);
-    psplat_oracle_surface_normal(splat, fragment->u, fragment->v, normal);
+    find_normal(splat, fragment, normal);
     double facing = psplat_oracle_dot(normal, ray->direction);
     for (int k = 0; k < 2; ++k) {
         double moved[3];
@@ -163,15 +186,37 @@ static double edge_margin(const psplat_oracle_splat *splat, const psplat_oracle_
     return least;
 }
 
+/* Returns the least margin to where the ray meets no wall. Where a ray goes in moves with it in a
+ * way that differences of near rays tell well enough. */
+static double wall_margin(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
+                          const psplat_oracle_ray *ray) {
+    const double step = 1e-4; /* pixels */
+    psplat_oracle_entry here, beside[2];
+    double least = HUGE_VAL;
+    psplat_oracle_entry_set(&here, splat, ray->origin, ray->direction);
+    for (int k = 0; k < 2; ++k) {
+        psplat_oracle_ray moved;
+        psplat_oracle_camera_ray(camera, ray->x + step * !k, ray->y + step * k, &moved);
+        psplat_oracle_entry_set(&beside[k], splat, moved.origin, moved.direction);
+    }
+    for (uint32_t k = 0; k < here.count; ++k) {
+        double x = (beside[0].margins[k] - here.margins[k]) / step;
+        double y = (beside[1].margins[k] - here.margins[k]) / step;
+        least = fmin(least, here.margins[k] / fmax(1, hypot(x, y)));
+    }
+    return least;
+}
+
 psplat_oracle_margins psplat_oracle_fragment_margins(const psplat_oracle_camera *camera,
                                                      const psplat_oracle_splat *splat,
                                                      const psplat_oracle_ray *ray,
                                                      const psplat_oracle_fragment *fragment,
                                                      int cull) {
-    double steps[2][2] = {{0}};
+    double steps[2][2] = {{0}}, window = fmin(fragment->depth, 1 - fragment->depth);
+    if (fragment->is_wall) return (psplat_oracle_margins){wall_margin(camera, splat, ray), window};
     if (!fragment->is_missed) psplat_oracle_find_steps(camera, splat, ray, fragment, steps);
     double least = edge_margin(splat, fragment, steps);
     if (splat->is_curved) least = fmin(least, contour_margin(camera, splat, ray, fragment));
     if (!fragment->is_missed) least = fmin(least, cull ? fragment->cosine : fabs(fragment->cosine));
-    return (psplat_oracle_margins){least, fmin(fragment->depth, 1 - fragment->depth)};
+    return (psplat_oracle_margins){least, window};
 }

@@ -54,15 +54,32 @@ int psplat_oracle_lighting_has_shadows(const psplat_oracle_lighting *lighting) {
     return 0;
 }
 
+/* Returns the distance from a point towards the light at which the light's ray meets the wall of a
+ * splat of which it meets no other point; 0 or less where it does not. */
+static double distance_to_wall(const psplat_oracle_splat *splat, const double point[3],
+                               const double to_light[3], double at[2]) {
+    psplat_oracle_entry entry;
+    double from_light[3], met[3];
+    for (int i = 0; i < 3; ++i) from_light[i] = -to_light[i];
+    psplat_oracle_entry_set(&entry, splat, point, from_light);
+    if (!(splat->wall > 0) || !psplat_oracle_entry_meets(&entry)) return 0;
+    psplat_oracle_along(point, entry.s, from_light, met);
+    psplat_oracle_along(met, -1, splat->center, met);
+    for (int k = 0; k < 2; ++k) at[k] = psplat_oracle_dot(splat->parameter[k], met);
+    return -entry.s;
+}
+
 /* Returns the distance from a point towards the light at which the light's ray meets the splat; of
  * two points of a curved one the one nearer to the light. What lies beyond the light or is no part
- * of the splat is not met: then it returns 0. Masks are those of the finest texels, since light has
- * no pixels. */
+ * of the splat is not met: then it returns 0. *is_wall says whether it is its wall. Masks are those
+ * of the finest texels, since light has no pixels. */
 static double distance_to(const psplat_oracle_splat *splat, const double point[3],
-                          const double to_light[3], double distance, double normal[3]) {
+                          const double to_light[3], double distance, double normal[3],
+                          int *is_wall) {
     psplat_oracle_crossing crossing;
     double offset[3], met[3], s[2] = {-1, -1}, farthest = 0, at[2] = {0, 0};
     double steps[2][2] = {{0, 0}, {0, 0}};
+    int is_met = 0;
     psplat_oracle_along(splat->center, -1, point, offset);
     s[0] = psplat_oracle_dot(splat->plane, offset) / psplat_oracle_dot(splat->plane, to_light);
     if (splat->is_curved) {
@@ -70,16 +87,23 @@ static double distance_to(const psplat_oracle_splat *splat, const double point[3
         for (int k = 0; k < 2; ++k) s[k] = psplat_oracle_crossing_root(&crossing, k);
     }
     for (int k = 0; k < 2; ++k) {
-        if (!(s[k] > farthest && s[k] <= distance && isfinite(s[k]))) continue;
+        if (!(s[k] <= distance && isfinite(s[k]))) continue;
         psplat_oracle_along(offset, -s[k], to_light, met); /* from there to the splat's centre */
         double u = -psplat_oracle_dot(splat->parameter[0], met);
         double v = -psplat_oracle_dot(splat->parameter[1], met);
         if (!psplat_oracle_is_inside(splat, u, v)) continue;
-        psplat_oracle_surface_normal(splat, u, v, normal);
+        is_met = 1;
+        if (!(s[k] > farthest)) continue;
         farthest = s[k];
         at[0] = u;
         at[1] = v;
     }
+    *is_wall = splat->is_curved && !is_met;
+    if (*is_wall) {
+        double wall = distance_to_wall(splat, point, to_light, at);
+        if (wall <= distance) farthest = wall;
+    }
+    psplat_oracle_surface_normal(splat, at[0], at[1], normal);
     if (farthest > 0 && psplat_oracle_mask_margin(&splat->mask, at[0], at[1], steps) < 0) return 0;
     return farthest;
 }
@@ -89,8 +113,9 @@ static double distance_to(const psplat_oracle_splat *splat, const double point[3
  */
 static int stands_between(const psplat_oracle_splat *splat, const psplat_oracle_light *light,
                           const double point[3], const double to_light[3], double distance) {
-    double from_light[3], normal[3];
-    double s = distance_to(splat, point, to_light, distance, normal);
+    double from_light[3], normal[3], epsilon = splat->epsilon;
+    int is_wall;
+    double s = distance_to(splat, point, to_light, distance, normal, &is_wall);
     if (!(s > 0)) return 0;
     int is_at_center = !splat->is_curved && light->type != PSPLAT_LIGHT_DIRECTIONAL;
     for (int i = 0; i < 3; ++i)
@@ -98,7 +123,8 @@ static int stands_between(const psplat_oracle_splat *splat, const psplat_oracle_
     psplat_oracle_normalise(from_light);
     psplat_oracle_normalise(normal);
     double cosine = psplat_oracle_dot(normal, from_light);
-    return s > splat->epsilon / fmax(fabs(cosine), 0.5);
+    if (is_wall) epsilon *= PSPLAT_ORACLE_WALL_SHIFT;
+    return s > epsilon / fmax(fabs(cosine), 0.5);
 }
 
 static int is_in_shadow(const psplat_oracle_lighting *lighting, const psplat_oracle_light *light,

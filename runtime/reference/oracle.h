@@ -125,6 +125,7 @@ typedef struct psplat_oracle_splat {
      * the surface to which its normal field belongs. */
     double slope[2], bend[3];
     double peek; /* in w: how deep a ray runs under the surface behind its contour at most (5.2) */
+    double wall; /* in w: how far down the wall under the rim reaches (5.1); 0: there is none */
     int is_behind;  /* 1: a flat splat is seen from behind; set by psplat_oracle_camera_face */
     double epsilon; /* that of the batch: eq. (5) before it is divided by a cosine */
     double cosine;  /* of the angle in eq. (5) at the centre; set by psplat_oracle_camera_face */
@@ -247,6 +248,22 @@ double psplat_oracle_line_value(const psplat_oracle_splat *splat, uint32_t k, do
 /* Returns 1 where (u, v) is inside the ellipse and kept by all clip lines. */
 int psplat_oracle_is_inside(const psplat_oracle_splat *splat, double u, double v);
 
+/* How a ray goes into the cylinder on whose side the wall of a curved splat stands (5.1). */
+typedef struct psplat_oracle_entry {
+    double s; /* the ray's parameter there, or, where it passes by, next to the axis */
+    /* What all are above 0 where the ray meets the wall, by u, v and w: how far from the cylinder's
+     * side it passes the axis, how high over the wall's foot and how deep under the rim it goes in,
+     * how steeply its height falls there, and how far within each clip line that is. */
+    double margins[4 + PSPLAT_MAX_CLIP_LINES];
+    uint32_t count; /* of them */
+} psplat_oracle_entry;
+
+void psplat_oracle_entry_set(psplat_oracle_entry *entry, const psplat_oracle_splat *splat,
+                             const double origin[3], const double direction[3]);
+
+/* Returns 1 where the ray meets the wall. */
+int psplat_oracle_entry_meets(const psplat_oracle_entry *entry);
+
 /* ---- fragment.c: sections 5.1 and 5.2 ----------------------------------------------------- */
 
 /* A point where a ray meets a splat's surface, or misses it narrowly. */
@@ -256,15 +273,17 @@ typedef struct psplat_oracle_fragment {
     double u, v, r; /* r is the length of (u, v) */
     double cosine;  /* of the surface's normal and the direction to the eye: > 0 where seen from the
                        front */
-    int is_missed;  /* 1: the ray passes by a curved surface, and this is where it is nearest */
+    int is_missed;  /* 1: the ray passes by a curved surface or its wall, and this is where it is
+                       nearest */
+    int is_wall;    /* 1: the point is one of the wall (5.1), with the normal at the rim */
     int is_peeking; /* 1: it is a back behind the contour, which is lit as a front (5.2) */
 } psplat_oracle_fragment;
 
-/* The points where a ray meets a splat in front of the eye, the nearest first and none beyond the
- * first that is a fragment. */
+/* The points where a ray meets a splat in front of the eye, the nearest first, then that of the
+ * wall, and none beyond the first that is a fragment. */
 typedef struct psplat_oracle_meeting {
-    psplat_oracle_fragment points[2];
-    int count;     /* 0 ... 2 */
+    psplat_oracle_fragment points[3];
+    int count;     /* 0 ... 3 */
     int is_inside; /* 1: the last of them is a fragment */
 } psplat_oracle_meeting;
 
@@ -275,8 +294,11 @@ void psplat_oracle_meet(const psplat_oracle_camera *camera, const psplat_oracle_
 /* Returns the fragment, or NULL where there is none. */
 const psplat_oracle_fragment *psplat_oracle_met(const psplat_oracle_meeting *meeting);
 
+/* How many times its depth tolerance a wall does not hide (5.3). */
+#define PSPLAT_ORACLE_WALL_SHIFT 8
+
 /* Finds the derivatives of (u, v) by the pixel's x (steps[0]) and y (steps[1]), along the plane
- * that touches the surface at the fragment. Along a contour they are infinite. */
+ * that touches the surface, or the wall, at the fragment. Along a contour they are infinite. */
 void psplat_oracle_find_steps(const psplat_oracle_camera *camera, const psplat_oracle_splat *splat,
                               const psplat_oracle_ray *ray, const psplat_oracle_fragment *fragment,
                               double steps[2][2]);
@@ -297,8 +319,8 @@ double psplat_oracle_edge(double value, double by_u, double by_v, double steps[2
 
 /* Margins say how far a fragment is from the opposite decision about its existence: they are
  * positive where it exists, and one is negative where it does not. edge is the least margin to the
- * ellipse, the clip lines, the side and the contour of a curved surface (in (u, v) or pixels),
- * depth that to the near and the far plane (window depth). These are what
+ * ellipse, the clip lines, the side, the contour of a curved surface and the ends of its wall (in
+ * (u, v) or pixels), depth that to the near and the far plane (window depth). These are what
  * psplat_reference_image.tie and depth_tie are made of. */
 typedef struct psplat_oracle_margins {
     double edge, depth;

@@ -136,6 +136,7 @@ void psplat_oracle_place_splat(const psplat_splat *splat, uint32_t line_count,
     placed->is_curved = space->is_curved;
     surface(splat, placed);
     placed->peek = 2 * space->depth_tolerance / (double)splat->radius[0];
+    placed->wall = placed->is_curved ? space->depth_tolerance / 4 / (double)splat->radius[0] : 0;
     if (placed->is_curved)
         curved_parameter_rows(placed);
     else

@@ -218,15 +218,15 @@ static void raised_octagon(const psplat_oracle_camera *camera, const psplat_orac
     octagon(frame, out);
 }
 
-/* The surface lies in a prism between two octagons. What the near and the far plane leave of the
- * prism has its corners on its faces. */
+/* The surface and its wall lie in a prism between two octagons. What the near and the far plane
+ * leave of the prism has its corners on its faces. */
 psplat_oracle_box psplat_oracle_camera_curved_bounds(const psplat_oracle_camera *camera,
                                                      const psplat_oracle_splat *splat) {
     const double *b = splat->bend;
     double mean = (b[0] + b[2]) / 2, spread = hypot((b[0] - b[2]) / 2, b[1]);
     extent bounds = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
     polygon low, high, face;
-    raised_octagon(camera, splat, -fmax(mean + spread, 0) / 2, &low);
+    raised_octagon(camera, splat, -fmax(mean + spread, 0) / 2 - splat->wall, &low);
     raised_octagon(camera, splat, -fmin(mean - spread, 0) / 2, &high);
     for (int k = 0; k < CORNERS; ++k) {
         int next = (k + 1) % CORNERS;

@@ -142,8 +142,10 @@ static void add_depths(const psplat_view *view, const psplat_item *item, psplat_
                                     modelview);
             scale = cbrt(fabs(psplat_matrix_determinant3(modelview)));
         }
-        /* Epsilon of eq. (5) is at most twice the tolerance, at grazing angles. */
+        /* Epsilon of eq. (5) is at most twice the tolerance, at grazing angles, and that of walls.
+         */
         double epsilon = 2.0 * (double)batch->depth_tolerance * scale;
+        if (batch->is_curved) epsilon *= PSPLAT_WALL_SHIFT;
         psplat_depth_span_add(span, modelview, view->projection, batch->bounds_min,
                               batch->bounds_max, epsilon);
     }

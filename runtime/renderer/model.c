@@ -132,6 +132,7 @@ static void describe_batch(const psplat_batch *batch, psplat_model_batch *out) {
     out->finish = psplat_packing_of(batch).finish;
     out->kernel = batch->kernel;
     out->depth_tolerance = batch->depth_tolerance;
+    out->wall = batch->is_curved ? (float)PSPLAT_WALL * batch->depth_tolerance : 0.0f;
     out->material = batch->material;
     for (int i = 0; i < 16; ++i) out->model[i] = batch->model[i];
     for (int i = 0; i < 3; ++i) {
@@ -193,12 +194,20 @@ static psplat_result upload_textures(psplat_renderer *renderer, const psplat_bat
 }
 
 /* Makes the box of a curved batch enclose the ellipses that may be drawn in place of its patches
- * (spec 5.1) too. */
-static void enlarge_bounds(psplat_model_batch *batch) {
+ * (spec 5.1), and the walls under their rims, too. */
+static void enlarge_box(psplat_model_batch *batch) {
+    float room = batch->sagitta + batch->wall;
     for (int i = 0; i < 3; ++i) {
-        batch->bounds_min[i] -= batch->sagitta;
-        batch->bounds_max[i] += batch->sagitta;
+        batch->bounds_min[i] -= room;
+        batch->bounds_max[i] += room;
     }
+}
+
+/* Makes spheres enclose walls. */
+static void enlarge_spheres(psplat_model_batch *batch) {
+    size_t count = (size_t)batch->splat_count;
+    for (size_t i = 0; i < psplat_chunk_count(count); ++i) batch->chunks[i].radius += batch->wall;
+    for (size_t i = 0; batch->spheres && i < count; ++i) batch->spheres[4 * i + 3] += batch->wall;
 }
 
 /* Returns the floats of a batch's spheres, which have their use where splats have many pixels. */
@@ -235,7 +244,7 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
         out->sagitta = twin->sagitta;
         out->uncut_count = twin->uncut_count;
         out->number = twin->number;
-        enlarge_bounds(out);
+        enlarge_box(out);
         return PSPLAT_OK;
     }
     out->is_owner = 1;
@@ -244,7 +253,8 @@ static psplat_result upload_batch(psplat_renderer *renderer, psplat_model *model
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for bounds of %zu splats",
                            batch->splat_count);
     psplat_result result = upload_textures(renderer, batch, packed, out, staging, error);
-    enlarge_bounds(out);
+    enlarge_box(out);
+    enlarge_spheres(out);
     return result;
 }
 

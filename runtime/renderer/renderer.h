@@ -38,8 +38,9 @@ typedef struct psplat_model_batch {
     psplat_gl_texture clips;     /* zero where clip_count is 0 */
     psplat_gl_texture finishes;  /* zero where finish is 0 */
     psplat_gl_texture texcoords; /* zero where textures is 0 */
-    psplat_chunk *chunks;        /* psplat_chunk_count(splat_count) of them */
-    float *spheres; /* centre and radius around each splat; NULL where there are many splats */
+    psplat_chunk *chunks;        /* psplat_chunk_count(splat_count) of them, around walls too */
+    float *spheres; /* centre and radius around each splat and its wall; NULL where there are many
+                       splats */
     int is_owner;   /* 0: an earlier batch of the same primitive owns the textures and chunks */
     uint32_t primitive;
     uint32_t level, last_level; /* as in psplat_batch */
@@ -57,10 +58,11 @@ typedef struct psplat_model_batch {
     int shares_place; /* 1: the batch before has the same model matrix */
     psplat_kernel kernel;
     float depth_tolerance;
+    float wall; /* how far down the walls of curved splats reach, object space; 0: there are none */
     psplat_material material;           /* no transform of a texture is all zeros */
     float sagitta;                      /* psplat_packed_sagitta of all splats, object space */
-    float bounds_min[3], bounds_max[3]; /* of the patches and of the tangent ellipses at their
-                                           centres */
+    float bounds_min[3], bounds_max[3]; /* of the patches, of their walls, and of the tangent
+                                           ellipses at their centres */
 } psplat_model_batch;
 
 struct psplat_environment {

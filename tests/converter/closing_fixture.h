@@ -74,9 +74,9 @@ static inline void closing_end(closing *r) {
     fixture_free(&r->f);
 }
 
-/* Returns how many rays pass between the candidates as seams would be closed, and asserts that each
- * lies within the tolerance of the surface. */
-static inline size_t count_gaps(const closing *r, uint64_t seed) {
+/* Returns how many rays pass between the candidates as seams would be closed, and under walls that
+ * reach so many tolerances down, and asserts that each lies within the tolerance of the surface. */
+static inline size_t count_gaps(const closing *r, double wall_tolerances, uint64_t seed) {
     psplat_selection copy = r->c.selection;
     psplat_region *regions = malloc((copy.count + 1) * sizeof *regions);
     copy.candidates = malloc((copy.count + 1) * sizeof *copy.candidates);
@@ -93,8 +93,10 @@ static inline size_t count_gaps(const closing *r, uint64_t seed) {
                          PSPLAT_OK);
         assert_true(near);
     }
-    psplat_measured_splats measured = {
-        .regions = regions, .count = copy.count, .tolerance = r->c.tolerance};
+    psplat_measured_splats measured = {.regions = regions,
+                                       .count = copy.count,
+                                       .tolerance = r->c.tolerance,
+                                       .wall = wall_tolerances * r->c.tolerance};
     measured.region_tree = psplat_region_tree_create(regions, copy.count, 0);
     assert_non_null(measured.region_tree);
     const psplat_ray_search search = {.surface = &r->c.surface,

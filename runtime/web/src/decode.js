@@ -316,6 +316,11 @@ function makeTexture(count, row, texels) {
     return texture;
 }
 
+/** How far down the wall under the rim of a curved splat reaches, and how far behind it what it hides begins, in depth
+ *  tolerances (layout.h). */
+const WALL = 0.25;
+export const WALL_SHIFT = 8;
+
 /** Enlarges boxes by a splat's whole ellipse, of curved ones by more than that. @returns how far the
  *  surface leaves its tangent plane. */
 function enlarge(s, isCurved, boxes) {
@@ -469,6 +474,7 @@ function describe(of, set, count) {
         sharpness: set.sharpness,
         exponent: set.exponent,
         depthTolerance: set.depthTolerance,
+        wall: set.curved ? WALL * set.depthTolerance : 0,
         splatFloats: 4 * splatTexels,
         finishFloats: 4 * finishTexels,
         texcoordFloats: 4 * texcoordTexels,
@@ -476,8 +482,8 @@ function describe(of, set, count) {
         clips: makeTexture(count, row, set.clipLines),
         finishes: makeTexture(count, row, finishTexels),
         texcoords: makeTexture(count, row, texcoordTexels),
-        bounds: new Box3(), // of whole ellipses, as the renderer's
-        box: new Box3(), // of what clip lines that are no seams leave of them
+        bounds: new Box3(), // of whole ellipses and walls, as the renderer's
+        box: new Box3(), // of what clip lines that are no seams leave of them, and of walls
         spheres: [],
         sagitta: 0,
     };
@@ -504,11 +510,13 @@ function decodeAll(of, set, batch) {
         enlargeTight(s, set.curved, lines.slice(0, set.clipLines - set.seamLines), chunk);
         packRest(of, set, i, batch, v);
         if (i % CHUNK === CHUNK - 1 || i === batch.count - 1) {
+            chunk.expandByScalar(batch.wall);
             batch.box.union(chunk);
             batch.spheres.push(chunk.getBoundingSphere(new Sphere()));
             chunk.makeEmpty();
         }
     }
+    batch.bounds.expandByScalar(batch.wall);
     return centers;
 }
 

@@ -26,9 +26,10 @@ function readSplat(batch, i, s) {
     if (!batch.isCurved) s.shape = [0, 0, 0, 0, 0];
 }
 
-/** Whether a point lies in the ellipse and is kept by the lines that cut the splat's shape: seams, the last ones, do not. */
-function isKept(batch, i, u, v) {
-    if (u * u + v * v > 1) return false;
+/** Whether a point lies in the ellipse, or is known to lie on its rim, and is kept by the lines that cut the splat's shape:
+ *  seams, the last ones, do not. */
+function isKept(batch, i, u, v, isOnRim = false) {
+    if (!isOnRim && u * u + v * v > 1) return false;
     const lines = batch.clips?.image.data;
     for (let k = 0; k < batch.clipLines - batch.seamLines; ++k) {
         const at = 4 * (batch.clipLines * i + k), a = lines[at], b = lines[at + 1], across = a * v - b * u;
@@ -37,7 +38,20 @@ function isKept(batch, i, u, v) {
     return true;
 }
 
-/** The nearest point of a splat on the ray beyond its origin, or false. */
+/** Where a ray that meets no surface meets the wall under the rim (spec 5.1), as wall_hit in curved.frag finds it, or false.
+ *  The ray is o + t d, its height over the surface c + b t + a t^2, and the wall reaches down by depth. */
+function meetWall(batch, i, o, d, [c, b, a], depth) {
+    const length2 = d[0] * d[0] + d[1] * d[1], away = o[0] * d[1] - o[1] * d[0], square = length2 - away * away;
+    if (!(square > 0)) return false;
+    const t = -(o[0] * d[0] + o[1] * d[1] + Math.sqrt(square)) / length2, over = c + t * (b + t * a);
+    if (!(t >= 0 && over < 0 && over > -depth && b + 2 * a * t < 0)) return false;
+    hit.u = o[0] + t * d[0];
+    hit.v = o[1] + t * d[1];
+    hit.t = t;
+    return isKept(batch, i, hit.u, hit.v, true);
+}
+
+/** The nearest point of a splat on the ray beyond its origin, or of its wall, or false. */
 function meet(batch, i, s, ray, isTwoSided) {
     const o = [], d = [], delta = [ray.origin.x - s.center[0], ray.origin.y - s.center[1], ray.origin.z - s.center[2]];
     for (let k = 0; k < 3; ++k) {
@@ -48,16 +62,15 @@ function meet(batch, i, s, ray, isTwoSided) {
     const [x, y, xx, xy, yy] = s.shape, gx = x + o[0] * xx + o[1] * xy, gy = y + o[0] * xy + o[1] * yy;
     const c = o[2] - 0.5 * ((gx + x) * o[0] + (gy + y) * o[1]), b = d[2] - gx * d[0] - gy * d[1];
     const a = -0.5 * (xx * d[0] * d[0] + 2 * xy * d[0] * d[1] + yy * d[1] * d[1]), square = b * b - 4 * a * c;
-    if (square < 0) return false;
-    const root = Math.sqrt(square), half = 0.5 * (b > 0 ? b + root : b - root);
+    const depth = batch.wall / s.radius, root = Math.sqrt(Math.max(square, 0)), half = 0.5 * (b > 0 ? b + root : b - root);
     const front = b > 0 ? -half / a : -c / half, back = b > 0 ? -c / half : -half / a;
-    for (const t of isTwoSided ? [Math.min(front, back), Math.max(front, back)] : [front]) {
+    for (const t of square < 0 ? [] : isTwoSided ? [Math.min(front, back), Math.max(front, back)] : [front]) {
         hit.u = o[0] + t * d[0];
         hit.v = o[1] + t * d[1];
         hit.t = t;
         if (t >= 0 && Number.isFinite(t) && isKept(batch, i, hit.u, hit.v)) return true;
     }
-    return false;
+    return depth > 0 && meetWall(batch, i, o, d, [c, b, a], depth);
 }
 
 /** The normal field at a point, in the object's space. */

@@ -8,6 +8,7 @@ import {
     SRGBColorSpace, Vector2, Vector3, Vector4,
 } from 'three';
 import { Placement, screenRect, SplatCamera } from './camera.js';
+import { WALL_SHIFT } from './decode.js';
 import { findMaterial, PASS, surfaceOf } from './programs.js';
 import { raycastSplats } from './raycast.js';
 import { FLAGS, resolveUniforms } from './resolve.js';
@@ -111,7 +112,8 @@ export class PhongSplats extends Mesh {
     place(camera, span) {
         this.isPlaced = this.batches.map((batch, k) => {
             const placement = this.placements[k], isPlaced = placement.set(this.matrixWorld, camera.view);
-            if (isPlaced) span?.add(placement.modelview, camera.host, batch.bounds, 2 * batch.depthTolerance * placement.scale);
+            const shift = 2 * batch.depthTolerance * (batch.isCurved ? WALL_SHIFT : 1); // at grazing angles
+            if (isPlaced) span?.add(placement.modelview, camera.host, batch.bounds, shift * placement.scale);
             return isPlaced;
         });
     }

@@ -51,7 +51,7 @@ static void test_gaps(void **state) {
         closing r;
         closing_begin(&r, cases[i].name, cases[i].tolerance, cases[i].spacing, cases[i].planar,
                       cases[i].precision);
-        size_t before = count_gaps(&r, 99), splats = r.c.selection.count;
+        size_t before = count_gaps(&r, 0, 99), splats = r.c.selection.count;
         psplat_candidate *old = malloc(splats * sizeof *old);
         uint32_t *first = malloc(splats * sizeof *first);
         assert_non_null(old);
@@ -59,7 +59,7 @@ static void test_gaps(void **state) {
         memcpy(old, r.c.selection.candidates, splats * sizeof *old);
         for (size_t k = 0; k < splats; ++k) first[k] = old[k].covered[0];
         assert_int_equal(psplat_close_rays(&r.c, NULL), PSPLAT_OK);
-        size_t after = count_gaps(&r, 99), extended = count_extended(&r, old, splats, first);
+        size_t after = count_gaps(&r, 0, 99), extended = count_extended(&r, old, splats, first);
         print_message("%s: %zu splats became %zu, %zu extended, %zu gaps %zu\n", cases[i].name,
                       splats, r.c.selection.count, extended, before, after);
         all_extended += extended;
@@ -85,7 +85,7 @@ static void test_closed(void **state) {
     psplat_region *regions = malloc(splats * sizeof *regions);
     assert_non_null(regions);
     for (size_t i = 0; i < splats; ++i) regions[i] = r.c.selection.candidates[i].region;
-    assert_int_equal(count_gaps(&r, 1), 0);
+    assert_int_equal(count_gaps(&r, 0, 1), 0);
     assert_int_equal(psplat_close_rays(&r.c, NULL), PSPLAT_OK);
     assert_int_equal(r.c.selection.count, splats);
     for (size_t i = 0; i < splats; ++i)

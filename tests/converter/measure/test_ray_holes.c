@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * test_ray_holes.c - tests of the search for rays that pass between splats: a square under two
- * splats at different heights, where the rays that pass are known for each width of the overlap.
+ * splats at different heights, where the rays that pass are known for each width of the overlap,
+ * with and without a wall under the higher rim.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,8 +23,9 @@
 
 enum { POINTS = 20000 };
 
-/* Lengths on a square of side 1: the tolerance, and how far the splats are from its plane. */
-static const double tolerance = 0.002, height = 0.0015;
+/* Lengths on a square of side 1: the tolerance, how far the splats are from its plane, and how far
+ * down a wall reaches. */
+static const double tolerance = 0.002, height = 0.0015, wall = 0.001;
 static const double middle = 0.5; /* where the higher splat ends */
 
 static void place_square(double s, double t, double p[3]) {
@@ -42,10 +44,23 @@ static psplat_region half(double sign, double from, double z) {
     return region;
 }
 
+/* Returns a curved splat, flat all the same but for 1e-9 of the square, whose rim is as good as
+ * straight where that of half(-1, middle, z) is. */
+static psplat_region half_with_wall(double z) {
+    const double radius = 4000;
+    psplat_region region = half(-1, middle - radius, z);
+    region.radius[0] = region.radius[1] = radius;
+    region.hessian[2] = 1e-17;
+    region.line_count = 0;
+    return region;
+}
+
 /* Finds the rays that pass between the splats where they overlap by this length. */
-static psplat_ray_holes find(const fixture *f, double overlap) {
-    psplat_region regions[2] = {half(-1, middle, height), half(1, middle - overlap, -height)};
-    psplat_measured_splats measured = {.regions = regions, .count = 2, .tolerance = tolerance};
+static psplat_ray_holes find(const fixture *f, int has_wall, double overlap) {
+    psplat_region regions[2] = {has_wall ? half_with_wall(height) : half(-1, middle, height),
+                                half(1, middle - overlap, -height)};
+    psplat_measured_splats measured = {
+        .regions = regions, .count = 2, .tolerance = tolerance, .wall = has_wall ? wall : 0};
     psplat_ray_holes holes;
     measured.region_tree = psplat_region_tree_create(regions, 2, 0);
     assert_non_null(measured.region_tree);
@@ -60,15 +75,16 @@ static psplat_ray_holes find(const fixture *f, double overlap) {
 }
 
 /* Returns the length along x in which rays of this direction that see the square pass between the
- * splats: they pass the rim of the higher one and come to the lower one's plane before its rim. */
-static double passing(double cosine, double along_x, double overlap) {
+ * splats: they pass the rim of the higher one, or the wall's foot, so high over the lower one, and
+ * come to the lower one's plane before its rim. */
+static double passing(double cosine, double along_x, double step, double overlap) {
     double slant = sqrt(1 - cosine * cosine) / cosine * along_x;
-    double length = 2 * height * slant - overlap;
+    double length = step * slant - overlap;
     return length > 0 ? length : 0;
 }
 
 /* Returns how many rays pass by the ranges of cosines: eight of each point in each. */
-static double expected(double overlap) {
+static double expected(double step, double overlap) {
     enum { STEPS = 1000 };
     static const double cosines[] = {0.2, 0.3, 0.55, 1};
     double sum = 0;
@@ -77,13 +93,13 @@ static double expected(double overlap) {
             for (int k = 0; k < STEPS; k += 10) {
                 double part = (i + 0.5) / STEPS, angle = 2 * fixture_pi * (k + 5) / STEPS;
                 double cosine = cosines[slant] + part * (cosines[slant + 1] - cosines[slant]);
-                sum += 10 * passing(cosine, cos(angle), overlap) / ((double)STEPS * STEPS);
+                sum += 10 * passing(cosine, cos(angle), step, overlap) / ((double)STEPS * STEPS);
             }
     return 8 * POINTS * sum;
 }
 
-static void test_steps(void **state) {
-    (void)state;
+/* The rays pass a step of this height, under the wall where there is one. */
+static void check_steps(int has_wall, double step) {
     fixture f;
     fixture_grid(&f, 3, 3, place_square);
     fixture_build(&f);
@@ -91,14 +107,15 @@ static void test_steps(void **state) {
     assert_non_null(f.distance);
     double slant = sqrt(1 - 0.2 * 0.2) / 0.2;
     for (int part = 0; part <= 4; ++part) {
-        double overlap = 2 * height * slant * part / 4;
-        psplat_ray_holes holes = find(&f, overlap);
-        double wanted = expected(overlap);
+        double overlap = step * slant * part / 4;
+        psplat_ray_holes holes = find(&f, has_wall, overlap);
+        double wanted = expected(step, overlap);
         for (size_t i = 0; i < holes.count; ++i) {
             const psplat_sight *sight = &holes.holes[i].sight;
             double tilt = sight->direction[0] / sight->direction[2];
             assert_near(holes.holes[i].cosine, sight->direction[2], 1e-12);
-            assert_true(sight->point[0] + height * tilt >= middle);
+            /* The wall's rim is 4 / 1e5 from straight. */
+            assert_true(sight->point[0] + (step - height) * tilt >= middle - 4e-5 * has_wall);
             assert_true(sight->point[0] - height * tilt <= middle - overlap);
         }
         print_message("overlap %g: %zu rays pass, %g expected\n", overlap, holes.count, wanted);
@@ -110,6 +127,16 @@ static void test_steps(void **state) {
         psplat_ray_holes_free(&holes);
     }
     fixture_free(&f);
+}
+
+static void test_steps(void **state) {
+    (void)state;
+    check_steps(0, 2 * height);
+}
+
+static void test_walls(void **state) {
+    (void)state;
+    check_steps(1, 2 * height - wall);
 }
 
 /* Finds the rays that pass between two splats in the plane of the square, with so many random
@@ -170,9 +197,9 @@ static void test_threads(void **state) {
     f.distance = psplat_distance_create(&f.mesh);
     assert_non_null(f.distance);
     fixture_threads(1);
-    psplat_ray_holes one = find(&f, 0.001);
+    psplat_ray_holes one = find(&f, 1, 0.001);
     fixture_threads(3);
-    psplat_ray_holes three = find(&f, 0.001);
+    psplat_ray_holes three = find(&f, 1, 0.001);
     fixture_threads(0);
     assert_true(one.count > 0);
     assert_int_equal(one.count, three.count);
@@ -188,6 +215,7 @@ static void test_threads(void **state) {
 int test_ray_holes_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_steps),
+        cmocka_unit_test(test_walls),
         cmocka_unit_test(test_cracks),
         cmocka_unit_test(test_threads),
     };

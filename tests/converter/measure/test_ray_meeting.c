@@ -46,15 +46,15 @@ static void test_flat(void **state) {
         double height, uv[2], cosine = 0.2 * i, step = 0.1;
         double slant = sqrt(1 - cosine * cosine) / cosine;
         psplat_sight sight = sight_from(0.25, 0.5, step, cosine);
-        assert_int_equal(psplat_sight_meets(&sight, &low, 0, &height, uv), 1);
+        assert_int_equal(psplat_sight_meets(&sight, &low, 0, 0, &height, uv), 1);
         assert_near(height, -step / cosine, rounding);
         assert_near(uv[0], 0.25 - step * slant, rounding);
         assert_near(uv[1], 0.5, rounding);
         sight.point[0] = -0.999 + step * slant, sight.point[1] = 0;
-        assert_int_equal(psplat_sight_meets(&sight, &low, 0, &height, uv), 1);
+        assert_int_equal(psplat_sight_meets(&sight, &low, 0, 0, &height, uv), 1);
         sight.point[0] = -1.001 + step * slant;
-        assert_int_equal(psplat_sight_meets(&sight, &low, 0, &height, uv), 0);
-        assert_int_equal(psplat_sight_meets(&sight, &low, 0.002, &height, uv), 1);
+        assert_int_equal(psplat_sight_meets(&sight, &low, 0, 0, &height, uv), 0);
+        assert_int_equal(psplat_sight_meets(&sight, &low, 0, 0.002, &height, uv), 1);
         assert_int_equal(psplat_sight_leaves(&sight, &low, &height, uv), 1);
         assert_near(uv[0], -1.001, rounding);
         sight.direction[2] = -cosine; /* The back is not seen. */
@@ -69,10 +69,10 @@ static void test_lines(void **state) {
     half.line_count = 1;
     half.lines[0][0] = 1, half.lines[0][2] = -0.25; /* It keeps u >= 1 / 4. */
     psplat_sight sight = sight_from(0.3, 0, 0, 1);
-    assert_int_equal(psplat_sight_meets(&sight, &half, 0, &height, uv), 1);
+    assert_int_equal(psplat_sight_meets(&sight, &half, 0, 0, &height, uv), 1);
     sight.point[0] = 0.2;
-    assert_int_equal(psplat_sight_meets(&sight, &half, 0, &height, uv), 0);
-    assert_int_equal(psplat_sight_meets(&sight, &half, 0.06, &height, uv), 1);
+    assert_int_equal(psplat_sight_meets(&sight, &half, 0, 0, &height, uv), 0);
+    assert_int_equal(psplat_sight_meets(&sight, &half, 0, 0.06, &height, uv), 1);
 }
 
 /* Of the two places where a line meets a bowl or a hill, the front is the one at which it comes out
@@ -118,6 +118,63 @@ static psplat_region random_region(uint64_t *random, int curved) {
     return r;
 }
 
+/* Returns the height of a point over a region's surface, and its parameters. */
+static double height_over(const psplat_region *r, const double p[3], double uvh[3]) {
+    double d[3];
+    sub3(d, p, r->center);
+    uvh[0] = dot3(d, r->u) / r->radius[0], uvh[1] = dot3(d, r->v) / r->radius[1];
+    return dot3(d, r->n) - psplat_region_height(r, uvh);
+}
+
+/* A ray that leaves the cylinder of the rim at a known point meets the wall where that is under the
+ * rim, not too deep, kept by the lines, and looked down on: a little farther on it is higher. */
+static void test_walls(void **state) {
+    (void)state;
+    enum { TRIALS = 20000 };
+    const double wall = 0.1, step = 1e-7;
+    uint64_t random = 5;
+    int met = 0;
+    for (int trial = 0; trial < TRIALS; ++trial) {
+        psplat_region r = random_region(&random, 1);
+        double angle = 2 * PSPLAT_PI * psplat_random_unit(&random), found, uv[2], uvh[3];
+        double on_rim[2] = {cos(angle), sin(angle)}, p[3], q[3], length = 0;
+        double deep = wall * (1.5 * psplat_random_unit(&random) - 0.25);
+        double way = 3 * (psplat_random_unit(&random) - 0.5);
+        psplat_sight sight;
+        psplat_region_point(&r, on_rim, p);
+        mad3(p, -deep, r.n);
+        for (int k = 0; k < 3; ++k) sight.direction[k] = 2 * psplat_random_unit(&random) - 1;
+        length = normalize3(sight.direction);
+        if (!(length > 0.01)) continue;
+        along3(sight.point, p, -way, sight.direction);
+        along3(q, p, step, sight.direction);
+        double rise = height_over(&r, q, uvh) + deep;
+        double leaves = hypot(uvh[0], uvh[1]) - 1;
+        int expected = deep > 0 && deep < wall && rise > 0 && leaves > 0 &&
+                       psplat_region_contains(&r, on_rim, 1.001, 0);
+        /* Too near to tell. */
+        if (fabs(rise) < 1e-3 * step || fabs(leaves) < 1e-3 * step || fabs(deep) < 1e-9) continue;
+        int is_met = psplat_sight_meets_wall(&sight, &r, wall, &found, uv);
+        /* A ray that only enters at the point may leave on the wall elsewhere. */
+        if (leaves > 0) assert_int_equal(is_met, expected);
+        assert_int_equal(psplat_sight_meets_wall(&sight, &r, 0, &found, uv), 0);
+        if (!expected) continue;
+        ++met;
+        assert_int_equal(psplat_sight_meets(&sight, &r, wall, 0, &found, uv), 1);
+        if (psplat_sight_meets(&sight, &r, 0, 0, &found, uv))
+            continue; /* it meets the front, too */
+        assert_int_equal(psplat_sight_meets(&sight, &r, wall, 0, &found, uv), 1);
+        assert_near(found, way, 1e-9);
+        for (int k = 0; k < 2; ++k) assert_near(uv[k], on_rim[k], 1e-9);
+    }
+    print_message("%d rays meet walls\n", met);
+    assert_true(met > 1000);
+    psplat_region flat = disc(0, 0); /* has no wall */
+    psplat_sight sight = sight_from(1, 0, -wall / 2, 0.5);
+    double found, uv[2];
+    assert_int_equal(psplat_sight_meets_wall(&sight, &flat, wall, &found, uv), 0);
+}
+
 /* Returns a sight through a point with this cosine to a normal. */
 static psplat_sight slanted(const double point[3], const double normal[3], double cosine,
                             double angle) {
@@ -157,7 +214,7 @@ static void test_cones(void **state) {
                 double cosine = cones[k].cosine + (1 - cones[k].cosine) * (i / AROUND) / RINGS;
                 double height;
                 psplat_sight sight = slanted(point, normal, cosine, 2 * PSPLAT_PI * i / AROUND);
-                all &= psplat_sight_meets(&sight, &r, 0, &height, uv) &&
+                all &= psplat_sight_meets(&sight, &r, 0, 0, &height, uv) &&
                        fabs(height) * cosine <= tolerance;
             }
             accepted[k] += first <= k, met[k] += all;
@@ -227,9 +284,9 @@ static void test_inner(void **state) {
 
 int test_ray_meeting_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_flat),     cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_curved),   cmocka_unit_test(test_cones),
-        cmocka_unit_test(test_free_way), cmocka_unit_test(test_inner),
+        cmocka_unit_test(test_flat),  cmocka_unit_test(test_lines), cmocka_unit_test(test_curved),
+        cmocka_unit_test(test_walls), cmocka_unit_test(test_cones), cmocka_unit_test(test_free_way),
+        cmocka_unit_test(test_inner),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,7 +6,9 @@
  * the height over the plane in units of r_u, the ray of pixel (X, Y) is where two linear equations
  * hold, those that say that the clip space point C + u A + v B + w H projects to (X, Y). Where it
  * is over the ellipse, its height above the surface has at most one extremum, which a search
- * brackets; a root on each side of it is found by bisection.
+ * brackets; a root on each side of it is found by bisection. Where neither is a fragment, the
+ * height at the near end of the way over the ellipse tells whether the ray meets the wall under the
+ * rim.
  */
 #include <math.h>
 #include <setjmp.h>
@@ -197,9 +199,15 @@ static int is_kept(const line *ray, double s, double *depth) {
     return w > 0 && fabs(z / w) <= 1;
 }
 
-/* Finds the nearest point that is a fragment. Of the two parts into which the extremum divides the
- * way over the ellipse, the ray meets a front where its height falls. */
-static int other_fragment(const line *ray, int cull, double *s, double *depth) {
+/* Returns whether the ray meets the wall, of this depth, where it comes over the ellipse. */
+static int meets_wall(const line *ray, double low, double high, double wall) {
+    double height = height_at(ray, low), step = 1e-6 * (high - low);
+    return height < 0 && height > -wall && height_at(ray, low + step) < height;
+}
+
+/* Finds the nearest point that is a fragment, else one of the wall. Of the two parts into which the
+ * extremum divides the way over the ellipse, the ray meets a front where its height falls. */
+static int other_fragment(const line *ray, int cull, double wall, double *s, double *depth) {
     double low, high;
     if (!over_ellipse(ray, &low, &high)) return 0;
     double middle = (low + high) / 2;
@@ -211,15 +219,16 @@ static int other_fragment(const line *ray, int cull, double *s, double *depth) {
         if (cull && !(height_at(ray, ends[k]) > height_at(ray, ends[k + 1]))) continue;
         if (is_kept(ray, *s, depth)) return 1;
     }
-    return 0;
+    *s = low;
+    return meets_wall(ray, low, high, wall) && is_kept(ray, low, depth) ? 2 : 0;
 }
 
 typedef struct tally {
-    size_t covered, skipped, splats;
+    size_t covered, walls, skipped, splats;
 } tally;
 
-static void compare(const psplat_splat *splat, const double transform[16], const psplat_view *view,
-                    const picture *p, tally *counts) {
+static void compare(const psplat_splat *splat, double wall, const double transform[16],
+                    const psplat_view *view, const picture *p, tally *counts) {
     double frame[4][4];
     line ray = {.splat = splat, .frame = frame};
     size_t before = counts->covered;
@@ -227,15 +236,16 @@ static void compare(const psplat_splat *splat, const double transform[16], const
     for (int i = 0; i < WIDTH * HEIGHT; ++i) {
         double s = 0, depth = 0, point[3];
         set_line(&ray, 2 * (i % WIDTH + 0.5) / WIDTH - 1, 2 * (i / WIDTH + 0.5) / HEIGHT - 1);
-        int kept = other_fragment(&ray, view->culling == PSPLAT_CULL_ALWAYS, &s, &depth);
+        int kept = other_fragment(&ray, view->culling == PSPLAT_CULL_ALWAYS, wall, &s, &depth);
         /* Pixels closer than double rounding to a tie are skipped; at a contour the points of rays
          * move with the root of what is rounded. */
         if (p->image.tie[i] < 1e-6 || p->image.depth_tie[i] < 1e-9) {
             ++counts->skipped;
             continue;
         }
-        assert_int_equal(p->image.count[i], kept);
-        counts->covered += (size_t)kept;
+        assert_int_equal(p->image.count[i], kept > 0);
+        counts->covered += kept > 0;
+        counts->walls += kept == 2;
         if (!kept) continue;
         point_at(&ray, s, point);
         for (int k = 0; k < 2; ++k) assert_near(p->image.uv[2 * i + k], point[k], 1e-6);
@@ -253,19 +263,22 @@ static void test_random_curved_splats(void **state) {
         scene s = scene_blank(1);
         double transform[16];
         random_splat(&s.splats[0], &random);
+        s.depth_tolerance = i % 3 ? s.splats[0].radius[0] * (float)magnitude(&random, 1e-3, 4) : 0;
         random_transform(transform, &random);
         psplat_view view = random_view(&random, 1);
         view.no_filter = i % 2;
         psplat_asset *asset = scene_open(&s);
         picture p = picture_draw(asset, transform, &view);
-        compare(&psplat_asset_batch(asset, 0)->splats[0], transform, &view, &p, &counts);
+        const psplat_splat *splat = &psplat_asset_batch(asset, 0)->splats[0];
+        double wall = (double)s.depth_tolerance / 4 / (double)splat->radius[0];
+        compare(splat, wall, transform, &view, &p, &counts);
         picture_free(&p);
         psplat_asset_destroy(asset);
         scene_free(&s);
     }
-    print_message("%d splats, %zu seen, %zu pixels covered, %zu skipped\n", tries, counts.splats,
-                  counts.covered, counts.skipped);
-    assert_true(counts.splats > 300 && counts.covered > 20000);
+    print_message("%d splats, %zu seen, %zu pixels covered, %zu by walls, %zu skipped\n", tries,
+                  counts.splats, counts.covered, counts.walls, counts.skipped);
+    assert_true(counts.splats > 300 && counts.covered > 20000 && counts.walls > 1000);
     assert_true(counts.skipped * 100 < counts.covered);
 }
 

@@ -85,22 +85,43 @@ static void test_flat_among_curved(void **state) {
 
 /* ---- shadows --------------------------------------------------------------------------------- */
 
+/* Returns by how much the height over the surface z = height - k (u^2 + v^2) / 2 rises along l. */
+static double rise_of(const double l[3], double k, double u, double v) {
+    return l[2] + k * (u * l[0] + v * l[1]);
+}
+
+/* Returns the s at which the way (u, v, 0) + s l to the light leaves the cylinder of radius 0.5
+ * under the rim, no deeper than the wall and so that the light sees it from above; else 0. */
+static double way_to_wall(const double l[3], double u, double v, double height, double k,
+                          double wall, double *cosine) {
+    double a = l[0] * l[0] + l[1] * l[1], b = u * l[0] + v * l[1], c = u * u + v * v - 0.25;
+    double s = (-b + sqrt(b * b - a * c)) / a, rim_height = height - k / 8;
+    u += s * l[0], v += s * l[1];
+    *cosine = rise_of(l, k, u, v) / sqrt(1 + k * k / 4);
+    return s > 0 && s * l[2] < rim_height && s * l[2] > rim_height - wall && *cosine > 0 ? s : 0;
+}
+
 /* A hill or bowl z = height - k ((X - 0.25)^2 + Y^2) / 2 of radius 0.5 stands over the floor z = 0.
  * On the way (x, y, 0) + s l to the light, the greater root with which it is inside the ellipse is
- * the point that the light sees. Returns 1 where it lies farther than epsilon over its cosine. */
+ * the point that the light sees, else it may be one of the wall. Returns 1 where it lies farther
+ * than epsilon, of walls eight of them, over its cosine. */
 static int is_dark(const double l[3], double x, double y, double height, double k, double epsilon) {
     double a = k * (l[0] * l[0] + l[1] * l[1]) / 2;
     double b = l[2] + k * ((x - 0.25) * l[0] + y * l[1]);
     double c = k * ((x - 0.25) * (x - 0.25) + y * y) / 2 - height;
     double root = sqrt(b * b - 4 * a * c), seen = 0, cosine = 1;
+    int is_met = 0;
     for (int i = 0; i < 2; ++i) {
         double s = a == 0 ? -c / b : (-b + (i ? root : -root)) / (2 * a);
         double u = x + s * l[0] - 0.25, v = y + s * l[1];
+        is_met |= hypot(u, v) <= 0.5;
         if (!(s > seen && hypot(u, v) <= 0.5)) continue;
-        double slope[2] = {k * u, k * v};
         seen = s;
-        cosine = fabs(l[2] + slope[0] * l[0] + slope[1] * l[1]) /
-                 sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+        cosine = fabs(rise_of(l, k, u, v)) / sqrt(1 + k * k * (u * u + v * v));
+    }
+    if (!is_met) {
+        seen = way_to_wall(l, x - 0.25, y, height, k, epsilon / 4, &cosine);
+        epsilon *= 8;
     }
     return seen > epsilon / fmax(cosine, 0.5);
 }

@@ -135,6 +135,46 @@ static void test_sphere(void **state) {
     scene_free(&s);
 }
 
+/* Walls half as high as most splats are wide. Near views would tell more of what epsilon errs there
+ * by than of walls. */
+static void test_walls(void **state) {
+    scene s = ellipses(CURVED | BENT, 19);
+    s.depth_tolerance = 0.1f;
+    for (s.material.double_sided = 0; s.material.double_sided < 2; ++s.material.double_sided) {
+        psplat_view view = view_from(1, 2, 3);
+        print_message("curved, high walls, %d-sided\n", 1 + (int)s.material.double_sided);
+        check(*state, " perspective", &s, NULL, view, &ordinary);
+        camera_parallel(&view, 1.6, 1, 8);
+        check(*state, " parallel", &s, NULL, view, &steep);
+    }
+    scene_free(&s);
+}
+
+/* A hill over the upper edge of the view, of which the view shows nothing but the lower half of its
+ * wall, outside of any sphere that just holds the hill. */
+static void test_wall_alone(void **state) {
+    gpu *g = *state;
+    scene s = scene_disc(1);
+    s.splats[0].radius[0] = s.splats[0].radius[1] = 0.05f;
+    scene_set_axes(&s.splats[0], (double[]){1, 0, 0}, (double[]){0, 0, -1});
+    for (int i = 0; i < 3; ++i) s.splats[0].normal[i] = i == 1;
+    s.splats[0].center[1] = 0.75f;
+    s.splats[0].gradient[0] = s.splats[0].gradient[1] = 2; /* the rim is 0.05 lower */
+    scene_curve(&s);
+    s.depth_tolerance = 0.19f; /* less than four sagittas, or it would be drawn as a disc */
+    psplat_asset *asset = scene_open(&s);
+    psplat_view view = view_from(0, 0, 3);
+    camera_look(&view, (double[]){0, 0.665, 3}, (double[]){0, 0.665, 0});
+    camera_parallel(&view, 0.01, 1, 8);
+    agreement a = agreement_measure_modes(g, asset, NULL, &view, 1u << PSPLAT_MODE_PARAMETERS, 1,
+                                          &steep.ties);
+    print_message("wall alone: covered %zu skipped %zu uv %.1e\n", a.covered, a.skipped, a.uv);
+    assert_true(a.covered > 100);
+    assert_int_equal(a.mismatches, 0);
+    psplat_asset_destroy(asset);
+    scene_free(&s);
+}
+
 static void test_curved(void **state) {
     scene s = ellipses(CURVED, 7);
     check_views(*state, "curved, 0 to 4 clip lines", &s, 0);
@@ -234,7 +274,7 @@ static void test_flat_patches(void **state) {
     for (int kind = CURVED; kind <= (CURVED | OWN_SHAPE); kind += OWN_SHAPE) {
         scene s = scene_ellipses(100, 0, 12);
         curve(&s, (unsigned)kind, 0.003f, 5);
-        s.depth_tolerance = 1e-5f; /* less than heights, which would not matter else */
+        s.depth_tolerance = 0; /* there are no walls, and heights matter */
         psplat_asset *asset = scene_open(&s);
         psplat_view view = view_from(1, 2, 3);
         agreement a = agreement_measure_modes(g, asset, NULL, &view, 1u << PSPLAT_MODE_PARAMETERS,
@@ -382,6 +422,8 @@ int test_agreement_curved_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sphere),
         cmocka_unit_test(test_curved),
+        cmocka_unit_test(test_walls),
+        cmocka_unit_test(test_wall_alone),
         cmocka_unit_test(test_flat_among_curved),
         cmocka_unit_test(test_own_shapes),
         cmocka_unit_test(test_bent),
@@ -400,6 +442,7 @@ int test_agreement_curved_main(void) {
     };
     const struct CMUnitTest gles_tests[] = {
         cmocka_unit_test(test_curved),
+        cmocka_unit_test(test_walls),
         cmocka_unit_test(test_flat_among_curved),
         cmocka_unit_test(test_bent),
     };
