@@ -196,6 +196,9 @@ bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float 
     if (!is_met && !meets_wall(c, b, a, ray, t, root)) return false;
     hit = hit_at(ray, t);
     hit.is_wall = !is_met;
+#if TWO_SIDED
+    hit.is_inside = hit.is_inside || is_met; /* as is_inside_at() found, whatever rounding says */
+#endif
     return hit.is_inside;
 }
 
@@ -223,7 +226,10 @@ float shift_of(Hit hit, vec3 normal, float root) {
     float size = sqrt(dot(normal, normal));
     float m = max(projected, 0.5 * ray_length * size);
     float epsilon = v_epsilon * (u_shift.y > 0.0 ? hit.inverse_w : 1.0);
-    if (hit.is_wall) epsilon *= PSPLAT_WALL_SHIFT;
+    if (hit.is_wall) {
+        float along = u_shift.y > 0.0 ? hit.inverse_w : v_distance;
+        epsilon = max(epsilon, PSPLAT_WALL_SHIFT * v_room * v_unit * along);
+    }
     epsilon = size * max(epsilon, u_shift.y * 9.5367431640625e-7 * ray_length);
     float shift = u_shift.x * epsilon * hit.inverse_w / (m + u_shift.y * epsilon);
     float room = max(1.0 - 1.1920929e-7 - hit.ndc, 0.0);

@@ -24,7 +24,7 @@ out vec4 v_local;           /* local coordinates of the billboard's point; z of 
 flat out vec4 v_eye;        /* local coordinates of the eye, in orthographic views the direction to
                                it; the last element of H */
 flat out vec4 v_shape;      /* slope; the first two elements of H */
-flat out float v_room;      /* the depth tolerance */
+flat out float v_room;      /* the depth tolerance, in local coordinates */
 #if PASS == PSPLAT_PASS_VISIBILITY
 out float v_distance;       /* of the billboard's point, in perspective */
 flat out float v_epsilon;   /* in orthographic views times the length of u_view_direction */
@@ -99,8 +99,8 @@ Surface surface_of(vec4 field, float gamma, ivec2 texel, float ratio, float wall
 }
 
 /* Returns whether the eye sees the backs of all points of the patch: where n . (eye - point), which
- * is eye.z - slope . eye.xy - uv H eye.xy + uv H uv / 2, is negative all over the disc, even seen
- * from the foot of the wall. In orthographic views eye is a direction, and the last terms are not
+ * is eye.z - slope . eye.xy - uv H eye.xy + uv H uv / 2, is negative all over the disc, also at
+ * points down to the foot of the wall. In orthographic views eye is a direction, and the last terms are not
  * there. */
 bool is_turned_away(Surface surface, vec3 eye, float wall) {
     vec3 h = surface.second;

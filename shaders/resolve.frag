@@ -53,7 +53,7 @@ Pixel pixel_at(ivec2 at) {
                         behind < 1.0 ? sum.a : 0.0, u_base_color, u_emissive, vec4(u_surface, 1.0));
 #if HALF_TARGETS
     /* The eleven bits of a half float are too few for depth, so this is the depth of the visibility
-     * pass, which is epsilon behind the nearest splat. */
+     * pass, which is epsilon of eq. (5) behind the nearest splat. */
     pixel.window.z = behind;
 #endif
 #if COLORS

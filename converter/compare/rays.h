@@ -25,15 +25,16 @@ typedef struct psplat_ray_place {
 } psplat_ray_place;
 
 /* The rays that see a point of the source from outside. One is met where a front of the tested
- * surface lies on it within reach / cosine of that point. Of the others, one is hidden where a
- * front lies before that, and else missed: then the eye sees the background, or another part of the
- * model. Rays that pass an outline of the source by less than the reach are counted apart: where a
- * surface errs by the reach, so do its outlines, and a ray that sees the rim of the source may pass
- * by its splats (psplat_sight_is_inner). */
+ * surface, or the wall under the rim of a splat that is not flat (spec 5.1), lies on it within
+ * reach / cosine of that point. Of the others, one is hidden where one lies before that, and else
+ * missed: then the eye sees the background, or another part of the model. Rays that pass an outline
+ * of the source by less than the reach are counted apart: where a surface errs by the reach, so do
+ * its outlines, and a ray that sees the rim of the source may pass by its splats
+ * (psplat_sight_is_inner). */
 typedef struct psplat_ray_errors {
     size_t count, missed, hidden;
     size_t outline; /* neither met nor hidden, but within the reach of an outline of the source */
-    size_t open;    /* of those missed: that meet no front at all, so that the background shows */
+    size_t open;    /* of those missed: that meet neither at all, so that the background shows */
     size_t range_count[PSPLAT_RAY_RANGES], range_missed[PSPLAT_RAY_RANGES];
     double reach; /* %, that was used */
     size_t place_count;

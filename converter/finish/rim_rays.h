@@ -12,8 +12,8 @@
 #include "measure/ray_holes.h"
 #include "select/conversion.h"
 
-/* Finds the rays past points of the rims, so many tolerances apart, that meet none of the
- * candidates, of which all have to be taken, nor walls that reach so many tolerances down.
+/* Finds the rays past points of the rims, spacing_tolerances apart, that meet none of the
+ * candidates, of which all have to be taken, nor walls that reach wall_tolerances down.
  * *measured gets their regions and a tree of these; the caller frees both, also where this fails.
  * Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_rim_rays_find(const psplat_conversion *c, double spacing_tolerances,

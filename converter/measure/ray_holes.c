@@ -5,9 +5,8 @@
  * Two splats that overlap along the surface's normal may lie at different heights. A slanted ray
  * then passes the rim of the higher one, where that is flat or its wall too low, and reaches the
  * lower one where that has ended: the overlap has to be the rest of the step between them times the
- * tangent of the slant. So random rays are tried. All
- * rays of a point are tried at once against each splat nearby, and the mesh is asked only about
- * those that nothing meets.
+ * tangent of the slant. So random rays are tried. All rays of a point are tried at once against
+ * each splat nearby, and the mesh is asked only about those that nothing meets.
  *
  * Cracks that are much narrower than the random points lie apart are found from the rims of splats,
  * which border every gap: points a little beyond a rim stand for the triangle that is nearest to

@@ -14,7 +14,8 @@ enum { PSPLAT_CHUNK_SPLATS = 256 };
 /* The bounds of chunk i, which has the splats 256 i ... 256 i + 255 as far as there are that many.
  * All are in object space. */
 typedef struct psplat_chunk {
-    float center[3], radius; /* bounding sphere of the unclipped ellipses or curved patches */
+    float center[3], radius; /* bounding sphere of the unclipped ellipses or curved patches,
+                                without their walls (spec 5.1) */
     float axis[3], cosine;   /* axis . n >= cosine for N of each flat splat and each unit normal of
                                 the surface of a curved one, axis being of length 1; where cosine is
                                 below 0 there is no cone */

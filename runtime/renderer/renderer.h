@@ -38,7 +38,7 @@ typedef struct psplat_model_batch {
     psplat_gl_texture clips;     /* zero where clip_count is 0 */
     psplat_gl_texture finishes;  /* zero where finish is 0 */
     psplat_gl_texture texcoords; /* zero where textures is 0 */
-    psplat_chunk *chunks;        /* psplat_chunk_count(splat_count) of them, around walls too */
+    psplat_chunk *chunks;        /* psplat_chunk_count(splat_count) of them, around walls, too */
     float *spheres; /* centre and radius around each splat and its wall; NULL where there are many
                        splats */
     int is_owner;   /* 0: an earlier batch of the same primitive owns the textures and chunks */

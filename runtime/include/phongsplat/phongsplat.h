@@ -283,7 +283,7 @@ typedef enum psplat_state_policy {
  * every call below. GLES and WebGL 2 need EXT_color_buffer_float (GLES before 3.2) and
  * EXT_float_blend. Without the second, or with EXT_color_buffer_half_float instead of the first,
  * sums are kept in 16 bits: then colours lose precision where many splats meet, depth is that of
- * the nearest splat plus its tolerance, and PSPLAT_MODE_PARAMETERS rounds to 11 bits.
+ * the nearest splat plus its tolerance (spec 5.3), and PSPLAT_MODE_PARAMETERS rounds to 11 bits.
  *
  * Renderers are independent of each other, in one context or several. Where the context is lost,
  * as glGetGraphicsResetStatus or glGetError say, the call returns PSPLAT_ERROR_GRAPHICS, and so

@@ -47,7 +47,8 @@ typedef struct psplat_reference_image {
                     or in pixels, whichever is less; |cosine| between the normal of a splat's
                     surface and the ray, which decides between front and back; and for a curved
                     splat the distance in pixels to its contour, where rays touch it (to first
-                    order), or the square of the cosine where that is less. A ray that misses the
+                    order), or the square of the cosine where that is less, and those to where rays
+                    begin to meet its wall (spec 5.1). A ray that misses the
                     splat beyond its contour ties if it would touch it inside its edges. With the
                     filter, edges are those of the ellipses that decide visibility and those of
                     the widened ones; the edge of a softened clip line is where its factor

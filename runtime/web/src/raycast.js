@@ -38,7 +38,7 @@ function isKept(batch, i, u, v, isOnRim = false) {
     return true;
 }
 
-/** Where a ray that meets no surface meets the wall under the rim (spec 5.1), as wall_hit in curved.frag finds it, or false.
+/** Where a ray that meets no surface meets the wall under the rim (spec 5.1), as meets_wall() in curved.frag finds it, or false.
  *  The ray is o + t d, its height over the surface c + b t + a t^2, and the wall reaches down by depth. */
 function meetWall(batch, i, o, d, [c, b, a], depth) {
     const length2 = d[0] * d[0] + d[1] * d[1], away = o[0] * d[1] - o[1] * d[0], square = length2 - away * away;
