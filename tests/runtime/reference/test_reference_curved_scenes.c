@@ -163,6 +163,8 @@ static void test_shadows(void **state) {
         assert_true(check_shadow(lights[i], 3, 0.01) > 100);
         assert_true(check_shadow(lights[i], -3, 0.01) > 100);
         assert_true(check_shadow(lights[i], 5.5, 0.01) > 100);
+        assert_true(check_shadow(lights[i], 3, 0.05) > 100); /* with walls */
+        assert_true(check_shadow(lights[i], 1, 0.09) > 100);
         check_shadow(lights[i], 3, 0.9);
         check_shadow(lights[i], 5.5, 0.7);
         check_shadow(lights[i], -5.5, 1.2);
