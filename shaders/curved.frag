@@ -165,8 +165,8 @@ bool is_inside_at(vec3 ray, float t) {
 
 /* Finds the fragment: of the surface where only fronts are seen that of the root at which the ray
  * comes in, else the nearer one of those inside. Where none is inside the ellipse, it is that of the
- * wall. (A front that lines cut off has no wall before it: the ray comes from over the rim.) is_back is
- * true where normals are negated: not where the back only peeks out behind a contour (spec 5.2).
+ * wall. (A front that lines cut off has no wall before it: the ray comes from over the rim.) is_back
+ * is true where normals are negated: not where the back only peeks out behind a contour (spec 5.2).
  * root is by how much the height falls or rises there. Of the two forms of a root the one is used
  * whose terms do not cancel. */
 bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float root) {
@@ -239,10 +239,10 @@ float shift_of(Hit hit, vec3 normal, float root) {
 
 #if TEXTURED
 /* Returns the derivatives of (u, v) by window x and y, of which the billboard's point has those
- * given, along the plane that touches the patch or the wall. Neighbours of the pixel may not meet the patch, so
- * that the roots themselves have no derivatives. With the point p = e + k d on a ray d from the eye
- * e, dp = k dd + d dk has no part along the normal, which gives dk. On a contour it is infinite;
- * there it stays a number, or GLs might sample anything. */
+ * given, along the plane that touches the patch or the wall. Neighbours of the pixel may not meet
+ * the patch, so that the roots themselves have no derivatives. With the point p = e + k d on a ray d
+ * from the eye e, dp = k dd + d dk has no part along the normal, which gives dk. On a contour it is
+ * infinite; there it stays a number, or GLs might sample anything. */
 mat2 reach_of(Hit hit, vec2 slope, vec3 second, vec3 by_x, vec3 by_y) {
     vec3 ray = u_shift.y * v_local.xyz - v_eye.xyz;
     vec3 normal =

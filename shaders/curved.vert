@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * curved.vert - draws a curved splat as a billboard: a rectangle through its centre that hides all
- * of its patch, and of the wall under its rim, from the eye. The fragment shader finds where the view ray meets the patch (compare
- * Sigg, Weyrich, Botsch, Gross: GPU-Based Ray-Casting of Quadratic Surfaces, 2006, whose primitives
- * are bounded by screen rectangles instead).
+ * of its patch, and of the wall under its rim, from the eye. The fragment shader finds where the view
+ * ray meets the patch (compare Sigg, Weyrich, Botsch, Gross: GPU-Based Ray-Casting of Quadratic
+ * Surfaces, 2006, whose primitives are bounded by screen rectangles instead).
  *
  * Everything happens in the splat's local coordinates (u, v, h / r_u), in which its ellipse is the
  * unit disc and its patch the height field h = slope . uv + uv H uv / 2. They are an affine image of
@@ -100,8 +100,8 @@ Surface surface_of(vec4 field, float gamma, ivec2 texel, float ratio, float wall
 
 /* Returns whether the eye sees the backs of all points of the patch: where n . (eye - point), which
  * is eye.z - slope . eye.xy - uv H eye.xy + uv H uv / 2, is negative all over the disc, also at
- * points down to the foot of the wall. In orthographic views eye is a direction, and the last terms are not
- * there. */
+ * points down to the foot of the wall. In orthographic views eye is a direction, and the last terms
+ * are not there. */
 bool is_turned_away(Surface surface, vec3 eye, float wall) {
     vec3 h = surface.second;
     float bent = length(vec2(dot(h.xy, eye.xy), dot(h.yz, eye.xy)));

@@ -112,7 +112,7 @@ int psplat_oracle_is_inside(const psplat_oracle_splat *splat, double u, double v
 }
 
 /* With the ray at o + t d and in (u, v) alone, t is -(o.d) / d.d next to the axis, where the ray is
- * |o x d| / |d| from it, and a chord of the unit circle before that on the circle. */
+ * |o x d| / |d| from it, and half a chord of the unit circle before that on the circle. */
 void psplat_oracle_entry_set(psplat_oracle_entry *entry, const psplat_oracle_splat *splat,
                              const double origin[3], const double direction[3]) {
     psplat_oracle_crossing c;

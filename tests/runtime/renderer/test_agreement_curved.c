@@ -135,7 +135,7 @@ static void test_sphere(void **state) {
     scene_free(&s);
 }
 
-/* Walls half as high as most splats are wide. Near views would tell more of what epsilon errs there
+/* Walls of 2.5 % of the scene. Near views would tell more of what epsilon errs there
  * by than of walls. */
 static void test_walls(void **state) {
     scene s = ellipses(CURVED | BENT, 19);
