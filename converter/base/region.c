@@ -58,6 +58,22 @@ double psplat_region_reach(const psplat_region *r) {
 
 /* ---- clip lines ---------------------------------------------------------------------------- */
 
+void psplat_region_add_line(psplat_region *region, const double line[3], double bend) {
+    uint32_t at = region->line_count++, seams = region->seam_count;
+    memmove(region->lines[at + 1], region->lines[at], seams * sizeof *region->lines);
+    memmove(region->bends + at + 1, region->bends + at, seams * sizeof *region->bends);
+    memcpy(region->lines[at], line, sizeof region->lines[at]);
+    region->bends[at] = bend;
+}
+
+void psplat_region_remove_line(psplat_region *region) {
+    uint32_t at = --region->line_count, seams = region->seam_count;
+    memmove(region->lines[at], region->lines[at + 1], seams * sizeof *region->lines);
+    memmove(region->bends + at, region->bends + at + 1, seams * sizeof *region->bends);
+    memset(region->lines[at + seams], 0, sizeof region->lines[0]);
+    region->bends[at + seams] = 0;
+}
+
 void psplat_region_line_point(const psplat_region *region, uint32_t i, double m, double uv[2]) {
     const double *line = region->lines[i];
     double length = norm2(line[0], line[1]), x = line[0] / length, y = line[1] / length;

@@ -133,6 +133,13 @@ static inline psplat_region psplat_region_inside_seams(const psplat_region *regi
     return inside;
 }
 
+/* Gives a region, which has room for it, another line that cuts, behind the others and before the
+ * seams. */
+void psplat_region_add_line(psplat_region *region, const double line[3], double bend);
+
+/* Takes the last line that cuts from a region, whose place becomes 0. */
+void psplat_region_remove_line(psplat_region *region);
+
 /* Stores the point (u, v) of clip line i, straight or bent, that is m along it: m is measured in
  * units of the radii from the line's point that is nearest to u = v = 0, along the straight line.
  */

@@ -125,7 +125,7 @@ static psplat_result find_cracks(closer *r, uint64_t seed) {
     psplat_measured_splats measured;
     psplat_ray_holes rays;
     psplat_result result =
-        psplat_rim_rays_find(r->c, rim_spacing_tolerances, 0, seed, &measured, &rays);
+        psplat_rim_rays_find(r->c, rim_spacing_tolerances, 0, 0, seed, &measured, &rays);
     r->count = rays.count;
     r->cracks = malloc((rays.count + 1) * sizeof *r->cracks);
     if (!r->cracks) result = PSPLAT_ERROR_MEMORY;

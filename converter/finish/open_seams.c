@@ -64,17 +64,14 @@ static double line_rate(const psplat_region *region, uint32_t line) {
 /* Gives a region that has room for it another line that cuts, beside its last seam, which keeps so
  * much more (in units of the line's value). */
 static void cut_beyond(const psplat_limits *limits, double beyond, psplat_region *region) {
-    uint32_t last = region->line_count + region->seam_count, line = region->line_count++;
-    for (uint32_t i = last; i > line; --i) {
-        memcpy(region->lines[i], region->lines[i - 1], sizeof region->lines[i]);
-        region->bends[i] = region->bends[i - 1];
+    uint32_t last = region->line_count + region->seam_count - 1;
+    const double *seam = region->lines[last];
+    double line[3] = {seam[0], seam[1], seam[2] + beyond}, bend = region->bends[last];
+    if (limits->precision) {
+        const psplat_precision at = psplat_precision_at(limits->precision, region->radius);
+        psplat_quantize_line(&at, line, &bend);
     }
-    memcpy(region->lines[line], region->lines[last], sizeof region->lines[line]);
-    region->bends[line] = region->bends[last];
-    region->lines[line][2] += beyond;
-    if (!limits->precision) return;
-    const psplat_precision at = psplat_precision_at(limits->precision, region->radius);
-    psplat_quantize_line(&at, region->lines[line], &region->bends[line]);
+    psplat_region_add_line(region, line, bend);
 }
 
 /* Returns whether an edge that bounds patches, of creases or of tangent edges, lies in a region,

@@ -12,12 +12,12 @@
 #include "measure/ray_holes.h"
 #include "select/conversion.h"
 
-/* Finds the rays past points of the rims, spacing_tolerances apart, that meet none of the
- * candidates, of which all have to be taken, nor walls that reach wall_tolerances down.
- * *measured gets their regions and a tree of these; the caller frees both, also where this fails.
- * Fails only with PSPLAT_ERROR_MEMORY. */
+/* Finds the rays past points of the rims, spacing_tolerances apart, and through so many random
+ * points of the surface, that meet none of the candidates, of which all have to be taken, nor walls
+ * that reach wall_tolerances down. *measured gets their regions and a tree of these; the caller
+ * frees both, also where this fails. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_rim_rays_find(const psplat_conversion *c, double spacing_tolerances,
-                                   double wall_tolerances, uint64_t seed,
+                                   size_t points, double wall_tolerances, uint64_t seed,
                                    psplat_measured_splats *measured, psplat_ray_holes *rays);
 
 #endif

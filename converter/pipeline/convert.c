@@ -15,6 +15,7 @@
 #include "finish/close_cracks.h"
 #include "finish/close_rays.h"
 #include "finish/close_seams.h"
+#include "finish/cut_rims.h"
 #include "select/conversion.h"
 #include "finish/depth_tolerance.h"
 #include "select/fill_holes.h"
@@ -203,6 +204,9 @@ static psplat_result complete(psplat_conversion *c, psplat_error *error) {
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
     if (c->surface.chart_border_edges && enlarge(c, open_seams))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while opening seams");
+    result = psplat_cut_rims(c);
+    if (result)
+        return psplat_fail(error, result, 0, "%s while cutting rims", psplat_result_text(result));
     if (psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,
                           c->selection.count))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while colouring splats");

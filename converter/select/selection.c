@@ -49,6 +49,15 @@ size_t psplat_selection_taken(const psplat_selection *selection) {
     return count;
 }
 
+uint32_t *psplat_selection_count_covers(const psplat_selection *selection, size_t samples) {
+    uint32_t *covers = calloc(samples + 1, sizeof *covers);
+    for (size_t i = 0; covers && i < selection->count; ++i) {
+        const psplat_candidate *candidate = &selection->candidates[i];
+        for (size_t k = 0; k < candidate->covered_count; ++k) ++covers[candidate->covered[k]];
+    }
+    return covers;
+}
+
 void psplat_selection_drop_untaken(psplat_selection *selection) {
     size_t kept = 0;
     for (size_t i = 0; i < selection->count; ++i) {

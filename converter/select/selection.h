@@ -40,4 +40,8 @@ void psplat_selection_free(psplat_selection *selection);
 /* Returns how many candidates are taken. */
 size_t psplat_selection_taken(const psplat_selection *selection);
 
+/* Returns how many candidates are recorded to cover each sample: samples numbers, which the caller
+ * frees; NULL when out of memory. */
+uint32_t *psplat_selection_count_covers(const psplat_selection *selection, size_t samples);
+
 #endif

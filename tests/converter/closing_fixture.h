@@ -30,12 +30,13 @@ typedef struct closing {
     psplat_splats splats;
 } closing;
 
-/* Runs the stages before close_rays.c. tolerance and spacing are in diagonals; precision is that of
- * psplat_convert_desc. */
-static inline void closing_begin(closing *r, const char *name, double tolerance, double spacing,
-                                 int planar, double precision) {
-    *r = (closing){.desc = {.planar = planar, .precision = precision}};
-    fixture_model(&r->f, name);
+/* Runs the stages before close_rays.c on a model that has a surface, which moves. tolerance and
+ * spacing are in diagonals; precision is that of psplat_convert_desc. */
+static inline void closing_begin_with(closing *r, fixture *model, double tolerance, double spacing,
+                                      int planar, double precision) {
+    *r = (closing){.f = *model, .desc = {.planar = planar, .precision = precision}};
+    r->f.surface.mesh = &r->f.mesh;
+    *model = (fixture){0};
     fixture_sample(&r->f, spacing);
     double length = tolerance * r->f.surface.diagonal;
     r->c = (psplat_conversion){.desc = &r->desc,
@@ -64,6 +65,14 @@ static inline void closing_begin(closing *r, const char *name, double tolerance,
         assert_int_equal(psplat_fill_holes(&r->c, NULL), PSPLAT_OK);
     }
     psplat_selection_drop_untaken(&r->c.selection);
+}
+
+/* Does that with a bundled model. */
+static inline void closing_begin(closing *r, const char *name, double tolerance, double spacing,
+                                 int planar, double precision) {
+    fixture model;
+    fixture_model(&model, name);
+    closing_begin_with(r, &model, tolerance, spacing, planar, precision);
 }
 
 static inline void closing_end(closing *r) {

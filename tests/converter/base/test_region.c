@@ -494,6 +494,30 @@ static void test_curved_points(void **state) {
     }
 }
 
+/* A line is added before the seams, and taken away from there. */
+static void test_added_line(void **state) {
+    (void)state;
+    psplat_region r = level_region(0, 0, 0, 1, 1), old;
+    const double line[3] = {0, -1, 0.25};
+    r.line_count = r.seam_count = 1;
+    r.lines[0][0] = 1, r.lines[0][2] = 0.5;
+    r.lines[1][0] = -1, r.lines[1][2] = 0.125, r.bends[1] = 0.75;
+    old = r;
+    psplat_region_add_line(&r, line, -0.5);
+    assert_int_equal(r.line_count, 2);
+    assert_int_equal(r.seam_count, 1);
+    assert_memory_equal(r.lines[0], old.lines[0], sizeof line);
+    assert_memory_equal(r.lines[1], line, sizeof line);
+    assert_memory_equal(r.lines[2], old.lines[1], sizeof line);
+    assert_true(r.bends[1] == -0.5 && r.bends[2] == 0.75);
+    const double cut[2] = {0, 0.5}, kept[2] = {-0.25, 0}, beyond[2] = {0.25, 0};
+    assert_false(psplat_region_contains(&r, cut, 1, 0));
+    assert_true(psplat_region_contains(&r, kept, 1, 0));
+    assert_true(psplat_region_is_beyond_seam(&r, beyond));
+    psplat_region_remove_line(&r);
+    assert_memory_equal(&r, &old, sizeof r);
+}
+
 int test_region_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_local),         cmocka_unit_test(test_contains),
@@ -504,6 +528,7 @@ int test_region_main(void) {
         cmocka_unit_test(test_reach),         cmocka_unit_test(test_bent_lines),
         cmocka_unit_test(test_bent_polygons), cmocka_unit_test(test_bent_area),
         cmocka_unit_test(test_bent_points),   cmocka_unit_test(test_curved_points),
+        cmocka_unit_test(test_added_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -38,7 +38,7 @@ static const double bound = 0.5;
 
 /* number of points sampled by the converter and by CGAL, each */
 enum { POINTS = 10000 };
-enum { SIDES = 64, CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES, RINGS = 6 };
+enum { SIDES = 64, CORNERS = 2 * SIDES + PSPLAT_MAX_CLIP_LINES, RINGS = 6 };
 
 /* Splats as triangles. */
 typedef struct polygons {
@@ -59,10 +59,26 @@ static double error_of(const psplat_region *region) {
     return error + psplat_region_bend(region) * 2 * side * side / 8;
 }
 
+/* Stores the corners of a region's outline. What lines make of it is divided as finely as arcs are,
+ * since the surface bends beneath. Returns their number. */
+static size_t outline_of(const psplat_region *region, double corners[CORNERS][2]) {
+    double coarse[CORNERS][2];
+    size_t count = psplat_region_polygon(region, 1, coarse, CORNERS), fine = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const double *a = coarse[i], *b = coarse[(i + 1) % count];
+        int parts = (int)ceil(hypot(b[0] - a[0], b[1] - a[1]) * SIDES / (2 * pi) - 1e-9);
+        for (int k = 0; k < parts; ++k, ++fine) {
+            assert_true(fine < CORNERS);
+            for (int c = 0; c < 2; ++c) corners[fine][c] = a[c] + (b[c] - a[c]) * k / parts;
+        }
+    }
+    return fine;
+}
+
 /* Adds a region as rings of triangles around the middle of its outline. */
 static void add_region(const psplat_region *region, polygons *p) {
     double corners[CORNERS][2], middle[2] = {0, 0};
-    size_t count = psplat_region_polygon(region, 1, corners, CORNERS);
+    size_t count = outline_of(region, corners);
     uint32_t first = (uint32_t)p->point_count, around = (uint32_t)count;
     for (size_t i = 0; i < count; ++i)
         for (int k = 0; k < 2; ++k) middle[k] += corners[i][k] / (double)count;

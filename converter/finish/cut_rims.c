@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * cut_rims.c - clip lines that cut off where rims of splats show beside outlines.
+ *
+ * What is left of rims that stand off once splats are trimmed (trim_splats.c) mostly does so at one
+ * side, and where the surface bends away beneath it shows as a spike of the outline: on horns, ears
+ * and beaks. A clip line cuts that off where other splats cover it. Those lines come first that cut
+ * off most of what shows. Where one opens a hole or lets a ray through, it moves out to there.
+ */
+#include "finish/cut_rims.h"
+
+#include "base/angle.h"
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
+#include "features/samples.h"
+#include "features/surface.h"
+#include "finish/openings.h"
+#include "fit/candidate.h"
+#include "fit/fit_context.h"
+#include "measure/ray_meeting.h"
+#include "select/selection.h"
+#include "splats/quantize.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* All of these were chosen by hand. */
+/* What a line has to cut off, in squared tolerances: how far the rim shows, along it. */
+static const double least_gain = 0.7;
+/* The share of splats that get a line, since each takes two or three bytes of a file. */
+static const double most_share = 0.25;
+/* How far a rim stands off that need not be cut off, in tolerances. */
+static const double kept_stand_off = 0.2;
+/* The nearest and the farthest that a line is from the centre, in units of u and v, and how far
+ * outside of it points of the rim lie that count as a whole. */
+static const double nearest_line = 0.5, farthest_line = 0.9, whole_beyond = 0.1;
+/* How far beyond the samples that it is needed for a splat reaches, in their spacings, and beyond
+ * rays and holes that it closes, in tolerances. */
+static const double margin_spacings = 0.5, spare_tolerances = 0.15;
+/* How far above or below another splat, in tolerances, a rim is on the same surface. */
+static const double same_surface_tolerances = 2;
+/* What rounding may put a point of the rim beyond it, in units of u and v. */
+static const double rim_slack = 1e-9;
+/* The points of a rim at which it is measured how far it shows, and the directions of lines. */
+enum { SIDES = 48 };
+/* The points from which rays are cast. */
+enum { POINTS_PER_SAMPLE = 3 };
+
+typedef struct rim {
+    double shown[SIDES]; /* how far it shows, times the length along the rim that a point stands
+                            for: areas in squared tolerances */
+    double uv[SIDES][2];
+} rim;
+
+/* A line that a splat may get: the samples that it alone covers are on its side. */
+typedef struct cut {
+    double direction[2], distance; /* from the centre, in units of u and v */
+    double gain;                   /* 0: there is none */
+} cut;
+
+typedef struct cutter {
+    psplat_conversion *c;
+    psplat_shrunk shrunk; /* a splat's worth is what its line gains */
+    rim *rims;            /* count */
+    size_t count;
+    uint32_t *covers; /* of each sample: how many candidates are recorded to cover it */
+} cutter;
+
+/* ---- what shows ------------------------------------------------------------------------------ */
+
+/* The search for how far a point of a rim is above the highest of the other splats there. */
+typedef struct stepper {
+    const psplat_measured_splats *splats;
+    uint32_t self;
+    const double *point, *normal;
+    double step; /* a length */
+} stepper;
+
+static int visit_other(void *user, uint32_t splat) {
+    stepper *s = user;
+    const psplat_region *region = &s->splats->regions[splat];
+    double uvh[3];
+    psplat_region_local(region, s->point, uvh);
+    if (splat != s->self && fabs(uvh[2]) <= same_surface_tolerances * s->splats->tolerance &&
+        psplat_measured_splats_near(s->splats, splat, s->point, 0) &&
+        psplat_region_contains(region, uvh, 1, 0) && dot3(region->n, s->normal) > 0)
+        s->step = min2(s->step, uvh[2]);
+    return 0;
+}
+
+/* Returns the sine of the angle by which a surface bends away from a rim there, or 0 where it
+ * bends towards it. normal is the surface's. */
+static double bend_away(const psplat_region *region, const double uv[2], const double normal[3]) {
+    double along[3] = {0, 0, 0}, slope[2], s = uv[0] * region->radius[0];
+    double t = uv[1] * region->radius[1];
+    psplat_region_slope(region, uv, slope);
+    mad3(along, s, region->u);
+    mad3(along, t, region->v);
+    mad3(along, slope[0] * s + slope[1] * t, region->n);
+    normalize3(along);
+    return max2(dot3(along, normal), 0);
+}
+
+/* Stores how far a point of a rim shows beside outlines, in tolerances: how far it stands off from
+ * the surface and from the other splats, of what that is seen of more, the more the surface bends
+ * away. */
+static psplat_result find_shown(const psplat_fit_context *context, const cutter *t, uint32_t index,
+                                const double uv[2], double *shown) {
+    const psplat_region *region = &t->shrunk.before.regions[index];
+    const double *normal;
+    double point[3], nearest[3], away[3], tolerance = context->limits->tolerance;
+    uint32_t triangle;
+    *shown = 0;
+    if (!psplat_region_contains(region, uv, 1 + rim_slack, 0)) return PSPLAT_OK;
+    psplat_region_point(region, uv, point);
+    psplat_result result =
+        psplat_distance_nearest(context->limits->distance, point, nearest, &triangle);
+    if (result || triangle == PSPLAT_NONE) return result;
+    normal = context->surface->face_normals + 3 * (size_t)triangle;
+    sub3(away, point, nearest);
+    if (dot3(away, normal) <= 0) return PSPLAT_OK;
+    stepper s = {&t->shrunk.before, index, point, region->n, length3(away)};
+    psplat_region_tree_visit_box(t->shrunk.before.region_tree, point, point, visit_other, &s);
+    *shown = max2(s.step / tolerance - kept_stand_off, 0) * bend_away(region, uv, normal);
+    return PSPLAT_OK;
+}
+
+static psplat_result measure(const psplat_fit_context *context, size_t index, void *user) {
+    cutter *t = user;
+    rim *rim = &t->rims[index];
+    const double *radius = t->shrunk.before.regions[index].radius;
+    psplat_result result = PSPLAT_OK;
+    for (int i = 0; i < SIDES && !result; ++i) {
+        double angle = 2 * PSPLAT_PI * i / SIDES, *uv = rim->uv[i];
+        uv[0] = cos(angle), uv[1] = sin(angle);
+        result = find_shown(context, t, (uint32_t)index, uv, &rim->shown[i]);
+        rim->shown[i] *= 2 * PSPLAT_PI / SIDES * norm2(uv[1] * radius[0], uv[0] * radius[1]) /
+                         context->limits->tolerance;
+    }
+    return result;
+}
+
+/* ---- lines ----------------------------------------------------------------------------------- */
+
+/* Returns how far from the centre a line across a direction has to be. */
+static double least_distance(const cutter *t, size_t index, const double direction[2]) {
+    const psplat_samples *samples = &t->c->samples;
+    const psplat_candidate *candidate = &t->c->selection.candidates[index];
+    const double *radius = candidate->region.radius;
+    double margin = margin_spacings * samples->spacing / min2(radius[0], radius[1]);
+    double distance = nearest_line;
+    for (size_t i = 0; i < candidate->covered_count && distance <= farthest_line; ++i) {
+        size_t sample = candidate->covered[i];
+        double uvh[3];
+        if (t->covers[sample] != 1) continue;
+        psplat_region_local(&candidate->region, samples->positions + 3 * sample, uvh);
+        distance = max2(distance, direction[0] * uvh[0] + direction[1] * uvh[1] + margin);
+    }
+    return distance;
+}
+
+/* Returns what a line across a direction gains. */
+static double gain_of(const rim *rim, const double direction[2], double distance) {
+    double gain = 0;
+    for (int i = 0; i < SIDES; ++i) {
+        double beyond = direction[0] * rim->uv[i][0] + direction[1] * rim->uv[i][1] - distance;
+        if (beyond > 0) gain += rim->shown[i] * min2(beyond / whole_beyond, 1);
+    }
+    return gain;
+}
+
+/* Returns the line of a splat that gains most. */
+static cut find_cut(const cutter *t, size_t index) {
+    const psplat_region *region = &t->shrunk.before.regions[index];
+    const rim *rim = &t->rims[index];
+    cut best = {.gain = 0};
+    if (region->line_count + region->seam_count == PSPLAT_MAX_CLIP_LINES) return best;
+    for (int i = 0; i < SIDES; ++i) {
+        const double *direction = rim->uv[i];
+        /* Most directions gain nothing, wherever the line is. */
+        if (gain_of(rim, direction, nearest_line) < max2(best.gain, least_gain)) continue;
+        double distance = least_distance(t, index, direction);
+        double gain = distance <= farthest_line ? gain_of(rim, direction, distance) : 0;
+        if (gain > best.gain && gain >= least_gain)
+            best = (cut){{direction[0], direction[1]}, distance, gain};
+    }
+    return best;
+}
+
+static void round_line(const psplat_conversion *c, const psplat_region *region, double line[3]) {
+    double bend = 0;
+    if (!c->limits.precision) return;
+    const psplat_precision at = psplat_precision_at(c->limits.precision, region->radius);
+    psplat_quantize_line(&at, line, &bend);
+}
+
+/* Gives a splat its line, and takes what that cuts off from what it is recorded to cover. */
+static void apply(cutter *t, size_t index, const cut *cut) {
+    psplat_candidate *candidate = &t->c->selection.candidates[index];
+    psplat_region *region = &candidate->region;
+    double line[3] = {-cut->direction[0], -cut->direction[1], cut->distance};
+    size_t kept = 0;
+    round_line(t->c, region, line);
+    psplat_region_add_line(region, line, 0);
+    for (size_t i = 0; i < candidate->covered_count; ++i) {
+        uint32_t sample = candidate->covered[i];
+        double uvh[3];
+        psplat_region_local(region, t->c->samples.positions + 3 * (size_t)sample, uvh);
+        if (psplat_region_line_value(region, region->line_count - 1, uvh) >= 0)
+            candidate->covered[kept++] = sample;
+        else
+            --t->covers[sample];
+    }
+    candidate->covered_count = kept;
+    t->shrunk.splats[index] = (psplat_smaller){.worth = cut->gain, .is_smaller = 1};
+}
+
+static int compare_worth(const void *left, const void *right) {
+    const psplat_smaller *const *a = left, *const *b = right;
+    if ((*a)->worth != (*b)->worth) return (*a)->worth > (*b)->worth ? -1 : 1;
+    return *a < *b ? -1 : *a > *b;
+}
+
+/* Gives splats their lines, those first that gain most. Returns 0 when out of memory. */
+static int cut_all(cutter *t) {
+    const psplat_smaller **order = malloc((t->count + 1) * sizeof *order);
+    size_t most = (size_t)(most_share * (double)t->count);
+    t->covers = psplat_selection_count_covers(&t->c->selection, t->c->samples.count);
+    int ok = order && t->covers;
+    for (size_t i = 0; i < t->count && ok; ++i) {
+        t->shrunk.splats[i].worth = find_cut(t, i).gain;
+        order[i] = &t->shrunk.splats[i];
+    }
+    if (ok) qsort(order, t->count, sizeof *order, compare_worth);
+    for (size_t i = 0; i < t->count && ok && most && order[i]->worth > 0; ++i) {
+        size_t index = (size_t)(order[i] - t->shrunk.splats);
+        const cut best = find_cut(t, index); /* Others have left samples to it since. */
+        if (best.gain == 0) continue;
+        apply(t, index, &best);
+        --most;
+    }
+    free(order);
+    return ok;
+}
+
+/* ---- all ------------------------------------------------------------------------------------- */
+
+/* Moves the line of a splat out to an opening, or takes it away. */
+static int move_out(void *user, uint32_t index, const psplat_opening *opening) {
+    cutter *t = user;
+    const psplat_region *before = &t->shrunk.before.regions[index];
+    psplat_region *region = &t->c->selection.candidates[index].region;
+    double *line = region->lines[region->line_count - 1], height, uvh[3];
+    if (!opening->ray)
+        psplat_region_local(before, opening->point, uvh);
+    else if (!psplat_sight_leaves(&opening->ray->sight, before, &height, uvh))
+        return 0;
+    double value = psplat_region_line_value(region, region->line_count - 1, uvh);
+    if (value >= 0) return 0; /* It has moved already. */
+    line[2] -= value;
+    line[2] += spare_tolerances * t->c->limits.tolerance *
+               norm2(line[0] / region->radius[0], line[1] / region->radius[1]);
+    round_line(t->c, region, line);
+    if (line[2] <= farthest_line * norm2(line[0], line[1])) return 1;
+    psplat_region_remove_line(region);
+    t->shrunk.splats[index].is_smaller = 0;
+    return 1;
+}
+
+static psplat_result begin(cutter *t, psplat_conversion *c) {
+    *t = (cutter){.c = c, .count = c->selection.count};
+    psplat_result result = psplat_shrunk_begin(c, &t->shrunk);
+    t->shrunk.points_per_sample = POINTS_PER_SAMPLE;
+    t->shrunk.give_back = move_out;
+    t->shrunk.user = t;
+    t->rims = calloc(t->count + 1, sizeof *t->rims);
+    return t->rims ? result : PSPLAT_ERROR_MEMORY;
+}
+
+psplat_result psplat_cut_rims(psplat_conversion *c) {
+    cutter t;
+    const psplat_fit_context context = psplat_conversion_context(c);
+    if (!c->limits.distance) return PSPLAT_OK;
+    psplat_result result = begin(&t, c);
+    if (!result) result = psplat_fit_each(&context, t.count, measure, &t);
+    if (!result && !cut_all(&t)) result = PSPLAT_ERROR_MEMORY;
+    if (!result && psplat_shrunk_is_any(&t.shrunk)) result = psplat_shrunk_close(&t.shrunk);
+    psplat_shrunk_free(&t.shrunk);
+    free(t.rims);
+    free(t.covers);
+    return result;
+}

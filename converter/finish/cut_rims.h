@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * cut_rims.h - clip lines that cut off where rims of splats show beside outlines.
+ */
+#ifndef PHONGSPLAT_FINISH_CUT_RIMS_H
+#define PHONGSPLAT_FINISH_CUT_RIMS_H
+
+#include <phongsplat/splat.h>
+
+#include "select/conversion.h"
+
+/* Gives splats whose rims stand off outwards where the surface bends away another clip line, at
+ * most one to each and to a quarter of all, where other splats cover what that cuts off. Rays past
+ * the rims and holes of the surface that this opens move lines out again, or take them away. All
+ * candidates of the selection have to be taken, and their lines are where they will stay. Errors:
+ * MEMORY, INTERRUPTED. */
+psplat_result psplat_cut_rims(psplat_conversion *c);
+
+#endif

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * openings.c - holes and rays that pass between splats which a step has made smaller.
+ */
+#include "finish/openings.h"
+
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "features/surface.h"
+#include "finish/rim_rays.h"
+#include "fit/candidate.h"
+#include "measure/holes.h"
+#include "select/fill_holes.h"
+#include "select/selection.h"
+
+#include <stdlib.h>
+
+/* All of these were chosen by hand. */
+/* How far the points lie apart at which rays pass rims, in tolerances. */
+static const double rim_spacing_tolerances = 1;
+/* How far down walls under rims reach, which stop rays (spec 5.1), in tolerances: a quarter of the
+ * depth tolerance, and that mostly is two (depth_tolerance.h). */
+static const double wall_tolerances = 0.5;
+/* How often rays are cast, which pass other points each time, and how often, at most, holes are
+ * looked for. */
+enum { RAY_ROUNDS = 2, HOLE_ROUNDS = 4 };
+
+psplat_result psplat_shrunk_begin(psplat_conversion *c, psplat_shrunk *shrunk) {
+    size_t count = c->selection.count;
+    *shrunk = (psplat_shrunk){.c = c};
+    shrunk->splats = calloc(count + 1, sizeof *shrunk->splats);
+    shrunk->before = (psplat_measured_splats){.count = count, .tolerance = c->limits.tolerance};
+    shrunk->before.regions = malloc((count + 1) * sizeof *shrunk->before.regions);
+    if (!shrunk->splats || !shrunk->before.regions) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < count; ++i)
+        shrunk->before.regions[i] = c->selection.candidates[i].region;
+    shrunk->before.region_tree = psplat_region_tree_create(
+        shrunk->before.regions, count, PSPLAT_STEEPEST_REACH * c->limits.tolerance);
+    return shrunk->before.region_tree ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+}
+
+void psplat_shrunk_free(psplat_shrunk *shrunk) {
+    psplat_measured_splats_free(&shrunk->before);
+    free(shrunk->splats);
+}
+
+int psplat_shrunk_is_any(const psplat_shrunk *shrunk) {
+    int any = 0;
+    for (size_t i = 0; i < shrunk->before.count; ++i) any |= shrunk->splats[i].is_smaller;
+    return any;
+}
+
+/* The search for the splat that closed an opening. */
+typedef struct finder {
+    const psplat_shrunk *shrunk;
+    const psplat_opening *opening;
+    uint32_t closing; /* PSPLAT_NONE: none yet */
+    int is_closed;    /* by one that is as it was */
+} finder;
+
+/* Returns whether a splat closed an opening as it was. */
+static int closed(const psplat_measured_splats *before, uint32_t splat, const psplat_opening *o) {
+    double uvh[3];
+    if (o->ray)
+        return psplat_ray_hole_is_closed(o->ray, &before->regions[splat], before->tolerance);
+    psplat_region_local(&before->regions[splat], o->point, uvh);
+    return psplat_measured_splats_cover(before, splat, o->normal, uvh);
+}
+
+static int visit_before(void *user, uint32_t splat) {
+    finder *f = user;
+    const psplat_smaller *splats = f->shrunk->splats;
+    if (!closed(&f->shrunk->before, splat, f->opening)) return 0;
+    if (!splats[splat].is_smaller)
+        f->is_closed = 1;
+    else if (f->closing == PSPLAT_NONE || splats[splat].worth < splats[f->closing].worth ||
+             (splats[splat].worth == splats[f->closing].worth && splat < f->closing))
+        f->closing = splat;
+    return f->is_closed;
+}
+
+/* Gives a splat that closed an opening within reach of a point back what does. Returns whether one
+ * has changed. */
+static int close_opening(psplat_shrunk *shrunk, const psplat_opening *opening,
+                         const double point[3], double reach) {
+    finder f = {shrunk, opening, PSPLAT_NONE, 0};
+    double low[3], high[3];
+    for (int k = 0; k < 3; ++k) low[k] = point[k] - reach, high[k] = point[k] + reach;
+    psplat_region_tree_visit_box(shrunk->before.region_tree, low, high, visit_before, &f);
+    if (f.is_closed || f.closing == PSPLAT_NONE) return 0;
+    return shrunk->give_back(shrunk->user, f.closing, opening);
+}
+
+static int close_ray(psplat_shrunk *shrunk, const psplat_ray_hole *ray) {
+    const psplat_opening opening = {.ray = ray};
+    return close_opening(shrunk, &opening, ray->sight.point,
+                         shrunk->before.tolerance / PSPLAT_FLATTEST_SIGHT_COSINE);
+}
+
+static int close_hole(psplat_shrunk *shrunk, const psplat_holes *holes, size_t i) {
+    const psplat_surface *surface = &shrunk->c->surface;
+    psplat_opening opening = {.ray = NULL};
+    double weights[3];
+    float normal[3];
+    for (size_t k = 0; k < 3; ++k) opening.point[k] = holes->points[3 * i + k];
+    psplat_surface_barycentric(surface, holes->triangles[i], opening.point, weights);
+    psplat_surface_normal(surface, holes->triangles[i], weights, normal);
+    for (int k = 0; k < 3; ++k) opening.normal[k] = (double)normal[k];
+    return close_opening(shrunk, &opening, opening.point, 0);
+}
+
+/* Another hole may be found where one was in the same place. */
+static psplat_result close_holes(psplat_shrunk *shrunk) {
+    psplat_result result = PSPLAT_OK;
+    size_t changed = 1;
+    for (int round = 0; round < HOLE_ROUNDS && changed && !result; ++round) {
+        psplat_holes holes;
+        result = psplat_find_holes(shrunk->c, &holes);
+        changed = 0;
+        for (size_t i = 0; i < holes.count; ++i) changed += (size_t)close_hole(shrunk, &holes, i);
+        psplat_holes_free(&holes);
+    }
+    return result;
+}
+
+static psplat_result close_rays(psplat_shrunk *shrunk) {
+    psplat_result result = PSPLAT_OK;
+    size_t points = shrunk->points_per_sample * shrunk->c->samples.count;
+    for (int round = 0; round < RAY_ROUNDS && !result; ++round) {
+        psplat_measured_splats measured;
+        psplat_ray_holes rays;
+        result = psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points, wall_tolerances,
+                                      shrunk->c->desc->seed + (uint64_t)round, &measured, &rays);
+        for (size_t i = 0; i < rays.count && !result; ++i) close_ray(shrunk, &rays.holes[i]);
+        psplat_ray_holes_free(&rays);
+        psplat_measured_splats_free(&measured);
+    }
+    return result;
+}
+
+psplat_result psplat_shrunk_close(psplat_shrunk *shrunk) {
+    psplat_result result = close_rays(shrunk);
+    return result ? result : close_holes(shrunk);
+}

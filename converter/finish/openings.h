@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later
+ *
+ * openings.h - holes and rays that pass between splats which a step has made smaller, and the
+ * splats that closed them before.
+ */
+#ifndef PHONGSPLAT_FINISH_OPENINGS_H
+#define PHONGSPLAT_FINISH_OPENINGS_H
+
+#include <phongsplat/splat.h>
+
+#include "measure/measured_splats.h"
+#include "measure/ray_holes.h"
+#include "select/conversion.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* A ray that meets nothing where it sees the surface, or a hole. */
+typedef struct psplat_opening {
+    const psplat_ray_hole *ray; /* NULL: it is a hole */
+    double point[3], normal[3]; /* of the hole, and of the surface there */
+} psplat_opening;
+
+/* What a step has done to a splat. */
+typedef struct psplat_smaller {
+    double worth; /* of being smaller: of several splats, the one is enlarged that is worth least */
+    int is_smaller;
+} psplat_smaller;
+
+/* A selection of which a step has made some splats smaller. */
+typedef struct psplat_shrunk {
+    psplat_conversion *c;
+    psplat_measured_splats
+        before;               /* the regions of all candidates as they were; no fields; owned */
+    psplat_smaller *splats;   /* one for each of these; owned, all 0 at first */
+    size_t points_per_sample; /* of the surface, from which rays are cast, too: rims alone do not
+                                 tell where much has been taken from a splat */
+    /* Gives a splat back what closes an opening. Returns whether that changes it. May clear
+     * is_smaller. */
+    int (*give_back)(void *user, uint32_t splat, const psplat_opening *opening);
+    void *user;
+} psplat_shrunk;
+
+/* Copies the regions of all candidates, before they change. psplat_shrunk_free frees what *shrunk
+ * owns, also where this fails. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_shrunk_begin(psplat_conversion *c, psplat_shrunk *shrunk);
+
+/* Returns whether any splat is smaller. */
+int psplat_shrunk_is_any(const psplat_shrunk *shrunk);
+
+/* Gives splats back what closes the rays past rims, and the holes, that they have opened. Walls
+ * under rims count for rays. All candidates have to be taken. Errors: MEMORY, INTERRUPTED. */
+psplat_result psplat_shrunk_close(psplat_shrunk *shrunk);
+
+void psplat_shrunk_free(psplat_shrunk *shrunk);
+
+#endif
