@@ -70,6 +70,7 @@ void psplat_region_remove_line(psplat_region *region) {
     uint32_t at = --region->line_count, seams = region->seam_count;
     memmove(region->lines[at], region->lines[at + 1], seams * sizeof *region->lines);
     memmove(region->bends + at, region->bends + at + 1, seams * sizeof *region->bends);
+    region->chart_lines &= ~(1u << at);
     memset(region->lines[at + seams], 0, sizeof region->lines[0]);
     region->bends[at + seams] = 0;
 }

@@ -18,12 +18,14 @@
 #include "finish/openings.h"
 #include "fit/candidate.h"
 #include "fit/fit_context.h"
+#include "measure/measured_splats.h"
 #include "measure/ray_meeting.h"
 #include "select/selection.h"
 #include "splats/quantize.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* All of these were chosen by hand. */
 /* What a line has to cut off, in squared tolerances: how far the rim shows, along it. */
@@ -53,16 +55,23 @@ typedef struct rim {
     double uv[SIDES][2];
 } rim;
 
-/* A line that a splat may get: the samples that it alone covers are on its side. */
+/* A line that a splat may get, on the grid: the samples that it alone covers are on its side. */
 typedef struct cut {
-    double direction[2], distance; /* from the centre, in units of u and v */
-    double gain;                   /* 0: there is none */
+    double line[3];
+    double gain; /* 0: there is none */
 } cut;
+
+/* What a splat that is cut was recorded to cover. */
+typedef struct record {
+    uint32_t *covered; /* NULL: it is not cut */
+    size_t count;
+} record;
 
 typedef struct cutter {
     psplat_conversion *c;
     psplat_shrunk shrunk; /* a splat's worth is what its line gains */
     rim *rims;            /* count */
+    record *records;      /* count */
     size_t count;
     uint32_t *covers; /* of each sample: how many candidates are recorded to cover it */
 } cutter;
@@ -170,24 +179,6 @@ static double gain_of(const rim *rim, const double direction[2], double distance
     return gain;
 }
 
-/* Returns the line of a splat that gains most. */
-static cut find_cut(const cutter *t, size_t index) {
-    const psplat_region *region = &t->shrunk.before.regions[index];
-    const rim *rim = &t->rims[index];
-    cut best = {.gain = 0};
-    if (region->line_count + region->seam_count == PSPLAT_MAX_CLIP_LINES) return best;
-    for (int i = 0; i < SIDES; ++i) {
-        const double *direction = rim->uv[i];
-        /* Most directions gain nothing, wherever the line is. */
-        if (gain_of(rim, direction, nearest_line) < max2(best.gain, least_gain)) continue;
-        double distance = least_distance(t, index, direction);
-        double gain = distance <= farthest_line ? gain_of(rim, direction, distance) : 0;
-        if (gain > best.gain && gain >= least_gain)
-            best = (cut){{direction[0], direction[1]}, distance, gain};
-    }
-    return best;
-}
-
 static void round_line(const psplat_conversion *c, const psplat_region *region, double line[3]) {
     double bend = 0;
     if (!c->limits.precision) return;
@@ -195,25 +186,66 @@ static void round_line(const psplat_conversion *c, const psplat_region *region, 
     psplat_quantize_line(&at, line, &bend);
 }
 
-/* Gives a splat its line, and takes what that cuts off from what it is recorded to cover. */
-static void apply(cutter *t, size_t index, const cut *cut) {
-    psplat_candidate *candidate = &t->c->selection.candidates[index];
-    psplat_region *region = &candidate->region;
-    double line[3] = {-cut->direction[0], -cut->direction[1], cut->distance};
+static int is_far(const double line[3]) {
+    return line[2] > farthest_line * norm2(line[0], line[1]);
+}
+
+/* Stores what a splat is recorded to cover that its last line keeps, of some samples, in the order
+ * of these. covered may be what it has. Returns how many they are. */
+static size_t keep(const cutter *t, const psplat_region *region, const uint32_t *some, size_t count,
+                   uint32_t *covered) {
     size_t kept = 0;
-    round_line(t->c, region, line);
-    psplat_region_add_line(region, line, 0);
-    for (size_t i = 0; i < candidate->covered_count; ++i) {
-        uint32_t sample = candidate->covered[i];
+    for (size_t i = 0; i < count; ++i) {
         double uvh[3];
-        psplat_region_local(region, t->c->samples.positions + 3 * (size_t)sample, uvh);
+        psplat_region_local(region, t->c->samples.positions + 3 * (size_t)some[i], uvh);
         if (psplat_region_line_value(region, region->line_count - 1, uvh) >= 0)
-            candidate->covered[kept++] = sample;
-        else
-            --t->covers[sample];
+            covered[kept++] = some[i];
     }
+    return kept;
+}
+
+/* Returns the line of a splat that gains most. */
+static cut find_cut(const cutter *t, size_t index) {
+    const psplat_region *region = &t->shrunk.before.regions[index];
+    const rim *rim = &t->rims[index];
+    cut best = {.gain = 0};
+    if (region->line_count + region->seam_count == PSPLAT_MAX_CLIP_LINES) return best;
+    for (int i = 0; i < SIDES; ++i) {
+        /* Most directions gain nothing, wherever the line is. */
+        if (gain_of(rim, rim->uv[i], nearest_line) < max2(best.gain, least_gain)) continue;
+        double line[3] = {-rim->uv[i][0], -rim->uv[i][1], least_distance(t, index, rim->uv[i])};
+        if (is_far(line)) continue;
+        round_line(t->c, region, line);
+        const double direction[2] = {-line[0], -line[1]};
+        double gain = is_far(line) ? 0 : gain_of(rim, direction, line[2]);
+        if (gain <= best.gain || gain < least_gain) continue;
+        memcpy(best.line, line, sizeof line);
+        best.gain = gain;
+    }
+    return best;
+}
+
+/* Gives a splat its line, and takes what that cuts off from what it is recorded to cover; but not
+ * where that is all. Returns 0 when out of memory. */
+static int apply(cutter *t, size_t index, const cut *cut) {
+    psplat_candidate *candidate = &t->c->selection.candidates[index];
+    size_t count = candidate->covered_count;
+    uint32_t *covered = malloc((count + 1) * sizeof *covered);
+    if (!covered) return 0;
+    if (count) memcpy(covered, candidate->covered, count * sizeof *covered);
+    psplat_region_add_line(&candidate->region, cut->line, 0);
+    size_t kept = keep(t, &candidate->region, covered, count, candidate->covered);
+    if (!kept) {
+        psplat_region_remove_line(&candidate->region);
+        free(covered);
+        return 1;
+    }
+    for (size_t i = 0; i < count; ++i) --t->covers[covered[i]];
+    for (size_t i = 0; i < kept; ++i) ++t->covers[candidate->covered[i]];
     candidate->covered_count = kept;
+    t->records[index] = (record){covered, count};
     t->shrunk.splats[index] = (psplat_smaller){.worth = cut->gain, .is_smaller = 1};
+    return 1;
 }
 
 static int compare_worth(const void *left, const void *right) {
@@ -237,8 +269,8 @@ static int cut_all(cutter *t) {
         size_t index = (size_t)(order[i] - t->shrunk.splats);
         const cut best = find_cut(t, index); /* Others have left samples to it since. */
         if (best.gain == 0) continue;
-        apply(t, index, &best);
-        --most;
+        ok = apply(t, index, &best);
+        most -= (size_t)t->shrunk.splats[index].is_smaller;
     }
     free(order);
     return ok;
@@ -246,36 +278,63 @@ static int cut_all(cutter *t) {
 
 /* ---- all ------------------------------------------------------------------------------------- */
 
-/* Moves the line of a splat out to an opening, or takes it away. */
+/* Takes the line of a splat away, and gives it back what it was recorded to cover. */
+static void take_line(cutter *t, uint32_t index) {
+    psplat_candidate *candidate = &t->c->selection.candidates[index];
+    const record *record = &t->records[index];
+    psplat_region_remove_line(&candidate->region);
+    memcpy(candidate->covered, record->covered, record->count * sizeof *record->covered);
+    candidate->covered_count = record->count;
+    t->shrunk.splats[index].is_smaller = 0;
+}
+
+/* Moves the line of a splat out to a ray, or takes it away where that is too far or where it has
+ * opened a hole. */
 static int move_out(void *user, uint32_t index, const psplat_opening *opening) {
     cutter *t = user;
-    const psplat_region *before = &t->shrunk.before.regions[index];
-    psplat_region *region = &t->c->selection.candidates[index].region;
-    double *line = region->lines[region->line_count - 1], height, uvh[3];
-    if (!opening->ray)
-        psplat_region_local(before, opening->point, uvh);
-    else if (!psplat_sight_leaves(&opening->ray->sight, before, &height, uvh))
+    const psplat_measured_splats *before = &t->shrunk.before;
+    psplat_candidate *candidate = &t->c->selection.candidates[index];
+    psplat_region *region = &candidate->region;
+    double *line = region->lines[region->line_count - 1], height, uv[2];
+    if (!opening->ray) {
+        take_line(t, index);
+        return 1;
+    }
+    if (!psplat_sight_meets(&opening->ray->sight, &before->regions[index], before->wall, 0, &height,
+                            uv))
         return 0;
-    double value = psplat_region_line_value(region, region->line_count - 1, uvh);
+    double value = psplat_region_line_value(region, region->line_count - 1, uv);
     if (value >= 0) return 0; /* It has moved already. */
     line[2] -= value;
-    line[2] += spare_tolerances * t->c->limits.tolerance *
+    line[2] += spare_tolerances * before->tolerance *
                norm2(line[0] / region->radius[0], line[1] / region->radius[1]);
     round_line(t->c, region, line);
-    if (line[2] <= farthest_line * norm2(line[0], line[1])) return 1;
-    psplat_region_remove_line(region);
-    t->shrunk.splats[index].is_smaller = 0;
+    if (is_far(line))
+        take_line(t, index);
+    else
+        candidate->covered_count =
+            keep(t, region, t->records[index].covered, t->records[index].count, candidate->covered);
     return 1;
 }
 
 static psplat_result begin(cutter *t, psplat_conversion *c) {
     *t = (cutter){.c = c, .count = c->selection.count};
     psplat_result result = psplat_shrunk_begin(c, &t->shrunk);
+    t->shrunk.before.wall = PSPLAT_OPENING_WALL * c->limits.tolerance; /* Lines have none. */
     t->shrunk.points_per_sample = POINTS_PER_SAMPLE;
     t->shrunk.give_back = move_out;
     t->shrunk.user = t;
     t->rims = calloc(t->count + 1, sizeof *t->rims);
-    return t->rims ? result : PSPLAT_ERROR_MEMORY;
+    t->records = calloc(t->count + 1, sizeof *t->records);
+    return t->rims && t->records ? result : PSPLAT_ERROR_MEMORY;
+}
+
+static void cutter_free(cutter *t) {
+    for (size_t i = 0; t->records && i < t->count; ++i) free(t->records[i].covered);
+    psplat_shrunk_free(&t->shrunk);
+    free(t->records);
+    free(t->rims);
+    free(t->covers);
 }
 
 psplat_result psplat_cut_rims(psplat_conversion *c) {
@@ -286,8 +345,6 @@ psplat_result psplat_cut_rims(psplat_conversion *c) {
     if (!result) result = psplat_fit_each(&context, t.count, measure, &t);
     if (!result && !cut_all(&t)) result = PSPLAT_ERROR_MEMORY;
     if (!result && psplat_shrunk_is_any(&t.shrunk)) result = psplat_shrunk_close(&t.shrunk);
-    psplat_shrunk_free(&t.shrunk);
-    free(t.rims);
-    free(t.covers);
+    cutter_free(&t);
     return result;
 }

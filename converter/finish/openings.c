@@ -10,17 +10,16 @@
 #include "finish/rim_rays.h"
 #include "fit/candidate.h"
 #include "measure/holes.h"
+#include "measure/ray_meeting.h"
 #include "select/fill_holes.h"
 #include "select/selection.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* All of these were chosen by hand. */
 /* How far the points lie apart at which rays pass rims, in tolerances. */
 static const double rim_spacing_tolerances = 1;
-/* How far down walls under rims reach, which stop rays (spec 5.1), in tolerances: a quarter of the
- * depth tolerance, and that mostly is two (depth_tolerance.h). */
-static const double wall_tolerances = 0.5;
 /* How often rays are cast, which pass other points each time, and how often, at most, holes are
  * looked for. */
 enum { RAY_ROUNDS = 2, HOLE_ROUNDS = 4 };
@@ -60,11 +59,17 @@ typedef struct finder {
 
 /* Returns whether a splat closed an opening as it was. */
 static int closed(const psplat_measured_splats *before, uint32_t splat, const psplat_opening *o) {
-    double uvh[3];
+    double uvh[3], height;
     if (o->ray)
-        return psplat_ray_hole_is_closed(o->ray, &before->regions[splat], before->tolerance);
-    psplat_region_local(&before->regions[splat], o->point, uvh);
-    return psplat_measured_splats_cover(before, splat, o->normal, uvh);
+        return psplat_sight_meets(&o->ray->sight, &before->regions[splat], before->wall, 0, &height,
+                                  uvh) &&
+               fabs(height) * o->ray->cosine <= before->tolerance;
+    psplat_region region = before->regions[splat];
+    if (o->is_inside_seams) region = psplat_region_inside_seams(&region);
+    const psplat_measured_splats one = {
+        .regions = &region, .count = 1, .tolerance = before->tolerance};
+    psplat_region_local(&region, o->point, uvh);
+    return psplat_measured_splats_cover(&one, 0, o->normal, uvh);
 }
 
 static int visit_before(void *user, uint32_t splat) {
@@ -97,9 +102,10 @@ static int close_ray(psplat_shrunk *shrunk, const psplat_ray_hole *ray) {
                          shrunk->before.tolerance / PSPLAT_FLATTEST_SIGHT_COSINE);
 }
 
-static int close_hole(psplat_shrunk *shrunk, const psplat_holes *holes, size_t i) {
+static int close_hole(psplat_shrunk *shrunk, const psplat_holes *holes, size_t i,
+                      int inside_seams) {
     const psplat_surface *surface = &shrunk->c->surface;
-    psplat_opening opening = {.ray = NULL};
+    psplat_opening opening = {.is_inside_seams = inside_seams};
     double weights[3];
     float normal[3];
     for (size_t k = 0; k < 3; ++k) opening.point[k] = holes->points[3 * i + k];
@@ -110,14 +116,15 @@ static int close_hole(psplat_shrunk *shrunk, const psplat_holes *holes, size_t i
 }
 
 /* Another hole may be found where one was in the same place. */
-static psplat_result close_holes(psplat_shrunk *shrunk) {
+static psplat_result close_holes(psplat_shrunk *shrunk, int inside_seams) {
     psplat_result result = PSPLAT_OK;
     size_t changed = 1;
     for (int round = 0; round < HOLE_ROUNDS && changed && !result; ++round) {
         psplat_holes holes;
-        result = psplat_find_holes(shrunk->c, &holes);
+        result = psplat_find_holes(shrunk->c, inside_seams, &holes);
         changed = 0;
-        for (size_t i = 0; i < holes.count; ++i) changed += (size_t)close_hole(shrunk, &holes, i);
+        for (size_t i = 0; i < holes.count; ++i)
+            changed += (size_t)close_hole(shrunk, &holes, i, inside_seams);
         psplat_holes_free(&holes);
     }
     return result;
@@ -129,8 +136,9 @@ static psplat_result close_rays(psplat_shrunk *shrunk) {
     for (int round = 0; round < RAY_ROUNDS && !result; ++round) {
         psplat_measured_splats measured;
         psplat_ray_holes rays;
-        result = psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points, wall_tolerances,
-                                      shrunk->c->desc->seed + (uint64_t)round, &measured, &rays);
+        result =
+            psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points, PSPLAT_OPENING_WALL,
+                                 shrunk->c->desc->seed + (uint64_t)round, &measured, &rays);
         for (size_t i = 0; i < rays.count && !result; ++i) close_ray(shrunk, &rays.holes[i]);
         psplat_ray_holes_free(&rays);
         psplat_measured_splats_free(&measured);
@@ -140,5 +148,9 @@ static psplat_result close_rays(psplat_shrunk *shrunk) {
 
 psplat_result psplat_shrunk_close(psplat_shrunk *shrunk) {
     psplat_result result = close_rays(shrunk);
-    return result ? result : close_holes(shrunk);
+    int seams = 0;
+    for (size_t i = 0; i < shrunk->before.count; ++i)
+        seams |= shrunk->before.regions[i].seam_count > 0;
+    if (!result) result = close_holes(shrunk, 0);
+    return result || !seams ? result : close_holes(shrunk, 1);
 }

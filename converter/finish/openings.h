@@ -15,10 +15,15 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* How far down the walls under rims are taken to reach that stop rays (spec 5.1), in tolerances: a
+ * quarter of the depth tolerance, and that mostly is two (depth_tolerance.h). */
+#define PSPLAT_OPENING_WALL 0.5
+
 /* A ray that meets nothing where it sees the surface, or a hole. */
 typedef struct psplat_opening {
     const psplat_ray_hole *ray; /* NULL: it is a hole */
     double point[3], normal[3]; /* of the hole, and of the surface there */
+    int is_inside_seams;        /* 1: what lies beyond seams does not close the hole */
 } psplat_opening;
 
 /* What a step has done to a splat. */
@@ -30,8 +35,9 @@ typedef struct psplat_smaller {
 /* A selection of which a step has made some splats smaller. */
 typedef struct psplat_shrunk {
     psplat_conversion *c;
-    psplat_measured_splats
-        before;               /* the regions of all candidates as they were; no fields; owned */
+    /* The regions of all candidates as they were; no fields; owned. Its wall, 0 at first, is that
+     * of which splats get back what stops a ray. */
+    psplat_measured_splats before;
     psplat_smaller *splats;   /* one for each of these; owned, all 0 at first */
     size_t points_per_sample; /* of the surface, from which rays are cast, too: rims alone do not
                                  tell where much has been taken from a splat */
@@ -48,8 +54,10 @@ psplat_result psplat_shrunk_begin(psplat_conversion *c, psplat_shrunk *shrunk);
 /* Returns whether any splat is smaller. */
 int psplat_shrunk_is_any(const psplat_shrunk *shrunk);
 
-/* Gives splats back what closes the rays past rims, and the holes, that they have opened. Walls
- * under rims count for rays. All candidates have to be taken. Errors: MEMORY, INTERRUPTED. */
+/* Gives splats back what closes the rays past rims, and the holes, also those inside of seams, that
+ * they have opened. Walls
+ * under rims count for rays. All candidates have to be taken. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_shrunk_close(psplat_shrunk *shrunk);
 
 void psplat_shrunk_free(psplat_shrunk *shrunk);

@@ -204,9 +204,8 @@ static psplat_result complete(psplat_conversion *c, psplat_error *error) {
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
     if (c->surface.chart_border_edges && enlarge(c, open_seams))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while opening seams");
-    result = psplat_cut_rims(c);
-    if (result)
-        return psplat_fail(error, result, 0, "%s while cutting rims", psplat_result_text(result));
+    if (psplat_cut_rims(c))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while cutting rims");
     if (psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,
                           c->selection.count))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while colouring splats");

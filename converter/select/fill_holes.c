@@ -64,7 +64,7 @@ static psplat_result grow_and_quantize_taken(const psplat_fit_context *context, 
     return selection->candidates[index].taken ? grow_and_quantize(context, index, user) : PSPLAT_OK;
 }
 
-psplat_result psplat_find_holes(psplat_conversion *c, psplat_holes *holes) {
+psplat_result psplat_find_holes(psplat_conversion *c, int inside_seams, psplat_holes *holes) {
     psplat_measured_splats measured;
     const psplat_sort_desc storing = {0}; /* Only the regions of the splats matter here. */
     double tolerance = c->limits.tolerance, spacing = c->samples.spacing;
@@ -73,13 +73,17 @@ psplat_result psplat_find_holes(psplat_conversion *c, psplat_holes *holes) {
     if (!result)
         result = psplat_measured_splats_create(c->splats, tolerance,
                                                PSPLAT_STEEPEST_REACH * tolerance, &measured);
-    if (!result) {
-        result = psplat_holes_find_changed(
-            &c->surface, &measured, cube_side_spacings * spacing,
-            fmin(least_hole_spacings * spacing, least_hole_tolerances * tolerance), &c->hole_memory,
-            holes);
-        psplat_measured_splats_free(&measured);
-    }
+    if (result) return result;
+    double coarse = cube_side_spacings * spacing;
+    double fine = fmin(least_hole_spacings * spacing, least_hole_tolerances * tolerance);
+    for (size_t i = 0; inside_seams && i < measured.count; ++i)
+        measured.regions[i] = psplat_region_inside_seams(&measured.regions[i]);
+    if (inside_seams)
+        result = psplat_holes_find(&c->surface, &measured, coarse, fine, holes);
+    else
+        result =
+            psplat_holes_find_changed(&c->surface, &measured, coarse, fine, &c->hole_memory, holes);
+    psplat_measured_splats_free(&measured);
     return result;
 }
 
@@ -90,7 +94,7 @@ static psplat_result append_holes(psplat_conversion *c, size_t *count, psplat_er
     const psplat_fit_context context = psplat_conversion_context(c);
     psplat_result result =
         psplat_fit_each(&context, c->selection.count, grow_and_quantize_taken, &c->selection);
-    if (!result) result = psplat_find_holes(c, &holes);
+    if (!result) result = psplat_find_holes(c, 0, &holes);
     if (result) psplat_fail(error, result, 0, "out of memory while looking for holes");
     *count = holes.count;
     if (!result && holes.count)

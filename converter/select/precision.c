@@ -64,8 +64,8 @@ static const limit greatest_line_move_tolerances = {0.05, 0.1};
 /* How far rounding a second derivative may move the rim of a curved splat, in tolerances. */
 static const limit greatest_bend_tolerances = {0.1, 0.3};
 
-/* The step of lines that stand at no crease, in tolerances. */
-static const double line_off_crease_tolerances = 0.5;
+/* The step of lines where no splat has one yet, in tolerances. */
+static const double later_line_tolerances = 0.5;
 /* How far rounding a line's bend may move its ends, in tolerances. */
 static const limit greatest_line_bend_tolerances = {0.1, 0.2};
 
@@ -180,8 +180,9 @@ static double power_of_two(double least) {
     return n;
 }
 
-/* Sets the steps of lines, which are those of the greatest radius. Where there is no crease, lines
- * cut rims that stand off (finish/cut_rims.c), and that need not be exact. */
+/* Sets the steps of lines, which are those of the greatest radius. Where no splat
+ * has a line yet, some get one that cuts a rim off (finish/cut_rims.c), and that need not be exact.
+ */
 static void choose_lines(const psplat_conversion *c, double radius, double coarseness,
                          psplat_precision *p) {
     double move = limit_at(greatest_line_move_tolerances, coarseness) * c->tolerance;
@@ -194,8 +195,7 @@ static void choose_lines(const psplat_conversion *c, double radius, double coars
         for (uint32_t k = 0; k < region->line_count; ++k) is_bent |= region->bends[k] != 0;
     }
     if (is_bent) p->bend_step = fmin(4 * bend / radius, 0.5);
-    double steps =
-        power_of_two(radius / (has_lines ? move : line_off_crease_tolerances * c->tolerance));
+    double steps = power_of_two(radius / (has_lines ? move : later_line_tolerances * c->tolerance));
     p->line_step = 1 / steps;
     p->line_turn_step = 1 / fmin(2 * steps, 16384);
 }

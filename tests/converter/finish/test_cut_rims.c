@@ -80,7 +80,7 @@ static size_t count_uncovered(const closing *r) {
             size_t sample = candidate->covered[k];
             double uvh[3];
             psplat_region_local(&candidate->region, r->c.samples.positions + 3 * sample, uvh);
-            /* What rounding may cut off, in units of u and v, is the grid's step at most. */
+            /* The slack is what rounding may do. */
             assert_true(psplat_region_contains(&candidate->region, uvh, 1 + 1e-6, 1e-6));
         }
     }
@@ -163,12 +163,20 @@ static void test_horn(void **state) {
         size_t uncovered = count_uncovered(&r);
         const view before = look(&r);
         psplat_region *old = copy_regions(&r);
+        size_t *recorded = malloc((count + 1) * sizeof *recorded);
+        assert_non_null(recorded);
+        for (size_t k = 0; k < count; ++k) recorded[k] = r.c.selection.candidates[k].covered_count;
         assert_int_equal(psplat_cut_rims(&r.c), PSPLAT_OK);
         const view after = look(&r);
         size_t now = count_open_rays(&r);
         assert_int_equal(r.c.selection.count, count);
-        for (size_t k = 0; k < count; ++k)
-            cut += (size_t)check_line(&old[k], &r.c.selection.candidates[k].region);
+        for (size_t k = 0; k < count; ++k) {
+            const psplat_candidate *candidate = &r.c.selection.candidates[k];
+            int is_cut = check_line(&old[k], &candidate->region);
+            cut += (size_t)is_cut;
+            if (!is_cut) assert_int_equal(candidate->covered_count, recorded[k]);
+        }
+        free(recorded);
         print_message("%zu of %zu cut, %zu rays seen, extra %zu -> %zu, missing %zu -> %zu, open "
                       "%zu -> %zu\n",
                       cut, count, before.seen, before.extra, after.extra, before.missing,
@@ -229,8 +237,11 @@ static void test_threads(void **state) {
         closing r;
         fixture_threads(threads);
         closing_begin(&r, "torus.off", 0.004, 0.015, 0, 0.1);
+        psplat_region *old = copy_regions(&r);
         assert_int_equal(psplat_cut_rims(&r.c), PSPLAT_OK);
         psplat_region *regions = copy_regions(&r);
+        assert_memory_not_equal(old, regions, r.c.selection.count * sizeof *old);
+        free(old);
         if (!first) {
             first = copy_regions(&r);
             count = r.c.selection.count;
