@@ -38,6 +38,7 @@ export async function serve(directories) {
 export async function launch() {
     return puppeteer.launch({
         executablePath: findChromium(),
+        timeout: 120000, // ms: beside other tests a browser has taken more than the default of 30 s to start
         args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--hide-scrollbars'],
     });
 }
