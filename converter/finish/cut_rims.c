@@ -5,7 +5,8 @@
  * What is left of rims that stand off once splats are trimmed (trim_splats.c) mostly does so at one
  * side, and where the surface bends away beneath it shows as a spike of the outline: on horns, ears
  * and beaks. A clip line cuts that off where other splats cover it. Those lines come first that cut
- * off most of what shows. Where one opens a hole or lets a ray through, it moves out to there.
+ * off most of what shows. Where one lets a ray through, it moves out to there, and where it opens a
+ * hole, it goes.
  */
 #include "finish/cut_rims.h"
 
@@ -16,6 +17,7 @@
 #include "features/samples.h"
 #include "features/surface.h"
 #include "finish/openings.h"
+#include "finish/stand_off.h"
 #include "fit/candidate.h"
 #include "fit/fit_context.h"
 #include "measure/measured_splats.h"
@@ -38,15 +40,13 @@ static const double kept_stand_off = 0.2;
  * outside of it points of the rim lie that count as a whole. */
 static const double nearest_line = 0.5, farthest_line = 0.9, whole_beyond = 0.1;
 /* How far beyond the samples that it is needed for a splat reaches, in their spacings, and beyond
- * rays and holes that it closes, in tolerances. */
+ * rays that it stops, in tolerances. */
 static const double margin_spacings = 0.5, spare_tolerances = 0.15;
 /* How far above or below another splat, in tolerances, a rim is on the same surface. */
 static const double same_surface_tolerances = 2;
-/* What rounding may put a point of the rim beyond it, in units of u and v. */
-static const double rim_slack = 1e-9;
 /* The points of a rim at which it is measured how far it shows, and the directions of lines. */
 enum { SIDES = 48 };
-/* The points from which rays are cast. */
+/* The points of the surface from which rays are cast, for each sample. */
 enum { POINTS_PER_SAMPLE = 3 };
 
 typedef struct rim {
@@ -92,7 +92,6 @@ static int visit_other(void *user, uint32_t splat) {
     double uvh[3];
     psplat_region_local(region, s->point, uvh);
     if (splat != s->self && fabs(uvh[2]) <= same_surface_tolerances * s->splats->tolerance &&
-        psplat_measured_splats_near(s->splats, splat, s->point, 0) &&
         psplat_region_contains(region, uvh, 1, 0) && dot3(region->n, s->normal) > 0)
         s->step = min2(s->step, uvh[2]);
     return 0;
@@ -112,26 +111,20 @@ static double bend_away(const psplat_region *region, const double uv[2], const d
 }
 
 /* Stores how far a point of a rim shows beside outlines, in tolerances: how far it stands off from
- * the surface and from the other splats, of what that is seen of more, the more the surface bends
- * away. */
+ * the surface and from the other splats there. The more the surface bends away, the more views show
+ * that. */
 static psplat_result find_shown(const psplat_fit_context *context, const cutter *t, uint32_t index,
                                 const double uv[2], double *shown) {
-    const psplat_region *region = &t->shrunk.before.regions[index];
-    const double *normal;
-    double point[3], nearest[3], away[3], tolerance = context->limits->tolerance;
-    uint32_t triangle;
+    const psplat_measured_splats *splats = &t->shrunk.before;
+    const psplat_region *region = &splats->regions[index];
+    psplat_stand_off at;
+    psplat_result result = psplat_stand_off_find(context, region, uv, &at);
     *shown = 0;
-    if (!psplat_region_contains(region, uv, 1 + rim_slack, 0)) return PSPLAT_OK;
-    psplat_region_point(region, uv, point);
-    psplat_result result =
-        psplat_distance_nearest(context->limits->distance, point, nearest, &triangle);
-    if (result || triangle == PSPLAT_NONE) return result;
-    normal = context->surface->face_normals + 3 * (size_t)triangle;
-    sub3(away, point, nearest);
-    if (dot3(away, normal) <= 0) return PSPLAT_OK;
-    stepper s = {&t->shrunk.before, index, point, region->n, length3(away)};
-    psplat_region_tree_visit_box(t->shrunk.before.region_tree, point, point, visit_other, &s);
-    *shown = max2(s.step / tolerance - kept_stand_off, 0) * bend_away(region, uv, normal);
+    if (result || at.length == 0) return result;
+    const double *normal = context->surface->face_normals + 3 * (size_t)at.triangle;
+    stepper s = {splats, index, at.point, region->n, at.length};
+    psplat_region_tree_visit_box(splats->region_tree, at.point, at.point, visit_other, &s);
+    *shown = max2(s.step / splats->tolerance - kept_stand_off, 0) * bend_away(region, uv, normal);
     return PSPLAT_OK;
 }
 
@@ -248,29 +241,20 @@ static int apply(cutter *t, size_t index, const cut *cut) {
     return 1;
 }
 
-static int compare_worth(const void *left, const void *right) {
-    const psplat_smaller *const *a = left, *const *b = right;
-    if ((*a)->worth != (*b)->worth) return (*a)->worth > (*b)->worth ? -1 : 1;
-    return *a < *b ? -1 : *a > *b;
-}
-
 /* Gives splats their lines, those first that gain most. Returns 0 when out of memory. */
 static int cut_all(cutter *t) {
-    const psplat_smaller **order = malloc((t->count + 1) * sizeof *order);
+    psplat_smaller *splats = t->shrunk.splats;
     size_t most = (size_t)(most_share * (double)t->count);
     t->covers = psplat_selection_count_covers(&t->c->selection, t->c->samples.count);
-    int ok = order && t->covers;
-    for (size_t i = 0; i < t->count && ok; ++i) {
-        t->shrunk.splats[i].worth = find_cut(t, i).gain;
-        order[i] = &t->shrunk.splats[i];
-    }
-    if (ok) qsort(order, t->count, sizeof *order, compare_worth);
-    for (size_t i = 0; i < t->count && ok && most && order[i]->worth > 0; ++i) {
-        size_t index = (size_t)(order[i] - t->shrunk.splats);
-        const cut best = find_cut(t, index); /* Others have left samples to it since. */
+    if (!t->covers) return 0;
+    for (size_t i = 0; i < t->count; ++i) splats[i].worth = find_cut(t, i).gain;
+    uint32_t *order = psplat_shrunk_order(&t->shrunk);
+    int ok = order != NULL;
+    for (size_t i = 0; ok && i < t->count && most && splats[order[i]].worth > 0; ++i) {
+        const cut best = find_cut(t, order[i]); /* Others have left samples to it since. */
         if (best.gain == 0) continue;
-        ok = apply(t, index, &best);
-        most -= (size_t)t->shrunk.splats[index].is_smaller;
+        ok = apply(t, order[i], &best);
+        most -= (size_t)splats[order[i]].is_smaller;
     }
     free(order);
     return ok;

@@ -49,6 +49,28 @@ int psplat_shrunk_is_any(const psplat_shrunk *shrunk) {
     return any;
 }
 
+static int compare_worth(const void *left, const void *right) {
+    const psplat_smaller *const *a = left, *const *b = right;
+    if ((*a)->worth != (*b)->worth) return (*a)->worth > (*b)->worth ? -1 : 1;
+    return *a < *b ? -1 : *a > *b;
+}
+
+uint32_t *psplat_shrunk_order(const psplat_shrunk *shrunk) {
+    size_t count = shrunk->before.count;
+    const psplat_smaller **sorted = malloc((count + 1) * sizeof *sorted);
+    uint32_t *order = malloc((count + 1) * sizeof *order);
+    if (!sorted || !order) {
+        free(sorted);
+        free(order);
+        return NULL;
+    }
+    for (size_t i = 0; i < count; ++i) sorted[i] = &shrunk->splats[i];
+    qsort(sorted, count, sizeof *sorted, compare_worth);
+    for (size_t i = 0; i < count; ++i) order[i] = (uint32_t)(sorted[i] - shrunk->splats);
+    free(sorted);
+    return order;
+}
+
 /* The search for the splat that closed an opening. */
 typedef struct finder {
     const psplat_shrunk *shrunk;
@@ -146,11 +168,14 @@ static psplat_result close_rays(psplat_shrunk *shrunk) {
     return result;
 }
 
+static int has_seams(const psplat_shrunk *shrunk) {
+    for (size_t i = 0; i < shrunk->before.count; ++i)
+        if (shrunk->before.regions[i].seam_count) return 1;
+    return 0;
+}
+
 psplat_result psplat_shrunk_close(psplat_shrunk *shrunk) {
     psplat_result result = close_rays(shrunk);
-    int seams = 0;
-    for (size_t i = 0; i < shrunk->before.count; ++i)
-        seams |= shrunk->before.regions[i].seam_count > 0;
     if (!result) result = close_holes(shrunk, 0);
-    return result || !seams ? result : close_holes(shrunk, 1);
+    return result || !has_seams(shrunk) ? result : close_holes(shrunk, 1);
 }

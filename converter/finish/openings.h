@@ -51,13 +51,16 @@ typedef struct psplat_shrunk {
  * owns, also where this fails. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_shrunk_begin(psplat_conversion *c, psplat_shrunk *shrunk);
 
+/* Returns the indices of all candidates, those of greatest worth first, and of equal ones in their
+ * order. The caller frees them; NULL when out of memory. */
+uint32_t *psplat_shrunk_order(const psplat_shrunk *shrunk);
+
 /* Returns whether any splat is smaller. */
 int psplat_shrunk_is_any(const psplat_shrunk *shrunk);
 
-/* Gives splats back what closes the rays past rims, and the holes, also those inside of seams, that
- * they have opened. Walls
- * under rims count for rays. All candidates have to be taken. Fails only with
- * PSPLAT_ERROR_MEMORY. */
+/* Gives splats back what closes the rays past rims and the holes that they have opened. Walls under
+ * rims stop rays; of splats with seams, what lies inside of these has to be closed by such, too.
+ * All candidates have to be taken. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_shrunk_close(psplat_shrunk *shrunk);
 
 void psplat_shrunk_free(psplat_shrunk *shrunk);

@@ -16,6 +16,7 @@
 #include "features/samples.h"
 #include "features/surface.h"
 #include "finish/openings.h"
+#include "finish/stand_off.h"
 #include "fit/candidate.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
@@ -34,8 +35,6 @@ static const double least_stand_off = 0.5;
 static const double least_scale = 0.9;
 /* How far beyond the samples that it is needed for a splat reaches, in their spacings. */
 static const double margin_spacings = 0.5;
-/* What rounding may put a point of the rim beyond it, in units of u and v. */
-static const double rim_slack = 1e-9;
 /* The points of a rim at which it is measured how far it stands off. */
 enum { SIDES = 16 };
 
@@ -62,39 +61,21 @@ static void trimmer_free(trimmer *t) {
 
 /* ---- what splats are needed for -------------------------------------------------------------- */
 
-/* Returns how far the rim of a region stands off outwards where it is the region's end, a length.
- */
-static psplat_result find_stand_off(const psplat_fit_context *context, const psplat_region *region,
-                                    double *stand_off) {
-    *stand_off = 0;
-    for (int i = 0; i < SIDES; ++i) {
-        double angle = 2 * PSPLAT_PI * i / SIDES, point[3], nearest[3], away[3];
-        const double uv[2] = {cos(angle), sin(angle)};
-        uint32_t triangle;
-        if (!psplat_region_contains(region, uv, 1 + rim_slack, 0)) continue;
-        psplat_region_point(region, uv, point);
-        psplat_result result =
-            psplat_distance_nearest(context->limits->distance, point, nearest, &triangle);
-        if (result) return result;
-        if (triangle == PSPLAT_NONE) continue;
-        sub3(away, point, nearest);
-        if (dot3(away, context->surface->face_normals + 3 * (size_t)triangle) > 0)
-            *stand_off = max2(*stand_off, length3(away));
-    }
-    return PSPLAT_OK;
-}
-
+/* Finds how far the rim of a candidate stands off. */
 static psplat_result measure(const psplat_fit_context *context, size_t index, void *user) {
     trimmer *t = user;
+    double *worth = &t->shrunk.splats[index].worth;
     t->splats[index].scale = 1;
-    return find_stand_off(context, &t->shrunk.before.regions[index],
-                          &t->shrunk.splats[index].worth);
-}
-
-static int compare_order(const void *left, const void *right) {
-    const psplat_smaller *const *a = left, *const *b = right;
-    if ((*a)->worth != (*b)->worth) return (*a)->worth > (*b)->worth ? -1 : 1;
-    return *a < *b ? -1 : *a > *b;
+    for (int i = 0; i < SIDES; ++i) {
+        double angle = 2 * PSPLAT_PI * i / SIDES;
+        const double uv[2] = {cos(angle), sin(angle)};
+        psplat_stand_off stand_off;
+        psplat_result result =
+            psplat_stand_off_find(context, &t->shrunk.before.regions[index], uv, &stand_off);
+        if (result) return result;
+        *worth = max2(*worth, stand_off.length);
+    }
+    return PSPLAT_OK;
 }
 
 /* Returns how far a sample is from the centre of a region, in radii. */
@@ -125,14 +106,13 @@ static void choose_scale(trimmer *t, size_t index) {
 /* Chooses the scales of all candidates, those first that stand off most. Returns 0 when out of
  * memory. */
 static int choose_scales(trimmer *t) {
-    const psplat_smaller **order = malloc((t->count + 1) * sizeof *order);
+    const psplat_smaller *splats = t->shrunk.splats;
+    double least = least_stand_off * t->c->limits.tolerance;
+    uint32_t *order = psplat_shrunk_order(&t->shrunk);
     t->covers = psplat_selection_count_covers(&t->c->selection, t->c->samples.count);
     int ok = order && t->covers;
-    for (size_t i = 0; i < t->count && ok; ++i) order[i] = &t->shrunk.splats[i];
-    if (ok) qsort(order, t->count, sizeof *order, compare_order);
-    for (size_t i = 0; i < t->count && ok; ++i)
-        if (order[i]->worth >= least_stand_off * t->c->limits.tolerance)
-            choose_scale(t, (size_t)(order[i] - t->shrunk.splats));
+    for (size_t i = 0; ok && i < t->count && splats[order[i]].worth >= least; ++i)
+        choose_scale(t, order[i]);
     free(order);
     return ok;
 }

@@ -11,10 +11,10 @@
 #include "select/conversion.h"
 
 /* Finds the holes between the splats of the taken candidates, whose ellipses have to be grown, and
- * on the grid where the limits have a precision. What lies beyond seams closes them, but for those
- * inside of seams, which are looked for everywhere; the others only where splats have changed since
- * the last search or that found holes. c->splats then holds these splats. psplat_holes_free frees
- * *holes. Fails only with PSPLAT_ERROR_MEMORY. */
+ * on the grid where the limits have a precision. Looks only where splats have changed since the
+ * last search or that found holes; but everywhere with inside_seams, where what lies beyond seams
+ * closes none. c->splats then holds these splats. psplat_holes_free frees *holes. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_find_holes(psplat_conversion *c, int inside_seams, psplat_holes *holes);
 
 /* Finds holes between the splats of the taken candidates, appends points in them to the samples,

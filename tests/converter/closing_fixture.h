@@ -83,6 +83,38 @@ static inline void closing_end(closing *r) {
     fixture_free(&r->f);
 }
 
+/* Returns the regions of all candidates, which the caller frees. */
+static inline psplat_region *copy_regions(const closing *r) {
+    psplat_region *regions = malloc((r->c.selection.count + 1) * sizeof *regions);
+    assert_non_null(regions);
+    for (size_t i = 0; i < r->c.selection.count; ++i)
+        regions[i] = r->c.selection.candidates[i].region;
+    return regions;
+}
+
+/* Returns how many of 480,000 rays pass between the regions of all candidates, which it frees, and
+ * under walls that reach so many tolerances down. */
+static inline size_t count_rays(const closing *r, psplat_region *regions, double wall_tolerances,
+                                uint64_t seed) {
+    psplat_measured_splats measured = {.regions = regions,
+                                       .count = r->c.selection.count,
+                                       .tolerance = r->c.tolerance,
+                                       .wall = wall_tolerances * r->c.tolerance};
+    measured.region_tree = psplat_region_tree_create(regions, measured.count, 0);
+    assert_non_null(measured.region_tree);
+    const psplat_ray_search search = {.surface = &r->c.surface,
+                                      .measured = &measured,
+                                      .distance = r->f.distance,
+                                      .points = 20000,
+                                      .seed = seed};
+    psplat_ray_holes holes;
+    assert_int_equal(psplat_ray_holes_find(&search, &holes), PSPLAT_OK);
+    size_t count = holes.count;
+    psplat_ray_holes_free(&holes);
+    psplat_measured_splats_free(&measured);
+    return count;
+}
+
 /* Returns how many rays pass between the candidates as seams would be closed, and under walls that
  * reach so many tolerances down, and asserts that each lies within the tolerance of the surface. */
 static inline size_t count_gaps(const closing *r, double wall_tolerances, uint64_t seed) {
@@ -102,24 +134,33 @@ static inline size_t count_gaps(const closing *r, double wall_tolerances, uint64
                          PSPLAT_OK);
         assert_true(near);
     }
-    psplat_measured_splats measured = {.regions = regions,
-                                       .count = copy.count,
-                                       .tolerance = r->c.tolerance,
-                                       .wall = wall_tolerances * r->c.tolerance};
-    measured.region_tree = psplat_region_tree_create(regions, copy.count, 0);
-    assert_non_null(measured.region_tree);
-    const psplat_ray_search search = {.surface = &r->c.surface,
-                                      .measured = &measured,
-                                      .distance = r->f.distance,
-                                      .points = 20000,
-                                      .seed = seed};
-    psplat_ray_holes holes;
-    assert_int_equal(psplat_ray_holes_find(&search, &holes), PSPLAT_OK);
-    size_t count = holes.count;
-    psplat_ray_holes_free(&holes);
-    psplat_measured_splats_free(&measured);
     free(copy.candidates);
-    return count;
+    return count_rays(r, regions, wall_tolerances, seed);
+}
+
+/* Asserts that a step changes regions of a torus, and to the same whatever the number of threads.
+ */
+static inline void check_threads(psplat_result (*step)(closing *r)) {
+    psplat_region *first = NULL;
+    size_t count = 0;
+    for (int threads = 1; threads <= 3; ++threads) {
+        closing r;
+        fixture_threads(threads);
+        closing_begin(&r, "torus.off", 0.004, 0.015, 0, 0.1);
+        psplat_region *before = copy_regions(&r);
+        if (!first) count = r.c.selection.count;
+        assert_int_equal(step(&r), PSPLAT_OK);
+        assert_int_equal(r.c.selection.count, count);
+        psplat_region *regions = copy_regions(&r);
+        assert_memory_not_equal(before, regions, count * sizeof *regions);
+        if (!first) first = copy_regions(&r);
+        assert_memory_equal(first, regions, count * sizeof *regions);
+        free(before);
+        free(regions);
+        closing_end(&r);
+    }
+    fixture_threads(0);
+    free(first);
 }
 
 /* Asserts that the candidates cover every sample that they are recorded to cover, and all of them
