@@ -37,8 +37,9 @@ static const double most_share = 0.25;
 /* How far a rim stands off that need not be cut off, in tolerances. */
 static const double kept_stand_off = 0.2;
 /* The nearest and the farthest that a line is from the centre, in units of u and v, and how far
- * outside of it points of the rim lie that count as a whole. */
-static const double nearest_line = 0.5, farthest_line = 0.9, whole_beyond = 0.1;
+ * outside of it points of the rim lie that count as a whole. Nearer ones show as edges: half way
+ * out a splat still weighs a third of what it does in the middle, at 0.8 a thirteenth. */
+static const double nearest_line = 0.8, farthest_line = 0.9, whole_beyond = 0.1;
 /* How far beyond the samples that it is needed for a splat reaches, in their spacings, and beyond
  * rays that it stops, in tolerances. */
 static const double margin_spacings = 0.5, spare_tolerances = 0.15;

@@ -92,14 +92,14 @@ static size_t count_open_rays(const closing *r) {
     return count_rays(r, copy_regions(r), 0.5, 99);
 }
 
-/* Asserts that a region has at most another line, which keeps its centre, and is as it was but for
- * that. Returns whether it has. */
+/* Asserts that a region has at most another line, out where a splat weighs little, and is as it was
+ * but for that. Returns whether it has. */
 static int check_line(const psplat_region *before, const psplat_region *after) {
     psplat_region expected = *before;
     int cut = after->line_count > before->line_count;
     if (cut) {
         const double *line = after->lines[before->line_count];
-        assert_true(line[2] >= 0.5 * norm2(line[0], line[1]) - 1e-9);
+        assert_true(line[2] >= 0.8 * norm2(line[0], line[1]) - 1e-9);
         psplat_region_add_line(&expected, line, 0);
     }
     assert_memory_equal(&expected, after, sizeof expected);
@@ -125,8 +125,23 @@ static void begin(closing *r, const char *name, double tolerance, double spacing
     assert_int_equal(psplat_trim_splats(&r->c, NULL), PSPLAT_OK);
 }
 
-/* A horn: a quarter of the splats at most are cut, outlines are narrower, samples stay covered, and
- * hardly more rays pass. */
+/* Returns how far a rim stands off that the last line of a region has cut off, a length. */
+static double stand_off_beyond(const closing *r, const psplat_region *region) {
+    enum { SIDES = 64 };
+    double most = 0;
+    for (int i = 0; i < SIDES; ++i) {
+        const double uv[2] = {cos(2 * fixture_pi * i / SIDES), sin(2 * fixture_pi * i / SIDES)};
+        double point[3], distance;
+        if (psplat_region_line_value(region, region->line_count - 1, uv) >= 0) continue;
+        psplat_region_point(region, uv, point);
+        assert_int_equal(psplat_distance_query(r->f.distance, point, 1, &distance), PSPLAT_OK);
+        most = fmax(most, distance);
+    }
+    return most;
+}
+
+/* A horn: a quarter of the splats at most are cut, outlines have less too much, and over all cases
+ * err less, samples stay covered, and hardly more rays pass. */
 static void test_horn(void **state) {
     (void)state;
     static const double cases[][3] = {/* tolerance, spacing, precision */
@@ -134,6 +149,8 @@ static void test_horn(void **state) {
                                       {0.005, 0.01, 0.1},
                                       {0.002, 0.006, 0},
                                       {0.002, 0.006, 0.1}};
+    size_t errors[2] = {0, 0};    /* before and after */
+    double stand_off[2] = {0, 0}; /* beyond lines, and at the other sides of splats, tolerances */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         closing r;
         begin(&r, NULL, cases[i][0], cases[i][1], cases[i][2]);
@@ -152,7 +169,15 @@ static void test_horn(void **state) {
             const psplat_candidate *candidate = &r.c.selection.candidates[k];
             int is_cut = check_line(&old[k], &candidate->region);
             cut += (size_t)is_cut;
-            if (!is_cut) assert_int_equal(candidate->covered_count, recorded[k]);
+            if (!is_cut) {
+                assert_int_equal(candidate->covered_count, recorded[k]);
+                continue;
+            }
+            psplat_region mirrored = candidate->region;
+            double *line = mirrored.lines[mirrored.line_count - 1];
+            line[0] = -line[0], line[1] = -line[1];
+            stand_off[0] += stand_off_beyond(&r, &candidate->region) / r.c.tolerance;
+            stand_off[1] += stand_off_beyond(&r, &mirrored) / r.c.tolerance;
         }
         free(recorded);
         print_message("%zu of %zu cut, %zu rays seen, extra %zu -> %zu, missing %zu -> %zu, open "
@@ -160,31 +185,20 @@ static void test_horn(void **state) {
                       cut, count, before.seen, before.extra, after.extra, before.missing,
                       after.missing, open, now);
         assert_true(cut > 0 && 4 * cut <= count);
-        assert_true((double)after.extra < 0.97 * (double)before.extra);
-        /* Splats are within the tolerance on both sides, so that a rim that is gone may leave one
-         * inside of the outline; but less goes missing than was too much. */
-        assert_true(after.missing + after.extra < before.missing + before.extra);
+        assert_true(after.extra < before.extra);
+        errors[0] += before.extra + before.missing;
+        errors[1] += after.extra + after.missing;
         /* Those of the stage are others; 480,000 are tried. */
         assert_true(now <= open + open / 8 + 1);
         assert_int_equal(count_uncovered(&r), uncovered);
         free(old);
         closing_end(&r);
     }
-}
-
-/* Returns how far a rim stands off that the last line of a region has cut off, a length. */
-static double stand_off_beyond(const closing *r, const psplat_region *region) {
-    enum { SIDES = 64 };
-    double most = 0;
-    for (int i = 0; i < SIDES; ++i) {
-        const double uv[2] = {cos(2 * fixture_pi * i / SIDES), sin(2 * fixture_pi * i / SIDES)};
-        double point[3], distance;
-        if (psplat_region_line_value(region, region->line_count - 1, uv) >= 0) continue;
-        psplat_region_point(region, uv, point);
-        assert_int_equal(psplat_distance_query(r->f.distance, point, 1, &distance), PSPLAT_OK);
-        most = fmax(most, distance);
-    }
-    return most;
+    /* A rim that is gone may leave one that is too far inside, so that single horns may lose. */
+    print_message("errors of outlines %zu -> %zu\n", errors[0], errors[1]);
+    assert_true(100 * errors[1] < 99 * errors[0]);
+    print_message("stand-off beyond lines %.2f, at other sides %.2f\n", stand_off[0], stand_off[1]);
+    assert_true(stand_off[0] > stand_off[1]);
 }
 
 /* What is cut off of the splats of a part stands off: those of its flat faces stay as they are. */
