@@ -40,8 +40,9 @@
 /* How often rays are cast, how many splats each may have extended in turn, the points from which
  * rays are cast for each sample, and the seeds of new candidates for each one that there may be. */
 enum { ROUNDS = 4, CHOICES = 3, POINTS_PER_SAMPLE = 3, SEEDS_PER_CANDIDATE = 5 };
-/* After how many rays that it cannot be extended to a candidate is left alone. */
-enum { FAILURES = 3 };
+/* After how many rays that it cannot be extended to a candidate is left alone, in later rounds too:
+ * what stopped it mostly stops it again. */
+enum { FAILURES = 2 };
 /* The greatest distance of a ray from the centre of a splat that is extended to it, in units of u
  * and v, and how much farther than that the ellipse then reaches, which rounding uses up. */
 static const double most_distance = 2, spare = 0.03;
@@ -274,8 +275,8 @@ static psplat_result extend_to_all(const psplat_fit_context *context, size_t ind
     psplat_candidate *candidate = &r->c->selection.candidates[index];
     psplat_site site = psplat_site_of(&candidate->region, candidate->triangle);
     psplat_result result = PSPLAT_OK;
-    int failures = 0;
-    for (uint32_t i = r->first[index]; i < r->first[index + 1] && !result; ++i) {
+    for (uint32_t i = r->first[index];
+         i < r->first[index + 1] && candidate->failed_extensions < FAILURES && !result; ++i) {
         const psplat_ray_hole *hole = &r->gaps[r->order[i]].hole;
         double height, uv[2], tolerance = context->limits->tolerance;
         if (!candidate->covered_count ||
@@ -285,8 +286,10 @@ static psplat_result extend_to_all(const psplat_fit_context *context, size_t ind
         double distance = hypot(uv[0], uv[1]) * (1 + spare);
         if (distance < 1 || distance > most_distance) continue;
         result = extend(context, &site, hole, uv, distance, candidate);
-        failures += !psplat_ray_hole_is_closed(hole, &candidate->region, tolerance);
-        if (failures == FAILURES) break;
+        if (psplat_ray_hole_is_closed(hole, &candidate->region, tolerance))
+            candidate->failed_extensions = 0;
+        else
+            ++candidate->failed_extensions;
     }
     return result;
 }

@@ -152,19 +152,46 @@ static psplat_result close_holes(psplat_shrunk *shrunk, int inside_seams) {
     return result;
 }
 
-static psplat_result close_rays(psplat_shrunk *shrunk) {
-    psplat_result result = PSPLAT_OK;
-    size_t points = shrunk->points_per_sample * shrunk->c->samples.count;
-    for (int round = 0; round < RAY_ROUNDS && !result; ++round) {
-        psplat_measured_splats measured;
-        psplat_ray_holes rays;
-        result =
-            psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points, PSPLAT_OPENING_WALL,
-                                 shrunk->c->desc->seed + (uint64_t)round, &measured, &rays);
+/* Returns a region that holds what a splat has lost: all that it was, or what lies beyond a line
+ * that it has got. */
+static psplat_region lost_part(const psplat_region *before, const psplat_region *now) {
+    psplat_region lost = *before;
+    if (now->line_count > before->line_count) {
+        const double *line = now->lines[before->line_count];
+        const double beyond[3] = {-line[0], -line[1], -line[2]};
+        psplat_region_add_line(&lost, beyond, 0);
+    }
+    return lost;
+}
+
+/* Casts rays where splats are smaller, and gives these back what closes them. */
+static psplat_result cast_rays(psplat_shrunk *shrunk, uint64_t seed) {
+    psplat_measured_splats measured;
+    psplat_ray_holes rays;
+    size_t points = shrunk->points_per_sample * shrunk->c->samples.count, count = 0;
+    psplat_region *lost = malloc((shrunk->before.count + 1) * sizeof *lost);
+    for (size_t i = 0; lost && i < shrunk->before.count; ++i)
+        if (shrunk->splats[i].is_smaller)
+            lost[count++] = lost_part(&shrunk->before.regions[i],
+                                      &shrunk->c->selection.candidates[i].region);
+    psplat_region_tree *beside = lost ? psplat_region_tree_create(lost, count, 0) : NULL;
+    psplat_result result = PSPLAT_ERROR_MEMORY;
+    if (beside) {
+        result = psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points,
+                                      PSPLAT_OPENING_WALL, beside, seed, &measured, &rays);
         for (size_t i = 0; i < rays.count && !result; ++i) close_ray(shrunk, &rays.holes[i]);
         psplat_ray_holes_free(&rays);
         psplat_measured_splats_free(&measured);
     }
+    psplat_region_tree_destroy(beside);
+    free(lost);
+    return result;
+}
+
+static psplat_result close_rays(psplat_shrunk *shrunk) {
+    psplat_result result = PSPLAT_OK;
+    for (int round = 0; round < RAY_ROUNDS && !result; ++round)
+        result = cast_rays(shrunk, shrunk->c->desc->seed + (uint64_t)round);
     return result;
 }
 

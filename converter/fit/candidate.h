@@ -28,6 +28,8 @@ typedef struct psplat_candidate {
     int taken;         /* 1: belongs to the selection; 0: is only in the pool */
     int ellipse_grown; /* 1 after psplat_grow_ellipse */
     int quantized;     /* 1 after psplat_quantize_candidate */
+    int failed_extensions; /* rays that it could not be extended to since it was extended last
+                            * (finish/close_rays.c) */
 } psplat_candidate;
 
 /* Copies a candidate with what it owns. Returns 0 when out of memory; *to then owns nothing. */

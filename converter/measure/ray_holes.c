@@ -72,24 +72,46 @@ typedef struct ray_plan {
     const psplat_rim_point *rims; /* of each place; NULL: the places lie on the surface */
     const double *cosines;        /* slants + 1, the flattest first */
     int slants, around;           /* rays of each slant */
+    double sectors[AROUND][2];    /* cosine and sine of where the sector of each of these begins */
+    double half_sector;           /* the tangent of half of its angle */
 } ray_plan;
 
-/* Makes the first rays of place i, which always are the same. */
+static void divide_into_sectors(ray_plan *plan) {
+    for (int k = 0; k < plan->around; ++k) {
+        plan->sectors[k][0] = cos(2 * PSPLAT_PI * k / plan->around);
+        plan->sectors[k][1] = sin(2 * PSPLAT_PI * k / plan->around);
+    }
+    plan->half_sector = tan(PSPLAT_PI / plan->around);
+}
+
+/* Turns a direction of a plane by the angle of another one. */
+static void turn_by(double direction[2], double cosine, double sine) {
+    double x = direction[0], y = direction[1];
+    direction[0] = cosine * x - sine * y;
+    direction[1] = sine * x + cosine * y;
+}
+
+/* Makes the first rays of place i, which always are the same. Within its sector a ray is turned by
+ * an angle the tangent of half of which is uniform: that takes no sine. */
 static void make_rays(const ray_plan *plan, size_t i, int count, bundle *b) {
     const place *at = &plan->places[i];
     const double *normal = plan->search->surface->face_normals + 3 * (size_t)at->triangle;
     uint64_t random = plan->search->seed ^ i;
-    double u[3], v[3], turn = psplat_random_unit(&random);
+    double u[3], v[3], turn = 2 * PSPLAT_PI * psplat_random_unit(&random);
+    const double first[2] = {cos(turn), sin(turn)};
     perpendicular3(u, normal);
     cross3(v, normal, u);
     for (int k = 0; k < count; ++k) {
         const double *range = plan->cosines + k / plan->around;
-        double angle = 2 * PSPLAT_PI * (turn + (k + psplat_random_unit(&random)) / plan->around);
+        const double *sector = plan->sectors[k % plan->around];
+        double half = plan->half_sector * psplat_random_unit(&random), to[2] = {first[0], first[1]};
         double cosine = range[0] + psplat_random_unit(&random) * (range[1] - range[0]);
         double sine = sqrt(max2(1 - cosine * cosine, 0)), *d = b->sights[k].direction;
+        turn_by(to, sector[0], sector[1]);
+        turn_by(to, (1 - half * half) / (1 + half * half), 2 * half / (1 + half * half));
         b->cosine[k] = cosine;
         for (int c = 0; c < 3; ++c)
-            d[c] = cosine * normal[c] + sine * (cos(angle) * u[c] + sin(angle) * v[c]);
+            d[c] = cosine * normal[c] + sine * (to[0] * u[c] + to[1] * v[c]);
         along3(b->sights[k].point, at->point, -at->lift / cosine, d);
     }
     b->open = (1u << count) - 1;
@@ -110,6 +132,9 @@ typedef struct looker {
     double low[3], high[3]; /* a box, and the splats within reach of it */
     uint32_t *near;
     size_t near_count, near_capacity;
+    double beside_low[3], beside_high[3]; /* a box, and whether a region that matters is within
+                                             reach of it */
+    int is_beside;
     int failed;
     /* At the place: */
     const double *point, *normal;
@@ -131,19 +156,49 @@ static int push_near(void *user, uint32_t splat) {
     return 0;
 }
 
+/* Returns whether the point is in a box; else puts the box around it, and stores one that is larger
+ * by a length. */
+static int is_in_box(const looker *l, double low[3], double high[3], double far, double far_low[3],
+                     double far_high[3]) {
+    int known = 1;
+    for (int k = 0; k < 3; ++k) known &= l->point[k] >= low[k] && l->point[k] <= high[k];
+    for (int k = 0; k < 3 && !known; ++k) {
+        low[k] = l->point[k] - l->reach, far_low[k] = low[k] - far;
+        high[k] = l->point[k] + l->reach, far_high[k] = high[k] + far;
+    }
+    return known;
+}
+
 /* Finds the splats near the point, and near those that may follow it. Walls leave the boxes of
  * splats. */
 static void find_near(looker *l) {
-    double low[3], high[3], far = l->reach + l->measured->wall;
-    int known = 1;
-    for (int k = 0; k < 3; ++k) known &= l->point[k] >= l->low[k] && l->point[k] <= l->high[k];
-    if (known) return;
-    for (int k = 0; k < 3; ++k) {
-        l->low[k] = l->point[k] - l->reach, low[k] = l->low[k] - far;
-        l->high[k] = l->point[k] + l->reach, high[k] = l->high[k] + far;
-    }
+    double low[3], high[3];
+    if (is_in_box(l, l->low, l->high, l->reach + l->measured->wall, low, high)) return;
     l->near_count = 0;
     psplat_region_tree_visit_box(l->measured->region_tree, low, high, push_near, l);
+}
+
+static int see_beside(void *user, uint32_t region) {
+    (void)region;
+    *(int *)user = 1;
+    return 1;
+}
+
+/* Returns whether a ray of the point may meet a region that matters. Rays beyond rims are taken to
+ * pass the triangle beneath, which may lie as far from the point along them as they reach. */
+static int is_beside(looker *l) {
+    double low[3], high[3], far = (l->plan->rims ? 2 : 1) * l->reach + l->measured->wall;
+    const psplat_region_tree *tree = l->plan->search->beside;
+    int beside = 0;
+    if (!tree) return 1;
+    if (!is_in_box(l, l->beside_low, l->beside_high, far, low, high)) {
+        l->is_beside = 0;
+        psplat_region_tree_visit_box(tree, low, high, see_beside, &l->is_beside);
+    }
+    if (!l->is_beside) return 0;
+    for (int k = 0; k < 3; ++k) low[k] = l->point[k] - far, high[k] = l->point[k] + far;
+    psplat_region_tree_visit_box(tree, low, high, see_beside, &beside);
+    return beside;
 }
 
 /* Remembers a splat. */
@@ -285,7 +340,7 @@ static psplat_result measure_place(looker *l, size_t i) {
     psplat_result result = PSPLAT_OK;
     bundle b;
     l->point = at->point;
-    if (!psplat_surface_owns(surface, at->point)) return PSPLAT_OK;
+    if (!is_beside(l) || !psplat_surface_owns(surface, at->point)) return PSPLAT_OK;
     /* The triangle beneath a rim is found only where it is needed, since that takes long. */
     l->normal =
         l->plan->rims ? l->plan->rims[i].normal : surface->face_normals + 3 * (size_t)at->triangle;
@@ -334,7 +389,8 @@ static looker looker_of(const ray_plan *plan, const double *bends) {
                 .measured = plan->search->measured,
                 .bends = bends,
                 .reach = plan->search->measured->tolerance / plan->cosines[0],
-                .low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
+                .low = {HUGE_VAL, HUGE_VAL, HUGE_VAL},
+                .beside_low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
     for (int k = 0; k < plan->slants; ++k) {
         double cosine = plan->cosines[k];
         l.cones[k] = (psplat_sight_cone){cosine, sqrt(1 - cosine * cosine)};
@@ -345,8 +401,8 @@ static looker looker_of(const ray_plan *plan, const double *bends) {
 enum { BLOCK_PLACES = 256 }; /* that a thread takes at once */
 
 /* Finds which rays of each place are holes, and appends them. */
-static psplat_result measure_places(const ray_plan *plan, const double *bends,
-                                    psplat_ray_holes *holes) {
+static psplat_result measure_places(ray_plan *plan, const double *bends, psplat_ray_holes *holes) {
+    divide_into_sectors(plan);
     long end = (long)plan->count;
     int failed = 0;
 #if defined(_OPENMP)

@@ -7,6 +7,7 @@
 
 #include <phongsplat/splat.h>
 
+#include "base/region_tree.h"
 #include "features/surface.h"
 #include "measure/measured_splats.h"
 #include "measure/ray_meeting.h"
@@ -40,6 +41,8 @@ typedef struct psplat_ray_search {
     const psplat_measured_splats *measured; /* only the tree, the regions, the tolerance and the
                                                walls count */
     const psplat_distance *distance;        /* to the surface */
+    const psplat_region_tree *beside; /* NULL, or of the regions that rays matter for: places from
+                                         which none can meet one of these may be left out */
     size_t points;
     double rim_spacing; /* a length; 0: no rays past rims */
     uint64_t seed;

@@ -38,8 +38,8 @@ typedef enum psplat_color_field {
  * are the defaults; the command line calls it 0. */
 enum { PSPLAT_EFFORT_NONE = -1 };
 
-/* The greatest effort. */
-enum { PSPLAT_GREATEST_EFFORT = 9 };
+/* The greatest effort, and the one where none is given. */
+enum { PSPLAT_GREATEST_EFFORT = 9, PSPLAT_DEFAULT_EFFORT = 3 };
 
 /* The tolerance where none is given, in % of the bounding-box diagonal: a pixel where a model is
  * some 500 of them across. Of 0.5, 0.4, 0.3 and 0.2 it is the one at which bytes times the error of
@@ -65,7 +65,7 @@ typedef struct psplat_convert_desc {
                                       * times the root of epsilon over 0.5 %: 6.3 at 0.2 % */
     psplat_color_field color_field;
     int effort;      /* 1 ... 9: how long the selection is improved, as convert's --effort; or
-                      * PSPLAT_EFFORT_NONE; 0 means 2 */
+                      * PSPLAT_EFFORT_NONE; 0 means PSPLAT_DEFAULT_EFFORT */
     uint64_t seed;   /* of all random choices */
     int unverified;  /* 1: a report gets counts only; psplat_convert_verify adds the rest */
     double diagonal; /* the length that all percentages are of, in the mesh's units, where the mesh

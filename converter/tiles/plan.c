@@ -363,7 +363,7 @@ static void resolve_defaults(psplat_tile_options *o) {
     psplat_convert_desc *c = &o->convert;
     if (!(c->tolerance_percent > 0)) c->tolerance_percent = PSPLAT_DEFAULT_TOLERANCE_PERCENT;
     if (!(c->crease_angle_degrees > 0)) c->crease_angle_degrees = 30;
-    if (!c->effort) c->effort = 2;
+    if (!c->effort) c->effort = PSPLAT_DEFAULT_EFFORT;
     if (!o->most_splats) o->most_splats = PSPLAT_MOST_TILE_SPLATS;
 }
 

@@ -128,7 +128,7 @@ static const char *file_of(const char *path) {
 }
 
 int main(int argc, char **argv) {
-    options o = {.tolerance = 0.5, .effort = 2, .bounds = BOUNDS};
+    options o = {.tolerance = 0.5, .effort = PSPLAT_DEFAULT_EFFORT, .bounds = BOUNDS};
     psplat_mesh mesh;
     int at = 1;
     for (; at + 1 < argc && !strncmp(argv[at], "--", 2); at += 2) {

@@ -514,7 +514,7 @@ static void add_defaults(options *o) {
 int main(int argc, char **argv) {
     const char *folder = getenv("PSPLAT_BENCH_MODELS");
     options o = {.folder = folder ? folder : PSPLAT_SOURCE_DIR "/../shared/models",
-                 .effort = 2,
+                 .effort = PSPLAT_DEFAULT_EFFORT,
                  .limit = 600,
                  .triangles = 1500000};
     if (!read_arguments(&o, argc, argv)) return 1;

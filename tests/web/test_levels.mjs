@@ -58,7 +58,7 @@ const drawAt = (options) => inPage(async ({ url, closeness, tau, isFlat }) => {
 for (const [name, url] of [['cone', '/scratch/cone.glb'], ['levels', '/schema/levels.gltf']]) {
     test(`${name}: the level of the C runtime, and its pixels`, async () => {
         const seen = new Set(), path = files[name];
-        for (const [closeness, tau, isFlat] of [[1, 0.01, false], [1, 0.5, false], [2, 1, false], [4, 4, false], [16, 0.5, false], [2, 4, true], [1, 30, false], [4, 1000, true]]) {
+        for (const [closeness, tau, isFlat] of [[1, 0.01, false], [1, 0.5, false], [2, 1, false], [2, 2, false], [1, 5, false], [4, 4, false], [16, 0.5, false], [2, 4, true], [1, 30, false], [4, 1000, true]]) {
             const picture = await drawAt({ url, closeness, tau, isFlat }), out = join(scratch, 'native.ppm');
             const args = [path, out, picture.width, picture.height, 'normal', ...picture.view, ...picture.projection, tau].map(String);
             const env = { ...process.env, ASAN_OPTIONS: 'detect_leaks=0:intercept_tls_get_addr=0' };

@@ -323,7 +323,8 @@ case_killed() {
         cmp "d/assets/$file.glb" "whole/assets/$file.glb" || fail "$file differs"
     done
 
-    # Ctrl-C ends it at once with a message.
+    # Ctrl-C ends it at once with a message. From the beginning, since the rest would be done too soon.
+    rm -r d
     code=0
     # shellcheck disable=SC2086
     timeout -s INT 0.3 "$PHONGSPLAT" tradeoff $small --frames 100000 "$cube" d --tolerances 2,1 --no-gltfpack -q >stdout.txt 2>stderr.txt || code=$?

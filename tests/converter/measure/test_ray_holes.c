@@ -140,8 +140,10 @@ static void test_walls(void **state) {
 }
 
 /* Finds the rays that pass between two splats in the plane of the square, with so many random
- * points and so far between points of rims. A negative width is an overlap. */
-static psplat_ray_holes find_crack(const fixture *f, double width, size_t points, double spacing) {
+ * points and so far between points of rims; where a tree is given, those that matter for its
+ * regions. A negative width is an overlap. */
+static psplat_ray_holes find_crack(const fixture *f, double width, size_t points, double spacing,
+                                   const psplat_region_tree *beside) {
     psplat_region regions[2] = {half(-1, middle, 0), half(1, middle + width, 0)};
     psplat_measured_splats measured = {.regions = regions, .count = 2, .tolerance = tolerance};
     psplat_ray_holes holes;
@@ -150,6 +152,7 @@ static psplat_ray_holes find_crack(const fixture *f, double width, size_t points
     const psplat_ray_search search = {.surface = &f->surface,
                                       .measured = &measured,
                                       .distance = f->distance,
+                                      .beside = beside,
                                       .points = points,
                                       .rim_spacing = spacing,
                                       .seed = 3};
@@ -168,9 +171,9 @@ static void test_cracks(void **state) {
     f.distance = psplat_distance_create(&f.mesh);
     assert_non_null(f.distance);
     double width = 0.05 * tolerance;
-    psplat_ray_holes random = find_crack(&f, width, 2000, 0);
-    psplat_ray_holes rims = find_crack(&f, width, 0, tolerance);
-    psplat_ray_holes overlap = find_crack(&f, -tolerance, 0, tolerance);
+    psplat_ray_holes random = find_crack(&f, width, 2000, 0, NULL);
+    psplat_ray_holes rims = find_crack(&f, width, 0, tolerance, NULL);
+    psplat_ray_holes overlap = find_crack(&f, -tolerance, 0, tolerance, NULL);
     print_message("%zu rays of random points, %zu past rims\n", random.count, rims.count);
     assert_true(rims.count > 100);
     assert_true(rims.count > 10 * random.count);
@@ -185,6 +188,64 @@ static void test_cracks(void **state) {
     psplat_ray_holes_free(&random);
     psplat_ray_holes_free(&rims);
     psplat_ray_holes_free(&overlap);
+    fixture_free(&f);
+}
+
+/* Returns whether rays are among others, in the same order. */
+static int is_among(const psplat_ray_holes *some, const psplat_ray_holes *all) {
+    size_t at = 0;
+    for (size_t i = 0; i < some->count; ++i, ++at) {
+        const psplat_sight *sight = &some->holes[i].sight;
+        while (at < all->count && memcmp(sight, &all->holes[at].sight, sizeof *sight)) ++at;
+        if (at == all->count) return 0;
+    }
+    return 1;
+}
+
+/* Of the rays through a crack, those that would meet a small splat over it, also from far beside
+ * it, are all found where rays matter for that alone, and few others. */
+static void check_beside(const fixture *f, size_t points, double spacing) {
+    const psplat_region small = {.center = {middle, 0.3, 0.9 * tolerance},
+                                 .u = {1, 0, 0},
+                                 .v = {0, 1, 0},
+                                 .n = {0, 0, 1},
+                                 .radius = {0.05, 0.05}};
+    double width = tolerance;
+    psplat_region_tree *tree = psplat_region_tree_create(&small, 1, 0);
+    psplat_region_tree *empty = psplat_region_tree_create(&small, 0, 0);
+    assert_non_null(tree);
+    assert_non_null(empty);
+    psplat_ray_holes all = find_crack(f, width, points, spacing, NULL);
+    psplat_ray_holes some = find_crack(f, width, points, spacing, tree);
+    psplat_ray_holes none = find_crack(f, width, points, spacing, empty);
+    size_t matter = 0, found = 0;
+    for (size_t i = 0; i < all.count; ++i)
+        matter += (size_t)psplat_ray_hole_is_closed(&all.holes[i], &small, tolerance);
+    for (size_t i = 0; i < some.count; ++i)
+        found += (size_t)psplat_ray_hole_is_closed(&some.holes[i], &small, tolerance);
+    print_message("%zu rays, %zu of them matter; found %zu\n", all.count, matter, some.count);
+    assert_true(matter > 20);
+    assert_int_equal(found, matter);
+    assert_true(is_among(&some, &all));
+    /* The splat holds a tenth of the crack, and rays past rims reach 1 / 0.08 tolerances. */
+    assert_true(some.count < all.count / 3);
+    assert_int_equal(none.count, 0);
+    psplat_region_tree_destroy(tree);
+    psplat_region_tree_destroy(empty);
+    psplat_ray_holes_free(&all);
+    psplat_ray_holes_free(&some);
+    psplat_ray_holes_free(&none);
+}
+
+static void test_beside(void **state) {
+    (void)state;
+    fixture f;
+    fixture_grid(&f, 3, 3, place_square);
+    fixture_build(&f);
+    f.distance = psplat_distance_create(&f.mesh);
+    assert_non_null(f.distance);
+    check_beside(&f, 100000, 0);
+    check_beside(&f, 0, tolerance);
     fixture_free(&f);
 }
 
@@ -214,9 +275,8 @@ static void test_threads(void **state) {
 
 int test_ray_holes_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps),
-        cmocka_unit_test(test_walls),
-        cmocka_unit_test(test_cracks),
+        cmocka_unit_test(test_steps),   cmocka_unit_test(test_walls),
+        cmocka_unit_test(test_cracks),  cmocka_unit_test(test_beside),
         cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

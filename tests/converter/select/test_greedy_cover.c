@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * test_greedy_cover.c - tests of the greedy set cover: the selection covers every sample, repeats
- * bit by bit, and after pruning contains no candidate without which all samples would be covered.
+ * bit by bit, and after pruning contains no candidate without which all samples would be covered;
+ * no candidate grows where there are enough to choose from.
  * The models are bundled ones.
  */
 #include <setjmp.h>
@@ -310,12 +311,66 @@ static void test_greedy(void **state) {
     }
 }
 
+enum { MOST_ROUNDS = 100 };
+
+/* How many candidates there were when each round began. */
+typedef struct rounds {
+    const psplat_selection *selection;
+    size_t counts[MOST_ROUNDS + 1];
+    size_t count;
+} rounds;
+
+static int note_round(void *user, const char *stage, double fraction) {
+    rounds *r = user;
+    (void)stage;
+    (void)fraction;
+    assert_true(r->count < MOST_ROUNDS);
+    r->counts[r->count++] = r->selection->count;
+    return 0;
+}
+
+/* A candidate grows around a sample that fewer than three candidates of the rounds before cover, so
+ * that it covers such a sample itself. */
+static void test_choices(void **state) {
+    (void)state;
+    fixture f;
+    psplat_selection selection = {0};
+    rounds r = {.selection = &selection};
+    fixture_model(&f, "torus.off");
+    fixture_sample(&f, 0.01);
+    psplat_limits limits = limits_of(&f, 0.005);
+    const psplat_fit_context context = fixture_context(&f, &limits, NULL);
+    const psplat_convert_desc desc = {.progress = note_round, .user = &r};
+    assert_int_equal(psplat_greedy_cover(&context, &desc, &selection, NULL), PSPLAT_OK);
+    r.counts[r.count] = selection.count;
+    uint32_t *choices = calloc(f.samples.count, sizeof *choices);
+    assert_non_null(choices);
+    for (size_t round = 0; round < r.count; ++round) {
+        for (size_t i = r.counts[round]; i < r.counts[round + 1]; ++i) {
+            const psplat_candidate *c = &selection.candidates[i];
+            int few = 0;
+            for (size_t k = 0; k < c->covered_count; ++k) few |= choices[c->covered[k]] < 3;
+            assert_true(few);
+        }
+        for (size_t i = r.counts[round]; i < r.counts[round + 1]; ++i) {
+            const psplat_candidate *c = &selection.candidates[i];
+            for (size_t k = 0; k < c->covered_count; ++k) ++choices[c->covered[k]];
+        }
+    }
+    print_message("%zu candidates in %zu rounds, %zu taken\n", selection.count, r.count,
+                  psplat_selection_taken(&selection));
+    assert_true(r.count > 3); /* Otherwise there is nothing to see. */
+    free(choices);
+    psplat_selection_free(&selection);
+    fixture_free(&f);
+}
+
 int test_greedy_cover_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_cover),       cmocka_unit_test(test_repeatable),
         cmocka_unit_test(test_existing),    cmocka_unit_test(test_appended),
         cmocka_unit_test(test_interrupted), cmocka_unit_test(test_pool),
-        cmocka_unit_test(test_greedy),
+        cmocka_unit_test(test_greedy),      cmocka_unit_test(test_choices),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
