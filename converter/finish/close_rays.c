@@ -57,7 +57,8 @@ static const double color_factor = 1.5;
 static const double rim_spacing_tolerances = 2;
 /* How many candidates there may be in the end for each that there were: what gaps may cost. */
 static const double most_growth = 1.1;
-/* The share of the gaps of one round from which on those of the next one end the rounds. */
+/* The share of the gaps of one round from which on those that it leaves, or those of the next one,
+ * end the rounds. */
 static const double stalling_share = 0.85;
 
 /* A splat that a ray would meet if it were larger. */
@@ -619,6 +620,12 @@ static void free_round(closer *r) {
     free(r->first);
 }
 
+/* Returns whether there are about as many gaps as before, once candidates gain by extension alone:
+ * more rounds are of no use then. */
+static int stalls(const psplat_conversion *c, size_t most, size_t now, size_t before) {
+    return c->selection.count >= most && (double)now > stalling_share * (double)before;
+}
+
 psplat_result psplat_close_rays(psplat_conversion *c, psplat_error *error) {
     psplat_result result = PSPLAT_OK;
     size_t gaps = 1, few = c->selection.count, most = (size_t)ceil(most_growth * (double)few);
@@ -629,10 +636,9 @@ psplat_result psplat_close_rays(psplat_conversion *c, psplat_error *error) {
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = find_gaps(&r, c->desc->seed + (uint64_t)round);
         size_t open = count_open(&r);
-        /* Once candidates only gain by extension, rounds that find as much again are of no use. */
-        int stalls = c->selection.count >= most && (double)open > stalling_share * (double)gaps;
-        gaps = stalls ? 0 : open;
+        gaps = stalls(c, most, open, gaps) ? 0 : open;
         if (!result && gaps) result = close_gaps(&r, error);
+        if (stalls(c, most, count_open(&r), gaps)) gaps = 0; /* The next round would. */
         free_round(&r);
     }
     if (result && result != PSPLAT_ERROR_INTERRUPTED)

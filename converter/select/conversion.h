@@ -39,7 +39,7 @@ typedef enum psplat_color_field {
 enum { PSPLAT_EFFORT_NONE = -1 };
 
 /* The greatest effort, and the one where none is given. */
-enum { PSPLAT_GREATEST_EFFORT = 9, PSPLAT_DEFAULT_EFFORT = 3 };
+enum { PSPLAT_GREATEST_EFFORT = 9, PSPLAT_DEFAULT_EFFORT = 4 };
 
 /* The tolerance where none is given, in % of the bounding-box diagonal: a pixel where a model is
  * some 500 of them across. Of 0.5, 0.4, 0.3 and 0.2 it is the one at which bytes times the error of

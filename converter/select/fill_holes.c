@@ -35,7 +35,7 @@ enum { ROUNDS = 32, IMPROVING_ROUNDS = 16 };
 /* The moves of the local search for each hole, for effort 0; each round of the effort adds as many.
  * And the most for each splat: few splats may have many holes between them, and a move that
  * exchanges most of them takes long. Chosen by hand. */
-enum { MOVES_PER_HOLE = 7, MOVES_PER_SPLAT = 7 };
+enum { MOVES_PER_HOLE = 6, MOVES_PER_SPLAT = 6 };
 
 /* The side of the cubes in each of which one hole is found, in sample spacings, and the width below
  * which holes are not found, in sample spacings and in tolerances: the lesser of both, since the

@@ -139,11 +139,11 @@ static void test_ends_of_ranges(void **state) {
     }
 }
 
-/* An effort that is not given is 3; 0 is a valid effort and different from none given. */
+/* An effort that is not given is 4; 0 is a valid effort and different from none given. */
 static void test_efforts_are_those_of_conversions(void **state) {
     (void)state;
     const char *const given[] = {"--quiet", "--effort=2", "--effort=0", "--effort=1", "--effort=9"};
-    const int rounds[] = {3, 2, 0, 1, 25};
+    const int rounds[] = {4, 2, 0, 1, 25};
     for (size_t i = 0; i < sizeof rounds / sizeof *rounds; ++i) {
         values v = {0};
         assert_int_equal(PARSE(&v, given[i], "in", "out"), PSPLAT_PARSE_OK);

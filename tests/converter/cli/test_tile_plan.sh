@@ -205,7 +205,7 @@ case_replaced() {
     "$MAKE_TERRAIN" 4 >terrain.ply
     run "$PHONGSPLAT" tile plan terrain.ply usual
     expect_success
-    run "$PHONGSPLAT" tile plan terrain.ply usual -t 0.2% --effort 3 --crease-angle 30 --tile-splats 1024 --precision auto
+    run "$PHONGSPLAT" tile plan terrain.ply usual -t 0.2% --effort 4 --crease-angle 30 --tile-splats 1024 --precision auto
     expect_success
     run "$PHONGSPLAT" tile plan terrain.ply usual --effort 2
     expect_error 5 'usual: holds another plan'

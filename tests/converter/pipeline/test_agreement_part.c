@@ -156,8 +156,8 @@ static void test_part_from_all_sides(void **state) {
         double from[3];
         for (int i = 0; i < 3; ++i) from[i] = 2 * (double)scene_random(&seed) - 1;
         psplat_view view = view_of(asset, from, 4);
-        agreement one = agreement_measure_modes(&g, asset, NULL, &view,
-                                                1u << PSPLAT_MODE_PARAMETERS, 1, &ties);
+        agreement one =
+            agreement_measure_modes(&g, asset, NULL, &view, 1u << PSPLAT_MODE_PARAMETERS, 1, &ties);
         agreement_add(&a, &one);
     }
     print_message("24 views: covered %zu skipped %zu mismatches %zu other %zu uv %.1e (thin %.1e) "
