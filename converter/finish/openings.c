@@ -172,8 +172,8 @@ static psplat_result cast_rays(psplat_shrunk *shrunk, uint64_t seed) {
     psplat_region *lost = malloc((shrunk->before.count + 1) * sizeof *lost);
     for (size_t i = 0; lost && i < shrunk->before.count; ++i)
         if (shrunk->splats[i].is_smaller)
-            lost[count++] = lost_part(&shrunk->before.regions[i],
-                                      &shrunk->c->selection.candidates[i].region);
+            lost[count++] =
+                lost_part(&shrunk->before.regions[i], &shrunk->c->selection.candidates[i].region);
     psplat_region_tree *beside = lost ? psplat_region_tree_create(lost, count, 0) : NULL;
     psplat_result result = PSPLAT_ERROR_MEMORY;
     if (beside) {

@@ -32,6 +32,13 @@ static void place_square(double s, double t, double p[3]) {
     p[0] = s, p[1] = t, p[2] = 0;
 }
 
+static void begin_square(fixture *f) {
+    fixture_grid(f, 3, 3, place_square);
+    fixture_build(f);
+    f->distance = psplat_distance_create(&f->mesh);
+    assert_non_null(f->distance);
+}
+
 /* Returns a splat over all of the square that a line cuts: it keeps sign * (x - from) >= 0. */
 static psplat_region half(double sign, double from, double z) {
     psplat_region region = {.center = {from, 0.5, z},
@@ -101,10 +108,7 @@ static double expected(double step, double overlap) {
 /* The rays pass a step of this height, under the wall where there is one. */
 static void check_steps(int has_wall, double step) {
     fixture f;
-    fixture_grid(&f, 3, 3, place_square);
-    fixture_build(&f);
-    f.distance = psplat_distance_create(&f.mesh);
-    assert_non_null(f.distance);
+    begin_square(&f);
     double slant = sqrt(1 - 0.2 * 0.2) / 0.2;
     for (int part = 0; part <= 4; ++part) {
         double overlap = step * slant * part / 4;
@@ -166,10 +170,7 @@ static psplat_ray_holes find_crack(const fixture *f, double width, size_t points
 static void test_cracks(void **state) {
     (void)state;
     fixture f;
-    fixture_grid(&f, 3, 3, place_square);
-    fixture_build(&f);
-    f.distance = psplat_distance_create(&f.mesh);
-    assert_non_null(f.distance);
+    begin_square(&f);
     double width = 0.05 * tolerance;
     psplat_ray_holes random = find_crack(&f, width, 2000, 0, NULL);
     psplat_ray_holes rims = find_crack(&f, width, 0, tolerance, NULL);
@@ -240,10 +241,7 @@ static void check_beside(const fixture *f, size_t points, double spacing) {
 static void test_beside(void **state) {
     (void)state;
     fixture f;
-    fixture_grid(&f, 3, 3, place_square);
-    fixture_build(&f);
-    f.distance = psplat_distance_create(&f.mesh);
-    assert_non_null(f.distance);
+    begin_square(&f);
     check_beside(&f, 100000, 0);
     check_beside(&f, 0, tolerance);
     fixture_free(&f);
@@ -253,10 +251,7 @@ static void test_beside(void **state) {
 static void test_threads(void **state) {
     (void)state;
     fixture f;
-    fixture_grid(&f, 3, 3, place_square);
-    fixture_build(&f);
-    f.distance = psplat_distance_create(&f.mesh);
-    assert_non_null(f.distance);
+    begin_square(&f);
     fixture_threads(1);
     psplat_ray_holes one = find(&f, 1, 0.001);
     fixture_threads(3);
