@@ -40,8 +40,8 @@
 /* How often rays are cast, how many splats each may have extended in turn, the points from which
  * rays are cast for each sample, and the seeds of new candidates for each one that there may be. */
 enum { ROUNDS = 4, CHOICES = 3, POINTS_PER_SAMPLE = 3, SEEDS_PER_CANDIDATE = 5 };
-/* After how many rays that it cannot be extended to a candidate is left alone, in later rounds too:
- * what stopped it mostly stops it again. */
+/* After how many rays in a row that it cannot be extended to a candidate is left alone, in later
+ * rounds too: what stopped it mostly stops it again. */
 enum { FAILURES = 2 };
 /* The greatest distance of a ray from the centre of a splat that is extended to it, in units of u
  * and v, and how much farther than that the ellipse then reaches, which rounding uses up. */
@@ -57,8 +57,8 @@ static const double color_factor = 1.5;
 static const double rim_spacing_tolerances = 2;
 /* How many candidates there may be in the end for each that there were: what gaps may cost. */
 static const double most_growth = 1.1;
-/* The share of the gaps of one round from which on those that it leaves, or those of the next one,
- * end the rounds. */
+/* Rounds end where one leaves more than this share of its gaps open, or finds more than this share
+ * of those of the round before. */
 static const double stalling_share = 0.85;
 
 /* A splat that a ray would meet if it were larger. */
@@ -638,7 +638,8 @@ psplat_result psplat_close_rays(psplat_conversion *c, psplat_error *error) {
         size_t open = count_open(&r);
         gaps = stalls(c, most, open, gaps) ? 0 : open;
         if (!result && gaps) result = close_gaps(&r, error);
-        if (stalls(c, most, count_open(&r), gaps)) gaps = 0; /* The next round would. */
+        if (stalls(c, most, count_open(&r), gaps))
+            gaps = 0; /* The next round would find about these. */
         free_round(&r);
     }
     if (result && result != PSPLAT_ERROR_INTERRUPTED)

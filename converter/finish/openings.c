@@ -16,6 +16,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* All of these were chosen by hand. */
 /* How far the points lie apart at which rays pass rims, in tolerances. */
@@ -152,39 +153,45 @@ static psplat_result close_holes(psplat_shrunk *shrunk, int inside_seams) {
     return result;
 }
 
-/* Returns a region that holds what a splat has lost: all that it was, or what lies beyond a line
- * that it has got. */
+/* Returns a region that holds what a splat has lost: all that it was or, where it has got a line
+ * and is the same but for that, what lies beyond it. */
 static psplat_region lost_part(const psplat_region *before, const psplat_region *now) {
-    psplat_region lost = *before;
-    if (now->line_count > before->line_count) {
-        const double *line = now->lines[before->line_count];
-        const double beyond[3] = {-line[0], -line[1], -line[2]};
-        psplat_region_add_line(&lost, beyond, 0);
-    }
+    uint32_t last = before->line_count;
+    psplat_region cut = *before, lost = *before;
+    if (now->line_count != last + 1 || last + before->seam_count == PSPLAT_MAX_CLIP_LINES)
+        return lost;
+    const double *line = now->lines[last], beyond[3] = {-line[0], -line[1], -line[2]};
+    psplat_region_add_line(&cut, line, now->bends[last]);
+    if (!memcmp(&cut, now, sizeof cut)) psplat_region_add_line(&lost, beyond, -now->bends[last]);
     return lost;
 }
 
-/* Casts rays where splats are smaller, and gives these back what closes them. */
-static psplat_result cast_rays(psplat_shrunk *shrunk, uint64_t seed) {
-    psplat_measured_splats measured;
-    psplat_ray_holes rays;
-    size_t points = shrunk->points_per_sample * shrunk->c->samples.count, count = 0;
+/* Makes the tree of what splats have lost. The caller destroys it; NULL when out of memory. */
+static psplat_region_tree *make_lost_tree(const psplat_shrunk *shrunk) {
+    const psplat_candidate *candidates = shrunk->c->selection.candidates;
+    size_t count = 0;
     psplat_region *lost = malloc((shrunk->before.count + 1) * sizeof *lost);
     for (size_t i = 0; lost && i < shrunk->before.count; ++i)
         if (shrunk->splats[i].is_smaller)
-            lost[count++] =
-                lost_part(&shrunk->before.regions[i], &shrunk->c->selection.candidates[i].region);
-    psplat_region_tree *beside = lost ? psplat_region_tree_create(lost, count, 0) : NULL;
-    psplat_result result = PSPLAT_ERROR_MEMORY;
-    if (beside) {
-        result = psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points,
-                                      PSPLAT_OPENING_WALL, beside, seed, &measured, &rays);
-        for (size_t i = 0; i < rays.count && !result; ++i) close_ray(shrunk, &rays.holes[i]);
-        psplat_ray_holes_free(&rays);
-        psplat_measured_splats_free(&measured);
-    }
-    psplat_region_tree_destroy(beside);
+            lost[count++] = lost_part(&shrunk->before.regions[i], &candidates[i].region);
+    psplat_region_tree *tree = lost ? psplat_region_tree_create(lost, count, 0) : NULL;
     free(lost);
+    return tree;
+}
+
+/* Casts rays where splats have lost something, and gives them back what closes these. */
+static psplat_result cast_rays(psplat_shrunk *shrunk, uint64_t seed) {
+    psplat_measured_splats measured;
+    psplat_ray_holes rays;
+    size_t points = shrunk->points_per_sample * shrunk->c->samples.count;
+    psplat_region_tree *lost = make_lost_tree(shrunk);
+    if (!lost) return PSPLAT_ERROR_MEMORY;
+    psplat_result result = psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points,
+                                                PSPLAT_OPENING_WALL, lost, seed, &measured, &rays);
+    for (size_t i = 0; i < rays.count && !result; ++i) close_ray(shrunk, &rays.holes[i]);
+    psplat_ray_holes_free(&rays);
+    psplat_measured_splats_free(&measured);
+    psplat_region_tree_destroy(lost);
     return result;
 }
 

@@ -156,10 +156,10 @@ static int push_near(void *user, uint32_t splat) {
     return 0;
 }
 
-/* Returns whether the point is in a box; else puts the box around it, and stores one that is larger
- * by a length. */
-static int is_in_box(const looker *l, double low[3], double high[3], double far, double far_low[3],
-                     double far_high[3]) {
+/* Returns whether a box holds the point; else puts it around that, and stores one that is larger by
+ * a length. */
+static int keep_box(const looker *l, double low[3], double high[3], double far, double far_low[3],
+                    double far_high[3]) {
     int known = 1;
     for (int k = 0; k < 3; ++k) known &= l->point[k] >= low[k] && l->point[k] <= high[k];
     for (int k = 0; k < 3 && !known; ++k) {
@@ -173,7 +173,7 @@ static int is_in_box(const looker *l, double low[3], double high[3], double far,
  * splats. */
 static void find_near(looker *l) {
     double low[3], high[3];
-    if (is_in_box(l, l->low, l->high, l->reach + l->measured->wall, low, high)) return;
+    if (keep_box(l, l->low, l->high, l->reach + l->measured->wall, low, high)) return;
     l->near_count = 0;
     psplat_region_tree_visit_box(l->measured->region_tree, low, high, push_near, l);
 }
@@ -184,14 +184,16 @@ static int see_beside(void *user, uint32_t region) {
     return 1;
 }
 
-/* Returns whether a ray of the point may meet a region that matters. Rays beyond rims are taken to
- * pass the triangle beneath, which may lie as far from the point along them as they reach. */
+/* Returns whether a ray of the point may meet a region that matters. A splat that has rims is
+ * within the tolerance of the surface, so that points beyond these are within that and the gap, and
+ * their rays reach as much farther: they begin at the triangle beneath. */
 static int is_beside(looker *l) {
-    double low[3], high[3], far = (l->plan->rims ? 2 : 1) * l->reach + l->measured->wall;
+    double low[3], high[3],
+        far = (l->plan->rims ? 2 + greatest_rim_gap : 1) * l->reach + l->measured->wall;
     const psplat_region_tree *tree = l->plan->search->beside;
     int beside = 0;
     if (!tree) return 1;
-    if (!is_in_box(l, l->beside_low, l->beside_high, far, low, high)) {
+    if (!keep_box(l, l->beside_low, l->beside_high, far, low, high)) {
         l->is_beside = 0;
         psplat_region_tree_visit_box(tree, low, high, see_beside, &l->is_beside);
     }

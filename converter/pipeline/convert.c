@@ -51,7 +51,7 @@ static const double flat_deviation_tolerances = 0.02;
  * more than more moves do. Chosen by hand. */
 enum { MOVES_PER_SPLAT = 5 };
 
-/* Of how many rounds of the local search the first one grows the pool: candidates of relaxation
+/* The pool grows in the first of every so many rounds of the local search: candidates of relaxation
  * alone save as many splats a round, in half of the time. Chosen by hand. */
 enum { GROWING_ROUNDS = 4 };
 /* The sharpness of the blending kernel (spec 3.7). At a rim weights end with e^-4 = 0.018 instead
@@ -113,7 +113,8 @@ static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
     return result;
 }
 
-/* Replaces the selection by a smaller one, in rounds that relax it and search locally. */
+/* Replaces the selection by a smaller one, in rounds that relax it and search locally, and some of
+ * which grow the pool before. */
 static psplat_result improve(psplat_conversion *c, psplat_error *error) {
     int rounds = psplat_local_search_rounds(c->desc);
     psplat_local_search_desc what = {

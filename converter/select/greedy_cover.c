@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The number of candidates that grow in a round: FIRST_SEEDS in the first, and then LEAST_SEEDS
+/* The most candidates that grow in a round: FIRST_SEEDS in the first, and then LEAST_SEEDS
  * plus SEEDS_PER_SPLAT for each splat that the uncovered samples seem to need by the mean gain of
  * the round before, at most MOST_SEEDS. Chosen by hand. */
 enum { SEEDS_PER_SPLAT = 2, LEAST_SEEDS = 4, FIRST_SEEDS = 16, MOST_SEEDS = 1024 };
@@ -49,7 +49,7 @@ typedef struct selector {
     size_t pool_count;
     uint8_t *covered; /* per sample */
     uint8_t *choices; /* per sample: how many candidates of the pool cover it, CHOICES at most */
-    uint32_t *open;   /* samples in random order; those before open_count may be uncovered */
+    uint32_t *open;   /* samples in random order; those before open_count may need candidates */
     size_t open_count;
     size_t uncovered; /* the number of samples not covered */
     size_t mean_gain; /* of the candidates taken in the last round */
@@ -75,8 +75,8 @@ static void take(selector *s, psplat_candidate *candidate) {
 }
 
 /* Stores the next samples of the random order that need candidates as seeds, and returns their
- * number. Samples that candidates of the pool cover often enough are no longer open: one of these
- * will be taken. Seeds are not open either once they have candidates enough, their own among them.
+ * number. Samples that are covered, or that enough candidates of the pool cover, one of which will
+ * be taken, are no longer open; seeds stay open until this is so.
  */
 static size_t next_seeds(selector *s, uint32_t *seeds, size_t wanted) {
     size_t count = 0, kept = 0, i = 0;

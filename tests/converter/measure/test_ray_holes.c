@@ -143,12 +143,12 @@ static void test_walls(void **state) {
     check_steps(1, 2 * height - wall);
 }
 
-/* Finds the rays that pass between two splats in the plane of the square, with so many random
- * points and so far between points of rims; where a tree is given, those that matter for its
+/* Finds the rays that pass between two splats so high over the plane of the square, with so many
+ * random points and so far between points of rims; where a tree is given, those that matter for its
  * regions. A negative width is an overlap. */
-static psplat_ray_holes find_crack(const fixture *f, double width, size_t points, double spacing,
-                                   const psplat_region_tree *beside) {
-    psplat_region regions[2] = {half(-1, middle, 0), half(1, middle + width, 0)};
+static psplat_ray_holes find_crack(const fixture *f, double z, double width, size_t points,
+                                   double spacing, const psplat_region_tree *beside) {
+    psplat_region regions[2] = {half(-1, middle, z), half(1, middle + width, z)};
     psplat_measured_splats measured = {.regions = regions, .count = 2, .tolerance = tolerance};
     psplat_ray_holes holes;
     measured.region_tree = psplat_region_tree_create(regions, 2, 0);
@@ -172,9 +172,9 @@ static void test_cracks(void **state) {
     fixture f;
     begin_square(&f);
     double width = 0.05 * tolerance;
-    psplat_ray_holes random = find_crack(&f, width, 2000, 0, NULL);
-    psplat_ray_holes rims = find_crack(&f, width, 0, tolerance, NULL);
-    psplat_ray_holes overlap = find_crack(&f, -tolerance, 0, tolerance, NULL);
+    psplat_ray_holes random = find_crack(&f, 0, width, 2000, 0, NULL);
+    psplat_ray_holes rims = find_crack(&f, 0, width, 0, tolerance, NULL);
+    psplat_ray_holes overlap = find_crack(&f, 0, -tolerance, 0, tolerance, NULL);
     print_message("%zu rays of random points, %zu past rims\n", random.count, rims.count);
     assert_true(rims.count > 100);
     assert_true(rims.count > 10 * random.count);
@@ -203,22 +203,22 @@ static int is_among(const psplat_ray_holes *some, const psplat_ray_holes *all) {
     return 1;
 }
 
-/* Of the rays through a crack, those that would meet a small splat over it, also from far beside
+/* Of the rays through a crack, those that would meet a small splat under it, also from far beside
  * it, are all found where rays matter for that alone, and few others. */
 static void check_beside(const fixture *f, size_t points, double spacing) {
-    const psplat_region small = {.center = {middle, 0.3, 0.9 * tolerance},
+    const double width = tolerance, z = 0.9 * tolerance;
+    const psplat_region small = {.center = {middle, 0.3, -z},
                                  .u = {1, 0, 0},
                                  .v = {0, 1, 0},
                                  .n = {0, 0, 1},
                                  .radius = {0.05, 0.05}};
-    double width = tolerance;
     psplat_region_tree *tree = psplat_region_tree_create(&small, 1, 0);
     psplat_region_tree *empty = psplat_region_tree_create(&small, 0, 0);
     assert_non_null(tree);
     assert_non_null(empty);
-    psplat_ray_holes all = find_crack(f, width, points, spacing, NULL);
-    psplat_ray_holes some = find_crack(f, width, points, spacing, tree);
-    psplat_ray_holes none = find_crack(f, width, points, spacing, empty);
+    psplat_ray_holes all = find_crack(f, z, width, points, spacing, NULL);
+    psplat_ray_holes some = find_crack(f, z, width, points, spacing, tree);
+    psplat_ray_holes none = find_crack(f, z, width, points, spacing, empty);
     size_t matter = 0, found = 0;
     for (size_t i = 0; i < all.count; ++i)
         matter += (size_t)psplat_ray_hole_is_closed(&all.holes[i], &small, tolerance);
