@@ -50,7 +50,6 @@ static const double flat_deviation_tolerances = 0.02;
 /* The moves of the local search in a round, for each splat. More candidates to choose from gain
  * more than more moves do. Chosen by hand. */
 enum { MOVES_PER_SPLAT = 5 };
-
 /* The pool grows in the first of every so many rounds of the local search: candidates of relaxation
  * alone save as many splats a round, in half of the time. Chosen by hand. */
 enum { GROWING_ROUNDS = 4 };

@@ -76,8 +76,7 @@ static void take(selector *s, psplat_candidate *candidate) {
 
 /* Stores the next samples of the random order that need candidates as seeds, and returns their
  * number. Samples that are covered, or that enough candidates of the pool cover, one of which will
- * be taken, are no longer open; seeds stay open until this is so.
- */
+ * be taken, are no longer open; seeds stay open until this is so. */
 static size_t next_seeds(selector *s, uint32_t *seeds, size_t wanted) {
     size_t count = 0, kept = 0, i = 0;
     for (; i < s->open_count && count < wanted; ++i)
