@@ -8,7 +8,9 @@
  * the surface would meet each splat nearby if that reached farther. The one that lacks least is
  * extended, by the smallest ellipse that holds the old one and the place where the ray meets its
  * surface, if all limits allow that; else the next one. A new candidate grows where none can be
- * extended.
+ * extended, and is worth the gaps that it closes through which one sees: two of three rays that
+ * pass between splats meet a splat of that place a little too high or too low, or its wall. They
+ * are worth larger splats, which cost nothing, and no more splats.
  */
 #include "finish/close_rays.h"
 
@@ -72,6 +74,8 @@ typedef struct gap {
     psplat_ray_hole hole;
     choice choices[CHOICES]; /* nearest first */
     int closed;              /* 1: by a candidate, or to be closed by close_cracks.c */
+    int shows;               /* 1: one sees through; 0: a splat or its wall hides that, too high or
+                                too low as it is */
 } gap;
 
 /* The state of a round. */
@@ -384,8 +388,8 @@ static size_t count_open(const closer *r) {
     return open;
 }
 
-/* Appends points of the gaps that are left to the samples, at most so many, spread over all gaps.
- * Stores the seeds. */
+/* Appends points of the gaps that are left to the samples, at most so many, spread over all gaps:
+ * candidates from beside one that shows may close that, too. Stores the seeds. */
 static psplat_result append_seeds(closer *r, size_t most, uint32_t **seeds, size_t *count,
                                   psplat_error *error) {
     psplat_samples *samples = &r->c->samples;
@@ -421,8 +425,8 @@ static psplat_result finish_new(const psplat_fit_context *context, size_t index,
     return psplat_quantize_candidate(context, candidate);
 }
 
-/* Returns what a region gains: the cosines of the open gaps that it closes, since gaps that are
- * seen straight on show most. Marks them as closed where mark is 1. */
+/* Returns what a region gains: the cosines of the open gaps that it closes and that show, since
+ * those that are seen straight on show most. Marks all that it closes where mark is 1. */
 static double gain_of(closer *r, const psplat_region *region, int mark) {
     double gain = 0, tolerance = r->measured.tolerance;
     double far = psplat_region_reach(region) + tolerance / PSPLAT_FLATTEST_SIGHT_COSINE;
@@ -432,7 +436,7 @@ static double gain_of(closer *r, const psplat_region *region, int mark) {
             !psplat_ray_hole_is_closed(&r->gaps[i].hole, region, tolerance))
             continue;
         r->gaps[i].closed = mark;
-        gain += r->gaps[i].hole.cosine;
+        if (r->gaps[i].shows) gain += r->gaps[i].hole.cosine;
     }
     return gain;
 }
@@ -574,6 +578,8 @@ static psplat_result find_gaps(closer *r, uint64_t seed) {
                                       .seed = seed};
     psplat_result result = psplat_ray_holes_find(&search, &holes);
     if (result) return result;
+    psplat_measured_splats walled = r->measured;
+    walled.wall = PSPLAT_WALL_TOLERANCES * walled.tolerance;
     r->gaps = calloc(holes.count + 1, sizeof *r->gaps);
     r->order = malloc((holes.count + 1) * sizeof *r->order);
     r->first = malloc((selection->count + 2) * sizeof *r->first);
@@ -582,6 +588,7 @@ static psplat_result find_gaps(closer *r, uint64_t seed) {
     for (size_t i = 0; i < r->count; ++i) {
         r->gaps[i].hole = holes.holes[i];
         choose(r, &r->gaps[i]);
+        r->gaps[i].shows = !r->gaps[i].closed && psplat_ray_hole_shows(&r->gaps[i].hole, &walled);
     }
     result = ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     psplat_ray_holes_free(&holes);

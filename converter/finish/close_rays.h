@@ -10,7 +10,7 @@
 #include "select/conversion.h"
 
 /* Extends the ellipses of candidates to where rays pass between them, as far as the limits allow,
- * and adds candidates where that does not help: in the end there are at most 10 % more of them,
+ * and adds candidates where one still sees through: in the end there are at most 10 % more of them,
  * unless that opens holes along normals, which psplat_fill_last_holes then fills. Every candidate
  * must be taken. Rays see the candidates as
  * psplat_close_seams will leave them, which has to follow, and so has psplat_close_cracks, to which

@@ -47,8 +47,6 @@ static const double margin_spacings = 0.5, spare_tolerances = 0.15;
 static const double same_surface_tolerances = 2;
 /* The points of a rim at which it is measured how far it shows, and the directions of lines. */
 enum { SIDES = 48 };
-/* The points of the surface from which rays are cast, for each sample. */
-enum { POINTS_PER_SAMPLE = 3 };
 
 typedef struct rim {
     double shown[SIDES]; /* how far it shows, times the length along the rim that a point stands
@@ -305,8 +303,7 @@ static int move_out(void *user, uint32_t index, const psplat_opening *opening) {
 static psplat_result begin(cutter *t, psplat_conversion *c) {
     *t = (cutter){.c = c, .count = c->selection.count};
     psplat_result result = psplat_shrunk_begin(c, &t->shrunk);
-    t->shrunk.before.wall = PSPLAT_OPENING_WALL * c->limits.tolerance; /* Lines have none. */
-    t->shrunk.points_per_sample = POINTS_PER_SAMPLE;
+    t->shrunk.before.wall = PSPLAT_WALL_TOLERANCES * c->limits.tolerance; /* Lines have none. */
     t->shrunk.give_back = move_out;
     t->shrunk.user = t;
     t->rims = calloc(t->count + 1, sizeof *t->rims);

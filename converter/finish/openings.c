@@ -21,6 +21,9 @@
 /* All of these were chosen by hand. */
 /* How far the points lie apart at which rays pass rims, in tolerances. */
 static const double rim_spacing_tolerances = 1;
+/* The points of the surface from which rays are cast, too, for each sample: rims alone do not tell
+ * where much has been taken from a splat. */
+enum { POINTS_PER_SAMPLE = 3 };
 /* How often rays are cast, which pass other points each time, and how often, at most, holes are
  * looked for. */
 enum { RAY_ROUNDS = 2, HOLE_ROUNDS = 4 };
@@ -80,13 +83,12 @@ typedef struct finder {
     int is_closed;    /* by one that is as it was */
 } finder;
 
-/* Returns whether a splat closed an opening as it was. */
+/* Returns whether a splat closed an opening as it was, or hid it. */
 static int closed(const psplat_measured_splats *before, uint32_t splat, const psplat_opening *o) {
-    double uvh[3], height;
+    double uvh[3];
     if (o->ray)
-        return psplat_sight_meets(&o->ray->sight, &before->regions[splat], before->wall, 0, &height,
-                                  uvh) &&
-               fabs(height) * o->ray->cosine <= before->tolerance;
+        return psplat_ray_hole_is_hidden(o->ray, &before->regions[splat], before->tolerance,
+                                         before->wall);
     psplat_region region = before->regions[splat];
     if (o->is_inside_seams) region = psplat_region_inside_seams(&region);
     const psplat_measured_splats one = {
@@ -122,7 +124,8 @@ static int close_opening(psplat_shrunk *shrunk, const psplat_opening *opening,
 static int close_ray(psplat_shrunk *shrunk, const psplat_ray_hole *ray) {
     const psplat_opening opening = {.ray = ray};
     return close_opening(shrunk, &opening, ray->sight.point,
-                         shrunk->before.tolerance / PSPLAT_FLATTEST_SIGHT_COSINE);
+                         PSPLAT_HIDING_TOLERANCES * shrunk->before.tolerance /
+                             PSPLAT_FLATTEST_SIGHT_COSINE);
 }
 
 static int close_hole(psplat_shrunk *shrunk, const psplat_holes *holes, size_t i,
@@ -183,11 +186,12 @@ static psplat_region_tree *make_lost_tree(const psplat_shrunk *shrunk) {
 static psplat_result cast_rays(psplat_shrunk *shrunk, uint64_t seed) {
     psplat_measured_splats measured;
     psplat_ray_holes rays;
-    size_t points = shrunk->points_per_sample * shrunk->c->samples.count;
+    size_t points = POINTS_PER_SAMPLE * shrunk->c->samples.count;
     psplat_region_tree *lost = make_lost_tree(shrunk);
     if (!lost) return PSPLAT_ERROR_MEMORY;
-    psplat_result result = psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points,
-                                                PSPLAT_OPENING_WALL, lost, seed, &measured, &rays);
+    psplat_result result =
+        psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points, PSPLAT_WALL_TOLERANCES,
+                             lost, seed, &measured, &rays);
     for (size_t i = 0; i < rays.count && !result; ++i) close_ray(shrunk, &rays.holes[i]);
     psplat_ray_holes_free(&rays);
     psplat_measured_splats_free(&measured);

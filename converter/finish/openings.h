@@ -15,10 +15,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* How far down the walls under rims are taken to reach that stop rays (spec 5.1), in tolerances: a
- * quarter of the depth tolerance, and that mostly is two (depth_tolerance.h). */
-#define PSPLAT_OPENING_WALL 0.5
-
 /* A ray that meets nothing where it sees the surface, or a hole. */
 typedef struct psplat_opening {
     const psplat_ray_hole *ray; /* NULL: it is a hole */
@@ -38,9 +34,7 @@ typedef struct psplat_shrunk {
     /* The regions of all candidates as they were; no fields; owned. Its wall, 0 at first, is that
      * of which splats get back what stops a ray. */
     psplat_measured_splats before;
-    psplat_smaller *splats;   /* one for each of these; owned, all 0 at first */
-    size_t points_per_sample; /* of the surface, from which rays are cast, too: rims alone do not
-                                 tell where much has been taken from a splat */
+    psplat_smaller *splats; /* one for each of these; owned, all 0 at first */
     /* Gives a splat back what closes an opening. Returns whether that changes it. May clear
      * is_smaller. */
     int (*give_back)(void *user, uint32_t splat, const psplat_opening *opening);
@@ -58,9 +52,10 @@ uint32_t *psplat_shrunk_order(const psplat_shrunk *shrunk);
 /* Returns whether any splat is smaller. */
 int psplat_shrunk_is_any(const psplat_shrunk *shrunk);
 
-/* Gives splats back what closes the rays past rims and the holes that they have opened. Walls under
- * rims stop rays; of splats with seams, what lies inside of these has to be closed by such, too.
- * All candidates have to be taken. Fails only with PSPLAT_ERROR_MEMORY. */
+/* Gives splats back what closes the rays and the holes that they have opened. Walls under rims stop
+ * rays, and what still hides that there is one closes it; of splats with seams, what lies inside of
+ * these has to be closed by such, too. All candidates have to be taken. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_shrunk_close(psplat_shrunk *shrunk);
 
 void psplat_shrunk_free(psplat_shrunk *shrunk);

@@ -12,9 +12,9 @@
 /* Makes splats up to a tenth smaller where a rim stands off outwards by half the tolerance or more,
  * and where other splats cover what is left: outlines are drawn by rims. Splats are added only for
  * holes that no old size closes. Of the rays that are tried, while seams are still open, none that
- * met a splat passes between them afterwards. All candidates of the selection have to be taken, on
- * the grid where the limits have a precision, and all are taken afterwards. Errors: MEMORY,
- * INTERRUPTED, RANGE (too many samples). */
+ * met a splat passes between them afterwards, unless another splat hides that (ray_holes.h). All
+ * candidates of the selection have to be taken, on the grid where the limits have a precision, and
+ * all are taken afterwards. Errors: MEMORY, INTERRUPTED, RANGE (too many samples). */
 psplat_result psplat_trim_splats(psplat_conversion *c, psplat_error *error);
 
 #endif

@@ -184,12 +184,15 @@ static int see_beside(void *user, uint32_t region) {
     return 1;
 }
 
-/* Returns whether a ray of the point may meet a region that matters. A splat that has rims is
- * within the tolerance of the surface, so that points beyond these are within that and the gap, and
- * their rays reach as much farther: they begin at the triangle beneath. */
+/* Returns whether a ray of the point may meet a region that matters, as far off as that hides
+ * holes. A splat that has rims is within the tolerance of the surface, so that points beyond these
+ * are within that and the gap, and their rays reach as much farther: they begin at the triangle
+ * beneath.
+ */
 static int is_beside(looker *l) {
     double low[3], high[3],
-        far = (l->plan->rims ? 2 + greatest_rim_gap : 1) * l->reach + l->measured->wall;
+        rim_gap = l->plan->rims ? 1 + greatest_rim_gap : 0,
+        far = (PSPLAT_HIDING_TOLERANCES + rim_gap) * l->reach + l->measured->wall;
     const psplat_region_tree *tree = l->plan->search->beside;
     int beside = 0;
     if (!tree) return 1;
@@ -482,6 +485,41 @@ int psplat_ray_hole_is_closed(const psplat_ray_hole *hole, const psplat_region *
     double height, uv[2];
     return psplat_sight_meets(&hole->sight, region, 0, 0, &height, uv) &&
            fabs(height) * hole->cosine <= tolerance;
+}
+
+int psplat_ray_hole_is_hidden(const psplat_ray_hole *hole, const psplat_region *region,
+                              double tolerance, double wall) {
+    double height, uv[2];
+    return psplat_sight_meets(&hole->sight, region, wall, 0, &height, uv) &&
+           fabs(height) * hole->cosine <= PSPLAT_HIDING_TOLERANCES * tolerance;
+}
+
+/* The search for a splat that hides a hole. */
+typedef struct hider {
+    const psplat_ray_hole *hole;
+    const psplat_measured_splats *measured;
+    int hides;
+} hider;
+
+static int visit_hiding(void *user, uint32_t splat) {
+    hider *h = user;
+    const psplat_measured_splats *measured = h->measured;
+    h->hides = psplat_ray_hole_is_hidden(h->hole, &measured->regions[splat], measured->tolerance,
+                                         measured->wall);
+    return h->hides;
+}
+
+int psplat_ray_hole_shows(const psplat_ray_hole *hole, const psplat_measured_splats *measured) {
+    double reach = PSPLAT_HIDING_TOLERANCES * measured->tolerance / hole->cosine, low[3], high[3];
+    hider h = {hole, measured, 0};
+    for (int k = 0; k < 3; ++k) {
+        /* Walls leave the boxes of splats. */
+        double away = reach * fabs(hole->sight.direction[k]) + measured->wall;
+        low[k] = hole->sight.point[k] - away;
+        high[k] = hole->sight.point[k] + away;
+    }
+    psplat_region_tree_visit_box(measured->region_tree, low, high, visit_hiding, &h);
+    return !h.hides;
 }
 
 void psplat_ray_holes_free(psplat_ray_holes *holes) {

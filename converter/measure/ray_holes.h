@@ -21,6 +21,15 @@
 #define PSPLAT_LEAST_SIGHT_COSINE 0.2
 #define PSPLAT_FLATTEST_SIGHT_COSINE 0.08
 
+/* How far along a ray from the point that it sees, in tolerances over its cosine, a splat still
+ * hides that the ray is a hole: beyond one it stands too high or too low, but nobody sees through
+ * the surface there. */
+#define PSPLAT_HIDING_TOLERANCES 2.0
+
+/* How far down the walls under rims are taken to reach (spec 5.1), in tolerances: a quarter of the
+ * depth tolerance, and that mostly is two (depth_tolerance.h). */
+#define PSPLAT_WALL_TOLERANCES 0.5
+
 /* A ray that sees a point of a triangle, with that cosine, and meets no splat there. */
 typedef struct psplat_ray_hole {
     psplat_sight sight;
@@ -57,6 +66,15 @@ psplat_result psplat_ray_holes_find(const psplat_ray_search *search, psplat_ray_
  * point that it sees. */
 int psplat_ray_hole_is_closed(const psplat_ray_hole *hole, const psplat_region *region,
                               double tolerance);
+
+/* Returns whether the front of a region, or its wall, which reaches down by a length, hides that a
+ * ray is a hole. */
+int psplat_ray_hole_is_hidden(const psplat_ray_hole *hole, const psplat_region *region,
+                              double tolerance, double wall);
+
+/* Returns whether one sees through the surface along a ray: whether none of these splats hides it.
+ * As in a search, only the tree, the regions, the tolerance and the walls count. */
+int psplat_ray_hole_shows(const psplat_ray_hole *hole, const psplat_measured_splats *measured);
 
 /* Frees the rays, and zeroes holes. */
 void psplat_ray_holes_free(psplat_ray_holes *holes);

@@ -93,9 +93,9 @@ static inline psplat_region *copy_regions(const closing *r) {
 }
 
 /* Returns how many of 480,000 rays pass between the regions of all candidates, which it frees, and
- * under walls that reach so many tolerances down. */
+ * under walls that reach so many tolerances down, and of these along how many one sees through. */
 static inline size_t count_rays(const closing *r, psplat_region *regions, double wall_tolerances,
-                                uint64_t seed) {
+                                uint64_t seed, size_t *shown) {
     psplat_measured_splats measured = {.regions = regions,
                                        .count = r->c.selection.count,
                                        .tolerance = r->c.tolerance,
@@ -110,14 +110,19 @@ static inline size_t count_rays(const closing *r, psplat_region *regions, double
     psplat_ray_holes holes;
     assert_int_equal(psplat_ray_holes_find(&search, &holes), PSPLAT_OK);
     size_t count = holes.count;
+    *shown = 0;
+    for (size_t i = 0; i < count; ++i)
+        *shown += (size_t)psplat_ray_hole_shows(&holes.holes[i], &measured);
     psplat_ray_holes_free(&holes);
     psplat_measured_splats_free(&measured);
     return count;
 }
 
 /* Returns how many rays pass between the candidates as seams would be closed, and under walls that
- * reach so many tolerances down, and asserts that each lies within the tolerance of the surface. */
-static inline size_t count_gaps(const closing *r, double wall_tolerances, uint64_t seed) {
+ * reach so many tolerances down, and of these along how many one sees through; asserts that each
+ * candidate lies within the tolerance of the surface. */
+static inline size_t count_shown_gaps(const closing *r, double wall_tolerances, uint64_t seed,
+                                      size_t *shown) {
     psplat_selection copy = r->c.selection;
     psplat_region *regions = malloc((copy.count + 1) * sizeof *regions);
     copy.candidates = malloc((copy.count + 1) * sizeof *copy.candidates);
@@ -135,7 +140,12 @@ static inline size_t count_gaps(const closing *r, double wall_tolerances, uint64
         assert_true(near);
     }
     free(copy.candidates);
-    return count_rays(r, regions, wall_tolerances, seed);
+    return count_rays(r, regions, wall_tolerances, seed, shown);
+}
+
+static inline size_t count_gaps(const closing *r, double wall_tolerances, uint64_t seed) {
+    size_t shown;
+    return count_shown_gaps(r, wall_tolerances, seed, &shown);
 }
 
 /* Asserts that a step changes regions of a torus, and to the same whatever the number of threads.

@@ -89,7 +89,8 @@ static size_t count_uncovered(const closing *r) {
 
 /* Returns how many slanted rays pass between the splats as they are, and under their walls. */
 static size_t count_open_rays(const closing *r) {
-    return count_rays(r, copy_regions(r), 0.5, 99);
+    size_t shown;
+    return count_rays(r, copy_regions(r), 0.5, 99, &shown);
 }
 
 /* Asserts that a region has at most another line, out where a splat weighs little, and is as it was

@@ -143,6 +143,49 @@ static void test_walls(void **state) {
     check_steps(1, 2 * height - wall);
 }
 
+/* Returns whether a ray with a cosine through a point over the middle of the square shows, beside
+ * one splat. */
+static int shows(psplat_region region, double cosine, double x, double z, double walled) {
+    psplat_measured_splats measured = {
+        .regions = &region, .count = 1, .tolerance = tolerance, .wall = walled};
+    const psplat_ray_hole hole = {{{x, 0.5, z}, {sqrt(1 - cosine * cosine), 0, cosine}}, cosine, 0};
+    measured.region_tree = psplat_region_tree_create(&region, 1, 0);
+    assert_non_null(measured.region_tree);
+    int result = psplat_ray_hole_shows(&hole, &measured);
+    psplat_region_tree_destroy(measured.region_tree);
+    return result;
+}
+
+/* A splat hides holes that it passes by less than two tolerances, at any slant, whether it is too
+ * high or too low; so does its wall, down to its foot. Splats that face away hide nothing. */
+static void test_shows(void **state) {
+    (void)state;
+    static const double cosines[] = {0.1, 0.5, 0.95};
+    psplat_region ended = half(-1, -3, 0), walled = half_with_wall(0), away = half(-1, 3, 0);
+    away.v[1] = away.n[2] = -1;
+    for (size_t i = 0; i < sizeof cosines / sizeof *cosines; ++i) {
+        double cosine = cosines[i], tilt = sqrt(1 - cosine * cosine) / cosine;
+        for (int side = -1; side <= 1; side += 2) {
+            double near = side * 1.99 * tolerance, far = side * 2.01 * tolerance;
+            assert_false(shows(half(-1, 3, near), cosine, middle, 0, 0));
+            assert_true(shows(half(-1, 3, far), cosine, middle, 0, 0));
+            /* One that begins there just before the ray comes, or just behind that. */
+            double x = middle + near * tilt;
+            assert_false(shows(half(side, x - side * 1e-6, near), cosine, middle, 0, 0));
+            assert_true(shows(half(side, x + side * 1e-6, near), cosine, middle, 0, 0));
+        }
+        assert_true(shows(ended, cosine, middle, 0, 0));
+        assert_true(shows(away, cosine, middle, 0, 0));
+        /* The rim is 4 / 1e5 from straight; the rays pass it a tenth of the wall over its foot, and
+         * as much under that, and then from so far below that the splat's box is out of reach. */
+        assert_false(shows(walled, cosine, middle, -0.9 * wall, wall));
+        assert_true(shows(walled, cosine, middle, -1.1 * wall, wall));
+        assert_true(shows(walled, cosine, middle, -0.9 * wall, 0));
+        double below = -0.4 * tolerance - 1.9 * tolerance;
+        assert_false(shows(walled, cosine, middle - 1.9 * tolerance * tilt, below, wall));
+    }
+}
+
 /* Finds the rays that pass between two splats so high over the plane of the square, with so many
  * random points and so far between points of rims; where a tree is given, those that matter for its
  * regions. A negative width is an overlap. */
@@ -270,9 +313,9 @@ static void test_threads(void **state) {
 
 int test_ray_holes_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps),   cmocka_unit_test(test_walls),
-        cmocka_unit_test(test_cracks),  cmocka_unit_test(test_beside),
-        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_steps),  cmocka_unit_test(test_walls),
+        cmocka_unit_test(test_shows),  cmocka_unit_test(test_cracks),
+        cmocka_unit_test(test_beside), cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
