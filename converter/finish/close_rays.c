@@ -8,9 +8,9 @@
  * the surface would meet each splat nearby if that reached farther. The one that lacks least is
  * extended, by the smallest ellipse that holds the old one and the place where the ray meets its
  * surface, if all limits allow that; else the next one. A new candidate grows where none can be
- * extended, and is worth the gaps that it closes through which one sees: two of three rays that
- * pass between splats meet a splat of that place a little too high or too low, or its wall. They
- * are worth larger splats, which cost nothing, and no more splats.
+ * extended, and is worth the gaps that it closes through which one sees: most rays that pass
+ * between curved splats meet one of that place a little too high or too low, or its wall. They are
+ * worth larger splats, which cost nothing, and no more splats.
  */
 #include "finish/close_rays.h"
 
