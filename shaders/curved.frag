@@ -82,6 +82,10 @@ struct Hit {
     float ndc;       /* z in normalised device coordinates */
     bool is_inside; /* the clip lines, and the near and the far plane */
     bool is_wall;
+#if TWO_SIDED
+    bool is_back; /* it does not only peek out behind a contour (spec 5.2), */
+    bool peeks;   /* or does */
+#endif
 };
 
 /* Returns the gradient of a height field at uv. */
@@ -165,11 +169,10 @@ bool is_inside_at(vec3 ray, float t) {
 
 /* Finds the fragment: of the surface where only fronts are seen that of the root at which the ray
  * comes in, else the nearer one of those inside. Where none is inside the ellipse, it is that of the
- * wall. (A front that lines cut off has no wall before it: the ray comes from over the rim.) is_back
- * is true where normals are negated: not where the back only peeks out behind a contour (spec 5.2).
- * root is by how much the height falls or rises there. Of the two forms of a root the one is used
- * whose terms do not cancel. */
-bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float root) {
+ * wall. (A front that lines cut off has no wall before it: the ray comes from over the rim.) root is
+ * by how much the height falls or rises there. Of the two forms of a root the one is used whose
+ * terms do not cancel. */
+bool find_hit(vec2 slope, vec3 second, out Hit hit, out float root) {
     vec3 at = v_local.xyz, ray = u_shift.y * at - v_eye.xyz;
     vec2 g = gradient(slope, second, at.xy);
     float c = at.z - 0.5 * dot(g + slope, at.xy), b = ray.z - dot(g, ray.xy);
@@ -177,7 +180,6 @@ bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float 
     float square = b * b - 4.0 * a * c, t;
     root = sqrt(max(square, 0.0));
     float half_sum = 0.5 * (b > 0.0 ? b + root : b - root);
-    is_back = false;
 #if TWO_SIDED
     float first = -half_sum / a, second_root = -c / half_sum;
     float front = b > 0.0 ? first : second_root;
@@ -185,9 +187,7 @@ bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float 
     bool is_near = is_inside_at(ray, nearer);
     bool is_met = square >= 0.0 && (is_near || is_inside_at(ray, farther));
     t = is_near ? nearer : farther;
-#if PASS != PSPLAT_PASS_VISIBILITY && PASS != PSPLAT_PASS_PARAMETERS
-    is_back = is_met && t != front && !(a > 0.0 && square <= 8.0 * a * v_room);
-#endif
+    bool is_back = is_met && t != front;
 #else
     t = (b > 0.0 ? -half_sum : -c) / (b > 0.0 ? a : half_sum);
     vec2 uv = at.xy + t * ray.xy;
@@ -197,6 +197,8 @@ bool find_hit(vec2 slope, vec3 second, out Hit hit, out bool is_back, out float 
     hit = hit_at(ray, t);
     hit.is_wall = !is_met;
 #if TWO_SIDED
+    hit.peeks = is_back && a > 0.0 && square <= 8.0 * a * v_room;
+    hit.is_back = is_back && !hit.peeks;
     hit.is_inside = hit.is_inside || is_met; /* as is_inside_at() found, whatever rounding says */
 #endif
     return hit.is_inside;
@@ -255,15 +257,35 @@ mat2 reach_of(Hit hit, vec2 slope, vec3 second, vec3 by_x, vec3 by_y) {
 }
 #endif
 
-#if NORMAL_MAP
-/* Returns the normal that the texture makes of another. The columns of the matrix from local
- * coordinates to eye space are cross products of those for normals, but for one factor. */
-vec3 turn_by_map(Place place, vec3 normal, vec2 gradient) {
-    vec3 x = cross(v_normal_y, v_normal_z), y = cross(v_normal_z, v_normal_x);
-    vec3 z = cross(v_normal_x, v_normal_y);
-    float side = sign(dot(x, v_normal_x));
-    return turn_normal(place, normal, side * (x + gradient.x * z), side * (y + gradient.y * z));
+#if PASS == PSPLAT_PASS_NORMALS || PASS == PSPLAT_PASS_RADIANCE
+#if TWO_SIDED || NORMAL_MAP
+/* Returns the matrix from local coordinates to eye space, but for a positive factor: its columns are
+ * cross products of those for normals. */
+mat3 to_eye_space() {
+    vec3 x = cross(v_normal_y, v_normal_z);
+    return sign(dot(x, v_normal_x)) *
+           mat3(x, cross(v_normal_z, v_normal_x), cross(v_normal_x, v_normal_y));
 }
+#endif
+
+#if NORMAL_MAP
+/* Returns the normal that the texture makes of another. */
+vec3 turn_by_map(Place place, vec3 normal, vec2 gradient) {
+    mat3 to_eye = to_eye_space();
+    return turn_normal(place, normal, to_eye[0] + gradient.x * to_eye[2],
+                       to_eye[1] + gradient.y * to_eye[2]);
+}
+#endif
+
+#if TWO_SIDED
+/* Returns the normal of the side that is seen (spec 5.2). */
+vec3 face(Hit hit, vec3 normal) {
+    if (hit.is_back) return -normal;
+    if (!hit.peeks) return normal;
+    vec3 ray = to_eye_space() * (u_shift.y * v_local.xyz - v_eye.xyz);
+    return normal - 2.0 * max(dot(normal, ray), 0.0) / dot(ray, ray) * ray;
+}
+#endif
 #endif
 
 void main() {
@@ -273,9 +295,8 @@ void main() {
     vec2 slope = v_shape.xy;
     vec3 second = vec3(v_shape.zw, v_eye.w);
     Hit hit;
-    bool is_back;
     float root;
-    if (!find_hit(slope, second, hit, is_back, root)) discard;
+    if (!find_hit(slope, second, hit, root)) discard;
 #if TEXTURED
     mat2 reach = reach_of(hit, slope, second, by_x, by_y);
 #endif
@@ -328,7 +349,9 @@ void main() {
 #if NORMAL_MAP
     normal = turn_by_map(place, normal, rise);
 #endif
-    if (is_back) normal = -normal;
+#if TWO_SIDED
+    normal = face(hit, normal);
+#endif
     float weight = weight_of(dot(hit.uv, hit.uv), 1.0);
 #if SEAM_COUNT > 0
     weight = beyond_seam(seam_of(hit.uv), weight, normal);

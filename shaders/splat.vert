@@ -190,9 +190,10 @@ vec3 normal_of(ivec2 texel, mat3 axes, float length2, float ratio, vec2 uv) {
 #endif
 
 #if TWO_SIDED
-/* Returns whether the splat turns its back to the eye and does not only peek out behind a contour
- * (spec 5.2). unit turns lengths of eye space into radii. */
-bool is_behind(ivec2 texel, mat3 normals, vec3 normal, float ratio, float unit, vec3 eye_center) {
+/* Returns the matrix that turns vectors of the splat to the side that is seen (spec 5.2): it negates
+ * those of a back, and mirrors those of one that only peeks out behind a contour. unit turns lengths
+ * of eye space into radii. */
+mat3 facing_of(ivec2 texel, mat3 normals, vec3 normal, float ratio, float unit, vec3 eye_center) {
     vec3 ray = view_ray(eye_center);
     vec2 uv = unit * (ray * mat2x3(normals));
     uv.y /= ratio;
@@ -201,7 +202,9 @@ bool is_behind(ivec2 texel, mat3 normals, vec3 normal, float ratio, float unit, 
 #if GAMMA
     second += 2.0 * ratio * texelFetch(u_splats, texel + ivec2(3, 0), 0).w * uv.x * uv.y;
 #endif
-    return first > 0.0 && (second <= 0.0 || first * first > 4.0 * second * epsilon() * unit);
+    if (first <= 0.0) return mat3(1.0);
+    if (second <= 0.0 || first * first > 4.0 * second * epsilon() * unit) return mat3(-1.0);
+    return mat3(1.0) - outerProduct(2.0 / dot(ray, ray) * ray, ray);
 }
 #endif
 
@@ -273,13 +276,13 @@ void main() {
     v_normal = normal_of(texel, axes, length2, center.w, uv);
 #if TWO_SIDED
     mat3 normals = normal_matrix() * (axes / length2);
-    if (is_behind(texel, normals, normal, center.w, unstretch() / length2, eye_center)) {
-        v_normal = -v_normal;
+    mat3 facing =
+        facing_of(texel, normals, normal, center.w, unstretch() / length2, eye_center);
+    v_normal = facing * v_normal;
 #if NORMAL_MAP
-        v_axis_u = -v_axis_u; /* what the texture makes of the normal is negated, too */
-        v_axis_v = -v_axis_v;
+    v_axis_u = facing * v_axis_u; /* what the texture makes of the normal is turned, too */
+    v_axis_v = facing * v_axis_v;
 #endif
-    }
 #endif
 #if FINISH
     /* Eq. (4a) is linear in (u, v), so the rasteriser interpolates it exactly. */

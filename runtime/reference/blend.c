@@ -81,7 +81,7 @@ static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit
     double whole = d->blends ? weight_of(&at->batch->kernel, share) : 1;
     double weight = d->blends ? whole * share->seam : whole;
     if (bends && psplat_oracle_turns_normals(d, at->batch)) whole = weight;
-    double sign = share->is_reversed ? -1 : 1, normal[3], radiance[3];
+    double normal[3], radiance[3];
     double u = bends ? share->u : 0, v = bends ? share->v : 0;
     psplat_oracle_surface surface = surface_of(at, u, v);
     p->weight += weight;
@@ -91,10 +91,8 @@ static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit
         normal[i] =
             at->placed.normal[0][i] + u * at->placed.normal[1][i] + v * at->placed.normal[2][i];
     apply_textures(d, at, share, bends, &surface, normal);
-    for (int i = 0; i < 3; ++i) {
-        normal[i] *= sign;
-        p->normal[i] += whole * normal[i];
-    }
+    psplat_oracle_turn_normal(&at->placed, ray, share->side, normal);
+    for (int i = 0; i < 3; ++i) p->normal[i] += whole * normal[i];
     add_surface(&p->surface, weight, &surface);
     if (!is_lit_alone(d->view)) return;
     psplat_oracle_show(d, ray, share->t, &surface, normal, radiance);

@@ -111,9 +111,24 @@ double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const pspl
     return fragment->t + fmax(epsilon / cosine, least);
 }
 
-int psplat_oracle_is_reversed(const psplat_oracle_splat *splat,
-                              const psplat_oracle_fragment *fragment) {
-    return splat->is_curved ? !(fragment->cosine > 0) && !fragment->is_peeking : splat->is_behind;
+psplat_oracle_side psplat_oracle_fragment_side(const psplat_oracle_splat *splat,
+                                               const psplat_oracle_fragment *fragment) {
+    if (!splat->is_curved) return splat->seen;
+    if (fragment->cosine > 0) return PSPLAT_ORACLE_FRONT;
+    return fragment->is_peeking ? PSPLAT_ORACLE_PEEKING : PSPLAT_ORACLE_BACK;
+}
+
+void psplat_oracle_turn_normal(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
+                               psplat_oracle_side side, double normal[3]) {
+    const double *sight = splat->is_curved ? ray->direction : splat->sight;
+    if (side == PSPLAT_ORACLE_FRONT) return;
+    if (side == PSPLAT_ORACLE_BACK) {
+        for (int i = 0; i < 3; ++i) normal[i] = -normal[i];
+        return;
+    }
+    double away = psplat_oracle_dot(normal, sight) / psplat_oracle_dot(sight, sight);
+    if (splat->is_curved) away = fmax(away, 0);
+    psplat_oracle_along(normal, -2 * away, sight, normal);
 }
 
 /* ---- margins -------------------------------------------------------------------------------- */

@@ -104,6 +104,13 @@ typedef struct psplat_oracle_space {
 int psplat_oracle_place_batch(const psplat_batch *batch, const double transform[16],
                               const double view[16], psplat_oracle_space *space);
 
+/* From which side something is seen (5.2). */
+typedef enum psplat_oracle_side {
+    PSPLAT_ORACLE_FRONT,
+    PSPLAT_ORACLE_BACK,
+    PSPLAT_ORACLE_PEEKING /* a back that only peeks out behind a contour */
+} psplat_oracle_side;
+
 /* A splat in eye space. A point p is c + u axis[0] + v axis[1] + w axis[2]; the plane is w = 0, and
  * the surface of a curved splat is where f(u, v, w) is 0: eq. (1a) divided by r_u says that
  *
@@ -126,7 +133,10 @@ typedef struct psplat_oracle_splat {
     double slope[2], bend[3];
     double peek; /* in w: how deep a ray runs under the surface behind its contour at most (5.2) */
     double wall; /* in w: how far down the wall under the rim reaches (5.1); 0: there is none */
-    int is_behind;  /* 1: a flat splat is seen from behind; set by psplat_oracle_camera_face */
+    /* How a flat splat is seen by the ray through its centre, and the direction of that, unit
+     * length; set by psplat_oracle_camera_face. */
+    psplat_oracle_side seen;
+    double sight[3];
     double epsilon; /* that of the batch: eq. (5) before it is divided by a cosine */
     double cosine;  /* of the angle in eq. (5) at the centre; set by psplat_oracle_camera_face */
     psplat_oracle_mask mask; /* set by psplat_oracle_mask_set */
@@ -179,7 +189,7 @@ double psplat_oracle_camera_reach(const psplat_oracle_camera *camera, const pspl
                                   double depth);
 
 /* Sets the splat's cosine, of the angle between N' and the direction from its centre to the eye,
- * and is_behind. */
+ * and how a flat one is seen. */
 void psplat_oracle_camera_face(const psplat_oracle_camera *camera, psplat_oracle_splat *splat);
 
 /* Finds the splat in clip space: its point (u, v) is frame[0] + u frame[1] + v frame[2]. */
@@ -276,7 +286,7 @@ typedef struct psplat_oracle_fragment {
     int is_missed;  /* 1: the ray passes by a curved surface or its wall, and this is where it is
                        nearest */
     int is_wall;    /* 1: the point is one of the wall (5.1), with the normal at the rim */
-    int is_peeking; /* 1: it is a back behind the contour, which is lit as a front (5.2) */
+    int is_peeking; /* 1: it is a back behind the contour (5.2) */
 } psplat_oracle_fragment;
 
 /* The points where a ray meets a splat in front of the eye, the nearest first, then that of the
@@ -308,9 +318,14 @@ void psplat_oracle_find_steps(const psplat_oracle_camera *camera, const psplat_o
 double psplat_oracle_fragment_limit(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
                                     const psplat_oracle_fragment *fragment);
 
-/* Returns 1 where the normals of a fragment are negated because it is seen from behind (5.2). */
-int psplat_oracle_is_reversed(const psplat_oracle_splat *splat,
-                              const psplat_oracle_fragment *fragment);
+/* Returns from which side a fragment is seen. */
+psplat_oracle_side psplat_oracle_fragment_side(const psplat_oracle_splat *splat,
+                                               const psplat_oracle_fragment *fragment);
+
+/* Turns the normal of a fragment that a ray sees from this side as 5.2 says: negates or mirrors it.
+ */
+void psplat_oracle_turn_normal(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
+                               psplat_oracle_side side, double normal[3]);
 
 /* Returns the margin of a decision by the sign of a function of (u, v): the function's value, or
  * its distance from 0 in pixels (to first order) where that is less. by_u and by_v are its
@@ -368,7 +383,7 @@ typedef struct psplat_oracle_share {
     double factor;      /* by which the filter multiplies its weight, 0 ... 1 */
     double seam;        /* the factor s of what its material adds (3.6), up to 1 */
     double seam_margin; /* as in psplat_oracle_margins, to where s changes all at once */
-    int is_reversed;    /* 1: its normal is negated */
+    psplat_oracle_side side;
     double steps[2][2]; /* of (u, v) by the pixel's x (row 0) and y (row 1) */
 } psplat_oracle_share;
 

@@ -65,30 +65,31 @@ void psplat_oracle_camera_ray_steps(const psplat_oracle_camera *camera,
         }
 }
 
-/* Returns whether a flat splat is seen from behind by a ray through its centre. The surface of its
- * field lies under the plane by half of what bend says. */
-static int is_behind(const psplat_oracle_splat *splat, const double to_eye[3]) {
+/* Returns how a flat splat is seen by a ray through its centre. The surface of its field lies under
+ * the plane by half of what bend says. */
+static psplat_oracle_side side_of(const psplat_oracle_splat *splat) {
     double d[3], normal[3];
     for (int k = 0; k < 3; ++k) {
         psplat_oracle_cross(splat->axis[(k + 1) % 3], splat->axis[(k + 2) % 3], normal);
-        d[k] = -psplat_oracle_dot(normal, to_eye) / psplat_oracle_dot(normal, splat->axis[k]);
+        d[k] = psplat_oracle_dot(normal, splat->sight) / psplat_oracle_dot(normal, splat->axis[k]);
     }
     double bent = splat->bend[0] * d[0] * d[0] + 2 * splat->bend[1] * d[0] * d[1] +
                   splat->bend[2] * d[1] * d[1];
-    return d[2] > 0 && !psplat_oracle_is_peeking(splat, d[2], bent / 2);
+    if (!(d[2] > 0)) return PSPLAT_ORACLE_FRONT;
+    return psplat_oracle_is_peeking(splat, d[2], bent / 2) ? PSPLAT_ORACLE_PEEKING
+                                                           : PSPLAT_ORACLE_BACK;
 }
 
 void psplat_oracle_camera_face(const psplat_oracle_camera *camera, psplat_oracle_splat *splat) {
     psplat_oracle_ray ray;
-    double to_eye[3];
     psplat_oracle_camera_ray(camera, 0, 0,
                              &ray); /* in parallel views all rays have one direction */
     for (int i = 0; i < 3; ++i)
-        to_eye[i] = camera->parallel ? -ray.direction[i]
-                                     : camera->eye[i] / camera->eye[3] - splat->center[i];
-    psplat_oracle_normalise(to_eye);
-    splat->cosine = psplat_oracle_dot(splat->side, to_eye);
-    splat->is_behind = is_behind(splat, to_eye);
+        splat->sight[i] = camera->parallel ? ray.direction[i]
+                                           : splat->center[i] - camera->eye[i] / camera->eye[3];
+    psplat_oracle_normalise(splat->sight);
+    splat->cosine = -psplat_oracle_dot(splat->side, splat->sight);
+    splat->seen = side_of(splat);
 }
 
 double psplat_oracle_camera_depth(const psplat_oracle_camera *camera, const double point[3],

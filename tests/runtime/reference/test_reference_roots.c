@@ -92,6 +92,42 @@ static void test_second_root(void **state) {
     }
 }
 
+/* Behind its contour a hill peeks out by up to two depth tolerances. There it has the light of its
+ * front, whose normal is that of its back but for the part along the ray: a line takes the front
+ * away. Deeper the normal of the back is negated. A field of its own that faces the eye there,
+ * since it bends the other way, stays as it is. Normals are of eye space, whose axes are -z, y and
+ * x. */
+static void test_mirrored(void **state) {
+    (void)state;
+    const double k = 1.5, least = 4 * (double)0.01f / k;
+    size_t peeking = 0, deep = 0;
+    for (int is_other = 0; is_other < 2; ++is_other) {
+        const double g = is_other ? -k : k;
+        scene s = shaped(1, 1, k, k, 0);
+        s.material.double_sided = 1;
+        s.splats[0].gradient[0] = s.splats[0].gradient[1] = (float)g;
+        s.splats[0].clip_count = 1;
+        s.splats[0].clip[0][0] = -1;
+        psplat_view view = side_view();
+        picture p = picture_of(&s, NULL, &view);
+        for (int i = 0; i < SIDE * SIDE; ++i) {
+            double z = -side_of(i % SIDE), y = side_of(i / SIDE), square = -2 * z / k - y * y;
+            if (p.image.tie[i] < 1e-9 || !p.image.count[i]) continue;
+            int peeks = square <= least;
+            double x = peeks ? k * sqrt(square) : g * sqrt(square), turned = peeks ? 1 : -1;
+            double n[3] = {-turned, turned * g * y, x}, length = sqrt(1 + g * g * y * y + x * x);
+            for (int c = 0; c < 3; ++c)
+                assert_near((double)p.image.color[4 * i + c], 0.5 + 0.5 * n[c] / length,
+                            FLOAT_STEP);
+            peeking += (size_t)peeks;
+            deep += (size_t)!peeks;
+        }
+        picture_free(&p);
+        scene_free(&s);
+    }
+    assert_true(peeking > 100 && deep > 500);
+}
+
 /* The near plane takes the nearer point away just as well. */
 static void test_second_root_by_depth(void **state) {
     (void)state;
@@ -326,15 +362,11 @@ static void test_back(void **state) {
 
 int test_reference_roots_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_two_roots),
-        cmocka_unit_test(test_second_root),
-        cmocka_unit_test(test_second_root_by_depth),
-        cmocka_unit_test(test_contour_ties),
-        cmocka_unit_test(test_contour_distance),
-        cmocka_unit_test(test_far_eye),
-        cmocka_unit_test(test_linear),
-        cmocka_unit_test(test_eye_in_bowl),
-        cmocka_unit_test(test_ring),
+        cmocka_unit_test(test_two_roots),    cmocka_unit_test(test_second_root),
+        cmocka_unit_test(test_mirrored),     cmocka_unit_test(test_second_root_by_depth),
+        cmocka_unit_test(test_contour_ties), cmocka_unit_test(test_contour_distance),
+        cmocka_unit_test(test_far_eye),      cmocka_unit_test(test_linear),
+        cmocka_unit_test(test_eye_in_bowl),  cmocka_unit_test(test_ring),
         cmocka_unit_test(test_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
