@@ -1,15 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * depth_tolerance.c - the depth tolerance of splats that are not flat.
+ * depth_tolerance.c - the choice of depth tolerances, and of the splats that are flat.
+ *
+ * The tolerance of what lies before decides how much farther along a ray other layers are blended.
+ * A box that stands on a plate is nearer than the tolerance to it at its foot, and if its walls had
+ * that of all splats the plate would eat notches into its corners. Where faces meet a fillet or a
+ * bore, blending does good: either stands off by the tolerance, and the mean of both is nearer to
+ * the truth than the one that happens to lie before. So a splat of a plane face has a small
+ * tolerance where such alone lie beside it, or where another layer would show through it: boxes
+ * hide the plate behind their corners, and labels what they lie on.
  */
 #include "finish/depth_tolerance.h"
 
+#include "base/angle.h"
+#include "base/region.h"
+#include "base/region_tree.h"
+#include "base/vector.h"
 #include "features/samples.h"
 #include "fit/candidate.h"
 #include "measure/hidden_samples.h"
 #include "select/selection.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* All of these were chosen by hand. */
 /* The least tolerance of depth, in tolerances. */
@@ -18,6 +31,127 @@ static const double least_tolerances = 0.25;
 static const double layered_share = 0.02, layered_part = 0.5;
 /* Every how many samples are asked. */
 enum { SAMPLE_STEP = 4 };
+/* The deviations from the surface, in tolerances, below which a plane splat is flat whatever lies
+ * beside it, and below which it may be: what the grid makes of a plane face is mostly half of that.
+ */
+static const double exact_tolerances = 0.02, level_tolerances = 0.1;
+/* The cosines of the rays that look for layers behind a point of a face, and how many there are of
+ * each; the part of the way to a layer that rounding may make; how far from an outline the points
+ * lie, in tolerances; and the least cosine of the splat's normal to that of its face. */
+enum { SLANTS = 3, AROUND = 8 };
+static const double slants[SLANTS] = {1, 0.75, 0.5}, least_part = 0.01;
+static const double inset_tolerances = 0.35, least_face_cosine = 0.99;
+
+/* The search for the splats beside others. */
+typedef struct sides {
+    psplat_candidate *candidates;
+    const psplat_region *regions;
+    double reach; /* how near to a point a splat is beside it, a length */
+    size_t index; /* the splat that the point is of */
+    const double *point;
+} sides;
+
+/* Returns whether a candidate lies on a plane face, but for a deviation. */
+static int is_level(const psplat_candidate *candidate, double most) {
+    return !psplat_region_is_curved(&candidate->region) && candidate->deviation < most;
+}
+
+/* Of two splats that lie beside each other and of which one is not level, neither is flat. */
+static int see_side(void *user, uint32_t other) {
+    const sides *s = user;
+    const psplat_region *region = &s->regions[other];
+    double uvh[3], slack = s->reach / min2(region->radius[0], region->radius[1]);
+    double most = level_tolerances * s->reach;
+    if (is_level(&s->candidates[s->index], most) == is_level(&s->candidates[other], most)) return 0;
+    psplat_region_local(region, s->point, uvh);
+    if (fabs(uvh[2]) <= s->reach && psplat_region_contains(region, uvh, 1 + slack, slack))
+        s->candidates[s->index].is_flat = s->candidates[other].is_flat = 0;
+    return 0;
+}
+
+/* Marks the candidates that lie on plane faces and have only such beside them as flat. */
+static psplat_result find_flat(psplat_selection *selection, double tolerance) {
+    psplat_region *regions = malloc((selection->count + 1) * sizeof *regions);
+    psplat_region_tree *tree = NULL;
+    for (size_t i = 0; regions && i < selection->count; ++i) {
+        psplat_candidate *candidate = &selection->candidates[i];
+        regions[i] = candidate->region;
+        candidate->is_flat = is_level(candidate, level_tolerances * tolerance);
+    }
+    if (regions) tree = psplat_region_tree_create(regions, selection->count, tolerance);
+    for (size_t i = 0; tree && i < selection->count; ++i) {
+        double points[PSPLAT_REGION_POINTS][3];
+        sides s = {selection->candidates, regions, tolerance, i, NULL};
+        size_t count = psplat_region_rim_points(&regions[i], points);
+        for (size_t k = 0; k < count; ++k) {
+            s.point = points[k];
+            psplat_region_tree_visit(tree, points[k], see_side, &s);
+        }
+    }
+    free(regions);
+    if (!tree) return PSPLAT_ERROR_MEMORY;
+    psplat_region_tree_destroy(tree);
+    return PSPLAT_OK;
+}
+
+/* Stores whether another layer is met within a depth behind a point of a face by one of some rays:
+ * whether it would show through the face from somewhere. Slanted rays may go farther (spec 5.3). */
+static psplat_result shows_layer(const psplat_distance *distance, const double point[3],
+                                 const double normal[3], double depth, int *shows) {
+    double u[3], v[3];
+    psplat_result result = PSPLAT_OK;
+    perpendicular3(u, normal);
+    cross3(v, normal, u);
+    *shows = 0;
+    for (int i = 0; i < SLANTS * AROUND && !*shows && !result; ++i) {
+        double cosine = slants[i / AROUND], sine = sqrt(1 - cosine * cosine);
+        double angle = 2 * PSPLAT_PI * i / AROUND, from[3], to[3], ray[3];
+        for (int k = 0; k < 3; ++k)
+            ray[k] = sine * (cos(angle) * u[k] + sin(angle) * v[k]) - cosine * normal[k];
+        along3(from, point, least_part * depth, ray);
+        along3(to, point, depth / cosine, ray);
+        result = psplat_distance_meets(distance, from, to, shows);
+    }
+    return result;
+}
+
+/* Marks a candidate of a plane face as flat if another layer would show through that beside its
+ * outline, where the face itself is. */
+static psplat_result test_outline(const psplat_conversion *c, double depth,
+                                  psplat_candidate *candidate) {
+    double points[PSPLAT_REGION_POINTS][3], middle[3] = {0, 0, 0};
+    size_t count = psplat_region_rim_points(&candidate->region, points);
+    double off = 2 * level_tolerances * c->tolerance;
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < count; ++i) mad3(middle, 1 / (double)count, points[i]);
+    for (size_t i = 0; i < count && !candidate->is_flat && !result; ++i) {
+        double inwards[3], nearest[3];
+        uint32_t triangle;
+        sub3(inwards, middle, points[i]);
+        double way = normalize3(inwards), step = min2(inset_tolerances * c->tolerance, way / 2);
+        mad3(points[i], step, inwards);
+        result = psplat_distance_nearest(c->distance, points[i], nearest, &triangle);
+        if (result) break;
+        const double *normal = c->surface.face_normals + 3 * (size_t)triangle;
+        if (distance2_3(points[i], nearest) <= off * off &&
+            dot3(normal, candidate->region.n) > least_face_cosine)
+            result = shows_layer(c->distance, nearest, normal, depth, &candidate->is_flat);
+    }
+    return result;
+}
+
+/* Marks the candidates of plane faces as flat, too, that are hardly off these or through which
+ * layers would show. */
+static psplat_result add_flat(psplat_conversion *c, double depth) {
+    psplat_result result = PSPLAT_OK;
+    for (size_t i = 0; i < c->selection.count && !result; ++i) {
+        psplat_candidate *candidate = &c->selection.candidates[i];
+        candidate->is_flat |= is_level(candidate, exact_tolerances * c->tolerance);
+        if (!candidate->is_flat && is_level(candidate, level_tolerances * c->tolerance))
+            result = test_outline(c, depth, candidate);
+    }
+    return result;
+}
 
 /* Finds the share of the samples beneath which another layer lies within a depth. */
 static psplat_result find_layered_share(const psplat_conversion *c, double depth, double *share) {
@@ -33,12 +167,17 @@ static psplat_result find_layered_share(const psplat_conversion *c, double depth
     return result;
 }
 
-psplat_result psplat_depth_tolerance_choose(const psplat_conversion *c, float *depth) {
+psplat_result psplat_depth_tolerances_choose(psplat_conversion *c, float *depth,
+                                             float *flat_depth) {
     double deviation = 0, share;
     for (size_t i = 0; i < c->selection.count; ++i)
         deviation = fmax(deviation, c->selection.candidates[i].deviation);
-    psplat_result result = find_layered_share(c, 2 * deviation, &share);
-    double part = !result && share >= layered_share ? layered_part : 1;
+    psplat_result result = find_flat(&c->selection, c->tolerance);
+    if (!result) result = add_flat(c, 2 * deviation);
+    if (!result) result = find_layered_share(c, 2 * deviation, &share);
+    if (result) return result;
+    double part = share >= layered_share ? layered_part : 1;
     *depth = (float)fmax(2 * deviation * part, least_tolerances * c->tolerance);
-    return result;
+    *flat_depth = (float)(2 * level_tolerances * c->tolerance);
+    return PSPLAT_OK;
 }

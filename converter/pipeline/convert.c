@@ -43,10 +43,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The deviation from the surface, in tolerances, below which splats count as flat. They get a small
- * depth tolerance, so that faces do not shine through each other at their corners. Chosen by hand.
- */
-static const double flat_deviation_tolerances = 0.02;
 /* The moves of the local search in a round, for each splat. More candidates to choose from gain
  * more than more moves do. Chosen by hand. */
 enum { MOVES_PER_SPLAT = 5 };
@@ -70,15 +66,16 @@ static const uint64_t verify_seed = 0x7665726966790000u;
 
 static psplat_result store_splats(psplat_conversion *c, psplat_error *error) {
     const psplat_mesh *mesh = c->surface.mesh;
-    psplat_sort_desc storing = {
-        .flat_depth_tolerance = (float)(2 * flat_deviation_tolerances * c->tolerance),
-        .groups = mesh->source_materials ? mesh->groups : NULL,
-        .kept = c->appearance.kept,
-        .has_color = c->samples.colors != NULL,
-        .has_finish = c->samples.colors || c->samples.finishes || c->samples.emissive};
+    psplat_sort_desc storing = {.groups = mesh->source_materials ? mesh->groups : NULL,
+                                .kept = c->appearance.kept,
+                                .has_color = c->samples.colors != NULL,
+                                .has_finish = c->samples.colors || c->samples.finishes ||
+                                              c->samples.emissive};
     size_t materials = mesh->source_materials ? mesh->source_material_count : 1;
     c->splats->materials = malloc((materials + 1) * sizeof *c->splats->materials);
-    if (!c->splats->materials || psplat_depth_tolerance_choose(c, &storing.depth_tolerance) ||
+    if (!c->splats->materials ||
+        psplat_depth_tolerances_choose(c, &storing.depth_tolerance,
+                                       &storing.flat_depth_tolerance) ||
         psplat_sort_splats(&c->selection, &storing, c->splats))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while storing splats");
     c->splats->material_count = materials;

@@ -143,9 +143,8 @@ static void take_candidates(const psplat_selection *selection, const psplat_sort
     for (size_t i = 0, count = 0; i < selection->count; ++i) {
         const psplat_candidate *candidate = &selection->candidates[i];
         if (!candidate->taken) continue;
-        int flat = 2 * candidate->deviation < (double)storing->flat_depth_tolerance;
         int curved = psplat_region_is_curved(&candidate->region);
-        uint32_t surface = curved ? CURVED : flat ? FLAT : PLANE;
+        uint32_t surface = curved ? CURVED : candidate->is_flat ? FLAT : PLANE;
         candidate_to_splat(candidate, &s->unsorted[count]);
         if (s->unsorted_finishes) s->unsorted_finishes[count] = candidate->finish;
         if (s->unsorted_texcoords) s->unsorted_texcoords[count] = candidate->texcoord;

@@ -13,8 +13,7 @@
 
 #include <stdint.h>
 
-/* How candidates become splats. Plane ones that leave the surface by less than half of
- * flat_depth_tolerance are flat. */
+/* How candidates become splats. */
 typedef struct psplat_sort_desc {
     float depth_tolerance, flat_depth_tolerance; /* of runs; lengths */
     const uint32_t *groups;                      /* by triangle: its material; NULL: all are 0 */

@@ -274,7 +274,7 @@ static void test_runs(void **state) {
         candidates[i] = (psplat_candidate){
             .region = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {1, 1}},
             .triangle = i % 3,
-            .deviation = i / 3 % 2 ? 0.04 : 0.06,
+            .is_flat = (int)(i / 3 % 2),
             .taken = 1};
         if (i >= 6) candidates[i].region.line_count = 1, candidates[i].region.lines[0][0] = 1;
     }
@@ -340,7 +340,6 @@ static psplat_candidate curved_candidate(uint32_t lines, double bend) {
                                      .line_count = lines,
                                      .hessian = {0.25, 0.125, -0.5}},
                           .field = {0, 0, -0.5, 0.25, -0.25},
-                          .deviation = 0.01,
                           .taken = 1};
     for (uint32_t i = 0; i < lines; ++i) c.region.lines[i][0] = 1;
     if (lines) c.region.bends[lines - 1] = bend;
@@ -355,6 +354,7 @@ static void test_curved_runs(void **state) {
     psplat_candidate candidates[] = {curved_candidate(1, 0.5), curved_candidate(0, 0),
                                      curved_candidate(0, 0), curved_candidate(0, 0)};
     memset(candidates[3].region.hessian, 0, sizeof candidates[3].region.hessian);
+    candidates[3].is_flat = 1;
     candidates[2].region.slope[0] = 0.125;
     candidates[2].field[0] = -0.125;
     candidates[2].field[2] *= 1 + 1e-7; /* rounded to float */
