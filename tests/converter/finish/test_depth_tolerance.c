@@ -94,8 +94,8 @@ static void test_beside_curved(void **state) {
     fixture_free(&f);
 }
 
-/* What lies in the middle of a large disc, far from its rim, is beside it as well, and the other
- * way round. */
+/* What lies within a large disc, far from its middle and its rim, is beside it as well, and the
+ * other way round. */
 static void test_within(void **state) {
     (void)state;
     const double tolerance = layer_height / 10;
@@ -103,7 +103,7 @@ static void test_within(void **state) {
     fixture_layers(&f);
     for (int is_inner_curved = 0; is_inner_curved < 2; ++is_inner_curved) {
         psplat_candidate discs[2] = {disc_at(0.5, 0.5, 0, 0.2, 0.05 * tolerance),
-                                     disc_at(0.5, 0.5, 0, 0.01, 0.05 * tolerance)};
+                                     disc_at(0.58, 0.5, 0, 0.01, 0.05 * tolerance)};
         discs[is_inner_curved].region.hessian[0] = 0.1;
         choose(&f, tolerance, discs);
         assert_int_equal(discs[!is_inner_curved].is_flat, 0);
