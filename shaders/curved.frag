@@ -83,8 +83,8 @@ struct Hit {
     bool is_inside; /* the clip lines, and the near and the far plane */
     bool is_wall;
 #if TWO_SIDED
-    bool is_back; /* it does not only peek out behind a contour (spec 5.2), */
-    bool peeks;   /* or does */
+    bool is_negated;  /* its normal is: it is a back */
+    bool is_mirrored; /* its normal is: it is a back that only peeks out behind a contour */
 #endif
 };
 
@@ -197,8 +197,8 @@ bool find_hit(vec2 slope, vec3 second, out Hit hit, out float root) {
     hit = hit_at(ray, t);
     hit.is_wall = !is_met;
 #if TWO_SIDED
-    hit.peeks = is_back && a > 0.0 && square <= 8.0 * a * v_room;
-    hit.is_back = is_back && !hit.peeks;
+    hit.is_mirrored = is_back && a > 0.0 && square <= 8.0 * a * v_room;
+    hit.is_negated = is_back && !hit.is_mirrored;
     hit.is_inside = hit.is_inside || is_met; /* as is_inside_at() found, whatever rounding says */
 #endif
     return hit.is_inside;
@@ -280,8 +280,8 @@ vec3 turn_by_map(Place place, vec3 normal, vec2 gradient) {
 #if TWO_SIDED
 /* Returns the normal of the side that is seen (spec 5.2). */
 vec3 face(Hit hit, vec3 normal) {
-    if (hit.is_back) return -normal;
-    if (!hit.peeks) return normal;
+    if (hit.is_negated) return -normal;
+    if (!hit.is_mirrored) return normal;
     vec3 ray = to_eye_space() * (u_shift.y * v_local.xyz - v_eye.xyz);
     return normal - 2.0 * max(dot(normal, ray), 0.0) / dot(ray, ray) * ray;
 }

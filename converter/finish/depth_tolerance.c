@@ -2,13 +2,13 @@
  *
  * depth_tolerance.c - the choice of depth tolerances, and of the splats that are flat.
  *
- * The tolerance of what lies before decides how much farther along a ray other layers are blended.
- * A box that stands on a plate is nearer than the tolerance to it at its foot, and if its walls had
- * that of all splats the plate would eat notches into its corners. Where faces meet a fillet or a
- * bore, blending does good: either stands off by the tolerance, and the mean of both is nearer to
- * the truth than the one that happens to lie before. So a splat of a plane face has a small
- * tolerance where such alone lie beside it, or where another layer would show through it: boxes
- * hide the plate behind their corners, and labels what they lie on.
+ * The depth tolerance of what lies before decides how much farther along a ray other layers are
+ * blended. A box is nearer than that to the plate on which it stands, at its foot, so that the
+ * plate would eat notches into its corners. Where faces meet a fillet or a bore, blending does
+ * good: either stands off there, and the mean of both is nearer to the truth than the one that
+ * happens to lie before. So a splat of a plane face has a small depth tolerance where it is hardly
+ * off its face, where only such splats lie beside it, or where another layer would show through it:
+ * boxes hide the plate behind their corners, and labels what they lie on.
  */
 #include "finish/depth_tolerance.h"
 
@@ -35,19 +35,19 @@ enum { SAMPLE_STEP = 4 };
  * beside it, and below which it may be: what the grid makes of a plane face is mostly half of that.
  */
 static const double exact_tolerances = 0.02, level_tolerances = 0.1;
-/* The cosines of the rays that look for layers behind a point of a face, and how many there are of
- * each; the part of the way to a layer that rounding may make; how far from an outline the points
- * lie, in tolerances; and the least cosine of the splat's normal to that of its face. */
-enum { SLANTS = 3, AROUND = 8 };
-static const double slants[SLANTS] = {1, 0.75, 0.5}, least_part = 0.01;
+/* The cosines of slanted rays that look for layers behind a point of a face, and how many there are
+ * of each; the part of the way to a layer that rounding may make; how far from an outline the
+ * points lie, in tolerances; and the least cosine of the splat's normal to that of its face. */
+enum { SLANTS = 2, AROUND = 8 };
+static const double slants[SLANTS] = {0.75, 0.5}, least_part = 0.01;
 static const double inset_tolerances = 0.35, least_face_cosine = 0.99;
 
 /* The search for the splats beside others. */
 typedef struct sides {
     psplat_candidate *candidates;
     const psplat_region *regions;
-    double reach; /* how near to a point a splat is beside it, a length */
-    size_t index; /* the splat that the point is of */
+    double tolerance; /* how near to a point a splat is beside it, a length */
+    size_t index;     /* the splat that the point is of */
     const double *point;
 } sides;
 
@@ -60,11 +60,11 @@ static int is_level(const psplat_candidate *candidate, double most) {
 static int see_side(void *user, uint32_t other) {
     const sides *s = user;
     const psplat_region *region = &s->regions[other];
-    double uvh[3], slack = s->reach / min2(region->radius[0], region->radius[1]);
-    double most = level_tolerances * s->reach;
+    double uvh[3], slack = s->tolerance / min2(region->radius[0], region->radius[1]);
+    double most = level_tolerances * s->tolerance;
     if (is_level(&s->candidates[s->index], most) == is_level(&s->candidates[other], most)) return 0;
     psplat_region_local(region, s->point, uvh);
-    if (fabs(uvh[2]) <= s->reach && psplat_region_contains(region, uvh, 1 + slack, slack))
+    if (fabs(uvh[2]) <= s->tolerance && psplat_region_contains(region, uvh, 1 + slack, slack))
         s->candidates[s->index].is_flat = s->candidates[other].is_flat = 0;
     return 0;
 }
@@ -94,8 +94,9 @@ static psplat_result find_flat(psplat_selection *selection, double tolerance) {
     return PSPLAT_OK;
 }
 
-/* Stores whether another layer is met within a depth behind a point of a face by one of some rays:
- * whether it would show through the face from somewhere. Slanted rays may go farther (spec 5.3). */
+/* Stores whether another layer is met within a depth behind a point of a face by one of some rays,
+ * of which the first goes straight through: whether it would show through the face from somewhere.
+ * Slanted rays may go farther (spec 5.3). */
 static psplat_result shows_layer(const psplat_distance *distance, const double point[3],
                                  const double normal[3], double depth, int *shows) {
     double u[3], v[3];
@@ -103,8 +104,8 @@ static psplat_result shows_layer(const psplat_distance *distance, const double p
     perpendicular3(u, normal);
     cross3(v, normal, u);
     *shows = 0;
-    for (int i = 0; i < SLANTS * AROUND && !*shows && !result; ++i) {
-        double cosine = slants[i / AROUND], sine = sqrt(1 - cosine * cosine);
+    for (int i = -1; i < SLANTS * AROUND && !*shows && !result; ++i) {
+        double cosine = i < 0 ? 1 : slants[i / AROUND], sine = sqrt(1 - cosine * cosine);
         double angle = 2 * PSPLAT_PI * i / AROUND, from[3], to[3], ray[3];
         for (int k = 0; k < 3; ++k)
             ray[k] = sine * (cos(angle) * u[k] + sin(angle) * v[k]) - cosine * normal[k];
@@ -172,12 +173,11 @@ psplat_result psplat_depth_tolerances_choose(psplat_conversion *c, float *depth,
     double deviation = 0, share;
     for (size_t i = 0; i < c->selection.count; ++i)
         deviation = fmax(deviation, c->selection.candidates[i].deviation);
-    psplat_result result = find_flat(&c->selection, c->tolerance);
-    if (!result) result = add_flat(c, 2 * deviation);
-    if (!result) result = find_layered_share(c, 2 * deviation, &share);
+    psplat_result result = find_layered_share(c, 2 * deviation, &share);
     if (result) return result;
     double part = share >= layered_share ? layered_part : 1;
     *depth = (float)fmax(2 * deviation * part, least_tolerances * c->tolerance);
     *flat_depth = (float)(2 * level_tolerances * c->tolerance);
-    return PSPLAT_OK;
+    result = find_flat(&c->selection, c->tolerance);
+    return result ? result : add_flat(c, (double)*depth);
 }

@@ -14,10 +14,11 @@
  * of those and of the others, lengths. That of the others is the greatest distance between two that
  * overlap on one surface, along their normal, but at least a quarter of the tolerance. Where much
  * of the surface has another layer that close beneath it, which would show through, it is half of
- * that: neighbours on one surface are mostly closer. Flat ones are plane and lie on plane faces but
- * for the rounding to the grid. They need next to nothing, and have it where they are hardly off
- * their face, have only such splats beside them, or hide another layer that is near along some ray.
- * Fails only with PSPLAT_ERROR_MEMORY. */
+ * that: neighbours on one surface are mostly closer. That of flat ones is a fifth of the tolerance.
+ * A plane splat that is off its surface by no more than rounding to the grid makes of it is flat
+ * where it is hardly off, where only such splats lie beside it, or where it hides another layer
+ * that is nearer than the depth tolerance of the others along some ray. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_depth_tolerances_choose(psplat_conversion *c, float *depth, float *flat_depth);
 
 #endif

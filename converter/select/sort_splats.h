@@ -15,7 +15,8 @@
 
 /* How candidates become splats. */
 typedef struct psplat_sort_desc {
-    float depth_tolerance, flat_depth_tolerance; /* of runs; lengths */
+    float depth_tolerance, flat_depth_tolerance; /* of runs; lengths; the second is that of plane
+                                                    candidates with is_flat */
     const uint32_t *groups;                      /* by triangle: its material; NULL: all are 0 */
     const psplat_kept_textures *kept;            /* by material; NULL: no textures are kept */
     int has_color, has_finish;

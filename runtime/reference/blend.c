@@ -91,7 +91,7 @@ static void contribute(const psplat_oracle_drawing *d, const psplat_oracle_visit
         normal[i] =
             at->placed.normal[0][i] + u * at->placed.normal[1][i] + v * at->placed.normal[2][i];
     apply_textures(d, at, share, bends, &surface, normal);
-    psplat_oracle_turn_normal(&at->placed, ray, share->side, normal);
+    psplat_oracle_face_normal(&at->placed, ray, share->seen, normal);
     for (int i = 0; i < 3; ++i) p->normal[i] += whole * normal[i];
     add_surface(&p->surface, weight, &surface);
     if (!is_lit_alone(d->view)) return;

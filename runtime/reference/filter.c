@@ -213,7 +213,7 @@ static int share_filtered(const psplat_oracle_sight *sight, psplat_oracle_share 
                                    .v = f->v,
                                    .r = f->r,
                                    .factor = factor * sight->filter->ratio,
-                                   .side = psplat_oracle_fragment_side(sight->splat, f)};
+                                   .seen = psplat_oracle_fragment_side(sight->splat, f)};
     memcpy(share->steps, at.steps, sizeof share->steps);
     find_soft_seam(sight, f, share);
     double tested = f->depth - sight->filter->nearer;
@@ -241,7 +241,7 @@ int psplat_oracle_filter_share(const psplat_oracle_sight *sight, psplat_oracle_s
                                    .v = f->v,
                                    .r = f->r,
                                    .factor = 1,
-                                   .side = psplat_oracle_fragment_side(sight->splat, f)};
+                                   .seen = psplat_oracle_fragment_side(sight->splat, f)};
     psplat_oracle_find_steps(sight->camera, sight->splat, sight->ray, f, share->steps);
     find_hard_seam(sight, share);
     return 1;

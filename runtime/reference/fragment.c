@@ -118,17 +118,17 @@ psplat_oracle_side psplat_oracle_fragment_side(const psplat_oracle_splat *splat,
     return fragment->is_peeking ? PSPLAT_ORACLE_PEEKING : PSPLAT_ORACLE_BACK;
 }
 
-void psplat_oracle_turn_normal(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
+void psplat_oracle_face_normal(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
                                psplat_oracle_side side, double normal[3]) {
-    const double *sight = splat->is_curved ? ray->direction : splat->sight;
+    const double *toward = splat->is_curved ? ray->direction : splat->toward;
     if (side == PSPLAT_ORACLE_FRONT) return;
     if (side == PSPLAT_ORACLE_BACK) {
         for (int i = 0; i < 3; ++i) normal[i] = -normal[i];
         return;
     }
-    double away = psplat_oracle_dot(normal, sight) / psplat_oracle_dot(sight, sight);
+    double away = psplat_oracle_dot(normal, toward) / psplat_oracle_dot(toward, toward);
     if (splat->is_curved) away = fmax(away, 0);
-    psplat_oracle_along(normal, -2 * away, sight, normal);
+    psplat_oracle_along(normal, -2 * away, toward, normal);
 }
 
 /* ---- margins -------------------------------------------------------------------------------- */

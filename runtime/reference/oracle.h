@@ -136,7 +136,7 @@ typedef struct psplat_oracle_splat {
     /* How a flat splat is seen by the ray through its centre, and the direction of that, unit
      * length; set by psplat_oracle_camera_face. */
     psplat_oracle_side seen;
-    double sight[3];
+    double toward[3];
     double epsilon; /* that of the batch: eq. (5) before it is divided by a cosine */
     double cosine;  /* of the angle in eq. (5) at the centre; set by psplat_oracle_camera_face */
     psplat_oracle_mask mask; /* set by psplat_oracle_mask_set */
@@ -324,7 +324,7 @@ psplat_oracle_side psplat_oracle_fragment_side(const psplat_oracle_splat *splat,
 
 /* Turns the normal of a fragment that a ray sees from this side as 5.2 says: negates or mirrors it.
  */
-void psplat_oracle_turn_normal(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
+void psplat_oracle_face_normal(const psplat_oracle_splat *splat, const psplat_oracle_ray *ray,
                                psplat_oracle_side side, double normal[3]);
 
 /* Returns the margin of a decision by the sign of a function of (u, v): the function's value, or
@@ -383,7 +383,7 @@ typedef struct psplat_oracle_share {
     double factor;      /* by which the filter multiplies its weight, 0 ... 1 */
     double seam;        /* the factor s of what its material adds (3.6), up to 1 */
     double seam_margin; /* as in psplat_oracle_margins, to where s changes all at once */
-    psplat_oracle_side side;
+    psplat_oracle_side seen;
     double steps[2][2]; /* of (u, v) by the pixel's x (row 0) and y (row 1) */
 } psplat_oracle_share;
 

@@ -71,7 +71,7 @@ static psplat_oracle_side side_of(const psplat_oracle_splat *splat) {
     double d[3], normal[3];
     for (int k = 0; k < 3; ++k) {
         psplat_oracle_cross(splat->axis[(k + 1) % 3], splat->axis[(k + 2) % 3], normal);
-        d[k] = psplat_oracle_dot(normal, splat->sight) / psplat_oracle_dot(normal, splat->axis[k]);
+        d[k] = psplat_oracle_dot(normal, splat->toward) / psplat_oracle_dot(normal, splat->axis[k]);
     }
     double bent = splat->bend[0] * d[0] * d[0] + 2 * splat->bend[1] * d[0] * d[1] +
                   splat->bend[2] * d[1] * d[1];
@@ -85,10 +85,10 @@ void psplat_oracle_camera_face(const psplat_oracle_camera *camera, psplat_oracle
     psplat_oracle_camera_ray(camera, 0, 0,
                              &ray); /* in parallel views all rays have one direction */
     for (int i = 0; i < 3; ++i)
-        splat->sight[i] = camera->parallel ? ray.direction[i]
-                                           : splat->center[i] - camera->eye[i] / camera->eye[3];
-    psplat_oracle_normalise(splat->sight);
-    splat->cosine = -psplat_oracle_dot(splat->side, splat->sight);
+        splat->toward[i] = camera->parallel ? ray.direction[i]
+                                            : splat->center[i] - camera->eye[i] / camera->eye[3];
+    psplat_oracle_normalise(splat->toward);
+    splat->cosine = -psplat_oracle_dot(splat->side, splat->toward);
     splat->seen = side_of(splat);
 }
 

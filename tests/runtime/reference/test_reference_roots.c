@@ -29,7 +29,7 @@ static scene sloping(double x, double y) {
  * with root^2 = -2 z / k - y^2. Asserts that the picture shows it at X = sign root, and its
  * constant normal z, times turned. The first row of the image's coordinates is z, which camera_look
  * makes the image's -x. Before it meets the back of a hill a ray has been k root^2 / 2 under the
- * surface: up to two depth tolerances the normal is not turned. */
+ * surface: up to two depth tolerances the normal is mirrored along the ray, which leaves its z. */
 static void check_side(const picture *p, double k, double sign, double turned) {
     size_t covered = 0, peeking = 0;
     double least = k > 0 && turned < 0 ? 4 * (double)0.01f / k : 0;

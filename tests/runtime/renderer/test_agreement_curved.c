@@ -248,6 +248,8 @@ static void test_transforms(void **state) {
     check(*state, " flattened and mirrored", &s, flattened, view_from(2, 2, 3), &ordinary);
     check(*state, " stretched sphere", &ball, stretched, view_from(2, 2, 3), &ordinary);
     check(*state, " mirrored sphere", &ball, mirrored, view_from(2, 2, 3), &ordinary);
+    s.material.double_sided = 1;
+    check(*state, " two-sided and mirrored", &s, mirrored, view_from(2, 2, 3), &ordinary);
     scene_free(&s);
     scene_free(&ball);
 }
