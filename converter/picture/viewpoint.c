@@ -119,45 +119,53 @@ static outline circle(void) {
     return o;
 }
 
-/* Clips an outline by one line (Sutherland and Hodgman 1974). A convex outline gains at most one
- * corner. */
-static outline cut(const outline *o, const double line[3]) {
+/* Returns the value of a line of a bend at a point (spec 3.6). */
+static double line_value(const double line[3], double bend, const double at[2]) {
+    double across = line[0] * at[1] - line[1] * at[0];
+    return line[0] * at[0] + line[1] * at[1] + line[2] + bend * across * across / 2;
+}
+
+/* Stores the point between two where a line that keeps the first and not the second, and does not
+ * bulge out, ends what it keeps. */
+static void cross(const double line[3], double bend, const double in[2], const double out[2],
+                  double at[2]) {
+    double across = line[0] * (out[1] - in[1]) - line[1] * (out[0] - in[0]);
+    double square = bend * across * across / 2, first = line_value(line, bend, in);
+    double slope = line_value(line, bend, out) - first - square; /* below 0 */
+    double t = 2 * first / (sqrt(slope * slope - 4 * square * first) - slope);
+    for (int k = 0; k < 2; ++k) at[k] = in[k] + t * (out[k] - in[k]);
+}
+
+/* Clips a convex outline by one line that does not bulge out (Sutherland and Hodgman 1974), to the
+ * convex hull of what that keeps. A straight line adds at most one corner, a bent one few. */
+static outline cut(const outline *o, const double line[3], double bend) {
     outline kept = {.count = 0};
     for (int i = 0; i < o->count; ++i) {
         const double *a = o->corners[i], *b = o->corners[(i + 1) % o->count];
-        double da = line[0] * a[0] + line[1] * a[1] + line[2];
-        double db = line[0] * b[0] + line[1] * b[1] + line[2];
-        if (da >= 0 && kept.count < MAX_CORNERS)
+        int keeps_a = line_value(line, bend, a) >= 0, keeps_b = line_value(line, bend, b) >= 0;
+        if (keeps_a && kept.count < MAX_CORNERS)
             memcpy(kept.corners[kept.count++], a, sizeof *kept.corners);
-        if ((da >= 0) == (db >= 0) || kept.count == MAX_CORNERS) continue;
-        double t = da / (da - db);
-        for (int k = 0; k < 2; ++k) kept.corners[kept.count][k] = a[k] + t * (b[k] - a[k]);
-        ++kept.count;
+        if (keeps_a == keeps_b || kept.count == MAX_CORNERS) continue;
+        cross(line, bend, keeps_a ? a : b, keeps_a ? b : a, kept.corners[kept.count++]);
     }
     return kept;
 }
 
 /* Clips an outline by one clip line and its bend. A line that bulges out keeps less than each of
- * its tangents does. Behind one that bulges in goes the straight line through the points in which
- * it meets the circle. */
+ * its tangents does. */
 static outline cut_by(const outline *o, const float clip[3], double bend) {
     const double line[3] = {(double)clip[0], (double)clip[1], (double)clip[2]};
     double length2 = line[0] * line[0] + line[1] * line[1];
     outline kept = *o;
-    if (bend < 0) {
-        for (int i = 0; i < TANGENTS; ++i) {
-            double place = ((2 * i + 1) / (double)TANGENTS - 1) * sqrt(length2);
-            const double tangent[3] = {line[0] - bend * place * line[1],
-                                       line[1] + bend * place * line[0],
-                                       line[2] - bend * place * place / 2};
-            kept = cut(&kept, tangent);
-        }
-        return kept;
+    if (bend >= 0) return cut(o, line, bend);
+    for (int i = 0; i < TANGENTS; ++i) {
+        double place = ((2 * i + 1) / (double)TANGENTS - 1) * sqrt(length2);
+        const double tangent[3] = {line[0] - bend * place * line[1],
+                                   line[1] + bend * place * line[0],
+                                   line[2] - bend * place * place / 2};
+        kept = cut(&kept, tangent, 0);
     }
-    double bulge = bend * length2, chord[3] = {line[0], line[1], line[2]};
-    if (bend > 0)
-        chord[2] = (2 * line[2] + bulge) / (1 + sqrt(fmax(1 + bend * (2 * line[2] + bulge), 0)));
-    return cut(o, chord);
+    return kept;
 }
 
 /* Rotates a vector by the unit quaternion q. */
@@ -203,7 +211,10 @@ static void visit_splat(const psplat_splat *s, uint32_t lines, const double m[16
     outline o = circle();
     double middle[2] = {0, 0};
     int rings = is_curved(s) ? RINGS : 1;
-    for (uint32_t k = 0; k < lines; ++k) o = cut_by(&o, s->clip[k], (double)s->bend[k]);
+    /* Those that bulge in come last: the hull of what they keep is smaller then. */
+    for (uint32_t k = 0; k < 2 * lines; ++k)
+        if ((k < lines) == (s->bend[k % lines] <= 0))
+            o = cut_by(&o, s->clip[k % lines], (double)s->bend[k % lines]);
     for (int k = 0; k < o.count; ++k)
         for (int i = 0; i < 2; ++i) middle[i] += o.corners[k][i] / o.count;
     for (int ring = 0; ring < rings; ++ring)

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDES = 12, MAX_CORNERS = SIDES + PSPLAT_MAX_CLIP_LINES };
+enum { SIDES = 12, MAX_CORNERS = SIDES + 4 * PSPLAT_MAX_CLIP_LINES };
 
 /* A convex polygon in the splat's coordinates (u, v). */
 typedef struct polygon {
@@ -28,17 +28,11 @@ static polygon whole_splat(void) {
     return p;
 }
 
-static double side_of(const float line[3], double offset, const double corner[2]) {
-    return (double)line[0] * corner[0] + (double)line[1] * corner[1] + offset;
-}
-
-/* Returns the third number of a straight line that keeps all that a line of this bend keeps of the
- * circle: its own if it bulges out, else that of the line through its ends. */
-static double offset_of(const float line[3], double bend) {
-    double offset = (double)line[2];
-    if (!(bend > 0)) return offset;
-    double bulge = bend * ((double)line[0] * (double)line[0] + (double)line[1] * (double)line[1]);
-    return (2 * offset + bulge) / (1 + sqrt(fmax(1 + bend * (2 * offset + bulge), 0)));
+/* Returns the value of a clip line of a bend at a corner. */
+static double side_of(const float line[3], double bend, const double corner[2]) {
+    double a = (double)line[0], b = (double)line[1];
+    double across = a * corner[1] - b * corner[0];
+    return a * corner[0] + b * corner[1] + (double)line[2] + bend * across * across / 2;
 }
 
 static void add_corner(polygon *p, double u, double v) {
@@ -47,17 +41,28 @@ static void add_corner(polygon *p, double u, double v) {
     p->corners[p->count++][1] = v;
 }
 
-/* Keeps the part on the side that the clip line keeps (Sutherland and Hodgman 1974). The polygon is
- * convex and gains one corner at most. */
+/* Adds the point between one corner and another, which is cut off, where the line cuts. */
+static void add_crossing(polygon *p, const float line[3], double bend, const double in[2],
+                         const double out[2]) {
+    const double d[2] = {out[0] - in[0], out[1] - in[1]};
+    double across = (double)line[0] * d[1] - (double)line[1] * d[0];
+    double square = bend * across * across / 2, first = side_of(line, bend, in);
+    double slope = side_of(line, bend, out) - first - square; /* below 0 */
+    double t = 2 * first / (sqrt(slope * slope - 4 * square * first) - slope);
+    add_corner(p, in[0] + t * d[0], in[1] + t * d[1]);
+}
+
+/* Keeps the convex hull of the part that the clip line keeps (Sutherland and Hodgman 1974). A
+ * straight line adds at most one corner, a bent one few. A line that bulges out counts as the
+ * straight one that touches it. */
 static void cut(polygon *p, const float line[3], double bend) {
     polygon kept = {.count = 0};
-    double offset = offset_of(line, bend);
+    bend = fmax(bend, 0);
     for (int i = 0; i < p->count; ++i) {
         const double *a = p->corners[i], *b = p->corners[(i + 1) % p->count];
-        double sa = side_of(line, offset, a), sb = side_of(line, offset, b), t = sa / (sa - sb);
-        if (sa >= 0) add_corner(&kept, a[0], a[1]);
-        if ((sa >= 0) != (sb >= 0))
-            add_corner(&kept, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]));
+        int keeps_a = side_of(line, bend, a) >= 0, keeps_b = side_of(line, bend, b) >= 0;
+        if (keeps_a) add_corner(&kept, a[0], a[1]);
+        if (keeps_a != keeps_b) add_crossing(&kept, line, bend, keeps_a ? a : b, keeps_a ? b : a);
     }
     *p = kept;
 }
@@ -128,7 +133,10 @@ static void visit_splat(const psplat_splat *s, uint32_t line_count, const double
     polygon outline = whole_splat();
     double middle[2] = {0, 0};
     int rings = is_curved(s) ? RINGS : 1;
-    for (uint32_t i = 0; i < line_count; ++i) cut(&outline, s->clip[i], (double)s->bend[i]);
+    /* Those that bulge in come last: the hull of what they keep is smaller then. */
+    for (uint32_t i = 0; i < 2 * line_count; ++i)
+        if ((i < line_count) == (s->bend[i % line_count] <= 0))
+            cut(&outline, s->clip[i % line_count], (double)s->bend[i % line_count]);
     for (int i = 0; i < outline.count; ++i)
         for (int k = 0; k < 2; ++k) middle[k] += outline.corners[i][k] / outline.count;
     for (int ring = 0; ring < rings; ++ring)

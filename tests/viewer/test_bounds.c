@@ -14,6 +14,7 @@
 #include "scene_asset.h"
 
 #include <math.h>
+#include <string.h>
 
 static sphere sphere_of(scene s) {
     psplat_asset *asset = scene_open(&s);
@@ -69,6 +70,19 @@ static void test_seams_cut_nothing(void **state) {
     }
 }
 
+/* A line that bulges in keeps x <= y^2 of a disc, and others keep -1/4 <= x and |y| <= 1/2: nothing
+ * lies beyond x = 1/4, far within the points in which the first one meets the circle. */
+static void test_bent_lines_count(void **state) {
+    (void)state;
+    static const float lines[4][3] = {{-1, 0, 0}, {1, 0, 0.25f}, {0, 1, 0.5f}, {0, -1, 0.5f}};
+    scene s = scene_disc(1);
+    s.splats[0].clip_count = 4;
+    memcpy(s.splats[0].clip, lines, sizeof lines);
+    s.splats[0].bend[0] = 2;
+    sphere b = sphere_of(s);
+    assert_true(fabs(b.center[0]) < 1e-6 && fabs(b.radius - sqrt(0.3125)) < 1e-6);
+}
+
 /* A disc that is bent to a dome ends at a depth of a half: the sphere that holds its rim and its
  * top has about the radius of its rim. A bent line that keeps half of it makes the sphere smaller.
  */
@@ -101,6 +115,7 @@ int test_bounds_main(void) {
         cmocka_unit_test(test_a_disc_is_inside),
         cmocka_unit_test(test_what_is_cut_away_has_bounds),
         cmocka_unit_test(test_seams_cut_nothing),
+        cmocka_unit_test(test_bent_lines_count),
         cmocka_unit_test(test_curved_splats_count),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -207,6 +207,24 @@ static void test_sphere_holds_curved_splats(void **state) {
     }
 }
 
+/* A line that bulges in keeps x <= y^2 of a disc, and others keep -1/4 <= x and |y| <= 1/2: the box
+ * ends at x = 1/4, far within the points in which the first one meets the circle. */
+static void test_sphere_of_a_notch(void **state) {
+    (void)state;
+    static const float lines[4][3] = {{-1, 0, 0}, {1, 0, 0.25f}, {0, 1, 0.5f}, {0, -1, 0.5f}};
+    scene s = scene_disc(1);
+    s.splats[0].clip_count = 4;
+    memcpy(s.splats[0].clip, lines, sizeof lines);
+    s.splats[0].bend[0] = 2;
+    psplat_asset *asset = scene_open(&s);
+    double center[3], radius = 0;
+    psplat_viewpoint_sphere(asset, center, &radius);
+    for (int k = 0; k < 3; ++k) assert_true(fabs(center[k]) < 1e-6); /* a file has floats */
+    assert_true(fabs(radius - hypot(0.25, 0.5)) < 1e-6);
+    psplat_asset_destroy(asset);
+    scene_free(&s);
+}
+
 static void test_light_comes_from_the_camera_s_side(void **state) {
     (void)state;
     const double min[3] = {-1, -1, -1}, max[3] = {1, 1, 1};
@@ -248,6 +266,7 @@ int test_viewpoint_main(void) {
         cmocka_unit_test(test_near_plane_stays_in_front_of_the_eye),
         cmocka_unit_test(test_sphere_leaves_out_what_is_clipped),
         cmocka_unit_test(test_sphere_holds_curved_splats),
+        cmocka_unit_test(test_sphere_of_a_notch),
         cmocka_unit_test(test_light_comes_from_the_camera_s_side),
         cmocka_unit_test(test_crop),
     };
