@@ -207,11 +207,12 @@ static void test_sphere_holds_curved_splats(void **state) {
     }
 }
 
-/* A line that bulges in keeps x <= y^2 of a disc, and others keep -1/4 <= x and |y| <= 1/2: the box
- * ends at x = 1/4, far within the points in which the first one meets the circle. */
+/* A line that bulges in keeps x <= y^2 of a disc, and others keep -1/4 <= x and |y| <= 2/5 + x / 2:
+ * the box ends where x = (2/5 + x / 2)^2, far within the points in which the first one meets the
+ * circle, and the middle of the sphere is not 0. */
 static void test_sphere_of_a_notch(void **state) {
     (void)state;
-    static const float lines[4][3] = {{-1, 0, 0}, {1, 0, 0.25f}, {0, 1, 0.5f}, {0, -1, 0.5f}};
+    static const float lines[4][3] = {{-1, 0, 0}, {1, 0, 0.25f}, {0.5f, 1, 0.4f}, {0.5f, -1, 0.4f}};
     scene s = scene_disc(1);
     s.splats[0].clip_count = 4;
     memcpy(s.splats[0].clip, lines, sizeof lines);
@@ -219,8 +220,9 @@ static void test_sphere_of_a_notch(void **state) {
     psplat_asset *asset = scene_open(&s);
     double center[3], radius = 0;
     psplat_viewpoint_sphere(asset, center, &radius);
-    for (int k = 0; k < 3; ++k) assert_true(fabs(center[k]) < 1e-6); /* a file has floats */
-    assert_true(fabs(radius - hypot(0.25, 0.5)) < 1e-6);
+    double end = (0.6 - sqrt(0.2)) / 0.5, middle = (end - 0.25) / 2; /* a file has floats */
+    for (int k = 0; k < 3; ++k) assert_true(fabs(center[k] - (k ? 0 : middle)) < 1e-6);
+    assert_true(fabs(radius - hypot(end - middle, 0.4 + end / 2)) < 1e-6);
     psplat_asset_destroy(asset);
     scene_free(&s);
 }
