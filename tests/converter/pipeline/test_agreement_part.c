@@ -168,7 +168,9 @@ static void test_part_from_all_sides(void **state) {
     assert_int_equal(a.mismatches, 0);
     assert_int_equal(a.other, 0);
     assert_true(a.uv <= 5e-5 && a.thin_uv <= 5e-4);
-    assert_true(a.depth <= 2e-6 && a.thin_depth <= 2e-5); /* as in check, which views as near */
+    /* Window depth, as in check: splats reach over a fifth of their distance, and of some sides it
+     * is 1.5e-6, where 1e-6 is the bound of views from farther away. */
+    assert_true(a.depth <= 2e-6 && a.thin_depth <= 2e-5);
     psplat_asset_destroy(asset);
     gpu_close(&g);
 }
