@@ -12,6 +12,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* The regions of a leaf, room for the nodes that wait to be visited, and the sides of the polygon
  * whose corners bound a region. */
@@ -168,6 +169,12 @@ psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size
     tree->node_count = 1;
     build(tree, 0, 0, (uint32_t)count);
     return tree;
+}
+
+void psplat_region_tree_box(const psplat_region_tree *tree, uint32_t region, double low[3],
+                            double high[3]) {
+    memcpy(low, tree->boxes[region].low, sizeof tree->boxes[region].low);
+    memcpy(high, tree->boxes[region].high, sizeof tree->boxes[region].high);
 }
 
 static int meets(const box *b, const double low[3], const double high[3]) {

@@ -16,6 +16,10 @@ typedef struct psplat_region_tree psplat_region_tree;
 psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size_t count,
                                               double reach);
 
+/* Stores the box of a region, which lines have cut, grown by reach. */
+void psplat_region_tree_box(const psplat_region_tree *region_tree, uint32_t region, double low[3],
+                            double high[3]);
+
 /* Calls visit with the index of each region whose box, grown by reach, holds the point, until visit
  * returns other than 0. */
 void psplat_region_tree_visit(const psplat_region_tree *region_tree, const double point[3],

@@ -118,7 +118,7 @@ static psplat_result mesh_normal(const psplat_tested_surface *target, const doub
                                  const double normal[3], double seen[3]) {
     const psplat_source_mesh *mesh = target->mesh;
     double there[3], from[3], to[3], nearest[3], weights[3];
-    uint32_t triangle;
+    uint32_t triangle, guess = PSPLAT_NONE;
     float at[3];
     int meets;
     memset(seen, 0, 3 * sizeof *seen);
@@ -127,7 +127,7 @@ static psplat_result mesh_normal(const psplat_tested_surface *target, const doub
     along3(to, there, -target->reach, normal);
     psplat_result result = psplat_distance_meets(mesh->distance, from, to, &meets);
     if (result || !meets) return result;
-    result = psplat_distance_nearest(mesh->distance, there, nearest, &triangle);
+    result = psplat_distance_nearest(mesh->distance, there, &guess, nearest, &triangle);
     if (result) return result;
     psplat_surface_barycentric(&mesh->surface, triangle, nearest, weights);
     psplat_surface_normal(&mesh->surface, triangle, weights, at);

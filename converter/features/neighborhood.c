@@ -33,6 +33,7 @@ void psplat_neighborhood_free(psplat_neighborhood *n) {
     free(n->sorted);
     free(n->blocks);
     free(n->creases);
+    free(n->crease_boxes);
     *n = (psplat_neighborhood){0};
 }
 
@@ -65,6 +66,27 @@ static int push_creases(psplat_neighborhood *n, const psplat_clusters *clusters,
     memcpy(n->creases + n->crease_count, clusters->creases + begin,
            (end - begin) * sizeof *n->creases);
     n->crease_count += end - begin;
+    return 1;
+}
+
+/* Finds the boxes around the creases. Returns 0 when out of memory. */
+static int box_creases(psplat_neighborhood *n, const psplat_mesh *mesh) {
+    size_t count = (n->crease_count + PSPLAT_CREASE_BLOCK - 1) / PSPLAT_CREASE_BLOCK;
+    if (!reserve((void **)&n->crease_boxes, &n->crease_box_capacity, count,
+                 sizeof *n->crease_boxes))
+        return 0;
+    for (size_t i = 0; i < n->crease_count; ++i) {
+        psplat_crease_box *block = &n->crease_boxes[i / PSPLAT_CREASE_BLOCK];
+        uint32_t edge = n->creases[i], next = edge % 3 == 2 ? edge - 2 : edge + 1;
+        const double *a = mesh->positions + 3 * (size_t)mesh->triangles[edge];
+        const double *b = mesh->positions + 3 * (size_t)mesh->triangles[next];
+        int is_first = i % PSPLAT_CREASE_BLOCK == 0;
+        for (int k = 0; k < 3; ++k) {
+            double low = min2(a[k], b[k]), high = max2(a[k], b[k]);
+            block->low[k] = is_first ? low : min2(block->low[k], low);
+            block->high[k] = is_first ? high : max2(block->high[k], high);
+        }
+    }
     return 1;
 }
 
@@ -253,7 +275,7 @@ int psplat_neighborhood_gather(psplat_neighborhood *n, const psplat_surface *sur
     const flood f = {surface, samples, metric, reach, creases_only};
     int ok = begin(n, &samples->clusters, triangle);
     for (size_t i = 0; ok && i < n->cluster_count; ++i) ok = visit(n, &f, n->clusters[i]);
-    if (!ok) return 0;
+    if (!ok || !box_creases(n, surface->mesh)) return 0;
     memcpy(n->origin, metric->center, sizeof n->origin);
     return creases_only || (sort_ranked(n) && copy_samples(n, samples, metric->center));
 }

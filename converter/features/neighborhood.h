@@ -23,6 +23,12 @@ typedef struct psplat_near_sample {
     uint32_t index;
 } psplat_near_sample;
 
+/* A box around so many creases that follow each other in their list; around fewer at its end. */
+enum { PSPLAT_CREASE_BLOCK = 8 };
+typedef struct psplat_crease_box {
+    double low[3], high[3];
+} psplat_crease_box;
+
 /* The samples and creases that were gathered last: memory of one thread for one surface, which
  * grows on demand. Zero-initialise it. */
 typedef struct psplat_neighborhood {
@@ -31,6 +37,7 @@ typedef struct psplat_neighborhood {
     size_t count;
     uint32_t *creases; /* edges (3 x triangle + side) that stopped the flood, and others near it */
     size_t crease_count;
+    psplat_crease_box *crease_boxes; /* of each PSPLAT_CREASE_BLOCK creases */
     int whole;        /* 1: the samples are all of the patch that is connected with the seed */
     double origin[3]; /* the metric's centre */
     psplat_ranked *order, *sorted; /* count; sorted is scratch memory */
@@ -41,7 +48,7 @@ typedef struct psplat_neighborhood {
     uint32_t stamp;
     uint32_t *clusters; /* those that the flood has met */
     size_t cluster_count, cluster_capacity, order_capacity, sorted_capacity, sample_capacity,
-        crease_capacity;
+        crease_capacity, crease_box_capacity;
 } psplat_neighborhood;
 
 /* Gathers the samples (blue noise) within reach of the metric's centre, which the metric does not

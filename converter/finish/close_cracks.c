@@ -120,23 +120,23 @@ static void choose(closer *r, const psplat_measured_splats *measured) {
     for (size_t i = 0; i < measured->count; ++i) r->first[i + 1] += r->first[i];
 }
 
-/* Makes the tree of what regions that lines cut would be without these. The caller destroys it;
- * NULL when out of memory. */
-static psplat_region_tree *make_whole_tree(const closer *r) {
-    size_t count = 0;
-    psplat_region *whole = malloc((r->c->selection.count + 1) * sizeof *whole);
-    for (size_t i = 0; whole && i < r->c->selection.count; ++i) {
+/* Makes the regions that lines cut, but whole: what they hide, lines that are moved out may close.
+ * The caller frees them. Returns 0 when out of memory. */
+static int make_whole(const closer *r, psplat_measured_splats *whole) {
+    *whole = (psplat_measured_splats){0};
+    whole->regions = malloc((r->c->selection.count + 1) * sizeof *whole->regions);
+    if (!whole->regions) return 0;
+    for (size_t i = 0; i < r->c->selection.count; ++i) {
         if (!r->regions[i].line_count) continue;
-        whole[count] = r->regions[i];
-        whole[count++].line_count = 0;
+        whole->regions[whole->count] = r->regions[i];
+        whole->regions[whole->count++].line_count = 0;
     }
-    psplat_region_tree *tree = whole ? psplat_region_tree_create(whole, count, 0) : NULL;
-    free(whole);
-    return tree;
+    whole->region_tree = psplat_region_tree_create(whole->regions, whole->count, 0);
+    return whole->region_tree != NULL;
 }
 
 /* Finds the cracks between the candidates. */
-static psplat_result find_cracks(closer *r, const psplat_region_tree *whole, uint64_t seed) {
+static psplat_result find_cracks(closer *r, const psplat_measured_splats *whole, uint64_t seed) {
     psplat_measured_splats measured;
     psplat_ray_holes rays;
     psplat_result result =
@@ -205,14 +205,14 @@ psplat_result psplat_close_cracks(psplat_conversion *c) {
     r.first = malloc((count + 1) * sizeof *r.first);
     psplat_result result = r.regions && r.first ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; !result && i < count; ++i) r.regions[i] = c->selection.candidates[i].region;
-    psplat_region_tree *whole = result ? NULL : make_whole_tree(&r);
-    if (!whole) result = PSPLAT_ERROR_MEMORY;
+    psplat_measured_splats whole = {0};
+    if (!result && !make_whole(&r, &whole)) result = PSPLAT_ERROR_MEMORY;
     for (int round = 0; round < ROUNDS && r.count && !result; ++round) {
-        result = find_cracks(&r, whole, c->desc->seed + (uint64_t)round);
+        result = find_cracks(&r, &whole, c->desc->seed + (uint64_t)round);
         if (!result) result = psplat_fit_each(&context, count, move_lines, &r);
         free(r.cracks);
     }
-    psplat_region_tree_destroy(whole);
+    psplat_measured_splats_free(&whole);
     free(r.regions);
     free(r.first);
     return result;

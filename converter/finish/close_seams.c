@@ -166,8 +166,8 @@ static int find_segments(const psplat_fit_context *context, const psplat_candida
         psplat_scratch_reserve(context->scratch))
         return 0;
     for (uint32_t i = 0; i < wider.line_count; ++i) wider.lines[i][2] += line_slack;
-    *count = psplat_segments_find(surface, near->creases, near->crease_count, &wider, tolerance,
-                                  context->scratch->segments);
+    *count =
+        psplat_segments_find_near(surface, near, &wider, tolerance, context->scratch->segments);
     return 1;
 }
 

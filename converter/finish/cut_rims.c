@@ -113,11 +113,11 @@ static double bend_away(const psplat_region *region, const double uv[2], const d
  * the surface and from the other splats there. The more the surface bends away, the more views show
  * that. */
 static psplat_result find_shown(const psplat_fit_context *context, const cutter *t, uint32_t index,
-                                const double uv[2], double *shown) {
+                                const double uv[2], uint32_t *guess, double *shown) {
     const psplat_measured_splats *splats = &t->shrunk.before;
     const psplat_region *region = &splats->regions[index];
     psplat_stand_off at;
-    psplat_result result = psplat_stand_off_find(context, region, uv, &at);
+    psplat_result result = psplat_stand_off_find(context, region, uv, guess, &at);
     *shown = 0;
     if (result || at.length == 0) return result;
     const double *normal = context->surface->face_normals + 3 * (size_t)at.triangle;
@@ -131,11 +131,12 @@ static psplat_result measure(const psplat_fit_context *context, size_t index, vo
     cutter *t = user;
     rim *rim = &t->rims[index];
     const double *radius = t->shrunk.before.regions[index].radius;
+    uint32_t guess = PSPLAT_NONE;
     psplat_result result = PSPLAT_OK;
     for (int i = 0; i < SIDES && !result; ++i) {
         double angle = 2 * PSPLAT_PI * i / SIDES, *uv = rim->uv[i];
         uv[0] = cos(angle), uv[1] = sin(angle);
-        result = find_shown(context, t, (uint32_t)index, uv, &rim->shown[i]);
+        result = find_shown(context, t, (uint32_t)index, uv, &guess, &rim->shown[i]);
         rim->shown[i] *= 2 * PSPLAT_PI / SIDES * norm2(uv[1] * radius[0], uv[0] * radius[1]) /
                          context->limits->tolerance;
     }

@@ -122,6 +122,7 @@ static psplat_result test_outline(const psplat_conversion *c, double depth,
                                   psplat_candidate *candidate) {
     double points[PSPLAT_REGION_POINTS][3], middle[3] = {0, 0, 0};
     size_t count = psplat_region_rim_points(&candidate->region, points);
+    uint32_t guess = PSPLAT_NONE;
     double off = 2 * level_tolerances * c->tolerance;
     psplat_result result = PSPLAT_OK;
     for (size_t i = 0; i < count; ++i) mad3(middle, 1 / (double)count, points[i]);
@@ -131,7 +132,7 @@ static psplat_result test_outline(const psplat_conversion *c, double depth,
         sub3(inwards, middle, points[i]);
         double way = normalize3(inwards), step = min2(inset_tolerances * c->tolerance, way / 2);
         mad3(points[i], step, inwards);
-        result = psplat_distance_nearest(c->distance, points[i], nearest, &triangle);
+        result = psplat_distance_nearest(c->distance, points[i], &guess, nearest, &triangle);
         if (result) break;
         const double *normal = c->surface.face_normals + 3 * (size_t)triangle;
         if (distance2_3(points[i], nearest) <= off * off &&

@@ -85,8 +85,8 @@ static int meets_edge(const psplat_fit_context *context, const psplat_region *re
     double reach = (is_tangent ? tangent_reach_tolerances : crease_reach_tolerances) * tolerance;
     psplat_region narrow = *region;
     for (uint32_t i = 0; i < fitted; ++i) narrow.lines[i][2] -= reach * line_rate(region, i);
-    size_t count = psplat_segments_find(context->surface, near->creases, near->crease_count,
-                                        &narrow, 2 * tolerance, context->scratch->segments);
+    size_t count = psplat_segments_find_near(context->surface, near, &narrow, 2 * tolerance,
+                                             context->scratch->segments);
     for (size_t i = 0; i < count; ++i)
         if (segments[i].is_tangent == is_tangent) return 1;
     return 0;

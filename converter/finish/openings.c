@@ -169,33 +169,34 @@ static psplat_region lost_part(const psplat_region *before, const psplat_region 
     return lost;
 }
 
-/* Makes the tree of what splats have lost. The caller destroys it; NULL when out of memory. */
-static psplat_region_tree *make_lost_tree(const psplat_shrunk *shrunk) {
+/* Makes what splats have lost, which hid the rays that have been opened. The caller frees it.
+ * Returns 0 when out of memory. */
+static int make_lost(const psplat_shrunk *shrunk, psplat_measured_splats *lost) {
     const psplat_candidate *candidates = shrunk->c->selection.candidates;
-    size_t count = 0;
-    psplat_region *lost = malloc((shrunk->before.count + 1) * sizeof *lost);
-    for (size_t i = 0; lost && i < shrunk->before.count; ++i)
+    const psplat_measured_splats *before = &shrunk->before;
+    *lost = (psplat_measured_splats){.wall = before->wall};
+    lost->regions = malloc((before->count + 1) * sizeof *lost->regions);
+    if (!lost->regions) return 0;
+    for (size_t i = 0; i < before->count; ++i)
         if (shrunk->splats[i].is_smaller)
-            lost[count++] = lost_part(&shrunk->before.regions[i], &candidates[i].region);
-    psplat_region_tree *tree = lost ? psplat_region_tree_create(lost, count, 0) : NULL;
-    free(lost);
-    return tree;
+            lost->regions[lost->count++] = lost_part(&before->regions[i], &candidates[i].region);
+    lost->region_tree = psplat_region_tree_create(lost->regions, lost->count, 0);
+    return lost->region_tree != NULL;
 }
 
 /* Casts rays where splats have lost something, and gives them back what closes these. */
 static psplat_result cast_rays(psplat_shrunk *shrunk, uint64_t seed) {
-    psplat_measured_splats measured;
-    psplat_ray_holes rays;
+    psplat_measured_splats lost, measured = {0};
+    psplat_ray_holes rays = {0};
     size_t points = POINTS_PER_SAMPLE * shrunk->c->samples.count;
-    psplat_region_tree *lost = make_lost_tree(shrunk);
-    if (!lost) return PSPLAT_ERROR_MEMORY;
-    psplat_result result =
-        psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points, PSPLAT_WALL_TOLERANCES,
-                             lost, seed, &measured, &rays);
+    psplat_result result = make_lost(shrunk, &lost) ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    if (!result)
+        result = psplat_rim_rays_find(shrunk->c, rim_spacing_tolerances, points,
+                                      PSPLAT_WALL_TOLERANCES, &lost, seed, &measured, &rays);
     for (size_t i = 0; i < rays.count && !result; ++i) close_ray(shrunk, &rays.holes[i]);
     psplat_ray_holes_free(&rays);
     psplat_measured_splats_free(&measured);
-    psplat_region_tree_destroy(lost);
+    psplat_measured_splats_free(&lost);
     return result;
 }
 

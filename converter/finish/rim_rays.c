@@ -12,7 +12,7 @@
 
 psplat_result psplat_rim_rays_find(const psplat_conversion *c, double spacing_tolerances,
                                    size_t points, double wall_tolerances,
-                                   const psplat_region_tree *beside, uint64_t seed,
+                                   const psplat_measured_splats *hiders, uint64_t seed,
                                    psplat_measured_splats *measured, psplat_ray_holes *rays) {
     const psplat_selection *selection = &c->selection;
     size_t count = selection->count;
@@ -28,7 +28,7 @@ psplat_result psplat_rim_rays_find(const psplat_conversion *c, double spacing_to
     const psplat_ray_search search = {.surface = &c->surface,
                                       .measured = measured,
                                       .distance = c->distance,
-                                      .beside = beside,
+                                      .hiders = hiders,
                                       .points = points,
                                       .rim_spacing = spacing_tolerances * c->limits.tolerance,
                                       .seed = seed};

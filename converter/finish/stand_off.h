@@ -22,8 +22,10 @@ typedef struct psplat_stand_off {
 } psplat_stand_off;
 
 /* Finds how far the point of a region's rim at uv, on the unit circle, stands off. limits->distance
- * must not be NULL. Fails only with PSPLAT_ERROR_MEMORY. */
+ * must not be NULL, and *guess is that of psplat_distance_nearest. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_stand_off_find(const psplat_fit_context *context, const psplat_region *region,
-                                    const double uv[2], psplat_stand_off *stand_off);
+                                    const double uv[2], uint32_t *guess,
+                                    psplat_stand_off *stand_off);
 
 #endif

@@ -65,13 +65,14 @@ static void trimmer_free(trimmer *t) {
 static psplat_result measure(const psplat_fit_context *context, size_t index, void *user) {
     trimmer *t = user;
     double *worth = &t->shrunk.splats[index].worth;
+    uint32_t guess = PSPLAT_NONE;
     t->splats[index].scale = 1;
     for (int i = 0; i < SIDES; ++i) {
         double angle = 2 * PSPLAT_PI * i / SIDES;
         const double uv[2] = {cos(angle), sin(angle)};
         psplat_stand_off stand_off;
-        psplat_result result =
-            psplat_stand_off_find(context, &t->shrunk.before.regions[index], uv, &stand_off);
+        psplat_result result = psplat_stand_off_find(context, &t->shrunk.before.regions[index], uv,
+                                                     &guess, &stand_off);
         if (result) return result;
         *worth = max2(*worth, stand_off.length);
     }

@@ -120,3 +120,46 @@ size_t psplat_segments_find(const psplat_surface *surface, const uint32_t *creas
     }
     return count;
 }
+
+/* ---- neighbourhoods -------------------------------------------------------------------------- */
+
+/* What rounding may make of lengths, in parts of them: differences of squares lose half of their
+ * digits. */
+static const double rounding = 1e-7;
+
+/* Finds a box around the surface over the ellipse, and what is no farther from it than height along
+ * its normals there. */
+static void find_box(const psplat_region *region, double height, psplat_crease_box *box) {
+    const double *r = region->radius;
+    double widest = max2(r[0], r[1]), reach = psplat_region_reach(region);
+    double steepest =
+        norm2(region->slope[0], region->slope[1]) + psplat_region_bend(region) * widest;
+    double over = sqrt(max2(reach * reach - widest * widest, 0)) + height * norm2(1, steepest);
+    for (int k = 0; k < 3; ++k) {
+        double far = norm2(r[0] * region->u[k], r[1] * region->v[k]) + over * fabs(region->n[k]);
+        far += rounding * (widest + over + fabs(region->center[k]));
+        box->low[k] = region->center[k] - far, box->high[k] = region->center[k] + far;
+    }
+}
+
+static int boxes_meet(const psplat_crease_box *a, const psplat_crease_box *b) {
+    for (int k = 0; k < 3; ++k)
+        if (a->low[k] > b->high[k] || a->high[k] < b->low[k]) return 0;
+    return 1;
+}
+
+size_t psplat_segments_find_near(const psplat_surface *surface, const psplat_neighborhood *near,
+                                 const psplat_region *region, double height,
+                                 psplat_segment *segments) {
+    psplat_crease_box box;
+    size_t count = 0;
+    find_box(region, height, &box);
+    for (size_t begin = 0; begin < near->crease_count; begin += PSPLAT_CREASE_BLOCK) {
+        size_t left = near->crease_count - begin;
+        if (boxes_meet(&near->crease_boxes[begin / PSPLAT_CREASE_BLOCK], &box))
+            count += psplat_segments_find(surface, near->creases + begin,
+                                          left < PSPLAT_CREASE_BLOCK ? left : PSPLAT_CREASE_BLOCK,
+                                          region, height, segments + count);
+    }
+    return count;
+}

@@ -6,6 +6,7 @@
 #define PHONGSPLAT_FIT_CREASE_SEGMENTS_H
 
 #include "base/region.h"
+#include "features/neighborhood.h"
 #include "features/surface.h"
 
 #include <stdint.h>
@@ -28,5 +29,10 @@ typedef struct psplat_segment {
 size_t psplat_segments_find(const psplat_surface *surface, const uint32_t *creases,
                             size_t crease_count, const psplat_region *region, double height,
                             psplat_segment *segments);
+
+/* Does the same for the creases of a neighbourhood. */
+size_t psplat_segments_find_near(const psplat_surface *surface, const psplat_neighborhood *near,
+                                 const psplat_region *region, double height,
+                                 psplat_segment *segments);
 
 #endif

@@ -124,8 +124,8 @@ static size_t find_segments(const psplat_fit_context *context, const psplat_regi
     const psplat_limits *limits = context->limits;
     int is_small = max2(region->radius[0], region->radius[1]) <= limits->tolerance;
     /* Creases that are farther from the plane belong to another part of a bent surface. */
-    size_t count = psplat_segments_find(context->surface, near->creases, near->crease_count, region,
-                                        2 * limits->tolerance, scratch->segments);
+    size_t count = psplat_segments_find_near(context->surface, near, region, 2 * limits->tolerance,
+                                             scratch->segments);
     size_t kept = 0;
     *height = 0;
     for (size_t i = 0; i < count; ++i) {

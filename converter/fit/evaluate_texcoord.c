@@ -66,8 +66,8 @@ static size_t find_walls(const psplat_fit_context *context, const psplat_region 
     if (!met) return 0;
     grown.line_count = 0;
     for (int k = 0; k < 2; ++k) grown.radius[k] += beyond;
-    count = psplat_segments_find(context->surface, s->near.creases, s->near.crease_count, &grown,
-                                 2 * context->limits->tolerance, s->segments);
+    count = psplat_segments_find_near(context->surface, &s->near, &grown,
+                                      2 * context->limits->tolerance, s->segments);
     for (size_t i = 0; i < count; ++i) {
         if (!was_met(context, s->segments[i].across)) continue;
         psplat_segment wall = s->segments[i];

@@ -6,7 +6,8 @@
  * then passes the rim of the higher one, where that is flat or its wall too low, and reaches the
  * lower one where that has ended: the overlap has to be the rest of the step between them times the
  * tangent of the slant. So random rays are tried. All rays of a point are tried at once against
- * each splat nearby, and the mesh is asked only about those that nothing meets.
+ * each splat nearby, and the mesh is asked only about those that nothing meets. Where only some
+ * regions matter, rays that none of these would hide are left out before that.
  *
  * Cracks that are much narrower than the random points lie apart are found from the rims of splats,
  * which border every gap: points a little beyond a rim stand for the triangle that is nearest to
@@ -57,16 +58,24 @@ typedef struct place {
     uint32_t open; /* a bit for each ray that is a hole */
 } place;
 
-/* The rays of one place, and which of them have met no splat yet. */
+/* The rays of one place, and which of them still may be holes. */
 typedef struct bundle {
     psplat_sight sights[RAYS];
     double cosine[RAYS];
     uint32_t open; /* a bit for each */
 } bundle;
 
+/* A splat, and a sphere that holds it with its wall. */
+typedef struct ball {
+    double center[3], radius;
+    double bend; /* of its region */
+    uint32_t splat;
+} ball;
+
 /* The places of a search, and their rays' slants. */
 typedef struct ray_plan {
     const psplat_ray_search *search;
+    const ball *balls, *hiders; /* of all splats, and of the hiders */
     place *places;
     size_t count;
     const psplat_rim_point *rims; /* of each place; NULL: the places lie on the surface */
@@ -117,24 +126,31 @@ static void make_rays(const ray_plan *plan, size_t i, int count, bundle *b) {
     b->open = (1u << count) - 1;
 }
 
+/* Splats that rays may meet. */
+typedef struct target {
+    const psplat_measured_splats *measured; /* NULL: there are none */
+    const ball *balls;
+    double height; /* how far over or under the triangle they may be met */
+    double reach;  /* how far from their point rays get to there, at most */
+} target;
+
 /* What a thread that looks at places knows. Places follow each other over the surface, so that it
  * keeps which splats last met all rays of a place, and those near the last places. The results do
  * not depend on it. */
 enum { LIKELY = 4 };
 typedef struct looker {
     const ray_plan *plan;
-    const psplat_measured_splats *measured;
-    const double *bends;             /* of the regions */
+    target splats, hiders;
     psplat_sight_cone cones[SLANTS]; /* of the rays of a slant and of all steeper ones */
-    double reach;                    /* how far from its point a ray may meet a splat */
     uint32_t likely[LIKELY];
     int likely_count;
     double low[3], high[3]; /* a box, and the splats within reach of it */
-    uint32_t *near;
+    ball *near;
     size_t near_count, near_capacity;
-    double beside_low[3], beside_high[3]; /* a box, and whether a region that matters is within
-                                             reach of it */
+    double far_of_hiders;                 /* far_of() of hiders, whatever the place */
+    double beside_low[3], beside_high[3]; /* a box, and whether a hider is that near to it */
     int is_beside;
+    uint32_t guess; /* where the triangle beneath the last rim was found */
     int failed;
     /* At the place: */
     const double *point, *normal;
@@ -146,13 +162,13 @@ static int push_near(void *user, uint32_t splat) {
     looker *l = user;
     if (l->near_count == l->near_capacity) {
         size_t capacity = 2 * l->near_capacity + 64;
-        uint32_t *near = realloc(l->near, capacity * sizeof *near);
+        ball *near = realloc(l->near, capacity * sizeof *near);
         l->failed |= !near;
         if (!near) return 1;
         l->near = near;
         l->near_capacity = capacity;
     }
-    l->near[l->near_count++] = splat;
+    l->near[l->near_count++] = l->splats.balls[splat];
     return 0;
 }
 
@@ -160,49 +176,55 @@ static int push_near(void *user, uint32_t splat) {
  * a length. */
 static int keep_box(const looker *l, double low[3], double high[3], double far, double far_low[3],
                     double far_high[3]) {
+    double around = l->splats.reach;
     int known = 1;
     for (int k = 0; k < 3; ++k) known &= l->point[k] >= low[k] && l->point[k] <= high[k];
     for (int k = 0; k < 3 && !known; ++k) {
-        low[k] = l->point[k] - l->reach, far_low[k] = low[k] - far;
-        high[k] = l->point[k] + l->reach, far_high[k] = high[k] + far;
+        low[k] = l->point[k] - around, far_low[k] = low[k] - far;
+        high[k] = l->point[k] + around, far_high[k] = high[k] + far;
     }
     return known;
 }
 
-/* Finds the splats near the point, and near those that may follow it. Walls leave the boxes of
- * splats. */
-static void find_near(looker *l) {
-    double low[3], high[3];
-    if (keep_box(l, l->low, l->high, l->reach + l->measured->wall, low, high)) return;
-    l->near_count = 0;
-    psplat_region_tree_visit_box(l->measured->region_tree, low, high, push_near, l);
+/* Returns how far from its point rays may meet splats or their walls, which leave the boxes of
+ * those. */
+static double far_of(const target *t) {
+    return t->reach + t->measured->wall;
 }
 
-static int see_beside(void *user, uint32_t region) {
-    (void)region;
+/* Finds the splats near the point, and near those that may follow it. */
+static void find_near(looker *l) {
+    double low[3], high[3];
+    if (keep_box(l, l->low, l->high, far_of(&l->splats), low, high)) return;
+    l->near_count = 0;
+    psplat_region_tree_visit_box(l->splats.measured->region_tree, low, high, push_near, l);
+}
+
+/* Visits the hiders that are within a length of the point. */
+static void visit_hiders(const looker *l, double far, int (*visit)(void *user, uint32_t hider),
+                         void *user) {
+    double low[3], high[3];
+    for (int k = 0; k < 3; ++k) low[k] = l->point[k] - far, high[k] = l->point[k] + far;
+    psplat_region_tree_visit_box(l->hiders.measured->region_tree, low, high, visit, user);
+}
+
+static int see_beside(void *user, uint32_t hider) {
+    (void)hider;
     *(int *)user = 1;
     return 1;
 }
 
-/* Returns whether a ray of the point may meet a region that matters, as far off as that hides
- * holes. A splat that has rims is within the tolerance of the surface, so that points beyond these
- * are within that and the gap, and their rays reach as much farther: they begin at the triangle
- * beneath.
- */
+/* Returns whether a hider may hide a ray of the point, where there are any. */
 static int is_beside(looker *l) {
-    double low[3], high[3],
-        rim_gap = l->plan->rims ? 1 + greatest_rim_gap : 0,
-        far = (PSPLAT_HIDING_TOLERANCES + rim_gap) * l->reach + l->measured->wall;
-    const psplat_region_tree *tree = l->plan->search->beside;
+    double low[3], high[3];
     int beside = 0;
-    if (!tree) return 1;
-    if (!keep_box(l, l->beside_low, l->beside_high, far, low, high)) {
+    if (!l->hiders.measured) return 1;
+    if (!keep_box(l, l->beside_low, l->beside_high, l->far_of_hiders, low, high)) {
         l->is_beside = 0;
-        psplat_region_tree_visit_box(tree, low, high, see_beside, &l->is_beside);
+        psplat_region_tree_visit_box(l->hiders.measured->region_tree, low, high, see_beside,
+                                     &l->is_beside);
     }
-    if (!l->is_beside) return 0;
-    for (int k = 0; k < 3; ++k) low[k] = l->point[k] - far, high[k] = l->point[k] + far;
-    psplat_region_tree_visit_box(tree, low, high, see_beside, &beside);
+    if (l->is_beside) visit_hiders(l, l->far_of_hiders, see_beside, &beside);
     return beside;
 }
 
@@ -216,11 +238,18 @@ static void put_first(looker *l, uint32_t splat) {
     l->likely[0] = splat;
 }
 
+/* Returns whether a ball is within reach of the point. */
+static int is_near(const looker *l, const ball *ball) {
+    double most = ball->radius + l->splats.reach;
+    return distance2_3(ball->center, l->point) <= most * most;
+}
+
 /* Finds whether a splat meets all rays of a cone that has not been met. Returns whether all cones
  * have been. */
 static int meet_cones(looker *l, uint32_t splat) {
-    int met = psplat_sight_cones_meet(&l->measured->regions[splat], l->bends[splat], l->point,
-                                      l->normal, l->measured->tolerance, l->cones, l->met);
+    int met =
+        psplat_sight_cones_meet(&l->splats.measured->regions[splat], l->splats.balls[splat].bend,
+                                l->point, l->normal, l->splats.height, l->cones, l->met);
     if (met < l->met) {
         l->met = met;
         put_first(l, splat);
@@ -235,7 +264,7 @@ static void find_cones(looker *l) {
         if (meet_cones(l, l->likely[k])) return;
     find_near(l);
     for (size_t k = 0; k < l->near_count; ++k)
-        if (meet_cones(l, l->near[k])) return;
+        if (is_near(l, &l->near[k]) && meet_cones(l, l->near[k].splat)) return;
 }
 
 /* Returns whether no ray gets to a surface within the reach, given the point's height over it and
@@ -246,43 +275,63 @@ static int is_too_high(double height, const double slope[2], double bend, double
     return fabs(height) > (steepest + bend * reach / 2) * reach * (1 + rounding);
 }
 
-/* Returns whether a ray gets so far along to a splat within the tolerance of the place. What is
- * near depends on the places before, beyond the reach. */
-static int is_within(const looker *l, const bundle *b, uint32_t k, double way) {
-    return fabs(way * b->cosine[k] + l->lift) <= l->measured->tolerance && fabs(way) <= l->reach;
+/* Returns the open rays that come into a ball where they may meet its splat: a bit for each. */
+static uint32_t rays_into(const looker *l, const target *t, const ball *ball, const bundle *b) {
+    double to[3], height = (t->height + fabs(l->lift)) * (1 + rounding);
+    uint32_t rays = 0;
+    sub3(to, ball->center, l->point);
+    double least2 = dot3(to, to) - ball->radius * ball->radius;
+    for (uint32_t k = 0; k < RAYS; ++k) {
+        if (!(b->open & (1u << k))) continue;
+        double way = dot3(to, b->sights[k].direction);
+        if (way * way >= least2 && (fabs(way) - ball->radius) * b->cosine[k] <= height)
+            rays |= 1u << k;
+    }
+    return rays;
 }
 
-/* Closes the open rays that meet a wall. */
-static void meet_wall(const looker *l, const psplat_region *region, bundle *b) {
-    for (uint32_t k = 0; k < RAYS && b->open; ++k) {
+/* Returns whether a ray may meet something so far along. */
+static int is_within(const looker *l, const target *t, const bundle *b, uint32_t k, double way) {
+    return fabs(way * b->cosine[k] + l->lift) <= t->height && fabs(way) <= t->reach;
+}
+
+/* Returns those of the rays that meet a wall. */
+static uint32_t find_at_wall(const looker *l, const target *t, const psplat_region *region,
+                             uint32_t rays, const bundle *b) {
+    uint32_t met = 0;
+    for (uint32_t k = 0; k < RAYS; ++k) {
         double way, uv[2];
-        if (!(b->open & (1u << k))) continue;
+        if (!(rays & (1u << k))) continue;
         const psplat_sight *from = &b->sights[k];
         psplat_sight sight = {{l->point[0], l->point[1], l->point[2]},
                               {from->direction[0], from->direction[1], from->direction[2]}};
-        if (psplat_sight_meets_wall(&sight, region, l->measured->wall, &way, uv) &&
-            is_within(l, b, k, way))
-            b->open &= ~(1u << k);
+        if (psplat_sight_meets_wall(&sight, region, t->measured->wall, &way, uv) &&
+            is_within(l, t, b, k, way))
+            met |= 1u << k;
     }
+    return met;
 }
 
-/* Closes the rays that meet a splat: psplat_sight_meets for all that are open, with what they share
- * found once. Always returns whether none is left. */
-static int meet_splat(const looker *l, uint32_t splat, bundle *b) {
-    const psplat_region *region = &l->measured->regions[splat];
+/* Returns those of the rays that meet a splat: psplat_sight_meets for all of them, with what they
+ * share found once. */
+static uint32_t find_meeting(const looker *l, const target *to, uint32_t splat, uint32_t rays,
+                             const bundle *b) {
+    const psplat_region *region = &to->measured->regions[splat];
     const double *h = region->hessian, *radius = region->radius;
     double from[3], slope[2];
+    uint32_t met = 0;
     sub3(from, l->point, region->center);
     double s = dot3(from, region->u), t = dot3(from, region->v);
     const double foot[2] = {s / radius[0], t / radius[1]};
-    double most = 1 + l->reach / min2(radius[0], radius[1]);
+    double most = 1 + to->reach / min2(radius[0], radius[1]);
     if (foot[0] * foot[0] + foot[1] * foot[1] > most * most) return 0;
     psplat_region_slope(region, foot, slope);
     double f0 = dot3(from, region->n) - psplat_region_height(region, foot);
-    if (is_too_high(max2(fabs(f0) - l->measured->wall, 0), slope, l->bends[splat], l->reach))
+    if (is_too_high(max2(fabs(f0) - to->measured->wall, 0), slope, to->balls[splat].bend,
+                    to->reach))
         return 0;
     for (uint32_t k = 0; k < RAYS; ++k) {
-        if (!(b->open & (1u << k))) continue;
+        if (!(rays & (1u << k))) continue;
         const double *d = b->sights[k].direction;
         double x = dot3(d, region->u), y = dot3(d, region->v);
         double f1 = dot3(d, region->n) - slope[0] * x - slope[1] * y;
@@ -292,30 +341,66 @@ static int meet_splat(const looker *l, uint32_t splat, bundle *b) {
         double rise = sqrt(square);
         double way = f1 > 0 ? -2 * f0 / (f1 + rise) : (rise - f1) / (2 * f2);
         const double uv[2] = {(s + way * x) / radius[0], (t + way * y) / radius[1]};
-        if (is_within(l, b, k, way) && psplat_region_contains(region, uv, 1, 0))
-            b->open &= ~(1u << k);
+        if (is_within(l, to, b, k, way) && psplat_region_contains(region, uv, 1, 0)) met |= 1u << k;
     }
-    meet_wall(l, region, b);
-    return !b->open;
+    return met | find_at_wall(l, to, region, rays & ~met, b);
 }
 
 /* Closes the rays that meet splats: most meet one that meets all rays of a slant, or did so at a
  * point before. */
 static void find_rays(const looker *l, bundle *b) {
-    for (int k = 0; k < l->likely_count; ++k)
-        if (meet_splat(l, l->likely[k], b)) return;
-    for (size_t k = 0; k < l->near_count; ++k)
-        if (meet_splat(l, l->near[k], b)) return;
+    for (int k = 0; k < l->likely_count && b->open; ++k)
+        b->open &= ~find_meeting(l, &l->splats, l->likely[k], b->open, b);
+    for (size_t k = 0; k < l->near_count && b->open; ++k) {
+        const ball *near = &l->near[k];
+        uint32_t rays = is_near(l, near) ? rays_into(l, &l->splats, near, b) : 0;
+        if (rays) b->open &= ~find_meeting(l, &l->splats, near->splat, rays, b);
+    }
+}
+
+/* The search for the open rays of a place that hiders hide. */
+typedef struct hiding {
+    const looker *looker;
+    const bundle *bundle;
+    uint32_t hidden; /* a bit for each */
+} hiding;
+
+static int hide_rays(void *user, uint32_t hider) {
+    hiding *h = user;
+    const looker *l = h->looker;
+    uint32_t rays = rays_into(l, &l->hiders, &l->hiders.balls[hider], h->bundle) & ~h->hidden;
+    if (rays) h->hidden |= find_meeting(l, &l->hiders, hider, rays, h->bundle);
+    return h->hidden == h->bundle->open;
+}
+
+/* Leaves out the rays that no hider hides. */
+static void leave_hidden(const looker *l, bundle *b) {
+    hiding h = {l, b, 0};
+    if (!l->hiders.measured || !b->open) return;
+    visit_hiders(l, far_of(&l->hiders), hide_rays, &h);
+    b->open = h.hidden;
+}
+
+/* Closes the rays that meet splats, and leaves out those that no hider hides. Few hiders leave few
+ * rays, and are asked first; as many as there are splats hide most rays, and are asked about what
+ * these have left. */
+static void find_open(const looker *l, bundle *b) {
+    const psplat_measured_splats *hiders = l->hiders.measured;
+    int few = hiders && hiders->count < l->splats.measured->count / 2;
+    if (few) leave_hidden(l, b);
+    find_rays(l, b);
+    if (!few) leave_hidden(l, b);
 }
 
 /* Finds the triangle that is nearest to a place beyond a rim. */
-static psplat_result find_triangle(const ray_plan *plan, place *at) {
+static psplat_result find_triangle(looker *l, place *at) {
+    const psplat_ray_search *search = l->plan->search;
     double nearest[3], d[3];
     psplat_result result =
-        psplat_distance_nearest(plan->search->distance, at->point, nearest, &at->triangle);
+        psplat_distance_nearest(search->distance, at->point, &l->guess, nearest, &at->triangle);
     if (result) return result;
     sub3(d, at->point, nearest);
-    at->lift = dot3(d, plan->search->surface->face_normals + 3 * (size_t)at->triangle);
+    at->lift = dot3(d, search->surface->face_normals + 3 * (size_t)at->triangle);
     return PSPLAT_OK;
 }
 
@@ -323,7 +408,7 @@ static psplat_result find_triangle(const ray_plan *plan, place *at) {
  * inside of its outline, which few rays do not, and which short ways tell. */
 static psplat_result see(const looker *l, psplat_sight sight, double cosine, int *is_hole) {
     const psplat_ray_search *search = l->plan->search;
-    double tolerance = l->measured->tolerance;
+    double tolerance = l->splats.height;
     psplat_result result =
         psplat_sight_is_inner(&sight, l->normal, cosine, search->distance, tolerance, is_hole);
     if (result || !*is_hole) return result;
@@ -351,12 +436,13 @@ static psplat_result measure_place(looker *l, size_t i) {
         l->plan->rims ? l->plan->rims[i].normal : surface->face_normals + 3 * (size_t)at->triangle;
     find_cones(l);
     if (l->failed) return PSPLAT_ERROR_MEMORY;
-    if (l->met && l->plan->rims) result = find_triangle(l->plan, at);
+    if (l->met && l->plan->rims) result = find_triangle(l, at);
     if (result || !l->met) return result;
     l->normal = surface->face_normals + 3 * (size_t)at->triangle;
     l->lift = at->lift;
+    l->hiders.reach = (l->hiders.height + fabs(l->lift)) / l->plan->cosines[0] * (1 + rounding);
     make_rays(l->plan, i, l->plan->around * l->met, &b);
-    find_rays(l, &b);
+    find_open(l, &b);
     for (uint32_t k = 0; k < RAYS && b.open && !result; ++k) {
         int is_hole;
         if (!(b.open & (1u << k))) continue;
@@ -388,12 +474,22 @@ static int collect(const ray_plan *plan, psplat_ray_holes *holes) {
     return 1;
 }
 
-/* Returns a looker that has seen nothing yet. */
-static looker looker_of(const ray_plan *plan, const double *bends) {
+/* How many times farther than its gap a point beyond a rim may be: gaps are measured in the plane
+ * of a splat, and surfaces are steeper. */
+static const double steepest_gap = PSPLAT_STEEPEST_REACH;
+
+/* Returns a looker that has seen nothing yet. A splat that has rims is within the tolerance of the
+ * surface, so that points beyond these are within that and the gap, and hiders as much farther:
+ * rays begin at the triangle beneath. */
+static looker looker_of(const ray_plan *plan) {
+    const psplat_measured_splats *splats = plan->search->measured, *hiders = plan->search->hiders;
+    double reach = splats->tolerance / plan->cosines[0], hiding = PSPLAT_HIDING_TOLERANCES;
+    double farther = hiding + (plan->rims ? 1 + steepest_gap * greatest_rim_gap : 0);
     looker l = {.plan = plan,
-                .measured = plan->search->measured,
-                .bends = bends,
-                .reach = plan->search->measured->tolerance / plan->cosines[0],
+                .splats = {splats, plan->balls, splats->tolerance, reach},
+                .hiders = {hiders, plan->hiders, hiding * splats->tolerance, 0},
+                .far_of_hiders = farther * reach + (hiders ? hiders->wall : 0),
+                .guess = PSPLAT_NONE,
                 .low = {HUGE_VAL, HUGE_VAL, HUGE_VAL},
                 .beside_low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
     for (int k = 0; k < plan->slants; ++k) {
@@ -406,7 +502,7 @@ static looker looker_of(const ray_plan *plan, const double *bends) {
 enum { BLOCK_PLACES = 256 }; /* that a thread takes at once */
 
 /* Finds which rays of each place are holes, and appends them. */
-static psplat_result measure_places(ray_plan *plan, const double *bends, psplat_ray_holes *holes) {
+static psplat_result measure_places(ray_plan *plan, psplat_ray_holes *holes) {
     divide_into_sectors(plan);
     long end = (long)plan->count;
     int failed = 0;
@@ -414,7 +510,7 @@ static psplat_result measure_places(ray_plan *plan, const double *bends, psplat_
 #pragma omp parallel reduction(| : failed)
 #endif
     {
-        looker l = looker_of(plan, bends);
+        looker l = looker_of(plan);
 #if defined(_OPENMP)
 #pragma omp for schedule(dynamic, BLOCK_PLACES)
 #endif
@@ -425,11 +521,10 @@ static psplat_result measure_places(ray_plan *plan, const double *bends, psplat_
 }
 
 /* Casts rays from random points of the surface. */
-static psplat_result measure_points(const psplat_ray_search *search, const double *bends,
-                                    psplat_ray_holes *holes) {
+static psplat_result measure_points(ray_plan plan, psplat_ray_holes *holes) {
+    const psplat_ray_search *search = plan.search;
     psplat_samples samples = {0};
-    ray_plan plan = {
-        .search = search, .cosines = cosines + 1, .slants = SLANTS - 1, .around = AROUND};
+    plan.cosines = cosines + 1, plan.slants = SLANTS - 1, plan.around = AROUND;
     psplat_result result =
         psplat_samples_draw_uniform(search->surface, search->points, search->seed, &samples, NULL);
     if (!result) plan.places = calloc(samples.count + 1, sizeof *plan.places);
@@ -439,14 +534,14 @@ static psplat_result measure_points(const psplat_ray_search *search, const doubl
         plan.places[i].triangle = samples.triangles[i];
     }
     psplat_samples_free(&samples);
-    if (!result) result = plan.places ? measure_places(&plan, bends, holes) : PSPLAT_ERROR_MEMORY;
+    if (!result) result = plan.places ? measure_places(&plan, holes) : PSPLAT_ERROR_MEMORY;
     free(plan.places);
     return result;
 }
 
 /* Casts rays past the rims of the splats. */
-static psplat_result measure_rims(const psplat_ray_search *search, const double *bends,
-                                  psplat_ray_holes *holes) {
+static psplat_result measure_rims(ray_plan plan, psplat_ray_holes *holes) {
+    const psplat_ray_search *search = plan.search;
     const psplat_rim_draw draw = {.regions = search->measured->regions,
                                   .count = search->measured->count,
                                   .spacing = search->rim_spacing,
@@ -454,28 +549,57 @@ static psplat_result measure_rims(const psplat_ray_search *search, const double 
                                   .greatest = greatest_rim_gap * search->measured->tolerance,
                                   .seed = search->seed};
     psplat_rim_point *rims;
-    ray_plan plan = {.search = search, .cosines = cosines, .slants = SLANTS, .around = AROUND_RIMS};
+    plan.cosines = cosines, plan.slants = SLANTS, plan.around = AROUND_RIMS;
     psplat_result result = psplat_rim_points_draw(&draw, &rims, &plan.count);
     if (result) return result;
     plan.rims = rims;
     plan.places = calloc(plan.count + 1, sizeof *plan.places);
     for (size_t i = 0; plan.places && i < plan.count; ++i)
         memcpy(plan.places[i].point, rims[i].point, sizeof plan.places[i].point);
-    result = plan.places ? measure_places(&plan, bends, holes) : PSPLAT_ERROR_MEMORY;
+    result = plan.places ? measure_places(&plan, holes) : PSPLAT_ERROR_MEMORY;
     free(plan.places);
     free(rims);
     return result;
 }
 
+/* Returns the ball of a splat: around its box, of which lines have cut off, or around all of its
+ * ellipse, whichever is smaller. */
+static ball ball_of(const psplat_measured_splats *splats, uint32_t splat) {
+    const psplat_region *region = &splats->regions[splat];
+    ball b = {
+        .radius = psplat_region_reach(region), .bend = psplat_region_bend(region), .splat = splat};
+    double low[3], high[3], middle[3];
+    memcpy(b.center, region->center, sizeof b.center);
+    psplat_region_tree_box(splats->region_tree, splat, low, high);
+    for (int k = 0; k < 3; ++k) middle[k] = low[k] / 2 + high[k] / 2;
+    double half = sqrt(distance2_3(middle, high));
+    if (half < b.radius) {
+        b.radius = half;
+        memcpy(b.center, middle, sizeof b.center);
+    }
+    b.radius += splats->wall;
+    b.radius +=
+        rounding * (b.radius + max2(max2(fabs(middle[0]), fabs(middle[1])), fabs(middle[2])));
+    return b;
+}
+
+/* Returns the balls of splats, none for NULL. The caller frees them; NULL when out of memory. */
+static ball *make_balls(const psplat_measured_splats *splats) {
+    size_t count = splats ? splats->count : 0;
+    ball *balls = malloc((count + 1) * sizeof *balls);
+    for (size_t i = 0; balls && i < count; ++i) balls[i] = ball_of(splats, (uint32_t)i);
+    return balls;
+}
+
 psplat_result psplat_ray_holes_find(const psplat_ray_search *search, psplat_ray_holes *holes) {
-    size_t count = search->measured->count;
-    double *bends = malloc((count + 1) * sizeof *bends);
+    ball *balls = make_balls(search->measured), *hiders = make_balls(search->hiders);
+    const ray_plan plan = {.search = search, .balls = balls, .hiders = hiders};
+    psplat_result result = balls && hiders ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     *holes = (psplat_ray_holes){0};
-    if (!bends) return PSPLAT_ERROR_MEMORY;
-    for (size_t i = 0; i < count; ++i) bends[i] = psplat_region_bend(&search->measured->regions[i]);
-    psplat_result result = search->points ? measure_points(search, bends, holes) : PSPLAT_OK;
-    if (!result && search->rim_spacing > 0) result = measure_rims(search, bends, holes);
-    free(bends);
+    if (!result && search->points) result = measure_points(plan, holes);
+    if (!result && search->rim_spacing > 0) result = measure_rims(plan, holes);
+    free(balls);
+    free(hiders);
     if (result) psplat_ray_holes_free(holes);
     return result;
 }

@@ -50,16 +50,18 @@ typedef struct psplat_ray_search {
     const psplat_measured_splats *measured; /* only the tree, the regions, the tolerance and the
                                                walls count */
     const psplat_distance *distance;        /* to the surface */
-    const psplat_region_tree *beside; /* NULL, or of the regions that rays matter for: places from
-                                         which none can meet one of these may be left out */
+    const psplat_measured_splats *hiders;   /* NULL, or what matters, of which only the tree, the
+                                               regions and the walls count: rays that none of them
+                                               would hide are left out */
     size_t points;
     double rim_spacing; /* a length; 0: no rays past rims */
     uint64_t seed;
 } psplat_ray_search;
 
 /* Finds the rays that meet no splat's front, and no wall, within the tolerance over their cosine of
- * the point that they see. The result does not depend on the number of threads;
- * psplat_ray_holes_free frees it. Fails only with PSPLAT_ERROR_MEMORY. */
+ * the point that they see, and that one of the hiders would hide where hiders is not NULL. The
+ * result does not depend on the number of threads; psplat_ray_holes_free frees it. Fails only with
+ * PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_ray_holes_find(const psplat_ray_search *search, psplat_ray_holes *holes);
 
 /* Returns whether a ray meets the front of a region within the tolerance over its cosine of the

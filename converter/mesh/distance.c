@@ -72,16 +72,17 @@ psplat_result psplat_distance_query(const psplat_distance *distance, const doubl
 }
 
 psplat_result psplat_distance_nearest(const psplat_distance *distance, const double point[3],
-                                      double nearest[3], uint32_t *triangle) {
+                                      uint32_t *guess, double nearest[3], uint32_t *triangle) {
     if (distance->cgal)
         return psplat_cgal_distance_nearest(distance->cgal, point, nearest, triangle);
     if (distance->morton) {
         psplat_morton_tree_nearest(distance->morton, point, HUGE_VAL, nearest, triangle);
         return PSPLAT_OK;
     }
-    psplat_tree_nearest found = {.distance2 = HUGE_VAL, .place = PSPLAT_NONE};
+    psplat_tree_nearest found = {.distance2 = HUGE_VAL, .place = *guess};
     psplat_triangle_tree_nearest(distance->tree, point, &found);
     memcpy(nearest, found.point, sizeof found.point);
+    *guess = found.place;
     *triangle = found.place == PSPLAT_NONE ? PSPLAT_NONE : distance->tree->triangles[found.place];
     return PSPLAT_OK;
 }

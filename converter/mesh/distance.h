@@ -42,12 +42,13 @@ const psplat_triangle_tree *psplat_distance_tree(const psplat_distance *distance
 psplat_result psplat_distance_query(const psplat_distance *distance, const double *points,
                                     size_t count, double *result);
 
-/* Stores the point of the mesh that is nearest to point, and the triangle that it lies on. */
+/* Stores the point of the mesh that is nearest to point, and the triangle that it lies on. *guess
+ * is PSPLAT_NONE or, to save time, what an earlier query of the same tree stored there for a point
+ * nearby; it changes nothing of what is found. */
 psplat_result psplat_distance_nearest(const psplat_distance *distance, const double point[3],
-                                      double nearest[3], uint32_t *triangle);
+                                      uint32_t *guess, double nearest[3], uint32_t *triangle);
 
-/* The same, but stores the corners of that triangle. *guess is PSPLAT_NONE or, to save time, what
- * an earlier query nearby stored there. */
+/* The same, but stores the corners of that triangle. */
 psplat_result psplat_distance_nearest_corners(const psplat_distance *distance,
                                               const double point[3], uint32_t *guess,
                                               double nearest[3], double corners[9]);

@@ -187,19 +187,21 @@ static void test_shows(void **state) {
 }
 
 /* Finds the rays that pass between two splats so high over the plane of the square, with so many
- * random points and so far between points of rims; where a tree is given, those that matter for its
- * regions. A negative width is an overlap. */
+ * random points and so far between points of rims; where there are hiders, those that these would
+ * hide. A negative width is an overlap. There are two of each splat, so that a single hider is one
+ * of few. */
 static psplat_ray_holes find_crack(const fixture *f, double z, double width, size_t points,
-                                   double spacing, const psplat_region_tree *beside) {
-    psplat_region regions[2] = {half(-1, middle, z), half(1, middle + width, z)};
-    psplat_measured_splats measured = {.regions = regions, .count = 2, .tolerance = tolerance};
+                                   double spacing, const psplat_measured_splats *hiders) {
+    const psplat_region low = half(-1, middle, z), high = half(1, middle + width, z);
+    psplat_region regions[4] = {low, high, low, high};
+    psplat_measured_splats measured = {.regions = regions, .count = 4, .tolerance = tolerance};
     psplat_ray_holes holes;
-    measured.region_tree = psplat_region_tree_create(regions, 2, 0);
+    measured.region_tree = psplat_region_tree_create(regions, 4, 0);
     assert_non_null(measured.region_tree);
     const psplat_ray_search search = {.surface = &f->surface,
                                       .measured = &measured,
                                       .distance = f->distance,
-                                      .beside = beside,
+                                      .hiders = hiders,
                                       .points = points,
                                       .rim_spacing = spacing,
                                       .seed = 3};
@@ -246,47 +248,79 @@ static int is_among(const psplat_ray_holes *some, const psplat_ray_holes *all) {
     return 1;
 }
 
-/* Of the rays through a crack, those that would meet a small splat under it, also from far beside
- * it, are all found where rays matter for that alone, and few others. */
-static void check_beside(const fixture *f, size_t points, double spacing) {
-    const double width = tolerance, z = 0.9 * tolerance;
-    const psplat_region small = {.center = {middle, 0.3, -z},
-                                 .u = {1, 0, 0},
-                                 .v = {0, 1, 0},
-                                 .n = {0, 0, 1},
-                                 .radius = {0.05, 0.05}};
-    psplat_region_tree *tree = psplat_region_tree_create(&small, 1, 0);
-    psplat_region_tree *empty = psplat_region_tree_create(&small, 0, 0);
-    assert_non_null(tree);
-    assert_non_null(empty);
-    psplat_ray_holes all = find_crack(f, z, width, points, spacing, NULL);
-    psplat_ray_holes some = find_crack(f, z, width, points, spacing, tree);
-    psplat_ray_holes none = find_crack(f, z, width, points, spacing, empty);
-    size_t matter = 0, found = 0;
-    for (size_t i = 0; i < all.count; ++i)
-        matter += (size_t)psplat_ray_hole_is_closed(&all.holes[i], &small, tolerance);
-    for (size_t i = 0; i < some.count; ++i)
-        found += (size_t)psplat_ray_hole_is_closed(&some.holes[i], &small, tolerance);
-    print_message("%zu rays, %zu of them matter; found %zu\n", all.count, matter, some.count);
-    assert_true(matter > 20);
-    assert_int_equal(found, matter);
-    assert_true(is_among(&some, &all));
-    /* The splat holds a tenth of the crack, and rays past rims reach 1 / 0.08 tolerances. */
-    assert_true(some.count < all.count / 3);
-    assert_int_equal(none.count, 0);
-    psplat_region_tree_destroy(tree);
-    psplat_region_tree_destroy(empty);
-    psplat_ray_holes_free(&all);
-    psplat_ray_holes_free(&some);
-    psplat_ray_holes_free(&none);
+enum { HIDERS = 4 };
+
+/* Makes small curved splats under the crack: the first within the tolerance of the square, the
+ * second so far down that it still hides, and the third in the way of no ray. All but the tip of
+ * the second, which is narrow, is cut off by a straight line, and half of the fourth, which is as
+ * high as the first, by a bent one. */
+static void make_hiders(psplat_region hiders[HIDERS]) {
+    const double depths[HIDERS] = {0.9 * tolerance, 1.8 * tolerance, 2.3 * tolerance,
+                                   0.9 * tolerance};
+    const double tip[3] = {1, 0, -0.6}, one_half[3] = {0, -1, -0.1};
+    for (int i = 0; i < HIDERS; ++i)
+        hiders[i] = (psplat_region){.center = {middle, 0.2 + 0.2 * i, -depths[i]},
+                                    .u = {i != 1, i == 1, 0},
+                                    .v = {-(i == 1), i != 1, 0},
+                                    .n = {0, 0, 1},
+                                    .radius = {0.05, i == 1 ? 0.01 : 0.03},
+                                    .slope = {0.01, 0},
+                                    .hessian = {0.1, 0, 0.1}};
+    psplat_region_add_line(&hiders[1], tip, 0);
+    psplat_region_add_line(&hiders[3], one_half, -0.5);
 }
 
-static void test_beside(void **state) {
+static int is_hidden(const psplat_ray_hole *hole, const psplat_measured_splats *hiders) {
+    for (size_t i = 0; i < hiders->count; ++i)
+        if (psplat_ray_hole_is_hidden(hole, &hiders->regions[i], hiders->tolerance, hiders->wall))
+            return 1;
+    return 0;
+}
+
+/* Of the rays through a crack, those are found that one of some hiders would hide, also from far
+ * beside it, and no others. Returns how many these are. */
+static size_t check_some(const fixture *f, const psplat_ray_holes *all, size_t points,
+                         double spacing, psplat_region *regions, size_t count, double high) {
+    psplat_measured_splats hiders = {
+        .regions = regions, .count = count, .tolerance = tolerance, .wall = high};
+    hiders.region_tree = psplat_region_tree_create(regions, count, 0);
+    assert_non_null(hiders.region_tree);
+    psplat_ray_holes some = find_crack(f, 0.9 * tolerance, tolerance, points, spacing, &hiders);
+    size_t matter = 0;
+    for (size_t i = 0; i < all->count; ++i) matter += (size_t)is_hidden(&all->holes[i], &hiders);
+    for (size_t i = 0; i < some.count; ++i) assert_true(is_hidden(&some.holes[i], &hiders));
+    assert_int_equal(some.count, matter);
+    assert_true(is_among(&some, all));
+    psplat_region_tree_destroy(hiders.region_tree);
+    psplat_ray_holes_free(&some);
+    return matter;
+}
+
+/* Each hider alone, all of them, and none. */
+static void check_hiders(const fixture *f, size_t points, double spacing, double high) {
+    psplat_region regions[HIDERS];
+    size_t matter[HIDERS];
+    make_hiders(regions);
+    psplat_ray_holes all = find_crack(f, 0.9 * tolerance, tolerance, points, spacing, NULL);
+    for (int i = 0; i < HIDERS; ++i)
+        matter[i] = check_some(f, &all, points, spacing, &regions[i], 1, high);
+    size_t some = check_some(f, &all, points, spacing, regions, HIDERS, high);
+    print_message("%zu rays, of which %zu, %zu, %zu and %zu matter, %zu in all\n", all.count,
+                  matter[0], matter[1], matter[2], matter[3], some);
+    assert_true(matter[0] > 100 && matter[1] > 5 && matter[3] > 2 * matter[1]);
+    assert_int_equal(matter[2], 0);
+    assert_true(some < all.count / 2);
+    assert_int_equal(check_some(f, &all, points, spacing, regions, 0, high), 0);
+    psplat_ray_holes_free(&all);
+}
+
+static void test_hiders(void **state) {
     (void)state;
     fixture f;
     begin_square(&f);
-    check_beside(&f, 100000, 0);
-    check_beside(&f, 0, tolerance);
+    check_hiders(&f, 100000, 0, 0);
+    check_hiders(&f, 0, tolerance, 0);
+    check_hiders(&f, 0, tolerance, wall);
     fixture_free(&f);
 }
 
@@ -315,7 +349,7 @@ int test_ray_holes_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_steps),  cmocka_unit_test(test_walls),
         cmocka_unit_test(test_shows),  cmocka_unit_test(test_cracks),
-        cmocka_unit_test(test_beside), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_hiders), cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

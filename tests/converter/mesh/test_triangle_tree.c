@@ -115,7 +115,12 @@ static void compare_distance(scene *s, const psplat_distance *own, const psplat_
     assert_true(fabs(found - expected) <= slack);
     assert_int_equal(psplat_distance_query(cgal, point, 1, &another), PSPLAT_OK);
     assert_true(has_needles || fabs(found - another) <= slack);
-    assert_int_equal(psplat_distance_nearest(own, point, there, &triangle), PSPLAT_OK);
+    uint32_t none = PSPLAT_NONE, near = s->guess, other;
+    double same[3];
+    assert_int_equal(psplat_distance_nearest(own, point, &none, there, &triangle), PSPLAT_OK);
+    assert_int_equal(psplat_distance_nearest(own, point, &near, same, &other), PSPLAT_OK);
+    assert_int_equal(other, triangle);
+    assert_memory_equal(same, there, sizeof there);
     assert_true(fabs(sqrt(distance2_3(point, there)) - expected) <= slack);
     const double *corners = s->mesh.positions + 9 * (size_t)triangle;
     double on = sqrt(point_triangle_distance2(there, corners, corners + 3, corners + 6));
@@ -288,6 +293,35 @@ static void test_neighbors(void **state) {
     free_scene(&s);
 }
 
+/* Strips lie side by side, and begin anywhere along a line that is half as long again as they are.
+ * Boxes that divide them by where they begin overlap for most of their length; those that divide
+ * them side by side do not. */
+static void test_strips(void **state) {
+    (void)state;
+    enum { STRIPS = 256 };
+    scene s = make_scene(0, STRIPS, 1, 0);
+    double area = 0;
+    for (size_t i = 0; i < STRIPS; ++i) {
+        double begin = between(&s.random, 0, 1.5), at = (double)i / STRIPS;
+        const double corners[3][3] = {
+            {begin, at, 0}, {begin + 1, at, 0}, {begin + 1, at + 1.0 / STRIPS, 0}};
+        for (int corner = 0; corner < 3; ++corner) set_corner(&s, i, corner, corners[corner]);
+    }
+    psplat_triangle_tree *tree = psplat_triangle_tree_create(&s.mesh, NULL);
+    assert_non_null(tree);
+    for (size_t i = 0; i < STRIPS / (PSPLAT_TREE_LEAF * PSPLAT_TREE_PARTS); ++i)
+        for (int part = 0; part < PSPLAT_TREE_PARTS; ++part) {
+            const psplat_tree_node *node = &tree->nodes[i];
+            double x = (double)(node->high[0][part] - node->low[0][part]) / tree->scale;
+            double y = (double)(node->high[1][part] - node->low[1][part]) / tree->scale;
+            area += x * y;
+        }
+    print_message("boxes of strips have an area of %.2f\n", area);
+    assert_true(area <= 2.5); /* that of the rectangle around all strips */
+    psplat_triangle_tree_destroy(tree);
+    free_scene(&s);
+}
+
 static void test_nothing(void **state) {
     (void)state;
     psplat_mesh mesh = {0};
@@ -321,8 +355,8 @@ static void test_far_away(void **state) {
 int test_triangle_tree_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_against_cgal), cmocka_unit_test(test_ties),
-        cmocka_unit_test(test_neighbors),    cmocka_unit_test(test_nothing),
-        cmocka_unit_test(test_far_away),
+        cmocka_unit_test(test_neighbors),    cmocka_unit_test(test_strips),
+        cmocka_unit_test(test_nothing),      cmocka_unit_test(test_far_away),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
