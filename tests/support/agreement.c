@@ -17,6 +17,24 @@ static void check(psplat_result result, const psplat_error *error) {
     abort();
 }
 
+static PFNGLGETFLOATVPROC get_float;
+
+static void APIENTRY get_float_isotropic(GLenum name, GLfloat *value) {
+    get_float(name, value);
+    if (name == GL_MAX_TEXTURE_MAX_ANISOTROPY) *value = 1;
+}
+
+/* Loads what a host loads, but of a GL that filters textures without anisotropy, which GLs may
+ * choose freely, and the reference has not. */
+static void *get_isotropic_proc(void *host, const char *name) {
+    void *address = psplat_host_get_proc(host, name);
+    void (*isotropic)(GLenum, GLfloat *) = get_float_isotropic;
+    if (strcmp(name, "glGetFloatv")) return address;
+    memcpy(&get_float, &address, sizeof get_float);
+    memcpy(&address, &isotropic, sizeof address);
+    return address;
+}
+
 /* Returns the step of the grid to which the GL rounds the places of vertices, in pixels. */
 static double vertex_step_of(psplat_host *host) {
     void *address = psplat_host_get_proc(host, "glGetIntegerv");
@@ -38,7 +56,7 @@ gpu gpu_open(psplat_api api) {
     }
     g.vertex_step = software ? 0 : vertex_step_of(g.host);
     psplat_renderer_desc desc = {
-        .get_proc = psplat_host_get_proc, .user = g.host, .images = scene_images()};
+        .get_proc = get_isotropic_proc, .user = g.host, .images = scene_images()};
     check(psplat_renderer_create(&desc, &g.renderer, &error), &error);
     return g;
 }
