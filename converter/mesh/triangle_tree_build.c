@@ -5,8 +5,8 @@
  * Triangles are halved again and again by a coordinate of their middles, until four are left: that
  * along which these are spread most or, where triangles reach far out of the box of their middles,
  * as a few always do, and many of the long ones of machined parts, that which leaves the smallest
- * boxes. Halves are powers of two, but
- * for the last one of a level, so that no node has to say where its parts are.
+ * boxes. Halves are powers of two, but for the last one of a level, so that no node has to say
+ * where its parts are.
  */
 #include "mesh/triangle_tree.h"
 
