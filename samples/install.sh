@@ -12,7 +12,7 @@ set -eu
 # compilers and build
 packages="gcc g++ clang libc6-dev cmake ninja-build pkg-config"
 # converter: geometry, mesh files, PNG, JPEG, a font
-packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libpng-dev libjpeg62-turbo-dev libstb-dev"
+packages="$packages libcgal-dev libopenmesh-dev libtinygltf-dev nlohmann-json3-dev libdraco-dev libpng-dev libjpeg62-turbo-dev libstb-dev"
 # runtime: compressed views; host: EGL with Mesa's software rasteriser
 packages="$packages libmeshoptimizer-dev libegl-dev libgl-dev libegl1 libegl-mesa0 libgl1-mesa-dri"
 # viewer: windows, the same font, GL in them

@@ -374,22 +374,26 @@ static size_t ring_points(const psplat_region *region, corner *polygon, size_t c
     return stored;
 }
 
-/* Stores the points over so many rings, of which a flat region has two at most. */
-static size_t points_of_rings(const psplat_region *region, int rings, double (*points)[3]) {
+/* Stores the points over so many rings, of which there are two at most where they are not dense. */
+static size_t points_of_rings(const psplat_region *region, int rings, int is_dense,
+                              double (*points)[3]) {
     corner polygon[OUTLINE_CORNERS], sides[CURVED_POINTS];
-    int is_curved = psplat_region_is_curved(region);
-    size_t capacity = is_curved ? CURVED_SIDES + PSPLAT_MAX_CLIP_LINES : OUTLINE_CORNERS;
+    size_t capacity = is_dense ? CURVED_SIDES + PSPLAT_MAX_CLIP_LINES : OUTLINE_CORNERS;
     size_t count = psplat_region_polygon(region, 1, polygon, capacity);
     if (!count) return 0;
-    if (!is_curved) return ring_points(region, polygon, count, rings < 2 ? rings : 2, points);
+    if (!is_dense) return ring_points(region, polygon, count, rings < 2 ? rings : 2, points);
     count = split_sides(region, polygon, count, CURVED_POINTS, sides);
     return ring_points(region, sides, count, rings, points);
 }
 
 size_t psplat_region_points(const psplat_region *region, double (*points)[3]) {
-    return points_of_rings(region, CURVED_RINGS, points);
+    return points_of_rings(region, CURVED_RINGS, psplat_region_is_curved(region), points);
+}
+
+size_t psplat_region_dense_points(const psplat_region *region, double (*points)[3]) {
+    return points_of_rings(region, CURVED_RINGS, 1, points);
 }
 
 size_t psplat_region_rim_points(const psplat_region *region, double (*points)[3]) {
-    return points_of_rings(region, 1, points);
+    return points_of_rings(region, 1, psplat_region_is_curved(region), points);
 }

@@ -182,6 +182,9 @@ double psplat_region_area(const psplat_region *region);
  * count stored. */
 size_t psplat_region_points(const psplat_region *region, double (*points)[3]);
 
+/* Stores such points of a flat region, too, that are as dense as those of a curved one. */
+size_t psplat_region_dense_points(const psplat_region *region, double (*points)[3]);
+
 /* Stores those of these points that lie on the outline, and the middle. Returns the count stored.
  */
 size_t psplat_region_rim_points(const psplat_region *region, double (*points)[3]);

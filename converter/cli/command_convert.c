@@ -213,8 +213,8 @@ static void add_outputs(psplat_option_list *list, arguments *a) {
          "standard output",
          0, 0, NULL},
         {0, "html-source", PSPLAT_OPTION_FLAG, &a->html_source, NULL,
-         "put the mesh into PAGE.html, too, and a slider between both:\na GLB, or an OBJ without "
-         "materials, as it is, else a GLB with\nall triangles and images",
+         "put the mesh into PAGE.html, too, and a slider between both:\na GLB without Draco, or an "
+         "OBJ without materials, as it is,\nelse a GLB with all triangles and images",
          0, 0, NULL},
         psplat_option_shared("seed", &a->how.convert.seed),
         {'j', "jobs", PSPLAT_OPTION_COUNT, &a->jobs, "N",

@@ -51,10 +51,24 @@ static int has_library(const char *text) {
     return 0;
 }
 
+/* Returns whether the JSON of a GLB, which begins behind two headers and holds no zeros, names
+ * Draco's extension; a 0 follows the bytes of the file. */
+static int names_draco(const psplat_source *glb) {
+    enum { HEADERS = 20 };
+    return glb->size > HEADERS && strstr(glb->data + HEADERS, "KHR_draco_mesh_compression") != NULL;
+}
+
 int psplat_page_wants_mesh(const psplat_page *page) {
-    psplat_source_format format = page->source.format;
-    return format != PSPLAT_SOURCE_UNKNOWN && format != PSPLAT_SOURCE_GLB &&
-           (format != PSPLAT_SOURCE_OBJ || has_library(page->source.data));
+    switch (page->source.format) {
+    case PSPLAT_SOURCE_UNKNOWN:
+        return 0;
+    case PSPLAT_SOURCE_GLB:
+        return names_draco(&page->source);
+    case PSPLAT_SOURCE_OBJ:
+        return has_library(page->source.data);
+    default:
+        return 1;
+    }
 }
 
 psplat_result psplat_page_open(psplat_page *page, const char *source, psplat_error *error) {

@@ -26,8 +26,8 @@ typedef struct psplat_page {
 psplat_result psplat_page_open(psplat_page *page, const char *source, psplat_error *error);
 
 /* Returns whether the page wants the source as a GLB, in psplat_page.mesh: a file that is a GLB is
- * shown as it is, and so is an OBJ that refers to no materials; the viewer reads no other format,
- * and a page has no second file. */
+ * shown as it is, unless Draco compressed it, and so is an OBJ that refers to no materials; the
+ * viewer reads no other format, and a page has no second file. */
 int psplat_page_wants_mesh(const psplat_page *page);
 
 /* Makes the page of an asset. Models get the names of their files, with an extension by which the

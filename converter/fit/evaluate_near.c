@@ -27,11 +27,6 @@ static const double ring_scales[RINGS] = {1, 0.6};
 /* Samples that are looked at one by one only if one of them is near. */
 enum { RUN = 16 };
 
-/* How far beyond a border of charts, as a part of its shorter radius, a region has to be near the
- * surface, so that normals blend across: with 0.15 edges still show at borders, and 0.3 takes 1 to
- * 8 % more splats. */
-static const double chart_reach = 0.3;
-
 /* ---- by samples ---------------------------------------------------------------------------- */
 
 /* Returns whether one of some samples, the first of which is `first`, comes within the root of
@@ -206,18 +201,6 @@ static int is_near_sample(const psplat_fit_context *context, const double q[3],
     return 0;
 }
 
-/* Returns a region whose lines at borders of charts keep more: the surface goes on there, and those
- * lines will be seams, beyond which the splat is still there (finish/open_seams.c). */
-static psplat_region beyond_charts(const psplat_region *region) {
-    psplat_region wide = *region;
-    for (uint32_t i = 0; i < wide.line_count; ++i) {
-        double a = wide.lines[i][0] / wide.radius[0], b = wide.lines[i][1] / wide.radius[1];
-        if (wide.chart_lines >> i & 1)
-            wide.lines[i][2] += chart_reach * wide.radius[1] * norm2(a, b);
-    }
-    return wide;
-}
-
 /* Returns whether a point of the widened region, at (u, v), is of the region itself. What lies
  * beyond a border of charts has no samples that are connected with the site. */
 static int is_own(const cells *c, const double uv[2]) {
@@ -266,14 +249,16 @@ static psplat_fit_status corner_nearness(const psplat_fit_context *context, cell
 static psplat_fit_status mesh_nearness(const psplat_fit_context *context,
                                        const psplat_region *region) {
     double points[PSPLAT_REGION_POINTS][3];
-    const psplat_region wide = beyond_charts(region);
+    const psplat_region wide = psplat_region_beyond_charts(region);
     cells c;
     fill_cells(context->scratch, &wide, &c);
     c.own = region;
     psplat_fit_status status = corner_nearness(context, &c);
     if (status) return status;
-    /* Before a proof only the rim is measured, which refuses most regions that are too large. */
+    /* Before a proof only the rim is measured, which refuses most regions that are too large. A
+     * flat region has no holes in it, but there may be some beyond borders of charts. */
     size_t count = context->limits->proven ? psplat_region_rim_points(&wide, points)
+                   : wide.chart_lines      ? psplat_region_dense_points(&wide, points)
                                            : psplat_region_points(&wide, points);
     for (size_t i = 0; i < count && !status; ++i) status = point_nearness(context, &c, points[i]);
     return status || !context->limits->proven ? status : proven_nearness(context->limits, &wide);

@@ -21,4 +21,9 @@ psplat_result psplat_limits_point_near(const psplat_limits *limits, const double
 psplat_result psplat_limits_region_near(const psplat_limits *limits, const psplat_region *region,
                                         int *near);
 
+/* Returns all of a candidate's region that has to be near: lines at borders of charts keep more,
+ * since the surface goes on there, and those lines will be seams, beyond which the splat is still
+ * there (finish/open_seams.h). */
+psplat_region psplat_region_beyond_charts(const psplat_region *region);
+
 #endif

@@ -50,8 +50,8 @@ static psplat_fit_status shrink(const psplat_fit_context *context, psplat_candid
 
 psplat_result psplat_prove_candidate(const psplat_fit_context *context, uint32_t sample,
                                      psplat_candidate *candidate, int *proven) {
-    if (psplat_limits_region_near(context->limits, &candidate->region, proven))
-        return PSPLAT_ERROR_MEMORY;
+    const psplat_region wide = psplat_region_beyond_charts(&candidate->region);
+    if (psplat_limits_region_near(context->limits, &wide, proven)) return PSPLAT_ERROR_MEMORY;
     if (*proven || !put_first(sample, candidate)) return PSPLAT_OK;
     psplat_fit_status status = shrink(context, candidate);
     *proven = !status;

@@ -23,6 +23,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace psplat_gltf {
@@ -93,9 +94,6 @@ std::vector<std::string> read_document(const psplat_source &source, tinygltf::Mo
 
 constexpr size_t glb_header_bytes = 20; /* the headers of a GLB and of its JSON chunk */
 
-constexpr const char *draco = "KHR_draco_mesh_compression";
-constexpr const char *draco_remedy = "; 'gltf-transform copy IN OUT' makes a file without it";
-
 /* Checks syntax, the members that every file needs, and the extensions that the file requires.
  * Fails with the line and column of a text, the byte of a GLB, or the name of the member. Returns
  * the warnings of read_document. */
@@ -106,10 +104,21 @@ std::vector<std::string> check_json(const char *text, size_t size, bool is_glb);
 /* tinygltf wants bytes for every buffer, but a compressed file may have fallback buffers without
  * any. Stores the JSON text with all of these replaced by buffers of one byte; returns whether
  * there were any. */
-bool replace_fallbacks(const char *text, size_t size, std::string &replaced);
+bool replace_fallbacks(std::string_view text, std::string &replaced);
 
 /* Decodes all compressed buffer views, each into a new buffer of the model. */
 void decompress(tinygltf::Model &model);
+
+/* ---- adapter_gltf_draco.cpp: KHR_draco_mesh_compression -------------------------------------- */
+
+/* tinygltf wants a buffer view for the indices of every primitive, but those of compressed ones
+ * have none. Stores the JSON text without these indices; returns whether there were any. */
+bool leave_out_indices(std::string_view text, std::string &replaced);
+
+/* Decodes all compressed primitives: these get new accessors of the model. A primitive that has its
+ * attributes without compression, too, in a file that does not require the extension, stays as it
+ * is. */
+void decode_draco(tinygltf::Model &model);
 
 /* ---- adapter_gltf_accessor.cpp: numbers in buffers ------------------------------------------- */
 

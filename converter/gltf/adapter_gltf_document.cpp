@@ -132,6 +132,13 @@ std::string repack(const psplat_source &source, size_t size, std::string json) {
     return glb;
 }
 
+/* Returns the JSON text as tinygltf accepts it, or nothing where it does so as it is. */
+std::string replace_json(std::string_view json) {
+    std::string replaced, again;
+    if (replace_fallbacks(json, replaced)) json = replaced;
+    return leave_out_indices(json, again) ? again : replaced;
+}
+
 /* Accepts every version 2.x unless minVersion asks for more (glTF 2.0 section 3.2). */
 void check_version(const tinygltf::Asset &asset) {
     bool needs_more = !asset.minVersion.empty() && asset.minVersion != "2.0";
@@ -163,7 +170,8 @@ std::vector<std::string> read_document(const psplat_source &source, tinygltf::Mo
         check_glb(source);
         size_t json = read_u32(source.data + 12);
         lost = check_json(source.data + glb_header_bytes, json, true);
-        bool is_replaced = replace_fallbacks(source.data + 20, json, replaced);
+        replaced = replace_json(std::string_view(source.data + glb_header_bytes, json));
+        bool is_replaced = !replaced.empty();
         if (is_replaced) replaced = repack(source, json, std::move(replaced));
         ok = loader.LoadBinaryFromMemory(
             &model, &error, &warning,
@@ -172,7 +180,8 @@ std::vector<std::string> read_document(const psplat_source &source, tinygltf::Mo
     } else {
         check_depth(source.data, source.size, 0);
         lost = check_json(source.data, source.size, false);
-        bool is_replaced = replace_fallbacks(source.data, source.size, replaced);
+        replaced = replace_json(std::string_view(source.data, source.size));
+        bool is_replaced = !replaced.empty();
         ok = loader.LoadASCIIFromString(
             &model, &error, &warning, is_replaced ? replaced.data() : source.data,
             static_cast<unsigned int>(is_replaced ? replaced.size() : source.size), directory);
@@ -180,6 +189,7 @@ std::vector<std::string> read_document(const psplat_source &source, tinygltf::Mo
     if (!ok) fail(PSPLAT_ERROR_FORMAT, "not a valid glTF: " + first_line(error));
     check_version(model.asset);
     decompress(model);
+    decode_draco(model);
     return lost;
 }
 

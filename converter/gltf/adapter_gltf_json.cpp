@@ -192,19 +192,13 @@ void check_members(const Json &json) {
 
 /* ---- extensions ------------------------------------------------------------------------------ */
 
-/* Returns what a user can do about an extension that is not read. */
-const char *remedy(const std::string &name) {
-    if (name == draco) return draco_remedy;
-    return "; export the model without it";
-}
-
 void check_extensions(const Json &json) {
     /* Some of these are not read: they do not change the shape, and factors replace what they say.
      */
-    static const char *const known[] = {"KHR_mesh_quantization",  "KHR_texture_transform",
-                                        "KHR_lights_punctual",    "KHR_texture_basisu",
-                                        "EXT_texture_webp",       "KHR_materials_",
-                                        "EXT_meshopt_compression"};
+    static const char *const known[] = {"KHR_mesh_quantization",   "KHR_texture_transform",
+                                        "KHR_lights_punctual",     "KHR_texture_basisu",
+                                        "EXT_texture_webp",        "KHR_materials_",
+                                        "EXT_meshopt_compression", "KHR_draco_mesh_compression"};
     auto required = json.find("extensionsRequired");
     if (required == json.end() || !required->is_array()) return;
     for (const Json &one : *required) {
@@ -214,7 +208,7 @@ void check_extensions(const Json &json) {
         });
         if (!is_known)
             fail(PSPLAT_ERROR_UNSUPPORTED, "extensionsRequired: " + one_line(name).substr(0, 80) +
-                                               " is not supported" + remedy(name));
+                                               " is not supported; export the model without it");
     }
 }
 

@@ -194,20 +194,10 @@ void morph(Soup &soup, const tinygltf::Model &model, const tinygltf::Primitive &
     }
 }
 
-/* Refuses what only Draco knows the positions of, also in files that forget to require it. */
-void refuse_draco(const tinygltf::Model &model, const tinygltf::Primitive &primitive) {
-    const tinygltf::Accessor &positions =
-        element(model.accessors, primitive.attributes.at("POSITION"), "accessor");
-    if (primitive.extensions.count(draco) && positions.bufferView == -1 &&
-        !positions.sparse.isSparse)
-        fail(PSPLAT_ERROR_UNSUPPORTED, std::string(draco) + " is not supported" + draco_remedy);
-}
-
 void add_primitive(Soup &soup, const tinygltf::Model &model, const tinygltf::Primitive &primitive,
                    const std::vector<double> &weights, const Matrix &m) {
     if (!is_drawn_as_triangles(primitive)) return;
     if (!primitive.attributes.count("POSITION")) return; /* glTF 2.0 3.7.2.1: nothing is drawn */
-    refuse_draco(model, primitive);
     View points = attribute(model, primitive, "POSITION", 0, 3, 3);
     std::vector<uint32_t> list =
         list_of(indices_of(model, primitive, points.count), primitive.mode);

@@ -135,10 +135,9 @@ bool is_fallback(const nlohmann::json &buffer) {
 
 } // namespace
 
-bool replace_fallbacks(const char *text, size_t size, std::string &replaced) {
-    std::string_view json_text(text, size);
-    if (json_text.find(extension_name) == std::string_view::npos) return false;
-    nlohmann::json json = nlohmann::json::parse(json_text, nullptr, false);
+bool replace_fallbacks(std::string_view text, std::string &replaced) {
+    if (text.find(extension_name) == std::string_view::npos) return false;
+    nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
     if (!json.is_object() || !json.contains("buffers") || !json["buffers"].is_array()) return false;
     bool any = false;
     for (nlohmann::json &buffer : json["buffers"]) {

@@ -226,9 +226,9 @@ void warn_of_specular_textures(const tinygltf::Model &model, psplat_scene &scene
 
 void warn_of_extensions(const tinygltf::Model &model, psplat_scene &scene) {
     static const char *const converted[] = {
-        "KHR_lights_punctual",   "KHR_materials_emissive_strength", "KHR_materials_unlit",
-        "KHR_mesh_quantization", "KHR_texture_transform",           "EXT_meshopt_compression",
-        specular_glossiness};
+        "KHR_draco_mesh_compression", "KHR_lights_punctual",   "KHR_materials_emissive_strength",
+        "KHR_materials_unlit",        "KHR_mesh_quantization", "KHR_texture_transform",
+        "EXT_meshopt_compression",    specular_glossiness};
     for (const std::string &name : model.extensionsUsed) {
         bool known = std::any_of(std::begin(converted), std::end(converted),
                                  [&](const char *one) { return name == one; });

@@ -144,10 +144,10 @@ samples_use_public_headers() {
         only '<phongsplat/(splat|phongsplat|tiles|reference|host)\.h>'
 }
 
-# CGAL, OpenMesh and tinygltf stay behind their C headers.
+# CGAL, OpenMesh, tinygltf and Draco stay behind their C headers.
 adapters_fence_cpp() {
     includes "$1" $(cd "$1" && find converter runtime samples shaders -type f -name '*.[ch]*' |
-        grep -v '^converter/[a-z]*/adapter_[^/]*\.[ch]pp$' | sort) | grep -E '<(CGAL|OpenMesh|Eigen)/|tiny_gltf' || true
+        grep -v '^converter/[a-z]*/adapter_[^/]*\.[ch]pp$' | sort) | grep -E '<(CGAL|OpenMesh|Eigen|draco)/|tiny_gltf' || true
     (cd "$1" && find converter runtime samples shaders -type f \
         \( -name '*.cpp' -o -name '*.cc' -o -name '*.cxx' -o -name '*.hpp' \) |
         grep -v '^converter/[a-z]*/adapter_[^/]*\.[ch]pp$') || true

@@ -80,11 +80,11 @@ case_unsupported() {
         refuse 4 'version [23]\.[05]; 2.0 is read' version.gltf
     done
     cat >requires.gltf <<'JSON'
-{"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_draco_mesh_compression"],
- "extensionsRequired": ["KHR_draco_mesh_compression"],
+{"asset": {"version": "2.0"}, "extensionsUsed": ["EXT_mesh_gpu_instancing"],
+ "extensionsRequired": ["EXT_mesh_gpu_instancing"],
  "meshes": [{"primitives": [{"attributes": {}}]}], "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}]}
 JSON
-    refuse 4 'KHR_draco_mesh_compression' requires.gltf
+    refuse 4 'EXT_mesh_gpu_instancing' requires.gltf
 }
 
 # No triangle has an area.

@@ -74,6 +74,15 @@ run bin/phongsplat convert painted.obj out/m.glb -t 5 --effort 0 -wq --html out/
 expect_success
 expect_source painted.obj.glb
 grep -qa '"baseColorFactor":\[1,0,0' source.glb || fail "the material of an OBJ"
+# The viewer has no decoder of Draco.
+run bin/phongsplat convert "$SOURCE_DIR/tests/fuzz/corpus/mesh/draco.glb" out/m.glb -t 5 --effort 0 -wq --html out/m.html --html-source
+expect_success
+expect_source draco.glb
+grep -qa KHR_draco source.glb && fail "the source is compressed by Draco"
+run bin/phongsplat convert "$SOURCE_DIR/tests/fuzz/corpus/mesh/quad.glb" out/m.glb -t 5 --effort 0 -wq --html out/m.html --html-source
+expect_success
+expect_source quad.glb
+cmp "$SOURCE_DIR/tests/fuzz/corpus/mesh/quad.glb" source.glb || fail "a GLB goes in as it is"
 rm out/*
 run bin/phongsplat convert cube.obj out/cube.glb -t 2 --html-source
 expect_error 1 'html-source: only together with html'

@@ -385,20 +385,6 @@ static void test_refused(void **state) {
     gltf g = tetrahedron();
     refuse_text("bad.gltf", "{\"asset\":{\"version\":\"2.0\"}}", PSPLAT_ERROR_NO_SPLATS,
                 "no triangles");
-    refuse_text("bad.gltf",
-                finish(&g, NODE "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]," INDEXED),
-                PSPLAT_ERROR_UNSUPPORTED,
-                "extensionsRequired: KHR_draco_mesh_compression is not supported; 'gltf-transform "
-                "copy IN OUT' makes a file without it");
-    refuse_text(
-        "bad.gltf", /* positions without bytes, and nothing that is required */
-        "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
-        "\"primitives\":[{\"attributes\":{\"POSITION\":0},\"extensions\":{"
-        "\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0}}}}]"
-        "}],\"accessors\":[{\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],"
-        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":3}],\"buffers\":[{\"byteLength\":3,"
-        "\"uri\":\"data:application/octet-stream;base64,AAAA\"}]}",
-        PSPLAT_ERROR_UNSUPPORTED, "KHR_draco_mesh_compression is not supported; 'gltf-transform");
     refuse_text("bad.gltf", finish(&g, NODE "\"extensionsRequired\":[\"EXT_shape\"]," INDEXED),
                 PSPLAT_ERROR_UNSUPPORTED,
                 "extensionsRequired: EXT_shape is not supported; export the model without it");
