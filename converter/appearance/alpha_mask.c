@@ -98,7 +98,12 @@ static psplat_result allocate_like(const psplat_mesh *mesh, size_t vertices, siz
     made->source_materials = mesh->source_materials;
     made->source_material_count = mesh->source_material_count;
     made->dropped = mesh->dropped;
-    made->both_sides = mesh->both_sides;
+    if (!mesh->both_sides) return PSPLAT_OK;
+    made->both_sides = malloc(mesh->both_sides_count);
+    if (!made->both_sides)
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while cutting a mask");
+    memcpy(made->both_sides, mesh->both_sides, mesh->both_sides_count);
+    made->both_sides_count = mesh->both_sides_count;
     return PSPLAT_OK;
 }
 

@@ -179,6 +179,7 @@ static psplat_material material_of(const work *w, uint32_t group) {
     const psplat_mesh *mesh = w->mesh;
     psplat_material m =
         mesh->source_materials ? mesh->source_materials[group].material : mesh->material;
+    m.double_sided |= psplat_mesh_shows_both_sides(mesh, group);
     psplat_appearance_settle_textures(&w->conversion.appearance, group, &m);
     double finish[2] = {0, 0}, emissive[3] = {0, 0, 0}, area = 0;
     if (!w->conversion.appearance.has_finish && !w->conversion.appearance.has_emissive) return m;

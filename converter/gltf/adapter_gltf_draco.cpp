@@ -5,8 +5,9 @@
  * libdraco decodes them. Its decoder trusts the counts at the begin of the bytes and allocates for
  * them, so they are checked first against what the bytes can hold. What primitives say of counts is
  * replaced by what was decoded, since Draco merges and splits vertices and exporters forget that.
- * Damaged bytes may keep libdraco 1.5.5 busy for seconds: it reads as many bits for its prediction
- * of texture coordinates as they say, up to 2^31.
+ * Two things cannot be checked before: damaged bytes may keep libdraco 1.5.5 busy for seconds, as
+ * it reads as many bits for its prediction of texture coordinates as they say, up to 2^31; and a
+ * mesh may have many attributes of all its vertices, each in a few bytes.
  */
 #include "gltf/adapter_gltf.hpp"
 
@@ -24,9 +25,9 @@ namespace {
 
 const char *const extension_name = "KHR_draco_mesh_compression";
 
-/* The triangles, and the values of an attribute, that a byte may hold at most. A triangle of a
- * large grid takes a fourth of a bit, of other meshes a bit or two. */
-constexpr size_t most_per_byte = 64;
+/* The triangles or vertices that a byte may hold at most. Of a flat grid of a million triangles
+ * with 11 bits a coordinate it holds 27, of other meshes one or less. */
+constexpr size_t most_per_byte = 256;
 
 /* How an attribute is to be stored: what the accessor of a primitive says of it. */
 struct Form {
@@ -64,19 +65,30 @@ int index_of(const tinygltf::Value &object, const std::string &name, const std::
     return static_cast<int>(value);
 }
 
+/* Returns whether an attribute is one of those that are read. Others stay compressed. */
+bool is_read(const std::string &name) {
+    for (size_t set = 0; set < PSPLAT_TEXCOORDS; ++set)
+        if (name == "TEXCOORD_" + std::to_string(set)) return true;
+    return name == "POSITION" || name == "NORMAL" || name == "TANGENT" || name == "COLOR_0";
+}
+
+/* Returns whether some attribute that is read has no bytes but the compressed ones. */
+bool needs_decoding(const tinygltf::Model &model, const tinygltf::Primitive &primitive) {
+    for (const auto &[name, index] : primitive.attributes) {
+        const tinygltf::Accessor &accessor = element(model.accessors, index, "accessor");
+        if (is_read(name) && accessor.bufferView == -1 && !accessor.sparse.isSparse) return true;
+    }
+    return primitive.indices == -1; /* they were left out */
+}
+
 /* Returns whether the primitive is to be decoded. It also may have all that it needs without, for
  * readers that do not know the extension, and then that is exact. */
 bool is_compressed(const tinygltf::Model &model, const tinygltf::Primitive &primitive) {
     const std::vector<std::string> &required = model.extensionsRequired;
-    auto position = primitive.attributes.find("POSITION");
-    if (!primitive.extensions.count(extension_name) || !is_drawn_as_triangles(primitive) ||
-        position == primitive.attributes.end())
+    if (!primitive.extensions.count(extension_name) || !is_drawn_as_triangles(primitive))
         return false;
-    if (primitive.indices == -1 || /* they were left out */
-        std::find(required.begin(), required.end(), extension_name) != required.end())
-        return true;
-    const tinygltf::Accessor &accessor = element(model.accessors, position->second, "accessor");
-    return accessor.bufferView == -1 && !accessor.sparse.isSparse;
+    return std::find(required.begin(), required.end(), extension_name) != required.end() ||
+           needs_decoding(model, primitive);
 }
 
 /* ---- bytes ----------------------------------------------------------------------------------- */
@@ -248,7 +260,7 @@ void decode_primitive(Reader &reader, tinygltf::Primitive &primitive, const std:
     Decoded &decoded = decoded_of(reader, view, view_name);
     const tinygltf::Value &ids = object.Get("attributes");
     for (auto &[name, index] : primitive.attributes) {
-        if (!ids.Has(name)) continue;
+        if (!is_read(name) || !ids.Has(name)) continue;
         const tinygltf::Accessor &accessor = element(reader.model.accessors, index, "accessor");
         const Form form = {static_cast<unsigned>(index_of(ids, name, where)),
                            accessor.componentType, accessor.type, accessor.normalized};

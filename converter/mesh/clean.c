@@ -102,11 +102,11 @@ static psplat_result drop_flat_and_center(psplat_mesh *mesh, psplat_error *error
 
 psplat_result psplat_mesh_clean(psplat_mesh *mesh, const char *label, int has_material,
                                 psplat_error *error) {
-    int closed = 0, consistent = 0, turned = 0;
+    int closed = 0, consistent = 0, turned = 0, two_sides = 0;
     psplat_result result = check_raw(mesh, label, error);
     normalise_normals(mesh);
     if (!result) result = psplat_mesh_weld(mesh, error);
-    if (!result) result = psplat_mesh_drop_repeated(mesh, &turned, error);
+    if (!result) result = psplat_mesh_drop_repeated(mesh, &turned, &two_sides, error);
     /* Whether the mesh is closed is found before flat triangles are dropped, since a flat triangle
      * may be all that closes a T-junction. */
     if (!result) result = psplat_mesh_stitch_borders(mesh, &closed, error);
@@ -116,8 +116,9 @@ psplat_result psplat_mesh_clean(psplat_mesh *mesh, const char *label, int has_ma
     if (result) return result;
     if (mesh->triangle_count == 0)
         return psplat_fail(error, PSPLAT_ERROR_NO_SPLATS, 0, "%s: no triangle has an area", label);
-    if (!has_material) psplat_mesh_set_usual_material(mesh, closed && consistent && !turned);
-    mesh->both_sides = turned;
+    /* Who writes both sides of a sheet wants each to be seen from its own. */
+    if (!has_material)
+        psplat_mesh_set_usual_material(mesh, two_sides || (closed && consistent && !turned));
     mesh->material.double_sided |= turned;
     psplat_mesh_hoist_uniform_color(mesh);
     return PSPLAT_OK;

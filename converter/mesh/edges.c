@@ -42,16 +42,56 @@ static void sort_bucket(half_edge *edges, size_t count) {
     }
 }
 
+static void pair(uint32_t a, uint32_t b, uint32_t *pairs) {
+    pairs[a] = b;
+    pairs[b] = a;
+}
+
+/* Returns whether the triangles of two half-edges of one edge are the same and face opposite ways.
+ */
+static int are_twins(const psplat_mesh *mesh, uint32_t a, uint32_t b) {
+    uint32_t third_of_a = mesh->triangles[a % 3 ? a - 1 : a + 2];
+    uint32_t third_of_b = mesh->triangles[b % 3 ? b - 1 : b + 2];
+    return third_of_a == third_of_b && mesh->triangles[a] != mesh->triangles[b];
+}
+
+/* Pairs the half-edges of an edge where a sheet that has triangles on both sides meets a surface
+ * that has none: with the side that goes on in it. */
+static void pair_end_of_sheet(const psplat_mesh *mesh, const half_edge *edges, uint32_t *pairs) {
+    for (size_t k = 0; k < 3; ++k) {
+        uint32_t wall = edges[k].index, a = edges[(k + 1) % 3].index, b = edges[(k + 2) % 3].index;
+        if (!are_twins(mesh, a, b)) continue;
+        pair(wall, mesh->triangles[a] != mesh->triangles[wall] ? a : b, pairs);
+        return;
+    }
+}
+
+/* Pairs the four half-edges of an edge inside a sheet that has triangles on both sides: each with
+ * that which runs the other way and is not its twin's, so that either side is a surface of its own.
+ * Does nothing where the triangles are others. */
+static void pair_sheet(const psplat_mesh *mesh, const half_edge *edges, uint32_t *pairs) {
+    for (size_t k = 1; k < 4; ++k) {
+        uint32_t a = edges[0].index, twin = edges[k].index;
+        uint32_t b = edges[k == 1 ? 2 : 1].index, c = edges[k == 3 ? 2 : 3].index;
+        if (!are_twins(mesh, a, twin) || !are_twins(mesh, b, c)) continue;
+        int is_b = mesh->triangles[a] != mesh->triangles[b];
+        pair(a, is_b ? b : c, pairs);
+        pair(twin, is_b ? c : b, pairs);
+        return;
+    }
+}
+
 /* Pairs the half-edges of a bucket. Returns how many edges of it belong to one triangle only. */
-static size_t pair_bucket(half_edge *edges, size_t count, uint32_t *pairs) {
+static size_t pair_bucket(const psplat_mesh *mesh, half_edge *edges, size_t count,
+                          uint32_t *pairs) {
     size_t borders = 0;
     sort_bucket(edges, count);
     for (size_t begin = 0, end; begin < count; begin = end) {
         for (end = begin + 1; end < count && edges[end].other == edges[begin].other;) ++end;
         borders += end - begin == 1;
-        if (end - begin != 2) continue;
-        pairs[edges[begin].index] = edges[begin + 1].index;
-        pairs[edges[begin + 1].index] = edges[begin].index;
+        if (end - begin == 2) pair(edges[begin].index, edges[begin + 1].index, pairs);
+        if (end - begin == 3) pair_end_of_sheet(mesh, edges + begin, pairs);
+        if (end - begin == 4) pair_sheet(mesh, edges + begin, pairs);
     }
     return borders;
 }
@@ -86,7 +126,7 @@ psplat_result psplat_edge_pairs(const psplat_mesh *mesh, uint32_t *pairs, size_t
 #pragma omp parallel for reduction(+ : found) schedule(static)
         for (size_t v = 0; v < mesh->vertex_count; ++v) {
             size_t begin = v ? starts[v - 1] : 0;
-            found += pair_bucket(edges + begin, starts[v] - begin, pairs);
+            found += pair_bucket(mesh, edges + begin, starts[v] - begin, pairs);
         }
     }
     psplat_result result = starts && edges ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;

@@ -61,11 +61,16 @@ void psplat_mesh_free(psplat_mesh *mesh) {
     free(mesh->positions);
     free(mesh->triangles);
     free(mesh->groups);
+    free(mesh->both_sides);
     free(mesh->points);
     free(mesh->point_triangles);
     psplat_source_materials_free(mesh->materials);
     free(mesh->materials);
     *mesh = (psplat_mesh){0};
+}
+
+int psplat_mesh_shows_both_sides(const psplat_mesh *mesh, size_t group) {
+    return group < mesh->both_sides_count && mesh->both_sides[group];
 }
 
 const double *psplat_mesh_corner(const psplat_mesh *mesh, uint32_t triangle, int corner) {

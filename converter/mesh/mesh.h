@@ -39,7 +39,10 @@ typedef struct psplat_mesh {
     size_t source_material_count;
     psplat_source_materials *materials; /* set by psplat_mesh_read, which has no scene; or NULL */
     size_t dropped;                     /* triangles dropped as degenerate or repeated */
-    int both_sides;  /* some triangles existed twice, facing both ways: always double-sided */
+    /* 1 for each group (without groups for 0) of which some triangles existed twice, facing both
+     * ways: always double-sided. NULL if there are none. */
+    uint8_t *both_sides;
+    size_t both_sides_count;
     int holds_parts; /* set before cleaning: other meshes of the scene lie in its box */
     /* What cleaning did about closed shells that face inwards (mesh/shells.h). */
     size_t turned_shells, turned_triangles, kept_rooms;
@@ -53,6 +56,10 @@ typedef struct psplat_mesh {
 
 /* Frees what the mesh holds and makes it zero. */
 void psplat_mesh_free(psplat_mesh *mesh);
+
+/* Returns whether a group, or a mesh without groups as group 0, shows both its sides whatever its
+ * material says. */
+int psplat_mesh_shows_both_sides(const psplat_mesh *mesh, size_t group);
 
 /* The most triangles and vertices that are read, so that their numbers fit into 32 bits. */
 #define PSPLAT_MAX_TRIANGLES 0x3fffffffu

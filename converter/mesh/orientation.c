@@ -3,7 +3,7 @@
  * orientation.c - consistent orientation of the triangles of each component.
  *
  * A flipped triangle would otherwise bound a patch. The orientation of one triangle is propagated
- * across edges of exactly two triangles (flood fill). Then the front of the component is chosen:
+ * across paired edges (mesh/edges.h; flood fill). Then the front of the component is chosen:
  * the side that the normals of the file point to, or else the side that three quarters of its area
  * had already, or else, of a closed component, the outer side. A component that the file orients
  * consistently therefore stays as it is, for example an inner wall whose front is inside. One-sided

@@ -23,8 +23,7 @@ static const double merge_distance_diagonals = 1.2e-7;
 
 /* ---- borders -------------------------------------------------------------------------------- */
 
-/* Marks the ends of edges that do not belong to exactly two triangles. *count is the number of
- * these edges. */
+/* Marks the ends of edges without a pair. *count is the number of these edges. */
 static psplat_result find_borders(const psplat_mesh *mesh, uint8_t *border, size_t *count,
                                   psplat_error *error) {
     size_t edges = 3 * mesh->triangle_count, borders;

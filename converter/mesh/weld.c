@@ -7,6 +7,7 @@
  */
 #include "mesh/weld.h"
 
+#include "material/source_materials.h"
 #include "mesh/mesh.h"
 
 #include <math.h>
@@ -145,28 +146,167 @@ static uint64_t hash_triangle(const uint32_t *t) {
     return hash ^ hash >> 32;
 }
 
-psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int *turned, psplat_error *error) {
-    size_t size = table_size(mesh->triangle_count), kept = 0;
-    uint32_t *table = malloc(size * sizeof *table);
-    *turned = 0;
-    if (!table)
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for repeated triangles");
-    memset(table, 0xff, size * sizeof *table);
+/* By how much colours and texture coordinates of two corners may differ and look the same: a step
+ * of a byte, and less than a texel of an image of 512. Chosen by hand. */
+static const double same_value = 1.0 / 512;
+
+/* Returns whether the values of two triangles' corners at the same vertices are the same. */
+static int are_values_same(const psplat_mesh *mesh, const float *values, size_t components,
+                           size_t a, size_t b) {
+    for (size_t i = 0; values && i < 3; ++i)
+        for (size_t k = 0; k < 3; ++k) {
+            if (mesh->triangles[3 * a + i] != mesh->triangles[3 * b + k]) continue;
+            const float *x = values + (3 * a + i) * components;
+            const float *y = values + (3 * b + k) * components;
+            for (size_t c = 0; c < components; ++c)
+                if (!(fabs((double)x[c] - (double)y[c]) <= same_value)) return 0;
+        }
+    return 1;
+}
+
+static uint32_t group_of(const psplat_mesh *mesh, size_t triangle) {
+    return mesh->groups ? mesh->groups[triangle] : 0;
+}
+
+/* Returns the material of a group, or NULL where the mesh has none for its groups. */
+static const psplat_source_material *material_of(const psplat_mesh *mesh, size_t group) {
+    return group < mesh->source_material_count ? &mesh->source_materials[group] : NULL;
+}
+
+static int is_double_sided(const psplat_mesh *mesh, size_t group) {
+    const psplat_source_material *material = material_of(mesh, group);
+    return material && material->material.double_sided;
+}
+
+static int uses_set(const psplat_source_material *material, uint32_t set) {
+    int uses = 0;
+    for (int slot = 0; material && slot < PSPLAT_TEXTURE_SLOTS; ++slot) {
+        const psplat_texture_info *texture =
+            psplat_source_texture(material, (psplat_texture_slot)slot);
+        uses |= texture->image && texture->texcoord == set;
+    }
+    return uses;
+}
+
+/* Returns whether two triangles of one group with the same vertices look the same. */
+static int look_same(const psplat_mesh *mesh, size_t a, size_t b) {
+    for (uint32_t set = 0; set < PSPLAT_TEXCOORDS; ++set)
+        if (uses_set(material_of(mesh, group_of(mesh, a)), set) &&
+            !are_values_same(mesh, mesh->corner_uvs[set], 2, a, b))
+            return 0;
+    return are_values_same(mesh, mesh->corner_colors, 4, a, b);
+}
+
+/* Returns whether two triangles that face opposite ways are two sides: they look different, and the
+ * material of neither is seen from both sides, so that each hides the other. */
+static int are_two_sides(const psplat_mesh *mesh, size_t a, size_t b) {
+    size_t group_of_a = group_of(mesh, a), group_of_b = group_of(mesh, b);
+    if (is_double_sided(mesh, group_of_a) || is_double_sided(mesh, group_of_b)) return 0;
+    return group_of_a != group_of_b || !look_same(mesh, a, b);
+}
+
+/* The triangles so far, of several with the same vertices the first one of either way. */
+typedef struct triangle_table {
+    uint32_t *triangles;
+    size_t size;
+} triangle_table;
+
+static void empty_table(triangle_table *table) {
+    memset(table->triangles, 0xff, table->size * sizeof *table->triangles);
+}
+
+/* Finds a triangle of the table with the same vertices as t, in the order `way` (1 or -1) of
+ * compare_triangles. Returns PSPLAT_NONE where there is none, and *slot is a free one then. */
+static uint32_t find_triangle(const psplat_mesh *mesh, const triangle_table *table, size_t t,
+                              int way, size_t *slot) {
+    const uint32_t *triangle = mesh->triangles + 3 * t;
+    *slot = hash_triangle(triangle) & (table->size - 1);
+    for (; table->triangles[*slot] != PSPLAT_NONE; *slot = (*slot + 1) & (table->size - 1)) {
+        uint32_t other = table->triangles[*slot];
+        if (compare_triangles(triangle, mesh->triangles + 3 * (size_t)other) == way) return other;
+    }
+    return PSPLAT_NONE;
+}
+
+/* What is known of a group. */
+typedef struct group {
+    size_t alone; /* triangles that exist one way only */
+    int keeps;    /* 1: those that exist both ways are kept both ways */
+} group;
+
+static size_t count_groups(const psplat_mesh *mesh) {
+    size_t count = 1;
+    for (size_t t = 0; t < mesh->triangle_count; ++t)
+        if (group_of(mesh, t) >= count) count = (size_t)group_of(mesh, t) + 1;
+    return count;
+}
+
+/* Finds the groups whose triangles are kept both ways: where these are two sides, or where a group,
+ * of several, has others that exist one way only. These would be seen from behind too, if the group
+ * became double-sided, through what lies before them. */
+static void find_kept(const psplat_mesh *mesh, triangle_table *table, group *groups, size_t count) {
+    size_t used = 0;
+    empty_table(table);
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
-        const uint32_t *triangle = mesh->triangles + 3 * t;
-        size_t slot = hash_triangle(triangle) & (size - 1);
-        int match = 0;
-        for (; table[slot] != PSPLAT_NONE && !match; slot = (slot + 1) & (size - 1))
-            match = compare_triangles(triangle, mesh->triangles + 3 * (size_t)table[slot]);
-        if (match < 0) *turned = 1;
-        if (match) continue;
-        table[slot] = (uint32_t)kept;
+        size_t slot, free_slot;
+        group *own = &groups[group_of(mesh, t)];
+        if (find_triangle(mesh, table, t, 1, &free_slot) != PSPLAT_NONE) continue;
+        uint32_t front = find_triangle(mesh, table, t, -1, &slot);
+        if (front == PSPLAT_NONE) {
+            ++own->alone;
+        } else {
+            group *other = &groups[group_of(mesh, front)];
+            if (are_two_sides(mesh, t, front)) own->keeps = other->keeps = 1;
+            --other->alone;
+        }
+        table->triangles[free_slot] = (uint32_t)t;
+    }
+    for (size_t g = 0; g < count; ++g) used += groups[g].alone > 0;
+    for (size_t g = 0; g < count && used > 1; ++g)
+        groups[g].keeps |= groups[g].alone > 0 && !is_double_sided(mesh, g);
+}
+
+/* Drops repeated triangles, and those that face the other way unless they are kept. Returns whether
+ * some of these are. */
+static int drop_repeated(psplat_mesh *mesh, triangle_table *table, const group *groups) {
+    size_t kept = 0, slot;
+    int keeps = 0;
+    empty_table(table);
+    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+        uint32_t front = find_triangle(mesh, table, t, -1, &slot);
+        int is_kept = front == PSPLAT_NONE || groups[group_of(mesh, front)].keeps;
+        if (!is_kept) mesh->both_sides[group_of(mesh, front)] = 1;
+        if (!is_kept || find_triangle(mesh, table, t, 1, &slot) != PSPLAT_NONE) continue;
+        keeps |= front != PSPLAT_NONE;
+        table->triangles[slot] = (uint32_t)kept;
         move_triangle(mesh, kept++, t);
     }
-    free(table);
     mesh->dropped += mesh->triangle_count - kept;
     mesh->triangle_count = kept;
-    return PSPLAT_OK;
+    return keeps;
+}
+
+psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int *turned, int *two_sides,
+                                        psplat_error *error) {
+    size_t count = count_groups(mesh);
+    triangle_table table = {.size = table_size(mesh->triangle_count)};
+    group *groups = calloc(count, sizeof *groups);
+    table.triangles = malloc(table.size * sizeof *table.triangles);
+    free(mesh->both_sides);
+    mesh->both_sides = calloc(count, 1);
+    mesh->both_sides_count = mesh->both_sides ? count : 0;
+    *turned = *two_sides = 0;
+    psplat_result result = PSPLAT_OK;
+    if (groups && table.triangles && mesh->both_sides) {
+        find_kept(mesh, &table, groups, count);
+        *two_sides = drop_repeated(mesh, &table, groups);
+    } else {
+        result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for repeated triangles");
+    }
+    for (size_t g = 0; g < mesh->both_sides_count; ++g) *turned |= mesh->both_sides[g];
+    free(table.triangles);
+    free(groups);
+    return result;
 }
 
 void psplat_mesh_drop_flat(psplat_mesh *mesh) {

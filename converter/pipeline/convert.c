@@ -82,7 +82,7 @@ static psplat_result store_splats(psplat_conversion *c, psplat_error *error) {
     for (size_t i = 0; i < materials; ++i) {
         c->splats->materials[i] =
             mesh->source_materials ? mesh->source_materials[i].material : mesh->material;
-        c->splats->materials[i].double_sided |= mesh->both_sides;
+        c->splats->materials[i].double_sided |= psplat_mesh_shows_both_sides(mesh, i);
         psplat_appearance_settle_textures(&c->appearance, i, &c->splats->materials[i]);
     }
     if (psplat_hoist_constants(c->splats))

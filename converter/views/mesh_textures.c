@@ -79,7 +79,7 @@ psplat_result psplat_drawn_groups_create(const psplat_mesh_programs *gl, const p
         if (!mesh->source_material_count) continue;
         const psplat_source_material *source_material = &mesh->source_materials[range->group];
         group->material = source_material->material;
-        group->material.double_sided |= mesh->both_sides;
+        group->material.double_sided |= psplat_mesh_shows_both_sides(mesh, range->group);
         for (int slot = 0; slot < PSPLAT_MATERIAL_TEXTURES; ++slot)
             set_texture(gl, mesh, texture_of(source_material, slot), slot, group);
     }

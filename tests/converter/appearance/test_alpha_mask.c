@@ -69,8 +69,13 @@ static void test_disc(void **state) {
         psplat_mesh shown;
         size_t borders;
         make_masked(&p, cells, disc);
+        p.mesh.both_sides = calloc(1, 1);
+        p.mesh.both_sides_count = 1;
+        assert_non_null(p.mesh.both_sides);
+        p.mesh.both_sides[0] = cells > 1;
         assert_true(psplat_alpha_mask_is_needed(&p.mesh));
         assert_int_equal(psplat_alpha_mask_cut(&p.mesh, 0.05, &shown, NULL), PSPLAT_OK);
+        assert_int_equal(psplat_mesh_shows_both_sides(&shown, 0), cells > 1);
         /* Chords of length 0.05 and texels of 1/64 change the disc's area by less than 0.01. */
         assert_near(area_of(&shown), 3.14159265 * 0.49, 0.01);
         uint32_t *pairs = malloc(3 * shown.triangle_count * sizeof *pairs);

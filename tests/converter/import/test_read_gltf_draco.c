@@ -62,6 +62,7 @@ static const char *file_of(gltf *g, const draco_mesh *mesh) {
 static void check_volume(const char *text, size_t triangles, double six_volumes, double tolerance) {
     psplat_mesh mesh = read_text("t.gltf", text);
     assert_int_equal(mesh.triangle_count, triangles);
+    assert_int_equal(mesh.dropped, 0);
     assert_near(signed_volume(&mesh), six_volumes, tolerance);
     psplat_mesh_free(&mesh);
 }
