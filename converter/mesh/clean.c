@@ -106,7 +106,7 @@ psplat_result psplat_mesh_clean(psplat_mesh *mesh, const char *label, int has_ma
     psplat_result result = check_raw(mesh, label, error);
     normalise_normals(mesh);
     if (!result) result = psplat_mesh_weld(mesh, error);
-    if (!result) result = psplat_mesh_drop_repeated(mesh, &turned, &two_sides, error);
+    if (!result) result = psplat_mesh_drop_repeated(mesh, has_material, &turned, &two_sides, error);
     /* Whether the mesh is closed is found before flat triangles are dropped, since a flat triangle
      * may be all that closes a T-junction. */
     if (!result) result = psplat_mesh_stitch_borders(mesh, &closed, error);

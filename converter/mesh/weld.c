@@ -175,7 +175,7 @@ static const psplat_source_material *material_of(const psplat_mesh *mesh, size_t
 
 static int is_double_sided(const psplat_mesh *mesh, size_t group) {
     const psplat_source_material *material = material_of(mesh, group);
-    return material && material->material.double_sided;
+    return material ? material->material.double_sided : mesh->material.double_sided;
 }
 
 static int uses_set(const psplat_source_material *material, uint32_t set) {
@@ -241,11 +241,12 @@ static size_t count_groups(const psplat_mesh *mesh) {
     return count;
 }
 
-/* Finds the groups whose triangles are kept both ways: where these are two sides, or where a group,
- * of several, has others that exist one way only. These would be seen from behind too, if the group
- * became double-sided, through what lies before them. */
-static void find_kept(const psplat_mesh *mesh, triangle_table *table, group *groups, size_t count) {
-    size_t used = 0;
+/* Finds the groups whose triangles are kept both ways: where these are two sides and, if materials
+ * say which sides are seen, where a group has others that exist one way only. Those would be seen
+ * from behind too, if the group became double-sided: through what lies before them, and where their
+ * splats reach out of it. */
+static void find_kept(const psplat_mesh *mesh, int has_material, triangle_table *table,
+                      group *groups, size_t count) {
     empty_table(table);
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
         size_t slot, free_slot;
@@ -261,8 +262,7 @@ static void find_kept(const psplat_mesh *mesh, triangle_table *table, group *gro
         }
         table->triangles[free_slot] = (uint32_t)t;
     }
-    for (size_t g = 0; g < count; ++g) used += groups[g].alone > 0;
-    for (size_t g = 0; g < count && used > 1; ++g)
+    for (size_t g = 0; g < count && has_material; ++g)
         groups[g].keeps |= groups[g].alone > 0 && !is_double_sided(mesh, g);
 }
 
@@ -286,8 +286,8 @@ static int drop_repeated(psplat_mesh *mesh, triangle_table *table, const group *
     return keeps;
 }
 
-psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int *turned, int *two_sides,
-                                        psplat_error *error) {
+psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int has_material, int *turned,
+                                        int *two_sides, psplat_error *error) {
     size_t count = count_groups(mesh);
     triangle_table table = {.size = table_size(mesh->triangle_count)};
     group *groups = calloc(count, sizeof *groups);
@@ -298,7 +298,7 @@ psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int *turned, int *two
     *turned = *two_sides = 0;
     psplat_result result = PSPLAT_OK;
     if (groups && table.triangles && mesh->both_sides) {
-        find_kept(mesh, &table, groups, count);
+        find_kept(mesh, has_material, &table, groups, count);
         *two_sides = drop_repeated(mesh, &table, groups);
     } else {
         result = psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory for repeated triangles");

@@ -16,10 +16,11 @@ psplat_result psplat_mesh_weld(psplat_mesh *mesh, psplat_error *error);
 /* Keeps the first of several triangles with the same vertices. Where others face the other way,
  * both sides of the one that is kept are visible: both_sides of its group and *turned are set. But
  * the first of either way is kept, and *two_sides set, where two look different, by their groups,
- * colours, or coordinates of textures, and in groups, of several, that have triangles which exist
- * one way only, too; not where a material is double-sided. Fails only with PSPLAT_ERROR_MEMORY. */
-psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int *turned, int *two_sides,
-                                        psplat_error *error);
+ * colours, or coordinates of textures, and, with has_material, in groups that have triangles which
+ * exist one way only, too; not where a material is double-sided. has_material says that materials
+ * of the file tell which sides are seen. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_mesh_drop_repeated(psplat_mesh *mesh, int has_material, int *turned,
+                                        int *two_sides, psplat_error *error);
 
 /* Drops triangles whose area is zero up to rounding. */
 void psplat_mesh_drop_flat(psplat_mesh *mesh);

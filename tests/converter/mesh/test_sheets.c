@@ -47,12 +47,17 @@ static psplat_mesh sheet(unsigned parts) {
 
 /* Drops what is repeated, of which so many triangles remain. Those of a sheet are one side or
  * several. */
-static void drop(psplat_mesh *mesh, size_t kept, int is_one_side) {
+static void drop_of(psplat_mesh *mesh, int has_material, size_t kept, int is_one_side) {
     int turned = -1, two_sides = -1;
-    assert_int_equal(psplat_mesh_drop_repeated(mesh, &turned, &two_sides, NULL), PSPLAT_OK);
+    assert_int_equal(psplat_mesh_drop_repeated(mesh, has_material, &turned, &two_sides, NULL),
+                     PSPLAT_OK);
     assert_int_equal(mesh->triangle_count, kept);
     assert_int_equal(turned, is_one_side);
     assert_int_equal(two_sides, kept > SIDE);
+}
+
+static void drop(psplat_mesh *mesh, size_t kept, int is_one_side) {
+    drop_of(mesh, 1, kept, is_one_side);
 }
 
 static void set_group(psplat_mesh *mesh, size_t first, size_t end, uint32_t group) {
@@ -74,10 +79,6 @@ static void test_same(void **state) {
     drop(&mesh, SIDE, 1);
     for (size_t group = 0; group < 4; ++group)
         assert_int_equal(psplat_mesh_shows_both_sides(&mesh, group), group % 2 == 0);
-    psplat_mesh_free(&mesh);
-    mesh = sheet(0); /* a mesh without groups: half of the sheet has a back */
-    mesh.triangle_count -= CELLS;
-    drop(&mesh, SIDE, 1);
     psplat_mesh_free(&mesh);
 }
 
@@ -141,21 +142,23 @@ static void test_double_sided(void **state) {
     }
 }
 
-/* A group that has triangles without a back, too, keeps the backs of others, if another group has
- * such: these may lie just before its own, which would show through them. Here the first and the
- * last row of the sheet have none. */
+/* A group that has triangles without a back, too, keeps the backs of others: it would be seen from
+ * behind where those are. Not so where materials do not say which sides are seen, or both are. Here
+ * the last row of the sheet has no backs, and is a group of its own or not. */
 static void test_mixed_groups(void **state) {
     (void)state;
     enum { ROW = 2 * CELLS };
-    for (uint32_t last_group = 0; last_group < 2; ++last_group) {
-        psplat_mesh mesh = sheet(PSPLAT_MESH_GROUPS);
-        set_group(&mesh, SIDE - ROW, SIDE, last_group);
-        memmove(mesh.triangles + 3 * SIDE, mesh.triangles + 3 * (SIDE + ROW),
-                3 * (SIDE - ROW) * sizeof(uint32_t));
-        mesh.triangle_count -= 2 * ROW;
-        drop(&mesh, last_group ? 2 * SIDE - 2 * ROW : SIDE, !last_group);
-        psplat_mesh_free(&mesh);
-    }
+    for (uint32_t last_group = 0; last_group < 2; ++last_group)
+        for (int says = 0; says < 2; ++says)
+            for (int double_sided = 0; double_sided < 2; ++double_sided) {
+                psplat_mesh mesh = sheet(PSPLAT_MESH_GROUPS);
+                int keeps = says && !double_sided && !last_group;
+                mesh.material.double_sided = double_sided;
+                set_group(&mesh, SIDE - ROW, SIDE, last_group);
+                mesh.triangle_count -= ROW;
+                drop_of(&mesh, says, keeps ? 2 * SIDE - ROW : SIDE, !keeps);
+                psplat_mesh_free(&mesh);
+            }
 }
 
 /* ---- surfaces -------------------------------------------------------------------------------- */
