@@ -15,8 +15,9 @@
 
 /* Stores for each edge the one other edge with the same end vertices, in either direction, or
  * PSPLAT_NONE if there is none or more than one; in a sheet that has triangles on both sides
- * (mesh/weld.h), and where one ends at another surface, the one of its own side. pairs: triangle_count x 3. *borders is the number
- * of edges that belong to one triangle only. Fails only with PSPLAT_ERROR_MEMORY. */
+ * (mesh/weld.h), and where one ends at another surface, the one of its own side. pairs:
+ * triangle_count x 3. *borders is the number of edges that belong to one triangle only. Fails only
+ * with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_edge_pairs(const psplat_mesh *mesh, uint32_t *pairs, size_t *borders);
 
 /* Stores the vector from the start of an edge to its end. */
