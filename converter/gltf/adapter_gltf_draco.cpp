@@ -4,7 +4,7 @@
  *
  * libdraco decodes them. Its decoder trusts the counts at the begin of the bytes and allocates for
  * them, so they are checked first against what the bytes can hold. What primitives say of counts is
- * replaced by what was decoded, since Draco merges and splits vertices and exporters forget that.
+ * replaced by what was decoded, since Draco merges and splits vertices, which a file may not say.
  * Two things cannot be checked before: damaged bytes may keep libdraco 1.5.5 busy for seconds, as
  * it reads as many bits for its prediction of texture coordinates as they say, up to 2^31; and a
  * mesh may have many attributes of all its vertices, each in a few bytes.

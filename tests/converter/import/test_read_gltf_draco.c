@@ -133,7 +133,7 @@ static void test_attributes(void **state) {
         from.attributes = all, from.attribute_count = 4, from.is_edgebreaker = edgebreaker;
         gltf g = {0};
         add_draco(&g, &from);
-        /* The counts are wrong: exporters state those from before compression. */
+        /* The counts are wrong, as those from before compression may be. */
         add_accessor(&g, FLOAT, "VEC3", 5, "");
         add_accessor(&g, UBYTE, "SCALAR", 3, "");
         add_accessor(&g, FLOAT, "VEC3", 7, "");
