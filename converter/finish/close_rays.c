@@ -31,6 +31,7 @@
 #include "finish/close_cracks.h"
 #include "finish/close_seams.h"
 #include "select/conversion.h"
+#include "select/effort.h"
 #include "select/fill_holes.h"
 #include "select/selection.h"
 
@@ -39,9 +40,9 @@
 #include <string.h>
 
 /* All of these were chosen by hand. */
-/* How often rays are cast, how many splats each may have extended in turn, the points from which
- * rays are cast for each sample, and the seeds of new candidates for each one that there may be. */
-enum { ROUNDS = 4, CHOICES = 3, POINTS_PER_SAMPLE = 3, SEEDS_PER_CANDIDATE = 5 };
+/* How many splats each ray may have extended in turn, the points of the surface from which rays are
+ * cast for each splat, and the seeds of new candidates for each one that there may be. */
+enum { CHOICES = 3, POINTS_PER_SPLAT = 100, SEEDS_PER_CANDIDATE = 5 };
 /* After how many rays in a row that it cannot be extended to a candidate is left alone, in later
  * rounds too: what stopped it mostly stops it again. */
 enum { FAILURES = 2 };
@@ -572,7 +573,7 @@ static psplat_result find_gaps(closer *r, uint64_t seed) {
     const psplat_ray_search search = {.surface = &r->c->surface,
                                       .measured = &r->measured,
                                       .distance = r->c->distance,
-                                      .points = POINTS_PER_SAMPLE * r->c->samples.count,
+                                      .points = POINTS_PER_SPLAT * selection->count,
                                       .rim_spacing =
                                           rim_spacing_tolerances * r->c->limits.tolerance,
                                       .seed = seed};
@@ -635,11 +636,12 @@ static int stalls(const psplat_conversion *c, size_t most, size_t now, size_t be
 
 psplat_result psplat_close_rays(psplat_conversion *c, psplat_error *error) {
     psplat_result result = PSPLAT_OK;
+    int rounds = psplat_effort_of(c->desc).ray_rounds;
     size_t gaps = 1, few = c->selection.count, most = (size_t)ceil(most_growth * (double)few);
-    for (int round = 0; round < ROUNDS && gaps && !result; ++round) {
+    for (int round = 0; round < rounds && gaps && !result; ++round) {
         /* New candidates of the second round know where those of the first one have left gaps. */
         closer r = {.c = c, .most = round ? most : few + (most - few + 1) / 2};
-        if (psplat_conversion_interrupted(c->desc, "closing holes", (double)round / ROUNDS))
+        if (psplat_conversion_interrupted(c->desc, "closing holes", (double)round / rounds))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = find_gaps(&r, c->desc->seed + (uint64_t)round);
         size_t open = count_open(&r);

@@ -18,6 +18,7 @@
 #include "finish/cut_rims.h"
 #include "select/conversion.h"
 #include "finish/depth_tolerance.h"
+#include "select/effort.h"
 #include "select/fill_holes.h"
 #include "select/greedy_cover.h"
 #include "select/local_search.h"
@@ -112,7 +113,7 @@ static psplat_result grow_pool(psplat_conversion *c, uint64_t seed) {
 /* Replaces the selection by a smaller one, in rounds that relax it and search locally, and some of
  * which grow the pool before. */
 static psplat_result improve(psplat_conversion *c, psplat_error *error) {
-    int rounds = psplat_local_search_rounds(c->desc);
+    int rounds = psplat_effort_of(c->desc).search_rounds;
     psplat_local_search_desc what = {
         .samples = &c->samples, .focus = c->samples.count, .surface = &c->surface};
     psplat_result result = psplat_local_search(&c->selection, &what);

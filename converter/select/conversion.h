@@ -34,8 +34,8 @@ typedef enum psplat_color_field {
     PSPLAT_COLOR_FIELD_LINEAR
 } psplat_color_field;
 
-/* The effort that runs no rounds of local search after the greedy cover. It is not 0, since zeros
- * are the defaults; the command line calls it 0. */
+/* The least effort (select/effort.h). It is not 0, since zeros are the defaults; the command line
+ * calls it 0. */
 enum { PSPLAT_EFFORT_NONE = -1 };
 
 /* The greatest effort, and the one where none is given. */
@@ -64,7 +64,7 @@ typedef struct psplat_convert_desc {
                                       * samples, in % of sRGB's range; 100: unbounded; 0 means 10,
                                       * times the root of epsilon over 0.5 %: 6.3 at 0.2 % */
     psplat_color_field color_field;
-    int effort;      /* 1 ... 9: how long the selection is improved, as convert's --effort; or
+    int effort;      /* 1 ... 9: how long splats are improved, as convert's --effort; or
                       * PSPLAT_EFFORT_NONE; 0 means PSPLAT_DEFAULT_EFFORT */
     uint64_t seed;   /* of all random choices */
     int unverified;  /* 1: a report gets counts only; psplat_convert_verify adds the rest */

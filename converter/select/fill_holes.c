@@ -20,6 +20,7 @@
 #include "measure/holes.h"
 #include "measure/measured_splats.h"
 #include "select/conversion.h"
+#include "select/effort.h"
 #include "select/greedy_cover.h"
 #include "select/local_search.h"
 #include "select/selection.h"
@@ -167,7 +168,7 @@ static psplat_result cover_holes(psplat_conversion *c, size_t first) {
 
 /* Runs a local search around the samples from index first on. */
 static psplat_result improve_around_holes(psplat_conversion *c, size_t first, int round) {
-    size_t share = (size_t)(1 + psplat_local_search_rounds(c->desc));
+    size_t share = (size_t)(1 + psplat_effort_of(c->desc).search_rounds);
     size_t moves = MOVES_PER_HOLE * share * (c->samples.count - first);
     size_t most = MOVES_PER_SPLAT * share * psplat_selection_taken(&c->selection);
     const psplat_local_search_desc what = {.samples = &c->samples,

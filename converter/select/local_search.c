@@ -397,11 +397,3 @@ psplat_result psplat_local_search(psplat_selection *selection,
     search_end(&state);
     return ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
 }
-
-/* The rounds of efforts from 1 on. Chosen by hand. */
-static const int rounds_of_effort[PSPLAT_GREATEST_EFFORT] = {1, 2, 3, 4, 6, 9, 13, 18, 25};
-
-int psplat_local_search_rounds(const psplat_convert_desc *desc) {
-    int effort = desc->effort ? desc->effort : PSPLAT_DEFAULT_EFFORT;
-    return effort == PSPLAT_EFFORT_NONE ? 0 : rounds_of_effort[effort - 1];
-}

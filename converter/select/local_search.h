@@ -31,7 +31,4 @@ typedef struct psplat_local_search_desc {
 psplat_result psplat_local_search(psplat_selection *selection,
                                   const psplat_local_search_desc *desc);
 
-/* Returns how many rounds of local search desc->effort asks for. */
-int psplat_local_search_rounds(const psplat_convert_desc *desc);
-
 #endif

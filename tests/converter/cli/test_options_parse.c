@@ -14,7 +14,7 @@
 #include "cli/command.h"
 #include "cli/options.h"
 #include "select/conversion.h"
-#include "select/local_search.h"
+#include "select/effort.h"
 
 typedef struct values {
     const char *first, *second;
@@ -148,7 +148,7 @@ static void test_efforts_are_those_of_conversions(void **state) {
         values v = {0};
         assert_int_equal(PARSE(&v, given[i], "in", "out"), PSPLAT_PARSE_OK);
         const psplat_convert_desc desc = {.effort = v.effort};
-        assert_int_equal(psplat_local_search_rounds(&desc), rounds[i]);
+        assert_int_equal(psplat_effort_of(&desc).search_rounds, rounds[i]);
     }
 }
 

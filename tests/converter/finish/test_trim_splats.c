@@ -69,8 +69,9 @@ static void test_torus(void **state) {
                       count, before, after, gaps, now);
         assert_true(10 * smaller > count);
         assert_true(after < 0.97 * before);
-        /* One of 100,000 rays: those of the stage are others, and pass beside these in a gap. */
-        assert_true(now <= gaps + 5);
+        /* One of 48,000 rays: those of the stage are others, and pass beside these in a gap. Of
+         * twelve runs with other seeds they let through 9 more at most. */
+        assert_true(now <= gaps + 10);
         check_cover(&r);
         free(old);
         closing_end(&r);
