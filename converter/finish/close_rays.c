@@ -41,7 +41,8 @@
 
 /* All of these were chosen by hand. */
 /* How many splats each ray may have extended in turn, the points of the surface from which rays are
- * cast for each splat, and the seeds of new candidates for each one that there may be. */
+ * cast for each splat on average, and the seeds of new candidates for each one that there may be.
+ */
 enum { CHOICES = 3, POINTS_PER_SPLAT = 100, SEEDS_PER_CANDIDATE = 5 };
 /* After how many rays in a row that it cannot be extended to a candidate is left alone, in later
  * rounds too: what stopped it mostly stops it again. */
@@ -559,6 +560,17 @@ static psplat_result copy_closed_regions(closer *r) {
     return result;
 }
 
+/* Returns the number of points from which rays are cast. They are spread over an apron, too, which
+ * has no splats. */
+static size_t count_points(const psplat_conversion *c) {
+    const psplat_samples *samples = &c->samples;
+    size_t owned = 0;
+    for (size_t i = 0; i < samples->count; ++i)
+        owned += (size_t)psplat_surface_owns(&c->surface, samples->positions + 3 * i);
+    double share = owned ? (double)owned / (double)samples->count : 1;
+    return (size_t)(POINTS_PER_SPLAT * (double)c->selection.count / share);
+}
+
 /* Finds the gaps between the candidates as they will be, and which of these each ray might meet. */
 static psplat_result find_gaps(closer *r, uint64_t seed) {
     const psplat_selection *selection = &r->c->selection;
@@ -573,7 +585,7 @@ static psplat_result find_gaps(closer *r, uint64_t seed) {
     const psplat_ray_search search = {.surface = &r->c->surface,
                                       .measured = &r->measured,
                                       .distance = r->c->distance,
-                                      .points = POINTS_PER_SPLAT * selection->count,
+                                      .points = count_points(r->c),
                                       .rim_spacing =
                                           rim_spacing_tolerances * r->c->limits.tolerance,
                                       .seed = seed};
@@ -640,7 +652,8 @@ psplat_result psplat_close_rays(psplat_conversion *c, psplat_error *error) {
     size_t gaps = 1, few = c->selection.count, most = (size_t)ceil(most_growth * (double)few);
     for (int round = 0; round < rounds && gaps && !result; ++round) {
         /* New candidates of the second round know where those of the first one have left gaps. */
-        closer r = {.c = c, .most = round ? most : few + (most - few + 1) / 2};
+        int waits = !round && rounds > 1;
+        closer r = {.c = c, .most = waits ? few + (most - few + 1) / 2 : most};
         if (psplat_conversion_interrupted(c->desc, "closing holes", (double)round / rounds))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = find_gaps(&r, c->desc->seed + (uint64_t)round);

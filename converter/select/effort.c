@@ -4,8 +4,8 @@
  */
 #include "select/effort.h"
 
-/* The rounds of PSPLAT_EFFORT_NONE, and of efforts from 1 on. Splats that nobody searched for
- * overlap widely, so that rays find few gaps between them, most of them at once. Chosen by hand. */
+/* The rounds of PSPLAT_EFFORT_NONE, and of efforts from 1 on. Without a
+ * search splats overlap more, so that rays find fewer gaps between them. Chosen by hand. */
 static const psplat_effort none = {0, 1};
 static const psplat_effort efforts[PSPLAT_GREATEST_EFFORT] = {
     {1, 2}, {2, 3}, {3, 4}, {4, 4}, {6, 4}, {9, 4}, {13, 4}, {18, 4}, {25, 4}};

@@ -33,7 +33,7 @@
  * saves splats but may open other holes, so later rounds only add splats. Chosen by hand. */
 enum { ROUNDS = 32, IMPROVING_ROUNDS = 16 };
 
-/* The moves of the local search for each hole, for effort 0; each round of the effort adds as many.
+/* The moves of the local search for each hole, for effort 0; each round of its search adds as many.
  * And the most for each splat: few splats may have many holes between them, and a move that
  * exchanges most of them takes long. Chosen by hand. */
 enum { MOVES_PER_HOLE = 6, MOVES_PER_SPLAT = 6 };

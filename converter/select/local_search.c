@@ -16,7 +16,6 @@
 #include "features/surface.h"
 #include "fit/candidate.h"
 #include "mesh/mesh.h"
-#include "select/conversion.h"
 #include "select/selection.h"
 
 #include <math.h>

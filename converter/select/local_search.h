@@ -9,7 +9,6 @@
 
 #include "features/samples.h"
 #include "features/surface.h"
-#include "select/conversion.h"
 #include "select/selection.h"
 
 #include <stdint.h>

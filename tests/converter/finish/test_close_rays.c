@@ -109,6 +109,31 @@ static void test_closed(void **state) {
     closing_end(&r);
 }
 
+/* Counts the rounds of rays after the first of four: their progress is known by its quarters, and
+ * that of filling holes begins at a half. */
+static int count_second_round(void *user, const char *stage, double fraction) {
+    (void)stage;
+    *(int *)user += fraction == 0.25;
+    return 0;
+}
+
+/* The least effort casts rays once, the default one goes on where there were gaps. */
+static void test_rounds_follow_effort(void **state) {
+    (void)state;
+    const int efforts[] = {PSPLAT_EFFORT_NONE, PSPLAT_DEFAULT_EFFORT};
+    for (int i = 0; i < 2; ++i) {
+        closing r;
+        int rounds = 0;
+        closing_begin(&r, "torus.off", 0.01, 0.015, 1, 0);
+        r.desc.effort = efforts[i];
+        r.desc.progress = count_second_round;
+        r.desc.user = &rounds;
+        assert_int_equal(psplat_close_rays(&r.c, NULL), PSPLAT_OK);
+        assert_int_equal(rounds, i);
+        closing_end(&r);
+    }
+}
+
 static int stop(void *user, const char *stage, double fraction) {
     (void)user, (void)stage, (void)fraction;
     return 1;
@@ -128,6 +153,7 @@ int test_close_rays_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_gaps),
         cmocka_unit_test(test_closed),
+        cmocka_unit_test(test_rounds_follow_effort),
         cmocka_unit_test(test_interrupted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -43,7 +43,7 @@ static stand_off measure(const closing *r, size_t from, size_t to) {
 }
 
 /* A torus: rims stand off by less, some splats are smaller, none is larger or new, none leaves the
- * surface, every sample stays covered, and no more rays pass under walls. */
+ * surface, every sample stays covered, and hardly more rays pass under walls. */
 static void test_torus(void **state) {
     (void)state;
     static const double precisions[] = {0, 0.1}, wall = 0.5; /* a quarter of a depth tolerance */

@@ -325,8 +325,7 @@ static void test_interrupt(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* The search for fewer splats, which takes most of the default effort, saves at least one of twenty
- * on a torus, where the greedy choice leaves some eight. */
+/* The default effort saves at least one splat of twenty on a torus; it is one of six. */
 static void test_effort_saves_splats(void **state) {
     (void)state;
     const int efforts[] = {PSPLAT_EFFORT_NONE, PSPLAT_DEFAULT_EFFORT};
