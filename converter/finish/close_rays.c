@@ -654,7 +654,7 @@ psplat_result psplat_close_rays(psplat_conversion *c, psplat_error *error) {
         /* New candidates of the second round know where those of the first one have left gaps. */
         int waits = !round && rounds > 1;
         closer r = {.c = c, .most = waits ? few + (most - few + 1) / 2 : most};
-        if (psplat_conversion_interrupted(c->desc, "closing holes", (double)round / rounds))
+        if (psplat_conversion_interrupted(c->desc, "closing gaps", (double)round / rounds))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = find_gaps(&r, c->desc->seed + (uint64_t)round);
         size_t open = count_open(&r);

@@ -126,7 +126,7 @@ psplat_result psplat_mend_creases(psplat_conversion *c, psplat_error *error) {
     mender m = {.c = c, .count = 1};
     psplat_result result = draw_points(&m);
     for (int round = 0; round < ROUNDS && m.count && !result; ++round) {
-        if (psplat_conversion_interrupted(c->desc, "closing holes", 1)) {
+        if (psplat_conversion_interrupted(c->desc, "finishing", 0)) {
             result = psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
             break;
         }

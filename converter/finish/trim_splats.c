@@ -197,6 +197,8 @@ psplat_result psplat_trim_splats(psplat_conversion *c, psplat_error *error) {
     int any = 0;
     const psplat_fit_context context = psplat_conversion_context(c);
     if (!c->limits.distance) return PSPLAT_OK;
+    if (psplat_conversion_interrupted(c->desc, "trimming", 0))
+        return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     psplat_result result = begin(&t, c);
     if (!result) result = psplat_fit_each(&context, t.count, measure, &t);
     if (!result && !choose_scales(&t)) result = PSPLAT_ERROR_MEMORY;

@@ -195,13 +195,14 @@ static psplat_result close_holes(psplat_conversion *c, size_t first, int round) 
 }
 
 static psplat_result fill(psplat_conversion *c, int first_round, psplat_error *error) {
-    const psplat_convert_desc *desc = c->desc;
     const psplat_fit_context context = psplat_conversion_context(c);
     psplat_result result = PSPLAT_OK;
     size_t holes = 1;
     for (int round = first_round; !result && holes && round < ROUNDS; ++round) {
         size_t first = c->samples.count;
-        if (desc->progress && desc->progress(desc->user, "closing holes", (double)round / ROUNDS))
+        /* Half of the time goes into the first round, half of the rest into the next. */
+        int before = round - first_round;
+        if (psplat_conversion_interrupted(c->desc, "closing holes", before / (before + 1.0)))
             return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
         result = append_holes(c, &holes, error);
         if (result || !holes) break;

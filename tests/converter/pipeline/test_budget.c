@@ -217,8 +217,10 @@ static void test_progress(void **state) {
 /* The shares of the stages follow each other and end with 1. */
 static void test_schedule(void **state) {
     (void)state;
-    const char *const stages[] = {"reading",   "finding creases", "sampling",  "selecting splats",
-                                  "improving", "closing holes",   "verifying", "writing"};
+    const char *const stages[] = {"reading",          "finding creases", "sampling",
+                                  "selecting splats", "improving",       "closing holes",
+                                  "closing gaps",     "trimming",        "finishing",
+                                  "verifying",        "writing"};
     double before = 0;
     for (size_t i = 0; i < sizeof stages / sizeof *stages; ++i) {
         assert_true(psplat_schedule_done(stages[i], 0) == before);

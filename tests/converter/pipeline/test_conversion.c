@@ -22,6 +22,7 @@
 #include "import/read_mesh.h"
 #include "mesh/mesh.h"
 #include "pipeline/convert.h"
+#include "pipeline/schedule.h"
 #include "select/conversion.h"
 #include "splats/splats.h"
 #include "verify/report.h"
@@ -325,6 +326,41 @@ static void test_interrupt(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* Which stages a conversion has told of. */
+typedef struct told {
+    int improving, gaps, trimming, finishing, verifying;
+    double done;
+} told;
+
+static int tell(void *user, const char *stage, double fraction) {
+    told *t = user;
+    double done = psplat_schedule_done(stage, fraction);
+    if (done < 0) fail_msg("no share of the time is known for '%s'", stage);
+    t->improving |= !strcmp(stage, "improving");
+    t->gaps |= !strcmp(stage, "closing gaps");
+    t->trimming |= !strcmp(stage, "trimming");
+    t->finishing |= !strcmp(stage, "finishing");
+    t->verifying |= !strcmp(stage, "verifying");
+    t->done = fmax(t->done, done);
+    return 0;
+}
+
+/* A conversion tells of its stages, of each of which the schedule knows the share, and the last one
+ * of them leaves next to nothing to be done. */
+static void test_stages_are_told(void **state) {
+    (void)state;
+    told t = {0};
+    const psplat_convert_desc desc = {.tolerance_percent = 2, .progress = tell, .user = &t};
+    psplat_splats splats;
+    psplat_report report;
+    psplat_mesh mesh = read_model("cone.stl");
+    assert_int_equal(psplat_convert(&mesh, &desc, &splats, &report, NULL), PSPLAT_OK);
+    assert_true(t.improving && t.gaps && t.trimming && t.finishing && t.verifying);
+    assert_true(t.done > 0.9 && t.done < 1);
+    psplat_splats_free(&splats);
+    psplat_mesh_free(&mesh);
+}
+
 /* The default effort saves at least one splat of twenty on a torus; it is one of six. */
 static void test_effort_saves_splats(void **state) {
     (void)state;
@@ -441,6 +477,7 @@ int test_conversion_main(void) {
         cmocka_unit_test(test_double_sheet),
         cmocka_unit_test(test_interrupt),
         cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_stages_are_told),
         cmocka_unit_test(test_effort_saves_splats),
         cmocka_unit_test(test_effort_out_of_range),
     };
