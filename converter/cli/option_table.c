@@ -18,7 +18,7 @@ static const psplat_option shared[] = {
      "a splat covering it (default: not bounded)",
      0.1, 90, NULL},
     {0, "effort", PSPLAT_OPTION_EFFORT, NULL, "N",
-     "how long to look for fewer splats, and for gaps (default 4)", 0, 9, NULL},
+     "how long to look for fewer splats and for gaps between\nthem (default 4)", 0, 9, NULL},
     {0, "crease-angle", PSPLAT_OPTION_NUMBER, NULL, "DEG",
      "angle between two faces from which their edge is a crease,\nwhich stays sharp (default 30)",
      1, 180, NULL},
