@@ -46,10 +46,14 @@ static stand_off measure(const closing *r, size_t from, size_t to) {
  * surface, every sample stays covered, and hardly more rays pass under walls. */
 static void test_torus(void **state) {
     (void)state;
-    static const double precisions[] = {0, 0.1}, wall = 0.5; /* a quarter of a depth tolerance */
-    for (size_t i = 0; i < sizeof precisions / sizeof *precisions; ++i) {
+    enum { SEEDS = 3, PRECISIONS = 2 };
+    static const double precisions[PRECISIONS] = {0, 0.1};
+    static const double wall = 0.5; /* a quarter of a depth tolerance */
+    size_t all_gaps = 0, all_now = 0;
+    for (size_t i = 0; i < SEEDS * PRECISIONS; ++i) {
         closing r;
-        closing_begin(&r, "torus.off", 0.003, 0.008, 0, precisions[i]);
+        closing_begin(&r, "torus.off", 0.003, 0.008, 0, precisions[i % PRECISIONS]);
+        r.desc.seed = i / PRECISIONS;
         assert_int_equal(psplat_close_rays(&r.c, NULL), PSPLAT_OK);
         size_t count = r.c.selection.count, smaller = 0, gaps = count_gaps(&r, wall, 99);
         double before = measure(&r, 0, count).mean;
@@ -69,13 +73,14 @@ static void test_torus(void **state) {
                       count, before, after, gaps, now);
         assert_true(10 * smaller > count);
         assert_true(after < 0.97 * before);
-        /* One of 48,000 rays: those of the stage are others, and pass beside these in a gap. Of
-         * twelve runs with other seeds they let through 9 more at most. */
-        assert_true(now <= gaps + 10);
+        all_gaps += gaps;
+        all_now += now;
         check_cover(&r);
         free(old);
         closing_end(&r);
     }
+    /* One of 96,000 rays: those of the stage are others, and pass beside these in a gap. */
+    assert_true(all_now <= all_gaps + 30);
 }
 
 /* Splats whose rims stand off by less than half the tolerance stay as they are, like those of the
