@@ -12,6 +12,7 @@
 
 #include "export/meshopt_codec.h"
 #include "export/splat_attributes.h"
+#include "export/splat_order.h"
 #include "export/splat_stream.h"
 #include "splats/splats.h"
 
@@ -272,13 +273,25 @@ static size_t gather(psplat_buffer_layout *layout, size_t first) {
     return end;
 }
 
+/* Brings the splats of a primitive into an order for a stream. */
+static int sort_splats(const psplat_buffer_layout_plan *plan, const psplat_attribute_table *table,
+                       int texcoords, psplat_primitive_layout *primitive) {
+    return psplat_order_along_curve(table, primitive->order, primitive->count) &&
+           (!plan->short_orders || psplat_order_shorten(table, plan->low_bits, texcoords,
+                                                        primitive->order, primitive->count));
+}
+
 /* Adds the stream of the primitives from first to end - 1, each of which is a section. */
-static int add_stream(psplat_buffer_layout *layout, size_t first, size_t end) {
+static int add_stream(const psplat_buffer_layout_plan *plan, psplat_buffer_layout *layout,
+                      size_t first, size_t end) {
     psplat_section sections[PSPLAT_MOST_SECTIONS];
     psplat_primitive_layout *p = &layout->primitives[first];
     const psplat_attribute_table *table = &layout->tables[p->mesh];
     psplat_buffer_view view = {.stride = 1, .kind = PSPLAT_VIEW_STREAM};
+    psplat_stream_desc desc = {layout->low_bits,
+                               p->has_texcoord && psplat_stream_can_hold_texcoords(table)};
     for (size_t i = 0; i < end - first; ++i) {
+        if (!sort_splats(plan, table, desc.holds_texcoords, &p[i])) return 0;
         sections[i] = (psplat_section){.order = p[i].order,
                                        .count = p[i].count,
                                        .clip_lines = p[i].clip_lines,
@@ -287,10 +300,7 @@ static int add_stream(psplat_buffer_layout *layout, size_t first, size_t end) {
                                        .is_curved = p[i].is_curved,
                                        .has_shape = p[i].has_shape,
                                        .has_texcoord_bend = p[i].has_texcoord_bend};
-        if (!psplat_stream_sort(table, &sections[i])) return 0;
     }
-    psplat_stream_desc desc = {layout->low_bits,
-                               p->has_texcoord && psplat_stream_can_hold_texcoords(table)};
     int is_safe = 1;
     view.bytes = psplat_stream_encode(table, sections, end - first, &desc, &view.rows, &is_safe);
     if (!view.bytes && !is_safe) {
@@ -374,7 +384,7 @@ static int make_streams(const psplat_buffer_layout_plan *plan, psplat_buffer_lay
     for (; first < layout->primitive_count; ++first) {
         psplat_primitive_layout *p = &layout->primitives[first];
         size_t end = gather(layout, first);
-        if (!add_stream(layout, first, end)) return 0;
+        if (!add_stream(plan, layout, first, end)) return 0;
         while (end > first + 1) {
             if (!join_primitive(p, p + 1)) return 0;
             free(p[1].order);

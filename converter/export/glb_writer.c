@@ -249,11 +249,14 @@ static uint32_t most_low_bits(const psplat_write_desc *desc, const psplat_buffer
 }
 
 /* Tries streams with all low bits that POSITION may lack, and with and without compression of what
- * is beside them. */
+ * is beside them; then, in orders that take longer to find, the best of them and those with a bit
+ * or two more or less. */
 static psplat_result try_streams(const psplat_scene *scene, const psplat_write_desc *desc,
                                  const psplat_materials *materials, psplat_buffer_layout *layout,
                                  uint8_t **data, size_t *size, psplat_error *error) {
     uint32_t most = most_low_bits(desc, layout);
+    enum { NEAR_BITS = 2 };
+    psplat_buffer_layout_plan best = {.streams = 1};
     psplat_result result = PSPLAT_OK;
     for (uint32_t low_bits = 0; low_bits <= most && !result; ++low_bits)
         for (unsigned kind = 0; kind < 4 && !result; ++kind) {
@@ -262,8 +265,15 @@ static psplat_result try_streams(const psplat_scene *scene, const psplat_write_d
                                                     .flat_joins = (kind & 1) != 0,
                                                     .padding = 0.02,
                                                     .codec = kind & 2 ? desc->codec : NULL};
+            size_t least = *data ? *size : SIZE_MAX;
             result = try_plan(scene, &plan, materials, layout, data, size, error);
+            if (!result && *size < least) best = plan;
         }
+    psplat_buffer_layout_plan plan = best;
+    plan.short_orders = 1;
+    for (plan.low_bits = 0; plan.low_bits <= most && !result; ++plan.low_bits)
+        if (labs((long)plan.low_bits - (long)best.low_bits) <= NEAR_BITS)
+            result = try_plan(scene, &plan, materials, layout, data, size, error);
     return result;
 }
 

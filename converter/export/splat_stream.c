@@ -4,8 +4,7 @@
  *
  * A binary arithmetic coder with adaptive probabilities (Martin: Range encoding, 1979; the carry is
  * that of the LZMA coder) writes the integers of one splat after another, most of them as the
- * difference to the nearest of the splats before. The order of the splats follows a Hilbert curve
- * (Skilling: Programming the Hilbert curve, 2004).
+ * difference to the nearest of the splats before.
  */
 #include "export/splat_stream.h"
 
@@ -604,53 +603,4 @@ uint8_t *psplat_stream_encode(const psplat_attribute_table *table, const psplat_
     if (!e.out.failed && e.is_safe) return e.out.bytes;
     free(e.out.bytes);
     return NULL;
-}
-
-/* ---- order ----------------------------------------------------------------------------------- */
-
-typedef struct order_entry {
-    uint64_t place;
-    uint32_t index;
-} order_entry;
-
-/* Returns the place of a point of 16 bits for each coordinate along a Hilbert curve. */
-static uint64_t hilbert_place(uint32_t x[3]) {
-    enum { BITS = 16 };
-    uint64_t place = 0;
-    for (uint32_t bit = 1u << (BITS - 1); bit > 1; bit >>= 1)
-        for (int i = 0; i < 3; ++i) {
-            uint32_t swapped = x[i] & bit ? 0 : (x[0] ^ x[i]) & (bit - 1);
-            if (x[i] & bit) x[0] ^= bit - 1;
-            x[0] ^= swapped;
-            x[i] ^= swapped;
-        }
-    x[1] ^= x[0];
-    x[2] ^= x[1];
-    uint32_t all = 0;
-    for (uint32_t bit = 1u << (BITS - 1); bit > 1; bit >>= 1)
-        if (x[2] & bit) all ^= bit - 1;
-    for (int bit = BITS - 1; bit >= 0; --bit)
-        for (int i = 0; i < 3; ++i) place = place << 1 | ((x[i] ^ all) >> bit & 1);
-    return place;
-}
-
-static int compare_places(const void *a, const void *b) {
-    const order_entry *first = a, *second = b;
-    if (first->place != second->place) return first->place < second->place ? -1 : 1;
-    return (first->index > second->index) - (first->index < second->index);
-}
-
-int psplat_stream_sort(const psplat_attribute_table *table, psplat_section *section) {
-    order_entry *entries = malloc((section->count + 1) * sizeof *entries);
-    if (!entries) return 0;
-    for (size_t i = 0; i < section->count; ++i) {
-        uint32_t x[3], index = section->order[i];
-        for (int k = 0; k < 3; ++k)
-            x[k] = (uint32_t)(table->codes[index].position[k] - table->low[k]);
-        entries[i] = (order_entry){hilbert_place(x), index};
-    }
-    qsort(entries, section->count, sizeof *entries, compare_places);
-    for (size_t i = 0; i < section->count; ++i) section->order[i] = entries[i].index;
-    free(entries);
-    return 1;
 }

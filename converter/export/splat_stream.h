@@ -15,7 +15,8 @@ enum { PSPLAT_MOST_LOW_BITS = 8, PSPLAT_MOST_SECTIONS = 32 };
 
 /* Splats of one kind. */
 typedef struct psplat_section {
-    uint32_t *order; /* indices of the splats, sorted by psplat_stream_sort */
+    uint32_t *order; /* indices of the splats, in an order where near ones follow each other
+                        (splat_order.h) */
     size_t count;
     size_t clip_lines; /* the most of any splat */
     size_t seam_lines; /* of each splat, the last ones */
@@ -27,10 +28,6 @@ typedef struct psplat_section {
 /* Returns whether a stream can hold the splats of a table: integers whose turns have steps that are
  * a half turn over a power of two. */
 int psplat_stream_can_hold(const psplat_attribute_table *table);
-
-/* Sorts the splats of a section along a curve, so that most have near ones before them. Returns 0
- * where memory ran out. */
-int psplat_stream_sort(const psplat_attribute_table *table, psplat_section *section);
 
 /* Returns component k of the coarse position of a splat, which an accessor holds. The stream has
  * the low bits that it lacks. */
