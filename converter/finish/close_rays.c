@@ -8,9 +8,9 @@
  * the surface would meet each splat nearby if that reached farther. The one that lacks least is
  * extended, by the smallest ellipse that holds the old one and the place where the ray meets its
  * surface, if all limits allow that; else the next one. A new candidate grows where none can be
- * extended, and is worth the gaps that it closes through which one sees: most rays that pass
- * between curved splats meet one of that place a little too high or too low, or its wall. They are
- * worth larger splats, which cost nothing, and no more splats.
+ * extended, and is worth the gaps that it closes, those through which one sees most of all: most
+ * rays that pass between curved splats meet one of that place a little too high or too low, or its
+ * wall.
  */
 #include "finish/close_rays.h"
 
@@ -59,6 +59,9 @@ static const double most_height = 3;
 static const double color_factor = 1.5;
 /* How far the points lie apart at which rays pass rims, in tolerances. */
 static const double rim_spacing_tolerances = 2;
+/* What closing a gap is worth that does not show, of what one is worth that does. What hides it
+ * stands off from the surface, often beside an outline, and may be cut off once it is closed. */
+static const double hidden_worth = 0.3;
 /* How many candidates there may be in the end for each that there were: what gaps may cost. */
 static const double most_growth = 1.1;
 /* Rounds end where one leaves more than this share of its gaps open, or finds more than this share
@@ -427,8 +430,9 @@ static psplat_result finish_new(const psplat_fit_context *context, size_t index,
     return psplat_quantize_candidate(context, candidate);
 }
 
-/* Returns what a region gains: the cosines of the open gaps that it closes and that show, since
- * those that are seen straight on show most. Marks all that it closes where mark is 1. */
+/* Returns what a region gains: the cosines of the open gaps that it closes, since those that are
+ * seen straight on show most, and less of those that do not show. Marks all that it closes where
+ * mark is 1. */
 static double gain_of(closer *r, const psplat_region *region, int mark) {
     double gain = 0, tolerance = r->measured.tolerance;
     double far = psplat_region_reach(region) + tolerance / PSPLAT_FLATTEST_SIGHT_COSINE;
@@ -438,7 +442,7 @@ static double gain_of(closer *r, const psplat_region *region, int mark) {
             !psplat_ray_hole_is_closed(&r->gaps[i].hole, region, tolerance))
             continue;
         r->gaps[i].closed = mark;
-        if (r->gaps[i].shows) gain += r->gaps[i].hole.cosine;
+        gain += (r->gaps[i].shows ? 1 : hidden_worth) * r->gaps[i].hole.cosine;
     }
     return gain;
 }

@@ -85,8 +85,8 @@ static void test_gaps(void **state) {
         assert_true(r.c.selection.count <= splats + (10 * splats + 99) / 100 + 2);
         closing_end(&r);
     }
-    assert_true(5 * all_shown < all_shown_before);
-    assert_true(3 * all_after < 2 * all_before);
+    assert_true(4 * all_shown < all_shown_before);
+    assert_true(3 * all_after < all_before);
     assert_true(all_extended > 4); /* New splats may close all gaps of one model. */
     assert_true(fresh > 0 && fresh < all_extended);
 }

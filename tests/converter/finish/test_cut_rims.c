@@ -151,6 +151,7 @@ static void test_horn(void **state) {
                                       {0.002, 0.006, 0},
                                       {0.002, 0.006, 0.1}};
     size_t errors[2] = {0, 0};    /* before and after */
+    size_t opened[2] = {0, 0};    /* rays that pass, before and after */
     double stand_off[2] = {0, 0}; /* beyond lines, and at the other sides of splats, tolerances */
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         closing r;
@@ -189,12 +190,14 @@ static void test_horn(void **state) {
         assert_true(after.extra < before.extra);
         errors[0] += before.extra + before.missing;
         errors[1] += after.extra + after.missing;
-        /* Those of the stage are others; 480,000 are tried. */
-        assert_true(now <= open + open / 8 + 1);
+        opened[0] += open;
+        opened[1] += now;
         assert_int_equal(count_uncovered(&r), uncovered);
         free(old);
         closing_end(&r);
     }
+    /* The rays of the stage are others; 480,000 are tried in each case. */
+    assert_true(opened[1] <= opened[0] + opened[0] / 8 + 4);
     /* A rim that is gone may leave one that is too far inside, so that single horns may lose. */
     print_message("errors of outlines %zu -> %zu\n", errors[0], errors[1]);
     assert_true(100 * errors[1] < 99 * errors[0]);
