@@ -94,8 +94,8 @@ typedef struct psplat_buffer_layout_plan {
     int flat_joins;            /* few flat splats may share a primitive with curved ones */
     int streams;               /* splats on a grid are in streams */
     uint32_t low_bits;         /* of positions, in streams; 0 beside what else lies at POSITION */
-    int short_orders;          /* splats in streams are in orders that take longer to find and fewer
-                                  bytes (splat_order.h) */
+    int short_orders;          /* splats in streams are in orders that have fewer bytes, and take
+                                  time to find (splat_order.h) */
     double padding;            /* expected bytes in the file for one byte of padding */
     const psplat_codec *codec; /* NULL leaves the views uncompressed */
 } psplat_buffer_layout_plan;

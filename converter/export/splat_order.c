@@ -15,7 +15,6 @@
 #include "mesh/mesh.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* ---- along a curve --------------------------------------------------------------------------- */
 
@@ -68,15 +67,14 @@ int psplat_order_along_curve(const psplat_attribute_table *table, uint32_t *orde
 
 /* ---- shorter --------------------------------------------------------------------------------- */
 
-/* How many splats next to which one may be moved are known of each, how far along the curve they
- * are looked for, and how many rounds there are at most; most paths are as short as they get after
- * six. */
+/* How many neighbours of each splat are known, next to which it may be moved, how far along the
+ * curve they are looked for, and the most rounds; most paths are as short as they get after six. */
 enum { NEIGHBORS = 8, WINDOW = 120, ROUNDS = 12 };
 /* The most splats that are moved at once, and how far along the path a move may reach: that bounds
  * its time. */
 enum { MOST_MOVED = 3, FARTHEST = 1000 };
 /* The bytes of a splat in the rows of a file, a position's two for each coordinate and those of
- * texture coordinates, and the highest of its normal. */
+ * texture coordinates, and the highest eight bits of both numbers of its normal. */
 enum { STORED = 8, NORMAL = 2, ROW = STORED + NORMAL };
 
 typedef struct row {
@@ -94,9 +92,10 @@ typedef struct tour {
     uint8_t stored_costs[256], normal_costs[256]; /* of the differences of bytes */
 } tour;
 
-/* Returns what a difference of bytes costs, in half bits: the share of a group's header where it is
- * 0, two bits or four where they suffice, or else an escape and a byte. Groups with many of these
- * are stored as bytes, which cost less; that counts half for the small ones. */
+/* Returns what a difference of bytes, of which the codec keeps the lowest eight bits, costs in half
+ * bits. The numbers were chosen by hand: 0 and 1 fit two bits, but often lie in a group that takes
+ * four; up to 7 fits four; all others take an escape and a byte. Up to 15 counts less than that,
+ * since groups with many of these are stored as bytes. */
 static uint8_t stored_cost(int difference) {
     int size = difference < 128 ? difference : 256 - difference;
     return size == 0 ? 6 : size == 1 ? 7 : size <= 7 ? 8 : size <= 15 ? 20 : 24;
@@ -106,7 +105,7 @@ static uint8_t stored_cost(int difference) {
  * stream predicts a splat from the nearest of many, which mostly is another one. */
 static uint8_t normal_cost(int difference) {
     uint8_t digits = 0;
-    for (int size = difference < 128 ? difference : 256 - difference; size; size >>= 1) ++digits;
+    for (; difference; difference >>= 1) ++digits;
     return digits;
 }
 
@@ -121,8 +120,7 @@ static void set_costs(tour *t) {
 static int step_cost(const tour *t, const row *a, const row *b) {
     int cost = 0;
     for (int k = 0; k < STORED; ++k) cost += t->stored_costs[(uint8_t)(b->bytes[k] - a->bytes[k])];
-    for (int k = STORED; k < ROW; ++k)
-        cost += t->normal_costs[(uint8_t)(b->bytes[k] - a->bytes[k])];
+    for (int k = STORED; k < ROW; ++k) cost += t->normal_costs[abs(b->bytes[k] - a->bytes[k])];
     return cost;
 }
 
@@ -164,7 +162,8 @@ static int try_move(tour *t, long first, long last, long before) {
     int straight = cost_between(t, before - 1, first) + cost_between(t, last, before);
     int turned = cost_between(t, before - 1, last) + cost_between(t, first, before);
     if (gain <= straight && gain <= turned) return 0;
-    /* Both parts that change places are turned round together, and then each by itself. */
+    /* Both parts that change places are turned round together, then the other one again, and the
+     * moved one unless it is to stay turned. */
     long begin = before < first ? before : first, stop = before < first ? last : before - 1;
     long to = before < first ? begin : stop - moved + 1;
     turn_round(t, begin, stop);
@@ -196,7 +195,8 @@ static int join_by_move(tour *t, uint32_t a, uint32_t b) {
         long i = (long)t->place[a], k = (long)t->place[b];
         if (!are_within_reach(i, k)) return 0;
         for (int after = 0; after <= 1; ++after)
-            if (try_move(t, i, i + moved, k + after) || try_move(t, i - moved, i, k + after))
+            if (try_move(t, i, i + moved, k + after) ||
+                (moved && try_move(t, i - moved, i, k + after)))
                 return 1;
     }
     return 0;
@@ -234,7 +234,8 @@ static void find_neighbors(const tour *t, size_t of, uint32_t neighbors[NEIGHBOR
     for (; found < NEIGHBORS; ++found) neighbors[found] = PSPLAT_NONE;
 }
 
-/* Texture coordinates that are bytes are 255ths, so that their steps beside a stream are four. */
+/* Texture coordinates that are bytes are 255ths, so that their steps beside a stream are four. What
+ * a file has as other types or from other attributes, as colours, does not count. */
 static row row_of(const psplat_attribute_table *table, uint32_t index, uint32_t low_bits,
                   int texcoords) {
     int normal_bits = table->splats->precision.normal_bits;

@@ -16,8 +16,8 @@ int psplat_order_along_curve(const psplat_attribute_table *table, uint32_t *orde
 
 /* Changes such an order to one in which the accessors beside a stream, whose positions lack so many
  * low bits, take fewer bytes once they are compressed: a splat follows one from which its bytes
- * differ by little. texcoords says whether coarse texture coordinates are in these rows, too. The
- * result depends on nothing else. Returns 0 where memory ran out. */
+ * differ by little. Positions count, and normals a little, and, where texcoords is 1, coarse
+ * texture coordinates. Returns 0 where memory ran out. */
 int psplat_order_shorten(const psplat_attribute_table *table, uint32_t low_bits, int texcoords,
                          uint32_t *order, size_t count);
 

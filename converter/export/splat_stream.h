@@ -15,7 +15,7 @@ enum { PSPLAT_MOST_LOW_BITS = 8, PSPLAT_MOST_SECTIONS = 32 };
 
 /* Splats of one kind. */
 typedef struct psplat_section {
-    uint32_t *order; /* indices of the splats, in an order where near ones follow each other
+    uint32_t *order; /* indices of the splats, in an order in which near ones follow each other
                         (splat_order.h) */
     size_t count;
     size_t clip_lines; /* the most of any splat */

@@ -8,7 +8,7 @@
  * the surface would meet each splat nearby if that reached farther. The one that lacks least is
  * extended, by the smallest ellipse that holds the old one and the place where the ray meets its
  * surface, if all limits allow that; else the next one. A new candidate grows where none can be
- * extended, and is worth the gaps that it closes, those through which one sees most of all: most
+ * extended, and is worth the gaps that it closes. Those through which one sees count most: most
  * rays that pass between curved splats meet one of that place a little too high or too low, or its
  * wall.
  */
@@ -59,8 +59,9 @@ static const double most_height = 3;
 static const double color_factor = 1.5;
 /* How far the points lie apart at which rays pass rims, in tolerances. */
 static const double rim_spacing_tolerances = 2;
-/* What closing a gap is worth that does not show, of what one is worth that does. What hides it
- * stands off from the surface, often beside an outline, and may be cut off once it is closed. */
+/* What closing a gap that does not show is worth, as a part of one that does. The rim that hides it
+ * stands off from the surface, often beside an outline, and may be cut off once the gap is closed.
+ */
 static const double hidden_worth = 0.3;
 /* How many candidates there may be in the end for each that there were: what gaps may cost. */
 static const double most_growth = 1.1;
@@ -431,8 +432,8 @@ static psplat_result finish_new(const psplat_fit_context *context, size_t index,
 }
 
 /* Returns what a region gains: the cosines of the open gaps that it closes, since those that are
- * seen straight on show most, and less of those that do not show. Marks all that it closes where
- * mark is 1. */
+ * seen straight on show most, and hidden_worth of it for those that do not show. Marks all that it
+ * closes where mark is 1. */
 static double gain_of(closer *r, const psplat_region *region, int mark) {
     double gain = 0, tolerance = r->measured.tolerance;
     double far = psplat_region_reach(region) + tolerance / PSPLAT_FLATTEST_SIGHT_COSINE;

@@ -326,7 +326,7 @@ static void test_smallest(void **state) {
 }
 
 /* Splats that lie as close together as those of files do, within steps of bytes: the file is smaller
- * than any with streams in orders along a curve. */
+ * than any with a stream in an order along the curve and with a compressed accessor. */
 static void test_short_orders(void **state) {
     (void)state;
     const psplat_write_desc desc = {.codec = &psplat_meshopt_codec};

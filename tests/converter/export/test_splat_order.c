@@ -114,8 +114,8 @@ static void test_takes_fewer_bytes(void **state) {
         }
 }
 
-/* Neighbours of an order along the curve are near: on average, within three times the distance at
- * which so many splats lie. */
+/* Neighbours of an order along the curve are near: on average, 1.28 times the distance at which so
+ * many splats lie. Along a Morton curve they are 1.48 times as far. */
 static void test_curve_keeps_neighbors(void **state) {
     (void)state;
     made *m = make_sphere(MOST, 4000, 5);
@@ -127,7 +127,7 @@ static void test_curve_keeps_neighbors(void **state) {
         sum += sqrt((double)(a[0] - b[0]) * (a[0] - b[0]) + (double)(a[1] - b[1]) * (a[1] - b[1]) +
                     (double)(a[2] - b[2]) * (a[2] - b[2]));
     }
-    assert_true(sum / (MOST - 1) < 3 * spacing);
+    assert_true(sum / (MOST - 1) < 1.38 * spacing);
     free(m);
 }
 
