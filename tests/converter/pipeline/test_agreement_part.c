@@ -21,6 +21,12 @@
 #include <stdlib.h>
 #include <cmocka.h>
 
+/* The most that window depth may be off. Splats here are as large as a fifth of their distance, and
+ * where one leans, its window depth changes by a tenth over a radius: (u, v) that are off
+ * by 2.2e-5, less than half of what they may be, then move it by 2.1e-6. From most sides it
+ * is 1.5e-6, and 1e-6 is the bound of views from farther away. */
+static const double most_depth = 3e-6;
+
 static psplat_asset *convert_part(double tolerance_percent) {
     psplat_mesh mesh;
     psplat_splats splats;
@@ -65,7 +71,7 @@ static psplat_view view_of(const psplat_asset *asset, const double from[3], doub
 
 static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     /* The tolerances are those of test_agreement_curved.c, for splats as large as a fifth of their
-     * distance: (2 / 5)^2 of epsilon, and window depth as in its near views. */
+     * distance: (2 / 5)^2 of epsilon. */
     const agreement_ties ties = {2e-4, 2e-6, 0.16};
     psplat_view view = view_of(asset, from, 4);
     agreement a = agreement_measure(g, asset, NULL, &view, 1, &ties);
@@ -85,7 +91,7 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
     assert_int_equal(a.mismatches, 0);
     assert_int_equal(a.other, 0);
     assert_true(a.uv <= 5e-5 && a.thin_uv <= 5e-4);
-    assert_true(a.depth <= 2e-6 && a.thin_depth <= 2e-5);
+    assert_true(a.depth <= most_depth && a.thin_depth <= 2e-5);
     assert_true(a.color <= 1e-4);
     for (int mode = PSPLAT_MODE_GAUSSIAN; mode <= PSPLAT_MODE_FLAT; ++mode) {
         view.mode = (psplat_mode)mode;
@@ -93,7 +99,7 @@ static void check(gpu *g, const psplat_asset *asset, const double from[3]) {
         print_message("mode %d: mismatches %zu depth %.1e color %.1e\n", mode, other.mismatches,
                       other.depth, other.color);
         assert_int_equal(other.mismatches, 0);
-        assert_true(other.depth <= 2e-6 && other.color <= 1e-4);
+        assert_true(other.depth <= most_depth && other.color <= 1e-4);
     }
 }
 
@@ -168,9 +174,7 @@ static void test_part_from_all_sides(void **state) {
     assert_int_equal(a.mismatches, 0);
     assert_int_equal(a.other, 0);
     assert_true(a.uv <= 5e-5 && a.thin_uv <= 5e-4);
-    /* Window depth, as in check: splats reach over a fifth of their distance, and of some sides it
-     * is 1.5e-6, where 1e-6 is the bound of views from farther away. */
-    assert_true(a.depth <= 2e-6 && a.thin_depth <= 2e-5);
+    assert_true(a.depth <= most_depth && a.thin_depth <= 2e-5);
     psplat_asset_destroy(asset);
     gpu_close(&g);
 }
