@@ -325,8 +325,8 @@ static void test_smallest(void **state) {
     }
 }
 
-/* Splats that lie as close together as those of files do, within steps of bytes: the file is smaller
- * than any with a stream in an order along the curve and with a compressed accessor. */
+/* Splats that lie as close together as those of files do, within steps of bytes: the file is
+ * smaller than any with a stream in an order along the curve and with a compressed accessor. */
 static void test_short_orders(void **state) {
     (void)state;
     const psplat_write_desc desc = {.codec = &psplat_meshopt_codec};
@@ -351,10 +351,8 @@ static void test_short_orders(void **state) {
 
 int test_buffer_layout_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_plan),
-        cmocka_unit_test(test_padding),
-        cmocka_unit_test(test_flat_joins),
-        cmocka_unit_test(test_smallest),
+        cmocka_unit_test(test_every_plan),   cmocka_unit_test(test_padding),
+        cmocka_unit_test(test_flat_joins),   cmocka_unit_test(test_smallest),
         cmocka_unit_test(test_short_orders),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -85,6 +85,8 @@ static void test_gaps(void **state) {
         assert_true(r.c.selection.count <= splats + (10 * splats + 99) / 100 + 2);
         closing_end(&r);
     }
+    /* Gaps that do not show take some of the splats, so that a few more of those are left that do:
+     * 38 of 181, instead of 36 where these alone count, and 67 of 277 in all instead of 143. */
     assert_true(4 * all_shown < all_shown_before);
     assert_true(3 * all_after < all_before);
     assert_true(all_extended > 4); /* New splats may close all gaps of one model. */
