@@ -213,7 +213,7 @@ psplat_result psplat_crease_find(psplat_surface *surface, const psplat_patch_bou
     else
         result = find_creases(surface, &rule);
     if (!result) result = psplat_chart_borders_mark(surface);
-    if (!result) result = psplat_tangent_edges_mark(surface, bounds->tolerance);
+    if (!result) result = psplat_tangent_edges_mark(surface, authored, bounds->tolerance);
     if (!result) result = number_patches(surface);
     if (!result) measure_edges(surface);
     return result;

@@ -10,13 +10,21 @@
  * normals are averaged across.
  *
  * An edge is judged by the two straight walks (geodesics) that leave its middle at a right angle.
+ *
+ * Models for games have narrow bevels of a facet or two, and the file's normals make them round:
+ * those of flat faces are the faces' own, and they turn over the bevel. No facets tell where such a
+ * bevel begins, but its normals do. Without these edges a parabola that is within the tolerance
+ * rounds the corner off on both sides, over some 8 e / tan(a / 2) at an angle a between the faces,
+ * so that all of a beam is shaded as if it were a log.
  */
 #include "features/tangent_edges.h"
 
 #include "base/angle.h"
 #include "base/vector.h"
+#include "features/authored_normals.h"
 #include "features/crease_follow.h"
 #include "features/surface.h"
+#include "features/surface_walk.h"
 #include "mesh/edges.h"
 #include "mesh/mesh.h"
 
@@ -48,6 +56,15 @@ static const double most_facets_reaches = 3;
 static const double least_dihedral_share = 0.2;
 /* The factor from one length to the next, smaller one, over which turning is measured. */
 static const double length_factor = 0.8;
+/* Of bevels by the file's normals: flat is where these are within this of the face's, which is more
+ * than rounding to bytes leaves, and for so far, in tolerances. With 8 degrees figures of few
+ * polygons had hundreds of such edges, for nothing. */
+static const double flat_angle = 1 * PSPLAT_DEGREE, flat_tolerances = 2;
+/* How wide bevels are at most, in tolerances, and by how much normals turn at least: a splat over
+ * both sides errs by half of that. Wider ones are covered well enough without an edge. */
+static const double widest_bevel_tolerances = 3, least_bevel_turn = 16 * PSPLAT_DEGREE;
+/* The reach over their edges, in tolerances. */
+static const double bevel_reach_tolerances = 1;
 /* Edges belong to one chain where they go on by at most this angle, and chains that are shorter,
  * in reaches, are dropped. */
 static const double greatest_chain_angle = 25 * PSPLAT_DEGREE, least_chain_reaches = 6;
@@ -58,99 +75,12 @@ enum { MOST_FACETS = 64, MOST_STEPS = 512 };
 /* The difference of angles, radians, up to which triangles in a row are one facet. */
 static const double facet_angle = 1e-5;
 
-/* ---- walks ----------------------------------------------------------------------------------- */
-
-/* A walk along a geodesic. */
-typedef struct walker {
-    const psplat_surface *surface;
-    uint32_t triangle, entry; /* where it is, and the edge through which it came */
-    double at[3], ahead[3];   /* a point of that edge, and the unit direction */
-    double length;            /* so far */
-} walker;
-
-/* Returns the edge of the triangle across that runs along an edge. */
-static uint32_t edge_across(const psplat_surface *surface, uint32_t edge) {
-    uint32_t begin = psplat_edge_vertex(surface->mesh, edge, 0);
-    uint32_t end = psplat_edge_vertex(surface->mesh, edge, 1), first = 3 * surface->neighbors[edge];
-    for (uint32_t e = first; e < first + 2; ++e)
-        if (psplat_edge_vertex(surface->mesh, e, 0) == end &&
-            psplat_edge_vertex(surface->mesh, e, 1) == begin)
-            return e;
-    return first + 2;
-}
-
-static const double *edge_begin(const psplat_surface *surface, uint32_t edge) {
-    return psplat_mesh_corner(surface->mesh, edge / 3, (int)(edge % 3));
-}
-
-static const double *face_normal(const psplat_surface *surface, uint32_t triangle) {
-    return surface->face_normals + 3 * (size_t)triangle;
-}
-
-/* Starts at the middle of an edge, into its triangle and at a right angle. */
-static walker begin_walk(const psplat_surface *surface, uint32_t edge) {
-    walker w = {.surface = surface, .triangle = edge / 3, .entry = edge};
-    double along[3];
-    psplat_edge_vector(surface->mesh, edge, along);
-    along3(w.at, edge_begin(surface, edge), 0.5, along);
-    cross3(w.ahead, face_normal(surface, w.triangle), along);
-    normalize3(w.ahead);
-    return w;
-}
-
-/* Finds the edge through which the walk leaves its triangle. Returns how far ahead that is;
- * HUGE_VAL where the triangle has no width. */
-static double find_exit(const walker *w, uint32_t *exit) {
-    double least = HUGE_VAL;
-    for (uint32_t e = 3 * w->triangle; e < 3 * w->triangle + 3; ++e) {
-        double along[3], inward[3], from[3];
-        if (e == w->entry) continue;
-        psplat_edge_vector(w->surface->mesh, e, along);
-        cross3(inward, face_normal(w->surface, w->triangle), along);
-        sub3(from, w->at, edge_begin(w->surface, e));
-        double approach = -dot3(w->ahead, inward);
-        if (!(approach > 0)) continue;
-        double distance = max2(dot3(from, inward) / approach, 0);
-        if (distance < least) least = distance, *exit = e;
-    }
-    return least;
-}
-
-/* Turns the direction about an edge from its triangle into the one across. */
-static void turn_over(walker *w, uint32_t edge) {
-    double along[3], out[3], into[3], ahead[3] = {0, 0, 0};
-    psplat_edge_vector(w->surface->mesh, edge, along);
-    normalize3(along);
-    cross3(out, along, face_normal(w->surface, w->triangle));
-    cross3(into, along, face_normal(w->surface, w->surface->neighbors[edge]));
-    mad3(ahead, dot3(w->ahead, along), along);
-    mad3(ahead, dot3(w->ahead, out), into);
-    normalize3(ahead);
-    memcpy(w->ahead, ahead, sizeof ahead);
-}
-
-/* Goes on to the next triangle. Returns 0, at the far side of its own one, where a crease or border
- * ends the walk. */
-static int walk_on(walker *w) {
-    uint32_t exit = PSPLAT_NONE;
-    double distance = find_exit(w, &exit);
-    if (exit == PSPLAT_NONE || !(distance < HUGE_VAL)) return 0;
-    w->length += distance;
-    mad3(w->at, distance, w->ahead);
-    if (w->surface->neighbors[exit] == PSPLAT_NONE ||
-        (w->surface->creases[exit] & PSPLAT_BOUND_CREASE))
-        return 0;
-    turn_over(w, exit);
-    w->entry = edge_across(w->surface, exit);
-    w->triangle = w->entry / 3;
-    return 1;
-}
-
 /* ---- the two sides of an edge ---------------------------------------------------------------- */
 
 /* An edge with the frame in which normals are measured: that of the straight side. */
 typedef struct place {
     const psplat_surface *surface;
+    const uint8_t *authored;       /* psplat_authored_read */
     uint32_t edge;                 /* of the straight side */
     double straight[3], across[3]; /* unit: the normal of that side, and the way out of it */
     double tolerance;
@@ -167,27 +97,39 @@ typedef struct turning {
     double length;
 } turning;
 
-static double angle_of(const place *p, uint32_t triangle) {
-    const double *n = face_normal(p->surface, triangle);
+static const double *face_normal(const psplat_surface *surface, uint32_t triangle) {
+    return surface->face_normals + 3 * (size_t)triangle;
+}
+
+static double angle_of_normal(const place *p, const double n[3]) {
     return atan2(dot3(n, p->across), dot3(n, p->straight));
+}
+
+static double angle_of(const place *p, uint32_t triangle) {
+    return angle_of_normal(p, face_normal(p->surface, triangle));
 }
 
 /* Returns how far, at most `most`, the surface is straight on the straight side. */
 static double straight_length(const place *p, double greatest_angle, double most) {
-    walker w = begin_walk(p->surface, p->edge);
+    psplat_surface_walk w = psplat_surface_walk_begin(p->surface, p->edge);
     for (int step = 0; step < MOST_STEPS && w.length < most; ++step) {
-        if (fabs(angle_of(p, w.triangle)) > greatest_angle || !walk_on(&w)) break;
+        if (fabs(angle_of(p, w.triangle)) > greatest_angle || !psplat_surface_walk_on(&w)) break;
     }
     return w.length;
 }
 
+/* Starts the walk on the other side. */
+static psplat_surface_walk begin_across(const place *p) {
+    return psplat_surface_walk_begin(p->surface, psplat_surface_edge_across(p->surface, p->edge));
+}
+
 /* Finds how the surface turns on the other side, at most `most` far. */
 static void find_turning(const place *p, double most, turning *t) {
-    walker w = begin_walk(p->surface, edge_across(p->surface, p->edge));
+    psplat_surface_walk w = begin_across(p);
     t->count = 0;
     for (int step = 0, goes_on = 1; goes_on && step < MOST_STEPS && w.length < most; ++step) {
         double begin = w.length, angle = angle_of(p, w.triangle);
-        goes_on = walk_on(&w);
+        goes_on = psplat_surface_walk_on(&w);
         facet *last = t->count ? &t->facets[t->count - 1] : NULL;
         if (last && fabs(last->angle - angle) < facet_angle)
             last->end = w.length;
@@ -247,17 +189,97 @@ static double find_reach(const place *p) {
     return 0;
 }
 
-/* The same for either side of an edge. */
-static double reach_over(const psplat_surface *surface, uint32_t edge, double tolerance) {
-    const uint32_t sides[2] = {edge, edge_across(surface, edge)};
+/* ---- bevels by the file's normals ------------------------------------------------------------ */
+
+/* Finds the file's unit normal at a point of an edge of a triangle. Returns 0 where it has none. */
+static int authored_normal(const place *p, uint32_t edge, const double at[3], double normal[3]) {
+    const psplat_mesh *mesh = p->surface->mesh;
+    const uint32_t ends[2] = {edge, edge % 3 == 2 ? edge - 2 : edge + 1};
+    const float *normals[2];
+    double along[3], from[3];
     for (int k = 0; k < 2; ++k) {
-        place p = {.surface = surface, .edge = sides[k], .tolerance = tolerance};
+        if (!(p->authored[ends[k]] & PSPLAT_AUTHORED_NORMAL)) return 0;
+        normals[k] = mesh->corner_normals + 3 * (size_t)ends[k];
+    }
+    psplat_edge_vector(mesh, edge, along);
+    sub3(from, at, psplat_mesh_corner(mesh, edge / 3, (int)(edge % 3)));
+    double part = dot3(from, along) / dot3(along, along);
+    for (int k = 0; k < 3; ++k)
+        normal[k] = (1 - part) * (double)normals[0][k] + part * (double)normals[1][k];
+    return normalize3(normal) >= PSPLAT_LEAST_NORMAL;
+}
+
+/* Finds the file's normals where a walk enters its triangle and where it leaves it. Returns the
+ * length between; 0 where there is no such length or no such normal. */
+static double step_normals(const place *p, const psplat_surface_walk *w, double first[3],
+                           double last[3]) {
+    uint32_t exit;
+    double end[3], length = psplat_surface_walk_exit(w, &exit);
+    if (exit == PSPLAT_NONE) return 0;
+    along3(end, w->at, length, w->ahead);
+    return authored_normal(p, w->entry, w->at, first) && authored_normal(p, exit, end, last)
+               ? length
+               : 0;
+}
+
+/* Returns whether the file's normals are that of the straight side's face for a length. */
+static int is_authored_straight(const place *p, double length) {
+    psplat_surface_walk w = psplat_surface_walk_begin(p->surface, p->edge);
+    double least_cosine = cos(flat_angle);
+    for (int step = 0; step < MOST_STEPS; ++step) {
+        double first[3], last[3], further = step_normals(p, &w, first, last);
+        if (!(further > 0) ||
+            min2(dot3(first, p->straight), dot3(last, p->straight)) < least_cosine)
+            return 0;
+        if (w.length + further >= length) return 1;
+        if (!psplat_surface_walk_on(&w)) return 0;
+    }
+    return 0;
+}
+
+/* Returns by which angle the file's normals turn over a bevel that begins at the edge, up to where
+ * they are straight again, or to a crease; 0 where there is none. */
+static double bevel_turn(const place *p) {
+    psplat_surface_walk w = begin_across(p);
+    double turned = 0, end = 0; /* what they have turned by at the end of the bevel so far */
+    for (int step = 0; step < MOST_STEPS; ++step) {
+        double first[3], last[3], length = step_normals(p, &w, first, last);
+        if (!(length > 0)) return 0;
+        double from = angle_of_normal(p, first), to = angle_of_normal(p, last);
+        if (step == 0 && fabs(to - from) <= flat_angle) return 0;
+        if (max2(fabs(from - turned), fabs(to - turned)) > flat_angle)
+            turned = to, end = w.length + length;
+        if (end > widest_bevel_tolerances * p->tolerance) return 0;
+        if (w.length + length - end >= flat_tolerances * p->tolerance) break;
+        if (!psplat_surface_walk_on(&w)) break;
+    }
+    return fabs(turned);
+}
+
+/* Returns the reach that chains of the edges of bevels are measured in, a length; 0 where no bevel
+ * begins at the edge whose straight side is that of the place. */
+static double find_bevel_reach(const place *p) {
+    if (!(p->authored[p->edge] & PSPLAT_AUTHORED_SMOOTH)) return 0;
+    if (!is_authored_straight(p, flat_tolerances * p->tolerance)) return 0;
+    return bevel_turn(p) >= least_bevel_turn ? bevel_reach_tolerances * p->tolerance : 0;
+}
+
+/* ---- either side ----------------------------------------------------------------------------- */
+
+/* Returns how far splats would reach over an edge, a length; 0 where it is no tangent edge. */
+static double reach_over(const psplat_surface *surface, const uint8_t *authored, uint32_t edge,
+                         double tolerance) {
+    const uint32_t sides[2] = {edge, psplat_surface_edge_across(surface, edge)};
+    for (int k = 0; k < 2; ++k) {
+        place p = {
+            .surface = surface, .authored = authored, .edge = sides[k], .tolerance = tolerance};
         double along[3];
         memcpy(p.straight, face_normal(surface, sides[k] / 3), sizeof p.straight);
         psplat_edge_vector(surface->mesh, sides[k], along);
         cross3(p.across, along, p.straight);
         normalize3(p.across);
         double reach = find_reach(&p);
+        if (!(reach > 0)) reach = find_bevel_reach(&p);
         if (reach > 0) return reach;
     }
     return 0;
@@ -326,7 +348,8 @@ static void mark_chains(psplat_surface *surface, link *links, uint32_t count) {
     }
 }
 
-psplat_result psplat_tangent_edges_mark(psplat_surface *surface, double tolerance) {
+psplat_result psplat_tangent_edges_mark(psplat_surface *surface, const uint8_t *authored,
+                                        double tolerance) {
     uint32_t edges = (uint32_t)(3 * surface->mesh->triangle_count), count = 0;
     surface->tangent_edges = 0;
     if (!(tolerance > 0)) return PSPLAT_OK;
@@ -336,7 +359,7 @@ psplat_result psplat_tangent_edges_mark(psplat_surface *surface, double toleranc
     for (uint32_t e = 0; e < edges; ++e)
         if (surface->neighbors[e] != PSPLAT_NONE && e / 3 < surface->neighbors[e] &&
             !surface->creases[e])
-            reaches[e] = (float)reach_over(surface, e, tolerance);
+            reaches[e] = (float)reach_over(surface, authored, e, tolerance);
     for (uint32_t e = 0; e < edges; ++e) count += reaches[e] > 0;
     link *links = malloc(((size_t)count + 1) * sizeof *links);
     link_end *ends = malloc((2 * (size_t)count + 1) * sizeof *ends);

@@ -49,8 +49,9 @@ static const double greatest_reach_tolerances = 0.8;
 /* How far a splat reaches beyond a border where the surface goes on, in tolerances: slanted views
  * see no crack then, and the strip where the texture of the wrong chart is mixed in is narrow. */
 static const double smooth_reach_tolerances = 0.4;
-/* The same at a tangent edge, where the surface goes on and no texture jumps. */
-static const double tangent_reach_tolerances = 2;
+/* The same at a tangent edge, where the surface goes on and no texture jumps, and by how much
+ * splats at most stand off from what is beyond there, which is turned against them. */
+static const double tangent_reach_tolerances = 2, tangent_height_tolerances = 0.4;
 /* How far outside its own region (of the unit ellipse) a splat still counts as lying at a crease
  * point. */
 static const double region_slack = 0.005;
@@ -119,6 +120,14 @@ typedef struct closer {
     double (*moves)[PSPLAT_MAX_CLIP_LINES]; /* of the lines of each candidate */
 } closer;
 
+/* Returns how far a splat may reach beyond a tangent edge, in tolerances. */
+static double tangent_reach(const psplat_surface *surface, const psplat_segment *segment) {
+    double cross[3];
+    cross3(cross, surface->face_normals + 3 * (size_t)segment->triangle,
+           surface->face_normals + 3 * (size_t)segment->across);
+    return min2(tangent_reach_tolerances, tangent_height_tolerances / length3(cross));
+}
+
 /* Raises the move of the line at a crease point (u, v, height in the region), in units of the
  * line's value, to that at which it meets the nearest surface across the crease there, if there is
  * a triangle across, and at a smooth border to the reach over it. Lowers the line's limit to the
@@ -137,10 +146,11 @@ static void find_move_at_point(const psplat_fit_context *context, const closer *
     double rate = line_outward(region, i, uvh, c.outward), normal[3];
     /* The line may already reach beyond this point. */
     double reach = psplat_region_line_value(region, i, uvh);
-    double farthest = segment->is_tangent ? tangent_reach_tolerances : greatest_reach_tolerances;
+    double tangent = segment->is_tangent ? tangent_reach(surface, segment) : 0;
+    double farthest = segment->is_tangent ? tangent : greatest_reach_tolerances;
     limits[i] = min2(limits[i], farthest * c.tolerance * rate - reach);
     if (across == PSPLAT_NONE) return;
-    double over = segment->is_tangent ? tangent_reach_tolerances : smooth_reach_tolerances;
+    double over = segment->is_tangent ? tangent : smooth_reach_tolerances;
     if (segment->is_smooth) moves[i] = max2(moves[i], over * c.tolerance * rate - reach);
     psplat_region_point(region, uvh, c.foot);
     psplat_region_normal(region, uvh, normal);

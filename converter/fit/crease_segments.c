@@ -107,7 +107,7 @@ size_t psplat_segments_find(const psplat_surface *surface, const uint32_t *creas
         if (dot3(surface->face_normals + 3 * (size_t)(edge / 3), region->n) <= 0) continue;
         psplat_segment *s = &segments[count];
         s->vertex[0] = mesh->triangles[edge], s->vertex[1] = mesh->triangles[next];
-        s->across = surface->neighbors[edge];
+        s->triangle = edge / 3, s->across = surface->neighbors[edge];
         s->is_smooth = !(surface->creases[edge] & PSPLAT_BOUND_CREASE);
         s->is_chart = surface->creases[edge] == PSPLAT_BOUND_CHART;
         s->is_tangent = surface->creases[edge] == PSPLAT_BOUND_TANGENT;

@@ -15,6 +15,7 @@
 typedef struct psplat_segment {
     double a[3], b[3];
     uint32_t vertex[2]; /* the crease edge's ends, before clipping */
+    uint32_t triangle;  /* to the left of the crease edge */
     uint32_t across;    /* triangle on the other side, or PSPLAT_NONE */
     int is_smooth;      /* 1: no crease: the surface goes on across (PSPLAT_BOUND_...) */
     int is_chart;       /* 1: a border of charts alone */

@@ -217,17 +217,20 @@ static void test_bent_line(void **state) {
     fixture_free(&r.f);
 }
 
-/* Asserts that the lines of two splats reach so far, in tolerances, over a border of a kind, though
- * their surfaces meet there already. */
-static void check_border(uint8_t bound, double reach) {
+/* Asserts that the lines of two splats reach so far, in tolerances, over a border of a kind and
+ * between two sides that are bent by an angle, though their surfaces meet there already. A shallow
+ * border is one whose triangles are said to face one way. */
+static void check_border(uint8_t bound, double bend, int is_shallow, double reach) {
     uint64_t random = 7;
     roof r;
-    make_roof(&r, 0.6, &random);
+    make_roof(&r, bend, &random);
     add_splat(&r, 0, 0);
     add_splat(&r, 1, 0);
     for (size_t e = 0; e < 3 * r.f.mesh.triangle_count; ++e)
         if (r.f.surface.creases[e] && r.f.surface.neighbors[e] != PSPLAT_NONE)
             r.f.surface.creases[e] = bound;
+    for (size_t t = 0; t < r.f.mesh.triangle_count && is_shallow; ++t)
+        memcpy(r.f.surface.face_normals + 3 * t, r.n, sizeof r.n);
     psplat_limits limits = {
         .tolerance = 0.05, .crease_tolerance = 0.02, .crease_slack = 1e-3, .margin = 0.01};
     const psplat_fit_context context = fixture_context(&r.f, &limits, NULL);
@@ -239,12 +242,15 @@ static void check_border(uint8_t bound, double reach) {
 }
 
 /* At a border of charts lines reach a little over it, since the texture of the other chart shows
- * there; at a tangent edge, where nothing shows, by two tolerances; at what is both, a little. */
+ * there; at a tangent edge, where nothing shows, by two tolerances, or as far as they stand off
+ * from the other side by less than 0.4; at what is both, a little. */
 static void test_chart_border(void **state) {
     (void)state;
-    check_border(PSPLAT_BOUND_CHART, 0.4);
-    check_border(PSPLAT_BOUND_TANGENT, 2);
-    check_border(PSPLAT_BOUND_CHART | PSPLAT_BOUND_TANGENT, 0.4);
+    check_border(PSPLAT_BOUND_CHART, 0.6, 0, 0.4);
+    check_border(PSPLAT_BOUND_TANGENT, 0.6, 1, 2);
+    check_border(PSPLAT_BOUND_TANGENT, 0.6, 0, 0.4 / sin(0.6));
+    check_border(PSPLAT_BOUND_TANGENT, 1.2, 0, 0.4 / sin(1.2));
+    check_border(PSPLAT_BOUND_CHART | PSPLAT_BOUND_TANGENT, 0.6, 0, 0.4);
 }
 
 int test_close_seams_main(void) {
