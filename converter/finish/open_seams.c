@@ -41,14 +41,16 @@ static const double greatest_normal_square = 0.06;
 
 /* ---- what goes on beyond a seam -------------------------------------------------------------- */
 
-/* Returns a region of which a line that cuts has become a seam. */
-static psplat_region with_seam(const psplat_region *region, uint32_t line) {
+/* Returns a region of which a line that cuts has become a seam, where the line was fitted. */
+static psplat_region with_seam(const psplat_region *region, const psplat_region *fitted,
+                               uint32_t line) {
     psplat_region opened = *region;
     uint32_t last = region->line_count + region->seam_count - 1;
     for (uint32_t i = line; i <= last; ++i) {
+        const psplat_region *of = i < last ? region : fitted;
         uint32_t from = i < last ? i + 1 : line;
-        memcpy(opened.lines[i], region->lines[from], sizeof opened.lines[i]);
-        opened.bends[i] = region->bends[from];
+        memcpy(opened.lines[i], of->lines[from], sizeof opened.lines[i]);
+        opened.bends[i] = of->bends[from];
     }
     --opened.line_count;
     ++opened.seam_count;
@@ -143,6 +145,7 @@ static double greatest_deviation(const psplat_fit_context *context, const psplat
 typedef struct opener {
     const psplat_kernel *kernel;
     const psplat_candidate *candidate;
+    const psplat_region *fitted; /* the candidate's, before its lines were moved out */
     psplat_site site;
     double deviation; /* greatest of the regions that may take its place, as in psplat_candidate */
 } opener;
@@ -170,7 +173,7 @@ static psplat_result try_seams(const psplat_fit_context *context, opener *o,
  * another line leaves. Stores the region if it may take the place of the candidate's. */
 static psplat_result open_line(const psplat_fit_context *context, opener *o, uint32_t line,
                                psplat_region *region) {
-    const psplat_region whole = with_seam(region, line);
+    const psplat_region whole = with_seam(region, o->fitted, line);
     double all = 1 - region->lines[line][2];
     double least = least_reach_tolerances * context->limits->tolerance * line_rate(region, line);
     int is_kept, has_room = whole.line_count + whole.seam_count < PSPLAT_MAX_CLIP_LINES;
@@ -189,6 +192,7 @@ static psplat_result open_line(const psplat_fit_context *context, opener *o, uin
 /* What the threads need. */
 typedef struct opening {
     psplat_selection *selection;
+    const psplat_region *fitted; /* as in opener, of each candidate */
     const psplat_kernel *kernel;
 } opening;
 
@@ -206,6 +210,7 @@ static psplat_result open_candidate(const psplat_fit_context *context, size_t in
     if (!kept || kept->textures[PSPLAT_TEXTURE_NORMAL].image) return PSPLAT_OK;
     opener o = {.kernel = all->kernel,
                 .candidate = candidate,
+                .fitted = &all->fitted[index],
                 .deviation = candidate->deviation,
                 .site = psplat_site_of(&region, candidate->triangle)};
     for (uint32_t line = region.line_count; line-- > 0 && !result;)
@@ -217,7 +222,7 @@ static psplat_result open_candidate(const psplat_fit_context *context, size_t in
 }
 
 psplat_result psplat_open_seams(const psplat_fit_context *context, const psplat_kernel *kernel,
-                                psplat_selection *selection) {
+                                const psplat_region *fitted, psplat_selection *selection) {
     if (!context->surface->chart_border_edges) return PSPLAT_OK;
     psplat_open_charts open;
     psplat_result result = PSPLAT_ERROR_MEMORY;
@@ -225,7 +230,7 @@ psplat_result psplat_open_seams(const psplat_fit_context *context, const psplat_
         psplat_fit_context opened = *context;
         opened.surface = &open.surface;
         opened.samples = &open.samples;
-        opening all = {selection, kernel};
+        opening all = {selection, fitted, kernel};
         result = psplat_fit_each(&opened, selection->count, open_candidate, &all);
     }
     psplat_open_charts_free(&open);

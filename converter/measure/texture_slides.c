@@ -10,6 +10,10 @@
  * may all happen to lie across the border. Where layers lie on each other, or a border runs through
  * the middle, several have about as much, and that is the splat's over which its coordinates slide
  * least: the others are other splats' to show. Where none does, a sample is lost.
+ *
+ * A border may end, or run around a neck, so that both of its sides are one chart. What a splat
+ * covers across such a border, over which it may reach by the tolerance, is other splats' to show
+ * as if it were of another chart.
  */
 #include "measure/texture_slides.h"
 
@@ -264,12 +268,17 @@ typedef struct chart_search {
     psplat_triangle_flood chart; /* one of these */
     chart *charts;               /* all that have an area, chart_count */
     size_t chart_count, chart_capacity;
+    uint32_t *borders; /* edges of its own chart that bound charts, border_count */
+    size_t border_count, border_capacity;
+    double own[2][2]; /* own_count (u, v) on the splat's own side of these */
+    int own_count;
 } chart_search;
 
 static void free_search(chart_search *search) {
     psplat_triangle_flood_free(&search->all);
     psplat_triangle_flood_free(&search->chart);
     free(search->charts);
+    free(search->borders);
 }
 
 /* Returns 0 when out of memory. */
@@ -415,6 +424,105 @@ static int find_own_chart(chart_search *search, const meeting *meetings, size_t 
     return 1;
 }
 
+/* ---- borders that a chart goes around -------------------------------------------------------- */
+
+/* Lists the borders of charts along the chart that was flooded last. Returns 0 when out of memory.
+ */
+static int find_borders(chart_search *search) {
+    const psplat_surface *surface = search->context->surface;
+    search->border_count = 0;
+    for (size_t i = 0; i < search->chart.triangle_count; ++i)
+        for (uint32_t k = 0; k < 3; ++k) {
+            uint32_t edge = 3 * search->chart.triangles[i] + k;
+            if (!(surface->creases[edge] & (PSPLAT_BOUND_CREASE | PSPLAT_BOUND_CHART))) continue;
+            if (search->border_count == search->border_capacity) {
+                size_t capacity = 2 * search->border_capacity + 64;
+                uint32_t *borders = realloc(search->borders, capacity * sizeof *borders);
+                if (!borders) return 0;
+                search->borders = borders;
+                search->border_capacity = capacity;
+            }
+            search->borders[search->border_count++] = edge;
+        }
+    return 1;
+}
+
+static void find_uv(const chart_search *search, const meeting *m, double uvh[3]) {
+    psplat_region_local(search->region, search->context->samples->positions + 3 * (size_t)m->sample,
+                        uvh);
+}
+
+/* Returns whether a texture slides too far at a measured meeting, seen or not. */
+static int is_off(const chart_search *search, const meeting *m) {
+    return (double)min2(m->length, m->way) > search->context->measured->tolerance;
+}
+
+/* Finds what is on a splat's own side: the middle of what it shows inside its seams, and the
+ * heaviest of its meetings at which the texture stays in its place, since splats beside a border
+ * may be narrower than they reach over it. */
+static void find_own_side(chart_search *search, const meeting *meetings, size_t count) {
+    const meeting *heaviest = NULL;
+    double uvh[3];
+    search->own_count = 0;
+    if (search->cell.count) psplat_cell_mean(&search->cell, search->own[search->own_count++]);
+    for (size_t i = 0; i < count; ++i) {
+        const meeting *m = &meetings[i];
+        if (m->length >= 0 && !is_off(search, m) && (!heaviest || m->weight > heaviest->weight))
+            heaviest = m;
+    }
+    if (!heaviest) return;
+    find_uv(search, heaviest, uvh);
+    memcpy(search->own[search->own_count++], uvh, sizeof search->own[0]);
+}
+
+/* Returns whether c lies to the left of the way from a to b, or on it. */
+static int is_left(const double a[2], const double b[2], const double c[2]) {
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) >= 0;
+}
+
+/* Returns whether a border within the tolerance of a sample, of which the splat's (u, v) are given,
+ * stands between that and the splat's own side. */
+static int is_across_border(const chart_search *search, const double point[3], const double uv[2]) {
+    const psplat_mesh *mesh = search->context->surface->mesh;
+    double tolerance = search->context->measured->tolerance;
+    for (size_t i = 0; i < search->border_count; ++i) {
+        uint32_t triangle = search->borders[i] / 3;
+        int k = (int)(search->borders[i] % 3);
+        const double *a = psplat_mesh_corner(mesh, triangle, k);
+        const double *b = psplat_mesh_corner(mesh, triangle, (k + 1) % 3);
+        double from[3], to[3];
+        if (point_segment_distance2(point, a, b) > tolerance * tolerance) continue;
+        psplat_region_local(search->region, a, from);
+        psplat_region_local(search->region, b, to);
+        for (int side = 0; side < search->own_count; ++side)
+            if (is_left(search->own[side], uv, from) != is_left(search->own[side], uv, to) &&
+                is_left(from, to, search->own[side]) != is_left(from, to, uv))
+                return 1;
+    }
+    return 0;
+}
+
+/* Makes those of measured meetings ones with a splat of another chart where the texture slides too
+ * far and the splat's own side of a border is the other one. Returns 0 when out of memory. */
+static int leave_to_others(chart_search *search, meeting *meetings, size_t count) {
+    size_t too_far = 0;
+    for (size_t i = 0; i < count; ++i)
+        too_far += meetings[i].length >= 0 && is_off(search, &meetings[i]);
+    if (!too_far) return 1;
+    if (!find_borders(search)) return 0;
+    find_own_side(search, meetings, count);
+    for (size_t i = 0; i < count; ++i) {
+        meeting *m = &meetings[i];
+        double uvh[3];
+        if (m->length < 0 || !is_off(search, m)) continue;
+        find_uv(search, m, uvh);
+        if (is_across_border(search, search->context->samples->positions + 3 * (size_t)m->sample,
+                             uvh))
+            m->length = m->texels = -1;
+    }
+    return 1;
+}
+
 /* Stores whether a splat that is not of a sample's chart shows other texels than the surface has
  * there. */
 static void measure_foreign(const slides_context *c, const psplat_kept_textures *own, meeting *m) {
@@ -447,7 +555,7 @@ static int measure_splat(chart_search *search, meeting *meetings, size_t count) 
         else
             measure_foreign(c, kept, &meetings[i]);
     }
-    return 1;
+    return leave_to_others(search, meetings, count);
 }
 
 /* Measures all splats. first has the index of the first meeting of each of count splats, and that

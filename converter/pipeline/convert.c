@@ -159,28 +159,28 @@ static psplat_result cover(psplat_conversion *c, const psplat_mesh *mesh, psplat
     return result ? result : psplat_fill_holes(c, error);
 }
 
-/* Moves the lines of splats out to those beside them. */
-static psplat_result close_gaps(psplat_conversion *c) {
-    const psplat_fit_context context = psplat_conversion_context(c);
-    psplat_result result = psplat_close_seams(&context, &c->selection);
-    return result ? result : psplat_close_cracks(c);
+/* Returns a copy of the regions of all candidates; NULL when out of memory. */
+static psplat_region *copy_regions(const psplat_selection *selection) {
+    psplat_region *regions = malloc((selection->count + 1) * sizeof *regions);
+    for (size_t i = 0; regions && i < selection->count; ++i)
+        regions[i] = selection->candidates[i].region;
+    return regions;
 }
 
-/* Lets splats go on beyond borders of charts. */
-static psplat_result open_seams(psplat_conversion *c) {
+/* Moves the lines of splats out to those beside them, and lets splats go on beyond borders of
+ * charts, where they keep the promise of creases. */
+static psplat_result join(psplat_conversion *c) {
     const psplat_fit_context context = psplat_conversion_context(c);
-    return psplat_open_seams(&context, &c->kernel, &c->selection);
-}
-
-/* Takes a step that makes splats larger, where they keep the promise of creases. */
-static psplat_result enlarge(psplat_conversion *c, psplat_result (*step)(psplat_conversion *c)) {
-    size_t count = c->selection.count;
-    psplat_region *before = malloc((count + 1) * sizeof *before);
-    if (!before) return PSPLAT_ERROR_MEMORY;
-    for (size_t i = 0; i < count; ++i) before[i] = c->selection.candidates[i].region;
-    psplat_result result = step(c);
-    if (!result) result = psplat_take_back_crossings(c, before);
-    free(before);
+    psplat_region *fitted = copy_regions(&c->selection), *closed = NULL;
+    psplat_result result =
+        fitted ? psplat_close_seams(&context, &c->selection) : PSPLAT_ERROR_MEMORY;
+    if (!result) result = psplat_close_cracks(c);
+    if (!result) result = psplat_take_back_crossings(c, fitted);
+    if (!result && !(closed = copy_regions(&c->selection))) result = PSPLAT_ERROR_MEMORY;
+    if (!result) result = psplat_open_seams(&context, &c->kernel, fitted, &c->selection);
+    if (!result) result = psplat_take_back_crossings(c, closed);
+    free(fitted);
+    free(closed);
     return result;
 }
 
@@ -202,10 +202,8 @@ static psplat_result complete(psplat_conversion *c, psplat_error *error) {
     if (!result) result = psplat_mend_textures(c, 1, error);
     if (!result) result = psplat_mend_creases(c, error);
     if (result) return result;
-    if (enlarge(c, close_gaps))
+    if (join(c))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while joining splats");
-    if (c->surface.chart_border_edges && enlarge(c, open_seams))
-        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while opening seams");
     if (psplat_cut_rims(c))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while cutting rims");
     if (psplat_fit_colors(&c->samples, !c->limits.constant_colors, c->selection.candidates,

@@ -111,8 +111,13 @@ static void cover(stage *s) {
     remember(s);
 }
 
+/* Opens the seams of candidates that were fitted as they are remembered. */
 static void open_seams(stage *s) {
-    assert_int_equal(psplat_open_seams(&s->context, &kernel, &s->selection), PSPLAT_OK);
+    psplat_region *fitted = malloc((s->selection.count + 1) * sizeof *fitted);
+    assert_non_null(fitted);
+    for (size_t i = 0; i < s->selection.count; ++i) fitted[i] = s->before[i].region;
+    assert_int_equal(psplat_open_seams(&s->context, &kernel, fitted, &s->selection), PSPLAT_OK);
+    free(fitted);
 }
 
 static void stage_end(stage *s) {
@@ -316,6 +321,30 @@ static void test_cut_beyond(void **state) {
     }
 }
 
+/* A seam stands where its line was fitted, at the border, and not where that was moved to; a line
+ * that stays one stays where it was moved to. */
+static void test_moved_out(void **state) {
+    (void)state;
+    stage s;
+    const double fitted[2][3] = {{-1, 0, 0.5}, {0, -1, 0.9}}; /* x <= 0, and y <= 0.54 */
+    jump = 0.5, bend = 0;
+    stage_begin(&s, 0.02, place_bent, chart_halves);
+    psplat_candidate *c = add_disc(&s, -0.3, 0.6, 1, fitted);
+    c->region.lines[0][2] += 0.01;
+    open_seams(&s);
+    assert_int_equal(c->region.seam_count, 1);
+    assert_int_equal(c->region.line_count, 0);
+    assert_memory_equal(c->region.lines[0], fitted[0], sizeof fitted[0]);
+    psplat_selection_free(&s.selection);
+    for (int k = 0; k < 2; ++k) s.c.kept[k].textures[PSPLAT_TEXTURE_NORMAL].image = 1;
+    c = add_disc(&s, -0.3, 0.6, 2, fitted);
+    c->region.lines[1][2] += 0.01;
+    open_seams(&s);
+    assert_int_equal(c->region.line_count, 2);
+    assert_true(c->region.lines[1][2] == fitted[1][2] + 0.01);
+    stage_end(&s);
+}
+
 /* A crease of 39 degrees along x = 1/8. */
 static void place_edge(double s, double t, double p[3]) {
     place_square(s, t, p);
@@ -422,10 +451,11 @@ static void test_threads(void **state) {
 
 int test_open_seams_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_dome),          cmocka_unit_test(test_creases),
-        cmocka_unit_test(test_left_alone),    cmocka_unit_test(test_cut_beyond),
-        cmocka_unit_test(test_crease_beyond), cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_most_lines),    cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_dome),       cmocka_unit_test(test_creases),
+        cmocka_unit_test(test_left_alone), cmocka_unit_test(test_moved_out),
+        cmocka_unit_test(test_cut_beyond), cmocka_unit_test(test_crease_beyond),
+        cmocka_unit_test(test_normals),    cmocka_unit_test(test_most_lines),
+        cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -347,6 +347,50 @@ static void test_around_a_neck(void **state) {
     stage_end(&s);
 }
 
+/* The right half's coordinates differ from those of the left one for negative y: a border that ends
+ * in the middle of the square, where both sides are one chart. */
+static void chart_with_slit(uint32_t triangle, const double p[3], float uv[2]) {
+    int is_right = triangle / 2 % CELLS >= CELLS / 2;
+    uv[0] = (float)(p[0] / 4 + (is_right ? max2(-p[1], 0) / 2 : 0));
+    uv[1] = (float)(p[1] / 4);
+}
+
+/* A splat to the left of the end of a border reaches over it by five tolerances. What is to the
+ * right of it within one is other splats' to show, what is farther away slides. */
+static void test_around_an_end(void **state) {
+    (void)state;
+    stage s;
+    size_t near = 0, far = 0, beyond_end = 0;
+    stage_begin(&s, 0);
+    charted_free(&s.c);
+    charted_make(&s.c, CELLS, place_square, chart_with_slit);
+    charted_build(&s.c, fixture_crease_angle);
+    assert_int_equal(psplat_samples_draw_uniform(&s.c.f.surface, 100000, 1, &s.c.f.samples, NULL),
+                     PSPLAT_OK);
+    s.splats[0].center[0] = -0.3f, s.splats[0].center[1] = -0.1f;
+    s.splats[0].radius[0] = 0.35f, s.splats[0].radius[1] = 0.6f;
+    s.texcoords[0] = (psplat_texcoord){
+        .at = {-0.3f / 4, -0.1f / 4}, .along_u = {0.35f / 4, 0}, .along_v = {0, 0.6f / 4}};
+    measure(&s);
+    for (size_t i = 0; i < s.c.f.samples.count; ++i) {
+        const double *p = s.c.f.samples.positions + 3 * i;
+        double rim = hypot((p[0] + 0.3) / 0.35, (p[1] + 0.1) / 0.6), texels = s.slides.texels[i];
+        if (rim > 0.999 || fabs(p[0]) < 1e-4 || fabs(p[1]) < 0.06) continue;
+        int is_right = p[0] > 0 && p[1] < 0;
+        if (!is_right) assert_near(texels, 0, 1e-3);
+        beyond_end += p[0] > 0 && p[1] > 0;
+        if (!is_right || fabs(p[0] - tolerance) < 1e-4) continue;
+        if (p[0] < tolerance)
+            assert_true(texels < 0);
+        else
+            assert_near(texels, -50 * p[1], 1e-3);
+        near += p[0]<tolerance, far += p[0]> tolerance;
+    }
+    assert_true(near > 10 && far > 10 && beyond_end > 10);
+    assert_true(s.slides.foreign > 0);
+    stage_end(&s);
+}
+
 /* A disc with a seam at the border of charts is of the left chart: what lies beyond the seam does
  * not count, though it is six times as much. Without a seam it is of the right one. */
 static void test_beyond_seams(void **state) {
@@ -414,11 +458,17 @@ static void test_light_beyond_seams(void **state) {
 
 int test_texture_slides_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_errors),        cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_foreign),       cmocka_unit_test(test_heaviest),
-        cmocka_unit_test(test_areas_decide),  cmocka_unit_test(test_coordinates_decide),
-        cmocka_unit_test(test_around_a_neck), cmocka_unit_test(test_ways_and_seen),
-        cmocka_unit_test(test_beyond_seams),  cmocka_unit_test(test_light_beyond_seams),
+        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_mirrored),
+        cmocka_unit_test(test_foreign),
+        cmocka_unit_test(test_heaviest),
+        cmocka_unit_test(test_areas_decide),
+        cmocka_unit_test(test_coordinates_decide),
+        cmocka_unit_test(test_around_an_end),
+        cmocka_unit_test(test_around_a_neck),
+        cmocka_unit_test(test_ways_and_seen),
+        cmocka_unit_test(test_beyond_seams),
+        cmocka_unit_test(test_light_beyond_seams),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
