@@ -49,9 +49,11 @@ static const double greatest_reach_tolerances = 0.8;
 /* How far a splat reaches beyond a border where the surface goes on, in tolerances: slanted views
  * see no crack then, and the strip where the texture of the wrong chart is mixed in is narrow. */
 static const double smooth_reach_tolerances = 0.4;
-/* The same at a tangent edge, where the surface goes on and no texture jumps, and by how much
- * splats at most stand off from what is beyond there, which is turned against them. */
-static const double tangent_reach_tolerances = 2, tangent_height_tolerances = 0.4;
+/* The same at a tangent edge, where the surface goes on and no texture jumps. */
+static const double tangent_reach_tolerances = 2;
+/* The sine of the angle between its triangles beyond which that is as a crease: splats would stand
+ * off by 0.4 tolerances, and outlines would get as much wider. */
+static const double greatest_tangent_sine = 0.2;
 /* How far outside its own region (of the unit ellipse) a splat still counts as lying at a crease
  * point. */
 static const double region_slack = 0.005;
@@ -120,12 +122,14 @@ typedef struct closer {
     double (*moves)[PSPLAT_MAX_CLIP_LINES]; /* of the lines of each candidate */
 } closer;
 
-/* Returns how far a splat may reach beyond a tangent edge, in tolerances. */
-static double tangent_reach(const psplat_surface *surface, const psplat_segment *segment) {
+/* Returns how far a splat reaches over an edge where the surface goes on, in tolerances; 0 where
+ * its line ends at the surface across, as at a crease. */
+static double reach_over(const psplat_surface *surface, const psplat_segment *segment) {
     double cross[3];
+    if (!segment->is_tangent) return segment->is_smooth ? smooth_reach_tolerances : 0;
     cross3(cross, surface->face_normals + 3 * (size_t)segment->triangle,
            surface->face_normals + 3 * (size_t)segment->across);
-    return min2(tangent_reach_tolerances, tangent_height_tolerances / length3(cross));
+    return length3(cross) <= greatest_tangent_sine ? tangent_reach_tolerances : 0;
 }
 
 /* Raises the move of the line at a crease point (u, v, height in the region), in units of the
@@ -146,12 +150,11 @@ static void find_move_at_point(const psplat_fit_context *context, const closer *
     double rate = line_outward(region, i, uvh, c.outward), normal[3];
     /* The line may already reach beyond this point. */
     double reach = psplat_region_line_value(region, i, uvh);
-    double tangent = segment->is_tangent ? tangent_reach(surface, segment) : 0;
-    double farthest = segment->is_tangent ? tangent : greatest_reach_tolerances;
+    double over = across == PSPLAT_NONE ? 0 : reach_over(surface, segment);
+    double farthest = max2(over, greatest_reach_tolerances);
     limits[i] = min2(limits[i], farthest * c.tolerance * rate - reach);
     if (across == PSPLAT_NONE) return;
-    double over = segment->is_tangent ? tangent : smooth_reach_tolerances;
-    if (segment->is_smooth) moves[i] = max2(moves[i], over * c.tolerance * rate - reach);
+    if (over > 0) moves[i] = max2(moves[i], over * c.tolerance * rate - reach);
     psplat_region_point(region, uvh, c.foot);
     psplat_region_normal(region, uvh, normal);
     memcpy(c.point, c.foot, sizeof c.point);
