@@ -42,6 +42,7 @@ typedef enum sheet_normals { NO_NORMALS, FLAT_SIDES, TURNED_SIDES } sheet_normal
 typedef struct sheet {
     double points[4][2]; /* the profile */
     double turn;         /* radians between the sides */
+    double support; /* how far before the bevel the first side has another row of edges, or 0 */
     psplat_mesh mesh;
 } sheet;
 
@@ -71,28 +72,40 @@ static void set_normals(sheet *s, double turned) {
     }
 }
 
+/* Adds one row of quadrangles between two profile points. */
+static void add_row(psplat_mesh *mesh, const double from[2], const double to[2], int row) {
+    double q[4][3];
+    for (int k = 0; k < 4; ++k) {
+        const double *p = k == 1 || k == 2 ? to : from;
+        q[k][0] = p[0], q[k][2] = p[1];
+        q[k][1] = length * (row + (k >= 2)) / ROWS;
+    }
+    shape_quad(mesh, q, row % 2);
+}
+
 /* Makes a sheet whose sides are turned against each other by so many degrees. */
-static sheet make_sheet(double degrees, double width, sheet_normals normals, double turned) {
-    sheet s = {.turn = degrees * fixture_pi / 180};
+static sheet make_supported(double degrees, double width, sheet_normals normals, double turned,
+                            double support) {
+    sheet s = {.turn = degrees * fixture_pi / 180, .support = support};
     const double steps[3] = {side, width, side}, turns[3] = {0, s.turn / 2, s.turn};
     for (int i = 0; i < 3; ++i) {
         s.points[i + 1][0] = s.points[i][0] + steps[i] * cos(turns[i]);
         s.points[i + 1][1] = s.points[i][1] - steps[i] * sin(turns[i]);
     }
-    for (int row = 0; row < ROWS; ++row)
-        for (int i = 0; i < 3; ++i) {
-            double q[4][3];
-            for (int k = 0; k < 4; ++k) {
-                const double *p = s.points[i + (k == 1 || k == 2)];
-                q[k][0] = p[0], q[k][2] = p[1];
-                q[k][1] = length * (row + (k >= 2)) / ROWS;
-            }
-            shape_quad(&s.mesh, q, (row + i) % 2);
-        }
+    const double before[2] = {side - support, 0};
+    for (int row = 0; row < ROWS; ++row) {
+        if (support > 0) add_row(&s.mesh, s.points[0], before, row);
+        add_row(&s.mesh, support > 0 ? before : s.points[0], s.points[1], row);
+        for (int i = 1; i < 3; ++i) add_row(&s.mesh, s.points[i], s.points[i + 1], row);
+    }
     shape_weld(&s.mesh);
     if (normals != NO_NORMALS)
         set_normals(&s, normals == TURNED_SIDES ? turned * fixture_pi / 180 : 0);
     return s;
+}
+
+static sheet make_sheet(double degrees, double width, sheet_normals normals, double turned) {
+    return make_supported(degrees, width, normals, turned, 0);
 }
 
 /* Returns how many edges of a sheet are tangent edges, all of which run along the bevel. */
@@ -148,6 +161,15 @@ static void test_normals_decide(void **state) {
     assert_int_equal(edges_of(90, width, TURNED_SIDES, 0.8), 2 * ROWS);
     assert_int_equal(edges_of(90, width, TURNED_SIDES, 1.2), 0);
     assert_int_equal(edges_of(90, width, NO_NORMALS, 0), 0);
+}
+
+/* Edges of a flat side beside the bevel, as modellers add them so that normals stay flat, are none.
+ */
+static void test_support(void **state) {
+    (void)state;
+    sheet s = make_supported(90, 0.5 * tolerance, FLAT_SIDES, 0, 0.5 * tolerance);
+    assert_int_equal(count_edges(&s), 2 * ROWS);
+    psplat_mesh_free(&s.mesh);
 }
 
 /* ---- what it is for -------------------------------------------------------------------------- */
@@ -224,9 +246,8 @@ static void test_shading(void **state) {
 
 int test_bevels_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_widths),
-        cmocka_unit_test(test_turns),
-        cmocka_unit_test(test_normals_decide),
+        cmocka_unit_test(test_widths),         cmocka_unit_test(test_turns),
+        cmocka_unit_test(test_normals_decide), cmocka_unit_test(test_support),
         cmocka_unit_test(test_shading),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

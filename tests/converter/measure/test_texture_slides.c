@@ -313,8 +313,9 @@ static void test_ways_and_seen(void **state) {
     stage_end(&s);
 }
 
-/* A long splat beside the seam of a tube reaches over it by 0.006. What is there is of another
- * chart, though the tube goes on from the splat to there around its back. */
+/* A long splat beside the seam of a tube reaches over it by 0.016, which is more than the
+ * tolerance. What is there is of another chart, though the tube goes on from the splat to there
+ * around its back. */
 static void test_around_a_neck(void **state) {
     (void)state;
     stage s = {.run = {.count = 1, .has_texcoord = 1}};
@@ -324,11 +325,11 @@ static void test_around_a_neck(void **state) {
     s.splats[0] = (psplat_splat){.center = {(float)charted_tube_radius, 0, 0},
                                  .normal = {1, 0, 0},
                                  .rotation = {half, 0, half, 0},
-                                 .radius = {0.45f, 0.046f}};
+                                 .radius = {0.45f, 0.056f}};
     s.texcoords[0] =
         (psplat_texcoord){.at = {(float)(1 - charted_tube_seam / (2 * fixture_pi)), 0},
                           .along_u = {0, 0.45f},
-                          .along_v = {(float)(-0.046 / charted_tube_radius / (2 * fixture_pi)), 0}};
+                          .along_v = {(float)(-0.056 / charted_tube_radius / (2 * fixture_pi)), 0}};
     s.all = (psplat_splats){.splats = s.splats,
                             .texcoords = s.texcoords,
                             .count = 1,
