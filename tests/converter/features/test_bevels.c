@@ -42,7 +42,6 @@ typedef enum sheet_normals { NO_NORMALS, FLAT_SIDES, TURNED_SIDES } sheet_normal
 typedef struct sheet {
     double points[4][2]; /* the profile */
     double turn;         /* radians between the sides */
-    double support; /* how far before the bevel the first side has another row of edges, or 0 */
     psplat_mesh mesh;
 } sheet;
 
@@ -83,10 +82,11 @@ static void add_row(psplat_mesh *mesh, const double from[2], const double to[2],
     shape_quad(mesh, q, row % 2);
 }
 
-/* Makes a sheet whose sides are turned against each other by so many degrees. */
+/* Makes a sheet whose sides are turned against each other by so many degrees. The first one has
+ * another row of edges at `support` before the bevel, where that is not 0. */
 static sheet make_supported(double degrees, double width, sheet_normals normals, double turned,
                             double support) {
-    sheet s = {.turn = degrees * fixture_pi / 180, .support = support};
+    sheet s = {.turn = degrees * fixture_pi / 180};
     const double steps[3] = {side, width, side}, turns[3] = {0, s.turn / 2, s.turn};
     for (int i = 0; i < 3; ++i) {
         s.points[i + 1][0] = s.points[i][0] + steps[i] * cos(turns[i]);
