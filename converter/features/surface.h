@@ -22,7 +22,8 @@ enum {
     PSPLAT_BOUND_CREASE = 1, /* sharp, a border, non-manifold, inconsistently oriented, or between
                                 two groups */
     PSPLAT_BOUND_CHART = 2,  /* smooth, but texture coordinates jump or mirror (chart_borders.h) */
-    PSPLAT_BOUND_TANGENT = 4 /* smooth, but the curvature jumps (tangent_edges.h) */
+    PSPLAT_BOUND_TANGENT = 4 /* smooth, but the curvature jumps, or a bevel begins
+                                (tangent_edges.h) */
 };
 
 /* A mesh with what is known about its surface. Edge 3 t + k of triangle t runs from its corner k to

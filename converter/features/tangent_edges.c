@@ -210,16 +210,16 @@ static int authored_normal(const place *p, uint32_t edge, const double at[3], do
 }
 
 /* Finds the file's normals where a walk enters its triangle and where it leaves it. Returns the
- * length between; 0 where there is no such length or no such normal. */
+ * length between; -1 where there is no way out or no such normal. */
 static double step_normals(const place *p, const psplat_surface_walk *w, double first[3],
                            double last[3]) {
     uint32_t exit;
     double end[3], length = psplat_surface_walk_exit(w, &exit);
-    if (exit == PSPLAT_NONE) return 0;
+    if (exit == PSPLAT_NONE) return -1;
     along3(end, w->at, length, w->ahead);
     return authored_normal(p, w->entry, w->at, first) && authored_normal(p, exit, end, last)
                ? length
-               : 0;
+               : -1;
 }
 
 /* Returns whether the file's normals are that of the straight side's face for a length. */
@@ -228,7 +228,7 @@ static int is_authored_straight(const place *p, double length) {
     double least_cosine = cos(flat_angle);
     for (int step = 0; step < MOST_STEPS; ++step) {
         double first[3], last[3], further = step_normals(p, &w, first, last);
-        if (!(further > 0) ||
+        if (!(further >= 0) ||
             min2(dot3(first, p->straight), dot3(last, p->straight)) < least_cosine)
             return 0;
         if (w.length + further >= length) return 1;
@@ -237,23 +237,29 @@ static int is_authored_straight(const place *p, double length) {
     return 0;
 }
 
+/* Returns the angle between two directions that are given as angles. */
+static double angle_between(double a, double b) {
+    return fabs(remainder(a - b, 2 * PSPLAT_PI));
+}
+
 /* Returns by which angle the file's normals turn over a bevel that begins at the edge, up to where
  * they are straight again, or to a crease; 0 where there is none. */
 static double bevel_turn(const place *p) {
     psplat_surface_walk w = begin_across(p);
     double turned = 0, end = 0; /* what they have turned by at the end of the bevel so far */
-    for (int step = 0; step < MOST_STEPS; ++step) {
+    int step = 0;
+    for (; step < MOST_STEPS; ++step) {
         double first[3], last[3], length = step_normals(p, &w, first, last);
-        if (!(length > 0)) return 0;
+        if (!(length >= 0)) return 0;
         double from = angle_of_normal(p, first), to = angle_of_normal(p, last);
-        if (step == 0 && fabs(to - from) <= flat_angle) return 0;
-        if (max2(fabs(from - turned), fabs(to - turned)) > flat_angle)
+        if (step == 0 && length > 0 && angle_between(from, to) <= flat_angle) return 0;
+        if (max2(angle_between(from, turned), angle_between(to, turned)) > flat_angle)
             turned = to, end = w.length + length;
         if (end > widest_bevel_tolerances * p->tolerance) return 0;
         if (w.length + length - end >= flat_tolerances * p->tolerance) break;
         if (!psplat_surface_walk_on(&w)) break;
     }
-    return fabs(turned);
+    return step < MOST_STEPS ? fabs(turned) : 0;
 }
 
 /* Returns the reach that chains of the edges of bevels are measured in, a length; 0 where no bevel

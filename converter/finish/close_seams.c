@@ -10,7 +10,8 @@
  * behind its neighbour is hidden, but a crack is seen.
  *
  * Where a splat ends at a border of charts or at a tangent edge the surface goes on, so that planes
- * do not cut there: two splats overlap instead, as they do elsewhere.
+ * do not cut there: two splats overlap instead, as they do elsewhere. At the tangent edges of
+ * bevels of few facets, whose triangles are folded, they are cut where they meet, as at creases.
  */
 #include "finish/close_seams.h"
 
@@ -51,9 +52,9 @@ static const double greatest_reach_tolerances = 0.8;
 static const double smooth_reach_tolerances = 0.4;
 /* The same at a tangent edge, where the surface goes on and no texture jumps. */
 static const double tangent_reach_tolerances = 2;
-/* The sine of the angle between its triangles beyond which that is as a crease: splats would stand
- * off by 0.4 tolerances, and outlines would get as much wider. */
-static const double greatest_tangent_sine = 0.2;
+/* The cosine of the angle between its triangles, of 11.5 degrees, below which that is as a crease:
+ * splats would stand off by 0.4 tolerances, and outlines would get as much wider. */
+static const double least_tangent_cosine = 0.98;
 /* How far outside its own region (of the unit ellipse) a splat still counts as lying at a crease
  * point. */
 static const double region_slack = 0.005;
@@ -125,11 +126,10 @@ typedef struct closer {
 /* Returns how far a splat reaches over an edge where the surface goes on, in tolerances; 0 where
  * its line ends at the surface across, as at a crease. */
 static double reach_over(const psplat_surface *surface, const psplat_segment *segment) {
-    double cross[3];
     if (!segment->is_tangent) return segment->is_smooth ? smooth_reach_tolerances : 0;
-    cross3(cross, surface->face_normals + 3 * (size_t)segment->triangle,
-           surface->face_normals + 3 * (size_t)segment->across);
-    return length3(cross) <= greatest_tangent_sine ? tangent_reach_tolerances : 0;
+    const double *left = surface->face_normals + 3 * (size_t)segment->triangle;
+    const double *right = surface->face_normals + 3 * (size_t)segment->across;
+    return dot3(left, right) >= least_tangent_cosine ? tangent_reach_tolerances : 0;
 }
 
 /* Raises the move of the line at a crease point (u, v, height in the region), in units of the
@@ -161,6 +161,9 @@ static void find_move_at_point(const psplat_fit_context *context, const closer *
     mad3(c.point, uvh[2], normal);
     psplat_region_tree_visit(closer->region_tree, c.point, visit_neighbor, &c);
     double most = region->bends[i] != 0 ? greatest_bent_move_tolerances : greatest_move_tolerances;
+    /* The splat of a round bevel may be about tangent to that of the flat side. */
+    if (segment->is_tangent && over == 0 && !(c.move < HUGE_VAL))
+        moves[i] = max2(moves[i], smooth_reach_tolerances * c.tolerance * rate - reach);
     if (c.move < HUGE_VAL)
         moves[i] = max2(moves[i], min2(c.move, most * c.tolerance) * rate - reach);
 }

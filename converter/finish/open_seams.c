@@ -77,16 +77,16 @@ static void cut_beyond(const psplat_limits *limits, double beyond, psplat_region
 }
 
 /* Returns whether an edge that bounds patches, of creases or of tangent edges, lies in a region,
- * other than beside the first lines, fitted of them, which stand at such edges. The scratch holds
- * the surroundings. */
+ * other than beside the first lines, cut_count of them, which stand at such edges. The scratch
+ * holds the surroundings. */
 static int meets_edge(const psplat_fit_context *context, const psplat_region *region,
-                      uint32_t fitted, int is_tangent) {
+                      uint32_t cut_count, int is_tangent) {
     const psplat_neighborhood *near = &context->scratch->near;
     const psplat_segment *segments = context->scratch->segments;
     double tolerance = context->limits->tolerance;
     double reach = (is_tangent ? tangent_reach_tolerances : crease_reach_tolerances) * tolerance;
     psplat_region narrow = *region;
-    for (uint32_t i = 0; i < fitted; ++i) narrow.lines[i][2] -= reach * line_rate(region, i);
+    for (uint32_t i = 0; i < cut_count; ++i) narrow.lines[i][2] -= reach * line_rate(region, i);
     size_t count = psplat_segments_find_near(context->surface, near, &narrow, 2 * tolerance,
                                              context->scratch->segments);
     for (size_t i = 0; i < count; ++i)
@@ -159,8 +159,8 @@ static psplat_result try_seams(const psplat_fit_context *context, opener *o,
     double reach = psplat_region_reach(region) + context->limits->tolerance;
     if (psplat_site_gather(context, &o->site, reach)) return PSPLAT_ERROR_MEMORY;
     /* Those that have not become seams are still the first ones. */
-    uint32_t fitted = o->candidate->region.line_count - region->seam_count;
-    if (meets_edge(context, region, fitted, 0) || meets_edge(context, region, fitted, 1))
+    uint32_t cut_count = o->candidate->region.line_count - region->seam_count;
+    if (meets_edge(context, region, cut_count, 0) || meets_edge(context, region, cut_count, 1))
         return PSPLAT_OK;
     psplat_evaluation e = psplat_evaluate(context, &o->site, region, &demands);
     if (e.status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
@@ -174,7 +174,9 @@ static psplat_result try_seams(const psplat_fit_context *context, opener *o,
 static psplat_result open_line(const psplat_fit_context *context, opener *o, uint32_t line,
                                psplat_region *region) {
     const psplat_region whole = with_seam(region, o->fitted, line);
+    /* What is cut off lies beyond where the line was moved to. */
     double all = 1 - region->lines[line][2];
+    double moved = region->lines[line][2] - o->fitted->lines[line][2];
     double least = least_reach_tolerances * context->limits->tolerance * line_rate(region, line);
     int is_kept, has_room = whole.line_count + whole.seam_count < PSPLAT_MAX_CLIP_LINES;
     psplat_result result = try_seams(context, o, &whole, &is_kept);
@@ -182,7 +184,7 @@ static psplat_result open_line(const psplat_fit_context *context, opener *o, uin
     for (int i = 0; !result && !is_kept && has_room && i < PARTS; ++i) {
         psplat_region part = whole;
         if (parts[i] * all < least) break;
-        cut_beyond(context->limits, parts[i] * all, &part);
+        cut_beyond(context->limits, moved + parts[i] * all, &part);
         result = try_seams(context, o, &part, &is_kept);
         if (!result && is_kept) *region = part;
     }

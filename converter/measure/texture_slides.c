@@ -12,8 +12,8 @@
  * least: the others are other splats' to show. Where none does, a sample is lost.
  *
  * A border may end, or run around a neck, so that both of its sides are one chart. What a splat
- * covers across such a border, over which it may reach by the tolerance, is other splats' to show
- * as if it were of another chart.
+ * covers across such a border, over which it may reach by the tolerance, is other splats' to show,
+ * as if it were of another chart; but only where one of them does.
  */
 #include "measure/texture_slides.h"
 
@@ -57,6 +57,8 @@ typedef struct meeting {
     float way;            /* psplat_texcoord_way */
     uint8_t mirrored, seen;
     uint8_t is_beyond; /* 1 beyond a seam of the splat */
+    uint8_t is_across; /* 1 where a border stands between the splat's own side and here */
+    uint8_t is_right;  /* 1 where the texture slides by no more than the tolerance, of any chart */
 } meeting;
 
 typedef struct meeting_list {
@@ -247,6 +249,7 @@ static void measure(const slides_context *c, meeting *m) {
     m->way = (float)way_over_triangle(c, triangle, m->sample, kept->texels, error);
     m->seen = !(slide.texels <= 0) &&
               !psplat_appearance_shows_same(c->surface->appearance, triangle, shown, given);
+    m->is_right = (double)min2(m->length, m->way) <= c->measured->tolerance;
     m->mirrored =
         (slide.texels > PSPLAT_LEAST_SLIDE_TEXELS || keeps_normal_texture(kept)) &&
         psplat_texcoord_sense(texcoord, uvh) * sense_of_triangle(c->surface, kept, triangle) < 0;
@@ -268,7 +271,7 @@ typedef struct chart_search {
     psplat_triangle_flood chart; /* one of these */
     chart *charts;               /* all that have an area, chart_count */
     size_t chart_count, chart_capacity;
-    uint32_t *borders; /* edges of its own chart that bound charts, border_count */
+    uint32_t *borders; /* edges that bound its own chart, border_count */
     size_t border_count, border_capacity;
     double own[2][2]; /* own_count (u, v) on the splat's own side of these */
     int own_count;
@@ -319,10 +322,10 @@ static int shows_triangle(const chart_search *search, uint32_t triangle, const d
 }
 
 /* Returns the area, in units of the parameters, of what a splat shows of a triangle inside its
- * seams. */
-static double area_of_triangle(const chart_search *search, uint32_t triangle) {
+ * seams, and stores the middle of that. */
+static double area_of_triangle(const chart_search *search, uint32_t triangle, double mean[2]) {
     psplat_cell part = search->cell;
-    double corners[3][3], mean[2];
+    double corners[3][3];
     for (int k = 0; k < 3; ++k)
         psplat_region_local(search->region,
                             psplat_mesh_corner(search->context->surface->mesh, triangle, k),
@@ -339,9 +342,9 @@ static double area_of_triangle(const chart_search *search, uint32_t triangle) {
 
 /* Takes the triangles of the last chart out of those that are beneath. Returns their area. */
 static double take_chart(chart_search *search) {
-    double area = 0;
+    double area = 0, mean[2];
     for (size_t i = 0; i < search->chart.triangle_count; ++i) {
-        area += area_of_triangle(search, search->chart.triangles[i]);
+        area += area_of_triangle(search, search->chart.triangles[i], mean);
         psplat_triangle_flood_forget(&search->all, search->chart.triangles[i]);
     }
     return area;
@@ -426,15 +429,18 @@ static int find_own_chart(chart_search *search, const meeting *meetings, size_t 
 
 /* ---- borders that a chart goes around -------------------------------------------------------- */
 
-/* Lists the borders of charts along the chart that was flooded last. Returns 0 when out of memory.
- */
+/* Lists the borders of the chart that was flooded last which the splat faces. Returns 0 when out of
+ * memory. */
 static int find_borders(chart_search *search) {
     const psplat_surface *surface = search->context->surface;
     search->border_count = 0;
-    for (size_t i = 0; i < search->chart.triangle_count; ++i)
-        for (uint32_t k = 0; k < 3; ++k) {
-            uint32_t edge = 3 * search->chart.triangles[i] + k;
-            if (!(surface->creases[edge] & (PSPLAT_BOUND_CREASE | PSPLAT_BOUND_CHART))) continue;
+    for (size_t i = 0; i < search->chart.triangle_count; ++i) {
+        uint32_t triangle = search->chart.triangles[i];
+        if (!(dot3(surface->face_normals + 3 * (size_t)triangle, search->region->n) > 0)) continue;
+        for (uint32_t edge = 3 * triangle; edge < 3 * triangle + 3; ++edge) {
+            if (!(surface->creases[edge] & (PSPLAT_BOUND_CREASE | PSPLAT_BOUND_CHART)) ||
+                surface->neighbors[edge] == PSPLAT_NONE)
+                continue;
             if (search->border_count == search->border_capacity) {
                 size_t capacity = 2 * search->border_capacity + 64;
                 uint32_t *borders = realloc(search->borders, capacity * sizeof *borders);
@@ -444,6 +450,7 @@ static int find_borders(chart_search *search) {
             }
             search->borders[search->border_count++] = edge;
         }
+    }
     return 1;
 }
 
@@ -452,22 +459,25 @@ static void find_uv(const chart_search *search, const meeting *m, double uvh[3])
                         uvh);
 }
 
-/* Returns whether a texture slides too far at a measured meeting, seen or not. */
-static int is_off(const chart_search *search, const meeting *m) {
-    return (double)min2(m->length, m->way) > search->context->measured->tolerance;
-}
-
-/* Finds what is on a splat's own side: the middle of what it shows inside its seams, and the
+/* Finds what is on a splat's own side: the middle of what it shows of its own chart, and the
  * heaviest of its meetings at which the texture stays in its place, since splats beside a border
  * may be narrower than they reach over it. */
 static void find_own_side(chart_search *search, const meeting *meetings, size_t count) {
     const meeting *heaviest = NULL;
-    double uvh[3];
+    double area = 0, sum[2] = {0, 0}, mean[2], uvh[3];
     search->own_count = 0;
-    if (search->cell.count) psplat_cell_mean(&search->cell, search->own[search->own_count++]);
+    for (size_t i = 0; i < search->chart.triangle_count; ++i) {
+        double part = area_of_triangle(search, search->chart.triangles[i], mean);
+        area += part;
+        for (int k = 0; k < 2 && part > 0; ++k) sum[k] += part * mean[k];
+    }
+    if (area > 0) {
+        for (int k = 0; k < 2; ++k) search->own[search->own_count][k] = sum[k] / area;
+        ++search->own_count;
+    }
     for (size_t i = 0; i < count; ++i) {
         const meeting *m = &meetings[i];
-        if (m->length >= 0 && !is_off(search, m) && (!heaviest || m->weight > heaviest->weight))
+        if (m->length >= 0 && m->is_right && (!heaviest || m->weight > heaviest->weight))
             heaviest = m;
     }
     if (!heaviest) return;
@@ -502,23 +512,22 @@ static int is_across_border(const chart_search *search, const double point[3], c
     return 0;
 }
 
-/* Makes those of measured meetings ones with a splat of another chart where the texture slides too
- * far and the splat's own side of a border is the other one. Returns 0 when out of memory. */
-static int leave_to_others(chart_search *search, meeting *meetings, size_t count) {
+/* Finds which of the measured meetings at which the texture slides too far are across a border.
+ * Returns 0 when out of memory. */
+static int find_across(chart_search *search, meeting *meetings, size_t count) {
     size_t too_far = 0;
-    for (size_t i = 0; i < count; ++i)
-        too_far += meetings[i].length >= 0 && is_off(search, &meetings[i]);
+    for (size_t i = 0; i < count; ++i) too_far += meetings[i].length >= 0 && !meetings[i].is_right;
     if (!too_far) return 1;
     if (!find_borders(search)) return 0;
+    if (!search->border_count) return 1;
     find_own_side(search, meetings, count);
     for (size_t i = 0; i < count; ++i) {
         meeting *m = &meetings[i];
         double uvh[3];
-        if (m->length < 0 || !is_off(search, m)) continue;
+        if (m->length < 0 || m->is_right) continue;
         find_uv(search, m, uvh);
-        if (is_across_border(search, search->context->samples->positions + 3 * (size_t)m->sample,
-                             uvh))
-            m->length = m->texels = -1;
+        m->is_across = (uint8_t)is_across_border(
+            search, search->context->samples->positions + 3 * (size_t)m->sample, uvh);
     }
     return 1;
 }
@@ -530,9 +539,12 @@ static void measure_foreign(const slides_context *c, const psplat_kept_textures 
     const float *texcoord = c->samples->texcoords + 2 * (size_t)m->sample;
     const double given[2] = {(double)texcoord[0], (double)texcoord[1]};
     double uvh[3], shown[2];
+    meeting as_own = *m;
     m->length = m->texels = -1;
     m->seen = 1;
     if (own != psplat_surface_kept_textures(c->surface, triangle)) return;
+    measure(c, &as_own);
+    m->is_right = as_own.is_right;
     psplat_region_local(&c->measured->regions[m->splat],
                         c->samples->positions + 3 * (size_t)m->sample, uvh);
     psplat_texcoord_at(&c->splats->texcoords[m->splat], uvh, shown);
@@ -555,7 +567,7 @@ static int measure_splat(chart_search *search, meeting *meetings, size_t count) 
         else
             measure_foreign(c, kept, &meetings[i]);
     }
-    return leave_to_others(search, meetings, count);
+    return find_across(search, meetings, count);
 }
 
 /* Measures all splats. first has the index of the first meeting of each of count splats, and that
@@ -588,12 +600,18 @@ static int weighs_more(const meeting_list *list, size_t i, size_t other) {
 }
 
 /* Finds the heaviest meeting of each sample, of all (0) and of those with splats of its chart (1).
- */
-static void find_heaviest(const meeting_list *list, size_t samples, size_t *heaviest[2]) {
+ * What is across a border counts only where no splat shows what is there, which slides->seen holds
+ * for the time being. */
+static void find_heaviest(const meeting_list *list, size_t samples, psplat_texture_slides *slides,
+                          size_t *heaviest[2]) {
+    memset(slides->seen, 0, samples);
     for (size_t i = 0; i < samples; ++i) heaviest[0][i] = heaviest[1][i] = SIZE_MAX;
+    for (size_t i = 0; i < list->count; ++i)
+        slides->seen[list->items[i].sample] |= list->items[i].is_right;
     for (size_t i = 0; i < list->count; ++i) {
         const meeting *m = &list->items[i];
-        for (int own = 0; own <= (m->length >= 0); ++own)
+        int is_own = m->length >= 0 && !(m->is_across && slides->seen[m->sample]);
+        for (int own = 0; own <= is_own; ++own)
             if (weighs_more(list, i, heaviest[own][m->sample])) heaviest[own][m->sample] = i;
     }
 }
@@ -603,7 +621,7 @@ static void sum_up(const slides_context *c, const meeting_list *list, size_t *he
                    psplat_texture_slides *slides) {
     size_t samples = c->samples->count, *of[2] = {heaviest, heaviest + samples};
     double covered = 0, mirrored = 0, foreign = 0;
-    find_heaviest(list, samples, of);
+    find_heaviest(list, samples, slides, of);
     for (size_t i = 0; i < samples; ++i) {
         slides->lengths[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].length;
         slides->texels[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].texels;
@@ -615,8 +633,8 @@ static void sum_up(const slides_context *c, const meeting_list *list, size_t *he
         const meeting *m = &list->items[of[0][i]];
         slides->lost[i] = of[1][i] == SIZE_MAX && m->seen;
         ++covered;
-        mirrored += m->mirrored;
-        foreign += m->length < 0;
+        mirrored += m->mirrored && of[0][i] == of[1][i];
+        foreign += of[0][i] != of[1][i];
     }
     slides->mirrored = covered > 0 ? mirrored / covered : 0;
     slides->foreign = covered > 0 ? foreign / covered : 0;

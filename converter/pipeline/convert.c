@@ -176,9 +176,12 @@ static psplat_result join(psplat_conversion *c) {
         fitted ? psplat_close_seams(&context, &c->selection) : PSPLAT_ERROR_MEMORY;
     if (!result) result = psplat_close_cracks(c);
     if (!result) result = psplat_take_back_crossings(c, fitted);
-    if (!result && !(closed = copy_regions(&c->selection))) result = PSPLAT_ERROR_MEMORY;
-    if (!result) result = psplat_open_seams(&context, &c->kernel, fitted, &c->selection);
-    if (!result) result = psplat_take_back_crossings(c, closed);
+    if (!result && c->surface.chart_border_edges) {
+        closed = copy_regions(&c->selection);
+        result = closed ? psplat_open_seams(&context, &c->kernel, fitted, &c->selection)
+                        : PSPLAT_ERROR_MEMORY;
+        if (!result) result = psplat_take_back_crossings(c, closed);
+    }
     free(fitted);
     free(closed);
     return result;

@@ -321,28 +321,27 @@ static void test_cut_beyond(void **state) {
     }
 }
 
-/* A seam stands where its line was fitted, at the border, and not where that was moved to; a line
- * that stays one stays where it was moved to. */
+/* A seam stands where its line was fitted, at the border, and not where that was moved to; what
+ * another line cuts off behind it begins no nearer than where it was moved to. */
 static void test_moved_out(void **state) {
     (void)state;
     stage s;
-    const double fitted[2][3] = {{-1, 0, 0.5}, {0, -1, 0.9}}; /* x <= 0, and y <= 0.54 */
-    jump = 0.5, bend = 0;
-    stage_begin(&s, 0.02, place_bent, chart_halves);
-    psplat_candidate *c = add_disc(&s, -0.3, 0.6, 1, fitted);
-    c->region.lines[0][2] += 0.01;
-    open_seams(&s);
-    assert_int_equal(c->region.seam_count, 1);
-    assert_int_equal(c->region.line_count, 0);
-    assert_memory_equal(c->region.lines[0], fitted[0], sizeof fitted[0]);
-    psplat_selection_free(&s.selection);
-    for (int k = 0; k < 2; ++k) s.c.kept[k].textures[PSPLAT_TEXTURE_NORMAL].image = 1;
-    c = add_disc(&s, -0.3, 0.6, 2, fitted);
-    c->region.lines[1][2] += 0.01;
-    open_seams(&s);
-    assert_int_equal(c->region.line_count, 2);
-    assert_true(c->region.lines[1][2] == fitted[1][2] + 0.01);
-    stage_end(&s);
+    const double fitted[1][3] = {{-1, 0, 0.5}}; /* x <= 0 */
+    const double moved = 0.65 * 0.02 / 0.6;     /* as far as lines are moved, in parameters */
+    jump = 0.5;
+    for (int bends = 0; bends < 2; ++bends) {
+        bend_at = 0.1, bend = bends ? 8 : 0;
+        stage_begin(&s, 0.02, place_bent, chart_halves);
+        psplat_candidate *c = add_disc(&s, -0.3, 0.6, 1, fitted);
+        c->region.lines[0][2] += moved;
+        open_seams(&s);
+        const psplat_region *r = &c->region;
+        assert_int_equal(r->seam_count, 1);
+        assert_int_equal(r->line_count, bends);
+        assert_memory_equal(r->lines[r->line_count], fitted[0], sizeof fitted[0]);
+        if (bends) assert_true(r->lines[0][2] >= fitted[0][2] + moved + 0.75 * 0.02 / 0.6 - 1e-9);
+        stage_end(&s);
+    }
 }
 
 /* A crease of 39 degrees along x = 1/8. */
