@@ -15,11 +15,10 @@
 #include <cmocka.h>
 
 #include "appearance/alpha_mask.h"
-#include "base/region_tree.h"
 #include "base/vector.h"
+#include "blend_fixture.h"
 #include "features/surface.h"
 #include "measure/measured_splats.h"
-#include "measure/point_blend.h"
 #include "mesh/edges.h"
 #include "mesh/mesh.h"
 #include "pipeline/convert.h"
@@ -174,12 +173,6 @@ static void test_support(void **state) {
 
 /* ---- what it is for -------------------------------------------------------------------------- */
 
-/* Adds the fragment of a splat to a psplat_point_blend. */
-static int visit_splat(void *user, uint32_t splat) {
-    psplat_point_blend_add(user, splat);
-    return 0;
-}
-
 /* Returns the root mean square of the angles, in degrees, between the normals that splats blend to
  * and that of the first side, over all of it but a tolerance at its edges. */
 static double side_error(const psplat_splats *splats) {
@@ -190,18 +183,9 @@ static double side_error(const psplat_splats *splats) {
                      PSPLAT_OK);
     for (int i = 0; i < ACROSS * ALONG; ++i) {
         double x = tolerance + (side - 2 * tolerance) * (i % ACROSS + 0.5) / ACROSS;
-        double y = tolerance + (length - 2 * tolerance) * (i / ACROSS + 0.5) / ALONG, c[3];
-        psplat_point_blend blend = {.measured = &measured,
-                                    .point = {x, y, 0},
-                                    .normal = {0, 0, 1},
-                                    .reach = 2 * tolerance,
-                                    .limit = -HUGE_VAL};
-        /* The mesh's origin is that of its file's coordinates. */
-        for (int k = 0; k < 3; ++k) blend.point[k] -= splats->origin[k];
-        psplat_region_tree_visit(measured.region_tree, blend.point, visit_splat, &blend);
-        assert_true(blend.weight > 0);
-        cross3(c, blend.blended, blend.normal);
-        double angle = atan2(length3(c), dot3(blend.blended, blend.normal)) * 180 / fixture_pi;
+        double y = tolerance + (length - 2 * tolerance) * (i / ACROSS + 0.5) / ALONG;
+        const double point[3] = {x, y, 0}, normal[3] = {0, 0, 1};
+        double angle = blend_normal_error(&measured, splats->origin, 2 * tolerance, point, normal);
         squares += angle * angle;
     }
     psplat_measured_splats_free(&measured);

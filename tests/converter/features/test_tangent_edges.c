@@ -14,12 +14,11 @@
 #include <cmocka.h>
 
 #include "appearance/alpha_mask.h"
-#include "base/region_tree.h"
 #include "base/vector.h"
+#include "blend_fixture.h"
 #include "features/surface.h"
 #include "features/triangle_flood.h"
 #include "measure/measured_splats.h"
-#include "measure/point_blend.h"
 #include "mesh/edges.h"
 #include "pipeline/convert.h"
 #include "select/conversion.h"
@@ -196,12 +195,6 @@ static void test_floods(void **state) {
     psplat_mesh_free(&mesh);
 }
 
-/* Adds the fragment of a splat to a psplat_point_blend. */
-static int visit_splat(void *user, uint32_t splat) {
-    psplat_point_blend_add(user, splat);
-    return 0;
-}
-
 /* Returns the root mean square of the angles, in degrees, between the normals that splats blend to
  * and those of the wall, from half a reach below the fillet up to that. */
 static double wall_error(const psplat_splats *splats, double fillet) {
@@ -212,20 +205,12 @@ static double wall_error(const psplat_splats *splats, double fillet) {
                      PSPLAT_OK);
     for (int i = 0; i < AROUND * ROWS; ++i) {
         /* The middle of a side, where the prism has the normal of the cylinder. */
-        double turn = 2 * fixture_pi * (i % SIDES + 0.5) / SIDES, c[3];
+        double turn = 2 * fixture_pi * (i % SIDES + 0.5) / SIDES;
         double height = wall - 0.5 * reach * (i / AROUND + 0.5) / ROWS;
         double inside = cos(fixture_pi / SIDES);
-        psplat_point_blend blend = {.measured = &measured,
-                                    .point = {inside * cos(turn), inside * sin(turn), height},
-                                    .normal = {cos(turn), sin(turn), 0},
-                                    .reach = 2 * tolerance,
-                                    .limit = -HUGE_VAL};
-        /* The mesh's origin is that of its file's coordinates. */
-        for (int k = 0; k < 3; ++k) blend.point[k] -= splats->origin[k];
-        psplat_region_tree_visit(measured.region_tree, blend.point, visit_splat, &blend);
-        assert_true(blend.weight > 0);
-        cross3(c, blend.blended, blend.normal);
-        double angle = atan2(length3(c), dot3(blend.blended, blend.normal)) * 180 / fixture_pi;
+        const double point[3] = {inside * cos(turn), inside * sin(turn), height};
+        const double normal[3] = {cos(turn), sin(turn), 0};
+        double angle = blend_normal_error(&measured, splats->origin, 2 * tolerance, point, normal);
         squares += angle * angle;
     }
     psplat_measured_splats_free(&measured);
