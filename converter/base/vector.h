@@ -118,4 +118,16 @@ static inline double point_triangle_distance2(const double p[3], const double a[
     return least;
 }
 
+/* Returns whether the segments from a to b and from c to d cross in the plane. An end on the line
+ * of the other segment counts as left of it. */
+static inline int segments_cross2(const double a[2], const double b[2], const double c[2],
+                                  const double d[2]) {
+    const double ab[2] = {b[0] - a[0], b[1] - a[1]}, cd[2] = {d[0] - c[0], d[1] - c[1]};
+    int c_left = ab[0] * (c[1] - a[1]) - ab[1] * (c[0] - a[0]) >= 0;
+    int d_left = ab[0] * (d[1] - a[1]) - ab[1] * (d[0] - a[0]) >= 0;
+    int a_left = cd[0] * (a[1] - c[1]) - cd[1] * (a[0] - c[0]) >= 0;
+    int b_left = cd[0] * (b[1] - c[1]) - cd[1] * (b[0] - c[0]) >= 0;
+    return c_left != d_left && a_left != b_left;
+}
+
 #endif

@@ -93,22 +93,13 @@ static void place_beside(const walled *w, uint32_t sample, double uv[2]) {
     uv[0] = uvh[0], uv[1] = uvh[1];
 }
 
-/* Returns whether c lies to the left of the way from a to b, or on it. */
-static int is_left(const double a[2], const double b[2], const double c[2]) {
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) >= 0;
-}
-
 /* Returns whether a wall stands between the point inside and a sample. */
 static int is_behind_wall(const walled *w, uint32_t sample) {
     const psplat_segment *walls = w->context->scratch->segments;
     double to[2];
     if (w->wall_count) place_beside(w, sample, to);
-    for (size_t i = 0; i < w->wall_count; ++i) {
-        const double *a = walls[i].a, *b = walls[i].b;
-        if (is_left(w->from, to, a) != is_left(w->from, to, b) &&
-            is_left(a, b, w->from) != is_left(a, b, to))
-            return 1;
-    }
+    for (size_t i = 0; i < w->wall_count; ++i)
+        if (segments_cross2(w->from, to, walls[i].a, walls[i].b)) return 1;
     return 0;
 }
 

@@ -74,6 +74,7 @@ typedef struct slides_context {
     const psplat_splats *splats;
     const psplat_measured_splats *measured;
     uint8_t *textured; /* of each splat: 1 where it has texture coordinates */
+    uint8_t *shown;    /* of each sample: 1 where some splat shows what the surface has there */
 } slides_context;
 
 /* ---- meetings -------------------------------------------------------------------------------- */
@@ -485,11 +486,6 @@ static void find_own_side(chart_search *search, const meeting *meetings, size_t 
     memcpy(search->own[search->own_count++], uvh, sizeof search->own[0]);
 }
 
-/* Returns whether c lies to the left of the way from a to b, or on it. */
-static int is_left(const double a[2], const double b[2], const double c[2]) {
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) >= 0;
-}
-
 /* Returns whether a border within the tolerance of a sample, of which the splat's (u, v) are given,
  * stands between that and the splat's own side. */
 static int is_across_border(const chart_search *search, const double point[3], const double uv[2]) {
@@ -505,9 +501,7 @@ static int is_across_border(const chart_search *search, const double point[3], c
         psplat_region_local(search->region, a, from);
         psplat_region_local(search->region, b, to);
         for (int side = 0; side < search->own_count; ++side)
-            if (is_left(search->own[side], uv, from) != is_left(search->own[side], uv, to) &&
-                is_left(from, to, search->own[side]) != is_left(from, to, uv))
-                return 1;
+            if (segments_cross2(search->own[side], uv, from, to)) return 1;
     }
     return 0;
 }
@@ -536,19 +530,13 @@ static int find_across(chart_search *search, meeting *meetings, size_t count) {
  * there. */
 static void measure_foreign(const slides_context *c, const psplat_kept_textures *own, meeting *m) {
     uint32_t triangle = c->samples->triangles[m->sample];
-    const float *texcoord = c->samples->texcoords + 2 * (size_t)m->sample;
-    const double given[2] = {(double)texcoord[0], (double)texcoord[1]};
-    double uvh[3], shown[2];
     meeting as_own = *m;
     m->length = m->texels = -1;
     m->seen = 1;
     if (own != psplat_surface_kept_textures(c->surface, triangle)) return;
     measure(c, &as_own);
+    m->seen = as_own.seen;
     m->is_right = as_own.is_right;
-    psplat_region_local(&c->measured->regions[m->splat],
-                        c->samples->positions + 3 * (size_t)m->sample, uvh);
-    psplat_texcoord_at(&c->splats->texcoords[m->splat], uvh, shown);
-    m->seen = !psplat_appearance_shows_same(c->surface->appearance, triangle, shown, given);
 }
 
 /* Measures the meetings of a splat. Lengths of those that do not belong to its own chart become
@@ -599,18 +587,22 @@ static int weighs_more(const meeting_list *list, size_t i, size_t other) {
     return other == SIZE_MAX || list->items[i].weight > list->items[other].weight;
 }
 
-/* Finds the heaviest meeting of each sample, of all (0) and of those with splats of its chart (1).
- * What is across a border counts only where no splat shows what is there, which slides->seen holds
- * for the time being. */
-static void find_heaviest(const meeting_list *list, size_t samples, psplat_texture_slides *slides,
-                          size_t *heaviest[2]) {
-    memset(slides->seen, 0, samples);
-    for (size_t i = 0; i < samples; ++i) heaviest[0][i] = heaviest[1][i] = SIZE_MAX;
-    for (size_t i = 0; i < list->count; ++i)
-        slides->seen[list->items[i].sample] |= list->items[i].is_right;
+/* Finds the samples at which some splat shows what the surface has there. Beyond its seams a splat
+ * shows next to nothing. */
+static void find_shown(const slides_context *c, const meeting_list *list) {
     for (size_t i = 0; i < list->count; ++i) {
         const meeting *m = &list->items[i];
-        int is_own = m->length >= 0 && !(m->is_across && slides->seen[m->sample]);
+        c->shown[m->sample] |= m->is_right && !m->is_beyond;
+    }
+}
+
+/* Finds the heaviest meeting of each sample, of all (0) and of those with splats of its chart (1).
+ * What is across a border counts only where no splat shows what is there. */
+static void find_heaviest(const slides_context *c, const meeting_list *list, size_t *heaviest[2]) {
+    for (size_t i = 0; i < c->samples->count; ++i) heaviest[0][i] = heaviest[1][i] = SIZE_MAX;
+    for (size_t i = 0; i < list->count; ++i) {
+        const meeting *m = &list->items[i];
+        int is_own = m->length >= 0 && !(m->is_across && c->shown[m->sample]);
         for (int own = 0; own <= is_own; ++own)
             if (weighs_more(list, i, heaviest[own][m->sample])) heaviest[own][m->sample] = i;
     }
@@ -621,7 +613,8 @@ static void sum_up(const slides_context *c, const meeting_list *list, size_t *he
                    psplat_texture_slides *slides) {
     size_t samples = c->samples->count, *of[2] = {heaviest, heaviest + samples};
     double covered = 0, mirrored = 0, foreign = 0;
-    find_heaviest(list, samples, slides, of);
+    find_shown(c, list);
+    find_heaviest(c, list, of);
     for (size_t i = 0; i < samples; ++i) {
         slides->lengths[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].length;
         slides->texels[i] = of[1][i] == SIZE_MAX ? -1 : (double)list->items[of[1][i]].texels;
@@ -691,7 +684,12 @@ psplat_result psplat_texture_slides_find(const psplat_surface *surface,
                                          const psplat_samples *samples, const psplat_splats *splats,
                                          const psplat_measured_splats *measured,
                                          psplat_texture_slides *slides) {
-    slides_context c = {surface, samples, splats, measured, calloc(splats->count + 1, 1)};
+    slides_context c = {.surface = surface,
+                        .samples = samples,
+                        .splats = splats,
+                        .measured = measured,
+                        .textured = calloc(splats->count + 1, 1),
+                        .shown = calloc(samples->count + 1, 1)};
     meeting_list list = {.items = NULL};
     size_t *first = calloc(splats->count + 2, sizeof *first);
     size_t *heaviest = malloc((2 * samples->count + 1) * sizeof *heaviest);
@@ -702,8 +700,8 @@ psplat_result psplat_texture_slides_find(const psplat_surface *surface,
                                 .splats = malloc((samples->count + 1) * sizeof *slides->splats),
                                 .seen = malloc(samples->count + 1),
                                 .lost = malloc(samples->count + 1)};
-    int ok = c.textured && first && heaviest && slides->lengths && slides->texels && slides->ways &&
-             slides->splats && slides->seen && slides->lost;
+    int ok = c.textured && c.shown && first && heaviest && slides->lengths && slides->texels &&
+             slides->ways && slides->splats && slides->seen && slides->lost;
     if (ok) {
         mark_textured(splats, c.textured);
         find_meetings(&c, first, &list);
@@ -712,6 +710,7 @@ psplat_result psplat_texture_slides_find(const psplat_surface *surface,
     if (ok) sum_up(&c, &list, heaviest, slides);
     if (ok) ok = spare_borders(&c, slides);
     free(c.textured);
+    free(c.shown);
     free(first);
     free(heaviest);
     free(list.items);
