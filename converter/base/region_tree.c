@@ -171,12 +171,6 @@ psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size
     return tree;
 }
 
-void psplat_region_tree_box(const psplat_region_tree *tree, uint32_t region, double low[3],
-                            double high[3]) {
-    memcpy(low, tree->boxes[region].low, sizeof tree->boxes[region].low);
-    memcpy(high, tree->boxes[region].high, sizeof tree->boxes[region].high);
-}
-
 static int meets(const box *b, const double low[3], const double high[3]) {
     for (int k = 0; k < 3; ++k)
         if (high[k] < b->low[k] || low[k] > b->high[k]) return 0;
@@ -198,6 +192,59 @@ void psplat_region_tree_visit_box(const psplat_region_tree *tree, const double l
         }
         for (uint32_t i = n->begin; i < n->end; ++i)
             if (meets(&tree->boxes[tree->order[i]], low, high) && visit(user, tree->order[i]))
+                return;
+    }
+}
+
+/* A segment, by its middle and half of the way along it. */
+typedef struct segment {
+    double middle[3], half[3], size[3]; /* size: |half| */
+    double grown;                       /* how much larger boxes are taken to be */
+} segment;
+
+/* Returns whether a segment meets a box: no axis separates them, those of the box nor those across
+ * both (Gottschalk, Lin and Manocha, "OBBTree", 1996). */
+static int meets_segment(const box *b, const segment *s) {
+    double to[3], half[3];
+    for (int k = 0; k < 3; ++k) {
+        to[k] = s->middle[k] - (b->low[k] + b->high[k]) / 2;
+        half[k] = (b->high[k] - b->low[k]) / 2 + s->grown;
+        if (fabs(to[k]) > half[k] + s->size[k]) return 0;
+    }
+    for (int k = 0; k < 3; ++k) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        if (fabs(to[i] * s->half[j] - to[j] * s->half[i]) >
+            half[i] * s->size[j] + half[j] * s->size[i])
+            return 0;
+    }
+    return 1;
+}
+
+/* What rounding may make of lengths and coordinates, in parts of them. */
+static const double rounding = 1e-12;
+
+void psplat_region_tree_visit_segment(const psplat_region_tree *tree, const double from[3],
+                                      const double to[3], double length,
+                                      int (*visit)(void *user, uint32_t region), void *user) {
+    uint32_t stack[MAX_STACK], depth = 0;
+    segment s = {.grown = length};
+    for (int k = 0; k < 3; ++k) {
+        s.middle[k] = from[k] / 2 + to[k] / 2;
+        s.half[k] = to[k] / 2 - from[k] / 2;
+        s.size[k] = fabs(s.half[k]);
+        s.grown += rounding * (length + fabs(s.middle[k]) + s.size[k]);
+    }
+    if (tree->node_count) stack[depth++] = 0;
+    while (depth) {
+        const node *n = &tree->nodes[stack[--depth]];
+        if (!meets_segment(&n->bounds, &s)) continue;
+        if (n->child) {
+            stack[depth++] = n->child + 1;
+            stack[depth++] = n->child;
+            continue;
+        }
+        for (uint32_t i = n->begin; i < n->end; ++i)
+            if (meets_segment(&tree->boxes[tree->order[i]], &s) && visit(user, tree->order[i]))
                 return;
     }
 }

@@ -16,10 +16,6 @@ typedef struct psplat_region_tree psplat_region_tree;
 psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size_t count,
                                               double reach);
 
-/* Stores the box of a region, which lines have cut, grown by reach. */
-void psplat_region_tree_box(const psplat_region_tree *region_tree, uint32_t region, double low[3],
-                            double high[3]);
-
 /* Calls visit with the index of each region whose box, grown by reach, holds the point, until visit
  * returns other than 0. */
 void psplat_region_tree_visit(const psplat_region_tree *region_tree, const double point[3],
@@ -29,6 +25,11 @@ void psplat_region_tree_visit(const psplat_region_tree *region_tree, const doubl
 void psplat_region_tree_visit_box(const psplat_region_tree *region_tree, const double low[3],
                                   const double high[3], int (*visit)(void *user, uint32_t region),
                                   void *user);
+
+/* Does the same for each region whose box, grown by reach and by a length, a segment meets. */
+void psplat_region_tree_visit_segment(const psplat_region_tree *region_tree, const double from[3],
+                                      const double to[3], double length,
+                                      int (*visit)(void *user, uint32_t region), void *user);
 
 void psplat_region_tree_destroy(psplat_region_tree *region_tree);
 

@@ -42,53 +42,65 @@ enum { SLANTS = 2, AROUND = 8 };
 static const double slants[SLANTS] = {0.75, 0.5}, least_part = 0.01;
 static const double inset_tolerances = 0.35, least_face_cosine = 0.99;
 
-/* The search for the splats beside others. */
-typedef struct sides {
-    psplat_candidate *candidates;
-    const psplat_region *regions;
-    double tolerance; /* how near to a point a splat is beside it, a length */
-    size_t index;     /* the splat that the point is of */
-    const double *point;
-} sides;
-
 /* Returns whether a candidate lies on a plane face, but for a deviation. */
 static int is_level(const psplat_candidate *candidate, double most) {
     return !psplat_region_is_curved(&candidate->region) && candidate->deviation < most;
 }
 
+/* The search for the splats beside others. */
+typedef struct sides {
+    const psplat_region *regions;
+    uint8_t *levels;  /* of each splat: FLAT, LEVEL or neither */
+    double tolerance; /* how near to a point a splat is beside it, a length */
+    size_t index;     /* the splat that the point is of */
+    const double *point;
+} sides;
+
+enum { UNEVEN, LEVEL, FLAT };
+
 /* Of two splats that lie beside each other and of which one is not level, neither is flat. */
 static int see_side(void *user, uint32_t other) {
     const sides *s = user;
+    uint8_t *level = &s->levels[s->levels[other] == UNEVEN ? s->index : other];
+    double uvh[3];
+    if (*level != FLAT || (s->levels[s->index] == UNEVEN) == (s->levels[other] == UNEVEN)) return 0;
     const psplat_region *region = &s->regions[other];
-    double uvh[3], slack = s->tolerance / min2(region->radius[0], region->radius[1]);
-    double most = level_tolerances * s->tolerance;
-    if (is_level(&s->candidates[s->index], most) == is_level(&s->candidates[other], most)) return 0;
+    double slack = s->tolerance / min2(region->radius[0], region->radius[1]);
     psplat_region_local(region, s->point, uvh);
     if (fabs(uvh[2]) <= s->tolerance && psplat_region_contains(region, uvh, 1 + slack, slack))
-        s->candidates[s->index].is_flat = s->candidates[other].is_flat = 0;
-    return 0;
+        *level = LEVEL;
+    return s->levels[s->index] == LEVEL;
+}
+
+/* Looks at what lies beside the rim of a splat. */
+static void see_sides(sides *s, const psplat_region_tree *tree) {
+    double points[PSPLAT_REGION_POINTS][3];
+    size_t count = psplat_region_rim_points(&s->regions[s->index], points);
+    for (size_t k = 0; k < count && s->levels[s->index] != LEVEL; ++k) {
+        s->point = points[k];
+        psplat_region_tree_visit(tree, points[k], see_side, s);
+    }
 }
 
 /* Marks the candidates that lie on plane faces and have only such beside them as flat. */
 static psplat_result find_flat(psplat_selection *selection, double tolerance) {
-    psplat_region *regions = malloc((selection->count + 1) * sizeof *regions);
+    size_t count = selection->count, flat = 0;
+    psplat_region *regions = malloc((count + 1) * sizeof *regions);
     psplat_region_tree *tree = NULL;
-    for (size_t i = 0; regions && i < selection->count; ++i) {
-        psplat_candidate *candidate = &selection->candidates[i];
-        regions[i] = candidate->region;
-        candidate->is_flat = is_level(candidate, level_tolerances * tolerance);
+    sides s = {.regions = regions, .levels = malloc(count + 1), .tolerance = tolerance};
+    for (size_t i = 0; regions && s.levels && i < count; ++i) {
+        int level = is_level(&selection->candidates[i], level_tolerances * tolerance);
+        regions[i] = selection->candidates[i].region;
+        s.levels[i] = level ? FLAT : UNEVEN;
+        flat += (size_t)level;
     }
-    if (regions) tree = psplat_region_tree_create(regions, selection->count, tolerance);
-    for (size_t i = 0; tree && i < selection->count; ++i) {
-        double points[PSPLAT_REGION_POINTS][3];
-        sides s = {selection->candidates, regions, tolerance, i, NULL};
-        size_t count = psplat_region_rim_points(&regions[i], points);
-        for (size_t k = 0; k < count; ++k) {
-            s.point = points[k];
-            psplat_region_tree_visit(tree, points[k], see_side, &s);
-        }
-    }
+    if (regions && s.levels) tree = psplat_region_tree_create(regions, count, tolerance);
+    for (s.index = 0; tree && flat && flat < count && s.index < count; ++s.index)
+        see_sides(&s, tree);
+    for (size_t i = 0; tree && i < count; ++i)
+        selection->candidates[i].is_flat = s.levels[i] == FLAT;
     free(regions);
+    free(s.levels);
     if (!tree) return PSPLAT_ERROR_MEMORY;
     psplat_region_tree_destroy(tree);
     return PSPLAT_OK;

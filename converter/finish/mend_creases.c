@@ -20,6 +20,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* How often splats shrink, and by which factor. Chosen by hand: the last ones are a quarter as wide
  * as they were. */
@@ -53,27 +54,33 @@ static psplat_result draw_points(mender *m) {
                                        NULL);
 }
 
-/* Finds the candidates in which creases lie too deep. */
-static psplat_result find_crossed(mender *m) {
+/* Finds those of the candidates that are asked, a 1 for each, in which creases lie too deep. A
+ * splat's crossings depend on no other splat. */
+static psplat_result find_crossed(mender *m, const uint8_t *asked) {
     psplat_conversion *c = m->c;
-    size_t count = c->selection.count;
-    psplat_measured_splats measured = {.count = count, .tolerance = c->tolerance};
+    const psplat_selection *selection = &c->selection;
+    psplat_measured_splats measured = {.tolerance = c->tolerance};
     psplat_crease_crossing *crossings = NULL;
     double greatest;
-    measured.regions = malloc((count + 1) * sizeof *measured.regions);
-    m->crossed = calloc(count + 1, 1);
-    psplat_result result = measured.regions && m->crossed ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
-    for (size_t i = 0; i < count && !result; ++i)
-        measured.regions[i] = c->selection.candidates[i].region;
+    size_t *from = malloc((selection->count + 1) * sizeof *from); /* of each measured splat */
+    measured.regions = malloc((selection->count + 1) * sizeof *measured.regions);
+    m->crossed = calloc(selection->count + 1, 1);
+    psplat_result result = from && measured.regions && m->crossed ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < selection->count && !result; ++i) {
+        if (!asked[i]) continue;
+        from[measured.count] = i;
+        measured.regions[measured.count++] = selection->candidates[i].region;
+    }
     if (!result)
-        measured.region_tree = psplat_region_tree_create(measured.regions, count,
+        measured.region_tree = psplat_region_tree_create(measured.regions, measured.count,
                                                          PSPLAT_STEEPEST_REACH * c->tolerance);
     if (!measured.region_tree) result = PSPLAT_ERROR_MEMORY;
     if (!result)
         result = psplat_crease_crossings_find(&c->surface, &m->points, &measured, c->tolerance,
                                               other_sheet_share, &crossings, &m->count, &greatest);
-    for (size_t i = 0; i < m->count && !result; ++i) m->crossed[crossings[i].splat] = 1;
+    for (size_t i = 0; i < m->count && !result; ++i) m->crossed[from[crossings[i].splat]] = 1;
     free(crossings);
+    free(from);
     psplat_measured_splats_free(&measured);
     return result;
 }
@@ -111,13 +118,32 @@ static psplat_result replace(mender *m, psplat_error *error) {
     return result;
 }
 
+/* Finds the candidates that have changed since no crease lay too deep in them. */
+static psplat_result find_changed(mender *m) {
+    psplat_selection *selection = &m->c->selection;
+    uint8_t *changed = malloc(selection->count + 1);
+    if (!changed) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < selection->count; ++i)
+        changed[i] = !selection->candidates[i].is_within_creases;
+    psplat_result result = find_crossed(m, changed);
+    for (size_t i = 0; i < selection->count && !result; ++i)
+        selection->candidates[i].is_within_creases = !m->crossed[i];
+    free(changed);
+    return result;
+}
+
 psplat_result psplat_take_back_crossings(psplat_conversion *c, const psplat_region *before) {
     mender m = {.c = c};
-    psplat_result result = draw_points(&m);
-    if (!result) result = find_crossed(&m);
-    for (size_t i = 0; i < c->selection.count && !result; ++i)
+    size_t count = c->selection.count;
+    uint8_t *changed = malloc(count + 1);
+    psplat_result result = changed ? draw_points(&m) : PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !result; ++i)
+        changed[i] = memcmp(&c->selection.candidates[i].region, &before[i], sizeof *before) != 0;
+    if (!result) result = find_crossed(&m, changed);
+    for (size_t i = 0; i < count && !result; ++i)
         if (m.crossed[i]) c->selection.candidates[i].region = before[i];
     free(m.crossed);
+    free(changed);
     psplat_samples_free(&m.points);
     return result;
 }
@@ -125,12 +151,14 @@ psplat_result psplat_take_back_crossings(psplat_conversion *c, const psplat_regi
 psplat_result psplat_mend_creases(psplat_conversion *c, psplat_error *error) {
     mender m = {.c = c, .count = 1};
     psplat_result result = draw_points(&m);
+    for (size_t i = 0; i < c->selection.count; ++i)
+        c->selection.candidates[i].is_within_creases = 0;
     for (int round = 0; round < ROUNDS && m.count && !result; ++round) {
         if (psplat_conversion_interrupted(c->desc, "finishing", 0)) {
             result = psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
             break;
         }
-        result = find_crossed(&m);
+        result = find_changed(&m);
         if (!result && m.count) result = replace(&m, error);
         free(m.crossed);
     }

@@ -6,8 +6,9 @@
  * then passes the rim of the higher one, where that is flat or its wall too low, and reaches the
  * lower one where that has ended: the overlap has to be the rest of the step between them times the
  * tangent of the slant. So random rays are tried. All rays of a point are tried at once against
- * each splat nearby, and the mesh is asked only about those that nothing meets. Where only some
- * regions matter, rays that none of these would hide are left out before that.
+ * each splat close by, which most of them meet. Of those left, few see the surface, so that the
+ * mesh is asked about these, and at last all splats along the way. Where only some regions matter,
+ * rays that none of these would hide are left out.
  *
  * Cracks that are much narrower than the random points lie apart are found from the rims of splats,
  * which border every gap: points a little beyond a rim stand for the triangle that is nearest to
@@ -46,6 +47,11 @@ static const double least_rim_gap = 0.02, greatest_rim_gap = 0.5;
  * the face stands for the surface around it, which may bend. */
 static const double bend_tolerances = 0.25;
 
+/* How far from a place splats are close, which are asked about all of its rays at once, and how far
+ * about it those are looked for at the same time that are close to the places that follow, in
+ * tolerances. */
+static const double close_tolerances = 0.5, around_tolerances = 4;
+
 /* What rounding may make of lengths, in parts of them. */
 static const double rounding = 1e-9;
 
@@ -65,7 +71,7 @@ typedef struct bundle {
     uint32_t open; /* a bit for each */
 } bundle;
 
-/* A splat, and a sphere that holds it with its wall. */
+/* A splat, and a sphere that holds it. */
 typedef struct ball {
     double center[3], radius;
     double bend; /* of its region */
@@ -135,7 +141,7 @@ typedef struct target {
 } target;
 
 /* What a thread that looks at places knows. Places follow each other over the surface, so that it
- * keeps which splats last met all rays of a place, and those near the last places. The results do
+ * keeps which splats last met all rays of a slant, and those near the last places. The results do
  * not depend on it. */
 enum { LIKELY = 4 };
 typedef struct looker {
@@ -144,13 +150,11 @@ typedef struct looker {
     psplat_sight_cone cones[SLANTS]; /* of the rays of a slant and of all steeper ones */
     uint32_t likely[LIKELY];
     int likely_count;
-    double low[3], high[3]; /* a box, and the splats within reach of it */
+    double low[3], high[3]; /* a box, and the splats that are close to its points */
     ball *near;
     size_t near_count, near_capacity;
-    double far_of_hiders;                 /* far_of() of hiders, whatever the place */
-    double beside_low[3], beside_high[3]; /* a box, and whether a hider is that near to it */
-    int is_beside;
-    uint32_t guess; /* where the triangle beneath the last rim was found */
+    double far_of_hiders; /* how far from a place hiders may hide its rays, at most */
+    uint32_t guess;       /* where the triangle beneath the last rim was found */
     int failed;
     /* At the place: */
     const double *point, *normal;
@@ -172,40 +176,25 @@ static int push_near(void *user, uint32_t splat) {
     return 0;
 }
 
-/* Returns whether a box holds the point; else puts it around that, and stores one that is larger by
- * a length. */
-static int keep_box(const looker *l, double low[3], double high[3], double far, double far_low[3],
-                    double far_high[3]) {
-    double around = l->splats.reach;
-    int known = 1;
-    for (int k = 0; k < 3; ++k) known &= l->point[k] >= low[k] && l->point[k] <= high[k];
-    for (int k = 0; k < 3 && !known; ++k) {
-        low[k] = l->point[k] - around, far_low[k] = low[k] - far;
-        high[k] = l->point[k] + around, far_high[k] = high[k] + far;
-    }
-    return known;
-}
-
-/* Returns how far from its point rays may meet splats or their walls, which leave the boxes of
- * those. */
-static double far_of(const target *t) {
-    return t->reach + t->measured->wall;
-}
-
 /* Finds the splats near the point, and near those that may follow it. */
 static void find_near(looker *l) {
-    double low[3], high[3];
-    if (keep_box(l, l->low, l->high, far_of(&l->splats), low, high)) return;
+    double low[3], high[3], tolerance = l->splats.height;
+    int known = 1;
+    for (int k = 0; k < 3; ++k) known &= l->point[k] >= l->low[k] && l->point[k] <= l->high[k];
+    if (known) return;
+    for (int k = 0; k < 3; ++k) {
+        double around = around_tolerances * tolerance, away = close_tolerances * tolerance;
+        l->low[k] = l->point[k] - around, low[k] = l->low[k] - away;
+        l->high[k] = l->point[k] + around, high[k] = l->high[k] + away;
+    }
     l->near_count = 0;
     psplat_region_tree_visit_box(l->splats.measured->region_tree, low, high, push_near, l);
 }
 
-/* Visits the hiders that are within a length of the point. */
-static void visit_hiders(const looker *l, double far, int (*visit)(void *user, uint32_t hider),
-                         void *user) {
-    double low[3], high[3];
-    for (int k = 0; k < 3; ++k) low[k] = l->point[k] - far, high[k] = l->point[k] + far;
-    psplat_region_tree_visit_box(l->hiders.measured->region_tree, low, high, visit, user);
+/* Returns whether a ball is close to the point. */
+static int is_close(const looker *l, const ball *ball) {
+    double most = ball->radius + close_tolerances * l->splats.height;
+    return distance2_3(ball->center, l->point) <= most * most;
 }
 
 static int see_beside(void *user, uint32_t hider) {
@@ -215,16 +204,12 @@ static int see_beside(void *user, uint32_t hider) {
 }
 
 /* Returns whether a hider may hide a ray of the point, where there are any. */
-static int is_beside(looker *l) {
-    double low[3], high[3];
+static int is_beside(const looker *l) {
+    double low[3], high[3], far = l->far_of_hiders;
     int beside = 0;
     if (!l->hiders.measured) return 1;
-    if (!keep_box(l, l->beside_low, l->beside_high, l->far_of_hiders, low, high)) {
-        l->is_beside = 0;
-        psplat_region_tree_visit_box(l->hiders.measured->region_tree, low, high, see_beside,
-                                     &l->is_beside);
-    }
-    if (l->is_beside) visit_hiders(l, l->far_of_hiders, see_beside, &beside);
+    for (int k = 0; k < 3; ++k) low[k] = l->point[k] - far, high[k] = l->point[k] + far;
+    psplat_region_tree_visit_box(l->hiders.measured->region_tree, low, high, see_beside, &beside);
     return beside;
 }
 
@@ -236,12 +221,6 @@ static void put_first(looker *l, uint32_t splat) {
     if (at == LIKELY) --at;
     memmove(l->likely + 1, l->likely, (size_t)at * sizeof *l->likely);
     l->likely[0] = splat;
-}
-
-/* Returns whether a ball is within reach of the point. */
-static int is_near(const looker *l, const ball *ball) {
-    double most = ball->radius + l->splats.reach;
-    return distance2_3(ball->center, l->point) <= most * most;
 }
 
 /* Finds whether a splat meets all rays of a cone that has not been met. Returns whether all cones
@@ -257,14 +236,14 @@ static int meet_cones(looker *l, uint32_t splat) {
     return !l->met;
 }
 
-/* Finds the cones of which all rays are met. */
+/* Finds the cones of which all rays are met: splats that do that are close. */
 static void find_cones(looker *l) {
     l->met = l->plan->slants;
     for (int k = 0; k < l->likely_count; ++k)
         if (meet_cones(l, l->likely[k])) return;
     find_near(l);
     for (size_t k = 0; k < l->near_count; ++k)
-        if (is_near(l, &l->near[k]) && meet_cones(l, l->near[k].splat)) return;
+        if (is_close(l, &l->near[k]) && meet_cones(l, l->near[k].splat)) return;
 }
 
 /* Returns whether no ray gets to a surface within the reach, given the point's height over it and
@@ -273,21 +252,6 @@ static void find_cones(looker *l) {
 static int is_too_high(double height, const double slope[2], double bend, double reach) {
     double steepest = sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
     return fabs(height) > (steepest + bend * reach / 2) * reach * (1 + rounding);
-}
-
-/* Returns the open rays that come into a ball where they may meet its splat: a bit for each. */
-static uint32_t rays_into(const looker *l, const target *t, const ball *ball, const bundle *b) {
-    double to[3], height = (t->height + fabs(l->lift)) * (1 + rounding);
-    uint32_t rays = 0;
-    sub3(to, ball->center, l->point);
-    double least2 = dot3(to, to) - ball->radius * ball->radius;
-    for (uint32_t k = 0; k < RAYS; ++k) {
-        if (!(b->open & (1u << k))) continue;
-        double way = dot3(to, b->sights[k].direction);
-        if (way * way >= least2 && (fabs(way) - ball->radius) * b->cosine[k] <= height)
-            rays |= 1u << k;
-    }
-    return rays;
 }
 
 /* Returns whether a ray may meet something so far along. */
@@ -346,50 +310,42 @@ static uint32_t find_meeting(const looker *l, const target *to, uint32_t splat, 
     return met | find_at_wall(l, to, region, rays & ~met, b);
 }
 
-/* Closes the rays that meet splats: most meet one that meets all rays of a slant, or did so at a
- * point before. */
-static void find_rays(const looker *l, bundle *b) {
+/* Closes the rays that meet splats which are close to the place, or have met all rays of a slant
+ * last. */
+static void close_rays(const looker *l, bundle *b) {
     for (int k = 0; k < l->likely_count && b->open; ++k)
         b->open &= ~find_meeting(l, &l->splats, l->likely[k], b->open, b);
     for (size_t k = 0; k < l->near_count && b->open; ++k) {
-        const ball *near = &l->near[k];
-        uint32_t rays = is_near(l, near) ? rays_into(l, &l->splats, near, b) : 0;
-        if (rays) b->open &= ~find_meeting(l, &l->splats, near->splat, rays, b);
+        if (is_close(l, &l->near[k]))
+            b->open &= ~find_meeting(l, &l->splats, l->near[k].splat, b->open, b);
     }
 }
 
-/* The search for the open rays of a place that hiders hide. */
-typedef struct hiding {
+/* The search for a splat of a target that one ray meets. */
+typedef struct meeting {
     const looker *looker;
+    const target *target;
     const bundle *bundle;
-    uint32_t hidden; /* a bit for each */
-} hiding;
+    uint32_t ray; /* its bit */
+    int is_met;
+} meeting;
 
-static int hide_rays(void *user, uint32_t hider) {
-    hiding *h = user;
-    const looker *l = h->looker;
-    uint32_t rays = rays_into(l, &l->hiders, &l->hiders.balls[hider], h->bundle) & ~h->hidden;
-    if (rays) h->hidden |= find_meeting(l, &l->hiders, hider, rays, h->bundle);
-    return h->hidden == h->bundle->open;
+static int meet(void *user, uint32_t splat) {
+    meeting *m = user;
+    m->is_met = find_meeting(m->looker, m->target, splat, m->ray, m->bundle) != 0;
+    return m->is_met;
 }
 
-/* Leaves out the rays that no hider hides. */
-static void leave_hidden(const looker *l, bundle *b) {
-    hiding h = {l, b, 0};
-    if (!l->hiders.measured || !b->open) return;
-    visit_hiders(l, far_of(&l->hiders), hide_rays, &h);
-    b->open = h.hidden;
-}
-
-/* Closes the rays that meet splats, and leaves out those that no hider hides. Few hiders leave few
- * rays, and are asked first; as many as there are splats hide most rays, and are asked about what
- * these have left. */
-static void find_open(const looker *l, bundle *b) {
-    const psplat_measured_splats *hiders = l->hiders.measured;
-    int few = hiders && hiders->count < l->splats.measured->count / 2;
-    if (few) leave_hidden(l, b);
-    find_rays(l, b);
-    if (!few) leave_hidden(l, b);
+/* Returns whether ray k meets a splat of a target. */
+static int meets_any(const looker *l, const target *t, const bundle *b, uint32_t k) {
+    const psplat_sight *sight = &b->sights[k];
+    double from[3], to[3], away = t->height / b->cosine[k] * (1 + rounding);
+    meeting m = {l, t, b, 1u << k, 0};
+    along3(from, sight->point, -away, sight->direction);
+    along3(to, sight->point, away, sight->direction);
+    psplat_region_tree_visit_segment(t->measured->region_tree, from, to, t->measured->wall, meet,
+                                     &m);
+    return m.is_met;
 }
 
 /* Finds the triangle that is nearest to a place beyond a rim. */
@@ -404,23 +360,39 @@ static psplat_result find_triangle(looker *l, place *at) {
     return PSPLAT_OK;
 }
 
-/* Stores whether a ray that meets no splat is a hole: whether it sees the surface from outside,
- * inside of its outline, which few rays do not, and which short ways tell. */
-static psplat_result see(const looker *l, psplat_sight sight, double cosine, int *is_hole) {
-    const psplat_ray_search *search = l->plan->search;
-    double tolerance = l->splats.height;
-    psplat_result result =
-        psplat_sight_is_inner(&sight, l->normal, cosine, search->distance, tolerance, is_hole);
-    if (result || !*is_hole) return result;
+/* Stores whether a ray sees the surface from outside, inside of its outline. Of rays that pass all
+ * close splats few do, which short ways tell of most. */
+static psplat_result find_seeing(const looker *l, const psplat_sight *sight, double cosine,
+                                 int *sees) {
+    const psplat_distance *distance = l->plan->search->distance;
+    double tolerance = l->splats.height, bend = bend_tolerances * tolerance / cosine, behind[3];
+    psplat_sight from = *sight;
+    psplat_result result = PSPLAT_OK;
+    *sees = 1;
     if (l->plan->rims) {
-        double behind[3], bend = bend_tolerances * tolerance / cosine;
-        along3(behind, sight.point, -bend, sight.direction);
-        along3(sight.point, sight.point, bend, sight.direction);
-        result = psplat_distance_meets(search->distance, sight.point, behind, is_hole);
-        if (result || !*is_hole) return result;
+        along3(behind, sight->point, -bend, sight->direction);
+        along3(from.point, sight->point, bend, sight->direction);
+        result = psplat_distance_meets(distance, from.point, behind, sees);
     }
-    return psplat_sight_is_free(&sight, search->distance, way_diagonals * search->surface->diagonal,
-                                is_hole);
+    if (!result && *sees)
+        result = psplat_sight_is_inner(sight, l->normal, cosine, distance, tolerance, sees);
+    if (!result && *sees)
+        result = psplat_sight_is_free(&from, distance,
+                                      way_diagonals * l->plan->search->surface->diagonal, sees);
+    return result;
+}
+
+/* Stores whether ray k, which meets no close splat, is a hole. Few hiders leave few rays, and are
+ * asked first; as many as there are splats hide most rays. */
+static psplat_result find_hole(const looker *l, const bundle *b, uint32_t k, int *is_hole) {
+    const target *hiders = l->hiders.measured ? &l->hiders : NULL;
+    int few = hiders && hiders->measured->count < l->splats.measured->count / 2;
+    *is_hole = !few || meets_any(l, hiders, b, k);
+    if (!*is_hole) return PSPLAT_OK;
+    psplat_result result = find_seeing(l, &b->sights[k], b->cosine[k], is_hole);
+    *is_hole = *is_hole && !meets_any(l, &l->splats, b, k) &&
+               (!hiders || few || meets_any(l, hiders, b, k));
+    return result;
 }
 
 /* Finds which rays of a place are holes. */
@@ -442,14 +414,13 @@ static psplat_result measure_place(looker *l, size_t i) {
     l->lift = at->lift;
     l->hiders.reach = (l->hiders.height + fabs(l->lift)) / l->plan->cosines[0] * (1 + rounding);
     make_rays(l->plan, i, l->plan->around * l->met, &b);
-    find_open(l, &b);
-    for (uint32_t k = 0; k < RAYS && b.open && !result; ++k) {
+    close_rays(l, &b);
+    for (uint32_t k = 0; k < RAYS && !result; ++k) {
         int is_hole;
         if (!(b.open & (1u << k))) continue;
-        result = see(l, b.sights[k], b.cosine[k], &is_hole);
-        if (!result && !is_hole) b.open &= ~(1u << k);
+        result = find_hole(l, &b, k, &is_hole);
+        at->open |= (uint32_t)is_hole << k;
     }
-    at->open = b.open;
     return result;
 }
 
@@ -490,8 +461,7 @@ static looker looker_of(const ray_plan *plan) {
                 .hiders = {hiders, plan->hiders, hiding * splats->tolerance, 0},
                 .far_of_hiders = farther * reach + (hiders ? hiders->wall : 0),
                 .guess = PSPLAT_NONE,
-                .low = {HUGE_VAL, HUGE_VAL, HUGE_VAL},
-                .beside_low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
+                .low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}};
     for (int k = 0; k < plan->slants; ++k) {
         double cosine = plan->cosines[k];
         l.cones[k] = (psplat_sight_cone){cosine, sqrt(1 - cosine * cosine)};
@@ -562,32 +532,17 @@ static psplat_result measure_rims(ray_plan plan, psplat_ray_holes *holes) {
     return result;
 }
 
-/* Returns the ball of a splat: around its box, of which lines have cut off, or around all of its
- * ellipse, whichever is smaller. */
-static ball ball_of(const psplat_measured_splats *splats, uint32_t splat) {
-    const psplat_region *region = &splats->regions[splat];
-    ball b = {
-        .radius = psplat_region_reach(region), .bend = psplat_region_bend(region), .splat = splat};
-    double low[3], high[3], middle[3];
-    memcpy(b.center, region->center, sizeof b.center);
-    psplat_region_tree_box(splats->region_tree, splat, low, high);
-    for (int k = 0; k < 3; ++k) middle[k] = low[k] / 2 + high[k] / 2;
-    double half = sqrt(distance2_3(middle, high));
-    if (half < b.radius) {
-        b.radius = half;
-        memcpy(b.center, middle, sizeof b.center);
-    }
-    b.radius += splats->wall;
-    b.radius +=
-        rounding * (b.radius + max2(max2(fabs(middle[0]), fabs(middle[1])), fabs(middle[2])));
-    return b;
-}
-
 /* Returns the balls of splats, none for NULL. The caller frees them; NULL when out of memory. */
 static ball *make_balls(const psplat_measured_splats *splats) {
     size_t count = splats ? splats->count : 0;
     ball *balls = malloc((count + 1) * sizeof *balls);
-    for (size_t i = 0; balls && i < count; ++i) balls[i] = ball_of(splats, (uint32_t)i);
+    for (size_t i = 0; balls && i < count; ++i) {
+        const psplat_region *region = &splats->regions[i];
+        balls[i] = (ball){.radius = psplat_region_reach(region),
+                          .bend = psplat_region_bend(region),
+                          .splat = (uint32_t)i};
+        memcpy(balls[i].center, region->center, sizeof balls[i].center);
+    }
     return balls;
 }
 

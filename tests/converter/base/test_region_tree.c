@@ -147,6 +147,73 @@ static void test_sound(void **state) {
     psplat_region_tree_destroy(region_tree);
 }
 
+/* Returns whether a box, grown by a length, holds a point of a segment: it is clipped by one pair
+ * of sides after the other. */
+static int box_cuts(const extent *e, double length, const double from[3], const double to[3]) {
+    double first = 0, last = 1;
+    for (int k = 0; k < 3; ++k) {
+        double way = to[k] - from[k], low = e->low[k] - length, high = e->high[k] + length;
+        if (way == 0) {
+            if (from[k] < low || from[k] > high) return 0;
+            continue;
+        }
+        double in = ((way > 0 ? low : high) - from[k]) / way;
+        double out = ((way > 0 ? high : low) - from[k]) / way;
+        first = max2(first, in);
+        last = min2(last, out);
+    }
+    return first <= last;
+}
+
+/* Makes a segment: any one, one along an axis, or a point. */
+static void make_segment(int kind, double scale, uint64_t *random, double from[3], double to[3]) {
+    for (int k = 0; k < 3; ++k) {
+        from[k] = scale * (1.4 * psplat_random_unit(random) - 0.2);
+        to[k] = from[k];
+        if (kind % 4 < 2 || (kind % 4 == 2 && k == kind / 4 % 3))
+            to[k] += scale * (psplat_random_unit(random) - 0.5);
+    }
+}
+
+/* Segments find the regions whose boxes they meet, grown by what is asked for, and no others. */
+static void test_segments(void **state) {
+    (void)state;
+    enum { COUNT = 300 };
+    static psplat_region regions[COUNT];
+    static extent inner[COUNT], outer[COUNT];
+    const double scales[] = {1, 1e-9, 1e9};
+    uint64_t random = 14;
+    for (int s = 0; s < 3; ++s) {
+        double reach = 0.01 * scales[s], from[3], to[3];
+        size_t found = 0, missed = 0;
+        make_regions(regions, COUNT, scales[s], &random);
+        for (size_t r = 0; r < COUNT; ++r) extents_of(&regions[r], &inner[r], &outer[r]);
+        psplat_region_tree *region_tree = psplat_region_tree_create(regions, COUNT, reach);
+        assert_non_null(region_tree);
+        for (int i = 0; i < 400; ++i) {
+            double length = i % 3 ? 0.05 * scales[s] * psplat_random_unit(&random) : 0;
+            visits v = {.total = 0};
+            make_segment(i, scales[s], &random, from, to);
+            psplat_region_tree_visit_segment(region_tree, from, to, length, visit, &v);
+            for (size_t r = 0; r < COUNT; ++r) {
+                assert_true(v.counts[r] <= 1);
+                if (box_cuts(&inner[r], (reach + length) * (1 - 1e-9), from, to))
+                    assert_int_equal(v.counts[r], 1);
+                if (!box_cuts(&outer[r], (reach + length) * (1 + 1e-9), from, to))
+                    assert_int_equal(v.counts[r], 0);
+            }
+            found += v.total;
+            missed += COUNT - v.total;
+            if (v.total < 2) continue;
+            visits first = {.stop_after = 2};
+            psplat_region_tree_visit_segment(region_tree, from, to, length, visit, &first);
+            assert_int_equal(first.total, 2);
+        }
+        assert_true(found > 400 && missed > 400); /* There was something to find, and to miss. */
+        psplat_region_tree_destroy(region_tree);
+    }
+}
+
 /* There are no regions, or many that no plane can separate. */
 static void test_degenerate(void **state) {
     (void)state;
@@ -236,9 +303,8 @@ static void test_curved(void **state) {
 
 int test_region_tree_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random),
-        cmocka_unit_test(test_sound),
-        cmocka_unit_test(test_degenerate),
+        cmocka_unit_test(test_random),   cmocka_unit_test(test_sound),
+        cmocka_unit_test(test_segments), cmocka_unit_test(test_degenerate),
         cmocka_unit_test(test_curved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -248,6 +248,50 @@ static int is_among(const psplat_ray_holes *some, const psplat_ray_holes *all) {
     return 1;
 }
 
+/* Small splats a few tolerances beside a crack close the flat rays through it that meet them, as
+ * one by one tells, and no others. */
+static void test_far(void **state) {
+    (void)state;
+    enum { ROW = 60, POINTS_OF_CRACK = 100000 };
+    const double width = 0.5 * tolerance, radius = tolerance, away = 3 * tolerance;
+    psplat_region regions[ROW + 2] = {half(-1, middle, 0), half(1, middle + width, 0)};
+    fixture f;
+    size_t kept = 0;
+    begin_square(&f);
+    for (int i = 0; i < ROW; ++i)
+        regions[i + 2] =
+            (psplat_region){.center = {middle + away, (i + 0.5) / ROW, 0.8 * tolerance},
+                            .u = {1, 0, 0},
+                            .v = {0, 1, 0},
+                            .n = {0, 0, 1},
+                            .radius = {radius, radius}};
+    psplat_measured_splats measured = {
+        .regions = regions, .count = ROW + 2, .tolerance = tolerance};
+    measured.region_tree = psplat_region_tree_create(regions, measured.count, 0);
+    assert_non_null(measured.region_tree);
+    const psplat_ray_search search = {.surface = &f.surface,
+                                      .measured = &measured,
+                                      .distance = f.distance,
+                                      .points = POINTS_OF_CRACK,
+                                      .seed = 3};
+    psplat_ray_holes all = find_crack(&f, 0, width, POINTS_OF_CRACK, 0, NULL), some;
+    assert_int_equal(psplat_ray_holes_find(&search, &some), PSPLAT_OK);
+    for (size_t i = 0; i < all.count; ++i) {
+        int closed = 0;
+        for (int k = 2; k < ROW + 2 && !closed; ++k)
+            closed = psplat_ray_hole_is_closed(&all.holes[i], &regions[k], tolerance);
+        kept += (size_t)!closed;
+    }
+    print_message("%zu rays, %zu with splats beside the crack\n", all.count, some.count);
+    assert_int_equal(some.count, kept);
+    assert_true(is_among(&some, &all));
+    assert_true(all.count > kept + 20);
+    psplat_region_tree_destroy(measured.region_tree);
+    psplat_ray_holes_free(&all);
+    psplat_ray_holes_free(&some);
+    fixture_free(&f);
+}
+
 enum { HIDERS = 4 };
 
 /* Makes small curved splats under the crack: the first within the tolerance of the square, the
@@ -347,9 +391,9 @@ static void test_threads(void **state) {
 
 int test_ray_holes_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps),  cmocka_unit_test(test_walls),
-        cmocka_unit_test(test_shows),  cmocka_unit_test(test_cracks),
-        cmocka_unit_test(test_hiders), cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_steps),   cmocka_unit_test(test_walls), cmocka_unit_test(test_shows),
+        cmocka_unit_test(test_cracks),  cmocka_unit_test(test_far),   cmocka_unit_test(test_hiders),
+        cmocka_unit_test(test_threads),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
