@@ -150,8 +150,39 @@ static void build(psplat_region_tree *tree, uint32_t index, uint32_t begin, uint
     build(tree, child + 1, split, end);
 }
 
-psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size_t count,
-                                              double reach) {
+/* What rounding may make of u and v, in parts of them, with the slack of what splats cover
+ * (measured_splats.c). */
+static const double covering_slack = 1e-5;
+
+/* Returns the greatest slope of a surface over the circumscribed polygon, cut by the clip lines:
+ * since slopes are linear, it is at a corner. */
+static double steepest_slope(const psplat_region *region) {
+    double outline[POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES][2], steepest2 = 0;
+    size_t count = psplat_region_polygon(region, 0, outline, POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES);
+    for (size_t i = 0; i < count && psplat_region_is_curved(region); ++i) {
+        double slope[2];
+        psplat_region_slope(region, outline[i], slope);
+        steepest2 = max2(steepest2, slope[0] * slope[0] + slope[1] * slope[1]);
+    }
+    return sqrt(steepest2);
+}
+
+/* Returns the box around all that a region covers: the height over its plane is that over its
+ * surface times the root of 1 + slope^2. */
+static box covering_box(const psplat_region *region, double tolerance) {
+    double slope = steepest_slope(region), high = tolerance * sqrt(1 + slope * slope);
+    double slack = covering_slack * ((region->radius[0] + region->radius[1]) * (1 + slope) + high);
+    box result = region_box(region, 0);
+    for (int k = 0; k < 3; ++k) {
+        double away = fabs(region->n[k]) * high + slack;
+        result.low[k] -= away;
+        result.high[k] += away;
+    }
+    return result;
+}
+
+static psplat_region_tree *create(const psplat_region *regions, size_t count, double length,
+                                  box (*box_of)(const psplat_region *region, double length)) {
     psplat_region_tree *tree = calloc(1, sizeof *tree);
     if (!tree) return NULL;
     tree->boxes = malloc((count + 1) * sizeof *tree->boxes);
@@ -162,13 +193,23 @@ psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size
         return NULL;
     }
     for (uint32_t i = 0; i < count; ++i) {
-        tree->boxes[i] = region_box(&regions[i], reach);
+        tree->boxes[i] = box_of(&regions[i], length);
         tree->order[i] = i;
     }
     if (!count) return tree;
     tree->node_count = 1;
     build(tree, 0, 0, (uint32_t)count);
     return tree;
+}
+
+psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size_t count,
+                                              double reach) {
+    return create(regions, count, reach, region_box);
+}
+
+psplat_region_tree *psplat_region_tree_create_covering(const psplat_region *regions, size_t count,
+                                                       double tolerance) {
+    return create(regions, count, tolerance, covering_box);
 }
 
 static int meets(const box *b, const double low[3], const double high[3]) {

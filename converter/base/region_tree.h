@@ -16,6 +16,12 @@ typedef struct psplat_region_tree psplat_region_tree;
 psplat_region_tree *psplat_region_tree_create(const psplat_region *regions, size_t count,
                                               double reach);
 
+/* Builds a tree of the boxes around all points that lie over the regions, or under them, as
+ * psplat_region_contains has it, and no farther from their surfaces than a tolerance, as
+ * psplat_region_local tells. That is all that these cover, in boxes that are hardly larger. */
+psplat_region_tree *psplat_region_tree_create_covering(const psplat_region *regions, size_t count,
+                                                       double tolerance);
+
 /* Calls visit with the index of each region whose box, grown by reach, holds the point, until visit
  * returns other than 0. */
 void psplat_region_tree_visit(const psplat_region_tree *region_tree, const double point[3],

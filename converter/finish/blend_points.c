@@ -106,8 +106,8 @@ static psplat_result measure_selection(const psplat_conversion *c,
     if (!measured->regions) return PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; i < selection->count; ++i)
         measured->regions[i] = selection->candidates[i].region;
-    measured->region_tree = psplat_region_tree_create(measured->regions, selection->count,
-                                                      2 * PSPLAT_STEEPEST_REACH * c->tolerance);
+    measured->region_tree =
+        psplat_region_tree_create(measured->regions, selection->count, 2 * c->tolerance);
     return measured->region_tree ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
 }
 

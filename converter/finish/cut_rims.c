@@ -43,8 +43,6 @@ static const double nearest_line = 0.8, farthest_line = 0.9, whole_beyond = 0.1;
 /* How far beyond the samples that it is needed for a splat reaches, in their spacings, and beyond
  * rays that it stops, in tolerances. */
 static const double margin_spacings = 0.5, spare_tolerances = 0.15;
-/* How far above or below another splat, in tolerances, a rim is on the same surface. */
-static const double same_surface_tolerances = 2;
 /* The points of a rim at which it is measured how far it shows, and the directions of lines. */
 enum { SIDES = 48 };
 
@@ -90,7 +88,7 @@ static int visit_other(void *user, uint32_t splat) {
     const psplat_region *region = &s->splats->regions[splat];
     double uvh[3];
     psplat_region_local(region, s->point, uvh);
-    if (splat != s->self && fabs(uvh[2]) <= same_surface_tolerances * s->splats->tolerance &&
+    if (splat != s->self && fabs(uvh[2]) <= PSPLAT_SAME_SURFACE_TOLERANCES * s->splats->tolerance &&
         psplat_region_contains(region, uvh, 1, 0) && dot3(region->n, s->normal) > 0)
         s->step = min2(s->step, uvh[2]);
     return 0;

@@ -72,8 +72,8 @@ static psplat_result find_crossed(mender *m, const uint8_t *asked) {
         measured.regions[measured.count++] = selection->candidates[i].region;
     }
     if (!result)
-        measured.region_tree = psplat_region_tree_create(measured.regions, measured.count,
-                                                         PSPLAT_STEEPEST_REACH * c->tolerance);
+        measured.region_tree =
+            psplat_region_tree_create_covering(measured.regions, measured.count, c->tolerance);
     if (!measured.region_tree) result = PSPLAT_ERROR_MEMORY;
     if (!result)
         result = psplat_crease_crossings_find(&c->surface, &m->points, &measured, c->tolerance,

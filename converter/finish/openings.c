@@ -37,8 +37,8 @@ psplat_result psplat_shrunk_begin(psplat_conversion *c, psplat_shrunk *shrunk) {
     if (!shrunk->splats || !shrunk->before.regions) return PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; i < count; ++i)
         shrunk->before.regions[i] = c->selection.candidates[i].region;
-    shrunk->before.region_tree = psplat_region_tree_create(
-        shrunk->before.regions, count, PSPLAT_STEEPEST_REACH * c->limits.tolerance);
+    shrunk->before.region_tree = psplat_region_tree_create_covering(
+        shrunk->before.regions, count, PSPLAT_SAME_SURFACE_TOLERANCES * c->limits.tolerance);
     return shrunk->before.region_tree ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
 }
 

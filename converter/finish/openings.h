@@ -15,6 +15,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* How far above or below a splat, in tolerances, a point is on the same surface. */
+#define PSPLAT_SAME_SURFACE_TOLERANCES 2.0
+
 /* A ray that meets nothing where it sees the surface, or a hole. */
 typedef struct psplat_opening {
     const psplat_ray_hole *ray; /* NULL: it is a hole */
@@ -31,8 +34,9 @@ typedef struct psplat_smaller {
 /* A selection of which a step has made some splats smaller. */
 typedef struct psplat_shrunk {
     psplat_conversion *c;
-    /* The regions of all candidates as they were; no fields; owned. Its wall, 0 at first, is that
-     * of which splats get back what stops a ray. */
+    /* The regions of all candidates as they were; no fields; owned. Its tree finds those on whose
+     * surface a point is. Its wall, 0 at first, is that of which splats get back what stops a ray.
+     */
     psplat_measured_splats before;
     psplat_smaller *splats; /* one for each of these; owned, all 0 at first */
     /* Gives a splat back what closes an opening. Returns whether that changes it. May clear

@@ -512,9 +512,7 @@ static int changes_begin(changes *c, psplat_hole_memory *memory, size_t items,
     int ok = c->now && gone && find_again(c, measured->regions, measured->count);
     for (size_t i = 0; ok && i < memory->region_count; ++i)
         if (c->now[i] == open_part) gone[count++] = memory->regions[i];
-    if (ok)
-        c->changed =
-            psplat_region_tree_create(gone, count, PSPLAT_STEEPEST_REACH * measured->tolerance);
+    if (ok) c->changed = psplat_region_tree_create_covering(gone, count, measured->tolerance);
     free(gone);
     return c->changed != NULL;
 }

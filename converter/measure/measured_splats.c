@@ -75,10 +75,26 @@ void psplat_blend_field_normal(const psplat_blend_field *field, const double uv[
     mad3(normal, uv[1], field->normals[2]);
 }
 
+/* How much wider the tolerance is, in parts of it. */
+static const double tolerance_slack = 1e-6;
+
+psplat_result psplat_measured_splats_create_covering(const psplat_splats *splats, double tolerance,
+                                                     psplat_measured_splats *measured) {
+    *measured = (psplat_measured_splats){.count = splats->count,
+                                         .tolerance = tolerance * (1 + tolerance_slack)};
+    measured->regions = psplat_splat_regions(splats);
+    if (measured->regions)
+        measured->region_tree = psplat_region_tree_create_covering(measured->regions, splats->count,
+                                                                   measured->tolerance);
+    if (measured->region_tree) return PSPLAT_OK;
+    psplat_measured_splats_free(measured);
+    return PSPLAT_ERROR_MEMORY;
+}
+
 psplat_result psplat_measured_splats_create(const psplat_splats *splats, double tolerance,
                                             double reach, psplat_measured_splats *measured) {
-    *measured =
-        (psplat_measured_splats){.count = splats->count, .tolerance = tolerance * (1 + 1e-6)};
+    *measured = (psplat_measured_splats){.count = splats->count,
+                                         .tolerance = tolerance * (1 + tolerance_slack)};
     measured->regions = psplat_splat_regions(splats);
     measured->fields = malloc((splats->count + 1) * sizeof *measured->fields);
     measured->materials = calloc(splats->count + 1, sizeof *measured->materials);

@@ -49,6 +49,11 @@ typedef struct psplat_measured_splats {
 psplat_result psplat_measured_splats_create(const psplat_splats *splats, double tolerance,
                                             double reach, psplat_measured_splats *measured);
 
+/* Prepares the regions of splats alone, for what they cover: the tree finds those that cover a
+ * point. psplat_measured_splats_free frees *measured. Fails only with PSPLAT_ERROR_MEMORY. */
+psplat_result psplat_measured_splats_create_covering(const psplat_splats *splats, double tolerance,
+                                                     psplat_measured_splats *measured);
+
 /* Frees all that measured owns, and zeroes it. */
 void psplat_measured_splats_free(psplat_measured_splats *measured);
 

@@ -71,9 +71,7 @@ psplat_result psplat_find_holes(psplat_conversion *c, int inside_seams, psplat_h
     double tolerance = c->limits.tolerance, spacing = c->samples.spacing;
     *holes = (psplat_holes){0};
     psplat_result result = psplat_sort_splats(&c->selection, &storing, c->splats);
-    if (!result)
-        result = psplat_measured_splats_create(c->splats, tolerance,
-                                               PSPLAT_STEEPEST_REACH * tolerance, &measured);
+    if (!result) result = psplat_measured_splats_create_covering(c->splats, tolerance, &measured);
     if (result) return result;
     double coarse = cube_side_spacings * spacing;
     double fine = fmin(least_hole_spacings * spacing, least_hole_tolerances * tolerance);

@@ -301,11 +301,57 @@ static void test_curved(void **state) {
     assert_true(widest < 1);
 }
 
+/* Returns whether the tree finds its only region at a point. */
+static int finds(const psplat_region_tree *region_tree, const double point[3]) {
+    visits v = {.total = 0};
+    psplat_region_tree_visit(region_tree, point, visit, &v);
+    return v.total == 1;
+}
+
+/* Boxes hold all that regions cover, also where these are steep, and around a flat one nothing
+ * beside it, nor above. */
+static void test_covering(void **state) {
+    (void)state;
+    const double tolerance = 0.1;
+    const psplat_region flat = {.u = {1, 0, 0}, .v = {0, 1, 0}, .n = {0, 0, 1}, .radius = {2, 1}};
+    uint64_t random = 15;
+    size_t covered = 0;
+    for (uint32_t i = 0; i < 120; ++i) {
+        psplat_region r = curved_region(&random, i % 3 ? 0.7 : 4, i / 3 % 4);
+        psplat_region_tree *region_tree = psplat_region_tree_create_covering(&r, 1, tolerance);
+        assert_non_null(region_tree);
+        for (int k = 0; k < 2000; ++k) {
+            double angle = 2 * fixture_pi * psplat_random_unit(&random);
+            double radius = k % 2 ? 1 : sqrt(psplat_random_unit(&random));
+            double p[3], uvh[3], side = k % 4 < 2 ? -1 : 1;
+            const double uv[2] = {radius * cos(angle), radius * sin(angle)};
+            psplat_region_point(&r, uv, p);
+            mad3(p, side * 3.5 * tolerance * psplat_random_unit(&random), r.n);
+            psplat_region_local(&r, p, uvh);
+            if (fabs(uvh[2]) > tolerance || !psplat_region_contains(&r, uvh, 1 + 2e-6, 2e-6))
+                continue;
+            ++covered;
+            assert_true(finds(region_tree, p));
+        }
+        psplat_region_tree_destroy(region_tree);
+    }
+    print_message("%zu points are covered\n", covered);
+    assert_true(covered > 20000);
+    psplat_region_tree *region_tree = psplat_region_tree_create_covering(&flat, 1, tolerance);
+    assert_non_null(region_tree);
+    const double on[3] = {1.9, 0, 0.99 * tolerance}, above[3] = {0, 0, 1.01 * tolerance};
+    const double beside[3] = {2.02, 0, 0}; /* The polygon is not wider on the axes. */
+    assert_true(finds(region_tree, on));
+    assert_false(finds(region_tree, above));
+    assert_false(finds(region_tree, beside));
+    psplat_region_tree_destroy(region_tree);
+}
+
 int test_region_tree_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random),   cmocka_unit_test(test_sound),
         cmocka_unit_test(test_segments), cmocka_unit_test(test_degenerate),
-        cmocka_unit_test(test_curved),
+        cmocka_unit_test(test_curved),   cmocka_unit_test(test_covering),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
