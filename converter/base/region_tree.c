@@ -150,16 +150,17 @@ static void build(psplat_region_tree *tree, uint32_t index, uint32_t begin, uint
     build(tree, child + 1, split, end);
 }
 
-/* What rounding may make of u and v, in parts of them, with the slack of what splats cover
- * (measured_splats.c). */
+/* How much wider boxes of what regions cover are, in radii: corners between lines move farther out
+ * than the slack of these (rounding_slack in measured_splats.c). */
 static const double covering_slack = 1e-5;
 
 /* Returns the greatest slope of a surface over the circumscribed polygon, cut by the clip lines:
  * since slopes are linear, it is at a corner. */
 static double steepest_slope(const psplat_region *region) {
     double outline[POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES][2], steepest2 = 0;
+    if (!psplat_region_is_curved(region)) return 0;
     size_t count = psplat_region_polygon(region, 0, outline, POLYGON_SIDES + PSPLAT_MAX_CLIP_LINES);
-    for (size_t i = 0; i < count && psplat_region_is_curved(region); ++i) {
+    for (size_t i = 0; i < count; ++i) {
         double slope[2];
         psplat_region_slope(region, outline[i], slope);
         steepest2 = max2(steepest2, slope[0] * slope[0] + slope[1] * slope[1]);
@@ -181,6 +182,7 @@ static box covering_box(const psplat_region *region, double tolerance) {
     return result;
 }
 
+/* Builds a tree of boxes that a function makes of regions and a length. */
 static psplat_region_tree *create(const psplat_region *regions, size_t count, double length,
                                   box (*box_of)(const psplat_region *region, double length)) {
     psplat_region_tree *tree = calloc(1, sizeof *tree);

@@ -64,9 +64,9 @@ static const double line_slack = 1e-6;
 
 /* One point of a crease where a candidate has a clip line, and the surfaces across from there. */
 typedef struct crease_point {
-    const psplat_surface *surface;
-    const psplat_candidate *candidates;
-    uint32_t patch; /* across the crease */
+    const psplat_region *regions;
+    const uint32_t *patches; /* of each region */
+    uint32_t patch;          /* across the crease */
     double tolerance;
     double point[3];   /* on the crease */
     double foot[3];    /* the point of the candidate's surface next to it */
@@ -76,8 +76,8 @@ typedef struct crease_point {
 
 static int visit_neighbor(void *user, uint32_t index) {
     crease_point *c = user;
-    const psplat_region *other = &c->candidates[index].region;
-    if (c->surface->patches[c->candidates[index].triangle] != c->patch) return 0;
+    const psplat_region *other = &c->regions[index];
+    if (c->patches[index] != c->patch) return 0;
     double uvh[3], d[3], normal[3];
     psplat_region_local(other, c->point, uvh);
     psplat_region_normal(other, uvh, normal);
@@ -119,7 +119,9 @@ static double line_outward(const psplat_region *region, uint32_t i, const double
 /* What the threads need for each candidate. */
 typedef struct closer {
     psplat_selection *selection;
-    const psplat_region_tree *region_tree;
+    psplat_region *regions; /* of the candidates, as they were */
+    uint32_t *patches;      /* that these lie on */
+    psplat_region_tree *region_tree;
     double (*moves)[PSPLAT_MAX_CLIP_LINES]; /* of the lines of each candidate */
 } closer;
 
@@ -141,8 +143,8 @@ static void find_move_at_point(const psplat_fit_context *context, const closer *
                                const psplat_segment *segment, double moves[], double limits[]) {
     uint32_t across = segment->across;
     const psplat_surface *surface = context->surface;
-    crease_point c = {.surface = surface,
-                      .candidates = closer->selection->candidates,
+    crease_point c = {.regions = closer->regions,
+                      .patches = closer->patches,
                       .patch = across == PSPLAT_NONE ? PSPLAT_NONE : surface->patches[across],
                       .move = HUGE_VAL,
                       .tolerance = context->limits->tolerance};
@@ -233,20 +235,24 @@ static psplat_result move_lines(const psplat_fit_context *context, size_t index,
 
 psplat_result psplat_close_seams(const psplat_fit_context *context, psplat_selection *selection) {
     size_t count = selection->count;
-    psplat_region *regions = malloc((count + 1) * sizeof *regions);
-    double(*moves)[PSPLAT_MAX_CLIP_LINES] = calloc(count + 1, sizeof *moves);
-    psplat_region_tree *region_tree = NULL;
-    for (size_t i = 0; regions && i < count; ++i) regions[i] = selection->candidates[i].region;
-    if (regions)
-        region_tree = psplat_region_tree_create(regions, count, context->limits->tolerance);
-    closer c = {.selection = selection, .region_tree = region_tree, .moves = moves};
+    closer c = {.selection = selection,
+                .regions = malloc((count + 1) * sizeof *c.regions),
+                .patches = malloc((count + 1) * sizeof *c.patches),
+                .moves = calloc(count + 1, sizeof *c.moves)};
     psplat_result result = PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; c.regions && c.patches && i < count; ++i) {
+        c.regions[i] = selection->candidates[i].region;
+        c.patches[i] = context->surface->patches[selection->candidates[i].triangle];
+    }
+    if (c.regions && c.patches && c.moves)
+        c.region_tree = psplat_region_tree_create(c.regions, count, context->limits->tolerance);
     /* All moves are found before any line moves, so that the order of candidates does not matter.
      */
-    if (region_tree && moves) result = psplat_fit_each(context, count, find_moves, &c);
+    if (c.region_tree) result = psplat_fit_each(context, count, find_moves, &c);
     if (!result) result = psplat_fit_each(context, count, move_lines, &c);
-    psplat_region_tree_destroy(region_tree);
-    free(regions);
-    free(moves);
+    psplat_region_tree_destroy(c.region_tree);
+    free(c.regions);
+    free(c.patches);
+    free(c.moves);
     return result;
 }

@@ -47,16 +47,18 @@ static int is_level(const psplat_candidate *candidate, double most) {
     return !psplat_region_is_curved(&candidate->region) && candidate->deviation < most;
 }
 
+/* A splat is uneven, level with an uneven one beside it, or flat: level, with none of which that is
+ * known by now. */
+enum { UNEVEN, LEVEL, FLAT };
+
 /* The search for the splats beside others. */
 typedef struct sides {
     const psplat_region *regions;
-    uint8_t *levels;  /* of each splat: FLAT, LEVEL or neither */
+    uint8_t *levels;  /* of each splat: UNEVEN, LEVEL or FLAT */
     double tolerance; /* how near to a point a splat is beside it, a length */
     size_t index;     /* the splat that the point is of */
     const double *point;
 } sides;
-
-enum { UNEVEN, LEVEL, FLAT };
 
 /* Of two splats that lie beside each other and of which one is not level, neither is flat. */
 static int see_side(void *user, uint32_t other) {

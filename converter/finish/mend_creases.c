@@ -122,6 +122,7 @@ static psplat_result replace(mender *m, psplat_error *error) {
 static psplat_result find_changed(mender *m) {
     psplat_selection *selection = &m->c->selection;
     uint8_t *changed = malloc(selection->count + 1);
+    m->crossed = NULL;
     if (!changed) return PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; i < selection->count; ++i)
         changed[i] = !selection->candidates[i].is_within_creases;

@@ -15,7 +15,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* How far above or below a splat, in tolerances, a point is on the same surface. */
+/* How far above or below a splat, in tolerances, a point may lie to be on the same surface. */
 #define PSPLAT_SAME_SURFACE_TOLERANCES 2.0
 
 /* A ray that meets nothing where it sees the surface, or a hole. */
@@ -35,7 +35,8 @@ typedef struct psplat_smaller {
 typedef struct psplat_shrunk {
     psplat_conversion *c;
     /* The regions of all candidates as they were; no fields; owned. Its tree finds those on whose
-     * surface a point is. Its wall, 0 at first, is that of which splats get back what stops a ray.
+     * surface a point is; walls are less high than that. Its wall, 0 at first, is that of which
+     * splats get back what stops a ray.
      */
     psplat_measured_splats before;
     psplat_smaller *splats; /* one for each of these; owned, all 0 at first */

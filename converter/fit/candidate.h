@@ -29,7 +29,8 @@ typedef struct psplat_candidate {
     int ellipse_grown; /* 1 after psplat_grow_ellipse */
     int quantized;     /* 1 after psplat_quantize_candidate */
     int is_flat;       /* 1: has the depth tolerance of flat splats (finish/depth_tolerance.c) */
-    int is_within_creases; /* 1: no crease lies too deep in its region (finish/mend_creases.c) */
+    int is_within_creases; /* 1: no crease lies too deep in its region, as finish/mend_creases.c has
+                            * found; of use to nothing else */
     int failed_extensions; /* rays that it could not be extended to since it was extended last
                             * (finish/close_rays.c) */
 } psplat_candidate;

@@ -393,6 +393,7 @@ psplat_result psplat_candidate_set(const psplat_fit_context *context, const pspl
     candidate->region = evaluation->region;
     candidate->deviation = evaluation->deviation;
     candidate->triangle = site->triangle;
+    candidate->is_within_creases = 0;
     memcpy(candidate->field, evaluation->field, sizeof candidate->field);
     return PSPLAT_OK;
 }

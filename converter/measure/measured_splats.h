@@ -50,7 +50,8 @@ psplat_result psplat_measured_splats_create(const psplat_splats *splats, double 
                                             double reach, psplat_measured_splats *measured);
 
 /* Prepares the regions of splats alone, for what they cover: the tree finds those that cover a
- * point. psplat_measured_splats_free frees *measured. Fails only with PSPLAT_ERROR_MEMORY. */
+ * point, and there are no fields, materials or walls. psplat_measured_splats_free frees *measured.
+ * Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_measured_splats_create_covering(const psplat_splats *splats, double tolerance,
                                                      psplat_measured_splats *measured);
 

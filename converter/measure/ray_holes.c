@@ -47,10 +47,13 @@ static const double least_rim_gap = 0.02, greatest_rim_gap = 0.5;
  * the face stands for the surface around it, which may bend. */
 static const double bend_tolerances = 0.25;
 
-/* How far from a place splats are close, which are asked about all of its rays at once, and how far
- * about it those are looked for at the same time that are close to the places that follow, in
- * tolerances. */
-static const double close_tolerances = 0.5, around_tolerances = 4;
+/* Splats that are no farther from a place than this are close, and are asked about all of its rays
+ * at once. One that meets all rays of a cone meets the one along its axis within a tolerance, so
+ * that all such are close, whatever has been looked at before. */
+static const double close_tolerances = 1;
+/* The splats that are close to any place of a box around one are found together, since the places
+ * that follow mostly lie in that, too: half of its side, in tolerances. */
+static const double around_tolerances = 4;
 
 /* What rounding may make of lengths, in parts of them. */
 static const double rounding = 1e-9;
@@ -71,7 +74,7 @@ typedef struct bundle {
     uint32_t open; /* a bit for each */
 } bundle;
 
-/* A splat, and a sphere that holds it. */
+/* A splat, and a sphere around its centre that holds it. */
 typedef struct ball {
     double center[3], radius;
     double bend; /* of its region */
@@ -81,7 +84,7 @@ typedef struct ball {
 /* The places of a search, and their rays' slants. */
 typedef struct ray_plan {
     const psplat_ray_search *search;
-    const ball *balls, *hiders; /* of all splats, and of the hiders */
+    const ball *balls, *hiders; /* of all splats, and of the hiders, where only bends count */
     place *places;
     size_t count;
     const psplat_rim_point *rims; /* of each place; NULL: the places lie on the surface */
@@ -236,7 +239,7 @@ static int meet_cones(looker *l, uint32_t splat) {
     return !l->met;
 }
 
-/* Finds the cones of which all rays are met: splats that do that are close. */
+/* Finds the cones of which all rays are met. */
 static void find_cones(looker *l) {
     l->met = l->plan->slants;
     for (int k = 0; k < l->likely_count; ++k)
@@ -360,8 +363,8 @@ static psplat_result find_triangle(looker *l, place *at) {
     return PSPLAT_OK;
 }
 
-/* Stores whether a ray sees the surface from outside, inside of its outline. Of rays that pass all
- * close splats few do, which short ways tell of most. */
+/* Stores whether a ray sees the surface from outside, inside of its outline. Few of the rays that
+ * pass all close splats do, and of most others short ways tell. */
 static psplat_result find_seeing(const looker *l, const psplat_sight *sight, double cosine,
                                  int *sees) {
     const psplat_distance *distance = l->plan->search->distance;
@@ -383,7 +386,7 @@ static psplat_result find_seeing(const looker *l, const psplat_sight *sight, dou
 }
 
 /* Stores whether ray k, which meets no close splat, is a hole. Few hiders leave few rays, and are
- * asked first; as many as there are splats hide most rays. */
+ * asked first; as many as there are splats hide most rays, and are asked last. */
 static psplat_result find_hole(const looker *l, const bundle *b, uint32_t k, int *is_hole) {
     const target *hiders = l->hiders.measured ? &l->hiders : NULL;
     int few = hiders && hiders->measured->count < l->splats.measured->count / 2;

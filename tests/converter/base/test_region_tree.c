@@ -323,10 +323,12 @@ static void test_covering(void **state) {
         for (int k = 0; k < 2000; ++k) {
             double angle = 2 * fixture_pi * psplat_random_unit(&random);
             double radius = k % 2 ? 1 : sqrt(psplat_random_unit(&random));
-            double p[3], uvh[3], side = k % 4 < 2 ? -1 : 1;
+            double p[3], uvh[3], slope[2], side = k % 4 < 2 ? -1 : 1;
             const double uv[2] = {radius * cos(angle), radius * sin(angle)};
             psplat_region_point(&r, uv, p);
-            mad3(p, side * 3.5 * tolerance * psplat_random_unit(&random), r.n);
+            psplat_region_slope(&r, uv, slope);
+            double steep = hypot(1, hypot(slope[0], slope[1]));
+            mad3(p, side * steep * tolerance * psplat_random_unit(&random), r.n);
             psplat_region_local(&r, p, uvh);
             if (fabs(uvh[2]) > tolerance || !psplat_region_contains(&r, uvh, 1 + 2e-6, 2e-6))
                 continue;
