@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 #include "stage_fixture.h"
+#include "base/random.h"
 #include "base/region.h"
 #include "base/region_tree.h"
 #include "measure/measured_splats.h"
@@ -368,6 +369,14 @@ static void test_hiders(void **state) {
     fixture_free(&f);
 }
 
+static void assert_same(const psplat_ray_holes *a, const psplat_ray_holes *b) {
+    assert_int_equal(a->count, b->count);
+    for (size_t i = 0; i < a->count; ++i) {
+        assert_memory_equal(&a->holes[i].sight, &b->holes[i].sight, sizeof(psplat_sight));
+        assert_int_equal(a->holes[i].triangle, b->holes[i].triangle);
+    }
+}
+
 /* The number of threads changes nothing. */
 static void test_threads(void **state) {
     (void)state;
@@ -379,11 +388,58 @@ static void test_threads(void **state) {
     psplat_ray_holes three = find(&f, 1, 0.001);
     fixture_threads(0);
     assert_true(one.count > 0);
-    assert_int_equal(one.count, three.count);
-    for (size_t i = 0; i < one.count; ++i) {
-        assert_memory_equal(&one.holes[i].sight, &three.holes[i].sight, sizeof(psplat_sight));
-        assert_int_equal(one.holes[i].triangle, three.holes[i].triangle);
+    assert_same(&one, &three);
+    psplat_ray_holes_free(&one);
+    psplat_ray_holes_free(&three);
+    fixture_free(&f);
+}
+
+/* Finds the rays past the rims of splats, by so many threads. */
+static psplat_ray_holes find_past_rims(const fixture *f, const psplat_measured_splats *measured,
+                                       int threads) {
+    const psplat_ray_search search = {.surface = &f->surface,
+                                      .measured = measured,
+                                      .distance = f->distance,
+                                      .rim_spacing = 0.5 * tolerance,
+                                      .seed = 5};
+    psplat_ray_holes holes;
+    fixture_threads(threads);
+    assert_int_equal(psplat_ray_holes_find(&search, &holes), PSPLAT_OK);
+    fixture_threads(0);
+    return holes;
+}
+
+/* Nor does it where splats are tilted and lie above each other, so that what a thread remembers of
+ * the places before is of use for some rays alone. */
+static void test_layers(void **state) {
+    (void)state;
+    enum { LAYERED = 300 };
+    static psplat_region regions[LAYERED];
+    psplat_measured_splats measured = {
+        .regions = regions, .count = LAYERED, .tolerance = tolerance};
+    uint64_t random = 21;
+    fixture f;
+    begin_square(&f);
+    for (int i = 0; i < LAYERED; ++i) {
+        psplat_region *r = &regions[i];
+        double turn = 2 * fixture_pi * psplat_random_unit(&random);
+        double tilt = 0.7 * psplat_random_unit(&random), c = cos(tilt), s = sin(tilt);
+        *r = (psplat_region){.u = {c * cos(turn), c * sin(turn), s},
+                             .v = {-sin(turn), cos(turn), 0},
+                             .n = {-s * cos(turn), -s * sin(turn), c},
+                             .radius = {6 * tolerance, 4 * tolerance}};
+        for (int k = 0; k < 2; ++k)
+            r->center[k] = 0.5 + 30 * tolerance * (psplat_random_unit(&random) - 0.5);
+        r->center[2] = 6 * tolerance * (psplat_random_unit(&random) - 0.5);
     }
+    measured.region_tree = psplat_region_tree_create(regions, LAYERED, 0);
+    assert_non_null(measured.region_tree);
+    psplat_ray_holes one = find_past_rims(&f, &measured, 1);
+    psplat_ray_holes three = find_past_rims(&f, &measured, 3);
+    print_message("%zu rays past layers\n", one.count);
+    assert_true(one.count > 50);
+    assert_same(&one, &three);
+    psplat_region_tree_destroy(measured.region_tree);
     psplat_ray_holes_free(&one);
     psplat_ray_holes_free(&three);
     fixture_free(&f);
@@ -391,9 +447,10 @@ static void test_threads(void **state) {
 
 int test_ray_holes_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_steps),   cmocka_unit_test(test_walls), cmocka_unit_test(test_shows),
-        cmocka_unit_test(test_cracks),  cmocka_unit_test(test_far),   cmocka_unit_test(test_hiders),
-        cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_steps),   cmocka_unit_test(test_walls),
+        cmocka_unit_test(test_shows),   cmocka_unit_test(test_cracks),
+        cmocka_unit_test(test_far),     cmocka_unit_test(test_hiders),
+        cmocka_unit_test(test_threads), cmocka_unit_test(test_layers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
