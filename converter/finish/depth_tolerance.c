@@ -47,8 +47,8 @@ static int is_level(const psplat_candidate *candidate, double most) {
     return !psplat_region_is_curved(&candidate->region) && candidate->deviation < most;
 }
 
-/* A splat is uneven, level with an uneven one beside it, or flat: level, with none of which that is
- * known by now. */
+/* A splat is uneven; or level, with an uneven one beside it; or flat, as level ones are until such
+ * a one is found. */
 enum { UNEVEN, LEVEL, FLAT };
 
 /* The search for the splats beside others. */
