@@ -28,7 +28,7 @@ typedef struct psplat_opening {
 /* What a step has done to a splat. */
 typedef struct psplat_smaller {
     double worth; /* of being smaller: of several splats, the one is enlarged that is worth least */
-    int is_smaller;
+    int is_smaller; /* 1 also of one that is left out, and not taken any more */
 } psplat_smaller;
 
 /* A selection of which a step has made some splats smaller. */
@@ -59,8 +59,8 @@ int psplat_shrunk_is_any(const psplat_shrunk *shrunk);
 
 /* Gives splats back what closes the rays and the holes that they have opened. Walls under rims stop
  * rays, and what still hides that there is one closes it; of splats with seams, what lies inside of
- * these has to be closed by such, too. All candidates have to be taken. Fails only with
- * PSPLAT_ERROR_MEMORY. */
+ * these has to be closed by such, too. A splat that is left out is smaller and not taken. Fails
+ * only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_shrunk_close(psplat_shrunk *shrunk);
 
 void psplat_shrunk_free(psplat_shrunk *shrunk);

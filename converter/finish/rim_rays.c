@@ -15,15 +15,15 @@ psplat_result psplat_rim_rays_find(const psplat_conversion *c, double spacing_to
                                    const psplat_measured_splats *hiders, uint64_t seed,
                                    psplat_measured_splats *measured, psplat_ray_holes *rays) {
     const psplat_selection *selection = &c->selection;
-    size_t count = selection->count;
     *rays = (psplat_ray_holes){0};
-    *measured = (psplat_measured_splats){.count = count,
-                                         .tolerance = c->limits.tolerance,
+    *measured = (psplat_measured_splats){.tolerance = c->limits.tolerance,
                                          .wall = wall_tolerances * c->limits.tolerance};
-    measured->regions = malloc((count + 1) * sizeof *measured->regions);
+    measured->regions = malloc((selection->count + 1) * sizeof *measured->regions);
     if (!measured->regions) return PSPLAT_ERROR_MEMORY;
-    for (size_t i = 0; i < count; ++i) measured->regions[i] = selection->candidates[i].region;
-    measured->region_tree = psplat_region_tree_create(measured->regions, count, 0);
+    for (size_t i = 0; i < selection->count; ++i)
+        if (selection->candidates[i].taken)
+            measured->regions[measured->count++] = selection->candidates[i].region;
+    measured->region_tree = psplat_region_tree_create(measured->regions, measured->count, 0);
     if (!measured->region_tree) return PSPLAT_ERROR_MEMORY;
     const psplat_ray_search search = {.surface = &c->surface,
                                       .measured = measured,

@@ -1,12 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * trim_splats.c - the shrinking of splats whose rims stand off more than they have to.
+ * trim_splats.c - the removal of splats that others have made needless, and the shrinking of those
+ * whose rims stand off more than they have to.
+ *
+ * Splats are chosen so that each is needed for some sample. Then their ellipses grow, holes between
+ * samples are filled, and gaps that rays find are closed by splats that are extended and by new
+ * ones, so that in the end others cover all that some splat does. Such a splat is left out.
  *
  * A splat grows until some point of it is the tolerance away from the surface, and that is a point
  * of its rim. Seen from the side, such rims make the outline too wide and ragged. But most splats
- * reach over samples that others cover, too, in the end. So the one that stands off most shrinks to
- * the samples for which it is needed, and then the next one. Where that opens a hole or lets a ray
- * through, a splat that closes it gets its old size back.
+ * reach over samples that others cover, too. So the one that stands off most shrinks to the samples
+ * for which it is needed, and then the next one.
+ *
+ * Where either opens a hole or lets a ray through, a splat that closes it gets its old size back:
+ * one that has shrunk rather than one that was left out.
  */
 #include "finish/trim_splats.h"
 
@@ -20,6 +27,7 @@
 #include "fit/candidate.h"
 #include "fit/evaluate.h"
 #include "fit/fit_context.h"
+#include "fit/grow_candidate.h"
 #include "fit/quantize_candidate.h"
 #include "select/fill_holes.h"
 #include "select/selection.h"
@@ -41,20 +49,24 @@ enum { SIDES = 16 };
 /* A candidate as it was, where it has been trimmed, and what it shrinks to. */
 typedef struct trimmed {
     psplat_candidate whole; /* empty unless it is smaller now */
-    double scale;           /* of its radii, 1 at most */
+    double scale;           /* of its radii, 1 at most; 0: it is left out */
 } trimmed;
 
 typedef struct trimmer {
     psplat_conversion *c;
-    psplat_shrunk shrunk; /* a splat's worth is how far its rim stands off, a length */
+    psplat_shrunk shrunk; /* a splat's worth is how far its rim stands off, a length, and more than
+                             that where it is left out */
     trimmed *splats;      /* count: of the candidates */
     size_t count;
-    uint32_t *covers; /* of each sample: how many candidates are recorded to cover it */
+    psplat_selection met; /* Copies of the candidates, recorded to cover all that they do. An
+                             extended candidate itself is recorded to cover what it did before. */
+    uint32_t *covers;     /* of each sample: how many of these cover it */
 } trimmer;
 
 static void trimmer_free(trimmer *t) {
     for (size_t i = 0; t->splats && i < t->count; ++i) psplat_candidate_free(&t->splats[i].whole);
     psplat_shrunk_free(&t->shrunk);
+    psplat_selection_free(&t->met);
     free(t->splats);
     free(t->covers);
 }
@@ -87,21 +99,95 @@ static double radius_of(const psplat_samples *samples, const psplat_region *regi
     return hypot(uvh[0], uvh[1]);
 }
 
-/* Chooses the scale of a candidate: it leaves samples that others are recorded to cover, too. */
-static void choose_scale(trimmer *t, size_t index) {
-    const psplat_samples *samples = &t->c->samples;
-    const psplat_region *region = &t->shrunk.before.regions[index];
-    const psplat_candidate *candidate = &t->c->selection.candidates[index];
-    double needed = 0, scale;
+/* Records for the copy of a candidate all samples that it covers. */
+static psplat_result find_covered(const psplat_fit_context *context, size_t index, void *user) {
+    trimmer *t = user;
+    return psplat_candidate_cover(context, &t->met.candidates[index]);
+}
+
+/* Returns how far from the centre, in radii, the farthest sample is that a candidate covers alone,
+ * or that it alone is recorded to cover, as a disc of the last resort may be; negative: there is
+ * none. */
+static double needed_radius(const trimmer *t, size_t index) {
+    const psplat_candidate *met = &t->met.candidates[index],
+                           *candidate = &t->c->selection.candidates[index];
+    double radius = -1;
+    for (size_t i = 0; i < met->covered_count; ++i)
+        if (t->covers[met->covered[i]] == 1)
+            radius = max2(radius, radius_of(&t->c->samples, &met->region, met->covered[i]));
     for (size_t i = 0; i < candidate->covered_count; ++i)
-        if (t->covers[candidate->covered[i]] == 1)
-            needed = max2(needed, radius_of(samples, region, candidate->covered[i]));
-    needed += margin_spacings * samples->spacing / min2(region->radius[0], region->radius[1]);
-    scale = min2(max2(needed, least_scale), 1);
-    for (size_t i = 0; i < candidate->covered_count && scale < 1; ++i)
-        t->covers[candidate->covered[i]] -=
-            radius_of(samples, region, candidate->covered[i]) > scale;
+        if (t->covers[candidate->covered[i]] == 0)
+            radius = max2(radius, radius_of(&t->c->samples, &met->region, candidate->covered[i]));
+    return radius;
+}
+
+/* Returns whether a candidate still reaches a sample, at the scale that was chosen for it. */
+static int keeps(const trimmer *t, size_t index, uint32_t sample) {
+    double scale = t->splats[index].scale;
+    return scale > 0 &&
+           radius_of(&t->c->samples, &t->shrunk.before.regions[index], sample) <= scale;
+}
+
+/* Sets the scale of a candidate, which leaves samples that others cover, too. */
+static void set_scale(const trimmer *t, size_t index, double scale) {
+    const psplat_candidate *met = &t->met.candidates[index];
     t->splats[index].scale = scale;
+    for (size_t i = 0; i < met->covered_count && scale < 1; ++i)
+        t->covers[met->covered[i]] -= !keeps(t, index, met->covered[i]);
+}
+
+/* Leaves a candidate out where others cover all that it does. */
+static void leave_out(const trimmer *t, size_t index) {
+    if (needed_radius(t, index) >= 0) return;
+    set_scale(t, index, 0);
+    t->shrunk.splats[index].worth += t->c->diagonal;
+}
+
+/* Chooses the scale of a candidate that is needed. */
+static void choose_scale(const trimmer *t, size_t index) {
+    const double *radius = t->shrunk.before.regions[index].radius;
+    double needed = needed_radius(t, index) +
+                    margin_spacings * t->c->samples.spacing / min2(radius[0], radius[1]);
+    set_scale(t, index, min2(max2(needed, least_scale), 1));
+}
+
+/* Marks the samples that candidates stay recorded to cover by themselves. */
+static void find_owners(const trimmer *t, uint32_t *owners) {
+    for (size_t i = 0; i < t->count; ++i) {
+        const psplat_candidate *candidate = &t->c->selection.candidates[i];
+        for (size_t k = 0; k < candidate->covered_count; ++k)
+            if (keeps(t, i, candidate->covered[k])) owners[candidate->covered[k]] = (uint32_t)i;
+    }
+}
+
+/* Records each sample that no candidate is recorded to cover any more for that of those which cover
+ * it in whose middle it is most. Returns 0 when out of memory. */
+static int hand_over(const trimmer *t) {
+    const psplat_samples *samples = &t->c->samples;
+    uint32_t *owners = malloc((samples->count + 1) * sizeof *owners), *heirs;
+    double *radii = malloc((samples->count + 1) * sizeof *radii);
+    heirs = malloc((samples->count + 1) * sizeof *heirs);
+    int ok = owners && heirs && radii;
+    for (size_t i = 0; ok && i < samples->count; ++i)
+        owners[i] = heirs[i] = PSPLAT_NONE, radii[i] = HUGE_VAL;
+    if (ok) find_owners(t, owners);
+    for (size_t i = 0; ok && i < t->count; ++i) {
+        const psplat_candidate *met = &t->met.candidates[i];
+        for (size_t k = 0; k < met->covered_count; ++k) {
+            uint32_t sample = met->covered[k];
+            double radius = radius_of(samples, &met->region, sample);
+            if (owners[sample] != PSPLAT_NONE || !keeps(t, i, sample) || radius >= radii[sample])
+                continue;
+            heirs[sample] = (uint32_t)i, radii[sample] = radius;
+        }
+    }
+    for (uint32_t i = 0; ok && i < samples->count; ++i)
+        if (heirs[i] != PSPLAT_NONE)
+            ok = psplat_candidate_add_covered(&t->c->selection.candidates[heirs[i]], i);
+    free(owners);
+    free(heirs);
+    free(radii);
+    return ok;
 }
 
 /* Chooses the scales of all candidates, those first that stand off most. Returns 0 when out of
@@ -110,11 +196,15 @@ static int choose_scales(trimmer *t) {
     const psplat_smaller *splats = t->shrunk.splats;
     double least = least_stand_off * t->c->limits.tolerance;
     uint32_t *order = psplat_shrunk_order(&t->shrunk);
-    t->covers = psplat_selection_count_covers(&t->c->selection, t->c->samples.count);
+    t->covers = psplat_selection_count_covers(&t->met, t->c->samples.count);
     int ok = order && t->covers;
-    for (size_t i = 0; ok && i < t->count && splats[order[i]].worth >= least; ++i)
-        choose_scale(t, order[i]);
+    for (size_t i = 0; ok && i < t->count; ++i) leave_out(t, order[i]);
+    for (size_t i = 0; ok && i < t->count; ++i)
+        if (t->splats[order[i]].scale > 0 && splats[order[i]].worth >= least)
+            choose_scale(t, order[i]);
     free(order);
+    ok = ok && hand_over(t);
+    psplat_selection_free(&t->met);
     return ok;
 }
 
@@ -147,13 +237,19 @@ static psplat_result shrink(const psplat_fit_context *context, double scale,
     return psplat_quantize_whole_candidate(context, candidate, fits);
 }
 
-/* Replaces a candidate by a smaller one, if that keeps the limits. */
+/* Takes a candidate no more that is left out. Replaces one that shrinks by a smaller one, if that
+ * keeps the limits. */
 static psplat_result trim(const psplat_fit_context *context, size_t index, void *user) {
     trimmer *t = user;
     trimmed *splat = &t->splats[index];
     psplat_candidate *candidate = &t->c->selection.candidates[index], smaller;
     int fits;
     if (splat->scale == 1) return PSPLAT_OK;
+    if (splat->scale == 0) {
+        candidate->taken = 0;
+        t->shrunk.splats[index].is_smaller = 1;
+        return PSPLAT_OK;
+    }
     if (!psplat_candidate_copy(candidate, &smaller)) return PSPLAT_ERROR_MEMORY;
     psplat_result result = shrink(context, splat->scale, &smaller, &fits);
     int is_smaller =
@@ -176,9 +272,12 @@ static int restore(void *user, uint32_t index, const psplat_opening *opening) {
     trimmer *t = user;
     psplat_candidate *candidate = &t->c->selection.candidates[index];
     (void)opening;
-    psplat_candidate_free(candidate);
-    *candidate = t->splats[index].whole;
-    t->splats[index].whole = (psplat_candidate){0};
+    if (candidate->taken) {
+        psplat_candidate_free(candidate);
+        *candidate = t->splats[index].whole;
+        t->splats[index].whole = (psplat_candidate){0};
+    }
+    candidate->taken = 1;
     t->shrunk.splats[index].is_smaller = 0;
     return 1;
 }
@@ -189,6 +288,7 @@ static psplat_result begin(trimmer *t, psplat_conversion *c) {
     t->shrunk.give_back = restore;
     t->shrunk.user = t;
     t->splats = calloc(t->count + 1, sizeof *t->splats);
+    if (!result) result = psplat_selection_copy(&c->selection, &t->met);
     return t->splats ? result : PSPLAT_ERROR_MEMORY;
 }
 
@@ -201,6 +301,7 @@ psplat_result psplat_trim_splats(psplat_conversion *c, psplat_error *error) {
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
     psplat_result result = begin(&t, c);
     if (!result) result = psplat_fit_each(&context, t.count, measure, &t);
+    if (!result) result = psplat_fit_each(&context, t.count, find_covered, &t);
     if (!result && !choose_scales(&t)) result = PSPLAT_ERROR_MEMORY;
     if (!result) result = psplat_fit_each(&context, t.count, trim, &t);
     if (!result) any = psplat_shrunk_is_any(&t.shrunk);

@@ -38,6 +38,9 @@ typedef struct psplat_candidate {
 /* Copies a candidate with what it owns. Returns 0 when out of memory; *to then owns nothing. */
 int psplat_candidate_copy(const psplat_candidate *from, psplat_candidate *to);
 
+/* Records that a candidate covers one more sample. Returns 0, and leaves it, when out of memory. */
+int psplat_candidate_add_covered(psplat_candidate *candidate, uint32_t sample);
+
 /* Frees what the candidate owns, and zeroes it. */
 void psplat_candidate_free(psplat_candidate *candidate);
 

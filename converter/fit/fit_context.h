@@ -38,6 +38,8 @@ typedef struct psplat_limits {
     double texture_tolerance_texels; /* the same in texels of the material's largest texture; 0: it
                                         is not bounded so */
     const psplat_precision *precision; /* that lines and fields are rounded to; NULL: none are */
+    double mesh_pull; /* 0 to 1: how much nearer to the mesh curved splats come where they move to
+                         the grid of the precision (quantize_candidate.c) */
     int proven; /* 1: an exact check of the distance bound takes all points of a region, not some */
     double measured_tolerance; /* of drafts, which are measured at some points only; 0: the same */
     const psplat_distance *distance; /* to the mesh; NULL: only triangles of samples are measured */

@@ -24,7 +24,7 @@
 /* How far along a ray from the point that it sees, in tolerances over its cosine, a splat still
  * hides that the ray is a hole: beyond one it stands too high or too low, but nobody sees through
  * the surface there. */
-#define PSPLAT_HIDING_TOLERANCES 2.0
+#define PSPLAT_HIDING_TOLERANCES 1.5
 
 /* How far down the walls under rims are taken to reach (spec 5.1), in tolerances: a quarter of the
  * depth tolerance, and that mostly is two (depth_tolerance.h). */

@@ -139,6 +139,7 @@ static psplat_result quantize(psplat_conversion *c, psplat_error *error) {
     c->splats->precision = psplat_precision_choose(c);
     if (!(c->splats->precision.unit > 0)) return PSPLAT_OK;
     c->limits.precision = &c->splats->precision;
+    c->limits.mesh_pull = psplat_coarseness(c);
     psplat_selection_drop_untaken(&c->selection);
     psplat_result result = psplat_fill_holes(c, error);
     if (!result && psplat_local_search(&c->selection, &drop))

@@ -88,8 +88,7 @@ double psplat_used_part(const psplat_conversion *c) {
     return count > 0 ? sum / count / c->tolerance : 0;
 }
 
-/* Returns how coarse limits may be: 0 for fine ones to 1. */
-static double coarseness_of(const psplat_conversion *c) {
+double psplat_coarseness(const psplat_conversion *c) {
     double part = (psplat_used_part(c) - little_used) / (much_used - little_used);
     return fmin(fmax(part, 0), 1);
 }
@@ -201,7 +200,7 @@ static void choose_lines(const psplat_conversion *c, double radius, double coars
 }
 
 psplat_precision psplat_precision_choose(const psplat_conversion *c) {
-    double coarseness = coarseness_of(c), change, tilt;
+    double coarseness = psplat_coarseness(c), change, tilt;
     double part =
         fmin(c->desc->precision * limit_at(position_steps, coarseness), PSPLAT_GREATEST_PRECISION);
     psplat_precision p = {.unit = part * c->tolerance};

@@ -16,6 +16,10 @@ psplat_precision psplat_precision_choose(const psplat_conversion *c);
  * of samples: most of what one sees are large splats. */
 double psplat_used_part(const psplat_conversion *c);
 
+/* Returns how coarse the grid is, for the part of the tolerance that fits use: 0 where splats lie
+ * on the surface, to 1. */
+double psplat_coarseness(const psplat_conversion *c);
+
 /* Moves the texture coordinates of c->splats to where they take fewest bytes, and completes
  * c->splats->precision with their steps (splats/texcoord_steps.h). */
 void psplat_precision_settle_texcoords(psplat_conversion *c);

@@ -64,6 +64,7 @@ static void begin(cracked *r, double width, double height, double rise) {
         .selection = {r->candidates, 2, 2}};
     r->candidates[0].region = strip(-1, middle, height, rise);
     r->candidates[1].region = strip(1, middle + width, 0, 0);
+    for (int i = 0; i < 2; ++i) r->candidates[i].taken = 1;
 }
 
 static void end(cracked *r) {

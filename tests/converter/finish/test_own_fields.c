@@ -292,7 +292,7 @@ static void test_none(void **state) {
         psplat_report report;
         psplat_convert_desc desc = usual;
         make_bowl(&f);
-        desc.tolerance_percent = 0.5; /* of constant normals a finer one takes many splats */
+        desc.tolerance_percent = 0.3; /* of constant normals a finer one takes many splats */
         desc.planar = i == 0;
         if (i == 1) desc.precision = 0;
         if (i == 2) desc.normal_tolerance_degrees = 30;

@@ -2,7 +2,8 @@
  *
  * test_quantize_candidate.c - tests of splats rounded to the grid of a file. They lie on the grid,
  * they keep their promises at every precision, and neither scale nor place of a model changes them.
- * The shapes are a part, a cone and a thin plate.
+ * Curved ones come nearer to the mesh where limits say so. The shapes are a part, a cone, a torus
+ * and a thin plate.
  */
 #include "mesh_fixture.h"
 
@@ -265,34 +266,102 @@ static size_t move_whole(const fixture *f, psplat_limits limits, const psplat_pr
     return fitting;
 }
 
+/* Samples the torus, and stores limits of a hundredth of its diagonal and a fine grid. */
+static void begin_torus(fixture *f, psplat_limits *limits, psplat_precision *precision) {
+    fixture_model(f, "torus.off");
+    fixture_sample(f, 0.01);
+    double tolerance = 0.01 * f->surface.diagonal;
+    *limits = (psplat_limits){.tolerance = tolerance,
+                              .crease_tolerance = 0.5 * tolerance,
+                              .crease_slack = 0.3 * tolerance,
+                              .margin = 0.2 * f->samples.spacing,
+                              .distance = f->distance};
+    *precision = (psplat_precision){.unit = 0.02 * tolerance,
+                                    .scale_step = 0.01,
+                                    .turn_step = 1.0 / 1024,
+                                    .tilt_step = 1.0 / 256,
+                                    .field_step = 1.0 / 64,
+                                    .shape_step = 1.0 / 256,
+                                    .bend_step = 1.0 / 64,
+                                    .line_step = 1.0 / 256,
+                                    .line_turn_step = 1.0 / 512,
+                                    .normal_bits = 12};
+}
+
 /* Nearly all candidates fit on a fine grid, and few on one whose points are four
  * tolerances apart.
  */
 static void test_whole(void **state) {
     (void)state;
     fixture f;
-    fixture_model(&f, "torus.off");
-    fixture_sample(&f, 0.01);
-    double tolerance = 0.01 * f.surface.diagonal;
-    const psplat_limits limits = {.tolerance = tolerance,
-                                  .crease_tolerance = 0.5 * tolerance,
-                                  .crease_slack = 0.3 * tolerance,
-                                  .margin = 0.2 * f.samples.spacing,
-                                  .distance = f.distance};
-    psplat_precision precision = {.unit = 0.02 * tolerance,
-                                  .scale_step = 0.01,
-                                  .turn_step = 1.0 / 1024,
-                                  .tilt_step = 1.0 / 256,
-                                  .field_step = 1.0 / 64,
-                                  .shape_step = 1.0 / 256,
-                                  .bend_step = 1.0 / 64,
-                                  .line_step = 1.0 / 256,
-                                  .line_turn_step = 1.0 / 512,
-                                  .normal_bits = 12};
+    psplat_limits limits;
+    psplat_precision precision;
+    begin_torus(&f, &limits, &precision);
+    double tolerance = limits.tolerance;
     assert_true(move_whole(&f, limits, &precision, 30) >= 24);
     precision.normal_bits = 4;
     precision.unit = 4 * tolerance;
     assert_true(move_whole(&f, limits, &precision, 30) <= 10);
+    fixture_free(&f);
+}
+
+/* How far points of curved regions are outside of the mesh, in tolerances. */
+typedef struct heights {
+    double sum, outer_squares;
+    size_t count;
+} heights;
+
+static void add_heights(const fixture *f, const psplat_region *region, double tolerance,
+                        heights *h) {
+    double points[PSPLAT_REGION_POINTS][3];
+    uint32_t guess = PSPLAT_NONE, triangle;
+    size_t count = psplat_region_points(region, points);
+    for (size_t i = 0; i < count; ++i) {
+        double nearest[3], way[3];
+        assert_int_equal(
+            psplat_distance_nearest(f->distance, points[i], &guess, nearest, &triangle), PSPLAT_OK);
+        sub3(way, points[i], nearest);
+        double height = dot3(way, f->surface.face_normals + 3 * (size_t)triangle) / tolerance;
+        h->sum += height;
+        if (height > 0) h->outer_squares += height * height;
+    }
+    h->count += count;
+}
+
+/* With a pull, surfaces come nearer to the mesh, the more so outside, beneath all of the ellipse.
+ */
+static void test_pull(void **state) {
+    (void)state;
+    enum { COUNT = 60 };
+    fixture f;
+    psplat_limits limits;
+    psplat_precision precision;
+    psplat_scratch scratch = {0};
+    heights of[2] = {{.count = 0}};
+    begin_torus(&f, &limits, &precision);
+    for (int i = 0; i < 2 * COUNT; ++i) {
+        psplat_candidate c;
+        int fits;
+        limits.precision = NULL;
+        const psplat_fit_context context = fixture_context(&f, &limits, &scratch);
+        assert_int_equal(psplat_candidate_grow(
+                             &context, (uint32_t)((size_t)(i / 2) * f.samples.count / COUNT), &c),
+                         PSPLAT_OK);
+        limits.precision = &precision;
+        limits.mesh_pull = i % 2;
+        assert_true(psplat_region_is_curved(&c.region));
+        assert_int_equal(psplat_quantize_whole_candidate(&context, &c, &fits), PSPLAT_OK);
+        add_heights(&f, &c.region, limits.tolerance, &of[i % 2]);
+        psplat_candidate_free(&c);
+    }
+    assert_int_equal(of[0].count, of[1].count);
+    double count = (double)of[0].count, fall = (of[0].sum - of[1].sum) / count;
+    print_message("mean squares outside %.4f -> %.4f, lower by %.4f\n", of[0].outer_squares / count,
+                  of[1].outer_squares / count, fall);
+    /* The surfaces have six numbers, so that they follow the pull in part. */
+    assert_true(of[1].outer_squares < 0.87 * of[0].outer_squares);
+    assert_true(fall > 0.03); /* It is 0.024 with equal pulls to both sides. */
+    psplat_scratch_free(&scratch);
     fixture_free(&f);
 }
 
@@ -336,7 +405,8 @@ int test_quantize_candidate_main(void) {
         cmocka_unit_test(test_promises), cmocka_unit_test(test_normals),
         cmocka_unit_test(test_on_grid),  cmocka_unit_test(test_rounded_once),
         cmocka_unit_test(test_scale),    cmocka_unit_test(test_place),
-        cmocka_unit_test(test_whole),    cmocka_unit_test(test_discs),
+        cmocka_unit_test(test_whole),    cmocka_unit_test(test_pull),
+        cmocka_unit_test(test_discs),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }
