@@ -15,6 +15,7 @@
 #include "fit/grow_candidate.h"
 #include "fit/quantize_candidate.h"
 #include "import/read_mesh.h"
+#include "measure/measured_splats.h"
 #include "mesh/mesh.h"
 #include "pipeline/convert.h"
 #include "select/conversion.h"
@@ -365,6 +366,30 @@ static void test_pull(void **state) {
     fixture_free(&f);
 }
 
+/* A conversion whose fits use much of the tolerance asks for the pull. */
+static void test_pull_of_conversion(void **state) {
+    (void)state;
+    fixture f;
+    psplat_report report;
+    psplat_measured_splats measured;
+    heights h = {.count = 0};
+    const psplat_convert_desc desc = {.tolerance_percent = 0.3,
+                                      .effort = PSPLAT_EFFORT_NONE,
+                                      .precision = PSPLAT_USUAL_PRECISION};
+    fixture_model(&f, "torus.off");
+    fixture_sample(&f, 0.02); /* which makes the tree that heights are asked from */
+    psplat_splats splats = convert(&f.mesh, &desc, &report);
+    double tolerance = 0.003 * f.surface.diagonal;
+    assert_int_equal(psplat_measured_splats_create(&splats, tolerance, 0, &measured), PSPLAT_OK);
+    for (size_t i = 0; i < measured.count; ++i)
+        add_heights(&f, &measured.regions[i], tolerance, &h);
+    print_message("%zu splats, mean height %.4f\n", measured.count, h.sum / (double)h.count);
+    assert_true(h.sum < 0.11 * (double)h.count); /* It is 0.147 without, and 0.078 with it. */
+    psplat_measured_splats_free(&measured);
+    psplat_splats_free(&splats);
+    fixture_free(&f);
+}
+
 /* ---- the last resort ------------------------------------------------------------------------- */
 
 /* Candidates that cover no sample become small discs at their centres, with all of it within the
@@ -402,10 +427,15 @@ static void test_discs(void **state) {
 
 int test_quantize_candidate_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_promises), cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_on_grid),  cmocka_unit_test(test_rounded_once),
-        cmocka_unit_test(test_scale),    cmocka_unit_test(test_place),
-        cmocka_unit_test(test_whole),    cmocka_unit_test(test_pull),
+        cmocka_unit_test(test_promises),
+        cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_on_grid),
+        cmocka_unit_test(test_rounded_once),
+        cmocka_unit_test(test_scale),
+        cmocka_unit_test(test_place),
+        cmocka_unit_test(test_whole),
+        cmocka_unit_test(test_pull),
+        cmocka_unit_test(test_pull_of_conversion),
         cmocka_unit_test(test_discs),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
