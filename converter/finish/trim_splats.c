@@ -63,6 +63,12 @@ typedef struct trimmer {
     uint32_t *covers;     /* of each sample: how many of these cover it */
 } trimmer;
 
+/* Who is to be recorded to cover a sample. */
+typedef struct heir {
+    uint32_t candidate; /* PSPLAT_NONE: nobody anew */
+    double radius;      /* of the sample from its centre, in radii; 0: somebody is already */
+} heir;
+
 static void trimmer_free(trimmer *t) {
     for (size_t i = 0; t->splats && i < t->count; ++i) psplat_candidate_free(&t->splats[i].whole);
     psplat_shrunk_free(&t->shrunk);
@@ -124,8 +130,8 @@ static double needed_radius(const trimmer *t, size_t index) {
 /* Returns whether a candidate still reaches a sample, at the scale that was chosen for it. */
 static int keeps(const trimmer *t, size_t index, uint32_t sample) {
     double scale = t->splats[index].scale;
-    return scale > 0 &&
-           radius_of(&t->c->samples, &t->shrunk.before.regions[index], sample) <= scale;
+    if (scale == 0 || scale == 1) return scale == 1;
+    return radius_of(&t->c->samples, &t->shrunk.before.regions[index], sample) <= scale;
 }
 
 /* Sets the scale of a candidate, which leaves samples that others cover, too. */
@@ -151,42 +157,38 @@ static void choose_scale(const trimmer *t, size_t index) {
     set_scale(t, index, min2(max2(needed, least_scale), 1));
 }
 
-/* Marks the samples that candidates stay recorded to cover by themselves. */
-static void find_owners(const trimmer *t, uint32_t *owners) {
+/* Finds for each sample that no candidate stays recorded to cover that of those which cover it in
+ * whose middle it is most. */
+static void find_heirs(const trimmer *t, heir *heirs) {
     for (size_t i = 0; i < t->count; ++i) {
         const psplat_candidate *candidate = &t->c->selection.candidates[i];
         for (size_t k = 0; k < candidate->covered_count; ++k)
-            if (keeps(t, i, candidate->covered[k])) owners[candidate->covered[k]] = (uint32_t)i;
+            if (keeps(t, i, candidate->covered[k])) heirs[candidate->covered[k]].radius = 0;
+    }
+    for (size_t i = 0; i < t->count; ++i) {
+        const psplat_candidate *met = &t->met.candidates[i];
+        for (size_t k = 0; k < met->covered_count; ++k) {
+            heir *heir = &heirs[met->covered[k]];
+            double radius = radius_of(&t->c->samples, &met->region, met->covered[k]);
+            if (radius < heir->radius && keeps(t, i, met->covered[k]))
+                *heir = (struct heir){(uint32_t)i, radius};
+        }
     }
 }
 
-/* Records each sample that no candidate is recorded to cover any more for that of those which cover
- * it in whose middle it is most. Returns 0 when out of memory. */
+/* Records what candidates are no longer recorded to cover for others. Returns 0 when out of memory.
+ */
 static int hand_over(const trimmer *t) {
-    const psplat_samples *samples = &t->c->samples;
-    uint32_t *owners = malloc((samples->count + 1) * sizeof *owners), *heirs;
-    double *radii = malloc((samples->count + 1) * sizeof *radii);
-    heirs = malloc((samples->count + 1) * sizeof *heirs);
-    int ok = owners && heirs && radii;
-    for (size_t i = 0; ok && i < samples->count; ++i)
-        owners[i] = heirs[i] = PSPLAT_NONE, radii[i] = HUGE_VAL;
-    if (ok) find_owners(t, owners);
-    for (size_t i = 0; ok && i < t->count; ++i) {
-        const psplat_candidate *met = &t->met.candidates[i];
-        for (size_t k = 0; k < met->covered_count; ++k) {
-            uint32_t sample = met->covered[k];
-            double radius = radius_of(samples, &met->region, sample);
-            if (owners[sample] != PSPLAT_NONE || !keeps(t, i, sample) || radius >= radii[sample])
-                continue;
-            heirs[sample] = (uint32_t)i, radii[sample] = radius;
-        }
-    }
-    for (uint32_t i = 0; ok && i < samples->count; ++i)
-        if (heirs[i] != PSPLAT_NONE)
-            ok = psplat_candidate_add_covered(&t->c->selection.candidates[heirs[i]], i);
-    free(owners);
+    size_t count = t->c->samples.count;
+    heir *heirs = malloc((count + 1) * sizeof *heirs);
+    int ok = heirs != NULL;
+    for (size_t i = 0; ok && i < count; ++i) heirs[i] = (heir){PSPLAT_NONE, HUGE_VAL};
+    if (ok) find_heirs(t, heirs);
+    for (size_t i = 0; ok && i < count; ++i)
+        if (heirs[i].candidate != PSPLAT_NONE)
+            ok = psplat_candidate_add_covered(&t->c->selection.candidates[heirs[i].candidate],
+                                              (uint32_t)i);
     free(heirs);
-    free(radii);
     return ok;
 }
 
