@@ -24,7 +24,8 @@ double psplat_crack_width(const psplat_sight *sight, double cosine, const psplat
 
 /* Moves clip lines of the selection out to rays that pass between splats, by PSPLAT_GREATEST_CRACK
  * tolerances at most in all, and only as far as the splats stay within the tolerance of the
- * surface. psplat_close_seams must have been called. Errors: MEMORY. */
+ * surface. psplat_close_seams must have been called, and all candidates have to be taken. Errors:
+ * MEMORY. */
 psplat_result psplat_close_cracks(psplat_conversion *c);
 
 #endif
