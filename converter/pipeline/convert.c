@@ -139,7 +139,8 @@ static psplat_result quantize(psplat_conversion *c, psplat_error *error) {
     c->splats->precision = psplat_precision_choose(c);
     if (!(c->splats->precision.unit > 0)) return PSPLAT_OK;
     c->limits.precision = &c->splats->precision;
-    c->limits.mesh_pull = psplat_coarseness(c);
+    /* What laps over a tangent edge is to keep the shape of its own side (test_tangent_edges). */
+    c->limits.mesh_pull = c->surface.tangent_edges ? 0 : psplat_coarseness(c);
     psplat_selection_drop_untaken(&c->selection);
     psplat_result result = psplat_fill_holes(c, error);
     if (!result && psplat_local_search(&c->selection, &drop))

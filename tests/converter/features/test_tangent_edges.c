@@ -238,7 +238,7 @@ static double convert_can(const psplat_mesh *mesh, double fillet, int no_creases
 
 /* Splats of the fillet no longer show their normals on the wall: where they reach over the edge
  * they are off by up to 14 degrees, and the few that still lap over it by 0.4 tolerances are off by
- * 0.7. */
+ * 0.9, and by 1.2 where surfaces come nearer to the mesh when they are rounded. */
 static void test_normals(void **state) {
     (void)state;
     const double fillet = 0.2;
