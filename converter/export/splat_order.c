@@ -15,6 +15,7 @@
 #include "mesh/mesh.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- along a curve --------------------------------------------------------------------------- */
 
@@ -88,6 +89,7 @@ typedef struct tour {
     uint32_t *path;                   /* count: the row at each place */
     uint32_t *place;                  /* count: of each row */
     uint32_t (*neighbors)[NEIGHBORS]; /* of each row, PSPLAT_NONE behind the last */
+    uint8_t *stirred; /* of each row: the path beside it has changed since its turn */
     size_t count;
     uint8_t stored_costs[256], normal_costs[256]; /* of the differences of bytes */
 } tour;
@@ -124,6 +126,17 @@ static int step_cost(const tour *t, const row *a, const row *b) {
     return cost;
 }
 
+/* Marks the rows at two places that follow each other, and those near them: moves beside them may
+ * pay again. */
+static void stir(tour *t, long place) {
+    for (long at = place > 0 ? place - 1 : 0; at <= place && at < (long)t->count; ++at) {
+        const uint32_t row = t->path[at], *neighbors = t->neighbors[row];
+        t->stirred[row] = 1;
+        for (int k = 0; k < NEIGHBORS && neighbors[k] != PSPLAT_NONE; ++k)
+            t->stirred[neighbors[k]] = 1;
+    }
+}
+
 /* Returns what it costs that the row at one place follows that at another; 0 beyond the ends. */
 static int cost_between(const tour *t, long a, long b) {
     long end = (long)t->count;
@@ -149,6 +162,8 @@ static int try_turn(tour *t, long first, long last) {
                cost_between(t, first - 1, last) - cost_between(t, first, last + 1);
     if (gain <= 0) return 0;
     turn_round(t, first, last);
+    stir(t, first);
+    stir(t, last + 1);
     return 1;
 }
 
@@ -172,6 +187,9 @@ static int try_move(tour *t, long first, long last, long before) {
     else
         turn_round(t, begin, stop - moved);
     if (straight <= turned) turn_round(t, to, to + moved - 1);
+    stir(t, to);
+    stir(t, to + moved);
+    stir(t, before < first ? stop + 1 : begin);
     return 1;
 }
 
@@ -202,16 +220,30 @@ static int join_by_move(tour *t, uint32_t a, uint32_t b) {
     return 0;
 }
 
-/* Shortens the path as long as that saves something. */
+/* Returns whether one row may save something by coming next to another one: what is next to it now
+ * costs more on one side. */
+static int may_gain(const tour *t, uint32_t a, uint32_t b) {
+    long i = (long)t->place[a];
+    int cost = step_cost(t, &t->rows[a], &t->rows[b]);
+    return cost < cost_between(t, i - 1, i) || cost < cost_between(t, i, i + 1);
+}
+
+/* Shortens the path as long as that saves something, beside rows where it has changed. */
 static void shorten(tour *t) {
     int improves = 1;
+    memset(t->stirred, 1, t->count);
     for (int round = 0; round < ROUNDS && improves; ++round) {
         improves = 0;
-        for (size_t a = 0; a < t->count; ++a)
+        for (uint32_t a = 0; a < t->count; ++a) {
+            if (!t->stirred[a]) continue;
+            t->stirred[a] = 0;
             for (int k = 0; k < NEIGHBORS && t->neighbors[a][k] != PSPLAT_NONE; ++k) {
-                improves |= join_by_turn(t, (uint32_t)a, t->neighbors[a][k]);
-                improves |= join_by_move(t, (uint32_t)a, t->neighbors[a][k]);
+                uint32_t b = t->neighbors[a][k];
+                if (!may_gain(t, a, b) && !may_gain(t, b, a)) continue;
+                improves |= join_by_turn(t, a, b);
+                improves |= join_by_move(t, a, b);
             }
+        }
     }
 }
 
@@ -260,7 +292,8 @@ int psplat_order_shorten(const psplat_attribute_table *table, uint32_t low_bits,
     t.path = malloc((count + 1) * sizeof *t.path);
     t.place = malloc((count + 1) * sizeof *t.place);
     t.neighbors = malloc((count + 1) * sizeof *t.neighbors);
-    int ok = t.rows && t.path && t.place && t.neighbors;
+    t.stirred = malloc(count + 1);
+    int ok = t.rows && t.path && t.place && t.neighbors && t.stirred;
     for (size_t i = 0; ok && i < count; ++i) {
         t.rows[i] = row_of(table, order[i], low_bits, texcoords);
         t.path[i] = t.place[i] = (uint32_t)i;
@@ -273,5 +306,6 @@ int psplat_order_shorten(const psplat_attribute_table *table, uint32_t low_bits,
     free(t.path);
     free(t.place);
     free(t.neighbors);
+    free(t.stirred);
     return ok;
 }

@@ -94,8 +94,8 @@ static size_t compressed(const made *m, uint32_t low_bits) {
     return size;
 }
 
-/* Positions take at least 16 % less than along the curve, where splats are as far apart as files
- * have them: 5 to 15 steps of a byte. */
+/* Positions take at least 17 % less than along the curve, where splats are as far apart as files
+ * have them: 5 to 15 steps of a byte. On single spheres it is 16 to 19 %. */
 static void test_takes_fewer_bytes(void **state) {
     (void)state;
     const struct {
@@ -103,15 +103,18 @@ static void test_takes_fewer_bytes(void **state) {
         int steps;
         uint32_t low_bits;
     } cases[] = {{280, 88, 0}, {280, 704, 3}, {700, 110, 0}, {3000, 200, 0}, {3000, 400, 1}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        size_t before = 0, after = 0;
         for (uint64_t seed = 1; seed <= 3; ++seed) {
             made *m = make_sphere(cases[i].count, cases[i].steps, seed);
             sort_curve(m);
-            size_t before = compressed(m, cases[i].low_bits);
+            before += compressed(m, cases[i].low_bits);
             sort_shorter(m, cases[i].low_bits, 0);
-            assert_in_range(compressed(m, cases[i].low_bits), 1, before * 84 / 100);
+            after += compressed(m, cases[i].low_bits);
             free(m);
         }
+        assert_in_range(after, 1, before * 83 / 100);
+    }
 }
 
 /* Neighbours of an order along the curve are near: on average, 1.28 times the distance at which so
