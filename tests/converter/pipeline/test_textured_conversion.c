@@ -106,6 +106,34 @@ static void test_ramp(void **state) {
     painted_free(&p);
 }
 
+/* With a tolerance for which colours are constant, those of a ramp are linear, which takes far
+ * fewer splats and errs by less. Those of two halves stay constant. */
+static void test_smooth(void **state) {
+    (void)state;
+    psplat_report chosen, constant;
+    painted p;
+    painted_make(&p, 2, SIZE, ramp);
+    p.source_material.base_color =
+        (psplat_texture_info){.image = &p.image, .wrap = {PSPLAT_WRAP_CLAMP, PSPLAT_WRAP_CLAMP}};
+    psplat_splats splats = convert(&p, 10, PSPLAT_COLOR_FIELD_CHOSEN, &chosen);
+    assert_non_null(splats.finishes);
+    psplat_splats_free(&splats);
+    splats = convert(&p, 10, PSPLAT_COLOR_FIELD_CONSTANT, &constant);
+    assert_null(splats.finishes);
+    psplat_splats_free(&splats);
+    assert_true(constant.splats >= 4 * chosen.splats);
+    assert_true(chosen.rms_color_percent < 0.5 * constant.rms_color_percent);
+    painted_free(&p);
+
+    painted_make(&p, 2, SIZE, halves);
+    p.source_material.base_color =
+        (psplat_texture_info){.image = &p.image, .wrap = {PSPLAT_WRAP_CLAMP}};
+    splats = convert(&p, 10, PSPLAT_COLOR_FIELD_CHOSEN, &chosen);
+    assert_null(splats.finishes);
+    psplat_splats_free(&splats);
+    painted_free(&p);
+}
+
 static void test_one_color(void **state) {
     (void)state;
     painted p;
@@ -200,9 +228,10 @@ static void test_two_materials(void **state) {
 
 int test_textured_conversion_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_edge),       cmocka_unit_test(test_ramp),
-        cmocka_unit_test(test_one_color),  cmocka_unit_test(test_finishes),
-        cmocka_unit_test(test_normal_map), cmocka_unit_test(test_two_materials),
+        cmocka_unit_test(test_edge),          cmocka_unit_test(test_ramp),
+        cmocka_unit_test(test_smooth),        cmocka_unit_test(test_one_color),
+        cmocka_unit_test(test_finishes),      cmocka_unit_test(test_normal_map),
+        cmocka_unit_test(test_two_materials),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
