@@ -16,6 +16,7 @@
 #include "finish/close_rays.h"
 #include "finish/close_seams.h"
 #include "finish/cut_rims.h"
+#include "select/color_field.h"
 #include "select/conversion.h"
 #include "finish/depth_tolerance.h"
 #include "select/effort.h"
@@ -148,13 +149,25 @@ static psplat_result quantize(psplat_conversion *c, psplat_error *error) {
     return result;
 }
 
+/* Draws the samples, which tell whether colours are linear. Splats of such colours are larger and
+ * need fewer. */
+static psplat_result draw_samples(psplat_conversion *c, psplat_error *error) {
+    int had_constant = c->limits.constant_colors;
+    psplat_result result = psplat_draw_samples_for_limits(c, error);
+    if (result) return result;
+    if (psplat_color_field_choose(c))
+        return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while sampling");
+    return had_constant && !c->limits.constant_colors ? psplat_draw_samples_for_limits(c, error)
+                                                      : PSPLAT_OK;
+}
+
 /* Covers the surface by splats of floats: all of a conversion that does not depend on the grid. */
 static psplat_result cover(psplat_conversion *c, const psplat_mesh *mesh, psplat_error *error) {
     psplat_result result = psplat_conversion_begin(c, mesh, error);
     if (result) return result;
     if (psplat_conversion_interrupted(c->desc, "sampling", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-    result = psplat_draw_samples_for_limits(c, error);
+    result = draw_samples(c, error);
     const psplat_fit_context context = psplat_conversion_context(c);
     if (!result) result = psplat_greedy_cover(&context, c->desc, &c->selection, error);
     if (!result) result = improve(c, error);

@@ -25,11 +25,6 @@ static const double samples_per_splat = 60;
 /* How far splats reach beyond the samples that they cover, in spacings. So only few holes are left
  * between samples, which fill_holes.c closes. */
 static const double margin_spacings = 0.2;
-/* The factor by which splats cover more samples at least where linear colours are chosen beyond the
- * tolerance up to which they are anyhow. Such a splat takes some 18 bytes instead of 13, and trials
- * on samples as coarse as these tell little below 2: pictures that were larger with linear colours
- * had up to 2.03. A box with a colour at each of its corners has 6. */
-static const double least_linear_gain = 3;
 /* The number of splats that are grown as a trial. */
 enum { TRIAL_SPLATS = 128 };
 
@@ -41,13 +36,13 @@ static psplat_result draw(psplat_conversion *c, double spacing, psplat_error *er
 
 /* Finds how many samples a splat covers, on average over splats. The seeds are samples, so a splat
  * is met in proportion to what it covers. The harmonic mean over the seeds corrects for that. */
-static psplat_result mean_covered(const psplat_fit_context *context, double *covered) {
+static psplat_result mean_covered(const psplat_conversion *c, double *covered) {
     psplat_selection trials = {0};
     uint32_t seeds[TRIAL_SPLATS];
-    size_t samples = context->samples->count;
-    size_t count = samples < TRIAL_SPLATS ? samples : TRIAL_SPLATS;
-    for (size_t i = 0; i < count; ++i) seeds[i] = (uint32_t)(i * samples / count);
-    psplat_result result = psplat_selection_grow(context, seeds, count, &trials);
+    size_t count = c->samples.count < TRIAL_SPLATS ? c->samples.count : TRIAL_SPLATS;
+    for (size_t i = 0; i < count; ++i) seeds[i] = (uint32_t)(i * c->samples.count / count);
+    const psplat_fit_context context = psplat_conversion_context(c);
+    psplat_result result = psplat_selection_grow(&context, seeds, count, &trials);
     double inverse = 0;
     for (size_t i = 0; i < trials.count; ++i)
         inverse += 1 / ((double)trials.candidates[i].covered_count * (double)count);
@@ -56,34 +51,13 @@ static psplat_result mean_covered(const psplat_fit_context *context, double *cov
     return result;
 }
 
-/* Finds how many samples a splat covers on average. Where colours would be constant, and nobody has
- * asked for that, they are linear if that makes splats so much larger: where what is painted is
- * smooth, as colours of vertices often are. */
-static psplat_result settle_limits(psplat_conversion *c, double *covered) {
-    const psplat_fit_context context = psplat_conversion_context(c);
-    psplat_result result = mean_covered(&context, covered);
-    if (result || c->desc->color_field != PSPLAT_COLOR_FIELD_CHOSEN || !c->samples.colors ||
-        !(c->limits.color_tolerance > 0) || !c->limits.constant_colors)
-        return result;
-    psplat_limits linear = c->limits;
-    psplat_fit_context other = context;
-    double more;
-    linear.constant_colors = 0;
-    other.limits = &linear;
-    result = mean_covered(&other, &more);
-    if (result || more < least_linear_gain * *covered) return result;
-    c->limits.constant_colors = 0;
-    *covered = more;
-    return PSPLAT_OK;
-}
-
 psplat_result psplat_draw_samples_for_limits(psplat_conversion *c, psplat_error *error) {
     double covered;
     double coarse =
         (c->limits.planar ? planar_spacing_factor : coarsest_spacing_factor) * c->finest;
     psplat_result result = draw(c, coarse, error);
     if (result) return result;
-    if (settle_limits(c, &covered))
+    if (mean_covered(c, &covered))
         return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while sampling");
     double part = sqrt(covered / samples_per_splat);
     return part < 1 ? draw(c, fmax(part * coarse, c->finest), error) : PSPLAT_OK;

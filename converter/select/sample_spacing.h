@@ -10,9 +10,8 @@
 #include "select/conversion.h"
 
 /* Draws c->samples with a spacing that gives each splat about 60 of them, between c->finest and
- * ten times that (three times where splats are flat), and sets c->limits.margin. Where
- * c->desc->color_field is PSPLAT_COLOR_FIELD_CHOSEN, c->limits.constant_colors becomes 0 if smooth
- * colours make splats much larger that way. Errors: MEMORY, RANGE (too many samples). */
+ * ten times that (three times where splats are flat), and sets c->limits.margin. Errors: MEMORY,
+ * RANGE (too many samples). */
 psplat_result psplat_draw_samples_for_limits(psplat_conversion *c, psplat_error *error);
 
 #endif
