@@ -89,7 +89,7 @@ typedef struct tour {
     uint32_t *path;                   /* count: the row at each place */
     uint32_t *place;                  /* count: of each row */
     uint32_t (*neighbors)[NEIGHBORS]; /* of each row, PSPLAT_NONE behind the last */
-    uint8_t *stirred; /* of each row: the path beside it has changed since its turn */
+    uint8_t *stirred; /* of each row: the path has changed near it since its moves were tried */
     size_t count;
     uint8_t stored_costs[256], normal_costs[256]; /* of the differences of bytes */
 } tour;
@@ -220,8 +220,10 @@ static int join_by_move(tour *t, uint32_t a, uint32_t b) {
     return 0;
 }
 
-/* Returns whether one row may save something by coming next to another one: what is next to it now
- * costs more on one side. */
+/* Returns whether one row is likely to save something by coming next to another one: what is next
+ * to it now costs more on one side. Moves that only save where they close the path behind them are
+ * left out: trying them takes as long as all others do, for a tenth of a percent of the positions.
+ */
 static int may_gain(const tour *t, uint32_t a, uint32_t b) {
     long i = (long)t->place[a];
     int cost = step_cost(t, &t->rows[a], &t->rows[b]);

@@ -29,9 +29,9 @@ static const double default_crease_angle_degrees = 30;
 /* The tolerance of colours at the second tolerance. Tuned on the textures of spot and Duck: all
  * that people would name is still there, with edges that are a little frayed. */
 static const double default_color_tolerance_percent = 10, default_color_at_percent = 0.5;
-/* The colour tolerance (parts of sRGB's range) up to which linear colours are chosen. They take
- * three times the bytes, and up to here they save as much in splats. Tuned with bench_color on
- * pictures and on smooth colours. */
+/* The colour tolerance (parts of sRGB's range) up to which colours are linear whatever is painted.
+ * They take three times the bytes of constant ones, and up to here they save as much in splats.
+ * Tuned with bench_color on pictures and on smooth colours. */
 static const double linear_color_tolerance = 0.06;
 
 /* The next eight were chosen by hand. */
@@ -99,7 +99,8 @@ static double color_tolerance(const psplat_convert_desc *desc, double percent) {
     return color_percent < 100 ? color_percent / 100 : 0;
 }
 
-/* Returns whether colours have no gradients, given the tolerance of colours (0: unbounded). */
+/* Returns whether colours have no gradients, given the tolerance of colours (0: unbounded), unless
+ * psplat_color_field_choose finds them smooth. */
 static int has_constant_colors(const psplat_convert_desc *desc, double tolerance) {
     if (desc->color_field != PSPLAT_COLOR_FIELD_CHOSEN)
         return desc->color_field == PSPLAT_COLOR_FIELD_CONSTANT;

@@ -29,8 +29,8 @@
 
 /* How colours change over a splat that has them (spec 3.10). */
 typedef enum psplat_color_field {
-    PSPLAT_COLOR_FIELD_CHOSEN = 0, /* linear where the colour tolerance is at most 6 %, or
-                                    * where colours are smooth */
+    PSPLAT_COLOR_FIELD_CHOSEN = 0, /* linear where the colour tolerance is at most 6 %, and beyond
+                                    * that where colours are smooth (select/color_field.h) */
     PSPLAT_COLOR_FIELD_CONSTANT,
     PSPLAT_COLOR_FIELD_LINEAR
 } psplat_color_field;

@@ -25,8 +25,6 @@ static const double samples_per_splat = 60;
 /* How far splats reach beyond the samples that they cover, in spacings. So only few holes are left
  * between samples, which fill_holes.c closes. */
 static const double margin_spacings = 0.2;
-/* The number of splats that are grown as a trial. */
-enum { TRIAL_SPLATS = 128 };
 
 static psplat_result draw(psplat_conversion *c, double spacing, psplat_error *error) {
     psplat_samples_free(&c->samples);
@@ -38,14 +36,11 @@ static psplat_result draw(psplat_conversion *c, double spacing, psplat_error *er
  * is met in proportion to what it covers. The harmonic mean over the seeds corrects for that. */
 static psplat_result mean_covered(const psplat_conversion *c, double *covered) {
     psplat_selection trials = {0};
-    uint32_t seeds[TRIAL_SPLATS];
-    size_t count = c->samples.count < TRIAL_SPLATS ? c->samples.count : TRIAL_SPLATS;
-    for (size_t i = 0; i < count; ++i) seeds[i] = (uint32_t)(i * c->samples.count / count);
     const psplat_fit_context context = psplat_conversion_context(c);
-    psplat_result result = psplat_selection_grow(&context, seeds, count, &trials);
+    psplat_result result = psplat_selection_grow_trials(&context, &trials);
     double inverse = 0;
     for (size_t i = 0; i < trials.count; ++i)
-        inverse += 1 / ((double)trials.candidates[i].covered_count * (double)count);
+        inverse += 1 / ((double)trials.candidates[i].covered_count * (double)trials.count);
     *covered = inverse > 0 ? 1 / inverse : 0;
     psplat_selection_free(&trials);
     return result;

@@ -4,11 +4,15 @@
  */
 #include "select/selection.h"
 
+#include "features/samples.h"
 #include "fit/candidate.h"
 #include "fit/fit_context.h"
 #include "fit/grow_candidate.h"
 
 #include <stdlib.h>
+
+/* The most candidates that are grown as a trial. Chosen by hand. */
+enum { TRIALS = 128 };
 
 void psplat_selection_free(psplat_selection *selection) {
     for (size_t i = 0; i < selection->count; ++i) psplat_candidate_free(&selection->candidates[i]);
@@ -93,4 +97,12 @@ psplat_result psplat_selection_grow(const psplat_fit_context *context, const uin
     }
     free(grown);
     return result;
+}
+
+psplat_result psplat_selection_grow_trials(const psplat_fit_context *context,
+                                           psplat_selection *selection) {
+    uint32_t seeds[TRIALS];
+    size_t samples = context->samples->count, count = samples < TRIALS ? samples : TRIALS;
+    for (size_t i = 0; i < count; ++i) seeds[i] = (uint32_t)(i * samples / count);
+    return psplat_selection_grow(context, seeds, count, selection);
 }

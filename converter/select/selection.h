@@ -27,6 +27,11 @@ int psplat_selection_push(psplat_selection *selection, psplat_candidate *candida
 psplat_result psplat_selection_grow(const psplat_fit_context *context, const uint32_t *seeds,
                                     size_t count, psplat_selection *selection);
 
+/* The same around samples that are spread evenly over all, 128 at most, to find how large splats
+ * become and what they show. */
+psplat_result psplat_selection_grow_trials(const psplat_fit_context *context,
+                                           psplat_selection *selection);
+
 /* Frees the candidates that are not taken; the others keep their order. */
 void psplat_selection_drop_untaken(psplat_selection *selection);
 

@@ -21,7 +21,7 @@ same() {
 }
 
 # kill_at_moments FILES COMMAND...: kills COMMAND, which replaces FILES, at several moments of its
-# duration, most of them in its second half and one after its end. Each file must be as it was
+# duration, most of them in its second half, and at last lets it end. Each file must be as it was
 # before or as COMMAND writes it, and both must occur.
 kill_at_moments() {
     targets=$1 is_old=0 is_new=0
@@ -33,20 +33,22 @@ kill_at_moments() {
     mkdir new
     cp out/* new
     echo old >old
-    for percent in 2 50 70 80 90 95 100 105 120 end; do
+    for percent in 2% 50% 70% 80% 90% 95% 100% 105% 120% end; do
         for target in $targets; do cp old "out/$target"; done
         "$@" >stdout.txt 2>stderr.txt &
         process=$!
-        if [ $percent != end ]; then
-            sleep "$(awk "BEGIN { print $percent * $took / 100000 }")"
+        if [ $percent = end ]; then
+            wait $process || fail "$command_line never: $(cat stderr.txt)"
+        else
+            sleep "$(awk "BEGIN { print ${percent%?} * $took / 100000 }")"
             kill -KILL $process 2>kill.txt || true
+            wait $process 2>wait.txt || true
         fi
-        wait $process 2>wait.txt || true
         for target in $targets; do
-            if cmp -s "out/$target" old; then
+            if [ $percent != end ] && cmp -s "out/$target" old; then
                 is_old=$((is_old + 1))
             else
-                same "out/$target" "new/$target" || fail "$command_line after $percent (% of $took ms): $target is neither old nor new"
+                same "out/$target" "new/$target" || fail "$command_line at $percent of $took ms: $target is neither old nor new"
                 is_new=$((is_new + 1))
             fi
             checks=$((checks + 1))

@@ -6,6 +6,7 @@
  */
 #include "appearance_fixture.h"
 
+#include "base/random.h"
 #include "near.h"
 
 #include <math.h>
@@ -39,6 +40,13 @@ static void ramp(uint32_t x, uint32_t y, uint8_t rgba[4]) {
 static void faint_ramp(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     (void)y;
     memset(rgba, (int)(128 + 13 * x / SIZE), 3);
+    rgba[3] = 255;
+}
+
+/* greys that are random in squares of three texels, of which a splat covers few */
+static void grain(uint32_t x, uint32_t y, uint8_t rgba[4]) {
+    uint64_t seed = 1 + x / 3 + SIZE * (y / 3);
+    memset(rgba, (int)(psplat_random_next(&seed) % 256), 3);
     rgba[3] = 255;
 }
 
@@ -113,33 +121,64 @@ static void test_ramp(void **state) {
     painted_free(&p);
 }
 
-/* Converts a square that is painted by an image with a tolerance for which colours are constant
- * unless they are smooth. Returns whether they are linear. */
-static int is_linear(psplat_color_field field, void (*image)(uint32_t, uint32_t, uint8_t[4]),
-                     psplat_report *report) {
+/* Converts a square, painted by an image or else by colours of its vertices, which change linearly,
+ * with a tolerance for which colours are constant unless they are smooth. */
+static psplat_splats paint(psplat_color_field field, void (*image)(uint32_t, uint32_t, uint8_t[4]),
+                           psplat_report *report) {
     painted p;
-    painted_make(&p, 2, SIZE, image);
-    p.source_material.base_color =
-        (psplat_texture_info){.image = &p.image, .wrap = {PSPLAT_WRAP_CLAMP, PSPLAT_WRAP_CLAMP}};
+    painted_make(&p, 2, SIZE, image ? image : red);
+    size_t corners = 3 * p.mesh.triangle_count;
+    if (image) {
+        p.source_material.base_color = (psplat_texture_info){
+            .image = &p.image, .wrap = {PSPLAT_WRAP_CLAMP, PSPLAT_WRAP_CLAMP}};
+    } else {
+        p.mesh.corner_colors = malloc(4 * corners * sizeof *p.mesh.corner_colors);
+        assert_non_null(p.mesh.corner_colors);
+    }
+    for (size_t i = 0; i < corners && !image; ++i)
+        for (size_t k = 0; k < 4; ++k)
+            p.mesh.corner_colors[4 * i + k] =
+                k == 3 ? 1 : 0.1f + 0.8f * p.mesh.corner_uvs[0][2 * i + k / 2];
     psplat_splats splats = convert(&p, 10, field, report);
-    int has_finishes = splats.finishes != NULL;
-    psplat_splats_free(&splats);
     painted_free(&p);
-    return has_finishes;
+    return splats;
 }
 
-/* The colours of a ramp become linear, which takes far fewer splats and errs by less. Those of two
- * halves have an edge, and those of a faint ramp err by little: both stay constant. */
+static int stays_constant(void (*image)(uint32_t, uint32_t, uint8_t[4]), psplat_report *report) {
+    psplat_splats splats = paint(PSPLAT_COLOR_FIELD_CHOSEN, image, report);
+    int has_finishes = splats.finishes != NULL;
+    psplat_splats_free(&splats);
+    return !has_finishes;
+}
+
+/* Smooth colours of textures and of vertices become linear, as if that had been asked for, which
+ * takes far fewer splats and errs by less. Those of two halves have an edge, those of a faint ramp
+ * err by little, and grain has nothing that is linear: all of these stay constant. */
 static void test_smooth(void **state) {
     (void)state;
-    psplat_report chosen, constant;
-    assert_true(is_linear(PSPLAT_COLOR_FIELD_CHOSEN, ramp, &chosen));
-    assert_false(is_linear(PSPLAT_COLOR_FIELD_CONSTANT, ramp, &constant));
-    assert_true(constant.splats >= 4 * chosen.splats);
-    assert_true(chosen.rms_color_percent < 0.5 * constant.rms_color_percent);
-    assert_false(is_linear(PSPLAT_COLOR_FIELD_CHOSEN, halves, &chosen));
-    assert_false(is_linear(PSPLAT_COLOR_FIELD_CHOSEN, faint_ramp, &chosen));
-    assert_true(chosen.rms_color_percent > 0.5 && chosen.rms_color_percent < 2);
+    void (*const images[])(uint32_t, uint32_t, uint8_t[4]) = {ramp, NULL};
+    for (size_t i = 0; i < 2; ++i) {
+        psplat_report reports[3];
+        psplat_splats chosen = paint(PSPLAT_COLOR_FIELD_CHOSEN, images[i], &reports[0]);
+        psplat_splats linear = paint(PSPLAT_COLOR_FIELD_LINEAR, images[i], &reports[1]);
+        psplat_splats constant = paint(PSPLAT_COLOR_FIELD_CONSTANT, images[i], &reports[2]);
+        assert_non_null(chosen.finishes);
+        assert_null(constant.finishes);
+        assert_int_equal(reports[0].samples, reports[1].samples);
+        assert_int_equal(chosen.count, linear.count);
+        assert_memory_equal(chosen.splats, linear.splats, chosen.count * sizeof *chosen.splats);
+        assert_true(constant.count >= 4 * chosen.count);
+        assert_true(reports[0].rms_color_percent < 0.5 * reports[2].rms_color_percent);
+        psplat_splats_free(&chosen);
+        psplat_splats_free(&linear);
+        psplat_splats_free(&constant);
+    }
+    psplat_report report;
+    assert_true(stays_constant(halves, &report));
+    assert_true(stays_constant(faint_ramp, &report));
+    assert_true(report.rms_color_percent > 0.5 && report.rms_color_percent < 2);
+    assert_true(stays_constant(grain, &report));
+    assert_true(report.rms_color_percent > 3);
 }
 
 static void test_one_color(void **state) {
