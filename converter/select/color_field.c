@@ -30,9 +30,9 @@ static const double most_left = 0.6, least_error = 0.2;
 /* The numbers that a linear function has for each channel. */
 enum { LINEAR_NUMBERS = 3 };
 
-/* Returns the mean square of what a candidate's colours differ from those of the samples that it
- * covers, over R, G and B of sRGB. So many numbers were fitted to each, which is made up for, since
- * they follow noise too. There must be more samples. */
+/* Returns the mean square of the differences of a candidate's colours from those of the samples
+ * that it covers, over R, G and B of sRGB. As many numbers as fitted were fitted to each channel,
+ * which is made up for, since they follow noise too. There must be more samples than that. */
 static double mean_square(const psplat_samples *samples, const psplat_candidate *candidate,
                           size_t fitted) {
     const psplat_finish *finish = &candidate->finish;
@@ -52,8 +52,8 @@ static double mean_square(const psplat_samples *samples, const psplat_candidate 
     return sum / (3 * (double)(candidate->covered_count - fitted));
 }
 
-/* Finds the root of the mean of those over trials, of which more cover what is large, with linear
- * colours or without. */
+/* Fits linear colours or constant ones to trials, and finds what they err by over all of them, as a
+ * root mean square. Trials that cover too few samples to tell count as none. */
 static psplat_result fit_trials(const psplat_samples *samples, int linear, psplat_selection *trials,
                                 double *error) {
     psplat_result result = psplat_fit_colors(samples, linear, trials->candidates, trials->count);

@@ -113,6 +113,8 @@ static void test_takes_fewer_bytes(void **state) {
             after += compressed(m, cases[i].low_bits);
             free(m);
         }
+        print_message("%zu splats, %d steps: %zu bytes, %zu along the curve\n", cases[i].count,
+                      cases[i].steps, after, before);
         assert_in_range(after, 1, before * 83 / 100);
     }
 }

@@ -36,7 +36,7 @@ static void ramp(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     rgba[2] = 128, rgba[3] = 255;
 }
 
-/* colours that change by a twentieth of the range, a 69th in root mean square */
+/* colours that change by a twentieth of the range, 1.5 % in root mean square */
 static void faint_ramp(uint32_t x, uint32_t y, uint8_t rgba[4]) {
     (void)y;
     memset(rgba, (int)(128 + 13 * x / SIZE), 3);
