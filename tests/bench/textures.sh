@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# textures.sh MODEL ... - prints the tables of textures of converter/README.md, for each model at 0.5 and 0.2 %, baked and
+# textures.sh MODEL ... - prints the tables of converter/notes/textures.md, for each model at 0.5 and 0.2 %, baked and
 # kept: how far textures slide and what is mirrored or of another chart (`convert --report`), base colours without light
 # and lit pictures beside the mesh (`compare --size 1024 --software`), and bytes (`inspect`). PHONGSPLAT names the program.
 set -eu
