@@ -22,10 +22,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How often splats shrink, and by which factor. Chosen by hand: the last ones are a quarter as wide
- * as they were. */
+/* How often splats shrink, by which factor at least, and to what part of their width at most.
+ * Chosen by hand: the last ones are a quarter as wide as they were. */
 enum { ROUNDS = 8 };
-static const double shrink_factor = 0.85;
+static const double shrink_factor = 0.85, least_part = 0.25;
 
 /* The number of points for each splat that tell of which sheet splats are, and the bounds of the
  * number of all. Those that are fitted lie closer where fitting was hard, so that they tell another
@@ -42,6 +42,7 @@ typedef struct mender {
     psplat_conversion *c;
     psplat_samples points;
     uint8_t *crossed; /* by candidate: a crease lies too deep in it */
+    uint32_t *covers; /* by sample: how many candidates cover it */
     size_t count;     /* of crossings */
 } mender;
 
@@ -64,12 +65,17 @@ static psplat_result find_crossed(mender *m, const uint8_t *asked) {
     double greatest;
     size_t *from = malloc((selection->count + 1) * sizeof *from); /* of each measured splat */
     measured.regions = malloc((selection->count + 1) * sizeof *measured.regions);
+    measured.materials = malloc((selection->count + 1) * sizeof *measured.materials);
     m->crossed = calloc(selection->count + 1, 1);
-    psplat_result result = from && measured.regions && m->crossed ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
+    int ok = from && measured.regions && measured.materials && m->crossed;
+    psplat_result result = ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; i < selection->count && !result; ++i) {
         if (!asked[i]) continue;
+        const psplat_candidate *candidate = &selection->candidates[i];
         from[measured.count] = i;
-        measured.regions[measured.count++] = selection->candidates[i].region;
+        measured.materials[measured.count] =
+            psplat_mesh_material_of(c->surface.mesh, candidate->triangle);
+        measured.regions[measured.count++] = candidate->region;
     }
     if (!result)
         measured.region_tree =
@@ -85,33 +91,96 @@ static psplat_result find_crossed(mender *m, const uint8_t *asked) {
     return result;
 }
 
-/* Shrinks a candidate in which a crease lies too deep. Where nothing smaller keeps the limits, it
- * is no longer taken. */
-static psplat_result shrink(const psplat_fit_context *context, size_t index, void *user) {
-    const mender *m = user;
-    psplat_candidate *candidate = &m->c->selection.candidates[index];
-    psplat_region region = candidate->region;
-    if (!m->crossed[index]) return PSPLAT_OK;
-    candidate->taken = candidate->covered_count > 0;
-    if (!candidate->taken) return PSPLAT_OK;
-    psplat_candidate_put_nearest_first(context->samples, region.center, candidate);
+/* Returns a region on the surface of a candidate, a part as wide: about the middle of the samples
+ * that it alone covers, so that these are the last that it loses, else about its centre. */
+static psplat_region smaller_region(const mender *m, const psplat_candidate *candidate,
+                                    double part) {
+    const psplat_region *old = &candidate->region;
+    psplat_region region = *old;
+    double middle[2] = {0, 0};
+    size_t alone = 0;
+    for (size_t i = 0; i < candidate->covered_count; ++i) {
+        double uvh[3];
+        if (m->covers[candidate->covered[i]] != 1) continue;
+        psplat_region_local(old, m->c->samples.positions + 3 * (size_t)candidate->covered[i], uvh);
+        for (int k = 0; k < 2; ++k) middle[k] += uvh[k];
+        ++alone;
+    }
+    for (int k = 0; k < 2; ++k) {
+        if (alone) middle[k] *= (1 - part) / (double)alone;
+        region.radius[k] *= part;
+    }
+    psplat_region_point(old, middle, region.center);
+    psplat_region_slope(old, middle, region.slope);
+    return region;
+}
+
+/* Makes a candidate of such a region. It is taken where it keeps the limits. */
+static psplat_result make_smaller(const psplat_fit_context *context, const mender *m,
+                                  const psplat_candidate *candidate, double part,
+                                  psplat_candidate *smaller) {
+    psplat_region region = smaller_region(m, candidate, part);
+    if (!psplat_candidate_copy(candidate, smaller)) return PSPLAT_ERROR_MEMORY;
+    psplat_candidate_put_nearest_first(context->samples, region.center, smaller);
     psplat_site site = psplat_site_of(&region, candidate->triangle);
     const psplat_demands demands = {.inside = context->samples->positions +
-                                              3 * (size_t)candidate->covered[0]};
-    for (int k = 0; k < 2; ++k) region.radius[k] *= shrink_factor;
+                                              3 * (size_t)smaller->covered[0]};
     psplat_evaluation e = psplat_evaluate(context, &site, &region, &demands);
     if (e.status == PSPLAT_FIT_MEMORY) return PSPLAT_ERROR_MEMORY;
-    candidate->taken = e.status == PSPLAT_FIT_KEPT;
-    if (!candidate->taken) return PSPLAT_OK;
-    if (psplat_candidate_set(context, &site, &e, 0, candidate)) return PSPLAT_ERROR_MEMORY;
-    return context->limits->precision ? psplat_quantize_candidate(context, candidate) : PSPLAT_OK;
+    smaller->taken = e.status == PSPLAT_FIT_KEPT;
+    if (!smaller->taken) return PSPLAT_OK;
+    if (psplat_candidate_set(context, &site, &e, 0, smaller)) return PSPLAT_ERROR_MEMORY;
+    return context->limits->precision ? psplat_quantize_candidate(context, smaller) : PSPLAT_OK;
+}
+
+static int covers(const psplat_candidate *candidate, uint32_t sample) {
+    for (size_t i = 0; i < candidate->covered_count; ++i)
+        if (candidate->covered[i] == sample) return 1;
+    return 0;
+}
+
+/* Returns whether a smaller candidate covers all samples that the other one alone covers. */
+static int keeps_own(const mender *m, const psplat_candidate *candidate,
+                     const psplat_candidate *smaller) {
+    for (size_t i = 0; i < candidate->covered_count; ++i)
+        if (m->covers[candidate->covered[i]] == 1 && !covers(smaller, candidate->covered[i]))
+            return 0;
+    return 1;
+}
+
+/* Shrinks a candidate in which a crease lies too deep: as little as it can without losing a sample
+ * that it alone covers, for which a new one would grow as this one did, and else as little as it
+ * can. Where nothing smaller keeps the limits, it is no longer taken. */
+static psplat_result shrink(const psplat_fit_context *context, size_t index, void *user) {
+    const mender *m = user;
+    psplat_candidate *candidate = &m->c->selection.candidates[index], best = {0};
+    psplat_result result = PSPLAT_OK;
+    int is_whole = !candidate->covered_count;
+    if (!m->crossed[index]) return PSPLAT_OK;
+    for (double part = shrink_factor; !is_whole && part > least_part; part *= shrink_factor) {
+        psplat_candidate smaller;
+        result = make_smaller(context, m, candidate, part, &smaller);
+        is_whole = result || (smaller.taken && keeps_own(m, candidate, &smaller));
+        if (!result && smaller.taken && (is_whole || !best.taken)) {
+            const psplat_candidate other = best;
+            best = smaller;
+            smaller = other;
+        }
+        psplat_candidate_free(&smaller);
+    }
+    psplat_candidate_free(candidate);
+    *candidate = best;
+    return result;
 }
 
 /* Replaces the candidates in which creases lie too deep. */
 static psplat_result replace(mender *m, psplat_error *error) {
     psplat_conversion *c = m->c;
     const psplat_fit_context context = psplat_conversion_context(c);
-    psplat_result result = psplat_fit_each(&context, c->selection.count, shrink, m);
+    m->covers = psplat_selection_count_covers(&c->selection, c->samples.count);
+    psplat_result result =
+        m->covers ? psplat_fit_each(&context, c->selection.count, shrink, m) : PSPLAT_ERROR_MEMORY;
+    free(m->covers);
     psplat_selection_drop_untaken(&c->selection);
     if (!result) result = psplat_cover_samples(c, c->samples.count, 1, error);
     psplat_selection_drop_untaken(&c->selection);

@@ -182,6 +182,13 @@ static psplat_result append_points(mender *m, psplat_error *error) {
     return result;
 }
 
+/* Gives the candidates under which textures slide too far now the regions that they had before. */
+static void take_back(mender *m, const psplat_region *before) {
+    choose_blamed(m);
+    for (size_t i = 0; i < m->c->selection.count; ++i)
+        if (m->blamed[i]) m->c->selection.candidates[i].region = before[i];
+}
+
 /* Replaces the candidates under which textures slide too far. */
 static psplat_result replace(mender *m, psplat_error *error) {
     psplat_conversion *c = m->c;
@@ -228,5 +235,17 @@ psplat_result psplat_mend_textures(psplat_conversion *c, int last, psplat_error 
     }
     if (result && result != PSPLAT_ERROR_INTERRUPTED)
         psplat_fail(error, result, 0, "%s while mending textures", psplat_result_text(result));
+    return result;
+}
+
+psplat_result psplat_take_back_slides(psplat_conversion *c, const psplat_region *before) {
+    mender m = {.c = c, .last = 1};
+    int slides;
+    if (!c->samples.texcoords) return PSPLAT_OK;
+    psplat_result result = glance(c, 1, &slides, NULL);
+    if (result || !slides) return result;
+    result = find_wrong(&m, MOST_POINTS, c->desc->seed + mend_seed + 2 * ROUNDS, NULL);
+    if (!result && is_wrong(&m, 1)) take_back(&m, before);
+    free_round(&m);
     return result;
 }

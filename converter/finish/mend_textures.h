@@ -16,4 +16,11 @@
  * spends a part of what may slide. Errors: MEMORY, INTERRUPTED, RANGE (too many samples). */
 psplat_result psplat_mend_textures(psplat_conversion *c, int last, psplat_error *error);
 
+/* Measures the same after the lines of candidates have been moved out (close_seams.h,
+ * close_cracks.h). Where textures slide too far at too many points now, the candidates that show
+ * most of these get the regions that they had before, by index: on parts that are thinner than the
+ * tolerance, what laps over the border of a chart lies before the whole of another one. Does
+ * nothing where no textures are kept. Errors: MEMORY. */
+psplat_result psplat_take_back_slides(psplat_conversion *c, const psplat_region *before);
+
 #endif

@@ -41,8 +41,18 @@ typedef struct crossing_list {
     int failed;
 } crossing_list;
 
+/* Returns whether a triangle has another material than a splat. Where parts of several lie closer
+ * than the tolerance, a splat covers those of others, too, and shows none of them. */
+static int is_foreign(const psplat_surface *surface, const psplat_measured_splats *measured,
+                      uint32_t splat, uint32_t triangle) {
+    const psplat_mesh *mesh = surface->mesh;
+    return measured->materials && mesh->source_materials && mesh->groups &&
+           mesh->groups[triangle] != measured->materials[splat];
+}
+
 /* One crease edge whose crossings are looked for. */
 typedef struct edge_probe {
+    const psplat_surface *surface;
     const psplat_measured_splats *measured;
     const double *a, *b, *normal;
     uint32_t edge;
@@ -275,6 +285,7 @@ static void push_crossing(crossing_list *list, const psplat_crease_crossing *cro
 static int visit_region(void *user, uint32_t index) {
     edge_probe *p = user;
     const psplat_region *region = &p->measured->regions[index];
+    if (is_foreign(p->surface, p->measured, index, p->edge / 3)) return 0;
     /* A curved one may face another way at each place of the edge. */
     if (!psplat_region_is_curved(region) && dot3(p->normal, region->n) <= 0) return 0;
     psplat_crease_crossing found = {.edge = p->edge, .splat = index};
@@ -297,8 +308,8 @@ static double probe_edge(const psplat_surface *surface, const psplat_measured_sp
     const double *b = surface->mesh->positions + 3 * (size_t)corners[(edge % 3 + 1) % 3];
     double low[3], high[3];
     for (int k = 0; k < 3; ++k) low[k] = min2(a[k], b[k]), high[k] = max2(a[k], b[k]);
-    edge_probe p = {measured, a,     b,        surface->face_normals + (size_t)(edge / 3) * 3,
-                    edge,     limit, greatest, list};
+    edge_probe p = {surface, measured, a,   b, surface->face_normals + (size_t)(edge / 3) * 3, edge,
+                    limit,   greatest, list};
     psplat_region_tree_visit_box(measured->region_tree, low, high, visit_region, &p);
     return p.greatest;
 }
@@ -336,8 +347,9 @@ typedef struct vote_list {
     int failed;
 } vote_list;
 
-/* One sample, which votes on the splats that cover it. */
+/* One sample, which votes on the splats of its material that cover it. */
 typedef struct voter {
+    const psplat_surface *surface;
     const psplat_measured_splats *measured;
     const uint8_t *crosses; /* of each splat: 1 where it has crossings */
     vote_list *list;        /* shared by all threads */
@@ -364,7 +376,7 @@ static int visit_vote(void *user, uint32_t index) {
     voter *v = user;
     const vote item = {index, v->triangle};
     double uvh[3];
-    if (!v->crosses[index]) return 0;
+    if (!v->crosses[index] || is_foreign(v->surface, v->measured, index, v->triangle)) return 0;
     psplat_region_local(&v->measured->regions[index], v->point, uvh);
     if (!psplat_measured_splats_cover(v->measured, index, v->normal, uvh)) return 0;
 #if defined(_OPENMP)
@@ -382,7 +394,7 @@ static int compare_votes(const void *left, const void *right) {
 
 /* Finds the votes on the splats that have crossings, in an order that does not depend on threads.
  */
-static psplat_result find_votes(const psplat_samples *samples,
+static psplat_result find_votes(const psplat_surface *surface, const psplat_samples *samples,
                                 const psplat_measured_splats *measured,
                                 const crossing_list *crossings, vote_list *votes) {
     uint8_t *crosses = calloc(measured->count + 1, 1);
@@ -393,7 +405,7 @@ static psplat_result find_votes(const psplat_samples *samples,
 #pragma omp parallel for schedule(static)
 #endif
     for (long i = 0; i < end; ++i) {
-        voter v = {.measured = measured, .crosses = crosses, .list = votes};
+        voter v = {.surface = surface, .measured = measured, .crosses = crosses, .list = votes};
         v.point = samples->positions + 3 * i;
         for (int k = 0; k < 3; ++k) v.normal[k] = (double)samples->normals[3 * i + k];
         v.triangle = samples->triangles[i];
@@ -494,7 +506,7 @@ static int sort_own_first(sheet_search *s, psplat_crease_crossing *crossings, si
  * splat without votes all are kept. */
 static psplat_result drop_foreign_crossings(const psplat_samples *samples, sheet_search *s,
                                             crossing_list *list) {
-    psplat_result result = find_votes(samples, s->measured, list, &s->votes);
+    psplat_result result = find_votes(s->surface, samples, s->measured, list, &s->votes);
     size_t kept = 0, vote = 0;
     for (size_t i = 0, end; i < list->count && !result; i = end) {
         uint32_t splat = list->items[i].splat;

@@ -18,9 +18,9 @@
  * and owned by the caller) in the order of splats and then edges. *greatest becomes the greatest
  * depth of the crossings stored or, where there are none, of those up to limit. Two sorts of
  * crossings are left out: of creases that do not bound a sheet of the splat's own, and of those
- * beyond which nothing is seen to be wrong (crease_spill.h). The sheet of which the splat covers
- * most samples is its own, and any other of which it covers more than least_share, 0 to 1, times as
- * many: with 1 there is no other. Fails only with PSPLAT_ERROR_MEMORY. */
+ * beyond which nothing is seen to be wrong (crease_spill.h). Of the sheets of its material, that of
+ * which the splat covers most samples is its own, and any other of which it covers more than
+ * least_share, 0 to 1, times as many: with 1 there is no other. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_crease_crossings_find(const psplat_surface *surface,
                                            const psplat_samples *samples,
                                            const psplat_measured_splats *measured, double limit,

@@ -33,10 +33,6 @@ typedef struct spill {
     size_t count;
 } spill;
 
-static uint32_t material_of(const psplat_mesh *mesh, size_t triangle) {
-    return mesh->source_materials && mesh->groups ? mesh->groups[triangle] : 0;
-}
-
 /* Gathers the triangles of the splat's material whose box meets the sphere around the splat. */
 static void gather(spill *s) {
     const psplat_mesh *mesh = s->surface->mesh;
@@ -44,7 +40,7 @@ static void gather(spill *s) {
     s->count = 0;
     for (size_t t = 0; t < mesh->triangle_count; ++t) {
         const uint32_t *corners = mesh->triangles + 3 * t;
-        int meets = material_of(mesh, t) == s->material;
+        int meets = psplat_mesh_material_of(mesh, t) == s->material;
         for (size_t k = 0; k < 3 && meets; ++k) {
             double low = HUGE_VAL, high = -HUGE_VAL;
             for (int i = 0; i < 3; ++i) {

@@ -9,7 +9,9 @@
  * the splat ought to show. Areas decide, not the samples, of which a narrow splat has few: these
  * may all happen to lie across the border. Where layers lie on each other, or a border runs through
  * the middle, several have about as much, and that is the splat's over which its coordinates slide
- * least: the others are other splats' to show. Where none does, a sample is lost.
+ * least: the others are other splats' to show. Where they slide over most of each of these, but not
+ * over a narrower one, which the splat leaves by no more than it may, it is of that. Where
+ * no splat of its chart covers it, a sample is lost.
  *
  * A border may end, or run around a neck, so that both of its sides are one chart. What a splat
  * covers across such a border, over which it may reach by the tolerance, is other splats' to show,
@@ -48,6 +50,14 @@ static const double least_shown_cosine = 0.5;
 /* The share of the area of the largest chart beneath a splat from which on another one may be its
  * own. Chosen by hand. */
 static const double least_area_share = 0.25;
+
+/* The share of the samples of a splat's own chart at which its texture may slide too far where that
+ * of another one tells that it is of that. */
+static const double most_own_share = 0.5;
+
+/* How far over the borders of that a splat may reach, in tolerances: by one (crease_crossings.h),
+ * and at corners by the root of two. */
+static const double most_overhang = 1.5;
 
 /* A sample that a splat covers. */
 typedef struct meeting {
@@ -402,29 +412,82 @@ static double share_that_slides(const chart_search *search, const meeting *meeti
     return on_chart ? (double)slides / (double)on_chart : 1;
 }
 
+/* A chart that may be a splat's own. */
+typedef struct own_chart {
+    uint32_t triangle; /* one of it; PSPLAT_NONE: there is none */
+    double area;       /* as above */
+    double share;      /* of its samples at which the texture slides too far */
+} own_chart;
+
+/* Stores a point's place in the plane of a splat, in units of length. */
+static void put_in_plane(const psplat_region *region, const double point[3], double flat[3]) {
+    double d[3];
+    sub3(d, point, region->center);
+    flat[0] = dot3(d, region->u), flat[1] = dot3(d, region->v), flat[2] = 0;
+}
+
+/* Returns whether a sample lies farther from the chart that was flooded last than a splat reaches
+ * over borders, in the plane of the splat. */
+static int is_far_from_chart(const chart_search *search, const meeting *m) {
+    const slides_context *c = search->context;
+    double most = most_overhang * c->measured->tolerance, flat[3], corners[3][3];
+    put_in_plane(search->region, c->samples->positions + 3 * (size_t)m->sample, flat);
+    for (size_t i = 0; i < search->chart.triangle_count; ++i) {
+        for (int k = 0; k < 3; ++k)
+            put_in_plane(search->region,
+                         psplat_mesh_corner(c->surface->mesh, search->chart.triangles[i], k),
+                         corners[k]);
+        if (point_triangle_distance2(flat, corners[0], corners[1], corners[2]) <= most * most)
+            return 0;
+    }
+    return 1;
+}
+
+/* Returns whether a splat reaches over the borders of the chart that was flooded last by no more
+ * than it may. */
+static int keeps_to_chart(const chart_search *search, const meeting *meetings, size_t count) {
+    for (size_t i = 0; i < count; ++i)
+        if (!psplat_triangle_flood_met(&search->chart,
+                                       search->context->samples->triangles[meetings[i].sample]) &&
+            is_far_from_chart(search, &meetings[i]))
+            return 0;
+    return 1;
+}
+
+/* Finds the chart over which a splat's coordinates slide at the least share of samples, the largest
+ * of equals: of the large ones, or of the small ones to which it keeps. Returns 0 when out of
+ * memory. */
+static int find_least_sliding(chart_search *search, const meeting *meetings, size_t count,
+                              int small, own_chart *found) {
+    double most = 0;
+    *found = (own_chart){PSPLAT_NONE, 0, HUGE_VAL};
+    for (size_t i = 0; i < search->chart_count; ++i) most = max2(most, search->charts[i].area);
+    for (size_t i = 0; i < search->chart_count; ++i) {
+        const chart *chart = &search->charts[i];
+        double share = 0;
+        if ((chart->area < least_area_share * most) != small) continue;
+        if (search->chart_count > 1 && !flood_chart(search, chart->triangle)) return 0;
+        if (search->chart_count > 1) share = share_that_slides(search, meetings, count);
+        if (share > found->share || (share == found->share && chart->area <= found->area) ||
+            (small && !keeps_to_chart(search, meetings, count)))
+            continue;
+        *found = (own_chart){chart->triangle, chart->area, share};
+    }
+    return 1;
+}
+
 /* Finds a triangle of the chart that is a splat's own: PSPLAT_NONE where none has an area beneath
- * it. Returns 0 when out of memory. */
+ * it. One of the large ones is, but a small one where the texture slides over most of these, and
+ * not over most of that: a splat of a narrow strip reaches over its borders by the tolerance, and
+ * has more of what lies there beneath it than of the strip. Returns 0 when out of memory. */
 static int find_own_chart(chart_search *search, const meeting *meetings, size_t count,
                           uint32_t *own) {
-    double most = 0, least = HUGE_VAL;
-    size_t found = 0, large = 0;
-    *own = PSPLAT_NONE;
-    if (!find_charts(search, meetings, count)) return 0;
-    for (size_t i = 0; i < search->chart_count; ++i) most = max2(most, search->charts[i].area);
-    for (size_t i = 0; i < search->chart_count; ++i)
-        if (search->charts[i].area >= least_area_share * most)
-            search->charts[large++] = search->charts[i];
-    for (size_t i = 0; i < large; ++i) {
-        double share = 0;
-        if (large > 1 && !flood_chart(search, search->charts[i].triangle)) return 0;
-        if (large > 1) share = share_that_slides(search, meetings, count);
-        if (share > least ||
-            (share == least && search->charts[i].area <= search->charts[found].area))
-            continue;
-        least = share;
-        found = i;
-        *own = search->charts[i].triangle;
-    }
+    own_chart large, small = {PSPLAT_NONE, 0, HUGE_VAL};
+    if (!find_charts(search, meetings, count) ||
+        !find_least_sliding(search, meetings, count, 0, &large) ||
+        (large.share > most_own_share && !find_least_sliding(search, meetings, count, 1, &small)))
+        return 0;
+    *own = small.share < most_own_share ? small.triangle : large.triangle;
     return 1;
 }
 

@@ -17,9 +17,11 @@
 /* What splats show of kept textures at samples of a surface. Splats do not store their chart: of
  * the parts of the surface beneath a splat, bounded by creases and borders of charts, that have at
  * least a quarter of the area of the largest one inside its seams, the one over which its
- * coordinates slide at the least share of the samples is its own. Where a border of that chart
- * stands between a sample within the tolerance of it and the splat's own side, and some splat shows
- * what is there, the splat counts as one of another chart. */
+ * coordinates slide at the least share of the samples is its own; but where that is more than half,
+ * a smaller part over which they slide at less than half, and which the splat leaves by no more
+ * than one and a half tolerances, is, if there is one. Where a border of
+ * that chart stands between a sample within the tolerance of it and the splat's own side, and some
+ * splat shows what is there, the splat counts as one of another chart. */
 typedef struct psplat_texture_slides {
     /* By sample, the slide of the splat that weighs most there, of those of its own chart that
      * cover it; negative where there is none, or no texture is kept there: */

@@ -61,6 +61,11 @@ void psplat_mesh_free(psplat_mesh *mesh);
  * material says. */
 int psplat_mesh_shows_both_sides(const psplat_mesh *mesh, size_t group);
 
+/* Returns the index of a triangle's source material, 0 where all triangles have one material. */
+static inline uint32_t psplat_mesh_material_of(const psplat_mesh *mesh, size_t triangle) {
+    return mesh->source_materials && mesh->groups ? mesh->groups[triangle] : 0;
+}
+
 /* The most triangles and vertices that are read, so that their numbers fit into 32 bits. */
 #define PSPLAT_MAX_TRIANGLES 0x3fffffffu
 #define PSPLAT_MAX_VERTICES 0x7ffffffeu

@@ -191,6 +191,7 @@ static psplat_result join(psplat_conversion *c) {
         fitted ? psplat_close_seams(&context, &c->selection) : PSPLAT_ERROR_MEMORY;
     if (!result) result = psplat_close_cracks(c);
     if (!result) result = psplat_take_back_crossings(c, fitted);
+    if (!result) result = psplat_take_back_slides(c, fitted);
     if (!result && c->surface.chart_border_edges) {
         closed = copy_regions(&c->selection);
         result = closed ? psplat_open_seams(&context, &c->kernel, fitted, &c->selection)

@@ -129,6 +129,68 @@ static void test_own_sheet(void **state) {
     fixture_free(&f);
 }
 
+/* ---- of its own material --------------------------------------------------------------------- */
+
+/* Six rectangles of their own, which the bridges between them join far below: a post of 0.2 by 2,
+ * and on both sides of it, half a tolerance above and below, a sheet that ends at y = 0.1. */
+static void place_layers(double s, double t, double p[3]) {
+    int column = (int)(s * 5 + 0.5), layer = column / 2;
+    double low[3] = {-0.1, -1, -1}, high[3] = {0.1, 1, 1}, top[3] = {1, 0.1, 0.1};
+    static const double heights[3] = {0, 0.01, -0.01};
+    p[0] = column % 2 ? high[layer] : low[layer];
+    p[1] = -1 + t * (top[layer] + 1);
+    p[2] = heights[layer];
+}
+
+/* The triangles of the bridges, columns 1 and 3, are dropped. */
+static void make_layers(fixture *f, uint32_t *groups) {
+    size_t kept = 0;
+    fixture_grid(f, 5, 1, place_layers);
+    for (size_t i = 0; i < f->mesh.triangle_count; ++i) {
+        if (i / 2 % 2) continue;
+        memmove(f->mesh.triangles + 3 * kept, f->mesh.triangles + 3 * i, 3 * sizeof(uint32_t));
+        groups[kept++] = i >= 2;
+    }
+    f->mesh.triangle_count = kept;
+}
+
+/* Returns whether there are crossings of a splat of a material in layers of materials. */
+static int crosses(const fixture *f, psplat_region region, uint32_t material, double share) {
+    double greatest;
+    return crossings_of_sheets(f, &region, material, 0.02, 0.04, share, &greatest) > 0;
+}
+
+/* A tall splat ends a little beyond the sides of the post, and the ends of the sheets lie deep in
+ * it; a wide one ends a little beyond those ends, and the sides of the post lie deep in it. All of
+ * these lie within the tolerance of both. Only those count that are of the splat's own material:
+ * also where most of what it covers is of another, and where all is. */
+static void test_own_material(void **state) {
+    (void)state;
+    fixture f;
+    uint32_t groups[6];
+    psplat_source_material materials[2] = {{.material = {.base_color = {1, 0, 0, 1}}},
+                                           {.material = {.base_color = {0, 1, 0, 1}}}};
+    make_layers(&f, groups);
+    fixture_build(&f);
+    assert_int_equal(psplat_samples_draw_uniform(&f.surface, 20000, 7, &f.samples, NULL),
+                     PSPLAT_OK);
+    psplat_region tall = level_region(0.139, 0.3), wide = level_region(0.3, 0.109);
+    psplat_region round = level_region(0.3, 0.3), beside = level_region(0.3, 0.2);
+    wide.center[1] = 0.03, round.center[1] = -0.5;
+    beside.center[0] = 0.6, beside.center[1] = 0.03;
+    f.mesh.groups = groups;
+    f.mesh.source_materials = materials, f.mesh.source_material_count = 2;
+    assert_false(crosses(&f, tall, 0, 0.4));
+    assert_true(crosses(&f, tall, 1, 0.4));
+    assert_false(crosses(&f, wide, 1, 0.1));
+    assert_true(crosses(&f, wide, 0, 0.1));
+    assert_true(crosses(&f, round, 0, 1));
+    assert_false(crosses(&f, beside, 0, 1));
+    assert_true(crosses(&f, beside, 1, 1));
+    f.mesh.groups = NULL, f.mesh.source_materials = NULL, f.mesh.source_material_count = 0;
+    fixture_free(&f);
+}
+
 /* ---- seen ------------------------------------------------------------------------------------ */
 
 static double fold;
@@ -182,6 +244,7 @@ int test_crease_crossings_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_on_surface),
         cmocka_unit_test(test_own_sheet),
+        cmocka_unit_test(test_own_material),
         cmocka_unit_test(test_seen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -265,6 +265,38 @@ static void test_coordinates_decide(void **state) {
         }
 }
 
+/* A narrow splat that shows the left chart has less than a tenth of its area there. It is of that
+ * chart while it reaches over the border by 1.4 tolerances, not by 1.6. One that shows neither is
+ * of the right chart, which it has more of. */
+static void test_narrow_strips(void **state) {
+    (void)state;
+    static const double reaches[3] = {0.014, 0.016, 0.014};
+    for (int kind = 0; kind < 3; ++kind) {
+        stage s;
+        size_t own[2] = {0, 0}, foreign[2] = {0, 0};
+        double width = (reaches[kind] + 0.002) / 2;
+        stage_begin(&s, 0.5);
+        psplat_samples_free(&s.c.f.samples);
+        assert_int_equal(
+            psplat_samples_draw_uniform(&s.c.f.surface, 300000, 7, &s.c.f.samples, NULL),
+            PSPLAT_OK);
+        s.splats[0].center[0] = (float)(reaches[kind] - width);
+        s.splats[0].radius[0] = (float)width, s.splats[0].radius[1] = 0.5f;
+        s.texcoords[0].at[0] = (float)((reaches[kind] - width) / 4) + (kind == 2 ? 0.25f : 0);
+        s.texcoords[0].along_u[0] = (float)(width / 4), s.texcoords[0].along_v[1] = 0.125f;
+        measure(&s);
+        for (size_t i = 0; i < s.c.f.samples.count; ++i) {
+            const double *p = s.c.f.samples.positions + 3 * i;
+            int is_right = s.c.f.samples.triangles[i] / 2 % CELLS >= CELLS / 2;
+            if (hypot((p[0] - reaches[kind] + width) / width, p[1] / 0.5) > 1 - 1e-3) continue;
+            ++*(s.slides.splats[i] == 0 ? &own[is_right] : &foreign[is_right]);
+        }
+        assert_int_equal(own[kind > 0 ? 0 : 1] + foreign[kind > 0 ? 1 : 0], 0);
+        assert_true(own[kind > 0 ? 1 : 0] > 20 && foreign[kind > 0 ? 0 : 1] > 20);
+        stage_end(&s);
+    }
+}
+
 /* Of two splats of a chart the one that weighs more at a sample counts. */
 static void test_heaviest(void **state) {
     (void)state;
@@ -485,6 +517,7 @@ int test_texture_slides_main(void) {
         cmocka_unit_test(test_errors),
         cmocka_unit_test(test_mirrored),
         cmocka_unit_test(test_foreign),
+        cmocka_unit_test(test_narrow_strips),
         cmocka_unit_test(test_heaviest),
         cmocka_unit_test(test_areas_decide),
         cmocka_unit_test(test_coordinates_decide),
