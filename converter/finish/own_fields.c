@@ -325,13 +325,13 @@ static int has_curved(const psplat_selection *selection) {
 /* Machined parts get none: the shapes that CAD programs triangulate have the normals, and beside
  * tangent edges fields that serve the whole blend err by more than those (test_tangent_edges).
  * Where the file has normals of its own they may be others than those of the shape, however well
- * splats follow that. */
+ * splats follow that, and a few tangent edges say nothing about all the rest. */
 psplat_result psplat_fit_own_fields(psplat_conversion *c) {
     field_fit f = {.count = 0};
     if (!c->limits.precision || c->limits.constant_normals || c->limits.normal_tolerance > 0 ||
         c->samples.turned || !is_lit(c->surface.mesh) || !has_curved(&c->selection) ||
-        c->surface.tangent_edges ||
-        (!c->surface.mesh->corner_normals && psplat_used_part(c) < least_used))
+        (!c->surface.mesh->corner_normals &&
+         (c->surface.tangent_edges || psplat_used_part(c) < least_used)))
         return PSPLAT_OK;
     psplat_result result =
         psplat_blend_points_draw(c, POINTS_PER_SPLAT, c->desc->seed + fields_seed, &f.points);

@@ -152,14 +152,16 @@ static void test_no_gain(void **state) {
     fixture_free(&s.f);
 }
 
-/* Splats that lie on the surface stay as they are, unless the file has normals of its own, which
- * may be others than those of the surface. */
-static void test_little_used(void **state) {
+/* Splats that lie on the surface, or on one with tangent edges, stay as they are, unless the file
+ * has normals of its own, which may be others than those of the surface. */
+static void test_machined(void **state) {
     (void)state;
     stage s;
-    for (int authored = 0; authored < 2; ++authored) {
+    for (int kind = 0; kind < 4; ++kind) {
+        int authored = kind % 2;
         begin(&s, 1);
-        s.candidates[0].deviation = 0.1 * tolerance;
+        if (kind < 2) s.candidates[0].deviation = 0.1 * tolerance;
+        if (kind >= 2) s.c.surface.tangent_edges = 2;
         if (!authored) {
             free(s.f.mesh.corner_normals); /* The surface has taken its normals. */
             s.f.mesh.corner_normals = NULL;
@@ -322,9 +324,9 @@ static void test_fine_mesh(void **state) {
 int test_own_fields_main(void);
 int test_own_fields_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_field),   cmocka_unit_test(test_no_gain),
-        cmocka_unit_test(test_little_used), cmocka_unit_test(test_points),
-        cmocka_unit_test(test_bowl),        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_none),        cmocka_unit_test(test_fine_mesh)};
+        cmocka_unit_test(test_one_field), cmocka_unit_test(test_no_gain),
+        cmocka_unit_test(test_machined),  cmocka_unit_test(test_points),
+        cmocka_unit_test(test_bowl),      cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_none),      cmocka_unit_test(test_fine_mesh)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
