@@ -66,13 +66,15 @@ static psplat_result find_crossed(mender *m, const uint8_t *asked) {
     size_t *from = malloc((selection->count + 1) * sizeof *from); /* of each measured splat */
     measured.regions = malloc((selection->count + 1) * sizeof *measured.regions);
     measured.materials = malloc((selection->count + 1) * sizeof *measured.materials);
+    measured.triangles = malloc((selection->count + 1) * sizeof *measured.triangles);
     m->crossed = calloc(selection->count + 1, 1);
-    int ok = from && measured.regions && measured.materials && m->crossed;
+    int ok = from && measured.regions && measured.materials && measured.triangles && m->crossed;
     psplat_result result = ok ? PSPLAT_OK : PSPLAT_ERROR_MEMORY;
     for (size_t i = 0; i < selection->count && !result; ++i) {
         if (!asked[i]) continue;
         const psplat_candidate *candidate = &selection->candidates[i];
         from[measured.count] = i;
+        measured.triangles[measured.count] = candidate->triangle;
         measured.materials[measured.count] =
             psplat_mesh_material_of(c->surface.mesh, candidate->triangle);
         measured.regions[measured.count++] = candidate->region;

@@ -9,9 +9,9 @@
  * themselves, since chords would cut off more of them than a tolerance, and then the maximum is
  * searched about the deepest of some places. Splats do not store their patch, so the samples that a
  * splat covers vote: the sheet around the splat, bounded by creases, to which most of them belong
- * is its own, as are others that have nearly as many votes where a caller wants that. The creases
- * of other sheets that lie closer than the tolerance are left out, be they of the same patch, as
- * where cloth is folded.
+ * is its own, as are others that have nearly as many votes where a caller wants that, and that
+ * which it grew from, where that is known. The creases of other sheets that lie closer than the
+ * tolerance are left out, be they of the same patch, as where cloth is folded.
  */
 #include "measure/crease_crossings.h"
 
@@ -483,23 +483,32 @@ static int find_sheets(sheet_search *s, uint32_t splat, size_t first, size_t end
     return 1;
 }
 
-/* Puts those of count crossings of one splat first whose creases bound sheets of its own. Stores
- * how many they are. Returns 0 when out of memory. */
-static int sort_own_first(sheet_search *s, psplat_crease_crossing *crossings, size_t count,
-                          size_t *own) {
-    *own = 0;
-    for (size_t i = 0; i < s->sheet_count; ++i) {
-        double least = s->least_share * (double)s->sizes[s->largest];
-        if (i != s->largest && (double)s->sizes[i] <= least) continue;
-        if (!flood_sheet(s, crossings->splat, s->starts[i])) return 0;
-        for (size_t k = *own; k < count; ++k) {
-            if (!psplat_triangle_flood_met(&s->near, crossings[k].edge / 3)) continue;
-            const psplat_crease_crossing found = crossings[k];
-            crossings[k] = crossings[*own];
-            crossings[(*own)++] = found;
-        }
+/* Puts those of count crossings of one splat, of which `own` stand first already, there whose
+ * creases bound the sheet of a triangle. Returns 0 when out of memory. */
+static int put_own_first(sheet_search *s, uint32_t triangle, psplat_crease_crossing *crossings,
+                         size_t count, size_t *own) {
+    if (!flood_sheet(s, crossings->splat, triangle)) return 0;
+    for (size_t k = *own; k < count; ++k) {
+        if (!psplat_triangle_flood_met(&s->near, crossings[k].edge / 3)) continue;
+        const psplat_crease_crossing found = crossings[k];
+        crossings[k] = crossings[*own];
+        crossings[(*own)++] = found;
     }
     return 1;
+}
+
+/* Does that for all sheets of a splat's own. Returns 0 when out of memory. */
+static int sort_own_first(sheet_search *s, psplat_crease_crossing *crossings, size_t count,
+                          size_t *own) {
+    const uint32_t *grown = s->measured->triangles;
+    double most = (double)s->sizes[s->largest], least = s->least_share * most;
+    if (s->least_share < 1) least -= sqrt(most); /* of other samples there may be as many more */
+    *own = least < 0 ? count : 0;
+    for (size_t i = 0; i < s->sheet_count && *own < count; ++i) {
+        if (i != s->largest && (double)s->sizes[i] <= least) continue;
+        if (!put_own_first(s, s->starts[i], crossings, count, own)) return 0;
+    }
+    return !grown || put_own_first(s, grown[crossings->splat], crossings, count, own);
 }
 
 /* Drops the crossings of sheets other than those that many samples of the splat belong to. Of a

@@ -20,7 +20,9 @@
  * crossings are left out: of creases that do not bound a sheet of the splat's own, and of those
  * beyond which nothing is seen to be wrong (crease_spill.h). Of the sheets of its material, that of
  * which the splat covers most samples is its own, and any other of which it covers more than
- * least_share, 0 to 1, times as many: with 1 there is no other. Fails only with PSPLAT_ERROR_MEMORY. */
+ * least_share, 0 to 1, times as many, less the root of that number: with 1 there is no other, and
+ * with less all are where the splat covers few samples. So is that of the triangle which it
+ * grew from, where measured tells. Fails only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_crease_crossings_find(const psplat_surface *surface,
                                            const psplat_samples *samples,
                                            const psplat_measured_splats *measured, double limit,

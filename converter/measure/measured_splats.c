@@ -21,6 +21,7 @@ void psplat_measured_splats_free(psplat_measured_splats *measured) {
     free(measured->regions);
     free(measured->fields);
     free(measured->materials);
+    free(measured->triangles);
     *measured = (psplat_measured_splats){0};
 }
 

@@ -23,13 +23,16 @@
 #include "mesh/mesh.h"
 
 /* Returns how many crossings of one region deeper than limit there are, of sheets with more than a
- * share of the votes of that with most, and stores the greatest depth. */
-static size_t crossings_of_sheets(const fixture *f, psplat_region *region, uint32_t material,
-                                  double tolerance, double limit, double share, double *greatest) {
+ * share of the votes of that with most, or of that which it grew from, unless that is PSPLAT_NONE.
+ * Stores the greatest depth. */
+static size_t crossings_of_grown(const fixture *f, psplat_region *region, uint32_t material,
+                                 uint32_t grown, double tolerance, double limit, double share,
+                                 double *greatest) {
     psplat_blend_field field = {.kernel = {2, 2}, .depth = HUGE_VAL};
     psplat_measured_splats measured = {.regions = region,
                                        .fields = &field,
                                        .materials = &material,
+                                       .triangles = grown == PSPLAT_NONE ? NULL : &grown,
                                        .count = 1,
                                        .tolerance = tolerance};
     psplat_crease_crossing *found;
@@ -44,6 +47,11 @@ static size_t crossings_of_sheets(const fixture *f, psplat_region *region, uint3
     free(found);
     psplat_region_tree_destroy(measured.region_tree);
     return count;
+}
+
+static size_t crossings_of_sheets(const fixture *f, psplat_region *region, uint32_t material,
+                                  double tolerance, double limit, double share, double *greatest) {
+    return crossings_of_grown(f, region, material, PSPLAT_NONE, tolerance, limit, share, greatest);
 }
 
 static size_t crossings(const fixture *f, psplat_region *region, uint32_t material,
@@ -123,6 +131,15 @@ static void test_own_sheet(void **state) {
     assert_int_equal(crossings_of_sheets(&f, &r, 1, 0.03, 0.1, 0.6, &greatest), 0);
     assert_true(crossings_of_sheets(&f, &r, 1, 0.03, 0.1, 0.4, &greatest) > 1);
     assert_near(greatest, 0.3, 0.01); /* They pass below and above its centre. */
+    /* It may have grown from one of these. */
+    assert_int_equal(crossings_of_grown(&f, &r, 1, 840, 0.03, 0.1, 1, &greatest), 0);
+    assert_true(crossings_of_grown(&f, &r, 1, 720, 0.03, 0.1, 1, &greatest) > 1);
+    /* Few samples tell nothing about sheets with about as many. */
+    psplat_samples all = f.samples;
+    f.samples.count = 1000;
+    assert_true(crossings_of_sheets(&f, &r, 1, 0.03, 0.1, 0.6, &greatest) > 1);
+    assert_int_equal(crossings(&f, &r, 1, 0.03, 0.1, &greatest), 0);
+    f.samples = all;
     /* A splat at the inner border crosses it. */
     r.center[0] = 1.05;
     assert_true(crossings(&f, &r, 1, 0.03, 0.1, &greatest) > 0);
