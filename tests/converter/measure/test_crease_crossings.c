@@ -136,9 +136,10 @@ static void test_own_sheet(void **state) {
     assert_true(crossings_of_grown(&f, &r, 1, 720, 0.03, 0.1, 1, &greatest) > 1);
     /* Few samples tell nothing about sheets with about as many. */
     psplat_samples all = f.samples;
-    f.samples.count = 1000;
+    assert_int_equal(psplat_samples_draw_uniform(&f.surface, 1000, 7, &f.samples, NULL), PSPLAT_OK);
     assert_true(crossings_of_sheets(&f, &r, 1, 0.03, 0.1, 0.6, &greatest) > 1);
     assert_int_equal(crossings(&f, &r, 1, 0.03, 0.1, &greatest), 0);
+    psplat_samples_free(&f.samples);
     f.samples = all;
     /* A splat at the inner border crosses it. */
     r.center[0] = 1.05;
