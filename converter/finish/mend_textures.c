@@ -34,7 +34,7 @@ enum { ROUNDS = 6, LEAST_POINTS = 32768, MOST_POINTS = 262144 };
  * bring it, before splats are extended to close gaps and after that. The check spares 0.005. */
 static const struct shares {
     double spared, wanted;
-} shares[2] = {{0.0035, 0.0015}, {0.0042, 0.001}};
+} shares[2] = {{0.0035, 0.0015}, {0.0036, 0.001}};
 /* The points of a first glance, and the part of the spared share up to which it ends the search. */
 static const size_t glance_points = 16384;
 static const double glance_part = 0.5;
