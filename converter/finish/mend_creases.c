@@ -22,8 +22,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How often splats shrink, by which factor at least, and to what part of their width at most.
- * Chosen by hand: the last ones are a quarter as wide as they were. */
+/* How often splats shrink, and each time by which factor at least and to what part of their width
+ * at most. Chosen by hand. */
 enum { ROUNDS = 8 };
 static const double shrink_factor = 0.85, least_part = 0.25;
 
@@ -135,24 +135,35 @@ static psplat_result make_smaller(const psplat_fit_context *context, const mende
     return context->limits->precision ? psplat_quantize_candidate(context, smaller) : PSPLAT_OK;
 }
 
-static int covers(const psplat_candidate *candidate, uint32_t sample) {
-    for (size_t i = 0; i < candidate->covered_count; ++i)
-        if (candidate->covered[i] == sample) return 1;
-    return 0;
+static int compare_samples(const void *left, const void *right) {
+    const uint32_t *a = left, *b = right;
+    return *a < *b ? -1 : *a > *b;
 }
 
-/* Returns whether a smaller candidate covers all samples that the other one alone covers. */
-static int keeps_own(const mender *m, const psplat_candidate *candidate,
-                     const psplat_candidate *smaller) {
-    for (size_t i = 0; i < candidate->covered_count; ++i)
-        if (m->covers[candidate->covered[i]] == 1 && !covers(smaller, candidate->covered[i]))
-            return 0;
-    return 1;
+/* Stores whether a smaller candidate covers all samples that the other one alone covers. */
+static psplat_result find_whether_kept(const mender *m, const psplat_candidate *candidate,
+                                       const psplat_candidate *smaller, int *kept) {
+    size_t count = smaller->covered_count, found = 0, alone = 0;
+    uint32_t *covered = malloc((count + 1) * sizeof *covered);
+    if (!covered) return PSPLAT_ERROR_MEMORY;
+    if (count) {
+        memcpy(covered, smaller->covered, count * sizeof *covered);
+        qsort(covered, count, sizeof *covered, compare_samples);
+    }
+    for (size_t i = 0; i < candidate->covered_count; ++i) {
+        const uint32_t *sample = &candidate->covered[i];
+        if (m->covers[*sample] != 1) continue;
+        ++alone;
+        found += bsearch(sample, covered, count, sizeof *covered, compare_samples) != NULL;
+    }
+    free(covered);
+    *kept = found == alone;
+    return PSPLAT_OK;
 }
 
 /* Shrinks a candidate in which a crease lies too deep: as little as it can without losing a sample
- * that it alone covers, for which a new one would grow as this one did, and else as little as it
- * can. Where nothing smaller keeps the limits, it is no longer taken. */
+ * that it alone covers, for which a new one would grow as this one did, and where that cannot be by
+ * as little as the limits allow. Where nothing smaller keeps them, it is no longer taken. */
 static psplat_result shrink(const psplat_fit_context *context, size_t index, void *user) {
     const mender *m = user;
     psplat_candidate *candidate = &m->c->selection.candidates[index], best = {0};
@@ -162,7 +173,8 @@ static psplat_result shrink(const psplat_fit_context *context, size_t index, voi
     for (double part = shrink_factor; !is_whole && part > least_part; part *= shrink_factor) {
         psplat_candidate smaller;
         result = make_smaller(context, m, candidate, part, &smaller);
-        is_whole = result || (smaller.taken && keeps_own(m, candidate, &smaller));
+        if (!result && smaller.taken) result = find_whether_kept(m, candidate, &smaller, &is_whole);
+        is_whole |= result != PSPLAT_OK;
         if (!result && smaller.taken && (is_whole || !best.taken)) {
             const psplat_candidate other = best;
             best = smaller;

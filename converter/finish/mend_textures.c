@@ -6,7 +6,8 @@
  * are narrower than that, or coordinates have kinks between samples, as along the edges of long
  * thin triangles, no sample tells of it, and a splat shows one line of the image all over the
  * strip. Points as dense as those of the check find such places. They become samples, under which
- * new splats end where the texture slides.
+ * new splats end where the texture slides. Where lines that were moved out later do it, they are
+ * taken back.
  */
 #include "finish/mend_textures.h"
 
@@ -138,11 +139,16 @@ static psplat_result find_wrong(mender *m, size_t most, uint64_t seed, psplat_er
 /* ---- mending --------------------------------------------------------------------------------- */
 
 /* Chooses the candidates to replace: those that slide over most wrong points, until so few are left
- * as are wanted. Keeps only the wrong points under these. */
-static void choose_blamed(mender *m) {
+ * as are wanted, but for those that are as they were before, unless that is NULL. Keeps only the
+ * wrong points under these. */
+static void choose_blamed(mender *m, const psplat_region *before) {
     size_t left = m->wrong_count, kept = 0;
     size_t wanted = (size_t)(shares[m->last].wanted * (double)m->covered_count);
-    for (size_t i = 0; i < m->wrong_count; ++i) ++m->blames[m->slides.splats[m->wrong[i]]];
+    for (size_t i = 0; i < m->wrong_count; ++i) {
+        uint32_t splat = m->slides.splats[m->wrong[i]];
+        const psplat_region *region = &m->c->selection.candidates[splat].region;
+        if (!before || memcmp(region, &before[splat], sizeof *region) != 0) ++m->blames[splat];
+    }
     while (left > wanted) {
         size_t worst = 0;
         for (size_t i = 1; i < m->c->selection.count; ++i)
@@ -184,7 +190,7 @@ static psplat_result append_points(mender *m, psplat_error *error) {
 
 /* Gives the candidates under which textures slide too far now the regions that they had before. */
 static void take_back(mender *m, const psplat_region *before) {
-    choose_blamed(m);
+    choose_blamed(m, before);
     for (size_t i = 0; i < m->c->selection.count; ++i)
         if (m->blamed[i]) m->c->selection.candidates[i].region = before[i];
 }
@@ -193,7 +199,7 @@ static void take_back(mender *m, const psplat_region *before) {
 static psplat_result replace(mender *m, psplat_error *error) {
     psplat_conversion *c = m->c;
     size_t first = c->samples.count;
-    choose_blamed(m);
+    choose_blamed(m, NULL);
     if (!thin_wrong_points(m)) return PSPLAT_ERROR_MEMORY;
     psplat_result result = append_points(m, error);
     for (size_t i = 0; i < c->selection.count; ++i)

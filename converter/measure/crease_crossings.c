@@ -483,8 +483,8 @@ static int find_sheets(sheet_search *s, uint32_t splat, size_t first, size_t end
     return 1;
 }
 
-/* Puts those of count crossings of one splat, of which `own` stand first already, there whose
- * creases bound the sheet of a triangle. Returns 0 when out of memory. */
+/* Moves those of count crossings of one splat whose creases bound the sheet of a triangle behind
+ * the first `own`, and counts them, too. Returns 0 when out of memory. */
 static int put_own_first(sheet_search *s, uint32_t triangle, psplat_crease_crossing *crossings,
                          size_t count, size_t *own) {
     if (!flood_sheet(s, crossings->splat, triangle)) return 0;
@@ -508,10 +508,11 @@ static int sort_own_first(sheet_search *s, psplat_crease_crossing *crossings, si
         if (i != s->largest && (double)s->sizes[i] <= least) continue;
         if (!put_own_first(s, s->starts[i], crossings, count, own)) return 0;
     }
-    return !grown || put_own_first(s, grown[crossings->splat], crossings, count, own);
+    return !grown || *own == count ||
+           put_own_first(s, grown[crossings->splat], crossings, count, own);
 }
 
-/* Drops the crossings of sheets other than those that many samples of the splat belong to. Of a
+/* Drops the crossings of sheets other than a splat's own. Of a
  * splat without votes all are kept. */
 static psplat_result drop_foreign_crossings(const psplat_samples *samples, sheet_search *s,
                                             crossing_list *list) {

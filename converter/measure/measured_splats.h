@@ -30,8 +30,9 @@ typedef struct psplat_blend_field {
 typedef struct psplat_measured_splats {
     psplat_region *regions;     /* count */
     psplat_blend_field *fields; /* count */
-    uint32_t *materials;        /* count: indices; NULL: all splats have the first */
-    uint32_t *triangles;        /* count: those that they grew from; NULL: files do not tell */
+    uint32_t *materials; /* count: indices; NULL: all splats have the first one, and may stand
+                            for all */
+    uint32_t *triangles; /* count: those that they grew from; NULL: files do not tell */
     size_t count;
     psplat_region_tree *region_tree;
     double tolerance; /* a length, a little wider than the promised one to allow for rounding */

@@ -51,12 +51,12 @@ static const double least_shown_cosine = 0.5;
  * own. Chosen by hand. */
 static const double least_area_share = 0.25;
 
-/* The share of the samples of a splat's own chart at which its texture may slide too far where that
- * of another one tells that it is of that. */
+/* The share of its samples up to which a texture may slide over a splat's own chart; beyond, a
+ * smaller chart with a smaller share is its own. Chosen by hand. */
 static const double most_own_share = 0.5;
 
-/* How far over the borders of that a splat may reach, in tolerances: by one (crease_crossings.h),
- * and at corners by the root of two. */
+/* How far a splat may reach over the borders of such a smaller chart, in tolerances: by one
+ * (crease_crossings.h), and at corners by the root of two. */
 static const double most_overhang = 1.5;
 
 /* A sample that a splat covers. */
@@ -415,8 +415,9 @@ static double share_that_slides(const chart_search *search, const meeting *meeti
 /* A chart that may be a splat's own. */
 typedef struct own_chart {
     uint32_t triangle; /* one of it; PSPLAT_NONE: there is none */
-    double area;       /* as above */
-    double share;      /* of its samples at which the texture slides too far */
+    double area;       /* beneath the splat, in units of its parameters */
+    double share;      /* of its samples at which the texture slides too far; 0 where there is no
+                          other chart */
 } own_chart;
 
 /* Stores a point's place in the plane of a splat, in units of length. */
@@ -444,10 +445,11 @@ static int is_far_from_chart(const chart_search *search, const meeting *m) {
 }
 
 /* Returns whether a splat reaches over the borders of the chart that was flooded last by no more
- * than it may. */
+ * than it may, inside its seams. */
 static int keeps_to_chart(const chart_search *search, const meeting *meetings, size_t count) {
     for (size_t i = 0; i < count; ++i)
-        if (!psplat_triangle_flood_met(&search->chart,
+        if (!meetings[i].is_beyond &&
+            !psplat_triangle_flood_met(&search->chart,
                                        search->context->samples->triangles[meetings[i].sample]) &&
             is_far_from_chart(search, &meetings[i]))
             return 0;
@@ -455,7 +457,7 @@ static int keeps_to_chart(const chart_search *search, const meeting *meetings, s
 }
 
 /* Finds the chart over which a splat's coordinates slide at the least share of samples, the largest
- * of equals: of the large ones, or of the small ones to which it keeps. Returns 0 when out of
+ * of equals: of the large ones, or of the small ones that may be its own. Returns 0 when out of
  * memory. */
 static int find_least_sliding(chart_search *search, const meeting *meetings, size_t count,
                               int small, own_chart *found) {
@@ -463,15 +465,15 @@ static int find_least_sliding(chart_search *search, const meeting *meetings, siz
     *found = (own_chart){PSPLAT_NONE, 0, HUGE_VAL};
     for (size_t i = 0; i < search->chart_count; ++i) most = max2(most, search->charts[i].area);
     for (size_t i = 0; i < search->chart_count; ++i) {
-        const chart *chart = &search->charts[i];
+        const chart *tried = &search->charts[i];
         double share = 0;
-        if ((chart->area < least_area_share * most) != small) continue;
-        if (search->chart_count > 1 && !flood_chart(search, chart->triangle)) return 0;
+        if ((tried->area < least_area_share * most) != small) continue;
+        if (search->chart_count > 1 && !flood_chart(search, tried->triangle)) return 0;
         if (search->chart_count > 1) share = share_that_slides(search, meetings, count);
-        if (share > found->share || (share == found->share && chart->area <= found->area) ||
-            (small && !keeps_to_chart(search, meetings, count)))
+        if (share > found->share || (share == found->share && tried->area <= found->area) ||
+            (small && (share >= most_own_share || !keeps_to_chart(search, meetings, count))))
             continue;
-        *found = (own_chart){chart->triangle, chart->area, share};
+        *found = (own_chart){tried->triangle, tried->area, share};
     }
     return 1;
 }
@@ -487,7 +489,7 @@ static int find_own_chart(chart_search *search, const meeting *meetings, size_t 
         !find_least_sliding(search, meetings, count, 0, &large) ||
         (large.share > most_own_share && !find_least_sliding(search, meetings, count, 1, &small)))
         return 0;
-    *own = small.share < most_own_share ? small.triangle : large.triangle;
+    *own = small.triangle != PSPLAT_NONE ? small.triangle : large.triangle;
     return 1;
 }
 

@@ -182,8 +182,8 @@ static psplat_region *copy_regions(const psplat_selection *selection) {
     return regions;
 }
 
-/* Moves the lines of splats out to those beside them, and lets splats go on beyond borders of
- * charts, where they keep the promise of creases. */
+/* Moves the lines of splats out to those beside them, where they keep the promises of creases and
+ * of textures, and lets splats go on beyond borders of charts, where they keep that of creases. */
 static psplat_result join(psplat_conversion *c) {
     const psplat_fit_context context = psplat_conversion_context(c);
     psplat_region *fitted = copy_regions(&c->selection), *closed = NULL;
